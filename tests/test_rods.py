@@ -240,6 +240,94 @@ def test_corners_of_discrete_rods_are_refused():
         fl.Rod.polyline(points, section(10.0), cells=2, formulation=fl.DiscreteRod())
 
 
+# --- an axis off the centroid ---
+
+SOLID = fl.Section.rectangle(0.06, 0.04, fl.Material(2e11, 0.3, 7800.0))
+OFF = [(0.03, 0.0), (-0.03, 0.02), (0.03, -0.05)]
+
+
+def held_off(off: tuple[float, float], cells: int, gravity=(0.0, 0.0, 0.0)):
+    """A cantilever whose centroid runs along x, a body on it at its free end, and its stiffness."""
+    scene, ends = fl.Scene(gravity=gravity), ((0.0, *off), (1.0, *off))
+    options = {"cells": cells, "up": (0, 0, 1)}
+    rod = scene.add(fl.Rod.straight(*ends, SOLID.offset(*off), **options))
+    body = scene.add(fl.RigidBody(2.0, (2e-3, 1e-3, 1e-3), position=(1, 0, 0)))
+    scene.add(fl.Clamp(rod.start))
+    scene.add(fl.RigidLink(rod.end, body.centre))
+    return scene, body, SOLID.stiffness[4, 4]
+
+
+def loaded_off(off: tuple[float, float], cells: int, across: float) -> np.ndarray:
+    """Where the body is, far from the start, under loads that pull and bend it, and twist it."""
+    scene, body, EI = held_off(off, cells, (0.0, -9.81, 30.0 * across))
+    force, moment = (EI, 2 * EI, 3 * EI * across), (0.4 * EI * across, 0, 0)
+    scene.add(fl.PointLoad(body.centre, force, moment=moment))
+    return fl.statics(scene, load_steps=8).frames[-1, -1]
+
+
+@pytest.mark.parametrize("off", OFF)
+def test_an_axis_anywhere_in_the_section_is_the_same_rod(off):
+    found, expected = (loaded_off(place, 4, 1.0) for place in (off, (0.0, 0.0)))
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10)
+
+
+def test_bending_about_an_axis_off_the_centroid_is_of_fourth_order():
+    exact = loaded_off((0.0, 0.0), 32, 0.0)
+    coarse, fine = (np.abs(loaded_off(OFF[0], n, 0.0) - exact).max() for n in (4, 8))
+    assert fine < 1e-4 and coarse / fine > 13
+
+
+@pytest.mark.parametrize("off", OFF)
+def test_vibrations_of_a_rod_do_not_depend_on_its_axis(off):
+    expected = fl.vibrations(held_off((0.0, 0.0), 4)[0], 8).frequencies
+    np.testing.assert_allclose(fl.vibrations(held_off(off, 4)[0], 8).frequencies, expected, 1e-9)
+
+
+@pytest.mark.parametrize(("bent", "twisted"), [(False, 2.0), (True, 0.0), (True, 2.0)])
+def test_curved_and_twisted_axes_off_the_centroid_are_those_of_beams(bent, twisted):
+    """Of beams as good as without shear, on finer meshes; of second order."""
+    D = SOLID.stiffness.copy()
+    D[[1, 2], [1, 2]] *= 1e5
+    own = fl.Section.from_stiffness(D).offset(0.06, -0.03)
+
+    def tip(kind, cells):
+        scene = fl.Scene()
+        line = (lambda s: (np.sin(s), 1 - np.cos(s), 0)) if bent else (lambda s: (s, 0, 0))
+        rod = scene.add(kind.curve(line, own, cells=cells, up=fl.Twisted(lambda s: twisted * s)))
+        scene.add(fl.Clamp(rod.start))
+        scene.add(fl.PointLoad(rod.end, (100.0, 2.0, 3.0), moment=(10, 0, 0)))
+        result = fl.statics(scene)
+        return result.position(rod.end)[-1] - rod.end.position
+
+    exact = tip(fl.Beam, 64)
+    coarse, fine = (np.linalg.norm(tip(fl.Rod, n) - exact) for n in (8, 16))
+    assert fine < 2e-3 * np.linalg.norm(exact) and coarse / fine > 3.5
+
+
+def test_a_rod_off_its_axis_that_tumbles_keeps_energy_and_momentum():
+    rod = fl.Rod.straight((0, 0, 0), (0.5, 0, 0), SOLID.offset(0.03, 0.02), cells=3)
+    rod.turn((3.0, 40.0, 20.0), (0.1, 0, 0))
+    scene = fl.Scene()
+    scene.add(rod)
+    result = fl.EnergyMomentum().run(scene, duration=0.05, step=1e-3)
+    np.testing.assert_allclose(result.total_energy, result.total_energy[0], rtol=1e-11)
+    assert result.momentum_error < 1e-11 and result.angular_momentum_error < 1e-11
+
+
+def test_a_shear_centre_off_the_tension_centre_is_named(caplog):
+    """``GJ + GA d²`` instead of ``GJ``; where the axis is does not matter."""
+    D = np.diag([1e6, 4e5, 4e5, 0, 0, 0]) + np.diag([0, 0, 0, 50.0, 100, 100])
+    tension, shear = np.diag([1e6, 0, 0, 0, 100.0, 100.0]), np.diag([0, 4e5, 4e5, 50.0, 0, 0])
+    d = 0.02
+    T = np.eye(6)
+    T[1, 3], T[2, 3] = 0.0, -d
+    apart = fl.Section.from_stiffness(tension + T.T @ shear @ T).offset(0.3, 0.1)
+    for section in (fl.Section.from_stiffness(D).offset(0.3, 0.1), apart):
+        caplog.clear()
+        fl.Rod.straight((0, 0, 0), (1, 0, 0), section, cells=1)
+        assert ("4.2 times as stiff in torsion" in caplog.text) == (section is apart)
+
+
 def test_stretch_that_bends_is_refused():
     offset = fl.Section.rectangle(0.02, 0.01, fl.Material(2e11, 0.3, 7800.0)).offset(0.01, 0)
     with pytest.raises(ValueError, match="must not couple stretch"):

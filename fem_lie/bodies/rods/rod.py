@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
@@ -15,6 +16,7 @@ from fem_lie.bodies.beams.given_sections import Sections
 from fem_lie.bodies.beams.orientation import Twisted, Up
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.bodies.nodes import Follower
+from fem_lie.elements.beams.centres import torsion_about_centres
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.rods.corners import Corners, CornerSprings
 from fem_lie.elements.rods.discrete_rod import DiscreteRod, corners
@@ -23,16 +25,33 @@ from fem_lie.elements.rods.kirchhoff import Kirchhoff, speeds_of_cubics
 from fem_lie.forms.assembly import Assembly
 from fem_lie.mesh.lines import LineMesh
 
+_log = logging.getLogger(__name__)
+_STIFFER = 0.01  # in torsion, which is worth a warning
 _UNEVEN = 1.8  # at twice the element's stretch is not known any more
 _TWICE, _DOUBLED = np.polynomial.legendre.leggauss(6)
 _POINTS, _WEIGHTS = 0.5 + 0.5 * _TWICE, 0.5 * _DOUBLED
+
+
+def _log_stiff_torsion(label: str, stiffness: Array) -> None:
+    """Say in the log how much stiffer sections twist about tension than about shear centres."""
+    ratio = float(torsion_about_centres(stiffness).max(initial=1.0))
+    if ratio > 1.0 + _STIFFER:
+        _log.warning(
+            "%s: the shear centre of its section is not its tension centre, about which a Rod "
+            "twists: it is %.3g times as stiff in torsion as the section; take a Beam",
+            label,
+            ratio,
+        )
 
 
 class Rod(Beam):
     """A :class:`~fem_lie.Beam` of elements that have no shear; it is made, held and asked alike.
 
     The first axis of a node is the tangent there. Of a section stretch, torsion and bending count,
-    and what couples these. With :class:`~fem_lie.Kirchhoff`, the default, all nodes have frames.
+    and what couples these; the axis may run anywhere in it. Sections whose shear centre is not
+    their tension centre, such as channels, are for a Beam: a rod twists about the tension centre,
+    and a warning in the log says how much stiffer that is. With :class:`~fem_lie.Kirchhoff`, the
+    default, all nodes have frames.
     With :class:`~fem_lie.DiscreteRod`, which needs one smooth line that is not closed, both ends
     have; other nodes are places, that turn about the edge that follows them and about nothing else.
 
@@ -77,8 +96,10 @@ class Rod(Beam):
             rotary_inertia=rotary_inertia,
             name=name,
         )
-        if isinstance(mesh, LineMesh) and isinstance(self.formulation, Kirchhoff):
-            self._follow_cubics(mesh.slopes)
+        if isinstance(self.formulation, Kirchhoff):
+            _log_stiff_torsion(self.label, self.stiffness)
+            if isinstance(mesh, LineMesh):
+                self._follow_cubics(mesh.slopes)
         self._corners: Corners | None = None
         if isinstance(self.formulation, DiscreteRod):
             self._corners = self._made_of_edges(self.formulation)

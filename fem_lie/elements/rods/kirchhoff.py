@@ -18,7 +18,16 @@ smallest rotation. They bend by the components of ``t′`` and are twisted by::
 
 All are functions of the relative motion ``log(H_A⁻¹ H_B)`` alone, hence invariant under superposed
 rigid motion, and are counted from their values unloaded. Bending is of fourth order; torsion that
-varies along an element, as it does where a bent rod is bent further, is of second.
+varies along an element, as it does where a bent rod is bent further, is of second, and so is an
+axis off the tension centres that is curved or laid twisted.
+
+Stretch is that of the line of tension centres, where an axial force does not bend: at
+``r = (0, r₂, r₃)`` from the axis the strains of a section are ``(Γ + κ × r, κ)``. Along any other
+line stretch would vary with the curvature, of which the element has one value for all of its
+length, and shear with torsion, of which it has none: it would be too stiff in both. So the cubic
+joins points that are fixed to the nodes at ``r_A`` and ``r_B``: at ``r`` in its mean over the
+unloaded element, parallel to each other there, so that the cubic is as it is laid. That a section
+has no shear then is that of ``Γ + (κ − κ₀) × r``, twisted and curved rods among them.
 """
 
 from __future__ import annotations
@@ -35,6 +44,7 @@ from ufl.core.expr import Expr
 
 from fem_lie import lie
 from fem_lie._arrays import Array
+from fem_lie.elements.beams.centres import centres_at_ends, tension_centres
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise, present_values
 from fem_lie.elements.beams.geodesic import GEODESIC, smooth_inertia
 from fem_lie.elements.rods.kirchhoff_forces import force_kernel
@@ -65,15 +75,25 @@ class Speeds(NamedTuple):
     here: Expr | float = 1.0
 
 
-_EVEN = Speeds()
+class LineOfCentres(NamedTuple):
+    """What the cubic of each cell joins, DG0 functions.
+
+    Attributes:
+        centre: Tension centre of the section from the axis, shape ``(3,)``.
+        at_ends: What the cubic joins, from both nodes in their frames, shape ``(2, 3)``.
+    """
+
+    centre: fem.Function
+    at_ends: fem.Function
 
 
 @dataclass(frozen=True)
 class Kirchhoff(Formulation):
     """Rod element without shear: cubic between two frames.
 
-    Shear stiffness of the section is not used, and the shear force is that of the balance. A place
-    within an element is held on the geodesic between its ends.
+    Shear stiffness of the section is not used, and the shear force is that of the balance. The
+    section twists about its tension centre, which is to be its shear centre as well. A place within
+    an element is held on the geodesic between its ends.
     """
 
     degree: ClassVar[int] = 1  # type: ignore[misc]
@@ -98,15 +118,30 @@ class Kirchhoff(Formulation):
         length, stiffness = cellwise(mesh, along[:, 2]), cellwise(mesh, cells.stiffness)
         viscosity = None if cells.viscosity is None else cellwise(mesh, cells.viscosity)
         speeds = cellwise(mesh, along[:, [0, 4, 1, 3]] / along[:, 2:3])
-        energy = rod_energy(d, length, stiffness, cells.eigenstrain, viscosity, speeds)
+        centre = cellwise(mesh, tension_centres(cells.stiffness))
+        at_ends = cellwise(mesh, centres_at_ends(cells.stiffness, ends))
+        axis = LineOfCentres(centre, at_ends)
+        energy = rod_energy(d, length, stiffness, cells.eigenstrain, viscosity, speeds, axis)
         return LocalFrameForms(energy, nodal.function, nodal.increment, GEODESIC, coordinates=d)
 
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
-        """That of the geodesic beam with the same bending, which has no shear either."""
+        """That of the geodesic beam with the same bending, which has no shear either.
+
+        Its axis is the line of tension centres, ``x + r₂ d₂ + r₃ d₃``.
+        """
+        ends = nodal.frames[nodal.function.function_space.dofmap.list]
+        bend = lie.se3_relative(ends[:, 0], ends[:, 1])[:, 3:] / cells.lengths[:, np.newaxis]
+        r = tension_centres(cells.stiffness)
         stiffness = cells.stiffness.copy()
         stiffness[:, _SHEAR, _SHEAR] = np.inf
-        slope = np.tile(np.eye(1, 3), (len(cells.lengths), 1))
-        return smooth_inertia(cells.density, stiffness, cells.lengths, slope)
+        here = np.tile(np.eye(4), (len(r), 1, 1))
+        here[:, 1:, 0] = -r
+        density = here @ cells.density @ here.swapaxes(1, 2)
+        slope = np.eye(1, 3) + np.cross(bend, r)
+        G = smooth_inertia(density, stiffness, cells.lengths, slope)
+        moved = np.tile(np.eye(4), (len(r), 1, 1))
+        moved[:, 0, 1:] = r
+        return np.asarray(np.einsum("eka,eikjl,elb->eiajb", moved, G, moved, optimize=True))
 
 
 def rod_energy(
@@ -116,6 +151,7 @@ def rod_energy(
     eigenstrain: fem.Function | None = None,
     viscosity: Expr | None = None,
     speeds: fem.Function | None = None,
+    centres: LineOfCentres | None = None,
 ) -> StrainEnergy:
     """``½ ∫ ε·Dε ds`` of every element; as they are now they are unloaded.
 
@@ -128,18 +164,22 @@ def rod_energy(
         viscosity: Stress per strain rate, shape ``(6, 6)``; default: none.
         speeds: Of the parameter at both ends and at Gauss' points over that in the middle, shape
             ``(4,)``; default: all one.
+        centres: Where the cubic runs; default: along the axis.
     """
     mesh = d.function_space.mesh
     along = fem.Function(fem.functionspace(mesh, ("DG", 1)))
     along.x.array[along.function_space.dofmap.list] = [-0.5, 0.5]
-    z = ufl.variable(d)
     cells = mesh.topology.index_map(mesh.topology.dim)
     count = cells.size_local + cells.num_ghosts
     if speeds is None:
         speeds = cellwise(mesh, np.ones((count, 4)))
+    if centres is None:
+        centres = LineOfCentres(*(cellwise(mesh, np.zeros((count, *n))) for n in ((3,), (2, 3))))
+    z = ufl.variable(d)
     # linear from one of Gauss' points to the other
     here = 0.5 * (speeds[2] + speeds[3]) + along * (speeds[3] - speeds[2]) / (2 * _GAUSS)
-    strain = rod_strains(z, length, along, Speeds(speeds[0], speeds[1], here))
+    of_cubic = rod_strains(z, length, along, Speeds(speeds[0], speeds[1], here), centres.at_ends)
+    strain = _on_axis(of_cubic, centres.centre)
     unloaded = present_values(strain, mesh, _POINTS)
     if eigenstrain is None:
         eigenstrain = cellwise(mesh, np.zeros((count, 6)))
@@ -150,8 +190,14 @@ def rod_energy(
         weight=length * here / ufl.CellVolume(mesh),
         viscosity=viscosity,
         through=z,
-        forces=Forces(force_kernel, [length, stiffness, eigenstrain, unloaded, speeds]),
+        forces=Forces(force_kernel, [length, stiffness, eigenstrain, unloaded, speeds, *centres]),
     )
+
+
+def _on_axis(strain: Expr, r: Expr) -> Expr:
+    """Strain ``(Γ − κ × r, κ)`` on the axis of ``(Γ, κ)`` at ``r`` from it."""
+    Γ, κ = (ufl.as_vector([strain[k + i] for i in range(3)]) for k in (0, 3))
+    return ufl.as_vector([*(Γ - ufl.cross(κ, r)), *κ])
 
 
 def lengths_along(ends: Array, lengths: Array, slopes: Array) -> Array:
@@ -176,18 +222,21 @@ def speeds_of_cubics(ends: Array, slopes: Array, ξ: Array) -> Array:
     return np.asarray(np.linalg.norm(rates, axis=-1))
 
 
-def rod_strains(d: Expr, length: Expr, along: Expr, speeds: Speeds = _EVEN) -> Expr:
+def rod_strains(d: Expr, length: Expr, along: Expr, speeds: Speeds, at_ends: Expr) -> Expr:
     """``(m, 0, 0, τ, κ₂, κ₃)``, shape ``(6,)``; the first is one where nothing is strained.
 
     Args:
         d: Relative motion of both ends, shape ``(6,)``.
         length: Arc length, unstretched, or what it is per parameter in the middle.
         along: Place, −½ to ½ from end to end.
-        speeds: Of the parameter, if it is not arc length.
+        speeds: Of the parameter.
+        at_ends: What the cubic joins, from both nodes in their frames, shape ``(2, 3)``.
     """
     u, θ = (ufl.as_vector([d[k + i] for i in range(3)]) for k in (0, 3))
     x = ufl.dot(θ, θ)
-    chord = (_series(x / 4, 1) * u + _series(x / 4, 3) / 4 * ufl.dot(θ, u) * θ) / length
+    r_A, r_B = (ufl.as_vector([at_ends[k, i] for i in range(3)]) for k in range(2))
+    moved = _turned(0.5 * θ, r_B) - _turned(-0.5 * θ, r_A)
+    chord = (_series(x / 4, 1) * u + _series(x / 4, 3) / 4 * ufl.dot(θ, u) * θ + moved) / length
     first = [ufl.as_vector([float(i == k) for i in range(3)]) for k in range(3)]
     start, end = (
         speed * _turned(factor * θ, first[0])

@@ -15,6 +15,7 @@ and bend of the cubic at Gauss' points ``σ = ± 1/√12`` are::
 
 What is derived here is what UFL derives of :func:`~fem_lie.elements.rods.kirchhoff.rod_strains` in
 four times the time. Gradients are named as what they belong to, with a bar.
+The cubic joins points at ``r_A`` and ``r_B`` from the nodes, on the line of tension centres.
 """
 
 from __future__ import annotations
@@ -34,10 +35,12 @@ from fem_lie.lie.tuples import (
     combined,
     cross,
     dot,
+    load,
     load_frame,
     minus,
     negative,
     plus,
+    rotate,
     rotate_back,
     scaled,
 )
@@ -46,7 +49,7 @@ _SIGMA = 0.5 / sqrt(3.0)
 _FLAT = 0.5  # 1 + trace: below it a quaternion loses digits
 _SMALL = 1e-4  # sin² α, below which a few terms are α/sin α to round-off
 _F = tuple(1.0 / factorial(k) for k in range(18))
-_LENGTH, _D, _EIGENSTRAIN, _PRESENT, _SPEEDS = 30, 31, 67, 73, 85
+_LENGTH, _D, _EIGENSTRAIN, _PRESENT, _SPEEDS, _CENTRE, _ENDS = 30, 31, 67, 73, 85, 89, 92
 """Where numbers of a cell are, behind the rows of both nodes and their relative motion."""
 
 _Bar: TypeAlias = tuple[tuple[Vector, Vector, Vector, Vector], float]
@@ -131,18 +134,25 @@ def _speed(c: Vector, T: Vector) -> tuple[float, float, float, float]:
 
 @inlined
 def _stress(data: Array, at: int, pace: float, ε: tuple[float, Vector]) -> tuple[float, Vector]:
-    """Force along the axis, and moments, of strain ``m`` and ``(τ, κ₂, κ₃)`` at a point."""
-    e0, e1, e2 = ε[0] - data[at], -data[at + 1], -data[at + 2]
-    e3, e4, e5 = ε[1][0] - data[at + 3], ε[1][1] - data[at + 4], ε[1][2] - data[at + 5]
+    """Force along the axis, and moments, of strain ``m`` and ``(τ, κ₂, κ₃)`` at a point.
+
+    Both at the tension centre; the stiffness is that on the strains at the axis of the rod.
+    """
+    r2, r3 = data[_CENTRE + 1], data[_CENTRE + 2]
+    τ, κ2, κ3 = ε[1]
+    e0, e1, e2 = ε[0] + κ3 * r2 - κ2 * r3 - data[at], τ * r3 - data[at + 1], -τ * r2 - data[at + 2]
+    e3, e4, e5 = τ - data[at + 3], κ2 - data[at + 4], κ3 - data[at + 5]
     x = _EIGENSTRAIN
     e0, e1, e2 = e0 - data[x], e1 - data[x + 1], e2 - data[x + 2]
     e3, e4, e5 = e3 - data[x + 3], e4 - data[x + 4], e5 - data[x + 5]
     weight = 0.5 * data[_LENGTH] * pace
     N = weight * _row(data, 0, e0, e1, e2, e3, e4, e5)
+    Q2 = weight * _row(data, 1, e0, e1, e2, e3, e4, e5)
+    Q3 = weight * _row(data, 2, e0, e1, e2, e3, e4, e5)
     M1 = weight * _row(data, 3, e0, e1, e2, e3, e4, e5)
     M2 = weight * _row(data, 4, e0, e1, e2, e3, e4, e5)
     M3 = weight * _row(data, 5, e0, e1, e2, e3, e4, e5)
-    return N, (M1, M2, M3)
+    return N, (M1 + r3 * Q2 - r2 * Q3, M2 - r3 * N, M3 + r2 * N)
 
 
 @inlined
@@ -210,10 +220,12 @@ def force_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
     """Forces and moments on both nodes, in their frames."""
-    H, data = numba.carray(w, (2, 4, 3)), numba.carray(w, (_SPEEDS + 4,))
+    H, data = numba.carray(w, (2, 4, 3)), numba.carray(w, (_ENDS + 6,))
     out = numba.carray(A, (2, 6))
     xa, a1, a2, a3 = load_frame(H[0])
     xb, b1, b2, b3 = load_frame(H[1])
+    ra, rb = load(data, _ENDS), load(data, _ENDS + 3)
+    xa, xb = plus(xa, rotate(a1, a2, a3, ra)), plus(xb, rotate(b1, b2, b3, rb))
     q, v = _quaternion(
         (rotate_back(a1, a2, a3, b1), rotate_back(a1, a2, a3, b2), rotate_back(a1, a2, a3, b3))
     )
@@ -275,11 +287,12 @@ def force_kernel(
     apart = plus(cross(G0, on_T), cross(T0, on_G))
     e = plus(h, scaled(0.5, plus(apart, scaled(share, cross(held, v)))))
     force, lever = scaled(inverse, on_chord), scaled(0.5, moved)
+    on_a, on_b = negative(_times(Q, force)), _times(to_middle, force)
     found = (
-        negative(_times(Q, force)),
-        _times(Q, negative(plus(e, lever))),
-        _times(to_middle, force),
-        _times(to_middle, minus(e, lever)),
+        on_a,
+        plus(_times(Q, negative(plus(e, lever))), cross(ra, on_a)),
+        on_b,
+        plus(_times(to_middle, minus(e, lever)), cross(rb, on_b)),
     )
     for i in range(2):
         for j in range(3):
