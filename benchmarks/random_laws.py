@@ -16,6 +16,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -24,6 +25,7 @@ from unittest import mock
 import numpy as np
 
 import fem_lie as fl
+from benchmarks.progress import Progress
 from fem_lie.lie.kinds import placed
 from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.recording.checkpoints import Checkpoints
@@ -140,11 +142,14 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0, help="seed of the first")
     parser.add_argument("--scheme", choices=SCHEMES, action="append")
     parser.add_argument("--law", choices=LAWS, action="append")
+    parser.add_argument("--save", type=Path, help="file of results, to continue from")
     options = parser.parse_args()
+    laws, progress = tuple(options.law or LAWS), Progress(options.save)
     for name in options.scheme or SCHEMES:
         count: Counter[str] = Counter()
         for seed in range(options.first, options.first + options.scenes):
-            found = broken(name, seed, tuple(options.law or LAWS))
+            key = f"{name}, {seed}, {' '.join(laws)}"
+            found = progress.result(key, partial(broken, name, seed, laws))
             count.update(found)
             for law, said in found.items():
                 print(f"    {name}, seed {seed}, {law}: {said[:200]}", flush=True)

@@ -12,13 +12,16 @@ from __future__ import annotations
 
 import argparse
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
-from typing import NamedTuple
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
 import fem_lie as fl
+from benchmarks.progress import Progress
 from fem_lie import lie
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.lie.kinds import NodeKind
@@ -54,6 +57,7 @@ ABSOLUTE = ("of the size", "of 1")
 
 TARGET = 1e-8
 FAR = {"moved by 1e3": 1e3, "moved by 1e6": 1e6}
+NEAR = (*map(str, OTHER_SYSTEMS), "turned", "another order")
 
 
 def allowed(way: str) -> float:
@@ -244,11 +248,20 @@ def difference(one: Outcome, other: Outcome) -> tuple[float, str]:
     return worst, where
 
 
-def differences(study: Study, seed: int) -> tuple[Outcome, dict[str, tuple[float, str]]]:
-    """Of all ways of a scene from the scene as it is."""
+def differences(
+    study: Study, seed: int, chosen: Collection[str] | None = None
+) -> tuple[Outcome, dict[str, tuple[float, str]]]:
+    """The scene as it is, and how much the ``chosen`` ways, by default all, differ from it."""
     all_ways = ways(random_scene(seed, study.wanted), seed)
     first = outcome(study, all_ways.pop("as it is"))
-    return first, {name: difference(first, outcome(study, w)) for name, w in all_ways.items()}
+    others = {name: way for name, way in all_ways.items() if chosen is None or name in chosen}
+    return first, {name: difference(first, outcome(study, w)) for name, w in others.items()}
+
+
+def record(study: Study, seed: int, chosen: Collection[str] | None) -> dict[str, Any]:
+    """The same as JSON has it."""
+    first, found = differences(study, seed, chosen)
+    return {"failure": first.failure, "ways": found}
 
 
 def main() -> None:
@@ -257,17 +270,20 @@ def main() -> None:
     parser.add_argument("--scenes", type=int, default=200)
     parser.add_argument("--first", type=int, default=0, help="seed of the first")
     parser.add_argument("--study", choices=STUDIES, action="append")
+    parser.add_argument("--way", action="append", help="default: all")
+    parser.add_argument("--save", type=Path, help="file of results, to continue from")
     options = parser.parse_args()
-    seeds = range(options.first, options.first + options.scenes)
+    seeds, progress = range(options.first, options.first + options.scenes), Progress(options.save)
     for name in options.study or STUDIES:
         worst: dict[str, list[float]] = {}
         failures = 0
         for seed in seeds:
-            first, found = differences(STUDIES[name], seed)
-            if first.failure:
+            compute = partial(record, STUDIES[name], seed, options.way)
+            known = progress.result(f"{name}, {seed}", compute)
+            if known["failure"]:
                 failures += 1
-                print(f"    {name}, seed {seed}: {first.failure[:150]}", flush=True)
-            for way, (error, where) in found.items():
+                print(f"    {name}, seed {seed}: {known['failure'][:150]}", flush=True)
+            for way, (error, where) in known["ways"].items():
                 worst.setdefault(way, []).append(error)
                 if not error <= allowed(way):
                     print(f"    {name}, seed {seed}, {way}: {error:.1e}, {where[:200]}", flush=True)

@@ -4,16 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.random_laws import broken
-from benchmarks.random_scenes import (
-    FAR,
-    STUDIES,
-    TARGET,
-    allowed,
-    difference,
-    differences,
-    outcome,
-    ways,
-)
+from benchmarks.random_scenes import NEAR, STUDIES, TARGET, allowed, differences
 from fem_lie import lie
 from tests.random_scenes import (
     CONSERVING,
@@ -84,12 +75,8 @@ def test_nothing_depends_on_units_place_direction_and_order(study, seed):
 )
 def test_nothing_depends_on_units_direction_and_order_of_bodies_of_any_kind(study, seed):
     """Rods, cables, solids, thin and ANCF shells, reduced bodies: distance is in the docs."""
-    known = STUDIES[study]
-    all_ways = ways(random_scene(seed, known.wanted), seed)
-    first = outcome(known, all_ways.pop("as it is"))
+    first, found = differences(STUDIES[study], seed, NEAR)
     assert not first.failure
-    near = {way: there for way, there in all_ways.items() if way not in FAR}
-    found = {way: difference(first, outcome(known, there)) for way, there in near.items()}
     assert {way: error for way, error in found.items() if not error[0] <= TARGET} == {}
 
 
@@ -104,8 +91,6 @@ def test_steps_converge_energy_is_balanced_and_runs_resume(scheme, seed):
 @pytest.mark.parametrize("seed", [9, 74, 99, 117])
 def test_a_turned_scene_iterates_alike(seed):
     """Where components along some axes decided when to stop, forces of joints differed by 1e-7."""
-    study = STUDIES["generalised-α"]
-    all_ways = ways(random_scene(seed, study.wanted), seed)
-    still, turned = (outcome(study, all_ways[name]) for name in ("as it is", "turned"))
-    assert not still.failure
-    assert difference(still, turned)[0] <= 1e-9
+    first, found = differences(STUDIES["generalised-α"], seed, ["turned"])
+    assert not first.failure
+    assert found["turned"][0] <= 1e-9
