@@ -159,3 +159,98 @@ def test_steel_flies_in_full_steps(name):
     assert result.divided == 0
     assert result.factorisations <= 40
     assert result.energy_error <= 1e-11
+
+
+# --- what else measures increments: statics, small motions, chosen steps, redundant joints ---
+
+HELD = ("geodesic beam", "thin shell", "beam of gradients", "shell of gradients", "reduced body")
+
+
+def ends(body: fl.Body) -> tuple[fl.Point, fl.Point]:
+    """Two points of a body of :data:`HELD`."""
+    if isinstance(body, fl.ReducedBody):
+        return body.node(0), body.node(1)
+    if isinstance(body, fl.ThinShell | fl.AncfShell):
+        return body["00"], body["11"]
+    return body.start, body.end
+
+
+def hung(u: UnitSystem, name: str, gravity: float = 0.0) -> tuple[fl.Scene, fl.Point]:
+    """A body whose first point is fixed to the ground, and its last point."""
+    scene = fl.Scene(gravity=u.acceleration([0, 0, -gravity]))
+    first, last = ends(scene.add(BODIES[name](u)))
+    scene.add(fl.Fixed(fl.ground(), first, at=first.position))
+    return scene, last
+
+
+@cache
+def deflected(u: UnitSystem, name: str) -> tuple[np.ndarray, list[int]]:
+    scene, tip = hung(u, name)
+    size = 5.0 if name == "reduced body" else 0.5  # so much that bending draws its ends together
+    scene.add(fl.PointLoad(tip, force=u.force([-0.6 * size, 0.4 * size, size])))
+    result = fl.statics(scene, load_steps=2)
+    return u.inverse.length(result.position(tip)[-1]), result.iterations.tolist()
+
+
+@cache
+def vibrating(u: UnitSystem, name: str) -> np.ndarray:
+    return u.inverse.rate(fl.vibrations(hung(u, name)[0], 4).frequencies)
+
+
+@cache
+def in_chosen_steps(u: UnitSystem, name: str) -> tuple[np.ndarray, int, int]:
+    scene, tip = hung(u, name, 9.81)
+    scheme, step = fl.GeneralisedAlpha(tolerance=1e-11), fl.AdaptiveStep(u.velocity(1e-2))
+    result = scheme.run(scene, duration=u.time(0.01), step=step, progress=False)
+    path = u.inverse.length(result.position(tip)[-1])
+    return path, len(result.times), int(result.iterations[-1])
+
+
+@cache
+def held_thrice(u: UnitSystem, name: str) -> np.ndarray:
+    """Force and moment of each of three joints that hold one point, the smallest there are."""
+    scene = fl.Scene(redundant=fl.Redundant.MINIMUM_NORM, gravity=u.acceleration([0, 0, -9.81]))
+    point, _ = ends(scene.add(BODIES[name](u)))
+    for joint in (fl.Fixed, fl.Spherical):
+        scene.add(joint(fl.ground(), point, at=point.position))
+    scene.add(fl.Revolute(fl.ground(), point, at=point.position, axis=(0, 1, 0)))
+    step = u.time(2e-3)
+    scheme = fl.GeneralisedAlpha(tolerance=1e-11)
+    result = scheme.run(scene, duration=5 * step, step=step, progress=False)
+    return u.inverse.wrench(result.joint_forces[-1])
+
+
+each_held = pytest.mark.parametrize("name", HELD)
+other_units = pytest.mark.parametrize("u", OTHER_SYSTEMS, ids=str)
+
+
+@each_held
+@other_units
+def test_bodies_deflect_alike(name, u):
+    (found, iterations), (expected, as_many) = deflected(u, name), deflected(METRES, name)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+    assert iterations == as_many
+
+
+@each_held
+@other_units
+def test_bodies_vibrate_alike(name, u):
+    np.testing.assert_allclose(vibrating(u, name), vibrating(METRES, name), rtol=1e-9)
+
+
+@each_held
+@other_units
+def test_steps_of_bodies_are_chosen_alike(name, u):
+    (found, steps, iterations), (expected, as_many, before) = (
+        in_chosen_steps(unit, name) for unit in (u, METRES)
+    )
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+    assert steps == as_many
+    assert abs(iterations - before) <= 3
+
+
+@each_held
+@other_units
+def test_redundant_joints_share_forces_alike(name, u):
+    found, expected = held_thrice(u, name), held_thrice(METRES, name)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())

@@ -76,7 +76,8 @@ def random_matrix(pairs: np.ndarray, touched: tuple[int, ...], seed: int = 0) ->
     both = [(pairs[:, 0], pairs[:, 1]), (pairs[:, 1], pairs[:, 0])]
     m = len(border.ptr) - 1
     angular = np.zeros(m, dtype=bool)
-    kkt = KKT(both, border, held, length=2.0, angular=angular)
+    units = np.tile(np.repeat([2.0, 1.0], 3), count)
+    kkt = KKT(both, border, held, units=units, length=2.0, angular=angular)
     blocks = rng.normal(size=(len(kkt.indices), 6, 6))
     own = np.repeat(np.arange(count), np.diff(kkt.indptr)) == kkt.indices
     blocks[own] += 25.0 * np.eye(6)

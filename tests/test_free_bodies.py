@@ -387,7 +387,7 @@ def test_translation_is_exact_on_r3xso3_whatever_the_spin():
 def test_matrix_is_the_derivative_of_the_residual(group):
     """By central differences along every increment, through the laws of the scheme."""
     rng = np.random.default_rng(2)
-    p = node.parameters(0.8, 0.05, 1.0)
+    p = node.parameters(0.8, 0.05)
     H = lie.se3_exp(rng.normal(size=6))
     f = 10.0 * rng.normal(size=12)
     d, v1, vdot1 = 0.3 * rng.normal(size=(3, 6))
@@ -400,7 +400,7 @@ def test_matrix_is_the_derivative_of_the_residual(group):
 
     H1, kept = np.empty((4, 3)), np.empty((9, 3))
     move(group, H, d, H1)
-    free_body.factorise(p, Body(group, 1.3, FULL), f, H1, v1, d, kept)
+    free_body.factorise(p, Body(group, 1.3, FULL, np.ones(2)), f, H1, v1, d, kept)
     matrix = np.zeros((6, 6))
     matrix[:3, :3], matrix[3:, 3:] = np.linalg.inv(kept[6:]), np.linalg.inv(kept[:3])
     matrix[:3, 3:] = kept[3:6].T

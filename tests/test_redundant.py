@@ -71,7 +71,7 @@ def test_the_filter_is_the_projection(seed):
     """Against the null space by singular values, in the measure that was asked for."""
     B, rng = random_rows(seed, 9, 12, 6), np.random.default_rng(seed)
     measure, x = rng.uniform(0.2, 5.0, 9), rng.normal(size=9)
-    found = IdleMultipliers.of(sp.csr_matrix(B), 1.0, measure).remove(x)
+    found = IdleMultipliers.of(sp.csr_matrix(B), np.ones(12), measure).remove(x)
     idle = scipy.linalg.null_space((B / measure[:, np.newaxis]).T, rcond=1e-8)
     scaled = measure * x
     np.testing.assert_allclose(found, (scaled - idle @ (idle.T @ scaled)) / measure, atol=1e-8)
@@ -119,7 +119,7 @@ def test_rows_that_follow_from_others_are_found_in_a_sparse_matrix(seed):
     free, extra = sp.random(60, 120, 0.08, random_state=rng), seed
     mixed = sp.random(extra, 60, 0.08, random_state=rng)
     rows = sp.vstack([free, mixed @ free]).tocsr()[rng.permutation(60 + extra)]
-    found = redundant_constraints(rows, 1.0, np.ones(60 + extra))
+    found = redundant_constraints(rows, np.ones(120), np.ones(60 + extra))
     rank = np.linalg.matrix_rank(rows.toarray())
     kept = np.delete(rows.toarray(), found, axis=0)
     assert len(found) == 60 + extra - rank
@@ -166,7 +166,7 @@ def test_rows_of_round_off_are_redundant(seed):
     rows = rng.normal(size=(5, 12))
     noise = 1e-15 * rng.normal(size=(2, 12))
     B = sp.csr_matrix(np.vstack([rows[:2], noise[:1], rows[2:], noise[1:]]))
-    np.testing.assert_array_equal(redundant_constraints(B, 1.0, np.ones(7)), [2, 6])
+    np.testing.assert_array_equal(redundant_constraints(B, np.ones(12), np.ones(7)), [2, 6])
 
 
 def test_a_joint_within_one_rigid_body_is_redundant():

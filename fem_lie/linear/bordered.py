@@ -180,6 +180,7 @@ class KKT:
         border: Border,
         held: Flags,
         *,
+        units: Array,
         length: float,
         angular: Flags,
         redundant: bool = False,
@@ -191,6 +192,7 @@ class KKT:
                 out; the diagonal is added.
             border: Which nodes the constraints touch.
             held: Which unknowns of the nodes are zero, shape (n, 6).
+            units: Unit of each unknown of the nodes, shape (6 n,): the length of the model, or 1.
             length: Of the model.
             angular: Which constraints are of rotations alone, shape (m,).
             redundant: Whether constraints may follow from others; they yield a little then, see
@@ -198,9 +200,8 @@ class KKT:
         """
         self.redundant = redundant
         m = len(border.ptr) - 1
-        unit = 2.0 ** np.round(np.log2(length))
-        nodes = np.where(held, 1.0, [unit] * 3 + [1.0] * 3)
-        self.units = np.append(nodes, np.where(angular, 1.0, unit))
+        each = np.append(np.where(held.ravel(), 1.0, units), np.where(angular, 1.0, length))
+        self.units: Array = 2.0 ** np.round(np.log2(each))
         self.unit_rows = np.append(held, np.zeros(m, dtype=bool))
         self.measure = np.where(angular, 1.0 / length, 1.0)
         self.legs, self.held, self._m, self.version, self.filled = border, held, m, 0, 0

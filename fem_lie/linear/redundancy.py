@@ -27,21 +27,17 @@ _POWER = 2  # of the filter: what moves 10⁻³ together keeps all but 10⁻⁸
 _PASSES = 2  # round-off over IDLE is what the first leaves
 
 
-def redundant_constraints(B: sp.csr_matrix, length: float, measure: Array) -> Indices:
+def redundant_constraints(B: sp.csr_matrix, units: Array, measure: Array) -> Indices:
     """Those that follow from the others.
 
     Args:
         B: Jacobian of all in the twists of the moving nodes, shape (m, 6 n).
-        length: Of the model: what a rotation counts.
+        units: Unit of each unknown over the length of the model, shape (6 n,).
         measure: What counts of the multiplier of each is its value times this, shape (m,).
     """
     if B.shape[0] == 0:
         return np.empty(0, dtype=np.int64)
-    B = (
-        sp.diags(1.0 / measure)
-        @ B
-        @ sp.diags(np.tile([1.0, 1, 1] + [1.0 / length] * 3, B.shape[1] // 6))
-    )
+    B = sp.diags(1.0 / measure) @ B @ sp.diags(units)
     norms = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
     # within one rigid body both sides cancel up to round-off
     norms[norms < _NOTHING] = 0.0
@@ -91,10 +87,9 @@ class IdleMultipliers:
         self._factors = symmetric_factors(shifted)
 
     @classmethod
-    def of(cls, B: sp.csr_matrix, length: float, measure: Array) -> IdleMultipliers:
-        """From the Jacobian in the twists of nodes, (m, 6 n), of a model of this ``length``."""
-        columns = np.tile([1.0, 1, 1] + [1.0 / length] * 3, B.shape[1] // 6)
-        return cls(sp.diags(1.0 / measure) @ B @ sp.diags(columns), measure)
+    def of(cls, B: sp.csr_matrix, units: Array, measure: Array) -> IdleMultipliers:
+        """From the Jacobian (m, 6 n); ``units`` are as of :func:`redundant_constraints`."""
+        return cls(sp.diags(1.0 / measure) @ B @ sp.diags(units), measure)
 
     def remove(self, multipliers: Array) -> Array:
         """The smallest multipliers that exert the same forces, shape (m,)."""

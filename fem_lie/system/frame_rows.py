@@ -22,6 +22,8 @@ class FrameRows:
         begins_at: Those from which solvers go on, at the scene's time.
         velocities: Initial local velocities, same rows, (…, 6).
         held: Which unknowns of the moving nodes are zero, shape (n, 6).
+        lengths: Which halves of the unknowns of the moving nodes are lengths, shape (n, 2); others
+            have no dimension.
         turning: Which unknowns have forces that turn with the node, as reactions of others do.
         supported: Moving nodes that clamps and bodies hold, shape (s,).
         length: Largest distance of two nodes, or a body's size.
@@ -63,6 +65,10 @@ class FrameRows:
         # reactions of what is held in a node's own axes turn with them
         self.turning: Flags = ~self.held
         self.turning[guided, :3] = True
+        lengths: Flags = np.zeros((numbering.total, 2), dtype=np.bool_)
+        for body, nodes in numbering.nodes.items():
+            lengths[nodes] = body.node_lengths
+        self.lengths: Flags = lengths[numbering.attachment.leaders]
         places = self.frames[: numbering.count, 0]
         self.length = max(diameter(places), *(body.size for body in scene.bodies))
 

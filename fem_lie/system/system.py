@@ -63,6 +63,8 @@ class System:
         in_one_sum: Whether :meth:`residual` is the compiled sum of :attr:`Forces.table` alone, but
             for what is held.
         turns: How far elements turn from end to end.
+        lengths: Which halves of the unknowns of the nodes are lengths, shape (n, 2); others have no
+            dimension.
         length: Largest distance of two nodes, or a body's size: the length of tolerances.
     """
 
@@ -94,7 +96,8 @@ class System:
         self.count = self.numbering.count
         self.rows = rows = FrameRows(scene, self.numbering, parametrisation, group)
         self.kinds, self.frames, self.velocities = rows.kinds, rows.frames, rows.velocities
-        self.held, self.supported, self.length = rows.held, rows.supported, rows.length
+        self.held, self.supported = rows.held, rows.supported
+        self.lengths, self.length = rows.lengths, rows.length
         self.uncoupled, self._any_held = self.numbering.uncoupled, bool(self.held.any())
         self.connections = Connections(scene, self.numbering, self.frames, self.held)
         self.table, self.m = self.connections.table, self.connections.m
@@ -129,6 +132,7 @@ class System:
             numbering.supports,
             self.kinds,
             redundant=scene.redundant is not Redundant.REFUSE,
+            units=self.units,
             length=self.length,
         )
         self.turns = ElementTurns(self.numbering)
@@ -151,9 +155,15 @@ class System:
         self._plain_inertia, self._plain_floating = self.inertia.plain, self.floating.plain
         self.set_time(scene.began.time, 1.0)
 
+    @property
+    def units(self) -> Array:
+        """Unit of each unknown of the nodes, (6 n,): the length of the model, or 1."""
+        return np.repeat(np.where(self.lengths, self.length, 1.0).ravel(), 3)
+
     def _check_redundant(self) -> None:
         B = self.tangent.jacobian(self.frames)
-        redundant = redundant_constraints(B, self.length, self.kkt.measure)
+        units = np.asarray(self.units / self.length)
+        redundant = redundant_constraints(B, units, self.kkt.measure)
         if self.scene.redundant is Redundant.REFUSE:
             refuse(redundant, self.connections)
         elif len(redundant):

@@ -69,6 +69,7 @@ class Tangent:
         kinds: Indices,
         *,
         redundant: bool,
+        units: Array,
         length: float,
     ) -> None:
         """Find the pattern.
@@ -83,6 +84,7 @@ class Tangent:
                 :class:`~fem_lie.system.nodes.fixed_axes.Supports`.
             kinds: Of the nodes.
             redundant: Whether constraints may follow from others.
+            units: Unit of each unknown of the nodes, shape (6 n,).
             length: Of the model.
         """
         self._mass, self._terms, self._connections = mass, terms, connections
@@ -92,7 +94,13 @@ class Tangent:
         self._rows = np.zeros((len(self._border.nodes), 6))
         pairs, angular = self._pairs(), connections.angular
         self.kkt = KKT(
-            pairs, self._border, held, length=length, angular=angular, redundant=redundant
+            pairs,
+            self._border,
+            held,
+            units=units,
+            length=length,
+            angular=angular,
+            redundant=redundant,
         )
         self.kkt.divisible = self
         self.supports = Supports(axes, self._border.nodes)

@@ -48,7 +48,7 @@ def with_momenta(
     own = M[open_][:, open_]
     # inertia of all unknowns as masses, and both momenta alike
     length = equations.unknowns.length
-    units = np.repeat(np.where(equations.unknowns.lengths, 1.0, length).ravel(), 3)[open_]
+    units = (length / equations.unknowns.units)[open_]
     masses = own.diagonal() / units**2
     light = masses <= _NO_INERTIA * masses.max()
     factors = splu((own + sp.diags(np.where(light, masses.max() * units**2, 0.0))).tocsc())

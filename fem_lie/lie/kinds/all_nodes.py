@@ -255,21 +255,17 @@ def advance(
     held: Flags,
     uncoupled: Flags,
     straight: Flags,
-    size: float,
-) -> float:
-    """Move the nodes by ``−dx`` in their axes; returns the largest increment over ``size``.
+) -> None:
+    """Move the nodes by ``−dx`` in their axes.
 
     Frames by ``H exp(−dx)``, or where they are uncoupled by :func:`fem_lie.lie.motions.retract`, or
     where they go straight by ``x + R u``, ``R exp(η)``.
     """
-    largest, h = 0.0, np.empty((1, 6))
+    h = np.empty((1, 6))
     for i in range(held.shape[0]):
         if not held[i].all():
             for k in range(6):
                 h[0, k] = -dx[6 * i + k]
-                step = abs(h[0, k]) / (size if k < 3 else 1.0)
-                if step > largest or step != step:  # nan stays
-                    largest = step
             if uncoupled[i]:
                 motions.retract(H[i : i + 1], h)
             elif straight[i] and kinds[i] < SLOPE:
@@ -277,4 +273,3 @@ def advance(
             else:
                 follow(kinds[i], H[i], h[0], H[i])
                 settle(kinds[i], H[i])
-    return largest

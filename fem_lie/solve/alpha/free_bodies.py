@@ -38,7 +38,7 @@ from fem_lie.solve.alpha.step.free_records import (
     State,
 )
 from fem_lie.solve.alpha.step.free_records import Options as Iteration
-from fem_lie.solve.motion.convergence import failure
+from fem_lie.solve.motion.convergence import ROTATION, failure
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.fingerprint import Fingerprint
@@ -118,15 +118,16 @@ class Run:
         unknowns, start = self.equations.unknowns, self.equations.start
         n = unknowns.moving
         self.blocks = np.empty((n, 4, 4))
-        size = np.empty(n)
+        self.sizes = np.empty(n)
         for body, nodes in unknowns.bodies.items():
             assert isinstance(body, RigidBody)
-            self.blocks[nodes], size[nodes] = body.gram, body.size
+            self.blocks[nodes], self.sizes[nodes] = body.gram, body.size
         trace = np.trace(self.blocks[:, 1:, 1:], axis1=1, axis2=2)
         J = trace[:, np.newaxis, np.newaxis] * np.eye(3) - self.blocks[:, 1:, 1:]
-        self.bodies = Bodies(self.blocks[:, 0, 0].copy(), J, size, unknowns.kinds)
+        scaling = np.column_stack([1.0 / self.sizes, np.full(n, ROTATION)])
+        self.bodies = Bodies(self.blocks[:, 0, 0].copy(), J, scaling, unknowns.kinds)
         self.loads, self.histories = self._collect(scene)
-        self.p = scheme.parameters(options.radius, step, 1.0)
+        self.p = scheme.parameters(options.radius, step)
         self.s = State(
             start.frames[:n].copy(),
             np.zeros((n, 6)),

@@ -117,7 +117,7 @@ class Run(free_bodies.Run):
         bodies, nodes = self.bodies, self.equations.unknowns.bodies
         inverse = np.linalg.inv(bodies.J).astype(np.float64)
         self._masses = Masses(bodies.mass, bodies.J, inverse, self.loads.constant[:, :3].copy())
-        self._touching = Touching(scene.contacts, nodes.__getitem__, bodies.size, self.s.H)
+        self._touching = Touching(scene.contacts, nodes.__getitem__, self.sizes, self.s.H)
         self._contacts = Contacts(
             _TOLERANCE,
             self._touching.patience,

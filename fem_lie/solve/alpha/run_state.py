@@ -20,7 +20,12 @@ from fem_lie.solve.alpha.step.nodes import State, accept, correct, predict
 from fem_lie.solve.alpha.step.records import COUNTERS, INCREMENT, ITERATION, NUMBERS, RATIO, STEP
 from fem_lie.solve.methods import methods_in_time, on_domains
 from fem_lie.solve.motion.consistent import check_velocities
-from fem_lie.solve.motion.convergence import ROTATION, estimate, explained
+from fem_lie.solve.motion.convergence import (
+    constraint_scaling,
+    estimate,
+    explained,
+    node_scaling,
+)
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.renewal import Update
@@ -61,10 +66,11 @@ class RunState(Integration[Recorder]):
             step: Step size.
         """
         unknowns = equations.unknowns
-        m, length = unknowns.m, unknowns.length
+        m = unknowns.m
         super().__init__(options.policy, equations, step, bound=self._refreshes and m > 0)
-        self.options, self.p = options, parameters(options.radius, step, length)
-        self.s = State.start(equations.start.frames, unknowns.kinds)
+        self.options, self.p = options, parameters(options.radius, step)
+        scaling = node_scaling(unknowns)
+        self.s = State.start(equations.start.frames, unknowns.kinds, scaling)
         self._guided, self._moving = bool(equations.supports), unknowns.moving
         self._changing = unknowns.time_dependent
         self._projects = options.index == Index.STABILISED_TWO and m > 0
@@ -77,7 +83,7 @@ class RunState(Integration[Recorder]):
         self._first, s = np.zeros(m), self.s
         self._accepted = Instant(s.H, s.twist1, s.rate1, self.weights)
         self._end_instant = self._accepted._replace(H=s.H1)
-        self.measure: Array = np.where(unknowns.angular, ROTATION, 1.0 / length)
+        self.measure: Array = constraint_scaling(unknowns)
         joined: Indices = unknowns.joined.astype(np.int64)
         self.spread: Array = np.zeros(unknowns.vectors.shape)
         self._sizes = self.scale, self.spread, joined
@@ -96,8 +102,8 @@ class RunState(Integration[Recorder]):
         self.books = equations.books()
         self._secants: Secants | None = None
         if options.policy.secants > 0:
-            sizes = np.tile(np.repeat([1.0 / length, ROTATION], 3), self._moving)
-            self._secants = Secants(options.policy.secants, np.append(sizes, np.zeros(m)))
+            sizes = np.append(np.repeat(scaling, 3), np.zeros(m))
+            self._secants = Secants(options.policy.secants, sizes)
 
     # --- start ---
 
@@ -116,7 +122,8 @@ class RunState(Integration[Recorder]):
     def _warm_up(self) -> None:
         """Compile what a step needs on a copy of the state: compilation is not integration."""
         scheme, s = self.p.plain, self.s
-        state = State(s.H[:1].copy(), s.H1[:1].copy(), s.motion[:, :1].copy(), s.kinds[:1]).plain
+        moved = s.H[:1].copy(), s.H1[:1].copy(), s.motion[:, :1].copy()
+        state = State(*moved, s.kinds[:1], s.scaling[:1]).plain
         predict(scheme, state)
         zero, weights = np.zeros(6 + len(self.weights)), self.weights.copy()
         correct(scheme, state, zero, *self._sizes, weights)

@@ -15,11 +15,11 @@ from fem_lie.lie.kinds import all_from_group
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step.node import PlainScheme
 from fem_lie.solve.alpha.step.nodes import State, correct
-from fem_lie.solve.motion.convergence import ROTATION
+from fem_lie.solve.motion.convergence import node_scaling
 from fem_lie.system.equations import Equations, Instant
 
 PROBE = 1e-6
-"""Size of the differences, see :data:`~.convergence.ROTATION`: far above round-off, and small."""
+"""Size of the differences, see :func:`~.convergence.size_of`: far above round-off, and small."""
 
 TINY = float(np.finfo(float).tiny)
 
@@ -78,9 +78,8 @@ def _size(equations: Equations, x: Array, spread: Array) -> float:
     """The size of a correction as :func:`~.nodes.correct` has it."""
     unknowns = equations.unknowns
     nodes = 6 * unknowns.moving
-    parts = x[:nodes].reshape(-1, 6)
-    moved, turned = (np.linalg.norm(part, axis=1).max() for part in (parts[:, :3], parts[:, 3:]))
+    halves = np.linalg.norm(x[:nodes].reshape(-1, 2, 3), axis=2) * node_scaling(unknowns)
     group = np.cumsum(~unknowns.joined) - 1
     held = (spread * x[nodes:][unknowns.vectors]).sum(axis=1)
     largest = np.sqrt(np.bincount(group, held**2)).max(initial=0.0)
-    return float(max(moved / unknowns.length, ROTATION * turned, largest))
+    return float(max(halves.max(), largest))

@@ -104,4 +104,5 @@ class TimeError:
 
     def of(self, dx: Array) -> StepError:
         """The error, from the solution of these equations."""
-        return StepError(*largest(dx[: self.defect.size].reshape(-1, 6)))
+        parts = dx[: self.defect.size].reshape(-1, 6)
+        return StepError(*largest(parts, self._equations.unknowns.lengths))

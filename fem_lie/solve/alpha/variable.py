@@ -126,8 +126,7 @@ class AlphaSteps(Run):
             self._warm = True
 
     def _set_parameters(self, h: float) -> None:
-        length = self.equations.unknowns.length
-        self.h, self.p = h, parameters(self.options.radius, h, length)
+        self.h, self.p = h, parameters(self.options.radius, h)
         self._plain = self.p.plain, self.s.plain
 
     def set_step(self, time: float, h: float) -> None:

@@ -110,7 +110,8 @@ class MeanError:
 
     def of(self, dx: Array) -> StepError:
         """The error, from the solution of these equations."""
-        return StepError(*largest(dx[: self._size].reshape(-1, 6)))
+        parts = dx[: self._size].reshape(-1, 6)
+        return StepError(*largest(parts, self._equations.unknowns.lengths))
 
 
 @compiled

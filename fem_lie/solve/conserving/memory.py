@@ -21,7 +21,7 @@ from fem_lie.solve.conserving.step.records import (
     Step,
 )
 from fem_lie.solve.conserving.step.series import DENSE, WHOLE
-from fem_lie.solve.motion.convergence import ROTATION
+from fem_lie.solve.motion.convergence import unknown_scaling
 from fem_lie.system.equations import Equations
 from fem_lie.system.nodes.loads import Loads
 
@@ -105,8 +105,7 @@ def legs_of(equations: Equations, follows: bool) -> Legs:
 def model_of(equations: Equations, cells: Cells, scheme: Scheme, legs: Legs) -> Model:
     """What a step sees of the scene."""
     known, unknowns = equations.tables, equations.unknowns
-    n, m, length = unknowns.moving, unknowns.m, unknowns.length
-    lengths = np.tile(np.repeat([1.0 / length, ROTATION], 3), n)
+    n, m = unknowns.moving, unknowns.m
     return Model(
         cells=cells.table,
         joints=known.joints,
@@ -114,7 +113,7 @@ def model_of(equations: Equations, cells: Cells, scheme: Scheme, legs: Legs) -> 
         damping=known.damping,
         leaders=Leaders(known.leader, known.offset, n == unknowns.total),
         held=unknowns.held.astype(np.int64),
-        measure=np.concatenate([lengths, np.where(unknowns.angular, ROTATION, 1.0 / length)]),
+        measure=unknown_scaling(unknowns),
         scale=np.ones(m),
         loads=Loads(*(array.copy() for array in known.loads)),
         conservative=known.conservative,

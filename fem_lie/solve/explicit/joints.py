@@ -22,7 +22,7 @@ from scipy.sparse.linalg import SuperLU, splu
 from fem_lie._arrays import Array
 from fem_lie.solve.explicit import nodes
 from fem_lie.solve.explicit.stable import in_axes
-from fem_lie.solve.motion.convergence import ROTATION
+from fem_lie.solve.motion.convergence import constraint_scaling
 from fem_lie.system.equations import Equations, Instant
 
 _MOST = 50
@@ -61,7 +61,7 @@ class Joints:
         inverse = np.linalg.inv(M)
         inverse[held], inverse.swapaxes(1, 2)[held] = 0.0, 0.0
         self._light = sp.bsr_matrix((inverse, np.arange(n), np.arange(n + 1))).tocsr()
-        self._measure = np.where(unknowns.angular, ROTATION, 1.0 / unknowns.length)
+        self._measure = constraint_scaling(unknowns)
         self._rest, self._none, self._one = np.zeros((n, 6)), np.zeros(m), np.ones(m)
         self._r, self._v = np.zeros(unknowns.size), np.zeros((n, 6))
         self.impulses, self.left = np.zeros(m), 0.0

@@ -39,7 +39,10 @@ def check_velocities(equations: Equations, step: float) -> None:
             )
     velocities, first = _rates_at_start(equations, step)
     _, finer = _rates_at_start(equations, 0.5 * step)
-    speed = max(np.abs(velocities[:, :3]).max() / unknowns.length, np.abs(velocities[:, 3:]).max())
+    # of nodes, and of frames that are prescribed
+    units = np.full(velocities.shape, np.repeat([unknowns.length, 1.0], 3))
+    units[: unknowns.moving] = unknowns.units.reshape(-1, 6)
+    speed = float(np.abs(velocities / units).max())
     # below the second bound the error of a whole step is less than 1e-9 of the size
     bound = max(1e-6 * speed, 1e-9 / step)
     _check_held(equations, bound)
@@ -69,7 +72,7 @@ def _check_held(equations: Equations, bound: float) -> None:
     unknowns, (frames, given, _) = equations.unknowns, equations.start
     v = given[: unknowns.moving].copy()
     equations.supports.turn(frames, v)
-    wrong = unknowns.held & (np.abs(v) > bound * np.repeat([unknowns.length, 1.0], 3))
+    wrong = unknowns.held & (np.abs(v) > bound * unknowns.units.reshape(-1, 6))
     wrong[:, 5] = False
     if wrong.any():
         node = int(np.flatnonzero(wrong.any(axis=1))[0])

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from fem_lie._arrays import Array
 from fem_lie._jit import inlined
+
+if TYPE_CHECKING:
+    from fem_lie.system.equations.unknowns import Unknowns
 
 ROTATION = 0.1
 """A rotation counts in the size of an increment as a displacement of this part of the model."""
@@ -24,6 +30,25 @@ FAR = 1e3
 
 CLOSED = 1e-9
 """Of the model, or rad: gaps that loops are given with are no contradiction."""
+
+
+def node_scaling(unknowns: Unknowns) -> Array:
+    """Weights of both halves of the increment of each node in its size, (n, 2).
+
+    Displacements count over the length of the model, what has no dimension, rotations and position
+    gradients, by :data:`ROTATION`.
+    """
+    return np.where(unknowns.lengths, 1.0 / unknowns.length, ROTATION)
+
+
+def constraint_scaling(unknowns: Unknowns) -> Array:
+    """Weights of the values of constraints, likewise, (m,)."""
+    return np.where(unknowns.angular, ROTATION, 1.0 / unknowns.length)
+
+
+def unknown_scaling(unknowns: Unknowns) -> Array:
+    """Weights of all unknowns, (6 n + m,)."""
+    return np.append(np.repeat(node_scaling(unknowns), 3), constraint_scaling(unknowns))
 
 
 def failure(
@@ -69,3 +94,14 @@ def explained(allowed: float) -> float:
         allowed: The larger of the last increment and the tolerance.
     """
     return max(FAR * allowed, CLOSED)
+
+
+@inlined
+def size_of(d: Array, scaling: Array) -> float:
+    """Size of the increment (6,) of a node, whichever half is larger, whatever its axes; nan stays.
+
+    ``scaling`` (2,) is its row of :func:`node_scaling`.
+    """
+    first = scaling[0] * np.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
+    second = scaling[1] * np.sqrt(d[3] * d[3] + d[4] * d[4] + d[5] * d[5])
+    return second if second > first or second != second else first

@@ -104,8 +104,8 @@ class AdaptiveStep(StepChoice):
 
     Attributes:
         tolerance: Estimated error of positions in a step, over its size: length per time.
-        rotation_tolerance: That of rotations, rad per time; default: ``tolerance`` over the
-            length of the model.
+        rotation_tolerance: That of rotations and of position gradients, rad or 1 per time;
+            default: ``tolerance`` over the length of the model.
         first: Size that is tried first; default: a thousandth of the duration.
         events: Times at which loads or motions jump or have kinks, beside those that say so
             themselves (:mod:`fem_lie.joints.histories`). Steps end there, what jumps is seen from

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Flags
 from fem_lie._jit import compiled
 from fem_lie.lie.kinds import inertia, pull_all
 from fem_lie.lie.tuples import dot, load
@@ -21,7 +21,7 @@ class StepError(NamedTuple):
 
     Attributes:
         translation: Of positions, length.
-        rotation: Of rotations, rad.
+        rotation: Of rotations, rad, and of position gradients.
         translation_node: The moving node with the first; ``rotation_node``: with the second.
     """
 
@@ -32,17 +32,22 @@ class StepError(NamedTuple):
 
 
 @compiled
-def largest(e: Array) -> tuple[float, float, int, int]:
-    """Largest norms of the translations and rotations of errors (n, 6), and their nodes."""
-    translation = rotation = -1.0
+def largest(e: Array, lengths: Flags) -> tuple[float, float, int, int]:
+    """Largest norms of the halves of errors (n, 6) that are lengths and of others, and their nodes.
+
+    ``lengths`` (n, 2) are which halves are.
+    """
+    translation = rotation = 0.0
     first = second = 0
     for i in range(e.shape[0]):
-        u, θ = load(e[i], 0), load(e[i], 3)
-        size, angle = dot(u, u), dot(θ, θ)
-        if size > translation or size != size:  # nan stays
-            translation, first = size, i
-        if angle > rotation or angle != angle:
-            rotation, second = angle, i
+        for half in range(2):
+            part = load(e[i], 3 * half)
+            square = dot(part, part)
+            if lengths[i, half]:
+                if square > translation or square != square:  # nan stays
+                    translation, first = square, i
+            elif square > rotation or square != square:
+                rotation, second = square, i
     return np.sqrt(translation), np.sqrt(rotation), first, second
 
 

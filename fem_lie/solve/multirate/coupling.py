@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.solve.motion.convergence import ROTATION
+from fem_lie.solve.motion.convergence import constraint_scaling
 from fem_lie.solve.multirate.domain import Domain
 from fem_lie.solve.multirate.interface import joined
 from fem_lie.solve.multirate.mixing import Mixed
@@ -51,7 +51,7 @@ class Coupling:
         self._touched = self._at[joined_nodes]
         self.weights, self.gap = np.zeros((2, m)), np.zeros(m)
         self.response, self.made = np.zeros((m, m)), 0
-        self.measure = np.where(unknowns.angular, ROTATION, 1.0 / unknowns.length)
+        self.measure = constraint_scaling(unknowns)
         self.tries, self.found, self.left = 0, 0, np.inf
         mass = float(between.tables.inertia.blocks[:, 0, 0].sum())
         h = domains[0].h * domains[0].count

@@ -51,7 +51,7 @@ class StableEquilibrium(SceneEquilibrium):
         """
         super().__init__(scene, prefix, methods_on_paths)
         self._carried_stress = carried_stress
-        self.weight = np.tile([self.diameter] * 3 + [1.0] * 3, self._moving)
+        self.weight = self.equations.unknowns.units
         self._free = np.flatnonzero(~self.equations.unknowns.held.ravel())
 
     def factorise(self, factor: float) -> None:

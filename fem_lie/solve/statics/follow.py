@@ -304,10 +304,9 @@ class SceneEquilibrium:
         return moved.reshape(-1, 6)[self.placed, :3]
 
     def twists(self, dx: Array) -> Array:
-        """Twists of the nodes that ``dx`` means, (n, 6), in their own axes, turns × diameter."""
-        twists = dx[: 6 * self._moving].reshape(-1, 6).copy()
-        twists[:, 3:] *= self.diameter
-        return twists
+        """Increments of the nodes that ``dx`` means, (n, 6), in their own axes, as lengths."""
+        units = self.equations.unknowns.units / self.diameter
+        return np.asarray(dx[: 6 * self._moving] / units).reshape(-1, 6)
 
     def check_turns(self, factor: float) -> None:
         """Refuse the present state if it is none of the structure.

@@ -40,7 +40,7 @@ class FreeMotions:
         """Of equations."""
         self._equations, unknowns = equations, equations.unknowns
         self.possible: bool = bool((unknowns.kinds >= SLOPE).any())
-        self._weight = np.tile([unknowns.length] * 3 + [1.0] * 3, unknowns.moving)
+        self._weight = unknowns.units
         self._free = np.flatnonzero(~unknowns.held.ravel())
 
     def allowed(self, H: Array) -> Array:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fem_lie._arrays import Array
 from fem_lie.lie.kinds import advance
 
@@ -21,13 +23,13 @@ def move(equations: Equations, H: Array, x: Array, *, carried: bool) -> float:
         carried: Whether the stress is carried along.
 
     Returns:
-        The largest increment, translations over the length of the model.
+        The largest increment, over the unit of its unknown.
     """
     unknowns = equations.unknowns
     equations.memory.follow(H, -x[: 6 * unknowns.moving])
     if carried:
         equations.memory.carry(H, -x[: 6 * unknowns.moving])
     ways = unknowns.held, unknowns.uncoupled, unknowns.straight
-    largest = advance(unknowns.kinds, H, x, *ways, unknowns.length)
+    advance(unknowns.kinds, H, x, *ways)
     equations.memory.turn_axes(H)
-    return largest
+    return float(np.abs(x[: 6 * unknowns.moving] / unknowns.units).max(initial=0.0))

@@ -12,7 +12,7 @@ from fem_lie.joints.equations.table import joint_table
 from fem_lie.lie.kinds import inertia
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.solve.motion.consistent import check_velocities
-from fem_lie.solve.motion.convergence import ROTATION
+from fem_lie.solve.motion.convergence import unknown_scaling
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.motion.step_error import add_inertia_forces
@@ -64,10 +64,7 @@ class RunState(Integration[Recorder]):
         self._r, self._x, self._y = z((3, unknowns.size))
         self._work, self._q = z(unknowns.size), z((n, 4, 3))
         self.scale: Array = np.ones(m)
-        lengths = np.tile(np.repeat([1.0 / unknowns.length, ROTATION], 3), n)
-        self._measure = np.concatenate(
-            [lengths, np.where(unknowns.angular, ROTATION, 1.0 / unknowns.length)]
-        )
+        self._measure = unknown_scaling(unknowns)
         now = Instant(self.H, self.twists[:n], self._still, self._none)
         self._found = equations.residual(now, self.scale, self._work)
         self.books = equations.books()

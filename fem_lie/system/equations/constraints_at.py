@@ -56,7 +56,8 @@ class ConstraintsAt:
         """
         system = self._system
         connections = system.connections
-        idle = IdleMultipliers.of(self.jacobian, system.length, system.kkt.measure)
+        units = np.asarray(system.units / system.length)
+        idle = IdleMultipliers.of(self.jacobian, units, system.kkt.measure)
         # lengths over that of the model beside angles
         left = idle.part(values)
         sizes = np.abs(left) * np.where(connections.angular, 1.0, 1.0 / system.length)

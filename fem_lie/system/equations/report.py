@@ -76,7 +76,8 @@ class Report:
         if system.scene.redundant is Redundant.MINIMUM_NORM and system.m:
             # of all multipliers that make the same motion the smallest
             B = system.tangent.jacobian(H)
-            weights = IdleMultipliers.of(B, system.length, system.kkt.measure).remove(weights)
+            units = np.asarray(system.units / system.length)
+            weights = IdleMultipliers.of(B, units, system.kkt.measure).remove(weights)
         return Joints(*system.connections.report(H, v, weights))
 
     @property

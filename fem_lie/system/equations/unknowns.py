@@ -93,6 +93,11 @@ class Unknowns(NamedTuple):
     apart: bool
     told: str
 
+    @property
+    def units(self) -> Array:
+        """Unit of each unknown of the nodes, (6 n,): the length of the model, or 1."""
+        return np.repeat(np.where(self.lengths, self.length, 1.0).ravel(), 3)
+
     @classmethod
     def of(cls, system: System) -> Unknowns:
         """Those of a system."""
@@ -105,7 +110,7 @@ class Unknowns(NamedTuple):
             size=system.size,
             length=system.length,
             kinds=system.kinds,
-            lengths=_lengths(system),
+            lengths=system.lengths,
             held=system.held,
             supported=system.supported,
             uncoupled=system.uncoupled,
@@ -132,15 +137,6 @@ class Unknowns(NamedTuple):
             apart=any(term.apart for term in system.terms),
             told=describe.in_one_line(*shown, time_dependent=system.time_dependent),
         )
-
-
-def _lengths(system: System) -> Flags:
-    """Which halves of the unknowns of the moving nodes are lengths, (n, 2)."""
-    numbering = system.numbering
-    lengths = np.zeros((numbering.total, 2), dtype=np.bool_)
-    for body, nodes in numbering.nodes.items():
-        lengths[nodes] = body.node_lengths
-    return lengths[numbering.attachment.leaders]
 
 
 class Start(NamedTuple):

@@ -36,7 +36,7 @@ class SmallMotions:
         """Beside the initial frames, under the loads of time 1."""
         self._system, self.rotation = system, rotation
         self.rate = float(np.linalg.norm(rotation.spin))
-        self.weight = np.tile([system.length] * 3 + [1.0] * 3, system.count)
+        self.weight = system.units
         system.set_time(1.0)
         self.H = system.frames.copy()
         self.H[system.count + 1 :] = system.prescribed_frames(1.0)

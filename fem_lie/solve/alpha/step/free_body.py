@@ -96,7 +96,7 @@ def _columns(
     Of the rotation by ``d_θ``, of the translation by ``d_θ``, of the translation by ``d_u``.
     """
     mass, damping = p.mass, p.damping
-    group, m, J = body
+    group, m, J, _ = body
     d1, d2, d3 = load_row(H1, 1), load_row(H1, 2), load_row(H1, 3)
     J1, J2, J3 = load_row(J, 0), load_row(J, 1), load_row(J, 2)
     ω, θ = load(v1, 3), load(d, 3)
@@ -156,10 +156,10 @@ def make_step(
 ) -> tuple[int, int]:
     """Iterations, 0 if it failed, and factorisations of one step of one body."""
     tolerance, limit, patience, cost, _ = options
-    group, m, J = body
+    group, m, J, scaling = body
     H, v, vdot, a, memory, kept = state
     d, H1, v1, vdot1, dx = end
-    motion = node.predict(p, group, H, v, vdot, a, d, H1, v1, vdot1)
+    motion = node.predict(p, group, scaling, H, v, vdot, a, d, H1, v1, vdot1)
     memory[MOTION] = max(motion, memory[MOTION])
     wanted = max(tolerance * memory[MOTION], ROUND_OFF)
     previous, ratio, renewed, increment = np.inf, memory[RATIO], 0, np.inf
@@ -173,7 +173,7 @@ def make_step(
             memory[FEWEST], memory[BEYOND] = 0.0, 0.0
             renewed += 1
         _solve(kept, translation, turning, dx)
-        increment = node.correct(p, group, dx, H, d, H1, v1, vdot1)
+        increment = node.correct(p, group, scaling, dx, H, d, H1, v1, vdot1)
         ratio, remaining = estimate(increment, previous, ratio)
         if remaining <= wanted or increment <= ROUND_OFF:
             memory[RATIO] = ratio if iteration > 1 else ratio**UNMEASURED

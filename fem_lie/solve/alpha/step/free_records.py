@@ -13,13 +13,13 @@ class Bodies(NamedTuple):
     Attributes:
         mass: Shape (n,).
         J: Inertia tensors about the centre of mass, shape (n, 3, 3).
-        size: Length of the tolerance, shape (n,).
+        scaling: Weights of translation and rotation in the size of increments, shape (n, 2).
         group: Of each, see :class:`fem_lie.lie.motions.Group`, shape (n,).
     """
 
     mass: Array
     J: Array
-    size: Array
+    scaling: Array
     group: Indices
 
 
@@ -131,11 +131,13 @@ class Body(NamedTuple):
         group: It moves on.
         m: Mass.
         J: Inertia tensor about the centre of mass, shape (3, 3).
+        scaling: As of :class:`Bodies`, shape (2,).
     """
 
     group: int
     m: float
     J: Array
+    scaling: Array
 
 
 class Start(NamedTuple):

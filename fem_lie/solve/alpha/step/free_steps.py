@@ -121,7 +121,7 @@ def advance(
         The last step that all bodies made, and the number of factorisations.
     """
     always = Options(options.tolerance, options.limit, 1, 0.0, False)
-    mass, J, size, group = bodies
+    mass, J, scaling, group = bodies
     H, v, vdot, a, memory, kept, rates, booked = state
     frames, velocities, done, iterations, failed = rows
     first, last, kept_row, total, every = plan
@@ -130,16 +130,15 @@ def advance(
     twist, row_now = np.empty(6), np.empty(7)
     factorisations = 0
     for i in range(v.shape[0]):
-        own = Scheme(p.h, p.am, p.af, p.gamma, p.beta, p.mass, p.damping, size[i])
-        body = Body(group[i], mass[i], J[i])
+        body = Body(group[i], mass[i], J[i], scaling[i])
         here = Start(H[i], v[i], vdot[i], a[i], memory[i], kept[i])
         row = kept_row
         for index in range(first, last + 1):
             load_of(loads, amplitude[index - first], i, f)
-            count, made = make_step(own, options, body, f, here, end, note)
+            count, made = make_step(p, options, body, f, here, end, note)
             factorisations += made
             if count == 0 and options.rescue:
-                count, made = make_step(own, always, body, f, here, end, note)
+                count, made = make_step(p, always, body, f, here, end, note)
                 factorisations += made
             if count == 0:
                 # the others need not go farther than the step before

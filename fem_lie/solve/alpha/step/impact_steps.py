@@ -116,7 +116,7 @@ def advance(
         The last step that was made, the number of factorisations, and why it ended there.
     """
     always = Options(options.tolerance, options.limit, 1, 0.0, False)
-    mass, J, size, group = bodies
+    mass, J, scaling, group = bodies
     n = len(mass)
     end = End(np.empty(6), np.empty((4, 3)), np.empty(6), np.empty(6), np.empty(6))
     f, rate, note, twist, seen = (
@@ -136,16 +136,15 @@ def advance(
         at = index - plan.first
         H0[:], v0[:] = state.H, state.v
         for i in range(n):
-            own = Scheme(p.h, p.am, p.af, p.gamma, p.beta, p.mass, p.damping, size[i])
-            body = Body(group[i], mass[i], J[i])
+            body = Body(group[i], mass[i], J[i], scaling[i])
             here = Start(
                 state.H[i], state.v[i], state.vdot[i], state.a[i], state.memory[i], state.kept[i]
             )
             load_of(loads, amplitude[at], i, f[i])
-            count, made = make_step(own, options, body, f[i], here, end, note)
+            count, made = make_step(p, options, body, f[i], here, end, note)
             factorisations += made
             if count == 0 and options.rescue:
-                count, made = make_step(own, always, body, f[i], here, end, note)
+                count, made = make_step(p, always, body, f[i], here, end, note)
                 factorisations += made
             if count == 0:
                 rows.failed[BODY] = i

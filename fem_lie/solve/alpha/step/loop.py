@@ -184,7 +184,7 @@ def run(
     """
     this, h = packed(table), scheme[0]
     counters, numbers = this.counters, this.numbers
-    state = this.H, this.H1, this.motion, this.kinds
+    state = this.H, this.H1, this.motion, this.kinds, this.scaling
     ended = Steps(*steps).ended
     while True:
         if counters[PHASE] == BETWEEN:

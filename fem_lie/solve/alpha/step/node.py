@@ -9,12 +9,10 @@ from __future__ import annotations
 
 from typing import NamedTuple, TypeAlias
 
-import numpy as np
-
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined
 from fem_lie.lie.kinds import move, settle
-from fem_lie.solve.motion.convergence import ROTATION
+from fem_lie.solve.motion.convergence import size_of
 
 AHEAD = 0.1
 """Part of a step over which initial accelerations are differentiated, if not over α_f − α_m."""
@@ -31,7 +29,6 @@ class Scheme(NamedTuple):
         beta: β.
         mass: ∂v̇₁/∂d.
         damping: ∂v₁/∂d.
-        length: Of the model, by which translations are measured.
     """
 
     h: float
@@ -41,7 +38,6 @@ class Scheme(NamedTuple):
     beta: float
     mass: float
     damping: float
-    length: float
 
     @property
     def plain(self) -> PlainScheme:
@@ -59,32 +55,25 @@ class Scheme(NamedTuple):
         return max(self.shift, AHEAD * self.h)
 
 
-def parameters(radius: float, step: float, length: float) -> Scheme:
+def parameters(radius: float, step: float) -> Scheme:
     """Parameters of second order with the spectral radius ``radius`` at infinite frequency."""
     step = float(step)
     am, af = (2 * radius - 1) / (radius + 1), radius / (radius + 1)
     gamma = 0.5 + af - am
     beta = 0.25 * (gamma + 0.5) ** 2
     mass, damping = (1 - am) / (step**2 * beta * (1 - af)), gamma / (step * beta)
-    return Scheme(step, am, af, gamma, beta, mass, damping, length)
+    return Scheme(step, am, af, gamma, beta, mass, damping)
 
 
-PlainScheme: TypeAlias = tuple[float, float, float, float, float, float, float, float]
+PlainScheme: TypeAlias = tuple[float, float, float, float, float, float, float]
 """A :class:`Scheme` at the door from Python: numba is three times as fast to call so."""
-
-
-@inlined
-def size_of(d: Array, length: float) -> float:
-    """Of a translation or of a rotation, whichever is larger, however the axes lie; nan stays."""
-    moved = np.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / length
-    turned = ROTATION * np.sqrt(d[3] * d[3] + d[4] * d[4] + d[5] * d[5])
-    return turned if turned > moved or turned != turned else moved
 
 
 @inlined
 def predict(
     scheme: Scheme,
     kind: int,
+    scaling: Array,
     H: Array,
     v: Array,
     vdot: Array,
@@ -94,7 +83,7 @@ def predict(
     v1: Array,
     vdot1: Array,
 ) -> float:
-    """Start a step with the old ``v̇``; returns the size of the motion, see :data:`ROTATION`."""
+    """Start a step with the old ``v̇``; returns the size of the motion, see :func:`size_of`."""
     h, am, gamma, beta = scheme.h, scheme.am, scheme.gamma, scheme.beta
     for k in range(6):
         vdot1[k] = vdot[k]
@@ -102,13 +91,14 @@ def predict(
         d[k] = h * v[k] + h * h * ((0.5 - beta) * a[k] + beta * a1)
         v1[k] = v[k] + h * ((1.0 - gamma) * a[k] + gamma * a1)
     move(kind, H, d, H1)
-    return size_of(d, scheme.length)
+    return size_of(d, scaling)
 
 
 @inlined
 def correct(
     scheme: Scheme,
     kind: int,
+    scaling: Array,
     x: Array,
     H: Array,
     d: Array,
@@ -116,13 +106,13 @@ def correct(
     v1: Array,
     vdot1: Array,
 ) -> float:
-    """Subtract a Newton correction ``x`` of ``d``; returns its size, see :data:`ROTATION`."""
+    """Subtract a Newton correction ``x`` of ``d``; returns its size, see :func:`size_of`."""
     for k in range(6):
         d[k] -= x[k]
         v1[k] -= scheme.damping * x[k]
         vdot1[k] -= scheme.mass * x[k]
     move(kind, H, d, H1)
-    return size_of(x, scheme.length)
+    return size_of(x, scaling)
 
 
 @inlined

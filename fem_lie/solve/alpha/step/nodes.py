@@ -65,22 +65,25 @@ class State(NamedTuple):
         motion: :class:`Motion`, shape (8, n, 6); one array, because a compiled function takes the
             longer to call the more there are.
         kinds: What each node is, see :mod:`fem_lie.lie.kinds`, shape (n,).
+        scaling: Weights in the size of increments, see :func:`~.convergence.node_scaling`, (n, 2).
     """
 
     H: Array
     H1: Array
     motion: Array
     kinds: Indices
+    scaling: Array
 
     @classmethod
-    def start(cls, frames: Array, kinds: Indices) -> State:
+    def start(cls, frames: Array, kinds: Indices, scaling: Array) -> State:
         """At rest at ``frames``."""
         motion = np.zeros((len(Motion._fields), len(kinds), 6))
-        return cls(frames.copy(), frames.copy(), motion, kinds)
+        return cls(frames.copy(), frames.copy(), motion, kinds, scaling)
 
     def copy(self) -> State:
         """With arrays of its own, of the same nodes."""
-        return State(self.H.copy(), self.H1.copy(), self.motion.copy(), self.kinds)
+        moved = self.H.copy(), self.H1.copy(), self.motion.copy()
+        return State(*moved, self.kinds, self.scaling)
 
     @property
     def plain(self) -> PlainState:
@@ -128,7 +131,7 @@ class State(NamedTuple):
         self.twist1[:], self.rate1[:], self.a[:] = twist, rate, self.vdot
 
 
-PlainState: TypeAlias = tuple[Array, Array, Array, Indices]
+PlainState: TypeAlias = tuple[Array, Array, Array, Indices, Array]
 """A :class:`State` at the door from Python."""
 
 
@@ -165,11 +168,12 @@ def extrapolate(
 @uncounted
 def predict(scheme: PlainScheme, state: PlainState) -> float:
     """Start a step with the old ``v̇``; returns the size of the largest motion of a node."""
-    H, H1, motion, kinds = state
+    H, H1, motion, kinds, scaling = state
     v, vdot, a, d, v1, vdot1, twist, rate = parts(motion)
     p, largest = Scheme(*scheme), 0.0
     for i in range(d.shape[0]):
-        size = node.predict(p, kinds[i], H[i], v[i], vdot[i], a[i], d[i], H1[i], v1[i], vdot1[i])
+        before, after = (v[i], vdot[i], a[i]), (H1[i], v1[i], vdot1[i])
+        size = node.predict(p, kinds[i], scaling[i], H[i], *before, d[i], *after)
         largest = max(largest, size)
         to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
     return largest
@@ -186,13 +190,13 @@ def correct(
     weights: Array,
 ) -> float:
     """Apply a Newton correction in the nodes' frames; returns the size of its largest part."""
-    H, H1, motion, kinds = state
+    H, H1, motion, kinds, scaling = state
     _, _, _, d, v1, vdot1, twist, rate = parts(motion)
     p, largest = Scheme(*scheme), 0.0
     for i in range(d.shape[0]):
         x = dx[6 * i : 6 * i + 6]
         to_group(kinds[i], H1[i], x)
-        size = node.correct(p, kinds[i], x, H[i], d[i], H1[i], v1[i], vdot1[i])
+        size = node.correct(p, kinds[i], scaling[i], x, H[i], d[i], H1[i], v1[i], vdot1[i])
         if size > largest or size != size:  # nan stays
             largest = size
         to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
@@ -214,7 +218,7 @@ def correct(
 @uncounted
 def change_velocities(state: PlainState, dx: Array) -> None:
     """Subtract ``dx`` (6 n,), in the nodes' frames, from the velocities at the end of the step."""
-    _, H1, motion, kinds = state
+    _, H1, motion, kinds, _ = state
     _, _, _, _, v1, vdot1, twist, rate = parts(motion)
     for i in range(v1.shape[0]):
         x = dx[6 * i : 6 * i + 6]
@@ -227,7 +231,7 @@ def change_velocities(state: PlainState, dx: Array) -> None:
 @uncounted
 def accept(scheme: PlainScheme, state: PlainState) -> None:
     """Make the end of the step the start of the next."""
-    H, H1, motion, kinds = state
+    H, H1, motion, kinds, _ = state
     v, vdot, a, _, v1, vdot1, _, _ = parts(motion)
     p = Scheme(*scheme)
     for i in range(v.shape[0]):

@@ -32,6 +32,7 @@ class Packed(NamedTuple):
         H1: Likewise.
         motion: Likewise.
         kinds: Likewise.
+        scaling: Likewise.
         weights: Multipliers, shape (m,).
         first: Those at the start of the step.
         scale: Of the constraints.
@@ -57,6 +58,7 @@ class Packed(NamedTuple):
     H1: Array
     motion: Array
     kinds: Indices
+    scaling: Array
     weights: Array
     first: Array
     scale: Array
@@ -94,33 +96,34 @@ def packed(table: Indices) -> Packed:
         numbers3(table, 1),
         numbers3(table, 2),
         integers1(table, 3),
-        numbers1(table, 4),
+        numbers2(table, 4),
         numbers1(table, 5),
         numbers1(table, 6),
-        numbers2(table, 7),
-        integers1(table, 8),
+        numbers1(table, 7),
+        numbers2(table, 8),
         integers1(table, 9),
-        numbers1(table, 10),
+        integers1(table, 10),
         numbers1(table, 11),
-        integers2(table, 12),
+        numbers1(table, 12),
         integers2(table, 13),
-        numbers1(table, 14),
+        integers2(table, 14),
         numbers1(table, 15),
+        numbers1(table, 16),
         (
-            (numbers1(table, 16), integers1(table, 17)),
-            (numbers1(table, 18), integers1(table, 19)),
+            (numbers1(table, 17), integers1(table, 18)),
+            (numbers1(table, 19), integers1(table, 20)),
         ),
-        (integers2(table, 20), integers1(table, 21)),
+        (integers2(table, 21), integers1(table, 22)),
         (
-            integers1(table, 22),
             integers1(table, 23),
             integers1(table, 24),
-            numbers2(table, 25),
-            numbers3(table, 26),
+            integers1(table, 25),
+            numbers2(table, 26),
+            numbers3(table, 27),
         ),
-        integers1(table, 27),
-        numbers1(table, 28),
+        integers1(table, 28),
         numbers1(table, 29),
+        numbers1(table, 30),
     )
 
 

@@ -23,7 +23,7 @@ from fem_lie.solve.conserving.straight.joints import Joints
 from fem_lie.solve.conserving.straight.records import State, Step
 from fem_lie.solve.conserving.straight.scene import cells_of_frames, model_of, viscous_terms
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
-from fem_lie.solve.motion.convergence import ROTATION
+from fem_lie.solve.motion.convergence import node_scaling
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.recorder import Recorder
@@ -107,8 +107,7 @@ class AnyState(Integration[Recorder]):
         )
         # mean accelerations of the last two steps, twice their trends, and sizes of the last three
         self._rates, self._sizes = z((2, n, 6)), z(3)
-        sizes = np.where(unknowns.lengths, 1.0 / unknowns.length, ROTATION)
-        self._measure = np.repeat(sizes.ravel(), 3)
+        self._measure = np.repeat(node_scaling(unknowns), 3)
         self._x, self._y = z((2, 6 * n + m))
         self._still, self._work = z((n, 6)), z(unknowns.size)
         at_rest = Instant(*equations.start[:2], self._still, self.s.weights)
