@@ -1,5 +1,7 @@
 """Impacts and friction of bodies in joints and of flexible ones, against closed forms."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -90,6 +92,44 @@ def test_a_ladder_slides_with_second_order():
         errors.append(np.arctan2(abs(up[0]), up[2]) - fall)
     assert abs(errors[1]) < 1.3e-4
     assert 3.6 < errors[0] / errors[1] < 4.6
+
+
+def test_an_impact_spreads_over_a_whole_row_in_one_step():
+    """Each ball that is pushed meets the next one, which did not take part before."""
+    scene, radius, count = fl.Scene(), 0.1, 24
+    places = (2 * radius + 1e-4) * np.arange(count)
+    balls = [scene.add(fl.RigidBody(1.0, 4e-3 * np.ones(3), (x, 0, 0))) for x in places]
+    balls[0].move((5.0, 0, 0))
+    for a, b in pairwise(balls):
+        spheres = (fl.Sphere(ball.centre, radius) for ball in (a, b))
+        scene.add(fl.Contact(*spheres, fl.Impact(restitution=0.0)))
+    result = run(hung_up(scene), 0.05, 1e-2)
+    x = np.array([result.position(ball.centre)[:, 0] for ball in balls])
+    assert np.diff(x, axis=0).min() > 2 * radius - 1e-9
+    np.testing.assert_allclose(result.momentum[:, 0], 5.0, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("joint", "what"),
+    [
+        (lambda ball: fl.Fixed(fl.ground(), ball), "violate joints by"),
+        (lambda ball: fl.Prismatic(fl.ground(), ball, axis=(1, 0, 0)), "still overlap by 0.003"),
+    ],
+    ids=["fixed", "slides across"],
+)
+def test_a_body_that_cannot_give_way_to_a_driven_one_is_refused(joint, what):
+    """Neither the contact nor a joint gives way in silence."""
+    scene = fl.Scene()
+    ball, plate = (fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, z)) for z in (0.105, 0.0))
+    scene.add(ball)
+    scene.add(plate)
+    scene.add(joint(ball.centre))
+    rail = scene.add(fl.Prismatic(fl.ground(), plate.centre, axis=(0, 0, 1)))
+    scene.add(fl.Drive(rail.displacement, lambda t: 20 * t * t))
+    surfaces = fl.Sphere(ball.centre, 0.1), fl.Plane(plate.centre, (0, 0, 1))
+    scene.add(fl.Contact(*surfaces, fl.Impact()))
+    with pytest.raises(fl.ConvergenceError, match=rf"1 contacts {what}.*are bodies wedged\?"):
+        run(hung_up(scene), 0.05, 1e-2)
 
 
 # --- joints ---

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
+from tests.unit_systems import OTHER_SYSTEMS
 
 SOFT = fl.Material(1e6, 0.3, 100.0)
 SECTION = fl.Section.circle(0.05, SOFT)
@@ -79,6 +80,35 @@ def test_a_soft_spring_holds_it(name):
         found.append(result.position(point)[-1])
     np.testing.assert_allclose(*found, atol=1e-9)
     np.testing.assert_allclose(found[0][1:], point.position[1:], atol=1e-2)
+
+
+@pytest.mark.parametrize("held", [False, True])
+@pytest.mark.parametrize("u", OTHER_SYSTEMS, ids=str)
+def test_what_is_free_does_not_depend_on_units(u, held):
+    """A small brick on its hinge, without a spring and with one of a millionth of its stiffness."""
+    scene, size = fl.Scene(), 0.01
+    material = fl.NeoHooke(u.stress(1e6), 0.3, u.density(100.0))
+    edges = tuple(u.length([size, 0.4 * size, 0.4 * size]))
+    body = scene.add(fl.Solid.brick(edges, material, cells=(3, 2, 2)))
+    hinge = scene.add(fl.Revolute(fl.ground(), body.grip("a=0"), axis=AXIS))
+    force = u.force([5e3 * size**2, 0, 0])
+    for corner in ("100", "110", "101", "111"):
+        scene.add(fl.PointLoad(body[corner], force=force))
+    if not held:
+        with pytest.raises(fl.ConvergenceError, match="motion"):
+            fl.statics(scene)
+        return
+    scene.add(fl.Spring(hinge.angle, stiffness=u.moment(size**3)))
+    moved = fl.statics(scene).position(body["111"])[-1] - body["111"].position
+    np.testing.assert_allclose(moved[1:], 0.0, atol=3e-2 * u.length(size))
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-12])
+def test_a_free_rotation_is_refused_whatever_the_tolerance(tolerance):
+    scene = fl.Scene()
+    brick(scene)
+    with pytest.raises(fl.ConvergenceError, match="motion"):
+        fl.statics(scene, newton=fl.Newton(tolerance=tolerance))
 
 
 def test_the_message_names_the_bodies():

@@ -32,6 +32,9 @@ from fem_lie.system.equations import Equations, Instant
 LARGEST = 1e-3
 """Residual of the cones with which a step has failed."""
 
+VIOLATED = 1e-8
+"""Violation of joints after contacts, over the length of the model or in rad, with which it has."""
+
 
 def applies(scene: Scene) -> bool:
     """Whether there are contacts by impacts."""
@@ -103,6 +106,12 @@ class CoupledRun(Run):
             self.reason = (
                 f"{int(told[CONTACTS])} contacts still overlap by {contacts.overlap:.2g} after all "
                 "of them took part; are bodies wedged? Try smaller steps, or Penalty"
+            )
+            return False
+        if not contacts.violation <= VIOLATED:
+            self.reason = (
+                f"{int(told[CONTACTS])} contacts violate joints by {contacts.violation:.2g} of the "
+                "length of the model, or rad; are bodies wedged? Try smaller steps, or Penalty"
             )
             return False
         if (found := contacts.near.passed(start, s.H)) is not None:

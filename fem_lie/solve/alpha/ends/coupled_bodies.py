@@ -129,12 +129,21 @@ class CoupledBodies:
             moved[:, k], held[:, k] = kept.solution[:n], kept.scale * kept.solution[n:]
         return moved, held
 
+    def _violations(self, H: Array) -> Array:
+        """Of all constraints, shape (m,)."""
+        state = Instant(H, self._still, self._still, np.zeros(self._m))
+        self._forces = self._equations.residual(state, np.ones(self._m), self._r, self._forces)
+        return self._r[6 * self._n :]
+
+    def _largest_violation(self, H: Array) -> float:
+        """Of a constraint, over the length of the model or in rad."""
+        unknowns = self._equations.unknowns
+        sizes = np.where(unknowns.angular, 1.0, unknowns.length)
+        return float((np.abs(self._violations(H)) / sizes).max(initial=0.0))
+
     def _closed(self, H: Array) -> Array:
         """The increment that closes the joints, to first order, shape (6 n,)."""
-        n, none = 6 * self._n, np.zeros(self._m)
-        state = Instant(H, self._still, self._still, none)
-        self._forces = self._equations.residual(state, np.ones(self._m), self._r, self._forces)
-        violation = self._r[n:]
+        n, violation = 6 * self._n, self._violations(H)
         if self._kept is None:
             return -self._impulses.solve(np.zeros(n), violation)[0]
         kept = self._kept

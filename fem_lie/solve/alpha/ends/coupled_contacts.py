@@ -54,6 +54,8 @@ class CoupledContacts(CoupledPlaces):
         work: Of drives and prescribed motions by these impulses.
         overlap: By which bodies still overlap at the end of the last step, beyond what counts as
             closed; 0: they do not.
+        violation: Of joints at the end of the last step, over the length of the model or in rad,
+            if contacts have moved bodies.
     """
 
     def __init__(
@@ -62,7 +64,7 @@ class CoupledContacts(CoupledPlaces):
         """As the base class."""
         super().__init__(contacts, equations, scheme, kept)
         self.told, self.reactions, self.work = np.zeros(SIZE), np.zeros(self._m), 0.0
-        self.overlap = 0.0
+        self.overlap = self.violation = 0.0
         self._last = Last.nothing()
 
     # --- which contacts take part ---
@@ -99,7 +101,8 @@ class CoupledContacts(CoupledPlaces):
             weights: Multipliers, changed.
             time: Of the end.
         """
-        self.told[:], self.reactions[:], self.overlap = 0.0, 0.0, 0.0
+        self.told[:], self.reactions[:] = 0.0, 0.0
+        self.overlap = self.violation = 0.0
         smooth = self._gaps(s.H)
         if not (smooth <= 0.0).any():
             self.near.work.impulses[:] = 0.0
@@ -120,6 +123,7 @@ class CoupledContacts(CoupledPlaces):
             if not deep.any():
                 break
             joined |= deep
+        self.violation = self._largest_violation(moved.H)
         self._take_over(s, weights, moved.H, v, old, time)
         speeds = moved.rows @ self._all_rows(v, time).ravel()
         self._tell(chosen, gaps, impulses, speeds)
