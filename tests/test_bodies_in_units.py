@@ -254,3 +254,39 @@ def test_steps_of_bodies_are_chosen_alike(name, u):
 def test_redundant_joints_share_forces_alike(name, u):
     found, expected = held_thrice(u, name), held_thrice(METRES, name)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+
+
+# --- metrics and springs of conserving schemes ---
+
+
+@cache
+def on_a_hinge(u: UnitSystem) -> np.ndarray:
+    """Forces and moments of a hinge at one point of a thin shell that falls."""
+    scene, step = fl.Scene(gravity=u.acceleration([0, 0, -9.81])), u.time(5e-3)
+    point = scene.add(fl.ThinShell(patch(u), layer(u)))["00"]
+    scene.add(fl.Revolute(fl.ground(), point, at=point.position, axis=(0, 1, 0)))
+    result = fl.EnergyMomentum().run(scene, duration=12 * step, step=step, progress=False)
+    return u.inverse.wrench(result.joint_forces)
+
+
+@other_units
+def test_a_hinge_rotates_with_a_point_of_a_thin_shell_alike(u):
+    """A metric that adds mixed derivatives, which are lengths, to slopes depends on the unit."""
+    found, expected = on_a_hinge(u), on_a_hinge(METRES)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
+
+
+@cache
+def swinging(u: UnitSystem) -> float:
+    """Balance of energy of a rope of bars that is clamped at its end."""
+    scene, step = fl.Scene(gravity=u.acceleration([0, 0, -9.81])), u.time(5e-3)
+    cable = scene.add(fl.Cable(bow(u), rope(u), formulation=fl.DiscreteCable()))
+    cable.clamp(cable.start)
+    result = fl.EnergyMomentum().run(scene, duration=12 * step, step=step, progress=False)
+    return result.balance_error
+
+
+@other_units
+def test_a_clamped_rope_balances_energy_alike(u):
+    """The edge that is fixed at a clamp is as long as others, not of the unit of length."""
+    assert 0.5 < swinging(u) / swinging(METRES) < 2.0

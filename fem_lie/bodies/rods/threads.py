@@ -102,11 +102,13 @@ class Threads(LineBody):
         ends = self.elements[edges]
         nodes = np.array(self._clamped, dtype=np.int64)
         other = np.where(ends[:, 0] == nodes, ends[:, 1], ends[:, 0])
-        # along the line at the end, and into it
+        # along the line at the end, and into it; as long as the edge, so that round-off of its
+        # direction is that of the edge in all units
         tangents, inwards = self.frames[nodes, 1], self.frames[other, 0] - self.frames[nodes, 0]
-        tangents = tangents * np.sign(np.einsum("bj,bj->b", tangents, inwards))[:, np.newaxis]
+        signs = np.sign(np.einsum("bj,bj->b", tangents, inwards))
+        fixed = tangents * (signs * np.linalg.norm(inwards, axis=1))[:, np.newaxis]
         pairs = np.column_stack([nodes, other])
-        return [self._springs, Bends.at_ends(pairs, tangents, self._flexibility[edges])]
+        return [self._springs, Bends.at_ends(pairs, fixed, self._flexibility[edges])]
 
     def follow(self: AnyThreads) -> AnyThreads:
         """Let axes of the nodes follow the motion: ``Cable.curve(…).follow()``.

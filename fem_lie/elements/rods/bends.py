@@ -87,17 +87,15 @@ class Bends(NamedTuple):
         return cls(along.nodes, np.asarray(stiffness), own, np.zeros_like(e))
 
     @classmethod
-    def at_ends(cls, nodes: Indices, tangents: Array, flexibility: Array) -> Bends:
+    def at_ends(cls, nodes: Indices, fixed: Array, flexibility: Array) -> Bends:
         """Of ends whose direction does not change, over half of their edges.
 
         Args:
             nodes: The end, and the other node of its edge, shape (b, 2).
-            tangents: From the first to the second, unit vectors, shape (b, 3).
+            fixed: First edges, shape (b, 3).
             flexibility: ``ℓ/EI`` of the edges, shape (b,).
         """
-        return cls(
-            nodes[:, [0, 0, 1]], np.asarray(2.0 / flexibility), np.zeros(len(nodes)), tangents
-        )
+        return cls(nodes[:, [0, 0, 1]], np.asarray(2.0 / flexibility), np.zeros(len(nodes)), fixed)
 
     @classmethod
     def joined(cls, parts: Sequence[Bends]) -> Bends:

@@ -32,9 +32,6 @@ _MIXED = (1 / 39) ** 2
 """Weight of a mixed derivative, times lengths, beside that of a place: of the squares of Hermite's
 cubic functions on an edge, slopes have 1/39 of what places have, and this is across both."""
 _NEXT, _SAMPLES, _USUAL = 1e-9, 6, 16.0
-"""Motions, in sizes of a cell, whose work is compared with the change of energy; how many; and how
-many times the round-off of a well-written energy the difference may be."""
-_NEXT, _SAMPLES, _USUAL = 1e-9, 6, 16.0
 """Motions, in lengths of a cell, whose work is compared with the change of its energy; how many;
 and how many times the round-off of a well-written energy the difference may be."""
 
@@ -83,14 +80,14 @@ def _weigh(cells: CellTable, lengths: Flags, e: int, r: Array) -> None:
                 far, places = far + dot(arm, arm), places + 1
             elif dot(arm, arm) > 0.0 and not lengths[cells.nodes[begin + a], k]:
                 long, slopes = long + dot(arm, arm), slopes + 1
-    share = far / places * slopes / long if slopes > 0 else 0.0
-    if far == 0.0:  # all are at one place
-        share = 1.0
+    share, mixed = far / places * slopes / long if slopes > 0 else 0.0, _MIXED
+    if far == 0.0:  # at one position there is no length, and slopes say all of a rotation
+        share, mixed = 1.0, 0.0
     for a in range(r.shape[0]):
         i = cells.nodes[begin + a]
         for k in range(2):
             place = k == 0 and has_place(cells.kinds[begin + a])
-            cells.weights[begin + a, k] = 1.0 if place else _MIXED if lengths[i, k] else share
+            cells.weights[begin + a, k] = 1.0 if place else mixed if lengths[i, k] else share
 
 
 @inlined

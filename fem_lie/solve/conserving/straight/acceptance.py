@@ -90,7 +90,8 @@ def _keep_what_is_left(model: Model, state: State, this: Step) -> None:
             store(before, 3, left_moment(load(before, 3), load(before, 0), u))
         for k in range(6):
             gain += (left[k] - before[k]) * this.step[i, k]
-            square += left[k] * left[k] if k < 3 or kind >= SLOPE else 0.0
+            force = left[k] / model.arms[i, k // 3]
+            square += force * force if k < 3 or kind >= SLOPE else 0.0
             before[k] = left[k]
         if kind < SLOPE:
             moment = minus(load(left, 3), cross(scaled(0.5, u), load(left, 0)))

@@ -27,6 +27,8 @@ class Model(NamedTuple):
         cells: All cells of nodes that are no frames; they come first where cells are counted.
         framed: Those of frames.
         kinds: Of the nodes, (n,).
+        arms: Moment arm of each half, by which what acts on it is a force: 1 of those that are
+            lengths, that of the model of others, (n, 2).
         inertia: Mass matrix.
         turning: Angular velocities of rates of directors, see
             :func:`~fem_lie.lie.kinds.inertia.turning_of`, (n, 3, 3, 3).
@@ -44,6 +46,7 @@ class Model(NamedTuple):
     cells: CellTable
     framed: FrameCells
     kinds: Indices
+    arms: Array
     inertia: Inertia
     turning: Array
     held: Flags

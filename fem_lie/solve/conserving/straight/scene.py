@@ -79,6 +79,7 @@ def model_of(equations: Equations, framed: Cells, loss: float) -> Model:
         cells=_cells(equations),
         framed=framed.table,
         kinds=known.kinds,
+        arms=np.where(unknowns.lengths, 1.0, unknowns.length),
         inertia=known.inertia,
         turning=known.turning,
         held=unknowns.held,
