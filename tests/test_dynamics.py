@@ -519,6 +519,23 @@ def test_iterations_count_attempts_that_failed(monkeypatch):
     same(compiled, result)
 
 
+def test_new_matrices_in_each_iteration_end_where_others_do():
+    """In a first step, too, whose rate of convergence is not known yet."""
+
+    def joint_forces(limit: int) -> np.ndarray:
+        section = fl.Section.rectangle(0.02, 0.02, fl.Material(2e9, 0.3, 1500.0))
+        scene = fl.Scene(gravity=(0, 0, -9.81))
+        beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4))
+        scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 1, 0)))
+        scheme = fl.GeneralisedAlpha(max_iterations=limit)
+        return scheme.run(scene, duration=0.02, step=0.02, progress=False).joint_forces
+
+    expected, found = joint_forces(30), joint_forces(4)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+    with pytest.raises(fl.ConvergenceError, match="did not converge in 2 iterations"):
+        joint_forces(2)
+
+
 def test_failure_keeps_what_was_computed():
     scene, _ = pendulum()
     scene.add(

@@ -54,7 +54,7 @@ class Newton(RunState):
             increment = correct(*self._plain, self.dx, scale, spread, joined, self.weights)
             ratio, remaining = estimate(increment, previous, ratio)
             numbers[INCREMENT], numbers[NOW] = increment, ratio
-            stagnant = carried and ratio > 0.5 and increment < _STAGNATION
+            stagnant = carried and 0.5 * previous < increment < _STAGNATION
             if remaining <= tolerance or increment <= ROUND_OFF or stagnant:
                 made = self._accepts(decisions, iteration, tolerance, stagnant)
                 return iteration if made else 0
