@@ -29,6 +29,9 @@ from ufl.classes import Variable
 from ufl.core.expr import Expr
 from ufl.corealg.map_dag import map_expr_dag
 from ufl.corealg.multifunction import MultiFunction
+from ufl.domain import extract_unique_domain
+
+from fem_lie._form_cache import wait_for_others
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 # 0.9 has no option for more than two cells at a facet: a branching mesh is cut there in parallel.
@@ -77,7 +80,10 @@ def expression(value: Expr, points: npt.ArrayLike) -> fem.Expression:
     if has_type(value, Variable):
         lowered = apply_derivatives(apply_algebra_lowering(value))
         value = map_expr_dag(_WithoutVariables(), lowered)
-    return fem.Expression(value, np.asarray(points))
+    mesh = extract_unique_domain(value).ufl_cargo()
+    return wait_for_others(
+        mesh.comm, lambda options: fem.Expression(value, np.asarray(points), jit_options=options)
+    )
 
 
 def integration_cells(form: fem.Form) -> npt.NDArray[np.int32]:

@@ -3,13 +3,13 @@
 from fem_lie._jit.decorators import (
     callback,
     compiled,
-    compiling,
     inlined,
     inlined_series,
     inlined_uncounted,
     linked,
     uncounted,
 )
+from fem_lie._jit.progress import compiling
 
 __all__ = [
     "callback",

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import inspect
-import logging
 from collections.abc import Callable
 from functools import cached_property, update_wrapper
-from time import perf_counter
 from typing import Any, TypeVar, cast
 
 import numba
-from numba.core import config, event
+from numba.core import config
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
@@ -22,7 +20,7 @@ from fem_lie._jit.libraries import (
     set_environments,
     without_machine_code,
 )
-from fem_lie._jit.machine_code import PACKAGE, own_cache
+from fem_lie._jit.machine_code import own_cache
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -50,42 +48,6 @@ def inlined_series(function: F) -> F:
     Not for anything that relies on ``a b − b a = 0``.
     """
     return _njit(function, forceinline=True, fastmath={"contract"})
-
-
-class Compiling(event.Listener):
-    """Says once in a process that machine code of this package is made.
-
-    Attributes:
-        seconds: How long that has taken in this process.
-    """
-
-    def __init__(self) -> None:
-        """Nothing was made yet."""
-        self.seconds, self._depth, self._begin, self._said = 0.0, 0, 0.0, False
-
-    def on_start(self, event: Any) -> None:
-        """A function begins to be compiled, for itself or for another one."""
-        module = str(event.data["dispatcher"].py_func.__module__)
-        if not self._said and module.startswith(f"{PACKAGE.name}."):
-            self._said = True
-            logging.getLogger(__name__).warning(
-                "%s compiles machine code, which it keeps: once per version and scheme, up to a "
-                "minute or two",
-                PACKAGE.name,
-            )
-        if self._depth == 0:
-            self._begin = perf_counter()
-        self._depth += 1
-
-    def on_end(self, event: Any) -> None:
-        """It is done."""
-        self._depth -= 1
-        if self._depth == 0:
-            self.seconds += perf_counter() - self._begin
-
-
-compiling = Compiling()
-event.register("numba:compile", compiling)
 
 
 class Callback:

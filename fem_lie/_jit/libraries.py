@@ -20,7 +20,7 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.environment import lookup_environment
 from numba.core.runtime import rtsys
 
-from fem_lie._jit.checked_files import CheckedFiles
+from fem_lie._jit.shipped import WithShipped
 
 _log = logging.getLogger(__name__)
 
@@ -34,7 +34,7 @@ class SafeCache(FunctionCache):
         """Find where the code of a function is kept."""
         super().__init__(function)
         locator = self._impl.locator
-        self._cache_file = CheckedFiles(
+        self._cache_file = WithShipped(
             locator.get_cache_path(), self._impl.filename_base, locator.get_source_stamp()
         )
 

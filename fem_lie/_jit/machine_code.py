@@ -29,9 +29,14 @@ from typing import Any
 import numba
 from numba.core.caching import CacheImpl, _CacheLocator
 
+from fem_lie._jit import shipped
 from fem_lie._jit.checked_files import read_checked, write_checked
 
 PACKAGE = Path(__file__).parents[1]
+_FORMAT = 1
+"""Of what is kept: counted up when files of another format would not be understood."""
+_WITHOUT_INFLUENCE = ("checked_files", "machine_code", "progress", "shipped")
+"""Files of this folder that keep and report machine code, and do not change it."""
 _KEEP_FOLDERS, _KEEP_SOURCES = 12, 2000  # of each file, of all
 
 
@@ -85,7 +90,7 @@ def own_cache(function: Callable[..., Any], *, for_callers: bool = False) -> Ite
 def _folder_of(file: Path) -> Path:
     """The folder for the machine code of this state of ``file``, marked as in use."""
     assert FOLDER is not None
-    digest = hashlib.sha256(f"{numba.__version__} {sys.version}".encode())
+    digest = hashlib.sha256(f"{_FORMAT} {numba.__version__} {sys.version}".encode())
     for source in sorted(_with_all_it_imports(file)):
         digest.update(f"{source.name} {_code(source.read_bytes())}".encode())
     name = _name_of(file)
@@ -106,11 +111,16 @@ def _name_of(file: Path) -> str:
 
 
 def _with_all_it_imports(file: Path) -> set[Path]:
-    """``file`` and what it imports of this package, at one or more removes."""
+    """``file`` and what it imports of this package, at one or more removes.
+
+    Without the files that keep and report machine code.
+    """
+    here = Path(__file__)
+    beside = {here.with_stem(name) for name in _WITHOUT_INFLUENCE}
     found: set[Path] = set()
     left = [file]
     while left:
-        if (source := left.pop()) not in found:
+        if (source := left.pop()) not in found | beside:
             found.add(source)
             left += _imports(source)
     return found
@@ -119,9 +129,11 @@ def _with_all_it_imports(file: Path) -> set[Path]:
 def _code(source: bytes) -> str:
     """Fingerprint of a file without its comments and docstrings; kept, as it takes a while."""
     assert FOLDER is not None
-    kept = FOLDER / "sources" / hashlib.sha256(sys.version.encode() + source).hexdigest()[:32]
-    if (known := read_checked(kept)) is not None:
-        return known.decode()
+    name = hashlib.sha256(sys.version.encode() + source).hexdigest()[:32]
+    kept = FOLDER / "sources" / name
+    for path in (kept, shipped.FOLDER / "sources" / name):
+        if (known := read_checked(path)) is not None:
+            return known.decode()
     tree = ast.parse(source)
     for node in ast.walk(tree):
         if isinstance(body := getattr(node, "body", None), list):

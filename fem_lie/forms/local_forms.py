@@ -31,6 +31,7 @@ import ufl
 from dolfinx import fem
 
 from fem_lie._arrays import Array
+from fem_lie._form_cache import compile_form
 from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.frame_map import FrameMap
 from fem_lie.forms.kernels import in_local_frames as kernels
@@ -169,7 +170,7 @@ class LocalFrameForms:
             extra=[self.increment, dy],
         )
         one = ufl.as_vector([1.0] * energy.strain.ufl_shape[0])
-        weights = fem.assemble_vector(fem.form(ufl.inner(one, tau) * dx)).array
+        weights = fem.assemble_vector(compile_form(ufl.inner(one, tau) * dx)).array
         # cells of other ranks, and cells without energy, have no weights and keep no stress
         self._per_weight = np.divide(1.0, weights, out=np.zeros_like(weights), where=weights != 0)
 

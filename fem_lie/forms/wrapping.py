@@ -12,6 +12,7 @@ import ufl
 from dolfinx import fem
 
 from fem_lie import _compat
+from fem_lie._form_cache import compile_form
 from fem_lie.forms.frame_map import FrameMap
 from fem_lie.forms.kernels import in_local_frames as kernels
 
@@ -35,7 +36,7 @@ class CompiledForm:
     def __init__(self, form: ufl.Form) -> None:
         if {integral.integral_type() for integral in form.integrals()} != {"cell"}:
             raise ValueError(f"the energy must be integrated over cells (dx) only, got {form}")
-        self._form = fem.form(form)
+        self._form = compile_form(form)
         data = self._form.ufcx_form
         count = data.form_integral_offsets[1] - data.form_integral_offsets[0]
         if count > 1:

@@ -12,6 +12,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
+from fem_lie._jit.copies import copy_matrix
 from fem_lie.lie.polar import polar_rotation
 
 
@@ -77,7 +78,7 @@ def turn_axes(H: Array, around: PlainSurroundings, motion: Array, written: Indic
             continue
         _multiply_transposed(known.axes[i], R, new)
         _multiply_transposed(new, H[i, 1:], turn)
-        H[i, 1:] = new
+        copy_matrix(new, H[i, 1:])
         for k in written:
             for at in (0, 3):
                 for a in range(3):

@@ -58,6 +58,7 @@ from scipy.spatial import Delaunay
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._compat import create_surface_mesh
+from fem_lie._form_cache import compile_form
 from fem_lie.sections.material import Material
 from fem_lie.sections.outlines.mesh import SectionMesh
 
@@ -177,8 +178,8 @@ class WarpingFields:
 def _forms(V: fem.FunctionSpace, weight: fem.Function) -> dict[str, fem.Form]:
     u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
     return {
-        "stiffness": fem.form(weight * ufl.inner(ufl.grad(u), ufl.grad(v)) * ufl.dx),
-        "mass": fem.form(weight * u * v * ufl.dx),
-        "derivative_y": fem.form(weight * u * v.dx(0) * ufl.dx),
-        "derivative_z": fem.form(weight * u * v.dx(1) * ufl.dx),
+        "stiffness": compile_form(weight * ufl.inner(ufl.grad(u), ufl.grad(v)) * ufl.dx),
+        "mass": compile_form(weight * u * v * ufl.dx),
+        "derivative_y": compile_form(weight * u * v.dx(0) * ufl.dx),
+        "derivative_z": compile_form(weight * u * v.dx(1) * ufl.dx),
     }

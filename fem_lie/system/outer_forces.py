@@ -14,6 +14,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked, uncounted
+from fem_lie._jit.copies import copy_blocks, copy_matrix, copy_vector
 from fem_lie.bodies.balances import BY_LOADS
 from fem_lie.forms.fixed_arrays import integers1, numbers1, numbers2, numbers3
 from fem_lie.joints.equations import terms
@@ -193,9 +194,12 @@ def sum_up(
         lie.relative(old_H[first + p], H[first + p], moved)
         for k in range(6):
             total[POWER] += 0.5 * (old_wrenches[p, k] + wrenches[p, k]) * moved[k]
-    old_row[:], old_wrenches[:] = row, wrenches
-    old_H[:], old_v[:] = H, v
-    old_weights[:], old_targets[:] = weights, targets
+    copy_vector(row, old_row)
+    copy_matrix(wrenches, old_wrenches)
+    copy_blocks(H, old_H)
+    copy_matrix(v, old_v)
+    copy_vector(weights, old_weights)
+    copy_vector(targets, old_targets)
 
 
 @linked

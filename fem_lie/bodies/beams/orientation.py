@@ -17,6 +17,7 @@ import numpy.typing as npt
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices, direction, instance
 from fem_lie._jit import compiled
+from fem_lie._jit.copies import copy_vector
 
 if TYPE_CHECKING:
     from fem_lie.mesh.lines import LineMesh
@@ -182,8 +183,8 @@ def _transport(order: Indices, first: Indices, free: Array, frames: Array) -> No
                 continue
             if not before:
                 axis = 2 if abs(cell[0, 1, 2]) < 0.99 else 0
-                e3[:] = -cell[0, 1, axis] * cell[0, 1]
-                e3[axis] += 1.0
+                for c in range(3):
+                    e3[c] = (c == axis) - cell[0, 1, axis] * cell[0, 1, c]
             before = True
             _complete(cell[0], e3)
             chord = cell[1, 0] - cell[0, 0]
@@ -191,7 +192,9 @@ def _transport(order: Indices, first: Indices, free: Array, frames: Array) -> No
             turned = e3 - factor * np.dot(chord, e3) * chord
             tangent = cell[0, 1] - factor * np.dot(chord, cell[0, 1]) * chord
             gap = cell[1, 1] - tangent
-            e3[:] = turned - 2.0 * np.dot(gap, turned) / np.dot(gap, gap) * gap
+            along = 2.0 * np.dot(gap, turned) / np.dot(gap, gap)
+            for c in range(3):
+                e3[c] = turned[c] - along * gap[c]
             _complete(cell[1], e3)
 
 
@@ -200,7 +203,7 @@ def _complete(frame: Array, e3: Array) -> None:
     """Set e₂ and e₃ of a frame whose e₁ is known; ``e3`` becomes orthonormal to it."""
     e3 -= np.dot(e3, frame[1]) * frame[1]
     e3 /= np.sqrt(np.dot(e3, e3))
-    frame[3] = e3
+    copy_vector(e3, frame[3])
     frame[2, 0] = e3[1] * frame[1, 2] - e3[2] * frame[1, 1]
     frame[2, 1] = e3[2] * frame[1, 0] - e3[0] * frame[1, 2]
     frame[2, 2] = e3[0] * frame[1, 1] - e3[1] * frame[1, 0]

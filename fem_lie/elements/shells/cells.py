@@ -15,6 +15,7 @@ from ufl.core.expr import Expr
 
 from fem_lie import _compat
 from fem_lie._arrays import Array
+from fem_lie._form_cache import compile_form
 from fem_lie.elements.shells import drilling_strain, strains
 from fem_lie.elements.shells.maps import FIVE, SIX
 from fem_lie.elements.shells.measures import MITC4, StrainMeasures
@@ -287,7 +288,9 @@ class ShellCells:
     def _centroid(self) -> fem.Function:
         f = self.cellwise(np.zeros((self.increment.function_space.dofmap.list.shape[0], 2)))
         w, one = ufl.TestFunction(f.function_space), ufl.as_vector([1.0, 1.0])
-        moment = fem.assemble_vector(fem.form(ufl.inner(ufl.as_vector([*self.point]), w) * self.dx))
-        area = fem.assemble_vector(fem.form(ufl.inner(one, w) * self.dx))
+        moment = fem.assemble_vector(
+            compile_form(ufl.inner(ufl.as_vector([*self.point]), w) * self.dx)
+        )
+        area = fem.assemble_vector(compile_form(ufl.inner(one, w) * self.dx))
         f.x.array[:] = moment.array / area.array
         return f

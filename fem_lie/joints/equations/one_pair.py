@@ -12,6 +12,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
+from fem_lie._jit.copies import copy_vector
 from fem_lie.joints.equations import functions
 from fem_lie.joints.equations.relative_motion import relative_motion, variation
 from fem_lie.joints.equations.table import JointTable
@@ -84,7 +85,7 @@ def term(table: JointTable, t: int, z: Array, f: Array) -> float:
 @inlined
 def gradient(table: JointTable, j: int, t: int, z: Array, p: Array) -> None:
     """``p = ∂(term t)/∂z``."""
-    p[:] = table.selection[t]
+    copy_vector(table.selection[t], p)
     functions.add_gradients(z, table.angle[j], table.functions[t], p)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined, uncounted
+from fem_lie._jit.copies import copy_matrix
 from fem_lie.lie import motions
 from fem_lie.lie.kinds.forces import pull, push
 from fem_lie.lie.kinds.kind import SLOPE, axes, set_axes
@@ -209,8 +210,9 @@ def rigid_motions(kinds: Indices, H: Array, about: Array) -> Array:
     """:func:`rigid` for nodes (n,), turning about a place (3,), shape (n, 6, 6)."""
     out, node = np.empty((kinds.shape[0], 6, 6)), np.empty((4, 3))
     for i in range(kinds.shape[0]):
-        node[:] = H[i]
-        node[0] -= about
+        copy_matrix(H[i], node)
+        for c in range(3):
+            node[0, c] -= about[c]
         rigid(kinds[i], node, out[i])
     return out
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie._jit.copies import copy_matrix
 from fem_lie._jit.stack import blocks_at, matrix_at, stack
 from fem_lie.lie.kinds.floating_coordinates import (
     Rows,
@@ -290,7 +291,7 @@ def add_weights(H: Array, integers: Indices, numbers: Array, out: Array, at: int
         m, first = (G.shape[0] - 4) // 3, np.zeros(3)
         q, z = np.empty((nodes.shape[0], 4, 3)), np.zeros(m)
         for i in range(nodes.shape[0]):
-            q[i] = H[nodes[i]]
+            copy_matrix(H[nodes[i]], q[i])
         coordinates(q, interfaces, z)
         for a in range(m):
             for c in range(3):

@@ -19,6 +19,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
+from fem_lie._jit.copies import copy_matrix
 from fem_lie.lie.motions import Parametrisation
 from fem_lie.lie.series import exponential, rotation_vector
 from fem_lie.lie.tuples import (
@@ -174,7 +175,7 @@ def carry(kind: int, H: Array, d: Array, out: Array) -> None:
     """The node ``H`` that is no frame moved by ``d``; axes of slopes by the smallest rotation."""
     if kind != SLOPE:
         at = first(kind)
-        out[:] = H
+        copy_matrix(H, out)
         for k in range(straight(kind)):
             store_row(out, at + k, plus(load_row(H, at + k), load(d, 3 * k)))
         return

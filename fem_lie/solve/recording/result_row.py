@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
+from fem_lie._jit.copies import copy_blocks, copy_vector
 from fem_lie.bodies.balances import COLUMNS
 from fem_lie.forms.cell_forms import add_cells
 from fem_lie.forms.fixed_arrays import (
@@ -239,7 +240,7 @@ def _fill(
         potential = report_rates(H, V, mass, bodies, given.dead, work, kept.invariants[row])
     springs = _fill_joints(H, v, weights, scene, rows, row)
     if _any(kept.balance):
-        kept.balance[row][:] = booked[:COLUMNS]
+        copy_vector(booked, kept.balance[row])
     if _any(kept.impulses):
         for k in range(6):
             kept.impulses[row, 0, k] = booked[COLUMNS + k]
@@ -265,7 +266,7 @@ def _fill_motion(H: Array, v: Array, given: Given, kept: Kept, row: int) -> None
     if wanted:
         shown_all(given.kinds, H, v, own)
     if leads:
-        kept.frames[row][:] = H[:moving]
+        copy_blocks(H, kept.frames[row])
     else:
         expand_motion(H, own, given.leader, given.offset, kept.frames[row], velocities)
 

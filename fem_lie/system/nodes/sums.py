@@ -9,6 +9,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked, uncounted
+from fem_lie._jit.copies import copy_vector
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.cell_forms import add_cells
 from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3, numbers4
@@ -267,7 +268,7 @@ def combine_rows(rows: Array, kinds: Indices, d: Array, nodes: Indices) -> None:
             row[n] = 0.0
             for k in range(6):
                 row[n] += rows[leg, k] * T[k, n]
-        rows[leg] = row
+        copy_vector(row, rows[leg])
 
 
 @compiled

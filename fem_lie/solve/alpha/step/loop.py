@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_lie._arrays import Indices
 from fem_lie._jit import inlined, linked
+from fem_lie._jit.copies import copy_vector
 from fem_lie.joints.equations.terms import unwrap_both
 from fem_lie.lie.carried_axes import turn_axes
 from fem_lie.linear.factors import PlainSolution, solve_by_call
@@ -59,7 +60,7 @@ def _begin(table: Indices, scheme: PlainScheme, state: PlainState) -> None:
     counters, numbers = this.counters, this.numbers
     counters[STEP] += 1
     counters[ITERATION] = 1
-    this.first[:] = this.weights
+    copy_vector(this.weights, this.first)
     numbers[MOTION] = max(predict(scheme, state), numbers[MOTION])
     numbers[PREVIOUS], numbers[NOW] = np.inf, numbers[RATIO]
 

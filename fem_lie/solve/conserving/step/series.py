@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined, uncounted
+from fem_lie._jit.copies import copy_vector
 from fem_lie._jit.stack import matrix_at, stack
 from fem_lie.linear.factors import PlainFactors, solve
 from fem_lie.solve.conserving.step.corrections import size
@@ -232,7 +233,7 @@ def set_inverse(factors: PlainFactors, ends: LegEnds, r: Array) -> None:
         for a in range(unknowns.shape[0]):
             ends.inverse[b, a] = term[unknowns[a]]
         if whole:
-            ends.columns[b, :] = term
+            copy_vector(term, ends.columns[b])
 
 
 @inlined
