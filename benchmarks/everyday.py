@@ -13,11 +13,11 @@ from argparse import ArgumentParser
 from datetime import date
 from itertools import chain
 
-from benchmarks.everyday_rows import first_use
+from benchmarks.everyday_rows import first_use, solvers
 from benchmarks.everyday_rows.row import Row
 from fem_lie import _blas
 
-FILES = (first_use,)
+FILES = (first_use, solvers)
 ROWS: tuple[Row, ...] = tuple(chain.from_iterable(file.ROWS for file in FILES))
 """All rows, in the order of the table."""
 

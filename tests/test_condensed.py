@@ -6,13 +6,13 @@ import scipy.sparse as sp
 
 import fem_lie as fl
 from demos.space_net import square_net
+from fem_lie.linear import choice
 from fem_lie.linear.bordered import KKT, Border
+from fem_lie.linear.choice import CHAINS, Solutions, choose
 from fem_lie.linear.condensed import preconditioner
 from fem_lie.linear.condensed.elimination import plan_of
 from fem_lie.linear.direct import DirectSolver
-from fem_lie.linear.packages import CHAINS, LATTICES, THREADS, ByChains
-from fem_lie.solve import methods
-from fem_lie.solve.methods import methods_in_time
+from fem_lie.linear.packages import Alone, ByChains, Method
 from fem_lie.system.equations import Equations
 
 
@@ -100,7 +100,7 @@ def test_solutions_are_those_of_the_whole_matrix(name, seed):
         free = ~kkt.unit_rows[: 6 * count].reshape(-1, 6).all(axis=1)
         assert free.sum() - len(plan.order) == left
     A = sp.csr_matrix(kkt.csr).toarray()
-    solver = DirectSolver(kkt, "test_condensed_", THREADS)
+    solver = DirectSolver(kkt, "test_condensed_", CHAINS)
     for _ in range(2):  # factors are made anew in the same memory
         solver.factorise()
         b = np.random.default_rng(seed).normal(size=len(A))
@@ -123,7 +123,7 @@ def test_chains_keep_their_factors_while_constraints_change(name, monkeypatch):
     monkeypatch.setattr(
         preconditioner, "factorise", lambda *args: made.append(args) or factors(*args)
     )
-    solver = DirectSolver(kkt, "test_condensed_", THREADS)
+    solver = DirectSolver(kkt, "test_condensed_", CHAINS)
     m, rng = len(kkt.measure), np.random.default_rng(1)
     for factor, anew, times in ((1.0, True, 1), (1.0, False, 1), (2.0, True, 2), (2.0, False, 2)):
         rows = np.zeros((m, 6))
@@ -148,13 +148,17 @@ def test_where_a_node_alone_is_singular_the_whole_is_factorised():
     inside = np.flatnonzero(columns[pointers[row] : pointers[row + 1]] // 6 == row // 6)
     values[pointers[row] + inside] = 0.0  # regular by its neighbours alone
     A = sp.csr_matrix(kkt.csr).toarray()
-    solver = DirectSolver(kkt, "test_condensed_", THREADS)
+    solver = DirectSolver(kkt, "test_condensed_", CHAINS)
     solver.factorise()
     b = np.arange(1.0, len(A) + 1.0)
     solver.right_hand_side[:] = b
     solver.solve()
     assert not isinstance(solver._methods[0], ByChains)
     np.testing.assert_allclose(A @ solver.solution, b, atol=1e-9 * np.abs(b).max())
+
+
+def methods(equations: Equations) -> tuple[Method, ...]:
+    return choose(equations.matrix, "test_condensed_", Solutions.MANY).methods
 
 
 def test_a_net_moves_as_with_factors_of_the_whole(monkeypatch):
@@ -165,10 +169,10 @@ def test_a_net_moves_as_with_factors_of_the_whole(monkeypatch):
         return scheme.run(square_net(2, 10), duration=3e-3, step=1e-3, progress=False)
 
     wanted = run()
-    assert methods_in_time(Equations(square_net(2, 10), dynamics=True)) == LATTICES
-    monkeypatch.setattr(methods, "LARGE", 10)
     equations = Equations(square_net(2, 10), dynamics=True)
-    assert methods_in_time(equations) == THREADS
+    assert methods(equations)[0].package == "umfpack"
+    monkeypatch.setattr(choice, "LARGE", 10)
+    assert methods(equations) == CHAINS
     plan = plan_of(equations.matrix)
     assert len(plan.sizes) - len(plan.order) <= 4 * 9 + 4  # nine knots, four masses
     found = run()
@@ -183,4 +187,4 @@ def test_a_net_moves_as_with_factors_of_the_whole(monkeypatch):
         body = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (k + 0.5, 0, 0)))
         scene.add(fl.Spherical(last, body.centre, at=(k, 0, 0)))
         last = body.centre
-    assert methods_in_time(Equations(scene, dynamics=True)) == CHAINS
+    assert methods(Equations(scene, dynamics=True)) == (Alone("lu", "klu"),)

@@ -10,9 +10,12 @@ import fem_lie as fl
 from demos.hemisphere import pinched, quarter
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.linear.packages import INDEFINITE, MOTION, SYMMETRIC
+from fem_lie.linear.packages import Method
 from fem_lie.solve.statics.follow import SceneEquilibrium
 from fem_lie.system.instant import Instant, Plan
+
+SYMMETRIC = Method("cholesky", "cholmod"), Method("cholesky", "mumps")
+INDEFINITE = SYMMETRIC[1:]
 
 
 def stored(model: SceneEquilibrium) -> sp.csr_matrix:
@@ -56,7 +59,7 @@ def test_options_that_are_given_come_before_those_of_a_package():
     model = SceneEquilibrium(pinched(0.04, quarter(3), fl.HellingerReissner()), "test_")
     options = PETSc.Options("test_given_")
     options["mat_umfpack_pivot_tolerance"] = 0.5
-    DirectSolver(model.equations.matrix, "test_given_", MOTION)
+    DirectSolver(model.equations.matrix, "test_given_", [Method("lu", "umfpack")])
     assert options.getReal("mat_umfpack_pivot_tolerance") == 0.5
     assert options.getString("mat_umfpack_strategy") == "SYMMETRIC"
 

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.linear.packages import CHAINS, LATTICES
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.staleness import staleness
-from fem_lie.solve.methods import methods_in_time
 from fem_lie.solve.motion.policies import Ruled
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.renewal import Update
@@ -244,24 +242,4 @@ def ladder(rungs: int = 4) -> fl.Scene:
         rung = scene.add(fl.Beam.straight(one.position, two.position, section, cells=2))
         scene.add(fl.Spherical(one, rung.start))
         scene.add(fl.Spherical(two, rung.end))
-    return scene
-
-
-def test_solvers_are_chosen_by_what_is_left_without_chains():
-    assert methods_in_time(Equations(ladder(), dynamics=True)) == LATTICES
-    assert methods_in_time(Equations(chain(4), dynamics=True)) == CHAINS
-    assert methods_in_time(Equations(chain(4, closed=True), dynamics=True)) == CHAINS
-
-
-def chain(bars: int, *, closed: bool = False) -> fl.Scene:
-    """Bars around a polygon on spherical joints, with elements of three nodes."""
-    scene, angles = fl.Scene(), 2 * np.pi * np.arange(bars + 1) / bars
-    places = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
-    section = fl.Section.circle(0.005, MATERIAL)
-    beams = [
-        scene.add(fl.Beam.straight(a, b, section, cells=2, formulation=fl.Director(2)))
-        for a, b in pairwise(places)
-    ]
-    for one, two in pairwise(beams + beams[: int(closed)]):
-        scene.add(fl.Spherical(one.end, two.start))
     return scene

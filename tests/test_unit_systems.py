@@ -7,7 +7,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie.linear.direct import DirectSolver
-from fem_lie.linear.packages import MOTION
+from fem_lie.linear.packages import Method
 from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.system import System
 from fem_lie.system.equations import Equations
@@ -35,6 +35,9 @@ def test_there_and_back(u):
     np.testing.assert_allclose(stiff[0, 4], u.moment(matrix[0, 4]))
     np.testing.assert_allclose(stiff[4, 4], u.bending(matrix[4, 4]))
     assert METRES.time(2.0) == 2.0
+
+
+MOTION = Method("lu", "umfpack"), Method("lu", "mumps")
 
 
 def first_accelerations(u: UnitSystem, step: float) -> tuple[np.ndarray, np.ndarray]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from time import process_time
 from typing import TYPE_CHECKING, Any
 
 from petsc4py import PETSc
@@ -12,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array
+from fem_lie.linear.choice import Choice, Solutions, choose
 from fem_lie.linear.equilibrated import (
     Equilibrated,
     InaccurateSolutionError,
@@ -20,7 +22,6 @@ from fem_lie.linear.equilibrated import (
 from fem_lie.linear.factors import Solution, addresses
 from fem_lie.linear.low_rank import Columns
 from fem_lie.linear.packages import (
-    CHAINS,
     DEFAULTS,
     DIAGNOSIS,
     NEGATIVE,
@@ -52,6 +53,9 @@ class ConvergenceError(RuntimeError):
         self.result = result
 
 
+_LONG, _FAR = 0.1, 4.0
+"""Seconds, and how often those that were expected, beyond which a method was a bad guess."""
+
 MOST_REFINED = 3
 """Times that a solution is refined before another method is tried: a residual costs little."""
 
@@ -76,24 +80,36 @@ class DirectSolver:
         columns: For what is beside the matrix.
     """
 
-    def __init__(self, kkt: KKT, prefix: str, methods: Sequence[Method] = CHAINS) -> None:
+    def __init__(
+        self,
+        kkt: KKT,
+        prefix: str,
+        methods: Sequence[Method] = (),
+        *,
+        solutions: Solutions = Solutions.MANY,
+    ) -> None:
         """Keep the matrix; nothing is factorised yet.
 
         Args:
             kkt: Its values change between factorisations.
             prefix: Prefix of the PETSc options.
-            methods: What to try, one after the other.
+            methods: What to try, one after the other; default: what :func:`~.choice.choose` says.
+            solutions: How many there are with each factorisation.
         """
-        self._kkt, self._prefix, self._methods = kkt, prefix, tuple(methods)
+        self._kkt, self._prefix = kkt, prefix
+        choice = Choice(tuple(methods)) if methods else choose(kkt, prefix, solutions)
+        self._methods, self._expected = choice
         self._own = Equilibrated(kkt)
-        self._symmetric = all(method.kind == "cholesky" for method in methods)
         first = self._methods[0]
         size = len(kkt.units)
         self._shares = not first.together and shared(size, prefix, spreads=first.spreads)
         self._rescues = RESCUES
         if self._shares:
-            self._methods = (Method("cholesky" if self._symmetric else "lu", "mumps"),)
+            kinds = dict.fromkeys(method.kind for method in self._methods)
+            self._methods = tuple(Method(kind, "mumps") for kind in kinds)
             self._rescues = tuple(method for method in RESCUES if method.package in ON_RANKS)
+        others = (each for each in self._rescues if each not in self._methods)
+        self._order = (*self._methods, *others)
         self._take_over()
         self._ksp = self._solver(self._methods[0])
         self.factorisations = self.refreshes = 0
@@ -114,8 +130,6 @@ class DirectSolver:
         self._local = self._own.matrix
         self._shared = SharedMatrix(self._own.csr) if self._shares else None
         self._matrix = self._local if self._shared is None else self._shared.matrix
-        if self._symmetric:
-            self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self._solvers: dict[Method, PETSc.KSP] = {}
 
     def factorise(self) -> None:
@@ -132,6 +146,10 @@ class DirectSolver:
         if self._shared is not None:
             self._shared.take()
         self._idle = self._own.idle()
+        if self._methods[0].symmetric and not self._own.is_symmetric():
+            self._methods = (
+                tuple(each for each in self._methods if not each.symmetric) or self._rescues
+            )
         self._set_up()
         self.factorisations += 1
 
@@ -140,10 +158,12 @@ class DirectSolver:
         self._checked, self._refines, self._by_call = False, 0, None
         self.columns.forget()
         for tried, method in enumerate(self._methods):
+            began = process_time()
             failure = self._failure(method)
             if failure is None:
                 # what was indefinite once will be so again, and each failure costs a factorisation
                 self._methods, self._ksp = self._methods[tried:], self._solver(method)
+                self._notice(process_time() - began)
                 return
         if method.package == "klu":
             failure = self._failure(DIAGNOSIS) or failure
@@ -151,9 +171,22 @@ class DirectSolver:
             raise failure
         raise SingularMatrixError("the matrix is singular") from failure
 
+    def _notice(self, seconds: float) -> None:
+        """Say how long the first factorisation took; if that is far too long, another is next."""
+        if self._expected is None:
+            return
+        expected, self._expected = self._expected, None
+        package, others = self._methods[0].package, self._methods[1:]
+        _log.info("%s: %.2g s of processor for the first factors", package, seconds)
+        if others and seconds > max(_LONG, _FAR * expected):
+            _log.info("that is far above %.2g s, so from now on %s", expected, others[0].package)
+            self._methods = others
+            self._set_up()
+
     def _failure(self, method: Method) -> Exception | None:
         """Factorise by a method; why it cannot, or ``None``."""
         ksp, raised = self._solver(method), None
+        self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, method.symmetric)
         ksp.setOperators(self._matrix)
         try:
             ksp.setUp()
@@ -177,6 +210,23 @@ class DirectSolver:
         self.factorise()
         self.factorisations -= 1
         self.refreshes += 1
+
+    def memory(self) -> dict[str, Array]:
+        """By which method solutions are found and how often they are refined, for a checkpoint."""
+        tried = self._order.index(self._methods[0])
+        return {"solver": np.array([tried, self._refines, self._checked], dtype=np.int64)}
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Factorise the matrix as it is now, and solve with it as when :meth:`memory` was called.
+
+        Raises:
+            SingularMatrixError: It cannot be factorised.
+            MemoryError: There is not enough memory for the factors.
+        """
+        tried, refines, checked = (int(x) for x in kept["solver"])
+        self._methods, self._expected = self._order[tried:], None
+        self.factorise()
+        self._refines, self._checked = refines, bool(checked)
 
     def _solver(self, method: Method) -> PETSc.KSP:
         """PETSc's solver for a method, made when it is first needed."""
@@ -265,10 +315,8 @@ class DirectSolver:
     def _check(self) -> None:
         """Make sure that what was found is a solution."""
         error = self._refined()
-        given = self._methods[1:]
-        others = iter(
-            (*given, *(method for method in self._rescues if method not in self._methods))
-        )
+        given = [each for each in self._methods[1:] if not each.symmetric]
+        others = iter((*given, *(each for each in self._rescues if each not in self._methods)))
         while error > self._methods[0].accurate:
             _log.info("%s: residual %.1e", self._methods[0].package, error)
             method = next(others, None)

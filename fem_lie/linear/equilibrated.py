@@ -27,6 +27,10 @@ ACCURATE = 1e-10
 A solver that is stable leaves 1e-16 … 1e-13."""
 
 
+_SYMMETRIC = 1e-13
+"""Difference of two entries of a symmetric matrix whose largest entry is about one."""
+
+
 class SingularMatrixError(ArithmeticError):
     """The matrix has no factorisation."""
 
@@ -95,6 +99,28 @@ def _backward_error(
     return error
 
 
+@compiled
+def _asymmetry(values: Array, columns: Indices, pointers: Indices, allowed: float) -> float:
+    """``max |a_ij − a_ji|``, or the first that is not allowed; nan if the pattern is unsymmetric.
+
+    Columns of a row ascend, so that those below the diagonal of a row are met one after the other.
+    """
+    n, most = len(pointers) - 1, 0.0
+    below = pointers[:n].copy()
+    for i in range(n):
+        for k in range(pointers[i], pointers[i + 1]):
+            j = columns[k]
+            if j > i:
+                mirrored = below[j]
+                if mirrored == pointers[j + 1] or columns[mirrored] != i:
+                    return np.nan
+                below[j] += 1
+                most = max(most, abs(values[k] - values[mirrored]))
+                if most > allowed:
+                    return most
+    return most
+
+
 class Equilibrated:
     """A copy of the matrix that stays as it was taken.
 
@@ -145,6 +171,10 @@ class Equilibrated:
         if self._matrix is not None:
             self._matrix.stateIncrease()
             self._matrix.assemble()
+
+    def is_symmetric(self) -> bool:
+        """Whether it is, but for round-off; its largest entry is about one."""
+        return bool(_asymmetry(*self.csr, _SYMMETRIC) <= _SYMMETRIC)
 
     def backward_error(self, b: Array, x: Array, r: Array) -> float:
         """Of the solution ``x`` for ``b``, both of this matrix; sets ``r = b − A x``."""

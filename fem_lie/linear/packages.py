@@ -34,6 +34,11 @@ class Method:
     together: ClassVar[bool] = False
     accurate: ClassVar[float] = ACCURATE
 
+    @property
+    def symmetric(self) -> bool:
+        """Whether it reads one half of the matrix alone."""
+        return self.kind == "cholesky"
+
     def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
         """Make it what ``pc`` does with the equilibrated copy ``own`` of ``kkt``."""
         pc.setType(self.kind)
@@ -84,29 +89,6 @@ class Domains(Alone):
         """See the base class; subdomains say themselves what they lack."""
         return None
 
-
-CHAINS = (Alone("lu", "klu"),)
-"""The fastest for chains, trees and single loops of bodies: block triangular, little fill."""
-
-SURFACES = (Method("lu", "mumps"),)
-"""For surfaces, whose factors fill."""
-
-SYMMETRIC = (Method("cholesky", "cholmod"), Method("cholesky", "mumps"))
-"""For symmetric matrices of surfaces: positive definite, or else indefinite."""
-
-INDEFINITE = SYMMETRIC[1:]
-"""For symmetric matrices of surfaces that are bordered by constraints."""
-
-MOTION = (Method("lu", "umfpack"), Method("lu", "mumps"))
-"""For surfaces in time: umfpack solves twice as fast as mumps."""
-
-LATTICES = (Alone("lu", "umfpack"), Method("lu", "mumps"))
-"""For trusses and small nets in time. The factors of klu grow faster than a truss whose bars are
-joined: from 2 to 8 cells of 28 bars 32 times as slow."""
-
-THREADS = (ByChains("lu", "mumps"), *reversed(MOTION))
-"""For large nets and trusses, most nodes of which are within threads and bars; then mumps, whose
-memory grows less than that of umfpack."""
 
 DEFAULTS: dict[str, dict[str, object]] = {
     # indefinite matrices are no news

@@ -8,9 +8,9 @@ import scipy.sparse as sp
 
 from fem_lie._arrays import Array
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.linear.slepc import Complex
 from fem_lie.linear.spectra.krylov import Approximation
 from fem_lie.linear.spectra.pencil import SHIFT, Pencil
+from fem_lie.linear.spectra.slepc import Complex
 
 MOST = 600  # unknowns, less those that constraints eliminate: some seconds
 _INFINITE = 1e-14  # of the largest inverse: eigenvalues of unknowns without mass

@@ -12,9 +12,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array
-from fem_lie.linear.extended import Extended, product
-from fem_lie.linear.rigid_parts import RigidParts
-from fem_lie.linear.slepc import Complex
+from fem_lie.linear.spectra.extended import Extended, product
+from fem_lie.linear.spectra.rigid_parts import RigidParts
+from fem_lie.linear.spectra.slepc import Complex
 
 SHIFT = 1e-10  # over the largest ratio of stiffness to mass: rigid motion must not make it singular
 _ROUND_OFF = 1e-12  # of the largest ratio of stiffness to mass, and of the terms that cancel

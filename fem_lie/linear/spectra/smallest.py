@@ -15,10 +15,10 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.linear.slepc import Complex
 from fem_lie.linear.spectra.dense import dense
 from fem_lie.linear.spectra.krylov import Approximation, Krylov
 from fem_lie.linear.spectra.pencil import SHIFT, Pencil
+from fem_lie.linear.spectra.slepc import Complex
 from fem_lie.linear.spectra.slow_motions import without, without_round_off
 
 _ACCEPTED = 1e-5  # largest residual; eigenvalues of symmetric problems are right to its square

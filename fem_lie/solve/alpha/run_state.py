@@ -18,7 +18,6 @@ from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.node import parameters
 from fem_lie.solve.alpha.step.nodes import State, accept, correct, predict
 from fem_lie.solve.alpha.step.records import COUNTERS, INCREMENT, ITERATION, NUMBERS, RATIO, STEP
-from fem_lie.solve.methods import methods_in_time, on_domains
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.convergence import (
     constraint_scaling,
@@ -88,8 +87,7 @@ class RunState(Integration[Recorder]):
         self.spread: Array = np.zeros(unknowns.vectors.shape)
         self._sizes = self.scale, self.spread, joined
         prefix = options.petsc_options_prefix
-        methods = on_domains(prefix) or methods_in_time(equations)
-        self.solver = DirectSolver(equations.matrix, prefix, methods)
+        self.solver = DirectSolver(equations.matrix, prefix)
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self.forces = equations.residual(self._accepted, self.scale, self.r)
         self.counters, self.numbers = np.zeros(COUNTERS, dtype=np.int64), np.zeros(NUMBERS)
@@ -312,6 +310,7 @@ class RunState(Integration[Recorder]):
             "numbers": self.numbers,
             "counters": self.counters,
         }
+        kept |= self.solver.memory()
         kept["counts"] = np.array(counts)
         kept["beside"] = np.array([self._apart, self._outgrown])
         if self._may_be_apart:
@@ -329,7 +328,7 @@ class RunState(Integration[Recorder]):
         if equations.unknowns.time_dependent:
             equations.prescribed(self.index * self.h).act()
         super().restore(kept)
-        self.solver.factorise()
+        self.solver.restore(kept)
         self._apart, self._outgrown = (bool(x) for x in kept["beside"])
         if self._may_be_apart:
             self.solver.columns.restore(kept)

@@ -19,11 +19,10 @@ from fem_lie._arrays import Array, Flags
 from fem_lie.lie.kinds import SLOPE
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.pivots import inertia
-from fem_lie.linear.rigid_parts import RigidParts
 from fem_lie.linear.spectra.pencil import Pencil
+from fem_lie.linear.spectra.rigid_parts import RigidParts
 from fem_lie.linear.spectra.smallest import smallest
 from fem_lie.scene import Scene
-from fem_lie.solve.methods import methods_on_paths
 from fem_lie.solve.stability.mode_scaling import largest_elongation, node_lengths, scaled
 from fem_lie.solve.statics.follow import SceneEquilibrium
 from fem_lie.solve.statics.pivots import tangent_csr
@@ -49,7 +48,7 @@ class StableEquilibrium(SceneEquilibrium):
             prefix: Of the linear solver's options.
             carried_stress: Carry the stress as an iterate; otherwise plain Newton.
         """
-        super().__init__(scene, prefix, methods_on_paths)
+        super().__init__(scene, prefix)
         self._carried_stress = carried_stress
         self.weight = self.equations.unknowns.units
         self._free = np.flatnonzero(~self.equations.unknowns.held.ravel())

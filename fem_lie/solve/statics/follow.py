@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from typing import NamedTuple
 
@@ -12,16 +12,15 @@ from fem_lie._arrays import Array
 from fem_lie.bodies.turning import FoldedElementError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.lie.kinds import placed, turn_all
+from fem_lie.linear.choice import Solutions
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.linear.packages import Method
 from fem_lie.ranks.subdomains import Subdomains
 from fem_lie.results.equilibrium import PathResult
 from fem_lie.scene import Scene
 from fem_lie.scene.load import StrainLoad
 from fem_lie.scene.rotation import Rotation
 from fem_lie.scene.scene import require_scene
-from fem_lie.solve.methods import methods_for, on_domains
 from fem_lie.solve.statics.arc_length import ArcLength, Path, increasing
 from fem_lie.solve.statics.free_motions import POLISHED, FreeMotions, SingularStartError
 from fem_lie.solve.statics.increment import move
@@ -143,18 +142,12 @@ class SceneEquilibrium:
         placed: Which nodes have a place of their own, shape (n,).
     """
 
-    def __init__(
-        self,
-        scene: Scene,
-        prefix: str,
-        methods: Callable[[Equations], Sequence[Method]] = methods_for,
-    ) -> None:
+    def __init__(self, scene: Scene, prefix: str) -> None:
         """Number the unknowns; the stress is that of the unloaded frames.
 
         Args:
             scene: What there is.
             prefix: Of the linear solver's options.
-            methods: To factorise with; default: what is fastest under growing loads.
         """
         self.equations = equations = Equations(scene, dynamics=False)
         unknowns = equations.unknowns
@@ -163,9 +156,7 @@ class SceneEquilibrium:
         self._H, self._multipliers = equations.start.frames.copy(), np.zeros(unknowns.m)
         self._zero = np.zeros((unknowns.moving, 6))
         self._scale: Array = np.ones(unknowns.m)
-        self._solver = DirectSolver(
-            equations.matrix, prefix, on_domains(prefix) or methods(equations)
-        )
+        self._solver = DirectSolver(equations.matrix, prefix, solutions=Solutions.FEW)
         equations.memory.carry(self._H)
         self._internal, self._load = np.empty(unknowns.size), np.zeros(unknowns.size)
         self._forces_known, self._preload = False, 1.0

@@ -16,7 +16,7 @@ import scipy.sparse as sp
 from fem_lie._arrays import Array
 from fem_lie.lie.kinds import SLOPE
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.linear.rigid_parts import RigidParts
+from fem_lie.linear.spectra.rigid_parts import RigidParts
 from fem_lie.solve.statics.pivots import tangent_csr
 
 if TYPE_CHECKING:

@@ -12,12 +12,12 @@ from fem_lie._arrays import Array
 from fem_lie.bodies.turning import FoldedElementError
 from fem_lie.forms.term import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
+from fem_lie.linear.choice import Solutions
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
-from fem_lie.solve.methods import methods_for, on_domains
 from fem_lie.solve.statics.free_motions import POLISHED, FreeMotions, SingularStartError
 from fem_lie.solve.statics.increment import move
 from fem_lie.solve.statics.newton import Newton
@@ -49,8 +49,7 @@ class LoadSteps:
         self.multipliers: Array = np.zeros(unknowns.m)
         self._moving = unknowns.moving
         self._zero = np.zeros((unknowns.moving, 6))
-        methods = on_domains(prefix) or methods_for(equations)
-        self._solver = DirectSolver(equations.matrix, prefix, methods)
+        self._solver = DirectSolver(equations.matrix, prefix, solutions=Solutions.FEW)
         self._r, self._dx = self._solver.right_hand_side, self._solver.solution
         self.iterations: int = 0
         self.residual: float = 0.0

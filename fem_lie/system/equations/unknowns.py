@@ -16,10 +16,11 @@ from fem_lie.lie.carried_axes import PlainSurroundings
 from fem_lie.lie.kinds.floating import Floating
 from fem_lie.lie.kinds.inertia import Inertia, turning_of
 from fem_lie.scene.choices import Redundant
-from fem_lie.system import describe, symmetry
+from fem_lie.system import describe
 from fem_lie.system.balance.acting import supported
 from fem_lie.system.constraint_sets.all_pairs import AllPairs
 from fem_lie.system.nodes.loads import Loads
+from fem_lie.system.potential import has_potential
 from fem_lie.system.system import System
 
 
@@ -56,7 +57,6 @@ class Unknowns(NamedTuple):
         drilling: Shells whose nodes turn about their third directors.
         floating: Bodies that deform within their frames.
         has_potential: Whether all loads have one.
-        symmetric: Whether the static equations have a symmetric matrix in every state.
         apart: Whether some of the matrix may be beside it.
         told: What there is, in one line for the log.
     """
@@ -89,7 +89,6 @@ class Unknowns(NamedTuple):
     drilling: Sequence[str]
     floating: Sequence[str]
     has_potential: bool
-    symmetric: bool
     apart: bool
     told: str
 
@@ -103,7 +102,7 @@ class Unknowns(NamedTuple):
         """Those of a system."""
         numbering, connections = system.numbering, system.connections
         shown = numbering, system.terms, system.kinds, system.m
-        potential = symmetry.has_potential(system)
+        potential = has_potential(system)
         return cls(
             moving=system.count,
             m=system.m,
@@ -133,7 +132,6 @@ class Unknowns(NamedTuple):
             drilling=[b.label for b, six in numbering.drills.items() if b.uncoupled and six],
             floating=[b.label for b in numbering.nodes if b.within_frame() is not None],
             has_potential=potential,
-            symmetric=symmetry.symmetric(system, potential=potential),
             apart=any(term.apart for term in system.terms),
             told=describe.in_one_line(*shown, time_dependent=system.time_dependent),
         )

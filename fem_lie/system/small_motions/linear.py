@@ -10,9 +10,9 @@ import scipy.sparse.linalg
 
 from fem_lie._arrays import Array
 from fem_lie.lie.kinds import SLOPE, shown_all
-from fem_lie.linear.rigid_parts import RigidParts
-from fem_lie.linear.slepc import Complex
 from fem_lie.linear.spectra.pencil import Pencil
+from fem_lie.linear.spectra.rigid_parts import RigidParts
+from fem_lie.linear.spectra.slepc import Complex
 from fem_lie.scene.rotation import Rotation
 from fem_lie.system.instant import Instant
 from fem_lie.system.small_motions.rigid_motions import rigid_motions, stress_terms

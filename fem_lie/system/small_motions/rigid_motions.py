@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie.lie import kinds
-from fem_lie.linear.rigid_parts import FREE
+from fem_lie.linear.spectra.rigid_parts import FREE, kernel
 from fem_lie.system.system import System
 
 
@@ -56,7 +56,7 @@ def rigid_motions(system: System, H: Array, weight: Array) -> list[RigidMotions]
             R[:, :, k] = every[nodes]
         R = R.reshape(-1, 6) / weight.reshape(-1, 6)[nodes].reshape(-1, 1)
         stuck = (held & ~drills)[nodes].ravel()
-        allowed = scipy.linalg.null_space(R[stuck], rcond=FREE) if stuck.any() else np.eye(6)
+        allowed = kernel(R[stuck])
         free = ~held[nodes].ravel()
         unknowns = (6 * nodes[:, np.newaxis] + np.arange(6)).ravel()[free]
         basis = _orthonormal(R[free] @ allowed)

@@ -11,7 +11,7 @@ import scipy.sparse as sp
 from slepc4py import SLEPc
 
 from fem_lie._arrays import Array
-from fem_lie.linear.slepc import padded, solve_factorised, to_petsc
+from fem_lie.linear.spectra.slepc import padded, solve_factorised, to_petsc
 
 _TOLERANCE = 1e-10
 _TRUE = 1e-4  # relative difference of an eigenvalue from the quotient of its vector

@@ -1,4 +1,4 @@
-"""Whether loads have a potential, and whether the static matrix is symmetric."""
+"""Whether loads have a potential."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.forms.term import Term
-from fem_lie.lie.kinds import CROSSING, SURFACE
 from fem_lie.lie.motions import retract
 from fem_lie.system.system import System
 
@@ -20,20 +19,6 @@ def has_potential(system: System) -> bool:
     """
     rubs = any(term.rubs for term in system.terms)
     return not system.load_cases.turning and not rubs and _conserve(system)
-
-
-def symmetric(system: System, *, potential: bool) -> bool:
-    """Whether the static equations have a symmetric matrix in every state.
-
-    Args:
-        system: The equations.
-        potential: Whether all loads have one.
-    """
-    table = system.table
-    bound = bool(table.selection[:, 3:].any() or table.functions.any())
-    # axes of thin shells do not turn with their nodes
-    still = system.uncoupled | (system.kinds == SURFACE) | (system.kinds == CROSSING)
-    return not bound and bool(still.all()) and potential
 
 
 def _conserve(system: System) -> bool:

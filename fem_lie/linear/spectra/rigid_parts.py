@@ -21,7 +21,7 @@ import scipy.linalg
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.linear.extended import Extended, product
+from fem_lie.linear.spectra.extended import Extended, product
 
 Real = TypeVar("Real", np.float64, np.longdouble)
 
@@ -30,6 +30,16 @@ _ULPS = 1e-14
 _VANISHES = 1e-2  # of the largest stiffness, to a last bit
 _MOST = 1200  # rigid motions of all pieces, of which those that joints allow are looked for
 FREE = 1e-9  # rigid motions of a piece of size one that move what is held by less
+
+
+def kernel(A: Array) -> Array:
+    """Orthonormal basis (z, k) of what a matrix (m, z) of one dimension takes to zero.
+
+    Of a tall one the triangle has it: the SVD of all of it would have m² numbers.
+    """
+    if not A.size:
+        return np.eye(A.shape[1])
+    return np.asarray(scipy.linalg.null_space(np.linalg.qr(A, mode="r"), rcond=FREE))
 
 
 class RigidParts:
@@ -68,9 +78,7 @@ class RigidParts:
             R[unknowns, last - basis.shape[1] : last] = basis
         size = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
         allowed = (sp.diags(1.0 / np.where(size > 0.0, size, 1.0)) @ B) @ R
-        return np.asarray(
-            (R @ scipy.linalg.null_space(allowed, rcond=FREE)).T if len(size) else R.T
-        )
+        return np.asarray((R @ kernel(allowed)).T)
 
     def strained(self, vectors: npt.NDArray[Real]) -> npt.NDArray[Real]:
         """``ψ`` of each row."""

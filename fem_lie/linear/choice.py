@@ -1,0 +1,168 @@
+"""Which package factorises a matrix, by its graph and its values: one table for all who ask.
+
+Measured with OpenBLAS on beams, nets, linkages, shells and solids of 18 to 50 000 unknowns
+(``benchmarks/packages.py``): KLU is the fastest for chains, trees and rings, CHOLMOD by two to
+three times where a matrix is symmetric and positive definite, MUMPS for all else that is large.
+UMFPACK solves two to three times as fast as MUMPS, where many solutions count. KLU and UMFPACK
+leave their ordering for the zeros that constraints have on the diagonal: in meshes of many joints
+they fill far beyond it. No graph shows that for certain; the first factorisation's time does.
+"""
+
+from __future__ import annotations
+
+import logging
+from enum import Enum
+from typing import TYPE_CHECKING, NamedTuple
+
+from petsc4py import PETSc
+
+import numpy as np
+
+from fem_lie.linear.condensed.elimination import plan_of
+from fem_lie.linear.domains.interface import WAYS
+from fem_lie.linear.fill import DISSECTION, MINIMUM_DEGREE, Graph
+from fem_lie.linear.packages import Alone, ByChains, Domains, Method
+from fem_lie.ranks.together import several
+
+if TYPE_CHECKING:
+    from fem_lie.linear.bordered import KKT
+
+LARGE = 20_000
+"""Nodes of a scene whose chains are eliminated before a package has the rest."""
+
+CHAINS = ByChains("lu", "mumps"), Method("lu", "mumps"), Method("lu", "umfpack")
+"""For large nets and trusses, most nodes of which are within threads and bars."""
+
+_FEW = 300  # unknowns of which no ordering is needed to know that KLU is the fastest
+_CHAIN = 2  # neighbours, at most, of a node of a chain, a tree or a ring when it is eliminated
+_FILLS = 1e9  # operations from which on several ranks factorise together
+_COSTLY = 5e9  # operations from which on UMFPACK, which is slower, does not catch up
+_JOINTED, _LEAVES = 0.02, 2e7  # constraints over unknowns, and operations, UMFPACK minds both
+_WORSE = 2.0  # operations by minimum degree over those by dissection, UMFPACK's over MUMPS'
+_UNKNOWN, _OPERATION = 1e-6, 1.2e-9  # seconds for each, at most where the ordering is kept to
+
+_DOMAINS, _PACKAGE = "domains", "pc_factor_mat_solver_type"
+_KINDS = {"cholmod": ("cholesky",), "mumps": ("cholesky", "lu")}  # others have LU alone
+
+_log = logging.getLogger(__name__)
+
+
+class Solutions(Enum):
+    """How many solutions each factorisation serves."""
+
+    FEW = "few solutions each"
+    MANY = "many solutions each"
+
+
+class Choice(NamedTuple):
+    """What is tried, one after the other.
+
+    Attributes:
+        methods: Those.
+        seconds: Of processor that the first factorisation is expected to take, ``None`` where
+            nobody knows.
+    """
+
+    methods: tuple[Method, ...]
+    seconds: float | None = None
+
+
+def choose(kkt: KKT, prefix: str, solutions: Solutions) -> Choice:
+    """What is fastest for a matrix.
+
+    Args:
+        kkt: Its pattern counts; symmetric methods are passed over while the values are not.
+        prefix: Of PETSc's options.
+        solutions: How many there are with each factorisation.
+
+    Raises:
+        ValueError: Subdomains are asked for that there cannot be.
+    """
+    if asked := _on_domains(prefix) or _by_option(prefix):
+        return Choice(asked)
+    if len(kkt.indptr) > LARGE and 2 * len(plan_of(kkt).order) > len(kkt.indptr):
+        return _logged(Choice(CHAINS), kkt, "most nodes are within chains")
+    free = int((~kkt.unit_rows).sum())
+    if free <= _FEW:
+        return _logged(Choice((Alone("lu", "klu"),)), kkt, f"{free} unknowns are few")
+    return _by_fill(kkt, solutions)
+
+
+def _by_fill(kkt: KKT, solutions: Solutions) -> Choice:
+    """By what an elimination costs."""
+    graph = Graph.of(kkt.indptr, kkt.indices, kkt.legs, kkt.held)
+    n, m = graph.unknowns, graph.constraints
+    degree, dissection = graph.cost(MINIMUM_DEGREE), graph.cost(DISSECTION)
+    least = min(degree, dissection, key=lambda cost: cost.operations)
+    why = f"{n} unknowns, {m} of them multipliers, fill {least.fill:.1e}, {solutions.value}"
+    if graph.width <= _CHAIN:
+        return _logged(Choice((Alone("lu", "klu"),)), kkt, why)
+    kind = Method if least.operations > _FILLS else Alone
+    general: tuple[Method, ...] = (kind("lu", "mumps"),)
+    ordered = degree.operations < min(_COSTLY, _WORSE * dissection.operations)
+    regular = m <= _JOINTED * n or least.operations < _LEAVES
+    if solutions is Solutions.MANY and ordered and regular:
+        general = kind("lu", "umfpack"), *general
+    symmetric: tuple[Method, ...] = (kind("cholesky", "mumps"),)
+    if m == 0:
+        symmetric = kind("cholesky", "cholmod"), *symmetric
+    elif len(general) > 1:
+        symmetric = ()  # solutions count, and MUMPS' take longer
+    seconds = _UNKNOWN * n + _OPERATION * least.operations
+    return _logged(Choice((*symmetric, *general), seconds), kkt, why)
+
+
+def _logged(choice: Choice, kkt: KKT, why: str) -> Choice:
+    names = ", ".join(f"{each.package} ({each.kind})" for each in choice.methods)
+    _log.info("matrix of %d rows by %s: %s", len(kkt.units), names, why)
+    return choice
+
+
+def _by_option(prefix: str) -> tuple[Method, ...]:
+    """The package that PETSc's option ``-<prefix>pc_factor_mat_solver_type`` names, if it does.
+
+    Raises:
+        ValueError: PETSc was built without it.
+    """
+    options = PETSc.Options(prefix)
+    if not options.hasName(_PACKAGE):
+        return ()
+    package = options.getString(_PACKAGE)
+    found = tuple(Method(kind, package) for kind in _KINDS.get(package, ("lu",)))
+    try:
+        probe = PETSc.PC().create(PETSc.COMM_SELF)
+        probe.setType(found[0].kind)
+        probe.setOperators(_one())
+        probe.setFactorSolverType(package)
+        probe.setFactorSetUpSolverType()
+    except PETSc.Error as error:
+        raise ValueError(
+            f"-{prefix}{_PACKAGE}: this PETSc has no {found[0].kind} of {package!r}"
+        ) from error
+    return found
+
+
+def _one() -> PETSc.Mat:
+    """The matrix 1."""
+    csr = np.array([0, 1], PETSc.IntType), np.zeros(1, PETSc.IntType), np.ones(1)
+    return PETSc.Mat().createAIJ((1, 1), csr=csr, comm=PETSc.COMM_SELF)
+
+
+def _on_domains(prefix: str) -> tuple[Method, ...]:
+    """Subdomains, one on each rank, if PETSc's option ``-<prefix>domains`` asks for them.
+
+    Raises:
+        ValueError: There is no such way, or one rank alone.
+    """
+    options = PETSc.Options(prefix)
+    if not options.hasName(_DOMAINS):
+        return ()
+    way = options.getString(_DOMAINS)
+    if way not in WAYS:
+        raise ValueError(f"-{prefix}domains: wanted {' or '.join(WAYS)}, got {way!r}")
+    if not several():
+        raise ValueError(
+            f"-{prefix}domains {way}: each rank has one subdomain, so several ranks are wanted, "
+            "got one: mpirun -n N"
+        )
+    return (Domains(way, way),)
