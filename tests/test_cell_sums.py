@@ -8,6 +8,7 @@ import pytest
 from numba import types
 
 from fem_lie.forms.cell_sums import CellSum, Pattern
+from fem_lie.forms.cells import VISCOUS, CellTable, viscous_forces
 
 DOUBLES = types.CPointer(types.float64)
 UFCX = types.void(
@@ -101,3 +102,39 @@ def test_pattern():
 def test_too_little_data_is_refused():
     with pytest.raises(ValueError, match="36"):
         CellSum(np.array([[0, 1, 2]]), 1, np.zeros((1, 20)), np.zeros(1), np.zeros((1, 1)))
+
+
+# --- cells of any number of nodes, in compiled loops ---
+
+NODES = (3, 150)
+
+
+def dashpots(count: int):
+    """Compiled kernel of a cell whose nodes are damped, by a number each, without each other."""
+
+    @numba.cfunc(UFCX)
+    def kernel(A, w, c, x, entity, permutation):
+        v, r = numba.carray(w, (18 * count,))[12 * count :], numba.carray(A, (6 * count,))
+        for i in range(6 * count):
+            r[i] += c[0] * (1 + i // 6) * v[i]
+
+    return kernel
+
+
+def test_viscous_forces_have_room_for_all_nodes_of_a_cell():
+    """Small cells beside large ones; nothing is written beyond what a cell has."""
+    kernels, constant, x = [dashpots(n) for n in NODES], np.array([2.0]), np.zeros(1)
+    packed = [np.zeros(18 * n) for n in NODES]
+    none, one = np.zeros((len(NODES), 4), dtype=np.int64), np.zeros(len(NODES), dtype=np.int64)
+    kernel, w, c, at = (none.copy() for _ in range(4))
+    kernel[:, VISCOUS] = [each.address for each in kernels]
+    w[:, VISCOUS] = [each.ctypes.data for each in packed]
+    c[:, VISCOUS], at[:, VISCOUS] = constant.ctypes.data, 12 * np.array(NODES)
+    rng, first = np.random.default_rng(0), np.cumsum([0, *NODES])
+    nodes = np.concatenate([rng.permutation(max(NODES))[:n] for n in NODES])
+    table = CellTable(kernel, w, c, at, one + x.ctypes.data, one, one + 6, one, first, nodes)
+    H, v = np.zeros((max(NODES), 4, 3)), rng.normal(size=(max(NODES), 6))
+    F = np.full((len(nodes), 6), np.nan)
+    viscous_forces(table, H, v, F)
+    factors = np.concatenate([2.0 * np.arange(1, n + 1) for n in NODES])
+    np.testing.assert_array_equal(F, factors[:, np.newaxis] * v[nodes])

@@ -317,6 +317,30 @@ def test_loads_without_a_potential_are_refused(name):
     assert "unsymmetric load stiffness" in str(caught.value)
 
 
+def partly_following() -> fl.Scene:
+    """Half a per cent of the load, by which the factor would be wrong by as much."""
+    scene, beam = cantilever(stiff())
+    scene.add(fl.PointLoad(beam.end, force=(-0.995, 0, 0)))
+    scene.add(fl.PointLoad(beam.end, force=(-0.005, 0, 0), following=True))
+    return scene
+
+
+def beside_another_column() -> fl.Scene:
+    """Of two columns the first one to buckle has a potential, and the other one has none."""
+    scene, beam = cantilever(stiff())
+    scene.add(fl.PointLoad(beam.end, force=(-1, 0, 0)))
+    other = scene.add(fl.Beam.straight((0, 5, 0), (1, 5, 0), stiff(), cells=16, up=(0, 0, 1)))
+    scene.add(fl.Clamp(other.start))
+    scene.add(fl.PointLoad(other.end, force=(-0.5, 0, 0), following=True))
+    return scene
+
+
+@pytest.mark.parametrize("make", [partly_following, beside_another_column])
+def test_little_of_a_load_and_modes_that_come_later_count(make):
+    with pytest.raises(ValueError, match="unsymmetric load stiffness"):
+        fl.buckling(make(), 1)
+
+
 # --- loads that pull ---
 
 PULLED = [name for name in BODIES if name != "springs"]

@@ -1,5 +1,6 @@
 """Stress resultants of shells: constant states, axes, equilibrium, functions, files."""
 
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,6 +16,8 @@ from fem_lie import _compat, lie
 from fem_lie.bodies.catalogue import BodyInfo, SceneInfo
 from fem_lie.results.stresses.nodal_values import planes, shared_values
 from fem_lie.results.stresses.shell_quantities import COMPONENTS, mises, principal, turned
+from fem_lie.results.stresses.shell_stress import ShellStress
+from tests.unit_systems import METRES, OTHER_SYSTEMS, UnitSystem
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, SOFT)
@@ -215,6 +218,27 @@ def test_rigid_motion_leaves_resultants_alone(cell, degree, formulation):
     assert np.abs((after.at_points - before.at_points) / scale).max() <= 1e-9
     assert np.abs((after.nodal - before.nodal) / scale).max() <= 1e-9
     np.testing.assert_allclose(after.axes, before.axes @ Q.T, atol=1e-12)
+
+
+@cache
+def of_fields(u: UnitSystem) -> np.ndarray:
+    """Of cells whose fields depend on themselves, far from the start: forces, moments over 1 m."""
+    layer = fl.ShellSection.layer(u.length(0.02), fl.Material(u.stress(1e9), 0.3, 0.0))
+    mesh = fl.surface(lambda a, b: u.length([a + 0.1 * a * b, 0.7 * b, 0.1 * a * b]), (3, 2))
+    shell = fl.Shell(mesh, layer, formulation=fl.HellingerReissner(fl.MITC4_PLUS))
+    moves = np.random.default_rng(3).normal(size=(len(shell.frames), 6))
+    moves *= [1e-4] * 3 + [0.1] * 3
+    H = lie.se3_retract(shell.frames, u.increment(moves))
+    found = ShellStress.of(shell)(H)
+    forces = u.inverse.of(found[..., :3], mass=1, time=-2)
+    return np.array([forces, u.inverse.of(found[..., 3:6], length=1, mass=1, time=-2)])
+
+
+@pytest.mark.parametrize("u", OTHER_SYSTEMS, ids=str)
+def test_resultants_are_the_same_in_all_units(u):
+    """Fields of cells are iterated until forces and moments, by sizes of theirs, change no more."""
+    for found, expected in zip(of_fields(u), of_fields(METRES), strict=True):
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
 
 
 def test_the_order_of_cells_and_nodes_does_not_matter():

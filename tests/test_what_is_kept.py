@@ -50,3 +50,43 @@ def test_what_is_kept_changes_no_bit(scheme, name, held, tmp_path):
         np.testing.assert_array_equal(end(scheme, name, held, **kept), expected)
     file = {"file": tmp_path / "run.h5", "checkpoint_every": 3}
     np.testing.assert_array_equal(end(scheme, name, held, **file), expected)
+
+
+# --- steps that change ---
+
+CHANGING = {
+    # that are also divided by an event, and by a load that jumps within a step
+    "adaptive": lambda h: fl.AdaptiveStep(1e-2, first=h, events=(3.3 * h,)),
+    "jumps": lambda h: h,
+}
+CHANGED = [
+    *(("generalised-α", name) for name in ("shell", "triangles", "beam of gradients", "hexahedra")),
+    *((scheme, name) for scheme in ("conserving", "decaying") for name in ("rod", "shell")),
+]
+
+
+def changed(scheme: str, name: str, choice: str, **kept: object) -> fl.Result:
+    """Over ten steps, with a load that jumps twice, once within a step."""
+    scene, h = scene_of(scheme, name, False)
+    (body,) = scene.bodies
+    history = fl.Table((0, 2.4 * h, 2.4 * h, 6 * h, 6 * h), (1, 1, -2, -2, 3))
+    scene.add(fl.PointLoad(body.node(1), force=(3.0, 5.0, 20.0), history=history))
+    options = {"progress": False} | kept
+    return TAKES[scheme][0].run(scene, duration=10 * h, step=CHANGING[choice](h), **options)
+
+
+@pytest.mark.parametrize("choice", CHANGING)
+@pytest.mark.parametrize(("scheme", "name"), CHANGED)
+def test_nor_where_steps_change_or_loads_jump(scheme, name, choice, tmp_path):
+    """Nor the steps: as many, of the same size."""
+    expected = changed(scheme, name, choice)
+    ways = [*KEPT.values(), {"save_at": 3e-3}]
+    if expected.steps is None:
+        # steps that adapt go to no file as they are made
+        ways.append({"file": tmp_path / "run.h5", "checkpoint_every": 3})
+    for kept in ways:
+        found = changed(scheme, name, choice, **kept)
+        assert found.times[-1] == expected.times[-1]
+        np.testing.assert_array_equal(found.frames[-1], expected.frames[-1])
+        if expected.steps is not None:
+            np.testing.assert_array_equal(found.steps.times, expected.steps.times)

@@ -40,8 +40,10 @@ class Growing(History):
         if times is None:
             wanted = event or index % self._saving.every == 0
         else:
-            slack = NEAR * ahead
-            first, end = np.searchsorted(times, [self._before - slack, time + ahead + slack])
+            # at the end nothing is ahead, and the end may be one of the times
+            slack = NEAR * max(ahead, time - self._before)
+            first = np.searchsorted(times, self._before - slack)
+            end = np.searchsorted(times, time + ahead + slack, side="right")
             wanted = bool(first < end)
         self._before = time
         self._bar.update(int(_PERCENT * time / self._duration) - self._bar.n)
