@@ -47,17 +47,19 @@ class Scheme(NamedTuple):
         wanted: What scenes may have.
         scheme: It.
         gap: Of the balance of energy, at most.
+        finer: In so many parts of steps a larger gap has to fall; 1: there may be none.
     """
 
     wanted: Wanted
     scheme: Integrator
     gap: float
+    finer: int
 
 
 SCHEMES = {
-    "generalised-α": Scheme(MIXED, fl.GeneralisedAlpha(tolerance=1e-9), 1e-2),
-    "energy-momentum": Scheme(MIXED_CONSERVING, fl.EnergyMomentum(), 1e-7),
-    "energy-decaying": Scheme(MIXED_CONSERVING, fl.EnergyDecaying(), 1e-7),
+    "generalised-α": Scheme(MIXED, fl.GeneralisedAlpha(tolerance=1e-9), 1e-2, 16),
+    "energy-momentum": Scheme(MIXED_CONSERVING, fl.EnergyMomentum(), 1e-7, 1),
+    "energy-decaying": Scheme(MIXED_CONSERVING, fl.EnergyDecaying(), 1e-7, 1),
 }
 
 
@@ -85,9 +87,15 @@ def order(known: Scheme, data: SceneData) -> str:
 
 
 def balance(known: Scheme, data: SceneData) -> str:
-    """What is wrong with the balance of energy, or nothing."""
+    """What is wrong with the balance of energy, or nothing.
+
+    Loads that begin at once make waves that no step resolves, and dissipation takes their energy.
+    """
     gap = run(known.scheme, data).balance_error
-    return "" if gap <= known.gap else f"energy gap {gap:.1e}"
+    if gap <= known.gap:
+        return ""
+    finer = run(known.scheme, data, known.finer).balance_error
+    return "" if finer <= HALVED * gap else f"energy gaps {gap:.1e}, {finer:.1e}"
 
 
 def resumed(known: Scheme, data: SceneData) -> str:
@@ -150,7 +158,7 @@ def main() -> None:
         for seed in range(options.first, options.first + options.scenes):
             key = f"{name}, {seed}, {' '.join(laws)}"
             found = progress.result(key, partial(broken, name, seed, laws))
-            count.update(found)
+            count.update(list(found))
             for law, said in found.items():
                 print(f"    {name}, seed {seed}, {law}: {said[:200]}", flush=True)
         print(f"| {name} | {options.scenes} | {dict(count)} |", flush=True)

@@ -71,7 +71,7 @@ def test_nothing_depends_on_units_place_direction_and_order(study, seed):
 
 @pytest.mark.parametrize(
     ("study", "seed"),
-    [("mixed, generalised-α", seed) for seed in (1, 2, 5, 8)],
+    [("mixed, generalised-α", seed) for seed in (1, 2, 5, 9, 15)],
 )
 def test_nothing_depends_on_units_direction_and_order_of_bodies_of_any_kind(study, seed):
     """Rods, cables, solids, thin and ANCF shells, reduced bodies: distance is in the docs."""
