@@ -1,5 +1,5 @@
 # Every target sets the environment up first, where that is still to be done.
-.PHONY: help set-up demo test lint bench docs clean-environment
+.PHONY: help set-up environment demo test lint bench docs clean-environment
 
 # These take an hour or more, or want another version beside this one.
 STUDIES = compile everyday in_turns peers random_conserving random_scenes
@@ -16,16 +16,19 @@ help:
 set-up:
 	@tools/setup
 
+environment:
+	@tools/setup --only
+
 demo: set-up
 	tools/run python3 demos/double_pendulum.py --case 1 $(ARGS)
 
-test: set-up
+test: environment
 	tools/run python3 -m pytest --numprocesses=auto --maxprocesses=8 --dist=worksteal $(ARGS)
 
-lint: set-up
+lint: environment
 	tools/lint
 
-bench: set-up
+bench: environment
 	@set -e; for script in $(filter-out $(STUDIES:%=benchmarks/%.py),$(wildcard benchmarks/*.py)); do echo "$$script"; tools/run python3 "$$script"; done
 
 docs:

@@ -1,4 +1,4 @@
-"""``python -m fem_lie``: versions, solvers, BLAS and caches; clears caches if asked."""
+"""``python -m fem_lie``: versions, solvers, BLAS and caches; compiles or clears them if asked."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ import slepc4py
 
 from fem_lie import _blas
 from fem_lie._jit.machine_code import FOLDER
+from fem_lie._precompile import forget, precompile
 
 _PACKAGES = ("fenics-ufl", "fenics-basix", "fenics-ffcx", "numba", "numpy", "scipy", "h5py")
 _SHOWN = ("gmsh", "pyvista", "matplotlib", "imageio", "tqdm")
@@ -75,18 +76,29 @@ def report() -> str:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Print the report, or clear caches."""
+    """Print the report, compile, or clear caches."""
     parser = argparse.ArgumentParser(prog="python -m fem_lie", description=__doc__)
-    parser.add_argument(
+    task = parser.add_mutually_exclusive_group()
+    task.add_argument(
+        "--compile",
+        action="store_true",
+        help="compile what most runs need, on all cores; they then start at once",
+    )
+    task.add_argument(
         "--clear",
         choices=[*caches(), "all"],
         help="remove what was compiled, which is made again when it is needed: 'forms' are those "
         "of DOLFINx, of other projects, too",
     )
-    asked = parser.parse_args(arguments).clear
+    given = parser.parse_args(arguments)
+    asked = given.clear
+    if given.compile:
+        precompile()
+        return
     if asked is None:
         print(report())
         return
+    forget()
     for name, folder in caches().items():
         if asked in (name, "all"):
             count, total = size(folder)

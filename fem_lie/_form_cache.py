@@ -12,8 +12,10 @@ from __future__ import annotations
 import fcntl
 import logging
 import re
+import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
+from functools import cache
 from pathlib import Path
 from typing import IO, Any, TypeVar
 
@@ -22,6 +24,8 @@ from mpi4py import MPI
 import dolfinx
 import ufl
 from dolfinx import fem
+
+from fem_lie._jit import shipped
 
 _log = logging.getLogger(__name__)
 _PATIENCE = 5  # seconds that FFCx waits for a library before it is looked who compiles
@@ -49,6 +53,8 @@ def wait_for_others(comm: MPI.Comm, compile_with: Callable[[dict[str, Any]], Com
     """
     folder = Path(dolfinx.jit.get_options()["cache_dir"])
     folder.mkdir(parents=True, exist_ok=True)
+    if comm.rank == 0:
+        _copy_shipped(folder)
     while True:
         try:
             # DOLFINx compiles on the first of several processes alone
@@ -60,6 +66,25 @@ def wait_for_others(comm: MPI.Comm, compile_with: Callable[[dict[str, Any]], Com
                 raise
             if waited_for is not None:
                 _remove_if_abandoned(Path(waited_for[1]))
+
+
+@cache
+def _copy_shipped(folder: Path) -> None:
+    """Copy what a wheel brings to FFCx's cache, where nobody has compiled it.
+
+    FFCx names a library after the form, its own version, Python's and the C compiler's options, so
+    what is of other versions is never loaded.
+    """
+    for library in shipped.FOLDER.glob("forms/*.so"):
+        source = folder / library.name.split(".")[0]
+        try:
+            # as FFCx does: the process that makes this file is the one that makes the library
+            source.with_suffix(".c").open("x").close()
+        except FileExistsError:
+            continue
+        with _announced(folder):
+            shutil.copyfile(library, folder / library.name)
+            source.with_suffix(".c.cached").touch()
 
 
 @contextmanager

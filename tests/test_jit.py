@@ -11,6 +11,7 @@ import numba
 import pytest
 
 import fem_lie._jit
+from fem_lie._jit import shipped
 from fem_lie.solve.stopwatch import Stopwatch
 
 HELPER = """
@@ -52,7 +53,7 @@ def run(tmp_path):
     (package / "__init__.py").touch()
     (package / "caller.py").write_text(CALLER.format(package="small"))
 
-    def call(value, decorator="compiled", cache=tmp_path / "cache", package=package):
+    def call(value, decorator="compiled", cache=tmp_path / "cache", package=package, **variables):
         source = HELPER.format(package="small", decorator=decorator, value=value)
         (package / "helper.py").write_text(source)
         # Python takes a .pyc of the same second and size for that of the rewritten helper
@@ -60,6 +61,7 @@ def run(tmp_path):
             "XDG_CACHE_HOME": str(cache),
             "PYTHONPATH": str(package.parent),
             "PYTHONDONTWRITEBYTECODE": "1",
+            **variables,
         }
         done = subprocess.run(
             [sys.executable, "-m", "small.caller"], env=environment, capture_output=True, text=True
@@ -309,3 +311,50 @@ def test_new_folders_are_for_their_owner_alone(run, tmp_path):
     finally:
         os.umask(umask)
     assert run(3.0)[:2] == ([4.0, 5.0], 2)
+
+
+GENERIC = shipped.generic_processor()[0]
+
+
+@pytest.fixture
+def ship(run, tmp_path):
+    """Put what the small package compiles for a generic processor beside its sources."""
+
+    def call(value=3.0, **others):
+        processor = {"NUMBA_CPU_NAME": GENERIC, "NUMBA_CPU_FEATURES": ""}
+        assert run(value, cache=tmp_path / "built", **processor, **others)[1] == 0
+        compiled = tmp_path / "built" / "fem_lie" / "compiled"
+        shutil.copytree(compiled, tmp_path / "small" / "_machine_code", dirs_exist_ok=True)
+
+    return call
+
+
+@pytest.mark.skipif(not shipped.has_all(), reason="this processor has less than the generic one")
+def test_code_that_came_with_the_package_is_taken_by_an_empty_cache(run, ship):
+    ship()
+    assert run(3.0) == ([4.0, 5.0], 2, "")
+
+
+def test_code_of_other_sources_is_not_taken(run, ship):
+    ship()
+    values, hits, log = run(7.0)
+    assert (values, hits) == ([8.0, 9.0], 0) and "compiles machine code" in log
+
+
+def test_code_of_another_processor_is_not_taken(run, tmp_path):
+    """Of one that has more than the generic one, as if its cache had been put into a wheel."""
+    run(3.0, NUMBA_CPU_NAME=GENERIC, NUMBA_CPU_FEATURES="+avx512f", cache=tmp_path / "built")
+    compiled = tmp_path / "built" / "fem_lie" / "compiled"
+    shutil.copytree(compiled, tmp_path / "small" / "_machine_code")
+    assert run(3.0)[:2] == ([4.0, 5.0], 0)
+
+
+@pytest.mark.skipif(not shipped.has_all(), reason="this processor has less than the generic one")
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damaged_code_that_came_with_the_package_is_compiled(run, ship, tmp_path, damage):
+    ship()
+    for path in files_of(tmp_path / "small" / "_machine_code", ".nbc"):
+        path.write_bytes(DAMAGES[damage](path.read_bytes()))
+    values, hits, log = run(3.0)
+    assert (values, hits) == ([4.0, 5.0], 0) and "is damaged" in log
+    assert run(3.0) == ([4.0, 5.0], 2, "")

@@ -13,7 +13,16 @@ import fem_lie
 
 PACKAGE = Path(fem_lie.__file__).parent
 MOST_FILES = 12
-OUTSIDE = {"__init__", "__main__", "_arrays", "_blas", "_compat", "_ffcx_warnings", "_form_cache"}
+OUTSIDE = {
+    "__init__",
+    "__main__",
+    "_arrays",
+    "_blas",
+    "_compat",
+    "_ffcx_warnings",
+    "_form_cache",
+    "_precompile",
+}
 
 FLOOR = {"_arrays", "_blas", "_compat", "_ffcx_warnings", "_form_cache", "_jit"}
 """What everybody may import."""
@@ -115,8 +124,8 @@ def modules():
     found = {}
     for path in sorted(PACKAGE.rglob("*.py")):
         parts = path.relative_to(PACKAGE).with_suffix("").parts
-        if parts == ("__main__",):
-            continue  # a program, which nothing imports
+        if parts in (("__main__",), ("_precompile",)):
+            continue  # programs, which no room imports
         found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
     return found
 

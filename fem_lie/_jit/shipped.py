@@ -39,9 +39,9 @@ def generic_processor() -> tuple[str, str]:
 
 
 @cache
-def runs_here() -> bool:
-    """Whether there is such code, and this processor has all that it uses."""
-    if not FOLDER.is_dir() or platform.machine() not in _GENERIC:
+def has_all() -> bool:
+    """Whether this processor has all that the generic one has."""
+    if platform.machine() not in _GENERIC:
         return False
     features = llvm.get_host_cpu_features()
     return all(features.get(name, False) for name in generic_processor()[1].split())
@@ -53,7 +53,9 @@ class WithShipped(CheckedFiles):
     def __init__(self, folder: str, base: str, stamp: str) -> None:
         """Find the files of one function in a folder of the cache, whose name is the stamp."""
         super().__init__(folder, base, stamp)
-        self._shipped = CheckedFiles(str(FOLDER / stamp), base, stamp) if runs_here() else None
+        self._shipped: CheckedFiles | None = None
+        if FOLDER.is_dir() and has_all():
+            self._shipped = CheckedFiles(str(FOLDER / stamp), base, stamp)
 
     def load(self, key: Any) -> Any:
         """What is compiled for a signature, or ``None``."""
