@@ -21,6 +21,7 @@ from fem_lie._arrays import Array
 from fem_lie._jit import compiled
 from fem_lie.grips.grip import Grip, GripKind
 from fem_lie.lie.polar import polar_rotation
+from fem_lie.lie.tuples import cross, dot, load, minus, scaled
 
 _LINE = 1e-6  # second extent of a patch over the first, of one that is a line
 
@@ -72,7 +73,9 @@ def _bend(X: Array, data: Array, f: Array, K: Array) -> None:
     count = X.shape[0]
     Q, H = np.empty((count, 3, 3)), np.empty((4, 3))
     S, inverse = _relative(X, data, H, Q)
-    n, μ = f[:3].copy(), inverse @ f[3:]
+    n, μ, g = f[:3].copy(), inverse @ f[3:], np.empty((count, 3))
+    for k in range(count):
+        g[k] = n - _cross(data[4 * k + 1 : 4 * k + 4], μ)
     K[:] = 0.0
     for j in range(count):
         ξ = data[4 * j + 1 : 4 * j + 4]
@@ -83,10 +86,12 @@ def _bend(X: Array, data: Array, f: Array, K: Array) -> None:
             for b in range(3):
                 dS[:, b] -= _cross(ω, np.ascontiguousarray(S[:, b]))
             dμ = -inverse @ (np.trace(dS) * μ - dS @ μ)
+            turn, moment = load(ω, 0), load(dμ, 0)
             for k in range(count):
-                η = data[4 * k + 1 : 4 * k + 4]
-                change = _cross(ω, n - _cross(η, μ)) - _cross(η, dμ)
-                K[k, :3, j, c] = data[4 * k] * (Q[k].T @ change)
+                turned, bent = cross(turn, load(g[k], 0)), cross(load(data, 4 * k + 1), moment)
+                change = scaled(data[4 * k], minus(turned, bent))
+                for r in range(3):
+                    K[k, r, j, c] = dot((Q[k, 0, r], Q[k, 1, r], Q[k, 2, r]), change)
 
 
 PATCH = GripKind(_locate, _bend, summed=True, turns=True)

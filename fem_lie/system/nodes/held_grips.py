@@ -104,8 +104,10 @@ class HeldGrips:
             first += len(own)
             K = bend(sort.kind, sort.nodes(H), sort.data, np.ascontiguousarray(own))
             K = K.transpose(0, 1, 3, 2, 4)
-            left = sort.turns.transpose(0, 1, 3, 2)[:, :, np.newaxis]
-            blocks.append((left @ K @ sort.turns[:, np.newaxis]).reshape(-1, 6, 6))
+            if not sort.lead:
+                left = sort.turns.transpose(0, 1, 3, 2)[:, :, np.newaxis]
+                K = left @ K @ sort.turns[:, np.newaxis]
+            blocks.append(K.reshape(-1, 6, 6))
         return np.concatenate(blocks)
 
     def changes(self, H: Array, v: Array) -> Array:
