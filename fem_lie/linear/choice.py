@@ -2,7 +2,8 @@
 
 Measured with OpenBLAS on beams, nets, linkages, shells and solids of 18 to 50 000 unknowns
 (``benchmarks/packages.py``): KLU is the fastest for chains, trees and rings, CHOLMOD by two to
-three times where a matrix is symmetric and positive definite, MUMPS for all else that is large.
+three times where a matrix is symmetric and positive definite, but for a narrow border of
+multipliers and frames, MUMPS for all else that is large.
 UMFPACK solves two to three times as fast as MUMPS, where many solutions count. KLU and UMFPACK
 leave their ordering for the zeros that constraints have on the diagonal: in meshes of many joints
 they fill far beyond it. No graph shows that for certain; the first factorisation's time does.
@@ -18,10 +19,11 @@ from petsc4py import PETSc
 
 import numpy as np
 
+from fem_lie.linear.condensed.border import MOST
 from fem_lie.linear.condensed.elimination import plan_of
 from fem_lie.linear.domains.interface import WAYS
 from fem_lie.linear.fill import DISSECTION, MINIMUM_DEGREE, Graph
-from fem_lie.linear.packages import Alone, ByChains, Domains, Method
+from fem_lie.linear.packages import Alone, ByBorder, ByChains, Domains, Method
 from fem_lie.ranks.together import several
 
 if TYPE_CHECKING:
@@ -36,6 +38,7 @@ CHAINS = ByChains("lu", "mumps"), Method("lu", "mumps"), Method("lu", "umfpack")
 _FEW = 300  # unknowns of which no ordering is needed to know that KLU is the fastest
 _CHAIN = 2  # neighbours, at most, of a node of a chain, a tree or a ring when it is eliminated
 _FILLS = 1e9  # operations from which on several ranks factorise together
+_BORDERS = 2e7  # operations from which on a border costs less than factors that are not symmetric
 _COSTLY = 5e9  # operations from which on UMFPACK, which is slower, does not catch up
 _JOINTED, _LEAVES = 0.02, 2e7  # constraints over unknowns, and operations, UMFPACK minds both
 _WORSE = 2.0  # operations by minimum degree over those by dissection, UMFPACK's over MUMPS'
@@ -104,10 +107,12 @@ def _by_fill(kkt: KKT, solutions: Solutions) -> Choice:
     if solutions is Solutions.MANY and ordered and regular:
         general = kind("lu", "umfpack"), *general
     symmetric: tuple[Method, ...] = (kind("cholesky", "mumps"),)
+    if len(general) > 1 and m:
+        symmetric = ()  # solutions count, and MUMPS' take longer
+    if m <= MOST and least.operations > _BORDERS:
+        symmetric = ByBorder("cholesky", "cholmod"), *symmetric
     if m == 0:
         symmetric = kind("cholesky", "cholmod"), *symmetric
-    elif len(general) > 1:
-        symmetric = ()  # solutions count, and MUMPS' take longer
     seconds = _UNKNOWN * n + _OPERATION * least.operations
     return _logged(Choice((*symmetric, *general), seconds), kkt, why)
 

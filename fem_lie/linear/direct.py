@@ -24,7 +24,6 @@ from fem_lie.linear.low_rank import Columns
 from fem_lie.linear.packages import (
     DEFAULTS,
     DIAGNOSIS,
-    NEGATIVE,
     ON_RANKS,
     RESCUES,
     Method,
@@ -146,10 +145,9 @@ class DirectSolver:
         if self._shared is not None:
             self._shared.take()
         self._idle = self._own.idle()
-        if self._methods[0].symmetric and not self._own.is_symmetric():
-            self._methods = (
-                tuple(each for each in self._methods if not each.symmetric) or self._rescues
-            )
+        if not self._methods[0].fits(self._kkt, self._own):
+            fitting = (each for each in self._methods if each.fits(self._kkt, self._own))
+            self._methods = tuple(fitting) or self._rescues
         self._set_up()
         self.factorisations += 1
 
@@ -251,12 +249,7 @@ class DirectSolver:
 
     def negative_pivots(self) -> int | None:
         """Those of the last factorisation; ``None`` if it is not one of a symmetric matrix."""
-        pc = self._ksp.getPC()
-        if pc.getType() != PETSc.PC.Type.CHOLESKY:
-            return None
-        if pc.getFactorSolverType() != "mumps":
-            return 0  # others exist for positive definite matrices only
-        return int(pc.getFactorMatrix().getMumpsInfog(NEGATIVE))
+        return self._methods[0].negative_pivots(self._ksp.getPC())
 
     def times(self, x: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """The matrix that was factorised times ``x``."""
@@ -315,8 +308,8 @@ class DirectSolver:
     def _check(self) -> None:
         """Make sure that what was found is a solution."""
         error = self._refined()
-        given = [each for each in self._methods[1:] if not each.symmetric]
-        others = iter((*given, *(each for each in self._rescues if each not in self._methods)))
+        listed = (*self._methods, *(each for each in self._rescues if each not in self._methods))
+        others = (each for each in listed[1:] if each.fits(self._kkt, self._own))
         while error > self._methods[0].accurate:
             _log.info("%s: residual %.1e", self._methods[0].package, error)
             method = next(others, None)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from petsc4py import PETSc
 
+from fem_lie.linear.condensed.border import FewLast, border_of
 from fem_lie.linear.condensed.preconditioner import Condensed
 from fem_lie.linear.domains.interface import Interface
 from fem_lie.linear.equilibrated import ACCURATE, Equilibrated
@@ -39,6 +40,18 @@ class Method:
         """Whether it reads one half of the matrix alone."""
         return self.kind == "cholesky"
 
+    def fits(self, kkt: KKT, own: Equilibrated) -> bool:
+        """Whether it can factorise these values."""
+        return not self.symmetric or own.is_symmetric()
+
+    def negative_pivots(self, pc: PETSc.PC) -> int | None:
+        """Those of the last factorisation; ``None`` if nobody knows."""
+        if pc.getType() != PETSc.PC.Type.CHOLESKY:
+            return None
+        if pc.getFactorSolverType() != "mumps":
+            return 0  # others exist for positive definite matrices only
+        return int(pc.getFactorMatrix().getMumpsInfog(NEGATIVE))
+
     def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
         """Make it what ``pc`` does with the equilibrated copy ``own`` of ``kkt``."""
         pc.setType(self.kind)
@@ -68,6 +81,32 @@ class ByChains(Alone):
         return pc.getPythonContext().factorising
 
 
+class ByBorder(Alone):
+    """All but a narrow border is positive definite, see :mod:`fem_lie.linear.condensed.border`."""
+
+    def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
+        """See the base class."""
+        pc.setType(PETSc.PC.Type.PYTHON)
+        pc.setPythonContext(FewLast(kkt, own, self.package))
+
+    @property
+    def symmetric(self) -> bool:
+        """See the base class: the border need not be."""
+        return False
+
+    def fits(self, kkt: KKT, own: Equilibrated) -> bool:
+        """See the base class."""
+        return border_of(own, 6 * (len(kkt.indptr) - 1)) is not None
+
+    def factorising(self, pc: PETSc.PC) -> PETSc.PC | None:
+        """See the base class."""
+        return pc.getPythonContext().factorising
+
+    def negative_pivots(self, pc: PETSc.PC) -> int | None:
+        """See the base class."""
+        return pc.getPythonContext().negative_pivots()
+
+
 class Domains(Alone):
     """Each rank has a subdomain, whose interface is solved for; see :mod:`fem_lie.linear.domains`.
 
@@ -91,8 +130,8 @@ class Domains(Alone):
 
 
 DEFAULTS: dict[str, dict[str, object]] = {
-    # indefinite matrices are no news
-    "cholmod": {"mat_cholmod_print": 0},
+    # indefinite matrices are no news; without fill it would factorise them as L D Lᵀ, unnoticed
+    "cholmod": {"mat_cholmod_print": 0, "mat_cholmod_factor": "supernodal"},
     # joints leave zeros on the diagonal, for which umfpack takes nets for unsymmetric; with its own
     # tolerance of 0.1 it leaves their order for pivots that are larger, and twice as much fill
     "umfpack": {"mat_umfpack_strategy": "SYMMETRIC", "mat_umfpack_pivot_tolerance": 0.01},

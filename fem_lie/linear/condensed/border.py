@@ -1,0 +1,242 @@
+"""A positive definite matrix bordered by few rows: Cholesky factors, and what is left is dense.
+
+Bodies of one sort have symmetric matrices, positive definite where something holds them. A joint
+adds multipliers, a frame in space a few rows that are not symmetric. These are the border::
+
+    [K  C] [x]   [a]        x = K⁻¹ a − Z y,    Z = K⁻¹ C
+    [B  D] [y] = [b]        y = (D − B Z)⁻¹ (b − B K⁻¹ a)
+
+Rows of an averaging attachment, which touch all nodes of a face, so stay out of the elimination.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Protocol
+
+from petsc4py import PETSc
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._jit import compiled
+
+MOST = 60
+"""Rows of a border, at most: each is one more solution."""
+
+_SYMMETRIC = 1e-13  # of the largest entry, which is about one
+_MOST_PAIRS = 20_000  # unsymmetric entries of which a border is looked for
+_SINGULAR = 1e-14  # pivot of the Schur complement over its largest entry
+
+
+class Matrix(Protocol):
+    """The equilibrated copy, see :class:`~fem_lie.linear.equilibrated.Equilibrated`."""
+
+    csr: tuple[Array, Any, Any]
+    left: Array
+
+
+class Bordered(Protocol):
+    """The matrix that is copied, see :class:`~fem_lie.linear.bordered.KKT`."""
+
+    filled: int
+    version: int
+    indptr: Indices
+
+
+@compiled
+def _unsymmetric(
+    values: Array, columns: Indices, pointers: Indices, count: int, pairs: Indices
+) -> int:
+    """Nodes of entries of the first ``count`` rows that are not symmetric; how many there are.
+
+    It ends where ``pairs`` (p, 2) is full. Columns of a row ascend, and the pattern is symmetric.
+    """
+    below, found = pointers[:count].copy(), 0
+    for i in range(count):
+        for k in range(pointers[i], pointers[i + 1]):
+            j = columns[k]
+            if i < j < count:
+                other = values[below[j]]
+                below[j] += 1
+                if not abs(values[k] - other) <= _SYMMETRIC:
+                    if found == pairs.shape[0]:
+                        return found + 1
+                    pairs[found, 0], pairs[found, 1] = i // 6, j // 6
+                    found += 1
+    return found
+
+
+def border_of(own: Matrix, count: int) -> Flags | None:
+    """Rows of the border, shape (n,), or ``None`` if more than :data:`MOST` are wanted.
+
+    Args:
+        own: Values.
+        count: Rows of nodes; all beyond them are in the border.
+    """
+    n = len(own.left)
+    if n - count > MOST:
+        return None
+    pairs = np.empty((_MOST_PAIRS, 2), dtype=np.int64)
+    found = _unsymmetric(*own.csr, count, pairs)
+    if found > _MOST_PAIRS:
+        return None
+    left, border = pairs[:found], np.zeros(n, dtype=np.bool_)
+    border[count:] = True
+    while len(left):
+        # the node that is in most of them: frames touch many others
+        node = int(np.bincount(left.ravel()).argmax())
+        border[6 * node : 6 * node + 6] = True
+        if border.sum() > MOST:
+            return None
+        left = left[(left != node).all(axis=1)]
+    return border
+
+
+class _Split(NamedTuple):
+    """Where entries of the parts are among those of the matrix, and their patterns.
+
+    Attributes:
+        border: Rows of the border, shape (n,).
+        inside: Their numbers, and those of the others: ``last``.
+        last: See there.
+        of_K: Entries of ``K``, with its pattern ``K``; the other parts are dense.
+        of_rest: Entries of the rows and columns of the border.
+        rest: Row and column of each, (2, r).
+    """
+
+    border: Flags
+    inside: Indices
+    last: Indices
+    of_K: Indices
+    K: sp.csr_matrix
+    of_rest: Indices
+    rest: Indices
+
+
+def _split(own: Matrix, border: Flags) -> _Split:
+    values, columns, pointers = own.csr
+    rows = np.repeat(np.arange(len(border)), np.diff(pointers))
+    inside, last = np.flatnonzero(~border), np.flatnonzero(border)
+    number = np.cumsum(~border) - 1
+    within = ~border[rows] & ~border[columns]
+    of_K, of_rest = np.flatnonzero(within), np.flatnonzero(~within)
+    lengths = np.bincount(number[rows[of_K]], minlength=len(inside))
+    first = np.append(0, np.cumsum(lengths)).astype(PETSc.IntType)
+    own_columns = number[columns[of_K]].astype(PETSc.IntType)
+    K = sp.csr_matrix((values[of_K], own_columns, first), shape=(len(inside),) * 2)
+    rest = np.stack([rows[of_rest], columns[of_rest]])
+    return _Split(border, inside, last, of_K, K, of_rest, rest)
+
+
+class FewLast:
+    """A preconditioner of PETSc that solves exactly."""
+
+    def __init__(self, kkt: Bordered, own: Matrix, package: str) -> None:
+        """Keep the matrix; :meth:`setUp` comes later.
+
+        Args:
+            kkt: Says whether nodes have other values than before.
+            own: Its equilibrated copy.
+            package: That factorises the inside.
+        """
+        self._kkt, self._own, self._package = kkt, own, package
+        self._parts: _Split | None = None
+        self._version = self._made = (-1, 0.0)
+        self._pc: PETSc.PC | None = None
+
+    def setUp(self, pc: PETSc.PC) -> None:
+        """Factorise.
+
+        Raises:
+            ArithmeticError: The border is too wide, or the matrix singular.
+        """
+        own = self._own
+        border = border_of(own, 6 * (len(self._kkt.indptr) - 1))
+        if border is None:
+            raise ArithmeticError(f"the border has more than {MOST} rows")
+        version = self._kkt.version, 0.0
+        if self._parts is None or self._version != version or (self._parts.border != border).any():
+            self._parts, self._version, self._made = _split(own, border), version, (-1, 0.0)
+            self._room(self._parts, pc.getOptionsPrefix())
+        parts = self._parts
+        self._factorise(parts)
+        k, n = len(parts.inside), len(border)
+        number = np.empty(n, dtype=np.int64)
+        number[parts.inside], number[parts.last] = np.arange(k), np.arange(n - k)
+        entries, (rows, columns) = own.csr[0][parts.of_rest], parts.rest
+        in_row, in_column = border[rows], border[columns]
+        C, B, D = np.zeros((k, n - k)), np.zeros((n - k, k)), np.zeros((n - k, n - k))
+        for part, chosen in ((C, ~in_row), (B, ~in_column), (D, in_row & in_column)):
+            part[number[rows[chosen]], number[columns[chosen]]] = entries[chosen]
+        self._B, self._Z = B, self._solutions(C)
+        self._consistent = bool(np.abs(B - C.T).max(initial=0.0) <= _SYMMETRIC)
+        self._schur = D - B @ self._Z
+        self._factors = scipy.linalg.lu_factor(self._schur, check_finite=False)
+        pivots = np.abs(np.diagonal(self._factors[0]))
+        if not pivots.min(initial=np.inf) > _SINGULAR * np.abs(self._schur).max(initial=0.0):
+            raise ArithmeticError("the Schur complement of the border is singular")
+
+    def _room(self, parts: _Split, prefix: str | None) -> None:
+        """For the inside and its factors, with options of that prefix."""
+        csr = parts.K.indptr, parts.K.indices, parts.K.data
+        self._K = PETSc.Mat().createAIJWithArrays(parts.K.shape, csr, comm=PETSc.COMM_SELF)
+        self._K.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        self._pc = PETSc.PC().create(PETSc.COMM_SELF)
+        self._pc.setType(PETSc.PC.Type.CHOLESKY)
+        self._pc.setFactorSolverType(self._package)
+        self._pc.setOptionsPrefix(prefix)
+        self._pc.setOperators(self._K)
+        self._pc.setFromOptions()
+        self._a, self._x = self._K.createVecs()
+
+    def _factorise(self, parts: _Split) -> None:
+        """The inside, unless it is as it was: constraints alone change often."""
+        assert self._pc is not None
+        present = self._kkt.filled, float(self._own.left[parts.inside[0]])
+        if self._made == present:
+            return
+        self._made = (-1, 0.0)
+        parts.K.data[:] = self._own.csr[0][parts.of_K]
+        self._K.stateIncrease()
+        self._K.assemble()
+        self._pc.setOperators(self._K)
+        self._pc.setUp()
+        self._made = present
+
+    def _solutions(self, C: Array) -> Array:
+        """``K⁻¹ C``."""
+        assert self._pc is not None
+        given = PETSc.Mat().createDense(C.shape, array=np.asfortranarray(C), comm=PETSc.COMM_SELF)
+        found = PETSc.Mat().createDense(C.shape, comm=PETSc.COMM_SELF)
+        for matrix in (given, found):
+            matrix.setUp()
+            matrix.assemble()
+        self._pc.getFactorMatrix().matSolve(given, found)
+        return np.array(found.getDenseArray())
+
+    @property
+    def factorising(self) -> PETSc.PC | None:
+        """What has the factors of the inside."""
+        return self._pc
+
+    def negative_pivots(self) -> int | None:
+        """Of the symmetric part; ``None`` if rows and columns of the border differ."""
+        if not self._consistent:
+            return None
+        return int((np.linalg.eigvalsh(0.5 * (self._schur + self._schur.T)) < 0.0).sum())
+
+    def apply(self, pc: PETSc.PC, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Solve."""
+        assert self._pc is not None
+        parts = self._parts
+        assert parts is not None
+        given, found = b.array_r, x.array
+        self._a.array[:] = given[parts.inside]
+        self._pc.apply(self._a, self._x)
+        inner = self._x.array_r
+        y = scipy.linalg.lu_solve(
+            self._factors, given[parts.last] - self._B @ inner, check_finite=False
+        )
+        found[parts.inside], found[parts.last] = inner - self._Z @ y, y

@@ -1,0 +1,147 @@
+"""Positive definite matrices with a narrow border: solutions, pivots, and what is refused."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+import fem_lie as fl
+from fem_lie.linear.bordered import KKT, Border
+from fem_lie.linear.choice import Solutions
+from fem_lie.linear.condensed import border as module
+from fem_lie.linear.condensed.border import MOST, border_of
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.linear.equilibrated import Equilibrated
+from fem_lie.linear.packages import ByBorder, Method
+from fem_lie.linear.pivots import inertia
+
+BY_BORDER = ByBorder("cholesky", "cholmod")
+COUNT, M = 30, 5
+
+
+def matrix(rng, *, frames=(), indefinite=False) -> tuple[KKT, np.ndarray]:
+    """Of a chain of nodes with some constraints; those of ``frames`` are not symmetric."""
+    nodes = np.arange(COUNT)
+    pairs = (np.append(nodes[:-1], nodes[1:]), np.append(nodes[1:], nodes[:-1]))
+    touched = [set(rng.integers(0, COUNT, 8).tolist()) for _ in range(M)]
+    held = np.zeros((COUNT, 6), dtype=bool)
+    held[0], held[5, 3:] = True, True
+    border = Border.of(touched, COUNT)
+    scales = {"units": np.ones(6 * COUNT), "length": 1.0, "angular": np.zeros(M, dtype=bool)}
+    kkt = KKT([pairs], border, held, **scales)
+    rows = np.repeat(nodes, np.diff(kkt.indptr))
+    whole = rng.normal(size=(COUNT, 6, COUNT, 6))
+    whole = 0.1 * (whole + whole.transpose(2, 3, 0, 1))
+    for i in nodes:
+        whole[i, :, i] += 8.0 * np.eye(6)
+    for i in frames:
+        whole[i, :, i] += rng.normal(size=(6, 6))
+        whole[i, :, i + 1] += rng.normal(size=(6, 6))
+    if indefinite:
+        whole[7, :, 7] -= 20.0 * np.eye(6)
+    blocks = np.array([whole[i, :, j] for i, j in zip(rows, kkt.indices, strict=True)])
+    legs = rng.normal(size=(len(border.nodes), 6))
+    kkt.fill(blocks, legs.copy(), legs.copy(), np.ones(M))
+    return kkt, sp.csr_matrix(kkt.csr).toarray()
+
+
+def solved(kkt: KKT, methods) -> tuple[DirectSolver, np.ndarray]:
+    solver = DirectSolver(kkt, "test_border_", methods)
+    solver.factorise()
+    solver.right_hand_side[:] = np.arange(1.0, len(solver.solution) + 1.0)
+    solver.solve()
+    return solver, solver.solution.copy()
+
+
+@pytest.mark.parametrize("frames", [(), (4,), (4, 11)])
+def test_solutions_are_those_of_the_whole(rng, frames):
+    kkt, A = matrix(rng, frames=frames)
+    solver, found = solved(kkt, [BY_BORDER])
+    wanted = np.linalg.solve(A, np.arange(1.0, len(A) + 1.0))
+    assert solver._methods == (BY_BORDER,)
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())
+    own = Equilibrated(kkt)
+    own.take()
+    border = border_of(own, 6 * COUNT)
+    nodes = np.flatnonzero(border[: 6 * COUNT].reshape(-1, 6).any(axis=1))
+    assert border[6 * COUNT :].all()
+    assert set(nodes) == set(frames)
+
+
+def test_negative_pivots_are_those_of_the_whole(rng):
+    kkt, A = matrix(rng)
+    solver, _ = solved(kkt, [BY_BORDER])
+    assert solver.negative_pivots() == inertia(sp.csr_matrix(A))[0] == M
+    kkt, A = matrix(rng, frames=(4,))
+    solver, _ = solved(kkt, [BY_BORDER])
+    # rows and columns of the border are not the same: nobody knows
+    assert solver.negative_pivots() is None
+
+
+def test_what_is_indefinite_inside_or_wide_goes_to_the_next(rng):
+    kkt, A = matrix(rng, indefinite=True)
+    solver, found = solved(kkt, [BY_BORDER, Method("lu", "mumps")])
+    assert solver._methods == (Method("lu", "mumps"),)
+    wanted = np.linalg.solve(A, np.arange(1.0, len(A) + 1.0))
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
+    wide = range(0, COUNT - 1, 2)
+    assert 6 * len(wide) + M > MOST
+    kkt, A = matrix(rng, frames=wide)
+    solver, found = solved(kkt, [BY_BORDER, Method("lu", "mumps")])
+    assert solver._methods == (Method("lu", "mumps"),)
+    wanted = np.linalg.solve(A, np.arange(1.0, len(A) + 1.0))
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
+
+
+def test_the_inside_keeps_its_factors_while_the_border_changes(rng, monkeypatch):
+    kkt, _ = matrix(rng)
+    blocks = np.zeros((len(kkt.indices), 6, 6))
+    solver, _ = solved(kkt, [BY_BORDER])
+    made = []
+    factorise = module.FewLast._factorise
+
+    def counted(self, parts):
+        before = self._made
+        factorise(self, parts)
+        made.append(self._made != before)
+
+    monkeypatch.setattr(module.FewLast, "_factorise", counted)
+    A = sp.csr_matrix(kkt.csr).toarray()
+    inside = A[: 6 * COUNT, : 6 * COUNT].reshape(COUNT, 6, COUNT, 6)
+    rows = np.repeat(np.arange(COUNT), np.diff(kkt.indptr))
+    blocks = np.ascontiguousarray(inside[rows, :, kkt.indices])
+    for anew in (False, True):
+        legs = rng.normal(size=(len(kkt.legs.nodes), 6))
+        kkt.fill(blocks, legs.copy(), legs.copy(), np.ones(M), anew=anew)
+        solver.factorise()
+        solver.right_hand_side[:] = 1.0
+        solver.solve()
+        wanted = np.linalg.solve(sp.csr_matrix(kkt.csr).toarray(), np.ones(len(A)))
+        np.testing.assert_allclose(solver.solution, wanted, atol=1e-12 * np.abs(wanted).max())
+    assert made == [False, True]
+
+
+def block_on_a_mass(cells: int) -> fl.Scene:
+    """A block, clamped below, with a rigid mass on an averaging attachment of its top."""
+    scene = fl.Scene()
+    mesh = fl.block(lambda a, b, c: (a, b, 0.5 * c), (cells,) * 3)
+    block = scene.add(fl.Solid(mesh, fl.NeoHooke(1e6, 0.3, 1000.0)))
+    for node in block.points("c=0"):
+        scene.add(fl.Clamp(node))
+    mass = scene.add(fl.RigidBody(1.0, (0.1,) * 3, position=(0.5, 0.5, 1.0)))
+    scene.add(fl.Fixed(block.grip("c=1"), mass.centre, at=(0.5, 0.5, 0.5)))
+    scene.add(fl.PointLoad(mass.centre, force=(2e4, 0.0, -4e4), moment=(0.0, 0.0, 3e3)))
+    return scene
+
+
+def test_a_solid_on_a_joint_is_solved_by_its_border(caplog):
+    caplog.set_level("INFO")
+    found = fl.statics(block_on_a_mass(8))
+    assert "by cholmod (cholesky), mumps (cholesky), mumps (lu)" in caplog.text
+    from petsc4py import PETSc
+
+    PETSc.Options("test_by_mumps_")["pc_factor_mat_solver_type"] = "mumps"
+    wanted = fl.statics(block_on_a_mass(8), petsc_options_prefix="test_by_mumps_")
+    np.testing.assert_allclose(found.frames, wanted.frames, rtol=0, atol=1e-11)
+    np.testing.assert_array_equal(found.negative_pivots, wanted.negative_pivots)
+    assert found.factorisations == wanted.factorisations
+    assert Solutions.FEW.value in caplog.text
