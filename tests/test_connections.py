@@ -244,6 +244,25 @@ def test_bad_input_says_what_is_wrong(make, message):
         scene.add(make(joint))
 
 
+def test_springs_on_one_coordinate_need_names():
+    """Without names the force of the first one was returned for both."""
+    for names in (("soft", "stiff"), ("", "")):
+        scene = fl.Scene()
+        hinge = scene.add(fl.Revolute(fl.ground(), body(scene).centre, axis=Z, name="hinge"))
+        soft, stiff = (
+            scene.add(fl.Spring(hinge.angle, stiffness, rest=0.1, name=name))
+            for stiffness, name in zip((2.0, 50.0), names, strict=True)
+        )
+        result = SCHEME.run(scene, duration=1e-6, step=1e-6)
+        if names[0]:
+            moments = [np.abs(result.joint_force(s)[0]).max() for s in (soft, stiff)]
+            np.testing.assert_allclose(moments, [0.2, 5.0], rtol=1e-9)
+            continue
+        for ask in (result.joint_force, result.coordinate, result.joint_violation):
+            with pytest.raises(ValueError, match=r"2 joints or .*'Spring\(.* name of its own"):
+                ask(stiff)
+
+
 def test_unknown_coordinate_names_those_that_exist():
     scene = fl.Scene()
     joint = scene.add(fl.Cylindrical(fl.ground(), body(scene).centre, axis=Z, name="pin"))

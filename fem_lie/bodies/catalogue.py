@@ -175,10 +175,17 @@ class SceneInfo:
         """Number of the joint with this name, or of this joint of the scene.
 
         Raises:
-            ValueError: There is none; the message lists those that exist.
+            ValueError: There is none, and the message lists those that exist; or several have the
+                name.
         """
         name = joint if isinstance(joint, str) else joint.label
-        return self.joints.index(_named(self.joints, name, "joint"))
+        found = _named(self.joints, name, "joint")
+        if (count := sum(info.name == name for info in self.joints)) > 1:
+            raise ValueError(
+                f"{count} joints or connections are called {name!r}, and it is not known which of "
+                "them is meant: give each a name of its own (name=...)"
+            )
+        return self.joints.index(found)
 
     def coordinate(self, joint: Labelled | str, name: str | None) -> int:
         """Number of a joint's relative coordinate; its only or first one if there is no name.
