@@ -328,6 +328,35 @@ def test_many_contacts_settle():
     assert told.friction_loss.min() > -1e-9
 
 
+def in_a_groove(degrees: float) -> tuple[fl.Scene, fl.Point, float]:
+    """A ball that falls into a groove of so small an angle, and the height at which it fits."""
+    angle, scene = np.radians(degrees), fl.Scene(gravity=(0, 0, -GRAVITY))
+    height = RADIUS / np.sin(angle)
+    place = (0, 0, height + 0.1 * RADIUS)
+    ball = scene.add(fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), place, name="ball"))
+    ball.move((3.0 * RADIUS, 0, -20.0 * RADIUS))
+    for side in (1, -1):
+        normal = (side * np.cos(angle), 0, np.sin(angle))
+        wall = fl.Plane(fl.ground(), normal, (0, 0, 0))
+        scene.add(fl.Contact(fl.Sphere(ball.centre, RADIUS), wall, fl.Impact()))
+    return scene, ball.centre, height
+
+
+@pytest.mark.parametrize("degrees", [1.0, 0.3])
+def test_walls_that_almost_face_each_other_part_a_ball(degrees):
+    """Gauss-Seidel sweeps part it by less than the angle squared each; it was left in the walls."""
+    scene, ball, height = in_a_groove(degrees)
+    result = run(scene, 0.3, 1e-2)
+    assert result.contacts.penetration.max() < 1e-12 * RADIUS
+    assert result.position(ball)[-1, 2] == pytest.approx(height, rel=1e-10)
+
+
+def test_bodies_that_cannot_be_parted_are_an_error():
+    scene, _, _ = in_a_groove(0.03)
+    with pytest.raises(fl.ConvergenceError, match=r"ball and ground still overlap by .* wedged\?"):
+        run(scene, 0.3, 1e-2)
+
+
 # --- bad input ---
 
 

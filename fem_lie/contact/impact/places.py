@@ -15,6 +15,10 @@ from fem_lie.lie.motions import Group
 
 _GROUP = int(Group.R3xSO3)
 
+_SLOW = 3
+"""Iterations after which sweeps over few contacts go on as those over many do: two planes that
+almost face each other part a ball by less than their angle squared in one sweep."""
+
 _EXACT = 1e-13
 """Overlap that is left, as a part of a length, as in :data:`CLOSED`."""
 
@@ -97,9 +101,27 @@ def _go_on(w: Work, k: int, part: float) -> None:
 
 @uncounted
 def _part_places(
-    touch: Touch, masses: Masses, H: Array, w: Work, k: int, sweeps: int, enough: float
+    touch: Touch,
+    masses: Masses,
+    H: Array,
+    w: Work,
+    k: int,
+    sweeps: int,
+    enough: float,
+    ahead: bool,
 ) -> None:
-    """``0 ≤ ν ⊥ g − g* ≥ 0`` linearised, by sweeps until gaps change less; bodies are moved."""
+    """``0 ≤ ν ⊥ g − g* ≥ 0`` linearised, by sweeps until gaps change less; bodies are moved.
+
+    Args:
+        touch: Pairs.
+        masses: Of the bodies.
+        H: Frames, updated.
+        w: Work.
+        k: Number of contacts.
+        sweeps: At most.
+        enough: Change of a gap, over that which counts as closed, that is small.
+        ahead: Whether sweeps extrapolate, see :func:`_go_on`.
+    """
     w.moved[:], bodies = 0.0, w.bodies
     for i in range(k):
         c = w.near[i]
@@ -110,14 +132,14 @@ def _part_places(
             if bodies[i, side] >= 0:
                 for j in range(6):
                     w.own[i] += w.rows[i, side, 0, j] * w.pushes[i, side, 0, j]
-    many, weight = k > MOST_NEWTON, 1.0
-    if many:
+    weight = 1.0
+    if ahead:
         _go_on(w, k, 0.0)
     for left in range(sweeps - 1, -1, -1):
         worst, forward = _sweep(touch, w, k)
         if worst < enough:
             break
-        if many and left > 0:
+        if ahead and left > 0:
             weight = 1.0 if forward < 0.0 else weight
             later = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * weight * weight))
             _go_on(w, k, (weight - 1.0) / later)
@@ -139,7 +161,7 @@ def settle_places(
         limits: Iterations, sweeps in one, and whether to end where a contact joins.
     """
     many = w.many[0] > MOST_NEWTON
-    for _ in range(limits[0]):
+    for iteration in range(limits[0]):
         k, worst, grew = 0, 0.0, False
         for at in range(w.many[0]):
             c = w.close[at]
@@ -159,5 +181,16 @@ def settle_places(
         if worst < _EXACT / CLOSED:
             return False
         enough = 0.1 * max(_EXACT, (CLOSED * worst) ** 2 if many else 0.0) / CLOSED
-        _part_places(touch, masses, H, w, k, limits[1], enough)
+        ahead = k > MOST_NEWTON or iteration >= _SLOW
+        _part_places(touch, masses, H, w, k, limits[1], enough, ahead)
     return False
+
+
+@uncounted
+def deepest(touch: Touch, w: Work) -> int:
+    """The pair that overlaps most at the end of a step, beyond what counts as closed; or −1."""
+    found, worst = -1, 1.0
+    for c in range(touch.pairs.shape[0]):
+        if -w.gaps[c] > worst * touch.closed[c]:
+            found, worst = c, -w.gaps[c] / touch.closed[c]
+    return found

@@ -39,6 +39,7 @@ from fem_lie.solve.alpha.step.impact_steps import (
     CROSSED,
     FULL,
     MADE,
+    OVERLAPPING,
     STALE,
     UNSETTLED,
     Contacts,
@@ -222,9 +223,17 @@ class Run(free_bodies.Run):
 
     def _failure(self, index: int, steps: int, failed: np.ndarray) -> str:
         if self._why == CROSSED:
-            who = " and ".join(self._names(int(self._contacts.crossed[0])))
+            who = " and ".join(self._names(int(self._contacts.failed[0])))
             moved = self.p.h * largest_speed(self.s.v, self._contacts.arm)
             return f"step {index} of {steps}: {PassedThroughError(who, moved, self._touching.thin)}"
+        if self._why == OVERLAPPING:
+            pair = int(self._contacts.failed[0])
+            one, other = self._names(pair)
+            return (
+                f"step {index} of {steps}: {one} and {other} still overlap by "
+                f"{-self._touching.work.gaps[pair]:.2g} after all iterations that part contacts; "
+                "are bodies wedged? Try smaller steps, or Penalty"
+            )
         if self._why != UNSETTLED:
             return super()._failure(index, steps, failed)
         reached = float(self._contacts.told[index - 1, RESIDUAL])

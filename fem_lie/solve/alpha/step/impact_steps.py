@@ -9,6 +9,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
 from fem_lie.contact.impact import records
+from fem_lie.contact.impact.places import deepest
 from fem_lie.contact.impact.records import FRICTION, GROUND, IMPACT, Masses, Touch, Work
 from fem_lie.contact.impact.rows import find_crossed
 from fem_lie.contact.impact.settle import settle
@@ -34,10 +35,10 @@ from fem_lie.solve.alpha.step.free_records import (
 from fem_lie.solve.alpha.step.free_steps import act, book, load_of
 from fem_lie.solve.alpha.step.node import Scheme
 
-MADE, STALE, FAILED, UNSETTLED, CROSSED, FULL = range(6)
+MADE, STALE, FAILED, UNSETTLED, CROSSED, FULL, OVERLAPPING = range(7)
 """Why steps end: all are made; it has to be looked again who is near whom; a body's iteration has
 failed; contacts have not settled; a ball has gone through another; there is no more room for what
-results have of contacts."""
+results have of contacts; bodies still overlap."""
 
 LARGEST = 1e-3
 """Residual of the cones with which a step has failed."""
@@ -51,7 +52,7 @@ class Contacts(NamedTuple):
         patience: How far places may move until it has to be looked again.
         arm: The largest distance of a place from its body's centre.
         thin: How far places move at least that go through others.
-        crossed: The pair that did, shape (1,).
+        failed: The pair that went through each other or still overlaps, shape (1,).
         sum: How far they may have moved, shape (1,).
         told: Of all steps, see :data:`fem_lie.contact.impact.records.TOLD`, shape (S, 13).
         booked: Work of contacts, and impulse of ground and its moment so far, shape (7,).
@@ -64,7 +65,7 @@ class Contacts(NamedTuple):
     patience: float
     arm: float
     thin: float
-    crossed: Indices
+    failed: Indices
     sum: Array
     told: Array
     booked: Array
@@ -156,6 +157,9 @@ def advance(
         if settle(p.h, touch, masses, start, state.H, state.v, work, contacts.tolerance, told):
             if not told[records.RESIDUAL] <= LARGEST:
                 return index - 1, factorisations, UNSETTLED
+            contacts.failed[0] = deepest(touch, work)
+            if contacts.failed[0] >= 0:
+                return index - 1, factorisations, OVERLAPPING
             for i in range(n):
                 if _changed(state.v[i], work.v[i], state.H[i], work.H[0, i]):
                     here = Start(
@@ -173,8 +177,8 @@ def advance(
         speed = max(speed, largest_speed(state.v, contacts.arm))
         contacts.sum[0] += p.h * speed
         if p.h * speed > 0.5 * contacts.thin:
-            contacts.crossed[0] = find_crossed(touch, H0, state.H)
-            if contacts.crossed[0] >= 0:
+            contacts.failed[0] = find_crossed(touch, H0, state.H)
+            if contacts.failed[0] >= 0:
                 return index - 1, factorisations, CROSSED
         kept = index % plan.every == 0 or index == plan.total
         for i in range(n):
