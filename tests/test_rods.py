@@ -223,7 +223,7 @@ def test_conserving_schemes_refuse_edges():
     scene = fl.Scene()
     ends = (0, 0, 0), (1, 0, 0)
     scene.add(fl.Rod.straight(*ends, own, cells=2, formulation=fl.DiscreteRod()))
-    with pytest.raises(ValueError, match="corners"):
+    with pytest.raises(ValueError, match="discrete rods"):
         fl.EnergyMomentum().run(scene, duration=1e-3, step=1e-3)
 
 

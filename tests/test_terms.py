@@ -4,6 +4,7 @@ A name in the list below is a term that is tested by all of them.
 """
 
 import ast
+import inspect
 from collections.abc import Callable
 from functools import cache
 from typing import NamedTuple
@@ -295,7 +296,8 @@ def rope_in_rings() -> fl.Scene:
     return scene
 
 
-HELD = "loads on places that are no nodes"
+CORNERS = "discrete rods (DiscreteRod)"
+HELD = "loads on points that are not nodes"
 TOUCH = "contacts by penalty"
 MASS = fl.Damping(mass=0.7)
 VISCOUS = fl.Damping(stiffness=0.3)
@@ -326,8 +328,8 @@ TERMS: dict[str, Case] = {
     ),
     "bending springs": Case(lambda: cable(formulation=fl.DiscreteCable()), "bending springs"),
     "discrete rod": Case(rod, "elements"),
-    "corners of a rod": Case(rod, "corners"),
-    "corners of a naturally curved rod": Case(lambda: rod(natural=(0.3, -0.4, 0.2)), "corners"),
+    "corners of a rod": Case(rod, CORNERS),
+    "corners of a naturally curved rod": Case(lambda: rod(natural=(0.3, -0.4, 0.2)), CORNERS),
     "mixed shell": Case(lambda: shell(fl.HellingerReissner()), "elements"),
     "mixed triangles": Case(lambda: shell(fl.HellingerReissner(), "triangle"), "elements"),
     "plain geodesic beam": Case(lambda: beam(fl.Geodesic(False)), "elements"),
@@ -660,3 +662,42 @@ def test_the_equations_ask_no_term_and_no_load_what_it_is(module):
     tree = ast.parse(MODULES[module].read_text(encoding="utf-8"))
     calls = [node.func for node in ast.walk(tree) if isinstance(node, ast.Call)]
     assert not [f for f in calls if isinstance(f, ast.Name) and f.id in ("isinstance", "type")]
+
+
+UNDEFINED = {
+    "stiff_rows": "apart",
+    "add_of_ground": "on_ground",
+    "add_viscous_forces": "viscous",
+    "viscous_tangent": "viscous",
+    "carry": "carries",
+    "restore": "carries",
+    "settle": "settles",
+    "accept": "rubs or parts",
+    "check_passage": "watches",
+    "watch": "watches",
+    "watch_again": "watches",
+    "clear_stress": "carries",
+    "reset_stress": "carries",
+    "add_over_step": "secant",
+    "tangent_over_step": "secant",
+    "overlaps": "secant",
+}
+
+
+@pytest.mark.parametrize(("method", "trait"), UNDEFINED.items())
+def test_a_term_that_lacks_what_its_traits_ask_for_is_named(method, trait):
+    class Lacking(Term):
+        label = "tides"
+        pairs = property(lambda self: (np.empty(0, int), np.empty(0, int)))
+
+        def add_forces(self, H, out, kept=None):
+            """None."""
+
+        def tangent(self, H, kept):
+            """None."""
+
+    lacking = Lacking()
+    asked = getattr(lacking, method)
+    given = [None] * len(inspect.signature(asked).parameters)
+    with pytest.raises(NotImplementedError, match=rf"Lacking \(tides\) .* {method}\(\).*{trait} ="):
+        asked(*given)

@@ -7,7 +7,7 @@ say themselves what they have, and how they may be summed.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import ceil
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
@@ -147,6 +147,27 @@ class CellMatrices(Protocol):
         """See there."""
 
 
+_ASKED_BY = {
+    "stiff_rows": "apart",
+    "add_of_ground": "on_ground",
+    "add_viscous_forces": "viscous",
+    "viscous_tangent": "viscous",
+    "carry": "carries",
+    "restore": "carries",
+    "settle": "settles",
+    "accept": "rubs or parts",
+    "check_passage": "watches",
+    "watch": "watches",
+    "watch_again": "watches",
+    "clear_stress": "carries",
+    "reset_stress": "carries",
+    "add_over_step": "secant",
+    "tangent_over_step": "secant",
+    "overlaps": "secant",
+}
+"""Traits of terms that ask for methods which others need not define."""
+
+
 class Term(ABC):
     """Forces on nodes, with the sign of a residual: those of an energy are its gradient.
 
@@ -186,6 +207,14 @@ class Term(ABC):
     load = viscous = in_space = of_bodies = turning = False
     carries = settles = within_joints = False
     conserved = secant = steady = on_ground = rubs = watches = parts = apart = False
+
+    def _undefined(self, method: Callable[..., Any]) -> NotImplementedError:
+        """The error of a method that this class does not define, though its traits ask for it."""
+        name = method.__name__
+        return NotImplementedError(
+            f"{type(self).__name__} ({self.label}) does not define {name}(), which is expected of "
+            f"a Term whose class sets {_ASKED_BY[name]} = True"
+        )
 
     # --- forces ---
 
@@ -246,7 +275,7 @@ class Term(ABC):
 
     def stiff_rows(self, H: Array) -> StiffRows:
         """What counts of the tangent, by few rows; asked of terms that are apart."""
-        raise NotImplementedError
+        raise self._undefined(self.stiff_rows)
 
     def near(self, nodes: Flags) -> NearCells | None:
         """The same forces on some nodes alone, if that is less work.
@@ -266,7 +295,7 @@ class Term(ABC):
 
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
         """Add those of all forces, at twists ``v``, that ground is the other side of."""
-        raise NotImplementedError
+        raise self._undefined(self.add_of_ground)
 
     @property
     def tables(self) -> tuple[FormTable, FormTable] | None:
@@ -287,7 +316,7 @@ class Term(ABC):
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
         """Add the forces at twists ``v`` (≥ nodes that move, 6)."""
-        raise NotImplementedError
+        raise self._undefined(self.add_viscous_forces)
 
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
         """Their derivatives in the twists, and in those of frames if that is not left out.
@@ -295,7 +324,7 @@ class Term(ABC):
         The second is at constant velocities of the nodes' groups, as
         :func:`~fem_lie.lie.kinds.at_rest` has them.
         """
-        raise NotImplementedError
+        raise self._undefined(self.viscous_tangent)
 
     @property
     def rates(self) -> tuple[Indices, Indices, Array] | None:
@@ -319,19 +348,19 @@ class Term(ABC):
 
     def carry(self, H: Array, h: Array) -> None:
         """Carry the stress on to the end of the increment ``h`` (n, 6), from frames ``H``."""
-        raise NotImplementedError
+        raise self._undefined(self.carry)
 
     def restore(self, carried: Array) -> None:
         """Carry again what was carried when it was copied."""
-        raise NotImplementedError
+        raise self._undefined(self.restore)
 
     def settle(self, H: Array) -> None:
         """Make what the forces need of the term's own unknowns that of frames ``H``."""
-        raise NotImplementedError
+        raise self._undefined(self.settle)
 
     def accept(self, H: Array) -> None:
         """Go on from frames ``H``; asked of terms that rub or part."""
-        raise NotImplementedError
+        raise self._undefined(self.accept)
 
     def check_passage(self, start: Array, end: Array) -> None:
         """Look whether surfaces went through each other; asked of terms that watch.
@@ -343,7 +372,7 @@ class Term(ABC):
         Raises:
             PassedThroughError: They did.
         """
-        raise NotImplementedError
+        raise self._undefined(self.check_passage)
 
     def watch(self, start: Array, end: Array, h: float, middle: Array | None) -> None:
         """Note a step of a scheme that does not conserve energy; asked of terms that watch.
@@ -354,7 +383,7 @@ class Term(ABC):
             h: Its size.
             middle: Where forces act in the step; None: at both ends.
         """
-        raise NotImplementedError
+        raise self._undefined(self.watch)
 
     @property
     def watched(self) -> Array:
@@ -363,15 +392,15 @@ class Term(ABC):
 
     def watch_again(self, watched: Array) -> None:
         """Have noted again what was :attr:`watched` once."""
-        raise NotImplementedError
+        raise self._undefined(self.watch_again)
 
     def clear_stress(self) -> None:
         """Carry none: a tangent without geometric stiffness."""
-        raise NotImplementedError
+        raise self._undefined(self.clear_stress)
 
     def reset_stress(self, H: Array) -> None:
         """Carry that of frames ``H``."""
-        raise NotImplementedError
+        raise self._undefined(self.reset_stress)
 
     # --- what pairs follow from: asked of terms whose pairs change ---
 
@@ -396,18 +425,18 @@ class Term(ABC):
             out: Forces and moments about the mean places of nodes, global components, (nodes, 6).
             ground: Force and moment about the origin on ground, (6,).
         """
-        raise NotImplementedError
+        raise self._undefined(self.add_over_step)
 
     def tangent_over_step(self, ends: Ends, H: Array) -> Array:
         """Twice the derivative of these in the twists at the end, in frames ``H`` half-way.
 
         Of the shape of :meth:`tangent`; ``mean`` and ``delta`` of ``ends`` are those of all nodes.
         """
-        raise NotImplementedError
+        raise self._undefined(self.tangent_over_step)
 
     def overlaps(self, H: Array) -> bool:
         """Whether there are any such forces at frames ``H``; asked of the same."""
-        raise NotImplementedError
+        raise self._undefined(self.overlaps)
 
     @property
     def pieces(self) -> PushedPieces | None:
