@@ -78,7 +78,7 @@ def test_courant(courant):
 
 
 def test_other_nodes():
-    with pytest.raises(ValueError, match=r"no nodes that are no places: use Explicit"):
+    with pytest.raises(ValueError, match=r"nodes with other unknowns than positions: use Explicit"):
         SCHEME.run(flying(), duration=0.1, step=1e-2)
 
 

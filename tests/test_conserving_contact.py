@@ -42,9 +42,9 @@ def test_energy_and_momenta_stay_over_impacts(name, periods, count):
 def test_skins_that_conserving_steps_refuse():
     lower, upper = sheet(0, 1, 1), sheet(0.1, 1, 1)
     for smooth, law, message in (
-        (True, fl.Penalty(1e6), "have no shells with six parameters"),
-        (False, fl.Penalty(1e6, friction=0.3), "have no shells with six parameters"),
-        (False, fl.Penalty(1e6, damping=1e3), "have no contacts by penalty with damping"),
+        (True, fl.Penalty(1e6), "does not support shells with six parameters"),
+        (False, fl.Penalty(1e6, friction=0.3), "does not support shells with six parameters"),
+        (False, fl.Penalty(1e6, damping=1e3), "does not support contacts by penalty with damping"),
     ):
         skins = fl.Skin(lower, smooth=smooth), fl.Skin(upper, smooth=smooth)
         scene = scene_of(lower, upper, fl.Contact(*skins, law))

@@ -84,7 +84,7 @@ def edge_on_beam(scene):
 
 
 JOINTS, SLIDES, ROLLS = relative_motions.RelativeMotions.what, slides.Slides.what, rolls.Rolls.what
-ON_GRIPS = "{} on points that are no nodes".format
+ON_GRIPS = "{} on points that are not nodes".format
 SETS = {
     "joints": (joints, JOINTS),
     "joints on geodesics": (joints_on(None), ON_GRIPS(JOINTS)),

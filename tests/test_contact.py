@@ -296,7 +296,7 @@ REFUSED = {
         lambda: fl.EnergyMomentum().run(
             dropped(fl.Penalty(1e3, damping=1.0))[0], duration=0.1, step=1e-2
         ),
-        "no contacts by penalty with damping: use GeneralisedAlpha",
+        "support contacts by penalty with damping: use GeneralisedAlpha",
     ),
 }
 

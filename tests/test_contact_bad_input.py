@@ -116,7 +116,7 @@ SCHEMES = {
     ),
     "damping in conserving steps": (
         lambda: run(falling(fl.Penalty(1e3, damping=1.0), ONE), fl.EnergyMomentum()),
-        "no contacts by penalty with damping: use GeneralisedAlpha",
+        "support contacts by penalty with damping: use GeneralisedAlpha",
     ),
 }
 REFUSED = VALUES | SURFACES | SCHEMES

@@ -112,7 +112,7 @@ def test_drives():
     body = scene.add(fl.RigidBody(1.0, (1, 1, 1)))
     hinge = scene.add(fl.Revolute(fl.ground(), body.centre, axis=(0, 0, 1)))
     scene.add(fl.Drive(hinge.angle, lambda t: 0.1 * t**3))
-    with pytest.raises(ValueError, match=r"Explicit has no drives; or use GeneralisedAlpha"):
+    with pytest.raises(ValueError, match=r"Explicit does not support drives: use GeneralisedAlpha"):
         SCHEME.run(scene, duration=0.1, step=1e-3)
 
 
@@ -120,7 +120,7 @@ def test_constraints_of_velocities():
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (1, 1, 1)))
     scene.add(fl.KnifeEdge(fl.ground(), body.centre, at=(0, 0, 0), axis=(0, 1, 0)))
-    with pytest.raises(ValueError, match=r"Explicit has no constraints of velocities"):
+    with pytest.raises(ValueError, match=r"Explicit does not support velocity constraints"):
         SCHEME.run(scene, duration=0.1, step=1e-3)
 
 

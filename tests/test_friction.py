@@ -283,17 +283,17 @@ REFUSED = {
         lambda: fl.Explicit().run(
             on_slope(20, ball, LAW)[0], duration=0.1, step=1e-3, progress=False
         ),
-        "Explicit has no friction of penalties",
+        "Explicit does not support friction of penalties",
     ),
     "variational": (
         lambda: fl.Variational().run(
             on_slope(20, ball, LAW)[0], duration=0.1, step=1e-3, progress=False
         ),
-        "Variational has no friction of penalties",
+        "Variational does not support friction of penalties",
     ),
     "conserving": (
         lambda: fl.EnergyMomentum().run(crossing(), duration=0.1, step=1e-2, progress=False),
-        "no contacts by penalty with friction: use GeneralisedAlpha",
+        "support contacts by penalty with friction: use GeneralisedAlpha",
     ),
 }
 

@@ -77,11 +77,11 @@ def test_bad_input():
     span = {"duration": 1e-2, "step": 1e-2}
     scene, blade = sledge()
     scene.add(fl.Planar(fl.ground(), blade.b))
-    with pytest.raises(ValueError, match="no joints but KnifeEdge and RollingDisc on the ground"):
+    with pytest.raises(ValueError, match="joints other than KnifeEdge and RollingDisc"):
         SCHEME.run(scene, **span)
     scene, blade = sledge()
     scene.add(fl.PointLoad(blade.b, force=(0, 0, 1)))
-    with pytest.raises(ValueError, match="no loads but gravity"):
+    with pytest.raises(ValueError, match="loads other than gravity"):
         SCHEME.run(scene, **span)
     scene, _ = sledge()
     with pytest.raises(ValueError, match="Hamel makes constant steps"):

@@ -321,7 +321,7 @@ def test_statics_and_vibrations_take_it():
 def test_other_schemes_refuse(scheme, modes):
     scene = fl.Scene()
     scene.add(reduced(modes)[0])
-    with pytest.raises(ValueError, match=r"reduced bodies|no frames|no places"):
+    with pytest.raises(ValueError, match=r"reduced-order|without frames|than positions"):
         scheme.run(scene, duration=1e-3, step=1e-3)
 
 

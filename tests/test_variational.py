@@ -147,7 +147,7 @@ def test_what_it_has_not():
     scene = fl.Scene()
     steel = fl.Section.rectangle(0.01, 0.01, fl.Material(2e9, 0.3, 1200.0))
     scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), steel, cells=2))
-    with pytest.raises(ValueError, match=r"no nodes that are no frames .* use GeneralisedAlpha"):
+    with pytest.raises(ValueError, match=r"nodes without frames .* use GeneralisedAlpha"):
         SCHEME.run(scene, duration=0.1, step=1e-2)
 
 

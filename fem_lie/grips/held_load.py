@@ -17,7 +17,7 @@ from fem_lie.grips.grip import Grip, bend, locate
 class HeldLoad(Term):
     """A load on one grip."""
 
-    label, load, of_bodies = "loads on places that are no nodes", True, True
+    label, load, of_bodies = "loads on points that are not nodes", True, True
 
     def __init__(self, grip: Grip, nodes: Indices, wrench: Array, *, following: bool) -> None:
         """Keep the load.

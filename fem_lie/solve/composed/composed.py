@@ -30,7 +30,7 @@ from fem_lie.solve.composed.momentum_parts import MomentumRun
 from fem_lie.solve.composed.run import ComposedRun
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
 from fem_lie.solve.motion.integration import Integration
-from fem_lie.solve.motion.integrator import Integrator
+from fem_lie.solve.motion.integrator import WITHOUT_FRAMES, Integrator, refuse
 from fem_lie.solve.variational.variational import Variational
 from fem_lie.system.equations import Equations
 
@@ -125,21 +125,20 @@ def _refuse(equations: Equations) -> None:
         "damping in proportion to mass": len(tables.damping.indptr) > 0,
         "dampers in connections": bool(np.any(dampers != 0.0)),
     }
-    if (unknowns.kinds >= SLOPE).any():
-        raise ValueError(
-            "Composed has no nodes that are no frames (Cable, Net, ThinShell, Solid): use "
-            "EnergyMomentum or GeneralisedAlpha"
-        )
-    if any(term.secant for term in tables.terms):
-        raise ValueError("Composed has no contacts by penalty: use EnergyMomentum")
+    refuse(
+        "Composed",
+        {
+            WITHOUT_FRAMES: bool((unknowns.kinds >= SLOPE).any()),
+            "contacts by penalty": any(term.secant for term in tables.terms),
+            "strains that change in time (Temperature, Eigenstrain with a history)": (
+                unknowns.strains_change
+            ),
+        },
+        "EnergyMomentum or GeneralisedAlpha",
+    )
     for what, given in reasons.items():
         if given:
             raise ValueError(
-                f"Composed steps go back in time in part, where {what} would feed energy: wanted a "
-                "scene without, or EnergyMomentum or GeneralisedAlpha"
+                f"Composed steps go back in time in part, where {what} would feed energy: expected "
+                "a scene without, or EnergyMomentum or GeneralisedAlpha"
             )
-    if unknowns.strains_change:
-        raise ValueError(
-            "Composed has no strains that change in time (Temperature, Eigenstrain with a history):"
-            " use EnergyMomentum or GeneralisedAlpha"
-        )

@@ -43,7 +43,7 @@ from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import Options
 from fem_lie.solve.conserving.straight.run import StraightRun
 from fem_lie.solve.conserving.straight.scene import check, is_straight
-from fem_lie.solve.motion.integrator import Integrator, check_until_round_off
+from fem_lie.solve.motion.integrator import Integrator, check_until_round_off, refuse
 from fem_lie.solve.motion.policies import Automatic, Policy
 from fem_lie.solve.motion.step_control import StepChoice
 from fem_lie.solve.recording.saving import Saving
@@ -93,8 +93,8 @@ class EnergyMomentum(Integrator):
         _refuse(equations)
         if self.policy.secants and not is_straight(equations):
             raise ValueError(
-                "conserving schemes learn from corrections where nodes are no frames (Cable, Net, "
-                f"ThinShell, Solid): wanted secants=0 without these, got {self.policy.secants}"
+                "conserving schemes learn from corrections where nodes have no frames (Cable, Net, "
+                f"ThinShell, Solid): expected secants=0 without these, got {self.policy.secants}"
             )
         return equations
 
@@ -115,13 +115,13 @@ class EnergyMomentum(Integrator):
         equations, options = self._equations(scene), self.told()
         if is_straight(equations):
             raise ValueError(
-                "conserving schemes move nodes that are no frames (Cable, Net, ThinShell, Solid) by"
-                " constant steps: wanted the size of the step as a number and nothing that jumps"
+                "conserving schemes move nodes without frames (Cable, Net, ThinShell, Solid) by "
+                "constant steps: expected the size of the step as a number and nothing that jumps"
             )
         if any(term.secant for term in equations.tables.terms):
             raise ValueError(
-                "conserving schemes have contacts by penalty in constant steps: wanted the size of "
-                "the step as a number and nothing that jumps"
+                "conserving schemes have contacts by penalty in constant steps: expected the size "
+                "of the step as a number and nothing that jumps"
             )
         return variable.run(options, equations, duration, choice, saving, progress)
 
@@ -142,11 +142,9 @@ def _refuse(equations: Equations) -> None:
         "redundant constraints": unknowns.may_be_redundant,
         f"shells with six parameters ({drilling})": bool(drilling),
         ", ".join(dict.fromkeys(apart)): bool(apart),
-        f"reduced bodies ({', '.join(unknowns.floating)})": bool(unknowns.floating),
+        f"reduced-order bodies ({', '.join(unknowns.floating)})": bool(unknowns.floating),
     }
-    for what, given in reasons.items():
-        if given:
-            raise ValueError(f"conserving schemes have no {what}: use GeneralisedAlpha")
+    refuse("a conserving scheme", reasons)
     if straight:
         check(equations)
 

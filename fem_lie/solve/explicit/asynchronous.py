@@ -28,7 +28,7 @@ from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.explicit import events
 from fem_lie.solve.motion.integration import Integration
-from fem_lie.solve.motion.integrator import Integrator
+from fem_lie.solve.motion.integrator import Integrator, refuse
 from fem_lie.solve.motion.policies import Never
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import Recorder
@@ -232,18 +232,13 @@ def _refuse(equations: Equations) -> None:
     viscous = mass_damping or any(term.viscous for term in tables.terms)
     massless = bool((tables.inertia.blocks[:, 0, 0] <= 0.0).any())
     reasons = {
-        "nodes that are no places": bool((unknowns.kinds != POINT).any()),
+        "nodes with other unknowns than positions": bool((unknowns.kinds != POINT).any()),
         "joints": unknowns.m > 0,
         "springs between bodies": len(joint_table(tables.joints).springs) > 0,
         "damping": viscous,
-        "places without mass": massless,
-        "loads that change in time or follow": unknowns.time_dependent
+        "nodes without mass": massless,
+        "loads that change in time, following loads and moments": unknowns.time_dependent
         or not unknowns.has_potential,
-        "contact, pressure and the like": any(t.tables is None for t in tables.terms),
+        "contact and pressure": any(t.tables is None for t in tables.terms),
     }
-    for what, given in reasons.items():
-        if given:
-            raise ValueError(
-                f"Asynchronous has no {what}: use Explicit, where that takes the scene, or "
-                "GeneralisedAlpha"
-            )
+    refuse("Asynchronous", reasons, "Explicit, where that supports the scene, or GeneralisedAlpha")

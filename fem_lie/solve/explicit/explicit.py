@@ -29,7 +29,7 @@ from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
 from fem_lie.solve.explicit.run import ExplicitRun, limit_of
 from fem_lie.solve.explicit.stable import masses_of, node_name, refuse_surfaces
-from fem_lie.solve.motion.integrator import Integrator
+from fem_lie.solve.motion.integrator import Integrator, refuse
 from fem_lie.system.equations import Equations
 
 
@@ -86,7 +86,7 @@ def _refuse(equations: Equations) -> None:
     dampers = bool(np.any(joint_table(tables.joints).springs[:, 1] != 0.0))
     mass_damping = len(tables.damping.indptr) > 0
     reasons = {
-        "constraints of velocities (KnifeEdge, RollingDisc)": unknowns.of_velocities > 0,
+        "velocity constraints (KnifeEdge, RollingDisc)": unknowns.of_velocities > 0,
         "drives": unknowns.driven,
         "redundant constraints": unknowns.may_be_redundant,
         "prescribed motions": len(equations.start.frames) > unknowns.moving + 1,
@@ -95,6 +95,4 @@ def _refuse(equations: Equations) -> None:
         "strains that change in time": unknowns.strains_change,
         "friction of penalties": any(term.rubs for term in tables.terms),
     }
-    for what, given in reasons.items():
-        if given:
-            raise ValueError(f"Explicit has no {what}; or use GeneralisedAlpha")
+    refuse("Explicit", reasons)

@@ -20,6 +20,7 @@ from fem_lie._arrays import Array, Flags
 from fem_lie.forms.term import Term
 from fem_lie.lie.kinds import POINT, SLOPE, SURFACE
 from fem_lie.solve.explicit.nodes import DIRECTOR, FRAME, STILL, STRAIGHT, Masses
+from fem_lie.solve.motion.integrator import refuse
 from fem_lie.system.equations import Equations
 
 _NODES = 2
@@ -166,14 +167,15 @@ def _cell_size(term: Term) -> int:
 
 
 def refuse_surfaces(equations: Equations) -> None:
-    """Raise ``ValueError`` for points that are several nodes, and for bodies in few shapes."""
-    if equations.unknowns.floating:
-        raise ValueError(
-            f"Explicit has no reduced bodies ({', '.join(equations.unknowns.floating)}): use "
-            "GeneralisedAlpha"
-        )
-    if (equations.unknowns.kinds >= SURFACE).any():
-        raise ValueError(
-            "Explicit has no thin shells and no ANCF bodies, whose nodes share mass: use "
-            "GeneralisedAlpha, or Shell and Beam"
-        )
+    """Raise ``ValueError`` for points that are several nodes, and for reduced-order bodies."""
+    unknowns = equations.unknowns
+    refuse(
+        "Explicit",
+        {
+            f"reduced-order bodies ({', '.join(unknowns.floating)})": bool(unknowns.floating),
+            "thin shells and ANCF bodies, whose nodes share mass": bool(
+                (unknowns.kinds >= SURFACE).any()
+            ),
+        },
+        "GeneralisedAlpha, or Shell and Beam",
+    )

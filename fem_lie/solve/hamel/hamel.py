@@ -33,7 +33,7 @@ from fem_lie.lie.motions import Group
 from fem_lie.scene import Scene
 from fem_lie.solve.hamel.run import HamelRun
 from fem_lie.solve.hamel.step import Bodies
-from fem_lie.solve.motion.integrator import Integrator
+from fem_lie.solve.motion.integrator import Integrator, refuse
 from fem_lie.system.equations import Equations
 
 
@@ -72,15 +72,13 @@ def _refuse(scene: Scene) -> None:
     on_ground = all(isinstance(j, kinds) and j.a.is_ground for j in scene.joints)
     around = (scene.connections, scene.links, scene.contacts, scene.clamps, scene.motions)
     reasons = {
-        "bodies that are not rigid": not all(isinstance(b, RigidBody) for b in scene.bodies),
-        "joints but KnifeEdge and RollingDisc on the ground": not on_ground,
-        "bodies with two of these": len(set(bound)) < len(bound),
-        "loads but gravity": bool(scene.loads),
-        "springs, drives, links, contact, clamps and motions": any(around),
+        "flexible bodies": not all(isinstance(b, RigidBody) for b in scene.bodies),
+        "joints other than KnifeEdge and RollingDisc on the ground": not on_ground,
+        "two of these joints on one body": len(set(bound)) < len(bound),
+        "loads other than gravity": bool(scene.loads),
+        "springs, drives, links, contacts, clamps and prescribed motions": any(around),
     }
-    for what, given in reasons.items():
-        if given:
-            raise ValueError(f"Hamel has no {what}: use GeneralisedAlpha")
+    refuse("Hamel", reasons)
 
 
 def _bodies(scene: Scene) -> Bodies:

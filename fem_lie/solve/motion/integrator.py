@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
@@ -184,6 +185,26 @@ class Integrator(ABC):
     def _alone(self, scene: Scene) -> Alone | None:
         """What makes runs to files by itself, if the scheme has it for such a scene."""
         return None
+
+
+WITHOUT_FRAMES = "nodes without frames (Cable, Net, ThinShell, AncfBeam, AncfShell, Solid)"
+"""How refusals name bodies whose nodes have no rotation of their own."""
+
+
+def refuse(scheme: str, unsupported: Mapping[str, bool], instead: str = "GeneralisedAlpha") -> None:
+    """Refuse a scene that has what a scheme does not support.
+
+    Args:
+        scheme: What the message calls it.
+        unsupported: Names of what it does not support, and whether the scene has it.
+        instead: Schemes that may support it.
+
+    Raises:
+        ValueError: The scene has some of it; the message names the first.
+    """
+    for what, present in unsupported.items():
+        if present:
+            raise ValueError(f"{scheme} does not support {what}: use {instead}")
 
 
 def check_kinds(tolerance: float, max_iterations: int, policy: Policy) -> None:

@@ -30,7 +30,7 @@ from fem_lie.bodies.body import Body
 from fem_lie.lie.kinds import SLOPE
 from fem_lie.scene import Scene
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
-from fem_lie.solve.motion.integrator import Integrator
+from fem_lie.solve.motion.integrator import WITHOUT_FRAMES, Integrator, refuse
 from fem_lie.solve.multirate.run import MultiRateRun
 from fem_lie.solve.multirate.split import domains, rows_of
 from fem_lie.system.equations import Equations
@@ -94,16 +94,16 @@ class MultiRate(Integrator):
         domains(scene, self.steps)
         equations = self.scheme.equations(scene)
         unknowns = equations.unknowns
-        if (unknowns.kinds >= SLOPE).any():
-            raise ValueError(
-                "MultiRate has no nodes that are no frames (Cable, Net, ThinShell, Solid): use "
-                "EnergyMomentum"
-            )
-        if unknowns.time_dependent or unknowns.strains_change:
-            raise ValueError(
-                "MultiRate has no loads, drives, motions and strains that change in time: use "
-                "EnergyMomentum"
-            )
+        refuse(
+            "MultiRate",
+            {
+                WITHOUT_FRAMES: bool((unknowns.kinds >= SLOPE).any()),
+                "loads, drives, motions and strains that change in time": (
+                    unknowns.time_dependent or unknowns.strains_change
+                ),
+            },
+            "EnergyMomentum",
+        )
         return equations
 
     def _integration(self, equations: Equations, step: float) -> MultiRateRun:

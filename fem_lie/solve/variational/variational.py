@@ -41,8 +41,10 @@ from fem_lie.lie.kinds import SLOPE
 from fem_lie.lie.motions import Group
 from fem_lie.scene import Scene
 from fem_lie.solve.motion.integrator import (
+    WITHOUT_FRAMES,
     Integrator,
     check_until_round_off,
+    refuse,
 )
 from fem_lie.solve.motion.policies import Automatic, Policy
 from fem_lie.solve.variational.run import VariationalRun
@@ -85,7 +87,7 @@ class Variational(Integrator):
         if self.policy.secants:
             given = self.policy.secants
             raise ValueError(
-                f"Variational learns from no corrections: wanted secants=0, got {given}"
+                f"Variational learns from no corrections: expected secants=0, got {given}"
             )
 
     def equations(self, scene: Scene) -> Equations:
@@ -112,11 +114,9 @@ def _refuse(equations: Equations) -> None:
     reasons = dict.fromkeys(unknowns.other_constraints, True) | {
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
-        "nodes that are no frames (Cable, Solid, ThinShell)": bool((unknowns.kinds >= SLOPE).any()),
+        f"reduced-order bodies ({', '.join(unknowns.floating)})": bool(unknowns.floating),
+        WITHOUT_FRAMES: bool((unknowns.kinds >= SLOPE).any()),
         "friction of penalties": any(term.rubs for term in equations.tables.terms),
         f"shells with six parameters ({drilling})": bool(drilling),
-        f"reduced bodies ({', '.join(unknowns.floating)})": bool(unknowns.floating),
     }
-    for what, given in reasons.items():
-        if given:
-            raise ValueError(f"Variational has no {what}: use GeneralisedAlpha")
+    refuse("Variational", reasons)

@@ -97,7 +97,7 @@ class OnGrips(ConstraintSet):
         self.inner = kind(items, local, Start())
         self.owner, self.angular = self.inner.owner, self.inner.angular
         self.targets = self.inner.targets
-        self.what = f"{kind.what} on points that are no nodes"
+        self.what = f"{kind.what} on points that are not nodes"
         self.of_velocities = kind.of_velocities
         k, g = len(self.rows.moving), self._grips.count
         self._by_itself = np.tile(np.eye(6), (k, 1, 1))

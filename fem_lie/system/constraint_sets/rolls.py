@@ -27,7 +27,7 @@ class Rolls(ConstraintSet):
         table: Of all of them.
     """
 
-    what = "constraints of velocities (KnifeEdge, RollingDisc)"
+    what = "velocity constraints (KnifeEdge, RollingDisc)"
     of_velocities = True
 
     def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:

@@ -29,7 +29,7 @@ class Slides(ConstraintSet):
         table: Of all of them.
     """
 
-    what = "what slides along a beam (Collar)"
+    what = "joints that slide along a beam (Sliding, Collar, Sleeve)"
 
     def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
         """Table what slides."""

@@ -12,6 +12,7 @@ from fem_lie.lie.kinds import SLOPE
 from fem_lie.solve.conserving.rows.halves import CellTable
 from fem_lie.solve.conserving.rows.measure import measure_cells
 from fem_lie.solve.conserving.straight.records import Model
+from fem_lie.solve.motion.integrator import WITHOUT_FRAMES, refuse
 from fem_lie.system.equations import Equations
 
 
@@ -30,20 +31,16 @@ def check(equations: Equations) -> None:
     pairs = equations.tables.pairs_of_all
     apart = [term.label for term in equations.tables.terms if not _is_known(term, unknowns.kinds)]
     reasons = {
-        "constraints of velocities, joints that slide or roll, or joints between the nodes of a "
-        "Beam": pairs is None,
-        "joints that ask how a cable's end or a node without axes is turned "
-        "(Revolute, Fixed; Spherical at another place)": pairs is not None and pairs.loose,
-        "nodes that follow others": unknowns.moving < unknowns.total,
-        "strains that change": unknowns.strains_change,
+        "velocity constraints, joints that slide or roll, or joints between the nodes of a Beam": (
+            pairs is None
+        ),
+        "joints that need the rotation of a cable's end or of a node without axes "
+        "(Revolute, Fixed; Spherical away from the node)": pairs is not None and pairs.loose,
+        "nodes that are rigidly attached to others": unknowns.moving < unknowns.total,
+        "strains that change in time": unknowns.strains_change,
         ", ".join(dict.fromkeys(apart)): bool(apart),
     }
-    for what, given in reasons.items():
-        if given:
-            raise ValueError(
-                "conserving schemes have nodes that are no frames (Cable, Net, ThinShell, Solid) "
-                f"without {what}: use GeneralisedAlpha"
-            )
+    refuse(f"a conserving scheme, where there are {WITHOUT_FRAMES},", reasons)
 
 
 def _is_known(term: Term, kinds: Indices) -> bool:
