@@ -25,9 +25,12 @@ FORMULATIONS: dict[str, Any] = {
 SLENDER: dict[str, Callable[..., Any]] = {
     "Kirchhoff rod": partial(fl.Rod, formulation=fl.Kirchhoff()),
     "discrete rod": partial(fl.Rod, formulation=fl.DiscreteRod()),
-    "Hermite cable": lambda *line, up, name: fl.Cable(*line, name=name),
-    "discrete cable": lambda *line, up, name: fl.Cable(
-        *line, formulation=fl.DiscreteCable(), name=name
+    "Hermite cable": lambda *line, up, **options: fl.Cable(*line, **options),
+    "discrete cable": lambda *line, up, **options: fl.Cable(
+        *line, formulation=fl.DiscreteCable(), **options
+    ),
+    "spline cable": lambda mesh, section, up, **options: fl.SplineCable.through(
+        mesh.points, section, **options
     ),
     "ANCF beam": fl.AncfBeam,
 }
@@ -50,7 +53,8 @@ class Built:
         body = self.bodies[ref.body]
         if isinstance(body, fl.Solid):
             return self.faces[ref]
-        return body[ref.name]
+        _, is_node, number = ref.name.partition("node ")
+        return body.node(int(number)) if is_node else body[ref.name]
 
     def coordinate(self, ref: data.CoordinateRef) -> fl.Coordinate:
         return self.joints[ref.joint].coordinates()[ref.number]
@@ -131,10 +135,11 @@ def _(item: data.ShellData, built: Built) -> None:
 
     s = item.section
     shell = fl.Shell(
-        fl.surface(place, item.cells),
+        fl.surface(place, item.cells, cell=item.cell),
         fl.ShellSection.layer(s.thickness, fl.Material(s.E, s.nu, s.density)),
         along=item.along,
         formulation=FORMULATIONS[item.formulation],
+        parameters=fl.Parameters[item.parameters],
         name=item.name,
     )
     if item.clamped is not None:
@@ -148,13 +153,23 @@ def _(item: data.SlenderData, built: Built) -> None:
         return item.start + s * (item.end - item.start) + 4 * s * (1 - s) * item.bow
 
     mesh, make = fl.curve(line, item.cells), SLENDER[item.element]
-    body = built.scene.add(make(mesh, _section(item.section), up=item.up, name=item.name))
+    damping, section = fl.Damping(item.drag), _section(item.section)
+    body = built.scene.add(make(mesh, section, up=item.up, damping=damping, name=item.name))
     if item.clamped is not None:
         if isinstance(body, fl.AncfBeam | fl.Cable):
             body.clamp(body[item.clamped])
         else:
             built.scene.add(fl.Clamp(body[item.clamped]))
     built.bodies[item.name] = body
+
+
+@add.register
+def _(item: data.NetData, built: Built) -> None:
+    damping, section = fl.Damping(item.drag), _section(item.section)
+    net = fl.Net(item.points, item.threads, section, damping=damping, name=item.name)
+    if item.clamped is not None:
+        net.pin(net.node(0))
+    built.bodies[item.name] = built.scene.add(net)
 
 
 @add.register
@@ -165,7 +180,7 @@ def _(item: data.PatchData, built: Built) -> None:
     s = item.section
     section = fl.ShellSection.layer(s.thickness, fl.Material(s.E, s.nu, s.density))
     patch = fl.smooth_patch(place, item.cells)
-    shell = PATCHES[item.element](patch, section, name=item.name)
+    shell = PATCHES[item.element](patch, section, damping=fl.Damping(item.drag), name=item.name)
     if item.clamped is not None:
         shell.clamp(item.clamped)
     built.bodies[item.name] = built.scene.add(shell)
@@ -178,7 +193,8 @@ def _(item: data.BlockData, built: Built) -> None:
 
     mesh = fl.block(place, (1, 1, 1), cell=item.cell)
     law = fl.NeoHooke(item.E, item.nu, item.density)
-    solid = fl.Solid(mesh, law, degree=item.degree, name=item.name)
+    damping = fl.Damping(item.drag)
+    solid = fl.Solid(mesh, law, degree=item.degree, damping=damping, name=item.name)
     if item.clamped is not None:
         solid.clamp(item.clamped)
     built.bodies[item.name] = built.scene.add(solid)
@@ -203,7 +219,8 @@ def _(item: data.ReducedData, built: Built) -> None:
 def _(item: data.ContactData, built: Built) -> None:
     ball = fl.Sphere(built.point(item.ball), item.radius)
     plane = fl.Plane(fl.ground(), item.normal, item.at)
-    built.scene.add(fl.Contact(ball, plane, fl.Penalty(item.stiffness)))
+    law = fl.Impact() if item.stiffness is None else fl.Penalty(item.stiffness)
+    built.scene.add(fl.Contact(ball, plane, law))
 
 
 _OWN = ("at", "axis", "second", "to", "normal", "pitch", "radius")
@@ -331,3 +348,21 @@ def _(item: data.EdgeLoadData, built: Built) -> None:
 def _(item: data.SurfacePressureData, built: Built) -> None:
     shell, history = built.bodies[item.shell], built.history(item.history)
     built.scene.add(fl.SurfacePressure(shell, item.pressure, history=history))
+
+
+@add.register
+def _(item: data.FaceLoadData, built: Built) -> None:
+    solid, history = built.bodies[item.solid], built.history(item.history)
+    built.scene.add(fl.FaceLoad(solid, item.face, item.force, history=history))
+
+
+@add.register
+def _(item: data.FacePressureData, built: Built) -> None:
+    solid, history = built.bodies[item.solid], built.history(item.history)
+    built.scene.add(fl.FacePressure(solid, item.face, item.pressure, history=history))
+
+
+@add.register
+def _(item: data.BulkLoadData, built: Built) -> None:
+    solid, history = built.bodies[item.solid], built.history(item.history)
+    built.scene.add(fl.BulkLoad(solid, item.force, history=history))

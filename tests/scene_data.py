@@ -105,6 +105,8 @@ class ShellData:
     clamped: str | None
     corners: Annotated[np.ndarray, Quantity(1, moves=POINT)]
     along: Annotated[np.ndarray, Quantity(moves=VECTOR)]
+    cell: str = "quadrilateral"
+    parameters: str = "AUTOMATIC"
 
 
 @dataclass(frozen=True)
@@ -125,6 +127,19 @@ class SlenderData:
     end: Annotated[np.ndarray, Quantity(1, moves=POINT)]
     bow: Annotated[np.ndarray, Quantity(1, moves=VECTOR)]
     up: Annotated[np.ndarray, Quantity(moves=VECTOR)]
+    drag: Annotated[float, Quantity(time=-1)] = 0.0
+
+
+@dataclass(frozen=True)
+class NetData:
+    """A net; ``points`` have shape (n, 3), and ``threads`` are their numbers along each."""
+
+    name: str
+    section: RectangleData
+    points: Annotated[np.ndarray, Quantity(1, moves=POINT)]
+    threads: tuple[tuple[int, ...], ...]
+    clamped: str | None = None
+    drag: Annotated[float, Quantity(time=-1)] = 0.0
 
 
 @dataclass(frozen=True)
@@ -137,6 +152,7 @@ class PatchData:
     cells: tuple[int, int]
     clamped: str | None
     corners: Annotated[np.ndarray, Quantity(1, moves=POINT)]
+    drag: Annotated[float, Quantity(time=-1)] = 0.0
 
 
 @dataclass(frozen=True)
@@ -154,6 +170,7 @@ class BlockData:
     a: Annotated[np.ndarray, Quantity(1, moves=VECTOR)]
     b: Annotated[np.ndarray, Quantity(1, moves=VECTOR)]
     c: Annotated[np.ndarray, Quantity(1, moves=VECTOR)]
+    drag: Annotated[float, Quantity(time=-1)] = 0.0
 
 
 @dataclass(frozen=True)
@@ -170,7 +187,7 @@ class ReducedData:
 
 @dataclass(frozen=True)
 class PointRef:
-    """A named point of a body, or ground."""
+    """A named point or a node (``"node 3"``) of a body, or ground."""
 
     body: str | None = None
     name: str = ""
@@ -265,11 +282,15 @@ class DriveData:
 
 @dataclass(frozen=True)
 class ContactData:
-    """A ball around a point above a plane fixed to ground, pushed off by a penalty."""
+    """A ball around a point above a plane fixed to ground.
+
+    Attributes:
+        stiffness: Of the penalty; ``None``: impacts.
+    """
 
     ball: PointRef
     radius: Annotated[float, Quantity(1)]
-    stiffness: Annotated[float, Quantity(0, 1, -2)]
+    stiffness: Annotated[float | None, Quantity(0, 1, -2)]
     normal: Annotated[np.ndarray, Quantity(moves=VECTOR)]
     at: Annotated[np.ndarray, Quantity(1, moves=POINT)]
 
@@ -346,6 +367,29 @@ class SurfacePressureData:
     shell: str
     history: HistoryData | None
     pressure: Annotated[float, Quantity(-1, 1, -2)]
+
+
+@dataclass(frozen=True)
+class FaceLoadData:
+    solid: str
+    face: str
+    history: HistoryData | None
+    force: Annotated[np.ndarray, Quantity(-1, 1, -2, moves=VECTOR)]
+
+
+@dataclass(frozen=True)
+class FacePressureData:
+    solid: str
+    face: str
+    history: HistoryData | None
+    pressure: Annotated[float, Quantity(-1, 1, -2)]
+
+
+@dataclass(frozen=True)
+class BulkLoadData:
+    solid: str
+    history: HistoryData | None
+    force: Annotated[np.ndarray, Quantity(-2, 1, -2, moves=VECTOR)]
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,15 @@
 """Scenes that differ in loads and drives alone are set up once, and give what new ones give."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import fem_lie as fl
 from fem_lie.scene.load import Load
+from tests.combinations import BODIES
+from tests.combined_loads import loaded
+from tests.scene_builder import build
 
 SOFT = fl.Material(2e7, 0.3, 1200.0)
 
@@ -66,6 +71,21 @@ def test_a_sweep_gives_to_the_last_bit_what_new_scenes_give(solution):
         for load in loads(two, k):
             scene.add(load)
         same(result, solve(scene))
+
+
+@pytest.mark.parametrize("kind", BODIES)
+def test_bodies_of_any_kind_forget_the_load_before(kind):
+    """A second load on rods and cables with springs between elements was a NotImplementedError."""
+
+    def solve(scene):
+        return fl.GeneralisedAlpha().run(scene, duration=3e-4, step=1e-4)
+
+    base = build(loaded(kind, "force")).scene
+    (load,) = base.loads
+    solve(base.with_loads(replace(load, force=-3 * np.array(load.force))))
+    again = solve(base.with_loads(load))
+    assert base.family.setup.made == 1
+    same(again, solve(build(loaded(kind, "force")).scene))
 
 
 @pytest.mark.parametrize(

@@ -72,10 +72,18 @@ class BodyTerm(Term):
 
     def reset(self, carried: Array) -> None:
         """Be as when it was made; ``carried``: what was carried then."""
-        self.restore(carried)
+        if self.carries:
+            self.restore(carried)
         for term in self.beside:
-            term.clear_stress()
+            if term.carries:
+                term.clear_stress()
 
     def set_eigenstrain(self, values: Array) -> None:
-        """Strains without stress of the bodies' cells, one body after the other."""
-        raise NotImplementedError
+        """Strains without stress of the bodies' cells, one body after the other.
+
+        Raises:
+            NotImplementedError: The bodies have no eigenstrain.
+        """
+        raise NotImplementedError(
+            f"{type(self).__name__} ({self.label}) has no eigenstrain: expected bodies along lines"
+        )
