@@ -85,7 +85,9 @@ def _touching(stiffness: float | None) -> Load:
     def parts(body: Any, history: HistoryData | None) -> dict[str, Any]:
         end, reach = ends_of(body)[1], 0.1
         place = body.position if isinstance(body, RigidData) else END
-        return {"actions": (ContactData(end, reach, stiffness, UP, place - reach * UP),)}
+        overlap = 0.0 if stiffness is None else 5e-5
+        plane = place - (reach - overlap) * UP
+        return {"actions": (ContactData(end, reach, stiffness, UP, plane),)}
 
     return Load(parts, constant=True)
 
@@ -135,7 +137,7 @@ LOADS: dict[str, Load] = {
     "contact, impact": _touching(None),
 }
 _AT_POINTS = ("force", "following force", "moment")
-CHANGING = ("Revolute, drive", "prescribed motion")
+CHANGING = ("Revolute, drive", "prescribed motion", "contact, penalty")
 """What changes much in a step without a history, too."""
 
 
