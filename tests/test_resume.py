@@ -268,3 +268,23 @@ def test_resumed_is_uninterrupted_to_the_last_bit(monkeypatch, tmp_path, scheme,
     file = tmp_path / "run.h5"
     stopped(monkeypatch, chosen, slowing(), file, 34, **plan)
     same(chosen.resume(slowing(), file), whole)
+
+
+def test_a_new_run_does_not_resume_from_a_checkpoint_of_an_older_one(tmp_path):
+    """It has ended before the first of its own, and the file has its rows by then."""
+    file, scheme = tmp_path / "run.h5", fl.GeneralisedAlpha()
+    ends_at = [np.inf]
+
+    def history(t: float) -> float:
+        if t > ends_at[0]:
+            raise KeyboardInterrupt
+        return sin(t)
+
+    scene = Case(history=history).scene()
+    run(scene, scheme, file)
+    ends_at[0] = 1.5 * STEP
+    with pytest.raises(KeyboardInterrupt):
+        run(scene, scheme, file)
+    ends_at[0] = np.inf
+    with pytest.raises(FileNotFoundError, match="checkpoint"):
+        scheme.resume(scene, file)
