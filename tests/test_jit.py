@@ -1,5 +1,6 @@
 """The disk cache of compiled code: found again by the next process, never stale."""
 
+import errno
 import os
 import shutil
 import subprocess
@@ -12,6 +13,7 @@ import pytest
 
 import fem_lie._jit
 from fem_lie._jit import shipped
+from fem_lie._jit.checked_files import read_checked, write_checked
 from fem_lie.solve.stopwatch import Stopwatch
 
 HELPER = """
@@ -358,3 +360,18 @@ def test_damaged_code_that_came_with_the_package_is_compiled(run, ship, tmp_path
     values, hits, log = run(3.0)
     assert (values, hits) == ([4.0, 5.0], 0) and "is damaged" in log
     assert run(3.0) == ([4.0, 5.0], 2, "")
+
+
+def test_a_file_of_the_cache_that_cannot_be_written_leaves_nothing(tmp_path, monkeypatch):
+    """What is there under its name stays as it was."""
+    path = tmp_path / "index"
+    write_checked(path, b"before")
+
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "no space left")
+
+    monkeypatch.setattr("fem_lie._jit.checked_files.os.replace", full)
+    with pytest.raises(OSError, match="no space left"):
+        write_checked(path, b"after")
+    assert list(tmp_path.iterdir()) == [path]
+    assert read_checked(path) == b"before"
