@@ -21,6 +21,7 @@ class Constraints:
         self.border, self.vectors = Border.of(TOUCHED, 3), Vectors(JOINED)
         self.rows = rng.normal(size=(len(self.border.nodes), 6))
         self.diagonal = rng.uniform(1.0, 3.0, (3, 6)) if diagonal is None else diagonal
+        self.units = np.ones((3, 6))
 
     def dense(self) -> np.ndarray:
         """``B diag(S)⁻¹ Bᵀ``."""
@@ -31,7 +32,8 @@ class Constraints:
     def scales(self) -> tuple[np.ndarray, np.ndarray]:
         """Of all, and what is spread within vectors as a square matrix."""
         spread = np.empty(self.vectors.others.shape)
-        scale = self.vectors.scales(self.border, self.rows, self.diagonal, spread)
+        given = self.rows, self.diagonal, self.units
+        scale = self.vectors.scales(self.border, *given, spread)
         square = np.zeros((len(JOINED), len(JOINED)))
         c, j = np.nonzero(self.vectors.there)
         square[c, self.vectors.others[c, j]] = spread[c, j]
@@ -79,3 +81,16 @@ def test_constraints_that_move_nothing_count_as_they_are():
     given.rows[6] = 0.0
     scale, spread = given.scales()
     assert scale[3] == spread[3, 3] == 1.0
+
+
+@pytest.mark.parametrize("length", [1e-6, 1e3])
+def test_nodes_without_stiffness_count_alike_in_all_units(length):
+    """Rigid bodies in statics have none, or what round-off makes of it."""
+    energy, plain, other = 1e-12, Constraints(), Constraints()
+    plain.diagonal[1], plain.diagonal[2, 3:] = 0.0, 1e-30
+    units = np.tile(np.repeat([length, 1.0], 3), (3, 1))
+    other.rows, other.units = plain.rows / units[other.border.nodes], units
+    other.diagonal = energy * plain.diagonal / units**2
+    expected, found = plain.scales()[0], other.scales()[0]
+    np.testing.assert_allclose(found / energy, expected, rtol=1e-12)
+    assert expected.min() > 1e-3

@@ -36,6 +36,24 @@ SOFTNESS = 1e-9
 The matrix is regular with it, and the iteration still ends where all constraints are met."""
 
 
+_NONE = 1e-14
+"""Of the largest stiffness: less is round-off, as of rigid bodies in statics."""
+
+
+def flexibility(diagonal: Array, units: Array) -> Array:
+    """Inverse of the diagonal of a stiffness; what has none counts as the stiffest, (n, 6).
+
+    Args:
+        diagonal: Not negative, shape (n, 6).
+        units: Unit of each unknown, by which stiffness is comparable, zero of what is held, (n, 6).
+    """
+    energy = diagonal * units**2
+    stiffest = float(energy.max(initial=0.0))
+    return np.asarray(
+        units**2 / np.where(energy > _NONE * stiffest, energy, stiffest if stiffest > 0.0 else 1.0)
+    )
+
+
 @compiled
 def _fill(
     pattern: tuple[Indices, Indices, Indices, Indices, Indices],
@@ -231,6 +249,11 @@ class KKT:
         )
 
     @property
+    def free_units(self) -> Array:
+        """Units of the unknowns of nodes, zero of those that are held, shape (n, 6)."""
+        return np.where(self.held, 0.0, self.units[: self.held.size].reshape(-1, 6))
+
+    @property
     def csr(self) -> tuple[Array, npt.NDArray[Any], npt.NDArray[Any]]:
         """The matrix as it is now: values, columns, row pointers; views."""
         return self._data, self._columns, self._row_pointers
@@ -333,7 +356,7 @@ class KKT:
         """
         nodes, m = np.arange(len(self.held)), len(scale)
         S = np.abs(blocks[self.place(nodes, nodes)].diagonal(axis1=1, axis2=2))
-        legs = columns / np.sqrt(np.where(S > 0.0, S, 1.0))[self.legs.nodes]
+        legs = columns * np.sqrt(flexibility(S, self.free_units))[self.legs.nodes]
         legs *= scale[self.legs.rows, np.newaxis]
         total = np.bincount(self.legs.rows, (legs**2).sum(axis=1), minlength=m)
         return np.asarray(SOFTNESS * np.where(total > 0.0, total, 1.0))

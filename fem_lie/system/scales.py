@@ -6,7 +6,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie.linear.bordered import Border
+from fem_lie.linear.bordered import Border, flexibility
 
 _ALIKE = 30.0  # largest over smallest of constraints that are one vector and scaled as one
 
@@ -33,7 +33,12 @@ class Vectors:
         self.others: Indices = np.where(self.there, reached, 0)
 
     def scales(
-        self, border: Border, rows: Array, diagonal: Array, spread: Array | None = None
+        self,
+        border: Border,
+        rows: Array,
+        diagonal: Array,
+        units: Array,
+        spread: Array | None = None,
     ) -> Array:
         """``1/(B diag(S)⁻¹ Bᵀ)`` of constraints, shape (m,).
 
@@ -44,10 +49,11 @@ class Vectors:
             border: Legs of the constraints.
             rows: ``B``, six of each leg, zero along what is held.
             diagonal: Of ``S``, shape (n, 6).
+            units: Unit of each unknown, zero of those that are held, shape (n, 6).
             spread: By how much constraints of :attr:`others` change each with forces of the size
                 of their scale, (m, w), overwritten.
         """
-        soft = 1.0 / np.where(diagonal > 0.0, diagonal, 1.0)
+        soft = flexibility(diagonal, units)
         moved = np.zeros(self.there.shape)
         _move(border.ptr, border.nodes, rows, soft, self.others, self.there, moved)
         own = self.there & (self.others == np.arange(len(self.own))[:, np.newaxis])

@@ -220,7 +220,7 @@ class Tangent:
         self._connections.jacobian(H, rows)
         self.supports.turn_border(H, rows)
         rows[self._held[border.nodes]] = 0.0
-        return self.vectors.scales(border, rows, diagonal, spread)
+        return self.vectors.scales(border, rows, diagonal, self.kkt.free_units, spread)
 
     # --- parts ---
 
