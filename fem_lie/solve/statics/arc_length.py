@@ -33,6 +33,7 @@ from fem_lie.forms.term import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.equilibrated import SingularMatrixError
+from fem_lie.solve.load_bar import load_bar
 from fem_lie.solve.statics.passed import Passed, cosine, rms
 
 _SHOWN = 1e-2  # translations over rotations × diameter that show how far rotations are
@@ -197,11 +198,13 @@ class _Follower:
         self._passed = Passed(model.positions())
 
     def run(self, levels: Sequence[float]) -> Path:
-        for cap in levels:
-            while self._factor < cap:
-                self._step(cap)
-            self._path.states.append(self._model.state())
-            self._path.negative.append(self._model.negative_pivots())
+        with load_bar(levels[-1]) as show:
+            for cap in levels:
+                while self._factor < cap:
+                    self._step(cap)
+                    show(self._factor)
+                self._path.states.append(self._model.state())
+                self._path.negative.append(self._model.negative_pivots())
         return self._path
 
     def _step(self, cap: float) -> None:

@@ -18,6 +18,7 @@ from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
+from fem_lie.solve.load_bar import Reach, load_bar
 from fem_lie.solve.statics.free_motions import POLISHED, FreeMotions, SingularStartError
 from fem_lie.solve.statics.increment import move
 from fem_lie.solve.statics.newton import Newton
@@ -99,6 +100,12 @@ class LoadSteps:
         Raises:
             ConvergenceError: The smallest step failed; its ``result`` holds the states before.
         """
+        with load_bar(levels[-1]) as show:
+            return self._run(levels, step, smallest, show)
+
+    def _run(
+        self, levels: Sequence[float], step: float, smallest: float, show: Reach
+    ) -> StaticResult:
         reached, now = self.equations.scene.began.factor, step
         if reached and not self.solve(reached):
             raise ConvergenceError(self._failure(reached, reached), self.result())
@@ -112,6 +119,7 @@ class LoadSteps:
                 target = self.equations.prescribed(reached).limited(target)
                 if self.solve(target):
                     reached, now = target, min(2 * now, step)
+                    show(reached)
                     continue
                 if strained:
                     strained = False
