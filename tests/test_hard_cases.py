@@ -246,3 +246,22 @@ def test_a_failure_advises_what_can_help(scheme, policy):
     assert ("policy" in text) == isinstance(policy, fl.Never) and "EveryIteration" not in text
     loose = "a tolerance such as 1e-10" if scheme is fl.EnergyMomentum else "a larger tolerance"
     assert loose in text
+    assert ("radius=0.5" in text) == (scheme is fl.GeneralisedAlpha)
+
+
+def test_a_long_chain_arrives_with_the_damping_that_its_failure_advises():
+    """A hundred rigid links of 2 m in all fall from the horizontal."""
+    scene, before, links = fl.Scene(gravity=(0, 0, -9.81)), fl.ground(), 100
+    a, m, r = 2.0 / links, 3.0 / links, 0.2 / links
+    thick = m * (a * a / 12 + r * r / 4)
+    for k in range(links):
+        rod = fl.RigidBody(m, (m * r * r / 2, thick, thick), ((k + 0.5) * a, 0, 0))
+        scene.add(rod)
+        scene.add(fl.Spherical(before, rod.centre, at=(k * a, 0, 0)))
+        before = rod.centre
+    options = {"duration": 0.7, "step": 1e-3, "progress": False}
+    with pytest.raises(fl.ConvergenceError, match=r"radius=0\.5") as info:
+        fl.GeneralisedAlpha().run(scene, **options)
+    assert info.value.result.times[-1] > 0.5
+    result = fl.GeneralisedAlpha(radius=0.5).run(scene, **options)
+    assert np.linalg.norm(result.position(before)[-1]) < 2.0

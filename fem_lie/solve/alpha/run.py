@@ -54,6 +54,14 @@ _AT_A_TIME = 20_000
 _NOTHING: Indices = np.empty(0, dtype=np.int64)
 _NOWHERE: Indices = np.empty((0, 5), dtype=np.int64)
 
+_DAMPED = 0.5
+"""Radius with which chains of hundreds of links arrive that do not with less damping."""
+
+
+def _damping(radius: float) -> list[str]:
+    """What to say of long chains, whose fast motions swing without more damping."""
+    return [f"more damping of fast motions (radius={_DAMPED:g})"] if radius > _DAMPED else []
+
 
 class Run(Newton):
     """One integration."""
@@ -277,4 +285,5 @@ class Run(Newton):
         if self.reason:
             return f"step {self.index} of {steps} (time {self._end:g}) failed: {self.reason}"
         rescued, reached = self.options.policy.rescue, float(self.numbers[INCREMENT])
-        return failure(self.index, steps, self.p.h, limit, reached, residual, tolerance, rescued)
+        of_step = self.index, steps, self.p.h, limit, reached, residual, tolerance, rescued
+        return failure(*of_step, *_damping(self.options.radius))

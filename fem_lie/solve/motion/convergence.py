@@ -60,10 +60,23 @@ def failure(
     residual: float,
     tolerance: float,
     rescued: bool,
+    *others: str,
 ) -> str:
-    """What to say of a step that failed; ``rescued``: in spite of full iteration."""
+    """What to say of a step that failed.
+
+    Args:
+        index: Of the step, of so many ``steps``.
+        steps: See there.
+        step: Its size.
+        limit: Iterations.
+        increment: The last one.
+        residual: That is left.
+        tolerance: That was wanted.
+        rescued: Whether it failed in spite of full iteration.
+        others: What of the scheme's own might help.
+    """
     looser = "a larger tolerance" if tolerance > 0.0 else "a tolerance such as 1e-10 for round-off"
-    remedies = ["Try a smaller step", looser]
+    remedies = ["Try a smaller step", *others, looser]
     if not rescued:
         remedies.append("a policy that may make new matrices (Automatic())")
     return (
