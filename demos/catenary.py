@@ -92,6 +92,8 @@ def hang(element: str, elements: int) -> tuple[dict[str, Any], fl.StaticResult, 
         cable.held[0, 3] = True  # it would turn about itself
     else:
         cable.pin(cable.start, cable.end)
+        if isinstance(cable, fl.AncfBeam):
+            cable.held[len(s), 2] = True  # likewise: its section's second axis stays in the plane
     result = fl.statics(scene)
     places, H, V = catenary()
     error = np.linalg.norm(result.frames[-1][: len(s), 0, :2] - places(s), axis=1).max()

@@ -177,5 +177,5 @@ def test_balls_bounce_off_and_conserve(step):
 
 def test_conserving_schemes_say_that_they_have_no_such_forces():
     scene, _ = billiard()
-    with pytest.raises(ValueError, match="no soft balls"):
+    with pytest.raises(ValueError, match="not support soft balls"):
         fl.EnergyMomentum().run(scene, duration=0.1, step=1e-2)

@@ -322,8 +322,8 @@ def with_a_lever(scene: fl.Scene, cable: fl.Body) -> None:
 
 
 SCENES = {
-    "how a cable's end": with_a_hinge,
-    "at another place": with_a_lever,
+    "rotation of a cable's end": with_a_hinge,
+    "away from": with_a_lever,
 }
 
 

@@ -163,10 +163,10 @@ def test_bad_numbers_are_named():
 
 def test_schemes_without_them_say_so():
     """Before any work."""
-    with pytest.raises(ValueError, match="wanted secants=0, got 2"):
+    with pytest.raises(ValueError, match="expected secants=0, got 2"):
         fl.Variational(policy=fl.Automatic(secants=2))
     scene = fl.Scene()
     scene.add(fl.RigidBody(1.0, (0.1, 0.2, 0.3)))
     scheme = fl.EnergyMomentum(policy=fl.Automatic(secants=2))
-    with pytest.raises(ValueError, match="wanted secants=0 without these, got 2"):
+    with pytest.raises(ValueError, match="expected secants=0 without these, got 2"):
         scheme.run(scene, duration=0.1, step=0.01)

@@ -29,6 +29,8 @@ from fem_lie.scene import Scene
 _BEST, _POWERS = 2, ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 _LEAST = 4
 """Cells that a polynomial is fitted to at least; where those around are fewer, the next ones."""
+_DETERMINED = 1e-10
+"""Of the largest eigenvalue of normal equations: less is round-off of zero."""
 _NEAR = 4.0
 """How much less values count that are further off, as ``(1 + 4 d²)⁻⁴`` in sizes of cells."""
 
@@ -93,7 +95,8 @@ def _recovered(shell: ThinShell, stresses: list[Array]) -> list[Array]:
         right = np.zeros((len(σ), len(_POWERS), σ.shape[2]))
         best_stress = np.einsum("pgij,pgj->pgi", turned, (values @ σ)[others])
         np.add.at(right, cells, weighted @ best_stress)
-        smooth = here @ np.linalg.solve(normal, right)
+        # few cells do not determine all coefficients: the smallest ones, then
+        smooth = here @ (np.linalg.pinv(normal, _DETERMINED, hermitian=True) @ right)
         # the inverse of a turning matrix is that of the opposite angle
         found.append(np.asarray(np.linalg.solve(back, smooth[..., np.newaxis])[..., 0]))
     return found

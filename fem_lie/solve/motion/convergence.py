@@ -2,15 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Flags
 from fem_lie._jit import inlined
 
-if TYPE_CHECKING:
-    from fem_lie.system.equations.unknowns import Unknowns
+
+class Dimensions(Protocol):
+    """What of the unknowns of equations says in which unit they are."""
+
+    @property
+    def lengths(self) -> Flags:
+        """Which halves of the unknowns of the moving nodes are lengths, (n, 2)."""
+
+    @property
+    def angular(self) -> Flags:
+        """Which constraints are of rotations alone, shape (m,)."""
+
+    @property
+    def length(self) -> float:
+        """Of the model."""
+
 
 ROTATION = 0.1
 """A rotation counts in the size of an increment as a displacement of this part of the model."""
@@ -32,7 +46,7 @@ CLOSED = 1e-9
 """Of the model, or rad: gaps that loops are given with are no contradiction."""
 
 
-def node_scaling(unknowns: Unknowns) -> Array:
+def node_scaling(unknowns: Dimensions) -> Array:
     """Weights of both halves of the increment of each node in its size, (n, 2).
 
     Displacements count over the length of the model, what has no dimension, rotations and position
@@ -41,12 +55,12 @@ def node_scaling(unknowns: Unknowns) -> Array:
     return np.where(unknowns.lengths, 1.0 / unknowns.length, ROTATION)
 
 
-def constraint_scaling(unknowns: Unknowns) -> Array:
+def constraint_scaling(unknowns: Dimensions) -> Array:
     """Weights of the values of constraints, likewise, (m,)."""
     return np.where(unknowns.angular, ROTATION, 1.0 / unknowns.length)
 
 
-def unknown_scaling(unknowns: Unknowns) -> Array:
+def unknown_scaling(unknowns: Dimensions) -> Array:
     """Weights of all unknowns, (6 n + m,)."""
     return np.append(np.repeat(node_scaling(unknowns), 3), constraint_scaling(unknowns))
 

@@ -172,8 +172,9 @@ class Checkpoints:
         }
         if plan.saving.times is not None:
             own["save_at"] = plan.saving.times
-        packed = BytesIO()
-        np.savez(packed, **(own | memory))
+        packed, kept = BytesIO(), own | memory
+        # the directory of an archive has no checksum: entries that it lost would not be missed
+        np.savez(packed, **kept, **{_NAMES: np.array(sorted(kept))})
         with self._writing(self._lost(index * plan.step)):
             self._file.sync()
             self._replace(packed.getbuffer())
@@ -241,6 +242,9 @@ def require_files(path: Path) -> None:
             raise FileNotFoundError(f"cannot resume: there is no file {str(wanted)!r}")
 
 
+_NAMES = "names"
+"""Of all arrays of a checkpoint, but for itself."""
+
 _DAMAGES = (
     # what reading a damaged archive raises
     *(BadZipFile, zlib.error, OSError, EOFError, KeyError, ValueError, struct.error),
@@ -261,6 +265,9 @@ def _last_undamaged(path: Path) -> tuple[Path, dict[str, Any]]:
         try:
             with checkpoint.open("rb") as file, np.load(file, allow_pickle=False) as stored:
                 kept = {name: stored[name] for name in stored.files}
+            if sorted(kept) != sorted([_NAMES, *kept.get(_NAMES, ())]):
+                raise KeyError("arrays are missing")
+            del kept[_NAMES]
         except _DAMAGES as error:
             damages.append(f"{str(checkpoint)!r} is damaged ({type(error).__name__}: {error})")
             continue
