@@ -174,7 +174,8 @@ class Checkpoints:
             own["save_at"] = plan.saving.times
         packed, kept = BytesIO(), own | memory
         # the directory of an archive has no checksum: entries that it lost would not be missed
-        np.savez(packed, **kept, **{_NAMES: np.array(sorted(kept))})
+        kept[_NAMES] = np.array(sorted(kept))
+        np.savez(packed, **kept)
         with self._writing(self._lost(index * plan.step)):
             self._file.sync()
             self._replace(packed.getbuffer())
