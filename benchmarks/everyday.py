@@ -1,4 +1,4 @@
-"""What users meet every day, each beside what it is compared with, in one run.
+"""What users meet every day, each with what it is compared with, in one run.
 
     python3 -m benchmarks.everyday --table [word ...] [--list]
 

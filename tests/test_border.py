@@ -92,6 +92,16 @@ def test_what_is_indefinite_inside_or_wide_goes_to_the_next(rng):
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
 
 
+def test_a_method_that_reads_one_half_is_passed_over_where_the_border_fails(rng):
+    """Frames make it unsymmetric, and what is inside is indefinite."""
+    kkt, A = matrix(rng, frames=(4,), indefinite=True)
+    half, last = Method("cholesky", "mumps"), Method("lu", "mumps")
+    solver, found = solved(kkt, [BY_BORDER, half, last])
+    assert solver._methods == (last,) and half not in solver._solvers
+    wanted = np.linalg.solve(A, np.arange(1.0, len(A) + 1.0))
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
+
+
 def test_the_inside_keeps_its_factors_while_the_border_changes(rng, monkeypatch):
     kkt, _ = matrix(rng)
     blocks = np.zeros((len(kkt.indices), 6, 6))

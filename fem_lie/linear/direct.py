@@ -145,25 +145,29 @@ class DirectSolver:
         if self._shared is not None:
             self._shared.take()
         self._idle = self._own.idle()
-        if not self._methods[0].fits(self._kkt, self._own):
-            fitting = (each for each in self._methods if each.fits(self._kkt, self._own))
-            self._methods = tuple(fitting) or self._rescues
         self._set_up()
         self.factorisations += 1
 
     def _set_up(self) -> None:
-        """Factorise by the first method that can."""
+        """Factorise by the first method that fits the values and can."""
         self._checked, self._refines, self._by_call = False, 0, None
         self.columns.forget()
+        failure: Exception | None = None
         for tried, method in enumerate(self._methods):
+            if not method.fits(self._kkt, self._own):
+                continue
             began = process_time()
             failure = self._failure(method)
             if failure is None:
-                # what was indefinite once will be so again, and each failure costs a factorisation
+                # what was passed over once will be so again, and each failure costs a factorisation
                 self._methods, self._ksp = self._methods[tried:], self._solver(method)
                 self._notice(process_time() - began)
                 return
-        if method.package == "klu":
+        if failure is None:  # none of them fits
+            self._methods = self._rescues
+            self._set_up()
+            return
+        if self._methods[-1].package == "klu":
             failure = self._failure(DIAGNOSIS) or failure
         if isinstance(failure, MemoryError):
             raise failure
