@@ -358,6 +358,70 @@ def test_a_beam_that_bounces_never_gains_energy():
     assert result.total_energy[-1] < 0.8 * result.total_energy[0]
 
 
+# --- directions without inertia ---
+
+
+def bouncing_plate(parameters, friction: float, joint=None) -> fl.Scene:
+    """Its nodes fall on the floor one after the other; a corner may carry a body by a joint."""
+    mesh = fl.surface(lambda a, b: (a, 0.6 * b, 0.02 + 0.1 * a + 0.05 * b), (3, 2))
+    section = fl.ShellSection.layer(0.02, fl.Material(1e8, 0.3, 1000.0))
+    plate = fl.Shell(mesh, section, parameters=parameters)
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    scene.add(plate)
+    balls = fl.Vertices([fl.Point(plate, k) for k in range(len(plate.frames))], 0.01)
+    scene.add(fl.Contact(balls, fl.Plane(fl.ground(), (0, 0, 1)), fl.Impact(friction=friction)))
+    if joint is not None:
+        arm = scene.add(fl.RigidBody(0.5, 5e-3 * np.ones(3), (-0.1, 0, 0.1)))
+        scene.add(joint(arm.centre, plate["00"], at=plate["00"].position))
+    for body in scene.bodies:
+        body.move((0.5, 0.3, 0))
+    return scene
+
+
+def check_plate(result: fl.Result) -> None:
+    assert result.contacts.contacts.max() >= 4
+    assert result.contacts.penetration.max() < 1e-13
+    assert np.diff(result.total_energy).max() < 1e-3 * result.total_energy[0]
+    # frames rotate about their directors as the plate does, and not by round-off over no inertia
+    assert np.abs(result.velocities[:, :12, 5]).max() < 5.0
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_a_plate_whose_drilling_has_no_inertia_bounces_as_one_of_five_parameters(friction):
+    places = []
+    for parameters in (fl.Parameters.FIVE, fl.Parameters.SIX):
+        result = run(bouncing_plate(parameters, friction), 0.12, 1e-3)
+        check_plate(result)
+        places.append(result.frames[:, :12, 0])
+    assert np.linalg.norm(places[1] - places[0], axis=2).max() < 2e-3
+
+
+@pytest.mark.parametrize("joint", [fl.Revolute, fl.Fixed])
+def test_a_plate_bounces_with_a_body_on_a_joint_that_holds_its_drilling(joint):
+    result = run(bouncing_plate(fl.Parameters.AUTOMATIC, 0.3, joint), 0.12, 1e-3)
+    check_plate(result)
+
+
+def test_a_beam_without_rotary_inertia_hits_the_floor():
+    """As with that of its section, which is 1e-4 of its mass times its length squared."""
+    full = fl.Section.circle(0.02, fl.Material(1e8, 0.3, 1000.0))
+    light = fl.Section.from_stiffness(full.stiffness, mass=1000 * np.pi * 0.02**2)
+    ends = []
+    for section in (full, light):
+        beam = fl.Beam.straight((0, 0, 0.1), (1, 0, 0.1), section, cells=6)
+        scene = fl.Scene(gravity=(0, 0, -10 * GRAVITY))
+        scene.add(beam)
+        scene.add(fl.Clamp(beam.start))
+        tip = fl.Sphere(beam.end, 0.02)
+        floor = fl.Plane(fl.ground(), (0, 0.1, 1))
+        scene.add(fl.Contact(tip, floor, fl.Impact()))
+        result = run(scene, 0.2, 1e-3)
+        assert result.contacts.contacts.any()
+        assert np.diff(result.total_energy).max() < 1e-3 * result.total_energy[0]
+        ends.append(result.position(beam.end))
+    assert np.abs(ends[1] - ends[0]).max() < 0.02
+
+
 # --- runs that go on ---
 
 

@@ -50,6 +50,32 @@ def test_cells_where_a_node_alone_takes_a_moment_are_as_stiff_as_the_membrane(co
     assert found[~membrane].max() < 1e-3 * SHEAR * 0.01
 
 
+@pytest.mark.parametrize("law", [fl.Penalty, fl.Impact])
+@pytest.mark.parametrize(
+    ("radius", "friction", "stiff"), [(0.01, 0.3, 1), (0.01, 0.0, 0), (0.0, 0.3, 0)]
+)
+def test_cells_resist_moments_of_friction_at_a_node(law, radius, friction, stiff):
+    """Forces on a ball about a node have a moment about it, forces at the node itself none."""
+    scene, shell = fl.Scene(), plate(0.01, Parameters.SIX)
+    scene.add(shell)
+    balls = fl.Vertices([shell["00"]], radius)
+    floor = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -1))
+    scene.add(fl.Contact(balls, floor, law(friction=friction)))
+    for each in (scene, scene.without_impacts()):
+        drills, found = shell.drilling_told(each.held_rotations().get(shell, ()))
+        assert drills
+        assert np.isclose(found, SHEAR * 0.01, rtol=1e-12).sum() == stiff
+
+
+def test_five_parameters_do_for_contacts_at_nodes():
+    scene, shell = fl.Scene(), plate(0.01, Parameters.AUTOMATIC)
+    scene.add(shell)
+    floor = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -1))
+    ball = fl.Sphere(shell["00"], 0.01)
+    scene.add(fl.Contact(ball, floor, fl.Impact(friction=0.3)))
+    assert not scene.drills(shell)
+
+
 def test_an_unloaded_shell_of_warped_cells_has_no_drilling_stress():
     mesh = fl.surface(lambda a, b: (a + 0.2 * b * b, b + 0.1 * a * a, 0.8 * a * b), (3, 2))
     shell = fl.Shell(

@@ -16,9 +16,12 @@ class HeldRotation(NamedTuple):
         other: What holds it, the same for all nodes that are held by the same rigid thing.
         what: Its name for messages.
         axis: The only axis of its moment, if there is but one, global components.
+        needed: Whether the node must rotate about all axes for it. A shell of five parameters
+            leaves out the moment of a contact about a director.
     """
 
     node: int
     other: Hashable
     what: str
     axis: Array | None = None
+    needed: bool = True

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeAlias
 from zlib import crc32
@@ -284,16 +285,31 @@ class Contact:
 
     @property
     def holds(self) -> list[tuple[Body, HeldRotation]]:
-        """Nodes that its forces turn about all axes."""
+        """Nodes of shells that its forces rotate about all axes."""
         what = f"the surface of {self.label}"
         # tractions act on faces, with levers that are not along directors
         turned = (each for each in self._skins if each.smooth or self.rubs)
         shells = dict.fromkeys(each.shell for each in turned)
-        return [
+        found: list[tuple[Body, HeldRotation]] = [
             (shell, HeldRotation(node, self, what))
             for shell in shells
             for node in range(len(shell.frames))
         ]
+        for surface in dict.fromkeys((self.a, self.b)):
+            if any(point.body is not None and point.body.uncoupled for point in surface.points):
+                found += self._pushed(surface, what)
+        return found
+
+    def _pushed(self, surface: Surface, what: str) -> Iterator[tuple[Body, HeldRotation]]:
+        """Nodes of a surface about which its forces have moments, each by itself."""
+        owners = [face.owner for face in surface.faces()]
+        if surface not in self._skins:
+            for ball in surface.balls():
+                if ball.levers.any() or (self.law.friction > 0.0 and ball.radius != 0.0):
+                    owners += ball.owners
+        for body, node in owners:
+            if body is not None and body.uncoupled:
+                yield body, HeldRotation(node, (self, node), what, needed=False)
 
     def _meeting(self, nodes: Nodes) -> MeetingSides:
         if self._skins:

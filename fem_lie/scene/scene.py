@@ -15,6 +15,7 @@ from fem_lie._arrays import Array, choice, instance, shown, vector
 from fem_lie.bodies.body import Body, Holds
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.contact.contact import Contact
+from fem_lie.contact.laws import Impact
 from fem_lie.joints import Connection, Drive, Joint, RigidLink
 from fem_lie.pictures.bodies import draw
 from fem_lie.pictures.stage import Canvas
@@ -104,6 +105,7 @@ class Scene:
         self.connections: list[Connection] = []
         self.links: list[RigidLink] = []
         self.contacts: list[Contact] = []
+        self._impacts: list[Contact] = []
         self.loads: list[Load] = []
         self.clamps: list[Clamp] = []
         self.motions: list[PrescribedMotion] = []
@@ -173,8 +175,9 @@ class Scene:
 
     def held_rotations(self) -> Holds:
         """What takes hold of the rotations of each body's nodes."""
-        between: list[Holding] = [*self.joints, *self.connections, *self.links, *self.contacts]
-        return held_in([*between, *self.loads, *self.motions])
+        between: list[Holding] = [*self.joints, *self.connections, *self.links]
+        touching = [*self.contacts, *self._impacts]
+        return held_in([*between, *touching, *self.loads, *self.motions])
 
     def drills(self, body: Body) -> bool:
         """Whether the nodes of a body turn about their third directors in this scene.
@@ -243,17 +246,22 @@ class Scene:
         scene._known, scene._names = set(self._known), set(self._names)
         scene._kinds = Counter(self._kinds)
         scene.connections, scene.links = list(connections), list(self.links)
-        scene.contacts = list(self.contacts)
+        scene.contacts, scene._impacts = list(self.contacts), list(self._impacts)
         scene.clamps, scene.motions = list(self.clamps), list(self.motions)
         scene.began = self.began
         self.family = self.family or Family()
         scene.family = self.family
         return scene
 
-    def without_contacts(self) -> Scene:
-        """The same scene and loads, in which bodies pass through each other."""
+    def without_impacts(self) -> Scene:
+        """The same scene and loads without contacts by impacts, which change ends of steps only.
+
+        Shells resist their moments as in this scene.
+        """
         scene = self._copy(self.connections)
-        scene.loads, scene.contacts = list(self.loads), []
+        scene.loads = list(self.loads)
+        scene.contacts = [each for each in self.contacts if not isinstance(each.law, Impact)]
+        scene._impacts = [each for each in self.contacts if isinstance(each.law, Impact)]
         return scene
 
     def picture(

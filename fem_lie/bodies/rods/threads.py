@@ -166,7 +166,7 @@ class Threads(LineBody):
         Raises:
             ValueError: They are, and something takes hold of their rotations.
         """
-        if self._springs is not None and len(holds):
+        if self._springs is not None and any(hold.needed for hold in holds):
             self.require_direction(0)
         return True
 

@@ -156,12 +156,13 @@ class Shell(SupportedSurface):
 
     def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
         """Whether it has six parameters; errors as in the base class."""
-        for hold in holds:
+        needed = [hold for hold in holds if hold.needed]
+        for hold in needed:
             if not (self._tilts(hold) and self.parameters in _FIVE):
                 self._refuse_with_five(hold.what)
         if self.parameters in _FIVE:
             return False
-        return self.parameters is Parameters.SIX or self._has_kinks or bool(holds)
+        return self.parameters is Parameters.SIX or self._has_kinks or bool(needed)
 
     def drilling_told(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
         """Whether it has kinks or is held about a director, and how stiff the cells are then."""

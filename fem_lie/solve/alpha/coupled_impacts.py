@@ -184,9 +184,9 @@ def equations_of(options: Options, scene: Scene) -> Equations:
     Raises:
         ValueError: Nodes are no frames, or held along fixed axes, or constraints are of velocities.
     """
-    rest = scene.without_contacts()
-    rest.contacts = [each for each in scene.contacts if not isinstance(each.law, Impact)]
-    equations = Equations(rest, dynamics=True, parametrisation=options.parametrisation)
+    equations = Equations(
+        scene.without_impacts(), dynamics=True, parametrisation=options.parametrisation
+    )
     unknowns = equations.unknowns
     wanted = "Impact is for rigid bodies, beams and shells whose nodes are frames"
     if (unknowns.kinds >= SLOPE).any():

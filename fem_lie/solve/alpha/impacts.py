@@ -98,7 +98,7 @@ class Alone:
     def __init__(self, options: Options, scene: Scene) -> None:
         """Of a scene that :func:`applies`."""
         self._options, self._scene = options, scene
-        equations = Equations(scene.without_contacts(), dynamics=True)
+        equations = Equations(scene.without_impacts(), dynamics=True)
         nodes = equations.unknowns.bodies.__getitem__
         also = [(contact.contents(nodes), contact.label) for contact in scene.contacts]
         self.fingerprint = Fingerprint(equations, options, also)
@@ -114,7 +114,7 @@ class Run(free_bodies.Run):
 
     def __init__(self, options: Options, scene: Scene, step: float) -> None:
         """Collect bodies, loads and contacts."""
-        super().__init__(options, scene.without_contacts(), step)
+        super().__init__(options, scene.without_impacts(), step)
         bodies, nodes = self.bodies, self.equations.unknowns.bodies
         inverse = np.linalg.inv(bodies.J).astype(np.float64)
         self._masses = Masses(bodies.mass, bodies.J, inverse, self.loads.constant[:, :3].copy())

@@ -1,4 +1,11 @@
-"""What impulses do at once: mass bordered by all joints."""
+"""What impulses do at once: the mass matrix, bordered by all constraints.
+
+Some directions have no inertia: the drilling rotation of a shell of six parameters, the rotation of
+a node whose section has no rotary inertia. An impulse there is balanced by nothing but elastic
+forces, within the step: the mass matrix is singular, and velocities would be round-off over zero.
+These directions take ``h² K/4`` of the step, as accelerations at the start do
+(:func:`~fem_lie.solve.motion.consistent.accelerations`).
+"""
 
 from __future__ import annotations
 
@@ -7,11 +14,15 @@ import scipy.linalg as la
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Flags
+from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.system.equations import Equations, Instant, Plan
 
 _TINY = 1e-6
 """Part of a step within which stiffness does nothing."""
+
+_MASSLESS = 1e-10
+"""Part of a node's largest moment of inertia that counts as none."""
 
 _SOFTNESS, _REFINED = 1e-9, 2
 """What joints yield, of what they do alone, for some follow from others; and times that solutions
@@ -21,11 +32,40 @@ _DENSE = 150
 """Unknowns up to which a dense matrix is factorised sooner."""
 
 
+def massless(inertia: Inertia, held: Flags) -> sp.csr_matrix:
+    """Projector on the free directions in which nodes have no inertia, shape (6 n, 6 n).
+
+    Args:
+        inertia: Of the nodes.
+        held: Which of their unknowns are zero, shape (n, 6).
+    """
+    free = (~held).astype(np.float64)
+    blocks = np.zeros((len(held), 4, 4))
+    rows, columns = inertia.pairs
+    blocks[rows[rows == columns]] = inertia.blocks[rows == columns]
+    E = blocks[:, 1:, 1:]
+    trace = np.trace(E, axis1=1, axis2=2)[:, np.newaxis, np.newaxis] * np.eye(3)
+    turns = free[:, 3:, np.newaxis] * free[:, np.newaxis, 3:]
+    # a rotation that is held shall not look like one without inertia
+    moments, axes = np.linalg.eigh(turns * (trace - E) + (1.0 - turns) * trace)
+    light = moments <= _MASSLESS * moments[:, 2:]
+    N = np.zeros((len(held), 6, 6))
+    N[:, :3, :3] = (blocks[:, 0, 0] <= 0.0)[:, np.newaxis, np.newaxis] * np.eye(3)
+    N[:, 3:, 3:] = np.einsum("nak,nk,nbk->nab", axes, light, axes)
+    N *= free[:, :, np.newaxis] * free[:, np.newaxis]
+    n = len(held)
+    return sp.bsr_matrix((N, np.arange(n), np.arange(n + 1)), shape=(6 * n, 6 * n)).tocsr()
+
+
 class Impulses:
-    """Solutions of ``M x + Jᵀ λ = f, J x = g``, with a mass matrix that stays what it was."""
+    """Solutions of ``M x + Jᵀ λ = f, J x = g``, with a mass matrix that stays what it was.
+
+    Attributes:
+        mass: The matrix ``M``; in directions without inertia ``h² K/4``, shape (6 n, 6 n).
+    """
 
     def __init__(self, equations: Equations, step: float) -> None:
-        """Find the mass matrix.
+        """Assemble the mass matrix.
 
         Args:
             equations: Of the scene; their matrix is overwritten.
@@ -33,12 +73,11 @@ class Impulses:
         """
         unknowns = equations.unknowns
         self._equations, self._n, self._m = equations, 6 * unknowns.moving, unknowns.m
-        none = np.zeros((unknowns.moving, 6))
-        still = Instant(equations.start.frames, none, none, np.zeros(unknowns.m))
-        equations.fill(still, None, Plan(none, at_rest=_TINY * step))
-        n = self._n
-        whole = sp.csr_matrix(equations.matrix.csr).copy()
-        self.mass = whole[:n, :n].tocsc()
+        mass = _at_rest(equations, _TINY * step)
+        N = massless(equations.tables.inertia, unknowns.held)
+        if N.count_nonzero():
+            mass = mass + N @ (_at_rest(equations, step) - mass) @ N
+        self.mass = mass.tocsc()
         self._weights = 1.0 / self.mass.diagonal()
         self._free = splu(self.mass) if unknowns.m == 0 else None
 
@@ -79,3 +118,13 @@ class Impulses:
         for _ in range(_REFINED):
             x = x + self._solved(b - self._true @ x)
         return x[: self._n], scale * x[self._n :]
+
+
+def _at_rest(equations: Equations, step: float) -> sp.csr_matrix:
+    """``M + h² K/4`` at the start, for a step of size ``h``, shape (6 n, 6 n)."""
+    unknowns = equations.unknowns
+    none = np.zeros((unknowns.moving, 6))
+    still = Instant(equations.start.frames, none, none, np.zeros(unknowns.m))
+    equations.fill(still, None, Plan(none, at_rest=step))
+    n = 6 * unknowns.moving
+    return sp.csr_matrix(equations.matrix.csr)[:n, :n].copy()
