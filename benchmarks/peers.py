@@ -12,9 +12,9 @@ each counts. docs/peers.md has what came out, and what is fair.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Iterator
+from datetime import date
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,8 @@ from typing import Any
 from benchmarks.peer_scenes import environment, report
 from benchmarks.peer_scenes.comparisons import COMPARISONS, Comparison, Method
 from benchmarks.peer_scenes.processes import Asked
-from benchmarks.peer_scenes.report import Row
+from benchmarks.peer_scenes.report import Row, Run
+from fem_lie import _blas
 
 LIMIT = 300.0  # seconds for one answer
 REPEAT = 3
@@ -77,7 +78,7 @@ def options() -> argparse.Namespace:
     parser.add_argument("--table", action="store_true", help="only the resolutions of the table")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows to FILE")
     parser.add_argument("--plots", type=Path, metavar="FOLDER", help="curves, and rows as csv")
-    parser.add_argument("--read", nargs="+", type=Path, default=[], help="run nothing, read --json")
+    parser.add_argument("--read", type=Path, metavar="FILE", help="run nothing, read --json")
     parser.add_argument("--references", action="store_true", help="only make references anew")
     given = parser.parse_args()
     if given.repeat < 1:
@@ -95,23 +96,23 @@ def references(keys: list[str]) -> None:
     ours.stop()
 
 
-def run(keys: list[str], table: bool, repeat: int) -> list[Row]:
+def run(keys: list[str], table: bool, repeat: int) -> Run:
     """All rows of the scenes, printed as they come."""
+    made = Run(date.today().isoformat(), _blas.find().name, [])
     pythons = {"ours": Path(sys.executable), **environment.interpreters()}
     asked = {code: Asked(code, python, LIMIT) for code, python in pythons.items()}
-    rows: list[Row] = []
-    print(report.HEADER)
+    print(f"{made.heading}\n\n{report.HEADER}", flush=True)
     try:
         for key in keys:
             comparison = COMPARISONS[key]
             resolutions = (comparison.base,) if table else comparison.resolutions
             for row in compare(comparison, asked, resolutions, repeat):
-                rows.append(row)
-                print(report.line(row, rows), flush=True)
+                made.rows.append(row)
+                print(report.line(row, made.rows), flush=True)
     finally:
         for program in asked.values():
             program.stop()
-    return rows
+    return made
 
 
 def main() -> None:
@@ -119,12 +120,12 @@ def main() -> None:
     if given.references:
         references(given.scene)
         return
-    records = [record for file in given.read for record in json.loads(file.read_text())]
-    rows = [Row(**record) for record in records] or run(given.scene, given.table, given.repeat)
-    if not given.table:
-        print(f"\n{report.table(rows)}\n\n{report.beaten(rows)}")
+    made = Run.read(given.read) if given.read else run(given.scene, given.table, given.repeat)
+    rows = made.rows
+    if given.read or not given.table:
+        print(f"\n{made.heading}\n\n{report.table(rows)}\n\n{report.beaten(rows)}")
     if given.json:
-        given.json.write_text(json.dumps([row._asdict() for row in rows], indent=1) + "\n")
+        made.write(given.json)
     if given.plots:
         given.plots.mkdir(parents=True, exist_ok=True)
         report.write_csv(rows, given.plots / "peers.csv")

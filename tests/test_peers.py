@@ -2,21 +2,28 @@
 
 import json
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import fem_lie as fl
-from benchmarks import peers, scale
+from benchmarks import everyday, peers, scale
+from benchmarks.everyday_rows.plate import plate
+from benchmarks.everyday_rows.row import Outcome, Unavailable
+from benchmarks.everyday_rows.row import Row as EverydayRow
 from benchmarks.peer_scenes import descriptions, environment, ours, processes, report
 from benchmarks.peer_scenes.comparisons import COMPARISONS
 from benchmarks.peer_scenes.report import Row
 from demos.double_pendulum import pendulum
 from demos.free_rigid_body import SPIN, spinning
-from demos.hemisphere import quarter
+from demos.hemisphere import pinched, quarter
 from demos.rollup import cantilever
+from fem_lie import _blas
+from fem_lie._jit import progress
 from fem_lie.bodies.rigid import gram_from_rigid
+from fem_lie.solve import stopwatch
 
 
 def assert_same_beam(given, beam, **tolerance):
@@ -66,14 +73,54 @@ def test_rigid_bodies_are_ours(given, scene):
     np.testing.assert_array_equal(scene.gravity, given["gravity"])
 
 
-def test_hemisphere_has_the_nodes_of_ours_row_by_row():
-    given, mesh = descriptions.pinched(0.04, 4), quarter(4)
-    places = np.array(given["places"])
-    distances = np.linalg.norm(places[:, np.newaxis] - mesh.points, axis=2)
-    assert distances.min(axis=0).max() < 1e-12
-    np.testing.assert_allclose(places[0], (10, 0, 0), atol=1e-12)
-    np.testing.assert_allclose(places[4], (0, 10, 0), atol=1e-12)
-    assert len(places) == len(mesh.points)
+@pytest.mark.parametrize(
+    ("given", "mesh"),
+    [
+        (descriptions.pinched(0.04, 4), quarter(4)),
+        (descriptions.plate(4), plate(4).bodies[0].mesh),
+    ],
+    ids=["hemisphere", "plate"],
+)
+def test_shells_have_the_nodes_and_cells_of_ours(given, mesh):
+    positions = np.array(given["positions"])
+    assert len(positions) == len(mesh.points)
+    distances = np.linalg.norm(positions[:, np.newaxis] - mesh.points, axis=2)
+    ours_of = distances.argmin(axis=1)
+    size = np.ptp(positions, axis=0).max()
+    assert distances.min(axis=1).max() < 1e-13 * size
+    cells = {frozenset(ours_of[cell]) for cell in given["cells"]}
+    assert cells == {frozenset(cell) for cell in mesh.cells}
+    corners = positions[np.array(given["cells"])]
+    edges = np.roll(corners, -1, axis=1) - corners
+    turns = np.cross(edges, np.roll(edges, -1, axis=1))
+    assert (turns @ np.cross(edges[:, 0], edges[:, 1])[:, :, np.newaxis] > 0).all()
+
+
+def test_hemisphere_is_supported_and_pulled_as_ours_is():
+    given = descriptions.pinched(0.04, 4)
+    positions = np.array(given["positions"])
+    np.testing.assert_allclose(positions[[0, 4]], [(10, 0, 0), (0, 10, 0)], atol=1e-12)
+    for node, components in given["supports"][:-1]:  # the normal of a plane of symmetry
+        assert positions[node, components[0]] == pytest.approx(0.0, abs=1e-12)
+    (shell,) = (scene := pinched(0.04, quarter(4))).bodies
+    for (node, force), load in zip(given["loads"], scene.loads, strict=True):
+        at = shell.frames[load.point.node, 0]
+        np.testing.assert_allclose(positions[node], at, atol=1e-12)
+        np.testing.assert_allclose(force, load.force, rtol=1e-12)
+
+
+def test_plate_is_clamped_and_loaded_as_ours_is():
+    given = descriptions.plate(4)
+    positions = np.array(given["positions"])
+    for nodes, x in ((given["supports"], 0.0), (given["loads"], 1.0)):
+        np.testing.assert_array_equal(sorted(positions[[n for n, _ in nodes], 1]), np.arange(5) / 4)
+        np.testing.assert_array_equal(positions[[n for n, _ in nodes], 0], x)
+    assert all(components == [0, 1, 2, 3, 4, 5] for _, components in given["supports"])
+    force = sum(np.array(force) for _, force in given["loads"])
+    moment = sum(np.cross(positions[node], force) for node, force in given["loads"])
+    (load,) = plate(4).loads
+    np.testing.assert_allclose(force, load.force, rtol=1e-12)  # over an edge of 1 m
+    np.testing.assert_allclose(moment, np.cross((1.0, 0.5, 0.0), load.force), rtol=1e-12)
 
 
 @pytest.mark.parametrize("comparison", COMPARISONS.values(), ids=lambda c: c.key)
@@ -97,6 +144,19 @@ def test_we_answer_as_the_demos_do(key, elements, error):
     assert comparison.error(answer["place"]) < error
     assert answer["seconds"] > 0
     assert answer["unknowns"] == 6 * (elements + 1)
+
+
+def test_seconds_are_those_of_the_processor(monkeypatch):
+    for module in (stopwatch, progress):  # put back at the end
+        monkeypatch.setattr(module, "perf_counter", module.perf_counter)
+    ours.use_processor_time()
+    watch = stopwatch.Stopwatch()
+    time.sleep(0.2)
+    assert watch.seconds < 0.1
+    end = time.process_time() + 0.05
+    while time.process_time() < end:
+        pass
+    assert watch.seconds >= 0.05
 
 
 # --- tables and plots -----------------------------------------------------------------------------
@@ -165,6 +225,40 @@ def test_rows_and_plots_are_written(tmp_path):
     lines = (tmp_path / "peers.csv").read_text().splitlines()
     assert lines[0].split(",") == list(Row._fields)
     assert len(lines) == 1 + len(ROWS)
+
+
+def test_a_run_is_read_as_it_was_written(tmp_path):
+    run = report.Run("2030-01-31", "OpenBLAS 0.3.29", ROWS)
+    run.write(tmp_path / "peers.json")
+    assert report.Run.read(tmp_path / "peers.json") == run
+    assert "2030-01-31" in run.heading
+    assert "OpenBLAS 0.3.29" in run.heading
+
+
+def test_a_run_names_date_and_blas_before_its_table(monkeypatch, capsys):
+    monkeypatch.setattr(environment, "interpreters", dict)
+    monkeypatch.setattr(peers, "compare", lambda *_: iter(ROWS[:1]))
+    run = peers.run(["chain"], True, 1)
+    heading, _, title, *_ = capsys.readouterr().out.splitlines()
+    assert heading == run.heading
+    assert _blas.find().name in heading
+    assert title.startswith("| scene |")
+    assert run.rows == ROWS[:1]
+
+
+def test_everyday_rows_that_cannot_be_measured_say_why(capsys):
+    def missing() -> Outcome:
+        raise Unavailable("there is no peer")
+
+    def there() -> Outcome:
+        return Outcome("1 s", "2 s", met=True)
+
+    rows = [EverydayRow("one", "≤ 1", missing), EverydayRow("two", "≤ 2", there)]
+    everyday.print_table(rows)
+    assert capsys.readouterr().out.splitlines()[-2:] == [
+        "| one |  | there is no peer | ≤ 1 | not measured |",
+        "| two | 1 s | 2 s | ≤ 2 | met |",
+    ]
 
 
 # --- processes ------------------------------------------------------------------------------------

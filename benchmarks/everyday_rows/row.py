@@ -11,6 +11,10 @@ from pathlib import Path
 ROUNDS = 3
 
 
+class Unavailable(Exception):
+    """What a row is compared with cannot be had on this machine; says why."""
+
+
 @dataclass(frozen=True)
 class Outcome:
     """What was measured.
@@ -33,7 +37,7 @@ class Row:
     Attributes:
         title: Scene and size, and what is measured of it.
         target: In words, with its unit.
-        measure: Measures it.
+        measure: Measures it; raises :class:`Unavailable` where nothing is there to compare with.
     """
 
     title: str

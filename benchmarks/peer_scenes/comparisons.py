@@ -216,6 +216,23 @@ def pinched(
     return Comparison(key, title, methods, cells, base, request, tuple(deflections))
 
 
+BENT = (-0.32985710, -0.00004093, 0.67084781)
+
+
+def bent_plate() -> Comparison:
+    """The probe is the displacement of a corner of the loaded edge."""
+
+    def request(method: Method, count: float) -> Request:
+        n = int(count)
+        scene = {"scene": "plate", "cells": n} if method.code == "ours" else descriptions.plate(n)
+        return scene | {"way": method.way, "load_steps": 4}
+
+    methods = (Method("ours", "HR"), KRATOS)
+    size = float(np.linalg.norm(BENT))
+    fine, counts = {"scene": "plate", "cells": 128}, (8, 16, 32, 50)
+    return Comparison("plate", "Bent plate", methods, counts, 50, request, BENT, size, fine=fine)
+
+
 SHELLS = (Method("ours", "HR"), Method("ours", "HR+"), KRATOS)
 
 COMPARISONS: dict[str, Comparison] = {
@@ -231,5 +248,6 @@ COMPARISONS: dict[str, Comparison] = {
         roll(),
         pinched("hemisphere", 0.04, (*SHELLS, Method("exudyn", "thin plate")), (4, 8, 16, 24), 16),
         pinched("thin_hemisphere", 0.01, SHELLS, (8, 16, 24, 32), 32),
+        bent_plate(),
     )
 }

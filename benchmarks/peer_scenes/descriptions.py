@@ -7,12 +7,14 @@ length about its own axes.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import pi
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.everyday_rows import plate as bent
 from benchmarks.scale import LINK, MASS, RADIUS
 from demos import bend45, free_rigid_body, hemisphere, rollup
 from demos.double_pendulum import SIDE, SPIN
@@ -128,17 +130,60 @@ def spinning() -> Description:
     return {"bodies": [body], "joints": [], "gravity": [0.0, 0.0, 0.0], "probe": probe}
 
 
-def pinched(thickness: float, cells: int) -> Description:
-    """The quarter of demos/hemisphere.py: its nodes, row by row from the equator up."""
-    steps = np.linspace(0.0, 1.0, cells + 1)
-    places = [hemisphere.place(a, b).tolist() for b in steps for a in steps]
+def grid(position: Callable[[float, float], Array], side: int) -> Description:
+    """A surface of ``side`` × ``side`` cells over the unit square.
+
+    Nodes follow each other row by row, the first parameter fastest; cells are the numbers of their
+    four corners, counterclockwise in the parameters.
+    """
+    steps, row = np.linspace(0.0, 1.0, side + 1), side + 1
+    first = [k + row * j for j in range(side) for k in range(side)]
     return {
-        "cells": cells,
-        "places": places,
+        "side": side,
+        "positions": [position(a, b).tolist() for b in steps for a in steps],
+        "cells": [[n, n + 1, n + 1 + row, n + row] for n in first],
+    }
+
+
+def pinched(thickness: float, side: int) -> Description:
+    """The quarter of demos/hemisphere.py, its nodes row by row from the equator up.
+
+    ``supports`` are nodes, each with its fixed components of displacement (0, 1, 2) and rotation
+    (3, 4, 5); ``loads`` are nodes, each with a dead force; ``probe`` are nodes, each with the
+    direction along which the displacement is asked.
+    """
+    row = side + 1
+    half = hemisphere.CASES[thickness][0] / 2
+    return grid(hemisphere.place, side) | {
         "radius": hemisphere.RADIUS,
         "hole": float(hemisphere.HOLE),
         "thickness": thickness,
         "young": 6.825e7,
         "poisson": 0.3,
-        "force": hemisphere.CASES[thickness][0],
+        "supports": [
+            *([row * k, [1, 3, 5]] for k in range(row)),
+            *([side + row * k, [0, 4, 5]] for k in range(row)),
+            [0, [2]],
+        ],
+        "loads": [[0, [half, 0.0, 0.0]], [side, [0.0, -half, 0.0]]],
+        "probe": [[0, [1.0, 0.0, 0.0]], [side, [0.0, -1.0, 0.0]]],
+    }
+
+
+def plate(side: int) -> Description:
+    """The plate of benchmarks/everyday_rows/plate.py, described as :func:`pinched` is.
+
+    The edge load is that of bilinear cells: half of a cell's force on each of its two nodes.
+    """
+    row = side + 1
+    ends = [k * row + side for k in range(row)]
+    force = np.full(row, bent.FORCE / side)
+    force[[0, -1]] /= 2.0
+    return grid(lambda a, b: np.array([bent.SIDE * a, bent.SIDE * b, 0.0]), side) | {
+        "thickness": bent.THICKNESS,
+        "young": bent.STEEL.E,
+        "poisson": bent.STEEL.nu,
+        "supports": [[k * row, [0, 1, 2, 3, 4, 5]] for k in range(row)],
+        "loads": [[node, [0.0, 0.0, f]] for node, f in zip(ends, force.tolist(), strict=True)],
+        "probe": [[ends[0], axis] for axis in np.eye(3).tolist()],
     }

@@ -245,7 +245,7 @@ def local(request: Record, index: int | None, place: list[float]) -> Any:
 
 def hemisphere(mbs: Any, request: Record) -> Probe:
     """Thin plates with 4 × 9 unknowns, by Exudyn's own mesh of a hemisphere with a hole."""
-    n, radius = request["cells"], request["radius"]
+    n, radius = request["side"], request["radius"]
     mesh = shells.ShellMesh(
         vertices=[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]],
         numberOfElementsX=n,
@@ -268,8 +268,7 @@ def hemisphere(mbs: Any, request: Record) -> Probe:
         shells.AddNodeConstraints(mbs, node, [0, 4, 5, 6])
     ends = edges["top"][0], edges["top"][-1]
     shells.AddNodeConstraints(mbs, ends[0], [2])
-    half = request["force"] / 2
-    for node, force in zip(ends, ([half, 0, 0], [0, -half, 0]), strict=True):
+    for node, (_, force) in zip(ends, request["loads"], strict=True):
         marker = mbs.AddMarker(item.MarkerNodePosition(nodeNumber=node))
         mbs.AddLoad(item.Force(markerNumber=marker, loadVector=force))
     return lambda: [

@@ -1,9 +1,9 @@
 """Answers requests with runs of Kratos; imports nothing but what its own environment has.
 
-A request is a line of JSON: a description of a pinched hemisphere (``descriptions``), a
-``way``, which is an element, and ``load_steps``. The answer is another one: both deflections,
-seconds of the processor in the solver alone, steps, iterations, unknowns, and the settings that it
-arrived with.
+A request is a line of JSON: a description of a shell by nodes, cells, supports, loads and probes
+(``descriptions``), a ``way``, which is an element, and ``load_steps``. The answer is another one:
+displacements of the probes, seconds of the processor in the solver alone, steps, iterations,
+unknowns, and the settings that it arrived with.
 
 The solver is put together as ``structural_mechanics_static_solver`` of Kratos does by default:
 block builder, Newton-Raphson to 1e-4 of the residual, reactions, the fastest direct linear solver
@@ -62,17 +62,17 @@ def answer(request: Record) -> Record:
     doubled = [request["load_steps"] * 2**k for k in range(MOST_DOUBLINGS + 1)]
     for steps in [arrived[key]] if key in arrived else doubled:
         model = Kratos.Model()
-        part, ends = hemisphere(model, request)
-        found = solve(part, ends, request["force"] / 2, steps)
+        part = shell(model, request)
+        found = solve(part, request, steps)
         if found is not None:
             arrived[key] = steps
             return found | {"settings": f"{steps} load steps", "unknowns": 6 * len(part.Nodes)}
     return {"failed": f"does not converge in {doubled[-1]} load steps"}
 
 
-def hemisphere(model: Any, request: Record) -> tuple[Any, tuple[Any, Any]]:
-    """A quarter with its supports, and the two nodes that are pushed."""
-    part = model.CreateModelPart("hemisphere")
+def shell(model: Any, request: Record) -> Any:
+    """The shell with its supports and loads; numbers of nodes and cells count from one."""
+    part = model.CreateModelPart("shell")
     part.SetBufferSize(2)
     for name in ("DISPLACEMENT", "REACTION", "ROTATION", "REACTION_MOMENT", "VOLUME_ACCELERATION"):
         part.AddNodalSolutionStepVariable(getattr(Kratos, name))
@@ -83,33 +83,25 @@ def hemisphere(model: Any, request: Record) -> tuple[Any, tuple[Any, Any]]:
     section.SetValue(Kratos.THICKNESS, request["thickness"])
     section.SetValue(Kratos.DENSITY, 1.0)
     section.SetValue(Kratos.CONSTITUTIVE_LAW, Structural.LinearElasticPlaneStress2DLaw())
-    for number, place in enumerate(request["places"], start=1):
-        part.CreateNewNode(number, *place)
+    for number, position in enumerate(request["positions"], start=1):
+        part.CreateNewNode(number, *position)
     for dof, reaction in DOFS.items():
         Kratos.VariableUtils().AddDof(getattr(Kratos, dof), getattr(Kratos, reaction), part)
-    n = request["cells"]
-    row = n + 1
-    for cell in range(n * n):
-        first = 1 + cell % n + row * (cell // n)
-        corners = [first, first + 1, first + 1 + row, first + row]
-        part.CreateNewElement(ELEMENTS[request["way"]], cell + 1, corners, section)
-    for k in range(row):
-        fix(part.Nodes[1 + row * k], "DISPLACEMENT_Y", "ROTATION_X", "ROTATION_Z")
-        fix(part.Nodes[row + row * k], "DISPLACEMENT_X", "ROTATION_Y", "ROTATION_Z")
-    fix(part.Nodes[1], "DISPLACEMENT_Z")
-    for number, node in enumerate((1, row), start=1):
-        part.CreateNewCondition("PointLoadCondition3D1N", number, [node], section)
-    return part, (part.Nodes[1], part.Nodes[row])
+    for number, corners in enumerate(request["cells"], start=1):
+        nodes = [1 + node for node in corners]
+        part.CreateNewElement(ELEMENTS[request["way"]], number, nodes, section)
+    names = list(DOFS)
+    for node, components in request["supports"]:
+        for component in components:
+            part.Nodes[1 + node].Fix(getattr(Kratos, names[component]))
+    for number, (node, _) in enumerate(request["loads"], start=1):
+        part.CreateNewCondition("PointLoadCondition3D1N", number, [1 + node], section)
+    return part
 
 
-def fix(node: Any, *names: str) -> None:
-    """Hold what is named."""
-    for name in names:
-        node.Fix(getattr(Kratos, name))
-
-
-def solve(part: Any, ends: tuple[Any, Any], force: float, steps: int) -> Record | None:
-    """Deflections and counts, or None where it does not converge."""
+def solve(part: Any, request: Record, steps: int) -> Record | None:
+    """Displacements of the probes and counts, or None where it does not converge."""
+    loads = [(part.Nodes[1 + node], force) for node, force in request["loads"]]
     linear = python_linear_solver_factory.CreateFastestAvailableDirectLinearSolver()
     strategy = Kratos.ResidualBasedNewtonRaphsonStrategy(
         part,
@@ -128,9 +120,9 @@ def solve(part: Any, ends: tuple[Any, Any], force: float, steps: int) -> Record 
     for step in range(1, steps + 1):
         part.CloneTimeStep(step / steps)
         part.ProcessInfo[Kratos.STEP] = step
-        now = force * step / steps
-        ends[0].SetSolutionStepValue(Structural.POINT_LOAD, 0, [now, 0.0, 0.0])
-        ends[1].SetSolutionStepValue(Structural.POINT_LOAD, 0, [0.0, -now, 0.0])
+        for node, force in loads:
+            now = [step / steps * component for component in force]
+            node.SetSolutionStepValue(Structural.POINT_LOAD, 0, now)
         strategy.InitializeSolutionStep()
         strategy.Predict()
         if not strategy.SolveSolutionStep():
@@ -138,10 +130,15 @@ def solve(part: Any, ends: tuple[Any, Any], force: float, steps: int) -> Record 
         iterations += part.ProcessInfo[Kratos.NL_ITERATION_NUMBER]
         strategy.FinalizeSolutionStep()
     seconds = time.process_time() - start
-    outward = ends[0].GetSolutionStepValue(Kratos.DISPLACEMENT_X)
-    inward = -ends[1].GetSolutionStepValue(Kratos.DISPLACEMENT_Y)
+    probes = [along(part.Nodes[1 + node], direction) for node, direction in request["probe"]]
     counts = {"steps": steps, "iterations": iterations, "matrices": iterations}
-    return {"place": [outward, inward], "seconds": seconds} | counts
+    return {"place": probes, "seconds": seconds} | counts
+
+
+def along(node: Any, direction: list[float]) -> float:
+    """The displacement of a node in a direction."""
+    displacement = node.GetSolutionStepValue(Kratos.DISPLACEMENT)
+    return sum(u * d for u, d in zip(displacement, direction, strict=True))
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 from collections.abc import Iterable, Sequence
 from math import inf
 from pathlib import Path
@@ -50,6 +51,36 @@ class Row(NamedTuple):
     matrices: int
     unknowns: int
     settings: str
+
+
+class Run(NamedTuple):
+    """All rows of one run.
+
+    Attributes:
+        date: On which it began, ISO 8601.
+        blas: Of this library; the peers' packages bring their own linear algebra.
+        rows: In the order in which they were measured.
+    """
+
+    date: str
+    blas: str
+    rows: list[Row]
+
+    @property
+    def heading(self) -> str:
+        """For the table of the rows."""
+        return f"{self.date}, BLAS of fem_lie: {self.blas}"
+
+    @classmethod
+    def read(cls, path: Path) -> Run:
+        """What :meth:`write` wrote."""
+        record = json.loads(path.read_text())
+        return cls(**record | {"rows": [Row(**row) for row in record["rows"]]})
+
+    def write(self, path: Path) -> None:
+        """As JSON."""
+        record = self._asdict() | {"rows": [row._asdict() for row in self.rows]}
+        path.write_text(json.dumps(record, indent=1) + "\n")
 
 
 def milliseconds(row: Row) -> float:
