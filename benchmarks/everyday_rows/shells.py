@@ -69,15 +69,24 @@ def beside_kratos() -> Outcome:
 def checkout(commit: str) -> Iterator[Path]:
     """A clone of this repository at a commit, in a temporary folder."""
     with TemporaryDirectory() as folder:
-        for command in (
-            ["git", "clone", "--quiet", "--no-checkout", ROOT, folder],
-            ["git", "-C", folder, "checkout", "--quiet", "--detach", commit],
-        ):
-            try:
-                subprocess.run(command, check=True, capture_output=True, text=True)
-            except (OSError, subprocess.CalledProcessError) as error:
-                raise Unavailable(f"no checkout of {commit}: {error}") from error
+        succeed(["git", "clone", "--quiet", "--no-checkout", ROOT, folder])
+        succeed(["git", "-C", folder, "checkout", "--quiet", "--detach", commit])
         yield Path(folder)
+
+
+def succeed(command: Sequence[str | Path], variables: Mapping[str, str] = os.environ) -> None:
+    """Run a command without which there is nothing to compare with.
+
+    Raises:
+        Unavailable: It fails, or there is no such program.
+    """
+    try:
+        subprocess.run(command, env=variables, check=True, capture_output=True, text=True)
+    except subprocess.CalledProcessError as error:
+        text = " ".join(error.stderr.split())
+        raise Unavailable(f"{' '.join(map(str, command))}: {text}") from error
+    except OSError as error:
+        raise Unavailable(str(error)) from error
 
 
 def outside() -> dict[str, str]:
@@ -107,10 +116,7 @@ def beside_earlier() -> Outcome:
     """
     with checkout(EARLIER) as folder:
         run = folder / "tools" / "run"
-        try:
-            subprocess.run([run, "true"], env=outside(), check=True, capture_output=True, text=True)
-        except subprocess.CalledProcessError as error:
-            raise Unavailable(f"no environment of {EARLIER}: {error.stderr.strip()}") from error
+        succeed([run, "true"], outside())
         here = {**os.environ, "PYTHONPATH": str(ROOT)}
         now, before = in_turns(
             partial(printed_seconds, [sys.executable, SCRIPT], here),
