@@ -235,15 +235,16 @@ def test_a_run_is_read_as_it_was_written(tmp_path):
     assert "OpenBLAS 0.3.29" in run.heading
 
 
-def test_a_run_names_date_and_blas_before_its_table(monkeypatch, capsys):
+def test_a_run_names_date_and_blas_before_its_table(monkeypatch, capsys, tmp_path):
     monkeypatch.setattr(environment, "interpreters", dict)
     monkeypatch.setattr(peers, "compare", lambda *_: iter(ROWS[:1]))
-    run = peers.run(["chain"], True, 1)
+    run = peers.run(["chain"], True, 1, tmp_path / "peers.json")
     heading, _, title, *_ = capsys.readouterr().out.splitlines()
     assert heading == run.heading
     assert _blas.find().name in heading
     assert title.startswith("| scene |")
     assert run.rows == ROWS[:1]
+    assert report.Run.read(tmp_path / "peers.json") == run
 
 
 def test_everyday_rows_that_cannot_be_measured_say_why(capsys):
