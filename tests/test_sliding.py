@@ -229,3 +229,21 @@ def test_bad_places_and_beams_are_refused():
         scene.add(fl.Sliding(other, ball.centre, at=(0.5, 1, 0)))
     with pytest.raises(ValueError, match=r"start at arclength 0\.5, got 0\.1"):
         scene.add(fl.Sliding(beam, ball.centre, at=(0.5, 0, 0), travel=lambda t: 0.1))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("driven", [False, True])
+def test_a_place_just_off_the_axis_pulls_at_nothing(kind, driven):
+    """What slides starts on the axis: a gap would be closed in the first step, by any force."""
+
+    def forces(off: float) -> np.ndarray:
+        scene = fl.Scene(gravity=(0, 0, -9.81))
+        beam, bead = scene.add(rail()), scene.add(fl.RigidBody(0.1, [1e-4] * 3, (0.4, 0, 0.05)))
+        scene.add(fl.Clamp(beam.start))
+        travel = (lambda t: 0.4 + off) if driven else None
+        joint = scene.add(kind(beam, bead.centre, at=(0.4, 0.3 * off, off), travel=travel))
+        run = fl.GeneralisedAlpha().run(scene, duration=1e-2, step=1e-3, progress=False)
+        return run.joint_force(joint)
+
+    exact = forces(0.0)
+    assert np.abs(forces(9e-7) - exact).max() < 1e-4 * np.abs(exact).max()

@@ -118,21 +118,24 @@ class Sliding(Connection):
             )
         place = self.b.position if self.at is None else vector(self.at, 3, f"{self.label}: at")
         starts = np.cumsum(lengths) - lengths
-        frame, s, gap = _nearest(self.beam, elements, starts, place)
+        s, gap = _nearest(self.beam, elements, starts, place)
         if gap > _ON_AXIS * self.beam.size:
+            frame = _axis_frame(self.beam, elements, starts, s)
             raise ValueError(
                 f"{self.label}: the place {place} is {gap:g} off the beam's axis, more than "
                 f"{_ON_AXIS:g} of its size {self.beam.size:g}; give at=... on the axis, such as "
                 f"at=({', '.join(f'{x:.9g}' for x in frame[0])}), to which the point is joined by "
                 "a rigid link"
             )
-        frame[0] = place
         if self.travel is not None:
             begin = at_time(self.travel, 0.0, f"{self.label}: travel")
             if not abs(begin - s) <= 1e-6 * self.beam.size:
                 raise ValueError(
                     f"{self.label}: travel must start at arclength {s:g}, got {begin:g}"
                 )
+            s = begin
+        # on the axis, and where travel starts: a gap would be closed in the first step
+        frame = _axis_frame(self.beam, elements, starts, s)
         driven = int(self.travel is not None)
         selection = np.vstack([self.selection, np.zeros((driven, 12))])
         advance = np.append(np.zeros(len(self.selection)), np.ones(driven))
@@ -179,10 +182,15 @@ class Sleeve(Sliding):
     selection = rows(*_ON_LINE, {10: 0.5, 8: -0.5}, {5: 0.5, 9: -0.5}, {6: 0.5, 4: -0.5})
 
 
-def _nearest(
-    beam: Beam, elements: Indices, starts: Array, place: Array
-) -> tuple[Array, float, float]:
-    """Frame of the axis next to a place, its arclength, and the distance.
+def _axis_frame(beam: Beam, elements: Indices, starts: Array, s: float) -> Array:
+    """Frame of the axis at an arclength, shape (4, 3)."""
+    e = max(int(np.searchsorted(starts, s, side="right")) - 1, 0)
+    a, b = beam.frames[elements[e, :2]]
+    return lie.se3_retract(a, (s - starts[e]) / beam.lengths[e] * lie.se3_relative(a, b))
+
+
+def _nearest(beam: Beam, elements: Indices, starts: Array, place: Array) -> tuple[float, float]:
+    """Arclength of the axis next to a place, and the distance.
 
     Each element is searched: next to a node either side may be the nearer one.
     """
@@ -202,4 +210,4 @@ def _nearest(
     frames = lie.se3_retract(a, at[:, np.newaxis] * d)
     off = np.linalg.norm(place - frames[:, 0], axis=1)
     e = int(off.argmin())
-    return frames[e], float(starts[e] + at[e] * beam.lengths[e]), float(off[e])
+    return float(starts[e] + at[e] * beam.lengths[e]), float(off[e])
