@@ -34,8 +34,9 @@ def compare(
 ) -> Iterator[Row]:
     """The best runs of all methods that are there, resolution by resolution."""
     methods = [method for method in comparison.methods if method.code in asked]
-    for method in methods:  # compiles, and finds settings that arrive
-        asked[method.code].ask(comparison.request(method, max(resolutions, key=_coarseness)))
+    coarsest = max(comparison.resolutions, key=_coarseness)
+    for method in methods:  # compiles
+        asked[method.code].ask(comparison.request(method, coarsest))
     for resolution in resolutions:
         best: dict[Method, dict[str, Any]] = {}
         failed: dict[Method, str] = {}
