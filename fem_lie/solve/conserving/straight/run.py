@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.lie.kinds import placed
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Factors
 from fem_lie.results import Result
@@ -20,9 +21,9 @@ from fem_lie.solve.conserving.straight.any_state import AnyState
 from fem_lie.solve.conserving.straight.patience import (
     ASTRAY,
     PATIENCE,
-    STAGNANT,
     is_lost,
     lags,
+    round_off,
     stalls,
 )
 from fem_lie.solve.conserving.straight.records import ENERGY
@@ -197,12 +198,14 @@ class StraightRun(AnyState):
         """The same with matrices as they say; ``still``: without a prediction."""
         s, this, model, largest = self.s, self.this, self.model, self._begin(still=still)
         previous, ratio, needed, seen = np.inf, 1.0, 1, list[float]()
+        unknowns = self.equations.unknowns
+        least = round_off(s.H[: self._n][placed(unknowns.kinds), 0], unknowns.length)
         for iteration in range(1, self._limit + 1):
             self._iterations += 1
             self._evaluate()
             # at the last digits no matrix helps: they are told neither of late nor of many of these
-            fine = previous <= STAGNANT
-            asked = iteration == 1 or (not fine and lags(decisions, previous, ratio))
+            fine = previous <= least
+            asked = iteration == 1 or (not fine and lags(decisions, previous, ratio, least))
             due = asked and decisions.before_iteration(iteration)
             if self._factors is None or due:
                 try:
@@ -217,9 +220,9 @@ class StraightRun(AnyState):
             ratio, remaining = estimate(increment, previous, ratio)
             self._increment, largest = increment, max(largest, increment)
             seen.append(increment)
-            if not increment < ASTRAY or (increment > STAGNANT and is_lost(seen)):
+            if not increment < ASTRAY or (increment > least and is_lost(seen)):
                 return False
-            noise = increment <= STAGNANT and stalls(seen, PATIENCE)
+            noise = increment <= least and stalls(seen, PATIENCE)
             if noise or increment <= ROUND_OFF or remaining <= self._tolerance * largest:
                 if not noise:
                     motion.correct(model, s, this, self._x)
