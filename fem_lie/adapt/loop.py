@@ -43,6 +43,7 @@ from fem_lie.mesh.surfaces import SurfaceMesh
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
+from fem_lie.solve.progress_bars import step_bar
 from fem_lie.solve.statics.follow import follow_loads
 
 _log = logging.getLogger("fem_lie")
@@ -172,45 +173,47 @@ def adapt(
     history: list[tuple[int, float, float, float]] = []
     meshes: list[Refinable] = []
     found: Adapted[Refinable] | None = None
-    while True:
-        scene = build(mesh)
-        require_scene(scene)
-        chosen = named_body(scene, body, mesh)
-        count = sum(_unknowns(b, drilling=scene.drills(b)) for b in scene.bodies)
-        if count > most:
-            raise ConvergenceError(
-                f"an error of {tolerance:g} needs more than {most} unknowns"
-                + (
-                    f": it is {found.relative[-1]:.2g} with {found.unknowns[-1]:.0f}"
-                    if found
-                    else ""
-                ),
-                found,
+    with step_bar("adaptivity", "mesh") as show:
+        while True:
+            scene = build(mesh)
+            require_scene(scene)
+            chosen = named_body(scene, body, mesh)
+            count = sum(_unknowns(b, drilling=scene.drills(b)) for b in scene.bodies)
+            if count > most:
+                raise ConvergenceError(
+                    f"an error of {tolerance:g} needs more than {most} unknowns"
+                    + (
+                        f": it is {found.relative[-1]:.2g} with {found.unknowns[-1]:.0f}"
+                        if found
+                        else ""
+                    ),
+                    found,
+                )
+            if goal is not None:
+                goal.check(scene)
+            result = _solved(scene, goal, solve)
+            error: Estimate = (
+                space_error(result, chosen, scene, estimate=estimate)
+                if goal is None
+                else goal_error(result, [chosen], scene, goal)
             )
-        if goal is not None:
-            goal.check(scene)
-        result = _solved(scene, goal, solve)
-        error: Estimate = (
-            space_error(result, chosen, scene, estimate=estimate)
-            if goal is None
-            else goal_error(result, [chosen], scene, goal)
-        )
-        factor = _calibration(found.error, error) if found else 1.0
-        value = error.value if isinstance(error, GoalError) else float("nan")
-        history.append((count, factor * error.relative, value, factor))
-        meshes.append(mesh)
-        counts, relative, values, factors = np.array(history, dtype=np.float64).T
-        found = Adapted(
-            mesh, scene, result, error, counts, relative, values, factors, tuple(meshes)
-        )
-        _log.info("%d unknowns: %s, times %.2g", count, error, factor)
-        if found.relative[-1] <= tolerance:
-            return found
-        if fall is None:
-            mesh = refine(mesh, error.worst(part), onto=onto)
-        else:
-            aim = max(_AIM * tolerance, fall * found.relative[-1])
-            mesh = _anew(first, found, aim, order_of(chosen), onto)
+            factor = _calibration(found.error, error) if found else 1.0
+            value = error.value if isinstance(error, GoalError) else float("nan")
+            history.append((count, factor * error.relative, value, factor))
+            meshes.append(mesh)
+            counts, relative, values, factors = np.array(history, dtype=np.float64).T
+            found = Adapted(
+                mesh, scene, result, error, counts, relative, values, factors, tuple(meshes)
+            )
+            _log.info("%d unknowns: %s, times %.2g", count, error, factor)
+            show(f"{count} unknowns, error {found.relative[-1]:.2g}, expected {tolerance:.2g}")
+            if found.relative[-1] <= tolerance:
+                return found
+            if fall is None:
+                mesh = refine(mesh, error.worst(part), onto=onto)
+            else:
+                aim = max(_AIM * tolerance, fall * found.relative[-1])
+                mesh = _anew(first, found, aim, order_of(chosen), onto)
 
 
 def _unknowns(body: Body, *, drilling: bool) -> int:

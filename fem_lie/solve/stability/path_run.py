@@ -15,6 +15,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.forms.term import PassedThroughError
 from fem_lie.results.path import PathState, Station
+from fem_lie.solve.progress_bars import Advance, step_bar
 from fem_lie.solve.stability.controls import Arc, Control, DisplacementControl, Load, LoadControl
 from fem_lie.solve.stability.locate import Bracket, bisect, critical
 from fem_lie.solve.stability.path_options import PathEnds
@@ -95,8 +96,12 @@ class Pursuit:
                 f"{len(start.places)}"
             )
         here = self._begin(start, backwards)
+        self.found.stations.append(here)
+        with step_bar("path", "step") as show:
+            self._follow(here, show)
+
+    def _follow(self, here: Station, show: Advance) -> None:
         found, length = self.found, _BEGIN * self._resolution
-        found.stations.append(here)
         count = 0
         while not found.reason:
             if count == self._ends.steps:
@@ -120,6 +125,7 @@ class Pursuit:
             length = min(self._resolution, used * self._growth(here, new, arc))
             whole = Bracket(here, self._control(arc), arc, (0.0, used), (here, new))
             here = self._accept(whole)
+            show(f"load factor {here.factor:.4g}, {here.negative} negative pivots")
             wanted = self._ends.critical_points
             if wanted is not None and len(found.critical) >= wanted:
                 found.complete = True

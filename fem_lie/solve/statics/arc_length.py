@@ -33,7 +33,7 @@ from fem_lie.forms.term import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.solve.load_bar import load_bar
+from fem_lie.solve.progress_bars import load_bar
 from fem_lie.solve.statics.passed import Passed, cosine, rms
 
 _SHOWN = 1e-2  # translations over rotations × diameter that show how far rotations are

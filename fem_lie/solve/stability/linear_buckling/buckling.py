@@ -14,6 +14,7 @@ from fem_lie._arrays import whole
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results.mode_shapes import BucklingModes
 from fem_lie.scene import Scene
+from fem_lie.solve.progress_bars import step_bar
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from fem_lie.solve.stability.linear_buckling.geometric import geometric_stiffness
 from fem_lie.solve.stability.linear_buckling.load_factors import lowest_positive
@@ -22,6 +23,7 @@ from fem_lie.solve.statics.follow import check_proportion
 from fem_lie.solve.stopwatch import Stopwatch
 from fem_lie.system.equations import Equations
 
+_STAGES = 5  # that the progress bar counts
 _OTHER_SIGN = 100.0  # times that factors of loads that pull are those of reversed loads, or more
 _STRAINED = 0.05  # largest strain at them, which linear theory knows nothing of
 
@@ -54,16 +56,22 @@ def buckling(
         raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
     watch = Stopwatch()
     model.check_start(0.0)
-    _, load = model.forces()
-    model.factorise(0.0)
-    K, B = model.pencil()
-    dx = model.solve_finely(load)
-    G = geometric_stiffness(model, K, dx)
-    K = (0.5 * (K + K.T)).tocsr()
-    factors, vectors = lowest_positive(K, B, G.symmetric, count, petsc_options_prefix)
-    check_potential(model, K, G, (factors, vectors))
-    factors *= G.factor
-    radius = energy_radius(model, K, G.symmetric) / G.factor
+    with step_bar("buckling", "stage", _STAGES) as show:
+        _, load = model.forces()
+        model.factorise(0.0)
+        show("displacements")
+        K, B = model.pencil()
+        dx = model.solve_finely(load)
+        show("geometric stiffness")
+        G = geometric_stiffness(model, K, dx)
+        K = (0.5 * (K + K.T)).tocsr()
+        show("load factors and modes")
+        factors, vectors = lowest_positive(K, B, G.symmetric, count, petsc_options_prefix)
+        show("checks")
+        check_potential(model, K, G, (factors, vectors))
+        factors *= G.factor
+        radius = energy_radius(model, K, G.symmetric) / G.factor
+        show("")
     if not len(factors) or (
         factors[0] * radius > _OTHER_SIGN and factors[0] * model.largest_strain(dx) > _STRAINED
     ):
