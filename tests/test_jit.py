@@ -1,6 +1,7 @@
 """The disk cache of compiled code: found again by the next process, never stale."""
 
 import errno
+import gc
 import os
 import shutil
 import subprocess
@@ -14,6 +15,7 @@ import pytest
 import fem_lie._jit
 from fem_lie._jit import shipped
 from fem_lie._jit.checked_files import read_checked, write_checked
+from fem_lie._jit.garbage import seldom_collected
 from fem_lie.solve.stopwatch import Stopwatch
 
 HELPER = """
@@ -375,3 +377,50 @@ def test_a_file_of_the_cache_that_cannot_be_written_leaves_nothing(tmp_path, mon
         write_checked(path, b"after")
     assert list(tmp_path.iterdir()) == [path]
     assert read_checked(path) == b"before"
+
+
+def test_constants_are_compiled_for_once_and_not_for_each_value(run, tmp_path):
+    """A call with 1 and one with 2 call the same code."""
+    run(3.0)
+    (tmp_path / "small" / "constants.py").write_text(
+        "from small._jit import compiled\n"
+        "from small.helper import helper\n"
+        "@compiled\n"
+        "def of_constants():\n"
+        "    return helper(1) + helper(2)\n"
+        "print(of_constants(), len(helper.for_callers.overloads))\n"
+    )
+    environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path / "cache"), "PYTHONPATH": tmp_path}
+    done = subprocess.run(
+        [sys.executable, "-m", "small.constants"],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout == "9.0 1\n"
+
+
+def test_a_scene_compiles_nothing_for_bodies_that_it_does_not_have():
+    code = (
+        "import fem_lie as fl\n"
+        "from fem_lie.lie.kinds import floating\n"
+        "scene = fl.Scene(gravity=(0, 0, -9.81))\n"
+        "steel = fl.Material(E=2e11, nu=0.3, density=7800.0)\n"
+        "section = fl.Section.rectangle(0.01, 0.01, steel)\n"
+        "beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2))\n"
+        "scene.add(fl.Clamp(beam.start))\n"
+        "fl.statics(scene)\n"
+        "from fem_lie._jit.decorators import Callback\n"
+        "callbacks = [c for c in vars(floating).values() if isinstance(c, Callback)]\n"
+        "print(len(callbacks), sum('made' in vars(c) for c in callbacks))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "3 0\n"
+
+
+def test_the_compiler_leaves_garbage_collection_as_it_was():
+    before = gc.get_threshold()
+    with seldom_collected():
+        assert gc.get_threshold() > before
+    assert gc.get_threshold() == before

@@ -5,14 +5,17 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from functools import cached_property, update_wrapper
-from typing import Any, TypeVar, cast
+from typing import Any, ClassVar, TypeVar, cast
 
 import numba
 from numba.core import config
+from numba.core.compiler import Compiler
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.compiler_machinery import PassManager
 from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
 
+from fem_lie._jit.garbage import seldom_collected
 from fem_lie._jit.libraries import (
     CalledByAddress,
     EntranceCache,
@@ -20,7 +23,7 @@ from fem_lie._jit.libraries import (
     set_environments,
     without_machine_code,
 )
-from fem_lie._jit.machine_code import own_cache
+from fem_lie._jit.machine_code import can_be_cached
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -61,13 +64,13 @@ class Callback:
     @cached_property
     def made(self) -> Any:
         """The callback of numba, which it keeps in its cache."""
-        with own_cache(self._function) as cached:
-            signature = normalize_signature(self._signature)
-            made = CalledByAddress(self._function, signature, {}, {"error_model": "numpy"})
-            if cached:
-                made.enable_caching()
+        signature, options = normalize_signature(self._signature), {"error_model": "numpy"}
+        made = CalledByAddress(self._function, signature, {}, options, pipeline_class=_Passes)
+        if can_be_cached(self._function):
+            made.enable_caching()
+        with seldom_collected():
             made.compile()
-            return made
+        return made
 
     @property
     def address(self) -> int:
@@ -125,7 +128,24 @@ def _njit(function: F, level: int = _OPTIMISED, **options: Any) -> F:
 
 
 # what is not said is inherited from the caller that is compiled first
-_OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True, _COUNTED: True}
+_OPTIONS: dict[str, Any] = {
+    "nopython": True,
+    "boundscheck": None,
+    "error_model": "numpy",
+    "no_cfunc_wrapper": True,
+    _COUNTED: True,
+}
+
+
+class _Passes(Compiler):
+    """The passes of numba, which otherwise finds their order again for each function."""
+
+    _managers: ClassVar[list[PassManager]] = []
+
+    def define_pipelines(self) -> list[PassManager]:
+        """The same for all functions."""
+        self._managers.extend([] if self._managers else super().define_pipelines())
+        return self._managers
 
 
 class _Dispatcher(CPUDispatcher):
@@ -139,7 +159,7 @@ class _Dispatcher(CPUDispatcher):
 
     def compile(self, sig: Any) -> Any:
         """Compile for arguments of these types."""
-        with global_compiler_lock:
+        with global_compiler_lock, seldom_collected():
             callers, config.OPT = config.OPT, min(_USERS_LEVEL, config._OptLevel(self.level))
             try:
                 return super().compile(sig)
@@ -153,6 +173,11 @@ class _ForCallers(_Dispatcher):
     def enable_caching(self) -> None:
         """Keep what callers take in."""
         self._cache = SafeCache(self.py_func)
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """The types that a call has; of constants it takes the type, and not each value."""
+        named = {name: numba.types.unliteral(each) for name, each in kws.items()}
+        return super().get_call_template([numba.types.unliteral(each) for each in args], named)
 
     def compile(self, sig: Any) -> Any:
         """Compile what callers take in."""
@@ -190,12 +215,11 @@ class _CalledFromPython(_Dispatcher):
     @cached_property
     def for_callers(self) -> CPUDispatcher:
         """What compiled functions call."""
-        options = _OPTIONS | self.options
-        with own_cache(self.function, for_callers=True) as cached:
-            inner = numba.njit(no_cpython_wrapper=True, **options)(self.function)
-            inner.__class__, inner.level = _ForCallers, self.level_for_callers
-            if cached:
-                inner.enable_caching()
+        options = _OPTIONS | self.options | {"no_cpython_wrapper": True}
+        inner = _ForCallers(self.function, targetoptions=options, pipeline_class=_Passes)
+        inner.level = self.level_for_callers
+        if can_be_cached(self.function):
+            inner.enable_caching()
         return inner
 
     @property
@@ -225,13 +249,12 @@ class _Unmade(_CalledFromPython):
             if type(self) is not _Unmade:  # another thread was faster
                 return
             self.__class__ = _CalledFromPython
-            options = {"nopython": True, "boundscheck": None} | _OPTIONS | self.options
-            options[_COUNTED] = True  # arguments from Python are
-            CPUDispatcher.__init__(self, _entrance(self.function, self), targetoptions=options)
+            entrance = _entrance(self.function, self)
+            options = _OPTIONS | self.options | {_COUNTED: True}  # arguments from Python are
+            CPUDispatcher.__init__(self, entrance, targetoptions=options, pipeline_class=_Passes)
             update_wrapper(self, self.function)
-            with own_cache(self.function) as cached:
-                if cached:
-                    self.enable_caching()
+            if can_be_cached(self.function):
+                self.enable_caching()
 
 
 def _entrance(function: Callable[..., Any], inner: Any) -> Callable[..., Any]:

@@ -20,14 +20,22 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.environment import lookup_environment
 from numba.core.runtime import rtsys
 
+from fem_lie._jit.machine_code import ByContent, ForCallers
 from fem_lie._jit.shipped import WithShipped
 
 _log = logging.getLogger(__name__)
 
 
+class _TakenInCode(CompileResultCacheImpl):
+    """Keeps what compiled functions call."""
+
+    _locator_classes = (ForCallers,)
+
+
 class SafeCache(FunctionCache):
     """A cache whose files have checksums, and without which a run goes on."""
 
+    _impl_class = _TakenInCode
     _failed = False  # of all caches of this process: said once
 
     def __init__(self, function: Callable[..., Any]) -> None:
@@ -53,6 +61,8 @@ class SafeCache(FunctionCache):
 
 class _MachineCode(CompileResultCacheImpl):
     """Keeps of the intermediate code what is called, without what it does."""
+
+    _locator_classes = (ByContent,)
 
     def reduce(self, compiled: Any) -> Any:
         """What is kept of a compiled function: what it calls, and what numba keeps."""

@@ -20,14 +20,14 @@ import shutil
 import stat
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numba
-from numba.core.caching import CacheImpl, _CacheLocator
+from numba.core.caching import _CacheLocator
 
 from fem_lie._jit import shipped
 from fem_lie._jit.checked_files import read_checked, write_checked
@@ -40,7 +40,7 @@ _WITHOUT_INFLUENCE = ("checked_files", "machine_code", "progress", "shipped")
 _KEEP_FOLDERS, _KEEP_SOURCES = 12, 2000  # of each file, of all
 
 
-class _ByContent(_CacheLocator):
+class ByContent(_CacheLocator):
     """Tells numba the folder of a function's file; its name says all that a date could."""
 
     _COPY = "only"
@@ -50,7 +50,7 @@ class _ByContent(_CacheLocator):
         self._folder = _folder_of(Path(file))
 
     @classmethod
-    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> _ByContent:
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> ByContent:
         return cls(py_func, py_file)
 
     def get_cache_path(self) -> str:
@@ -63,27 +63,15 @@ class _ByContent(_CacheLocator):
         return self._COPY  # of its name in its file; its line may change with a comment
 
 
-class _ForCallers(_ByContent):
+class ForCallers(ByContent):
     """Likewise for what compiled functions call."""
 
     _COPY = "inner"
 
 
-@contextmanager
-def own_cache(function: Callable[..., Any], *, for_callers: bool = False) -> Iterator[bool]:
-    """Let numba cache what is decorated inside in our folders; yields whether it can.
-
-    Functions that stand in no file, but were typed in, are not cached.
-    """
-    if FOLDER is None or not Path(inspect.getfile(function)).is_file():
-        yield False
-        return
-    numbas = CacheImpl._locator_classes
-    CacheImpl._locator_classes = [_ForCallers if for_callers else _ByContent]
-    try:
-        yield True
-    finally:
-        CacheImpl._locator_classes = numbas
+def can_be_cached(function: Callable[..., Any]) -> bool:
+    """Whether there is a folder for it; functions that were typed in stand in no file."""
+    return FOLDER is not None and Path(inspect.getfile(function)).is_file()
 
 
 @cache

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from inspect import unwrap
 from typing import ClassVar
 
 import numpy as np
@@ -23,21 +24,22 @@ from fem_lie.bodies.thin_shells.seams import Seam
 from fem_lie.bodies.thin_shells.supports import HeldSurface
 from fem_lie.elements.thin_shells import hermite
 from fem_lie.elements.thin_shells.rows import (
+    CORNERS,
     NODES,
     SIZES,
     VECTORS,
     fill_hanging,
     half_of,
     node_of,
-    row_of,
 )
 from fem_lie.grips.grip import Grip
 from fem_lie.grips.surface import on_surface
 from fem_lie.lie.kinds import NodeKind
 
-_NODE = np.array([node_of(a) for a in range(VECTORS)])
-_ROW = np.array([row_of(a) for a in range(VECTORS)])
-_HALF = np.array([half_of(a) for a in range(VECTORS)])
+# without the compiler, which takes longer than 16 calls
+_NODE = np.array([unwrap(node_of)(a) for a in range(VECTORS)])
+_HALF = np.array([unwrap(half_of)(a) for a in range(VECTORS)])
+_ROW = _HALF + _NODE // CORNERS
 _AT_A_POINT = np.array([[[1.0, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 0, 1]]])
 """Place, ∂u and ∂v of a point, in its rows."""
 Direction = Callable[[Array], npt.ArrayLike]

@@ -8,14 +8,17 @@ and none of this.
 
 from __future__ import annotations
 
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
+import numba
 import numpy as np
+from numba import types
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie._jit import callback, compiled, inlined, inlined_uncounted, uncounted
+from fem_lie._jit.by_address import call_with_arrays
 from fem_lie._jit.copies import copy_matrix
-from fem_lie._jit.stack import blocks_at, matrix_at, stack
+from fem_lie._jit.stack import blocks_at, matrix_at, stack, vector_at
 from fem_lie.lie.kinds.floating_coordinates import (
     Rows,
     add_amplitudes,
@@ -30,6 +33,7 @@ PlainFloating: TypeAlias = tuple[Indices, Array]
 """A :class:`Floating` at the door from Python."""
 
 _HEAD = 3  # of the numbers: gravity
+_FORCES, _INVARIANTS, _WEIGHTS = -3, -2, -1  # addresses, at the end of the integers
 _OTHERS, _SIZE, _NUMBERS, _NODES = range(4)  # in the integers of a body; its nodes come last
 
 
@@ -38,7 +42,8 @@ class Floating(NamedTuple):
 
     Attributes:
         integers: How many there are, where each begins in this array, and of each: other
-            interfaces, coordinates, where it begins in ``numbers``, and its nodes.
+            interfaces, coordinates, where it begins in ``numbers``, and its nodes; then addresses
+            of the functions that compute with them, which no other scene compiles.
         numbers: Acceleration of free fall, and of each body ``X`` and ``D`` of its other
             interfaces, 12 each, and the matrix of ``Q``, whose first four rows have nothing in the
             first four columns; rows of all amplitudes with one director stand together.
@@ -59,13 +64,20 @@ class Floating(NamedTuple):
             m = (len(matrix) - 4) // 3
             order = np.r_[:4, 4 + np.arange(3 * m).reshape(m, 3).T.ravel()]
             numbers += [np.ravel(interfaces), np.ravel(matrix[np.ix_(order, order)])]
-        integers = np.array([len(bodies), *starts, *own], dtype=np.int64)
+        functions = (_add_forces, _add_invariants, _add_weights) if bodies else ()
+        addresses = [function.address for function in functions]
+        integers = np.array([len(bodies), *starts, *own, *addresses], dtype=np.int64)
         return cls(integers, np.concatenate(numbers))
 
     @property
     def plain(self) -> PlainFloating:
         """As compiled functions are quicker to call with."""
         return (*self,)
+
+    @property
+    def contents(self) -> tuple[Indices, Array]:
+        """What is the same in all processes: without addresses, and without gravity."""
+        return self.integers[: min(_FORCES, _INVARIANTS, _WEIGHTS)], self.numbers[_HEAD:]
 
     @property
     def pairs(self) -> tuple[Indices, Indices]:
@@ -155,7 +167,7 @@ def spread_forces(F: Rows, q: Rows, interfaces: Array, z: Rows, g: Rows, f: Rows
     spread(g, q, interfaces, f)
 
 
-@uncounted
+@inlined
 def add_forces(
     kinds: Indices,
     H: Array,
@@ -176,6 +188,50 @@ def add_forces(
         numbers: Likewise.
         out: Shape (n, 4, 3).
     """
+    arrays = kinds, H, v, second, integers, numbers, out
+    sizes = H.shape[0], second.shape[0], integers.shape[0], numbers.shape[0]
+    call_with_arrays(integers[_FORCES], arrays, sizes)
+
+
+_Integers, _Doubles = types.CPointer(types.int64), types.CPointer(types.float64)
+
+
+@callback(types.void(_Integers, *[_Doubles] * 3, _Integers, *[_Doubles] * 2, *[types.int64] * 4))
+def _add_forces(
+    kinds_at: Any,
+    H_at: Any,
+    v_at: Any,
+    second_at: Any,
+    integers_at: Any,
+    numbers_at: Any,
+    out_at: Any,
+    count: int,
+    leaders: int,
+    size: int,
+    length: int,
+) -> None:
+    """:func:`add_forces` of so many nodes, and of so many integers and numbers."""
+    _add_all_forces(
+        numba.carray(kinds_at, (count,)),
+        numba.carray(H_at, (count, 4, 3)),
+        numba.carray(v_at, (leaders, 6)),
+        numba.carray(second_at, (leaders, 4, 3)),
+        numba.carray(integers_at, (size,)),
+        numba.carray(numbers_at, (length,)),
+        numba.carray(out_at, (leaders, 4, 3)),
+    )
+
+
+@uncounted
+def _add_all_forces(
+    kinds: Indices,
+    H: Array,
+    v: Array,
+    second: Array,
+    integers: Indices,
+    numbers: Array,
+    out: Array,
+) -> None:
     for body in range(integers[0]):
         at = integers[1 + body]
         others, n = integers[at + _OTHERS], 4 + 3 * integers[at + _SIZE]
@@ -219,11 +275,45 @@ def _add_forces_of(
                 out[nodes[i], row, j] += f[i, row, j]
 
 
-@uncounted
+@inlined
 def add_invariants(
     H: Array, qdot: Array, integers: Indices, numbers: Array, invariants: Array
 ) -> float:
     """Add kinetic energy and momenta (7,) of rates (n, 4, 3) of rows; returns the potential."""
+    potential = vector_at(stack(1), 1)
+    arrays = H, qdot, integers, numbers, invariants, potential
+    sizes = H.shape[0], qdot.shape[0], integers.shape[0], numbers.shape[0]
+    call_with_arrays(integers[_INVARIANTS], arrays, sizes)
+    return float(potential[0])
+
+
+@callback(types.void(*[_Doubles] * 2, _Integers, *[_Doubles] * 3, *[types.int64] * 4))
+def _add_invariants(
+    H_at: Any,
+    qdot_at: Any,
+    integers_at: Any,
+    numbers_at: Any,
+    invariants_at: Any,
+    potential_at: Any,
+    count: int,
+    leaders: int,
+    size: int,
+    length: int,
+) -> None:
+    """:func:`add_invariants` of so many nodes, and of so many integers and numbers."""
+    numba.carray(potential_at, (1,))[0] = _add_all_invariants(
+        numba.carray(H_at, (count, 4, 3)),
+        numba.carray(qdot_at, (leaders, 4, 3)),
+        numba.carray(integers_at, (size,)),
+        numba.carray(numbers_at, (length,)),
+        numba.carray(invariants_at, (7,)),
+    )
+
+
+@uncounted
+def _add_all_invariants(
+    H: Array, qdot: Array, integers: Indices, numbers: Array, invariants: Array
+) -> float:
     potential = 0.0
     for body in range(integers[0]):
         at = integers[1 + body]
@@ -279,9 +369,38 @@ def _add_invariants_of(
     return first
 
 
-@compiled
+@inlined
 def add_weights(H: Array, integers: Indices, numbers: Array, out: Array, at: int) -> None:
     """Add the moments about the origin that weight has beyond that of the frames."""
+    arrays = H, integers, numbers, out
+    sizes = H.shape[0], integers.shape[0], numbers.shape[0], out.shape[0], at
+    call_with_arrays(integers[_WEIGHTS], arrays, sizes)
+
+
+@callback(types.void(_Doubles, _Integers, *[_Doubles] * 2, *[types.int64] * 5))
+def _add_weights(
+    H_at: Any,
+    integers_at: Any,
+    numbers_at: Any,
+    out_at: Any,
+    count: int,
+    size: int,
+    length: int,
+    row: int,
+    at: int,
+) -> None:
+    """:func:`add_weights` of so many nodes, and of so many integers and numbers."""
+    _add_all_weights(
+        numba.carray(H_at, (count, 4, 3)),
+        numba.carray(integers_at, (size,)),
+        numba.carray(numbers_at, (length,)),
+        numba.carray(out_at, (row,)),
+        at,
+    )
+
+
+@compiled
+def _add_all_weights(H: Array, integers: Indices, numbers: Array, out: Array, at: int) -> None:
     gravity = load(numbers, 0)
     if gravity == (0.0, 0.0, 0.0):
         return

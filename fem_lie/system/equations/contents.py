@@ -26,5 +26,5 @@ def contents(system: System) -> list[tuple[str, Any, str]]:
         "contacts": [each.contents(numbering.nodes.__getitem__) for each in contacts],
     }
     if system.floating.integers[0]:
-        sums["inertia within frames"] = system.floating.integers, system.floating.numbers[3:]
+        sums["inertia within frames"] = system.floating.contents
     return found + [(name, value, name) for name, value in sums.items()]

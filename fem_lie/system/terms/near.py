@@ -34,7 +34,8 @@ class FollowingCells:
 
     def add_forces(self, H: Array, out: Array) -> None:
         """See the protocol."""
-        add_following(H, self.plain, out.reshape(-1))
+        if len(self.plain[0]):
+            add_following(H, self.plain, out.reshape(-1))
 
 
 class NearTerms:
