@@ -32,12 +32,15 @@ class HeldLoad(Term):
         self._data = np.array(grip.data, dtype=np.float64)[np.newaxis]
         self._wrench, self._following = np.array(wrench, dtype=np.float64), following
         self.turning = following or bool(self._wrench[3:].any())
-        k = len(nodes)
-        self._pairs = np.repeat(nodes, k), np.tile(nodes, k)
+        # a force fixed in space on a mean of positions is the same on its nodes wherever they are
+        self._constant = grip.kind.means is not None and not self.turning
+        coupled = nodes[:0] if self._constant else nodes
+        k = len(coupled)
+        self._pairs = np.repeat(coupled, k), np.tile(coupled, k)
 
     @property
     def pairs(self) -> Pairs:
-        """All of its nodes with all."""
+        """All of its nodes with all, or none if the forces on them are constant."""
         return self._pairs
 
     @property
@@ -59,6 +62,8 @@ class HeldLoad(Term):
 
     def tangent(self, H: Array, kept: Array) -> Array:
         """The change of the Jacobian, and of a load in the frame if it is fixed in space."""
+        if self._constant:
+            return np.zeros((0, 6, 6))
         X = H[self._nodes][np.newaxis]
         (frame,), (J,) = locate(self._kind, X, self._data)
         f = self._local(frame)
