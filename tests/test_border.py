@@ -11,8 +11,10 @@ from fem_lie.linear.condensed import border as module
 from fem_lie.linear.condensed.border import MOST, border_of
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import Equilibrated
+from fem_lie.linear.low_rank import LowRank
 from fem_lie.linear.packages import ByBorder, Method
 from fem_lie.linear.pivots import inertia
+from fem_lie.system.equations import Equations
 
 BY_BORDER = ByBorder("cholesky", "cholmod")
 COUNT, M = 30, 5
@@ -130,6 +132,51 @@ def test_the_inside_keeps_its_factors_while_the_border_changes(rng, monkeypatch)
     assert made == [False, True]
 
 
+def with_sums(rng, kkt: KKT, *, symmetric: bool) -> np.ndarray:
+    """Adds a part of low rank, some of whose sums are zero; returns the whole matrix."""
+    nodes, r = np.arange(8, 20), 7
+    rows, columns = (
+        each.ravel() for each in np.meshgrid(6 * nodes[:, None] + np.arange(3), range(r))
+    )
+    left = rng.normal(size=len(rows)) * (columns < r - 1)
+    core = rng.normal(size=(r, r))
+    core = core + core.T if symmetric else core
+    scale = np.full(r, 3.0)
+    kkt.low_rank = LowRank(rows, columns, left, left.copy(), core, scale)
+    kkt.version += 1
+    U = np.zeros((len(kkt.units), r))
+    U[rows, columns] = left
+    return sp.csr_matrix(kkt.csr).toarray() + U @ core @ U.T
+
+
+@pytest.mark.parametrize("method", [BY_BORDER, Method("lu", "mumps"), Method("lu", "umfpack")])
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_parts_of_low_rank_are_in_the_matrix(rng, method, symmetric):
+    kkt, _ = matrix(rng)
+    A = with_sums(rng, kkt, symmetric=symmetric)
+    solver, found = solved(kkt, [method])
+    wanted = np.linalg.solve(A, np.arange(1.0, len(A) + 1.0))
+    assert solver._methods == (method,) and len(found) == len(A)
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
+    x = rng.normal(size=len(A))
+    np.testing.assert_allclose(kkt.whole.toarray(), A, atol=1e-13 * np.abs(A).max())
+    for product in (kkt.times(x), solver.times(x)):
+        np.testing.assert_allclose(product, A @ x, atol=1e-12 * np.abs(A @ x).max())
+    if symmetric and method is BY_BORDER:
+        assert solver.negative_pivots() == inertia(sp.csr_matrix(A))[0]
+
+
+def test_columns_that_follow_from_others_are_not_solved_for(rng):
+    C = sp.random(50, 3, 0.4, random_state=1).tocsr()
+    sums = sp.csr_matrix(rng.normal(size=(3, 9)) * 10.0 ** np.arange(-4, 5))
+    whole = sp.hstack([C @ sums, sp.csr_matrix((50, 2))], format="csr")
+    columns, T = module._independent(whole)
+    assert len(columns) == 3
+    size = np.linalg.norm(whole.toarray(), axis=0)
+    error = np.linalg.norm(whole[:, columns].toarray() @ T - whole.toarray(), axis=0)
+    assert (error <= 1e-14 * size).all()
+
+
 def block_on_a_mass(cells: int) -> fl.Scene:
     """A block, clamped below, with a rigid mass on an averaging attachment of its top."""
     scene = fl.Scene()
@@ -155,3 +202,76 @@ def test_a_solid_on_a_joint_is_solved_by_its_border(caplog):
     np.testing.assert_array_equal(found.negative_pivots, wanted.negative_pivots)
     assert found.factorisations == wanted.factorisations
     assert Solutions.FEW.value in caplog.text
+
+
+def test_attachments_may_be_on_nodes_that_are_held(monkeypatch):
+    def result():
+        scene = block_on_a_mass(8)
+        (block,) = (body for body in scene.bodies if isinstance(body, fl.Solid))
+        mass = scene.add(fl.RigidBody(1.0, (0.1,) * 3, position=(0.5, 0.5, -1.0)))
+        scene.add(fl.Fixed(block.grip("c=0"), mass.centre, at=(0.5, 0.5, 0.0)))
+        scene.add(fl.PointLoad(mass.centre, force=(1e3, 0.0, 0.0)))
+        return fl.statics(scene)
+
+    found = result()
+    monkeypatch.setattr(DirectSolver, "take_low_rank", lambda _: None)
+    wanted = result()
+    np.testing.assert_allclose(found.frames, wanted.frames, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(found.joint_forces, wanted.joint_forces, rtol=1e-10, atol=1e-6)
+
+
+def test_a_force_on_an_averaging_attachment_is_a_traction():
+    """The weights of its nodes are the areas that they carry; the matrix has no more entries."""
+    mesh = fl.block(lambda a, b, c: (a, b + 0.1 * a * b, 0.5 * c), (3, 3, 2))
+
+    def entries_and_result(loaded):
+        scene = fl.Scene()
+        block = scene.add(fl.Solid(mesh, fl.NeoHooke(1e6, 0.3, 1000.0)))
+        for node in block.points("c=0"):
+            scene.add(fl.Clamp(node))
+        loaded(scene, block, np.array([2e4, -1e4, -6e4]))
+        return Equations(scene, dynamics=False).matrix.csr[0].size, fl.statics(scene)
+
+    def at_the_mean(scene, block, force):
+        scene.add(fl.PointLoad(block.grip("c=1"), force=force))
+
+    def spread(scene, block, force):
+        scene.add(fl.FaceLoad(block, "c=1", force / 1.05))
+
+    size, found = entries_and_result(at_the_mean)
+    same, wanted = entries_and_result(spread)
+    assert size == same
+    np.testing.assert_allclose(found.frames, wanted.frames, rtol=0, atol=1e-11)
+    np.testing.assert_array_equal(found.iterations, wanted.iterations)
+
+
+def test_the_pattern_of_an_averaging_attachment_stays_sparse(monkeypatch):
+    """In statics and steps; what is kept out of it changes no iteration and no result."""
+    entries, filled = [], KKT.fill
+
+    def counted(self, *args, **options):
+        entries.append((len(self.csr[0]), self.low_rank is not None))
+        filled(self, *args, **options)
+
+    monkeypatch.setattr(KKT, "fill", counted)
+    plan = {"duration": 0.01, "step": 1e-3, "progress": False}
+
+    def results():
+        entries.clear()
+        found = (
+            fl.statics(block_on_a_mass(8)),
+            fl.GeneralisedAlpha().run(block_on_a_mass(8), **plan),
+        )
+        assert len(set(entries)) == 1
+        return *found, *entries[0]
+
+    state, motion, sparse, apart = results()
+    monkeypatch.setattr(DirectSolver, "take_low_rank", lambda _: None)
+    same, again, dense, within = results()
+    assert apart and not within
+    assert dense - sparse > 2 * (3 * 81) ** 2 / 3
+    np.testing.assert_allclose(state.frames, same.frames, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(state.iterations, same.iterations)
+    np.testing.assert_array_equal(state.negative_pivots, same.negative_pivots)
+    np.testing.assert_allclose(motion.frames, again.frames, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(motion.iterations, again.iterations)

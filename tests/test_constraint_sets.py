@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 import fem_lie as fl
 from fem_lie import lie
+from fem_lie.lie import kinds
 from fem_lie.system import System, constraints
 from fem_lie.system.constraint_sets import relative_motions, rolls, slides
 
@@ -63,6 +64,18 @@ def joints_on_branch(scene):
     scene.add(fl.Spherical(tree.within(2, 0.3), tree.within(3, 0.6), at=(0.5, 0, 0.2)))
 
 
+def blocks_on_averages(scene):
+    """A body on an averaging attachment, which is joined to that of another solid."""
+    law = fl.SaintVenantKirchhoff(1e6, 0.3, 1000.0)
+    solid, other = (
+        scene.add(fl.Solid.brick((0.4, 0.2, 0.1), law, cells=(1, 1, 1), name=name))
+        for name in ("one", "other")
+    )
+    hinge_spring_drive(scene, solid.grip("a=1"), body(scene).centre)
+    ends = solid.grip("a=1"), other.grip("b=0")
+    scene.add(fl.Revolute(*ends, at=(0.35, 0.05, 0.05), axis=(0.1, 1, 0)))
+
+
 def sleeve(scene):
     beam, b = rail(scene), body(scene)
     scene.add(fl.Sleeve(beam, b.centre, at=HERE, travel=lambda t: 0.35))
@@ -91,6 +104,7 @@ SETS = {
     "joints on two directors": (joints_on(fl.Director(1)), ON_GRIPS(JOINTS)),
     "joints on three directors": (joints_on(fl.Director(2)), ON_GRIPS(JOINTS)),
     "joints on branches": (joints_on_branch, ON_GRIPS(JOINTS)),
+    "joints on averages": (blocks_on_averages, ON_GRIPS(JOINTS)),
     "slides": (sleeve, SLIDES),
     "slides on a grip": (collar_on_beam, ON_GRIPS(SLIDES)),
     "rolls": (disc, ROLLS),
@@ -117,11 +131,14 @@ class Case:
         self.n, self.border = system.count, system.connections.border
         self.start, self.m = self.set.start.row, system.m
         near = rng.normal(size=(self.n, 6)) * [0.02, 0.02, 0.02, 0.12, 0.12, 0.12]
+        self.places = np.flatnonzero(system.kinds == kinds.POINT)  # their axes do not turn
+        near[self.places, 3:] = 0.0
         self.H = system.frames.copy()
         self.H[: self.n] = lie.se3_retract(self.H[: self.n], near)
         self.weights = rng.normal(size=self.m)
         self.v = np.zeros((len(self.H), 6))
         self.v[: self.n] = rng.normal(size=(self.n, 6))
+        self.v[self.places, 3:] = 0.0
         self.rng, self.own = rng, self.set.own
 
     def forces(self, H, v=None, weights=None, rows=None):
@@ -159,6 +176,7 @@ class Case:
         """A random direction ``h`` of all nodes, and the derivative of a function along it."""
         h = np.zeros_like(self.v)
         h[: self.n] = self.rng.normal(size=(self.n, 6))
+        h[self.places, 3:] = 0.0
         ahead, behind = (function(self.moved(s * h)) for s in (1e-5, -1e-5))
         return h[: self.n].ravel(), (ahead - behind) / 2e-5
 
@@ -263,6 +281,25 @@ def test_what_is_remembered_does_not_change_the_state_it_is_of(name):
         part[:] = was
     np.testing.assert_allclose(after[0], before[0], atol=1e-10)
     np.testing.assert_allclose(after[1], before[1], atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_averages_couple_is_of_low_rank(seed):
+    case = Case("joints on averages", seed)
+    whole = case.stiffness(lambda place, K: case.set.geometric(case.H, case.weights, place, K))
+    sparse, n, means = len(case.set.sparse[0]), case.n, case.set.means
+    rest = case.stiffness(
+        lambda place, K: case.set.geometric(case.H, case.weights, place[:sparse], K)
+    )
+    S, core = case.set.mean_stiffness(case.H, case.weights)
+    w, r = core.shape[:2]
+    rates = np.zeros((w, r, n, 6))
+    np.add.at(rates.transpose(0, 2, 1, 3), (means.of, means.nodes), S)
+    rates = rates.reshape(w * r, 6 * n)
+    assert w == 2 and r < len(means.nodes) / w * 6
+    found = rates.T @ core.reshape(w * r, w * r) @ rates
+    assert np.abs(found).max() > 0.01 * np.abs(whole).max()
+    np.testing.assert_allclose(rest + found, whole, atol=1e-12 * np.abs(whole).max())
 
 
 @every_set

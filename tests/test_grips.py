@@ -9,7 +9,7 @@ from fem_lie import lie
 from fem_lie.grips.cross_section import on_section
 from fem_lie.grips.follower import following
 from fem_lie.grips.geodesic import on_geodesic
-from fem_lie.grips.grip import bend, changes, locate
+from fem_lie.grips.grip import bend, changes, cores, locate, spread
 from fem_lie.grips.interpolated import interpolated
 from fem_lie.grips.patch import in_the_mean
 from fem_lie.grips.surface import on_surface
@@ -135,6 +135,23 @@ def test_the_jacobian_is_the_derivative_of_the_frame(name, seed):
     twist = lie.se3_relative(behind, ahead) / 2e-5
     # differences: 1e-10 times third derivatives, and round-off over the step
     np.testing.assert_allclose(np.einsum("kij,kj->i", J, h), twist, atol=2e-8)
+
+
+@pytest.mark.parametrize("name", PATCHES)
+@given(seed=seeds)
+@settings(max_examples=10, deadline=None)
+def test_mean_coordinates_move_the_frame_and_couple_all_nodes(name, seed):
+    grip, data, X, _, rng = state(name, seed)
+    f, h, means = rng.normal(size=6), rng.normal(size=(len(X), 6)), grip.kind.means
+    given = X[np.newaxis], data[np.newaxis]
+    (S,) = spread(means, *given)
+    (L,), (C,) = cores(means, *given, f[np.newaxis])
+    _, J = one(grip, data, X)
+    rates = np.einsum("krj,kj->r", S, h)
+    np.testing.assert_allclose(L @ rates, np.einsum("kij,kj->i", J, h), atol=1e-12)
+    (K,) = bend(grip.kind, *given, f[np.newaxis])
+    coupled = np.einsum("krj,rs,s->kj", S, C, rates)
+    np.testing.assert_allclose(coupled, np.einsum("kiaj,aj->ki", K, h), atol=1e-11)
 
 
 @pytest.mark.parametrize("name", GRIPS)

@@ -27,6 +27,19 @@ def driven_brick() -> fl.Scene:
     return scene
 
 
+def mass_on_a_block() -> fl.Scene:
+    """Large enough that the attachment of the mass is not in the pattern of the matrix."""
+    scene = fl.Scene()
+    mesh = fl.block(lambda a, b, c: (0.1 * a, 0.1 * b, 0.05 * c), (8, 8, 8))
+    block = scene.add(fl.Solid(mesh, LAW, name="block"))
+    for node in block.points("c=0"):
+        scene.add(fl.Clamp(node))
+    mass = scene.add(fl.RigidBody(1.0, (1e-3,) * 3, position=(0.05, 0.05, 0.1)))
+    scene.add(fl.Fixed(block.grip("c=1"), mass.centre, at=(0.05, 0.05, 0.05)))
+    scene.add(fl.PointLoad(mass.centre, force=(150.0, 0.0, -50.0), moment=(0.0, 0.0, 2.0)))
+    return scene
+
+
 def sheet(**options) -> fl.ThinShell:
     patch = fl.smooth_patch(lambda a, b: [0.3 * a, 0.2 * b, 0.02 * a * b], (2, 1))
     section = fl.ShellSection.layer(1e-3, fl.Material(3e9, 0.3, 1200.0))
@@ -49,7 +62,8 @@ def driven_sheet() -> fl.Scene:
     return scene
 
 
-SCENES = {make.__name__: make for make in (free_brick, driven_brick, free_sheet, driven_sheet)}
+MADE = free_brick, driven_brick, mass_on_a_block, free_sheet, driven_sheet
+SCENES = {make.__name__: make for make in MADE}
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -25,6 +25,21 @@ from fem_lie._jit import compiled
 _SAME = 1e-12  # of numbers of order one
 
 
+class MeanCoordinates(NamedTuple):
+    """Few sums over the nodes, linear in their motions, of which a frame is a function.
+
+    Attributes:
+        size: How many there are, r.
+        spread: ``spread(X, data, S)`` sets ``S`` (k, r, 6), so that ``Σ Sₖ hₖ`` are their rates.
+        core: ``core(X, data, f, L, C)`` sets ``L`` (6, r), so that the twist is ``L Σ Sₖ hₖ``, and
+            ``C`` (r, r), so that the derivative of ``Jᵀf`` in the motions is ``Sᵀ C S``.
+    """
+
+    size: int
+    spread: Callable[..., None]
+    core: Callable[..., None]
+
+
 class GripKind(NamedTuple):
     """How frames of a kind follow from those of their nodes: compiled functions of one grip.
 
@@ -38,6 +53,7 @@ class GripKind(NamedTuple):
         summed: Whether its place is a sum over rows of nodes that are no frames, with constant
             factors.
         turns: Whether it turns with these rows about any axis.
+        means: Coordinates that keep matrices of many nodes sparse, for kinds that have any.
     """
 
     locate: Callable[..., None]
@@ -45,6 +61,7 @@ class GripKind(NamedTuple):
     rigid: bool = False
     summed: bool = False
     turns: bool = False
+    means: MeanCoordinates | None = None
 
 
 class Grip(NamedTuple):
@@ -104,13 +121,34 @@ def bend(kind: GripKind, X: Array, data: Array, forces: Array) -> Array:
     return K
 
 
+def spread(means: MeanCoordinates, X: Array, data: Array) -> Array:
+    """Rates of mean coordinates by motions of the nodes, (g, k, r, 6)."""
+    S = np.zeros((*X.shape[:2], means.size, 6))
+    _loop(_spread_each, means.spread)(X, data, S)
+    return S
+
+
+def cores(means: MeanCoordinates, X: Array, data: Array, forces: Array) -> tuple[Array, Array]:
+    """``L`` (g, 6, r) and, for forces (g, 6), ``C`` (g, r, r): see :class:`MeanCoordinates`."""
+    g, r = len(X), means.size
+    L, C = np.zeros((g, 6, r)), np.zeros((g, r, r))
+    _loop(_core_each, means.core)(X, data, forces, L, C)
+    return L, C
+
+
 def changes(kind: GripKind, X: Array, data: Array, h: Array) -> Array:
     """How twists change along constant motions ``h`` (g, k, 6) of the nodes: ``J̇ h``, (g, 6).
 
     A force ``f`` has the power ``f·J h``, so that ``f·J̇ h = h·(∂(Jᵀf)/∂h) h``.
     """
-    found = np.empty((len(X), 6))
-    for i, unit in enumerate(np.eye(6)):
+    found, units = np.empty((len(X), 6)), np.eye(6)
+    if kind.means is not None:
+        s = np.einsum("gkri,gki->gr", spread(kind.means, X, data), h)
+        for i, unit in enumerate(units):
+            _, C = cores(kind.means, X, data, np.tile(unit, (len(X), 1)))
+            found[:, i] = np.einsum("gr,grs,gs->g", s, C, s)
+        return found
+    for i, unit in enumerate(units):
         K = bend(kind, X, data, np.tile(unit, (len(X), 1)))
         found[:, i] = np.einsum("gai,gaibj,gbj->g", h, K, h)
     return found
@@ -137,6 +175,16 @@ def _locate_each(X: Array, data: Array, frames: Array, J: Array) -> None:
 def _bend_each(X: Array, data: Array, forces: Array, K: Array) -> None:
     for g in range(X.shape[0]):
         _kernel(X[g], data[g], forces[g], K[g])
+
+
+def _spread_each(X: Array, data: Array, S: Array) -> None:
+    for g in range(X.shape[0]):
+        _kernel(X[g], data[g], S[g])
+
+
+def _core_each(X: Array, data: Array, forces: Array, L: Array, C: Array) -> None:
+    for g in range(X.shape[0]):
+        _kernel(X[g], data[g], forces[g], L[g], C[g])
 
 
 def _kernel(*views: Array) -> None:

@@ -7,6 +7,9 @@ axes by ``δx_k = R_k h_k``; with ``Q_k = RᵀR_k`` and ``Y = tr(S) 1 − S`` th
 
     u = Σ w_k Q_k h_k,    ω = Y⁻¹ Σ w_k ξ_k × Q_k h_k
 
+All of this is a function of twelve mean coordinates, ``x̄`` and ``A``, which are linear in the
+nodes: whatever acts on the frame couples the nodes by no more than these.
+
 A force and moment on the frame is spread over the nodes with these weights. The nodes may lie in a
 plane, where ``A`` has rank two, but not on a line.
 """
@@ -19,10 +22,10 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
-from fem_lie.grips.grip import Grip, GripKind
+from fem_lie.grips.grip import Grip, GripKind, MeanCoordinates
 from fem_lie.lie.polar import polar_rotation
-from fem_lie.lie.tuples import cross, dot, load, minus, scaled
 
+_ROUND_OFF = 1e-14  # of the largest coordinate of a place
 _LINE = 1e-6  # second extent of a patch over the first, of one that is a line
 
 
@@ -68,33 +71,70 @@ def _locate(X: Array, data: Array, H: Array, J: Array) -> None:
 
 
 @compiled
-def _bend(X: Array, data: Array, f: Array, K: Array) -> None:
-    """Column by column: moving one node turns the frame, and with it what all nodes feel."""
-    count = X.shape[0]
-    Q, H = np.empty((count, 3, 3)), np.empty((4, 3))
+def _spread(X: Array, data: Array, S: Array) -> None:
+    """Rates of ``Rᵀ Σ w_k x_k`` and of the columns of ``Rᵀ A/ρ``, at a frame that stays."""
+    Q, H = np.empty((X.shape[0], 3, 3)), np.empty((4, 3))
+    _relative(X, data, H, Q)
+    size = _size(data)
+    S[:] = 0.0
+    for k in range(X.shape[0]):
+        for i in range(3):
+            for c in range(3):
+                moved = data[4 * k] * Q[k, i, c]
+                S[k, i, c] = moved
+                for j in range(3):
+                    S[k, 3 + 3 * j + i, c] = moved * data[4 * k + 1 + j] / size
+
+
+@compiled
+def _core(X: Array, data: Array, f: Array, L: Array, C: Array) -> None:
+    """Column by column: a mean coordinate turns the frame, and with it what all nodes feel."""
+    Q, H, one = np.empty((X.shape[0], 3, 3)), np.empty((4, 3)), np.eye(3)
     S, inverse = _relative(X, data, H, Q)
-    n, μ, g = f[:3].copy(), inverse @ f[3:], np.empty((count, 3))
-    for k in range(count):
-        g[k] = n - _cross(data[4 * k + 1 : 4 * k + 4], μ)
-    K[:] = 0.0
-    for j in range(count):
-        ξ = data[4 * j + 1 : 4 * j + 4]
-        for c in range(3):
-            moved = data[4 * j] * np.ascontiguousarray(Q[j, :, c])
-            ω = inverse @ _cross(ξ, moved)
-            dS = np.outer(moved, ξ)
+    size = _size(data)
+    n, μ = f[:3].copy(), inverse @ f[3:]
+    L[:], C[:] = 0.0, 0.0
+    for i in range(3):
+        L[i, i] = 1.0
+    for j in range(3):
+        for i in range(3):
+            column = 3 + 3 * j + i
+            ω = size * (inverse @ _cross(one[j], one[i]))
+            L[3:, column] = ω
+            dS = np.zeros((3, 3))
+            dS[i, j] = size
             for b in range(3):
                 dS[:, b] -= _cross(ω, np.ascontiguousarray(S[:, b]))
             dμ = -inverse @ (np.trace(dS) * μ - dS @ μ)
-            turn, moment = load(ω, 0), load(dμ, 0)
-            for k in range(count):
-                turned, bent = cross(turn, load(g[k], 0)), cross(load(data, 4 * k + 1), moment)
-                change = scaled(data[4 * k], minus(turned, bent))
-                for r in range(3):
-                    K[k, r, j, c] = dot((Q[k, 0, r], Q[k, 1, r], Q[k, 2, r]), change)
+            C[:3, column] = _cross(ω, n)
+            for b in range(3):
+                felt = _cross(ω, _cross(one[b], μ)) + _cross(one[b], dμ)
+                C[3 + 3 * b : 6 + 3 * b, column] = -size * felt
 
 
-PATCH = GripKind(_locate, _bend, summed=True, turns=True)
+@compiled
+def _size(data: Array) -> float:
+    """Radius of gyration ``ρ`` of the unloaded patch, by which all mean coordinates are lengths."""
+    square = 0.0
+    for k in range(data.shape[0] // 4):
+        for j in range(3):
+            square += data[4 * k] * data[4 * k + 1 + j] ** 2
+    return float(np.sqrt(square))
+
+
+@compiled
+def _bend(X: Array, data: Array, f: Array, K: Array) -> None:
+    count = X.shape[0]
+    S, L, C = np.empty((count, 12, 6)), np.empty((6, 12)), np.empty((12, 12))
+    _spread(X, data, S)
+    _core(X, data, f, L, C)
+    for k in range(count):
+        left = np.ascontiguousarray(S[k].T) @ C
+        for j in range(count):
+            K[k, :, j, :] = left @ S[j]
+
+
+PATCH = GripKind(_locate, _bend, summed=True, turns=True, means=MeanCoordinates(12, _spread, _core))
 
 
 def in_the_mean(nodes: Sequence[int], places: Array, weights: Array, axes: Array) -> Grip:
@@ -111,6 +151,8 @@ def in_the_mean(nodes: Sequence[int], places: Array, weights: Array, axes: Array
     """
     shares = weights / weights.sum()
     arms = (places - shares @ places) @ axes.T
+    # what is round-off would be one more mean coordinate of a plane patch
+    arms[np.abs(arms) <= _ROUND_OFF * np.abs(places).max()] = 0.0
     extents = np.linalg.svd(arms, compute_uv=False)
     if len(extents) < 2 or extents[1] <= _LINE * extents[0]:
         raise ValueError(

@@ -28,7 +28,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.linear.domains.division import Division
 from fem_lie.linear.domains.part import Part
-from fem_lie.linear.low_rank import Beside
+from fem_lie.linear.low_rank import Beside, LowRank
 
 SOFTNESS = 1e-9
 """By how much redundant constraints yield in one iteration, over what they would without others.
@@ -186,11 +186,17 @@ class KKT:
         held: Which unknowns of nodes are zero, shape (n, 6).
         part: What of the matrix is this rank's domain, where it is divided.
         divisible: Who fills it, and can fill that.
+        splits: Whether who fills it leaves what couples many nodes by few sums to
+            :attr:`low_rank`; it does so from the next matrix on.
+        low_rank: What belongs to the matrix, but is not in its pattern.
+        length: Power of two near the length of the model.
     """
 
     beside: Beside | None = None
     part: Part | None = None
     divisible: Divisible | None = None
+    splits = False
+    low_rank: LowRank | None = None
 
     def __init__(
         self,
@@ -220,6 +226,7 @@ class KKT:
         m = len(border.ptr) - 1
         each = np.append(np.where(held.ravel(), 1.0, units), np.where(angular, 1.0, length))
         self.units: Array = 2.0 ** np.round(np.log2(each))
+        self.length = float(2.0 ** np.round(np.log2(length)))
         self.unit_rows = np.append(held, np.zeros(m, dtype=bool))
         self.measure = np.where(angular, 1.0 / length, 1.0)
         self.legs, self.held, self._m, self.version, self.filled = border, held, m, 0, 0
@@ -255,13 +262,24 @@ class KKT:
 
     @property
     def csr(self) -> tuple[Array, npt.NDArray[Any], npt.NDArray[Any]]:
-        """The matrix as it is now: values, columns, row pointers; views."""
+        """The matrix as it is now, without :attr:`low_rank`: values, columns, row pointers; views.
+
+        See also :attr:`whole`.
+        """
         return self._data, self._columns, self._row_pointers
 
+    @property
+    def whole(self) -> sp.csr_matrix:
+        """A copy of the matrix as it is now, with what is of low rank."""
+        found = sp.csr_matrix(self.csr, shape=(len(self.units),) * 2).copy()
+        return found if self.low_rank is None else found + self.low_rank.matrix(len(self.units))
+
     def times(self, x: Array) -> Array:
-        """The matrix as it is now, with what is beside it, times ``x``."""
+        """The matrix as it is now, with what is of low rank and beside it, times ``x``."""
         product: Array = sp.csr_matrix(self.csr) @ x
-        return product if self.beside is None else product + self.beside.times(x)
+        for part in (self.low_rank, self.beside):
+            product = product if part is None else product + part.times(x)
+        return product
 
     def _border(self, count: int, m: int) -> None:
         """Which constraints touch which nodes, and the scalar pattern."""

@@ -117,16 +117,20 @@ class DirectSolver:
         self._checked, self._refines = False, 0
         self._by_call: Solution | None = None
         self.right_hand_side, self.solution = np.zeros(size), np.zeros(size)
-        self._scaled, self._found, self._left = np.zeros((3, size))
-        self._b, self._x, self._r = (
-            PETSc.Vec().createWithArray(array, comm=PETSc.COMM_SELF)
-            for array in (self._scaled, self._found, self._left)
-        )
-        self._change = self._own.matrix.createVecRight()
+
+    def take_low_rank(self) -> None:
+        """From the next matrix on take in what is of low rank apart, if a border can have it."""
+        self._kkt.splits = self._methods[0].takes_low_rank
 
     def _take_over(self) -> None:
         """The matrix that is there now, for which there are no solvers yet."""
         self._local = self._own.matrix
+        self._scaled, self._found, self._left = np.zeros((3, len(self._own.left)))
+        self._b, self._x, self._r = (
+            PETSc.Vec().createWithArray(array, comm=PETSc.COMM_SELF)
+            for array in (self._scaled, self._found, self._left)
+        )
+        self._change = self._local.createVecRight()
         self._shared = SharedMatrix(self._own.csr) if self._shares else None
         self._matrix = self._local if self._shared is None else self._shared.matrix
         self._solvers: dict[Method, PETSc.KSP] = {}
@@ -253,14 +257,18 @@ class DirectSolver:
 
     def negative_pivots(self) -> int | None:
         """Those of the last factorisation; ``None`` if it is not one of a symmetric matrix."""
-        return self._methods[0].negative_pivots(self._ksp.getPC())
+        found = self._methods[0].negative_pivots(self._ksp.getPC())
+        return None if found is None else found - self._own.rank
 
     def times(self, x: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """The matrix that was factorised times ``x``."""
+        own, n = self._own, len(x)
         given, product = self._local.createVecs()
-        given.array[:] = x / self._own.right
+        given.set(0.0)
+        given.array[:n] = x / own.right[:n]
         self._local.mult(given, product)
-        return np.asarray(product.array / self._own.left, dtype=np.float64)
+        found = np.asarray(product.array / own.left, dtype=np.float64)[:n]
+        return found if own.part is None else found + own.part.times(x)
 
     def solve(self) -> None:
         """Solve with the last factorisation, and with what is beside the matrix.
@@ -274,16 +282,17 @@ class DirectSolver:
 
     def _solve_for(self, b: Array, x: Array) -> None:
         """With the last factorisation, into ``x``."""
-        np.multiply(b, self._own.left, self._scaled)
+        n = len(b)
+        np.multiply(b, self._own.left[:n], self._scaled[:n])
         self._solve_scaled(self._b, self._x)
         for _ in range(self._refines):
             self._refine()
         if not self._checked:
             self._check()
         if self._idle is not None:
-            multipliers = self._found[len(self._found) - len(self._kkt.measure) :]
+            multipliers = self._found[n - len(self._kkt.measure) : n]
             multipliers[:] = self._idle.remove(multipliers)
-        np.multiply(self._found, self._own.right, x)
+        np.multiply(self._found[:n], self._own.right[:n], x)
 
     def _solve_scaled(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """With the last factors, both of the equilibrated equations."""

@@ -16,6 +16,7 @@ import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
+from fem_lie.linear.low_rank import Extended
 from fem_lie.linear.redundancy import IdleMultipliers
 
 if TYPE_CHECKING:
@@ -124,24 +125,35 @@ def _asymmetry(values: Array, columns: Indices, pointers: Indices, allowed: floa
 class Equilibrated:
     """A copy of the matrix that stays as it was taken.
 
+    Unknowns of what is of low rank come last: nothing acts on them, and no one asks for them.
+
     Attributes:
         left: Of rows, shape (n,): ``L b`` is the right-hand side for ``matrix``.
         right: Of columns: its solution times this is that of the scene.
         csr: Values, columns, row pointers.
+        part: What is of low rank, if there is any.
+        rank: Of that; there are twice as many unknowns more, half of which are multipliers.
     """
 
     def __init__(self, kkt: KKT) -> None:
         """Share the pattern of ``kkt``; :meth:`take` comes later."""
         self._kkt = kkt
-        self.right = kkt.units
-        self.left: Array = np.ones(len(kkt.units))
         self._share()
 
     def _share(self) -> None:
         """The pattern, as it is now."""
-        values, columns, pointers = self._kkt.csr
-        self._version = self._kkt.version
-        self.csr = np.zeros_like(values), columns, pointers
+        kkt, part = self._kkt, self._kkt.low_rank
+        (_, columns, pointers), self._version = kkt.csr, kkt.version
+        self._extended = None if part is None else Extended(pointers, columns, part)
+        self.part = part
+        self.rank = 0 if part is None else len(part.core)
+        if self._extended is not None:
+            columns, pointers = self._extended.columns, self._extended.pointers
+        values: Array = np.zeros(len(columns))
+        self.csr = values, columns, pointers
+        self.right = np.append(kkt.units, np.full(2 * self.rank, kkt.length))
+        self.left: Array = np.ones(len(self.right))
+        self._held = np.append(kkt.unit_rows, np.zeros(2 * self.rank, dtype=bool))
         self._matrix: PETSc.Mat | None = None
 
     @property
@@ -163,9 +175,13 @@ class Equilibrated:
         Raises:
             SingularMatrixError: It is not finite.
         """
-        if self._version != self._kkt.version:
+        part = self._kkt.low_rank
+        if self._version != self._kkt.version or (part is None) != (self._extended is None):
             self._share()
-        largest = _take(*self._kkt.csr, self.right, self._kkt.unit_rows, self.csr[0], self.left)
+        self.part, values, (own, columns, pointers) = part, self._kkt.csr[0], self.csr
+        if self._extended is not None and part is not None:
+            values = self._extended.values(values, part)
+        largest = _take(values, columns, pointers, self.right, self._held, own, self.left)
         if not np.isfinite(largest):
             raise SingularMatrixError("the matrix is not finite")
         if self._matrix is not None:
@@ -184,8 +200,8 @@ class Equilibrated:
         """What exerts no force together in this matrix, if its constraints may be redundant."""
         if not self._kkt.redundant:
             return None
-        n, m = len(self.left), len(self._kkt.measure)
-        B = sp.csr_matrix(self.csr, shape=(n, n))[: n - m, n - m :].T.tocsr()
+        n, m, whole = len(self._kkt.units), len(self._kkt.measure), (len(self.left),) * 2
+        B = sp.csr_matrix(self.csr, shape=whole)[: n - m, n - m : n].T.tocsr()
         size = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
         size[size == 0.0] = 1.0
         return IdleMultipliers(sp.diags(1.0 / size) @ B, size)

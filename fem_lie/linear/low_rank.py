@@ -1,4 +1,13 @@
-"""Changes of low rank beside a matrix whose factors are kept (Sherman, Morrison and Woodbury).
+"""Parts of a matrix of low rank: dense ones, kept out of its pattern, and changes beside factors.
+
+What couples very many unknowns by few sums of them, ``U C Wᵀ`` with a small core ``C``, would be a
+dense block. With these sums ``s`` and their forces ``t`` as unknowns the matrix stays sparse::
+
+    [A   σU   0 ] [x]   [r]
+    [σWᵀ  0  −σ ] [t] = [0]
+    [0   −σ   C ] [s]   [0]
+
+Changes beside a matrix whose factors are kept follow Sherman, Morrison and Woodbury.
 
 ::
 
@@ -11,9 +20,13 @@ matrix with the former ``u`` is as good a one to iterate with.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
+
+from petsc4py import PETSc
 
 import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Indices
 
@@ -25,6 +38,76 @@ _TURNED = 0.02
 
 _Key: TypeAlias = tuple[bytes, int]
 _Columns: TypeAlias = dict[_Key, tuple[Array, Array]]
+
+
+class LowRank(NamedTuple):
+    """``U C Wᵀ``, shape (n, n), a part of a matrix that is not in its pattern.
+
+    Attributes:
+        rows: Unknown of each entry of ``U`` and of ``W``, shape (l,).
+        columns: Its column, shape (l,).
+        left: Entries of ``U``, shape (l,).
+        right: Entries of ``W``, shape (l,).
+        core: ``C``, shape (r, r).
+        scale: ``σ``, by which the sums and their forces are alike, shape (r,).
+    """
+
+    rows: Indices
+    columns: Indices
+    left: Array
+    right: Array
+    core: Array
+    scale: Array
+
+    def matrix(self, size: int) -> sp.csr_matrix:
+        """All of it, shape (size, size)."""
+        shape, places = (size, len(self.core)), (self.rows, self.columns)
+        U, W = (sp.csr_matrix((each, places), shape=shape) for each in (self.left, self.right))
+        return (U @ sp.csr_matrix(self.core) @ W.T).tocsr()
+
+    def times(self, x: Array) -> Array:
+        """``U C Wᵀ x``, shape (n,)."""
+        sums = _spread(self.columns, self.right * x[self.rows], len(self.core))
+        return _spread(self.rows, self.left * (self.core @ sums)[self.columns], len(x))
+
+
+class Extended:
+    """A matrix with the sums and forces of a part of low rank as unknowns, in this order.
+
+    Attributes:
+        columns: Of its entries, row by row.
+        pointers: Where each row begins.
+    """
+
+    def __init__(self, pointers: Indices, columns: Indices, part: LowRank) -> None:
+        """Find the pattern, and where its entries come from.
+
+        Args:
+            pointers: Of the matrix without the part.
+            columns: Likewise.
+            part: Its rows and columns count, and stay what they are.
+        """
+        n, r, k = len(pointers) - 1, len(part.core), len(columns)
+        keys, self._sums = np.unique(part.rows * r + part.columns, return_inverse=True)
+        places, ends = (keys // r, keys % r), np.cumsum([k, len(keys), len(keys), r, r * r])
+        # entries are the numbers of their sources, from one on: zeros would not be stored
+        first = np.arange(1.0, ends[-1] + 1.0)
+        own, left, right, ones, core = np.split(first, ends[:-1])
+        A = sp.csr_matrix((own, columns, pointers), shape=(n, n))
+        U = sp.csr_matrix((left, places), shape=(n, r))
+        W = sp.csr_matrix((right, places), shape=(n, r))
+        one, C = sp.diags(ones), sp.csr_matrix(core.reshape(r, r))
+        whole = sp.bmat([[A, U, None], [W.T, None, one], [None, one, C]], format="csr")
+        whole.sort_indices()
+        self._from: Indices = whole.data.astype(np.int64) - 1
+        self.columns: npt.NDArray[Any] = whole.indices.astype(PETSc.IntType)
+        self.pointers: npt.NDArray[Any] = whole.indptr.astype(PETSc.IntType)
+
+    def values(self, own: Array, part: LowRank) -> Array:
+        """Its entries, those of the matrix without the part being ``own``."""
+        σ = part.scale[part.columns]
+        left, right = (np.bincount(self._sums, σ * each) for each in (part.left, part.right))
+        return np.concatenate([own, left, right, -part.scale, part.core.ravel()])[self._from]
 
 
 class Beside(NamedTuple):

@@ -27,6 +27,7 @@ class Method:
         spreads: Whether several ranks factorise what is large together.
         together: Whether all ranks solve together by its own means.
         accurate: See :data:`~.equilibrated.ACCURATE`.
+        takes_low_rank: Whether it costs less where parts of low rank are not in the pattern.
     """
 
     kind: str
@@ -34,6 +35,7 @@ class Method:
     spreads: ClassVar[bool] = True
     together: ClassVar[bool] = False
     accurate: ClassVar[float] = ACCURATE
+    takes_low_rank: ClassVar[bool] = False
 
     @property
     def symmetric(self) -> bool:
@@ -83,6 +85,8 @@ class ByChains(Alone):
 
 class ByBorder(Alone):
     """All but a narrow border is positive definite, see :mod:`fem_lie.linear.condensed.border`."""
+
+    takes_low_rank: ClassVar[bool] = True
 
     def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
         """See the base class."""

@@ -15,9 +15,11 @@ from fem_lie.lie.kinds import floating_tangents, inertia
 from fem_lie.lie.kinds.floating import Floating
 from fem_lie.lie.kinds.inertia import Inertia, PlainMotion
 from fem_lie.lie.motions import add_turnings
-from fem_lie.linear.bordered import KKT
+from fem_lie.linear.bordered import KKT, flexibility
 from fem_lie.linear.domains.division import Division
 from fem_lie.linear.low_rank import Beside
+from fem_lie.system.constraint_sets.averages import Averages
+from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
 from fem_lie.system.constraints import Connections
 from fem_lie.system.domains import Domain, division_of
 from fem_lie.system.instant import Instant, Plan
@@ -91,7 +93,7 @@ class Tangent:
         self._bodies = bodies
         self._border, self.vectors = connections.border, Vectors(connections.joined)
         self._held, self._count, self._kinds = held, len(held), kinds
-        self._rows = np.zeros((len(self._border.nodes), 6))
+        self._splits = self._averaged = any(each.means for each in connections.sets)
         pairs, angular = self._pairs(), connections.angular
         self.kkt = KKT(
             pairs,
@@ -110,9 +112,13 @@ class Tangent:
         """Of inertia, of all terms, and of sets of constraints."""
         mass = self._mass
         own = np.repeat(np.arange(self._count), np.diff(mass.indptr)), mass.indices
-        joined = [each.pairs for each in self._connections.sets]
-        others = ((r.ravel(), c.ravel()) for r, c in joined)
+        sets = self._connections.sets
+        others = ((r.ravel(), c.ravel()) for r, c in map(self._pairs_of, sets))
         return [own, self._bodies.pairs, *self._terms.pairs, *others]
+
+    def _pairs_of(self, one: ConstraintSet) -> Pairs:
+        """Of a set of constraints, of any shape."""
+        return one.sparse if self._splits else one.pairs
 
     def _settle(self) -> None:
         """Find the places of all parts in the pattern as it is now."""
@@ -130,7 +136,12 @@ class Tangent:
             (term, in_K(at), at if term.viscous else at[:0])
             for term, at in zip(self._terms, places, strict=False)
         ]
-        self._sets = [(each, in_K(place(*each.pairs))) for each in self._connections.sets]
+        sets = self._connections.sets
+        self._sets = [(each, in_K(place(*self._pairs_of(each)))) for each in sets]
+        self._averages = Averages(sets) if self._splits else Averages([])
+        self._nodes = np.concatenate([self._border.nodes, self._averages.nodes])
+        self._rows = np.zeros((len(self._nodes), 6))
+        self.supports.find_border(self._nodes)
         self.supports.find(self.kkt.indptr, self.kkt.indices)
         self._filled = False  # whether A is what the KKT has
 
@@ -149,26 +160,32 @@ class Tangent:
 
     def jacobian(self, H: Array) -> sp.csr_matrix:
         """``B = ∂Φ/∂h`` in the twists of the moving nodes, held ones left out; (m, 6 n)."""
-        rows = np.empty_like(self._rows)
-        self._connections.jacobian(H, rows)
+        rows, border, held = self._constraints(H), self._border, self._held
         self.supports.turn_border(H, rows)
-        border, held = self._border, self._held
-        free = ~held[border.nodes].all(axis=1)
+        free = np.flatnonzero(~held[border.nodes].all(axis=1))
         node = border.nodes[free]
         columns = (6 * node[:, np.newaxis] + np.arange(6)).ravel()
         values = np.where(held[node], 0.0, rows[free]).ravel()
         shape = (len(border.ptr) - 1, 6 * self._count)
         return sp.csr_matrix((values, (np.repeat(border.rows[free], 6), columns)), shape=shape)
 
+    def _constraints(self, H: Array) -> Array:
+        """Derivatives of the constraints in twists, followed by zeros for mean coordinates."""
+        rows = np.zeros_like(self._rows)
+        self._connections.jacobian(H, rows[: len(self._border.nodes)])
+        return rows
+
     # --- domains ---
 
     def division(self, count: int) -> Division:
         """See :func:`~fem_lie.system.domains.division_of`."""
+        self._couple()
         own, floating, *_ = self._pairs()
         return division_of(self.kkt, self._terms, [own, floating], count)
 
     def divide(self, division: Division, rank: int) -> None:
         """Have the domain of a rank; see :class:`~fem_lie.system.domains.Domain`."""
+        self._couple()
         self.domain = Domain(self.kkt, self._terms, division, rank)
         self.kkt.divide(self.domain.part)
         self._others = np.zeros_like(self.parts.blocks)
@@ -216,23 +233,30 @@ class Tangent:
         if self._given is not None:
             return self._given
         diagonal = np.abs(self.A[self._diagonal].diagonal(axis1=1, axis2=2))
-        rows, border = np.empty_like(self._rows), self._border
-        self._connections.jacobian(H, rows)
+        rows, border = self._constraints(H), self._border
         self.supports.turn_border(H, rows)
-        rows[self._held[border.nodes]] = 0.0
+        rows[self._held[self._nodes]] = 0.0
         return self.vectors.scales(border, rows, diagonal, self.kkt.free_units, spread)
 
     # --- parts ---
 
     def clear(self) -> None:
         """Start anew, with the pairs that terms have now."""
-        if self._versions != self._terms.versions:
-            if self.domain is not None:
-                raise ValueError("subdomains want pairs of nodes that stay, got others: contact?")
-            self.kkt.couple(self._pairs())
-            self._settle()
+        self._couple()
         self.parts.blocks[:] = 0.0
+        self._averages.clear()
         self._filled = False
+
+    def _couple(self) -> None:
+        """Have the pairs that there are now, those within averaging attachments if asked for."""
+        splits = self._averaged and self.kkt.splits and not self._apart
+        if self._versions == self._terms.versions and self._splits == splits:
+            return
+        if self.domain is not None:
+            raise ValueError("subdomains want pairs of nodes that stay, got others: contact?")
+        self._splits = splits
+        self.kkt.couple(self._pairs())
+        self._settle()
 
     def restore_pattern(self, indptr: Indices, indices: Indices) -> None:
         """Have the pattern of ``kkt`` again that it had; :meth:`clear` makes it the present one."""
@@ -338,6 +362,7 @@ class Tangent:
         """
         for each, place in self._sets:
             each.geometric(H, weights, place, self.parts.blocks)
+        self._averages.take(H, weights)
         for term, place, _ in self._of_terms:
             blocks = None if term.within_joints else term.geometric(H)
             if blocks is not None:
@@ -371,25 +396,34 @@ class Tangent:
 
     def fill(self, blocks: Array, H: Array, scale: Array) -> None:
         """Blocks, bordered by the constraints at ``H`` times ``scale``, into the KKT."""
-        self._connections.jacobian(H, self._rows)
+        self._rows[:] = self._constraints(H)
+        self._averages.put(self._rows)
         if self.supports:
             blocks = blocks.copy()
             self.supports.turn_blocks(H, blocks)
             self.supports.turn_border(H, self._rows)
-        self.kkt.fill(blocks, self._rows, self._rows, scale)
+        self._fill(blocks, self._rows, scale)
         self._filled = False
+
+    def _fill(self, blocks: Array, columns: Array, scale: Array) -> None:
+        """All of the KKT, with what is of low rank."""
+        n, diagonal = len(self._border.nodes), np.abs(blocks[self._diagonal])
+        soft = flexibility(diagonal.diagonal(axis1=1, axis2=2), self.kkt.free_units)
+        self.kkt.low_rank = self._averages.low_rank(columns[n:], self._rows[n:], soft, self._held)
+        self.kkt.fill(blocks, columns[:n], self._rows[:n], scale)
 
     def refill_border(self, H: Array, kinds: Indices, plan: Plan) -> Array:
         """What :meth:`fill_increments` filled, with the constraints anew."""
         ahead = H if plan.joint_frames is None else plan.joint_frames
         scale = self.constraint_scale(ahead, plan.spread) if plan.scale is None else plan.scale
-        self._connections.jacobian(ahead, self._rows)
+        self._rows[:] = self._constraints(ahead)
         columns = self._rows.copy()
-        combine_rows(self._rows, kinds, plan.d, self._border.nodes)
+        combine_rows(self._rows, kinds, plan.d, self._nodes)
         if self.supports:
             self.supports.turn_border(ahead, columns)
             self.supports.turn_border(ahead, self._rows)
-        self.kkt.fill(self.A, columns, self._rows, scale, anew=not self._filled)
+        n = len(self._border.nodes)
+        self.kkt.fill(self.A, columns[:n], self._rows[:n], scale, anew=not self._filled)
         self._filled = True
         return scale
 
@@ -405,10 +439,12 @@ class Tangent:
             The scale of the constraints in it, (m,).
         """
         d, ahead = plan.d, H if plan.joint_frames is None else plan.joint_frames
-        self._connections.jacobian(ahead, self._rows)
-        columns, nodes = self._rows.copy(), self._border.nodes
+        self._rows[:] = self._constraints(ahead)
+        columns, nodes = self._rows.copy(), self._nodes
         if plan.forces_at is not None:
-            self._connections.jacobian(plan.forces_at, columns)
+            columns[:] = self._constraints(plan.forces_at)
+        for rows in (columns, self._rows):
+            self._averages.put(rows)
         if plan.lag is not None:
             self.parts.let_lag(self._rows, plan.lag, nodes)
         if d.any():
@@ -424,6 +460,6 @@ class Tangent:
             pattern = self.kkt.indptr, self.kkt.indices
             to_inertial(kinds, self.A, columns, self._rows, ahead, nodes, *pattern)
         scale = self.constraint_scale(ahead, plan.spread) if plan.scale is None else plan.scale
-        self.kkt.fill(self.A, columns, self._rows, scale)
+        self._fill(self.A, columns, scale)
         self._filled = True
         return scale

@@ -3,10 +3,11 @@
 Bodies of one sort have symmetric matrices, positive definite where something holds them. A joint
 adds multipliers, a frame in space a few rows that are not symmetric. These are the border::
 
-    [K  C] [x]   [a]        x = K⁻¹ a − Z y,    Z = K⁻¹ C
-    [B  D] [y] = [b]        y = (D − B Z)⁻¹ (b − B K⁻¹ a)
+    [K  C] [x]   [a]        x = K⁻¹ a − Z T y,    Z T = K⁻¹ C
+    [B  D] [y] = [b]        y = (D − B Z T)⁻¹ (b − B K⁻¹ a)
 
 Rows of an averaging attachment, which touch all nodes of a face, so stay out of the elimination.
+Many columns of a border may be sums of few, for which alone there are solutions ``Z``.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ MOST = 60
 
 _SYMMETRIC = 1e-13  # of the largest entry, which is about one
 _MOST_PAIRS = 20_000  # unsymmetric entries of which a border is looked for
+_DEPENDENT = 1e-13  # of a column of length one, what is left of it without others
 _SINGULAR = 1e-14  # pivot of the Schur complement over its largest entry
 
 
@@ -35,6 +37,7 @@ class Matrix(Protocol):
 
     csr: tuple[Array, Any, Any]
     left: Array
+    rank: int
 
 
 class Bordered(Protocol):
@@ -75,8 +78,8 @@ def border_of(own: Matrix, count: int) -> Flags | None:
         own: Values.
         count: Rows of nodes; all beyond them are in the border.
     """
-    n = len(own.left)
-    if n - count > MOST:
+    n, most = len(own.left), MOST + own.rank  # sums are not coupled with what is inside
+    if n - count > most:
         return None
     pairs = np.empty((_MOST_PAIRS, 2), dtype=np.int64)
     found = _unsymmetric(*own.csr, count, pairs)
@@ -88,7 +91,7 @@ def border_of(own: Matrix, count: int) -> Flags | None:
         # the node that is in most of them: frames touch many others
         node = int(np.bincount(left.ravel()).argmax())
         border[6 * node : 6 * node + 6] = True
-        if border.sum() > MOST:
+        if border.sum() > most:
             return None
         left = left[(left != node).all(axis=1)]
     return border
@@ -130,6 +133,43 @@ def _split(own: Matrix, border: Flags) -> _Split:
     return _Split(border, inside, last, of_K, K, of_rest, rest)
 
 
+def _border_blocks(entries: Array, parts: _Split) -> tuple[sp.csr_matrix, sp.csr_matrix, Array]:
+    """``C`` and ``B``, and ``D``, which is dense."""
+    number = np.empty(len(parts.border), dtype=np.int64)
+    k, q = len(parts.inside), len(parts.last)
+    number[parts.inside], number[parts.last] = np.arange(k), np.arange(q)
+    rows, columns = number[parts.rest]
+    in_row, in_column = parts.border[parts.rest]
+
+    def part(chosen: Flags, shape: tuple[int, int]) -> sp.csr_matrix:
+        return sp.csr_matrix((entries[chosen], (rows[chosen], columns[chosen])), shape=shape)
+
+    return (
+        part(~in_row, (k, q)),
+        part(~in_column, (q, k)),
+        part(in_row & in_column, (q, q)).toarray(),
+    )
+
+
+def _independent(C: sp.csr_matrix) -> tuple[Indices, Array]:
+    """Columns of ``C`` (k, q) of which all are sums, and the factors: ``C = C[:, columns] T``.
+
+    Multipliers of an attachment, and forces of its mean coordinates, act on the same nodes alike.
+    """
+    rows = C[np.diff(C.indptr) > 0].toarray()
+    size = np.linalg.norm(rows, axis=0)
+    if not size.any():
+        return np.empty(0, dtype=np.int64), np.empty((0, C.shape[1]))
+    R, order = scipy.linalg.qr(
+        rows / np.where(size > 0.0, size, 1.0), mode="r", pivoting=True, check_finite=False
+    )
+    pivots = np.abs(np.diagonal(R))
+    rank = int((pivots > _DEPENDENT * pivots[0]).sum())
+    columns, T = order[:rank], np.empty((rank, C.shape[1]))
+    T[:, order] = scipy.linalg.solve_triangular(R[:rank, :rank], R[:rank], check_finite=False)
+    return columns, T * size / size[columns, np.newaxis]
+
+
 class FewLast:
     """A preconditioner of PETSc that solves exactly."""
 
@@ -162,17 +202,12 @@ class FewLast:
             self._room(self._parts, pc.getOptionsPrefix())
         parts = self._parts
         self._factorise(parts)
-        k, n = len(parts.inside), len(border)
-        number = np.empty(n, dtype=np.int64)
-        number[parts.inside], number[parts.last] = np.arange(k), np.arange(n - k)
-        entries, (rows, columns) = own.csr[0][parts.of_rest], parts.rest
-        in_row, in_column = border[rows], border[columns]
-        C, B, D = np.zeros((k, n - k)), np.zeros((n - k, k)), np.zeros((n - k, n - k))
-        for part, chosen in ((C, ~in_row), (B, ~in_column), (D, in_row & in_column)):
-            part[number[rows[chosen]], number[columns[chosen]]] = entries[chosen]
-        self._B, self._Z = B, self._solutions(C)
-        self._consistent = bool(np.abs(B - C.T).max(initial=0.0) <= _SYMMETRIC)
-        self._schur = D - B @ self._Z
+        C, self._B, D = _border_blocks(own.csr[0][parts.of_rest], parts)
+        columns, self._T = _independent(C)
+        self._Z = self._solutions(C[:, columns].toarray())
+        gap = (self._B - C.T).data
+        self._consistent = bool(np.abs(gap).max(initial=0.0) <= _SYMMETRIC)
+        self._schur = D - (self._B @ self._Z) @ self._T
         self._factors = scipy.linalg.lu_factor(self._schur, check_finite=False)
         pivots = np.abs(np.diagonal(self._factors[0]))
         if not pivots.min(initial=np.inf) > _SINGULAR * np.abs(self._schur).max(initial=0.0):
@@ -239,4 +274,4 @@ class FewLast:
         y = scipy.linalg.lu_solve(
             self._factors, given[parts.last] - self._B @ inner, check_finite=False
         )
-        found[parts.inside], found[parts.last] = inner - self._Z @ y, y
+        found[parts.inside], found[parts.last] = inner - self._Z @ (self._T @ y), y

@@ -88,6 +88,7 @@ class RunState(Integration[Recorder]):
         self._sizes = self.scale, self.spread, joined
         prefix = options.petsc_options_prefix
         self.solver = DirectSolver(equations.matrix, prefix)
+        self.solver.take_low_rank()
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self.forces = equations.residual(self._accepted, self.scale, self.r)
         self.counters, self.numbers = np.zeros(COUNTERS, dtype=np.int64), np.zeros(NUMBERS)

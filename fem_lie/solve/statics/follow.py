@@ -157,6 +157,7 @@ class SceneEquilibrium:
         self._zero = np.zeros((unknowns.moving, 6))
         self._scale: Array = np.ones(unknowns.m)
         self._solver = DirectSolver(equations.matrix, prefix, solutions=Solutions.FEW)
+        self._solver.take_low_rank()
         equations.memory.carry(self._H)
         self._internal, self._load = np.empty(unknowns.size), np.zeros(unknowns.size)
         self._forces_known, self._preload = False, 1.0

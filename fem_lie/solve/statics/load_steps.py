@@ -51,6 +51,7 @@ class LoadSteps:
         self._moving = unknowns.moving
         self._zero = np.zeros((unknowns.moving, 6))
         self._solver = DirectSolver(equations.matrix, prefix, solutions=Solutions.FEW)
+        self._solver.take_low_rank()
         self._r, self._dx = self._solver.right_hand_side, self._solver.solution
         self.iterations: int = 0
         self.residual: float = 0.0

@@ -49,9 +49,7 @@ def tangent(equations: Equations) -> sp.csr_matrix:
 
 def tangent_csr(equations: Equations) -> sp.csr_matrix:
     """A copy of the matrix as it is now, in the unknowns' own units."""
-    values, columns, pointers = equations.matrix.csr
-    size = equations.unknowns.size
-    return sp.csr_matrix((values.copy(), columns, pointers), shape=(size, size))
+    return equations.matrix.whole
 
 
 def _softened(A: sp.csr_matrix, n: int) -> sp.csr_matrix:

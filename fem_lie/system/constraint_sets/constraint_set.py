@@ -42,6 +42,20 @@ class Numbered(NamedTuple):
     coordinate: int
 
 
+class Means(NamedTuple):
+    """Mean coordinates of averaging attachments, ``s = Σ S h`` over the nodes of each.
+
+    Attributes:
+        nodes: Node of each entry, shape (e,).
+        of: Attachment of each entry, shape (e,).
+        each: Coordinates of an attachment, r.
+    """
+
+    nodes: Indices
+    of: Indices
+    each: int
+
+
 class Start(NamedTuple):
     """Where a set begins.
 
@@ -135,6 +149,23 @@ class ConstraintSet(ABC):
     @abstractmethod
     def geometric(self, H: Array, weights: Array, place: Indices, K: Array) -> None:
         """Add ``∂(Bᵀ weights)/∂h`` to blocks ``K``, ``place`` of each of ``pairs``, −1: nowhere."""
+
+    @property
+    def means(self) -> Means | None:
+        """Of averaging attachments, by which the last of :attr:`pairs` are coupled."""
+        return None
+
+    @property
+    def sparse(self) -> tuple[Indices, Indices]:
+        """:attr:`pairs` without those that :attr:`means` couple; :meth:`geometric` takes either."""
+        return self.pairs
+
+    def mean_stiffness(self, H: Array, weights: Array) -> tuple[Array, Array]:
+        """``S`` (e, r, 6), and the core ``C`` (w, r, w, r) of ``Sᵀ C S``.
+
+        That is what :meth:`geometric` adds to pairs that are not :attr:`sparse`.
+        """
+        raise NotImplementedError
 
     @abstractmethod
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:

@@ -2,7 +2,8 @@
 
 These rows are the nodes that its items hold on to by themselves, then a row for each grip, and then
 what does not move by itself. Frames and twists of grips are those of :mod:`fem_lie.grips`; what the
-set does in a grip's six components is pulled back to the nodes of the grip by its Jacobian.
+set does in a grip's six components is pulled back to the nodes of the grip by its Jacobian. What
+averaging attachments add to the matrix is made of their mean coordinates, see :mod:`.averages`.
 """
 
 from __future__ import annotations
@@ -12,64 +13,23 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.bodies.beams.beam import Beam
-from fem_lie.bodies.body import Point
 from fem_lie.forms.term import add_at
 from fem_lie.linear.bordered import Border
-from fem_lie.system.constraint_sets.constraint_set import ConstraintSet, MemoryKey, Numbered, Start
+from fem_lie.system.constraint_sets.averages import AveragedPairs
+from fem_lie.system.constraint_sets.constraint_set import (
+    ConstraintSet,
+    Means,
+    MemoryKey,
+    Numbered,
+    Start,
+)
+from fem_lie.system.constraint_sets.grip_rows import GripRows
 from fem_lie.system.constraint_sets.rows import Rows, SystemRows
-from fem_lie.system.nodes.held_grips import HeldGrips
 
 
 def on_grips(item: Numbered) -> bool:
     """Whether any point of an item is a grip."""
     return any(point.joint_grip is not None for point in item.item.points)
-
-
-class GripRows:
-    """See :class:`~.rows.Rows`.
-
-    Attributes:
-        grips: The grips.
-        moving: Rows of the system that move and are held directly, shape (k,).
-        fixed: Those that do not move by themselves, shape (f,).
-    """
-
-    def __init__(self, items: Sequence[Numbered], rows: SystemRows) -> None:
-        """Collect what the items hold on to."""
-        points = [point for item in items for point in item.item.points]
-        self.grips = HeldGrips([p for p in points if p.joint_grip is not None], rows.numbering)
-        self._rows = rows
-        touched = {rows.of(point) for point in points if point.joint_grip is None}
-        for item in items:
-            if tie := item.item.sliding_tie():
-                touched.update(int(row) for row in rows.ends(tie.beam)[0].ravel())
-        order = np.array(sorted(touched), dtype=np.int64)
-        self.moving, self.fixed = order[order < rows.count], order[order >= rows.count]
-        self.count = len(self.moving) + self.grips.count
-        self.frames = self.seen(rows.frames, self.grips.locate(rows.frames)[0])
-        free = np.zeros(self.grips.count, dtype=bool)
-        self.still = np.concatenate([rows.still[self.moving], free, rows.still[self.fixed]])
-
-    def seen(self, H: Array, grips: Array) -> Array:
-        """Frames of all of these rows."""
-        return np.concatenate([H[self.moving], grips, H[self.fixed]])
-
-    def of(self, point: Point) -> int:
-        """See :class:`~.rows.Rows`."""
-        if point.joint_grip is not None:
-            return len(self.moving) + self.grips.number(point)
-        return int(self._here(np.array(self._rows.of(point))))
-
-    def ends(self, beam: Beam) -> tuple[Indices, Array]:
-        """See :class:`~.rows.Rows`."""
-        ends, offsets = self._rows.ends(beam)
-        return self._here(ends), offsets
-
-    def _here(self, rows: Indices) -> Indices:
-        found = np.searchsorted(self.moving, rows)
-        beyond = self.count + np.searchsorted(self.fixed, rows)
-        return np.where(rows < self._rows.count, found, beyond)
 
 
 class OnGrips(ConstraintSet):
@@ -104,7 +64,9 @@ class OnGrips(ConstraintSet):
         # each row of the set is moved by entries: itself, or the nodes of its grip
         self._of = np.concatenate([np.arange(k), k + self._grips.of])
         self._nodes = np.concatenate([self.rows.moving, self._grips.nodes])
-        self._entries = [np.flatnonzero(self._of == row) for row in range(k + g)]
+        self._entries = np.split(
+            np.arange(len(self._of)), np.searchsorted(self._of, range(1, k + g))
+        )
         self._connect()
         self._pair()
 
@@ -122,22 +84,42 @@ class OnGrips(ConstraintSet):
         self._to_leg = self.start.leg + self.border.legs(rows, at[:, np.newaxis])[:, 0]
 
     def _pair(self) -> None:
-        """Pairs of nodes: of entries for each pair of rows, and those within grips."""
+        """Pairs of nodes: of entries for each pair of rows, those within grips, averaged ones."""
         rows, columns = self.inner.pairs
         moves = (rows < self.rows.count) & (columns < self.rows.count)
         self._inner_place = np.where(moves, np.cumsum(moves).reshape(moves.shape) - 1, -1)
+        first, second = rows[moves], columns[moves]
+        self._blocks = len(first)
+        averaged = np.append(np.full(len(self.rows.moving), -1), self._grips.averaged)
+        both = (averaged[first] >= 0) & (averaged[second] >= 0)
         triples = [
-            (p, i, j)
-            for p, (a, b) in enumerate(zip(rows[moves], columns[moves], strict=True))
-            for i in self._entries[a]
-            for j in self._entries[b]
+            np.stack(np.broadcast_arrays(p, *np.ix_(self._entries[a], self._entries[b])))
+            for p, a, b in zip(np.flatnonzero(~both), first[~both], second[~both], strict=True)
         ]
-        self._block, self._left, self._right = np.array(triples, dtype=np.int64).reshape(-1, 3).T
-        self._blocks = int(moves.sum())
-        self.pairs = (
+        none = np.empty((3, 0), dtype=np.int64)
+        flat = (each.reshape(3, -1) for each in triples)
+        self._block, self._left, self._right = np.concatenate([none, *flat], axis=1)
+        between = np.flatnonzero(both)
+        ends = averaged[first[between]], averaged[second[between]]
+        self._averaged = AveragedPairs(self._grips, between, *ends)
+        self._sparse = (
             np.concatenate([self._nodes[self._left], self._grips.rows]),
             np.concatenate([self._nodes[self._right], self._grips.columns]),
         )
+        rows, columns = (
+            np.concatenate(each) for each in zip(self._sparse, self._averaged.nodes, strict=True)
+        )
+        self.pairs = rows, columns
+
+    @property
+    def means(self) -> Means | None:
+        """See the base class."""
+        return self._averaged.means
+
+    @property
+    def sparse(self) -> tuple[Indices, Indices]:
+        """See the base class."""
+        return self._sparse
 
     @property
     def bound(self) -> Indices:
@@ -179,9 +161,17 @@ class OnGrips(ConstraintSet):
         return r[: 6 * len(H)].reshape(-1, 6), r[6 * len(H) :]
 
     def _add_pulled(self, J: Array, blocks: Array, place: Indices, K: Array) -> None:
-        """Blocks of pairs of its rows, pulled back to pairs of nodes."""
+        """Blocks of pairs of its rows, pulled back to pairs of nodes that are not averaged."""
         pulled = J[self._left].transpose(0, 2, 1) @ blocks[self._block] @ J[self._right]
         add_at(K, place[: len(pulled)], pulled)
+
+    def _add_averaged(
+        self, H: Array, blocks: Array, forces: Array, place: Indices, K: Array
+    ) -> None:
+        """What averaging attachments add to the last pairs, if these have places."""
+        own = place[len(self._sparse[0]) :]
+        if len(own):
+            self._averaged.add(H, self._averaged.core(H, blocks, forces), own, K)
 
     # --- equations ---
 
@@ -212,13 +202,24 @@ class OnGrips(ConstraintSet):
 
     def geometric(self, H: Array, weights: Array, place: Indices, K: Array) -> None:
         """That of the set, and that of the grips under its forces."""
-        frames, J = self._seen(H)
+        _, J = self._seen(H)
+        blocks, forces = self._bent(H, weights)
+        self._add_pulled(J, blocks, place, K)
+        within = place[len(self._left) : len(self._sparse[0])]
+        add_at(K, within, self._grips.bend(H, forces))
+        self._add_averaged(H, blocks, forces, place, K)
+
+    def _bent(self, H: Array, weights: Array) -> tuple[Array, Array]:
+        """Geometric stiffness of the set between its rows, and its forces on grips."""
+        frames, _ = self._seen(H)
         blocks, own = np.zeros((self._blocks, 6, 6)), weights[self.own]
         self.inner.geometric(frames, own, self._inner_place, blocks)
-        self._add_pulled(J, blocks, place, K)
         forces, _ = self._forces(frames, np.zeros((0, 6)), own, np.ones(self.m))
-        bent = self._grips.bend(H, forces[len(self.rows.moving) : self.rows.count])
-        add_at(K, place[len(self._left) :], bent)
+        return blocks, forces[len(self.rows.moving) : self.rows.count]
+
+    def mean_stiffness(self, H: Array, weights: Array) -> tuple[Array, Array]:
+        """See the base class."""
+        return self._grips.spread(H), self._averaged.core(H, *self._bent(H, weights))
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
         """Twists of grips change while those of nodes are constant."""
@@ -247,6 +248,7 @@ class OnGrips(ConstraintSet):
         blocks = np.zeros((self._blocks, 6, 6))
         self.inner.stiffen(frames, self._inner_place, stiff, damp, blocks)
         self._add_pulled(J, blocks, place, K)
+        self._add_averaged(H, blocks, np.zeros((self._grips.count, 6)), place, K)
 
     def stretch_springs(self, H: Array, h: Array) -> None:
         """See the base class."""

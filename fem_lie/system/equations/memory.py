@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
+from typing import Any
 
 import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.lie.kinds import Written
+from fem_lie.linear.low_rank import LowRank
 from fem_lie.system.system import System
 from fem_lie.system.terms.all_terms import Terms
+
+_PART = "low rank."  # of names in a checkpoint
 
 
 class Memory:
@@ -116,6 +120,9 @@ class Memory:
             kkt = self._system.kkt
             saved |= {"matrix": kkt.csr[0], "blocks": self._system.tangent.A}
             saved |= {"row pointers": kkt.indptr, "columns": kkt.indices}
+            if kkt.low_rank is not None:
+                parts = kkt.low_rank._asdict()
+                saved |= {_PART + name: array for name, array in parts.items()}
             saved |= {f"seen.{k}": term.seen.copy() for k, term in enumerate(self._terms)}
         return saved
 
@@ -142,4 +149,8 @@ class Memory:
             pattern, kkt = (saved["row pointers"], saved["columns"]), self._system.kkt
             self._system.tangent.restore_pattern(*(part.astype(np.int64) for part in pattern))
             self._system.tangent.A[:] = saved["blocks"]
+            found: dict[str, Any] = {
+                name: saved[_PART + name] for name in LowRank._fields if _PART + name in saved
+            }
+            kkt.low_rank = LowRank(**found) if found else None
             kkt.restore(saved["matrix"])

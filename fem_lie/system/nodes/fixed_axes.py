@@ -57,6 +57,14 @@ class Supports:
         self._axes = axes[self.nodes]
         self._number = np.full(len(axes), -1)
         self._number[self.nodes] = np.arange(len(self.nodes))
+        self.find_border(constrained)
+
+    def find_border(self, constrained: Indices) -> None:
+        """Find the supported nodes among those of constraints.
+
+        Args:
+            constrained: Node of each row of derivatives of the constraints.
+        """
         of_nodes = self._number[constrained]
         self._border: Indices = np.flatnonzero(of_nodes >= 0)
         self._border_of = of_nodes[self._border]

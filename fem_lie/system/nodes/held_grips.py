@@ -10,7 +10,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body, Point
-from fem_lie.grips.grip import Grip, GripKind, bend, changes, locate
+from fem_lie.grips.grip import Grip, GripKind, bend, changes, cores, locate, spread
 from fem_lie.system.nodes.numbering import Numbering
 
 
@@ -38,6 +38,18 @@ class _Alike(NamedTuple):
         rows = H[self.leaders]
         return rows if self.lead else lie.se3_compose(rows, self.offsets)
 
+    @property
+    def averaged(self) -> bool:
+        """Whether they have mean coordinates."""
+        return self.kind.means is not None
+
+    def spread(self, H: Array) -> Array:
+        """Rates of mean coordinates by motions of the leaders, (g k, r, 6); of no others."""
+        if self.kind.means is None:
+            return np.empty((0, 0, 6))
+        S = spread(self.kind.means, self.nodes(H), self.data)
+        return (S if self.lead else S @ self.turns).reshape(-1, *S.shape[2:])
+
 
 class HeldGrips:
     """Grips by number, kind by kind; each has an *entry* for each of its nodes.
@@ -46,8 +58,10 @@ class HeldGrips:
         count: Number of grips.
         of: Grip of each entry, shape (e,).
         nodes: Leader of each entry, shape (e,).
-        rows: Leaders of pairs of entries of one grip, shape (p,); ``columns`` likewise.
+        rows: Leaders of pairs of entries of one grip without mean coordinates, shape (p,);
+            ``columns`` likewise.
         kinds: Of each grip.
+        averaged: Number of each grip among those with mean coordinates, −1 of others, shape (g,).
     """
 
     def __init__(self, points: Sequence[Point], numbering: Numbering) -> None:
@@ -70,13 +84,20 @@ class HeldGrips:
         self.kinds = [grip.kind for _, grip in order]
         sizes = np.array([len(grip.nodes) for _, grip in order], dtype=np.int64)
         self.of: Indices = np.repeat(np.arange(self.count), sizes)
-        leaders = [sort.leaders for sort in self._sorts]
+        averaged = np.array([kind.means is not None for kind in self.kinds], dtype=bool)
+        self.averaged: Indices = np.where(averaged, np.cumsum(averaged) - 1, -1)
         none = np.empty(0, dtype=np.int64)
-        self.nodes: Indices = np.concatenate([none, *(each.ravel() for each in leaders)])
+        self.nodes: Indices = np.concatenate([none, *(s.leaders.ravel() for s in self._sorts)])
+        leaders = [sort.leaders for sort in self._sorts if not sort.averaged]
         square = [np.repeat(each[:, :, np.newaxis], each.shape[1], axis=2) for each in leaders]
         self.rows: Indices = np.concatenate([none, *(each.ravel() for each in square)])
         turned = [each.transpose(0, 2, 1).ravel() for each in square]
         self.columns: Indices = np.concatenate([none, *turned])
+
+    @property
+    def coordinates(self) -> int:
+        """Mean coordinates of each averaged grip."""
+        return max((k.means.size for k in self.kinds if k.means is not None), default=0)
 
     def number(self, point: Point) -> int:
         """Of the grip of a point."""
@@ -102,6 +123,8 @@ class HeldGrips:
         for sort in self._sorts:
             own = forces[first : first + len(sort.data)]
             first += len(own)
+            if sort.averaged:
+                continue
             K = bend(sort.kind, sort.nodes(H), sort.data, np.ascontiguousarray(own))
             K = K.transpose(0, 1, 3, 2, 4)
             if not sort.lead:
@@ -109,6 +132,24 @@ class HeldGrips:
                 K = left @ K @ sort.turns[:, np.newaxis]
             blocks.append(K.reshape(-1, 6, 6))
         return np.concatenate(blocks)
+
+    def spread(self, H: Array) -> Array:
+        """Rates of mean coordinates by motions of entries of averaged grips, (e, r, 6)."""
+        found = [sort.spread(H) for sort in self._sorts if sort.averaged]
+        return np.concatenate(found) if found else np.empty((0, 0, 6))
+
+    def cores(self, H: Array, forces: Array) -> tuple[Array, Array]:
+        """``L`` and ``C`` of averaged grips, (w, 6, r) and (w, r, r), for forces on all, (g, 6)."""
+        of_means, of_forces, first = [], [], 0
+        for sort in self._sorts:
+            own = forces[first : first + len(sort.data)]
+            first += len(own)
+            if sort.kind.means is not None:
+                X = sort.nodes(H)
+                L, C = cores(sort.kind.means, X, sort.data, np.ascontiguousarray(own))
+                of_means.append(L)
+                of_forces.append(C)
+        return np.concatenate(of_means), np.concatenate(of_forces)
 
     def changes(self, H: Array, v: Array) -> Array:
         """How twists of grips change at constant twists ``v`` of the nodes, shape (g, 6)."""

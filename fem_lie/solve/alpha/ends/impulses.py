@@ -127,4 +127,4 @@ def _at_rest(equations: Equations, step: float) -> sp.csr_matrix:
     still = Instant(equations.start.frames, none, none, np.zeros(unknowns.m))
     equations.fill(still, None, Plan(none, at_rest=step))
     n = 6 * unknowns.moving
-    return sp.csr_matrix(equations.matrix.csr)[:n, :n].copy()
+    return equations.matrix.whole[:n, :n]
