@@ -35,12 +35,17 @@ def set_up() -> TemporaryDirectory[str]:
     return caches
 
 
+def no_sources(folder: str, names: list[str]) -> set[str]:
+    """What of a checkout a wheel is not made of; the package has a folder ``results``, too."""
+    return {".git", "results"} & set(names) if Path(folder) == ROOT else set()
+
+
 @cache
 def installed() -> TemporaryDirectory[str]:
     """A virtual environment with a wheel of this checkout, and a copy of the script."""
     folder = TemporaryDirectory()
     inside = Path(folder.name)
-    shutil.copytree(ROOT, inside / "source", ignore=shutil.ignore_patterns(".git", "results"))
+    shutil.copytree(ROOT, inside / "source", ignore=no_sources)
     shutil.copy(SCRIPT, inside)
     options = ["--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", "wheels"]
     for command in (
