@@ -303,11 +303,14 @@ def test_tolerance_out_of_reach_names_time_error_and_body():
 def test_step_that_does_not_converge_is_tried_smaller():
     scene, options = with_joints(fl.Group.SE3), {"max_iterations": 3}
     with pytest.raises(fl.ConvergenceError, match="did not converge in 3"):
-        run(scene, 0.04, 0.2, **options)
-    result = run(scene, fl.AdaptiveStep(1.0, first=0.04, largest=0.04), 0.2, **options)
-    assert len(result.steps.rejected) > 0
-    assert result.times[-1] == 0.2
-    with pytest.raises(fl.ConvergenceError, match=r"did not converge, and smaller ones than 0\.04"):
+        run(scene, 0.04, 0.2, policy=fl.Never(), **options)
+    for step in (fl.AdaptiveStep(1.0, first=0.04, largest=0.04), fl.ConstantStep(0.04)):
+        result = run(scene, step, 0.2, **options)
+        assert len(result.steps.rejected) > 0
+        assert result.times[-1] == 0.2
+    assert run(scene, 0.04, 0.2, **options).divided > 0
+    options["max_iterations"] = 1
+    with pytest.raises(fl.ConvergenceError, match=r"did not converge, and smaller ones than 0\.00"):
         run(scene, fl.ConstantStep(0.04), 0.2, **options)
 
 

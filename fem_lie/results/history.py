@@ -66,8 +66,8 @@ class Result(Balanced, StateSeries):
         iterations: Newton iterations so far, shape (T,).
         factorisations: Matrices that were factored in the whole run; in ``k_updates`` of them mass
             and stiffness were new, and in all ``phi_updates`` the constraints' Jacobian.
-        divided: Steps of constant size that a conserving scheme has made in parts, because no
-            solution was found in full.
+        divided: Steps of constant size that were made in parts, because no solution was found in
+            full.
         seconds: Wall time of the time loop.
         info: Bodies and joints.
         steps: All steps and their errors, if they were asked for.

@@ -84,10 +84,11 @@ class CoupledRun(Run):
         contacts.begin(s.H, s.twist1, self.index * self.h)
         self._end = (self.index + 1) * self.h
         self._go_to_time(self._end)
-        iterations = self._step()
+        iterations = self._made()
         history.count += iterations
         if not iterations:
             return False
+        self._turn()
         self.books.add(self.h, self._end, *self._accepted)
         told = self._told[self.index - 1]
         before = self._accepted._replace(H=s.H.copy(), v=s.twist1.copy())

@@ -36,6 +36,9 @@ class GeneralisedAlpha(Options, Integrator):
     Scenes of rigid bodies alone, without joints, clamps and motions, need no matrix of the scene:
     they go through one compiled loop, see :mod:`fem_lie.solve.alpha.free_bodies`.
 
+    A step of which Newton's method finds no solution is made in up to 64 parts, with a radius of at
+    most 0.5, and a warning says how many steps were (:mod:`fem_lie.solve.motion.division`).
+
     Attributes:
         radius: Spectral radius at infinite frequency, in [0, 1]: 1 conserves, 0 damps at once.
         tolerance: Predicted error of the iteration in each step over the largest motion in a step

@@ -20,6 +20,7 @@ from fem_lie.results import Result
 from fem_lie.results.record import with_others
 from fem_lie.solve.alpha.newton import Newton
 from fem_lie.solve.alpha.options import Options
+from fem_lie.solve.alpha.run_state import DAMPED
 from fem_lie.solve.alpha.step import loop
 from fem_lie.solve.alpha.step.nodes import WRITTEN
 from fem_lie.solve.alpha.step.records import (
@@ -39,6 +40,7 @@ from fem_lie.solve.alpha.step.records import (
     Steps,
 )
 from fem_lie.solve.motion.convergence import failure
+from fem_lie.solve.motion.division import HALVINGS
 from fem_lie.solve.motion.policies import EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import Recorder
@@ -54,13 +56,10 @@ _AT_A_TIME = 20_000
 _NOTHING: Indices = np.empty(0, dtype=np.int64)
 _NOWHERE: Indices = np.empty((0, 5), dtype=np.int64)
 
-_DAMPED = 0.5
-"""Radius with which chains of hundreds of links arrive that do not with less damping."""
-
 
 def _damping(radius: float) -> list[str]:
     """What to say of long chains, whose fast motions swing without more damping."""
-    return [f"more damping of fast motions (radius={_DAMPED:g})"] if radius > _DAMPED else []
+    return [f"more damping of fast motions (radius={DAMPED:g})"] if radius > DAMPED else []
 
 
 class Run(Newton):
@@ -78,7 +77,7 @@ class Run(Newton):
         self._remembers = told or known.drills or equations.unknowns.other_constraints
         self._fills = known.stored is not None
         self._most = max(1, _AT_A_TIME // equations.unknowns.size)
-        self._filled = -1
+        self._filled, self._begun, self._taken = -1, 0, 0
 
     @cached_property
     def _packed(self) -> FixedArrays:
@@ -127,14 +126,29 @@ class Run(Newton):
     # --- steps ---
 
     def _advance(self, history: Recorder) -> bool:
-        if self._rule is not None and self._ends:
+        if self._rule is not None and self._ends and not self.division.level:
             return self._stretch(history)
-        self._end = (self.index + 1) * self.h
-        self._go_to_time(self._end)
-        start = self.s.H.copy()
-        iterations = self._step()
-        history.count += iterations
-        return iterations > 0 and self._close(self._end, start)
+        return self._in_parts(history)
+
+    def _in_parts(self, history: Recorder) -> bool:
+        """The next step, in parts if it takes these; whether it is made."""
+        self._begun, self._taken = self.index, 0
+        made = self._cover()
+        history.count += self._taken
+        return made
+
+    def attempt(self, start: float, end: float) -> bool:
+        """Make a step, see :class:`~.division.Divisible`."""
+        self.counters[STEP], self._end = self._begun, end
+        self._go_to_time(end)
+        before = self.s.H.copy()
+        iterations = self._made()
+        self._taken += iterations
+        if iterations:
+            self._turn()
+            return self._close(end, before)
+        self.weights[:] = self._first
+        return False
 
     def _stretch(self, history: Recorder) -> bool:
         """As many steps as can be made and recorded by the loop alone, at least one."""
@@ -155,11 +169,16 @@ class Run(Newton):
         if not made:
             iterations = self._rescued()
             history.count += iterations
-            made = iterations > 0
-            if made:
+            if iterations:
                 self._turn()
-                made = self._close(self._end)
-        return made
+                return self._close(self._end)
+            if not self.divides:
+                return False
+            self.counters[STEP] -= 1
+            self.weights[:] = self._first
+            self.division.halve(self, self.index * self.h, self.h)
+            return self._in_parts(history)
+        return True
 
     def _go(
         self, last: int, wanted: Indices, results: tuple[Indices, Indices], *, ends: bool
@@ -214,7 +233,7 @@ class Run(Newton):
             return False
         return True
 
-    def _step(self) -> int:
+    def _made(self) -> int:
         """One step; returns its iterations, those that failed, too; 0 if all has failed."""
         self.reason = ""
         if self._rule is None:
@@ -226,10 +245,7 @@ class Run(Newton):
             none = _NOTHING, (_NOWHERE, _NOWHERE)
             made = self._go(self.index + 1, *none, ends=False)
             count = int(self.counters[TOTAL]) if made else 0
-        count = count or self._rescued()
-        if count:
-            self._turn()
-        return count
+        return count or self._rescued()
 
     def _turn(self) -> None:
         self.equations.memory.turn_axes(self.s.H, self.s.motion, WRITTEN)
@@ -239,7 +255,7 @@ class Run(Newton):
 
         It is done again with a new one in every iteration and with the stress as an iterate.
         """
-        if not self.options.policy.rescue:
+        if not self._rescues:
             return 0
         in_vain = int(self.counters[ITERATION])
         _log.info("step %d: kept matrix diverges, full iteration", self.index)
@@ -258,7 +274,7 @@ class Run(Newton):
         """
         if not self._remembered(start):
             return False
-        self.books.add(self.h, end, *self._accepted)
+        self.books.add(self.p.h, end, *self._accepted)
         return True
 
     # --- results ---
@@ -276,7 +292,9 @@ class Run(Newton):
 
     def _result(self, history: Recorder) -> Result:
         solver = self.solver
-        made = history.result(solver.factorisations, history.seconds, solver.refreshes)
+        self.division.report(self.index)
+        counts = solver.refreshes, self.division.divided
+        made = history.result(solver.factorisations, history.seconds, *counts)
         return with_others(made, {"subdomains": solver.subdomains})
 
     def _failure(self, steps: int) -> str:
@@ -284,6 +302,7 @@ class Run(Newton):
         residual = float(np.abs(self.r).max())
         if self.reason:
             return f"step {self.index} of {steps} (time {self._end:g}) failed: {self.reason}"
-        rescued, reached = self.options.policy.rescue, float(self.numbers[INCREMENT])
-        of_step = self.index, steps, self.p.h, limit, reached, residual, tolerance, rescued
-        return failure(*of_step, *_damping(self.options.radius))
+        rescued, reached = self._rescues, float(self.numbers[INCREMENT])
+        of_step = self.index, steps, self.h, limit, reached, residual, tolerance, rescued
+        text = failure(*of_step, *_damping(self.options.radius))
+        return f"{text}. Nor did it in {2**HALVINGS} parts" if rescued else text

@@ -16,9 +16,9 @@ from fem_lie.solve.alpha.options import Components, Index, Options
 from fem_lie.solve.alpha.staleness import back_to_local, staleness
 from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.node import parameters
-from fem_lie.solve.alpha.step.nodes import State, accept, correct, predict
+from fem_lie.solve.alpha.step.nodes import State, accept, correct, extrapolate, predict
 from fem_lie.solve.alpha.step.records import COUNTERS, INCREMENT, ITERATION, NUMBERS, RATIO, STEP
-from fem_lie.solve.motion.consistent import check_velocities
+from fem_lie.solve.motion.consistent import allowed_velocities, check_velocities
 from fem_lie.solve.motion.convergence import (
     constraint_scaling,
     estimate,
@@ -33,6 +33,10 @@ from fem_lie.system.equations import Equations, Instant, Plan
 
 _LARGE = 20_000
 """Nodes beyond which a matrix for the sake of compilation takes longer than that is worth."""
+
+
+DAMPED = 0.5
+"""Radius with which chains of hundreds of links arrive that do not with less damping."""
 
 
 class RunState(Integration[Recorder]):
@@ -87,7 +91,7 @@ class RunState(Integration[Recorder]):
         self.spread: Array = np.zeros(unknowns.vectors.shape)
         self._sizes = self.scale, self.spread, joined
         prefix = options.petsc_options_prefix
-        self.solver = DirectSolver(equations.matrix, prefix)
+        self.solver = self._starter = DirectSolver(equations.matrix, prefix)
         self.solver.take_low_rank()
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self.forces = equations.residual(self._accepted, self.scale, self.r)
@@ -112,11 +116,15 @@ class RunState(Integration[Recorder]):
         check_velocities(equations, p.h)
         self.weights[:] = set_start(equations, self.solver, p, s)
         equations.prescribed(0.0).act()
-        self._find(self._accepted)
-        self.scale[:] = self._fill(s.H, s.H, None, turned=False)
+        self._scale_constraints()
         self.books.open(0.0, *self._accepted)
         self._warm_up()
         self.solver.factorisations = self.solver.refreshes = 0
+
+    def _scale_constraints(self) -> None:
+        """For steps of the present size from the present state."""
+        self._find(self._accepted)
+        self.scale[:] = self._fill(self.s.H, self.s.H, None, turned=False)
 
     def _warm_up(self) -> None:
         """Compile what a step needs on a copy of the state: compilation is not integration."""
@@ -146,6 +154,43 @@ class RunState(Integration[Recorder]):
     @abstractmethod
     def _compile(self) -> None:
         """Compile what else there is, without a step."""
+
+    # --- the size of the step ---
+
+    def _set_size(self, h: float) -> None:
+        self.p = parameters(self.options.radius, h)
+        self._plain = self.p.plain, self.s.plain
+
+    def resize(self, time: float, size: float) -> None:
+        """Start steps of another size at ``time``, see :class:`~.division.Divisible`.
+
+        A step that failed has not resolved fast waves. Accelerations have their part of it: they
+        are made consistent anew; and parts of steps damp what is left in velocities.
+        """
+        s = self.s
+        self._set_size(size)
+        self._damp_parts()
+        # those of the start: the step that failed has changed them
+        extrapolate(0.0, s.H, s.motion, s.kinds, s.H.copy(), s.twist1)
+        self._make_consistent(time)
+        self._scale_constraints()
+        self.books.look(time, *self._accepted)
+        self._outgrown = True
+
+    def _damp_parts(self) -> None:
+        if self.division.level:
+            self.p = parameters(min(self.options.radius, DAMPED), self.p.h)
+            self._plain = self.p.plain, self.s.plain
+
+    def _make_consistent(self, time: float) -> None:
+        """Velocities that the joints allow, and accelerations, at ``time``."""
+        equations, s = self.equations, self.s
+        s.H[self._moving + 1 :] = equations.prescribed(time).frames
+        v = equations.start.velocities.copy()
+        v[: self._moving] = s.twist1
+        v = allowed_velocities(equations, self._starter, s.H, v, time, self.p.h)
+        self.weights[:] = set_start(equations, self._starter, self.p, s, v, time)
+        equations.prescribed(time).act()
 
     # --- time ---
 
@@ -329,6 +374,8 @@ class RunState(Integration[Recorder]):
         if equations.unknowns.time_dependent:
             equations.prescribed(self.index * self.h).act()
         super().restore(kept)
+        self._set_size(self.h / self.division.parts)
+        self._damp_parts()
         self.solver.restore(kept)
         self._apart, self._outgrown = (bool(x) for x in kept["beside"])
         if self._may_be_apart:

@@ -27,16 +27,14 @@ from fem_lie.results import Result
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.start import set_start
-from fem_lie.solve.alpha.step.node import parameters
 from fem_lie.solve.alpha.step.records import INCREMENT, MOTION, STEP
 from fem_lie.solve.alpha.time_error import TimeError
-from fem_lie.solve.motion.consistent import allowed_velocities, check_velocities
+from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.convergence import ROTATION
-from fem_lie.solve.motion.events import events
 from fem_lie.solve.motion.growing import GrowingRecorder
 from fem_lie.solve.motion.step_control import Control, StepChoice
 from fem_lie.solve.motion.step_error import StepError
-from fem_lie.solve.motion.variable_steps import VariableSteps, side
+from fem_lie.solve.motion.variable_steps import VariableSteps, events, side
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations
 
@@ -90,7 +88,6 @@ class AlphaSteps(Run):
         """Nothing is computed yet; ``control`` says on which level steps are."""
         super().__init__(options, equations, control.size)
         self.control = control
-        self._starter = self.solver
         self.factors = KeptFactors(self._starter, rigid=equations.unknowns.rigid)
         self.solver = self.factors
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
@@ -115,7 +112,7 @@ class AlphaSteps(Run):
         equations, frames = self.equations, self.equations.start.frames
         check_velocities(equations, h)
         s.H[:], s.H1[:], s.motion[:] = frames, frames, 0.0
-        self._set_parameters(h)
+        self._set_size(h)
         self.weights[:] = set_start(equations, self._starter, self.p, s)
         self.factors.levels.use(self.p.mass)
         self._starter.factorisations = 0
@@ -125,9 +122,9 @@ class AlphaSteps(Run):
             self._warm_up()
             self._warm = True
 
-    def _set_parameters(self, h: float) -> None:
-        self.h, self.p = h, parameters(self.options.radius, h)
-        self._plain = self.p.plain, self.s.plain
+    def _set_size(self, h: float) -> None:
+        self.h = h
+        super()._set_size(h)
 
     def set_step(self, time: float, h: float) -> None:
         """Make the state at ``time`` that of the start of a step of size ``h``."""
@@ -136,7 +133,7 @@ class AlphaSteps(Run):
             s.a[:] = s.vdot + r * (s.a - s.vdot)
             if len(self.weights) and self.factors.usable:
                 s.v[:] -= self._across(time, 1.0 - r * r)
-            self._set_parameters(h)
+            self._set_size(h)
         levels.use(self.p.mass)
         if self.factors.usable:
             self.scale[:] = levels.scale()
@@ -168,15 +165,6 @@ class AlphaSteps(Run):
         self._make_consistent(time)
         self.books.jump(time, s.H, s.twist1, s.rate1, self.weights)
 
-    def _make_consistent(self, time: float) -> None:
-        equations, s = self.equations, self.s
-        s.H[self._moving + 1 :] = equations.prescribed(time).frames
-        v = equations.start.velocities.copy()
-        v[: self._moving] = s.twist1
-        v = allowed_velocities(equations, self._starter, s.H, v, time, self.h)
-        self.weights[:] = set_start(equations, self._starter, self.p, s, v, time)
-        equations.prescribed(time).act()
-
     def calm(self, time: float, h: float) -> None:
         """Find accelerations anew."""
         s = self.s
@@ -192,8 +180,9 @@ class AlphaSteps(Run):
         seen = end - side(end, self.h) if lands else end
         self._go_to_time(seen)
         self.numbers[MOTION] = self._speed * self.h
-        iterations = self._step()
+        iterations = self._made()
         if iterations:
+            self._turn()
             self._speed = max(self._speed, float(self.numbers[MOTION]) / self.h)
             self.books.add(self.h, seen, *self._accepted)
         return iterations

@@ -31,11 +31,10 @@ from fem_lie.solve.conserving.step import corrections
 from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
 from fem_lie.solve.conserving.step.records import Span, State
 from fem_lie.solve.motion.consistent import accelerations, allowed_velocities
-from fem_lie.solve.motion.events import events
 from fem_lie.solve.motion.growing import GrowingHistory
 from fem_lie.solve.motion.step_control import Control, StepChoice
 from fem_lie.solve.motion.step_error import StepError
-from fem_lie.solve.motion.variable_steps import VariableSteps, side
+from fem_lie.solve.motion.variable_steps import VariableSteps, events, side
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations
 

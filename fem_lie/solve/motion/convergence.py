@@ -32,8 +32,9 @@ ROTATION = 0.1
 ROUND_OFF = 1e-15
 """Increments below are round-off, whatever their ratio."""
 
-DIVERGED = 1e3
-"""Increments above, in lengths of the model, are not those of an iteration that converges."""
+DIVERGED = 1.0
+"""Increments above, in lengths of the model, do not lead to the motion that follows from the start
+of the step: a rotation counts as much by one and a half turns."""
 
 UNMEASURED = 0.8
 """Power of the ratio of increments from a step that has none: trust it less and less."""

@@ -17,6 +17,7 @@ from fem_lie.bodies.turning import FoldedElementError
 from fem_lie.forms.term import PassedThroughError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result
+from fem_lie.solve.motion.division import Division
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import History
@@ -37,6 +38,7 @@ class Integration(ABC, Generic[Kept]):
         h: Step size.
         decisions: When to factorise.
         reason: Why the last step failed, where more is known than that it did not converge.
+        division: Of steps that fail.
         choices: What the matrix takes in.
     """
 
@@ -52,7 +54,8 @@ class Integration(ABC, Generic[Kept]):
             bound: Whether the constraints may be refreshed by themselves.
         """
         self.equations, self.h, self.decisions = equations, float(step), policy.begin(bound)
-        self.reason = ""
+        self._rescues = policy.rescue
+        self.reason, self.division = "", Division()
         spin = float(np.abs(equations.start.velocities[:, 3:]).max())
         self.choices = equations.scene.choices.resolve(spin * step)
         told = equations.unknowns.told, self.choices, type(policy).__name__
@@ -115,6 +118,26 @@ class Integration(ABC, Generic[Kept]):
                     history.write_checkpoint(self.index, self.memory())
         return self._result(history)
 
+    def _cover(self) -> bool:
+        """Make the next step by :meth:`attempt`, in parts if it takes these; whether it is made."""
+        return self.division.cover(self, self.index * self.h, (self.index + 1) * self.h)
+
+    @property
+    def divides(self) -> bool:
+        """Whether a step that failed may be made in parts.
+
+        Not by policies that want an error, and smaller steps have the same contradictions.
+        """
+        return self._rescues and not self.reason
+
+    def resize(self, time: float, size: float) -> None:
+        """See :class:`~fem_lie.solve.motion.division.Divisible`."""
+        raise NotImplementedError
+
+    def attempt(self, start: float, end: float) -> bool:
+        """See :class:`~fem_lie.solve.motion.division.Divisible`."""
+        raise NotImplementedError
+
     def _keep(self, history: Kept) -> None:
         """Keep the present state, if it is one to be kept; its elements must not have folded."""
         if not self._record(history):
@@ -171,9 +194,10 @@ class Integration(ABC, Generic[Kept]):
         """All that the next steps depend on."""
         learned = self.decisions.memory()
         policy = {f"policy.{name}": value for name, value in learned.items()}
-        return self.equations.memory.saved(matrix=True) | policy
+        return self.equations.memory.saved(matrix=True) | policy | self.division.memory()
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
         self.equations.memory.restore(kept)
+        self.division.restore(kept)
         self.decisions.restore({name: kept[f"policy.{name}"] for name in self.decisions.memory()})

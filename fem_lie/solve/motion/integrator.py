@@ -19,10 +19,10 @@ from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
-from fem_lie.solve.motion.events import events
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.motion.step_control import ConstantStep, StepChoice
+from fem_lie.solve.motion.variable_steps import events
 from fem_lie.solve.recording.checkpoints import Checkpoints, Plan, require_files
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.saving import Saving

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from math import ceil, floor, inf, isfinite, log2, sqrt
 
 from fem_lie._arrays import positive, whole
+from fem_lie.solve.motion.division import HALVINGS
 
 AIM = 0.8
 """Error that is aimed at, over the tolerance."""
@@ -67,7 +68,8 @@ class StepChoice(ABC):
 class ConstantStep(StepChoice):
     """Steps of one size, with estimates of their errors in the result.
 
-    Between events, see :class:`AdaptiveStep`, steps are of one size that fits, at most h.
+    Between events, see :class:`AdaptiveStep`, steps are of one size that fits, at most h, but for
+    those that fail and are made in parts.
 
     Attributes:
         size: Step size h.
@@ -91,9 +93,10 @@ class ConstantStep(StepChoice):
     def control(
         self, duration: float, length: float, order: int, jumps: Sequence[float] = ()
     ) -> Control:
-        """Always the one size, but for what fits between events."""
+        """The one size, but for what fits between events, and for steps that fail."""
         times = _sorted(self.events, jumps, duration)
-        control = Control(self.size, inf, inf, times, self.size, self.size, order)
+        smallest = self.size / 2**HALVINGS
+        control = Control(self.size, inf, inf, times, self.size, smallest, order)
         control.stretch = inf
         return control
 

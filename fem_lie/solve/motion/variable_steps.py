@@ -14,10 +14,12 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.bodies.turning import FoldedElementError
 from fem_lie.forms.term import PassedThroughError
+from fem_lie.joints.histories import declared
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result
+from fem_lie.scene import Scene
 from fem_lie.solve.motion.growing import Growing
-from fem_lie.solve.motion.step_control import Control
+from fem_lie.solve.motion.step_control import SAME, Control
 from fem_lie.solve.motion.step_error import StepError, largest_gaps
 from fem_lie.solve.motion.step_log import StepLog
 from fem_lie.solve.stopwatch import Stopwatch
@@ -93,6 +95,16 @@ class Stepper(Protocol[Kept]):
     @abstractmethod
     def record(self, recorder: Kept, index: int, iterations: int) -> None:
         """Keep the present state in the next row."""
+
+
+def events(scene: Scene, duration: float) -> tuple[float, ...]:
+    """When loads, drives or motions say that they jump in a run, from its beginning on."""
+    moves: list[object] = [item.history for item in (*scene.joints, *scene.connections)]
+    moves += [motion.motion for motion in scene.motions]
+    times = declared((load.history for load in scene.loads), kinks=False)
+    times += declared(moves, kinks=True)
+    slack, began = SAME * duration, scene.began.time
+    return tuple(t - began for t in sorted(set(times)) if slack < t - began < duration - slack)
 
 
 def side(time: float, h: float) -> float:

@@ -17,6 +17,7 @@ from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.solve.conserving.between.cayley import advance
 from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, estimate, failure
+from fem_lie.solve.motion.division import HALVINGS
 from fem_lie.solve.motion.policies import Decisions, EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import Recorder
@@ -62,21 +63,26 @@ class VariationalRun(RunState):
 
     def _advance(self, history: Recorder) -> bool:
         before = self._iterations
-        made = self._stretch(history.next_stop(self.index)) if self._alone else self._one_step()
+        made = self._stretch(history.next_stop(self.index)) if self._alone else self._in_parts()
         history.count += self._iterations - before
         return made
 
-    def _one_step(self) -> bool:
-        """Make the next step from Python."""
+    def _in_parts(self) -> bool:
+        """The next step from Python, in parts if it takes these; whether it is made."""
+        self._begun = self.index
+        return self._cover()
+
+    def attempt(self, start: float, end: float) -> bool:
+        """See the base class."""
+        self._made, self.reason = self._begun, ""
         if self._changing:
             given = self._driven, self.twists
-            prescribe(self.equations, self.H, self.time, self.h, self.rows, given)
-        made = self._made_with(self.decisions) or self._rescued()
-        return made and self._accept()
+            prescribe(self.equations, self.H, start, end - start, self.rows, given)
+        return (self._made_with(self.decisions) or self._rescued()) and self._accept(end)
 
     def _rescued(self) -> bool:
         """The step that failed, with new matrices."""
-        if not self.options.policy.rescue:
+        if not self._rescues:
             return False
         _log.info("step %d: kept matrix diverges, new matrices", self.index + 1)
         return self._made_with(EveryIteration().begin(bound=False))
@@ -86,7 +92,7 @@ class VariationalRun(RunState):
         """Whether the compiled loop makes the next steps; the first ones have no matrix yet."""
         tables, books = self.equations.tables, self.books
         beside = self._changing or self._viscous or tables.turns or not tables.in_one_sum
-        beside = beside or not (books.empty or books.compiled)
+        beside = beside or not (books.empty or books.compiled) or self.division.level > 0
         return not beside and self._factors is not None and self.decisions.rule is not None
 
     @property
@@ -114,7 +120,12 @@ class VariationalRun(RunState):
                 code = loop.FAILED
         if code == loop.DONE:
             return True
-        return self._rescued() and self._accept()
+        if self._rescued():
+            return self._accept(self.time + self.h)
+        if not self.divides:
+            return False
+        self.division.halve(self, self.time, self.h)
+        return self._in_parts()
 
     def _renewed(self) -> bool:
         """Make a new matrix; whether it has factors."""
@@ -178,7 +189,7 @@ class VariationalRun(RunState):
         held = self.equations.unknowns.held
         self.step[:] = 2.0 * self.steps[0] - self.steps[1]
         momenta.hold(self.H, held, self.step)
-        self.weights[:] = self.earlier if self.index < 2 else self.weights
+        self.weights[:] = self.earlier
         motion = float(np.abs(self.step.ravel() * self._measure[: self.step.size]).max(initial=0.0))
         previous, ratio = np.inf, 1.0
         for iteration in range(1, self.options.max_iterations + 1):
@@ -205,8 +216,8 @@ class VariationalRun(RunState):
             previous = increment
         return False
 
-    def _accept(self) -> bool:
-        """Make the end of the step the start of the next; whether surfaces let it."""
+    def _accept(self, time: float) -> bool:
+        """Make the end of the step, at ``time``, the start of the next; whether surfaces let it."""
         delta, _, end, middle = self.rows
         n, start = self._n, self.H.copy()
         advance(self.H[:n], self.rest, delta[:n])
@@ -220,23 +231,23 @@ class VariationalRun(RunState):
         if not self._remembered(start, middle):
             return False
         if not self.books.empty:
-            self._book(ahead)
+            self._book(time, ahead)
         return True
 
-    def _book(self, weights: Array) -> None:
+    def _book(self, time: float, weights: Array) -> None:
         """By the trapezoidal rule, with velocities along a line through the last two steps."""
-        time = self.time
         if self._changing:
             self.equations.prescribed(time).act()
         twists, rates = self._ends.through(self.H, self.steps, time, self._changing)
-        self.books.add(self.h, time, self.H, twists[: self._n], rates, weights)
+        self.books.add(self.size, time, self.H, twists[: self._n], rates, weights)
 
     def _failure(self, steps: int) -> str:
         options = self.options
         left = float(np.abs(self._r).max(initial=0.0))
         numbers = options.max_iterations, self._increment, left, options.tolerance
         text = failure(self.index + 1, steps, self.h, *numbers, options.policy.rescue)
-        return self._because(text, steps, self.index)
+        text = self._because(text, steps, self.index)
+        return f"{text}. Nor did it in {2**HALVINGS} parts" if self.divides else text
 
     # --- results ---
 
@@ -267,7 +278,9 @@ class VariationalRun(RunState):
         history.fill(time, self.H, v[:n], rates, weights, self.books.total)
 
     def _result(self, history: Recorder) -> Result:
-        return history.result(self._factorisations, history.seconds)
+        self.division.report(self.index)
+        divided = self.division.divided
+        return history.result(self._factorisations, history.seconds, divided=divided)
 
     # --- checkpoints ---
 
@@ -291,4 +304,5 @@ class VariationalRun(RunState):
             row[:] = value
         self.books.restore(kept)
         super().restore(kept)
+        self.size = self._ends.h = self.h / self.division.parts
         self._factors = Factors.of(kept)

@@ -36,6 +36,9 @@ class RunState(Integration[Recorder]):
 
     Between two steps there are frames and momenta; velocities are found from these where they are
     wanted.
+
+    Attributes:
+        size: Of the present step, or of the present part of it.
     """
 
     def __init__(self, options: Options, equations: Equations, step: float) -> None:
@@ -49,7 +52,7 @@ class RunState(Integration[Recorder]):
         super().__init__(options.policy, equations, step)
         unknowns, known = equations.unknowns, equations.tables
         n, m, z = unknowns.moving, unknowns.m, np.zeros
-        self.options, self._n = options, n
+        self.options, self._n, self.size = options, n, self.h
         self._changing, self._mass = unknowns.time_dependent, known.inertia
         self._viscous = _dissipates(equations)
         self.H, self.rest = equations.start.frames.copy(), z((n, 4, 3))
@@ -69,7 +72,7 @@ class RunState(Integration[Recorder]):
         self._found = equations.residual(now, self.scale, self._work)
         self.books = equations.books()
         self._factors: Factors | None = None
-        self._made, self._factorisations, self._iterations = 0, 0, 0
+        self._made, self._begun, self._factorisations, self._iterations = 0, 0, 0, 0
         self._increment, self._born = np.inf, 0
         self._ends = Ends(equations, step)
 
@@ -98,6 +101,16 @@ class RunState(Integration[Recorder]):
         for row in self.rows[1:]:
             row[:] = self.H
 
+    # --- the size of the step ---
+
+    def resize(self, time: float, size: float) -> None:
+        """See the base class; momenta are of no size."""
+        self.steps *= size / self.size
+        self.size = self._ends.h = size
+        self._take_rows()
+        self.scale[:] = self._fill(None)
+        self._factors = None
+
     # --- one iteration ---
 
     def _correct(self) -> None:
@@ -108,7 +121,7 @@ class RunState(Integration[Recorder]):
 
     def _residual(self) -> None:
         """Of the momenta at the start, and of the constraints at the end."""
-        equations, n, rows, h = self.equations, self._n, self.rows, self.h
+        equations, n, rows, h = self.equations, self._n, self.rows, self.size
         momenta.between(self.H, self.step, rows, h, self.twists)
         middle = rows[3]
         v = self.twists if self._viscous else np.zeros_like(self.twists)
@@ -136,7 +149,7 @@ class RunState(Integration[Recorder]):
 
     def _fill(self, scale: Array | None) -> Array:
         """The matrix in the middle of the step; returns the scale of its constraints."""
-        equations, h, n = self.equations, self.h, self._n
+        equations, h, n = self.equations, self.size, self._n
         _, _, end, middle = self.rows
         v, H = self.twists.copy(), middle.copy()
         now = Instant(H, v, np.zeros((n, 6)), self.weights)
