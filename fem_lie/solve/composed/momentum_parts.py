@@ -76,7 +76,8 @@ class MomentumPart(VariationalRun):
         # multipliers act at the end of one step and the start of the next
         self.weights *= (last * (h + last)) / (h * (last + earlier))
         self.earlier[:] = self.weights
-        made = self._stretch(self.index + 1) if self._alone else self._one_step()
+        alone, self._begun = self._alone, self.index
+        made = self._stretch(self.index + 1) if alone else self.attempt(start, start + h)
         if made:
             # and the last one as if it were of this size
             self.steps[1] = h * rate
@@ -86,7 +87,12 @@ class MomentumPart(VariationalRun):
     def _books_inside(self) -> bool:
         return False
 
-    def _book(self, weights: Array) -> None:
+    @property
+    def divides(self) -> bool:
+        """Not here: half a part is none of its composition."""
+        return False
+
+    def _book(self, time: float, weights: Array) -> None:
         """Nothing: whole steps are booked."""
 
     def book(self, h: float, time: float) -> None:

@@ -77,7 +77,7 @@ class VariationalRun(RunState):
         self._made, self.reason = self._begun, ""
         if self._changing:
             given = self._driven, self.twists
-            prescribe(self.equations, self.H, start, end - start, self.rows, given)
+            prescribe(self.equations, self.H, start, self.size, self.rows, given)
         return (self._made_with(self.decisions) or self._rescued()) and self._accept(end)
 
     def _rescued(self) -> bool:
