@@ -18,7 +18,7 @@ from fem_lie.pictures.diagrams import COLOURS
 
 FIGURES: dict[str, tuple[str, ...]] = {
     "motion": ("pendulum1", "pendulum3", "pendulum2", "pendulum2_mesh", "chain", "free_body"),
-    "statics": ("bend", "rollup", "hemisphere", "thin_hemisphere"),
+    "statics": ("bend", "rollup", "hemisphere", "thin_hemisphere", "plate"),
 }
 MARKERS = {"ours": "o-", "exudyn": "s--", "kratos": "^:"}
 
