@@ -25,7 +25,7 @@ from fem_lie.solve.motion.convergence import (
     explained,
     node_scaling,
 )
-from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.renewal import Update
 from fem_lie.solve.secants import Secants
@@ -39,7 +39,7 @@ DAMPED = 0.5
 """Radius with which chains of hundreds of links arrive that do not with less damping."""
 
 
-class RunState(Integration[Recorder]):
+class RunState(DividedIntegration[Recorder]):
     """State of one integration.
 
     Attributes:

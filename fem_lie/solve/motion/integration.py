@@ -38,7 +38,6 @@ class Integration(ABC, Generic[Kept]):
         h: Step size.
         decisions: When to factorise.
         reason: Why the last step failed, where more is known than that it did not converge.
-        division: Of steps that fail.
         choices: What the matrix takes in.
     """
 
@@ -54,8 +53,7 @@ class Integration(ABC, Generic[Kept]):
             bound: Whether the constraints may be refreshed by themselves.
         """
         self.equations, self.h, self.decisions = equations, float(step), policy.begin(bound)
-        self._rescues = policy.rescue
-        self.reason, self.division = "", Division()
+        self.reason = ""
         spin = float(np.abs(equations.start.velocities[:, 3:]).max())
         self.choices = equations.scene.choices.resolve(spin * step)
         told = equations.unknowns.told, self.choices, type(policy).__name__
@@ -118,26 +116,6 @@ class Integration(ABC, Generic[Kept]):
                     history.write_checkpoint(self.index, self.memory())
         return self._result(history)
 
-    def _cover(self) -> bool:
-        """Make the next step by :meth:`attempt`, in parts if it takes these; whether it is made."""
-        return self.division.cover(self, self.index * self.h, (self.index + 1) * self.h)
-
-    @property
-    def divides(self) -> bool:
-        """Whether a step that failed may be made in parts.
-
-        Not by policies that want an error, and smaller steps have the same contradictions.
-        """
-        return self._rescues and not self.reason
-
-    def resize(self, time: float, size: float) -> None:
-        """See :class:`~fem_lie.solve.motion.division.Divisible`."""
-        raise NotImplementedError
-
-    def attempt(self, start: float, end: float) -> bool:
-        """See :class:`~fem_lie.solve.motion.division.Divisible`."""
-        raise NotImplementedError
-
     def _keep(self, history: Kept) -> None:
         """Keep the present state, if it is one to be kept; its elements must not have folded."""
         if not self._record(history):
@@ -194,10 +172,53 @@ class Integration(ABC, Generic[Kept]):
         """All that the next steps depend on."""
         learned = self.decisions.memory()
         policy = {f"policy.{name}": value for name, value in learned.items()}
-        return self.equations.memory.saved(matrix=True) | policy | self.division.memory()
+        return self.equations.memory.saved(matrix=True) | policy
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
         self.equations.memory.restore(kept)
-        self.division.restore(kept)
         self.decisions.restore({name: kept[f"policy.{name}"] for name in self.decisions.memory()})
+
+
+class DividedIntegration(Integration[Kept]):
+    """One whose steps are made in parts where no solution is found in full.
+
+    Attributes:
+        division: Into how many parts.
+    """
+
+    def __init__(
+        self, policy: Policy, equations: Equations, step: float, *, bound: bool = False
+    ) -> None:
+        """As the base class."""
+        super().__init__(policy, equations, step, bound=bound)
+        self.division, self._rescues = Division(), policy.rescue
+
+    def _cover(self) -> bool:
+        """Make the next step by :meth:`attempt`, in parts if it takes these; whether it is made."""
+        return self.division.cover(self, self.index * self.h, (self.index + 1) * self.h)
+
+    @property
+    def divides(self) -> bool:
+        """Whether a step that failed may be made in parts.
+
+        Not by policies that want an error, and smaller steps have the same contradictions.
+        """
+        return self._rescues and not self.reason
+
+    @abstractmethod
+    def resize(self, time: float, size: float) -> None:
+        """See :class:`~fem_lie.solve.motion.division.Divisible`."""
+
+    @abstractmethod
+    def attempt(self, start: float, end: float) -> bool:
+        """See :class:`~fem_lie.solve.motion.division.Divisible`."""
+
+    def memory(self) -> dict[str, Array]:
+        """See the base class."""
+        return super().memory() | self.division.memory()
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """See the base class."""
+        super().restore(kept)
+        self.division.restore(kept)

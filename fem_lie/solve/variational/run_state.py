@@ -13,7 +13,7 @@ from fem_lie.lie.kinds import inertia
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.convergence import unknown_scaling
-from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.motion.step_error import add_inertia_forces
 from fem_lie.solve.recording.recorder import Recorder
@@ -31,7 +31,7 @@ class Options:
     max_iterations: int
 
 
-class RunState(Integration[Recorder]):
+class RunState(DividedIntegration[Recorder]):
     """State of one integration.
 
     Between two steps there are frames and momenta; velocities are found from these where they are
