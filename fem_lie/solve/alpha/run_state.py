@@ -34,9 +34,8 @@ from fem_lie.system.equations import Equations, Instant, Plan
 _LARGE = 20_000
 """Nodes beyond which a matrix for the sake of compilation takes longer than that is worth."""
 
-
 DAMPED = 0.5
-"""Radius with which chains of hundreds of links arrive that do not with less damping."""
+"""Largest radius of parts of steps: chains of hundreds of links do not arrive with less damping."""
 
 
 class RunState(DividedIntegration[Recorder]):
@@ -158,7 +157,8 @@ class RunState(DividedIntegration[Recorder]):
     # --- the size of the step ---
 
     def _set_size(self, h: float) -> None:
-        self.p = parameters(self.options.radius, h)
+        radius = self.options.radius
+        self.p = parameters(min(radius, DAMPED) if self.division.level else radius, h)
         self._plain = self.p.plain, self.s.plain
 
     def resize(self, time: float, size: float) -> None:
@@ -169,18 +169,12 @@ class RunState(DividedIntegration[Recorder]):
         """
         s = self.s
         self._set_size(size)
-        self._damp_parts()
         # those of the start: the step that failed has changed them
         extrapolate(0.0, s.H, s.motion, s.kinds, s.H.copy(), s.twist1)
         self._make_consistent(time)
         self._scale_constraints()
         self.books.look(time, *self._accepted)
         self._outgrown = True
-
-    def _damp_parts(self) -> None:
-        if self.division.level:
-            self.p = parameters(min(self.options.radius, DAMPED), self.p.h)
-            self._plain = self.p.plain, self.s.plain
 
     def _make_consistent(self, time: float) -> None:
         """Velocities that the joints allow, and accelerations, at ``time``."""
@@ -375,7 +369,6 @@ class RunState(DividedIntegration[Recorder]):
             equations.prescribed(self.index * self.h).act()
         super().restore(kept)
         self._set_size(self.h / self.division.parts)
-        self._damp_parts()
         self.solver.restore(kept)
         self._apart, self._outgrown = (bool(x) for x in kept["beside"])
         if self._may_be_apart:
