@@ -348,6 +348,15 @@ def bouncing_beam(friction=0.2):
     return scene
 
 
+def test_a_step_with_impacts_that_fails_does_not_claim_parts():
+    """Contacts change the end of whole steps, which are not divided."""
+    scheme, scene = fl.GeneralisedAlpha(max_iterations=1), bouncing_beam()
+    scene.bodies[0].turn((0, 30, 50), about=(0.5, 0, 0.1))
+    with pytest.raises(fl.ConvergenceError, match="did not converge in 1 iterations") as info:
+        scheme.run(scene, duration=0.01, step=0.01, progress=False)
+    assert "parts" not in str(info.value)
+
+
 def test_a_beam_that_bounces_never_gains_energy():
     result = run(bouncing_beam(), 0.4, 1e-3)
     told = result.contacts

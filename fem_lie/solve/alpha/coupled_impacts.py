@@ -78,13 +78,18 @@ class CoupledRun(Run):
             store.add_contacts(result.contacts)
         return result
 
+    @property
+    def divides(self) -> bool:
+        """Not here: contacts change the end of whole steps."""
+        return False
+
     def _advance(self, history: Recorder) -> bool:
         s, contacts = self.s, self._contacts
         start = s.H.copy()
         contacts.begin(s.H, s.twist1, self.index * self.h)
         self._end = (self.index + 1) * self.h
         self._go_to_time(self._end)
-        iterations = self._made()
+        iterations = self._take_step()
         history.count += iterations
         if not iterations:
             return False

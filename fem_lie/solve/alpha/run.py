@@ -142,7 +142,7 @@ class Run(Newton):
         self.counters[STEP], self._end = self._begun, end
         self._go_to_time(end)
         before = self.s.H.copy()
-        iterations = self._made()
+        iterations = self._take_step()
         self._taken += iterations
         if iterations:
             self._turn()
@@ -233,7 +233,7 @@ class Run(Newton):
             return False
         return True
 
-    def _made(self) -> int:
+    def _take_step(self) -> int:
         """One step; returns its iterations, those that failed, too; 0 if all has failed."""
         self.reason = ""
         if self._rule is None:
@@ -305,4 +305,4 @@ class Run(Newton):
         rescued, reached = self._rescues, float(self.numbers[INCREMENT])
         of_step = self.index, steps, self.h, limit, reached, residual, tolerance, rescued
         text = failure(*of_step, *_damping(self.options.radius))
-        return f"{text}. Nor did it in {2**HALVINGS} parts" if rescued else text
+        return f"{text}. Nor did it in {2**HALVINGS} parts" if self.divides else text

@@ -180,7 +180,7 @@ class AlphaSteps(Run):
         seen = end - side(end, self.h) if lands else end
         self._go_to_time(seen)
         self.numbers[MOTION] = self._speed * self.h
-        iterations = self._made()
+        iterations = self._take_step()
         if iterations:
             self._turn()
             self._speed = max(self._speed, float(self.numbers[MOTION]) / self.h)
