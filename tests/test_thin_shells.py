@@ -408,11 +408,39 @@ def test_directions_that_cannot_be_held_together():
         body.guide("00", (1, 0, 0))
 
 
-def test_moments_and_clamps_of_single_points_are_refused():
+def loaded_point(load, *, on_body: bool):
+    """Points of a bent strip with a load at a point, or on a rigid body that is fixed there."""
+    body, scene = strip(3, 0.1), fl.Scene()
+    scene.add(body)
+    at = body.points("a=1")[0]
+    if on_body:
+        other = fl.RigidBody(1.0, (1, 1, 1), at.position, at.frame[1:].T)
+        scene.add(other)
+        scene.add(fl.Fixed(at, other.centre))
+        at = other.centre
+    scene.add(fl.PointLoad(at, **load))
+    return fl.statics(scene).frames[-1][: body.points_count, 0]
+
+
+@pytest.mark.parametrize(
+    "load",
+    [
+        {"moment": (0.2, -4.0, 0.1)},
+        {"moment": (0.2, -4.0, 0.1), "following": True},
+        {"force": (0.02, 0.1, 0.5), "following": True},
+    ],
+    ids=["moment", "following moment", "following force"],
+)
+def test_loads_at_a_point_are_those_on_a_body_that_is_fixed_there(load):
+    found, expected = (loaded_point(load, on_body=given) for given in (False, True))
+    moved = np.abs(expected - strip(3, 0.1).frames[: len(expected), 0]).max()
+    assert moved > 0.5
+    np.testing.assert_allclose(found, expected, atol=1e-8 * moved)
+
+
+def test_clamps_of_single_points_are_refused():
     body, scene = strip(2, 0.1), fl.Scene()
     scene.add(body)
-    with pytest.raises(ValueError, match="places and slopes of a surface"):
-        scene.add(fl.PointLoad(body["10"], moment=(0, 1, 0)))
     with pytest.raises(ValueError, match="ThinShell"):
         scene.add(fl.Clamp(body["00"]))
 

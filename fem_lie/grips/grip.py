@@ -88,6 +88,11 @@ class Grip(NamedTuple):
         own = v[..., list(self.nodes), :].reshape(len(J), -1, 6)
         return np.einsum("gkij,gkj->gi", J, own).reshape(*frames.shape[:-3], 6)
 
+    def spins(self, frames: Array) -> Array:
+        """Angular velocity of the frame by the motions of its nodes, shape (k, 3, 6)."""
+        _, J = self._located(frames)
+        return J[0, :, 3:]
+
     def _located(self, frames: Array) -> tuple[Array, Array]:
         chosen = frames[..., list(self.nodes), :, :]
         X = np.ascontiguousarray(chosen.reshape(-1, len(self.nodes), 4, 3))

@@ -13,22 +13,30 @@ from fem_lie.bodies.beams.line_body import LineBody
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.gradients.ancf_beam import AncfBeam
 from fem_lie.bodies.points import require_point
+from fem_lie.grips.grip import Grip
 from fem_lie.grips.held_load import HeldLoad
 from fem_lie.scene.load import NodalLoad, Sum
 
 if TYPE_CHECKING:
     from fem_lie.scene.load import History
 
+_NO_ROTATION = 1e-9
+"""Work of a unit moment in a unit motion, relative to the largest, that counts as none."""
+
 
 @dataclass(frozen=True, eq=False)
 class PointLoad(NodalLoad):
     """Force and moment at a point.
 
+    At a node with vector coordinates (thin shells, ANCF bodies, Hermite cables) the frame is the
+    one that joints hold there: of the surface, of the section, or of the tangent. A cable has no
+    rotation about its tangent, so the component of a moment about the tangent does no work.
+
     Attributes:
         point: Where.
-        force: Three components: global if fixed in space, of the node's frame if following.
-        moment: About axes fixed in space, or about those of the node's frame if following.
-        following: Whether the load turns with the node's frame.
+        force: Three components: global if fixed in space, of the point's frame if following.
+        moment: About axes fixed in space, or about those of the point's frame if following.
+        following: Whether the load rotates with the point's frame.
         history: Factor as a function of time.
 
     Example:
@@ -61,12 +69,30 @@ class PointLoad(NodalLoad):
         vector(self.moment, 3, f"moment at {self.point.label}")
         if self.point.is_ground:
             raise ValueError("a load needs a point of a body, got ground")
-        if self.point.grip is None and (self.following or np.any(self.moment)):
+        grip = self.point.any_grip
+        if self._rotates and grip is None:
             self.body.require_frames("a moment, or a load that follows,")
+        if grip is not None and np.any(self.moment):
+            self._check_rotation(grip)
+
+    def _check_rotation(self, grip: Grip) -> None:
+        """Raise ``ValueError`` if the point has no rotation about the moment."""
+        moment, spins = grip.frame(self.body.frames)[1:] @ self.axis(), grip.spins(self.body.frames)
+        work = np.einsum("i,kij->kj", moment, spins)
+        if np.abs(work).max() <= _NO_ROTATION * np.linalg.norm(moment) * np.abs(spins).max():
+            raise ValueError(
+                f"the moment at {self.point.label} acts about an axis about which the point has no "
+                f"rotation: expected a component across the tangent, got {self.moment}"
+            )
+
+    @property
+    def _rotates(self) -> bool:
+        """Whether it needs a frame at the point."""
+        return self.following or bool(np.any(self.moment))
 
     def contribute(self, to: Sum) -> None:
         """On a node, or on those that move a place between them."""
-        grip = self.point.grip
+        grip = self.point.any_grip if self._rotates else self.point.grip
         if grip is None or grip.kind.rigid:
             super().contribute(to)
             return
