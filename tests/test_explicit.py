@@ -8,7 +8,7 @@ import pytest
 import fem_lie as fl
 from fem_lie.system.equations import Instant
 from tests.test_composed import flying, resumed_as_whole
-from tests.test_energy_momentum import plate
+from tests.test_energy_momentum import SQUARE, plate
 from tests.test_solids import brick
 from tests.test_variational import spinning
 
@@ -125,6 +125,30 @@ def test_steps_that_are_not_stable():
         SCHEME.run(scene, duration=1.1 * limit, step=1.1 * limit)
 
 
+DAMPED = [name for name in FREE if name not in ("rigid body", "shell")]
+
+
+@pytest.mark.parametrize("name", DAMPED)
+def test_damping_of_mass(name):
+    """Momenta of what flies fall as ``exp(−α t)``, exactly; the balance is of second order."""
+    scene = FREE[name]()
+    step = 0.4 * SCHEME.stable_step(scene)
+    rate = 1e-3 / step
+    for body in scene.bodies:
+        body.damping = fl.Damping(mass=rate)
+    runs = [
+        SCHEME.run(scene, duration=200 * step, step=step / parts, save_every=10 * parts)
+        for parts in (1, 2)
+    ]
+    for run in runs:
+        left = np.exp(-rate * run.times)[:, np.newaxis]
+        assert left[-1] < 0.9
+        for found in (run.momentum, run.angular_momentum):
+            np.testing.assert_allclose(found, left * found[0], atol=1e-12 * np.abs(found).max())
+        assert run.balance[-1, 1] > 0.0
+    assert runs[1].balance_error <= 0.3 * runs[0].balance_error
+
+
 def test_loads_and_supports():
     """What gravity and supports do is booked step by step, in the compiled loop."""
     scene, _ = net()
@@ -164,12 +188,22 @@ def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scene):
 # --- bad input ---
 
 
-def test_damping():
-    scene = fl.Scene()
-    damped = fl.Cable.straight((0, 0, 0), (1, 0, 0), THREAD, cells=2, damping=fl.Damping(mass=1.0))
-    scene.add(damped)
-    with pytest.raises(ValueError, match=r"Explicit does not support damping"):
+def test_damping_by_strain_rates():
+    scene, damping = fl.Scene(), fl.Damping(stiffness=1e-3)
+    scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), THREAD, cells=2, damping=damping))
+    with pytest.raises(ValueError, match=r"Explicit does not support damping by strain rates"):
         SCHEME.run(scene, duration=1e-3, step=1e-4)
+
+
+def test_damping_that_differs_around_a_frame():
+    scene = fl.Scene()
+    first, second = (
+        scene.add(fl.Beam.straight((x, 0, 0), (x + 1, 0, 0), SQUARE, cells=2, damping=damping))
+        for x, damping in ((0, fl.Damping(mass=1.0)), (1, fl.Damping()))
+    )
+    scene.add(fl.RigidLink(first.end, second.start))
+    with pytest.raises(ValueError, match=r"differs around node \d of beam 1"):
+        SCHEME.run(scene, duration=1e-5, step=1e-7)
 
 
 def test_no_stable_step():

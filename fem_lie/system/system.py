@@ -111,6 +111,7 @@ class System:
         self.inertia, damping = inertia_of(scene.bodies, self.numbering, required=required)
         if without_coupling:
             self.inertia = lumped(self.inertia, self.kinds)
+            damping = lumped(damping, self.kinds) if len(damping.indptr) else damping
         self.floating = floating_of(self.numbering)
         self._gravity = scene.gravity
         z, n = np.zeros, self.count

@@ -8,7 +8,8 @@ with forces ``f`` without inertia. Places and slopes move by central differences
 free rigid bodies turn by the discrete mechanics of Moser & Veselov, exactly on the group, about
 their mass centres. It is the variational scheme of the trapezoidal rule (Verlet; Marsden & West,
 Acta Numerica 10 (2001) 357): symmetric, symplectic, of second order; momentum and angular momentum
-are exact, energy goes up and down and does not drift.
+are exact, energy goes up and down and does not drift. Damping in proportion to mass multiplies
+momenta by ``exp(−½ h α)`` before and after nodes are moved, which is exact without forces.
 
 Steps are stable up to ``2/ω`` of the largest frequency, of which cells give an upper bound at the
 start (:mod:`.stable`); larger ones are refused. Joints are kept closed by multipliers on the
@@ -38,9 +39,9 @@ class Explicit(Integrator):
     """Explicit steps; :meth:`run` makes constant ones, :meth:`stable_step` tells how large.
 
     For nets, impacts and waves: where steps have to be as small as the time in which a wave passes
-    an element anyway. Of frames, places and slopes, without damping; what holds nodes, joints,
-    springs, loads and contact by penalty are allowed. Joints take small equations of their own in
-    each step (:mod:`.joints`), and steps are made from Python then.
+    an element anyway. It supports frames, positions and slopes, damping in proportion to mass,
+    supports, joints, springs, loads and contact by penalty. Joints take small equations of their
+    own in each step (:mod:`.joints`), and steps are made from Python then.
 
     Example:
         >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
@@ -84,14 +85,14 @@ def _refuse(equations: Equations) -> None:
     refuse_surfaces(equations)
     unknowns, tables = equations.unknowns, equations.tables
     dampers = bool(np.any(joint_table(tables.joints).springs[:, 1] != 0.0))
-    mass_damping = len(tables.damping.indptr) > 0
     reasons = {
         "velocity constraints (KnifeEdge, RollingDisc)": unknowns.of_velocities > 0,
         "drives": unknowns.driven,
         "redundant constraints": unknowns.may_be_redundant,
         "prescribed motions": len(equations.start.frames) > unknowns.moving + 1,
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
-        "damping": dampers or mass_damping or any(term.viscous for term in tables.terms),
+        "damping by strain rates and dampers": dampers
+        or any(term.viscous and term.rates is None for term in tables.terms),
         "strains that change in time": unknowns.strains_change,
         "friction of penalties": any(term.rubs for term in tables.terms),
     }

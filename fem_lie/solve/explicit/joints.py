@@ -44,13 +44,15 @@ class Joints:
         left: Violation over the model that was left by the last step.
     """
 
-    def __init__(self, equations: Equations, masses: nodes.Masses) -> None:
+    def __init__(self, equations: Equations, masses: nodes.Masses, decay: Array) -> None:
         """Nothing is found yet.
 
         Args:
             equations: Of the scene, with lumped inertia.
             masses: Of its nodes.
+            decay: Of momenta over half a step, see :func:`.nodes.decay`.
         """
+        self._decay = decay
         unknowns = equations.unknowns
         n, m = unknowns.moving, unknowns.m
         self._equations, self._masses, self._n = equations, (*masses,), n
@@ -95,7 +97,9 @@ class Joints:
         for _ in range(_MOST):
             H[:], p[:] = start, free
             self._push(rows, self.impulses, H, p)
+            nodes.decay(self._decay, p)
             nodes.drift(self._masses, p, h, H)
+            nodes.decay(self._decay, p)
             if not np.isfinite(p).all() or not np.isfinite(H).all():
                 return False
             wrong = self._weigh(H, self._rest)[6 * self._n :]

@@ -13,7 +13,7 @@ from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2,
 from fem_lie.lie.kinds import wrench
 from fem_lie.lie.tuples import load_row
 from fem_lie.lie.wrenches import add_wrench
-from fem_lie.solve.explicit.nodes import Masses, PlainMasses, drift, kick, twists
+from fem_lie.solve.explicit.nodes import Masses, PlainMasses, decay, drift, kick, twists
 from fem_lie.solve.explicit.single_cells import add_all
 from fem_lie.system.nodes.sums import residual
 from fem_lie.system.outer_forces import look_and_sum_up
@@ -68,6 +68,7 @@ class Packed(NamedTuple):
         books: See :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
         booked: What they have summed up.
         counters: See :data:`STEP`.
+        decay: Of momenta over half a step, see :func:`~fem_lie.solve.explicit.nodes.decay`.
         rows: Of cells, see :class:`~fem_lie.forms.cell_forms.FormTable`.
         nodes: Of these.
     """
@@ -86,6 +87,7 @@ class Packed(NamedTuple):
     books: Indices
     booked: Array
     counters: Indices
+    decay: Array
     rows: Indices
     nodes: Indices
 
@@ -125,8 +127,9 @@ def _packed(table: Indices) -> Packed:
         integers2(table, 17),
         numbers1(table, 18),
         integers1(table, 19),
-        integers2(table, 20),
-        integers1(table, 21),
+        numbers2(table, 20),
+        integers2(table, 21),
+        integers1(table, 22),
     )
 
 
@@ -202,7 +205,9 @@ def run(table: Indices, steps: PlainSteps, last: int) -> int:
                 return DONE
             counters[STEP] += 1
             kick(masses, this.H, this.r, 0.5 * how.h, this.p)
+            decay(this.decay, this.p)
             drift(masses, this.p, how.h, this.H)
+            decay(this.decay, this.p)
             counters[PHASE] = MOVED
         if counters[PHASE] == MOVED:
             counters[PHASE] = WEIGHED

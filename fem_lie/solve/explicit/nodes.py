@@ -99,6 +99,14 @@ def kick(masses: PlainMasses, H: Array, r: Array, size: float, p: Array) -> None
 
 
 @compiled
+def decay(factors: Array, p: Array) -> None:
+    """Multiply both halves of the momenta (n, 6) by factors (n, 2), or (0, 2) without damping."""
+    for i in range(factors.shape[0]):
+        for at in (0, 3):
+            store(p[i], at, scaled(factors[i, at // 3], load(p[i], at)))
+
+
+@compiled
 def _turn_by(J: Array, inverse: Array, a: Vector) -> Vector:
     """``ψ`` with ``J ψ + ½ ψ × J ψ = (1 + ¼ ψ·ψ) a``; not a number if there is none near."""
     ψ = _times(inverse, a)

@@ -13,7 +13,7 @@ from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.results import Result
 from fem_lie.solve.explicit import loop, nodes
 from fem_lie.solve.explicit.joints import Joints
-from fem_lie.solve.explicit.stable import StableStep, stable_step
+from fem_lie.solve.explicit.stable import StableStep, damping_rates, stable_step
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Never
@@ -57,7 +57,8 @@ class ExplicitRun(Integration[Recorder]):
         self.H, self.p, self.v = equations.start.frames.copy(), np.zeros((n, 6)), np.zeros((n, 6))
         m = unknowns.m
         self._rest, self._none, self._one = np.zeros((n, 6)), np.zeros(m), np.ones(m)
-        self._joints = Joints(equations, masses) if m else None
+        self._decay = np.exp(-0.5 * step * damping_rates(equations, masses))
+        self._joints = Joints(equations, masses, self._decay) if m else None
         self.r, self.reaction = np.zeros(unknowns.size), np.zeros(6)
         self.books = equations.books()
         self._forces = equations.residual(self._instant, self._one, self.r)
@@ -85,6 +86,7 @@ class ExplicitRun(Integration[Recorder]):
             books.table,
             books.total,
             self.counters,
+            self._decay,
             NO_ROWS,
             NO_ROWS[:, 0].copy(),
         )

@@ -67,6 +67,33 @@ def masses_of(equations: Equations) -> Masses:
     return Masses(kinds, ways.astype(np.int64), ones, np.ascontiguousarray(centre), J, inverse)
 
 
+def damping_rates(equations: Equations, masses: Masses) -> Array:
+    """Rates at which damping of mass takes momenta of each node, (n, 2); (0, 2) without.
+
+    Raises:
+        ValueError: Damping of a frame is not proportional to its inertia.
+    """
+    D = equations.tables.damping
+    n, G = len(masses.kinds), equations.tables.inertia.blocks
+    if not len(D.indptr):
+        return np.zeros((0, 2))
+    rates, own = np.zeros((n, 2)), (D.blocks, G)
+    straight = masses.ways == STRAIGHT
+    damped, mass = (blocks.diagonal(axis1=1, axis2=2)[:, :2] for blocks in own)
+    np.divide(damped, mass, out=rates, where=mass > 0.0)
+    frames = np.isin(masses.ways, (FRAME, DIRECTOR))
+    rates[frames, 1] = rates[frames, 0]
+    wrong = np.abs(D.blocks - rates[:, :1, np.newaxis] * G).max(axis=(1, 2))
+    mixed = frames & (wrong > _NEGLIGIBLE * np.abs(D.blocks).max(axis=(1, 2)))
+    if mixed.any():
+        raise ValueError(
+            "Explicit: damping in proportion to mass must be the same all around a node with a "
+            f"frame, but it differs around {_told(equations, mixed)}: use GeneralisedAlpha"
+        )
+    rates[~(straight | frames)] = 0.0
+    return rates
+
+
 def _turns(ways: Array, held: Flags) -> Flags:
     """Which nodes are frames that turn."""
     return np.asarray(((ways == FRAME) & ~held[:, 3:].all(axis=1)) | (ways == DIRECTOR))
