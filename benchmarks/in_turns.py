@@ -1,138 +1,222 @@
-"""Time per step of the double pendulum and of trusses in two checkouts, measured in turns.
+"""Processor time of the cases of :mod:`benchmarks.short_runs` in two checkouts, in turns.
 
-    python3 benchmarks/in_turns.py OTHER [scheme ...] [--cases 1 2 3 truss2 truss8]
+    RUN -m benchmarks.in_turns OTHER [--rounds 7] [--only "generalised-α" "net"] [--list]
 
-OTHER is the folder of another checkout, such as ``git worktree add OTHER COMMIT``; schemes are
-``alpha``, ``conserving`` and ``decaying``, by default all; cases are those of the double pendulum,
-and thin trusses of two and of eight cells with the feet of all longerons driven. Each checkout has
-a process, and they run one after the other, again and again. What other work on the machine adds is
-in no step for long: the least mean of 20 steps in a row, or of those between two matrices, is that
-of steps without a new matrix; the mean over whole runs has matrices, too. Of pendulums all states
-are kept, of trusses one in 20.
+OTHER is the folder of another checkout, such as ``git worktree add OTHER COMMIT``. Cases and scenes
+are those of this checkout. Only the package ``fem_lie`` is taken from each of both, in a process of
+its own that stays alive. Every case runs once for what is compiled, loaded and cached. In each
+round all cases then run in both processes, one right after the other, and the order changes from
+round to round. What counts is the processor time of building the scene and of the whole run, that
+of child processes included: the least of all rounds, since other work on the machine only adds.
+
+The table has the least time A of the other checkout and B of this one, their ratio, the iterations
+of both, and the difference of the ends of both runs over the largest number in them.
 """
 
 from __future__ import annotations
 
+import json
+import logging
 import os
+import resource
 import subprocess
 import sys
+import warnings
 from argparse import ArgumentParser
-from collections.abc import Iterator
-from importlib import import_module
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
+from typing import Any, NamedTuple
 
 import numpy as np
 
-ROUNDS, IN_A_ROW = 5, 20
-STEPS = {"1": 1000, "2": 1000, "3": 1000, "truss2": 600, "truss8": 200}
+HERE = Path(__file__).parents[1]
 ANSWER = "--answer"
-SCHEMES = {
-    "alpha": "GeneralisedAlpha(radius=0.8)",
-    "conserving": "EnergyMomentum()",
-    "decaying": "EnergyDecaying()",
-}
+LIMIT = 1.10
+"""Ratio above which a case is listed at the end."""
 
 
-def measure() -> None:
-    """Answer requests, a case and a scheme, with microseconds, iterations and matrices."""
-    sys.path.insert(0, os.getcwd())
-    import fem_lie as fl
+class Row(NamedTuple):
+    """One case.
 
-    solve = "fem_lie.solve."
-    # before there were rooms, files had other names
-    rooms = Path("fem_lie/solve/alpha").is_dir()
-    names = ("alpha.run", "conserving.run") if rooms else ("alpha_run", "conserving_run")
-    stamps: list[tuple[float, int]] = []
-    for kind in (import_module(solve + name).Run for name in names):
-        for name in ("_advance", "_factorise", "_refresh"):
-            if hasattr(kind, name):
-                setattr(kind, name, _stamped(getattr(kind, name), stamps))
+    Attributes:
+        scheme: Name of the scheme.
+        case: What is in the scene.
+        seconds: Least processor time in the other checkout and in this one.
+        iterations: Likewise.
+        apart: Largest difference of the ends of both runs over the largest number in them.
+    """
+
+    scheme: str
+    case: str
+    seconds: tuple[float, float]
+    iterations: tuple[int, int]
+    apart: float
+
+    @property
+    def ratio(self) -> float:
+        """Time in this checkout over that in the other one."""
+        return self.seconds[1] / self.seconds[0]
+
+
+# --- the process of a checkout --------------------------------------------------------------------
+
+
+def answer(folder: str) -> None:
+    """Run the cases whose numbers are asked for, with the package of a folder."""
+    sys.path.insert(0, folder)
+    import fem_lie
+
+    assert Path(fem_lie.__file__).is_relative_to(folder), fem_lie.__file__
+    sys.path.insert(0, str(HERE))  # scenes are those of this checkout
+    from benchmarks.short_runs import CASES
+
+    logging.disable(logging.WARNING)
+    warnings.simplefilter("ignore")
     for line in sys.stdin:
-        case, scheme = line.split()
-        stamps.clear()
-        run, count = eval(SCHEMES[scheme], vars(fl)).run, STEPS[case]
-        built, h, every = scene(case)
-        result = run(built, step=h, duration=count * h, save_every=every, progress=False)
-        times, steps = np.array(stamps).T
-        # loops that make many steps come back after as many
-        later = np.minimum(np.searchsorted(steps, steps + IN_A_ROW), len(steps) - 1)
-        made = steps[later] - steps
-        long = made >= IN_A_ROW
-        least = 1e6 * ((times[later] - times)[long] / made[long]).min()
-        each = result.iterations[-1] / count
-        print("=", least, 1e6 * result.seconds / count, each, result.factorisations, flush=True)
+        before = processor_time()
+        try:
+            outcome = CASES[int(line)].run()
+        except (RuntimeError, TypeError, ValueError, AttributeError) as error:
+            found: dict[str, Any] = {"error": f"{type(error).__name__}: {error}"}
+        else:
+            found = {
+                "seconds": processor_time() - before,
+                "iterations": outcome.iterations,
+                "end": outcome.end.ravel().tolist(),
+            }
+        print("=", json.dumps(found), flush=True)
 
 
-def scene(case):  # type: ignore[no-untyped-def]
-    """A scene, its step, and which of its states are kept, with what this checkout has."""
-    import fem_lie as fl
-    from demos import double_pendulum, truss_deployment
-
-    if case in "123":
-        return double_pendulum.pendulum(int(case))[0], double_pendulum.STEP[int(case)], 1
-    inner, outer = (0.5 * diameter for diameter in truss_deployment.DIAMETERS["thin"])
-    section = fl.Section.tube(inner, outer, truss_deployment.STEEL)
-    cells = int(case.removeprefix("truss"))
-    return truss_deployment.Truss(cells, section, 10, 4, fl.Choices()).scene, 2e-3, 20
+def processor_time() -> float:
+    """Seconds of this process and of its children that have ended."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(each.ru_utime + each.ru_stime for each in used)
 
 
-def _stamped(function, stamps):  # type: ignore[no-untyped-def]
-    def stamped(run, *arguments):  # type: ignore[no-untyped-def]
-        stamps.append((perf_counter(), run.index))
-        result = function(run, *arguments)
-        stamps.append((perf_counter(), run.index))
-        return result
-
-    return stamped
+# --- both in turns --------------------------------------------------------------------------------
 
 
-def answers(process: subprocess.Popen[str], request: str) -> Iterator[float]:
-    """The numbers that a process answers to a request."""
-    assert process.stdin is not None and process.stdout is not None
-    process.stdin.write(f"{request}\n")
-    process.stdin.flush()
-    for line in process.stdout:
-        if line.startswith("= "):
-            return map(float, line.split()[1:])
-    raise SystemExit("a process has ended")
+class Checkout:
+    """A process that runs cases with the package of a folder."""
 
-
-def main(other: str, schemes: list[str], cases: list[str]) -> None:
-    here = Path(__file__).parents[1]
-    processes = [
-        subprocess.Popen(
-            [sys.executable, __file__, ANSWER],
-            cwd=folder,
+    def __init__(self, folder: Path) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, __file__, ANSWER, str(folder)],
             env={**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": str(folder)},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
         )
-        for folder in (Path(other).resolve(), here)
-    ]
-    print("scheme      case  µs without a new matrix  ratio    µs with all  ratio  iterations")
-    for scheme in schemes:
-        for case in cases:
-            rounds = [[[*answers(p, f"{case} {scheme}")] for p in processes] for _ in range(ROUNDS)]
-            (a, b) = np.min(rounds, axis=0)
-            print(
-                f"{scheme:10} {case:>6} {a[0]:11.1f} {b[0]:11.1f} {b[0] / a[0]:6.2f}"
-                f"  {a[1]:7.1f} {b[1]:7.1f} {b[1] / a[1]:5.2f}  {a[2]:.2f} {b[2]:.2f}"
-                f"  matrices {a[3]:.0f} {b[3]:.0f}",
-                flush=True,
-            )
-    for process in processes:
-        process.terminate()
+
+    def run(self, number: int) -> dict[str, Any]:
+        """What the process answers about a case."""
+        assert self._process.stdin is not None and self._process.stdout is not None
+        self._process.stdin.write(f"{number}\n")
+        self._process.stdin.flush()
+        for line in self._process.stdout:
+            if line.startswith("= "):
+                found: dict[str, Any] = json.loads(line[2:])
+                return found
+        raise SystemExit("the process of a checkout has ended")
+
+    def end(self) -> None:
+        """Let the process end."""
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+        self._process.wait()
+
+
+@contextmanager
+def checkouts(*folders: Path) -> Iterator[list[Checkout]]:
+    """Processes that end with the block."""
+    found = [Checkout(folder) for folder in folders]
+    try:
+        yield found
+    finally:
+        for each in found:
+            each.end()
+
+
+def measure(
+    both: Sequence[Checkout], numbers: Sequence[int], rounds: int
+) -> dict[int, tuple[list[dict[str, Any]], np.ndarray]]:
+    """Of each case the first answers of both, and times of all rounds, shape (rounds, 2).
+
+    Cases that fail in either process run once and have no times.
+    """
+    first = {number: [checkout.run(number) for checkout in both] for number in numbers}
+    runs = [n for n, answers in first.items() if not any("error" in a for a in answers)]
+    seconds = {number: np.zeros((rounds if number in runs else 0, 2)) for number in numbers}
+    for k in range(rounds):
+        start = perf_counter()
+        for number in runs:
+            for side in (0, 1) if k % 2 == 0 else (1, 0):
+                seconds[number][k, side] = both[side].run(number)["seconds"]
+        print(f"round {k + 1}: {perf_counter() - start:.0f} s", file=sys.stderr, flush=True)
+    return {number: (first[number], seconds[number]) for number in numbers}
+
+
+def difference(ends: Sequence[Sequence[float]]) -> float:
+    """Largest difference over the largest number; infinite if there are not as many of both."""
+    one, other = (np.array(end) for end in ends)
+    if one.shape != other.shape:
+        return float("inf")
+    return float(np.abs(one - other).max() / max(np.abs(one).max(), np.finfo(float).tiny))
+
+
+def show(rows: Sequence[Row]) -> None:
+    """The table, the median and the largest ratio, and the cases above the limit."""
+    print("| scheme | case | A, s | B, s | B/A | iterations A | B | ends apart |")
+    print("|---|---|---|---|---|---|---|---|")
+    for row in rows:
+        a, b = row.seconds
+        print(
+            f"| {row.scheme} | {row.case} | {a:.3f} | {b:.3f} | {row.ratio:.2f} "
+            f"| {row.iterations[0]} | {row.iterations[1]} | {row.apart:.0e} |"
+        )
+    ordered = sorted(rows, key=lambda row: -row.ratio)
+    above = [f"{row.scheme}, {row.case}: {row.ratio:.2f}" for row in ordered if row.ratio > LIMIT]
+    print(f"\nmedian {np.median([row.ratio for row in rows]):.3f}, largest {ordered[0].ratio:.2f}")
+    print(f"above {LIMIT:.2f}: {'; '.join(above) or 'none'}")
+
+
+def main() -> None:
+    """Measure and show."""
+    parser = ArgumentParser(description="Processor time of short runs in two checkouts, in turns")
+    parser.add_argument("other", type=Path, help="folder of another checkout")
+    parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--only", nargs="+", default=[""], help="parts of scheme and case")
+    parser.add_argument("--list", action="store_true", help="print the cases and end")
+    given = parser.parse_args()
+    from benchmarks.short_runs import CASES
+
+    names = [f"{case.scheme}, {case.name}" for case in CASES]
+    numbers = [n for n, name in enumerate(names) if any(part in name for part in given.only)]
+    if given.list:
+        print("\n".join(names[n] for n in numbers))
+        return
+    if not numbers:
+        parser.error(f"no case has any of {given.only} in its name; --list shows all")
+    with checkouts(given.other.resolve(), HERE) as both:
+        found = measure(both, numbers, given.rounds)
+    rows = []
+    for number, (answers, seconds) in found.items():
+        case = CASES[number]
+        if len(seconds) == 0:
+            said = [a.get("error", "runs") for a in answers]
+            print(f"{names[number]}: A: {said[0]}; B: {said[1]}")
+            continue
+        a, b = seconds.min(axis=0)
+        iterations = answers[0]["iterations"], answers[1]["iterations"]
+        apart = difference([each["end"] for each in answers])
+        rows.append(Row(case.scheme, case.name, (a, b), iterations, apart))
+    show(rows)
 
 
 if __name__ == "__main__":
-    if sys.argv[1:] == [ANSWER]:
-        measure()
+    if sys.argv[1:2] == [ANSWER]:
+        answer(sys.argv[2])
     else:
-        parser = ArgumentParser(description="Time per step in two checkouts, in turns")
-        parser.add_argument("other", help="folder of another checkout")
-        parser.add_argument("schemes", nargs="*", default=list(SCHEMES), help=", ".join(SCHEMES))
-        parser.add_argument("--cases", nargs="+", choices=STEPS, default=["1", "2", "3"])
-        given = parser.parse_args()
-        main(given.other, given.schemes, given.cases)
+        main()
