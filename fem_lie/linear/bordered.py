@@ -270,9 +270,11 @@ class KKT:
 
     @property
     def whole(self) -> sp.csr_matrix:
-        """A copy of the matrix as it is now, with what is of low rank."""
-        found = sp.csr_matrix(self.csr, shape=(len(self.units),) * 2).copy()
-        return found if self.low_rank is None else found + self.low_rank.matrix(len(self.units))
+        """The matrix as it is now with its low-rank part, in values of its own."""
+        values, columns, pointers = self.csr
+        size = len(self.units)
+        found = sp.csr_matrix((values.copy(), columns, pointers), shape=(size, size))
+        return found if self.low_rank is None else found + self.low_rank.matrix(size)
 
     def times(self, x: Array) -> Array:
         """The matrix as it is now, with what is of low rank and beside it, times ``x``."""

@@ -17,7 +17,7 @@ from fem_lie.lie.kinds.inertia import Inertia, PlainMotion
 from fem_lie.lie.motions import add_turnings
 from fem_lie.linear.bordered import KKT, flexibility
 from fem_lie.linear.domains.division import Division
-from fem_lie.linear.low_rank import Beside
+from fem_lie.linear.low_rank import Beside, LowRank
 from fem_lie.system.constraint_sets.averages import Averages
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
 from fem_lie.system.constraints import Connections
@@ -407,10 +407,17 @@ class Tangent:
 
     def _fill(self, blocks: Array, columns: Array, scale: Array) -> None:
         """All of the KKT, with what is of low rank."""
-        n, diagonal = len(self._border.nodes), np.abs(blocks[self._diagonal])
-        soft = flexibility(diagonal.diagonal(axis1=1, axis2=2), self.kkt.free_units)
-        self.kkt.low_rank = self._averages.low_rank(columns[n:], self._rows[n:], soft, self._held)
+        n = len(self._border.nodes)
+        self.kkt.low_rank = self._low_rank(blocks, columns[n:], self._rows[n:])
         self.kkt.fill(blocks, columns[:n], self._rows[:n], scale)
+
+    def _low_rank(self, blocks: Array, left: Array, right: Array) -> LowRank | None:
+        """That of averaging attachments, if there are any."""
+        if len(left) == 0:
+            return None
+        diagonal = np.abs(blocks[self._diagonal]).diagonal(axis1=1, axis2=2)
+        soft = flexibility(diagonal, self.kkt.free_units)
+        return self._averages.low_rank(left, right, soft, self._held)
 
     def refill_border(self, H: Array, kinds: Indices, plan: Plan) -> Array:
         """What :meth:`fill_increments` filled, with the constraints anew."""
