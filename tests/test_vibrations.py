@@ -477,6 +477,22 @@ def test_singular_pencil_is_named(rate):
         smallest(Pencil(M, C, K, sp.csr_matrix((0, 4))), 2, 0.0, "test_")
 
 
+@pytest.mark.parametrize("unit", [1e-6, 1.0, 1e6])
+def test_a_rate_of_round_off_is_zero_beside_slow_modes(unit):
+    """The slowest square is 1e-13 of the fastest, and 1e-6 of the next one."""
+    squares = unit * np.array([2e-9, 5e-4, *np.geomspace(1.0, 1.5e4, 18)])
+    Q = np.linalg.qr(np.random.default_rng(3).normal(size=(20, 20)))[0]
+    K = Q @ np.diag(squares) @ Q.T
+    pencil = Pencil(
+        sp.eye(20, format="csr"), None, sp.csr_matrix(0.5 * (K + K.T)), sp.csr_matrix((0, 20))
+    )
+    rates, vectors, residuals = smallest(pencil, 2, 0.0, "test_")
+    np.testing.assert_allclose(-(rates**2).real, [0.0, squares[1]], rtol=1e-6, atol=0)
+    sizes = np.linalg.norm(vectors, axis=1)
+    np.testing.assert_allclose(np.abs(vectors @ Q[:, :2]).diagonal() / sizes, 1.0, rtol=1e-6)
+    assert residuals.max() < 1e-5
+
+
 def test_pictures(tmp_path):
     scene, _ = beam(cells=4)
     modes = fl.vibrations(scene, 2)
