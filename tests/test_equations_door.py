@@ -30,7 +30,7 @@ VERBS = {
 }
 
 VIEWS = {
-    ConstraintsAt: {"contradiction", "jacobian", "rates", "rigid_motions"},
+    ConstraintsAt: {"contradiction", "jacobian", "rates", "rigid_motions", "values"},
     Memory: {
         "accept",
         "carry",

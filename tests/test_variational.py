@@ -1,10 +1,14 @@
 """The variational scheme: momenta, energy over long times, order, dissipation, bad input."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 import fem_lie as fl
 from fem_lie.solve.variational.run import VariationalRun
+from tests.combinations import free, joined
+from tests.scene_builder import build
 from tests.test_composed import driven, flying, resumed_as_whole, rigid_pendulum
 from tests.test_energy_momentum import BEAMS, SHELLS, bars, plate, same
 
@@ -114,6 +118,68 @@ def test_the_matrix_is_kept():
     np.testing.assert_allclose(kept.frames[-1], every.frames[-1], atol=1e-12)
 
 
+VECTORS = (
+    "Hermite cable",
+    "discrete cable",
+    "spline cable",
+    "net",
+    "ANCF beam",
+    "thin shell",
+    "ANCF shell",
+    "solid, hexahedra 1",
+    "solid, tetrahedra 2",
+)
+_POSITIONS_ALONE = ("discrete cable", "net")
+ON_ATTACHMENTS = [(name, "Spherical") for name in VECTORS if name not in _POSITIONS_ALONE] + [
+    ("net", "Distance, spring"),
+    ("Hermite cable", "Distance, spring"),
+    ("ANCF beam", "Revolute"),
+    ("thin shell", "Revolute, damper"),
+    ("solid, hexahedra 1", "Fixed"),
+    ("solid, hexahedra 1", "Revolute, drive"),
+    ("beam, geodesic", "Sliding"),
+    ("beam, geodesic", "Collar"),
+]
+
+
+@pytest.mark.parametrize("name", VECTORS)
+def test_momenta_of_vector_coordinates(name):
+    """Momenta are exact; the energy balance is of second order."""
+    runs = [
+        SCHEME.run(build(free(name)).scene, duration=4e-3, step=2e-4 / parts, save_every=10**6)
+        for parts in (1, 2)
+    ]
+    for result in runs:
+        assert result.momentum_error <= 1e-13
+        assert result.angular_momentum_error <= 1e-13
+    assert 0.0 < runs[1].balance_error <= 0.6 * runs[0].balance_error
+
+
+@pytest.mark.parametrize(("name", "joint"), ON_ATTACHMENTS)
+def test_joints_on_attachment_frames(name, joint):
+    """They stay closed, keep angular momentum, and converge with second order."""
+    data = joined(name, joint)
+    runs = [
+        SCHEME.run(build(data).scene, duration=4e-4, step=2e-5 / parts, save_every=10**6)
+        for parts in (1, 2, 4)
+    ]
+    for result in runs:
+        assert result.joint_violations.max() <= 1e-12
+    far, near = (np.abs(a.velocities[-1] - b.velocities[-1]).max() for a, b in pairwise(runs))
+    assert np.log2(far / near) == pytest.approx(2.0, abs=0.2)
+    assert runs[2].balance_error <= 0.3 * runs[1].balance_error
+
+
+@pytest.mark.parametrize("name", ["Hermite cable", "thin shell"])
+def test_vector_coordinates_resumed_to_the_last_bit(tmp_path, monkeypatch, name):
+    plan = {"duration": 3e-3, "step": 1e-4, "save_every": 3}
+
+    def scene():
+        return build(joined(name, "Revolute")).scene
+
+    resumed_as_whole(SCHEME, scene, plan, tmp_path / "run.h5", monkeypatch)
+
+
 @pytest.mark.parametrize("scene", [lambda: bars()[0], driven], ids=["free", "driven"])
 def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scene):
     plan = {"duration": 0.03, "step": 1e-3, "save_every": 3}
@@ -143,11 +209,9 @@ def test_jumps():
         SCHEME.run(scene, duration=0.1, step=1e-2)
 
 
-def test_what_it_has_not():
-    scene = fl.Scene()
-    steel = fl.Section.rectangle(0.01, 0.01, fl.Material(2e9, 0.3, 1200.0))
-    scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), steel, cells=2))
-    with pytest.raises(ValueError, match=r"nodes without frames .* use GeneralisedAlpha"):
+def test_what_it_does_not_support():
+    scene = build(joined("rigid body", "KnifeEdge")).scene
+    with pytest.raises(ValueError, match=r"velocity constraints .* use GeneralisedAlpha"):
         SCHEME.run(scene, duration=0.1, step=1e-2)
 
 

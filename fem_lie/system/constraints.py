@@ -177,6 +177,13 @@ class Connections:
         for each in self.sets:
             each.jacobian(H, legs)
 
+    def values(self, H: Array) -> Array:
+        """What constraints violate at present targets, at rest, (m,)."""
+        found, still = np.zeros(self.m), np.zeros((len(H), 6))
+        for each in self.sets:
+            each.values(H, still, found)
+        return found
+
     def rates(self, H: Array, v: Array) -> tuple[Array, Array]:
         """First and second rates of constraints of positions, (m,), at constant twists and targets.
 

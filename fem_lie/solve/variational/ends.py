@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.lie.kinds import SLOPE
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.variational import momenta
@@ -53,7 +54,7 @@ class Ends:
         v[n + 1 :] = given.velocities
         r = solver.right_hand_side
         held = equations.unknowns.held
-        momenta.to_local(H, spatial, held, r[: 6 * n].reshape(n, 6))
+        momenta.to_local(equations.unknowns.kinds, H, spatial, held, r[: 6 * n].reshape(n, 6))
         plan = Plan(self._still, at_rest=_UNFILTERED * self.h)
         scale = equations.fill(Instant(H, self._still, self._still, self._none), None, plan)
         moved, _ = equations.constraints(H).rates(v)
@@ -89,11 +90,14 @@ class Ends:
         equations, n, h = self.equations, self._n, self.h
         twists = equations.start.velocities.copy()
         spatial = (1.5 * steps[0] - 0.5 * steps[1]) / h
-        momenta.to_local(H, spatial, equations.unknowns.held, twists[:n])
+        kinds, held = equations.unknowns.kinds, equations.unknowns.held
+        momenta.to_local(kinds, H, spatial, held, twists[:n])
         if changing:
             twists[n + 1 :] = equations.prescribed(time, h).velocities
         rates = np.empty((n, 6))
         change = (steps[0] - steps[1]) / h**2
-        momenta.to_local(H, change, equations.unknowns.held, rates)
-        rates[:, :3] -= np.cross(twists[:n, 3:], twists[:n, :3])
+        momenta.to_local(kinds, H, change, held, rates)
+        frames = np.flatnonzero(kinds < SLOPE)
+        rates[frames, :3] -= np.cross(twists[frames, 3:], twists[frames, :3])
+        momenta.subtract_turning(kinds, H, twists, rates)
         return twists, rates

@@ -43,7 +43,7 @@ def weigh(table: Indices, h: float) -> None:
     this = packed(table)
     n, H, step, held = this.step.shape[0], this.H, this.step, this.held
     rows = this.delta, this.mean, this.end, this.middle
-    momenta.between(H, step, rows, h, this.twists)
+    momenta.between(this.kinds, H, step, rows, h, this.twists)
     still = this.still
     residual(this.middle, still, still, this.none, this.scale, this.work, this.table)
     for i in range(n):
@@ -53,7 +53,7 @@ def weigh(table: Indices, h: float) -> None:
     momenta.constrain(H, rows, this.joints, this.multipliers, this.driven, found)
     acting = this.before, this.forces, this.constraints
     out = this.r[: 6 * n].reshape(n, 6), this.after
-    momenta.balance(H, step, rows, this.mass, h, acting, held, out)
+    momenta.balance(this.kinds, H, step, rows, this.mass, h, acting, held, out)
     for c in range(this.gap.shape[0]):
         this.r[6 * n + c] = this.scale[c] * (this.gap[c] + this.change[c])
 
@@ -66,7 +66,7 @@ def _begin(table: Indices) -> None:
     for i in range(n):
         for k in range(6):
             this.step[i, k] = 2.0 * this.last[i, k] - this.earlier_step[i, k]
-    momenta.hold(this.H, this.held, this.step)
+    momenta.hold(this.kinds, this.H, this.held, this.step)
     if this.counters[MADE] < 2:
         this.multipliers[:] = this.earlier
     numbers[MOTION] = _largest(this.step.reshape(6 * n), this.measure)
@@ -77,7 +77,7 @@ def _begin(table: Indices) -> None:
 def _correct(table: Indices) -> None:
     this = packed(table)
     n = this.step.shape[0]
-    momenta.correct(this.H, this.held, this.x, this.step)
+    momenta.correct(this.kinds, this.H, this.held, this.x, this.step)
     for c in range(this.scale.shape[0]):
         # the residual has 4 times the forces of constraints
         this.multipliers[c] -= 0.25 * this.scale[c] * this.x[6 * n + c]
@@ -126,7 +126,7 @@ def _book(table: Indices, h: float, loads: bool, joints: bool) -> None:
     for i in range(this.last.shape[0]):
         for k in range(6):
             this.told[i, k] = (1.5 * this.last[i, k] - 0.5 * this.earlier_step[i, k]) / h
-    momenta.to_local(this.H, this.told, this.held, this.local)
+    momenta.to_local(this.kinds, this.H, this.told, this.held, this.local)
     look_and_sum_up(h, (this.H, this.local, this.ahead, this.targets), loads, joints, this.books)
 
 

@@ -1,6 +1,7 @@
 """Momenta of the nodes at both ends of a step, compiled.
 
-Formulas in :mod:`fem_lie.solve.variational.variational`.
+A frame has a momentum and an angular momentum about its position; a node with vector coordinates
+has a momentum of each coordinate vector. All are in global components. Formulas in :mod:`fem_lie.solve.variational.variational`.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.lie.kinds import inertia
+from fem_lie.lie.kinds.kind import SLOPE, axes, carry, first, straight, turning
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -20,24 +22,35 @@ from fem_lie.lie.tuples import (
     dot,
     load,
     load_row,
+    minus,
     plus,
     rotate,
     rotate_back,
     scaled,
     store,
+    store_row,
 )
 from fem_lie.solve.conserving.between.cayley import half, span
 from fem_lie.solve.conserving.step.joints import add_joints
 
 
 @compiled
-def of_rates(H: Array, V: Array, mass: inertia.PlainInertia, out: Array) -> None:
-    """Momenta of rates ``V`` (n, 4, 3) at frames ``H``: ``(G V)ₓ`` and ``Σ d_k × (G V)_k``."""
+def of_rates(kinds: Indices, H: Array, V: Array, mass: inertia.PlainInertia, out: Array) -> None:
+    """Momenta of rates ``V`` (n, 4, 3): of frames ``(G V)ₓ`` and ``Σ d_k × (G V)_k``."""
     q = V.copy()
     inertia.multiply(mass[0], mass[1], mass[2], V, q)
     for i in range(V.shape[0]):
-        store(out[i], 0, load_row(q[i], 0))
-        store(out[i], 3, _moment(H[i], q[i]))
+        for at in (0, 3):
+            store(out[i], at, _momentum(kinds[i], H[i], q[i], at))
+
+
+@inlined
+def _momentum(kind: int, H: Array, p: Array, at: int) -> Vector:
+    """One half of the momentum of a node, of momenta ``p`` (4, 3) of its rows."""
+    if kind >= SLOPE:
+        half = at // 3
+        return load_row(p, first(kind) + half) if half < straight(kind) else (0.0, 0.0, 0.0)
+    return load_row(p, 0) if at == 0 else _moment(H, p)
 
 
 @inlined
@@ -50,14 +63,14 @@ def _moment(H: Array, p: Array) -> Vector:
 
 
 @compiled
-def hold(H: Array, held: Flags | Indices, step: Array) -> None:
-    """Take out of steps (n, 6) what is held in the frames ``H``."""
+def hold(kinds: Indices, H: Array, held: Flags | Indices, step: Array) -> None:
+    """Take out of steps (n, 6) what is held along the axes of the nodes ``H``."""
     for i in range(step.shape[0]):
         any_held = False
         for k in range(6):
             any_held = any_held or held[i, k]
         if any_held:
-            d1, d2, d3 = load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3)
+            d1, d2, d3 = axes(kinds[i], H[i])
             for at in (0, 3):
                 a = rotate_back(d1, d2, d3, load(step[i], at))
                 a = (
@@ -70,23 +83,82 @@ def hold(H: Array, held: Flags | Indices, step: Array) -> None:
 
 @compiled
 def between(
-    H: Array, step: Array, rows: tuple[Array, Array, Array, Array], h: float, twists: Array
+    kinds: Indices,
+    H: Array,
+    step: Array,
+    rows: tuple[Array, Array, Array, Array],
+    h: float,
+    twists: Array,
 ) -> None:
-    """What lies between the ends of a step, and the twists in the half-way frames.
+    """What lies between the ends of a step, and the velocities in its middle.
 
     Args:
-        H: Frames at the start, (≥ n, 4, 3).
-        step: Spatial translation and rotation of each node, (n, 6).
-        rows: Increments, means, ends and half-way frames, (≥ n, 4, 3), overwritten.
+        kinds: Types of the nodes, (n,).
+        H: Rows of the nodes at the start, (≥ n, 4, 3).
+        step: Spatial translation and rotation of each frame, increments of both coordinate vectors
+            of other nodes, (n, 6).
+        rows: Increments, means, ends and nodes in the middle, (≥ n, 4, 3), overwritten.
         h: Step size.
         twists: Shape (≥ n, 6), those of the moving nodes are overwritten.
     """
     delta, mean, end, middle = rows
     span(H, step, delta, mean, end, middle)
     for i in range(step.shape[0]):
-        d1, d2, d3 = load_row(middle[i], 1), load_row(middle[i], 2), load_row(middle[i], 3)
+        if kinds[i] >= SLOPE:
+            _span_vectors(kinds[i], H[i], step[i], (delta[i], mean[i], end[i], middle[i]))
+        d1, d2, d3 = axes(kinds[i], middle[i])
         for at in (0, 3):
             store(twists[i], at, rotate_back(d1, d2, d3, scaled(1.0 / h, load(step[i], at))))
+
+
+@compiled
+def _span_vectors(
+    kind: int, H: Array, step: Array, rows: tuple[Array, Array, Array, Array]
+) -> None:
+    """Increments, mean, end and middle of one node with vector coordinates."""
+    delta, mean, end, middle = rows
+    half, at = 0.5 * step, first(kind)
+    carry(kind, H, half, middle)
+    carry(kind, H, step, end)
+    mean[:], delta[:] = middle, 0.0
+    for k in range(straight(kind)):
+        store_row(delta, at + k, load(step, 3 * k))
+
+
+@compiled
+def keep_axes(kinds: Indices, end: Array, H: Array) -> None:
+    """Give nodes ``H`` of positions and slopes the axes of ``end``, (≥ n, 4, 3)."""
+    for i in range(kinds.shape[0]):
+        if kinds[i] == SLOPE:
+            store_row(H[i], 2, load_row(end[i], 2))
+            store_row(H[i], 3, load_row(end[i], 3))
+
+
+@compiled
+def subtract_turning(kinds: Indices, H: Array, twists: Array, rates: Array) -> None:
+    """Make components of accelerations rates of components, where axes turn with a slope.
+
+    Args:
+        kinds: Types of the nodes, (n,); frames are left out.
+        H: Nodes, (≥ n, 4, 3).
+        twists: Velocities along the axes of the nodes, (≥ n, 6).
+        rates: Accelerations along them, (n, 6), updated.
+    """
+    for i in range(rates.shape[0]):
+        if kinds[i] >= SLOPE:
+            ψ = turning(kinds[i], H[i], load(twists[i], 3))
+            for at in (0, 3):
+                change = cross(ψ, load(twists[i], at))
+                store(rates[i], at, minus(load(rates[i], at), change))
+
+
+@compiled
+def to_space(kinds: Indices, H: Array, local: Array, out: Array) -> None:
+    """Forces (n, 6) along the axes of the nodes in global components, into ``out``."""
+    for i in range(out.shape[0]):
+        d1, d2, d3 = axes(kinds[i], H[i])
+        for at in (0, 3):
+            store(out[i], at, rotate(d1, d2, d3, load(local[i], at)))
 
 
 @compiled
@@ -144,6 +216,7 @@ def _shares_of_director(
 
 @compiled
 def balance(
+    kinds: Indices,
     H: Array,
     step: Array,
     rows: tuple[Array, Array, Array, Array],
@@ -156,9 +229,10 @@ def balance(
     """What is wrong with the momenta at the start, and those at the end.
 
     Args:
+        kinds: Types of the nodes, (n,).
         H: Frames at the start.
-        step: Spatial translation and rotation of each node, (n, 6).
-        rows: See :func:`between`.
+        step: See :func:`between`.
+        rows: See there.
         mass: Inertia.
         h: Step size.
         acting: Momenta at the start, (n, 6); forces without inertia, as of a residual, in the
@@ -178,19 +252,22 @@ def balance(
                 q[i, k, j] = delta[i, k, j] / h
     inertia.multiply(mass[0], mass[1], mass[2], q, p)
     for i in range(n):
-        d1, d2, d3 = load_row(middle[i], 1), load_row(middle[i], 2), load_row(middle[i], 3)
+        kind = kinds[i]
+        d1, d2, d3 = axes(kind, middle[i])
         f = scaled(0.5 * h, rotate(d1, d2, d3, load(forces[i], 0)))
         m = scaled(0.5 * h, rotate(d1, d2, d3, load(forces[i], 3)))
-        first, last = _shares(load(step[i], 3), m)
-        if held[i, 5] and not held[i, 3]:
-            first, last = _shares_of_director(H[i], middle[i], end[i], m)
-        d1, d2, d3 = load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3)
+        early, last = m, m
+        if kind < SLOPE:
+            early, last = _shares(load(step[i], 3), m)
+            if held[i, 5] and not held[i, 3]:
+                early, last = _shares_of_director(H[i], middle[i], end[i], m)
+        d1, d2, d3 = axes(kind, H[i])
         for at in (0, 3):
-            mine = load_row(p[i], 0) if at == 0 else _moment(H[i], p[i])
-            own = f if at == 0 else first
+            mine = _momentum(kind, H[i], p[i], at)
+            own = f if at == 0 else early
             wrong = combined(1.0, plus(mine, own), -1.0, load(before[i], at))
             wrong = combined(1.0, wrong, h, load(constraints[i], at))
-            later = load_row(p[i], 0) if at == 0 else _moment(end[i], p[i])
+            later = _momentum(kind, end[i], p[i], at)
             own = f if at == 0 else last
             wrong = rotate_back(d1, d2, d3, wrong)
             wrong = (
@@ -202,25 +279,25 @@ def balance(
             # what is left over is made up by the next step: momenta are compensated sums
             left = plus(own, rotate(d1, d2, d3, wrong))
             store(after[i], at, combined(1.0, later, -1.0, left))
-    hold(end, held, after)
+    hold(kinds, end, held, after)
 
 
 @compiled
-def correct(H: Array, held: Flags | Indices, x: Array, step: Array) -> None:
-    """Subtract the solution ``x`` (6 n,), in the frames ``H``, from the step."""
+def correct(kinds: Indices, H: Array, held: Flags | Indices, x: Array, step: Array) -> None:
+    """Subtract the solution ``x`` (6 n,), along the axes of the nodes ``H``, from the step."""
     for i in range(step.shape[0]):
-        d1, d2, d3 = load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3)
+        d1, d2, d3 = axes(kinds[i], H[i])
         for at in (0, 3):
             change = rotate(d1, d2, d3, load(x, 6 * i + at))
             store(step[i], at, combined(1.0, load(step[i], at), -1.0, change))
-    hold(H, held, step)
+    hold(kinds, H, held, step)
 
 
 @compiled
-def to_local(H: Array, p: Array, held: Flags | Indices, out: Array) -> None:
-    """Spatial momenta (n, 6) in the frames of the nodes, without what is held."""
+def to_local(kinds: Indices, H: Array, p: Array, held: Flags | Indices, out: Array) -> None:
+    """Spatial momenta (n, 6) along the axes of the nodes, without what is held."""
     for i in range(p.shape[0]):
-        d1, d2, d3 = load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3)
+        d1, d2, d3 = axes(kinds[i], H[i])
         for at in (0, 3):
             store(out[i], at, rotate_back(d1, d2, d3, load(p[i], at)))
         for k in range(6):

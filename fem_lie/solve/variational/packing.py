@@ -53,6 +53,7 @@ class Packed(NamedTuple):
         local: The latter.
         ahead: Multipliers that they are told, (m,).
         targets: Of the constraints, (m,).
+        kinds: Types of the nodes, (n,).
     """
 
     H: Array
@@ -94,6 +95,7 @@ class Packed(NamedTuple):
     local: Array
     ahead: Array
     targets: Array
+    kinds: Indices
 
     @property
     def arrays(self) -> list[Any]:
@@ -144,4 +146,5 @@ def packed(t: Indices) -> Packed:
         numbers2(t, 39),
         numbers1(t, 40),
         numbers1(t, 41),
+        integers1(t, 42),
     )

@@ -78,6 +78,8 @@ class VariationalRun(RunState):
         if self._changing:
             given = self._driven, self.twists
             prescribe(self.equations, self.H, start, self.size, self.rows, given)
+        if self._binding is not None:
+            self._binding.begin(self.H, start, self.size)
         return (self._made_with(self.decisions) or self._rescued()) and self._accept(end)
 
     def _rescued(self) -> bool:
@@ -92,6 +94,7 @@ class VariationalRun(RunState):
         """Whether the compiled loop makes the next steps; the first ones have no matrix yet."""
         tables, books = self.equations.tables, self.books
         beside = self._changing or self._viscous or tables.turns or not tables.in_one_sum
+        beside = beside or self._binding is not None or self._vectors
         beside = beside or not (books.empty or books.compiled) or self.division.level > 0
         return not beside and self._factors is not None and self.decisions.rule is not None
 
@@ -178,6 +181,7 @@ class VariationalRun(RunState):
             np.zeros((n, 6)),
             np.zeros(m),
             self.books.targets,
+            self.equations.unknowns.kinds,
         )
 
     @cached_property
@@ -188,7 +192,7 @@ class VariationalRun(RunState):
         """Make the step from its start; whether it converges."""
         held = self.equations.unknowns.held
         self.step[:] = 2.0 * self.steps[0] - self.steps[1]
-        momenta.hold(self.H, held, self.step)
+        momenta.hold(self.equations.unknowns.kinds, self.H, held, self.step)
         self.weights[:] = self.earlier
         motion = float(np.abs(self.step.ravel() * self._measure[: self.step.size]).max(initial=0.0))
         previous, ratio = np.inf, 1.0
@@ -221,6 +225,7 @@ class VariationalRun(RunState):
         delta, _, end, middle = self.rows
         n, start = self._n, self.H.copy()
         advance(self.H[:n], self.rest, delta[:n])
+        momenta.keep_axes(self.equations.unknowns.kinds, end, self.H)
         self.H[n:] = end[n:]
         self.gap += self._change
         self.before[:] = self.after
@@ -230,6 +235,8 @@ class VariationalRun(RunState):
         self._made += 1
         if not self._remembered(start, middle):
             return False
+        if self._vectors:
+            self.equations.memory.turn_axes(self.H)
         if not self.books.empty:
             self._book(time, ahead)
         return True

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.forms.frames import push
 from fem_lie.joints.equations.table import joint_table
-from fem_lie.lie.kinds import inertia
+from fem_lie.lie.kinds import SLOPE, inertia, push_all
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.convergence import unknown_scaling
@@ -18,6 +17,7 @@ from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.motion.step_error import add_inertia_forces
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.variational import momenta
+from fem_lie.solve.variational.binding import Binding
 from fem_lie.solve.variational.ends import Ends
 from fem_lie.system.equations import Equations, Instant, Plan
 
@@ -55,6 +55,7 @@ class RunState(DividedIntegration[Recorder]):
         self.options, self._n, self.size = options, n, self.h
         self._changing, self._mass = unknowns.time_dependent, known.inertia
         self._viscous = _dissipates(equations)
+        self._vectors = bool((unknowns.kinds >= SLOPE).any())
         self.H, self.rest = equations.start.frames.copy(), z((n, 4, 3))
         # the last step and the one before
         self.steps, self.step = z((2, n, 6)), z((n, 6))
@@ -75,6 +76,7 @@ class RunState(DividedIntegration[Recorder]):
         self._made, self._begun, self._factorisations, self._iterations = 0, 0, 0, 0
         self._increment, self._born = np.inf, 0
         self._ends = Ends(equations, step)
+        self._binding = Binding(equations) if unknowns.other_constraints else None
 
     # --- start ---
 
@@ -84,10 +86,13 @@ class RunState(DividedIntegration[Recorder]):
         check_velocities(equations, self.h)
         V = np.empty((n, 4, 3))
         v = equations.start.velocities
-        push(self.H[:n], v[:n], V)
-        momenta.of_rates(self.H, V, self._mass, self.before)
+        kinds, spatial = equations.unknowns.kinds, np.empty((n, 6))
+        push_all(kinds, self.H[:n], v[:n], V)
+        momenta.of_rates(kinds, self.H, V, self._mass, self.before)
         self.steps[:, :, :3] = self.h * V[:, 0]
         self.steps[:, :, 3:] = self.h * np.einsum("nij,ni->nj", self.H[:n, 1:], v[:n, 3:])
+        momenta.to_space(kinds, self.H, v[:n], spatial)
+        self.steps[:, kinds >= SLOPE] = self.h * spatial[kinds >= SLOPE]
         rates, self.weights[:] = self._ends.accelerations(self.H, v, 0.0)
         self.earlier[:] = self.weights
         now = Instant(self.H, v[:n], rates, self.weights)
@@ -115,14 +120,16 @@ class RunState(DividedIntegration[Recorder]):
 
     def _correct(self) -> None:
         size = 6 * self._n
-        momenta.correct(self.H, self.equations.unknowns.held, self._x, self.step)
+        unknowns = self.equations.unknowns
+        momenta.correct(unknowns.kinds, self.H, unknowns.held, self._x, self.step)
         # the residual has 4 times the forces of constraints
         self.weights -= 0.25 * self.scale * self._x[size:]
 
     def _residual(self) -> None:
         """Of the momenta at the start, and of the constraints at the end."""
         equations, n, rows, h = self.equations, self._n, self.rows, self.size
-        momenta.between(self.H, self.step, rows, h, self.twists)
+        kinds = equations.unknowns.kinds
+        momenta.between(kinds, self.H, self.step, rows, h, self.twists)
         middle = rows[3]
         v = self.twists if self._viscous else np.zeros_like(self.twists)
         equations.residual(
@@ -130,16 +137,19 @@ class RunState(DividedIntegration[Recorder]):
         )
         self._forces[:] = self._work[: 6 * n].reshape(n, 6)
         if self._viscous:
-            kinds = equations.unknowns.kinds
             inertia.accelerations(kinds, middle, v[:n], self._still, self._q)
             add_inertia_forces(equations, middle, self._q, -1.0, self._forces)
         constraints = self._change, self._constraints
         joints = equations.tables.joints
-        momenta.constrain(self.H, rows, joints, self.weights, self._driven, constraints)
+        if self._binding is None:
+            momenta.constrain(self.H, rows, joints, self.weights, self._driven, constraints)
+        else:
+            self._binding.constrain(rows[2], self.weights, self.gap, constraints)
         acting = self.before, self._forces, self._constraints
         r = self._r[: 6 * n].reshape(n, 6)
         held = equations.unknowns.held
-        momenta.balance(self.H, self.step, rows, self._mass, h, acting, held, (r, self.after))
+        out = r, self.after
+        momenta.balance(kinds, self.H, self.step, rows, self._mass, h, acting, held, out)
         self._r[6 * n :] = self.scale * (self.gap + self._change)
 
     def _factorise(self) -> None:

@@ -37,15 +37,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from fem_lie.lie.kinds import SLOPE
 from fem_lie.lie.motions import Group
 from fem_lie.scene import Scene
-from fem_lie.solve.motion.integrator import (
-    WITHOUT_FRAMES,
-    Integrator,
-    check_until_round_off,
-    refuse,
-)
+from fem_lie.solve.motion.integrator import Integrator, check_until_round_off, refuse
 from fem_lie.solve.motion.policies import Automatic, Policy
 from fem_lie.solve.variational.run import VariationalRun
 from fem_lie.solve.variational.run_state import Options
@@ -111,11 +105,11 @@ def _refuse(equations: Equations) -> None:
     """Raise ``ValueError`` for what the scheme cannot do."""
     unknowns = equations.unknowns
     drilling = ", ".join(unknowns.drilling)
-    reasons = dict.fromkeys(unknowns.other_constraints, True) | {
+    reasons = {
+        "velocity constraints (KnifeEdge, RollingDisc)": unknowns.of_velocities > 0,
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
         f"reduced-order bodies ({', '.join(unknowns.floating)})": bool(unknowns.floating),
-        WITHOUT_FRAMES: bool((unknowns.kinds >= SLOPE).any()),
         "friction of penalties": any(term.rubs for term in equations.tables.terms),
         f"shells with six parameters ({drilling})": bool(drilling),
     }

@@ -30,6 +30,11 @@ class ConstraintsAt:
         """``B`` in the twists of the moving nodes without what is held, (m, 6 n)."""
         return self._system.tangent.jacobian(self._H)
 
+    @property
+    def values(self) -> Array:
+        """What constraints of positions violate, at their present targets, (m,)."""
+        return self._system.connections.values(self._H)
+
     def rates(self, v: Array) -> tuple[Array, Array]:
         """``dΦ/dt`` and ``d²Φ/dt²`` at constant twists ``v`` of all rows, targets at rest, (m,)."""
         return self._system.connections.rates(self._H, v)
