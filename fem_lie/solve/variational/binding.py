@@ -14,7 +14,8 @@ class Binding:
 
     def __init__(self, equations: Equations) -> None:
         """No step has begun."""
-        self._equations, self._ahead = equations, np.zeros(equations.unknowns.m)
+        self._equations = equations
+        self._ahead: Array = np.zeros(equations.unknowns.m)
 
     def begin(self, H: Array, start: float, h: float) -> None:
         """A step begins.

@@ -1,7 +1,8 @@
 """Momenta of the nodes at both ends of a step, compiled.
 
 A frame has a momentum and an angular momentum about its position; a node with vector coordinates
-has a momentum of each coordinate vector. All are in global components. Formulas in :mod:`fem_lie.solve.variational.variational`.
+has a momentum of each coordinate vector. All are in global components. Formulas in
+:mod:`fem_lie.solve.variational.variational`.
 """
 
 from __future__ import annotations
