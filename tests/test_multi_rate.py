@@ -43,10 +43,32 @@ def test_joints_between_steps_take_no_energy(joint):
     assert result.elastic.max() > 1e-4 * result.kinetic[0]
 
 
-def test_second_order():
+def pushed() -> tuple[fl.Scene, fl.Beam]:
+    """The chain under loads that change, on bodies of either size of steps."""
+    scene, two = chain()
+    one, _, bob = scene.bodies
+    scene.add(fl.PointLoad(bob.centre, (0, 5, 0), history=lambda t: np.sin(400 * t)))
+    scene.add(
+        fl.PointLoad(two.end, moment=(0.02, 0, 0.03), following=True, history=lambda t: 1 + 200 * t)
+    )
+    scene.add(fl.LineLoad(one, force=(0, 0, 10.0), history=lambda t: np.cos(300 * t)))
+    return scene, two
+
+
+def test_work_of_loads_that_change():
+    """They act in the middle of each step, so the balance of energy is exact."""
+    scene, two = pushed()
+    result = fl.MultiRate({two: 5}).run(scene, duration=0.01, step=1e-3)
+    assert result.balance_error <= 1e-11
+    assert np.abs(result.balance[-1, 0]) > 1e-3 * result.kinetic[0]
+    assert result.momentum_error <= 1e-9
+
+
+@pytest.mark.parametrize("scene_of", [chain, pushed], ids=["free", "pushed"])
+def test_second_order(scene_of):
     ends = []
     for steps in (10, 20, 40):
-        scene, two = chain()
+        scene, two = scene_of()
         result = fl.MultiRate({two: 4}).run(
             scene, duration=4e-3, step=4e-3 / steps, save_every=steps
         )
@@ -57,20 +79,30 @@ def test_second_order():
     np.testing.assert_allclose(np.log2(np.array(far) / near), 2.0, atol=0.1)
 
 
-def test_it_converges_to_small_steps_everywhere():
-    scene, two = chain()
+@pytest.mark.parametrize("scene_of", [chain, pushed], ids=["free", "pushed"])
+def test_it_converges_to_small_steps_everywhere(scene_of):
+    scene, two = scene_of()
     result = fl.MultiRate({two: 4}).run(scene, duration=4e-3, step=1e-4, save_every=40)
-    small = fl.EnergyMomentum().run(chain()[0], duration=4e-3, step=2.5e-5, save_every=160)
+    small = fl.EnergyMomentum().run(scene_of()[0], duration=4e-3, step=2.5e-5, save_every=160)
     np.testing.assert_allclose(result.frames[-1], small.frames[-1], atol=1e-6)
     scale = np.abs(small.joint_forces[-1]).max()
     np.testing.assert_allclose(result.joint_forces[-1], small.joint_forces[-1], atol=5e-2 * scale)
 
 
-def test_resumed_to_the_last_bit(tmp_path, monkeypatch):
-    scene, two = chain()
+@pytest.mark.parametrize("scene_of", [chain, pushed], ids=["free", "pushed"])
+def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scene_of):
+    scene, two = scene_of()
     plan = {"duration": 0.016, "step": 1e-3}
     scheme, file = fl.MultiRate({two: 3}), tmp_path / "run.h5"
     resumed_as_whole(scheme, lambda: scene, plan, file, monkeypatch)
+
+
+def test_drives():
+    scene, two = chain()
+    rod = scene.add(fl.Distance(fl.ground(), scene.bodies[2].centre, at=(0, 0, 1), to=None))
+    scene.add(fl.Drive(rod.length, lambda t: np.sqrt(1.36) + t))
+    with pytest.raises(ValueError, match=r"MultiRate does not support drives, prescribed motions"):
+        fl.MultiRate({two: 2}).run(scene, duration=1e-3, step=1e-3)
 
 
 def test_bad_input():

@@ -38,6 +38,7 @@ class Domain(Run):
             count: Steps in it.
             rows: Moving nodes, of those of the whole scene.
         """
+        self._acting = np.zeros((equations.unknowns.moving, 4, 3))
         super().__init__(options, equations, whole / count)
         self.count, self.rows = count, rows
         self._own: list[Array] = []
@@ -62,9 +63,18 @@ class Domain(Run):
         self.counters[corrections.STEPS] = self._first
         # no matrix is younger than the step for which it is kept
         self.counts[1] = min(int(self.counts[1]), self._first)
-        self.model.loads.dead[:] = self.equations.tables.loads.dead + forces[self.rows]
-        start = self._first * self.h
-        return self._go_to(self._first + self.count, start, start + self.h)
+        self._acting[:] = forces[self.rows]
+        self._take_loads()
+        last, each = self._first + self.count, 1 if self._changing else self.count
+        while self.index < last:
+            start = self.index * self.h
+            if not self._go_to(self.index + each, start, start + self.h):
+                return False
+        return True
+
+    def _take_loads(self) -> None:
+        super()._take_loads()
+        self.model.loads.dead[:] += self._acting
 
     @property
     def moved(self) -> Array:

@@ -41,9 +41,10 @@ class MultiRate(Integrator):
     """Options of the scheme; :meth:`run` integrates with constant whole steps.
 
     Bodies of different steps may be joined by joints; links, springs, drives and contact between
-    them are refused, and so is all that changes in time. ``result.iterations`` are the whole steps
-    that were tried; the first column of ``result.balance`` has the work of multipliers between
-    bodies of different steps, which is round-off.
+    them are refused, and so are drives, prescribed motions and strains that change. Loads that
+    change act as they are in the middle of the steps of their body. ``result.iterations`` are the
+    whole steps that were tried; the first column of ``result.balance`` has the work of loads, and
+    that of multipliers between bodies of different steps, which is round-off.
 
     Attributes:
         steps: How many steps each of these bodies makes in a whole one; all others make one.
@@ -98,8 +99,10 @@ class MultiRate(Integrator):
             "MultiRate",
             {
                 WITHOUT_FRAMES: bool((unknowns.kinds >= SLOPE).any()),
-                "loads, drives, motions and strains that change in time": (
-                    unknowns.time_dependent or unknowns.strains_change
+                "drives, prescribed motions and strains that change in time": (
+                    unknowns.driven
+                    or len(equations.start.frames) > unknowns.moving + 1
+                    or unknowns.strains_change
                 ),
             },
             "EnergyMomentum",

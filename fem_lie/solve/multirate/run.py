@@ -113,6 +113,8 @@ class MultiRateRun(Integration[History]):
         v = equations.start.velocities.copy()
         rates: Array = np.zeros((n, 6))
         weights: Array = np.zeros(m)
+        if equations.unknowns.time_dependent:
+            equations.prescribed(self.index * self.h).act()
         for domain in self._domains:
             V[domain.rows] = domain.s.V
             v[domain.rows] = domain.local(domain.s.V, domain.s.H)
