@@ -11,12 +11,12 @@ from fem_lie.mesh.curves import straight
 from fem_lie.solve.conserving.rows.cells import Nodes, energies_at
 from fem_lie.solve.conserving.rows.energies import Energies
 from fem_lie.solve.conserving.rows.places import add_of_places
-from fem_lie.solve.conserving.straight.run import StraightRun
+from fem_lie.solve.conserving.run import Run
 
 STIFFNESS = 1e3
 
 
-def started(clamped: bool) -> StraightRun:
+def started(clamped: bool) -> Run:
     """A run of two threads that cross and are bent, or of a cable that is clamped."""
     scene, s = fl.Scene(), np.linspace(-1.0, 1.0, 13)
     one = np.column_stack([s, 0.2 * s**2, 0.1 * np.sin(3.0 * s)])
@@ -31,31 +31,31 @@ def started(clamped: bool) -> StraightRun:
         threads = [range(13), [*range(13, 19), 6, *range(19, 25)]]
         own = fl.DiscreteCable(natural=True)
         scene.add(fl.Net(points, threads, section, formulation=own))
-    told = fl.Automatic(), fl.EnergyMomentum().equations(scene), 1e-3, (0.0, 50)
-    run = StraightRun(*told)
+    scheme = fl.EnergyMomentum()
+    run = Run(scheme.told(), scheme.equations(scene), 1e-3)
     run.start()
     return run
 
 
-def energy(run: StraightRun, step: np.ndarray) -> float:
+def energy(run: Run, step: np.ndarray) -> float:
     """Of all cells, where nodes have gone by these increments (n, 6)."""
     H, W = run.s.H.copy(), np.zeros(len(run.s.W))
     H[: len(step), 0] += step[:, :3]
-    energies_at(run.model.cells, H, run.s.rest, W)
+    energies_at(run.model.rows, H, run.s.rest, W)
     return float(W.sum())
 
 
-def forces(run: StraightRun, step: np.ndarray) -> np.ndarray:
+def forces(run: Run, step: np.ndarray) -> np.ndarray:
     """On places (n, 3), over a step by these increments (n, 6)."""
     out, (W, account) = np.zeros_like(step), (run.s.W, run.s.account)
     energies = Energies(W, account, np.zeros_like(W), np.zeros_like(W))
-    add_of_places(run.model.cells, Nodes(run.s.H, run.s.rest, step), energies, (0.0, 0.0, 0.0), out)
+    add_of_places(run.model.rows, Nodes(run.s.H, run.s.rest, step), energies, (0.0, 0.0, 0.0), out)
     assert not out[:, 3:].any()
     np.testing.assert_allclose(energies.work, energies.end - W, atol=1e-12 * STIFFNESS)
     return out[:, :3]
 
 
-def steps(run: StraightRun, size: float, count: int) -> np.ndarray:
+def steps(run: Run, size: float, count: int) -> np.ndarray:
     """Increments (count, n, 6) of places, at random."""
     found = np.zeros((count, len(run.this.step), 6))
     found[:, :, :3] = size * np.random.default_rng(3).standard_normal(found[:, :, :3].shape)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from benchmarks.conserving_any import JOINED, FixedAxes
+from benchmarks.conserving_any import JOINED
 from benchmarks.conserving_any import SCENES as TURNING
 from fem_lie.lie.kinds import placed
 from fem_lie.mesh.curves import straight
-from fem_lie.solve.conserving.straight.patience import stalls
+from fem_lie.solve.conserving.step import corrections
 from tests.test_composed import resumed_as_whole
 
 SCHEME = fl.EnergyMomentum()
@@ -279,9 +279,9 @@ def test_waves_that_no_step_resolves_fall_by_the_radius(radius):
 
 def test_steps_without_a_solution_are_made_in_parts(caplog):
     """Each of which conserves, and the cable goes where small steps take it."""
-    result = SCHEME.run(flying("cable")[0], duration=1.2, step=0.06)
+    result = SCHEME.run(flying("cable")[0], duration=1.2, step=0.1)
     assert result.divided >= 1
-    assert "made in parts" in caplog.text
+    assert "were made in up to" in caplog.text
     assert result.energy_error <= 1e-11
     assert max(result.momentum_error, result.angular_momentum_error) <= 1e-11
     small = SCHEME.run(flying("cable")[0], duration=1.2, step=4e-3, save_every=300)
@@ -291,18 +291,21 @@ def test_steps_without_a_solution_are_made_in_parts(caplog):
 
 def test_increments_that_fall_slowly_are_no_noise():
     """Forces left over do work: taken for noise they raised the energy by 1e-12 in one step."""
-    slow = 1e-13 * 0.7 ** np.arange(6.0)
-    assert not any(stalls(list(slow[:k]), 3) for k in range(1, 7))
-    assert stalls([3e-16, 2.5e-16, 2.9e-16, 2.6e-16], 3)
-    assert not stalls([3e-16, 2.5e-16, 2.9e-16], 3)
+
+    def ends(increments: list[float]) -> list[bool]:
+        counters, numbers, found = np.zeros(8, dtype=np.int64), np.zeros(11), []
+        numbers[corrections.LEAST] = np.inf
+        for increment in increments:
+            numbers[corrections.INCREMENT] = increment
+            found.append(bool(corrections.settled(counters, numbers)))
+        return found
+
+    assert not any(ends(list(1e-13 * 0.7 ** np.arange(12.0))))
+    assert ends([3e-16, 2.5e-16, 2.9e-16, 2.6e-16]) == [False, False, True, True]
 
 
 REFUSED = {
-    "composed": (lambda s: fl.Composed().run(s, duration=0.1, step=0.01), "Composed"),
-    "steps that change": (
-        lambda s: SCHEME.run(s, duration=0.1, step=fl.AdaptiveStep(1e-4)),
-        "constant steps",
-    ),
+    "variational": (lambda s: fl.Variational().run(s, duration=0.1, step=0.01), "Variational"),
 }
 
 
@@ -352,10 +355,9 @@ def test_matrices_are_not_made_for_the_last_digits():
     assert max(kept.energy_error, limited.energy_error) <= 1e-11
 
 
-@pytest.mark.parametrize("name", ["tumbling brick", "tumbling beam of slopes"])
-def test_the_matrix_is_kept_along_own_axes(name):
-    """The same motion along axes fixed in space takes at least five times as many."""
-    plan = {"duration": 0.3, "step": 1e-3, "save_every": 100}
-    own, fixed = (s.run(TURNING[name][0](), **plan) for s in (SCHEME, FixedAxes()))
-    np.testing.assert_allclose(own.frames[:, :, 0], fixed.frames[:, :, 0], rtol=0, atol=1e-12)
-    assert fixed.factorisations >= 5 * own.factorisations
+@pytest.mark.parametrize(("name", "most"), [("tumbling brick", 2), ("tumbling beam of slopes", 8)])
+def test_the_matrix_is_kept_along_own_axes(name, most):
+    """The brick needs 20 along axes fixed in space, which it turns away from."""
+    made, step = TURNING[name]
+    result = SCHEME.run(made(), duration=300 * step, step=step, save_every=100)
+    assert result.factorisations <= most

@@ -243,12 +243,21 @@ def test_conserving_schemes_refuse_places_before_any_work():
     for scheme in (fl.EnergyMomentum(), fl.EnergyDecaying()):
         with pytest.raises(ValueError, match="support joints on points that are not nodes: use"):
             pendulum(*beam_of(None, 2), scheme=scheme)
-        scene = fl.Scene()
-        beam, place = beam_of(None, 2)
-        scene.add(beam)
-        scene.add(fl.PointLoad(place, (0, 0, 1)))
-        with pytest.raises(ValueError, match="loads on points that are not nodes"):
-            scheme.run(scene, duration=0.01, step=1e-3)
+
+
+@pytest.mark.parametrize("following", [False, True])
+def test_conserving_schemes_book_loads_on_places(following):
+    """Their work and impulses, to round-off."""
+    scene = fl.Scene()
+    beam, place = beam_of(None, 2)
+    scene.add(beam)
+    beam.turn((1.0, 2.0, 3.0), about=(0, 0, 0))
+    load = {"force": (0, 0, 1), "moment": (0.1, 0, 0.2), "following": following}
+    scene.add(fl.PointLoad(place, **load))
+    result = fl.EnergyMomentum().run(scene, duration=0.05, step=1e-3)
+    assert abs(result.balance[-1, 0]) > 1e-6
+    assert max(result.balance_error, result.momentum_error) <= 1e-12
+    assert result.angular_momentum_error <= 1e-12
 
 
 def test_places_are_nodes_where_there_are_nodes():

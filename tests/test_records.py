@@ -10,7 +10,13 @@ import numpy as np
 import pytest
 
 from fem_lie.forms.cells import Cells
-from fem_lie.solve.conserving.memory import legs_of, model_of, room_for_step, start_state
+from fem_lie.solve.conserving.memory import (
+    cells_of_rows,
+    legs_of,
+    model_of,
+    room_for_step,
+    start_state,
+)
 from fem_lie.solve.conserving.step import packing, records
 from fem_lie.system.equations import Equations
 from tests.random_scenes import CONSERVING, random_scene
@@ -34,9 +40,10 @@ def given() -> dict[str, Any]:
     equations = Equations(scene, dynamics=True)
     cells = Cells(list(equations.tables.assemblies))
     legs = legs_of(equations, follows=True)
-    room = equations, cells, legs
+    rows = cells_of_rows(equations)
+    room = equations, cells, rows, legs
     return {
-        "model": model_of(equations, cells, records.Scheme(1e-3, 0.1, 0.9), legs),
+        "model": model_of(equations, cells, rows, records.Scheme(1e-3, 0.1, 0.9), legs),
         "state": start_state(*room, dissipates=True),
         "step": room_for_step(*room, dissipates=True),
     }

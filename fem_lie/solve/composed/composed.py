@@ -23,14 +23,13 @@ import numpy as np
 
 from fem_lie._arrays import instance
 from fem_lie.joints.equations.table import joint_table
-from fem_lie.lie.kinds import SLOPE
 from fem_lie.scene import Scene
 from fem_lie.solve.composed.compositions import Composition, FiveStages
 from fem_lie.solve.composed.momentum_parts import MomentumRun
 from fem_lie.solve.composed.run import ComposedRun
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
 from fem_lie.solve.motion.integration import Integration
-from fem_lie.solve.motion.integrator import WITHOUT_FRAMES, Integrator, refuse
+from fem_lie.solve.motion.integrator import Integrator, refuse
 from fem_lie.solve.variational.variational import Variational
 from fem_lie.system.equations import Equations
 
@@ -119,7 +118,9 @@ def _check_parts(composition: Composition) -> None:
 def _refuse(equations: Equations) -> None:
     """Raise ``ValueError`` for what cannot be followed back."""
     tables, unknowns = equations.tables, equations.unknowns
-    dampers = joint_table(tables.joints).springs[:, 1]
+    pairs = tables.pairs_of_all
+    of_all = [tables.joints, *([] if pairs is None else [pairs.joints])]
+    dampers = np.concatenate([joint_table(joints).springs[:, 1] for joints in of_all])
     reasons = {
         "damping of materials": any(assembly.viscous for _, assembly in tables.assemblies),
         "damping in proportion to mass": len(tables.damping.indptr) > 0,
@@ -128,7 +129,6 @@ def _refuse(equations: Equations) -> None:
     refuse(
         "Composed",
         {
-            WITHOUT_FRAMES: bool((unknowns.kinds >= SLOPE).any()),
             "contacts by penalty": any(term.secant for term in tables.terms),
             "strains that change in time (Temperature, Eigenstrain with a history)": (
                 unknowns.strains_change

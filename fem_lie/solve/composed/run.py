@@ -92,7 +92,7 @@ class ComposedRun(Integration[History]):
         first, other = self._parts
         kept = first.factors is not None and other.factors is not None
         asked = first.rule is None or self.equations.unknowns.time_dependent
-        return kept and not asked and not first.still and not other.still
+        return kept and not (asked or first.asks or first.still or other.still)
 
     def _all_parts(self, last: int) -> bool:
         """Go on to step ``last``, or to the end of a part that wants something."""
@@ -185,6 +185,9 @@ class ComposedRun(Integration[History]):
             told = equations.report(s.H, v, rates, weights, carried=False)
             history.reactions[row] = told.reactions
         if Record.ENERGIES in history.filled:
+            joints = self._parts[0].joints
+            if joints is not None:
+                history.elastic[row] = joints.energy(s.H)
             history.elastic[row] += s.W.sum()
         history.keep(np.array([self.index]), np.array([self._iterations]))
 

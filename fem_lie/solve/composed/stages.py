@@ -44,8 +44,8 @@ def run(
         steps: The present part.
         factors: Of the matrix of each size.
         options: See :func:`fem_lie.solve.conserving.step.loop.run`.
-        counters: Of each size, (2, 7), updated.
-        numbers: Of each size, (2, 9), updated.
+        counters: Of each size, (2, 8), updated.
+        numbers: Of each size, (2, 11), updated.
         sizes: Both, and which of them each part has, (2,) and (parts,).
         place: Where the run is, (3,), see :data:`MADE`; updated.
         last: Whole steps to be made.

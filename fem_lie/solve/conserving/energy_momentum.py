@@ -24,7 +24,7 @@ over a step; joint forces are reported at its end
 (:mod:`fem_lie.solve.conserving.between.end_forces`). The iteration goes on until nothing but
 round-off changes, with a matrix in local frames that is kept as the policy says. Bodies' groups
 have no meaning for it. Nodes that are no frames have rows whose increments add: for these ``L`` is
-constant, and they stand in one system with frames (:mod:`fem_lie.solve.conserving.straight`).
+constant, and they stand in one system with frames (:mod:`fem_lie.solve.conserving.rows`).
 
 Sources: Simo, Tarnow & Doblaré, IJNME 38 (1995) 1431; Gonzalez, J. Nonlinear Sci. 6 (1996) 449;
 Romero & Armero, IJNME 54 (2002) 1683; Betsch & Leyendecker, IJNME 67 (2006) 499.
@@ -39,11 +39,11 @@ from fem_lie.lie.motions import Group
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.conserving import variable
+from fem_lie.solve.conserving.memory import has_vector_nodes
+from fem_lie.solve.conserving.refused import refuse_scene
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import Options
-from fem_lie.solve.conserving.straight.run import StraightRun
-from fem_lie.solve.conserving.straight.scene import check, is_straight
-from fem_lie.solve.motion.integrator import Integrator, check_until_round_off, refuse
+from fem_lie.solve.motion.integrator import Integrator, check_until_round_off
 from fem_lie.solve.motion.policies import Automatic, Policy
 from fem_lie.solve.motion.step_control import StepChoice
 from fem_lie.solve.recording.saving import Saving
@@ -90,18 +90,15 @@ class EnergyMomentum(Integrator):
         """Those of a scene; ``ValueError`` names what the scheme cannot do."""
         # translations are global, so the derivatives in velocities are those of R³×SO(3)
         equations = Equations(scene, dynamics=True, group=Group.R3xSO3)
-        _refuse(equations)
-        if self.policy.secants and not is_straight(equations):
+        refuse_scene(equations)
+        if self.policy.secants and not has_vector_nodes(equations):
             raise ValueError(
                 "conserving schemes learn from corrections where nodes have no frames (Cable, Net, "
                 f"ThinShell, Solid): expected secants=0 without these, got {self.policy.secants}"
             )
         return equations
 
-    def _integration(self, equations: Equations, step: float) -> Run | StraightRun:
-        if is_straight(equations):
-            given = self.tolerance, self.max_iterations
-            return StraightRun(self.policy, equations, step, given, self.told().loss)
+    def _integration(self, equations: Equations, step: float) -> Run:
         return Run(self.told(), equations, step)
 
     def _follow(
@@ -113,11 +110,6 @@ class EnergyMomentum(Integrator):
         progress: bool | None,
     ) -> Result:
         equations, options = self._equations(scene), self.told()
-        if is_straight(equations):
-            raise ValueError(
-                "conserving schemes move nodes without frames (Cable, Net, ThinShell, Solid) by "
-                "constant steps: expected the size of the step as a number and nothing that jumps"
-            )
         if any(term.secant for term in equations.tables.terms):
             raise ValueError(
                 "conserving schemes have contacts by penalty in constant steps: expected the size "
@@ -128,25 +120,6 @@ class EnergyMomentum(Integrator):
     def told(self) -> Options:
         """What a run is told."""
         return Options(self.tolerance, self.policy, self.max_iterations)
-
-
-def _refuse(equations: Equations) -> None:
-    """Raise ``ValueError`` for what these schemes cannot do."""
-    unknowns, straight = equations.unknowns, is_straight(equations)
-    terms = [term for term in equations.tables.terms if not (term.conserved or straight)]
-    apart = [f"{term.label} with damping" if term.viscous else term.label for term in terms]
-    drilling = ", ".join(unknowns.drilling)
-    apart_too = [] if straight else unknowns.other_constraints
-    reasons = dict.fromkeys(apart_too, True) | {
-        "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
-        "redundant constraints": unknowns.may_be_redundant,
-        f"shells with six parameters ({drilling})": bool(drilling),
-        ", ".join(dict.fromkeys(apart)): bool(apart),
-        f"reduced-order bodies ({', '.join(unknowns.floating)})": bool(unknowns.floating),
-    }
-    refuse("a conserving scheme", reasons)
-    if straight:
-        check(equations)
 
 
 @dataclass(frozen=True)

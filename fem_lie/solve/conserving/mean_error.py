@@ -28,11 +28,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie.forms.frames import pull
-from fem_lie.lie.kinds import inertia
-from fem_lie.lie.tuples import load, load_row, rotate, rotate_back
+from fem_lie.lie.kinds import SLOPE, inertia, pull_all
+from fem_lie.lie.kinds.kind import axes
+from fem_lie.lie.tuples import load, rotate, rotate_back
 from fem_lie.solve.motion.step_error import StepError, add_inertia_forces, largest
 from fem_lie.system.equations import Instant
 
@@ -60,7 +60,7 @@ class MeanError:
     def __init__(self, equations: Equations) -> None:
         """For equations whose matrix is factorised elsewhere."""
         unknowns, n = equations.unknowns, equations.unknowns.moving
-        self._equations, self._size = equations, 6 * n
+        self._equations, self._size, self._kinds = equations, 6 * n, unknowns.kinds
         self._q = np.zeros((n, 4, 3))
         self._twist, self._still = np.zeros((2, n, 6))
         self._r, self._ones = np.zeros(unknowns.size), np.ones(unknowns.m)
@@ -86,7 +86,8 @@ class MeanError:
         before = self._residual(start, A, weights)[:size].copy()
         r[:] = self._residual(end, A, weights)
         forces = r[:size].reshape(-1, 6)
-        _compare(start.H, end.H, before.reshape(-1, 6), h * h / 12.0 * mass, forces)
+        factor = h * h / 12.0 * mass
+        _compare(self._kinds, start.H, end.H, before.reshape(-1, 6), factor, forces)
         self._q[:] = delta - 0.5 * h * (start.V + end.V)
         add_inertia_forces(equations, end.H, self._q, -mass, forces)
         forces[equations.unknowns.held] = 0.0
@@ -98,8 +99,9 @@ class MeanError:
         if equations.unknowns.time_dependent:
             equations.prescribed(at.time).act()
         twist[:] = 0.0
-        pull(at.H, at.V, 1.0, twist)
-        twist[:, 3:] *= 0.5
+        pull_all(self._kinds, at.H, at.V, 1.0, twist.reshape(-1))
+        # each director of a frame has its part of the rotation twice
+        twist[self._kinds < SLOPE, 3:] *= 0.5
         now = Instant(at.H, twist, self._still, weights)
         equations.residual(now, self._ones, self._r, self._found)
         inertia.accelerations(equations.unknowns.kinds, at.H, twist, self._still, self._q)
@@ -115,16 +117,18 @@ class MeanError:
 
 
 @compiled
-def _compare(H: Array, H1: Array, before: Array, factor: float, r: Array) -> None:
-    """``r = factor (r − before)``, (n, 6): forces in the frames ``H1``, moments in the body.
+def _compare(kinds: Indices, H: Array, H1: Array, before: Array, factor: float, r: Array) -> None:
+    """``r = factor (r − before)``, (n, 6): forces along the axes of ``H1``, moments in the body.
 
     Both are O(h), so moments may be compared in the body: a bar that resists bending ten thousand
     times as much as twist gets no twist from how bending moments have turned.
     """
     for i in range(r.shape[0]):
-        a, b = H[i], H1[i]
-        f = rotate(load_row(a, 1), load_row(a, 2), load_row(a, 3), load(before[i], 0))
-        f = rotate_back(load_row(b, 1), load_row(b, 2), load_row(b, 3), f)
-        for k in range(3):
-            r[i, k] = factor * (r[i, k] - f[k])
-            r[i, 3 + k] = factor * (r[i, 3 + k] - before[i, 3 + k])
+        a1, a2, a3 = axes(kinds[i], H[i])
+        b1, b2, b3 = axes(kinds[i], H1[i])
+        for at in (0, 3):
+            f = load(before[i], at)
+            if at == 0 or kinds[i] >= SLOPE:
+                f = rotate_back(b1, b2, b3, rotate(a1, a2, a3, f))
+            for k in range(3):
+                r[i, at + k] = factor * (r[i, at + k] - f[k])

@@ -6,10 +6,16 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from fem_lie._arrays import Array
 from fem_lie.bodies.balances import TOTAL
+from fem_lie.forms.body_term import BodyTerm
+from fem_lie.forms.cell_forms import FormTable, each_cell, joined
 from fem_lie.forms.cells import Cells
 from fem_lie.forms.term import Term
+from fem_lie.lie.kinds import SLOPE
 from fem_lie.solve.conserving.between.pushes import Pushes
+from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
+from fem_lie.solve.conserving.rows.measure import measure_cells
 from fem_lie.solve.conserving.step.records import (
     Leaders,
     LegEnds,
@@ -26,10 +32,13 @@ from fem_lie.system.equations import Equations
 from fem_lie.system.nodes.loads import Loads
 
 
-def start_state(equations: Equations, cells: Cells, legs: Legs, *, dissipates: bool) -> State:
+def start_state(
+    equations: Equations, cells: Cells, rows: RowCells, legs: Legs, *, dissipates: bool
+) -> State:
     """At rest at the frames of the start."""
     z = np.zeros
     n, m = equations.unknowns.moving, equations.unknowns.m
+    count = cells.count + len(rows.sees)
     return State(
         H=equations.start.frames.copy(),
         rest=z((n, 4, 3)),
@@ -37,11 +46,11 @@ def start_state(equations: Equations, cells: Cells, legs: Legs, *, dissipates: b
         weights=z(m),
         gap=z(m),
         F=z((cells.places, 6)),
-        W=z(cells.count),
-        account=z(cells.count),
+        W=z(count),
+        account=z(count),
         w=z((n, 4, 3)),
         w_F=z((cells.places, 6)),
-        lag=z(11),
+        lag=z(14),
         carry=z((n, 6)),
         books=z(TOTAL),
         trend=z((n, 6)),
@@ -51,12 +60,16 @@ def start_state(equations: Equations, cells: Cells, legs: Legs, *, dissipates: b
         slow=z((2 if dissipates else 0, 6 * n + m)),
         share=z(2),
         probe=np.cos(np.arange(6 * n + m)),
+        lasting=z((2, len(rows.nodes) if dissipates else 0, 2, 3)),
+        rates=z((2, n, 6)),
     )
 
 
-def room_for_step(equations: Equations, cells: Cells, legs: Legs, *, dissipates: bool) -> Step:
+def room_for_step(
+    equations: Equations, cells: Cells, rows: RowCells, legs: Legs, *, dissipates: bool
+) -> Step:
     """Memory of a step."""
-    z = np.zeros
+    z, count = np.zeros, cells.count + len(rows.sees)
     unknowns, frames = equations.unknowns, equations.start.frames
     n, m, total = unknowns.moving, unknowns.m, unknowns.total
     return Step(
@@ -64,8 +77,8 @@ def room_for_step(equations: Equations, cells: Cells, legs: Legs, *, dissipates:
         rows=np.stack([*[frames] * 3, z(frames.shape)]),
         V1=z((n, 4, 3)),
         F1=z((cells.places, 6)),
-        W1=z(cells.count),
-        work=z(cells.count),
+        W1=z(count),
+        work=z(count),
         change=z(m),
         losses=z(TOTAL),
         start=z((total, 4, 3)),
@@ -85,8 +98,48 @@ def room_for_step(equations: Equations, cells: Cells, legs: Legs, *, dissipates:
         own=z((3, n, 4, 3)),
         turnings=z((2, 3 if dissipates else 0, 6 * n)),
         gains=z(cells.count),
-        pushed=pushes_of(equations).room(n),
+        pushed=z((0 if has_vector_nodes(equations) else len(pushes_of(equations).room(n)), 6)),
+        lasting=z((3, len(rows.nodes) if dissipates else 0, 2, 3)),
+        changes=z((2, n if dissipates else 0, 6)),
+        outer=z((n, 6)),
     )
+
+
+def has_vector_nodes(equations: Equations) -> bool:
+    """Whether there are nodes that are no frames."""
+    return bool((equations.unknowns.kinds >= SLOPE).any())
+
+
+def assemblies_of_frames(equations: Equations) -> list[tuple[slice, BodyTerm]]:
+    """Those of bodies whose nodes are frames."""
+    known = equations.tables
+    kinds = known.kinds[known.leader]
+    return [(at, term) for at, term in known.assemblies if kinds[at.start] < SLOPE]
+
+
+def cells_of_rows(equations: Equations) -> RowCells:
+    """Cells of all terms on nodes that are no frames, measured at the start."""
+    kinds = equations.tables.kinds
+    tables = [term.tables for term in equations.tables.terms if not term.load]
+    parts = [both for both in tables if both is not None]
+    parts = [both for both in parts if (kinds[both[0].nodes] >= SLOPE).all()]
+    forces, energy = (
+        each_cell(FormTable(*joined([both[k] for both in parts], [0] * len(parts))))
+        for k in range(2)
+    )
+    count = len(forces.calls)
+    cells = RowCells(
+        np.stack([forces.calls, energy.calls], axis=1),
+        forces.first,
+        forces.nodes,
+        kinds[forces.nodes],
+        np.zeros((len(forces.nodes), 2)),
+        np.zeros(count, dtype=np.int64),
+        np.zeros(count),
+    )
+    start = equations.start.frames
+    measure_cells(cells, equations.unknowns.lengths, start, np.zeros_like(start))
+    return cells
 
 
 def pushes_of(equations: Equations) -> Pushes:
@@ -102,7 +155,9 @@ def legs_of(equations: Equations, follows: bool) -> Legs:
     return Legs(nodes, rows.astype(np.int64))
 
 
-def model_of(equations: Equations, cells: Cells, scheme: Scheme, legs: Legs) -> Model:
+def model_of(
+    equations: Equations, cells: Cells, rows: RowCells, scheme: Scheme, legs: Legs
+) -> Model:
     """What a step sees of the scene."""
     known, unknowns = equations.tables, equations.unknowns
     n, m = unknowns.moving, unknowns.m
@@ -118,14 +173,27 @@ def model_of(equations: Equations, cells: Cells, scheme: Scheme, legs: Legs) -> 
         loads=Loads(*(array.copy() for array in known.loads)),
         conservative=known.conservative,
         pressure=pieces_of(known.terms),
-        viscous=any(assembly.viscous for _, assembly in known.assemblies),
+        viscous=any(term.viscous for _, term in assemblies_of_frames(equations)),
         scheme=scheme,
         probes=known.probes,
         driven=np.zeros(m),
         supported=known.supported.astype(np.int64),
         legs=legs,
         ends=ends_of(legs, n, unknowns.size),
+        kinds=known.kinds,
+        arms=np.where(unknowns.lengths, 1.0, unknowns.length),
+        rows=rows,
+        of_vectors=_of_vectors(equations),
+        outside=np.zeros(4, dtype=np.int64),
     )
+
+
+def _of_vectors(equations: Equations) -> Array:
+    """Weights of the unknowns of nodes that are no frames, and of constraints that touch them."""
+    unknowns, vectors = equations.unknowns, equations.tables.kinds >= SLOPE
+    legs, touched = equations.matrix.legs, np.zeros(unknowns.m, dtype=bool)
+    touched[legs.rows[vectors[legs.nodes]]] = True
+    return np.where(np.append(np.repeat(vectors, 6), touched), unknown_scaling(unknowns), 0.0)
 
 
 def ends_of(legs: Legs, n: int, size: int) -> LegEnds:

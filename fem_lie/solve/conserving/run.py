@@ -8,16 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.solve.conserving import stretch
-from fem_lie.solve.conserving.between.end_forces import at_end
-from fem_lie.solve.conserving.end_rates import local_rates
+from fem_lie.solve.conserving.between.any_node import twists
+from fem_lie.solve.conserving.between.end_forces import at_end, rates_at_end
 from fem_lie.solve.conserving.run_state import PREFIX
 from fem_lie.solve.conserving.step import corrections, loop
+from fem_lie.solve.conserving.step.dissipation import ENERGY
 from fem_lie.solve.conserving.step.records import Solution
 from fem_lie.solve.conserving.steps import DIVIDED, HALVINGS, PARTS, STILL, Steps
 from fem_lie.solve.motion.consistent import accelerations
@@ -30,6 +31,8 @@ _log = logging.getLogger(__name__)
 
 _AT_A_TIME = 20_000
 """Steps times unknowns, some milliseconds, after which the loop comes back to be interrupted."""
+_CANCELLED = 1e-13
+"""Of the largest energy of a run, errors of energies that are reported."""
 
 
 class Run(Steps):
@@ -47,8 +50,8 @@ class Run(Steps):
         first = history.row
         made = self._reaches(history)
         # steps of the compiled loop are seen by the rows that it has filled
-        self._turning.note(self.this.step[:, 3:])
-        self._turning.note(self.h * history.velocities[first : history.row, :, 3:])
+        self._turning.note(self.this.step[self._framed, 3:])
+        self._turning.note(self.h * history.velocities[first : history.row, self._framed_rows, 3:])
         return made
 
     def _reaches(self, history: History) -> bool:
@@ -56,16 +59,9 @@ class Run(Steps):
         if self._alone:
             return self._stretch(history)
         last = history.next_stop(self.index)
-        if self.rule is None or self._changing or self._pushes:
+        if self.rule is None or self._changing or self._touching or self._each:
             last = self.index + 1
-        if self._held and last > self.index + 1:
-            # reactions need the accelerations of the last two steps
-            if not self._go_to(last - 1, self.index * self.h, (self.index + 1) * self.h):
-                return False
-            self._note_rates()
-        done = self._go_to(last, self.index * self.h, (self.index + 1) * self.h)
-        self._note_rates()
-        return done
+        return self._go_to(last, self.index * self.h, (self.index + 1) * self.h)
 
     @property
     def _alone(self) -> bool:
@@ -77,7 +73,8 @@ class Run(Steps):
             ruled
             and known
             and tables.complete
-            and not (self._changing or self._held or self._pushes)
+            and (not self._held or self._table is not None)
+            and not (self._changing or self._touching or self._each)
         )
 
     def _stretch(self, history: History) -> bool:
@@ -86,13 +83,16 @@ class Run(Steps):
         most = max(1, _AT_A_TIME // self.equations.unknowns.size)
         last, wanted = history.stretch(self.index, most)
         results = self._filled.scene, history.arrays.table, wanted
+        supports = self._supports(history)
         place, packed = np.array([history.row, 0, 0]), self._packed
         given = self._given(self.rule, self.options.max_iterations)
         code = loop.MATRIX
         while code == loop.MATRIX:
             assert self._factors is not None
-            how = self._factors.plain, given, self.counters, self.numbers, results, place, last
-            code = stretch.run(packed.model, packed.state, packed.step, *how)
+            tables = packed.model, packed.state, packed.step
+            how = self._factors.plain, given, self.counters, self.numbers
+            code = stretch.run(*tables, *how, results, supports, place, last)
+            self._outside.check()
             if code == loop.MATRIX and not self._renewed():
                 code = loop.FAILED
         filled = int(place[stretch.WANTED])
@@ -103,6 +103,21 @@ class Run(Steps):
         start = self.index * self.h
         rescue = self.options.policy.rescue
         return code == loop.DONE or (rescue and self._rescued(start, start + self.h))
+
+    def _supports(self, history: History) -> stretch.PlainSupports:
+        """Supports whose reactions the compiled loop fills in."""
+        unknowns, tables = self.equations.unknowns, self.equations.tables
+        wanted = self._held and Record.FORCES in history.filled
+        rows = history.reactions if wanted else np.empty((0, 0, 6))
+        table = np.empty((0, 5), dtype=np.int64) if self._table is None else self._table
+        ones = np.ones(unknowns.m)
+        held = unknowns.held, unknowns.supported
+        return (*stretch.Supports(table, tables.turning, *held, rows, ones),)
+
+    @property
+    def _table(self) -> Indices | None:
+        """Of the sum of all forces, if they are one."""
+        return self._found.table if self.equations.tables.in_one_sum else None
 
     def _failure(self, steps: int) -> str:
         increment = float(self.numbers[corrections.INCREMENT])
@@ -134,7 +149,20 @@ class Run(Steps):
                 "%d of %d steps were made in up to %d parts, where no solution was found in full",
                 *(divided, self.index, self.told[PARTS]),
             )
+        self._warn_of_cancellation()
         return history.result(int(self.counts[0]), history.seconds, divided=divided)
+
+    def _warn_of_cancellation(self) -> None:
+        """Say which laws lose the digits of small strains, where that is seen in the energy."""
+        cancels, most = self.row_cells.cancels, float(self.s.lag[ENERGY])
+        error = float(np.linalg.norm(cancels))
+        if error > _CANCELLED * most:
+            _log.warning(
+                "energies of %d cells are differences of larger numbers, and known to %.1e of %.1e "
+                "only: energy is conserved no better. Write the law with fem_lie.log1p, expm1 and "
+                "det_minus_one, which keep all digits of small strains",
+                *(np.count_nonzero(cancels), error, most),
+            )
 
     def keep(self, history: History) -> None:
         """Keep the present state."""
@@ -148,6 +176,8 @@ class Run(Steps):
         if self._held and Record.FORCES in history.filled:
             history.reactions[row] = self._reactions(weights)
         if Record.ENERGIES in history.filled:
+            if self._outside.joints is not None:
+                history.elastic[row] = self._outside.joints.energy(s.H)
             history.elastic[row] += s.W.sum() + self._pushes.energy + self._pushes.held
         history.keep(
             np.array([self.index]), self.counters[corrections.TOTAL : corrections.TOTAL + 1]
@@ -173,9 +203,9 @@ class Run(Steps):
 
     def _reactions(self, weights: Array) -> Array:
         """Of supports, by the equations of motion at the end of the step."""
-        s, n = self.s, self.moving
-        v = self.local(s.V, s.H)
-        rates = local_rates(s.H[:n], v[:n], self.rates.end())
+        s, (end, v, rates) = self.s, np.empty((3, self.moving, 6))
+        rates_at_end(s.rates, s.sizes, end)
+        twists(self._kinds, self.equations.tables.turning, s.H, s.V, end, v, rates)
         return self.equations.report(s.H, v, rates, weights, carried=False).reactions
 
     # --- checkpoints ---
@@ -186,6 +216,8 @@ class Run(Steps):
         kept |= {"V1": self.this.V1, "r": self.this.r, "scale": self.model.scale}
         kept |= {"counters": self.counters, "numbers": self.numbers, "counts": self.counts}
         kept["told"], kept["pushes"] = self.told, self._pushes.saved
+        if self._outside.joints is not None:
+            kept |= self._outside.joints.memory
         kept |= {f"local.{k}": part for k, part in enumerate(self.cells.local_fields)}
         return super().memory() | kept
 
@@ -197,6 +229,8 @@ class Run(Steps):
         self.model.scale[:] = kept["scale"]
         self.counters[:], self.numbers[:] = kept["counters"], kept["numbers"]
         self.counts[:], self.told[:] = kept["counts"], kept["told"]
+        if self._outside.joints is not None:
+            self._outside.joints.restore(kept)
         if self._changing:
             self.equations.prescribed(max(self.index - 0.5, 0.0) * self.h).act()
             self.cells.pack()
@@ -204,7 +238,6 @@ class Run(Steps):
         self.cells.restore([kept[f"local.{k}"] for k in range(len(self.cells.local_fields))])
         super().restore(kept)
         self._pushes.restore(kept["pushes"])
-        self._note_rates()
         self._factors = self._kept_factors(kept)
 
     def _kept_factors(self, kept: Mapping[str, Array]) -> Factors | None:

@@ -8,17 +8,18 @@ from typing import Any
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.balances import WORK
 from fem_lie.forms.cells import Cells, evaluate
-from fem_lie.forms.frames import push
-from fem_lie.lie.kinds import inertia
+from fem_lie.lie.kinds import SLOPE, follow_all, inertia, push_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
+from fem_lie.solve.conserving.between.any_node import spatial_rates
 from fem_lie.solve.conserving.between.screws import half_way
 from fem_lie.solve.conserving.between.turning import Turning
-from fem_lie.solve.conserving.end_rates import EndRates, spatial
 from fem_lie.solve.conserving.memory import (
+    assemblies_of_frames,
+    cells_of_rows,
     legs_of,
     model_of,
     pieces_of,
@@ -26,6 +27,11 @@ from fem_lie.solve.conserving.memory import (
     room_for_step,
     start_state,
 )
+from fem_lie.solve.conserving.outside.forces import Outside
+from fem_lie.solve.conserving.outside.joints import Joints
+from fem_lie.solve.conserving.rows.cells import energies_at
+from fem_lie.solve.conserving.rows.changes import forces_at
+from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
 from fem_lie.solve.conserving.step import corrections
 from fem_lie.solve.conserving.step.balance import packed_residual
 from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
@@ -38,6 +44,7 @@ from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.result_row import ResultRow
+from fem_lie.solve.secants import Secants
 from fem_lie.system.equations import Equations, Instant, Plan
 
 PREFIX = "fem_lie_dynamics_"
@@ -74,6 +81,8 @@ class RunState(Integration[History]):
     """
 
     follows = True
+    _framed: slice | Indices
+    _framed_rows: slice | Indices
 
     def __init__(
         self,
@@ -94,21 +103,38 @@ class RunState(Integration[History]):
         self.options, self.rule = options, options.policy.rule()
         self.moving, self._changing = equations.unknowns.moving, equations.unknowns.time_dependent
         self._held = len(equations.unknowns.supported) > 0
+        kinds = equations.tables.kinds
+        self._kinds, self._vectors = kinds, np.flatnonzero(kinds >= SLOPE)
+        of_all = kinds[equations.tables.leader] < SLOPE
+        # to take all is no copy
+        self._framed = self._framed_rows = slice(None)
+        if len(self._vectors):
+            self._framed, self._framed_rows = (np.flatnonzero(k) for k in (kinds < SLOPE, of_all))
         self.cells: Cells = (
-            Cells(list(equations.tables.assemblies)) if shared is None else shared.cells
+            Cells(assemblies_of_frames(equations)) if shared is None else shared.cells
         )
+        self.row_cells: RowCells = cells_of_rows(equations) if shared is None else shared.row_cells
         self._strained = equations.unknowns.strains_change
         legs = legs_of(equations, self.follows)
-        room, dissipates = (equations, self.cells, legs), options.loss > 0.0
+        room, dissipates = (equations, self.cells, self.row_cells, legs), options.loss > 0.0
         self.s: State = start_state(*room, dissipates=dissipates) if shared is None else shared.s
         self.this: Step = (
             room_for_step(*room, dissipates=dissipates) if shared is None else shared.this
         )
         self._pushes, self._turning = pushes_of(equations), Turning()
         scheme = Scheme(self.h, options.loss, options.learning)
-        self.model = model_of(equations, self.cells, scheme, legs)
+        self.model = model_of(equations, self.cells, self.row_cells, scheme, legs)
+        outside = None if shared is None else shared._outside
+        self._outside = Outside(equations, self, self._pushes, outside)
+        self._touching = bool(self._pushes) and not len(self._vectors)
+        # what follows its surroundings is turned after each step, and what joints miss led back
+        known, turns = equations.tables, len(self._vectors) > 0
+        turns &= known.drills or len(known.around[0]) > 0
+        self._each = turns or self._outside.between or options.policy.secants > 0
+        if options.policy.secants > 0:
+            self._outside.learn(Secants(options.policy.secants, self._node_measure))
         self._packed = Packed(self.model, self.s, self.this)
-        self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(10)
+        self.counters, self.numbers = np.zeros(8, dtype=np.int64), np.zeros(11)
         self.counts, self.told = np.zeros(2, dtype=np.int64), np.zeros(3, dtype=np.int64)
         self._factors: Factors | None = None
         self._kept = -1  # the last step of which the compiled loop has filled in a row
@@ -117,7 +143,14 @@ class RunState(Integration[History]):
         self._r, still = np.empty(equations.unknowns.size), np.zeros((self.moving, 6))
         now = Instant(*equations.start[:2], still, self.s.weights)
         self._found = equations.residual(now, self.model.scale, self._r)
-        self.rates, self._end = EndRates.at(np.zeros((self.moving, 6))), 0.0
+        self._end = 0.0
+
+    @property
+    def _node_measure(self) -> Array:
+        """Of unknowns in lengths of the model, nil for multipliers, (6 n + m,)."""
+        measure = self.model.measure.copy()
+        measure[6 * self.moving :] = 0.0
+        return measure
 
     @property
     def frames(self) -> Array:
@@ -135,6 +168,22 @@ class RunState(Integration[History]):
         inertia.local_twists(H, V, self.equations.tables.turning, out)
         return out
 
+    @property
+    def asks(self) -> bool:
+        """Whether there is something to do in Python before and after each step."""
+        return self._each
+
+    @property
+    def joints(self) -> Joints | None:
+        """Those whose forces Python finds, if there are any."""
+        return self._outside.joints
+
+    def spatial(self, H: Array, v: Array, rates: Array) -> Array:
+        """Accelerations of increments (n, 6), from twists ``v`` and their ``rates`` along axes."""
+        out = np.empty((self.moving, 6))
+        spatial_rates(self._kinds, H, np.ascontiguousarray(v), np.ascontiguousarray(rates), out)
+        return out
+
     # --- start ---
 
     def start(self) -> None:
@@ -142,10 +191,10 @@ class RunState(Integration[History]):
         equations, s, n = self.equations, self.s, self.moving
         frames, v = equations.start[:2]
         check_velocities(equations, self.h)
-        push(frames[:n], v[:n], s.V)
+        push_all(self._kinds, frames[:n], np.ascontiguousarray(v[:n]), s.V)
         solver = DirectSolver(equations.matrix, PREFIX)
         vdot, s.weights[:] = accelerations(equations, solver, s.H, v, 0.0, self.h)
-        self.rates = EndRates.at(spatial(s.H[:n], v[:n], vdot))
+        s.rates[:] = self.spatial(s.H, v, vdot)
         self._set_loads(0.0)
         s.account[:] = self._evaluate_start()
         self._pushes.at_rest(s.H)
@@ -158,8 +207,12 @@ class RunState(Integration[History]):
     def _evaluate_start(self) -> Array:
         """Forces and energies of the cells at the start of a step; returns the energies."""
         frames = self.equations.report(self.s.H).frames
-        evaluate(self.cells.table, frames, np.zeros_like(frames), self.s.F, self.s.W)
-        return self.s.W
+        s, framed = self.s, self.cells.count
+        evaluate(self.cells.table, frames, np.zeros_like(frames), s.F, s.W[:framed])
+        energies_at(self.row_cells, s.H, s.rest, s.W[framed:])
+        if len(s.lasting[0]):
+            forces_at(self.row_cells, s.H, s.rest, s.lasting[0])
+        return s.W
 
     # --- the size of the step ---
 
@@ -212,6 +265,8 @@ class RunState(Integration[History]):
 
     def _factorise(self) -> None:
         """New matrix for the present step."""
+        if self._outside.learns is not None:
+            self._outside.learns.forget()
         self._fill_here(self.model.scale)
         self._factors = self._with_inverse(factorise(self.equations.matrix))
         self.counts[:] = self.counts[0] + 1, self.index
@@ -241,29 +296,40 @@ class RunState(Integration[History]):
         if self.counters[corrections.ITERATION] > 1:
             packed, end, ahead = self._packed, Span(*this.rows).end, 0.0
             packed_residual(packed.model, packed.state, packed.step)
-            H = half_way(s.H, end, n)
+            H = self._half_way(end)
             v, a = self.local(0.5 * (s.V + this.V1), H), self.local((this.V1 - s.V) / self.h, H)
         else:
             H, end, v, ahead = s.H, s.H, self.local(s.V, s.H), 1.0
             a = 2.0 * np.einsum("nij,nkj->nki", H[:n, 1:], s.trend.reshape(n, 2, 3)).reshape(n, 6)
         a[:, :3] -= np.cross(v[:, 3:], v[:, :3])
+        a[self._vectors] = 0.0
         age = self._age()
         joints_at = s.H if scale is None else self._moved(end, v, ahead + age)
         forces_at = self._moved(H, v, 0.5 * ahead + age)
         if self.follows:
             axes = self._moved(joints_at, v, -0.5)
             joints, held, legs = self.model.joints, self.model.held, self.model.legs
-            border_at(joints, legs, held, (joints_at, axes, forces_at), s.border)
+            border_at(joints, legs, self._kinds, held, (joints_at, axes, forces_at), s.border)
         return self._fill(H, v, a, joints_at, forces_at, scale=scale)
 
     def _age(self) -> float:
         """Steps to the middle of the matrix's likely life: as old as the last one became."""
         return 0.0 if self._lost else float((self.index - self.counts[1]) // 2)
 
+    def _half_way(self, end: Array) -> Array:
+        """The nodes half-way to the end: frames along screws, others in the middle of the step."""
+        H = half_way(self.s.H, end, self.moving)
+        H[self._vectors] = Span(*self.this.rows).middle[self._vectors]
+        return H
+
     def _moved(self, H: Array, v: Array, steps: float) -> Array:
-        """Frames so many steps later."""
-        n, ahead = self.moving, H.copy()
+        """Nodes so many steps later."""
+        n, ahead, own = self.moving, H.copy(), self._vectors
         ahead[:n] = lie.se3_retract(H[:n], steps * self.h * v)
+        if len(own):
+            moved = np.empty((len(own), 4, 3))
+            follow_all(self._kinds[own], H[own], steps * self.h * v[own], moved)
+            ahead[own] = moved
         return ahead
 
     def _fill(
@@ -283,6 +349,7 @@ class RunState(Integration[History]):
         equations, n = self.equations, self.moving
         now = Instant(H, np.zeros_like(equations.start.velocities), a, self.s.weights)
         now.v[:n] = v
+        now.v[self._vectors] = 0.0
         equations.residual(now, self.model.scale, self._r, self._found)
         # the first step conserves, see filtered
         h, still = (1.0 + self.options.loss * self.s.lag[REMEMBERS]) * self.h, np.zeros((n, 6))
@@ -290,5 +357,7 @@ class RunState(Integration[History]):
         if self._pushes and self.counters[corrections.ITERATION] > 1:
             plan = plan._replace(ends=self._pushes.ends)
         # unknowns are along half-way axes, elements and constraints are felt at the end
-        plan = plan._replace(stressed=H, choices=self.choices, lag=0.5 * self.h * v[:, 3:])
+        lag = 0.5 * self.h * v[:, 3:]
+        lag[self._vectors] = 0.0
+        plan = plan._replace(stressed=H, choices=self.choices, lag=lag)
         return equations.fill(now, self._found, plan)

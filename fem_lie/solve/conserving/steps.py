@@ -16,6 +16,7 @@ import numpy as np
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.solve.conserving.step import corrections, loop, nodes
 from fem_lie.solve.conserving.touching import Touching
+from fem_lie.solve.secants import Secants
 
 _log = logging.getLogger(__name__)
 
@@ -33,6 +34,9 @@ _UNPREDICTED = 8
 STILL, DIVIDED, PARTS = 0, 1, 2
 """Of :attr:`Steps.told`: steps to come without a prediction, steps that were divided, and the most
 parts of one."""
+_LEARNT, _SPIRALS = 8, 10.0
+"""Corrections that one learns from where the matrix alone fails, and the most that they may grow
+by."""
 _SHARE = 0.4
 """Of the cost of a matrix, what a step may go on for instead: the next steps gain by it, too."""
 
@@ -45,11 +49,6 @@ class Steps(Touching):
     """
 
     endures = True
-
-    def _note_rates(self) -> None:
-        # reactions of supports are made of them
-        if self._held:
-            self.rates = self.rates.after(2.0 * self.s.trend, self.s.sizes[0])
 
     def _go_to(self, last: int, start: float, end: float) -> bool:
         """Make all steps up to ``last``, the first from ``start`` to ``end``; whether they were."""
@@ -80,13 +79,17 @@ class Steps(Touching):
         _log.info("step %d: kept matrix diverges, new matrices", self.index + 1)
         self.s.weights[:] = self.this.weights
         numbers = self.numbers
-        if self.counters[corrections.STALLS] >= _LONG and numbers[corrections.LEAST] <= _SETTLED:
+        stalled = self.counters[corrections.STALLS] >= _LONG and not len(self._vectors)
+        # cells of nodes that are no frames keep an old matrix from its end likewise
+        if stalled and numbers[corrections.LEAST] <= _SETTLED:
             numbers[corrections.FLOOR] = numbers[corrections.LEAST]
         # a step that surfaces go through does so again
         return (not self.reason and self._again()) or self._in_parts(start, end, 1)
 
     def _again(self) -> bool:
         """The step that failed from its start, with new matrices until it converges fast."""
+        if len(self._vectors) and self._make_learning():
+            return True
         for still in (True, False):
             self.numbers[corrections.EXCESS] = np.inf
             if self._make(_RESCUE, still=still, always=True):
@@ -96,6 +99,23 @@ class Steps(Touching):
             if self.reason:
                 break
         return False
+
+    def _make_learning(self) -> bool:
+        """The step with one new matrix, whose corrections learn from each other.
+
+        What cells feel of the rotation of a step is not in the matrix: a few directions, in which
+        no matrix helps.
+        """
+        kept = self._outside.learns
+        self._outside.learn(Secants(_LEARNT, self._node_measure, growth=_SPIRALS))
+        self.numbers[corrections.EXCESS] = np.inf
+        each, self._each = self._each, True
+        made = self._make((self.options.max_iterations + 1, np.inf), still=False)
+        self._outside.learn(kept)
+        self._each = each
+        if not made:
+            self.s.weights[:] = self.this.weights
+        return made
 
     def _make(self, rule: tuple[int, float], *, still: bool, always: bool = False) -> bool:
         """Make one step; whether it is.
@@ -128,8 +148,6 @@ class Steps(Touching):
                 made = self._in_parts(a, b, depth + 1)
             if not made:
                 break
-            if b == middle:
-                self._note_rates()
         self._change_size(2.0 * self.h)
         self.told[PARTS] = max(self.told[PARTS], 2**depth)
         if depth == 1:
@@ -149,12 +167,15 @@ class Steps(Touching):
         motion = nodes.packed_begin(packed.model, packed.state, packed.step)
         numbers[corrections.MOTION] = max(motion, numbers[corrections.MOTION])
         numbers[corrections.PREVIOUS] = numbers[corrections.LEAST] = np.inf
+        numbers[corrections.LEFT] = np.inf
         numbers[corrections.FELT] = 0.0
 
     def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:
         """Steps up to ``last``; with pushes that is the next one."""
         limit = self.options.max_iterations * (_SLOW if always else 1)
-        if not self._pushes:
+        if self._each:
+            return self._go_each(last, rule, limit, always=always)
+        if not self._touching:
             return self._go_free(last, rule, limit, always=always)
         self.reason = ""
         if self.counters[corrections.ITERATION] == 0:
@@ -174,6 +195,37 @@ class Steps(Touching):
             self._begin()
         return loop.DONE if self._touch(limit) else loop.FAILED
 
+    def _go_each(
+        self, last: int, rule: tuple[int, float], limit: int, *, always: bool = False
+    ) -> int:
+        """The same where there is something to do in Python before and after each step."""
+        outside, contacts = self._outside, self._outside.contacts
+        while self.index < last:
+            self.reason = ""
+            outside.begin()
+            before = self._kept_copy() if contacts else None
+            code = self._go_free(self.index + 1, rule, limit, always=always)
+            if code != loop.DONE:
+                return code
+            if before is not None and not self._keep_apart(before.s.H, self.s.H):
+                self._take_again(before)
+                return loop.FAILED
+            self._go_on()
+        return loop.DONE
+
+    def _go_on(self) -> None:
+        """What is to be done after a step."""
+        s, outside, memory = self.s, self._outside, self.equations.memory
+        memory.accept(s.H)
+        if outside.joints is not None:
+            outside.joints.accept(s.H, self.model.driven, s.gap)
+        if outside.contacts is not None:
+            outside.contacts.go_on()
+            if not outside.pushed.any():
+                outside.contacts.overlap(s.H)
+        if len(self._vectors):
+            memory.turn_axes(s.H)
+
     def _go_free(
         self, last: int, rule: tuple[int, float], limit: int, *, always: bool = False
     ) -> int:
@@ -189,6 +241,7 @@ class Steps(Touching):
             else:
                 factors = self._factors.plain
                 code = loop.run(*tables, factors, given, counters, self.numbers, last)
+                self._outside.check()
             if code == loop.LOST:
                 code = self._go_anew()
                 if code == loop.DONE and self.index < last:
@@ -216,7 +269,12 @@ class Steps(Touching):
     def _go_anew(self) -> int:
         """Make the present step by full Newton, for kept constraints would lead it astray."""
         self.counters[corrections.ASKED], self._lost = 0, True
-        code = self._go(self.index + 1, (1, 0.0), always=True)
+        rule = 1, 0.0
+        if self._each:
+            limit = self.options.max_iterations * _SLOW
+            code = self._go_free(self.index + 1, rule, limit, always=True)
+        else:
+            code = self._go(self.index + 1, rule, always=True)
         self._lost = False
         return code
 

@@ -12,8 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie.forms.term import Ends
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import solve
+from fem_lie.solve.conserving.between.any_node import span_from_python
 from fem_lie.solve.conserving.run_state import RunState
 from fem_lie.solve.conserving.step import acceptance, corrections, nodes
 from fem_lie.solve.conserving.step.balance import packed_residual
@@ -58,7 +60,11 @@ class Touching(RunState):
     def _push(self) -> None:
         # cells take back by themselves what round-off has brought in
         leak = 0.0 if len(self.s.W) else float(self.s.lag[LEAK])
-        self._pushes.set(self.s.H, self.this.step, self.this.rows, leak, self.this.pushed)
+        s, this, along = self.s, self.this, Span(*self.this.rows)
+        rows = along.delta, along.mean, along.end, along.middle
+        span_from_python(self._kinds, s.H, this.step, rows)
+        ends = Ends(s.H, along.end, along.mean, along.delta)
+        self._pushes.set(ends, leak, this.pushed)
 
     def _part(self) -> None:
         """Nothing pushes."""

@@ -17,13 +17,11 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.balances import BY_REACTIONS, WORK
-from fem_lie.forms.frames import push
-from fem_lie.lie.kinds import inertia
+from fem_lie.lie.kinds import inertia, push_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, solve
 from fem_lie.linear.levels import Levels
 from fem_lie.results import Result
-from fem_lie.solve.conserving.end_rates import EndRates, spatial
 from fem_lie.solve.conserving.mean_error import End, MeanError
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import PREFIX, Options
@@ -69,8 +67,8 @@ class _Saved(NamedTuple):
         counters: Of the loop, likewise ``numbers``.
         carried: What the equations carry on.
         fields: Of the cells.
-        rates: Accelerations of the last steps.
         told: How steps were made.
+        joints: What joints outside of compiled code depend on.
     """
 
     s: State
@@ -78,8 +76,8 @@ class _Saved(NamedTuple):
     numbers: Array
     carried: dict[str, Array]
     fields: list[Array]
-    rates: EndRates
     told: Indices
+    joints: dict[str, Array]
 
 
 class ConservingSteps(Run):
@@ -154,7 +152,7 @@ class ConservingSteps(Run):
         v[:n] = self.local(s.V, s.H)
         solver = DirectSolver(equations.matrix, PREFIX)
         found = accelerations(equations, solver, s.H, v, time, self.h)[0]
-        self.rates = EndRates.at(spatial(s.H[:n], v[:n], found))
+        s.rates[:] = self.spatial(s.H, v, found)
 
     def _kick(self, time: float) -> None:
         """Make velocities satisfy drives and motions after ``time``, whose work is counted."""
@@ -163,7 +161,7 @@ class ConservingSteps(Run):
         v[:n] = self.local(s.V, s.H)
         solver = DirectSolver(equations.matrix, PREFIX)
         after = allowed_velocities(equations, solver, s.H, v, time, self.h)
-        push(s.H[:n], after[:n] - v[:n], change)
+        push_all(self._kinds, s.H, np.ascontiguousarray(after[:n] - v[:n]), change)
         before = self._invariants()
         s.V[:] += change
         gain = self._invariants() - before
@@ -187,7 +185,6 @@ class ConservingSteps(Run):
     def step_to(self, start: float, end: float, index: int, lands: bool) -> int:
         """See the protocol."""
         done = self._go_to(self.index + 1, start, end)
-        self._note_rates()
         return int(self.counters[corrections.LAST]) if done else 0
 
     def saved(self) -> _Saved:
@@ -195,7 +192,9 @@ class ConservingSteps(Run):
         s = State(*(array.copy() for array in self.s))
         carried, fields = self.equations.memory.saved(), self.cells.local_fields
         counts = self.counters.copy(), self.numbers.copy()
-        return _Saved(s, *counts, carried, fields, self.rates, self.told.copy())
+        joints = self._outside.joints
+        outside = {} if joints is None else {k: part.copy() for k, part in joints.memory.items()}
+        return _Saved(s, *counts, carried, fields, self.told.copy(), outside)
 
     def take_back(self, state: _Saved) -> None:
         """See the protocol."""
@@ -207,7 +206,9 @@ class ConservingSteps(Run):
         self.numbers[corrections.MOTION] = state.numbers[corrections.MOTION]
         self.equations.memory.restore(state.carried)
         self.cells.restore(state.fields)
-        self.rates, self.told[:] = state.rates, state.told
+        self.told[:] = state.told
+        if self._outside.joints is not None:
+            self._outside.joints.restore(state.joints)
 
     def follow(self, other: ConservingSteps, state: _Saved) -> None:
         """See the protocol."""

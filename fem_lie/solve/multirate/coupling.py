@@ -45,7 +45,9 @@ class Coupling:
             domains: In which all moving nodes are.
         """
         unknowns, n, m = between.unknowns, whole.unknowns.moving, between.unknowns.m
-        self._joints, self._domains = between.tables.joints, domains
+        pairs = between.tables.pairs_of_all
+        self._joints = between.tables.joints if pairs is None else pairs.joints
+        self._domains, self._kinds = domains, between.tables.kinds
         self._length, joined_nodes = unknowns.length, np.unique(between.matrix.legs.nodes)
         self._at, self._ground = rows_of(between, whole), between.start.frames[n:]
         self._touched = self._at[joined_nodes]
@@ -114,14 +116,14 @@ class Coupling:
             whole[domain.rows] = domain.before.H[: domain.moving]
         H[: len(self._at)] = whole[self._at]
         out, forces = (self._change, np.empty_like(self._forces)), self._forces
-        joined(H, self._moved[self._at], self._joints, λ, (out[0], out[1]))
+        joined(self._kinds, H, self._moved[self._at], self._joints, λ, (out[0], out[1]))
         forces[self._at] = out[1]
         for domain in self._domains:
             if not domain.go(forces):
                 return None
             self._moved[domain.rows] = domain.moved
         self.tries += 1
-        joined(H, self._moved[self._at], self._joints, λ, (out[0], out[1]))
+        joined(self._kinds, H, self._moved[self._at], self._joints, λ, (out[0], out[1]))
         return np.asarray(self.gap + self._change)
 
     def _find_response(self, λ: Array) -> bool:

@@ -15,20 +15,27 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.lie.kinds import SLOPE
 from fem_lie.lie.tuples import Vector, combined, cross, dot, load, load_row, plus, scaled, store_row
 from fem_lie.solve.conserving.step.joints import add_joints
 
 
 @compiled
 def joined(
-    H: Array, moved: Array, joints: PackedJoints, weights: Array, out: tuple[Array, Array]
+    kinds: Indices,
+    H: Array,
+    moved: Array,
+    joints: PackedJoints,
+    weights: Array,
+    out: tuple[Array, Array],
 ) -> None:
     """Changes of the constraints over a whole step, and forces that stay the same in it.
 
     Args:
+        kinds: Types of the moving nodes, (n,); of those that are no frames positions are joined.
         H: Rows at its start, (≥ n + 1, 4, 3); ground is not touched.
         moved: Their increments of the moving nodes, (n, 4, 3).
         joints: Table of the joints.
@@ -39,7 +46,7 @@ def joined(
     n = moved.shape[0]
     delta, mean = np.zeros_like(H), H.copy()
     for i in range(n):
-        for k in range(4):
+        for k in range(4 if kinds[i] < SLOPE else 1):
             for j in range(3):
                 delta[i, k, j] = moved[i, k, j]
                 mean[i, k, j] += 0.5 * moved[i, k, j]
@@ -48,6 +55,10 @@ def joined(
     for i in range(n):
         # of a residual
         store_row(forces[i], 0, scaled(-1.0, load(acting[i], 0)))
+        for k in range(1, 4):
+            store_row(forces[i], k, (0.0, 0.0, 0.0))
+        if kinds[i] >= SLOPE:
+            continue
         a = _turning(mean[i], scaled(-1.0, load(acting[i], 3)))
         for k in range(1, 4):
             store_row(forces[i], k, cross(a, load_row(mean[i], k)))

@@ -27,10 +27,9 @@ from typing import ClassVar
 
 from fem_lie._arrays import instance, whole
 from fem_lie.bodies.body import Body
-from fem_lie.lie.kinds import SLOPE
 from fem_lie.scene import Scene
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
-from fem_lie.solve.motion.integrator import WITHOUT_FRAMES, Integrator, refuse
+from fem_lie.solve.motion.integrator import Integrator, refuse
 from fem_lie.solve.multirate.run import MultiRateRun
 from fem_lie.solve.multirate.split import domains, rows_of
 from fem_lie.system.equations import Equations
@@ -98,7 +97,6 @@ class MultiRate(Integrator):
         refuse(
             "MultiRate",
             {
-                WITHOUT_FRAMES: bool((unknowns.kinds >= SLOPE).any()),
                 "drives, prescribed motions and strains that change in time": (
                     unknowns.driven
                     or len(equations.start.frames) > unknowns.moving + 1
@@ -115,6 +113,13 @@ class MultiRate(Integrator):
         between = self.scheme.equations(joints)
         for part in (*parts.values(), between):
             _check_alike(part, equations)
+        pairs = between.tables.pairs_of_all
+        reasons = {
+            "joints on points that are not nodes between bodies with steps of their own": (
+                pairs is not None and pairs.grips.count > 0
+            )
+        }
+        refuse("MultiRate", reasons, "EnergyMomentum")
         return MultiRateRun(self.scheme.told(), equations, step, parts, between)
 
 

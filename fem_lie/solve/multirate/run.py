@@ -11,6 +11,7 @@ from fem_lie._arrays import Array
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.results import Result
 from fem_lie.results.record import Record
+from fem_lie.solve.conserving.outside.forces import joints_of
 from fem_lie.solve.conserving.run_state import PREFIX, Options
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
 from fem_lie.solve.motion.integration import Integration
@@ -54,7 +55,7 @@ class MultiRateRun(Integration[History]):
         self.H = equations.start.frames.copy()
         self._filled, self._r = ResultRow(equations), np.empty(equations.unknowns.size)
         self._solver: DirectSolver | None = None
-        self._made = 0
+        self._made, self._joints = 0, joints_of(equations)
 
     def history(
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
@@ -126,6 +127,8 @@ class MultiRateRun(Integration[History]):
             told = equations.report(H, v, rates, weights, carried=False)
             history.reactions[row] = told.reactions
         if Record.ENERGIES in history.filled:
+            if self._joints is not None:
+                history.elastic[row] = self._joints.energy(H)
             history.elastic[row] += sum(float(domain.s.W.sum()) for domain in self._domains)
         history.keep(np.array([self.index]), np.array([self._coupling.tries]))
 

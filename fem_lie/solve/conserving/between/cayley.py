@@ -16,7 +16,7 @@ from __future__ import annotations
 from math import sqrt
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined
+from fem_lie._jit import compiled, inlined, inlined_uncounted
 from fem_lie.forms.fixed_arrays import as_frames, as_sixes
 from fem_lie.lie.tuples import (
     Vector,
@@ -73,21 +73,27 @@ def span(H: Array, step: Array, delta: Array, mean: Array, end: Array, middle: A
     H, step, delta, mean = as_frames(H), as_sixes(step), as_frames(delta), as_frames(mean)
     end, middle = as_frames(end), as_frames(middle)
     for i in range(step.shape[0]):
-        u, ψ = load(step[i], 0), load(step[i], 3)
-        φ = half(ψ)
-        x = load_row(H[i], 0)
-        store_row(delta[i], 0, u)
-        store_row(end[i], 0, plus(x, u))
-        store_row(mean[i], 0, combined(1.0, x, 0.5, u))
-        store_row(middle[i], 0, combined(1.0, x, 0.5, u))
-        for k in range(1, 4):
-            d = load_row(H[i], k)
-            d_mean = mean_of(ψ, d)
-            change = cross(ψ, d_mean)
-            store_row(mean[i], k, d_mean)
-            store_row(delta[i], k, change)
-            store_row(end[i], k, plus(d, change))
-            store_row(middle[i], k, turned(φ, d))
+        span_one(H[i], step[i], delta[i], mean[i], end[i], middle[i])
+
+
+@inlined_uncounted
+def span_one(H: Array, step: Array, delta: Array, mean: Array, end: Array, middle: Array) -> None:
+    """:func:`span` of one frame."""
+    u, ψ = load(step, 0), load(step, 3)
+    φ = half(ψ)
+    x = load_row(H, 0)
+    store_row(delta, 0, u)
+    store_row(end, 0, plus(x, u))
+    store_row(mean, 0, combined(1.0, x, 0.5, u))
+    store_row(middle, 0, combined(1.0, x, 0.5, u))
+    for k in range(1, 4):
+        d = load_row(H, k)
+        d_mean = mean_of(ψ, d)
+        change = cross(ψ, d_mean)
+        store_row(mean, k, d_mean)
+        store_row(delta, k, change)
+        store_row(end, k, plus(d, change))
+        store_row(middle, k, turned(φ, d))
 
 
 @compiled

@@ -37,3 +37,23 @@ def at_end(last: Array, earlier: Array, sizes: Array) -> Array:
     for c in range(last.shape[0]):
         out[c] = w[0] * last[c] + w[1] * earlier[0, c] + w[2] * earlier[1, c]
     return out
+
+
+@compiled
+def rates_at_end(rates: Array, sizes: Array, out: Array) -> None:
+    """Accelerations of increments (n, 6) at the end of the last step.
+
+    Mean accelerations of a step are those of its middle; the end is half a step further, along the
+    line through the last two of them: of second order.
+
+    Args:
+        rates: Means over the last step and the one before, or at the instant where it began,
+            (2, n, 6).
+        sizes: Of these steps; nil at an instant.
+        out: Overwritten.
+    """
+    whole = sizes[0] + sizes[1]
+    share = sizes[0] / whole if whole > 0.0 else 0.0
+    for i in range(out.shape[0]):
+        for k in range(6):
+            out[i, k] = rates[0, i, k] + share * (rates[0, i, k] - rates[1, i, k])

@@ -8,7 +8,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.forms.term import Ends, Term
-from fem_lie.solve.conserving.between.cayley import follow, span
+from fem_lie.solve.conserving.between.cayley import follow
 
 ON_GROUND, LOSS = 0, 1
 """Rows of pushes after those of the nodes: on ground, and what was lost, in its first number."""
@@ -81,39 +81,22 @@ class Pushes:
         """Be as when that was :attr:`saved`."""
         self.energy, self.debt, self.held = (float(value) for value in saved)
 
-    def set(self, H: Array, step: Array, rows: Array, leak: float, out: Array) -> None:
-        """Forces over a step, into ``out``.
+    def set(self, ends: Ends, leak: float, out: Array) -> None:
+        """Forces over a step, into ``out``; on nodes that are no frames along increments.
 
         Args:
-            H: Frames at its start, (≥ n, 4, 3).
-            step: Translation and rotation of the nodes, (n, 6).
-            rows: Ends, means, half-way frames and increments, (4, ≥ n, 4, 3), overwritten.
+            ends: Of the nodes that lead, (≥ n, 4, 3) each.
             leak: Energy that round-off has brought in, which they take back with the debt.
             out: See :meth:`room`.
         """
-        end, mean, middle, delta = rows
-        span(H, step, delta, mean, end, middle)
-        n, ends = len(step), self.ends
-        for given, own in zip((H, end, mean, delta), ends, strict=True):
+        for given, own in zip(ends, self.ends, strict=True):
             if self._trivial:
-                own[:] = given[:n]
+                own[:] = given[: len(own)]
             else:
                 follow(given, self._leader, self._offset, own)
         work = self._add_all(out)
-        self._lead(mean, out)
-        self._settle_debt(work, leak, out)
-        self._add_steady(out, mean)
-
-    def set_between(self, ends: Ends, out: Array) -> None:
-        """The same for nodes of any kind that all lead, between ends that are known.
-
-        On nodes that are no frames forces are along increments.
-        """
-        for given, own in zip(ends, self.ends, strict=True):
-            own[:] = given[: len(own)]
-        work = self._add_all(out)
         self._lead(ends.mean, out)
-        self._settle_debt(work, 0.0, out)
+        self._settle_debt(work, leak, out)
         self._add_steady(out, ends.mean)
 
     def _add_all(self, out: Array) -> float:

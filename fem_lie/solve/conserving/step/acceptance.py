@@ -8,10 +8,13 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined, linked, uncounted
+from fem_lie._jit.stack import stack, vector_at
 from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
 from fem_lie.joints.equations.table import joint_table
 from fem_lie.joints.equations.terms import unwrap
 from fem_lie.lie.kinds import inertia
+from fem_lie.lie.kinds.forces import wrench
+from fem_lie.lie.kinds.kind import SLOPE, axes
 from fem_lie.lie.tuples import (
     combined,
     cross,
@@ -26,17 +29,20 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 from fem_lie.lie.wrenches import add_dead, add_wrench
-from fem_lie.solve.conserving.between.cayley import advance, left_moment, spin
+from fem_lie.solve.conserving.between.any_node import keep_axes, rates_of
+from fem_lie.solve.conserving.between.cayley import advance, left_moment
 from fem_lie.solve.conserving.step.dissipation import (
     ENERGY,
     LEAK,
     LIMIT,
+    MOMENTUM,
     REMEMBERS,
     REPAID,
+    ROW_REPAID,
     remember,
 )
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
-from fem_lie.solve.conserving.step.records import solution_of, span_of
+from fem_lie.solve.conserving.step.records import State, solution_of, span_of
 from fem_lie.system.nodes.loads import Loads
 
 
@@ -55,7 +61,8 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     end, _, middle, delta = span_of(this.rows)
     n, (h, χ, μ) = step.shape[0], scheme
     share = 0.5 * (1.0 + χ * lag[REMEMBERS])
-    _keep_what_is_left(middle, step, solution_of(this.r).residual, share, lag, state.carry)
+    given = model.kinds, model.arms, middle, step, solution_of(this.r).residual
+    _keep_what_is_left(*given, share, lag, state.carry)
     if χ > 0.0:
         # the first step knows of no change before
         μ = μ if lag[REMEMBERS] > 0.0 else 1.0
@@ -66,13 +73,15 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
             for k in range(6):
                 old = state.w_F[place, k]
                 state.w_F[place, k] = old + μ * (F1[place, k] - state.F[place, k] - old)
-    loads, conservative = model.loads, model.conservative
-    books[WORK] += losses[WORK] + _work_of_loads(loads, conservative, this.rows, step, losses)
+        _learn_of_rows(μ, this.lasting, state.lasting)
+    work = _work_of_loads(model.kinds, model.loads, model.conservative, this.rows, step, losses)
+    books[WORK] += losses[WORK] + work
     books[DAMPING] += losses[DAMPING]
     books[NUMERICAL] += losses[NUMERICAL]
     for k in range(BY_LOADS, books.shape[0]):
         books[k] += h * losses[k]
     advance(H[:n], state.rest, delta[:n])
+    keep_axes(model.kinds, end, H)
     for i in range(n, H.shape[0]):
         for k in range(4):
             store_row(H[i], k, load_row(end[i], k))
@@ -83,8 +92,11 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
             store_row(V[i], k, load_row(V1[i], k))
     mass, momenta = model.inertia, this.q[1]
     inertia.multiply(mass.indptr, mass.indices, mass.blocks, V, momenta)
+    for i in range(n):
+        for j in range(3):
+            lag[MOMENTUM] = max(lag[MOMENTUM], abs(momenta[i, 0, j]))
     lag[ENERGY] = max(lag[ENERGY], 0.5 * _product(V, momenta) + np.sum(this.W1))
-    _keep_trend(H, V, h, step, state.trend)
+    _keep_trend(model.kinds, H, V, h, step, state)
     for place in range(F1.shape[0]):
         for k in range(6):
             state.F[place, k] = F1[place, k]
@@ -119,38 +131,82 @@ def _product(V: Array, p: Array) -> float:
 
 
 @inlined
-def _keep_trend(H: Array, V: Array, h: float, step: Array, trend: Array) -> None:
-    """Half the change of the nodes' velocities in the step, per time."""
+def _learn_of_rows(μ: float, found: Array, lasting: Array) -> None:
+    """Forces at the end, and ``w += μ (ΔF − w)`` of them; (3, places, 2, 3), (2, places, 2, 3)."""
+    for a in range(lasting.shape[1]):
+        for k in range(2):
+            for j in range(3):
+                kept = found[2, a, k, j]
+                lasting[0, a, k, j] = found[0, a, k, j]
+                lasting[1, a, k, j] = kept + μ * (found[1, a, k, j] - kept)
+
+
+@inlined
+def _keep_trend(kinds: Indices, H: Array, V: Array, h: float, step: Array, state: State) -> None:
+    """Half the change of the rates of increments in the step, per time, and mean accelerations."""
+    rates, trend, mean = vector_at(stack(6), 6), state.trend, state.rates
     for i in range(step.shape[0]):
+        rates_of(kinds[i], H[i], V[i], rates)
         for at in (0, 3):
-            later = load_row(V[i], 0) if at == 0 else spin(H[i], V[i])
+            later = load(rates, at)
             store(trend[i], at, combined(1.0 / h, later, -1.0 / h**2, load(step[i], at)))
+        for k in range(6):
+            mean[1, i, k] = mean[0, i, k]
+            mean[0, i, k] = 2.0 * trend[i, k]
 
 
 @uncounted
 def _keep_what_is_left(
-    middle: Array, step: Array, r: Array, factor: float, lag: Array, carry: Array
+    kinds: Indices,
+    arms: Array,
+    middle: Array,
+    step: Array,
+    r: Array,
+    factor: float,
+    lag: Array,
+    carry: Array,
 ) -> None:
     """Forces and energy that the next step makes up for, from the residual ``r``."""
     gain = square = 0.0
     for i in range(step.shape[0]):
-        m, left, u, ψ = middle[i], r[6 * i : 6 * i + 6], load(step[i], 0), load(step[i], 3)
-        d1, d2, d3 = load_row(m, 1), load_row(m, 2), load_row(m, 3)
+        left, u, ψ = r[6 * i : 6 * i + 6], load(step[i], 0), load(step[i], 3)
+        d1, d2, d3 = axes(kinds[i], middle[i])
         f = scaled(factor, rotate(d1, d2, d3, load(left, 0)))
         moment = scaled(factor, rotate(d1, d2, d3, load(left, 3)))
-        before = load(carry[i], 0)
+        before, earlier = load(carry[i], 0), load(carry[i], 3)
+        frame = kinds[i] < SLOPE
+        if frame:
+            earlier = left_moment(earlier, before, u)
         gain += dot(minus(f, before), u)
-        gain += dot(minus(moment, left_moment(load(carry[i], 3), before, u)), ψ)
-        square += dot(f, f)
+        gain += dot(minus(moment, earlier), ψ)
+        square += dot(f, f) / arms[i, 0] ** 2
+        if not frame:
+            square += dot(moment, moment) / arms[i, 1] ** 2
         store(carry[i], 0, f)
-        store(carry[i], 3, minus(moment, cross(scaled(0.5, u), f)))
-    lag[LEAK] += gain - lag[REPAID]
+        store(carry[i], 3, minus(moment, cross(scaled(0.5, u), f)) if frame else moment)
+    lag[LEAK] += gain - lag[REPAID] - lag[ROW_REPAID]
     lag[LIMIT] = sqrt(square)
 
 
 @uncounted
-def _work_of_loads(loads: Loads, constant: Array, rows: Array, step: Array, losses: Array) -> float:
-    """Work in the step of all loads without a potential; adds the forces of all to ``losses``."""
+def _work_of_loads(
+    kinds: Indices,
+    loads: Loads,
+    constant: Array,
+    rows: Array,
+    step: Array,
+    losses: Array,
+) -> float:
+    """Work in the step of all loads without a potential; adds the forces of all to ``losses``.
+
+    Args:
+        kinds: Types of the nodes, (n,).
+        loads: In the middle of the step.
+        constant: Those that have a potential, (n, 4, 3).
+        rows: :class:`~fem_lie.solve.conserving.step.records.Span`.
+        step: Increments, (n, 6).
+        losses: Updated.
+    """
     dead, moment, following = loads
     _, mean, middle, delta = span_of(rows)
     work = 0.0
@@ -159,9 +215,14 @@ def _work_of_loads(loads: Loads, constant: Array, rows: Array, step: Array, loss
             for j in range(3):
                 work += (dead[i, k, j] - constant[i, k, j]) * delta[i, k, j]
         add_dead(losses, BY_LOADS, 1.0, mean[i], dead[i])
-        d1, d2, d3 = load_row(middle[i], 1), load_row(middle[i], 2), load_row(middle[i], 3)
+        d1, d2, d3 = axes(kinds[i], middle[i])
         f = rotate(d1, d2, d3, load(following[i], 0))
         m = plus(load(moment[i], 0), rotate(d1, d2, d3, load(following[i], 3)))
         work += dot(f, load(step[i], 0)) + dot(m, load(step[i], 3))
-        add_wrench(losses, BY_LOADS, load_row(mean[i], 0), f, m)
+        if kinds[i] < SLOPE:
+            add_wrench(losses, BY_LOADS, load_row(mean[i], 0), f, m)
+        else:
+            force, turning = wrench(kinds[i], middle[i], following[i])
+            turning = plus(turning, load(moment[i], 0))
+            add_wrench(losses, BY_LOADS, load_row(middle[i], 0), force, turning)
     return work

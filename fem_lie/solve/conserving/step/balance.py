@@ -7,22 +7,25 @@ from __future__ import annotations
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined, linked, uncounted
+from fem_lie._jit.call_back import call_back
+from fem_lie._jit.stack import stack, vector_at
 from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, DAMPING, NUMERICAL, WORK
 from fem_lie.lie.kinds import inertia
+from fem_lie.lie.kinds.forces import add_along_increments, wrench
+from fem_lie.lie.kinds.kind import SLOPE, axes
 from fem_lie.lie.tuples import (
     Vector,
-    cross,
     load,
     load_row,
     minus,
-    plus,
     rotate,
     rotate_back,
     scaled,
     store,
 )
 from fem_lie.lie.wrenches import add_dead, add_wrench
-from fem_lie.solve.conserving.between.cayley import left_moment, span
+from fem_lie.solve.conserving.between.any_node import span_all
+from fem_lie.solve.conserving.between.cayley import left_moment
 from fem_lie.solve.conserving.between.pushes import LOSS, ON_GROUND
 from fem_lie.solve.conserving.step.cells import add_filtered_forces, add_from_nodes
 from fem_lie.solve.conserving.step.dissipation import (
@@ -35,7 +38,13 @@ from fem_lie.solve.conserving.step.dissipation import (
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
 from fem_lie.solve.conserving.step.products import set_products
-from fem_lie.solve.conserving.step.records import products_of, solution_of, span_of
+from fem_lie.solve.conserving.step.records import (
+    FORCES,
+    JOINTS,
+    products_of,
+    solution_of,
+    span_of,
+)
 from fem_lie.system.nodes.loads import Loads
 
 
@@ -53,44 +62,63 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, anew: bool) -
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     held, scheme, losses, forces = model.held, model.scheme, this.losses, this.forces
+    kinds, outside = model.kinds, model.outside
     n, χ = this.step.shape[0], scheme.loss * state.lag[REMEMBERS]
     along, r = span_of(this.rows), solution_of(this.r).residual
-    span(state.H, this.step, along.delta, along.mean, along.end, along.middle)
+    span_all(kinds, state.H, this.step, (along.delta, along.mean, along.end, along.middle))
     for k in range(losses.shape[0]):
         losses[k] = 0.0
-    _make_up(state.carry, this.step, forces)
+    _make_up(kinds, state.carry, this.step, forces)
+    if outside[FORCES] != 0:
+        _add_outer(outside, this.outer, forces)
     _add_pushed(this.pushed, forces, losses)
     add_from_nodes(packed, starts, steps, anew)
     if χ > 0.0:
         _choose_memory(packed, starts, steps)
         add_filtered_forces(packed, starts, steps)
     _add_momenta(packed, starts, steps)
-    _add_loads(model.loads, along.middle, forces)
-    given = model.joints, state.weights, model.driven, scheme.h
-    change, reactions = this.change, losses[BY_REACTIONS:]
-    work, loss = add_joints(along.mean, along.delta, *given, change, forces, reactions)
-    losses[WORK] += work
-    losses[DAMPING] += loss
+    _add_loads(kinds, model.loads, along.middle, forces)
+    if outside[JOINTS] == 0:
+        given = model.joints, state.weights, model.driven, scheme.h
+        change, reactions = this.change, losses[BY_REACTIONS:]
+        work, loss = add_joints(along.mean, along.delta, *given, change, forces, reactions)
+        losses[WORK] += work
+        losses[DAMPING] += loss
     for i in range(n):
         m, own = along.middle[i], r[6 * i : 6 * i + 6]
+        d1, d2, d3 = axes(kinds[i], m)
         for at in (0, 3):
-            local = rotate_back(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(forces[i], at))
+            local = rotate_back(d1, d2, d3, load(forces[i], at))
             store(own, at, scaled(2.0 / (1.0 + χ), local))
-        _add_reactions(m, load_row(along.mean[i], 0), model.supported[i], own, χ, losses)
+        _add_reactions(kinds[i], m, load_row(along.mean[i], 0), model.supported[i], own, χ, losses)
         for k in range(6):
             if held[i, k]:
                 r[6 * i + k] = 0.0
     for c in range(state.weights.shape[0]):
-        r[6 * n + c] = model.scale[c] * (state.gap[c] + change[c])
+        r[6 * n + c] = model.scale[c] * (state.gap[c] + this.change[c])
 
 
 @inlined
-def _make_up(carry: Array, step: Array, forces: Array) -> None:
+def _make_up(kinds: Indices, carry: Array, step: Array, forces: Array) -> None:
     """Begin with what the last step has left over: momenta are compensated sums."""
     for i in range(forces.shape[0]):
-        f = load(carry[i], 0)
+        f, moment = load(carry[i], 0), load(carry[i], 3)
+        if kinds[i] < SLOPE:
+            moment = left_moment(moment, f, load(step[i], 0))
         store(forces[i], 0, f)
-        store(forces[i], 3, left_moment(load(carry[i], 3), f, load(step[i], 0)))
+        store(forces[i], 3, moment)
+
+
+@uncounted
+def _add_outer(outside: Indices, outer: Array, forces: Array) -> None:
+    """Add the forces that are asked for outside of compiled code."""
+    for i in range(outer.shape[0]):
+        for k in range(6):
+            outer[i, k] = 0.0
+    call_back(outside[FORCES])
+    for i in range(outer.shape[0]):
+        for k in range(6):
+            forces[i, k] += outer[i, k]
 
 
 @inlined
@@ -106,9 +134,9 @@ def _add_pushed(pushed: Array, forces: Array, losses: Array) -> None:
     losses[DAMPING] += pushed[n + LOSS, 0]
 
 
-@inlined
+@uncounted
 def _add_reactions(
-    middle: Array, x: Vector, supported: Indices, r: Array, χ: float, losses: Array
+    kind: int, middle: Array, x: Vector, supported: Indices, r: Array, χ: float, losses: Array
 ) -> None:
     """Add what is left over where a node at ``x`` is held from outside: the force that holds it."""
     any_held = False
@@ -116,11 +144,11 @@ def _add_reactions(
         any_held = any_held or supported[k] != 0
     if not any_held:
         return
-    s = 0.5 * (1.0 + χ)
-    a = (s * r[0] * supported[0], s * r[1] * supported[1], s * r[2] * supported[2])
-    b = (s * r[3] * supported[3], s * r[4] * supported[4], s * r[5] * supported[5])
-    d1, d2, d3 = load_row(middle, 1), load_row(middle, 2), load_row(middle, 3)
-    add_wrench(losses, BY_REACTIONS, x, rotate(d1, d2, d3, a), rotate(d1, d2, d3, b))
+    s, own = 0.5 * (1.0 + χ), vector_at(stack(6), 6)
+    for k in range(6):
+        own[k] = s * r[k] * supported[k]
+    force, moment = wrench(kind, middle, own)
+    add_wrench(losses, BY_REACTIONS, x, force, moment)
 
 
 @uncounted
@@ -153,7 +181,7 @@ def _add_momenta(packed: PackedModel, starts: Indices, steps: Indices) -> None:
                 for j in range(3):
                     q[0, i, k, j] = delta[i, k, j] / h
         inertia.multiply(damping.indptr, damping.indices, damping.blocks, q[0], q[1])
-        _on_directors(mean, q[1], forces)
+        _on_rows(model.kinds, mean, q[1], forces)
         power = 0.0
         for i in range(n):
             for k in range(4):
@@ -173,27 +201,23 @@ def _add_momenta(packed: PackedModel, starts: Indices, steps: Indices) -> None:
         for k in range(4):
             for j in range(3):
                 q[1, i, k, j] -= dead[i, k, j]
-    _on_directors(mean, q[1], forces)
+    _on_rows(model.kinds, mean, q[1], forces)
 
 
 @uncounted
-def _on_directors(mean: Array, f: Array, forces: Array) -> None:
-    """Add forces on (x, d₁, d₂, d₃) (n, 4, 3) to forces and moments (n, 6)."""
+def _on_rows(kinds: Indices, mean: Array, f: Array, forces: Array) -> None:
+    """Add forces on rows (n, 4, 3) to forces along increments (n, 6)."""
     for i in range(forces.shape[0]):
-        moment = load(forces[i], 3)
-        for k in range(1, 4):
-            moment = plus(moment, cross(load_row(mean[i], k), load_row(f[i], k)))
-        store(forces[i], 0, plus(load(forces[i], 0), load_row(f[i], 0)))
-        store(forces[i], 3, moment)
+        add_along_increments(kinds[i], mean[i], f[i], forces[i])
 
 
 @uncounted
-def _add_loads(loads: Loads, middle: Array, forces: Array) -> None:
-    """Subtract moments fixed in space and loads that follow the half-way frames."""
+def _add_loads(kinds: Indices, loads: Loads, middle: Array, forces: Array) -> None:
+    """Subtract moments fixed in space and loads that follow the nodes in the middle of the step."""
     moment, following = loads.moment, loads.following
     for i in range(forces.shape[0]):
-        m, f = middle[i], following[i]
+        (d1, d2, d3), f = axes(kinds[i], middle[i]), following[i]
         for at in (0, 3):
-            turned = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(f, at))
+            turned = rotate(d1, d2, d3, load(f, at))
             store(forces[i], at, minus(load(forces[i], at), turned))
         store(forces[i], 3, minus(load(forces[i], 3), load(moment[i], 0)))

@@ -29,6 +29,11 @@ from fem_lie.lie.wrenches import add_wrench
 from fem_lie.solve.conserving.between.cayley import follow
 from fem_lie.solve.conserving.between.discrete_gradient import Energies, Filtered, add_elastic
 from fem_lie.solve.conserving.between.mean_forces import Ends, Path
+from fem_lie.solve.conserving.rows.cells import Nodes
+from fem_lie.solve.conserving.rows.cells import add_elastic as add_of_rows
+from fem_lie.solve.conserving.rows.changes import Lasting, add_changes
+from fem_lie.solve.conserving.rows.energies import Energies as RowEnergies
+from fem_lie.solve.conserving.rows.places import add_of_places
 from fem_lie.solve.conserving.step.dissipation import (
     ELASTIC,
     ENERGY,
@@ -37,6 +42,8 @@ from fem_lie.solve.conserving.step.dissipation import (
     MEMORY,
     REMEMBERS,
     REPAID,
+    ROW_REPAID,
+    ROW_SQUARES,
     SQUARES,
     WORKS,
 )
@@ -67,11 +74,66 @@ class Motion(NamedTuple):
 
 
 @uncounted
-def add_from_nodes(packed: PackedModel, starts: Indices, steps_of: Indices, anew: bool) -> None:
-    """Add the forces of the cells and of pressure, which are on all nodes, to the leaders.
+def add_from_nodes(packed: PackedModel, starts: Indices, steps: Indices, anew: bool) -> None:
+    """Add the forces of all cells and of pressure.
 
     Not ``anew``: those that were found last, and energies by the work of these.
     """
+    model, state = model_of(packed), state_of(starts)
+    known = _repayment(state.lag), state.lag[SQUARES] + state.lag[ROW_SQUARES]
+    if model.rows.sees.shape[0] == 0:
+        _add_from_frames(packed, starts, steps, anew, known)
+        return
+    if model.scheme.loss > 0.0:
+        anew = True
+        state.lag[WORKS] = state.lag[WORKS + 1] = 0.0
+    _add_from_frames(packed, starts, steps, anew, known)
+    _add_from_rows(packed, starts, steps, known)
+
+
+@uncounted
+def _add_from_rows(
+    packed: PackedModel, starts: Indices, steps: Indices, known: tuple[float, float]
+) -> None:
+    """Add the forces of cells of nodes that are no frames.
+
+    Args:
+        packed: The model.
+        starts: The state.
+        steps: The step.
+        known: Factor of forces that take back what round-off has brought in, and the sum of
+            ``|s|²`` over all cells in the last iteration.
+    """
+    model, state, this = model_of(packed), state_of(starts), step_of(steps)
+    cells, lag, M, count = model.rows, state.lag, this.gains.shape[0], state.W.shape[0]
+    repay, squares = known
+    factors = repay, squares / count, ULP * lag[ENERGY] / count
+    nodes = Nodes(state.H, state.rest, this.step)
+    energies = RowEnergies(state.W[M:], state.account[M:], this.W1[M:], this.work[M:])
+    found = add_of_rows(cells, nodes, energies, factors, this.forces)
+    found += add_of_places(cells, nodes, energies, factors, this.forces)
+    lag[ROW_SQUARES], lag[ROW_REPAID] = found, repay * found
+    if model.scheme.loss == 0.0:
+        return
+    lasting, changes = this.lasting, this.changes
+    for i in range(changes.shape[1]):
+        for k in range(6):
+            changes[0, i, k] = changes[1, i, k] = 0.0
+    forces = Lasting(state.lasting[0], state.lasting[1], lasting[0], lasting[1], lasting[2])
+    by_change, by_memory = add_changes(cells, nodes, forces, changes)
+    lag[WORKS] += by_change
+    lag[WORKS + 1] += by_memory
+
+
+@uncounted
+def _add_from_frames(
+    packed: PackedModel,
+    starts: Indices,
+    steps_of: Indices,
+    anew: bool,
+    known: tuple[float, float],
+) -> None:
+    """Add the forces of cells of frames and of pressure, which are on all nodes, to the leaders."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps_of)
     leader, offset, trivial = model.leaders
     H, step, forces = state.H, this.step, this.forces
@@ -104,7 +166,7 @@ def add_from_nodes(packed: PackedModel, starts: Indices, steps_of: Indices, anew
         for i in range(on_all.shape[0]):
             for k in range(6):
                 on_all[i, k] = 0.0
-        _add_cells(packed, starts, steps_of, motion, on_all)
+        _add_cells(packed, starts, steps_of, motion, known, on_all)
         this.losses[WORK] += _add_pressure(model.pressure, motion, on_all, this.losses)
     else:
         _move_cells(packed, starts, steps_of, motion.end, further)
@@ -154,22 +216,27 @@ ULP = float(np.finfo(np.float64).eps)
 
 @uncounted
 def _add_cells(
-    packed: PackedModel, starts: Indices, steps: Indices, motion: Motion, out: Array
+    packed: PackedModel,
+    starts: Indices,
+    steps: Indices,
+    motion: Motion,
+    before: tuple[float, float],
+    out: Array,
 ) -> None:
     """Add elastic, filtered and viscous forces of the cells to those on all nodes."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     cells, h, lag, dissipates = model.cells, model.scheme.h, state.lag, model.scheme.loss > 0.0
     H, end, mean, middle, delta, more, step = motion
-    elements.evaluate(cells, H, more, this.F1, this.W1)
+    M, count = this.gains.shape[0], state.W.shape[0]
+    elements.evaluate(cells, H, more, this.F1, this.W1[:M])
     ends = Ends(H, end, state.F, this.F1)
     path = Path(mean, delta, step)
-    energies = Energies(state.W, this.W1, state.account)
-    repay = _repayment(lag)
-    count = energies.start.shape[0]
-    typical, unknown = lag[SQUARES] / count, ULP * lag[ENERGY] / count
+    energies = Energies(state.W[:M], this.W1[:M], state.account[:M])
+    repay, squares = before
+    typical, unknown = squares / count, ULP * lag[ENERGY] / count
     known = repay, typical, unknown
     other = Filtered(dissipates, state.w_F, this.filtered)
-    found = add_elastic(cells, ends, path, energies, this.work, known, other, out)
+    found = add_elastic(cells, ends, path, energies, this.work[:M], known, other, out)
     lag[SQUARES], lag[WORKS], lag[WORKS + 1] = found
     lag[REPAID] = repay * lag[SQUARES]
     if model.viscous:
@@ -189,11 +256,16 @@ def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) ->
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     leaders, scheme = model.leaders, model.scheme
     lag, given, losses = state.lag, this.filtered, this.losses
-    if model.cells.x.shape[0] == 0:
-        return
     a = 0.5 * scheme.loss * lag[REMEMBERS] * lag[ELASTIC]
     b = a * lag[MEMORY]
-    losses[NUMERICAL] += a * lag[WORKS] - b * lag[WORKS + 1]
+    if model.cells.x.shape[0] > 0 or model.rows.sees.shape[0] > 0:
+        losses[NUMERICAL] += a * lag[WORKS] - b * lag[WORKS + 1]
+    if model.rows.sees.shape[0] > 0:
+        for i in range(this.forces.shape[0]):
+            for k in range(6):
+                this.forces[i, k] += a * this.changes[0, i, k] - b * this.changes[1, i, k]
+    if model.cells.x.shape[0] == 0:
+        return
     if leaders.trivial:
         on_all = this.forces
     else:
@@ -212,7 +284,7 @@ def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) ->
 @inlined
 def _repayment(lag: Array) -> float:
     """Factor of forces that take back what round-off has brought in, as small as round-off is."""
-    leak, squares = lag[LEAK], lag[SQUARES]
+    leak, squares = lag[LEAK], lag[SQUARES] + lag[ROW_SQUARES]
     if squares == 0.0:
         return 0.0
     # a force of the whole size turns its sign with a deformation that is noise, and keeps it up

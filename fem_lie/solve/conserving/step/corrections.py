@@ -14,18 +14,20 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
+from fem_lie.lie.kinds.kind import SLOPE
 
 _ALIKE, _SHARE = 0.2, 0.5
 """How much corrections in one direction differ, and the most that one may leave over."""
-STEPS, ITERATION, TOTAL, BEST, ASKED, STALLS, LAST = 0, 1, 2, 3, 4, 5, 6
+STEPS, ITERATION, TOTAL, BEST, ASKED, STALLS, LAST, NEEDED = 0, 1, 2, 3, 4, 5, 6, 7
 """Counters: steps made, iterations of the present one and of all, fewest, iteration agreed on,
-iterations since the increment fell to its least, and iterations of the last step."""
+iterations since the increment fell to its least, iterations of the last step, and those of the
+present one from whose outcome a better matrix would have had anything to gain; shape (8,)."""
 PREVIOUS, RATIO, MOTION, EXCESS, INCREMENT, LEAST, FLOOR, MARK, FELT = 0, 1, 2, 3, 4, 5, 6, 7, 8
-ASIDE = 9
+ASIDE, LEFT = 9, 10
 """Numbers: last increment, ratio, largest motion, iterations beyond the fewest, increment, the
 least of the present step, the least that round-off lets one expect, that of ``patience``
-iterations before, what round-off was seen to make of it in this step, and by how much terms fell of
-what is beside the matrix."""
+iterations before, what round-off was seen to make of it in this step, by how much terms fell of
+what is beside the matrix, and the largest force that was left over; shape (11,)."""
 UNKNOWN, NEW = 0, -1
 """Instead of the fewest iterations: none was counted with this matrix, none of a whole step."""
 ULPS = 1e3 * float(np.finfo(np.float64).eps)
@@ -122,7 +124,7 @@ def count(counters: Indices, numbers: Array) -> None:
 
     One that was made within this step is not known yet.
     """
-    counted = max(counters[ITERATION], 2)
+    counted = max(counters[NEEDED], 2)
     counters[LAST] = counters[ITERATION]
     if counters[BEST] == NEW:
         counters[BEST] = UNKNOWN
@@ -130,6 +132,17 @@ def count(counters: Indices, numbers: Array) -> None:
     if counters[BEST] == UNKNOWN or counted < counters[BEST]:
         counters[BEST] = counted
     numbers[EXCESS] += counted - counters[BEST]
+
+
+@inlined
+def largest_force(kinds: Indices, arms: Array, r: Array) -> float:
+    """Of a residual ``r`` (6 n + m,) on nodes that are no frames, moments over arms (n, 2)."""
+    largest = 0.0
+    for i in range(kinds.shape[0]):
+        if kinds[i] >= SLOPE:
+            for k in range(6):
+                largest = max(largest, abs(r[6 * i + k]) / arms[i, k // 3])
+    return largest
 
 
 @inlined

@@ -40,11 +40,14 @@ from math import sqrt
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined, uncounted
-from fem_lie._jit.stack import blocks_at, matrix_at, stack
+from fem_lie._jit.stack import blocks_at, matrix_at, stack, vector_at
+from fem_lie.lie.kinds.forces import add_along_increments
+from fem_lie.lie.kinds.kind import axes
 from fem_lie.lie.tuples import (
     Vector,
     cross,
     dot,
+    load,
     load_row,
     plus,
     rotate_back,
@@ -75,7 +78,10 @@ anything is remembered (0 or 1; without it there is no dissipation), works of th
 forces and of the memory, and ``|w|²`` of the latter."""
 LEAK, SQUARES, LIMIT, REPAID, ENERGY = 5, 6, 7, 8, 10
 """And of energy that round-off has brought in, squares of the deformations of all elements, forces
-that are below round-off, energy taken back, and the largest energy so far; shape (11,)."""
+that are below round-off, energy taken back, and the largest energy so far."""
+ROW_SQUARES, ROW_REPAID, MOMENTUM = 11, 12, 13
+"""Squares and energy taken back of cells of nodes that are no frames, beside those of frames, and
+the largest momentum of a node so far; shape (14,)."""
 _EXACT = 1e-14
 
 
@@ -94,7 +100,7 @@ def set_velocities(V: Array, w: Array, δ: Array, χ: float, β: float, ψ: Vect
 @uncounted
 def set_turnings(
     products: Products,
-    frames: tuple[Array, Array],
+    frames: tuple[Indices, Array, Array],
     held: Indices,
     χ: float,
     h: float,
@@ -106,31 +112,30 @@ def set_turnings(
 
     Args:
         products: At the start of the step.
-        frames: Means, and half-way frames.
+        frames: Types of the nodes, means, and mid-step configurations.
         held: Which unknowns are zero, (n, 6).
         χ: The loss.
         h: Step size.
         out: ``Z`` and ``Y``, (2, 3, 6 n), overwritten.
     """
-    mean, middle = frames
-    work = matrix_at(stack(9), 3, 3)
+    kinds, mean, middle = frames
+    work, f, forces = matrix_at(stack(9), 3, 3), matrix_at(stack(12), 4, 3), vector_at(stack(6), 6)
     resistance(products.sums[0, 0], work)
     least = 1e-12 * trace(work)
     out[:] = 0.0
     if least == 0.0:
         return
     for i in range(held.shape[0]):
-        m, at = middle[i], 6 * i
+        (d1, d2, d3), at = axes(kinds[i], middle[i]), 6 * i
         for c in range(3):
             e = (1.0 if c == 0 else 0.0, 1.0 if c == 1 else 0.0, 1.0 if c == 2 else 0.0)
-            moment = (0.0, 0.0, 0.0)
-            for k in range(1, 4):
-                f = cross(e, load_row(products.GV[i], k))
-                moment = plus(moment, cross(load_row(mean[i], k), f))
-            d1, d2, d3 = load_row(m, 1), load_row(m, 2), load_row(m, 3)
-            force = cross(e, load_row(products.GV[i], 0))
-            store(out[0, c], at, rotate_back(d1, d2, d3, force))
-            store(out[0, c], at + 3, rotate_back(d1, d2, d3, moment))
+            for k in range(6):
+                forces[k] = 0.0
+            for k in range(4):
+                store_row(f, k, cross(e, load_row(products.GV[i], k)))
+            add_along_increments(kinds[i], mean[i], f, forces)
+            store(out[0, c], at, rotate_back(d1, d2, d3, load(forces, 0)))
+            store(out[0, c], at + 3, rotate_back(d1, d2, d3, load(forces, 3)))
             for k in range(6):
                 if held[i, k]:
                     out[0, c, at + k] = 0.0

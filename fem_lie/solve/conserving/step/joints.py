@@ -21,6 +21,7 @@ from fem_lie.joints.equations.one_pair import term
 from fem_lie.joints.equations.relative_motion import relative_motion
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.joints.equations.terms import jacobian
+from fem_lie.lie.kinds.kind import SLOPE
 from fem_lie.lie.tuples import (
     Vector,
     cross,
@@ -172,6 +173,7 @@ def add_joints(
 def border_at(
     joints: PackedJoints,
     legs: Legs,
+    kinds: Indices,
     held: Indices,
     frames: tuple[Array, Array, Array],
     out: Array,
@@ -180,7 +182,8 @@ def border_at(
 
     Args:
         joints: Table of all joints.
-        legs: Which nodes the constraints touch.
+        legs: Which nodes the constraints touch; rows of those that are no frames stay nil.
+        kinds: Types of the nodes, (n,).
         held: Which unknowns are zero, 0 or 1, (n, 6).
         frames: At the end of the step, half-way, where the unknowns' axes are, and where forces
             act.
@@ -197,5 +200,5 @@ def border_at(
         spatial = rotate(load_row(e, 1), load_row(e, 2), load_row(e, 3), load(row, 0))
         store(row, 0, rotate_back(load_row(a, 1), load_row(a, 2), load_row(a, 3), spatial))
         for k in range(6):
-            if held[i, k]:
+            if held[i, k] or kinds[i] >= SLOPE:
                 out[0, leg, k] = out[1, leg, k] = 0.0

@@ -12,6 +12,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import linked
+from fem_lie._jit.call_back import call_back
 from fem_lie.forms.fixed_arrays import put
 from fem_lie.lie.tuples import dot, load, load_row
 from fem_lie.linear.factors import PlainFactors
@@ -27,24 +28,28 @@ from fem_lie.solve.conserving.step.corrections import (
     INCREMENT,
     ITERATION,
     LEAST,
+    LEFT,
     MARK,
     MOTION,
+    NEEDED,
     PREVIOUS,
     STALLS,
     STEPS,
     TOTAL,
+    ULPS,
     converged,
     count,
     hasten,
     lags,
+    largest_force,
     settled,
     size,
     stagnates,
 )
-from fem_lie.solve.conserving.step.dissipation import MEMORY
+from fem_lie.solve.conserving.step.dissipation import MEMORY, MOMENTUM
 from fem_lie.solve.conserving.step.nodes import begin, compare, correct, hold
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
-from fem_lie.solve.conserving.step.records import solution_of
+from fem_lie.solve.conserving.step.records import ERROR, LEARN, solution_of
 from fem_lie.solve.conserving.step.series import (
     CLOSE,
     FALLS,
@@ -52,6 +57,7 @@ from fem_lie.solve.conserving.step.series import (
     correction,
     growth,
 )
+from fem_lie.solve.motion.convergence import ROUND_OFF
 
 DONE, MATRIX, FAILED, LOST = 0, 1, 2, 3
 _ULP = 4.0 * float(np.finfo(np.float64).eps)
@@ -62,6 +68,10 @@ _ASTRAY = 1e-6
 """Unless they are larger than this: far from any solution, where elements fold, all is felt."""
 _SMALL = 0.1
 """What of the constraints is not in the matrix, where a step may end by the rate of convergence."""
+_FALLS = 0.5
+"""Ratio of forces left over on nodes that are no frames, where one more correction is worth it."""
+_SEEN = 1e-13
+"""Of the largest momentum of a node, impulses that are."""
 _USUAL, _OF_ONE = 2, 0.1
 """Terms for old constraints that cost nothing, and what others cost, in iterations."""
 
@@ -89,22 +99,25 @@ def run(
         options: Tolerance (0: until nothing changes), most iterations, patience and cost as of
             :class:`~fem_lie.solve.motion.policies.Automatic`, and iterations that a step may go on
             for where that was not enough; without such (0) a step is made with whatever it has.
-        counters: Shape (7,), updated.
-        numbers: Shape (10,), updated.
+        counters: Shape (8,), updated.
+        numbers: Shape (11,), updated.
         last: Step to reach.
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     tolerance, limit, patience, cost, spare = options
-    measure, scale, supported = model.measure, model.scale, False
+    measure, scale, outside, supported = model.measure, model.scale, model.outside, False
     for i in range(model.supported.shape[0]):
         for k in range(6):
             supported = supported or model.supported[i, k] != 0
     legs, ends, aside, compared = model.legs, model.ends, (this.border, this.turnings), False
+    noise_level = _noise_level(packed, starts)
+    vectors, h = model.rows.sees.shape[0] > 0, model.scheme.h
     while counters[STEPS] < last:
         if counters[ITERATION] == 0:
             numbers[MOTION] = max(begin(packed, starts, steps), numbers[MOTION])
             numbers[PREVIOUS], numbers[LEAST], numbers[FELT] = np.inf, np.inf, 0.0
             counters[ITERATION], counters[STALLS], compared = 1, 0, False
+            numbers[LEFT], noise_level = np.inf, _noise_level(packed, starts)
         iteration = counters[ITERATION]
         if counters[ASKED] != iteration:
             counters[ASKED] = iteration
@@ -117,6 +130,8 @@ def run(
             if due:
                 return MATRIX
         residual(packed, starts, steps, True)
+        if outside[ERROR] != 0:
+            return FAILED
         if not compared:
             compare(packed, starts, steps)
             compared = True
@@ -136,21 +151,38 @@ def run(
             aside,
             (close, fine, 1.0 if iteration == 1 else numbers[ASIDE]),
         )
+        if outside[LEARN] != 0:
+            call_back(outside[LEARN])
+            numbers[INCREMENT] = size(measure, solution_of(this.r).x)
         if ends.inverse.shape[0] == 0:
             numbers[EXCESS] += _OF_ONE * max(terms - _USUAL, 0)
         if state.slow.shape[0] > 0:
             x, cut = solution_of(this.r).x, state.lag[MEMORY] < 1.0
             hasten(measure, x, state.slow, state.share, (cut, iteration == 1), 16.0 * fine)
         counters[TOTAL] += 1
+        falls, goes_on, astray, moved = False, False, False, 0.0
+        if vectors:
+            # stiff cells feel what is no increment any more: it is taken out before a step ends
+            left = largest_force(model.kinds, model.arms, solution_of(this.r).residual)
+            matters = tolerance == 0.0 and left * abs(h) > _SEEN * state.lag[MOMENTUM]
+            falls, numbers[LEFT] = matters and left < _FALLS * numbers[LEFT], left
+            moved = size(model.of_vectors, solution_of(this.r).x)
+            goes_on, astray = tolerance == 0.0 and moved > ROUND_OFF, moved > noise_level
+        # at the last digits of cells without frames no matrix helps: policies do not count them
+        if numbers[PREVIOUS] > ULPS or 2.0 * moved <= numbers[INCREMENT]:
+            counters[NEEDED] = iteration
         if iteration == 1:
             numbers[MARK] = numbers[INCREMENT]
-        noise = settled(counters, numbers)
-        if not noise and stagnates(counters, numbers):
+        noise = settled(counters, numbers) and not falls
+        # neither increments of cells without frames nor corrections that learn are compared with it
+        compares = not astray and outside[LEARN] == 0
+        if not noise and compares and stagnates(counters, numbers):
             # one sample of round-off may be small by chance
             numbers[FELT] = max(_round_off(packed, starts, steps, factors), numbers[FELT])
             noise = numbers[INCREMENT] <= min(_FELT * numbers[FELT], _ASTRAY)
         known = legs.nodes.shape[0] == 0 or numbers[ASIDE] < _SMALL
-        if noise or converged(numbers, tolerance, iteration, known):
+        more = falls or goes_on
+        if noise or (converged(numbers, tolerance, iteration, known) and not more):
             # a correction that is noise is not made: what is accepted must be of one piece
             if not noise:
                 correct(packed, starts, steps)
@@ -168,6 +200,18 @@ def run(
             numbers[PREVIOUS] = numbers[INCREMENT]
             counters[ITERATION] += 1
     return DONE
+
+
+@linked
+def _noise_level(packed: PackedModel, starts: Indices) -> float:
+    """Largest increment that may be round-off: far from the origin positions are known to less."""
+    model, H, far = model_of(packed), state_of(starts).H, 0.0
+    if model.rows.sees.shape[0] == 0:
+        return ULPS
+    for i in range(model.kinds.shape[0]):
+        for j in range(3):
+            far = max(far, abs(H[i, 0, j]) * model.measure[6 * i])
+    return max(ULPS, 0.1 * ULPS * far)
 
 
 @linked
@@ -191,7 +235,7 @@ def _round_off(
         for k in range(6):
             step[i, k] += sign * _ULP * (far if k < 3 else 1.0) / measure[6 * i + k]
             sign = -sign
-        hold(H[i], held[i], load(step[i], 0), load(step[i], 3), step[i])
+        hold(model.kinds[i], H[i], held[i], load(step[i], 0), load(step[i], 3), step[i])
         sign = -sign if i % 2 == 0 else sign
     for c in range(weights.shape[0]):
         weights[c] *= 1.0 + sign * _ULP

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined, linked, uncounted
+from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.fixed_arrays import put
+from fem_lie.lie.kinds.kind import axes
 from fem_lie.lie.tuples import (
     Vector,
     combined,
     load,
-    load_row,
     minus,
     rotate,
     rotate_back,
     store,
 )
-from fem_lie.solve.conserving.between.cayley import spin
+from fem_lie.solve.conserving.between.any_node import rates_of
 from fem_lie.solve.conserving.step.dissipation import REMEMBERS, set_turnings
 from fem_lie.solve.conserving.step.joints import border_at
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
@@ -43,29 +44,29 @@ def begin(packed: PackedModel, starts: Indices, steps: Indices) -> float:
     if scheme.loss * state.lag[REMEMBERS] > 0.0:
         begin_products(model.inertia, V, state.w, products_of(this))
     h = scheme.h
-    ahead, largest = h * h, 0.0
+    ahead, largest, rates = h * h, 0.0, vector_at(stack(6), 6)
     for i in range(step.shape[0]):
-        u = combined(h, load_row(V[i], 0), ahead, load(trend[i], 0))
-        ψ = combined(h, spin(H[i], V[i]), ahead, load(trend[i], 3))
-        hold(H[i], model.held[i], u, ψ, step[i])
+        rates_of(model.kinds[i], H[i], V[i], rates)
+        u = combined(h, load(rates, 0), ahead, load(trend[i], 0))
+        ψ = combined(h, load(rates, 3), ahead, load(trend[i], 3))
+        hold(model.kinds[i], H[i], model.held[i], u, ψ, step[i])
         for k in range(6):
             largest = max(largest, abs(step[i, k]) * model.measure[6 * i + k])
     return largest
 
 
 @inlined
-def hold(H: Array, held: Indices, u: Vector, ψ: Vector, step: Array) -> None:
-    """``step = (u, ψ)`` without its parts along the held axes of the frame."""
+def hold(kind: int, H: Array, held: Indices, u: Vector, ψ: Vector, step: Array) -> None:
+    """``step = (u, ψ)`` without its parts along the held axes of the node."""
     any_held = False
     for k in range(6):
         any_held = any_held or held[k] != 0
     if any_held:
-        a = rotate_back(load_row(H, 1), load_row(H, 2), load_row(H, 3), u)
-        b = rotate_back(load_row(H, 1), load_row(H, 2), load_row(H, 3), ψ)
+        d1, d2, d3 = axes(kind, H)
+        a, b = rotate_back(d1, d2, d3, u), rotate_back(d1, d2, d3, ψ)
         a = (0.0 if held[0] else a[0], 0.0 if held[1] else a[1], 0.0 if held[2] else a[2])
         b = (0.0 if held[3] else b[0], 0.0 if held[4] else b[1], 0.0 if held[5] else b[2])
-        u = rotate(load_row(H, 1), load_row(H, 2), load_row(H, 3), a)
-        ψ = rotate(load_row(H, 1), load_row(H, 2), load_row(H, 3), b)
+        u, ψ = rotate(d1, d2, d3, a), rotate(d1, d2, d3, b)
     store(step, 0, u)
     store(step, 3, ψ)
 
@@ -76,11 +77,12 @@ def compare(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     along, change, legs, scheme = span_of(this.rows), this.border, model.legs, model.scheme
     if this.turnings.shape[1] > 0:
-        χ, frames = scheme.loss * state.lag[REMEMBERS], (along.mean, along.middle)
+        χ, frames = scheme.loss * state.lag[REMEMBERS], (model.kinds, along.mean, along.middle)
         set_turnings(products_of(this), frames, model.held, χ, scheme.h, this.turnings)
     if legs.nodes.shape[0] == 0:
         return
-    border_at(model.joints, legs, model.held, (along.end, along.middle, along.middle), change)
+    frames_at = along.end, along.middle, along.middle
+    border_at(model.joints, legs, model.kinds, model.held, frames_at, change)
     for side in range(2):
         for leg in range(change.shape[1]):
             for k in range(6):
@@ -99,14 +101,14 @@ def correct(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     χ = model.scheme.loss * state.lag[REMEMBERS]
     H, weights, held, scale = state.H, state.weights, model.held, model.scale
+    kinds = model.kinds
     step, middle, x = this.step, span_of(this.rows).middle, solution_of(this.r).x
     n = step.shape[0]
     for i in range(n):
-        m, dx = middle[i], x[6 * i : 6 * i + 6]
-        u = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(dx, 0))
-        ψ = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(dx, 3))
-        u, ψ = minus(load(step[i], 0), u), minus(load(step[i], 3), ψ)
-        hold(H[i], held[i], u, ψ, step[i])
+        (d1, d2, d3), dx = axes(kinds[i], middle[i]), x[6 * i : 6 * i + 6]
+        u = minus(load(step[i], 0), rotate(d1, d2, d3, load(dx, 0)))
+        ψ = minus(load(step[i], 3), rotate(d1, d2, d3, load(dx, 3)))
+        hold(kinds[i], H[i], held[i], u, ψ, step[i])
     for c in range(weights.shape[0]):
         # the residual has 2/(1 + χ) times the forces, the matrix one times their derivatives
         weights[c] -= 0.5 * (1.0 + χ) * scale[c] * x[6 * n + c]

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+import numba
+
 from fem_lie._arrays import Indices
 from fem_lie._jit import inlined
 from fem_lie.forms.cells import CellTable
@@ -24,7 +26,9 @@ from fem_lie.forms.fixed_arrays import (
     numbers4,
     sixes,
 )
+from fem_lie.forms.kernels.addresses import integer_pointer
 from fem_lie.lie.kinds.inertia import Inertia
+from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
 from fem_lie.solve.conserving.step.records import (
     Leaders,
     LegEnds,
@@ -73,6 +77,11 @@ class Packed:
                     model.held,
                     model.supported,
                     *model.ends,
+                    model.kinds,
+                    model.arms,
+                    *model.rows,
+                    model.of_vectors,
+                    model.outside,
                 )
             ),
             FixedArrays(state),
@@ -88,6 +97,13 @@ class Packed:
     def set_scheme(self, model: Model) -> None:
         """Take the scheme of a ``model`` that differs in it alone."""
         self.model = self._model(model)
+
+
+@inlined
+def _integers3(table: Indices, k: int) -> Indices:
+    """Array ``k`` of ``table``, of integers and three dimensions."""
+    shape = table[k, 1], table[k, 2], table[k, 3]
+    return numba.carray(integer_pointer(table[k, 0]), shape)
 
 
 @inlined
@@ -126,6 +142,19 @@ def model_of(packed: PackedModel) -> Model:
         LegEnds(
             integers1(table, 35), integers2(table, 36), numbers2(table, 37), numbers2(table, 38)
         ),
+        integers1(table, 39),
+        numbers2(table, 40),
+        RowCells(
+            _integers3(table, 41),
+            integers1(table, 42),
+            integers1(table, 43),
+            integers1(table, 44),
+            numbers2(table, 45),
+            integers1(table, 46),
+            numbers1(table, 47),
+        ),
+        numbers1(table, 48),
+        integers1(table, 49),
     )
 
 
@@ -153,6 +182,8 @@ def state_of(table: Indices) -> State:
         numbers2(table, 17),
         numbers1(table, 18),
         numbers1(table, 19),
+        numbers4(table, 20),
+        many_sixes(table, 21),
     )
 
 
@@ -186,4 +217,7 @@ def step_of(table: Indices) -> Step:
         numbers3(table, 23),
         numbers1(table, 24),
         sixes(table, 25),
+        numbers4(table, 26),
+        many_sixes(table, 27),
+        sixes(table, 28),
     )

@@ -13,7 +13,13 @@ from fem_lie._jit import inlined
 from fem_lie.forms.cells import CellTable
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.lie.kinds.inertia import Inertia
+from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
 from fem_lie.system.nodes.loads import Loads
+
+FORCES, LEARN, JOINTS, ERROR = 0, 1, 2, 3
+"""Places in :attr:`Model.outside`: the address of what adds forces from outside of compiled code,
+and that of what improves corrections; whether joints are among these forces, 0 or 1; and whether
+what was called has failed."""
 
 
 class Scheme(NamedTuple):
@@ -108,6 +114,11 @@ class Model(NamedTuple):
         supported: Which unknowns are held from outside, 0 or 1, (n, 6).
         legs: Of the constraints.
         ends: Of the legs.
+        kinds: Types of the nodes, (n,).
+        arms: Moment arm of both halves of each node, by which what acts on it is a force, (n, 2).
+        rows: Cells of nodes that are no frames.
+        of_vectors: As ``measure`` for nodes that are no frames and constraints on them, else nil.
+        outside: Addresses of :data:`FORCES` and :data:`LEARN`, nil without, and flags, (4,).
     """
 
     cells: CellTable
@@ -128,6 +139,11 @@ class Model(NamedTuple):
     supported: Indices
     legs: Legs
     ends: LegEnds
+    kinds: Indices
+    arms: Array
+    rows: RowCells
+    of_vectors: Array
+    outside: Indices
 
 
 class State(NamedTuple):
@@ -140,12 +156,12 @@ class State(NamedTuple):
         weights: Multipliers, (m,).
         gap: Values of the constraints, (m,).
         F: Forces of the cells, in the frames of their nodes, (places, 6).
-        W: Energies of the cells, (M,).
+        W: Energies of the cells, those of frames first, (M,).
         account: Work done on each cell, (M,).
         w: Memory of changes of velocity, (n, 4, 3).
         w_F: Of changes of forces, (places, 6).
         lag: Numbers of the last iteration, see :mod:`fem_lie.solve.conserving.step.dissipation`,
-            (11,).
+            (14,).
         carry: Forces left over by the last step, and moments about where the nodes are now, global
             components, (n, 6).
         books: Work of loads and drives that has no potential, of damping, numerical loss, and
@@ -158,6 +174,10 @@ class State(NamedTuple):
             dissipation (0, 6 n + m).
         share: Likewise, (2,).
         probe: Of :func:`~fem_lie.solve.conserving.step.corrections.growth`, (6 n + m,).
+        lasting: Forces of cells of nodes that are no frames, and memory of their changes, see
+            :mod:`fem_lie.solve.conserving.rows.changes`, (2, places, 2, 3); without dissipation no
+            places.
+        rates: Accelerations of increments: means over the last step and the one before, (2, n, 6).
     """
 
     H: Array
@@ -180,6 +200,8 @@ class State(NamedTuple):
     slow: Array
     share: Array
     probe: Array
+    lasting: Array
+    rates: Array
 
 
 class Products(NamedTuple):
@@ -232,6 +254,10 @@ class Step(NamedTuple):
         gains: Of the cells' energies, (M,).
         pushed: Forces that are given, on the leaders and on ground, and what they lose, see
             :mod:`fem_lie.solve.conserving.between.pushes`, (n + 2, 6); without any (0, 6).
+        lasting: Forces at the end of cells of nodes that are no frames, changes and what is kept of
+            the memory, see :mod:`fem_lie.solve.conserving.rows.changes`, (3, places, 2, 3).
+        changes: Changes of the forces of these cells, and their memory, (2, n, 6).
+        outer: Forces from outside of compiled code, as increments, (n, 6).
     """
 
     step: Array
@@ -260,6 +286,9 @@ class Step(NamedTuple):
     turnings: Array
     gains: Array
     pushed: Array
+    lasting: Array
+    changes: Array
+    outer: Array
 
 
 class Span(NamedTuple):

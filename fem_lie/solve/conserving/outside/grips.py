@@ -49,10 +49,23 @@ from fem_lie.solve.conserving.rows.halves import (
     has_place,
     largest_cell,
 )
-from fem_lie.solve.conserving.straight.records import Step
 
 _STILL = 1e-12
 """Of ``|s|²`` over the square of the size: what is missing is round-off there."""
+
+
+class Rows(NamedTuple):
+    """Of all nodes, (n, 4, 3).
+
+    Attributes:
+        mean: Means.
+        delta: Increments.
+        middle: Nodes in the middle of the step.
+    """
+
+    mean: Array
+    delta: Array
+    middle: Array
 
 
 class GripSpan(NamedTuple):
@@ -80,15 +93,23 @@ class GripSpan(NamedTuple):
 
 
 @compiled
-def set_nodes(kinds: Indices, this: Step, mean: Array, delta: Array) -> None:
-    """Means and increments (n, 4, 3) of frames, and of the places of other nodes: axes stay."""
+def set_nodes(kinds: Indices, moved: Rows, step: Array, mean: Array, delta: Array) -> None:
+    """Means and increments (n, 4, 3) of frames, and of the positions of other nodes: axes stay.
+
+    Args:
+        kinds: Types of the nodes, (n,).
+        moved: Means, increments and nodes in the middle of the step.
+        step: Increments, (n, 6).
+        mean: Overwritten, as ``delta``.
+        delta: See there.
+    """
     delta[: kinds.shape[0]] = 0.0
     for i in range(kinds.shape[0]):
         if kinds[i] < SLOPE:
-            mean[i], delta[i] = this.mean[i], this.delta[i]
+            mean[i], delta[i] = moved.mean[i], moved.delta[i]
         elif has_place(kinds[i]):
-            mean[i] = this.middle[i]
-            store_row(delta[i], 0, load(this.step[i], 0))
+            mean[i] = moved.middle[i]
+            store_row(delta[i], 0, load(step[i], 0))
 
 
 @compiled

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -11,11 +12,12 @@ from fem_lie._jit import compiled
 from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, WORK
 from fem_lie.joints.equations.table import PackedJoints, joint_table, views
 from fem_lie.joints.equations.terms import spring_energy, unwrap, violations
+from fem_lie.lie.kinds import SLOPE
+from fem_lie.solve.conserving.outside.grips import GripSpan, Rows, give, set_grips, set_nodes
 from fem_lie.solve.conserving.rows.halves import CellTable
 from fem_lie.solve.conserving.rows.measure import weigh_cells
 from fem_lie.solve.conserving.step.joints import add_joints
-from fem_lie.solve.conserving.straight.grips import GripSpan, give, set_grips, set_nodes
-from fem_lie.solve.conserving.straight.records import State, Step
+from fem_lie.solve.conserving.step.records import Model, Span, State, Step
 from fem_lie.system.equations import Equations
 
 _BACK = 1e-3
@@ -26,7 +28,7 @@ class _Rows(NamedTuple):
     """Nodes, grips, ground and prescribed motions over a step.
 
     Attributes:
-        mean: Of places and axes, (L, 4, 3).
+        mean: Of positions and axes, (L, 4, 3).
         delta: Increments.
         forces: And moments on nodes and grips, (n + g, 6).
     """
@@ -36,39 +38,69 @@ class _Rows(NamedTuple):
     forces: Array
 
 
+class _Nodes(NamedTuple):
+    """All nodes over a step.
+
+    Attributes:
+        H: Rows at the start, (≥ n, 4, 3).
+        rest: Digits that do not fit into them, (n, 4, 3).
+        moved: Between both ends.
+        step: Increments, (n, 6).
+    """
+
+    H: Array
+    rest: Array
+    moved: Rows
+    step: Array
+
+
+class _Sums(NamedTuple):
+    """What joints add to.
+
+    Attributes:
+        change: Increments of constraints, (m,).
+        losses: See :class:`~fem_lie.solve.conserving.step.records.Step`, likewise ``outer``.
+        outer: Forces along increments, (n, 6).
+    """
+
+    change: Array
+    losses: Array
+    outer: Array
+
+
 @compiled
 def _add_forces(
     kinds: Indices,
     joints: PackedJoints,
     span: GripSpan,
-    state: State,
-    this: Step,
+    nodes: _Nodes,
     rows: _Rows,
+    weights: Array,
     driven: Array,
     h: float,
+    sums: _Sums,
 ) -> None:
-    """Add forces of joints to ``this.outer``; increments of constraints, and books."""
-    n, g = this.step.shape[0], span.turns.shape[0]
-    mean, delta, forces = rows
-    set_nodes(kinds, this, mean, delta)
-    nodes = state.H, state.rest, this.middle, this.step
-    set_grips(span, nodes, mean[n : n + g], delta[n : n + g])
+    """Add forces of joints to ``sums``."""
+    n, g = nodes.step.shape[0], span.turns.shape[0]
+    (mean, delta, forces), losses = rows, sums.losses
+    set_nodes(kinds, nodes.moved, nodes.step, mean, delta)
+    around = nodes.H, nodes.rest, nodes.moved.middle, nodes.step
+    set_grips(span, around, mean[n : n + g], delta[n : n + g])
     forces[:] = 0.0
-    losses = this.losses
     work, loss = add_joints(
         mean,
         delta,
         joints,
-        state.weights,
+        weights,
         driven,
         h,
-        this.change,
+        sums.change,
         forces,
         losses[BY_REACTIONS:],
     )
     losses[WORK] += work
     losses[DAMPING] += loss
-    give(kinds, span, this.middle, forces, this.outer)
+    give(kinds, span, nodes.moved.middle, forces, sums.outer)
 
 
 @compiled
@@ -91,10 +123,8 @@ class Joints:
     """All joints of a scene.
 
     Attributes:
-        any: Whether there are any.
-        driven: Increments of the targets in the present step, (m,).
-        reached: Values of the constraints at the start, and of these increments, (m,).
-        moved: Frames of prescribed motions at both ends of the step, (2, p, 4, 3).
+        needed: Whether any of them holds on to a grip or to a node that is no frame.
+        reached: Values of the constraints at the start, and of increments of their targets, (m,).
     """
 
     def __init__(self, equations: Equations) -> None:
@@ -104,11 +134,11 @@ class Joints:
         self._pairs, self._grips = pairs, pairs.grips
         n, grips = equations.unknowns.moving, pairs.grips
         self._n, self.kinds = n, equations.tables.kinds
-        self.any = len(views(pairs.joints).nodes) > 0
-        self.driven = np.zeros(equations.unknowns.m)
+        held = views(pairs.joints).nodes
+        straight = np.append(self.kinds >= SLOPE, np.ones(grips.count, dtype=bool))
+        self.needed = bool(straight[held[held < len(straight)]].any())
         frames = equations.start.frames
         fixed = frames[n:]
-        self.moved = np.stack([fixed[1:], fixed[1:]])
         first = np.searchsorted(grips.of, np.arange(grips.count + 1))
         cells = CellTable(
             np.zeros((grips.count, 2, 4), dtype=np.int64),
@@ -136,38 +166,42 @@ class Joints:
         on = np.zeros((n + grips.count, 6))
         self._rows = _Rows(rows, np.zeros_like(rows), on)
         self.reached = np.zeros(equations.unknowns.m)
-        if self.any:
-            _violations(pairs.joints, rows, self.reached)
+        _violations(pairs.joints, rows, self.reached)
 
     def begin(self, H: Array) -> None:
         """A step from rows ``H``."""
         self._span.start[:] = self._grips.locate(H)[0]
-        before, after = self.moved
-        here = slice(len(self._rows.forces) + 1, None)
-        self._rows.mean[here], self._rows.delta[here] = 0.5 * (before + after), after - before
 
-    def add_forces(self, state: State, this: Step, h: float) -> None:
-        """Add forces to ``this.outer``; increments of constraints, and books."""
-        span = self._span
-        span.middle[:], span.J[:] = self._grips.locate(this.middle)
+    def add_forces(self, model: Model, state: State, this: Step, h: float) -> None:
+        """Add forces to ``this.outer``; increments of constraints, and balances."""
+        span, rows, along, n = self._span, self._rows, Span(*this.rows), self._n
+        span.middle[:], span.J[:] = self._grips.locate(along.middle)
         if span.turns.any():
-            span.end[:] = self._grips.locate(this.end)[0]
-        packed, rows = self._pairs.joints, self._rows
-        _add_forces(self.kinds, packed, span, state, this, rows, self.driven, h)
+            span.end[:] = self._grips.locate(along.end)[0]
+        fixed = slice(len(rows.forces), None)
+        rows.mean[fixed], rows.delta[fixed] = along.mean[n:], along.delta[n:]
+        moved = Rows(along.mean, along.delta, along.middle)
+        nodes = _Nodes(state.H, state.rest, moved, this.step)
+        sums = _Sums(this.change, this.losses, this.outer)
+        packed, weights = self._pairs.joints, state.weights
+        _add_forces(self.kinds, packed, span, nodes, rows, weights, model.driven, h, sums)
 
-    def accept(self, H: Array, gap: Array) -> None:
+    def accept(self, H: Array, driven: Array, gap: Array) -> None:
         """Count turns at rows ``H``, and lead ``gap`` (m,) to what constraints miss there.
 
         It is a sum of increments, whose round-off adds up where a grip's rotation has it each time.
         What is seen at the rows has that of single states, so it counts a little each time.
+
+        Args:
+            H: Rows at the end of a step.
+            driven: Increments of the targets in it, (m,).
+            gap: Updated.
         """
-        if not self.any:
-            return
         frames, found = self._all(H), np.empty_like(gap)
         if self._pairs.turns:
             _unwrap(self._pairs.joints, frames)
         _violations(self._pairs.joints, frames, found)
-        self.reached += self.driven
+        self.reached += driven
         gap += _BACK * (found - self.reached - gap)
 
     def energy(self, H: Array) -> float:
@@ -179,6 +213,12 @@ class Joints:
         return np.concatenate([H[: self._n], self._grips.locate(H)[0], H[self._n :]])
 
     @property
-    def turned(self) -> Array:
-        """Angles that are counted, to be written into."""
-        return views(self._pairs.joints).turned
+    def memory(self) -> dict[str, Array]:
+        """What the next steps depend on: angles that are counted, and :attr:`reached`."""
+        turned = views(self._pairs.joints).turned
+        return {"joints.turned": turned.copy(), "joints.reached": self.reached}
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when these were :attr:`memory`."""
+        views(self._pairs.joints).turned[:] = kept["joints.turned"]
+        self.reached[:] = kept["joints.reached"]

@@ -1,0 +1,217 @@
+"""Forces over a step that only Python can find, added when compiled steps ask for them.
+
+They are those of joints that hold on to attachment frames or to nodes without frames, viscous
+forces of cells of such nodes, contact forces on these, and loads that turn with bodies or act on
+points that are no nodes. Such loads are those at the middle of the step, along whose increments
+they do their work.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled
+from fem_lie._jit.call_back import CalledBack
+from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, DAMPING, WORK
+from fem_lie.forms.term import Ends, Term
+from fem_lie.lie.kinds import SLOPE
+from fem_lie.lie.kinds.forces import wrench
+from fem_lie.lie.kinds.kind import axes
+from fem_lie.lie.tuples import dot, load, load_row, plus, rotate, rotate_back, scaled, store
+from fem_lie.lie.wrenches import add_wrench
+from fem_lie.solve.conserving.between.pushes import BESIDE, LOSS, ON_GROUND, Pushes
+from fem_lie.solve.conserving.outside.joints import Joints
+from fem_lie.solve.conserving.step.records import (
+    ERROR,
+    FORCES,
+    JOINTS,
+    LEARN,
+    Model,
+    Span,
+    State,
+    Step,
+)
+from fem_lie.solve.secants import Secants
+from fem_lie.system.equations import Equations
+
+
+class StepInProgress(Protocol):
+    """What of a run the forces depend on.
+
+    Attributes:
+        s: Start of the step.
+        this: The step.
+        model: What its steps see of the scene.
+        h: Step size.
+    """
+
+    s: State
+    this: Step
+    model: Model
+    h: float
+
+
+class Outside:
+    """Forces that Python adds, and corrections that it improves.
+
+    Attributes:
+        joints: Those of the scene, if compiled steps do not have them by themselves.
+        between: Whether there is anything to do between two steps.
+        contacts: Contacts among these forces, if there are any.
+        pushed: Their forces, see :meth:`.Pushes.room`.
+        learns: Corrections that learn from those before; none where there are no secants.
+    """
+
+    def __init__(
+        self,
+        equations: Equations,
+        run: StepInProgress,
+        contacts: Pushes,
+        shared: Outside | None = None,
+    ) -> None:
+        """Nothing is computed yet.
+
+        Args:
+            equations: Of the scene.
+            run: Whose steps ask for these forces.
+            contacts: Of the scene.
+            shared: That of another run whose state is that of this one, too; default: none.
+        """
+        known, n = equations.tables, equations.unknowns.moving
+        self._run, self._kinds, vectors = run, known.kinds, known.kinds >= SLOPE
+        self.joints = joints_of(equations) if shared is None else shared.joints
+        self._viscous = [term for term in _viscous(known.terms) if vectors[term.pairs[0]].all()]
+        self._loads = [term for term in known.terms if acts_in_the_middle(term)]
+        self._twists, self._forces = np.zeros((2, n, 6))
+        self.contacts = contacts if vectors.any() and contacts else None
+        self.pushed = np.zeros((n + BESIDE, 6))
+        self.between = bool(self.joints or self.contacts)
+        self.learns: Secants | None = None
+        self._add, self._learn = (
+            CalledBack(action, self._failed) for action in (self._add_forces, self._improve)
+        )
+        anything = self.between or self._viscous or self._loads
+        run.model.outside[FORCES] = self._add.address if anything else 0
+        run.model.outside[JOINTS] = self.joints is not None
+
+    def learn(self, secants: Secants | None) -> None:
+        """Improve corrections by these from now on, or no more."""
+        self.learns = secants
+        self._run.model.outside[LEARN] = 0 if secants is None else self._learn.address
+
+    def begin(self) -> None:
+        """A step begins from the present state."""
+        if self.joints is not None:
+            self.joints.begin(self._run.s.H)
+        if self.learns is not None:
+            self.learns.forget()
+
+    def check(self) -> None:
+        """Raise the error that has ended compiled code, if there was one."""
+        self._run.model.outside[ERROR] = 0
+        self._add.check()
+        self._learn.check()
+
+    def _failed(self) -> None:
+        self._run.model.outside[ERROR] = 1
+
+    def _improve(self) -> None:
+        assert self.learns is not None
+        self.learns.improve(self._run.this.r[1])
+
+    def _add_forces(self) -> None:
+        run = self._run
+        s, this, along = run.s, run.this, Span(*run.this.rows)
+        if self.joints is not None:
+            self.joints.add_forces(run.model, s, this, run.h)
+        for term in self._viscous:
+            _mean_rates(self._kinds, along.middle, this.step, run.h, self._twists)
+            self._forces[:] = 0.0
+            term.add_viscous_forces(along.middle, self._twists, self._forces)
+            lost = _add_viscous(self._kinds, along.middle, self._twists, self._forces, this.outer)
+            this.losses[DAMPING] += run.h * lost
+        for term in self._loads:
+            self._forces[:] = 0.0
+            term.add_forces(along.middle, self._forces)
+            _add_load(self._kinds, along.middle, this.step, self._forces, this.outer, this.losses)
+        if self.contacts is not None:
+            n = len(this.step)
+            ends = Ends(s.H, along.end, along.mean, along.delta)
+            self.contacts.set(ends, 0.0, self.pushed)
+            this.outer[:] += self.pushed[:n]
+            this.losses[BY_REACTIONS : BY_REACTIONS + 6] += self.pushed[n + ON_GROUND]
+            this.losses[DAMPING] += self.pushed[n + LOSS, 0]
+
+
+def joints_of(equations: Equations) -> Joints | None:
+    """Those of a scene, if any of them holds on to a grip or to a node without a frame."""
+    if (equations.tables.kinds < SLOPE).all():
+        return None
+    joints = Joints(equations)
+    return joints if joints.needed else None
+
+
+def acts_in_the_middle(term: Term) -> bool:
+    """Whether a term is a load whose forces over a step are those at its middle."""
+    return term.load and term.pieces is None and not term.secant
+
+
+def _viscous(terms: Sequence[Term]) -> list[Term]:
+    """Those whose damping goes with strain rates."""
+    return [t for t in terms if t.viscous and t.rates is None and not t.within_joints]
+
+
+@compiled
+def _mean_rates(kinds: Indices, middle: Array, step: Array, h: float, out: Array) -> None:
+    """Mean velocities (n, 6) along the axes of the nodes in the middle of the step."""
+    for i in range(out.shape[0]):
+        d1, d2, d3 = axes(kinds[i], middle[i])
+        for at in (0, 3):
+            rate = scaled(1.0 / h, load(step[i], at))
+            store(out[i], at, rotate_back(d1, d2, d3, rate))
+
+
+@compiled
+def _add_viscous(kinds: Indices, middle: Array, rates: Array, forces: Array, out: Array) -> float:
+    """Add forces (n, 6) along these axes, at these velocities, to ``out``; returns their power.
+
+    They do not oppose rigid motions: these are motions of the middle of the step, by
+    ``ω × r̄``, however far the step turns.
+    """
+    power = 0.0
+    for i in range(rates.shape[0]):
+        d1, d2, d3 = axes(kinds[i], middle[i])
+        for at in (0, 3):
+            f = load(forces[i], at)
+            power += dot(f, load(rates[i], at))
+            store(out[i], at, plus(load(out[i], at), rotate(d1, d2, d3, f)))
+    return power
+
+
+@compiled
+def _add_load(
+    kinds: Indices, middle: Array, step: Array, forces: Array, out: Array, losses: Array
+) -> None:
+    """Add the forces of a load to ``out``, and its work and impulse to ``losses``.
+
+    Args:
+        kinds: Types of the nodes, (n,).
+        middle: Nodes in the middle of the step.
+        step: Increments, (n, 6).
+        forces: Along the axes of the nodes, with the sign of a residual, (n, 6).
+        out: Forces along increments, (n, 6), updated.
+        losses: See :class:`~fem_lie.solve.conserving.step.records.Step`, updated.
+    """
+    for i in range(forces.shape[0]):
+        d1, d2, d3 = axes(kinds[i], middle[i])
+        for at in (0, 3):
+            f = rotate(d1, d2, d3, load(forces[i], at))
+            store(out[i], at, plus(load(out[i], at), f))
+            losses[WORK] -= dot(f, load(step[i], at))
+        force, moment = wrench(kinds[i], middle[i], forces[i])
+        x = load_row(middle[i], 0)
+        add_wrench(losses, BY_LOADS, x, scaled(-1.0, force), scaled(-1.0, moment))

@@ -1,1 +1,0 @@
-"""Energy and momenta of scenes with nodes that are no frames, beside frames or alone."""
