@@ -180,7 +180,7 @@ class ComposedRun(Integration[History]):
         v[:n] = self._parts[0].local(s.V, s.H)
         if Record.FORCES in history.filled and (held or len(weights)):
             rates, weights = self._end_forces(v)
-        self._filled.by_rates(history, s.H, s.V, weights, s.books)
+        self._filled.by_both(history, s.H, (s.V, v[:n]), weights, s.books)
         if Record.FORCES in history.filled and held:
             told = equations.report(s.H, v, rates, weights, carried=False)
             history.reactions[row] = told.reactions

@@ -50,7 +50,7 @@ def start_state(
         account=z(count),
         w=z((n, 4, 3)),
         w_F=z((cells.places, 6)),
-        lag=z(14),
+        lag=z(13),
         carry=z((n, 6)),
         books=z(TOTAL),
         trend=z((n, 6)),
@@ -183,17 +183,17 @@ def model_of(
         kinds=known.kinds,
         arms=np.where(unknowns.lengths, 1.0, unknowns.length),
         rows=rows,
-        of_vectors=_of_vectors(equations),
+        of_frames=_of_frames(equations),
         outside=np.zeros(4, dtype=np.int64),
     )
 
 
-def _of_vectors(equations: Equations) -> Array:
-    """Weights of the unknowns of nodes that are no frames, and of constraints that touch them."""
+def _of_frames(equations: Equations) -> Array:
+    """Weights of the unknowns of frames and of constraints between frames alone, else nil."""
     unknowns, vectors = equations.unknowns, equations.tables.kinds >= SLOPE
     legs, touched = equations.matrix.legs, np.zeros(unknowns.m, dtype=bool)
     touched[legs.rows[vectors[legs.nodes]]] = True
-    return np.where(np.append(np.repeat(vectors, 6), touched), unknown_scaling(unknowns), 0.0)
+    return np.where(np.append(np.repeat(vectors, 6), touched), 0.0, unknown_scaling(unknowns))
 
 
 def ends_of(legs: Legs, n: int, size: int) -> LegEnds:

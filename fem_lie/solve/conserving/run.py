@@ -89,9 +89,9 @@ class Run(Steps):
         code = loop.MATRIX
         while code == loop.MATRIX:
             assert self._factors is not None
-            tables = packed.model, packed.state, packed.step
-            how = self._factors.plain, given, self.counters, self.numbers
-            code = stretch.run(*tables, *how, results, supports, place, last)
+            kept = self._factors.plain, given, self.counters, self.numbers
+            how = *kept, results, supports, place, last
+            code = stretch.run(packed.model, packed.state, packed.step, *how)
             self._outside.check()
             if code == loop.MATRIX and not self._renewed():
                 code = loop.FAILED
@@ -172,7 +172,8 @@ class Run(Steps):
         if self._changing:
             # drives are violated by what they are not at the end
             self.equations.prescribed(self._end).act()
-        self._filled.by_rates(history, s.H, s.V, weights, s.books)
+        motion = s.V, self.local(s.V, s.H)
+        self._filled.by_both(history, s.H, motion, weights, s.books)
         if self._held and Record.FORCES in history.filled:
             history.reactions[row] = self._reactions(weights)
         if Record.ENERGIES in history.filled:

@@ -11,10 +11,10 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.balances import WORK
 from fem_lie.forms.cells import Cells, evaluate
-from fem_lie.lie.kinds import SLOPE, follow_all, inertia, push_all
+from fem_lie.lie.kinds import SLOPE, follow_all, push_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
-from fem_lie.solve.conserving.between.any_node import spatial_rates
+from fem_lie.solve.conserving.between.any_node import spatial_rates, twists
 from fem_lie.solve.conserving.between.screws import half_way
 from fem_lie.solve.conserving.between.turning import Turning
 from fem_lie.solve.conserving.memory import (
@@ -125,7 +125,7 @@ class RunState(Integration[History]):
         scheme = Scheme(self.h, options.loss, options.learning)
         self.model = model_of(equations, self.cells, self.row_cells, scheme, legs)
         outside = None if shared is None else shared._outside
-        self._outside = Outside(equations, self, self._pushes, outside)
+        self._outside: Outside = Outside(equations, self, self._pushes, outside)
         self._touching = bool(self._pushes) and not len(self._vectors)
         # what follows its surroundings is turned after each step, and what joints miss led back
         known, turns = equations.tables, len(self._vectors) > 0
@@ -134,7 +134,7 @@ class RunState(Integration[History]):
         if options.policy.secants > 0:
             self._outside.learn(Secants(options.policy.secants, self._node_measure))
         self._packed = Packed(self.model, self.s, self.this)
-        self.counters, self.numbers = np.zeros(8, dtype=np.int64), np.zeros(11)
+        self.counters, self.numbers = np.zeros(8, dtype=np.int64), np.zeros(14)
         self.counts, self.told = np.zeros(2, dtype=np.int64), np.zeros(3, dtype=np.int64)
         self._factors: Factors | None = None
         self._kept = -1  # the last step of which the compiled loop has filled in a row
@@ -163,9 +163,13 @@ class RunState(Integration[History]):
         return int(self.counters[corrections.STEPS])
 
     def local(self, V: Any, H: Array) -> Array:
-        """Twists (n, 6) in the frames ``H`` of rates (n, 4, 3) of (x, d₁, d₂, d₃)."""
-        out = np.empty((len(V), 6))
-        inertia.local_twists(H, V, self.equations.tables.turning, out)
+        """Velocities (n, 6) along the axes of nodes ``H`` from rates (n, 4, 3) of their rows.
+
+        Of frames twists, of other nodes the rates of their coordinate vectors.
+        """
+        out, unused, still = np.zeros((3, len(V), 6))
+        turning = self.equations.tables.turning
+        twists(self._kinds, turning, H, np.ascontiguousarray(V), still, out, unused)
         return out
 
     @property

@@ -167,7 +167,7 @@ class Steps(Touching):
         motion = nodes.packed_begin(packed.model, packed.state, packed.step)
         numbers[corrections.MOTION] = max(motion, numbers[corrections.MOTION])
         numbers[corrections.PREVIOUS] = numbers[corrections.LEAST] = np.inf
-        numbers[corrections.LEFT] = np.inf
+        numbers[corrections.RECENT :] = np.inf
         numbers[corrections.FELT] = 0.0
 
     def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:

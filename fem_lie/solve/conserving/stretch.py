@@ -14,7 +14,7 @@ from fem_lie.solve.conserving.between.end_forces import at_end, rates_at_end
 from fem_lie.solve.conserving.step import loop
 from fem_lie.solve.conserving.step.corrections import STEPS, TOTAL
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of
-from fem_lie.solve.recording.result_row import close_row, fill_by_rates
+from fem_lie.solve.recording.result_row import close_row, fill_by_both
 from fem_lie.system.nodes.fixed_axes import wrenches
 from fem_lie.system.nodes.sums import residual
 
@@ -76,8 +76,7 @@ def run(
         place: Where the results are, see :data:`ROW`, (3,), updated.
         last: Step to reach; the end of an earlier one is where an element turns too far.
     """
-    scene, rows, wanted = results
-    _, _, (h, _, _) = model
+    wanted = results[2]
     while counters[STEPS] < last:
         at = place[WANTED]
         to = wanted[at] if at < wanted.shape[0] else last
@@ -85,7 +84,7 @@ def run(
         if code != loop.DONE:
             return code
         if at < wanted.shape[0]:
-            place[NEAR] = _fill(starts, scene, rows, place[ROW], counters, h)
+            place[NEAR] = _fill(model, starts, results[:2], supports[1], place[ROW], counters)
             if supports[4].shape[0] > 0:
                 _fill_reactions(model, starts, supports, place[ROW])
             place[ROW] += 1
@@ -97,14 +96,21 @@ def run(
 
 @compiled
 def _fill(
-    starts: Indices, scene: Indices, rows: Indices, row: int, counters: Indices, h: float
+    packed: PackedModel,
+    starts: Indices,
+    results: tuple[Indices, Indices],
+    turning: Array,
+    row: int,
+    counters: Indices,
 ) -> bool:
     """Fill in a row with the present state; returns whether an element turns nearly too far."""
-    s = state_of(starts)
-    weights, v = s.weights, np.empty((s.V.shape[0], 6))
+    s, (scene, rows), (_, _, (h, _, _)) = state_of(starts), results, packed
+    weights, room = s.weights, np.zeros((3, s.V.shape[0], 6))
+    v, unused, still = room[0], room[1], room[2]
+    twists(model_of(packed).kinds, turning, s.H, s.V, still, v, unused)
     if weights.shape[0] > 0:
         weights = at_end(s.weights, s.earlier, s.sizes)
-    potential, springs, near = fill_by_rates(s.H, s.V, v, weights, s.books, scene, rows, row)
+    potential, springs, near = fill_by_both(s.H, v, s.V, weights, s.books, scene, rows, row)
     close_row(rows, row, potential, springs + np.sum(s.W), counters[STEPS] * h, counters[TOTAL])
     return near
 

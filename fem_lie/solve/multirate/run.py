@@ -122,7 +122,7 @@ class MultiRateRun(Integration[History]):
         if Record.FORCES in history.filled and (held or m):
             rates, weights = self._end_forces(H, v)
         books = np.sum([domain.s.books for domain in self._domains], axis=0)
-        self._filled.by_rates(history, H, V, weights, books)
+        self._filled.by_both(history, H, (V, v[:n]), weights, books)
         if Record.FORCES in history.filled and held:
             told = equations.report(H, v, rates, weights, carried=False)
             history.reactions[row] = told.reactions

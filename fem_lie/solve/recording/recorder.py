@@ -248,35 +248,6 @@ class Recorder(History):
         self.times[row], self.iterations[row] = time, self.count
         self.row += 1
 
-    def fill_rates(
-        self,
-        time: float,
-        H: Array,
-        motion: tuple[Array, Array, Array],
-        stored: float,
-        multipliers: Array,
-        booked: Array,
-    ) -> None:
-        """The same with energy and momenta of rates that need not be those of turning frames.
-
-        Args:
-            time: Of the row.
-            H: Frames of all rows.
-            motion: Rates of (x, d₁, d₂, d₃), (n, 4, 3), twists and their rates, (n, 6).
-            stored: Energy of elements and springs.
-            multipliers: Shape (m,).
-            booked: Balance and impulses.
-        """
-        (V, v, a), row = motion, self.row
-        self._filled.by_both(self, H, (V, v), multipliers, booked)
-        if self._held:
-            report = self._equations.report(H, v, a, multipliers, carried=False)
-            self.reactions[row] = report.reactions
-        if Record.ENERGIES in self.filled:
-            self.elastic[row] = stored
-        self.times[row], self.iterations[row] = time, self.count
-        self.row += 1
-
     def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
         """Write all that the next steps depend on, and how many iterations there were."""
         super().write_checkpoint(index, memory | {"count": np.array(self.count)})

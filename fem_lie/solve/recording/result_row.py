@@ -21,7 +21,7 @@ from fem_lie.forms.fixed_arrays import (
 )
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import joint_table
-from fem_lie.lie.kinds import inertia, push_all, shown_all
+from fem_lie.lie.kinds import push_all, shown_all
 from fem_lie.results.record import Record
 from fem_lie.solve.recording.row_tables import Given, Kept, given_of, kept_of
 from fem_lie.system.nodes.attachment import expand_motion
@@ -64,12 +64,6 @@ class ResultRow:
         found = fill_by_twists(H, v, weights, booked, self.scene, rows.arrays.table, row)
         self._fill_rest(rows, H, v, weights, found)
 
-    def by_rates(self, rows: Window, H: Array, V: Array, weights: Array, booked: Array) -> None:
-        """Fill the next row by :meth:`by_twists` from rates of (x, d₁, d₂, d₃), shape (n, 4, 3)."""
-        v = np.empty((len(V), 6))
-        found = fill_by_rates(H, V, v, weights, booked, self.scene, rows.arrays.table, rows.row)
-        self._fill_rest(rows, H, v, weights, found)
-
     def by_both(
         self,
         rows: Window,
@@ -78,7 +72,16 @@ class ResultRow:
         weights: Array,
         booked: Array,
     ) -> None:
-        """Fill the next row from such rates, and twists that are known beside."""
+        """Fill the next row by :meth:`by_twists` with the energy and momenta of rates of rows.
+
+        Args:
+            rows: Arrays of results, with room.
+            H: Frames of all rows of the equations.
+            motion: Rates (n, 4, 3) of the rows of nodes, which need not be those of turning frames,
+                and velocities (n, 6) along the axes of the nodes.
+            weights: Multipliers, shape (m,).
+            booked: Balance and impulses, shape (15,).
+        """
         (V, v), table = motion, rows.arrays.table
         found = fill_by_both(H, v, V, weights, booked, self.scene, table, rows.row)
         self._fill_rest(rows, H, v, weights, found)
@@ -187,24 +190,6 @@ def close_row(
 
 
 @compiled
-def fill_by_rates(
-    H: Array,
-    V: Array,
-    v: Array,
-    weights: Array,
-    booked: Array,
-    scene: Indices,
-    rows: Indices,
-    row: int,
-) -> tuple[float, float, bool]:
-    """:func:`fill_by_twists` for rates ``V`` (n, 4, 3), whose twists are written into ``v``."""
-    kept = kept_of(rows)
-    if _any(kept.velocities) or _any(kept.joint_forces):
-        inertia.local_twists(H, V, given_of(scene).turning, v)
-    return _fill(H, v, V, weights, booked, scene, rows, row)
-
-
-@compiled
 def fill_by_both(
     H: Array,
     v: Array,
@@ -215,7 +200,7 @@ def fill_by_both(
     rows: Indices,
     row: int,
 ) -> tuple[float, float, bool]:
-    """:func:`fill_by_twists` for twists ``v`` and rates ``V`` (n, 4, 3)."""
+    """:func:`fill_by_twists` for ``v`` and the rates ``V`` (n, 4, 3) of all rows."""
     return _fill(H, v, V, weights, booked, scene, rows, row)
 
 

@@ -83,7 +83,7 @@ class Outside:
         """
         known, n = equations.tables, equations.unknowns.moving
         self._run, self._kinds, vectors = run, known.kinds, known.kinds >= SLOPE
-        self.joints = joints_of(equations) if shared is None else shared.joints
+        self.joints: Joints | None = joints_of(equations) if shared is None else shared.joints
         self._viscous = [term for term in _viscous(known.terms) if vectors[term.pairs[0]].all()]
         self._loads = [term for term in known.terms if acts_in_the_middle(term)]
         self._twists, self._forces = np.zeros((2, n, 6))

@@ -35,7 +35,6 @@ from fem_lie.solve.conserving.step.dissipation import (
     ENERGY,
     LEAK,
     LIMIT,
-    MOMENTUM,
     REMEMBERS,
     REPAID,
     ROW_REPAID,
@@ -92,9 +91,6 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
             store_row(V[i], k, load_row(V1[i], k))
     mass, momenta = model.inertia, this.q[1]
     inertia.multiply(mass.indptr, mass.indices, mass.blocks, V, momenta)
-    for i in range(n):
-        for j in range(3):
-            lag[MOMENTUM] = max(lag[MOMENTUM], abs(momenta[i, 0, j]))
     lag[ENERGY] = max(lag[ENERGY], 0.5 * _product(V, momenta) + np.sum(this.W1))
     _keep_trend(model.kinds, H, V, h, step, state)
     for place in range(F1.shape[0]):

@@ -23,11 +23,18 @@ STEPS, ITERATION, TOTAL, BEST, ASKED, STALLS, LAST, NEEDED = 0, 1, 2, 3, 4, 5, 6
 iterations since the increment fell to its least, iterations of the last step, and those of the
 present one from whose outcome a better matrix would have had anything to gain; shape (8,)."""
 PREVIOUS, RATIO, MOTION, EXCESS, INCREMENT, LEAST, FLOOR, MARK, FELT = 0, 1, 2, 3, 4, 5, 6, 7, 8
-ASIDE, LEFT = 9, 10
+ASIDE, LONG_AGO, RECENT = 9, 10, 11
 """Numbers: last increment, ratio, largest motion, iterations beyond the fewest, increment, the
 least of the present step, the least that round-off lets one expect, that of ``patience``
 iterations before, what round-off was seen to make of it in this step, by how much terms fell of
-what is beside the matrix, and the largest force that was left over; shape (11,)."""
+what is beside the matrix, the increment :data:`LOST` iterations or less before, and the last
+:data:`WINDOW` increments of nodes that are no frames, the newest first; shape (14,)."""
+WINDOW, HALVED = 3, 0.5
+"""Small increments are round-off where so many iterations did not bring them below that part of
+themselves; for nodes with vector coordinates."""
+LOST = 25
+"""Iterations that do not bring increments beyond round-off below half lead to no solution, where
+there are such nodes."""
 UNKNOWN, NEW = 0, -1
 """Instead of the fewest iterations: none was counted with this matrix, none of a whole step."""
 ULPS = 1e3 * float(np.finfo(np.float64).eps)
@@ -107,11 +114,14 @@ def size_of(measure: Array, x: Array) -> float:
 
 
 @inlined
-def lags(numbers: Array, tolerance: float, patience: int, spare: float) -> bool:
-    """Whether at its present rate the iteration would go on for more than ``spare`` iterations."""
+def lags(numbers: Array, tolerance: float, patience: int, spare: float, round_off: float) -> bool:
+    """Whether at its present rate the iteration would go on for more than ``spare`` iterations.
+
+    Increments below ``round_off`` are noise.
+    """
     increment, before = numbers[INCREMENT], numbers[MARK]
     numbers[MARK] = increment
-    target = max(tolerance * numbers[MOTION], numbers[FLOOR], FINE)
+    target = max(tolerance * numbers[MOTION], numbers[FLOOR], round_off)
     if increment <= ULPS or increment <= target:
         return False
     rate = log(increment / before) / patience
@@ -135,17 +145,6 @@ def count(counters: Indices, numbers: Array) -> None:
 
 
 @inlined
-def largest_force(kinds: Indices, arms: Array, r: Array) -> float:
-    """Of a residual ``r`` (6 n + m,) on nodes that are no frames, moments over arms (n, 2)."""
-    largest = 0.0
-    for i in range(kinds.shape[0]):
-        if kinds[i] >= SLOPE:
-            for k in range(6):
-                largest = max(largest, abs(r[6 * i + k]) / arms[i, k // 3])
-    return largest
-
-
-@inlined
 def settled(counters: Indices, numbers: Array) -> bool:
     """Whether only round-off is left: it falls no more, or is as small as where it fell no more."""
     increment, least = numbers[INCREMENT], numbers[LEAST]
@@ -162,6 +161,48 @@ def settled(counters: Indices, numbers: Array) -> bool:
         return False
     numbers[FLOOR] = numbers[LEAST]
     return True
+
+
+@inlined
+def larger(a: float, b: float) -> float:
+    """The larger one of two numbers; not a number, if either is."""
+    return b if b > a or b != b else a
+
+
+@inlined
+def size_of_vectors(kinds: Indices, measure: Array, x: Array) -> float:
+    """Of the largest part of a correction ``x`` of nodes that are no frames; as :func:`size`."""
+    largest = 0.0
+    for i in range(kinds.shape[0]):
+        if kinds[i] >= SLOPE:
+            part = size(measure[6 * i : 6 * i + 6], x[6 * i : 6 * i + 6])
+            if part > largest or part != part:
+                largest = part
+    return largest
+
+
+@inlined
+def stalls(numbers: Array, increment: float) -> bool:
+    """Whether an increment is more than half of the one three iterations before; records it.
+
+    Stiff cells feel increments that still fall, however small these are, as forces. So nodes with
+    vector coordinates are corrected while they fall, and where an earlier step has ended is no
+    measure of round-off in this one.
+    """
+    before = numbers[RECENT + WINDOW - 1]
+    for k in range(WINDOW - 1, 0, -1):
+        numbers[RECENT + k] = numbers[RECENT + k - 1]
+    numbers[RECENT] = increment
+    return increment > HALVED * before
+
+
+@inlined
+def is_lost(numbers: Array, iteration: int) -> bool:
+    """Whether increments have not been halved for long; the present one is the next reference."""
+    if (iteration - 1) % LOST != 0:
+        return False
+    before, numbers[LONG_AGO] = numbers[LONG_AGO], numbers[INCREMENT]
+    return iteration > 1 and numbers[INCREMENT] > HALVED * before
 
 
 @inlined

@@ -79,9 +79,9 @@ forces and of the memory, and ``|w|²`` of the latter."""
 LEAK, SQUARES, LIMIT, REPAID, ENERGY = 5, 6, 7, 8, 10
 """And of energy that round-off has brought in, squares of the deformations of all elements, forces
 that are below round-off, energy taken back, and the largest energy so far."""
-ROW_SQUARES, ROW_REPAID, MOMENTUM = 11, 12, 13
-"""Squares and energy taken back of cells of nodes that are no frames, beside those of frames, and
-the largest momentum of a node so far; shape (14,)."""
+ROW_SQUARES, ROW_REPAID = 11, 12
+"""Squares and energy taken back of cells of nodes that are no frames, beside those of frames; shape
+(13,)."""
 _EXACT = 1e-14
 
 

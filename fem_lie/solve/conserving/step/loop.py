@@ -14,8 +14,10 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import linked
 from fem_lie._jit.call_back import call_back
 from fem_lie.forms.fixed_arrays import put
+from fem_lie.lie.kinds.kind import SLOPE
 from fem_lie.lie.tuples import dot, load, load_row
 from fem_lie.linear.factors import PlainFactors
+from fem_lie.solve.conserving.rows.halves import has_place
 from fem_lie.solve.conserving.step.acceptance import accept
 from fem_lie.solve.conserving.step.balance import residual
 from fem_lie.solve.conserving.step.corrections import (
@@ -28,25 +30,29 @@ from fem_lie.solve.conserving.step.corrections import (
     INCREMENT,
     ITERATION,
     LEAST,
-    LEFT,
     MARK,
     MOTION,
     NEEDED,
     PREVIOUS,
+    RECENT,
     STALLS,
     STEPS,
     TOTAL,
     ULPS,
+    WINDOW,
     converged,
     count,
     hasten,
+    is_lost,
     lags,
-    largest_force,
+    larger,
     settled,
     size,
+    size_of_vectors,
     stagnates,
+    stalls,
 )
-from fem_lie.solve.conserving.step.dissipation import MEMORY, MOMENTUM
+from fem_lie.solve.conserving.step.dissipation import MEMORY
 from fem_lie.solve.conserving.step.nodes import begin, compare, correct, hold
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
 from fem_lie.solve.conserving.step.records import ERROR, LEARN, solution_of
@@ -68,10 +74,6 @@ _ASTRAY = 1e-6
 """Unless they are larger than this: far from any solution, where elements fold, all is felt."""
 _SMALL = 0.1
 """What of the constraints is not in the matrix, where a step may end by the rate of convergence."""
-_FALLS = 0.5
-"""Ratio of forces left over on nodes that are no frames, where one more correction is worth it."""
-_SEEN = 1e-13
-"""Of the largest momentum of a node, impulses that are."""
 _USUAL, _OF_ONE = 2, 0.1
 """Terms for old constraints that cost nothing, and what others cost, in iterations."""
 
@@ -100,7 +102,7 @@ def run(
             :class:`~fem_lie.solve.motion.policies.Automatic`, and iterations that a step may go on
             for where that was not enough; without such (0) a step is made with whatever it has.
         counters: Shape (8,), updated.
-        numbers: Shape (11,), updated.
+        numbers: Shape (14,), updated.
         last: Step to reach.
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
@@ -110,14 +112,17 @@ def run(
         for k in range(6):
             supported = supported or model.supported[i, k] != 0
     legs, ends, aside, compared = model.legs, model.ends, (this.border, this.turnings), False
-    noise_level = _noise_level(packed, starts)
-    vectors, h = model.rows.sees.shape[0] > 0, model.scheme.h
+    kinds, vectors, noise_level = model.kinds, False, _noise_level(packed, starts)
+    for i in range(kinds.shape[0]):
+        vectors = vectors or kinds[i] >= SLOPE
     while counters[STEPS] < last:
         if counters[ITERATION] == 0:
             numbers[MOTION] = max(begin(packed, starts, steps), numbers[MOTION])
             numbers[PREVIOUS], numbers[LEAST], numbers[FELT] = np.inf, np.inf, 0.0
             counters[ITERATION], counters[STALLS], compared = 1, 0, False
-            numbers[LEFT], noise_level = np.inf, _noise_level(packed, starts)
+            noise_level = _noise_level(packed, starts)
+            for k in range(WINDOW):
+                numbers[RECENT + k] = np.inf
         iteration = counters[ITERATION]
         if counters[ASKED] != iteration:
             counters[ASKED] = iteration
@@ -126,7 +131,9 @@ def run(
             else:
                 due = (iteration - 1) % patience == 0
                 if due and spare > 0.0:
-                    due = lags(numbers, tolerance, patience, spare)
+                    due = lags(
+                        numbers, tolerance, patience, spare, noise_level if vectors else FINE
+                    )
             if due:
                 return MATRIX
         residual(packed, starts, steps, True)
@@ -140,6 +147,7 @@ def run(
                 if growth(measure, scale, this.r, factors, legs, ends, border, probe) > FALLS:
                     return LOST
         fine = numbers[FLOOR]
+        noticed = noise_level if vectors else 16.0 * fine
         close = CLOSE if iteration == 1 else NEARLY
         numbers[INCREMENT], terms, numbers[ASIDE] = correction(
             measure,
@@ -153,36 +161,41 @@ def run(
         )
         if outside[LEARN] != 0:
             call_back(outside[LEARN])
-            numbers[INCREMENT] = size(measure, solution_of(this.r).x)
         if ends.inverse.shape[0] == 0:
             numbers[EXCESS] += _OF_ONE * max(terms - _USUAL, 0)
-        if state.slow.shape[0] > 0:
+        # what learns knows the directions of its own corrections
+        if state.slow.shape[0] > 0 and outside[LEARN] == 0:
             x, cut = solution_of(this.r).x, state.lag[MEMORY] < 1.0
-            hasten(measure, x, state.slow, state.share, (cut, iteration == 1), 16.0 * fine)
+            hasten(measure, x, state.slow, state.share, (cut, iteration == 1), noticed)
         counters[TOTAL] += 1
-        falls, goes_on, astray, moved = False, False, False, 0.0
+        x, moved, rests, stalled = solution_of(this.r).x, 0.0, True, False
+        own, before = numbers[INCREMENT], larger(numbers[PREVIOUS], numbers[RECENT])
         if vectors:
-            # stiff cells feel what is no increment any more: it is taken out before a step ends
-            left = largest_force(model.kinds, model.arms, solution_of(this.r).residual)
-            matters = tolerance == 0.0 and left * abs(h) > _SEEN * state.lag[MOMENTUM]
-            falls, numbers[LEFT] = matters and left < _FALLS * numbers[LEFT], left
-            moved = size(model.of_vectors, solution_of(this.r).x)
-            goes_on, astray = tolerance == 0.0 and moved > ROUND_OFF, moved > noise_level
+            own, moved = size(model.of_frames, x), size_of_vectors(kinds, measure, x)
+            stalled = stalls(numbers, moved) and moved <= noise_level
+            rests = moved <= ROUND_OFF or stalled
+            if tolerance > 0.0:
+                own, rests = larger(own, moved), True
         # at the last digits of cells without frames no matrix helps: policies do not count them
-        if numbers[PREVIOUS] > ULPS or 2.0 * moved <= numbers[INCREMENT]:
+        if not vectors or before > noise_level or moved <= own:
             counters[NEEDED] = iteration
+        done = noise = False
+        numbers[INCREMENT] = own
+        if rests:
+            noise = settled(counters, numbers)
+            compares = moved <= noise_level and outside[LEARN] == 0
+            if not noise and compares and stagnates(counters, numbers):
+                # one sample of round-off may be small by chance
+                numbers[FELT] = max(_round_off(packed, starts, steps, factors), numbers[FELT])
+                noise = numbers[INCREMENT] <= min(_FELT * numbers[FELT], _ASTRAY)
+            known = legs.nodes.shape[0] == 0 or numbers[ASIDE] < _SMALL
+            done = noise or converged(numbers, tolerance, iteration, known)
+            noise = noise and (stalled or moved <= own)
+        numbers[INCREMENT] = larger(own, moved)
         if iteration == 1:
             numbers[MARK] = numbers[INCREMENT]
-        noise = settled(counters, numbers) and not falls
-        # neither increments of cells without frames nor corrections that learn are compared with it
-        compares = not astray and outside[LEARN] == 0
-        if not noise and compares and stagnates(counters, numbers):
-            # one sample of round-off may be small by chance
-            numbers[FELT] = max(_round_off(packed, starts, steps, factors), numbers[FELT])
-            noise = numbers[INCREMENT] <= min(_FELT * numbers[FELT], _ASTRAY)
-        known = legs.nodes.shape[0] == 0 or numbers[ASIDE] < _SMALL
-        more = falls or goes_on
-        if noise or (converged(numbers, tolerance, iteration, known) and not more):
+        lost = vectors and is_lost(numbers, iteration) and moved > noise_level
+        if done:
             # a correction that is noise is not made: what is accepted must be of one piece
             if not noise:
                 correct(packed, starts, steps)
@@ -193,11 +206,11 @@ def run(
             count(counters, numbers)
             counters[STEPS] += 1
             counters[ITERATION] = counters[ASKED] = 0
-        elif iteration == limit or not numbers[INCREMENT] < 1e3:
+        elif lost or iteration == limit or not numbers[INCREMENT] < 1e3:
             return FAILED
         else:
             correct(packed, starts, steps)
-            numbers[PREVIOUS] = numbers[INCREMENT]
+            numbers[PREVIOUS] = own
             counters[ITERATION] += 1
     return DONE
 
@@ -205,12 +218,14 @@ def run(
 @linked
 def _noise_level(packed: PackedModel, starts: Indices) -> float:
     """Largest increment that may be round-off: far from the origin positions are known to less."""
-    model, H, far = model_of(packed), state_of(starts).H, 0.0
-    if model.rows.sees.shape[0] == 0:
-        return ULPS
+    model, H, far, vectors = model_of(packed), state_of(starts).H, 0.0, False
     for i in range(model.kinds.shape[0]):
-        for j in range(3):
-            far = max(far, abs(H[i, 0, j]) * model.measure[6 * i])
+        vectors = vectors or model.kinds[i] >= SLOPE
+        if has_place(model.kinds[i]):
+            for j in range(3):
+                far = max(far, abs(H[i, 0, j]) * model.measure[6 * i])
+    if not vectors:
+        return ULPS
     return max(ULPS, 0.1 * ULPS * far)
 
 

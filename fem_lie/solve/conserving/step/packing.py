@@ -80,7 +80,7 @@ class Packed:
                     model.kinds,
                     model.arms,
                     *model.rows,
-                    model.of_vectors,
+                    model.of_frames,
                     model.outside,
                 )
             ),

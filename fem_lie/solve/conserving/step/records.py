@@ -117,7 +117,7 @@ class Model(NamedTuple):
         kinds: Types of the nodes, (n,).
         arms: Moment arm of both halves of each node, by which what acts on it is a force, (n, 2).
         rows: Cells of nodes that are no frames.
-        of_vectors: As ``measure`` for nodes that are no frames and constraints on them, else nil.
+        of_frames: As ``measure`` for frames and constraints between these alone, else nil.
         outside: Addresses of :data:`FORCES` and :data:`LEARN`, nil without, and flags, (4,).
     """
 
@@ -142,7 +142,7 @@ class Model(NamedTuple):
     kinds: Indices
     arms: Array
     rows: RowCells
-    of_vectors: Array
+    of_frames: Array
     outside: Indices
 
 
@@ -161,7 +161,7 @@ class State(NamedTuple):
         w: Memory of changes of velocity, (n, 4, 3).
         w_F: Of changes of forces, (places, 6).
         lag: Numbers of the last iteration, see :mod:`fem_lie.solve.conserving.step.dissipation`,
-            (14,).
+            (13,).
         carry: Forces left over by the last step, and moments about where the nodes are now, global
             components, (n, 6).
         books: Work of loads and drives that has no potential, of damping, numerical loss, and
