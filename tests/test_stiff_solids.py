@@ -103,6 +103,21 @@ def test_stiff_solids_go_on_as_saint_venants(scheme, law, held, E):
     assert found.balance_error <= 1e-13 + 20.0 * linear.balance_error
 
 
+@pytest.mark.parametrize("held", ["free", "joint"])
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_steel_takes_long_steps_whole(scheme, held):
+    """A matrix of the start of the step is that of a body that has yet to turn half-way.
+
+    Where it fails, corrections that learn from each other reach the end with one more.
+    """
+    scene = spun(fl.SaintVenantKirchhoff(2e11, 0.3, 7800.0), held)
+    result = SCHEMES[scheme].run(scene, duration=0.1, step=0.01, progress=False)
+    assert result.divided == 0
+    assert result.factorisations <= 25
+    assert result.iterations[-1] <= 250
+    assert result.balance_error <= 5e-10
+
+
 @pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
 def test_stiff_solids_of_degree_two(cell):
     """Of steel."""

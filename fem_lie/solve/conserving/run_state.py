@@ -14,7 +14,7 @@ from fem_lie.forms.cells import Cells, evaluate
 from fem_lie.lie.kinds import SLOPE, follow_all, push_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
-from fem_lie.solve.conserving.between.any_node import spatial_rates, twists
+from fem_lie.solve.conserving.between.any_node import span_from_python, spatial_rates, twists
 from fem_lie.solve.conserving.between.screws import half_way
 from fem_lie.solve.conserving.between.turning import Turning
 from fem_lie.solve.conserving.memory import (
@@ -134,7 +134,8 @@ class RunState(Integration[History]):
         if options.policy.secants > 0:
             self._outside.learn(Secants(options.policy.secants, self._node_measure))
         self._packed = Packed(self.model, self.s, self.this)
-        self.counters, self.numbers = np.zeros(8, dtype=np.int64), np.zeros(14)
+        self.counters = np.zeros(corrections.COUNTERS, dtype=np.int64)
+        self.numbers = np.zeros(corrections.NUMBERS)
         self.counts, self.told = np.zeros(2, dtype=np.int64), np.zeros(3, dtype=np.int64)
         self._factors: Factors | None = None
         self._kept = -1  # the last step of which the compiled loop has filled in a row
@@ -300,16 +301,16 @@ class RunState(Integration[History]):
         if self.counters[corrections.ITERATION] > 1:
             packed, end, ahead = self._packed, Span(*this.rows).end, 0.0
             packed_residual(packed.model, packed.state, packed.step)
-            H = self._half_way(end)
+            H = at = self._half_way(end)
             v, a = self.local(0.5 * (s.V + this.V1), H), self.local((this.V1 - s.V) / self.h, H)
         else:
-            H, end, v, ahead = s.H, s.H, self.local(s.V, s.H), 1.0
+            H, at, end, v, ahead = self._at_start(), s.H, s.H, self.local(s.V, s.H), 1.0
             a = 2.0 * np.einsum("nij,nkj->nki", H[:n, 1:], s.trend.reshape(n, 2, 3)).reshape(n, 6)
         a[:, :3] -= np.cross(v[:, 3:], v[:, :3])
         a[self._vectors] = 0.0
         age = self._age()
         joints_at = s.H if scale is None else self._moved(end, v, ahead + age)
-        forces_at = self._moved(H, v, 0.5 * ahead + age)
+        forces_at = self._moved(at, v, 0.5 * ahead + age)
         if self.follows:
             axes = self._moved(joints_at, v, -0.5)
             joints, held, legs = self.model.joints, self.model.held, self.model.legs
@@ -317,8 +318,25 @@ class RunState(Integration[History]):
         return self._fill(H, v, a, joints_at, forces_at, scale=scale)
 
     def _age(self) -> float:
-        """Steps to the middle of the matrix's likely life: as old as the last one became."""
-        return 0.0 if self._lost else float((self.index - self.counts[1]) // 2)
+        """Steps to the middle of the matrix's likely life: as old as the last one became.
+
+        No correction beside the matrix makes up for joints that Python evaluates, and so far ahead
+        they are wrong: with these it is made for the present step.
+        """
+        if self._lost or self._outside.joints is not None:
+            return 0.0
+        return float((self.index - self.counts[1]) // 2)
+
+    def _at_start(self) -> Array:
+        """Frames at the start of the step, other nodes in the middle of what is predicted of it."""
+        s, along, own = self.s, Span(*self.this.rows), self._vectors
+        if not len(own):
+            return s.H
+        rows = along.delta, along.mean, along.end, along.middle
+        span_from_python(self._kinds, s.H, self.this.step, rows)
+        H = s.H.copy()
+        H[own] = along.middle[own]
+        return H
 
     def _half_way(self, end: Array) -> Array:
         """The nodes half-way to the end: frames along screws, others in the middle of the step."""

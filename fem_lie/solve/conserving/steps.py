@@ -163,7 +163,7 @@ class Steps(Touching):
         """Predict the next step, before a matrix for it is made."""
         counters, numbers, packed = self.counters, self.numbers, self._packed
         counters[corrections.ITERATION], counters[corrections.ASKED] = 1, 0
-        counters[corrections.STALLS] = 0
+        counters[corrections.STALLS] = counters[corrections.GROWTHS] = 0
         motion = nodes.packed_begin(packed.model, packed.state, packed.step)
         numbers[corrections.MOTION] = max(motion, numbers[corrections.MOTION])
         numbers[corrections.PREVIOUS] = numbers[corrections.LEAST] = np.inf

@@ -19,22 +19,30 @@ from fem_lie.lie.kinds.kind import SLOPE
 _ALIKE, _SHARE = 0.2, 0.5
 """How much corrections in one direction differ, and the most that one may leave over."""
 STEPS, ITERATION, TOTAL, BEST, ASKED, STALLS, LAST, NEEDED = 0, 1, 2, 3, 4, 5, 6, 7
+GROWTHS, COUNTERS = 8, 9
 """Counters: steps made, iterations of the present one and of all, fewest, iteration agreed on,
-iterations since the increment fell to its least, iterations of the last step, and those of the
-present one from whose outcome a better matrix would have had anything to gain; shape (8,)."""
+iterations since the increment fell to its least, iterations of the last step, those of the
+present one from whose outcome a better matrix would have had anything to gain, and the last
+iterations, one after the other, each with a larger increment than the one before; shape (9,)."""
 PREVIOUS, RATIO, MOTION, EXCESS, INCREMENT, LEAST, FLOOR, MARK, FELT = 0, 1, 2, 3, 4, 5, 6, 7, 8
-ASIDE, LONG_AGO, RECENT = 9, 10, 11
+ASIDE, RECENT, HISTORY = 9, 10, 18
 """Numbers: last increment, ratio, largest motion, iterations beyond the fewest, increment, the
 least of the present step, the least that round-off lets one expect, that of ``patience``
 iterations before, what round-off was seen to make of it in this step, by how much terms fell of
-what is beside the matrix, the increment :data:`LOST` iterations or less before, and the last
-:data:`WINDOW` increments of nodes that are no frames, the newest first; shape (14,)."""
-WINDOW, HALVED = 3, 0.5
+what is beside the matrix, the last :data:`LEARNING` increments of nodes that are no frames, the
+newest first, and the last :data:`LOST` increments in a ring; shape (:data:`NUMBERS`,)."""
+WINDOW, LEARNING, HALVED = 3, 8, 0.5
 """Small increments are round-off where so many iterations did not bring them below that part of
-themselves; for nodes with vector coordinates."""
+themselves; for nodes with vector coordinates. Corrections that learn from each other go up and down
+and are given more of them."""
 LOST = 25
 """Iterations that do not bring increments beyond round-off below half lead to no solution, where
 there are such nodes."""
+NUMBERS = HISTORY + LOST
+_GROWING = 7
+"""Increments in a row that grow lead to none either."""
+_FAR = 1.0
+"""Increments of that many lengths of the model neither."""
 UNKNOWN, NEW = 0, -1
 """Instead of the fewest iterations: none was counted with this matrix, none of a whole step."""
 ULPS = 1e3 * float(np.finfo(np.float64).eps)
@@ -182,27 +190,36 @@ def size_of_vectors(kinds: Indices, measure: Array, x: Array) -> float:
 
 
 @inlined
-def stalls(numbers: Array, increment: float) -> bool:
-    """Whether an increment is more than half of the one three iterations before; records it.
+def stalls(numbers: Array, increment: float, window: int) -> bool:
+    """Whether an increment is more than half of the one ``window`` iterations before; records it.
 
     Stiff cells feel increments that still fall, however small these are, as forces. So nodes with
     vector coordinates are corrected while they fall, and where an earlier step has ended is no
     measure of round-off in this one.
     """
-    before = numbers[RECENT + WINDOW - 1]
-    for k in range(WINDOW - 1, 0, -1):
+    before = numbers[RECENT + window - 1]
+    for k in range(LEARNING - 1, 0, -1):
         numbers[RECENT + k] = numbers[RECENT + k - 1]
     numbers[RECENT] = increment
     return increment > HALVED * before
 
 
 @inlined
-def is_lost(numbers: Array, iteration: int) -> bool:
-    """Whether increments have not been halved for long; the present one is the next reference."""
-    if (iteration - 1) % LOST != 0:
-        return False
-    before, numbers[LONG_AGO] = numbers[LONG_AGO], numbers[INCREMENT]
-    return iteration > 1 and numbers[INCREMENT] > HALVED * before
+def is_lost(counters: Indices, numbers: Array, before: float) -> bool:
+    """Whether the iteration leads to no solution, where nodes have vector coordinates.
+
+    Its increments have not been halved for long, grow steadily, or leave the model.
+
+    Args:
+        counters: Updated.
+        numbers: Updated.
+        before: The increment before this one.
+    """
+    increment, at = numbers[INCREMENT], HISTORY + counters[ITERATION] % LOST
+    counters[GROWTHS] = counters[GROWTHS] + 1 if increment > before else 0
+    long_ago, numbers[at] = numbers[at], increment
+    grows = counters[GROWTHS] >= _GROWING or not increment < _FAR
+    return grows or increment > HALVED * long_ago
 
 
 @inlined

@@ -27,8 +27,10 @@ from fem_lie.solve.conserving.step.corrections import (
     FELT,
     FINE,
     FLOOR,
+    GROWTHS,
     INCREMENT,
     ITERATION,
+    LEARNING,
     LEAST,
     MARK,
     MOTION,
@@ -101,8 +103,8 @@ def run(
         options: Tolerance (0: until nothing changes), most iterations, patience and cost as of
             :class:`~fem_lie.solve.motion.policies.Automatic`, and iterations that a step may go on
             for where that was not enough; without such (0) a step is made with whatever it has.
-        counters: Shape (8,), updated.
-        numbers: Shape (14,), updated.
+        counters: Shape (9,), updated.
+        numbers: Shape (:data:`.corrections.NUMBERS`,), updated.
         last: Step to reach.
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
@@ -120,9 +122,10 @@ def run(
             numbers[MOTION] = max(begin(packed, starts, steps), numbers[MOTION])
             numbers[PREVIOUS], numbers[LEAST], numbers[FELT] = np.inf, np.inf, 0.0
             counters[ITERATION], counters[STALLS], compared = 1, 0, False
+            counters[GROWTHS] = 0
             noise_level = _noise_level(packed, starts)
-            for k in range(WINDOW):
-                numbers[RECENT + k] = np.inf
+            for k in range(RECENT, numbers.shape[0]):
+                numbers[k] = np.inf
         iteration = counters[ITERATION]
         if counters[ASKED] != iteration:
             counters[ASKED] = iteration
@@ -172,7 +175,8 @@ def run(
         own, before = numbers[INCREMENT], larger(numbers[PREVIOUS], numbers[RECENT])
         if vectors:
             own, moved = size(model.of_frames, x), size_of_vectors(kinds, measure, x)
-            stalled = stalls(numbers, moved) and moved <= noise_level
+            window = WINDOW if outside[LEARN] == 0 else LEARNING
+            stalled = stalls(numbers, moved, window) and moved <= noise_level
             rests = moved <= ROUND_OFF or stalled
             if tolerance > 0.0:
                 own, rests = larger(own, moved), True
@@ -194,7 +198,7 @@ def run(
         numbers[INCREMENT] = larger(own, moved)
         if iteration == 1:
             numbers[MARK] = numbers[INCREMENT]
-        lost = vectors and is_lost(numbers, iteration) and moved > noise_level
+        lost = vectors and is_lost(counters, numbers, before) and moved > noise_level
         if done:
             # a correction that is noise is not made: what is accepted must be of one piece
             if not noise:
