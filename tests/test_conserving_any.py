@@ -317,18 +317,6 @@ def test_velocities_of_all_nodes_are_those_of_generalised_alpha(name):
         np.testing.assert_allclose(one, two, rtol=0, atol=1e-3 * np.abs(two).max(initial=1e-3))
 
 
-REFUSED = {
-    "variational": (lambda s: fl.Variational().run(s, duration=0.1, step=0.01), "Variational"),
-}
-
-
-@pytest.mark.parametrize("case", REFUSED)
-def test_refused_schemes(case):
-    call, words = REFUSED[case]
-    with pytest.raises(ValueError, match=words):
-        call(flying("cable")[0])
-
-
 def with_a_hinge(scene: fl.Scene, cable: fl.Body) -> None:
     scene.add(fl.Revolute(fl.ground(), cable.start, axis=(1, 0, 0)))
 
