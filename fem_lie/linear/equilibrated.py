@@ -138,22 +138,23 @@ class Equilibrated:
     def __init__(self, kkt: KKT) -> None:
         """Share the pattern of ``kkt``; :meth:`take` comes later."""
         self._kkt = kkt
+        self._extended: Extended | None
         self._share()
 
     def _share(self) -> None:
         """The pattern, as it is now."""
         kkt, part = self._kkt, self._kkt.low_rank
         (_, columns, pointers), self._version = kkt.csr, kkt.version
-        self._extended = None if part is None else Extended(pointers, columns, part)
-        self.part = part
-        self.rank = 0 if part is None else len(part.core)
-        if self._extended is not None:
+        self.part, self.rank, self._extended = part, 0, None
+        self.right, self._held = kkt.units, kkt.unit_rows
+        if part is not None:
+            self._extended, self.rank = Extended(pointers, columns, part), len(part.core)
             columns, pointers = self._extended.columns, self._extended.pointers
+            self.right = np.append(self.right, np.full(2 * self.rank, kkt.length))
+            self._held = np.append(self._held, np.zeros(2 * self.rank, dtype=bool))
         values: Array = np.zeros(len(columns))
         self.csr = values, columns, pointers
-        self.right = np.append(kkt.units, np.full(2 * self.rank, kkt.length))
         self.left: Array = np.ones(len(self.right))
-        self._held = np.append(kkt.unit_rows, np.zeros(2 * self.rank, dtype=bool))
         self._matrix: PETSc.Mat | None = None
 
     @property

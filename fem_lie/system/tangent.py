@@ -171,9 +171,15 @@ class Tangent:
 
     def _constraints(self, H: Array) -> Array:
         """Derivatives of the constraints in twists, followed by zeros for mean coordinates."""
-        rows = np.zeros_like(self._rows)
-        self._connections.jacobian(H, rows[: len(self._border.nodes)])
+        rows = np.empty_like(self._rows)
+        self._put_constraints(H, rows)
         return rows
+
+    def _put_constraints(self, H: Array, rows: Array) -> None:
+        """Set ``rows`` to these."""
+        n = len(self._border.nodes)
+        self._connections.jacobian(H, rows[:n])
+        rows[n:] = 0.0
 
     # --- domains ---
 
@@ -396,7 +402,7 @@ class Tangent:
 
     def fill(self, blocks: Array, H: Array, scale: Array) -> None:
         """Blocks, bordered by the constraints at ``H`` times ``scale``, into the KKT."""
-        self._rows[:] = self._constraints(H)
+        self._put_constraints(H, self._rows)
         self._averages.put(self._rows)
         if self.supports:
             blocks = blocks.copy()
@@ -423,7 +429,7 @@ class Tangent:
         """What :meth:`fill_increments` filled, with the constraints anew."""
         ahead = H if plan.joint_frames is None else plan.joint_frames
         scale = self.constraint_scale(ahead, plan.spread) if plan.scale is None else plan.scale
-        self._rows[:] = self._constraints(ahead)
+        self._put_constraints(ahead, self._rows)
         columns = self._rows.copy()
         combine_rows(self._rows, kinds, plan.d, self._nodes)
         if self.supports:
@@ -446,10 +452,10 @@ class Tangent:
             The scale of the constraints in it, (m,).
         """
         d, ahead = plan.d, H if plan.joint_frames is None else plan.joint_frames
-        self._rows[:] = self._constraints(ahead)
+        self._put_constraints(ahead, self._rows)
         columns, nodes = self._rows.copy(), self._nodes
         if plan.forces_at is not None:
-            columns[:] = self._constraints(plan.forces_at)
+            self._put_constraints(plan.forces_at, columns)
         for rows in (columns, self._rows):
             self._averages.put(rows)
         if plan.lag is not None:
