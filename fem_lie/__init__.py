@@ -190,7 +190,6 @@ from fem_lie.solve.motion.policies import (
     Update,
 )
 from fem_lie.solve.motion.richardson import ErrorInTime, estimate_error
-from fem_lie.solve.motion.step_control import AdaptiveStep, ConstantStep
 from fem_lie.solve.multirate.multi_rate import MultiRate
 from fem_lie.solve.stability.branches import branch
 from fem_lie.solve.stability.controls import DisplacementControl, LoadControl
@@ -210,6 +209,7 @@ from fem_lie.solve.statics.follow import follow_loads
 from fem_lie.solve.statics.newton import Newton
 from fem_lie.solve.statics.statics import statics
 from fem_lie.solve.statics.unstable import UnstableEquilibriumWarning
+from fem_lie.solve.step_control import AdaptiveStep, ConstantStep
 from fem_lie.solve.variational.variational import Variational
 from fem_lie.system.nodes.element_turns import CoarseElementsWarning
 

@@ -12,7 +12,7 @@ times at which C is compared with the reference.
 
 Constant steps must be small enough for that one moment all the time. Variable steps are chosen by
 the estimated error of each step over its size, in m/s and rad/s
-(fem_lie/solve/motion/step_control.py). Errors are the largest distances of C from a run with a
+(fem_lie/solve/step_control.py). Errors are the largest distances of C from a run with a
 much smaller tolerance, at 20 000 times; between steps the motion is a cubic on SE(3). Reported is
 how many constant steps are as accurate as the variable ones of --tolerance: by a power law between
 runs with 2 ms, 1 ms and so on.

@@ -168,10 +168,11 @@ def test_what_is_joined_is_of_one_domain():
 
 def test_refuses_a_matrix_without_those_of_its_domains():
     equations = Equations(joined_beams(), dynamics=True)
-    saved, tangent = equations.memory.saved(matrix=True), equations.system.tangent
+    memory, tangent = equations.memory.with_matrix, equations.system.tangent
+    saved = memory.memory()
     tangent.divide(tangent.division(2), 0)
     with pytest.raises(ValueError, match="goes on without subdomains"):
-        equations.memory.restore(saved)
+        memory.restore(saved)
 
 
 def test_refuses_more_domains_than_parts_between_joints():

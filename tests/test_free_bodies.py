@@ -12,7 +12,7 @@ from fem_lie.solve.alpha import free_bodies
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.step import free_body, node
 from fem_lie.solve.alpha.step.free_records import Body
-from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations
 
@@ -45,13 +45,14 @@ def general(options: fl.GeneralisedAlpha, scene: fl.Scene, steps: int, step: flo
     # the compiled loop has all terms in its matrix
     scene.choices = fl.Choices(gyroscopic=True)
     run = Run(options, Equations(scene, dynamics=True), step)
-    return run.integrate(Recorder(run.equations, steps, step, Saving(), False))
+    return run.run(EqualSteps(Saving(), steps, step), False, None)
 
 
 def as_r3xso3(options: fl.GeneralisedAlpha, scene: fl.Scene, steps: int, step: float) -> fl.Result:
     for body in scene.bodies:
         body.group = fl.Group.R3xSO3
-    return free_bodies.Run(options, scene, step).integrate(steps, Saving(), False)
+    run = free_bodies.Run(options, Equations(scene, dynamics=True), step)
+    return run.run(EqualSteps(Saving(), steps, step), False, None)
 
 
 # --- the same as by the other road --------------------------------------------------------------

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import fem_lie as fl
-from fem_lie.solve.motion.division import Division
+from fem_lie.solve.division import Division
 
 # with the errors that interpolation leaves over the length, on a circle that closes and on an arc;
 # that of degree 1 is a polygon whose sides have the length of their arcs

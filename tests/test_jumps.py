@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.solve.motion.step_control import ConstantStep
+from fem_lie.solve.step_control import ConstantStep
 from tests.jumping import (
     AT_END,
     END,

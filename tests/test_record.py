@@ -10,6 +10,7 @@ import fem_lie as fl
 from demos.double_pendulum import pendulum
 from fem_lie.results.record import RECORDED_BY
 from fem_lie.solve.alpha.run import Run
+from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations
 from tests.test_explicit import net
@@ -146,7 +147,7 @@ def test_nothing_is_booked_that_nobody_asks_for():
     booked = {}
     for record in (fl.Record.FRAMES, fl.Record.MOMENTA):
         run = Run(fl.GeneralisedAlpha(), Equations(top(), dynamics=True), 1e-3)
-        run.integrate(run.history(20, Saving(record=record), False, None))
+        run.run(EqualSteps(Saving(record=record), 20, 1e-3), False, None)
         booked[record] = np.abs(run.books.total).max()
     assert booked[fl.Record.FRAMES] == 0.0 < booked[fl.Record.MOMENTA]
 

@@ -270,6 +270,69 @@ def test_resumed_is_uninterrupted_to_the_last_bit(monkeypatch, tmp_path, scheme,
     same(chosen.resume(slowing(), file), whole)
 
 
+# --- steps whose size changes ---
+
+
+def jerked() -> fl.Scene:
+    """The same, with a push that begins and ends in between."""
+    scene = slowing()
+    push = fl.Jumps(lambda t: 5.0 if 0.011 <= t < 0.014 else 0.0, (0.011, 0.014))
+    scene.add(fl.PointLoad(scene.bodies[1].end, force=(0, 0, 1.0), history=push))
+    return scene
+
+
+VARIABLE = {
+    "tolerance": {"step": fl.AdaptiveStep(2e-2, first=2e-4, largest=1e-3)},
+    "measured": {"step": fl.AdaptiveStep(2e-2, first=2e-4, largest=1e-3, refinement=2)},
+    "constant between jumps": {"step": 5e-4},
+    "at times": {"step": fl.AdaptiveStep(2e-2, first=2e-4, largest=1e-3), "save_at": 1e-3},
+}
+
+
+@pytest.mark.parametrize("plan", VARIABLE)
+@pytest.mark.parametrize("scheme", ["generalised alpha", "conserving", "decaying"])
+def test_steps_that_change_resume_to_the_last_bit(monkeypatch, tmp_path, scheme, plan):
+    chosen = FELT[scheme](POLICIES["automatic"])
+    options = {"duration": 0.025, "progress": False, **VARIABLE[plan]}
+    for every in (5, 34):
+        whole = chosen.run(jerked(), file=tmp_path / "a.h5", checkpoint_every=every, **options)
+        stopped(monkeypatch, chosen, jerked(), tmp_path / "b.h5", every, **options)
+        resumed = chosen.resume(jerked(), tmp_path / "b.h5")
+        same(resumed, whole)
+        for name in ("times", "sizes", "rejected", "measured_rotation", "translation"):
+            one, other = (getattr(result.steps, name) for result in (resumed, whole))
+            np.testing.assert_array_equal(one, other, err_msg=name)
+        read = fl.Result.load(tmp_path / "b.h5")
+        same(read, whole)
+        np.testing.assert_array_equal(read.steps.sizes, whole.steps.sizes)
+
+
+@pytest.mark.parametrize("scheme", ["generalised alpha", "conserving"])
+def test_files_of_steps_that_change_have_room_for_any_number(tmp_path, scheme):
+    """And the run is that in memory but for matrices that checkpoints make anew."""
+    chosen, file = FELT[scheme](POLICIES["automatic"]), tmp_path / "run.h5"
+    options = {"duration": 0.03, "step": fl.AdaptiveStep(1.0, first=4e-5, largest=4e-5)}
+    whole = chosen.run(slowing(), progress=False, **options)
+    kept = chosen.run(slowing(), progress=False, file=file, **options)
+    assert len(whole.times) > 700 and len(kept.times) == len(whole.times)
+    gap = np.abs(kept.frames[-1] - whole.frames[-1]).max()
+    assert gap < 1e-6
+    same(fl.Result.load(file), kept)
+    assert list(tmp_path.glob(".*")) == []
+
+
+class OneSize(fl.ConstantStep):
+    """A choice of a user's own."""
+
+
+def test_steps_of_a_users_own_are_refused_in_files(tmp_path):
+    with pytest.raises(ValueError, match="ConstantStep or AdaptiveStep, got OneSize"):
+        fl.GeneralisedAlpha().run(
+            slowing(), duration=0.01, step=OneSize(1e-3), file=tmp_path / "run.h5"
+        )
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_new_run_does_not_resume_from_a_checkpoint_of_an_older_one(tmp_path):
     """It has ended before the first of its own, and the file has its rows by then."""
     file, scheme = tmp_path / "run.h5", fl.GeneralisedAlpha()

@@ -22,9 +22,10 @@ OUTSIDE = {
     "_ffcx_warnings",
     "_form_cache",
     "_precompile",
+    "_state",
 }
 
-FLOOR = {"_arrays", "_blas", "_compat", "_ffcx_warnings", "_form_cache", "_jit"}
+FLOOR = {"_arrays", "_blas", "_compat", "_ffcx_warnings", "_form_cache", "_jit", "_state"}
 """What everybody may import."""
 
 MAY_IMPORT = {

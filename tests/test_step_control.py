@@ -5,7 +5,7 @@ from math import inf
 import pytest
 
 import fem_lie as fl
-from fem_lie.solve.motion.step_control import AIM, Control
+from fem_lie.solve.step_control import AIM, Control
 
 ORDER = 2
 

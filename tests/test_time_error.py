@@ -10,7 +10,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.solve.motion.step_control import Control, StepChoice
+from fem_lie.solve.step_control import Control, StepChoice
 from studies.time_error import TIP, rigid_pendulum, tip
 from studies.variable_step import four_bar
 

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array
+from fem_lie._state import part_of
 from fem_lie.linear.choice import Choice, Solutions, choose
 from fem_lie.linear.equilibrated import (
     Equilibrated,
@@ -218,9 +219,13 @@ class DirectSolver:
         self.refreshes += 1
 
     def memory(self) -> dict[str, Array]:
-        """By which method solutions are found and how often they are refined, for a checkpoint."""
+        """How solutions are found and refined, and what there was, for a checkpoint."""
         tried = self._order.index(self._methods[0])
-        return {"solver": np.array([tried, self._refines, self._checked], dtype=np.int64)}
+        own: dict[str, Array] = {
+            "method": np.array([tried, self._refines, self._checked], dtype=np.float64),
+            "made": np.array([self.factorisations, self.refreshes], dtype=np.float64),
+        }
+        return own | {f"columns.{name}": part for name, part in self.columns.memory().items()}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Factorise the matrix as it is now, and solve with it as when :meth:`memory` was called.
@@ -229,10 +234,12 @@ class DirectSolver:
             SingularMatrixError: It cannot be factorised.
             MemoryError: There is not enough memory for the factors.
         """
-        tried, refines, checked = (int(x) for x in kept["solver"])
+        tried, refines, checked = (int(x) for x in kept["method"])
         self._methods, self._expected = self._order[tried:], None
         self.factorise()
         self._refines, self._checked = refines, bool(checked)
+        self.factorisations, self.refreshes = (int(x) for x in kept["made"])
+        self.columns.restore(part_of(kept, "columns"))
 
     def _solver(self, method: Method) -> PETSc.KSP:
         """PETSc's solver for a method, made when it is first needed."""

@@ -9,6 +9,7 @@ is best for that interval the iteration contracts by ``|1 − f|/(1 + f)``, a th
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -39,13 +40,14 @@ class Levels(Generic[Kept]):
     """Factorisations for several step sizes, of any kind, and which of them serves.
 
     Attributes:
+        rigid: Whether no body of the scene is elastic.
         factor: What a solution is to be multiplied with for the present step.
         count: How many were made.
     """
 
     def __init__(self, *, rigid: bool) -> None:
         """Nothing is kept yet; ``rigid``: whether no body of the scene is elastic."""
-        self._rigid = rigid
+        self.rigid = rigid
         self._slots: list[_Slot[Kept]] = []
         self._now: _Slot[Kept] | None = None
         self._wanted, self.count = 1.0, 0
@@ -66,14 +68,14 @@ class Levels(Generic[Kept]):
         """Choose for a step with ``m = mass``."""
         self._wanted = mass
         near = [slot for slot in self._slots if _near(slot.mass, mass)]
-        reach = np.inf if self._rigid else REACH
-        if self._rigid:  # all serve equally: the newest
+        reach = np.inf if self.rigid else REACH
+        if self.rigid:  # all serve equally: the newest
             near = self._slots
         near = near or [s for s in self._slots if 1 / reach < s.mass / mass < reach]
         self._now = max(near, key=lambda slot: slot.age) if near else None
         if self._now is not None:
             f = self._now.mass / mass
-            self.factor = f if self._rigid else 2.0 * f / (1.0 + f)
+            self.factor = f if self.rigid else 2.0 * f / (1.0 + f)
 
     def scale(self) -> Array:
         """Factors of the constraints with which residuals are to be formed."""
@@ -149,6 +151,19 @@ class KeptFactors(DirectSolver):
         """The matrix that is in use times ``x``."""
         assert self.levels.present is not None
         return self.levels.present.times(x)
+
+    def forget(self) -> None:
+        """Have no factorisation of any step size."""
+        self.levels = Levels[DirectSolver](rigid=self.levels.rigid)
+
+    def memory(self) -> dict[str, Array]:
+        """How many factorisations there were: those of several sizes are in no checkpoint."""
+        return {"made": np.array(self.factorisations)}
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called, without factorisations."""
+        self.forget()
+        self.factorisations = int(kept["made"])
 
 
 def _near(a: float, b: float) -> bool:

@@ -195,22 +195,22 @@ class Columns:
             return left.copy(), None
         return u, z
 
-    def arrays(self) -> dict[str, Array]:
+    def memory(self) -> dict[str, Array]:
         """All ``u``, for a checkpoint."""
         unknowns = [np.frombuffer(place, dtype=np.int64) for place, _ in self._kept]
         none = np.empty(0, dtype=np.int64)
         return {
-            "columns.sizes": np.array([len(part) for part in unknowns], dtype=np.int64),
-            "columns.turns": np.array([turn for _, turn in self._kept], dtype=np.int64),
-            "columns.unknowns": np.concatenate([none, *unknowns]),
-            "columns.left": np.concatenate([np.empty(0), *(u for u, _ in self._kept.values())]),
+            "sizes": np.array([len(part) for part in unknowns], dtype=np.int64),
+            "turns": np.array([turn for _, turn in self._kept], dtype=np.int64),
+            "unknowns": np.concatenate([none, *unknowns]),
+            "left": np.concatenate([np.empty(0), *(u for u, _ in self._kept.values())]),
         }
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Have the columns of :meth:`arrays` again, when they are asked for."""
-        ends = np.cumsum(kept["columns.sizes"])[:-1]
-        places = np.split(kept["columns.unknowns"], ends)
-        lefts = np.split(kept["columns.left"], ends)
-        turns = (int(turn) for turn in kept["columns.turns"])
+        """Have the columns of :meth:`memory` again, when they are asked for."""
+        ends = np.cumsum(kept["sizes"])[:-1]
+        places = np.split(kept["unknowns"], ends)
+        lefts = np.split(kept["left"], ends)
+        turns = (int(turn) for turn in kept["turns"])
         known = zip(places, turns, lefts, strict=False)
         self._lefts = {(place.tobytes(), turn): left for place, turn, left in known}

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import os
 import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import fields
+from math import prod
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -26,12 +28,13 @@ from fem_lie.results.storage.checksums import (
     row_checksums,
     seal,
 )
-from fem_lie.results.storage.rows import CHECKSUMS, COUNT, write_all
+from fem_lie.results.storage.rows import CHECKSUMS, COUNT, ResultRows, write_all
 
 Record = TypeVar("Record", StepHistory, ContactSteps)
 
 _FORMAT, _VERSION = "fem_lie results", 11
 _NUMBERS = "numbers"
+_BLOCK = 2**26  # bytes of rows that are copied together
 NUMBERS = ("factorisations", "k_updates", "phi_updates", "divided", "seconds")
 """What a result says of the work, the last in seconds."""
 
@@ -75,16 +78,12 @@ def write(path: str | os.PathLike[str], result: Stored) -> None:
         seal(file)
         file.flush()
         image = file.id.get_file_image()
-    unfinished = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
-        with unfinished.open("wb", buffering=0) as place:
+        with _unfinished(target) as unfinished, unfinished.open("wb", buffering=0) as place:
             write_all(place.fileno(), image, 0)
             os.fsync(place.fileno())
-        os.replace(unfinished, target)
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(target)) from error
-    finally:
-        unfinished.unlink(missing_ok=True)
 
 
 def create(path: Path, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], rows: int) -> None:
@@ -96,26 +95,61 @@ def create(path: Path, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], r
         shapes: Of a row of each array.
         rows: How many of each there will be at most.
     """
+    with _unfinished(path) as place:
+        _write_empty(place, info, shapes, rows)
+
+
+def enlarge(
+    path: Path, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], filled: int, rows: int
+) -> None:
+    """Replace a file made by :func:`create` by one with room for more rows.
+
+    Args:
+        path: Of the file.
+        info: Bodies and joints.
+        shapes: Of a row of each array.
+        filled: Rows that are in it.
+        rows: How many of each there will be at most.
+    """
+    size = 8 * sum(prod(shape) for shape in shapes.values())
+    many = max(1, _BLOCK // size)
+    with _unfinished(path) as place:
+        _write_empty(place, info, shapes, rows)
+        new, known = ResultRows(place), ResultRows(path).read(filled)
+        for first in range(0, filled, many):
+            new.write(first, {name: rows[first : first + many] for name, rows in known.items()})
+        new.sync()
+
+
+@contextmanager
+def _unfinished(path: Path) -> Iterator[Path]:
+    """A place for a file that gets its name when it is whole."""
+    place = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        yield place
+        os.replace(place, path)
+    finally:
+        place.unlink(missing_ok=True)
+
+
+def _write_empty(
+    path: Path, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], rows: int
+) -> None:
     import h5py
 
     kinds = dict.fromkeys(shapes, np.dtype(np.float64)) | {"iterations": np.dtype(np.int64)}
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with h5py.File(unfinished, "w") as file:
-            file.attrs.update({"format": _FORMAT, "version": _VERSION})
-            file.attrs[_NUMBERS] = _packed(dict.fromkeys(NUMBERS, 0.0))
-            properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-            properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-            whole = {name: (rows, *shape) for name, shape in shapes.items()}
-            for name, shape in (*whole.items(), (CHECKSUMS, (rows,)), (COUNT, (2,))):
-                kind = h5py.h5t.py_create(kinds.get(name, np.dtype(np.int64)), logical=True)
-                space = h5py.h5s.create_simple(shape)
-                h5py.h5d.create(file.id, name.encode(), kind, space, properties)
-            _write_info(file, info)
-            seal(file)
-        os.replace(unfinished, path)
-    finally:
-        unfinished.unlink(missing_ok=True)
+    with h5py.File(path, "w") as file:
+        file.attrs.update({"format": _FORMAT, "version": _VERSION})
+        file.attrs[_NUMBERS] = _packed(dict.fromkeys(NUMBERS, 0.0))
+        properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+        properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+        whole = {name: (rows, *shape) for name, shape in shapes.items()}
+        for name, shape in (*whole.items(), (CHECKSUMS, (rows,)), (COUNT, (2,))):
+            kind = h5py.h5t.py_create(kinds.get(name, np.dtype(np.int64)), logical=True)
+            space = h5py.h5s.create_simple(shape)
+            h5py.h5d.create(file.id, name.encode(), kind, space, properties)
+        _write_info(file, info)
+        seal(file)
 
 
 def finish(path: Path, numbers: dict[str, float]) -> None:
@@ -126,15 +160,19 @@ def finish(path: Path, numbers: dict[str, float]) -> None:
         file.attrs.modify(_NUMBERS, _packed(numbers))
 
 
-def add_contacts(path: Path, contacts: ContactSteps) -> None:
-    """Put what contacts did into a file made by :func:`create`."""
+_GROUPS: dict[type, str] = {StepHistory: "steps", ContactSteps: "contacts"}
+
+
+def add(path: Path, record: StepHistory | ContactSteps) -> None:
+    """Put what is known of each step into a file made by :func:`create`."""
     import h5py
 
+    group = _GROUPS[type(record)]
     with h5py.File(path, "r+") as file:
-        if "contacts" in file:
-            del file["contacts"]
-        for field in fields(contacts):
-            file[f"contacts/{field.name}"] = getattr(contacts, field.name)
+        if group in file:
+            del file[group]
+        for field in fields(record):
+            file[f"{group}/{field.name}"] = getattr(record, field.name)
         seal(file)
 
 

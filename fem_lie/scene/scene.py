@@ -72,6 +72,7 @@ class Scene:
         connections: Springs, drives and gears.
         links: Rigid links.
         contacts: What may touch.
+        impacts: Those contacts that :meth:`without_impacts` took out of ``contacts``.
         loads: What acts from outside, but for gravity.
         clamps: Points that are held.
         motions: Points that are moved as prescribed.
@@ -105,7 +106,7 @@ class Scene:
         self.connections: list[Connection] = []
         self.links: list[RigidLink] = []
         self.contacts: list[Contact] = []
-        self._impacts: list[Contact] = []
+        self.impacts: list[Contact] = []
         self.loads: list[Load] = []
         self.clamps: list[Clamp] = []
         self.motions: list[PrescribedMotion] = []
@@ -176,7 +177,7 @@ class Scene:
     def held_rotations(self) -> Holds:
         """What takes hold of the rotations of each body's nodes."""
         between: list[Holding] = [*self.joints, *self.connections, *self.links]
-        touching = [*self.contacts, *self._impacts]
+        touching = [*self.contacts, *self.impacts]
         return held_in([*between, *touching, *self.loads, *self.motions])
 
     def drills(self, body: Body) -> bool:
@@ -246,7 +247,7 @@ class Scene:
         scene._known, scene._names = set(self._known), set(self._names)
         scene._kinds = Counter(self._kinds)
         scene.connections, scene.links = list(connections), list(self.links)
-        scene.contacts, scene._impacts = list(self.contacts), list(self._impacts)
+        scene.contacts, scene.impacts = list(self.contacts), list(self.impacts)
         scene.clamps, scene.motions = list(self.clamps), list(self.motions)
         scene.began = self.began
         self.family = self.family or Family()
@@ -258,10 +259,12 @@ class Scene:
 
         Shells resist their moments as in this scene.
         """
+        if not any(isinstance(each.law, Impact) for each in self.contacts):
+            return self
         scene = self._copy(self.connections)
         scene.loads = list(self.loads)
         scene.contacts = [each for each in self.contacts if not isinstance(each.law, Impact)]
-        scene._impacts = [each for each in self.contacts if isinstance(each.law, Impact)]
+        scene.impacts = [each for each in self.contacts if isinstance(each.law, Impact)]
         return scene
 
     def picture(

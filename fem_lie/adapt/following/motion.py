@@ -36,7 +36,7 @@ from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
 from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
 from fem_lie.solve.motion.integrator import Integrator
-from fem_lie.solve.motion.step_control import AdaptiveStep
+from fem_lie.solve.step_control import AdaptiveStep
 
 _log = logging.getLogger("fem_lie")
 

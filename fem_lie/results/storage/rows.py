@@ -45,6 +45,11 @@ class ResultRows:
                 if isinstance(item, h5py.Dataset)
             }
 
+    @property
+    def room(self) -> int:
+        """Rows that there can be."""
+        return self._places[CHECKSUMS].shape[0]
+
     def write(self, first: int, rows: Mapping[str, npt.NDArray[Any]]) -> None:
         """Write rows from ``first`` on, the same number of each array, and count them.
 

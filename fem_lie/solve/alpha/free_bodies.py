@@ -10,15 +10,15 @@ Iterations are those of the body that takes most in a step; factorisations count
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import logging
 from dataclasses import replace
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._state import attributes
 from fem_lie.bodies.rigid import RigidBody
 from fem_lie.lie.kinds import all_from_local, move_all
-from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result
 from fem_lie.results.record import BOOKED, Record
 from fem_lie.scene import Scene
@@ -39,20 +39,21 @@ from fem_lie.solve.alpha.step.free_records import (
 )
 from fem_lie.solve.alpha.step.free_records import Options as Iteration
 from fem_lie.solve.motion.convergence import ROTATION, failure
+from fem_lie.solve.motion.driver import Driver
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.checkpoints import Checkpoints
-from fem_lie.solve.recording.fingerprint import Fingerprint
+from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import History
-from fem_lie.solve.recording.saving import Saving
-from fem_lie.solve.stopwatch import Stopwatch
 from fem_lie.system.equations import Equations
+
+_log = logging.getLogger(__name__)
 
 _CHUNK = 200_000  # steps of bodies between two returns to Python: 0.1 s
 
 
 def applies(scene: Scene, policy: Policy) -> bool:
     """Whether the scene is rigid bodies alone, and the policy a rule for compiled loops."""
-    return not scene.contacts and held_by_nothing(scene, policy)
+    return not scene.contacts and not scene.impacts and held_by_nothing(scene, policy)
 
 
 def held_by_nothing(scene: Scene, policy: Policy) -> bool:
@@ -65,26 +66,7 @@ def held_by_nothing(scene: Scene, policy: Policy) -> bool:
     return bool(scene.bodies) and rigid and simple and not held and policy.rule() is not None
 
 
-class Alone:
-    """Runs whose results go to files: by the same loop, to the same bits, as those in memory.
-
-    Attributes:
-        fingerprint: Of the scene.
-    """
-
-    def __init__(self, options: Options, scene: Scene) -> None:
-        """Of a scene that :func:`applies`."""
-        self._options, self._scene = options, scene
-        also = [("states of the loop of free rigid bodies", "the loop that makes steps")]
-        self.fingerprint = Fingerprint(Equations(scene, dynamics=True), options, also)
-
-    def integrate(self, store: Checkpoints, progress: bool | None) -> Result:
-        """All steps that a file and its checkpoint leave to be made."""
-        steps, step, saving = store.plan
-        return Run(self._options, self._scene, step).integrate(steps, saving, progress, store)
-
-
-class Run:
+class Run(Driver[History]):
     """One integration.
 
     Attributes:
@@ -92,19 +74,18 @@ class Run:
         s: State at the start of the next step.
     """
 
-    def __init__(
-        self,
-        options: Options,
-        scene: Scene,
-        step: float,
-    ) -> None:
+    STATE = attributes("s", "_index", "_count", "_factorisations")
+
+    def __init__(self, options: Options, equations: Equations, step: float) -> None:
         """Collect bodies and loads.
 
         Args:
             options: Of the scheme.
-            scene: One that :func:`applies`.
+            equations: Of a scene that :func:`applies`.
             step: Step size.
         """
+        scene = equations.scene
+        _log.info("free rigid bodies only (%d): no matrix of the scene", len(scene.bodies))
         rule = options.policy.rule()
         assert rule is not None
         self.options = Iteration(
@@ -114,7 +95,9 @@ class Run:
             float(rule[1]),
             options.policy.rescue,
         )
-        self.scene, self.equations = scene, Equations(scene, dynamics=True)
+        self.scene, self.equations = scene, equations
+        self._index, self._count, self._factorisations = 0, 0, 0
+        self._failed: Array = np.zeros(3)
         unknowns, start = self.equations.unknowns, self.equations.start
         n = unknowns.moving
         self.blocks = np.empty((n, 4, 4))
@@ -181,59 +164,54 @@ class Run:
         s.a[:] = s.vdot - self.p.shift / ahead * (later - s.vdot)
         free_steps.start_books(loads, amplitude[0], s.H, twists, s.rates)
 
-    def integrate(
-        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None = None
-    ) -> Result:
-        """All steps, or those after a checkpoint; see :meth:`fem_lie.GeneralisedAlpha.run`."""
+    def history(
+        self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
+    ) -> History:
+        """See the base class."""
         # energies and momenta are made of velocities
-        saving = replace(saving, also=Record.VELOCITIES)
-        history = History(self.equations.info, steps, self.p.h, saving, progress, store)
-        failed, index, count, factorisations = np.zeros(3), 0, 0, 0
-        if store is not None and store.memory:
-            self.restore(store.memory)
-            index, count, factorisations = (int(number) for number in store.memory["counts"])
-        else:
-            self.start()
+        plan = replace(plan, saving=replace(plan.saving, also=Record.VELOCITIES))
+        return History(self.equations.info, plan, progress, store)
+
+    @property
+    def frames(self) -> Array:
+        """See the base class."""
+        return np.concatenate([self.s.H, self.equations.start.frames[len(self.s.H) :]])
+
+    @property
+    def index(self) -> int:
+        """See the base class."""
+        return self._index
+
+    def integrate(self, history: History) -> Result:
+        """See the base class."""
+        self._go_on(history, range(1, 1), 0)  # compilation is not integration
+        return super().integrate(history)
+
+    def _advance(self, history: History) -> bool:
+        index = self._index
+        chunk = max(1, min(history.refresh, _CHUNK // len(self.s.H)))
+        end = history.next_halt(index, min(chunk, history.room or chunk))
+        if history.room:
+            history.make_room(end - index)
+        wanted = range(index + 1, end + 1)
+        self._index, self._count, made = self._go_on(history, wanted, self._count)
+        self._factorisations += made
+        if self._index:
+            history.update_if_due(self._index, self._count)
+        return self._index == end
+
+    def _record(self, history: History) -> bool:
+        """See the base class: all rows but the first one are kept by the compiled loop."""
+        if not self._index:
             history.frames[0], history.velocities[0] = self.s.H, self._twists
             start = np.zeros(1, dtype=np.int64)
-            self._keep(history, start, start)
-        self._advance(history, range(1, 1), failed)  # compilation is not integration
-        watch = Stopwatch(history.seconds)
-        chunk = max(1, min(history.refresh, _CHUNK // len(self.s.H)))
-        chunk = min(chunk, history.room or chunk)
-        with history:
-            while index < steps:
-                end = min(index + chunk, steps)
-                if store is not None:
-                    end = min(end, (index // store.every + 1) * store.every)
-                wanted = range(index + 1, end + 1)
-                if history.room:
-                    history.make_room(len(wanted))
-                index, count, made = self._advance(history, wanted, failed, count)
-                factorisations += made
-                if index and history.show:
-                    history.update_bar(index, count)
-                if index < wanted[-1]:
-                    result = history.result(factorisations, watch.seconds)
-                    raise ConvergenceError(self._failure(index + 1, steps, failed), result)
-                if history.checkpoint_due(index):
-                    history.seconds = watch.seconds
-                    counts = {"counts": np.array([index, count, factorisations])}
-                    history.write_checkpoint(index, self.memory() | counts)
-        return history.result(factorisations, watch.seconds)
+            self._keep_rows(history, start, start)
+        return True
 
-    def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
-        return {f"bodies.{name}": values for name, values in self.s._asdict().items()}
+    def _result(self, history: History) -> Result:
+        return history.result(self._factorisations, history.seconds)
 
-    def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
-        for name, values in self.s._asdict().items():
-            values[...] = kept[f"bodies.{name}"]
-
-    def _advance(
-        self, history: History, wanted: range, failed: Array, before: int = 0
-    ) -> tuple[int, int, int]:
+    def _go_on(self, history: History, wanted: range, before: int) -> tuple[int, int, int]:
         """Make the steps ``wanted``, after ``before`` iterations: last step, iterations, matrices.
 
         Counts are of all steps so far and of these steps.
@@ -251,14 +229,14 @@ class Run:
             amplitude,
             self.s,
             Plan(wanted.start, wanted.stop - 1, history.row, history.steps, history.every),
-            Kept(history.frames, history.velocities, done, taken, failed),
+            Kept(history.frames, history.velocities, done, taken, self._failed),
         )
         count = before + np.cumsum(taken)
         kept = (indices <= last) & wanted_rows
         count_kept = int(kept.sum())
         rows = slice(history.row, history.row + count_kept)
         self._book(history, rows, 0, done[:count_kept])
-        self._keep(history, indices[kept], count[kept])
+        self._keep_rows(history, indices[kept], count[kept])
         made = last - wanted.start + 1
         return last, int(count[made - 1]) if made else before, factorisations
 
@@ -269,7 +247,7 @@ class Run:
         if Record.MOMENTA in history.filled:
             history.impulses[rows, column] = done[:, 1:]
 
-    def _keep(self, history: History, indices: Indices, iterations: Indices) -> None:
+    def _keep_rows(self, history: History, indices: Indices, iterations: Indices) -> None:
         """Energies and momenta of the steps ``indices``, whose frames are in the next rows."""
         rows = slice(history.row, history.row + len(indices))
         if history.filled & BOOKED:
@@ -281,7 +259,8 @@ class Run:
                 history.potential[rows] = potential
         history.keep(indices, iterations)
 
-    def _failure(self, index: int, steps: int, failed: Array) -> str:
+    def _failure(self, steps: int) -> str:
+        index, failed = self._index + 1, self._failed
         name = self.scene.bodies[int(failed[BODY])].label
         limit, tolerance = self.options.limit, self.options.tolerance
         rescued = self.options.rescue

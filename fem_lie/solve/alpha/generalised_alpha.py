@@ -12,21 +12,23 @@ SIAM J. Sci. Comput. 29 (2007) 397, which makes the conditioning independent of 
 
 from __future__ import annotations
 
-import logging
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 from fem_lie.lie.motions import Parametrisation
-from fem_lie.results import Result
 from fem_lie.scene import Scene
-from fem_lie.solve.alpha import coupled_impacts, free_bodies, impacts, variable
+from fem_lie.solve.alpha import coupled_impacts, free_bodies, impacts
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
-from fem_lie.solve.motion.integrator import Alone, Integrator
-from fem_lie.solve.motion.step_control import StepChoice
-from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.alpha.variable import AlphaSteps
+from fem_lie.solve.motion.driver import Driver
+from fem_lie.solve.motion.integrator import Integrator
+from fem_lie.solve.motion.variable_steps import Stepper
+from fem_lie.solve.recording.plan import ChosenSteps
+from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
-
-_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class GeneralisedAlpha(Options, Integrator):
     they go through one compiled loop, see :mod:`fem_lie.solve.alpha.free_bodies`.
 
     A step of which Newton's method finds no solution is made in up to 64 parts, with a radius of at
-    most 0.5, and a warning says how many steps were (:mod:`fem_lie.solve.motion.division`).
+    most 0.5, and a warning says how many steps were (:mod:`fem_lie.solve.division`).
 
     Attributes:
         radius: Spectral radius at infinite frequency, in [0, 1]: 1 conserves, 0 damps at once.
@@ -61,41 +63,33 @@ class GeneralisedAlpha(Options, Integrator):
     """
 
     def _equations(self, scene: Scene) -> Equations:
-        return Equations(scene, dynamics=True, parametrisation=self.parametrisation)
+        """Those of a scene; impacts are in none: they change the ends of steps."""
+        scene = scene.without_impacts()
+        equations = Equations(scene, dynamics=True, parametrisation=self.parametrisation)
+        if scene.impacts and not self._free(scene):
+            coupled_impacts.check(equations)
+        return equations
 
-    def _integration(self, equations: Equations, step: float) -> Run:
-        return Run(self, equations, step)
-
-    def _follow(
-        self,
-        scene: Scene,
-        duration: float,
-        choice: StepChoice,
-        saving: Saving,
-        progress: bool | None,
-    ) -> Result:
-        equations = self._equations(scene)
-        return variable.run(self, equations, duration, choice, saving, progress)
-
-    def _compiled(
-        self, scene: Scene, steps: int, step: float, saving: Saving, progress: bool | None
-    ) -> Result | None:
+    def _free(self, scene: Scene) -> bool:
+        """Whether the bodies of a scene can be stepped each by itself."""
         exponential = self.parametrisation == Parametrisation.EXPONENTIAL
-        if exponential and impacts.applies(scene, self.policy):
-            return impacts.Run(self, scene, step).integrate(steps, saving, progress)
-        if coupled_impacts.applies(scene):
-            return coupled_impacts.CoupledRun(self, scene, step).whole(steps, saving, progress)
-        if not exponential or not free_bodies.applies(scene, self.policy):
-            return None
-        _log.info("free rigid bodies only (%d): no matrix of the scene", len(scene.bodies))
-        return free_bodies.Run(self, scene, step).integrate(steps, saving, progress)
+        by_themselves = impacts.applies if scene.impacts else free_bodies.applies
+        return exponential and by_themselves(scene, self.policy)
 
-    def _alone(self, scene: Scene) -> Alone | None:
-        exponential = self.parametrisation == Parametrisation.EXPONENTIAL
-        if exponential and impacts.applies(scene, self.policy):
-            return impacts.Alone(self, scene)
-        if coupled_impacts.applies(scene):
-            return coupled_impacts.CoupledAlone(self, scene)
-        if exponential and free_bodies.applies(scene, self.policy):
-            return free_bodies.Alone(self, scene)
-        return None
+    def _integration(self, equations: Equations, step: float) -> Driver[Any]:
+        scene = equations.scene
+        if scene.impacts:
+            kind = impacts.Run if self._free(scene) else coupled_impacts.CoupledRun
+            return kind(self, equations, step)
+        return (free_bodies.Run if self._free(scene) else Run)(self, equations, step)
+
+    def _steppers(
+        self, scene: Scene, plan: ChosenSteps
+    ) -> Callable[[Equations, Control], Stepper[Any]]:
+        if found := scene.without_impacts().impacts:
+            raise ValueError(
+                f"{found[0].label}: Impact is for GeneralisedAlpha with constant steps, expected "
+                f"their size as a number and nothing that jumps, got {plan.choice}; give Penalty "
+                "elsewhere"
+            )
+        return partial(AlphaSteps, self)

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._state import attributes
 from fem_lie.contact.impact.records import (
     CONTACTS,
     FRICTION,
@@ -25,7 +26,6 @@ from fem_lie.contact.impact.records import (
 from fem_lie.contact.impact.shown import WIDTH
 from fem_lie.contact.impact.touching import Touching
 from fem_lie.contact.impact.velocities import largest_speed
-from fem_lie.contact.laws import Impact
 from fem_lie.forms.term import PassedThroughError
 from fem_lie.lie.motions import Group
 from fem_lie.results import Result
@@ -47,9 +47,8 @@ from fem_lie.solve.alpha.step.impact_steps import (
 )
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.checkpoints import Checkpoints
-from fem_lie.solve.recording.fingerprint import Fingerprint
+from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import History
-from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations
 
 _ROOM = 10_000
@@ -61,10 +60,12 @@ _TOLERANCE = 1e-9
 
 def applies(scene: Scene, policy: Policy) -> bool:
     """Whether the scene is free rigid bodies, and impacts between them and ground."""
-    by_impacts = [isinstance(contact.law, Impact) for contact in scene.contacts]
     flat = all(body.group == Group.R3xSO3 for body in scene.bodies)
     return (
-        bool(by_impacts) and all(by_impacts) and flat and free_bodies.held_by_nothing(scene, policy)
+        bool(scene.impacts)
+        and not scene.contacts
+        and flat
+        and free_bodies.held_by_nothing(scene, policy)
     )
 
 
@@ -88,37 +89,18 @@ def contact_steps(told: Array, step: float, each: Array) -> ContactSteps:
     )
 
 
-class Alone:
-    """Runs whose results go to files.
-
-    Attributes:
-        fingerprint: Of the scene and its contacts.
-    """
-
-    def __init__(self, options: Options, scene: Scene) -> None:
-        """Of a scene that :func:`applies`."""
-        self._options, self._scene = options, scene
-        equations = Equations(scene.without_impacts(), dynamics=True)
-        nodes = equations.unknowns.bodies.__getitem__
-        also = [(contact.contents(nodes), contact.label) for contact in scene.contacts]
-        self.fingerprint = Fingerprint(equations, options, also)
-
-    def integrate(self, store: Checkpoints, progress: bool | None) -> Result:
-        """All steps that a file and its checkpoint leave to be made."""
-        steps, step, saving = store.plan
-        return Run(self._options, self._scene, step).integrate(steps, saving, progress, store)
-
-
 class Run(free_bodies.Run):
     """One integration."""
 
-    def __init__(self, options: Options, scene: Scene, step: float) -> None:
+    STATE = attributes("_touching", "_contacts.sum", "_contacts.booked", "_contacts.told", "_shown")
+
+    def __init__(self, options: Options, equations: Equations, step: float) -> None:
         """Collect bodies, loads and contacts."""
-        super().__init__(options, scene.without_impacts(), step)
+        super().__init__(options, equations, step)
         bodies, nodes = self.bodies, self.equations.unknowns.bodies
         inverse = np.linalg.inv(bodies.J).astype(np.float64)
         self._masses = Masses(bodies.mass, bodies.J, inverse, self.loads.constant[:, :3].copy())
-        self._touching = Touching(scene.contacts, nodes.__getitem__, self.sizes, self.s.H)
+        self._touching = Touching(equations.scene.impacts, nodes.__getitem__, self.sizes, self.s.H)
         self._contacts = Contacts(
             _TOLERANCE,
             self._touching.patience,
@@ -135,39 +117,28 @@ class Run(free_bodies.Run):
         self._shown: Array = np.zeros((0, WIDTH + 2))
         self._why = MADE
 
-    def integrate(
-        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None = None
-    ) -> Result:
-        """All steps, or those after a checkpoint; see :meth:`fem_lie.GeneralisedAlpha.run`."""
-        self._contacts = self._contacts._replace(told=np.zeros((steps, TOLD)))
-        result = super().integrate(steps, saving, progress, store)
-        found = contact_steps(self._contacts.told, self.p.h, self._shown)
-        if store is not None:
-            store.add_contacts(found)
-        return Result(**vars(result) | {"contacts": found})
-
-    def memory(self) -> dict[str, Array]:
+    def history(
+        self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
+    ) -> History:
         """See the base class."""
-        own = {"contacts.sum": self._contacts.sum, "contacts.booked": self._contacts.booked}
-        own["contacts.told"], own["contacts.shown"] = self._contacts.told, self._shown
-        return super().memory() | self._touching.memory() | own
+        self._contacts = self._contacts._replace(told=np.zeros((plan.steps, TOLD)))
+        return super().history(plan, progress, store)
+
+    def _result(self, history: History) -> Result:
+        found = contact_steps(self._contacts.told, self.p.h, self._shown)
+        history.add(found)
+        return Result(**vars(super()._result(history)) | {"contacts": found})
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """See the base class."""
         super().restore(kept)
-        self._touching.restore(kept)
         self._contacts = self._contacts._replace(patience=self._touching.patience)
-        self._shown = kept["contacts.shown"]
-        for name in ("sum", "booked", "told"):
-            getattr(self._contacts, name)[...] = kept[f"contacts.{name}"]
 
-    def _advance(
-        self, history: History, wanted: range, failed: np.ndarray, before: int = 0
-    ) -> tuple[int, int, int]:
+    def _go_on(self, history: History, wanted: range, before: int) -> tuple[int, int, int]:
         first, made, factorisations = wanted.start, before, 0
         while True:
             left = range(first, wanted.stop)
-            last, made, more, why = self._go(history, left, failed, made)
+            last, made, more, why = self._go(history, left, made)
             factorisations += more
             self._why = why
             self._take_shown()
@@ -189,9 +160,7 @@ class Run(free_bodies.Run):
         self._shown = np.concatenate([self._shown, found])
         self._contacts.shown[0] = 0
 
-    def _go(
-        self, history: History, wanted: range, failed: np.ndarray, before: int
-    ) -> tuple[int, int, int, int]:
+    def _go(self, history: History, wanted: range, before: int) -> tuple[int, int, int, int]:
         """Steps until the list of pairs is old: last step, iterations, matrices, and why."""
         indices: Indices = np.arange(wanted.start, wanted.stop)
         amplitude = amplitudes(self.histories, indices * self.p.h)
@@ -206,7 +175,7 @@ class Run(free_bodies.Run):
             amplitude,
             self.s,
             Plan(wanted.start, wanted.stop - 1, history.row, history.steps, history.every),
-            Kept(history.frames, history.velocities, done, taken, failed),
+            Kept(history.frames, history.velocities, done, taken, self._failed),
             self._touching.touch,
             self._masses,
             self._touching.work,
@@ -217,11 +186,12 @@ class Run(free_bodies.Run):
         at = slice(history.row, history.row + number)
         self._book(history, at, 0, done[:number])
         self._book(history, at, 1, contacts[:number])
-        self._keep(history, indices[kept], count[kept])
+        self._keep_rows(history, indices[kept], count[kept])
         made = last - wanted.start + 1
         return last, int(count[made - 1]) if made else before, factorisations, why
 
-    def _failure(self, index: int, steps: int, failed: np.ndarray) -> str:
+    def _failure(self, steps: int) -> str:
+        index = self.index + 1
         if self._why == CROSSED:
             who = " and ".join(self._names(int(self._contacts.failed[0])))
             moved = self.p.h * largest_speed(self.s.v, self._contacts.arm)
@@ -235,7 +205,7 @@ class Run(free_bodies.Run):
                 "are bodies wedged? Try smaller steps, or Penalty"
             )
         if self._why != UNSETTLED:
-            return super()._failure(index, steps, failed)
+            return super()._failure(steps)
         reached = float(self._contacts.told[index - 1, RESIDUAL])
         count = int(self._contacts.told[index - 1, CONTACTS])
         work = self._touching.work

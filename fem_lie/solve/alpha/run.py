@@ -39,12 +39,12 @@ from fem_lie.solve.alpha.step.records import (
     PlainSteps,
     Steps,
 )
+from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.motion.convergence import failure
-from fem_lie.solve.motion.division import HALVINGS
 from fem_lie.solve.motion.policies import EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.renewal import Update
 from fem_lie.system.equations import Equations, Instant
 
@@ -116,12 +116,12 @@ class Run(Newton):
             self._go(self.index, _NOTHING, (_NOWHERE, _NOWHERE), ends=False)
 
     def history(
-        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+        self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
         """What takes its rows from the equations."""
-        if not saving.booked:
+        if not plan.saving.booked:
             self.books.rest()
-        return Recorder(self.equations, steps, self.h, saving, progress, store)
+        return Recorder(self.equations, plan, progress, store)
 
     # --- steps ---
 
@@ -138,7 +138,7 @@ class Run(Newton):
         return made
 
     def attempt(self, start: float, end: float) -> bool:
-        """Make a step, see :class:`~.division.Divisible`."""
+        """Make a step, see :class:`~fem_lie.solve.division.Divisible`."""
         self.counters[STEP], self._end = self._begun, end
         self._go_to_time(end)
         before = self.s.H.copy()

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._state import attributes
 from fem_lie.lie.kinds import follow_all, turn_all, turn_all_back
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.low_rank import MOST
@@ -52,6 +53,22 @@ class RunState(DividedIntegration[Recorder]):
         books: What loads, drives and supports have done.
         forces: What the last residual of the iteration found.
     """
+
+    STATE = attributes(
+        "s.H",
+        "s.H1",
+        "s.motion",
+        "weights",
+        "scale",
+        "spread",
+        "numbers",
+        "counters",
+        "books",
+        "_born",
+        "_apart",
+        "_outgrown",
+        "solver",
+    )
 
     _refreshes: ClassVar[bool] = True
     """Whether the border of the kept matrix may be made anew by itself."""
@@ -162,7 +179,7 @@ class RunState(DividedIntegration[Recorder]):
         self._plain = self.p.plain, self.s.plain
 
     def resize(self, time: float, size: float) -> None:
-        """Start steps of another size at ``time``, see :class:`~.division.Divisible`.
+        """Start steps of another size at ``time``, see :class:`~fem_lie.solve.division.Divisible`.
 
         A step that failed has not resolved fast waves. Accelerations have their part of it: they
         are made consistent anew; and parts of steps damp what is left in velocities.
@@ -291,7 +308,7 @@ class RunState(DividedIntegration[Recorder]):
 
     def _factorise(self, stressed: Array | None) -> None:
         """New matrix; ``stressed``: frames whose stress it has, ``None`` for the carried one."""
-        self._fill(stressed, self._ahead(), self.scale, turned=self._turned)
+        self._fill(stressed, self._ahead_of_this(), self.scale, turned=self._turned)
         self.solver.factorise()
 
     def _refresh(self) -> None:
@@ -299,7 +316,7 @@ class RunState(DividedIntegration[Recorder]):
         if self._turned:
             self._factorise(self.s.H1)
             return
-        frames = self._ahead()
+        frames = self._ahead_of_this()
         plan = Plan(self.s.d, self.scale, joint_frames=frames, border_only=True)
         self.equations.fill(self._end_instant, self.forces, plan)
         self.solver.refresh()
@@ -327,51 +344,21 @@ class RunState(DividedIntegration[Recorder]):
         Only the constraints' Jacobian is taken there: it turns with the bodies, the rest does not.
         """
         steps = (self.index - self._born) // 2
-        self._born = self.index
         s, frames = self.s, self.s.H1.copy()
         # along a screw motion on either group: joints stay closed
         follow_all(s.kinds, s.H1, steps * self.p.h * s.twist1, frames)
         return frames
 
-    # --- checkpoints ---
+    def _ahead_of_this(self) -> Array:
+        """The same for a matrix that is made at the present step."""
+        frames, self._born = self._ahead(), self.index
+        return frames
 
-    def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
-        counts = [self.solver.factorisations, self.solver.refreshes, self._born]
-        kept: dict[str, Any] = {
-            "H": self.s.H,
-            "H1": self.s.H1,
-            "motion": self.s.motion,
-            "weights": self.weights,
-        }
-        kept |= {
-            "scale": self.scale,
-            "spread": self.spread,
-            "numbers": self.numbers,
-            "counters": self.counters,
-        }
-        kept |= self.solver.memory()
-        kept["counts"] = np.array(counts)
-        kept["beside"] = np.array([self._apart, self._outgrown])
-        if self._may_be_apart:
-            kept |= self.solver.columns.arrays()
-        return super().memory() | self.books.memory() | kept
+    # --- checkpoints ---
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
-        s, equations = self.s, self.equations
-        s.H[:], s.H1[:], s.motion[:] = kept["H"], kept["H1"], kept["motion"]
-        self.weights[:], self.scale[:] = kept["weights"], kept["scale"]
-        self.spread[:] = kept["spread"]
-        self.numbers[:], self.counters[:] = kept["numbers"], kept["counters"]
-        self.books.restore(kept)
-        if equations.unknowns.time_dependent:
-            equations.prescribed(self.index * self.h).act()
         super().restore(kept)
+        if self.equations.unknowns.time_dependent:
+            self.equations.prescribed(self.index * self.h).act()
         self._set_size(self.h / self.division.parts)
-        self.solver.restore(kept)
-        self._apart, self._outgrown = (bool(x) for x in kept["beside"])
-        if self._may_be_apart:
-            self.solver.columns.restore(kept)
-        counts = (int(x) for x in kept["counts"])
-        self.solver.factorisations, self.solver.refreshes, self._born = counts

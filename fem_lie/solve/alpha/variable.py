@@ -16,14 +16,14 @@ sequence are rejected, accelerations are made consistent anew, as at the start.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Mapping
 
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._state import arrays_of, attributes
 from fem_lie.lie.kinds import all_to_group
 from fem_lie.linear.levels import KeptFactors
-from fem_lie.results import Result
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.start import set_start
@@ -32,13 +32,12 @@ from fem_lie.solve.alpha.time_error import TimeError
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.convergence import ROTATION
 from fem_lie.solve.motion.growing import GrowingRecorder
-from fem_lie.solve.motion.step_control import Control, StepChoice
 from fem_lie.solve.motion.step_error import StepError
-from fem_lie.solve.motion.variable_steps import VariableSteps, events, side
-from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.motion.variable_steps import side
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.plan import ChosenSteps
+from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
-
-ORDER = 2
 
 ITERATION = 0.01
 """Part of the tolerance that the iteration of a step may leave."""
@@ -47,39 +46,14 @@ SWEEPS = 3
 """Iterations for the part of velocities across the joints."""
 
 
-def run(
-    options: Options,
-    equations: Equations,
-    duration: float,
-    choice: StepChoice,
-    saving: Saving,
-    progress: bool | None,
-) -> Result:
-    """Integrate with the steps of ``choice``; see :meth:`fem_lie.GeneralisedAlpha.run`."""
-    jumps, length = events(equations.scene, duration), equations.unknowns.length
-    control = choice.control(duration, length, ORDER, jumps)
-    recorder = GrowingRecorder(equations, duration, saving, progress)
-    stepper, finer = AlphaSteps(options, equations, control), None
-    if choice.refinement > 1:
-        finer = AlphaSteps(options, equations, control)
-    for steps in (stepper, finer):
-        if steps is not None and not saving.booked:
-            steps.books.rest()
-    return VariableSteps(stepper, control, recorder, finer, choice.refinement).integrate()
-
-
-class _Saved(NamedTuple):
-    """What a step changes; see :class:`~.nodes.State`."""
-
-    H: Array
-    H1: Array
-    motion: Array
-    weights: Array
-    books: dict[str, Array]
+_MOTION = ("s.H", "s.H1", "s.motion", "weights", "books")
+"""What a step changes, by its names in the state of a run."""
 
 
 class AlphaSteps(Run):
     """State of one integration with steps that change; see :class:`~.variable_steps.Stepper`."""
+
+    STATE = attributes("_speed", "h", "_starter.factorisations")
 
     # factors are kept whole
     _refreshes = _sets_apart = False
@@ -93,6 +67,7 @@ class AlphaSteps(Run):
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self._speed, self._scales = 0.0, dict[int, tuple[Array, Array]]()
         self._error, self._warm = TimeError(equations), False
+        self._moved = arrays_of(self, _MOTION)
 
     @property
     def increment(self) -> float:
@@ -187,29 +162,53 @@ class AlphaSteps(Run):
             self.books.add(self.h, seen, *self._accepted)
         return iterations
 
-    def saved(self) -> _Saved:
-        """A copy of the state."""
-        s, books = self.s, self.books.memory()
-        return _Saved(s.H.copy(), s.H1.copy(), s.motion.copy(), self.weights.copy(), books)
+    def saved(self) -> dict[str, Array]:
+        """A copy of what a step changes."""
+        return {name: array.copy() for name, array in self._moved.items()}
 
-    def take_back(self, state: _Saved) -> None:
+    def take_back(self, state: Mapping[str, Array]) -> None:
         """Be as when the state was saved."""
-        s = self.s
-        s.H[:], s.H1[:], s.motion[:] = state.H, state.H1, state.motion
-        self.weights[:] = state.weights
-        self.books.restore(state.books)
+        for name, array in self._moved.items():
+            array[...] = state[name]
 
-    def follow(self, other: AlphaSteps, state: _Saved) -> None:
+    def follow(self, other: AlphaSteps, state: Mapping[str, Array]) -> None:
         """Be as another one was when it saved ``state``."""
         self.take_back(state)
         self.h, self._speed, self.counters[STEP] = other.h, other._speed, other.index
 
-    def estimate(self, before: _Saved, start: float, end: float) -> StepError:
+    def estimate(self, before: Mapping[str, Array], start: float, end: float) -> StepError:
         """The error of the step that was made from the state ``before``."""
         s, m = self.s, self.factors.levels.mass
-        self._error.load(self.h, before.motion, s.H, s.d, s.vdot, m, self.r)
+        self._error.load(self.h, before["s.motion"], s.H, s.d, s.vdot, m, self.r)
         super()._solve()
         return self._error.of(self.dx)
+
+    def recorder(
+        self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None
+    ) -> GrowingRecorder:
+        """See the protocol."""
+        return GrowingRecorder(self.equations, plan, progress, store)
+
+    def leave_books(self) -> None:
+        """See the protocol."""
+        self.books.rest()
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """See the protocol."""
+        super().restore(kept)
+        if not self._warm:
+            self._warm_up()
+            self._warm = True
+
+    def renew_matrix(self, time: float) -> None:
+        """See the protocol."""
+        self._set_size(self.h)
+        self.factors.forget()
+        self._scales.clear()
+        self.factors.levels.use(self.p.mass)
+        self._go_to_time(time)
+        self._find(self._end_instant)
+        self._factorise(self.s.H1)
 
     def record(self, recorder: GrowingRecorder, index: int, iterations: int) -> None:
         """Keep the present state in the next row."""
@@ -250,5 +249,5 @@ class AlphaSteps(Run):
         if m:
             self.r[-m:] *= scale / self.scale
         self.scale[:] = scale
-        self._fill(stressed, self._ahead(), scale, turned=self._turned)
+        self._fill(stressed, self._ahead_of_this(), scale, turned=self._turned)
         self.factors.keep(scale)

@@ -7,18 +7,16 @@ those of the conserving scheme (:mod:`.compositions`).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._state import attributes
 from fem_lie.results import Result
 from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.variational.ends import Ends
 from fem_lie.solve.variational.run import VariationalRun
 from fem_lie.solve.variational.run_state import Options
@@ -125,6 +123,8 @@ class MomentumPart(VariationalRun):
 class MomentumRun(Integration[Recorder]):
     """One integration."""
 
+    STATE = attributes("_made", "_sizes", "_parts")
+
     def __init__(
         self, options: Options, equations: Equations, step: float, shares: tuple[float, ...]
     ) -> None:
@@ -137,6 +137,7 @@ class MomentumRun(Integration[Recorder]):
             shares: Sizes of their parts, over that; two of them differ.
         """
         super().__init__(options.policy, equations, step)
+        self.carried = equations.memory
         self.options, self._shares = options, shares
         sizes = list(dict.fromkeys(shares))
         first = MomentumPart(options, equations, step * sizes[0], None)
@@ -148,10 +149,10 @@ class MomentumRun(Integration[Recorder]):
         self._made, self._part = 0, 0
 
     def history(
-        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+        self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
         """See the base class."""
-        return self._parts[0].history(steps, saving, progress, store)
+        return self._parts[0].history(plan, progress, store)
 
     def start(self) -> None:
         """See the base class."""
@@ -202,21 +203,3 @@ class MomentumRun(Integration[Recorder]):
     def _result(self, history: Recorder) -> Result:
         made = sum(part.factorisations for part in self._parts)
         return history.result(made, history.seconds)
-
-    # --- checkpoints ---
-
-    def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
-        kept: dict[str, Any] = {"made": np.array([self._made]), "sizes": self._sizes.copy()}
-        for k, part in enumerate(self._parts):
-            kept |= {f"part.{k}.{name}": value for name, value in part.memory().items()}
-        return kept
-
-    def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
-        self._made = int(kept["made"][0])
-        self._sizes[:] = kept["sizes"]
-        for k, part in enumerate(self._parts):
-            front = f"part.{k}."
-            own = {n.removeprefix(front): a for n, a in kept.items() if n.startswith(front)}
-            part.restore(own)

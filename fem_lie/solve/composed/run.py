@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._state import attributes
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.results import Result
 from fem_lie.results.record import Record
@@ -19,14 +17,16 @@ from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.result_row import ResultRow
-from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations, Instant
 
 
 class ComposedRun(Integration[History]):
     """One integration."""
+
+    STATE = attributes("_place", "_parts")
 
     def __init__(
         self, options: Options, equations: Equations, step: float, halves: tuple[float, ...]
@@ -40,6 +40,7 @@ class ComposedRun(Integration[History]):
             halves: Sizes of their parts, over that; two of them differ.
         """
         super().__init__(options.policy, equations, step)
+        self.carried = equations.memory
         self.options, shares = options, list(dict.fromkeys(halves))
         first = Part(options, equations, step, shares[0], halves.count(shares[0]), None)
         other = Part(options, equations, step, shares[1], halves.count(shares[1]), first)
@@ -56,10 +57,10 @@ class ComposedRun(Integration[History]):
         self._solver: DirectSolver | None = None
 
     def history(
-        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+        self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> History:
         """See the base class."""
-        return History(self.equations.info, steps, self.h, saving, progress, store)
+        return History(self.equations.info, plan, progress, store)
 
     def start(self) -> None:
         """See the base class."""
@@ -204,20 +205,3 @@ class ComposedRun(Integration[History]):
         equations.residual(Instant(s.H, v, still, s.weights), np.ones(len(s.weights)), self._r)
         time, size = self.index * self.h, min(abs(part.h) for part in self._parts)
         return accelerations(equations, self._solver, s.H, v, time, size, sweeps=2)
-
-    # --- checkpoints ---
-
-    def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
-        kept: dict[str, Any] = {"place": self._place}
-        for k, part in enumerate(self._parts):
-            kept |= {f"part.{k}.{name}": value for name, value in part.memory().items()}
-        return kept
-
-    def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
-        self._place[:] = kept["place"]
-        for k, part in enumerate(self._parts):
-            front = f"part.{k}."
-            own = {n.removeprefix(front): a for n, a in kept.items() if n.startswith(front)}
-            part.restore(own)

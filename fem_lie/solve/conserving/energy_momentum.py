@@ -32,21 +32,23 @@ Romero & Armero, IJNME 54 (2002) 1683; Betsch & Leyendecker, IJNME 67 (2006) 499
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 from fem_lie._arrays import number
 from fem_lie.lie.motions import Group
-from fem_lie.results import Result
 from fem_lie.scene import Scene
-from fem_lie.solve.conserving import variable
 from fem_lie.solve.conserving.memory import has_vector_nodes
 from fem_lie.solve.conserving.refused import refuse_scene
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import Options
+from fem_lie.solve.conserving.variable import ConservingSteps
 from fem_lie.solve.motion.integrator import Integrator, check_until_round_off
 from fem_lie.solve.motion.policies import Automatic, Policy
-from fem_lie.solve.motion.step_control import StepChoice
-from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.motion.variable_steps import Stepper
+from fem_lie.solve.recording.plan import ChosenSteps
+from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
 
 
@@ -101,21 +103,18 @@ class EnergyMomentum(Integrator):
     def _integration(self, equations: Equations, step: float) -> Run:
         return Run(self.told(), equations, step)
 
-    def _follow(
-        self,
-        scene: Scene,
-        duration: float,
-        choice: StepChoice,
-        saving: Saving,
-        progress: bool | None,
-    ) -> Result:
-        equations, options = self._equations(scene), self.told()
-        if any(term.secant for term in equations.tables.terms):
-            raise ValueError(
-                "conserving schemes have contacts by penalty in constant steps: expected the size "
-                "of the step as a number and nothing that jumps"
-            )
-        return variable.run(options, equations, duration, choice, saving, progress)
+    def _steppers(
+        self, scene: Scene, plan: ChosenSteps
+    ) -> Callable[[Equations, Control], Stepper[Any]]:
+        def begin(equations: Equations, control: Control) -> ConservingSteps:
+            if any(term.secant for term in equations.tables.terms):
+                raise ValueError(
+                    "conserving schemes have contacts by penalty in constant steps: expected the "
+                    "size of the step as a number and nothing that jumps"
+                )
+            return ConservingSteps(self.told(), equations, control)
+
+        return begin
 
     def told(self) -> Options:
         """What a run is told."""

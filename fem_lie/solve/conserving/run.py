@@ -24,8 +24,8 @@ from fem_lie.solve.conserving.steps import DIVIDED, HALVINGS, PARTS, STILL, Step
 from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import History
-from fem_lie.solve.recording.saving import Saving
 
 _log = logging.getLogger(__name__)
 
@@ -39,10 +39,10 @@ class Run(Steps):
     """One integration."""
 
     def history(
-        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+        self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> History:
         """See the base class."""
-        return History(self.equations.info, steps, self.h, saving, progress, store)
+        return History(self.equations.info, plan, progress, store)
 
     # --- steps ---
 

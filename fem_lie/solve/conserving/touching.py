@@ -74,7 +74,7 @@ class Touching(RunState):
     def _kept_copy(self) -> _Saved:
         s = State(*(array.copy() for array in self.s))
         counts = self.counters.copy(), self.numbers.copy()
-        return _Saved(s, *counts, self.equations.memory.saved(), self.cells.local_fields)
+        return _Saved(s, *counts, self.equations.memory.memory(), self.cells.local_fields)
 
     def _take_again(self, state: _Saved) -> None:
         for own, kept in zip(self.s, state.s, strict=True):

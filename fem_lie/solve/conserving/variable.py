@@ -11,17 +11,18 @@ impulse is what counts. When h becomes ``r h``::
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._state import attributes
 from fem_lie.bodies.balances import BY_REACTIONS, WORK
 from fem_lie.lie.kinds import inertia, push_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, solve
 from fem_lie.linear.levels import Levels
-from fem_lie.results import Result
 from fem_lie.solve.conserving.mean_error import End, MeanError
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import PREFIX, Options
@@ -30,33 +31,15 @@ from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
 from fem_lie.solve.conserving.step.records import Span, State
 from fem_lie.solve.motion.consistent import accelerations, allowed_velocities
 from fem_lie.solve.motion.growing import GrowingHistory
-from fem_lie.solve.motion.step_control import Control, StepChoice
 from fem_lie.solve.motion.step_error import StepError
-from fem_lie.solve.motion.variable_steps import VariableSteps, events, side
-from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.motion.variable_steps import side
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.plan import ChosenSteps
+from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
 
-ORDER = 2
 _USUAL = 4
 """Iterations of a step with a matrix that is young enough for an estimate of the error, too."""
-
-
-def run(
-    options: Options,
-    equations: Equations,
-    duration: float,
-    choice: StepChoice,
-    saving: Saving,
-    progress: bool | None,
-) -> Result:
-    """Integrate with the steps of ``choice``; see :meth:`~fem_lie.EnergyMomentum.run`."""
-    jumps, length = events(equations.scene, duration), equations.unknowns.length
-    control = choice.control(duration, length, ORDER, jumps)
-    recorder = GrowingHistory(equations.info, duration, saving, progress)
-    stepper, finer = ConservingSteps(options, equations, control), None
-    if choice.refinement > 1:
-        finer = ConservingSteps(options, equations, control)
-    return VariableSteps(stepper, control, recorder, finer, choice.refinement).integrate()
 
 
 class _Saved(NamedTuple):
@@ -82,6 +65,8 @@ class _Saved(NamedTuple):
 
 class ConservingSteps(Run):
     """State of one integration with steps that change; see :class:`~.variable_steps.Stepper`."""
+
+    STATE = attributes("h")
 
     follows = False  # matrices of all levels have their own constraints
     endures = (
@@ -190,7 +175,7 @@ class ConservingSteps(Run):
     def saved(self) -> _Saved:
         """See the protocol."""
         s = State(*(array.copy() for array in self.s))
-        carried, fields = self.equations.memory.saved(), self.cells.local_fields
+        carried, fields = self.equations.memory.memory(), self.cells.local_fields
         counts = self.counters.copy(), self.numbers.copy()
         joints = self._outside.joints
         outside = {} if joints is None else {k: part.copy() for k, part in joints.memory.items()}
@@ -226,6 +211,25 @@ class ConservingSteps(Run):
         assert factors is not None
         solve(factors.plain, r, y, x)
         return self._error.of(x)
+
+    def recorder(
+        self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None
+    ) -> GrowingHistory:
+        """See the protocol."""
+        return GrowingHistory(self.equations.info, plan, progress, store)
+
+    def leave_books(self) -> None:
+        """Nothing: what acts from outside is in the sums that a step is made of."""
+
+    def _kept_factors(self, kept: Mapping[str, Array]) -> None:
+        """None, for checkpoints have those of no size."""
+
+    def renew_matrix(self, time: float) -> None:
+        """See the protocol."""
+        self._set_size(self.h)
+        self.levels = Levels[Factors](rigid=self.levels.rigid)
+        self._scales.clear()
+        self._factors = None
 
     def record(self, recorder: GrowingHistory, index: int, iterations: int) -> None:
         """See the protocol."""

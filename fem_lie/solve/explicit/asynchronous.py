@@ -14,13 +14,13 @@ they would kick its vibration in resonance, which is what limits schemes of seve
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, number
+from fem_lie._state import attributes
 from fem_lie.forms.cell_forms import CELLS, FIRST, NO_ROWS, NODES
 from fem_lie.joints.equations.table import joint_table
 from fem_lie.lie.kinds import POINT
@@ -31,8 +31,8 @@ from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.integrator import Integrator, refuse
 from fem_lie.solve.motion.policies import Never
 from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations, Instant
 
 _log = logging.getLogger(__name__)
@@ -90,6 +90,18 @@ class Asynchronous(Integrator):
 class AsynchronousRun(Integration[Recorder]):
     """One integration."""
 
+    STATE = attributes(
+        "flight.H",
+        "flight.v",
+        "flight.times",
+        "queue.made",
+        "queue.heap",
+        "queue.steps",
+        "_made",
+        "_count",
+        "books",
+    )
+
     def __init__(self, equations: Equations, step: float, courant: float) -> None:
         """Nothing is computed yet.
 
@@ -99,6 +111,7 @@ class AsynchronousRun(Integration[Recorder]):
             courant: Steps of cells over the largest stable ones.
         """
         super().__init__(Never(), equations, step)
+        self.carried = equations.memory
         n, known = equations.unknowns.moving, equations.tables
         tables = [term.tables[0] for term in known.terms if term.tables is not None]
         self._rows: Indices = np.concatenate([NO_ROWS, *(t[0] for t in tables)])
@@ -142,12 +155,12 @@ class AsynchronousRun(Integration[Recorder]):
         return found
 
     def history(
-        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+        self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
         """See the base class."""
-        if not saving.booked:
+        if not plan.saving.booked:
             self.books.rest()
-        return Recorder(self.equations, steps, self.h, saving, progress, store)
+        return Recorder(self.equations, plan, progress, store)
 
     def start(self) -> None:
         """See the base class."""
@@ -204,25 +217,6 @@ class AsynchronousRun(Integration[Recorder]):
 
     def _result(self, history: Recorder) -> Result:
         return history.result(0, history.seconds)
-
-    def _arrays(self) -> dict[str, Any]:
-        flight, queue = self.flight, self.queue
-        places = {"H": flight.H, "v": flight.v, "times": flight.times}
-        return places | {"made": queue.made, "heap": queue.heap, "steps": queue.steps}
-
-    def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
-        kept = {name: value.copy() for name, value in self._arrays().items()}
-        kept["counts"] = np.array([self._made, self._count])
-        return kept | self.equations.memory.saved() | self.books.memory()
-
-    def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
-        for name, value in self._arrays().items():
-            value[:] = kept[name]
-        self._made, self._count = (int(count) for count in kept["counts"])
-        self.equations.memory.restore(kept)
-        self.books.restore(kept)
 
 
 def _refuse(equations: Equations) -> None:

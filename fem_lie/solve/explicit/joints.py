@@ -13,6 +13,7 @@ Multipliers that are told are those of the equations of motion there.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import SuperLU, splu
 
 from fem_lie._arrays import Array
+from fem_lie._state import Stateful, attributes
 from fem_lie.solve.explicit import nodes
 from fem_lie.solve.explicit.stable import in_axes
 from fem_lie.solve.motion.convergence import constraint_scaling
@@ -37,12 +39,14 @@ class _Rows(NamedTuple):
     factors: SuperLU
 
 
-class Joints:
+class Joints(Stateful):
     """Keeps constraints closed.
 
     Attributes:
         left: Violation over the model that was left by the last step.
     """
+
+    STATE = attributes("impulses")
 
     def __init__(self, equations: Equations, masses: nodes.Masses, decay: Array) -> None:
         """Nothing is found yet.
@@ -122,8 +126,9 @@ class Joints:
             nodes.twists(self._masses, H, p, self._v)
             self._push(rows, rows.factors.solve(rows.B @ self._v.ravel()), H, p)
 
-    def restart(self) -> None:
-        """Find what belongs to frames anew."""
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """See the base class; what belongs to frames is found anew."""
+        super().restore(kept)
         self._rows = None
 
     def forces(self, H: Array, v: Array) -> tuple[Array, Array]:

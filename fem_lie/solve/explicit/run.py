@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._state import attributes
 from fem_lie.forms.cell_forms import NO_ROWS
 from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.results import Result
@@ -18,8 +18,8 @@ from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Never
 from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations, Instant
 
 _log = logging.getLogger(__name__)
@@ -38,6 +38,8 @@ class ExplicitRun(Integration[Recorder]):
     Between steps there are frames and momenta, both at the same time, and the forces there.
     """
 
+    STATE = attributes("H", "p", "v", "r", "reaction", "counters", "_joints", "books")
+
     def __init__(
         self, equations: Equations, step: float, masses: nodes.Masses, limit: StableStep
     ) -> None:
@@ -50,6 +52,7 @@ class ExplicitRun(Integration[Recorder]):
             limit: The largest stable step at the start.
         """
         super().__init__(Never(), equations, step)
+        self.carried = equations.memory
         unknowns, known = equations.unknowns, equations.tables
         n = unknowns.moving
         self.masses, self.limit, self._n = masses, limit, n
@@ -121,12 +124,12 @@ class ExplicitRun(Integration[Recorder]):
         return Instant(self.H, self._rest, self._rest, self._none)
 
     def history(
-        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+        self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
         """See the base class."""
-        if not saving.booked:
+        if not plan.saving.booked:
             self.books.rest()
-        return Recorder(self.equations, steps, self.h, saving, progress, store)
+        return Recorder(self.equations, plan, progress, store)
 
     @property
     def frames(self) -> Array:
@@ -221,27 +224,6 @@ class ExplicitRun(Integration[Recorder]):
 
     def _result(self, history: Recorder) -> Result:
         return history.result(0, history.seconds)
-
-    # --- checkpoints ---
-
-    _STATE = ("H", "p", "v", "r", "reaction", "counters")
-
-    def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
-        kept = {name: getattr(self, name).copy() for name in self._STATE}
-        if self._joints is not None:
-            kept["impulses"] = self._joints.impulses.copy()
-        return kept | self.equations.memory.saved() | self.books.memory()
-
-    def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
-        for name in self._STATE:
-            getattr(self, name)[:] = kept[name]
-        if self._joints is not None:
-            self._joints.impulses[:] = kept["impulses"]
-            self._joints.restart()
-        self.equations.memory.restore(kept)
-        self.books.restore(kept)
 
 
 def limit_of(equations: Equations, masses: nodes.Masses) -> StableStep:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._state import attributes
 from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, TOTAL
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.results import Result
@@ -16,8 +15,8 @@ from fem_lie.solve.motion.consistent import accelerations, check_velocities
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Never
 from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations
 
 PREFIX = "fem_lie_dynamics_"
@@ -27,6 +26,8 @@ _AT_A_TIME = 20_000
 
 class HamelRun(Integration[Recorder]):
     """One integration."""
+
+    STATE = attributes("H", "s", "impulses", "_made")
 
     def __init__(self, equations: Equations, size: float, bodies: step.Bodies) -> None:
         """Nothing is computed yet.
@@ -43,10 +44,10 @@ class HamelRun(Integration[Recorder]):
         self._solver: DirectSolver | None = None
 
     def history(
-        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+        self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
         """See the base class."""
-        return Recorder(self.equations, steps, self.h, saving, progress, store)
+        return Recorder(self.equations, plan, progress, store)
 
     def start(self) -> None:
         """See the base class."""
@@ -113,19 +114,3 @@ class HamelRun(Integration[Recorder]):
 
     def _result(self, history: Recorder) -> Result:
         return history.result(0, history.seconds)
-
-    # --- checkpoints ---
-
-    _STATE = ("H", "s", "impulses")
-
-    def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
-        kept = {name: getattr(self, name).copy() for name in self._STATE}
-        return kept | {"made": np.array([self._made])} | super().memory()
-
-    def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
-        for name in self._STATE:
-            getattr(self, name)[:] = kept[name]
-        self._made = int(kept["made"][0])
-        super().restore(kept)

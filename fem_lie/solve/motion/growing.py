@@ -7,23 +7,48 @@ from dataclasses import replace
 import numpy as np
 from tqdm import tqdm
 
+from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps
 from fem_lie.solve.recording.recorder import History, Recorder
-from fem_lie.solve.recording.saving import NEAR, Saving
+from fem_lie.solve.recording.saving import NEAR
 from fem_lie.system.equations import Equations
 
 _ROWS = 256
 _PERCENT = 100
+_TIMES = "growing.times"
 
 
 class Growing(History):
     """A history for steps of any number and size; its bar shows the time."""
 
-    def _grow_with(self, duration: float, saving: Saving, progress: bool | None) -> None:
-        self._duration, self._saving, self._before = duration, saving, 0.0
+    def _grow_with(self, plan: ChosenSteps, progress: bool | None) -> None:
+        self._duration, self._saving = plan.duration, plan.saving
+        # times of the last state that was looked at, and of the last checkpoint
+        self._before, self._saved = 0.0, 0.0
+        if self._store is not None and self._store.memory:
+            self._before, self._saved = map(float, self._store.memory[_TIMES])
         # ``None``: not where there is no terminal
         hidden = None if progress is None else not progress
         self._bar = tqdm(total=_PERCENT, unit="%", disable=hidden, mininterval=0.5)
+
+    def checkpoint_due(self, index: int) -> bool:
+        """See the base class; by time if it is not said after how many steps."""
+        if self._store is None:
+            return False
+        if self._store.every:
+            return index % self._store.every == 0
+        return self._percent(self._before) > self._percent(self._saved)
+
+    def _percent(self, time: float) -> int:
+        return int(_PERCENT * time / self._duration)
+
+    def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
+        """See the base class."""
+        self._saved = self._before
+        own = {_TIMES: np.array([self._before, self._saved])}
+        super().write_checkpoint(index, memory | own)
 
     def due(self, time: float, ahead: float, index: int, iterations: int, event: bool) -> bool:
         """Whether the state after step ``index`` is to be filled in; then there is room for it.
@@ -46,7 +71,7 @@ class Growing(History):
             end = np.searchsorted(times, time + ahead + slack, side="right")
             wanted = bool(first < end)
         self._before = time
-        self._bar.update(int(_PERCENT * time / self._duration) - self._bar.n)
+        self._bar.update(self._percent(time) - self._bar.n)
         if wanted:
             self.make_room()
         return wanted
@@ -56,26 +81,39 @@ class Growing(History):
         self.times[self.row - 1] = time
 
 
+def _any_number(plan: ChosenSteps) -> EqualSteps:
+    """Rows as of steps of any number, each of which may be kept."""
+    return EqualSteps(replace(plan.saving, every=1), _ROWS, 1.0)
+
+
 class GrowingHistory(Growing):
     """Of a scheme that fills the rows itself."""
 
     def __init__(
-        self, info: SceneInfo, duration: float, saving: Saving, progress: bool | None
+        self,
+        info: SceneInfo,
+        plan: ChosenSteps,
+        progress: bool | None,
+        store: Checkpoints | None,
     ) -> None:
-        """For a run of the given duration; see :class:`~.recorder.History`."""
-        super().__init__(info, _ROWS, 1.0, replace(saving, every=1), False)
-        self._grow_with(duration, saving, progress)
+        """As :class:`~.recorder.History`."""
+        super().__init__(info, _any_number(plan), False, store)
+        self._grow_with(plan, progress)
 
 
 class GrowingRecorder(Growing, Recorder):
     """That takes what it keeps from the equations of a scene."""
 
     def __init__(
-        self, equations: Equations, duration: float, saving: Saving, progress: bool | None
+        self,
+        equations: Equations,
+        plan: ChosenSteps,
+        progress: bool | None,
+        store: Checkpoints | None,
     ) -> None:
         """As :class:`GrowingHistory`, for equations."""
-        Recorder.__init__(self, equations, _ROWS, 1.0, replace(saving, every=1), False)
-        self._grow_with(duration, saving, progress)
+        Recorder.__init__(self, equations, _any_number(plan), False, store)
+        self._grow_with(plan, progress)
 
     def due(self, time: float, ahead: float, index: int, iterations: int, event: bool) -> bool:
         """Whether a row is due, see :meth:`Growing.due`; iterations are counted in any case."""

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -19,27 +20,15 @@ from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
-from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.motion.driver import Driver
 from fem_lie.solve.motion.policies import Policy
-from fem_lie.solve.motion.step_control import ConstantStep, StepChoice
-from fem_lie.solve.motion.variable_steps import events
-from fem_lie.solve.recording.checkpoints import Checkpoints, Plan, require_files
+from fem_lie.solve.motion.variable_steps import ORDER, Stepper, VariableSteps, events
+from fem_lie.solve.recording.checkpoints import Checkpoints, require_files
 from fem_lie.solve.recording.fingerprint import Fingerprint
+from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan
 from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.step_control import ConstantStep, Control, StepChoice
 from fem_lie.system.equations import Equations
-
-
-class Alone(Protocol):
-    """Runs to files of a scene of which there are no equations as a whole.
-
-    Attributes:
-        fingerprint: Of the scene.
-    """
-
-    fingerprint: Fingerprint
-
-    def integrate(self, store: Checkpoints, progress: bool | None) -> Result:
-        """All steps that are left."""
 
 
 class Integrator(ABC):
@@ -83,7 +72,8 @@ class Integrator(ABC):
             progress: Show a bar; default: if standard error is a terminal.
             file: Where results go as they are made, instead of into memory; the result reads them
                 from there. With it :meth:`resume` can go on after an interruption.
-            checkpoint_every: Steps between two checkpoints; default: a hundredth of all.
+            checkpoint_every: Steps between two checkpoints; default: a hundredth of all, or of the
+                duration if the size of the steps changes. There the matrix is made anew at each.
 
         Raises:
             ValueError: Bad options or scene, before anything is computed.
@@ -94,36 +84,17 @@ class Integrator(ABC):
         require_scene(scene)
         positive(duration, "duration")
         instance(save_every, int | np.integer, "save_every", "a whole number")
-        if isinstance(step, StepChoice):
-            if file is not None or checkpoint_every is not None:
-                raise ValueError("results go to a file as they are made with constant steps only")
-            step.check(duration)
-            saving = Saving.chosen(save_every, save_at, duration, record)
-            return self._follow(scene, duration, step, saving, progress)
-        steps = _number_of_steps(duration, step)
-        saving = Saving.chosen(save_every, save_at, steps * step, record)
-        if file is None and checkpoint_every is not None:
-            raise ValueError("checkpoint_every needs a file to which results go")
-        if jumps := events(scene, duration):
-            if file is not None:
-                raise ValueError(
-                    f"something in the scene jumps at the times {list(jumps)}, where steps are to "
-                    "end; results go to a file as they are made with constant steps only"
-                )
-            return self._follow(scene, duration, ConstantStep(step), saving, progress)
-        if file is None:
-            result = self._compiled(scene, steps, step, saving, progress)
-            if result is not None:
-                return result
-        every = max(1, steps // 100) if checkpoint_every is None else checkpoint_every
-        plan = Plan(steps, step, saving)
-        if file is not None and (alone := self._alone(scene)) is not None:
-            return alone.integrate(Checkpoints(file, every, plan, alone.fingerprint), progress)
-        equations, store = self._equations(scene), None
+        plan = _plan(scene, duration, step, (save_every, save_at, record))
+        if checkpoint_every is not None:
+            whole(checkpoint_every, "checkpoint_every")
+            if file is None:
+                raise ValueError("checkpoint_every needs a file to which results go")
+        begin, store = self._beginning(scene, plan), None
+        equations = self._equations(scene)
         if file is not None:
+            every = plan.checkpoint_interval(checkpoint_every)
             store = Checkpoints(file, every, plan, Fingerprint(equations, self))
-        run = self._integration(equations, step)
-        return run.integrate(run.history(steps, saving, progress, store))
+        return begin(equations).run(plan, progress, store)
 
     def resume(
         self, scene: Scene, file: str | os.PathLike[str], *, progress: bool | None = None
@@ -145,46 +116,40 @@ class Integrator(ABC):
         """
         require_scene(scene)
         require_files(Path(file))
-        if (alone := self._alone(scene)) is not None:
-            return alone.integrate(Checkpoints.resume(file, alone.fingerprint), progress)
         equations = self._equations(scene)
         store = Checkpoints.resume(file, Fingerprint(equations, self))
-        steps, step, saving = store.plan
-        run = self._integration(equations, step)
-        history = run.history(steps, saving, progress, store)
-        run.restore(store.memory)
-        return run.integrate(history)
+        return self._beginning(scene, store.plan)(equations).run(store.plan, progress, store)
+
+    def _beginning(self, scene: Scene, plan: Plan) -> Callable[[Equations], Driver[Any]]:
+        """What makes the run of a plan; ``ValueError`` if the scheme has no such steps."""
+        if isinstance(plan, EqualSteps):
+            return partial(self._integration, step=plan.step)
+        assert isinstance(plan, ChosenSteps)
+        choice, steppers = plan.choice, self._steppers(scene, plan)
+
+        def begin(equations: Equations) -> VariableSteps:
+            jumps, length = events(scene, plan.duration), equations.unknowns.length
+            control = choice.control(plan.duration, length, ORDER, jumps)
+            finer = steppers(equations, control) if choice.refinement > 1 else None
+            return VariableSteps(steppers(equations, control), control, finer, choice.refinement)
+
+        return begin
 
     @abstractmethod
     def _equations(self, scene: Scene) -> Equations:
         """The equations of a scene; ``ValueError`` names what the scheme cannot do."""
 
     @abstractmethod
-    def _integration(self, equations: Equations, step: float) -> Integration[Any]:
-        """The state of a run with constant steps."""
+    def _integration(self, equations: Equations, step: float) -> Driver[Any]:
+        """A run with constant steps."""
 
-    def _follow(
-        self,
-        scene: Scene,
-        duration: float,
-        choice: StepChoice,
-        saving: Saving,
-        progress: bool | None,
-    ) -> Result:
-        """A run with the steps of ``choice``; refused by schemes of constant steps."""
-        jumps = events(scene, duration)
-        given = f"something in the scene jumps at the times {list(jumps)}" if jumps else choice
-        raise ValueError(f"{type(self).__name__} {self._wanted_step}, got {given}")
-
-    def _compiled(
-        self, scene: Scene, steps: int, step: float, saving: Saving, progress: bool | None
-    ) -> Result | None:
-        """The result for a scene that needs no matrix, if the scheme has a loop for such."""
-        return None
-
-    def _alone(self, scene: Scene) -> Alone | None:
-        """What makes runs to files by itself, if the scheme has it for such a scene."""
-        return None
+    def _steppers(
+        self, scene: Scene, plan: ChosenSteps
+    ) -> Callable[[Equations, Control], Stepper[Any]]:
+        """What makes steps whose sizes change; refused by schemes of constant steps."""
+        jumps = events(scene, plan.duration)
+        what = f"something in the scene jumps at the times {list(jumps)}" if jumps else plan.choice
+        raise ValueError(f"{type(self).__name__} {self._wanted_step}, got {what}")
 
 
 WITHOUT_FRAMES = "nodes without frames (Cable, Net, ThinShell, AncfBeam, AncfShell, Solid)"
@@ -229,6 +194,24 @@ def check_until_round_off(tolerance: float, max_iterations: int, policy: Policy)
     check_kinds(tolerance, max_iterations, policy)
     if not tolerance >= 0:
         raise ValueError(f"expected tolerance ≥ 0, got {tolerance}")
+
+
+def _plan(
+    scene: Scene,
+    duration: float,
+    step: float | StepChoice,
+    kept: tuple[int, float | npt.ArrayLike | None, Record],
+) -> Plan:
+    """What a run is to do; ``ValueError`` if that contradicts itself."""
+    save_every, save_at, record = kept
+    if isinstance(step, StepChoice):
+        step.check(duration)
+        return ChosenSteps(Saving.chosen(save_every, save_at, duration, record), duration, step)
+    steps = _number_of_steps(duration, step)
+    saving = Saving.chosen(save_every, save_at, steps * step, record)
+    if events(scene, duration):
+        return ChosenSteps(saving, duration, ConstantStep(step))
+    return EqualSteps(saving, steps, float(step))
 
 
 _MOST_STEPS = 2.0**53  # beyond, times of steps are no numbers of their own

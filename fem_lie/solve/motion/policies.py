@@ -16,6 +16,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._state import put_back, saved
 from fem_lie.solve.renewal import BASE, LOST, SIZE, Rule, Update, due, learn
 
 NEVER = 2**31
@@ -72,14 +73,11 @@ class Decisions(ABC):
     def memory(self) -> dict[str, Array]:
         """Copies of all numbers and arrays among the attributes, by their names."""
         kinds = bool, int, float, np.ndarray
-        return {name: np.array(x) for name, x in vars(self).items() if isinstance(x, kinds)}
+        return saved(self, [name for name, x in vars(self).items() if isinstance(x, kinds)])
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
-        for name in self.memory():
-            given = getattr(self, name)
-            array = isinstance(given, np.ndarray)
-            setattr(self, name, kept[name].copy() if array else type(given)(kept[name]))
+        put_back(self, self.memory(), kept)
 
 
 class Policy(ABC):

@@ -1,10 +1,10 @@
 """The error in time of any scheme, from runs with halved steps (Richardson).
 
-Schemes with an estimate in each step find it as they go (:mod:`.step_control`). For all others, and
-to check those, a scene is run with steps ``h``, ``h/2`` and ``h/4``: where the changes from run to
-run fall by ``2^p``, the last run is wrong by its change over ``2^p − 1``. The order ``p`` is
-observed, not believed: one far from that of the scheme says that steps do not resolve the motion,
-or that nothing but round-off is left.
+Schemes with an estimate in each step find it as they go (:mod:`fem_lie.solve.step_control`). For
+all others, and to check those, a scene is run with steps ``h``, ``h/2`` and ``h/4``: where the
+changes from run to run fall by ``2^p``, the last run is wrong by its change over ``2^p − 1``. The
+order ``p`` is observed, not believed: one far from that of the scheme says that steps do not
+resolve the motion, or that nothing but round-off is left.
 """
 
 from __future__ import annotations

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from fem_lie.results import Result
+from fem_lie._arrays import Array
 from fem_lie.results.steps import StepHistory
-from fem_lie.solve.motion.step_control import Control
 from fem_lie.solve.motion.step_error import StepError
+from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
 
 
@@ -33,20 +34,39 @@ class StepLog:
         self.errors.append(error)
         self.measured.append(measured)
 
+    def memory(self) -> dict[str, Array]:
+        """All of it, by name."""
+        return {
+            "times": np.array(self.times),
+            "sizes": np.array(self.sizes),
+            "errors": np.array(self.errors, dtype=np.float64).reshape(-1, 4),
+            "measured": np.array(self.measured, dtype=np.float64).reshape(-1, 2),
+            "rejected": np.array(self.rejected),
+        }
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        for name in ("times", "sizes", "rejected"):
+            getattr(self, name)[:] = map(float, kept[name])
+        self.errors[:] = (
+            StepError(float(t), float(r), int(i), int(k)) for t, r, i, k in kept["errors"]
+        )
+        self.measured[:] = ((float(t), float(r)) for t, r in kept["measured"])
+
     def history(self) -> StepHistory:
         """All of them."""
-        errors = np.array(self.errors, dtype=np.float64).reshape(-1, 4)
-        measured = np.array(self.measured, dtype=np.float64).reshape(-1, 2)
+        known = self.memory()
+        errors, measured = known["errors"], known["measured"]
         leaders = self.equations.unknowns.leaders
         return StepHistory(
-            times=np.array(self.times),
-            sizes=np.array(self.sizes),
+            times=known["times"],
+            sizes=known["sizes"],
             translation=errors[:, 0],
             rotation=errors[:, 1],
             nodes=leaders[errors[:, 2:].astype(np.int64)],
             measured_translation=measured[:, 0],
             measured_rotation=measured[:, 1],
-            rejected=np.array(self.rejected),
+            rejected=known["rejected"],
         )
 
     def body(self, node: int) -> str:
@@ -87,7 +107,3 @@ class StepLog:
             f"{self.body(node)} limits it. Name the times of jumps as events, or give a larger "
             "tolerance or a smaller `smallest`"
         )
-
-    def complete(self, result: Result) -> Result:
-        """The result with the history of its steps."""
-        return Result(**vars(result) | {"steps": self.history()})

@@ -7,23 +7,28 @@ size. What that means for the state of a scheme is said by its :class:`Stepper`.
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.bodies.turning import FoldedElementError
+from fem_lie._state import attributes
 from fem_lie.forms.term import PassedThroughError
 from fem_lie.joints.histories import declared
-from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result
 from fem_lie.scene import Scene
+from fem_lie.solve.motion.driver import Driver
 from fem_lie.solve.motion.growing import Growing
-from fem_lie.solve.motion.step_control import SAME, Control
 from fem_lie.solve.motion.step_error import StepError, largest_gaps
 from fem_lie.solve.motion.step_log import StepLog
-from fem_lie.solve.stopwatch import Stopwatch
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.plan import ChosenSteps
+from fem_lie.solve.step_control import SAME, Control
 from fem_lie.system.equations import Equations
+
+ORDER = 2
+"""Of the schemes whose steps may change."""
 
 SIDE = 1e-9
 """How far from an event its two sides are, in steps."""
@@ -96,6 +101,26 @@ class Stepper(Protocol[Kept]):
     def record(self, recorder: Kept, index: int, iterations: int) -> None:
         """Keep the present state in the next row."""
 
+    @abstractmethod
+    def recorder(self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None) -> Any:
+        """Where results go, a ``Kept``; see :class:`~fem_lie.solve.motion.driver.Driver`."""
+
+    @abstractmethod
+    def leave_books(self) -> None:
+        """Do not count what acts from outside: nobody asks for it."""
+
+    @abstractmethod
+    def renew_matrix(self, time: float) -> None:
+        """Forget all matrices; make that of the present state, at ``time``, and step."""
+
+    @abstractmethod
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on but matrices."""
+
+    @abstractmethod
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called, without matrices."""
+
 
 def events(scene: Scene, duration: float) -> tuple[float, ...]:
     """When loads, drives or motions say that they jump in a run, from its beginning on."""
@@ -116,81 +141,115 @@ REJECTIONS = 2
 """Steps rejected one after the other after which a scheme forgets fast waves."""
 
 
-class VariableSteps:
-    """The steps of one run."""
+class VariableSteps(Driver[Growing]):
+    """The steps of one run.
+
+    Attributes:
+        steps: What is known of each step.
+    """
+
+    STATE = attributes("_index", "_time", "_rejections", "_control", "steps", "_steppers")
 
     def __init__(
-        self,
-        stepper: Stepper[Any],
-        control: Control,
-        recorder: Growing,
-        finer: Stepper[Any] | None = None,
-        parts: int = 1,
+        self, stepper: Stepper[Any], control: Control, finer: Stepper[Any] | None, parts: int
     ) -> None:
         """Nothing is computed yet.
 
         Args:
             stepper: Makes the steps.
             control: Chooses their sizes.
-            recorder: Where results go.
             finer: Another stepper, which makes each step once more in many parts to measure errors.
             parts: In how many.
         """
-        self._stepper, self._control, self._recorder = stepper, control, recorder
+        self._stepper, self._control = stepper, control
         self._finer, self._parts, self._rejections = finer, parts, 0
-        self._log = StepLog(stepper.equations)
-        self._watch = Stopwatch()
+        self._steppers = (stepper,) if finer is None else (stepper, finer)
+        self.equations, self.steps = stepper.equations, StepLog(stepper.equations)
+        self._index, self._time, self._iterations = 0, 0.0, 0
         self._last: tuple[float, StepError | None, float] = control.size, None, np.inf
 
-    def integrate(self) -> Result:
-        """All steps to the end.
+    def history(
+        self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None
+    ) -> Growing:
+        """See the base class."""
+        if not plan.saving.booked:
+            for stepper in self._steppers:
+                stepper.leave_books()
+        return self._stepper.recorder(plan, progress, store)
 
-        Raises:
-            ConvergenceError: The step became too small; its ``result`` holds what was computed.
-        """
-        stepper, control = self._stepper, self._control
-        stepper.begin(control.size)
-        self._watch, index, time = Stopwatch(), 0, 0.0
-        self._keep(0.0, 0, 0, event=True)
-        with self._recorder:
-            while not control.finished:
-                ended, iterations = self._attempt(time, index)
-                if control.size < control.smallest * (1.0 - 1e-9):
-                    text = self._log.underflow(control, time, *self._last)
-                    text += f". {stepper.reason}" if stepper.reason else ""
-                    raise ConvergenceError(text, self._completed(self._watch.seconds))
-                if not iterations:
-                    continue
-                index, time = index + 1, ended
-                lands = time == control.next_event
-                self._keep(time, index, iterations, event=lands)
-                if lands:
-                    control.pass_event()
-                if lands and not control.finished:
-                    stepper.pass_event(time + side(time, stepper.h))
-                    self._keep(time, index, 0, event=True)
-        return self._completed(self._watch.seconds)
+    def start(self) -> None:
+        """See the base class."""
+        self._stepper.begin(self._control.size)
 
-    def _keep(self, time: float, index: int, iterations: int, *, event: bool) -> None:
-        control = self._control
+    @property
+    def frames(self) -> Array:
+        """See the base class."""
+        return self._stepper.frames
+
+    @property
+    def index(self) -> int:
+        """See the base class."""
+        return self._index
+
+    def _finished(self, history: Growing) -> bool:
+        return self._control.finished
+
+    def _advance(self, history: Growing) -> bool:
+        control, made = self._control, False
+        while not made:
+            made = self._attempt()
+            if control.size < control.smallest * (1.0 - 1e-9):
+                return False
+        return True
+
+    def _failure(self, steps: int) -> str:
+        text, why = self.steps.underflow(self._control, self._time, *self._last), self._stepper
+        return f"{text}. {why.reason}" if why.reason else text
+
+    def _record(self, history: Growing) -> bool:
+        """See the base class; an event has two rows, of both its sides."""
+        control, stepper, time = self._control, self._stepper, self._time
+        lands = not control.finished and time == control.next_event
+        kept = self._fill_row(history, self._iterations, event=lands or not self._index)
+        if lands:
+            control.pass_event()
+        if lands and not control.finished:
+            stepper.pass_event(time + side(time, stepper.h))
+            kept |= self._fill_row(history, 0, event=True)
+        return kept
+
+    def _fill_row(self, history: Growing, iterations: int, *, event: bool) -> bool:
+        time, control = self._time, self._control
         ahead = 0.0 if control.finished else control.fitted(time)
-        if self._recorder.due(time, ahead, index, iterations, event):
-            self._stepper.record(self._recorder, index, iterations)
-            self._recorder.stamp(time)
-            if not self._recorder.turns_far:
-                return
-            try:
-                self._stepper.equations.report(self._stepper.frames).check_turns(time)
-            except FoldedElementError as error:
-                result = self._completed(self._watch.seconds)
-                raise ConvergenceError(f"an element folds: {error}", result) from None
+        wanted = history.due(time, ahead, self._index, iterations, event)
+        if wanted:
+            self._stepper.record(history, self._index, iterations)
+            history.stamp(time)
+        return wanted
 
-    def _completed(self, seconds: float) -> Result:
-        return self._log.complete(self._recorder.result(self._stepper.factorisations, seconds))
+    def _result(self, history: Growing) -> Result:
+        known = self.steps.history()
+        history.add(known)
+        result = history.result(self._stepper.factorisations, history.seconds)
+        return Result(**vars(result) | {"steps": known})
 
-    def _attempt(self, time: float, index: int) -> tuple[float, int]:
-        """Try one step; its end and its iterations, 0 if it was rejected."""
-        control, stepper = self._control, self._stepper
+    def _save(self, history: Growing) -> None:
+        """See the base class; a checkpoint has no matrices, and they are made anew from here."""
+        super()._save(history)
+        self._renew()
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """See the base class."""
+        super().restore(kept)
+        self._renew()
+
+    def _renew(self) -> None:
+        for stepper in self._steppers:
+            stepper.renew_matrix(self._time)
+
+    def _attempt(self) -> bool:
+        """Try one step; whether it was accepted."""
+        control, stepper, time, index = self._control, self._stepper, self._time, self._index
         h, event = control.fitted(time), control.next_event
         lands = abs(time + h - event) <= 1e-6 * h
         end = event if lands else time + h
@@ -203,15 +262,16 @@ class VariableSteps:
             e = np.inf
         if error is None or e > 1.0:
             self._last = h, error, stepper.increment
-            self._log.rejected.append(end)
+            self.steps.rejected.append(end)
             stepper.take_back(before)
             control.reject(e)
             self._try_again(time, index)
-            return time, 0
+            return False
         self._rejections = 0
-        self._log.add(end, h, error, self._measure(before, time, end, index, lands))
+        self.steps.add(end, h, error, self._measure(before, time, end, index, lands))
         control.accept(e)
-        return end, iterations
+        self._index, self._time, self._iterations = index + 1, end, iterations
+        return True
 
     def _remembered(self, start: Array) -> bool:
         """Whether what frames do not tell of the step could be remembered."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._state import Stateful, attributes
 from fem_lie.solve.motion.convergence import constraint_scaling
 from fem_lie.solve.multirate.domain import Domain
 from fem_lie.solve.multirate.interface import joined
@@ -24,7 +25,7 @@ _RENEWED = 12
 """Tries of a step after which the response is found anew."""
 
 
-class Coupling:
+class Coupling(Stateful):
     """Keeps joints between domains closed at the ends of whole steps.
 
     Attributes:
@@ -35,6 +36,8 @@ class Coupling:
         tries: Whole steps that were tried.
         found: How often the response was found by trying.
     """
+
+    STATE = attributes("weights", "gap", "response", "unit", "made", "tries", "found")
 
     def __init__(self, between: Equations, whole: Equations, domains: tuple[Domain, ...]) -> None:
         """Nothing is computed yet.
@@ -144,18 +147,3 @@ class Coupling:
     def _accept(self, λ: Array, wrong: Array) -> None:
         self.weights[1], self.weights[0], self.gap[:] = self.weights[0], λ, wrong
         self.made += 1
-
-    # --- checkpoints ---
-
-    def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
-        counts = np.array([self.made, self.tries, self.found])
-        kept = {"weights": self.weights, "gap": self.gap}
-        kept |= {"response": self.response, "unit": self.unit}
-        return {f"between.{name}": value for name, value in kept.items()} | {"counts": counts}
-
-    def restore(self, kept: dict[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
-        for name in ("weights", "gap", "response", "unit"):
-            getattr(self, name)[:] = kept[f"between.{name}"]
-        self.made, self.tries, self.found = (int(count) for count in kept["counts"])

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._state import attributes
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.results import Result
 from fem_lie.results.record import Record
@@ -19,14 +19,16 @@ from fem_lie.solve.multirate.coupling import Coupling
 from fem_lie.solve.multirate.domain import Domain
 from fem_lie.solve.multirate.split import rows_of
 from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.result_row import ResultRow
-from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations, Instant
 
 
 class MultiRateRun(Integration[History]):
     """One integration."""
+
+    STATE = attributes("_coupling", "_made", "_domains")
 
     def __init__(
         self,
@@ -46,6 +48,7 @@ class MultiRateRun(Integration[History]):
             between: Those of all bodies and the joints between parts.
         """
         super().__init__(options.policy, equations, step)
+        self.carried = equations.memory
         self.options = options
         self._domains = tuple(
             Domain(options, part, step, count, rows_of(part, equations))
@@ -58,10 +61,10 @@ class MultiRateRun(Integration[History]):
         self._made, self._joints = 0, joints_of(equations)
 
     def history(
-        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+        self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> History:
         """See the base class."""
-        return History(self.equations.info, steps, self.h, saving, progress, store)
+        return History(self.equations.info, plan, progress, store)
 
     def start(self) -> None:
         """See the base class."""
@@ -143,21 +146,3 @@ class MultiRateRun(Integration[History]):
         equations.residual(Instant(H, v, still, 0.0 * ones), ones, self._r)
         time, size = self.index * self.h, self.h / max(d.count for d in self._domains)
         return accelerations(equations, self._solver, H, v, time, size, sweeps=2)
-
-    # --- checkpoints ---
-
-    def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
-        kept: dict[str, Any] = self._coupling.memory() | {"made": np.array([self._made])}
-        for k, domain in enumerate(self._domains):
-            kept |= {f"domain.{k}.{name}": value for name, value in domain.memory().items()}
-        return kept
-
-    def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
-        self._made = int(kept["made"][0])
-        self._coupling.restore(dict(kept))
-        for k, domain in enumerate(self._domains):
-            front = f"domain.{k}."
-            own = {n.removeprefix(front): a for n, a in kept.items() if n.startswith(front)}
-            domain.restore(own)

@@ -20,43 +20,28 @@ from io import BytesIO
 from math import prod
 from pathlib import Path
 from shutil import disk_usage
-from typing import Any, NamedTuple
+from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
 
-from fem_lie._arrays import Array, whole
+from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.ranks.files import place, place_to_go_on
 from fem_lie.results import file as results_file
-from fem_lie.results.record import Record
-from fem_lie.results.steps import ContactSteps
+from fem_lie.results.steps import ContactSteps, StepHistory
 from fem_lie.results.storage.rows import ResultRows, write_all
 from fem_lie.solve.recording.fingerprint import Fingerprint
-from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.recording.plan import Plan, unpacked
 
 _log = logging.getLogger(__name__)
-
-
-class Plan(NamedTuple):
-    """What a run is to do.
-
-    Attributes:
-        steps: Number of steps.
-        step: Step size.
-        saving: What is kept.
-    """
-
-    steps: int
-    step: float
-    saving: Saving
 
 
 class Checkpoints:
     """Where a run writes its results and checkpoints.
 
     Attributes:
-        every: Steps between two checkpoints.
+        every: Steps between two checkpoints; 0: at every hundredth of the duration.
         row: Rows of results that belong to the checkpoint from which the run goes on.
         memory: State there, or empty.
         plan: What is to be done.
@@ -69,15 +54,14 @@ class Checkpoints:
 
         Args:
             path: File of results.
-            every: Steps between two checkpoints.
+            every: Steps between two checkpoints; 0: at every hundredth of the duration.
             plan: What is to be done.
             fingerprint: Of scene and scheme.
 
         Raises:
-            ValueError: ``every`` is not positive, or too large.
-            TypeError: It is no whole number.
+            ValueError: The plan cannot be written.
         """
-        whole(every, "checkpoint_every")
+        self._packed_plan = plan.packed()
         self._path, self.every, self.plan, self._fingerprint = place(path), every, plan, fingerprint
         self.row, self.memory, self.seconds = 0, dict[str, Array](), 0.0
         self._until, self._at = 0.0, 0.0
@@ -96,13 +80,12 @@ class Checkpoints:
         results_file.require_version(file)
         file = place_to_go_on(file, [_beside(file), _before(file)])
         used, kept = _last_undamaged(file)
-        if "fingerprint" not in kept or "record" not in kept:
+        if "fingerprint" not in kept or "plan.record" not in kept:
             raise ValueError(f"{str(used)!r} is not a checkpoint of this version")
-        steps, every_row, every, index = (int(number) for number in kept.pop("plan"))
-        record = Record(int(kept.pop("record")))
-        saving = Saving(every_row, kept.pop("save_at", None), record)
-        plan = Plan(steps, float(kept.pop("step")), saving)
-        found = fingerprint.differences(kept.pop("fingerprint"), plan.step, index)
+        every, index = (int(number) for number in kept.pop("progress"))
+        plan = unpacked(kept)
+        ends = plan.ends(index, kept)
+        found = fingerprint.differences(kept.pop("fingerprint"), ends)
         if found:
             raise ValueError(
                 f"cannot resume from {str(used)!r}: it belongs to another scene or to "
@@ -110,7 +93,7 @@ class Checkpoints:
             )
         store = cls(file, every, plan, fingerprint)
         store.row, store.seconds = int(kept.pop("row")), float(kept.pop("seconds"))
-        store.memory, store._at = kept, index * plan.step
+        store.memory, store._at = kept, float(ends[-1])
         return store
 
     def open(self, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], rows: int) -> None:
@@ -128,6 +111,7 @@ class Checkpoints:
                 results_file.create(self._path, info, shapes, rows)
             for checkpoint in (_beside(self._path), _before(self._path)):
                 checkpoint.unlink(missing_ok=True)
+        self._info, self._shapes = info, shapes
         self._file = ResultRows(self._path)
 
     def append(self, first: int, rows: Mapping[str, Array], reached: float) -> None:
@@ -142,8 +126,16 @@ class Checkpoints:
             OSError: The disk is full, or there is another reason; the message names file and times.
         """
         with self._writing(self._lost(reached)):
+            self._make_room(first, first + len(rows["times"]))
             self._file.write(first, rows)
         self._until = float(rows["times"][-1])
+
+    def _make_room(self, filled: int, rows: int) -> None:
+        """Make the file larger if it has no room for so many rows."""
+        if rows > self._file.room:
+            known = self._info, self._shapes
+            results_file.enlarge(self._path, *known, filled, max(rows, 2 * self._file.room))
+            self._file = ResultRows(self._path)
 
     def rows(self, count: int) -> dict[str, Array]:
         """The first rows of all results, mapped into memory."""
@@ -161,25 +153,22 @@ class Checkpoints:
         Raises:
             OSError: As of :meth:`append`; the last checkpoint stays.
         """
-        plan = self.plan
+        ends = self.plan.ends(index, memory)
         own: dict[str, Any] = {
-            "plan": np.array([plan.steps, plan.saving.every, self.every, index]),
-            "step": np.array(plan.step),
-            "record": np.array(plan.saving.record.value),
-            "fingerprint": self._fingerprint.packed(plan.step, index),
+            "progress": np.array([self.every, index]),
+            "fingerprint": self._fingerprint.packed(ends),
             "row": np.array(row),
             "seconds": np.array(seconds),
         }
-        if plan.saving.times is not None:
-            own["save_at"] = plan.saving.times
+        own |= self._packed_plan
         packed, kept = BytesIO(), own | memory
         # the directory of an archive has no checksum: entries that it lost would not be missed
         kept[_NAMES] = np.array(sorted(kept))
         np.savez(packed, **kept)
-        with self._writing(self._lost(index * plan.step)):
+        with self._writing(self._lost(float(ends[-1]))):
             self._file.sync()
             self._replace(packed.getbuffer())
-        self._at = index * plan.step
+        self._at = float(ends[-1])
 
     def _replace(self, data: memoryview) -> None:
         """Write the checkpoint under another name first: one of them is whole at any time.
@@ -221,10 +210,10 @@ class Checkpoints:
         with self._writing("counts and seconds of the run cannot be written"):
             results_file.finish(self._path, numbers)
 
-    def add_contacts(self, contacts: ContactSteps) -> None:
-        """Put what contacts by impacts did in each step into the file."""
-        with self._writing("what contacts did cannot be written"):
-            results_file.add_contacts(self._path, contacts)
+    def add(self, record: StepHistory | ContactSteps) -> None:
+        """Put what is known of each step into the file."""
+        with self._writing("what is known of each step cannot be written"):
+            results_file.add(self._path, record)
 
 
 _NAMED = 6

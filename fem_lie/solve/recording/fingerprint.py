@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie._arrays import Array
 from fem_lie.bodies.told import Told, attributes, told_of_body
 from fem_lie.scene import Scene
 from fem_lie.system.equations import Equations
@@ -31,26 +32,24 @@ class Fingerprint:
         parts: Text or digest of each part of scene and scheme, by its place there.
     """
 
-    def __init__(
-        self, equations: Equations, scheme: Any, contacts: Sequence[tuple[object, str]] = ()
-    ) -> None:
+    def __init__(self, equations: Equations, scheme: Any) -> None:
         """Take it of the equations as they are at the start.
 
         Args:
             equations: Those from which nothing was computed yet.
             scheme: Its options are attributes.
-            contacts: Contents and names of those that are in no equations.
         """
+        scene = equations.scene
         self.parts: dict[str, str] = {}
         self._shown: dict[str, str] = {}
-        scene = equations.scene
         self._told = Told(scene.bodies)
         self._add("scheme", type(scheme))
         for name, value in vars(scheme).items():
             self._add(f"option {name}", value)
         self._add_scene(scene)
-        for k, (contents, label) in enumerate(contacts, start=1):
-            self._add(f"contact {k}", contents, label)
+        nodes = equations.unknowns.bodies.__getitem__
+        for k, contact in enumerate(scene.impacts, start=1):
+            self._add(f"contact {k}", contact.contents(nodes), contact.label)
         self._sums = len(self.parts)
         for name, value, shown in equations.contents():
             self._add(name, value, shown)
@@ -85,29 +84,32 @@ class Fingerprint:
                     what = f"{name} of {kind[:-1]} {k}"
                     self._add(what, value, f"{what} ({type(item).__name__})")
 
-    def values(self, step: float, index: int) -> dict[str, str]:
-        """Digests of the values of all functions of time on the steps up to ``index``."""
-        times = [0.5 * k * step for k in range(max(2 * self._made + 1, 0), 2 * index + 1)]
+    def values(self, ends: Array) -> dict[str, str]:
+        """Digests of the values of all functions of time on steps with these ends."""
+        made = len(ends) - 1
+        both = np.empty(2 * made + 1)
+        both[::2], both[1::2] = ends, 0.5 * (ends[:-1] + ends[1:])
+        times = [float(time) for time in both[max(2 * self._made + 1, 0) :]]
         for name, function in self._functions.items():
             values = np.array([np.asarray(function(time), dtype=np.float64) for time in times])
             self._values[name].update(values.tobytes())
-        self._made = index
+        self._made = made
         return {name: _DIGEST + digest.hexdigest() for name, digest in self._values.items()}
 
-    def packed(self, step: float, index: int) -> npt.NDArray[np.uint8]:
-        """All of it after step ``index``, for a checkpoint."""
-        told = {"parts": self.parts, "functions": self.values(step, index)}
+    def packed(self, ends: Array) -> npt.NDArray[np.uint8]:
+        """All of it after steps with these ends, for a checkpoint."""
+        told = {"parts": self.parts, "functions": self.values(ends)}
         return np.frombuffer(json.dumps(told).encode(), dtype=np.uint8)
 
-    def differences(self, packed: npt.NDArray[np.uint8], step: float, index: int) -> list[str]:
-        """What is other than when :meth:`packed` was called after the same step."""
+    def differences(self, packed: npt.NDArray[np.uint8], ends: Array) -> list[str]:
+        """What is other than when :meth:`packed` was called after the same steps."""
         stored = json.loads(packed.tobytes().decode())
         sums = list(self.parts)[self._sums :]
         found = self._compared(stored["parts"], self.parts)
         named = {name: text for name, text in found.items() if name not in sums}
-        made = self.values(step, index)
+        made = self.values(ends)
         for name, text in self._compared(stored["functions"], made).items():
-            named[name] = f"{text}, up to time {index * step:g}"
+            named[name] = f"{text}, up to time {ends[-1]:g}"
         return list((named or found).values())
 
     def _compared(self, stored: Mapping[str, str], given: Mapping[str, str]) -> dict[str, str]:

@@ -13,9 +13,10 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.results import Result
 from fem_lie.results.record import Record
+from fem_lie.results.steps import ContactSteps, StepHistory
 from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.result_row import ResultRow
-from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.recording.window import Window
 from fem_lie.system.equations import Equations
 
@@ -33,9 +34,7 @@ class History(Window):
     def __init__(
         self,
         info: SceneInfo,
-        steps: int,
-        step: float,
-        saving: Saving,
+        plan: EqualSteps,
         progress: bool | None,
         store: Checkpoints | None = None,
     ) -> None:
@@ -43,12 +42,11 @@ class History(Window):
 
         Args:
             info: Bodies and joints.
-            steps: Number of steps.
-            step: Step size.
-            saving: What is kept.
+            plan: Steps, and what is kept.
             progress: Show a bar; ``None``: if standard error is a terminal.
             store: Where results and checkpoints go, if not into memory.
         """
+        saving, steps, step = plan.saving, plan.steps, plan.step
         every = saving.every
         super().__init__(info, steps // every + 1 + (steps % every > 0), saving, store)
         self.steps, self.every, self._h, self._info = steps, every, step, info
@@ -103,7 +101,7 @@ class History(Window):
 
     def next_stop(self, index: int) -> int:
         """The next step after ``index`` at which there is something to do."""
-        stop = self._next_halt(index)
+        stop = self.next_halt(index, self.steps)
         return int(min([stop, *self._wanted_until(stop, index)[:1]]))
 
     def stretch(self, index: int, most: int) -> tuple[int, Indices]:
@@ -116,7 +114,7 @@ class History(Window):
         Returns:
             The last one, and those up to it whose rows are wanted, for which there is room.
         """
-        last = min(index + most, self._next_halt(index))
+        last = self.next_halt(index, most)
         wanted = self._wanted_until(last, index)
         if len(wanted):
             self.make_room()
@@ -126,9 +124,9 @@ class History(Window):
                 last = int(wanted[-1])
         return last, wanted
 
-    def _next_halt(self, index: int) -> int:
-        """The next step after ``index`` at which there is more to do than to fill in a row."""
-        halts = [self.steps]
+    def next_halt(self, index: int, most: int) -> int:
+        """The next step at which there is more to do than to fill in a row, ``most`` later."""
+        halts = [self.steps, index + most]
         if self.show:
             halts.append((index // self.refresh + 1) * self.refresh)
         if self._store is not None:
@@ -154,6 +152,11 @@ class History(Window):
         assert self._store is not None
         kept = memory | self._memory()
         self._store.write(index, self._gone, self.seconds, kept)
+
+    def add(self, record: StepHistory | ContactSteps) -> None:
+        """Write what is known of each step, if results go to a file."""
+        if self._store is not None:
+            self._store.add(record)
 
     def result(
         self, factorisations: int, seconds: float, refreshes: int = 0, divided: int = 0
@@ -195,14 +198,12 @@ class Recorder(History):
     def __init__(
         self,
         equations: Equations,
-        steps: int,
-        step: float,
-        saving: Saving,
+        plan: EqualSteps,
         progress: bool | None,
         store: Checkpoints | None = None,
     ) -> None:
         """As :class:`History`, for equations."""
-        super().__init__(equations.info, steps, step, saving, progress, store)
+        super().__init__(equations.info, plan, progress, store)
         self._equations, self._filled = equations, ResultRow(equations)
         self._held = Record.FORCES in self.filled and len(equations.unknowns.supported) > 0
         self.count = 0 if store is None or not store.memory else int(store.memory["count"])

@@ -336,7 +336,7 @@ class SceneEquilibrium:
     def state(self) -> _State:
         """A copy of the present state; angles of joints are counted on from here."""
         self.equations.memory.accept(self._H)
-        return _State(self._H.copy(), self._multipliers.copy(), self.equations.memory.saved())
+        return _State(self._H.copy(), self._multipliers.copy(), self.equations.memory.memory())
 
     def restore(self, state: _State) -> None:
         """Return to a copied state."""

@@ -137,7 +137,7 @@ class LoadSteps:
     def _preload(self, smallest: float) -> None:
         """Strain the springs step by step, without loads; where that fails all is as it was."""
         memory, part, step = self.equations.memory, 0.0, 0.5
-        H, multipliers, saved = self.H.copy(), self.multipliers.copy(), memory.saved()
+        H, multipliers, saved = self.H.copy(), self.multipliers.copy(), memory.memory()
         while part < 1.0:
             if self._reach(0.0, min(1.0, part + step)) is not None:
                 part, step = min(1.0, part + step), 2.0 * step
@@ -202,7 +202,7 @@ class LoadSteps:
             Its negative pivots; ``None`` if there is none near, and all is as it was.
         """
         equations = self.equations
-        H, multipliers, saved = self.H.copy(), self.multipliers.copy(), equations.memory.saved()
+        H, multipliers, saved = self.H.copy(), self.multipliers.copy(), equations.memory.memory()
         now = equations.prescribed(factor)
         now.act(factor, preload)
         self.H[self._moving + 1 :] = now.frames
@@ -259,7 +259,7 @@ class LoadSteps:
         if not search.possible or not len(search.allowed(self.H)):
             return
         memory = self.equations.memory
-        H, multipliers, saved = self.H.copy(), self.multipliers.copy(), memory.saved()
+        H, multipliers, saved = self.H.copy(), self.multipliers.copy(), memory.memory()
         # forces that are not in balance would resist, or seem to
         with suppress(SingularMatrixError):
             for _ in range(POLISHED):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -16,12 +15,12 @@ from fem_lie.linear.factors import Factors, solve
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.solve.conserving.between.cayley import advance
+from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, estimate, failure
-from fem_lie.solve.motion.division import HALVINGS
 from fem_lie.solve.motion.policies import Decisions, EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.variational import loop, momenta
 from fem_lie.solve.variational.packing import Packed
 from fem_lie.solve.variational.prescribed import prescribe
@@ -37,12 +36,12 @@ class VariationalRun(RunState):
     """One integration."""
 
     def history(
-        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+        self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
         """See the base class."""
-        if not saving.booked:
+        if not plan.saving.booked:
             self.books.rest()
-        return Recorder(self.equations, steps, self.h, saving, progress, store)
+        return Recorder(self.equations, plan, progress, store)
 
     @property
     def frames(self) -> Array:
@@ -291,25 +290,13 @@ class VariationalRun(RunState):
 
     # --- checkpoints ---
 
-    _STATE = ("H", "rest", "steps", "before", "weights", "earlier", "gap", "scale", "twists")
-
     def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
-        kept: dict[str, Any] = {name: getattr(self, name) for name in self._STATE}
-        counts = self._made, self._factorisations, self._iterations, self._born
-        kept |= {"counts": np.array(counts), "rows": np.stack(self.rows)}
-        kept |= super().memory() | self.books.memory()
+        """See the base class; with the factors, which are those of no state in particular."""
+        kept = super().memory()
         return kept if self._factors is None else kept | self._factors.arrays()
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
-        for name in self._STATE:
-            getattr(self, name)[:] = kept[name]
-        counts = (int(count) for count in kept["counts"])
-        self._made, self._factorisations, self._iterations, self._born = counts
-        for row, value in zip(self.rows, kept["rows"], strict=True):
-            row[:] = value
-        self.books.restore(kept)
+        """See the base class."""
         super().restore(kept)
         self.size = self._ends.h = self.h / self.division.parts
         self._factors = Factors.of(kept)

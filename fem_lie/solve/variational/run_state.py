@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._state import attributes
 from fem_lie.joints.equations.table import joint_table
 from fem_lie.lie.kinds import SLOPE, inertia, push_all
 from fem_lie.linear.factors import Factors, factorise
@@ -40,6 +41,24 @@ class RunState(DividedIntegration[Recorder]):
     Attributes:
         size: Of the present step, or of the present part of it.
     """
+
+    STATE = attributes(
+        "H",
+        "rest",
+        "steps",
+        "before",
+        "weights",
+        "earlier",
+        "gap",
+        "scale",
+        "twists",
+        "rows",
+        "_made",
+        "_factorisations",
+        "_iterations",
+        "_born",
+        "books",
+    )
 
     def __init__(self, options: Options, equations: Equations, step: float) -> None:
         """Allocate everything; nothing is computed yet.

@@ -7,11 +7,10 @@ prescribed motions the increments are known exactly, and the mean of their force
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._state import Stateful, attributes
 from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, TOTAL, WORK
 from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.system.balance.acting import Acting
@@ -20,7 +19,7 @@ from fem_lie.system.outer_forces import POWER, SIZE, Seen, look_and_sum_up, sum_
 from fem_lie.system.system import System
 
 
-class Books:
+class Books(Stateful):
     """What has been booked up to the present time.
 
     Attributes:
@@ -32,6 +31,8 @@ class Books:
         looks: Whether that looks at loads, and whether at joints.
         table: What it is given.
     """
+
+    STATE = attributes("total", "_stored", "_time", "_seen")
 
     def __init__(self, system: System) -> None:
         """Empty books of the equations ``system``."""
@@ -170,20 +171,3 @@ class Books:
         self.total[BY_REACTIONS:] += seen[1][1:] - seen[0][1:]
         self.look(time, *after)
         return lost
-
-    def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
-        return {f"books.{name}": value.copy() for name, value in self._arrays().items()}
-
-    def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
-        for name, value in self._arrays().items():
-            value[:] = kept[f"books.{name}"]
-
-    def _arrays(self) -> dict[str, Array]:
-        own: dict[str, Array] = {
-            "total": self.total,
-            "stored": self._stored,
-            "time": self._time,
-        }
-        return own | self._seen._asdict()

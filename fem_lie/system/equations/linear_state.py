@@ -33,7 +33,7 @@ class LinearState:
         self._memory, self._H = memory, H
         self._h, self.multipliers = np.split(dx.copy(), [6 * system.count])
         memory.carry(H)
-        self._start = memory.saved()
+        self._start = memory.memory()
         nodal = self._h.reshape(-1, 6)
         self._own = [
             term.linear_forces(H, kept, nodal)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -111,46 +112,69 @@ class Memory:
             else:
                 carried.turn_motion(H, motion, self._system.kinds, written)
 
-    def saved(self, *, matrix: bool = False) -> dict[str, Array]:
-        """All that what comes depends on but the state and the time; ``matrix``: that, too."""
-        saved = {f"carried.{k}": part for k, part in enumerate(self._terms.carried())}
-        saved["joints"] = self._connections.memory
-        saved |= {f"watched.{k}": part for k, part in enumerate(self._terms.watched())}
-        if matrix:
-            kkt = self._system.kkt
-            saved |= {"matrix": kkt.csr[0], "blocks": self._system.tangent.A}
-            saved |= {"row pointers": kkt.indptr, "columns": kkt.indices}
-            if kkt.low_rank is not None:
-                parts = kkt.low_rank._asdict()
-                saved |= {_PART + name: array for name, array in parts.items()}
-            saved |= {f"seen.{k}": term.seen.copy() for k, term in enumerate(self._terms)}
-        return saved
+    def memory(self) -> dict[str, Array]:
+        """All that what comes depends on but the state, the time and the matrix."""
+        kept = {f"carried.{k}": part for k, part in enumerate(self._terms.carried())}
+        kept["joints"] = self._connections.memory
+        return kept | {f"watched.{k}": part for k, part in enumerate(self._terms.watched())}
 
-    def restore(self, saved: Mapping[str, Array]) -> None:
-        """Be as when :meth:`saved` was called.
+    @property
+    def with_matrix(self) -> WithMatrix:
+        """All of it, and the matrix."""
+        return WithMatrix(self, self._system, self._terms)
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        self._connections.memory = kept["joints"]
+        count = sum(name.startswith("carried.") for name in kept)
+        self._terms.restore([kept[f"carried.{k}"] for k in range(count)])
+        watched = sum(name.startswith("watched.") for name in kept)
+        self._terms.watch_again([kept[f"watched.{k}"] for k in range(watched)])
+
+
+@dataclass(frozen=True)
+class WithMatrix:
+    """The memory of equations, their matrix, and what that was made of, as one state.
+
+    Attributes:
+        of: The memory alone.
+        system: The equations.
+        terms: Those that know what is near.
+    """
+
+    of: Memory
+    system: System
+    terms: Terms
+
+    def memory(self) -> dict[str, Array]:
+        """All of it."""
+        kkt = self.system.kkt
+        kept = self.of.memory() | {"matrix": kkt.csr[0], "blocks": self.system.tangent.A}
+        kept |= {"row pointers": kkt.indptr, "columns": kkt.indices}
+        if kkt.low_rank is not None:
+            kept |= {_PART + name: array for name, array in kkt.low_rank._asdict().items()}
+        return kept | {f"seen.{k}": term.seen.copy() for k, term in enumerate(self.terms)}
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called.
 
         Raises:
-            ValueError: There is a matrix, and now subdomains, whose matrices were not saved.
+            ValueError: There are subdomains now, whose matrices are in no file.
         """
-        if "matrix" in saved and self._system.kkt.part is not None:
+        kkt, tangent = self.system.kkt, self.system.tangent
+        if kkt.part is not None:
             raise ValueError(
                 "a run goes on without subdomains, whose matrices no file has: leave PETSc's "
                 "option domains out, got it set"
             )
-        self._connections.memory = saved["joints"]
-        count = sum(name.startswith("carried.") for name in saved)
-        self._terms.restore([saved[f"carried.{k}"] for k in range(count)])
-        # checkpoints of earlier versions do not have it
-        if watched := sum(name.startswith("watched.") for name in saved):
-            self._terms.watch_again([saved[f"watched.{k}"] for k in range(watched)])
-        if "matrix" in saved:
-            for k, term in enumerate(self._terms):
-                term.see_again(saved[f"seen.{k}"])
-            pattern, kkt = (saved["row pointers"], saved["columns"]), self._system.kkt
-            self._system.tangent.restore_pattern(*(part.astype(np.int64) for part in pattern))
-            self._system.tangent.A[:] = saved["blocks"]
-            found: dict[str, Any] = {
-                name: saved[_PART + name] for name in LowRank._fields if _PART + name in saved
-            }
-            kkt.low_rank = LowRank(**found) if found else None
-            kkt.restore(saved["matrix"])
+        self.of.restore(kept)
+        for k, term in enumerate(self.terms):
+            term.see_again(kept[f"seen.{k}"])
+        pattern = kept["row pointers"], kept["columns"]
+        tangent.restore_pattern(*(part.astype(np.int64) for part in pattern))
+        tangent.A[:] = kept["blocks"]
+        found: dict[str, Any] = {
+            name: kept[_PART + name] for name in LowRank._fields if _PART + name in kept
+        }
+        kkt.low_rank = LowRank(**found) if found else None
+        kkt.restore(kept["matrix"])

@@ -19,7 +19,7 @@ of their rows at both ends.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -253,11 +253,3 @@ class CoupledContacts(CoupledPlaces):
             time: Its end.
         """
         return self._last.shown(self.near, H, time)
-
-    def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
-        return self.near.memory()
-
-    def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
-        self.near.restore(kept)

@@ -10,13 +10,18 @@ Nothing here knows of a scheme: it asks for the sizes of an error of the order `
 
 from __future__ import annotations
 
+import json
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import ceil, floor, inf, isfinite, log2, sqrt
+from typing import Any
+
+import numpy as np
 
 from fem_lie._arrays import positive, whole
-from fem_lie.solve.motion.division import HALVINGS
+from fem_lie._state import Stateful, attributes
+from fem_lie.solve.division import HALVINGS
 
 AIM = 0.8
 """Error that is aimed at, over the tolerance."""
@@ -176,7 +181,37 @@ def _check_refinement(parts: int) -> None:
     whole(parts, "refinement")
 
 
-class Control:
+_CHOICES: dict[str, Callable[..., StepChoice]] = {
+    kind.__name__: kind for kind in (ConstantStep, AdaptiveStep)
+}
+
+
+def described(choice: StepChoice) -> str:
+    """A choice as text, from which :func:`step_choice` makes it again.
+
+    Raises:
+        ValueError: It is not one of this module.
+    """
+    name = type(choice).__name__
+    if name not in _CHOICES or type(choice) is not _CHOICES[name]:
+        raise ValueError(
+            f"runs go to files by steps that are a number, {' or '.join(_CHOICES)}, got {choice}"
+        )
+    return json.dumps({"kind": name} | vars(choice), default=_plain)
+
+
+def _plain(value: Any) -> Any:
+    """Numbers and arrays of numpy as those of Python."""
+    return np.asarray(value).tolist()
+
+
+def step_choice(text: str) -> StepChoice:
+    """The choice that :func:`described` made to text."""
+    values = json.loads(text)
+    return _CHOICES[values.pop("kind")](**values)
+
+
+class Control(Stateful):
     """The sizes of the steps of one run.
 
     Attributes:
@@ -186,6 +221,8 @@ class Control:
         level: The step is ``first · 2^(level/2)``.
         stretch: So many steps before an event they are made to fit.
     """
+
+    STATE = attributes("level", "_since", "_previous", "_next")
 
     def __init__(
         self,

@@ -9,12 +9,9 @@ from __future__ import annotations
 
 import logging
 from abc import abstractmethod
-from collections.abc import Mapping
 from typing import Protocol
 
-import numpy as np
-
-from fem_lie._arrays import Array
+from fem_lie._state import Stateful, attributes
 
 _log = logging.getLogger(__name__)
 
@@ -41,7 +38,7 @@ class Divisible(Protocol):
         """Make a step, or leave the state at its start; whether it was made."""
 
 
-class Division:
+class Division(Stateful):
     """Into how many parts the steps of one run are divided.
 
     Attributes:
@@ -49,6 +46,8 @@ class Division:
         divided: Steps that were made in parts.
         most: Parts of one of these, at most.
     """
+
+    STATE = attributes("level", "_made", "_wanted", "divided", "most")
 
     def __init__(self) -> None:
         """Steps are whole."""
@@ -101,15 +100,3 @@ class Division:
                 "%d of %d steps were made in up to %d parts, where no solution was found in full",
                 *(self.divided, steps, self.most),
             )
-
-    def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
-        numbers = self.level, self._made, self._wanted, self.divided, self.most
-        return {"division": np.array(numbers, dtype=np.int64)}
-
-    def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
-        if "division" not in kept:  # checkpoints of earlier versions
-            return
-        numbers = (int(number) for number in kept["division"])
-        self.level, self._made, self._wanted, self.divided, self.most = numbers

@@ -1,0 +1,132 @@
+"""The state of a run by the names of its attributes: copied, put back and written in one place.
+
+A class names in ``STATE`` the attributes on which what comes next depends; those of its base
+classes count, too. An attribute is an array, a number, a tuple or list of arrays, or an object that
+has a state of its own, whose names then follow after a dot; nothing is kept of ``None``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+
+from fem_lie._arrays import Array
+
+
+class HasState(Protocol):
+    """What can be saved and restored."""
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+
+
+def attributes(*names: str) -> tuple[str, ...]:
+    """Names for ``STATE``."""
+    return names
+
+
+class Stateful:
+    """What has a state: the attributes that ``STATE`` names."""
+
+    STATE: ClassVar[tuple[str, ...]] = ()
+    _of_all: ClassVar[tuple[str, ...]] = ()
+
+    def __init_subclass__(cls) -> None:
+        """Collect what base classes have, which comes first."""
+        super().__init_subclass__()
+        bases = reversed(cls.__mro__)
+        cls._of_all = tuple(name for base in bases for name in vars(base).get("STATE", ()))
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        return saved(self, self._of_all)
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        put_back(self, self._of_all, kept)
+
+
+def saved(owner: object, names: Iterable[str]) -> dict[str, Array]:
+    """Copies of what attributes are, by their names; ``s.H`` is an attribute of an attribute."""
+    found: dict[str, Array] = {}
+    for name in names:
+        _add(found, name, getattr(*_place(owner, name)))
+    return found
+
+
+def arrays_of(owner: object, names: Iterable[str]) -> dict[str, Array]:
+    """The arrays themselves, which :func:`saved` copies, where there is nothing else.
+
+    For states that are copied in every step, of arrays that stay where they are.
+    """
+    found: dict[str, Array] = {}
+    for name in names:
+        value = getattr(*_place(owner, name))
+        parts = {"": value}
+        if isinstance(value, Stateful):
+            parts = arrays_of(value, value._of_all)
+        elif isinstance(value, tuple | list):
+            parts = {str(part): array for part, array in enumerate(value)}
+        found |= {f"{name}.{part}".rstrip("."): array for part, array in parts.items()}
+    return found
+
+
+def put_back(owner: object, names: Iterable[str], kept: Mapping[str, Array]) -> None:
+    """Make attributes what :func:`saved` found; arrays of the same shape stay where they are."""
+    for name in names:
+        holder, last = _place(owner, name)
+        value = getattr(holder, last)
+        if not _in_place(name, value, kept):
+            given = kept[name]
+            setattr(
+                holder, last, given.copy() if isinstance(value, np.ndarray) else type(value)(given)
+            )
+
+
+def _place(owner: object, name: str) -> tuple[object, str]:
+    if "." not in name:
+        return owner, name
+    path, last = name.rsplit(".", 1)
+    for part in path.split("."):
+        owner = getattr(owner, part)
+    return owner, last
+
+
+def _add(found: dict[str, Array], name: str, value: Any) -> None:
+    if isinstance(value, np.ndarray):
+        found[name] = value.copy()
+    elif isinstance(value, tuple | list):
+        for part, item in enumerate(value):
+            _add(found, f"{name}.{part}", item)
+    elif isinstance(value, bool | int | float):
+        found[name] = np.array(value)
+    elif value is not None:
+        found |= {f"{name}.{part}": array for part, array in value.memory().items()}
+
+
+def _in_place(name: str, value: Any, kept: Mapping[str, Array]) -> bool:
+    """Put back what is no attribute's new value; whether it was."""
+    if isinstance(value, np.ndarray):
+        if value.shape != kept[name].shape:
+            return False
+        value[...] = kept[name]
+        return True
+    if value is None:
+        return True
+    if isinstance(value, tuple | list):
+        return all([_in_place(f"{name}.{part}", item, kept) for part, item in enumerate(value)])
+    if isinstance(value, bool | int | float):
+        return False
+    value.restore(part_of(kept, name))
+    return True
+
+
+def part_of(kept: Mapping[str, Array], name: str) -> dict[str, Array]:
+    """What was saved of the attribute of this name, by names of its own."""
+    front = f"{name}."
+    return {n.removeprefix(front): array for n, array in kept.items() if n.startswith(front)}
