@@ -3,9 +3,12 @@
 import runpy
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import fem_lie
+import fem_lie as fl
+from fem_lie.solve.recording.recorder import History
 from tools.site import reference
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -18,9 +21,51 @@ def test_an_element_of_ones_own():
     assert 1.9 <= found["order"] <= 2.2
 
 
-def test_a_scheme_of_ones_own():
-    found = runpy.run_path(str(DOCS / "how_to" / "scheme.py"))
+def test_a_composition_of_ones_own():
+    found = runpy.run_path(str(DOCS / "how_to" / "composition.py"))
     assert 3.9 <= found["order"] <= 4.1
+
+
+@pytest.fixture(scope="module")
+def own_scheme():
+    """What the file of a whole scheme defines."""
+    return runpy.run_path(str(DOCS / "how_to" / "scheme.py"))
+
+
+def test_a_scheme_of_ones_own(own_scheme):
+    assert 1.9 <= own_scheme["order"] <= 2.1
+    scheme, plan = own_scheme["Newmark"](), {"duration": 0.1, "step": 1e-3, "progress": False}
+    found = scheme.run(own_scheme["pendulum"](), **plan)
+    known = fl.GeneralisedAlpha(radius=1.0).run(own_scheme["pendulum"](), **plan)
+    assert np.abs(found.frames - known.frames)[:, :, 0].max() < 1e-4 * 0.5
+    assert found.energy_error < 1e-3
+
+
+def test_a_scheme_of_ones_own_resumes_to_the_last_bit(own_scheme, tmp_path, monkeypatch):
+    scheme, plan = own_scheme["Newmark"](gamma=0.6), {"duration": 0.04, "step": 1e-3}
+    whole, write = scheme.run(own_scheme["pendulum"](), **plan), History.write_checkpoint
+
+    def once(history, index, memory):
+        write(history, index, memory)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(History, "write_checkpoint", once)
+    file = tmp_path / "run.h5"
+    with pytest.raises(KeyboardInterrupt):
+        scheme.run(own_scheme["pendulum"](), **plan, file=file, checkpoint_every=17)
+    monkeypatch.undo()
+    resumed = scheme.resume(own_scheme["pendulum"](), file)
+    for name in ("times", "frames", "velocities", "joint_forces", "kinetic", "iterations"):
+        np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name), err_msg=name)
+
+
+def test_steps_of_a_scheme_of_ones_own_are_divided(own_scheme):
+    """A step of most of a swing has no solution in full."""
+    scheme = own_scheme["Newmark"](gamma=0.6)
+    found = scheme.run(own_scheme["pendulum"](), duration=1.2, step=0.3, progress=False)
+    assert found.divided >= 1
+    fine = scheme.run(own_scheme["pendulum"](), duration=1.2, step=1e-3, progress=False)
+    assert found.energy_error < 0.2 and fine.divided == 0
 
 
 def test_a_joint_of_ones_own():

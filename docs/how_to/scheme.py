@@ -67,7 +67,9 @@ class Newmark(Integrator):
 class NewmarkRun(DividedIntegration[Recorder]):
     """One run. What the next steps depend on has its names here, and is saved by the driver."""
 
-    STATE = attributes("H", "v", "a", "forces", "scale", "_made", "_count", "books", "solver")
+    STATE = attributes(
+        *("H", "v", "a", "forces", "scale", "size", "_made", "_count", "_stale", "books", "solver")
+    )
 
     def __init__(self, options: Newmark, equations: Equations, step: float) -> None:
         super().__init__(options.policy, equations, step)
@@ -81,23 +83,28 @@ class NewmarkRun(DividedIntegration[Recorder]):
         self._begun, self._made, self._count, self._stale, self._left = 0, 0, 0, True, np.inf
 
     def history(self, plan: Any, progress: bool | None, store: Any) -> Recorder:
+        """Where results go: rows are made of frames, twists, their rates and joint forces."""
         return Recorder(self.equations, plan, progress, store)
 
     def start(self) -> None:
+        """Check velocities; find accelerations and joint forces."""
         check_velocities(self.equations, self.h)
         self.resize(0.0, self.h)
         self.books.open(0.0, *self.now)
 
     @property
     def now(self) -> Instant:
+        """The state, as equations take it."""
         return Instant(self.H, self.v, self.a, self.forces)
 
     @property
     def frames(self) -> Array:
+        """Of all rows: moving nodes, ground, prescribed motions."""
         return self.H
 
     @property
     def index(self) -> int:
+        """Steps made."""
         return self._made
 
     # --- a step ---
@@ -129,7 +136,11 @@ class NewmarkRun(DividedIntegration[Recorder]):
         beta = 0.25 * (gamma + 0.5) ** 2
         d = h * self.v + 0.5 * h * h * self.a  # of the same acceleration
         self.v = self.v + h * self.a
-        motion, previous, ratio = np.abs(d * self.measure[: d.size].reshape(n, 6)).max(), np.inf, 1.0
+        motion, previous, ratio = (
+            np.abs(d * self.measure[: d.size].reshape(n, 6)).max(),
+            np.inf,
+            1.0,
+        )
         for iteration in range(1, self.options.max_iterations + 1):
             self._count += 1
             move_all(self.equations.unknowns.kinds, start, d, self.H)
