@@ -72,6 +72,7 @@ COMPILED = {
     "nodes.attachment.expand_motion",
     "nodes.element_turns.most_strained",
     "nodes.element_turns.nearest",
+    "nodes.fixed_axes.wrenches",
     "nodes.loads.Loads",
     "nodes.sums.report_rates",
     "nodes.sums.residual",
@@ -131,5 +132,5 @@ def test_views_have_these_names_and_no_others(view):
 def test_the_list_does_not_grow_in_silence():
     """Of 166 paths and names there were; a dozen verbs was the wish. Nor do views grow instead."""
     names = len(RECORDS.union(*VERBS.values()) | IMPORTED | COMPILED)
-    assert names <= 28
-    assert names + sum(map(len, VIEWS.values())) <= 58
+    assert names <= 29
+    assert names + sum(map(len, VIEWS.values())) <= 60
