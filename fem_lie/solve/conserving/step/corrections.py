@@ -15,6 +15,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie.kinds.kind import SLOPE
+from fem_lie.solve.motion.convergence import DIVERGED
 
 _ALIKE, _SHARE = 0.2, 0.5
 """How much corrections in one direction differ, and the most that one may leave over."""
@@ -41,8 +42,6 @@ there are such nodes."""
 NUMBERS = HISTORY + LOST
 _GROWING = 7
 """Increments in a row that grow lead to none either."""
-_FAR = 1.0
-"""Increments of that many lengths of the model neither."""
 UNKNOWN, NEW = 0, -1
 """Instead of the fewest iterations: none was counted with this matrix, none of a whole step."""
 ULPS = 1e3 * float(np.finfo(np.float64).eps)
@@ -218,7 +217,7 @@ def is_lost(counters: Indices, numbers: Array, before: float) -> bool:
     increment, at = numbers[INCREMENT], HISTORY + counters[ITERATION] % LOST
     counters[GROWTHS] = counters[GROWTHS] + 1 if increment > before else 0
     long_ago, numbers[at] = numbers[at], increment
-    grows = counters[GROWTHS] >= _GROWING or not increment < _FAR
+    grows = counters[GROWTHS] >= _GROWING or not increment < DIVERGED
     return grows or increment > HALVED * long_ago
 
 
