@@ -170,6 +170,23 @@ def test_joints_on_attachment_frames(name, joint):
     assert runs[2].balance_error <= 0.3 * runs[1].balance_error
 
 
+def test_a_discrete_rod_that_turns_over():
+    """The directions from which edges are turned follow them, through more than half a turn."""
+    section = fl.Section.rectangle(0.05, 0.04, fl.Material(4e7, 0.3, 1000.0))
+    ends = []
+    for scheme in (SCHEME, fl.GeneralisedAlpha()):
+        scene = fl.Scene()
+        line = fl.curve(lambda s: (s, 0.1 * np.sin(3 * s), 0), 4)
+        rod = fl.Rod(line, section, up=(0, 0, 1), formulation=fl.DiscreteRod())
+        scene.add(rod).turn((0.5, 2.0, 12.0), about=(0.5, 0, 0))
+        ends.append(scheme.run(scene, duration=0.4, step=1e-3, save_every=100))
+    here, there = ends
+    np.testing.assert_allclose(here.frames[-1][:, 0], there.frames[-1][:, 0], atol=3e-4)
+    np.testing.assert_allclose(
+        here.angular_momentum[-1], there.angular_momentum[-1], rtol=0, atol=1e-3
+    )
+
+
 @pytest.mark.parametrize("name", ["Hermite cable", "thin shell"])
 def test_vector_coordinates_resumed_to_the_last_bit(tmp_path, monkeypatch, name):
     plan = {"duration": 3e-3, "step": 1e-4, "save_every": 3}

@@ -154,6 +154,24 @@ def subtract_turning(kinds: Indices, H: Array, twists: Array, rates: Array) -> N
 
 
 @compiled
+def turn_with(kinds: Indices, before: Array, after: Array, spatial: Array) -> None:
+    """Turn rotations and spins (n, 6) of frames as their axes were turned.
+
+    Args:
+        kinds: Types of the nodes, (n,); the other ones are left as they are.
+        before: Nodes with their old axes, (≥ n, 4, 3).
+        after: The same with their new axes.
+        spatial: In global components, updated.
+    """
+    for i in range(spatial.shape[0]):
+        if kinds[i] < SLOPE:
+            d1, d2, d3 = axes(kinds[i], before[i])
+            own = rotate_back(d1, d2, d3, load(spatial[i], 3))
+            d1, d2, d3 = axes(kinds[i], after[i])
+            store(spatial[i], 3, rotate(d1, d2, d3, own))
+
+
+@compiled
 def to_space(kinds: Indices, H: Array, local: Array, out: Array) -> None:
     """Forces (n, 6) along the axes of the nodes in global components, into ``out``."""
     for i in range(out.shape[0]):

@@ -93,7 +93,7 @@ class VariationalRun(RunState):
         """Whether the compiled loop makes the next steps; the first ones have no matrix yet."""
         tables, books = self.equations.tables, self.books
         beside = self._changing or self._viscous or tables.turns or not tables.in_one_sum
-        beside = beside or self._binding is not None or self._vectors
+        beside = beside or self._binding is not None or self._follows
         beside = beside or not (books.empty or books.compiled) or self.division.level > 0
         return not beside and self._factors is not None and self.decisions.rule is not None
 
@@ -234,11 +234,18 @@ class VariationalRun(RunState):
         self._made += 1
         if not self._remembered(start, middle):
             return False
-        if self._vectors:
-            self.equations.memory.turn_axes(self.H)
+        if self._follows:
+            self._turn_axes()
         if not self.books.empty:
             self._book(time, ahead)
         return True
+
+    def _turn_axes(self) -> None:
+        """Let axes follow the state that is accepted; spins about axes of frames go with these."""
+        kinds, before = self.equations.unknowns.kinds, self.H.copy()
+        self.equations.memory.turn_axes(self.H)
+        for spatial in (self.before, *self.steps):
+            momenta.turn_with(kinds, before, self.H, spatial)
 
     def _book(self, time: float, weights: Array) -> None:
         """By the trapezoidal rule, with velocities along a line through the last two steps."""

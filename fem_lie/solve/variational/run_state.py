@@ -74,7 +74,7 @@ class RunState(DividedIntegration[Recorder]):
         self.options, self._n, self.size = options, n, self.h
         self._changing, self._mass = unknowns.time_dependent, known.inertia
         self._viscous = _dissipates(equations)
-        self._vectors = bool((unknowns.kinds >= SLOPE).any())
+        self._follows = any(body.follower() is not None for body in unknowns.bodies)
         self.H, self.rest = equations.start.frames.copy(), z((n, 4, 3))
         # the last step and the one before
         self.steps, self.step = z((2, n, 6)), z((n, 6))
