@@ -29,7 +29,7 @@ from fem_lie.lie.motions import Group
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
 from fem_lie.solve.explicit.run import ExplicitRun, limit_of
-from fem_lie.solve.explicit.stable import masses_of, node_name, refuse_surfaces
+from fem_lie.solve.explicit.stable import masses_of, node_name, refuse_floating
 from fem_lie.solve.motion.integrator import Integrator, refuse
 from fem_lie.system.equations import Equations
 
@@ -39,9 +39,9 @@ class Explicit(Integrator):
     """Explicit steps; :meth:`run` makes constant ones, :meth:`stable_step` tells how large.
 
     For nets, impacts and waves: where steps have to be as small as the time in which a wave passes
-    an element anyway. It supports frames, positions and slopes, damping in proportion to mass,
-    supports, joints, springs, loads and contact by penalty. Joints take small equations of their
-    own in each step (:mod:`.joints`), and steps are made from Python then.
+    an element anyway. It supports all nodes but those of reduced-order bodies, damping in
+    proportion to mass, supports, joints, springs, loads and contact by penalty. Joints take small
+    equations of their own in each step (:mod:`.joints`), and steps are made from Python then.
 
     Example:
         >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
@@ -82,7 +82,7 @@ class Explicit(Integrator):
 
 def _refuse(equations: Equations) -> None:
     """Raise ``ValueError`` for what the scheme cannot do."""
-    refuse_surfaces(equations)
+    refuse_floating(equations)
     unknowns, tables = equations.unknowns, equations.tables
     dampers = bool(np.any(joint_table(tables.joints).springs[:, 1] != 0.0))
     reasons = {

@@ -99,6 +99,24 @@ def kick(masses: PlainMasses, H: Array, r: Array, size: float, p: Array) -> None
 
 
 @compiled
+def write_in_new_axes(kinds: Indices, before: Array, after: Array, r: Array) -> None:
+    """Components along the axes of nodes that were turned, of forces ``r`` (≥ 6 n,).
+
+    Args:
+        kinds: Types of the nodes, (n,).
+        before: Nodes with their old axes.
+        after: The same with their new axes.
+        r: Updated.
+    """
+    f = np.empty(6)
+    for i in range(kinds.shape[0]):
+        f[:] = r[6 * i : 6 * i + 6]
+        turn(kinds[i], before[i], f)
+        turn_back(kinds[i], after[i], f)
+        r[6 * i : 6 * i + 6] = f
+
+
+@compiled
 def decay(factors: Array, p: Array) -> None:
     """Multiply both halves of the momenta (n, 6) by factors (n, 2), or (0, 2) without damping."""
     for i in range(factors.shape[0]):

@@ -10,6 +10,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._state import attributes
 from fem_lie.forms.cell_forms import NO_ROWS
 from fem_lie.forms.fixed_arrays import FixedArrays
+from fem_lie.lie.kinds import CROSSING, SURFACE
 from fem_lie.results import Result
 from fem_lie.solve.explicit import loop, nodes
 from fem_lie.solve.explicit.joints import Joints
@@ -69,6 +70,8 @@ class ExplicitRun(Integration[Recorder]):
         books, table = self.books, self._forces.table
         self._summed = known.in_one_sum and table is not None and not m
         self._supported = len(supports) > 0
+        # points whose axes are those of what is around them; cables have the tangent for theirs
+        self._follows = bool(np.isin(masses.kinds, (SURFACE, CROSSING)).any())
         self._remembers = any(term.watches or term.parts for term in known.terms)
         self.counters = np.zeros(2, dtype=np.int64)
         others = _NOWHERE if table is None else table.copy()
@@ -217,10 +220,20 @@ class ExplicitRun(Integration[Recorder]):
         history.show_progress(self.index)
         wanted = history.wants(self.index)
         if wanted:
+            if self._follows:
+                self._turn_axes()
             nodes.twists((*self.masses,), self.H, self.p, self.v)
             history.count = self.index
             history.fill(self.index * self.h, *self._moving, self.books.total)
         return wanted
+
+    def _turn_axes(self) -> None:
+        """Let the axes of points follow them, and write forces along the new ones."""
+        before = self.H.copy()
+        self.equations.memory.turn_axes(self.H)
+        nodes.write_in_new_axes(self.masses.kinds, before, self.H, self.r)
+        if self._joints is not None:
+            self._joints.restart()
 
     def _result(self, history: Recorder) -> Result:
         return history.result(0, history.seconds)

@@ -16,9 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.term import Term
-from fem_lie.lie.kinds import POINT, SLOPE, SURFACE
+from fem_lie.lie.kinds import CROSSING, POINT, SLOPE
 from fem_lie.solve.explicit.nodes import DIRECTOR, FRAME, STILL, STRAIGHT, Masses
 from fem_lie.solve.motion.integrator import refuse
 from fem_lie.system.equations import Equations
@@ -49,8 +49,8 @@ def masses_of(equations: Equations) -> Masses:
     n = len(kinds)
     m, s, E = G[:, 0, 0], G[:, 0, 1:], G[:, 1:, 1:]
     straight, still = kinds >= SLOPE, held.all(axis=1)
-    weights = np.where(straight[:, np.newaxis], G.diagonal(axis1=1, axis2=2)[:, :2], 1.0)
-    weights[:, 0], weights[kinds == POINT, 1] = m, 1.0
+    weights = np.where(straight[:, np.newaxis], _of_vectors(kinds, G), 1.0)
+    weights[~straight, 0], weights[kinds == POINT, 1] = m[~straight], 1.0
     centre = np.where(straight[:, np.newaxis], 0.0, s / np.where(m > 0, m, 1.0)[:, np.newaxis])
     about = E - np.einsum("n,na,nb->nab", m, centre, centre)
     J = np.trace(about, axis1=1, axis2=2)[:, np.newaxis, np.newaxis] * np.eye(3) - about
@@ -67,6 +67,12 @@ def masses_of(equations: Equations) -> Masses:
     return Masses(kinds, ways.astype(np.int64), ones, np.ascontiguousarray(centre), J, inverse)
 
 
+def _of_vectors(kinds: Indices, G: Array) -> Array:
+    """Diagonal of blocks (n, 4, 4) in the rows of both coordinate vectors, (n, 2)."""
+    diagonal = G.diagonal(axis1=1, axis2=2)
+    return np.where((kinds == CROSSING)[:, np.newaxis], diagonal[:, 1:3], diagonal[:, :2])
+
+
 def damping_rates(equations: Equations, masses: Masses) -> Array:
     """Rates at which damping of mass takes momenta of each node, (n, 2); (0, 2) without.
 
@@ -79,7 +85,7 @@ def damping_rates(equations: Equations, masses: Masses) -> Array:
         return np.zeros((0, 2))
     rates, own = np.zeros((n, 2)), (D.blocks, G)
     straight = masses.ways == STRAIGHT
-    damped, mass = (blocks.diagonal(axis1=1, axis2=2)[:, :2] for blocks in own)
+    damped, mass = (_of_vectors(masses.kinds, blocks) for blocks in own)
     np.divide(damped, mass, out=rates, where=mass > 0.0)
     frames = np.isin(masses.ways, (FRAME, DIRECTOR))
     rates[frames, 1] = rates[frames, 0]
@@ -193,16 +199,11 @@ def _cell_size(term: Term) -> int:
     return _MANY if term.of_bodies else _FEW
 
 
-def refuse_surfaces(equations: Equations) -> None:
-    """Raise ``ValueError`` for points that are several nodes, and for reduced-order bodies."""
-    unknowns = equations.unknowns
+def refuse_floating(equations: Equations) -> None:
+    """Raise ``ValueError`` for reduced-order bodies, whose nodes share mass that moves along."""
+    floating = equations.unknowns.floating
     refuse(
         "Explicit",
-        {
-            f"reduced-order bodies ({', '.join(unknowns.floating)})": bool(unknowns.floating),
-            "thin shells and ANCF bodies, whose nodes share mass": bool(
-                (unknowns.kinds >= SURFACE).any()
-            ),
-        },
+        {f"reduced-order bodies ({', '.join(floating)})": bool(floating)},
         "GeneralisedAlpha, or Shell and Beam",
     )

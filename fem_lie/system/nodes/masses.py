@@ -10,7 +10,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
 from fem_lie.forms.term import add_at
-from fem_lie.lie.kinds import AMPLITUDE, SLOPE
+from fem_lie.lie.kinds import AMPLITUDE, SLOPE, SURFACE
 from fem_lie.lie.kinds.floating import Floating
 from fem_lie.lie.kinds.inertia import Inertia, multiply
 from fem_lie.system.nodes.numbering import Numbering
@@ -120,7 +120,9 @@ def lumped(inertia: Inertia, kinds: Indices) -> Inertia:
 
     Of frames and places the blocks of a row are summed up, so that mass, first moments and what
     turns with a rigid body stay; rows of slopes keep the diagonal, times what the places' gained.
-    Momentum and angular momentum of these are as exact as with the consistent matrix.
+    Of points that are two nodes each row has the sum of magnitudes along it, which is the sum where
+    shape functions are positive. Momentum and angular momentum of these are as exact as with the
+    consistent matrix.
 
     Args:
         inertia: Of the moving nodes.
@@ -131,8 +133,12 @@ def lumped(inertia: Inertia, kinds: Indices) -> Inertia:
     whole, own = np.zeros((2, count, 4, 4))
     np.add.at(whole, rows, inertia.blocks)
     np.add.at(own, rows[rows == columns], inertia.blocks[rows == columns])
-    sloped = (kinds >= SLOPE) & (kinds < AMPLITUDE)  # amplitudes have nothing of their own
-    mass = own[sloped, 0, 0]  # none where points share mass, which schemes refuse by name
+    sizes = np.zeros((count, 4))
+    np.add.at(sizes, rows, np.abs(inertia.blocks.diagonal(axis1=1, axis2=2)))
+    points = (kinds >= SURFACE) & (kinds < AMPLITUDE)  # amplitudes have nothing of their own
+    whole[points] = sizes[points][:, :, np.newaxis] * np.eye(4)
+    sloped = (kinds >= SLOPE) & (kinds < SURFACE)
+    mass = own[sloped, 0, 0]
     gained = np.divide(whole[sloped, 0, 0], mass, out=np.zeros_like(mass), where=mass > 0.0)
     diagonal = gained[:, np.newaxis] * own[sloped].diagonal(axis1=1, axis2=2)
     whole[sloped] = diagonal[:, :, np.newaxis] * np.eye(4)
