@@ -64,6 +64,18 @@ def test_work_of_loads_that_change():
     assert result.momentum_error <= 1e-9
 
 
+def test_energy_of_contacts():
+    """What a contact stores within a step that is tried several times, is that of the last try."""
+    scene, two = chain()
+    bob = scene.bodies[2]
+    floor = fl.Plane(fl.ground(), at=(0.6, 0, -0.052), normal=(0, 0, 1))
+    scene.add(fl.Contact(fl.Sphere(bob.centre, 0.05), floor, fl.Penalty(1e4)))
+    result = fl.MultiRate({two: 3}).run(scene, duration=0.02, step=5e-4)
+    stored = result.elastic - result.elastic[0]
+    assert stored.max() > 1e-2 * result.kinetic[0]
+    assert result.balance_error <= 1e-10
+
+
 @pytest.mark.parametrize("scene_of", [chain, pushed], ids=["free", "pushed"])
 def test_second_order(scene_of):
     ends = []

@@ -42,12 +42,14 @@ class Domain(Run):
         super().__init__(options, equations, whole / count)
         self.count, self.rows = count, rows
         self._own: list[Array] = []
+        self._pushed_before = self._pushes.saved
         self._V1, self._first = self.this.V1.copy(), 0
 
     def begin(self) -> None:
         """Keep the present state: whole steps are made from it until this is called again."""
         self.before = State(*(array.copy() for array in self.s))
         self._own, self._V1, self._first = self.cells.local_fields, self.this.V1.copy(), self.index
+        self._pushed_before = self._pushes.saved
 
     def go(self, forces: Array) -> bool:
         """A whole step from the state that is kept; whether it is made.
@@ -60,6 +62,7 @@ class Domain(Run):
             array[:] = value
         self.this.V1[:] = self._V1
         self.cells.restore(self._own)
+        self._pushes.restore(self._pushed_before)
         self.counters[corrections.STEPS] = self._first
         # no matrix is younger than the step for which it is kept
         self.counts[1] = min(int(self.counts[1]), self._first)
@@ -75,6 +78,11 @@ class Domain(Run):
     def _take_loads(self) -> None:
         super()._take_loads()
         self.model.loads.dead[:] += self._acting
+
+    @property
+    def stored(self) -> float:
+        """Energy of cells and of contacts."""
+        return float(self.s.W.sum()) + self._pushes.energy + self._pushes.held
 
     @property
     def moved(self) -> Array:

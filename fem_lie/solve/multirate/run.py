@@ -132,7 +132,7 @@ class MultiRateRun(Integration[History]):
         if Record.ENERGIES in history.filled:
             if self._joints is not None:
                 history.elastic[row] = self._joints.energy(H)
-            history.elastic[row] += sum(float(domain.s.W.sum()) for domain in self._domains)
+            history.elastic[row] += sum(domain.stored for domain in self._domains)
         history.keep(np.array([self.index]), np.array([self._coupling.tries]))
 
     def _end_forces(self, H: Array, v: Array) -> tuple[Array, Array]:
