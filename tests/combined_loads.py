@@ -136,7 +136,7 @@ LOADS: dict[str, Load] = {
     "contact, penalty": _touching(1e6),
     "contact, impact": _touching(None),
 }
-_AT_POINTS = ("force", "following force", "moment")
+AT_POINTS = ("force", "following force", "moment")
 CHANGING = ("Revolute, drive", "prescribed motion", "contact, penalty")
 """What changes much in a step without a history, too."""
 
@@ -146,8 +146,10 @@ def variants(body: str, load: str) -> tuple[str, ...]:
     first, about = BODIES[body], LOADS[load]
     if not isinstance(first, about.on):
         return ()
-    damped = ("damping",) if load in _AT_POINTS and hasattr(first, "drag") else ()
-    return ("", *damped) if about.constant else ("", "history", *damped)
+    if about.constant:
+        return ("",)
+    damped = load in AT_POINTS and hasattr(first, "drag")
+    return ("", "history", "damping", "history, damping") if damped else ("", "history")
 
 
 def loaded(body: str, load: str, variant: str = "") -> SceneData:
