@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from benchmarks import what_works
 from benchmarks.progress import Progress
 from benchmarks.what_works import (
     HEADING,
@@ -73,6 +74,25 @@ def test_joints(joint):
 def test_loads(load):
     body = next(name for name in BODIES if variants(name, load))
     check("load", body, load, variants(body, load)[-1])
+
+
+@pytest.mark.parametrize(
+    ("bound", "said"),
+    [("VIOLATED", "joints are violated by"), ("ROUND_OFF", "the balance of energy has an error")],
+)
+def test_runs_that_break_a_law_fail(monkeypatch, bound, said):
+    monkeypatch.setattr(what_works, bound, -1.0)
+    found = outcome(Combination("body", "rigid body", "", "", "EnergyMomentum"))
+    assert found.verdict == "failed"
+    assert said in found.words
+
+
+def test_the_short_list_has_every_scheme_with_every_body_and_joint():
+    short = [c for c in combinations() if c.short]
+    assert len(short) < 2000
+    assert {(c.scheme, c.body) for c in short} == {(s, b) for s in SCHEMES for b in BODIES}
+    joined = {(c.scheme, c.what) for c in short if c.group == "joint"}
+    assert joined == {(s, j) for s in SCHEMES for j in JOINTS}
 
 
 def test_a_run_that_was_interrupted_is_continued(tmp_path):
