@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
+from tests.combinations import joined
+from tests.scene_builder import build
 from tests.test_composed import resumed_as_whole, rigid_pendulum
 from tests.test_energy_momentum import SQUARE, bars
 from tests.test_explicit import THREAD
@@ -66,6 +68,7 @@ def damped_rope() -> fl.Scene:
 
 
 SCENES["damped rope"] = damped_rope
+SCENES["thin shell"] = lambda: build(joined("thin shell", "Spherical")).scene
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -107,7 +110,7 @@ def test_bodies_swing_as_with_energy_momentum():
     np.testing.assert_allclose(here.joint_forces, there.joint_forces, atol=1e-3)
 
 
-@pytest.mark.parametrize("name", ["damped rope", "collar", "bodies"])
+@pytest.mark.parametrize("name", ["damped rope", "collar", "bodies", "thin shell"])
 def test_resumed_to_the_last_bit(tmp_path, monkeypatch, name):
     scene = SCENES[name]
     steps = plan(scene(), 30) | {"save_every": 3}

@@ -129,6 +129,10 @@ class Joints(Stateful):
     def restore(self, kept: Mapping[str, Array]) -> None:
         """See the base class; what belongs to frames is found anew."""
         super().restore(kept)
+        self.restart()
+
+    def restart(self) -> None:
+        """Find what belongs to frames anew."""
         self._rows = None
 
     def forces(self, H: Array, v: Array) -> tuple[Array, Array]:
