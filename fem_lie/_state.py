@@ -7,7 +7,7 @@ has a state of its own, whose names then follow after a dot; nothing is kept of 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -71,7 +71,7 @@ def arrays_of(owner: object, names: Iterable[str]) -> dict[str, Array]:
         if isinstance(value, Stateful):
             parts = arrays_of(value, value._of_all)
         elif isinstance(value, tuple | list):
-            parts = {str(part): array for part, array in enumerate(value)}
+            parts = dict(_items(value))
         found |= {f"{name}.{part}".rstrip("."): array for part, array in parts.items()}
     return found
 
@@ -101,7 +101,7 @@ def _add(found: dict[str, Array], name: str, value: Any) -> None:
     if isinstance(value, np.ndarray):
         found[name] = value.copy()
     elif isinstance(value, tuple | list):
-        for part, item in enumerate(value):
+        for part, item in _items(value):
             _add(found, f"{name}.{part}", item)
     elif isinstance(value, bool | int | float):
         found[name] = np.array(value)
@@ -119,11 +119,17 @@ def _in_place(name: str, value: Any, kept: Mapping[str, Array]) -> bool:
     if value is None:
         return True
     if isinstance(value, tuple | list):
-        return all([_in_place(f"{name}.{part}", item, kept) for part, item in enumerate(value)])
+        return all([_in_place(f"{name}.{part}", item, kept) for part, item in _items(value)])
     if isinstance(value, bool | int | float):
         return False
     value.restore(part_of(kept, name))
     return True
+
+
+def _items(values: tuple[Any, ...] | list[Any]) -> Iterator[tuple[str, Any]]:
+    """Of a record by the names of its fields."""
+    names = getattr(values, "_fields", range(len(values)))
+    return ((str(name), value) for name, value in zip(names, values, strict=True))
 
 
 def part_of(kept: Mapping[str, Array], name: str) -> dict[str, Array]:

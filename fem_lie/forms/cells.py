@@ -8,7 +8,7 @@ the cells. One compiled loop goes through it, whatever the elements.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import dolfinx
@@ -166,21 +166,21 @@ class Cells:
             for form in forms:
                 form.pack()
 
-    @property
-    def local_fields(self) -> list[Array]:
+    def memory(self) -> dict[str, Array]:
         """Copies of what the cells carry of their own."""
-        return [
-            form.w[:, form.at : form.at + assembly.forms.local_size].copy()
-            for assembly, form in self._locals
-        ]
+        return {
+            str(k): form.w[:, form.at : form.at + assembly.forms.local_size].copy()
+            for k, (assembly, form) in enumerate(self._locals)
+        }
 
-    def restore(self, fields: list[Array]) -> None:
-        """Carry again what :attr:`local_fields` gave."""
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Carry again what :meth:`memory` gave."""
         at = 0
         for forms in self._forms:
             if len(forms) > LOCAL and forms[LOCAL].kernel == int(kernels.local_kernel.address):
+                values = kept[str(at)]
                 for form in forms[: LOCAL + 1]:
-                    form.w[:, form.at : form.at + fields[at].shape[1]] = fields[at]
+                    form.w[:, form.at : form.at + values.shape[1]] = values
                 at += 1
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._state import part_of
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.results import Result
@@ -211,34 +211,14 @@ class Run(Steps):
 
     # --- checkpoints ---
 
-    def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
-        kept: dict[str, Any] = {f"s.{name}": value for name, value in self.s._asdict().items()}
-        kept |= {"V1": self.this.V1, "r": self.this.r, "scale": self.model.scale}
-        kept |= {"counters": self.counters, "numbers": self.numbers, "counts": self.counts}
-        kept["told"], kept["pushes"] = self.told, self._pushes.saved
-        if self._outside.joints is not None:
-            kept |= self._outside.joints.memory
-        kept |= {f"local.{k}": part for k, part in enumerate(self.cells.local_fields)}
-        return super().memory() | kept
-
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
-        for name, array in self.s._asdict().items():
-            array[:] = kept[f"s.{name}"]
-        self.this.V1[:], self.this.r[:] = kept["V1"], kept["r"]
-        self.model.scale[:] = kept["scale"]
-        self.counters[:], self.numbers[:] = kept["counters"], kept["numbers"]
-        self.counts[:], self.told[:] = kept["counts"], kept["told"]
-        if self._outside.joints is not None:
-            self._outside.joints.restore(kept)
+        super().restore(kept)
         if self._changing:
             self.equations.prescribed(max(self.index - 0.5, 0.0) * self.h).act()
             self.cells.pack()
             self._take_loads()
-        self.cells.restore([kept[f"local.{k}"] for k in range(len(self.cells.local_fields))])
-        super().restore(kept)
-        self._pushes.restore(kept["pushes"])
+            self.cells.restore(part_of(kept, "cells"))
         self._factors = self._kept_factors(kept)
 
     def _kept_factors(self, kept: Mapping[str, Array]) -> Factors | None:

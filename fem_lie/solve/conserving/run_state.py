@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
+from fem_lie._state import attributes, put_back, saved
 from fem_lie.bodies.balances import WORK
 from fem_lie.forms.cells import Cells, evaluate
 from fem_lie.lie.kinds import SLOPE, follow_all, push_all
@@ -70,6 +72,10 @@ class Options:
     learning: float = 1.0
 
 
+_CHANGED = ("s", "counters", "numbers", "cells", "_outside.joints")
+"""What a step changes, beside what equations carry."""
+
+
 class RunState(Integration[History]):
     """What steps start from, and what they are made with.
 
@@ -79,6 +85,8 @@ class RunState(Integration[History]):
         told: How steps were made that did not converge, see :mod:`.run`.
         follows: Whether solutions have the constraints of their step, whatever is in the matrix.
     """
+
+    STATE = attributes("this.V1", "this.r", "model.scale", "counts", "told", "_pushes", *_CHANGED)
 
     follows = True
     _framed: slice | Indices
@@ -220,6 +228,16 @@ class RunState(Integration[History]):
         return s.W
 
     # --- the size of the step ---
+
+    # --- steps that are taken back ---
+
+    def saved(self) -> dict[str, Array]:
+        """A copy of what a step changes."""
+        return saved(self, (*_CHANGED, "equations.memory"))
+
+    def take_back(self, state: Mapping[str, Array]) -> None:
+        """Be as when the state was :meth:`saved`."""
+        put_back(self, (*_CHANGED, "equations.memory"), state)
 
     def _resize(self, h: float) -> None:
         """Make the state that of the start of a step of another size, see :mod:`.variable`."""

@@ -182,16 +182,16 @@ class Steps(Touching):
             self._begin()
         if not self._pushes_ahead():
             self._part()
-            before = self._kept_copy()
+            before = self.saved()
             code = self._go_free(last, rule, limit, always=always)
             if code != loop.DONE or not self._pushes.overlap(self.s.H):
-                if code == loop.DONE and not self._keep_apart(before.s.H, self.s.H):
-                    self._take_again(before)
+                if code == loop.DONE and not self._keep_apart(before["s.H"], self.s.H):
+                    self.take_back(before)
                     return loop.FAILED
                 if code == loop.DONE:
                     self._pushes.rub(self.s.H)
                 return code
-            self._take_again(before)
+            self.take_back(before)
             self._begin()
         return loop.DONE if self._touch(limit) else loop.FAILED
 
@@ -203,12 +203,12 @@ class Steps(Touching):
         while self.index < last:
             self.reason = ""
             outside.begin()
-            before = self._kept_copy() if contacts else None
+            before = self.saved() if contacts else None
             code = self._go_free(self.index + 1, rule, limit, always=always)
             if code != loop.DONE:
                 return code
-            if before is not None and not self._keep_apart(before.s.H, self.s.H):
-                self._take_again(before)
+            if before is not None and not self._keep_apart(before["s.H"], self.s.H):
+                self.take_back(before)
                 return loop.FAILED
             self._go_on()
         return loop.DONE

@@ -7,11 +7,8 @@ is made by the compiled loop; if it ends in contact all the same, it is made aga
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
 from fem_lie.forms.term import Ends
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import solve
@@ -20,7 +17,7 @@ from fem_lie.solve.conserving.run_state import RunState
 from fem_lie.solve.conserving.step import acceptance, corrections, nodes
 from fem_lie.solve.conserving.step.balance import packed_residual
 from fem_lie.solve.conserving.step.dissipation import LEAK
-from fem_lie.solve.conserving.step.records import Span, State, solution_of
+from fem_lie.solve.conserving.step.records import Span, solution_of
 
 _NOISE = {1e-15: 1, 1e-9: 8}
 """Increments, in lengths of the model, that are round-off after so many that fell no more."""
@@ -30,23 +27,6 @@ _TURNS = 3
 """Increments that fell no more, after which half of a correction is made."""
 _MOST = 0.05
 """Increments of one iteration, in lengths of the model: beyond, a contact is another one."""
-
-
-class _Saved(NamedTuple):
-    """What a step changes.
-
-    Attributes:
-        s: See :class:`~fem_lie.solve.conserving.step.records.State`.
-        counters: Of the loop, likewise ``numbers``.
-        carried: What the equations carry on.
-        fields: Of the cells.
-    """
-
-    s: State
-    counters: Indices
-    numbers: Array
-    carried: dict[str, Array]
-    fields: list[Array]
 
 
 class Touching(RunState):
@@ -70,18 +50,6 @@ class Touching(RunState):
         """Nothing pushes."""
         self.this.pushed[:] = 0.0
         self._pushes.energy = 0.0
-
-    def _kept_copy(self) -> _Saved:
-        s = State(*(array.copy() for array in self.s))
-        counts = self.counters.copy(), self.numbers.copy()
-        return _Saved(s, *counts, self.equations.memory.memory(), self.cells.local_fields)
-
-    def _take_again(self, state: _Saved) -> None:
-        for own, kept in zip(self.s, state.s, strict=True):
-            own[:] = kept
-        self.counters[:], self.numbers[:] = state.counters, state.numbers
-        self.equations.memory.restore(state.carried)
-        self.cells.restore(state.fields)
 
     def _touch(self, limit: int) -> bool:
         """Make the step that has begun, with pushes; whether it converges."""

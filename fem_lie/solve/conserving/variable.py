@@ -12,12 +12,11 @@ impulse is what counts. When h becomes ``r h``::
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
-from fem_lie._state import attributes
+from fem_lie._arrays import Array
+from fem_lie._state import attributes, saved
 from fem_lie.bodies.balances import BY_REACTIONS, WORK
 from fem_lie.lie.kinds import inertia, push_all
 from fem_lie.linear.direct import DirectSolver
@@ -28,7 +27,7 @@ from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import PREFIX, Options
 from fem_lie.solve.conserving.step import corrections
 from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
-from fem_lie.solve.conserving.step.records import Span, State
+from fem_lie.solve.conserving.step.records import Span
 from fem_lie.solve.motion.consistent import accelerations, allowed_velocities
 from fem_lie.solve.motion.growing import GrowingHistory
 from fem_lie.solve.motion.step_error import StepError
@@ -40,27 +39,6 @@ from fem_lie.system.equations import Equations
 
 _USUAL = 4
 """Iterations of a step with a matrix that is young enough for an estimate of the error, too."""
-
-
-class _Saved(NamedTuple):
-    """What a step may change.
-
-    Attributes:
-        s: See :class:`~fem_lie.solve.conserving.step.records.State`.
-        counters: Of the loop, likewise ``numbers``.
-        carried: What the equations carry on.
-        fields: Of the cells.
-        told: How steps were made.
-        joints: What joints outside of compiled code depend on.
-    """
-
-    s: State
-    counters: Indices
-    numbers: Array
-    carried: dict[str, Array]
-    fields: list[Array]
-    told: Indices
-    joints: dict[str, Array]
 
 
 class ConservingSteps(Run):
@@ -172,39 +150,31 @@ class ConservingSteps(Run):
         done = self._go_to(self.index + 1, start, end)
         return int(self.counters[corrections.LAST]) if done else 0
 
-    def saved(self) -> _Saved:
+    def saved(self) -> dict[str, Array]:
         """See the protocol."""
-        s = State(*(array.copy() for array in self.s))
-        carried, fields = self.equations.memory.memory(), self.cells.local_fields
-        counts = self.counters.copy(), self.numbers.copy()
-        joints = self._outside.joints
-        outside = {} if joints is None else {k: part.copy() for k, part in joints.memory.items()}
-        return _Saved(s, *counts, carried, fields, self.told.copy(), outside)
+        return super().saved() | saved(self, ["told"])
 
-    def take_back(self, state: _Saved) -> None:
-        """See the protocol."""
-        for own, kept in zip(self.s, state.s, strict=True):
-            own[:] = kept
+    def take_back(self, state: Mapping[str, Array]) -> None:
+        """See the protocol; what was learned of iterations stays."""
+        counters, numbers = self.counters.copy(), self.numbers.copy()
+        super().take_back(state)
         for counter in (corrections.STEPS, corrections.TOTAL):
-            self.counters[counter] = state.counters[counter]
-        self.counters[corrections.ITERATION] = self.counters[corrections.ASKED] = 0
-        self.numbers[corrections.MOTION] = state.numbers[corrections.MOTION]
-        self.equations.memory.restore(state.carried)
-        self.cells.restore(state.fields)
-        self.told[:] = state.told
-        if self._outside.joints is not None:
-            self._outside.joints.restore(state.joints)
+            counters[counter] = state["counters"][counter]
+        counters[corrections.ITERATION] = counters[corrections.ASKED] = 0
+        numbers[corrections.MOTION] = state["numbers"][corrections.MOTION]
+        self.counters[:], self.numbers[:] = counters, numbers
+        self.told[:] = state["told"]
 
-    def follow(self, other: ConservingSteps, state: _Saved) -> None:
+    def follow(self, other: ConservingSteps, state: Mapping[str, Array]) -> None:
         """See the protocol."""
         self.take_back(state)
         self._set_size(other.h)
 
-    def estimate(self, before: _Saved, start: float, end: float) -> StepError:
+    def estimate(self, before: Mapping[str, Array], start: float, end: float) -> StepError:
         """See the protocol."""
-        s, old, h = self.s, before.s, self.h
+        s, h, V = self.s, self.h, before["s.V"]
         delta = Span(*self.this.rows).delta[: self.moving]
-        ends = End(old.H, old.V, start + side(start, h)), End(s.H, s.V, end - side(end, h))
+        ends = End(before["s.H"], V, start + side(start, h)), End(s.H, s.V, end - side(end, h))
         r, y, x = self._solution
         self._error.load(h, *ends, delta, s.weights, self.levels.mass, r)
         factors = self.levels.present

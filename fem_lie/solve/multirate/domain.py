@@ -41,15 +41,15 @@ class Domain(Run):
         self._acting = np.zeros((equations.unknowns.moving, 4, 3))
         super().__init__(options, equations, whole / count)
         self.count, self.rows = count, rows
-        self._own: list[Array] = []
-        self._pushed_before = self._pushes.saved
+        self._own: dict[str, Array] = {}
+        self._pushed_before = self._pushes.memory()
         self._V1, self._first = self.this.V1.copy(), 0
 
     def begin(self) -> None:
         """Keep the present state: whole steps are made from it until this is called again."""
         self.before = State(*(array.copy() for array in self.s))
-        self._own, self._V1, self._first = self.cells.local_fields, self.this.V1.copy(), self.index
-        self._pushed_before = self._pushes.saved
+        self._own, self._V1, self._first = self.cells.memory(), self.this.V1.copy(), self.index
+        self._pushed_before = self._pushes.memory()
 
     def go(self, forces: Array) -> bool:
         """A whole step from the state that is kept; whether it is made.

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._state import Stateful, attributes
 from fem_lie.forms.term import Ends, Term
 from fem_lie.solve.conserving.between.cayley import follow
 
@@ -24,7 +25,7 @@ _LITTLE = 1e-2
 """Part of what is stored: forces that do less work take back less of what earlier steps left."""
 
 
-class Pushes:
+class Pushes(Stateful):
     """The forces of terms that have secants, such as contacts, on the nodes that lead.
 
     Attributes:
@@ -34,6 +35,8 @@ class Pushes:
         debt: By how much more was stored than the work on what pushes.
         ends: Of that step, of all nodes.
     """
+
+    STATE = attributes("energy", "debt", "held")
 
     def __init__(self, terms: Sequence[Term], leader: Indices, offset: Array, moving: int) -> None:
         """Choose the terms.
@@ -71,15 +74,6 @@ class Pushes:
         """Find the stored energy at frames ``H``."""
         self.energy = sum(term.energy(H) for term in self._pushing)
         self.held = sum(term.energy(H) for term in self._steady)
-
-    @property
-    def saved(self) -> Array:
-        """What the next steps depend on."""
-        return np.array([self.energy, self.debt, self.held])
-
-    def restore(self, saved: Array) -> None:
-        """Be as when that was :attr:`saved`."""
-        self.energy, self.debt, self.held = (float(value) for value in saved)
 
     def set(self, ends: Ends, leak: float, out: Array) -> None:
         """Forces over a step, into ``out``; on nodes that are no frames along increments.

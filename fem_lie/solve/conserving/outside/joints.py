@@ -212,13 +212,12 @@ class Joints:
         """Rows of nodes, grips, ground and prescribed motions."""
         return np.concatenate([H[: self._n], self._grips.locate(H)[0], H[self._n :]])
 
-    @property
     def memory(self) -> dict[str, Array]:
         """What the next steps depend on: angles that are counted, and :attr:`reached`."""
         turned = views(self._pairs.joints).turned
-        return {"joints.turned": turned.copy(), "joints.reached": self.reached}
+        return {"turned": turned.copy(), "reached": self.reached.copy()}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when these were :attr:`memory`."""
-        views(self._pairs.joints).turned[:] = kept["joints.turned"]
-        self.reached[:] = kept["joints.reached"]
+        """Be as when :meth:`memory` was called."""
+        views(self._pairs.joints).turned[:] = kept["turned"]
+        self.reached[:] = kept["reached"]
