@@ -148,7 +148,12 @@ def test_drives_must_not_jump():
             scene.add(item)
 
 
-def test_results_in_a_file_say_what_they_cannot_do(tmp_path):
+@each
+def test_runs_go_to_a_file_through_a_jump(scheme, tmp_path):
     scene, _ = oscillator(fl.Table((0, AT_END, AT_END), (0, 0, 1)))
-    with pytest.raises(ValueError, match=r"jumps at the times \[0.3\]"):
-        fl.GeneralisedAlpha().run(scene, duration=END, step=0.01, file=tmp_path / "run.h5")
+    plan = {"duration": END, "step": 1e-2}
+    whole = SCHEMES[scheme].run(scene, **plan)
+    kept = SCHEMES[scheme].run(scene, **plan, file=tmp_path / "run.h5")
+    np.testing.assert_array_equal(kept.times, whole.times)
+    assert (np.diff(kept.times) == 0.0).sum() == 1
+    assert np.abs(kept.frames - whole.frames).max() < 1e-8
