@@ -20,7 +20,7 @@ import numpy as np
 import fem_lie as fl
 from fem_lie._arrays import Array
 from fem_lie._state import attributes
-from fem_lie.lie.kinds import move_all
+from fem_lie.lie.kinds import SLOPE, move_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.results import Result
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
@@ -53,11 +53,9 @@ class Newmark(Integrator):
         check_kinds(self.tolerance, self.max_iterations, self.policy)
 
     def _equations(self, scene: fl.Scene) -> Equations:
-        for body in scene.bodies:
-            body.group = fl.Group.SE3
-        equations = Equations(scene, dynamics=True)
-        frames = equations.unknowns.kinds == equations.unknowns.kinds.min(initial=0)
-        refuse("Newmark", {"nodes that are no frames": not frames.all()})
+        equations = Equations(scene, dynamics=True, group=fl.Group.SE3)
+        vectors = equations.unknowns.kinds >= SLOPE
+        refuse("Newmark", {"nodes with vector coordinates": bool(vectors.any())})
         return equations
 
     def _integration(self, equations: Equations, step: float) -> NewmarkRun:
