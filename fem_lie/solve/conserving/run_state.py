@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie._state import attributes, put_back, saved
+from fem_lie._state import arrays_of, attributes, put_back, saved
 from fem_lie.bodies.balances import WORK
 from fem_lie.forms.cells import Cells, evaluate
 from fem_lie.lie.kinds import SLOPE, follow_all, push_all
@@ -72,8 +73,11 @@ class Options:
     learning: float = 1.0
 
 
-_CHANGED = ("s", "counters", "numbers", "cells", "_outside.joints")
-"""What a step changes, beside what equations carry."""
+_CHANGED = ("s", "counters", "numbers")
+"""Arrays that a step changes."""
+
+_OTHERS = ("cells", "_outside.joints", "equations.memory")
+"""What else it changes."""
 
 
 class RunState(Integration[History]):
@@ -86,7 +90,9 @@ class RunState(Integration[History]):
         follows: Whether solutions have the constraints of their step, whatever is in the matrix.
     """
 
-    STATE = attributes("this.V1", "this.r", "model.scale", "counts", "told", "_pushes", *_CHANGED)
+    STATE = attributes(
+        "this.V1", "this.r", "model.scale", "counts", "told", "_pushes", *_CHANGED, *_OTHERS[:2]
+    )
 
     follows = True
     _framed: slice | Indices
@@ -231,13 +237,20 @@ class RunState(Integration[History]):
 
     # --- steps that are taken back ---
 
+    @cached_property
+    def _arrays(self) -> dict[str, Array]:
+        return arrays_of(self, _CHANGED)
+
     def saved(self) -> dict[str, Array]:
         """A copy of what a step changes."""
-        return saved(self, (*_CHANGED, "equations.memory"))
+        copies = {name: array.copy() for name, array in self._arrays.items()}
+        return copies | saved(self, _OTHERS)
 
     def take_back(self, state: Mapping[str, Array]) -> None:
         """Be as when the state was :meth:`saved`."""
-        put_back(self, (*_CHANGED, "equations.memory"), state)
+        for name, array in self._arrays.items():
+            array[...] = state[name]
+        put_back(self, _OTHERS, state)
 
     def _resize(self, h: float) -> None:
         """Make the state that of the start of a step of another size, see :mod:`.variable`."""
