@@ -26,7 +26,7 @@ class HasState(Protocol):
 
 
 def attributes(*names: str) -> tuple[str, ...]:
-    """Names for ``STATE``."""
+    """Names for ``STATE``, typed so that subclasses may have any number of them."""
     return names
 
 
@@ -60,19 +60,20 @@ def saved(owner: object, names: Iterable[str]) -> dict[str, Array]:
 
 
 def arrays_of(owner: object, names: Iterable[str]) -> dict[str, Array]:
-    """The arrays themselves, which :func:`saved` copies, where there is nothing else.
+    """The arrays that :func:`saved` copies, by the same names, if the state has arrays only.
 
-    For states that are copied in every step, of arrays that stay where they are.
+    A state that is copied in every step is copied faster by them; they must stay the same objects.
     """
     found: dict[str, Array] = {}
     for name in names:
         value = getattr(*_place(owner, name))
-        parts = {"": value}
         if isinstance(value, Stateful):
-            parts = arrays_of(value, value._of_all)
+            own = arrays_of(value, value._of_all)
+            found |= {f"{name}.{part}": array for part, array in own.items()}
         elif isinstance(value, tuple | list):
-            parts = dict(_items(value))
-        found |= {f"{name}.{part}".rstrip("."): array for part, array in parts.items()}
+            found |= {f"{name}.{part}": array for part, array in _items(value)}
+        else:
+            found[name] = value
     return found
 
 

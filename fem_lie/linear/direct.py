@@ -221,9 +221,9 @@ class DirectSolver:
     def memory(self) -> dict[str, Array]:
         """How solutions are found and refined, and what there was, for a checkpoint."""
         tried = self._order.index(self._methods[0])
-        own: dict[str, Array] = {
-            "method": np.array([tried, self._refines, self._checked], dtype=np.float64),
-            "made": np.array([self.factorisations, self.refreshes], dtype=np.float64),
+        own: dict[str, Any] = {
+            "method": np.array([tried, self._refines, self._checked]),
+            "counts": np.array([self.factorisations, self.refreshes]),
         }
         return own | {f"columns.{name}": part for name, part in self.columns.memory().items()}
 
@@ -238,7 +238,7 @@ class DirectSolver:
         self._methods, self._expected = self._order[tried:], None
         self.factorise()
         self._refines, self._checked = refines, bool(checked)
-        self.factorisations, self.refreshes = (int(x) for x in kept["made"])
+        self.factorisations, self.refreshes = (int(x) for x in kept["counts"])
         self.columns.restore(part_of(kept, "columns"))
 
     def _solver(self, method: Method) -> PETSc.KSP:

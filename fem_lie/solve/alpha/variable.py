@@ -17,12 +17,14 @@ sequence are rejected, accelerations are made consistent anew, as at the start.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 
 import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._state import arrays_of, attributes
 from fem_lie.lie.kinds import all_to_group
+from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.levels import KeptFactors
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
@@ -208,7 +210,9 @@ class AlphaSteps(Run):
         self.factors.levels.use(self.p.mass)
         self._go_to_time(time)
         self._find(self._end_instant)
-        self._factorise(self.s.H1)
+        # a step from a singular configuration makes its own matrix
+        with suppress(SingularMatrixError):
+            self._factorise(self.s.H1)
 
     def record(self, recorder: GrowingRecorder, index: int, iterations: int) -> None:
         """Keep the present state in the next row."""

@@ -73,11 +73,11 @@ class Options:
     learning: float = 1.0
 
 
-_CHANGED = ("s", "counters", "numbers")
+_ARRAYS = ("s", "counters", "numbers")
 """Arrays that a step changes."""
 
-_OTHERS = ("cells", "_outside.joints", "equations.memory")
-"""What else it changes."""
+_PARTS = ("cells", "_outside.joints")
+"""Objects whose state it changes, beside that of the equations."""
 
 
 class RunState(Integration[History]):
@@ -91,7 +91,7 @@ class RunState(Integration[History]):
     """
 
     STATE = attributes(
-        "this.V1", "this.r", "model.scale", "counts", "told", "_pushes", *_CHANGED, *_OTHERS[:2]
+        "this.V1", "this.r", "model.scale", "counts", "told", "_pushes", *_ARRAYS, *_PARTS
     )
 
     follows = True
@@ -239,18 +239,18 @@ class RunState(Integration[History]):
 
     @cached_property
     def _arrays(self) -> dict[str, Array]:
-        return arrays_of(self, _CHANGED)
+        return arrays_of(self, _ARRAYS)
 
     def saved(self) -> dict[str, Array]:
         """A copy of what a step changes."""
         copies = {name: array.copy() for name, array in self._arrays.items()}
-        return copies | saved(self, _OTHERS)
+        return copies | saved(self, (*_PARTS, "equations.memory"))
 
     def take_back(self, state: Mapping[str, Array]) -> None:
         """Be as when the state was :meth:`saved`."""
         for name, array in self._arrays.items():
             array[...] = state[name]
-        put_back(self, _OTHERS, state)
+        put_back(self, (*_PARTS, "equations.memory"), state)
 
     def _resize(self, h: float) -> None:
         """Make the state that of the start of a step of another size, see :mod:`.variable`."""
@@ -370,7 +370,7 @@ class RunState(Integration[History]):
         return H
 
     def _half_way(self, end: Array) -> Array:
-        """The nodes half-way to the end: frames along screws, others in the middle of the step."""
+        """The nodes at the midpoint of the step: frames along screws, others along lines."""
         H = half_way(self.s.H, end, self.moving)
         H[self._vectors] = Span(*self.this.rows).middle[self._vectors]
         return H

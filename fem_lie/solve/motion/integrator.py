@@ -73,7 +73,7 @@ class Integrator(ABC):
             file: Where results go as they are made, instead of into memory; the result reads them
                 from there. With it :meth:`resume` can go on after an interruption.
             checkpoint_every: Steps between two checkpoints; default: a hundredth of all, or of the
-                duration if the size of the steps changes. There the matrix is made anew at each.
+                duration if the size of the steps changes. Such a run has a new matrix after each.
 
         Raises:
             ValueError: Bad options or scene, before anything is computed.

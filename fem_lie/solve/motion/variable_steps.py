@@ -148,7 +148,7 @@ class VariableSteps(Driver[Growing]):
         steps: What is known of each step.
     """
 
-    STATE = attributes("_index", "_time", "_rejections", "_control", "steps", "_steppers")
+    STATE = attributes("_index", "_time", "_rejections", "_control", "steps", "_stepper", "_finer")
 
     def __init__(
         self, stepper: Stepper[Any], control: Control, finer: Stepper[Any] | None, parts: int
@@ -161,9 +161,8 @@ class VariableSteps(Driver[Growing]):
             finer: Another stepper, which makes each step once more in many parts to measure errors.
             parts: In how many.
         """
-        self._stepper, self._control = stepper, control
-        self._finer, self._parts, self._rejections = finer, parts, 0
-        self._steppers = (stepper,) if finer is None else (stepper, finer)
+        self._stepper, self._finer, self._control = stepper, finer, control
+        self._parts, self._rejections = parts, 0
         self.equations, self.steps = stepper.equations, StepLog(stepper.equations)
         self._index, self._time, self._iterations = 0, 0.0, 0
         self._last: tuple[float, StepError | None, float] = control.size, None, np.inf
@@ -173,7 +172,7 @@ class VariableSteps(Driver[Growing]):
     ) -> Growing:
         """See the base class."""
         if not plan.saving.booked:
-            for stepper in self._steppers:
+            for stepper in self._steppers():
                 stepper.leave_books()
         return self._stepper.recorder(plan, progress, store)
 
@@ -234,7 +233,7 @@ class VariableSteps(Driver[Growing]):
         return Result(**vars(result) | {"steps": known})
 
     def _save(self, history: Growing) -> None:
-        """See the base class; a checkpoint has no matrices, and they are made anew from here."""
+        """See the base class; a checkpoint has no factors, and the run goes on with new ones."""
         super()._save(history)
         self._renew()
 
@@ -244,8 +243,11 @@ class VariableSteps(Driver[Growing]):
         self._renew()
 
     def _renew(self) -> None:
-        for stepper in self._steppers:
+        for stepper in self._steppers():
             stepper.renew_matrix(self._time)
+
+    def _steppers(self) -> list[Stepper[Any]]:
+        return [each for each in (self._stepper, self._finer) if each is not None]
 
     def _attempt(self) -> bool:
         """Try one step; whether it was accepted."""
