@@ -42,6 +42,21 @@ def test_what_was_before_a_rejection_does_not_count():
     assert chosen.level == -4
 
 
+@pytest.mark.parametrize("past", [(0.1,), (0.01, 0.01), (0.8, inf), (0.3, 0.3, 0.3, 2.0)])
+def test_a_restored_controller_chooses_the_same_sizes(past):
+    """Whatever errors come next: what it has seen of those before counts."""
+    for following in ((0.6,), (0.01,), (0.01, 0.01), (0.3, 0.9)):
+        one, other = control(events=(0.5, 1.0)), control(events=(0.5, 1.0))
+        one.pass_event()
+        for error in past:
+            (one.accept if error <= 1.0 else one.reject)(error)
+        other.restore(one.memory())
+        for chosen in (one, other):
+            for error in following:
+                chosen.accept(error)
+        assert (one.level, one.next_event) == (other.level, other.next_event)
+
+
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
 def test_after_a_change_the_error_is_expected_that_the_order_gives(order):
     """A shorter step stays if the error falls as ``h^order``; with another order it does not.
