@@ -77,7 +77,7 @@ class Part(Run):
     @property
     def still(self) -> bool:
         """Whether the next steps of this size are to begin without a prediction."""
-        return bool(self.told[0] > 0)
+        return self.unpredicted > 0
 
     def make(self, start: float, end: float) -> bool:
         """Make the next step of this size; whether it is made."""
@@ -86,15 +86,16 @@ class Part(Run):
     def go_on(self, code: int, start: float, end: float) -> bool:
         """End a step with which the loop came back; whether it is made."""
         if code == loop.FAILED:
-            return self.options.policy.rescue and self._rescued(start, end)
+            return self._rescues and self._rescued()
         try:
             self._factorise()
         except SingularMatrixError:
             self.numbers[corrections.INCREMENT] = np.inf
-            return self.options.policy.rescue and self._rescued(start, end)
+            return self._rescues and self._rescued()
         return self.make(start, end)
 
-    def _in_parts(self, start: float, end: float, depth: int) -> bool:
+    @property
+    def divides(self) -> bool:
         """Not here: half a step is none of its composition."""
         return False
 

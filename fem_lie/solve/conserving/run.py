@@ -20,7 +20,8 @@ from fem_lie.solve.conserving.run_state import PREFIX
 from fem_lie.solve.conserving.step import corrections, loop
 from fem_lie.solve.conserving.step.dissipation import ENERGY
 from fem_lie.solve.conserving.step.records import Solution
-from fem_lie.solve.conserving.steps import DIVIDED, HALVINGS, PARTS, STILL, Steps
+from fem_lie.solve.conserving.steps import Steps
+from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.recording.checkpoints import Checkpoints
@@ -67,10 +68,11 @@ class Run(Steps):
     def _alone(self) -> bool:
         """Whether the compiled loop makes and records the next steps without anything beside."""
         tables, s = self.equations.tables, self.s
-        ruled = self.rule is not None and self._factors is not None and not self.told[STILL]
+        ruled = self.rule is not None and self._factors is not None
         known = len(s.weights) == 0 or s.sizes[-1] > 0.0
         return (
             ruled
+            and not (self.unpredicted or self.division.level)
             and known
             and tables.complete
             and (not self._held or self._table is not None)
@@ -100,9 +102,10 @@ class Run(Steps):
         history.row, history.turns_far = int(place[stretch.ROW]), bool(place[stretch.NEAR])
         if code == loop.LOST:
             code = self._go_anew()
+        if code == loop.DONE or (self._rescues and self._rescued()):
+            return True
         start = self.index * self.h
-        rescue = self.options.policy.rescue
-        return code == loop.DONE or (rescue and self._rescued(start, start + self.h))
+        return self.divides and self._divided(start, start + self.h)
 
     def _supports(self, history: History) -> stretch.PlainSupports:
         """Supports whose reactions the compiled loop fills in."""
@@ -123,11 +126,11 @@ class Run(Steps):
         increment = float(self.numbers[corrections.INCREMENT])
         largest = float(np.abs(Solution(*self.this.r).residual).max())
         limit, tolerance = self.options.max_iterations, self.options.tolerance
-        rescued = self.options.policy.rescue
+        rescued = self._rescues
         index = self.index + 1
         text = failure(index, steps, self.h, limit, increment, largest, tolerance, rescued)
         text = self._because(text, steps, index)
-        return f"{text}. Nor did it in {2**HALVINGS} parts" if rescued else text
+        return f"{text}. Nor did it in {2**HALVINGS} parts" if self.divides else text
 
     # --- results ---
 
@@ -143,14 +146,9 @@ class Run(Steps):
 
     def _result(self, history: History) -> Result:
         self._turning.report()
-        divided = int(self.told[DIVIDED])
-        if divided:
-            _log.warning(
-                "%d of %d steps were made in up to %d parts, where no solution was found in full",
-                *(divided, self.index, self.told[PARTS]),
-            )
+        self.division.report(self.index)
         self._warn_of_cancellation()
-        return history.result(int(self.counts[0]), history.seconds, divided=divided)
+        return history.result(int(self.counts[0]), history.seconds, divided=self.division.divided)
 
     def _warn_of_cancellation(self) -> None:
         """Say which laws lose the digits of small strains, where that is seen in the energy."""
@@ -214,6 +212,7 @@ class Run(Steps):
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
         super().restore(kept)
+        self._set_size(self.size)
         if self._changing:
             self.equations.prescribed(max(self.index - 0.5, 0.0) * self.h).act()
             self.cells.pack()

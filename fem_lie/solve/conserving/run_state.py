@@ -43,7 +43,7 @@ from fem_lie.solve.conserving.step.packing import Packed
 from fem_lie.solve.conserving.step.records import Scheme, Span, State, Step
 from fem_lie.solve.conserving.step.series import set_inverse
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
-from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.result_row import ResultRow
@@ -80,18 +80,20 @@ _PARTS = ("cells", "_outside.joints")
 """Objects whose state it changes, beside that of the equations."""
 
 
-class RunState(Integration[History]):
+class RunState(DividedIntegration[History]):
     """What steps start from, and what they are made with.
 
     Attributes:
         s: Between steps.
         this: The present step.
-        told: How steps were made that did not converge, see :mod:`.run`.
+        size: Of the next step, or part of one.
+        unpredicted: Steps to come that begin from no motion.
         follows: Whether solutions have the constraints of their step, whatever is in the matrix.
     """
 
     STATE = attributes(
-        "this.V1", "this.r", "model.scale", "counts", "told", "_pushes", *_ARRAYS, *_PARTS
+        *("this.V1", "this.r", "model.scale", "counts", "size", "unpredicted", "_pushes"),
+        *(*_ARRAYS, *_PARTS),
     )
 
     follows = True
@@ -114,7 +116,7 @@ class RunState(Integration[History]):
             shared: A run of the same equations whose state this one changes, too; default: none.
         """
         super().__init__(options.policy, equations, step)
-        self.options, self.rule = options, options.policy.rule()
+        self.options, self.rule, self.size = options, options.policy.rule(), self.h
         self.moving, self._changing = equations.unknowns.moving, equations.unknowns.time_dependent
         self._held = len(equations.unknowns.supported) > 0
         kinds = equations.tables.kinds
@@ -136,7 +138,7 @@ class RunState(Integration[History]):
             room_for_step(*room, dissipates=dissipates) if shared is None else shared.this
         )
         self._pushes, self._turning = pushes_of(equations), Turning()
-        scheme = Scheme(self.h, options.loss, options.learning)
+        scheme = Scheme(self.size, options.loss, options.learning)
         self.model = model_of(equations, self.cells, self.row_cells, scheme, legs)
         outside = None if shared is None else shared._outside
         self._outside: Outside = Outside(equations, self, self._pushes, outside)
@@ -150,7 +152,7 @@ class RunState(Integration[History]):
         self._packed = Packed(self.model, self.s, self.this)
         self.counters = np.zeros(corrections.COUNTERS, dtype=np.int64)
         self.numbers = np.zeros(corrections.NUMBERS)
-        self.counts, self.told = np.zeros(2, dtype=np.int64), np.zeros(3, dtype=np.int64)
+        self.counts, self.unpredicted = np.zeros(2, dtype=np.int64), 0
         self._factors: Factors | None = None
         self._kept = -1  # the last step of which the compiled loop has filled in a row
         self._lost = False  # whether each iteration of the present step has a matrix
@@ -209,10 +211,10 @@ class RunState(Integration[History]):
         """Velocities, multipliers, energies and constraints at the start; scaling."""
         equations, s, n = self.equations, self.s, self.moving
         frames, v = equations.start[:2]
-        check_velocities(equations, self.h)
+        check_velocities(equations, self.size)
         push_all(self._kinds, frames[:n], np.ascontiguousarray(v[:n]), s.V)
         solver = DirectSolver(equations.matrix, PREFIX)
-        vdot, s.weights[:] = accelerations(equations, solver, s.H, v, 0.0, self.h)
+        vdot, s.weights[:] = accelerations(equations, solver, s.H, v, 0.0, self.size)
         s.rates[:] = self.spatial(s.H, v, vdot)
         self._set_loads(0.0)
         s.account[:] = self._evaluate_start()
@@ -233,8 +235,6 @@ class RunState(Integration[History]):
             forces_at(self.row_cells, s.H, s.rest, s.lasting[0])
         return s.W
 
-    # --- the size of the step ---
-
     # --- steps that are taken back ---
 
     @cached_property
@@ -254,7 +254,7 @@ class RunState(Integration[History]):
 
     def _resize(self, h: float) -> None:
         """Make the state that of the start of a step of another size, see :mod:`.variable`."""
-        s, r = self.s, h / self.h
+        s, r = self.s, h / self.size
         s.w[:], s.w_F[:], s.carry[:] = r * s.w, r * s.w_F, s.carry / r
         s.lag[LENGTH] *= r * r
         self.numbers[corrections.MOTION] *= r
@@ -263,7 +263,7 @@ class RunState(Integration[History]):
         self._set_size(h)
 
     def _set_size(self, h: float) -> None:
-        self.h = h
+        self.size = h
         self.model = self.model._replace(scheme=self.model.scheme._replace(h=h))
         self._packed.set_scheme(self.model)
 
@@ -333,7 +333,7 @@ class RunState(Integration[History]):
             packed, end, ahead = self._packed, Span(*this.rows).end, 0.0
             packed_residual(packed.model, packed.state, packed.step)
             H = at = self._half_way(end)
-            v, a = self.local(0.5 * (s.V + this.V1), H), self.local((this.V1 - s.V) / self.h, H)
+            v, a = self.local(0.5 * (s.V + this.V1), H), self.local((this.V1 - s.V) / self.size, H)
         else:
             H, at, end, v, ahead = self._at_start(), s.H, s.H, self.local(s.V, s.H), 1.0
             a = 2.0 * np.einsum("nij,nkj->nki", H[:n, 1:], s.trend.reshape(n, 2, 3)).reshape(n, 6)
@@ -378,10 +378,10 @@ class RunState(Integration[History]):
     def _moved(self, H: Array, v: Array, steps: float) -> Array:
         """Nodes so many steps later."""
         n, ahead, own = self.moving, H.copy(), self._vectors
-        ahead[:n] = lie.se3_retract(H[:n], steps * self.h * v)
+        ahead[:n] = lie.se3_retract(H[:n], steps * self.size * v)
         if len(own):
             moved = np.empty((len(own), 4, 3))
-            follow_all(self._kinds[own], H[own], steps * self.h * v[own], moved)
+            follow_all(self._kinds[own], H[own], steps * self.size * v[own], moved)
             ahead[own] = moved
         return ahead
 
@@ -405,12 +405,12 @@ class RunState(Integration[History]):
         now.v[self._vectors] = 0.0
         equations.residual(now, self.model.scale, self._r, self._found)
         # the first step conserves, see filtered
-        h, still = (1.0 + self.options.loss * self.s.lag[REMEMBERS]) * self.h, np.zeros((n, 6))
+        h, still = (1.0 + self.options.loss * self.s.lag[REMEMBERS]) * self.size, np.zeros((n, 6))
         plan = Plan(still, scale, 4.0 / h**2, 2.0 / h, joints_at, forces_at)
         if self._pushes and self.counters[corrections.ITERATION] > 1:
             plan = plan._replace(ends=self._pushes.ends)
         # unknowns are along half-way axes, elements and constraints are felt at the end
-        lag = 0.5 * self.h * v[:, 3:]
+        lag = 0.5 * self.size * v[:, 3:]
         lag[self._vectors] = 0.0
         plan = plan._replace(stressed=H, choices=self.choices, lag=lag)
         return equations.fill(now, self._found, plan)

@@ -4,7 +4,7 @@ A step begins with a prediction, and ends when nothing but round-off changes. Wh
 the matrix that is kept, new ones are made until it converges fast: first from no motion at all, for
 what is predicted has the waves that the step does not resolve as large as their velocities say, far
 beyond what they are at its end; then from the prediction. Where that fails, too, the step is made
-in two halves, and likewise these; each conserves as a step does.
+in parts (:mod:`fem_lie.solve.division`), each of which conserves as a step does.
 """
 
 from __future__ import annotations
@@ -20,8 +20,6 @@ from fem_lie.solve.secants import Secants
 
 _log = logging.getLogger(__name__)
 
-HALVINGS = 6
-"""Of a step of which no solution is found, at most."""
 _RESCUE = 1, 40.0
 """Patience, and the cost of a matrix in iterations, of a step that failed."""
 _SLOW = 4
@@ -31,9 +29,6 @@ _LONG, _SETTLED = 20, 1e-11
 """Iterations without progress after which increments of this size, in lengths, are round-off."""
 _UNPREDICTED = 8
 """Steps that begin without a prediction after one that had no end with it."""
-STILL, DIVIDED, PARTS = 0, 1, 2
-"""Of :attr:`Steps.told`: steps to come without a prediction, steps that were divided, and the most
-parts of one."""
 _LEARNT, _SPIRALS = 8, 10.0
 """Corrections that one learns from where the matrix alone fails, and the most that they may grow
 by."""
@@ -49,34 +44,79 @@ class Steps(Touching):
     """
 
     endures = True
+    _begun = 0
+
+    @property
+    def divides(self) -> bool:
+        """Whether a step that failed may be made in parts, by the policy.
+
+        Unlike contradictions, surfaces that go through each other in it are no reason against.
+        """
+        return self._rescues
 
     def _go_to(self, last: int, start: float, end: float) -> bool:
         """Make all steps up to ``last``, the first from ``start`` to ``end``; whether they were."""
-        self._end = end + (last - self.index - 1) * self.h
-        if self._changing:
-            self._set_time(start, end)
         first, size = self.index, end - start
-        rule = (1, 0.0) if self.rule is None else self.rule
         while self.index < last:
-            if self._goes(last, rule):
-                continue
             past = (self.index - first) * size
-            rescued = self.options.policy.rescue and self._rescued(start + past, end + past)
-            if not rescued:
+            if not self._next(last, start + past, end + past):
                 return False
         return True
 
-    def _goes(self, last: int, rule: tuple[int, float]) -> bool:
+    def _next(self, last: int, start: float, end: float) -> bool:
+        """Make the next step or, where that takes no parts, some up to ``last``; whether it was."""
+        first = self.index
+        if not self.division.level:
+            self._set_end(start, end + (last - first - 1) * (end - start))
+            if self._goes(last) or (self._rescues and self._rescued()):
+                return True
+            if not self.divides:
+                return False
+            past = (self.index - first) * (end - start)
+            return self._divided(start + past, end + past)
+        self._begun = self.index
+        return self.division.cover(self, start, end)
+
+    def _divided(self, start: float, end: float) -> bool:
+        """Make the step that has failed in parts; whether it was."""
+        self._begun = self.index
+        self.division.halve(self, start, end - start)
+        return self.division.cover(self, start, end)
+
+    def attempt(self, start: float, end: float) -> bool:
+        """See :class:`~fem_lie.solve.division.Divisible`."""
+        self.counters[corrections.STEPS] = self._begun
+        self._set_end(start, end)
+        return self._goes(self._begun + 1) or self._rescued()
+
+    def resize(self, time: float, size: float) -> None:
+        """See :class:`~fem_lie.solve.division.Divisible`."""
+        # without the round-off that differences of times have
+        self._resize(self.h / self.division.parts)
+        self._forget_iteration()
+
+    def _forget_iteration(self) -> None:
+        """Begin the next step anew, with a matrix of its own size."""
+        self._factors, self.numbers[corrections.EXCESS] = None, np.inf
+        self.counters[corrections.ITERATION] = self.counters[corrections.ASKED] = 0
+
+    def _set_end(self, start: float, end: float) -> None:
+        self._end = end
+        if self._changing:
+            self._set_time(start, end)
+
+    def _goes(self, last: int) -> bool:
         """Whether steps up to ``last`` are made with the matrix that is kept."""
-        while self.told[STILL] and self.index < last:
+        rule = (1, 0.0) if self.rule is None else self.rule
+        while self.unpredicted and self.index < last:
             if not self._make(rule, still=True):
                 return False
-            self.told[STILL] -= 1
+            self.unpredicted -= 1
         return self.index == last or self._go(last, rule) != loop.FAILED
 
-    def _rescued(self, start: float, end: float) -> bool:
+    def _rescued(self) -> bool:
         """The step that failed, otherwise; whether it is made."""
-        _log.info("step %d: kept matrix diverges, new matrices", self.index + 1)
+        _log.info("step %d: the iteration matrix is too old, new matrices", self.index + 1)
         self.s.weights[:] = self.this.weights
         numbers = self.numbers
         stalled = self.counters[corrections.STALLS] >= _LONG and not len(self._vectors)
@@ -84,7 +124,7 @@ class Steps(Touching):
         if stalled and numbers[corrections.LEAST] <= _SETTLED:
             numbers[corrections.FLOOR] = numbers[corrections.LEAST]
         # a step that surfaces go through does so again
-        return (not self.reason and self._again()) or self._in_parts(start, end, 1)
+        return not self.reason and self._again()
 
     def _again(self) -> bool:
         """The step that failed from its start, with new matrices until it converges fast."""
@@ -93,7 +133,7 @@ class Steps(Touching):
         for still in (True, False):
             self.numbers[corrections.EXCESS] = np.inf
             if self._make(_RESCUE, still=still, always=True):
-                self.told[STILL] = _UNPREDICTED if still else 0
+                self.unpredicted = _UNPREDICTED if still else 0
                 return True
             self.s.weights[:] = self.this.weights
             if self.reason:
@@ -131,33 +171,6 @@ class Steps(Touching):
         if still:
             self.this.step[:] = 0.0
         return self._go(self.index + 1, rule, always=always) != loop.FAILED
-
-    def _in_parts(self, start: float, end: float, depth: int) -> bool:
-        """The step that failed in two halves, and likewise these; whether it is made.
-
-        The next one is in full again.
-        """
-        index, middle, made = self.index, 0.5 * (start + end), True
-        self._change_size(0.5 * self.h)
-        for a, b in ((start, middle), (middle, end)):
-            self.counters[corrections.STEPS] = index
-            if self._changing:
-                self._set_time(a, b)
-            made = self._again()
-            if not made and depth < HALVINGS:
-                made = self._in_parts(a, b, depth + 1)
-            if not made:
-                break
-        self._change_size(2.0 * self.h)
-        self.told[PARTS] = max(self.told[PARTS], 2**depth)
-        if depth == 1:
-            self.told[DIVIDED] += made
-        return made
-
-    def _change_size(self, h: float) -> None:
-        self._resize(h)
-        # no matrix of another size is used
-        self._factors, self.numbers[corrections.EXCESS] = None, np.inf
 
     def _begin(self) -> None:
         """Predict the next step, before a matrix for it is made."""

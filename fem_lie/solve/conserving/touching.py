@@ -57,7 +57,7 @@ class Touching(RunState):
         tables, least, stalls = (packed.model, packed.state, packed.step), np.inf, 0
         x, work = solution_of(this.r).x, solution_of(this.r).work
         # accelerations of an impact are none of the step after it
-        this.step[:] -= self.h**2 * self.s.trend
+        this.step[:] -= self.size**2 * self.s.trend
         numbers[corrections.EXCESS] = np.inf
         for iteration in range(1, limit + 1):
             self._push()

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._state import attributes, saved
+from fem_lie._state import saved
 from fem_lie.bodies.balances import BY_REACTIONS, WORK
 from fem_lie.lie.kinds import inertia, push_all
 from fem_lie.linear.direct import DirectSolver
@@ -44,8 +44,6 @@ _USUAL = 4
 class ConservingSteps(Run):
     """State of one integration with steps that change; see :class:`~.variable_steps.Stepper`."""
 
-    STATE = attributes("h")
-
     follows = False  # matrices of all levels have their own constraints
     endures = (
         False  # the estimate is solved for with the same matrix, and needs present constraints
@@ -58,6 +56,10 @@ class ConservingSteps(Run):
         self.levels = Levels[Factors](rigid=equations.unknowns.rigid)
         self._scales, self._error = dict[int, Array](), MeanError(equations)
         self._solution = np.zeros((3, equations.unknowns.size))
+
+    def _set_size(self, h: float) -> None:
+        super()._set_size(h)
+        self.h = h
 
     @property
     def increment(self) -> float:
@@ -78,7 +80,7 @@ class ConservingSteps(Run):
 
     def set_step(self, time: float, h: float) -> None:
         """See the protocol."""
-        s, r = self.s, h / self.h
+        s, r = self.s, h / self.size
         if abs(r - 1.0) > 1e-12:
             self._resize(h)
         self.levels.use(4.0 / ((1.0 + self.options.loss * s.lag[REMEMBERS]) * h) ** 2)
@@ -114,7 +116,7 @@ class ConservingSteps(Run):
         self._end, v = time, equations.start.velocities.copy()
         v[:n] = self.local(s.V, s.H)
         solver = DirectSolver(equations.matrix, PREFIX)
-        found = accelerations(equations, solver, s.H, v, time, self.h)[0]
+        found = accelerations(equations, solver, s.H, v, time, self.size)[0]
         s.rates[:] = self.spatial(s.H, v, found)
 
     def _kick(self, time: float) -> None:
@@ -123,7 +125,7 @@ class ConservingSteps(Run):
         v, change = equations.start.velocities.copy(), np.empty_like(s.V)
         v[:n] = self.local(s.V, s.H)
         solver = DirectSolver(equations.matrix, PREFIX)
-        after = allowed_velocities(equations, solver, s.H, v, time, self.h)
+        after = allowed_velocities(equations, solver, s.H, v, time, self.size)
         push_all(self._kinds, s.H, np.ascontiguousarray(after[:n] - v[:n]), change)
         before = self._invariants()
         s.V[:] += change
@@ -141,7 +143,8 @@ class ConservingSteps(Run):
 
     # --- steps ---
 
-    def _in_parts(self, start: float, end: float, depth: int) -> bool:
+    @property
+    def divides(self) -> bool:
         """Not here: what chooses the size of steps chooses smaller ones."""
         return False
 
@@ -152,7 +155,7 @@ class ConservingSteps(Run):
 
     def saved(self) -> dict[str, Array]:
         """See the protocol."""
-        return super().saved() | saved(self, ["told"])
+        return super().saved() | saved(self, ["unpredicted"])
 
     def take_back(self, state: Mapping[str, Array]) -> None:
         """See the protocol; what was learned of iterations stays."""
@@ -163,16 +166,16 @@ class ConservingSteps(Run):
         counters[corrections.ITERATION] = counters[corrections.ASKED] = 0
         numbers[corrections.MOTION] = state["numbers"][corrections.MOTION]
         self.counters[:], self.numbers[:] = counters, numbers
-        self.told[:] = state["told"]
+        self.unpredicted = int(state["unpredicted"])
 
     def follow(self, other: ConservingSteps, state: Mapping[str, Array]) -> None:
         """See the protocol."""
         self.take_back(state)
-        self._set_size(other.h)
+        self._set_size(other.size)
 
     def estimate(self, before: Mapping[str, Array], start: float, end: float) -> StepError:
         """See the protocol."""
-        s, h, V = self.s, self.h, before["s.V"]
+        s, h, V = self.s, self.size, before["s.V"]
         delta = Span(*self.this.rows).delta[: self.moving]
         ends = End(before["s.H"], V, start + side(start, h)), End(s.H, s.V, end - side(end, h))
         r, y, x = self._solution
@@ -196,7 +199,6 @@ class ConservingSteps(Run):
 
     def renew_matrix(self, time: float) -> None:
         """See the protocol."""
-        self._set_size(self.h)
         self.levels = Levels[Factors](rigid=self.levels.rigid)
         self._scales.clear()
         self._factors = None

@@ -23,6 +23,8 @@ _DEPTH = 6
 """Tries from which the next one is made."""
 _RENEWED = 12
 """Tries of a step after which the response is found anew."""
+_IN_VAIN = 2 * _RENEWED
+"""Tries in which violations do not halve, after which a step has failed."""
 
 
 class Coupling(Stateful):
@@ -58,26 +60,52 @@ class Coupling(Stateful):
         self.response, self.made = np.zeros((m, m)), 0
         self.measure = constraint_scaling(unknowns)
         self.tries, self.found, self.left = 0, 0, np.inf
-        mass = float(between.tables.inertia.blocks[:, 0, 0].sum())
-        h = domains[0].h * domains[0].count
-        size = mass * unknowns.length / h**2
-        self.unit = _FIRST * np.where(unknowns.angular, size * unknowns.length, size)
+        self._start = 0.0
+        self._mass = float(between.tables.inertia.blocks[:, 0, 0].sum())
+        self._angular, self.unit = unknowns.angular, np.empty(m)
+        self._guess_unit(domains[0].h * domains[0].count)
         self._moved, self._forces = np.zeros((n, 4, 3)), np.zeros((n, 4, 3))
         self._change = np.zeros(m)
 
-    def step(self, most: int) -> bool:
+    def resize(self, size: float) -> None:
+        """Whole steps have another size, and the response to multipliers another value."""
+        for domain in self._domains:
+            domain.resize_whole(size)
+        self.found = self.made = 0
+        self._guess_unit(size)
+
+    def _guess_unit(self, size: float) -> None:
+        """What of each multiplier has a small effect in a whole step, if all of the mass moves."""
+        force = self._mass * self._length / size**2
+        self.unit[:] = _FIRST * np.where(self._angular, force * self._length, force)
+
+    def step(self, start: float, most: int) -> bool:
         """A whole step of all domains; whether one was found that keeps the joints closed.
 
+        If none was, the state is that of its start.
+
         Args:
+            start: When it begins.
             most: Tries.
         """
+        self._start = start
         for domain in self._domains:
             domain.begin()
+        made = self._close(most)
+        if not made:
+            for domain in self._domains:
+                domain.go_back()
+        return made
+
+    def _close(self, most: int) -> bool:
+        """Whole steps until the joints are closed at their end; whether they are."""
+        for domain in self._domains:
             self._moved[domain.rows] = domain.h * domain.count * domain.s.V
         λ = 2.0 * self.weights[0] - self.weights[1] if self.made > 1 else self.weights[0].copy()
         if not self.found and len(λ) and not self._find_response(λ):
             return False
         previous, learnt = np.inf, Mixed(_DEPTH)
+        least, since = np.inf, 0
         for attempt in range(1, most + 1):
             given = self._moved[self._touched]
             wrong = self._try(λ)
@@ -88,6 +116,9 @@ class Coupling(Stateful):
             if noise or self.left <= _FINE:
                 self._accept(λ, wrong)
                 return True
+            least, since = (self.left, 0) if self.left < 0.5 * least else (least, since + 1)
+            if since == _IN_VAIN:
+                return False
             if attempt % _RENEWED == 0:
                 if not self._find_response(λ):
                     return False
@@ -122,7 +153,7 @@ class Coupling(Stateful):
         joined(self._kinds, H, self._moved[self._at], self._joints, λ, (out[0], out[1]))
         forces[self._at] = out[1]
         for domain in self._domains:
-            if not domain.go(forces):
+            if not domain.go(forces, self._start):
                 return None
             self._moved[domain.rows] = domain.moved
         self.tries += 1
@@ -130,7 +161,7 @@ class Coupling(Stateful):
         return np.asarray(self.gap + self._change)
 
     def _find_response(self, λ: Array) -> bool:
-        """By trying each multiplier by itself; whether all steps could be made."""
+        """By trying each multiplier by itself; whether all steps could be made, with an effect."""
         first, columns = self._try(λ), []
         for c, size in enumerate(self.unit):
             tried = λ.copy()
@@ -139,8 +170,11 @@ class Coupling(Stateful):
             if first is None or wrong is None:
                 return False
             columns.append((wrong - first) / size)
-        self.response[:], self.found = np.column_stack(columns), self.found + 1
-        moved = np.abs(self.response * self.measure[:, np.newaxis]).max(axis=0)
+        response = np.column_stack(columns)
+        moved = np.abs(response * self.measure[:, np.newaxis]).max(axis=0)
+        if not (np.isfinite(moved) & (moved > 0.0)).all():
+            return False
+        self.response[:], self.found = response, self.found + 1
         self.unit[:] = _TRIED / moved
         return True
 

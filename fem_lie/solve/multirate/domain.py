@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._state import attributes
 from fem_lie.linear.factors import Factors
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import Options
@@ -23,6 +24,8 @@ class Domain(Run):
         count: Steps in a whole one.
         before: The state from which whole steps are made.
     """
+
+    STATE = attributes("h")
 
     before: State
 
@@ -45,35 +48,53 @@ class Domain(Run):
         self._pushed_before = self._pushes.memory()
         self._V1, self._first = self.this.V1.copy(), 0
 
+    @property
+    def divides(self) -> bool:
+        """Not here: whole steps are made in parts."""
+        return False
+
     def begin(self) -> None:
         """Keep the present state: whole steps are made from it until this is called again."""
         self.before = State(*(array.copy() for array in self.s))
         self._own, self._V1, self._first = self.cells.memory(), self.this.V1.copy(), self.index
         self._pushed_before = self._pushes.memory()
 
-    def go(self, forces: Array) -> bool:
-        """A whole step from the state that is kept; whether it is made.
-
-        Args:
-            forces: On ``(x, d₁, d₂, d₃)`` of all moving nodes of the scene, (n, 4, 3), which stay
-                the same in all its steps. Their work is in the books.
-        """
+    def go_back(self) -> None:
+        """Return to the state that is kept."""
         for array, value in zip(self.s, self.before, strict=True):
             array[:] = value
         self.this.V1[:] = self._V1
         self.cells.restore(self._own)
         self._pushes.restore(self._pushed_before)
-        self.counters[corrections.STEPS] = self._first
+        counters = self.counters
+        counters[corrections.STEPS] = self._first
+        counters[corrections.ITERATION] = counters[corrections.ASKED] = 0
         # no matrix is younger than the step for which it is kept
         self.counts[1] = min(int(self.counts[1]), self._first)
+
+    def go(self, forces: Array, start: float) -> bool:
+        """A whole step from the state that is kept; whether it is made.
+
+        Args:
+            forces: On ``(x, d₁, d₂, d₃)`` of all moving nodes of the scene, (n, 4, 3), which stay
+                the same in all its steps. Their work is in the books.
+            start: Time of that state.
+        """
+        self.go_back()
         self._acting[:] = forces[self.rows]
         self._take_loads()
         last, each = self._first + self.count, 1 if self._changing else self.count
         while self.index < last:
-            start = self.index * self.h
-            if not self._go_to(self.index + each, start, start + self.h):
+            time = start + (self.index - self._first) * self.h
+            if not self._go_to(self.index + each, time, time + self.h):
                 return False
         return True
+
+    def resize_whole(self, size: float) -> None:
+        """Make the state that of the start of a whole step of another size."""
+        self.h = size / self.count
+        self._resize(self.h)
+        self._forget_iteration()
 
     def _take_loads(self) -> None:
         super()._take_loads()

@@ -13,8 +13,9 @@ from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.solve.conserving.outside.forces import joints_of
 from fem_lie.solve.conserving.run_state import PREFIX, Options
+from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
-from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.multirate.coupling import Coupling
 from fem_lie.solve.multirate.domain import Domain
 from fem_lie.solve.multirate.split import rows_of
@@ -25,7 +26,7 @@ from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.system.equations import Equations, Instant
 
 
-class MultiRateRun(Integration[History]):
+class MultiRateRun(DividedIntegration[History]):
     """One integration."""
 
     STATE = attributes("_coupling", "_made", "_domains")
@@ -85,16 +86,25 @@ class MultiRateRun(Integration[History]):
         return self._made
 
     def _advance(self, history: History) -> bool:
-        done = self._coupling.step(self.options.max_iterations)
+        done = self._cover()
         self._made += done
         return done
 
+    def attempt(self, start: float, end: float) -> bool:
+        """See the base class."""
+        return self._coupling.step(start, self.options.max_iterations)
+
+    def resize(self, time: float, size: float) -> None:
+        """See the base class."""
+        self._coupling.resize(self.h / self.division.parts)
+
     def _failure(self, steps: int) -> str:
-        return (
+        text = (
             f"step {self.index + 1} of {steps} (h = {self.h:g}) failed: joints between bodies with "
             f"steps of their own were left open by {self._coupling.left:.2g} of the model, or a "
             "step of a body was not found; a smaller step may help"
         )
+        return f"{text}. Nor did it in {2**HALVINGS} parts" if self.divides else text
 
     # --- results ---
 
@@ -108,7 +118,9 @@ class MultiRateRun(Integration[History]):
 
     def _result(self, history: History) -> Result:
         factorisations = sum(int(domain.counts[0]) for domain in self._domains)
-        return history.result(factorisations, history.seconds)
+        self.division.report(self.index)
+        divided = self.division.divided
+        return history.result(factorisations, history.seconds, divided=divided)
 
     def _keep_row(self, history: History) -> None:
         equations, row = self.equations, history.row

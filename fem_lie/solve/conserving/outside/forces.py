@@ -46,13 +46,13 @@ class StepInProgress(Protocol):
         s: Start of the step.
         this: The step.
         model: What its steps see of the scene.
-        h: Step size.
+        size: Of the step.
     """
 
     s: State
     this: Step
     model: Model
-    h: float
+    size: float
 
 
 class Outside:
@@ -127,13 +127,13 @@ class Outside:
         run = self._run
         s, this, along = run.s, run.this, Span(*run.this.rows)
         if self.joints is not None:
-            self.joints.add_forces(run.model, s, this, run.h)
+            self.joints.add_forces(run.model, s, this, run.size)
         for term in self._viscous:
-            _mean_rates(self._kinds, along.middle, this.step, run.h, self._twists)
+            _mean_rates(self._kinds, along.middle, this.step, run.size, self._twists)
             self._forces[:] = 0.0
             term.add_viscous_forces(along.middle, self._twists, self._forces)
             lost = _add_viscous(self._kinds, along.middle, self._twists, self._forces, this.outer)
-            this.losses[DAMPING] += run.h * lost
+            this.losses[DAMPING] += run.size * lost
         for term in self._loads:
             self._forces[:] = 0.0
             term.add_forces(along.middle, self._forces)
