@@ -94,15 +94,15 @@ BODIES: dict[str, Callable[[UnitSystem], fl.Body]] = {
 }
 
 FRAMES = {"geodesic beam", "director beam", "rod", "shell", "triangles", "rigid body"}
-CORNERED = {"discrete rod", "shell of six", "reduced body"}
+REFUSED = {"shell of six", "reduced body"}
 OF_SLOPES = {"thin shell", "beam of gradients", "shell of gradients"}
 TAKES = {
     "generalised-α": (fl.GeneralisedAlpha(), set(BODIES)),
-    "conserving": (fl.EnergyMomentum(), set(BODIES) - CORNERED),
-    "decaying": (fl.EnergyDecaying(radius=0.5), set(BODIES) - CORNERED),
-    "composed": (fl.Composed(), FRAMES),
+    "conserving": (fl.EnergyMomentum(), set(BODIES) - REFUSED),
+    "decaying": (fl.EnergyDecaying(radius=0.5), set(BODIES) - REFUSED),
+    "composed": (fl.Composed(), FRAMES | {"discrete rod"}),
     "variational": (fl.Variational(), FRAMES | {"discrete rod"}),
-    "explicit": (fl.Explicit(), set(BODIES) - CORNERED - OF_SLOPES - {"quadratic tetrahedra"}),
+    "explicit": (fl.Explicit(), set(BODIES) - REFUSED - OF_SLOPES - {"quadratic tetrahedra"}),
     "asynchronous": (fl.Asynchronous(), {"discrete cable", "net", "hexahedra"}),
 }
 """Schemes, and the bodies that they take."""

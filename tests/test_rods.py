@@ -218,15 +218,6 @@ def test_rigid_motion_changes_no_forces_or_matrix_of_edges():
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-11 * np.abs(one).max())
 
 
-def test_conserving_schemes_refuse_edges():
-    own = fl.Section.rectangle(0.02, 0.01, fl.Material(2e11, 0.3, 7800.0))
-    scene = fl.Scene()
-    ends = (0, 0, 0), (1, 0, 0)
-    scene.add(fl.Rod.straight(*ends, own, cells=2, formulation=fl.DiscreteRod()))
-    with pytest.raises(ValueError, match="discrete rods"):
-        fl.EnergyMomentum().run(scene, duration=1e-3, step=1e-3)
-
-
 @each
 def test_a_kink_of_half_a_turn_is_refused(name):
     with pytest.raises(ValueError, match="the line goes back on itself"):

@@ -71,6 +71,14 @@ class Nodes(Loadable):
         return np.tile([True, False], (len(self.frames), 1))
 
     @property
+    def edge_frames(self) -> Indices:
+        """Nodes with frames along the edge to another node, and those others, shape (k, 2).
+
+        Such a frame turns about the edge by its own unknown, and with the edge as both nodes move.
+        """
+        return np.empty((0, 2), dtype=np.int64)
+
+    @property
     def absent(self) -> Flags:
         """Which unknowns its nodes have not, beside those that their kind has not, (n, 6)."""
         return np.zeros((len(self.frames), 6), dtype=bool)

@@ -66,6 +66,25 @@ def each_cell(table: FormTable) -> EachCell:
     return EachCell(np.concatenate(calls), np.cumsum(np.concatenate(sizes)), table.nodes)
 
 
+@compiled
+def own_coefficients(row: Indices) -> Array:
+    """Copies of the coefficients of all cells of a form, with what kernels find before them.
+
+    Args:
+        row: Of a :class:`FormTable`.
+
+    Returns:
+        Shape (m, any); nil where the rows of the nodes come.
+    """
+    width, apart = row[WIDTH], row[APART]
+    out = np.zeros((row[CELLS], apart + width))
+    for e in range(row[CELLS]):
+        given = vector_at(pointer(row[W] + 8 * width * e), width)
+        for k in range(width):
+            out[e, apart + k] = given[k]
+    return out
+
+
 @inlined
 def room_for(rows: Indices) -> int:
     """Most coefficients that a kernel finds in the room that cells share."""

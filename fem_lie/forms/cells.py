@@ -22,9 +22,11 @@ from fem_lie._jit import compiled, inlined, uncounted
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.assembly import Assembly
 from fem_lie.forms.body_term import BodyTerm
+from fem_lie.forms.cell_forms import CELLS, EXTENT, KERNEL, NODES, C, X, own_coefficients
 from fem_lie.forms.fixed_arrays import as_frames, as_sixes
 from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.kernels.addresses import call_kernel, integer_pointer, pointer
+from fem_lie.forms.term import Term
 
 ENERGY, RESIDUAL, LOCAL, VISCOUS = 0, 1, 2, 3
 NOTHING, COORDINATES, ITSELF = 0, 1, 2
@@ -86,7 +88,7 @@ class _Form:
 
 
 class Cells:
-    """The cells of all assemblies of a scene.
+    """The cells of all assemblies of a scene, and of the terms on their nodes.
 
     Attributes:
         table: Of all cells.
@@ -103,7 +105,10 @@ class Cells:
         self._forms: list[tuple[_Form, ...]] = []
         self._locals: list[tuple[Assembly, _Form]] = []
         self._coordinates: list[Array] = []
+        self._of_sums: list[Array] = []
         parts = [self._rows(where.start, assembly) for where, assembly in assemblies]
+        for where, assembly in assemblies:
+            parts += [self._rows_of_sums(where.start, term) for term in assembly.beside]
         nodes = [part.pop("nodes") for part in parts]
         sizes = np.concatenate([np.zeros(1), *(np.full(len(n), n.shape[1]) for n in nodes)])
         columns = {
@@ -158,6 +163,25 @@ class Cells:
             "unknowns": np.full(count, forms.increment.function_space.dofmap.bs),
             "shares": np.full(count, shares),
             "nodes": start + assembly.cells.astype(np.int64),
+        }
+
+    def _rows_of_sums(self, start: int, term: Term) -> dict[str, Indices]:
+        """The same of a term that is sums over cells, which have one form each."""
+        assert term.tables is not None
+        (forces,), (energy,) = (table.rows for table in term.tables)
+        count, w = int(forces[CELLS]), [own_coefficients(row) for row in (energy, forces)]
+        self._of_sums += w
+        none, steps = np.zeros((count, 2), dtype=np.int64), np.arange(count)
+        return {
+            "kernel": np.hstack([np.tile([energy[KERNEL], forces[KERNEL]], (count, 1)), none]),
+            "w": np.column_stack([*(a.ctypes.data + steps * a.strides[0] for a in w), none]),
+            "c": np.hstack([np.tile([energy[C], forces[C]], (count, 1)), none]),
+            "at": np.hstack([none, none]),
+            "x": forces[X] + 8 * forces[EXTENT] * steps,
+            "n_s": none[:, 0],
+            "unknowns": np.full(count, 6),
+            "shares": np.full(count, NOTHING),
+            "nodes": start + term.tables[0].nodes.reshape(count, int(forces[NODES])),
         }
 
     def pack(self) -> None:

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import dolfinx
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.beams.assembly import BeamAssembly, Damping
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.beams.given_sections import Sections
@@ -129,11 +129,16 @@ class Rod(Beam):
         """Springs between its edges, if elements do not bend themselves."""
         return self._corners
 
+    @property
+    def edge_frames(self) -> Indices:
+        """All but the first, whose frame is that of the end."""
+        return super().edge_frames if self._corners is None else self.elements[1:]
+
     def follower(self) -> Follower | None:
         """Of edges: their frames go along with them by the smallest rotation."""
         if self._corners is None:
             return None
-        inside, after = self.elements[1:].T
+        inside, after = self.edge_frames.T
 
         def turn(rows: Array) -> None:
             rows[inside, 1:] = edge_axes(rows, inside, after)

@@ -245,7 +245,7 @@ def _carry(H: Array, nodes: Indices, h: Array, values: Array) -> None:
 class CornerSprings(CarryingCellTerm, Springs):
     """Springs between the edges of discrete rods, on the nodes of their assembly."""
 
-    label = "discrete rods (DiscreteRod)"
+    label, conserved = "discrete rods (DiscreteRod)", True
 
     def __init__(self, corners: Corners, count: int) -> None:
         """Pack the springs, on the nodes of an assembly of so many."""

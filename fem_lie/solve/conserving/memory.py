@@ -166,7 +166,12 @@ def model_of(
         joints=known.joints,
         inertia=known.inertia,
         damping=known.damping,
-        leaders=Leaders(known.leader, known.offset, n == unknowns.total),
+        leaders=Leaders(
+            known.leader,
+            known.offset,
+            n == unknowns.total and not len(known.edges),
+            known.edges,
+        ),
         held=unknowns.held.astype(np.int64),
         measure=unknown_scaling(unknowns),
         scale=np.ones(m),

@@ -107,6 +107,8 @@ def _masses(table: Indices) -> PlainMasses:
         numbers2(table, 3),
         numbers3(table, 4),
         numbers3(table, 5),
+        integers2(table, 6),
+        numbers2(table, 7),
     )
 
 
@@ -114,22 +116,22 @@ def _masses(table: Indices) -> PlainMasses:
 def _packed(table: Indices) -> Packed:
     return Packed(
         Masses(*_masses(table)),
-        numbers3(table, 6),
-        numbers2(table, 7),
-        numbers2(table, 8),
+        numbers3(table, 8),
         numbers2(table, 9),
-        numbers1(table, 10),
-        numbers1(table, 11),
-        integers1(table, 12),
-        (integers1(table, 13), integers2(table, 14)),
-        numbers1(table, 15),
-        integers2(table, 16),
-        integers2(table, 17),
-        numbers1(table, 18),
-        integers1(table, 19),
-        numbers2(table, 20),
-        integers2(table, 21),
-        integers1(table, 22),
+        numbers2(table, 10),
+        numbers2(table, 11),
+        numbers1(table, 12),
+        numbers1(table, 13),
+        integers1(table, 14),
+        (integers1(table, 15), integers2(table, 16)),
+        numbers1(table, 17),
+        integers2(table, 18),
+        integers2(table, 19),
+        numbers1(table, 20),
+        integers1(table, 21),
+        numbers2(table, 22),
+        integers2(table, 23),
+        integers1(table, 24),
     )
 
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
+from fem_lie.lie.edges import turn_on_to
 from fem_lie.lie.kinds import POINT, follow, settle, turn, turn_back
 from fem_lie.lie.tuples import (
     Vector,
@@ -35,10 +36,13 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 
-STILL, STRAIGHT, FRAME, DIRECTOR = 0, 1, 2, 3
-"""How a node moves: not at all, by rows whose increments add, as a frame, or by its third axis."""
+STILL, STRAIGHT, FRAME, DIRECTOR, AXIAL = 0, 1, 2, 3, 4
+"""How a node moves: not at all, by rows whose increments add, as a frame, by its third axis, or
+with a rotation about its first axis."""
 
 _ROUND_OFF, _MOST = 4.0 * float(np.finfo(np.float64).eps), 50
+_SMALL = 1e-10
+"""Of a rotation, corrections that are round-off if they do not fall any more."""
 
 
 class Masses(NamedTuple):
@@ -52,6 +56,9 @@ class Masses(NamedTuple):
         centre: Mass centre of frames in their axes, (n, 3).
         turning: Moments of inertia about it, in the axes, (n, 3, 3).
         inverse: Of these, zero about axes without, (n, 3, 3).
+        edges: Nodes whose first axis is the direction to another node, and leaders of the latter,
+            (k, 2).
+        ends: Positions of these other nodes in the frames of their leaders, (k, 3).
     """
 
     kinds: Indices
@@ -60,9 +67,11 @@ class Masses(NamedTuple):
     centre: Array
     turning: Array
     inverse: Array
+    edges: Indices
+    ends: Array
 
 
-PlainMasses: TypeAlias = tuple[Indices, Indices, Array, Array, Array, Array]
+PlainMasses: TypeAlias = tuple[Indices, Indices, Array, Array, Array, Array, Indices, Array]
 
 
 @inlined
@@ -78,7 +87,7 @@ def _axes(H: Array) -> tuple[Vector, Vector, Vector]:
 @compiled
 def kick(masses: PlainMasses, H: Array, r: Array, size: float, p: Array) -> None:
     """``p −= size · forces`` of the residual ``r`` (6 n,), in the axes of the nodes."""
-    kinds, ways, _, centre, _, _ = masses
+    kinds, ways, _, centre, _, _, _, _ = masses
     f = np.empty(6)
     for i in range(kinds.shape[0]):
         way = ways[i]
@@ -128,7 +137,7 @@ def decay(factors: Array, p: Array) -> None:
 def _turn_by(J: Array, inverse: Array, a: Vector) -> Vector:
     """``ψ`` with ``J ψ + ½ ψ × J ψ = (1 + ¼ ψ·ψ) a``; not a number if there is none near."""
     ψ = _times(inverse, a)
-    K, right = np.empty((3, 3)), np.empty(3)
+    K, right, before = np.empty((3, 3)), np.empty(3), np.inf
     for _ in range(_MOST):
         Jψ = _times(J, ψ)
         wrong = combined(1.0, Jψ, 0.5, cross(ψ, Jψ))
@@ -142,8 +151,11 @@ def _turn_by(J: Array, inverse: Array, a: Vector) -> Vector:
         store(right, 0, wrong)
         step = _solved(K, right)
         ψ = minus(ψ, step)
-        if dot(step, step) <= _ROUND_OFF**2 * dot(ψ, ψ):
+        now, size = dot(step, step), dot(ψ, ψ)
+        # of inertia that differs much between axes, round-off is more than that of ψ
+        if now <= _ROUND_OFF**2 * size or (now >= before and now <= _SMALL**2 * size):
             return ψ
+        before = now
     return nan, nan, nan
 
 
@@ -187,11 +199,15 @@ def _drift_frame(
     a = scaled(h, rotate_back(d1, d2, d3, spin))
     size = sqrt(dot(a, a))
     if size > 0.0:
-        ψ = a if way == DIRECTOR else _turn_by(J, inverse, a)
+        ψ = a if way != FRAME else _turn_by(J, inverse, a)
+        angle = a[0] * inverse[0, 0]
         for k in range(3):
             e = (1.0 if k == 0 else 0.0), (1.0 if k == 1 else 0.0), (1.0 if k == 2 else 0.0)
             if way == DIRECTOR:
                 e = _by_angle(scaled(1.0 / size, ψ), size * inverse[0, 0], e)
+            elif way == AXIAL:
+                once = cross((1.0, 0.0, 0.0), e)
+                e = combined(cos(angle), e, sin(angle), once) if k > 0 else e
             else:
                 e = _by_cayley(ψ, e)
             store_row(H, 1 + k, rotate(d1, d2, d3, e))
@@ -203,7 +219,7 @@ def _drift_frame(
 @compiled
 def drift(masses: PlainMasses, p: Array, h: float, H: Array) -> None:
     """Move all nodes for a time ``h`` with the momenta they have."""
-    kinds, ways, weight, centre, turning, inverse = masses
+    kinds, ways, weight, centre, turning, inverse, edges, ends = masses
     d = np.empty(6)
     for i in range(kinds.shape[0]):
         way = ways[i]
@@ -227,12 +243,25 @@ def drift(masses: PlainMasses, p: Array, h: float, H: Array) -> None:
         v = scaled(1.0 / weight[i, 0], load(p[i], 0))
         inertia = centre[i], turning[i], inverse[i]
         _drift_frame(H[i], way, inertia, h, (v, spin))
+    _go_along_edges(edges, ends, p, H)
+
+
+@compiled
+def _go_along_edges(edges: Indices, ends: Array, p: Array, H: Array) -> None:
+    """Turn frames on to their edges by the smallest rotation, and spins about them likewise."""
+    for k in range(edges.shape[0]):
+        i, j = edges[k, 0], edges[k, 1]
+        d1, d2, d3 = _axes(H[j])
+        end = plus(load_row(H[j], 0), rotate(d1, d2, d3, load_row(ends, k)))
+        spin = dot(load(p[i], 3), load_row(H[i], 1))
+        turn_on_to(H[i], minus(end, load_row(H[i], 0)))
+        store(p[i], 3, scaled(spin, load_row(H[i], 1)))
 
 
 @compiled
 def momenta(masses: PlainMasses, H: Array, v: Array, p: Array) -> None:
     """Those of twists ``v`` (≥ n, 6) in the axes of the nodes."""
-    kinds, ways, weight, centre, turning, _ = masses
+    kinds, ways, weight, centre, turning, _, _, _ = masses
     for i in range(kinds.shape[0]):
         p[i] = 0.0
         if ways[i] == STRAIGHT:
@@ -251,7 +280,7 @@ def momenta(masses: PlainMasses, H: Array, v: Array, p: Array) -> None:
 @compiled
 def twists(masses: PlainMasses, H: Array, p: Array, v: Array) -> None:
     """Inverse of :func:`momenta`."""
-    kinds, ways, weight, centre, _, inverse = masses
+    kinds, ways, weight, centre, _, inverse, _, _ = masses
     for i in range(kinds.shape[0]):
         v[i] = 0.0
         if ways[i] == STRAIGHT:

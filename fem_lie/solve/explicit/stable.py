@@ -19,7 +19,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.term import Term
 from fem_lie.lie.kinds import CROSSING, POINT, SLOPE
-from fem_lie.solve.explicit.nodes import DIRECTOR, FRAME, STILL, STRAIGHT, Masses
+from fem_lie.solve.explicit.nodes import AXIAL, DIRECTOR, FRAME, STILL, STRAIGHT, Masses
 from fem_lie.solve.motion.integrator import refuse
 from fem_lie.system.equations import Equations
 
@@ -28,6 +28,8 @@ _NODES = 2
 _FEW, _MANY = 2, 4
 """Nodes of springs and contacts, and of cells of which nothing is said."""
 _NEGLIGIBLE = 1e-10
+_WITHOUT = 0, 0, 0, 1, 2
+"""Axes about which a node that moves in each way needs no rotary inertia."""
 
 
 class StableStep(NamedTuple):
@@ -57,14 +59,24 @@ def masses_of(equations: Equations) -> Masses:
     J[straight] = 0.0
     director = ~straight & held[:, 5] & ~held[:, 3] & ~held[:, 4]
     J[director, 2], J[director, :, 2] = 0.0, 0.0
-    ways = np.where(straight, STRAIGHT, np.where(director, DIRECTOR, FRAME))
+    axial = ~straight & held[:, 4] & held[:, 5] & ~held[:, 3]
+    J[axial, 1:], J[axial, :, 1:] = 0.0, 0.0
+    turning = np.where(director, DIRECTOR, np.where(axial, AXIAL, FRAME))
+    ways = np.where(straight, STRAIGHT, turning)
     ways[still] = STILL
     _check_masses(equations, ways, weights, J)
     inverse, free = np.zeros_like(J), _turns(ways, held)
-    inverse[free & ~director] = np.linalg.inv(J[free & ~director])
+    whole = free & (ways == FRAME)
+    inverse[whole] = np.linalg.inv(J[whole])
     inverse[director, 0, 0] = inverse[director, 1, 1] = 1.0 / J[director, 0, 0]
+    inverse[axial, 0, 0] = 1.0 / J[axial, 0, 0]
     ones = np.zeros((n, 2)) + np.where(ways[:, np.newaxis] == STILL, 1.0, weights)
-    return Masses(kinds, ways.astype(np.int64), ones, np.ascontiguousarray(centre), J, inverse)
+    known = equations.tables
+    first, second = known.edges.T
+    edges = np.ascontiguousarray(np.column_stack([known.leader[first], known.leader[second]]))
+    ends = np.ascontiguousarray(known.offset[second, 0])
+    centre = np.ascontiguousarray(centre)
+    return Masses(kinds, ways.astype(np.int64), ones, centre, J, inverse, edges, ends)
 
 
 def _of_vectors(kinds: Indices, G: Array) -> Array:
@@ -87,7 +99,7 @@ def damping_rates(equations: Equations, masses: Masses) -> Array:
     straight = masses.ways == STRAIGHT
     damped, mass = (_of_vectors(masses.kinds, blocks) for blocks in own)
     np.divide(damped, mass, out=rates, where=mass > 0.0)
-    frames = np.isin(masses.ways, (FRAME, DIRECTOR))
+    frames = np.isin(masses.ways, (FRAME, DIRECTOR, AXIAL))
     rates[frames, 1] = rates[frames, 0]
     wrong = np.abs(D.blocks - rates[:, :1, np.newaxis] * G).max(axis=(1, 2))
     mixed = frames & (wrong > _NEGLIGIBLE * np.abs(D.blocks).max(axis=(1, 2)))
@@ -102,7 +114,8 @@ def damping_rates(equations: Equations, masses: Masses) -> Array:
 
 def _turns(ways: Array, held: Flags) -> Flags:
     """Which nodes are frames that turn."""
-    return np.asarray(((ways == FRAME) & ~held[:, 3:].all(axis=1)) | (ways == DIRECTOR))
+    whole = (ways == FRAME) & ~held[:, 3:].all(axis=1)
+    return np.asarray(whole | np.isin(ways, (DIRECTOR, AXIAL)))
 
 
 def _check_masses(equations: Equations, ways: Array, weights: Array, J: Array) -> None:
@@ -111,7 +124,7 @@ def _check_masses(equations: Equations, ways: Array, weights: Array, J: Array) -
     light = (weights[:, 0] <= 0) & (ways != STILL)
     light |= (weights[:, 1] <= 0) & (ways == STRAIGHT)
     moments = np.linalg.eigvalsh(J)
-    least = np.where(ways == DIRECTOR, moments[:, 1], moments[:, 0])
+    least = moments[np.arange(len(ways)), np.array(_WITHOUT)[ways]]
     light |= free & ~(least > _NEGLIGIBLE * moments[:, 2])
     if light.any():
         raise ValueError(
@@ -119,7 +132,8 @@ def _check_masses(equations: Equations, ways: Array, weights: Array, J: Array) -
             f"{_told(equations, light)}; give sections a density and rotary inertia, or use "
             "GeneralisedAlpha"
         )
-    partly = (ways == FRAME) & free & held.any(axis=1) & ~held[:, :3].all(axis=1)
+    partly = np.isin(ways, (FRAME, AXIAL)) & free & ~held[:, :3].all(axis=1)
+    partly &= np.where(ways == FRAME, held.any(axis=1), held[:, :3].any(axis=1))
     partly |= (ways == FRAME) & free & held[:, 3:].any(axis=1)
     if partly.any():
         raise ValueError(

@@ -185,6 +185,8 @@ class Tables(NamedTuple):
             :class:`~fem_lie.forms.cell_forms.FormTable`; ``None`` if there is more.
         pairs_of_all: All relative motions of nodes and grips, where some nodes are no frames and
             there are no other constraints; else ``None``.
+        edges: Nodes with frames along the edge to another node, and those others, among all nodes,
+            (k, 2).
         turns: Whether joints count their turns.
         around: Places whose axes follow what is around them, turned after each step.
         drills: Whether other axes do, of a mid-surface or as bodies say.
@@ -216,6 +218,7 @@ class Tables(NamedTuple):
     in_one_sum: bool
     stored: tuple[Indices, Indices] | None
     pairs_of_all: AllPairs | None
+    edges: Indices
     turns: bool
     around: PlainSurroundings
     drills: bool
@@ -252,7 +255,14 @@ class Tables(NamedTuple):
             in_one_sum=system.in_one_sum,
             stored=system.terms.tables[1] if system.terms.energy_in_tables else None,
             pairs_of_all=connections.all_pairs(system.frames, system.kinds),
+            edges=_edges(system.numbering.nodes),
             turns=connections.first.turns,
             around=system.carried_axes.plain,
             drills=any(each is not system.carried_axes for each in system.carried),
         )
+
+
+def _edges(bodies: Mapping[Body, Indices]) -> Indices:
+    """Those of all bodies, each of which has these of all nodes."""
+    found = [nodes[body.edge_frames] for body, nodes in bodies.items()]
+    return np.concatenate([np.empty((0, 2), dtype=np.int64), *found])

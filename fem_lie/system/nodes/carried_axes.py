@@ -12,8 +12,11 @@ Bodies whose nodes' rows say themselves where the axes are have a
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.nodes import Follower
 from fem_lie.lie.carried_axes import (
@@ -91,6 +94,33 @@ class CarriedAxes:
         turn_axes(H, self.plain, motion, np.flatnonzero(written.local))
 
 
+class _Part(NamedTuple):
+    """A body whose axes follow its nodes.
+
+    Attributes:
+        nodes: Leaders of its nodes, (k,).
+        follower: Turns the axes.
+        led: Which nodes follow another one rigidly, (k,).
+        offset: Frames of these in those of their leaders.
+        kept: Which leaders keep their axes, (k,).
+    """
+
+    nodes: Indices
+    follower: Follower
+    led: Flags
+    offset: Array
+    kept: Flags
+
+    def followed(self, H: Array) -> Array:
+        """Leaders of its nodes with the axes turned, (k, 4, 3)."""
+        before = H[self.nodes]
+        found = before.copy()
+        found[self.led] = lie.se3_compose(before[self.led], self.offset)
+        self.follower(found)
+        found[self.kept] = before[self.kept]
+        return found
+
+
 class FollowingAxes:
     """Axes to be turned as their bodies say."""
 
@@ -101,14 +131,17 @@ class FollowingAxes:
             numbering: Of all nodes.
             joined: Leaders with joints, which have the axes of places and slopes for their frames.
         """
-        leader = numbering.attachment.leader
-        self._parts: list[tuple[Indices, Follower, Flags]] = []
+        attachment = numbering.attachment
+        self._parts: list[_Part] = []
         for body, nodes in numbering.nodes.items():
             follower = body.follower()
             if follower is not None:
+                leader = attachment.leader[nodes]
+                led = attachment.leaders[leader] != nodes
                 seen = np.isin(body.node_kinds, (NodeKind.SLOPE, NodeKind.POINT))
-                kept = seen & np.isin(leader[nodes], joined)
-                self._parts.append((leader[nodes], follower, kept))
+                kept = led | (seen & np.isin(leader, joined))
+                offset = attachment.offset[nodes[led]]
+                self._parts.append(_Part(leader, follower, led, offset, kept))
 
     def __bool__(self) -> bool:
         """Whether there is anything to turn."""
@@ -116,20 +149,12 @@ class FollowingAxes:
 
     def turn(self, H: Array) -> None:
         """Turn the axes of the rows at the head of ``H`` (≥ n, 4, 3)."""
-        for nodes, follower, kept in self._parts:
-            H[nodes] = _followed(follower, kept, H[nodes])
+        for part in self._parts:
+            H[part.nodes] = part.followed(H)
 
     def turn_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
         """Turn the axes and what is written in them; arguments as of :class:`CarriedAxes`."""
-        for nodes, follower, kept in self._parts:
-            before = H[nodes]
-            after = _followed(follower, kept, before)
-            write_in_new_axes(kinds, nodes, before, after, written, motion)
-            H[nodes] = after
-
-
-def _followed(follower: Follower, kept: Flags, rows: Array) -> Array:
-    found = rows.copy()
-    follower(found)
-    found[kept] = rows[kept]
-    return found
+        for part in self._parts:
+            before, after = H[part.nodes], part.followed(H)
+            write_in_new_axes(kinds, part.nodes, before, after, written, motion)
+            H[part.nodes] = after

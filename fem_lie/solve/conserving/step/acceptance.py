@@ -31,6 +31,7 @@ from fem_lie.lie.tuples import (
 from fem_lie.lie.wrenches import add_dead, add_wrench
 from fem_lie.solve.conserving.between.any_node import keep_axes, rates_of
 from fem_lie.solve.conserving.between.cayley import advance, left_moment
+from fem_lie.solve.conserving.between.edges import go_along_edge, turned_with
 from fem_lie.solve.conserving.step.dissipation import (
     ENERGY,
     LEAK,
@@ -99,11 +100,29 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     for e in range(account.shape[0]):
         state.W[e] = this.W1[e]
         account[e] += this.work[e]
+    _go_along_edges(packed, starts, steps)
     sizes, earlier = state.sizes, state.earlier
     sizes[2], sizes[1], sizes[0] = sizes[1], sizes[0], h
     for c in range(state.gap.shape[0]):
         state.gap[c] += this.change[c]
         earlier[1, c], earlier[0, c] = earlier[0, c], this.weights[c]
+
+
+@uncounted
+def _go_along_edges(packed: PackedModel, starts: Indices, steps: Indices) -> None:
+    """Turn frames on to their edges, and what is along their axes with them."""
+    model, state, this = model_of(packed), state_of(starts), step_of(steps)
+    edges, leader, before = model.leaders.edges, model.leaders.leader, span_of(this.rows).end
+    for k in range(edges.shape[0]):
+        i = leader[edges[k, 0]]
+        after = state.H[i]
+        go_along_edge(span_of(this.nodes).end, edges[k, 0], edges[k, 1], after)
+        for r in range(1, 4):
+            store_row(state.rest[i], r, (0.0, 0.0, 0.0))
+            for rates in (state.V, state.w):
+                store_row(rates[i], r, turned_with(before[i], after, load_row(rates[i], r)))
+        for numbers in (state.carry, state.trend, state.rates[0], state.rates[1]):
+            store(numbers[i], 3, turned_with(before[i], after, load(numbers[i], 3)))
 
 
 @inlined

@@ -28,6 +28,7 @@ from fem_lie.lie.tuples import (
 from fem_lie.lie.wrenches import add_wrench
 from fem_lie.solve.conserving.between.cayley import follow
 from fem_lie.solve.conserving.between.discrete_gradient import Energies, Filtered, add_elastic
+from fem_lie.solve.conserving.between.edges import pull_edges, turn_edges
 from fem_lie.solve.conserving.between.mean_forces import Ends, Path
 from fem_lie.solve.conserving.rows.cells import Nodes
 from fem_lie.solve.conserving.rows.cells import add_elastic as add_of_rows
@@ -48,7 +49,7 @@ from fem_lie.solve.conserving.step.dissipation import (
     WORKS,
 )
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
-from fem_lie.solve.conserving.step.records import Pieces, span_of
+from fem_lie.solve.conserving.step.records import Leaders, Pieces, Step, span_of
 
 
 class Motion(NamedTuple):
@@ -135,7 +136,7 @@ def _add_from_frames(
 ) -> None:
     """Add the forces of cells of frames and of pressure, which are on all nodes, to the leaders."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps_of)
-    leader, offset, trivial = model.leaders
+    leader, offset, trivial, edges = model.leaders
     H, step, forces = state.H, this.step, this.forces
     rows, nodes, exact = span_of(this.rows), span_of(this.nodes), this.exact
     if model.cells.x.shape[0] == 0:  # nothing but rigid bodies
@@ -160,8 +161,14 @@ def _add_from_frames(
     for i in range(leader.shape[0]):
         for k in range(3):
             u, ψ = motion.delta[i, 0, k], step[leader[i], 3 + k]
-            further[i, k], further[i, 3 + k] = u - steps[i, k], ψ - steps[i, 3 + k]
+            further[i, k], further[i, 3 + k] = u - steps[i, k], -steps[i, 3 + k]
             steps[i, k], steps[i, 3 + k] = u, ψ
+    if edges.shape[0] > 0:
+        moved = motion.delta, motion.mean, motion.end, motion.middle, exact
+        turn_edges(edges, motion.start, moved, steps)
+    for i in range(leader.shape[0]):
+        for k in range(3, 6):
+            further[i, k] += steps[i, k]
     if anew or model.viscous or model.pressure.pairs.shape[0] > 0:
         for i in range(on_all.shape[0]):
             for k in range(6):
@@ -175,7 +182,7 @@ def _add_from_frames(
             for k in range(6):
                 forces[i, k] += on_all[i, k]
     else:
-        collect(leader, nodes.mean, rows.mean, on_all, forces)
+        collect(model.leaders, this, on_all, forces)
 
 
 @uncounted
@@ -277,8 +284,7 @@ def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) ->
         for k in range(6):
             on_all[i, k] += a * given[0, i, k] - b * given[1, i, k]
     if not leaders.trivial:
-        means = span_of(this.nodes).mean, span_of(this.rows).mean
-        collect(leaders.leader, *means, on_all, this.forces)
+        collect(leaders, this, on_all, this.forces)
 
 
 @inlined
@@ -329,8 +335,12 @@ def _add_pressure(pressure: Pieces, motion: Motion, out: Array, losses: Array) -
 
 
 @uncounted
-def collect(leader: Indices, all_means: Array, mean: Array, given: Array, forces: Array) -> None:
+def collect(leaders: Leaders, this: Step, given: Array, forces: Array) -> None:
     """Add forces and moments on all nodes, (N, 6), to those on their leaders, (n, 6)."""
+    leader, _, _, edges = leaders
+    all_means, mean = span_of(this.nodes).mean, span_of(this.rows).mean
+    if edges.shape[0] > 0:
+        pull_edges(edges, this.start, all_means, (leader, mean), given, forces)
     for i in range(leader.shape[0]):
         to = leader[i]
         f, arm = load(given[i], 0), minus(load_row(all_means[i], 0), load_row(mean[to], 0))

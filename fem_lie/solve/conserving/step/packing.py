@@ -82,6 +82,7 @@ class Packed:
                     *model.rows,
                     model.of_frames,
                     model.outside,
+                    model.leaders.edges,
                 )
             ),
             FixedArrays(state),
@@ -126,7 +127,7 @@ def model_of(packed: PackedModel) -> Model:
         (numbers1(table, 10), integers1(table, 11)),
         Inertia(integers1(table, 12), integers1(table, 13), numbers3(table, 14)),
         Inertia(integers1(table, 15), integers1(table, 16), numbers3(table, 17)),
-        Leaders(integers1(table, 18), frames(table, 19), trivial),
+        Leaders(integers1(table, 18), frames(table, 19), trivial, integers2(table, 50)),
         integer_sixes(table, 33),
         numbers1(table, 20),
         numbers1(table, 21),

@@ -42,12 +42,15 @@ class Leaders(NamedTuple):
     Attributes:
         leader: Of each node, (N,).
         offset: Frame of each node in that of its leader, (N, 4, 3).
-        trivial: Whether all lead themselves.
+        trivial: Whether all lead themselves, and none has a frame that turns with an edge.
+        edges: Nodes with such frames, and the other nodes of these edges, (k, 2), see
+            :mod:`fem_lie.solve.conserving.between.edges`.
     """
 
     leader: Indices
     offset: Array
     trivial: bool
+    edges: Indices
 
 
 class Pieces(NamedTuple):
