@@ -8,7 +8,6 @@ import pytest
 import fem_lie as fl
 from tests.test_composed import resumed_as_whole
 from tests.test_energy_momentum import SQUARE
-from tests.test_resume import same, stopped
 
 JOINTS = {"fixed": fl.Fixed, "revolute": fl.Revolute}
 
@@ -100,20 +99,6 @@ def test_it_converges_to_small_steps_everywhere(scene_of):
     np.testing.assert_allclose(result.frames[-1], small.frames[-1], atol=1e-6)
     scale = np.abs(small.joint_forces[-1]).max()
     np.testing.assert_allclose(result.joint_forces[-1], small.joint_forces[-1], atol=5e-2 * scale)
-
-
-def test_whole_steps_whose_joints_do_not_close_are_made_in_parts(tmp_path, monkeypatch):
-    """Joint forces that change by their size within a step had ended the run."""
-    scene, two = pushed()
-    plan, file = {"duration": 0.06, "step": 2e-2}, tmp_path / "run.h5"
-    scheme = fl.MultiRate({two: 3})
-    result = scheme.run(scene, **plan)
-    assert result.divided > 0
-    np.testing.assert_allclose(result.times, 0.02 * np.arange(4))
-    assert result.balance_error <= 1e-11
-    assert result.joint_violations.max() <= 1e-11
-    stopped(monkeypatch, scheme, scene, file, 2, **plan)
-    same(scheme.resume(scene, file), result)
 
 
 @pytest.mark.parametrize("scene_of", [chain, pushed], ids=["free", "pushed"])

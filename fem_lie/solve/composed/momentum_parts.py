@@ -7,13 +7,16 @@ those of the conserving scheme (:mod:`.compositions`).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._state import attributes
+from fem_lie._state import attributes, put_back, saved
 from fem_lie.results import Result
+from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.motion.convergence import failure
-from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
@@ -21,6 +24,9 @@ from fem_lie.solve.variational.ends import Ends
 from fem_lie.solve.variational.run import VariationalRun
 from fem_lie.solve.variational.run_state import Options
 from fem_lie.system.equations import Equations
+
+_SHARED = "H", "rest", "steps", "before", "gap", "books", "weights", "earlier"
+"""The state of all parts."""
 
 
 class MomentumPart(VariationalRun):
@@ -44,9 +50,8 @@ class MomentumPart(VariationalRun):
         self._ends = Ends(equations, abs(step), sweeps=2)
         self._start = 0.0
         if shared is not None:
-            self.H, self.rest, self.steps = shared.H, shared.rest, shared.steps
-            self.before, self.gap, self.books = shared.before, shared.gap, shared.books
-            self.weights, self.earlier = shared.weights, shared.earlier
+            for name in _SHARED:
+                setattr(self, name, getattr(shared, name))
 
     @property
     def time(self) -> float:
@@ -57,6 +62,15 @@ class MomentumPart(VariationalRun):
         """Start where another part was started."""
         self._take_rows()
         self.scale[:] = self._fill(None)
+
+    def set_size(self, size: float) -> None:
+        """Have another size; what the steps before were like is known by their own sizes."""
+        self.h = self.size = size
+        self._ends.h = abs(size)
+
+    def forget_matrix(self) -> None:
+        """Have none: that of another size is of no use."""
+        self._factors = None
 
     def make(self, start: float, last: float, earlier: float) -> bool:
         """Make the next step of this size; whether it is made.
@@ -120,7 +134,11 @@ class MomentumPart(VariationalRun):
         return self._increment, float(np.abs(self._r).max(initial=0.0))
 
 
-class MomentumRun(Integration[Recorder]):
+_OWN = "_made", "twists", "rows"
+"""What steps change of the part that makes them."""
+
+
+class MomentumRun(DividedIntegration[Recorder]):
     """One integration."""
 
     STATE = attributes("_made", "_sizes", "_parts")
@@ -146,7 +164,7 @@ class MomentumRun(Integration[Recorder]):
         self._order = [sizes.index(share) for share in shares]
         self._ends = np.cumsum([0.0, *shares])
         self._sizes = np.array([first.h, first.h])
-        self._made, self._part = 0, 0
+        self._made, self._part, self._begun = 0, 0, 0
 
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
@@ -172,16 +190,44 @@ class MomentumRun(Integration[Recorder]):
         return self._made
 
     def _advance(self, history: Recorder) -> bool:
+        self._begun = self.index
+        made = self._cover()
+        history.count = self._iterations
+        return made
+
+    def attempt(self, start: float, end: float) -> bool:
+        """See the base class."""
+        self._made, size = self._begun, self.h / self.division.parts
+        known = self, ("_sizes", "equations.memory")
+        changed = known, (self._parts[0], _SHARED), *((part, _OWN) for part in self._parts)
+        before = [saved(owner, names) for owner, names in changed]
         for at, k in enumerate(self._order):
             part, self._part = self._parts[k], at
-            start = float((self.index + self._ends[at]) * self.h)
-            if not part.make(start, *self._sizes.tolist()):
+            if not part.make(start + float(self._ends[at]) * size, *self._sizes.tolist()):
+                for (owner, names), kept in zip(changed, before, strict=True):
+                    put_back(owner, names, kept)
                 return False
             self._sizes[:] = part.h, self._sizes[0]
         self._made += 1
-        self._parts[0].book(self.h, self.index * self.h)
-        history.count = self._iterations
+        self._parts[0].book(size, end)
         return True
+
+    def resize(self, time: float, size: float) -> None:
+        """See the base class."""
+        self._set_sizes()
+        for part in self._parts:
+            part.start_as_shared()
+            part.forget_matrix()
+
+    def _set_sizes(self) -> None:
+        whole = self.h / self.division.parts
+        for part, share in zip(self._parts, dict.fromkeys(self._shares), strict=True):
+            part.set_size(share * whole)
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        super().restore(kept)
+        self._set_sizes()
 
     @property
     def _iterations(self) -> int:
@@ -191,7 +237,8 @@ class MomentumRun(Integration[Recorder]):
         options, part = self.options, self._parts[self._order[self._part]]
         numbers = options.max_iterations, *part.left, options.tolerance
         text = failure(self.index + 1, steps, self.h, *numbers, options.policy.rescue)
-        return f"part {self._part + 1} of {text}"
+        text = f"part {self._part + 1} of {text}"
+        return f"{text}. Nor did it in {2**HALVINGS} parts" if self.divides else text
 
     def _record(self, history: Recorder) -> bool:
         history.show_progress(self.index)
@@ -202,4 +249,5 @@ class MomentumRun(Integration[Recorder]):
 
     def _result(self, history: Recorder) -> Result:
         made = sum(part.factorisations for part in self._parts)
-        return history.result(made, history.seconds)
+        self.division.report(self.index)
+        return history.result(made, history.seconds, divided=self.division.divided)

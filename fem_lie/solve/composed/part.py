@@ -83,6 +83,30 @@ class Part(Run):
         """Make the next step of this size; whether it is made."""
         return self._go_to(self.index + 1, start, end)
 
+    def resize_whole(self, whole: float, *, shared: bool = False) -> None:
+        """Make steps those of whole steps of another size.
+
+        Args:
+            whole: That size.
+            shared: Whether the state was changed with another part.
+        """
+        h, ratio = self.share * whole, self.share * whole / self.size
+        if shared:
+            self.numbers[corrections.MOTION] *= ratio
+            self.numbers[corrections.FLOOR] = 0.0
+            self._set_size(h)
+        else:
+            self._resize(h)
+        self._forget_iteration()
+
+    def _set_size(self, h: float) -> None:
+        super()._set_size(h)
+        self.h = h
+
+    def keep_old_matrix(self) -> None:
+        """After steps were taken back: no matrix is younger than the state."""
+        self.counts[1] = min(int(self.counts[1]), self.index)
+
     def go_on(self, code: int, start: float, end: float) -> bool:
         """End a step with which the loop came back; whether it is made."""
         if code == loop.FAILED:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._state import attributes
+from fem_lie._state import attributes, put_back, saved
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.results import Result
 from fem_lie.results.record import Record
@@ -13,17 +13,21 @@ from fem_lie.solve.composed import stages
 from fem_lie.solve.composed.part import Part
 from fem_lie.solve.conserving.run_state import PREFIX, Options
 from fem_lie.solve.conserving.step import corrections, loop
+from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.motion.convergence import failure
-from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.system.equations import Equations, Instant
 
+_COUNTED = "_counters", "_numbers", "_place"
+"""What a step changes beside the state of its parts."""
 
-class ComposedRun(Integration[History]):
+
+class ComposedRun(DividedIntegration[History]):
     """One integration."""
 
     STATE = attributes("_place", "_parts")
@@ -53,6 +57,7 @@ class ComposedRun(Integration[History]):
         self._order = np.array([shares.index(half) for half in halves], dtype=np.int64)
         self._ends = np.cumsum([0.0, *halves])
         self._place = np.zeros(3, dtype=np.int64)
+        self._begun, self._start, self._left = 0, 0.0, (0, np.inf, np.inf)
         self._filled, self._r = ResultRow(equations), np.empty(equations.unknowns.size)
         self._solver: DirectSolver | None = None
 
@@ -83,9 +88,56 @@ class ComposedRun(Integration[History]):
     def _advance(self, history: History) -> bool:
         last = history.next_stop(self.index)
         while self.index < last:
-            if not (self._all_parts(last) if self._quick else self._one_part()):
+            self._begun = self.index
+            if self.division.level:
+                made = self._cover()
+            else:
+                made = self._go(last) or (self.divides and self._divided())
+            if not made:
                 return False
         return True
+
+    def _go(self, last: int) -> bool:
+        """Make whole steps up to ``last``, or all before one that fails; whether any was made."""
+        first = self.index
+        failed = self._failed_at(last)
+        return failed is None or (failed > first and self._failed_at(failed) is None)
+
+    def _failed_at(self, last: int) -> int | None:
+        """The first step up to ``last`` that fails, if one does; the state is then as before."""
+        first, before = self._parts[0], self._parts[0].saved()
+        counted = saved(self, _COUNTED)
+        while self.index < last:
+            if not (self._all_parts(last) if self._quick else self._one_part()):
+                failed, self._left = self.index, self._what_is_left()
+                first.take_back(before)
+                put_back(self, _COUNTED, counted)
+                for part in self._parts:
+                    part.keep_old_matrix()
+                return failed
+        return None
+
+    def _what_is_left(self) -> tuple[int, float, float]:
+        """The part that fails, counted from 1, its last increment and largest residual."""
+        part = self._parts[self._place[stages.SIZE]]
+        increment, left = part.numbers[corrections.INCREMENT], np.abs(part.this.r[0]).max()
+        return int(self._place[stages.PART]) + 1, float(increment), float(left)
+
+    def _divided(self) -> bool:
+        """Make the step that has failed in steps of parts of its size; whether it was."""
+        self.division.halve(self, self.index * self.h, self.h)
+        return self._cover()
+
+    def attempt(self, start: float, end: float) -> bool:
+        """See the base class."""
+        self._place[stages.MADE], self._start = self._begun, start
+        return self._failed_at(self._begun + 1) is None
+
+    def resize(self, time: float, size: float) -> None:
+        """See the base class."""
+        first, other = self._parts
+        first.resize_whole(self.h / self.division.parts)
+        other.resize_whole(self.h / self.division.parts, shared=True)
 
     @property
     def _quick(self) -> bool:
@@ -137,19 +189,19 @@ class ComposedRun(Integration[History]):
     def _span(self) -> tuple[float, float]:
         """Start and end of the present part."""
         k = int(self._place[stages.PART])
-        start, end = (self.index + self._ends[k : k + 2]) * self.h
+        ends = self._ends[k : k + 2]
+        if self.division.level:
+            start, end = self._start + ends * (self.h / self.division.parts)
+        else:
+            start, end = (self.index + ends) * self.h
         return float(start), float(end)
 
     def _failure(self, steps: int) -> str:
-        part = self._parts[self._place[stages.SIZE]]
-        increment, left = (
-            float(part.numbers[corrections.INCREMENT]),
-            float(np.abs(part.this.r[0]).max()),
-        )
-        options, rescued = self.options, self.options.policy.rescue
+        options, (part, increment, left) = self.options, self._left
         limit, tolerance = options.max_iterations, options.tolerance
-        text = failure(*(self.index + 1, steps, self.h, limit, increment, left, tolerance, rescued))
-        return f"part {self._place[stages.PART] + 1} of {text}"
+        numbers = limit, increment, left, tolerance, self._rescues
+        text = f"part {part} of {failure(self.index + 1, steps, self.h, *numbers)}"
+        return f"{text}. Nor did it in {2**HALVINGS} parts" if self.divides else text
 
     # --- results ---
 
@@ -167,7 +219,9 @@ class ComposedRun(Integration[History]):
 
     def _result(self, history: History) -> Result:
         factorisations = sum(int(part.counts[0]) for part in self._parts)
-        return history.result(factorisations, history.seconds)
+        self.division.report(self.index)
+        divided = self.division.divided
+        return history.result(factorisations, history.seconds, divided=divided)
 
     def _keep_row(self, history: History) -> None:
         """What is told of the end of a step, where forces are those of the equations of motion.

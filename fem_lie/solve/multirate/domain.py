@@ -69,7 +69,7 @@ class Domain(Run):
         counters = self.counters
         counters[corrections.STEPS] = self._first
         counters[corrections.ITERATION] = counters[corrections.ASKED] = 0
-        # no matrix is younger than the step for which it is kept
+        # no matrix is younger than the state
         self.counts[1] = min(int(self.counts[1]), self._first)
 
     def go(self, forces: Array, start: float) -> bool:

@@ -1,0 +1,70 @@
+"""Steps that have no solution are made of smaller ones, in schemes that are made of others, too."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie.solve.composed.momentum_parts import MomentumRun
+from fem_lie.solve.composed.run import ComposedRun
+from tests.test_composed import driven, rigid_pendulum
+from tests.test_multi_rate import chain, pushed
+from tests.test_resume import same, stopped
+
+COMPOSED = {"mean": fl.Composed(), "momenta": fl.Composed(fl.Variational())}
+
+
+def fail_in_full(monkeypatch) -> None:
+    """Let every composed step but the first fail that is tried in full."""
+    failed_at, attempt = ComposedRun._failed_at, MomentumRun.attempt
+
+    def fails(self: ComposedRun, last: int) -> int | None:
+        if self.division.level or last == 1:
+            return failed_at(self, last)
+        if self.index == 0:
+            failed_at(self, 1)
+        return self.index
+
+    def attempts(self: MomentumRun, start: float, end: float) -> bool:
+        return (self.division.level > 0 or self._begun == 0) and attempt(self, start, end)
+
+    monkeypatch.setattr(ComposedRun, "_failed_at", fails)
+    monkeypatch.setattr(MomentumRun, "attempt", attempts)
+
+
+@pytest.mark.parametrize("scheme", COMPOSED.values(), ids=COMPOSED)
+@pytest.mark.parametrize("scene", [rigid_pendulum, driven], ids=["free", "driven"])
+def test_composed_steps_keep_their_order_in_parts(monkeypatch, scheme, scene):
+    """They are composed steps of half the size, and so is the motion."""
+    duration, h = 0.06, 4e-3
+    whole, half = (scheme.run(scene(), duration=duration, step=step) for step in (h, h / 2))
+    fail_in_full(monkeypatch)
+    found = scheme.run(scene(), duration=duration, step=h, save_every=1)
+    assert found.divided == len(found.times) - 2
+    for name in ("frames", "velocities"):
+        exact = getattr(half, name)[::2]
+        far, near = (np.abs(getattr(each, name) - exact).max() for each in (whole, found))
+        assert near < 0.2 * far
+    assert found.joint_violations.max() <= 1e-12
+
+
+@pytest.mark.parametrize(
+    ("scheme", "scene", "h", "steps"),
+    [
+        (lambda two: COMPOSED["mean"], pushed, 2e-2, 10),
+        (lambda two: COMPOSED["momenta"], chain, 4e-2, 10),
+        (lambda two: fl.MultiRate({two: 3}), pushed, 2e-2, 3),
+    ],
+    ids=["composed", "composed of momenta", "multi-rate"],
+)
+def test_steps_without_a_solution_are_divided(tmp_path, monkeypatch, scheme, scene, h, steps):
+    """These runs had ended: forces change by their size within a step, or bodies turn far."""
+    made, two = scene()
+    plan, file = {"duration": steps * h, "step": h}, tmp_path / "run.h5"
+    result = scheme(two).run(made, **plan)
+    assert 0 < result.divided <= steps
+    np.testing.assert_allclose(result.times, h * np.arange(steps + 1))
+    assert result.joint_violations.max() <= 1e-11
+    if scheme(two) is not COMPOSED["momenta"]:
+        assert result.balance_error <= 1e-11
+    stopped(monkeypatch, scheme(two), made, file, steps - 1, **plan)
+    same(scheme(two).resume(made, file), result)
