@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._state import attributes
+from fem_lie._state import attributes, put_back, saved
 from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, TOTAL
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.results import Result
 from fem_lie.results.record import Record
+from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.hamel import step
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
-from fem_lie.solve.motion.integration import Integration
-from fem_lie.solve.motion.policies import Never
+from fem_lie.solve.motion.integration import DividedIntegration
+from fem_lie.solve.motion.policies import Automatic
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
@@ -24,7 +25,11 @@ _AT_A_TIME = 20_000
 """Steps times bodies after which the loop comes back to be interrupted."""
 
 
-class HamelRun(Integration[Recorder]):
+_CHANGED = "H", "s", "impulses"
+"""What a step changes."""
+
+
+class HamelRun(DividedIntegration[Recorder]):
     """One integration."""
 
     STATE = attributes("H", "s", "impulses", "_made")
@@ -37,10 +42,10 @@ class HamelRun(Integration[Recorder]):
             size: Step size.
             bodies: What stays the same of them.
         """
-        super().__init__(Never(), equations, size)
+        super().__init__(Automatic(), equations, size)
         self._bodies, n = bodies, equations.unknowns.moving
         self.H, self.s = equations.start.frames.copy(), np.zeros((n, 6))
-        self.impulses, self._made = np.zeros((2, 6)), 0
+        self.impulses, self._made, self._begun = np.zeros((2, 6)), 0, 0
         self._solver: DirectSolver | None = None
 
     def history(
@@ -78,15 +83,35 @@ class HamelRun(Integration[Recorder]):
     def _advance(self, history: Recorder) -> bool:
         most = max(1, _AT_A_TIME // len(self.s))
         last = min(history.next_stop(self._made), self._made + most)
-        count = last - self._made
-        step.run(self.H, self.s, (*self._bodies,), self.h, count, self.impulses)
-        self._made = history.count = last
-        return bool(np.isfinite(self.s).all())
+        self._begun = self._made
+        whole = not self.division.level and self._go(self.h, last - self._made)
+        # steps before one that fails are made again, one at a time
+        made = whole or self._cover()
+        history.count = self._made
+        return made
+
+    def _go(self, h: float, count: int) -> bool:
+        """Make so many steps of a size; whether all were, otherwise none is."""
+        before = saved(self, _CHANGED)
+        step.run(self.H, self.s, (*self._bodies,), h, count, self.impulses)
+        if not np.isfinite(self.s).all():
+            put_back(self, _CHANGED, before)
+            return False
+        self._made += count
+        return True
+
+    def attempt(self, start: float, end: float) -> bool:
+        """See the base class."""
+        self._made = self._begun
+        return self._go(self.h / self.division.parts, 1)
+
+    def resize(self, time: float, size: float) -> None:
+        """See the base class; velocities are of no size."""
 
     def _failure(self, steps: int) -> str:
         return (
-            f"step {self.index} of {steps} (h = {self.h:g}) failed: no velocity was found, or a "
-            "disc lies in its plane; a smaller step may help"
+            f"step {self.index + 1} of {steps} (h = {self.h:g}) failed: no velocity was found, or "
+            f"a disc lies in its plane. Nor was it in {2**HALVINGS} parts; a smaller step may help"
         )
 
     # --- results ---
@@ -113,4 +138,5 @@ class HamelRun(Integration[Recorder]):
         return wanted
 
     def _result(self, history: Recorder) -> Result:
-        return history.result(0, history.seconds)
+        self.division.report(self.index)
+        return history.result(0, history.seconds, divided=self.division.divided)
