@@ -94,6 +94,60 @@ def test_a_ladder_slides_with_second_order():
     assert 3.6 < errors[0] / errors[1] < 4.6
 
 
+def with_beam(scene: fl.Scene) -> fl.Scene:
+    """With a clamped beam far away, for whose sake positions follow from the iteration matrix."""
+    section = fl.Section.circle(0.02, fl.Material(1e8, 0.3, 1000.0))
+    beam = scene.add(fl.Beam.straight((50.0, 0, 0), (51.0, 0, 0), section, cells=4))
+    scene.add(fl.Clamp(beam.start))
+    return scene
+
+
+BALL = 0.05
+
+
+def in_box(count: tuple[int, int, int], speed=0.0, restitution=0.0) -> fl.Scene:
+    """Balls that fall from a lattice into a box, rub, spin and bounce."""
+    rng, law, radius = np.random.default_rng(1), fl.Impact(0.3, restitution), BALL
+    scene, balls = fl.Scene(gravity=(0, 0, -GRAVITY)), []
+    for at in np.ndindex(count):
+        place = 2.1 * radius * (np.array(at) + 0.5) + 0.02 * radius * rng.standard_normal(3)
+        ball = scene.add(fl.RigidBody(1.0, np.full(3, 0.4 * radius**2), place))
+        ball.move(speed * rng.normal(size=3))
+        ball.turn(speed / radius * rng.normal(size=3), ball.centre)
+        balls.append(ball.centre)
+    heap, ends = fl.Vertices(balls, radius), 2.1 * radius * np.array(count)
+    scene.add(fl.Contact(heap, heap, law))
+    scene.add(fl.Contact(heap, fl.Plane(fl.ground(), (0, 0, 1)), law))
+    for normal in np.eye(3)[:2]:
+        for sign, at in ((1, np.zeros(3)), (-1, normal * ends)):
+            scene.add(fl.Contact(heap, fl.Plane(fl.ground(), sign * normal, at), law))
+    return scene
+
+
+def test_balls_that_rub_and_bounce_do_so_whatever_else_is_in_the_scene():
+    """A joint and a beam elsewhere make no difference; free bodies alone have a step of their own.
+
+    Of that the end differs by errors of a step, what impacts and friction take with it.
+    """
+    scenes = (add(in_box((2, 2, 2), 0.2, 0.3)) for add in (hung_up, with_beam, lambda scene: scene))
+    jointed, flexible, free = (run(scene, 0.2, 2e-3) for scene in scenes)
+    for other, near, part in ((flexible, 1e-9, 1e-9), (free, 0.03, 5e-3)):
+        apart = np.linalg.norm(other.frames[:, :8, 0] - jointed.frames[:, :8, 0], axis=2)
+        assert apart.max() < near * BALL
+        for name in ("friction_loss", "impact_loss"):
+            lost, expected = (getattr(each.contacts, name).sum() for each in (other, jointed))
+            assert lost > 0.4 * free.kinetic[0]
+            assert lost == pytest.approx(expected, rel=part)
+
+
+def test_a_pile_settles_beside_a_joint():
+    """More contacts than Newton's method takes, most of them among balls that nothing couples."""
+    told = run(hung_up(in_box((4, 4, 4))), 0.12, 2e-3).contacts
+    assert told.contacts.max() > 60
+    assert told.cone_residual.max() <= 1e-6
+    assert told.penetration.max() < 1e-11
+
+
 def test_an_impact_spreads_over_a_whole_row_in_one_step():
     """Each ball that is pushed meets the next one, which did not take part before."""
     scene, radius, count = fl.Scene(), 0.1, 24

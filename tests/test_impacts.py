@@ -6,7 +6,8 @@ from scipy.integrate import quad, solve_ivp
 
 import fem_lie as fl
 from fem_lie.contact.impact import cones
-from fem_lie.contact.impact.sweeps import dense_of, past_of
+from fem_lie.contact.impact.jacobian import empty_rows
+from fem_lie.contact.impact.sweeps import Cones, cones_of
 from fem_lie.contact.impact.velocities import time_of
 
 GRAVITY, RADIUS = 9.81, 0.1
@@ -260,26 +261,14 @@ def test_restitution_adds_no_energy_in_a_box():
 # --- the law itself ---
 
 
-def problem_of(W: np.ndarray, q: np.ndarray, friction: np.ndarray) -> cones.Cones:
+def problem_of(W: np.ndarray, q: np.ndarray, friction: np.ndarray) -> Cones:
     """Contacts of one body with ground whose products are nearly those of ``W``."""
     k = len(friction)
-    rows = np.zeros((k, 2, 3, 6))
-    rows[:, 0] = W.reshape(k, 3, 6)
-    z = np.zeros
-    bodies = np.tile([0, -1], (k, 1))
-    return cones.Cones(
-        bodies,
-        rows,
-        rows.copy(),
-        z((k, 3, 3)),
-        q.copy(),
-        friction,
-        z((k, 3)),
-        z((1, 6)),
-        dense_of(k),
-        past_of(k, 1),
-        z(1),
-    )
+    rows = empty_rows(k, 1, 3)
+    rows.first[:], rows.values[:] = np.arange(k + 1), W.reshape(k, 3, 6)
+    problem = cones_of(rows, rows, 1)
+    problem.q[:], problem.friction[:] = q, friction
+    return problem
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -9,8 +9,9 @@ in turns as by Pratapa, Suryanarayana & Pask, J. Comput. Phys. 306 (2016) 43). W
 end, they go on as in Nesterov's method, until sweeps turn back (O'Donoghue & Candès, Found. Comput.
 Math. 15 (2015) 715). Components are along the normal, then along two tangents.
 
-Velocities of bodies change by ``W = M⁻¹ B̄ᵀ r``; nothing but that is summed up, so that a sweep
-costs the same per contact however many there are.
+Velocities of nodes change by ``W = M⁻¹ B̄ᵀ r``; nothing but that is summed up, so that a sweep
+costs as much per contact as its rows and those of ``M⁻¹ B̄ᵀ`` have blocks, however many contacts
+there are. What ``M`` is, :mod:`.jacobian` says; nothing here depends on it.
 """
 
 from __future__ import annotations
@@ -19,17 +20,17 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined_uncounted, uncounted
+from fem_lie.contact.impact.jacobian import push_all
 from fem_lie.contact.impact.newton import eliminate, newton
 from fem_lie.contact.impact.sweeps import (
     MOST_NEWTON,
     PAST,
     Cones,
-    along,
     begin,
     change,
-    push,
     residual,
     sweep,
+    velocity,
 )
 
 _FIRST, _LATER, _ROUNDS = 3, 10, 4
@@ -45,6 +46,9 @@ of sweeps is dropped; by which part they go on at most where nothing else has en
 
 _RIDGE = 1e-12
 """Added to the diagonal of the least squares, over its largest."""
+
+_PROXIMAL = 5
+"""Proximal steps at most."""
 
 _GROWTH = 1e2
 """Newton's forces over those of the sweeps: wedged bodies have internal forces of any size."""
@@ -69,22 +73,20 @@ def _with_newton(problem: Cones, k: int, tolerance: float, reached: float) -> tu
 @inlined_uncounted
 def _improve(problem: Cones, c: int) -> tuple[float, float, float]:
     """Impulses of a contact by projections, the others as they are; returns how they change."""
-    rows, bodies, r, own = problem.rows[c], problem.bodies[c], problem.r, problem.own
-    u = problem.q[c, 0] + along(rows, bodies, problem.W, 0)
-    normal = max(0.0, r[c, 0] - u / own[c, 0, 0])
+    r, own = problem.r, problem.own
+    u0, u1, u2 = velocity(problem, c)
+    normal = max(0.0, r[c, 0] - u0 / own[c, 0, 0])
     d0, d1, d2 = normal - r[c, 0], -r[c, 1], -r[c, 2]
-    push(problem.pushes[c], bodies, 0, d0, problem.W)
     radius = problem.friction[c] * normal
     if radius > 0.0:
         size = 2.0 / (own[c, 1, 1] + own[c, 2, 2])
-        x = r[c, 1] - size * (problem.q[c, 1] + along(rows, bodies, problem.W, 1))
-        y = r[c, 2] - size * (problem.q[c, 2] + along(rows, bodies, problem.W, 2))
+        x = r[c, 1] - size * (u1 + own[c, 1, 0] * d0)
+        y = r[c, 2] - size * (u2 + own[c, 2, 0] * d0)
         t = np.sqrt(x * x + y * y)
         part = radius / t if t > radius else 1.0
         d1, d2 = part * x - r[c, 1], part * y - r[c, 2]
-    if d1 != 0.0 or d2 != 0.0:
-        push(problem.pushes[c], bodies, 1, d1, problem.W)
-        push(problem.pushes[c], bodies, 2, d2, problem.W)
+    if d0 != 0.0 or d1 != 0.0 or d2 != 0.0:
+        push_all(problem.pushes, c, (d0, d1, d2), problem.W)
     return d0, d1, d2
 
 
@@ -263,4 +265,43 @@ def solve(problem: Cones, k: int, tolerance: float) -> tuple[int, int, float]:
             if reached <= tolerance:
                 break
         limit = _LATER * 3**rounds
+    if reached > _MANY:
+        more, reached = _in_turns(problem, k, _MANY)
+        sweeps += more
     return sweeps, iterations, reached
+
+
+@uncounted
+def solve_exactly(
+    problem: Cones, k: int, tolerance: float, before: tuple[Array, Array]
+) -> tuple[int, float]:
+    """:func:`solve` with contacts that do not yield: :attr:`Cones.soft` becomes proximal steps.
+
+    Args:
+        problem: Updated.
+        k: How many contacts.
+        tolerance: Of :func:`residual`.
+        before: Memory, twice (k, 3).
+
+    Returns:
+        Sweeps, and what :func:`residual` is left.
+    """
+    (q, r), sweeps, reached = before, 0, np.inf
+    for c in range(k):
+        for i in range(3):
+            q[c, i] = problem.q[c, i]
+    for _ in range(_PROXIMAL):
+        for c in range(k):
+            for i in range(3):
+                r[c, i] = problem.r[c, i]
+                problem.q[c, i] = q[c, i] - problem.soft[c] * r[c, i]
+        more, _, reached = solve(problem, k, tolerance)
+        sweeps += more
+        changed, largest = 0.0, 0.0
+        for c in range(k):
+            for i in range(3):
+                changed = max(changed, abs(problem.r[c, i] - r[c, i]))
+                largest = max(largest, abs(problem.r[c, i]))
+        if changed <= 1e-15 * largest or reached > tolerance:
+            break
+    return sweeps, reached

@@ -6,6 +6,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import uncounted
+from fem_lie.contact.impact.jacobian import along_all, push
 from fem_lie.contact.impact.sweeps import Cones, change, residual
 
 _ITERATIONS, _HALVES = 10, 12
@@ -17,23 +18,23 @@ _REDUNDANT = 1e-8
 
 @uncounted
 def _set_matrix(problem: Cones, k: int) -> None:
-    """``B M⁻¹ B̄ᵀ``, of the first 3 k rows and columns."""
-    bodies, rows, pushes, A = problem.bodies, problem.rows, problem.pushes, problem.dense.A
-    for c in range(k):
-        for d in range(k):
-            for i in range(3):
-                for j in range(3):
-                    total = 0.0
-                    for s in range(2):
-                        for t in range(2):
-                            if bodies[c, s] >= 0 and bodies[c, s] == bodies[d, t]:
-                                for at in range(6):
-                                    total += rows[c, s, i, at] * pushes[d, t, j, at]
-                    A[3 * c + i, 3 * d + j] = total
+    """``B M⁻¹ B̄ᵀ`` of the first k contacts, column by column; ``W`` is overwritten."""
+    pushes, W, A = problem.pushes, problem.W, problem.dense.A
+    W[:] = 0.0
+    for d in range(k):
+        for j in range(3):
+            push(pushes, d, j, 1.0, W)
+            for c in range(k):
+                u = along_all(problem.rows, c, W)
+                A[3 * c, 3 * d + j], A[3 * c + 1, 3 * d + j], A[3 * c + 2, 3 * d + j] = u
+            A[3 * d + j, 3 * d + j] += problem.soft[d]
+            for s in range(pushes.first[d], pushes.first[d + 1]):
+                for at in range(6):
+                    W[pushes.nodes[s], at] = 0.0
 
 
 @uncounted
-def set_function(problem: Cones, k: int, r: Array) -> float:
+def _set_function(problem: Cones, k: int, r: Array) -> float:
     """The function ``F``, whose zeros are solutions, and velocities ``u``; returns ``F·F``."""
     A, u, F, q = problem.dense.A, problem.dense.u, problem.dense.F, problem.q
     square = 0.0
@@ -59,7 +60,7 @@ def set_function(problem: Cones, k: int, r: Array) -> float:
 
 
 @uncounted
-def set_derivative(problem: Cones, k: int, r: Array) -> None:
+def _set_derivative(problem: Cones, k: int, r: Array) -> None:
     """The derivative ``J`` of the function, at the impulses of which ``u`` are the velocities."""
     A, J, u = problem.dense.A, problem.dense.J, problem.dense.u
     for c in range(k):
@@ -116,7 +117,7 @@ def eliminate(J: Array, d: Array, n: int) -> None:
 
 
 @uncounted
-def begin_newton(problem: Cones, k: int) -> None:
+def _begin(problem: Cones, k: int) -> None:
     """Take the impulses that it starts with, which are ``kept`` in its room, too."""
     room = problem.dense
     for i in range(3 * k):
@@ -124,12 +125,12 @@ def begin_newton(problem: Cones, k: int) -> None:
 
 
 @uncounted
-def step_of_newton(problem: Cones, k: int) -> None:
+def _step(problem: Cones, k: int) -> None:
     """One step, halved until the function is smaller, of all impulses."""
     n, room = 3 * k, problem.dense
     r, tried, F, d = room.r, room.tried, room.F, room.d
-    square = set_function(problem, k, r)
-    set_derivative(problem, k, r)
+    square = _set_function(problem, k, r)
+    _set_derivative(problem, k, r)
     for i in range(n):
         d[i] = F[i]
     eliminate(room.J, d, n)
@@ -137,7 +138,7 @@ def step_of_newton(problem: Cones, k: int) -> None:
     for _ in range(_HALVES):
         for i in range(n):
             tried[i] = r[i] - size * d[i]
-        now = set_function(problem, k, tried)
+        now = _set_function(problem, k, tried)
         if now < least:
             least, best = now, size
         if now < (1.0 - 1e-4 * size) * square:
@@ -157,10 +158,10 @@ def newton(problem: Cones, k: int, tolerance: float) -> int:
         k: How many contacts, at most :data:`~fem_lie.contact.impact.sweeps.MOST_NEWTON`.
         tolerance: Of the residual.
     """
-    begin_newton(problem, k)
+    _begin(problem, k)
     _set_matrix(problem, k)
     for iteration in range(1, _ITERATIONS + 1):
-        step_of_newton(problem, k)
+        _step(problem, k)
         change(problem, k)
         if residual(problem, k) <= tolerance:
             return iteration

@@ -6,9 +6,10 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie.contact.impact.jacobian import along, push
 from fem_lie.contact.impact.records import CLOSED, Masses, Touch, Work
-from fem_lie.contact.impact.rows import axis_of, set_pushes, set_rows
-from fem_lie.contact.impact.sweeps import MOST_NEWTON, along, push
+from fem_lie.contact.impact.rows import axis_of, set_push, set_rows
+from fem_lie.contact.impact.sweeps import MOST_NEWTON
 from fem_lie.contact.sides.kinematics import gap
 from fem_lie.lie.kinds import move
 from fem_lie.lie.motions import Group
@@ -56,8 +57,7 @@ def aim(h: float, touch: Touch, w: Work, k: int, factor: float) -> float:
     for i in range(k):
         c = w.chosen[i]
         w.nu[c] = part * h * problem.r[i, 0]
-        after = along(problem.rows[i], problem.bodies[i], w.v, 0)
-        after += along(problem.rows[i], problem.bodies[i], problem.W, 0)
+        after = along(problem.rows, i, w.v, 0) + along(problem.rows, i, problem.W, 0)
         away = 0.5 * (after - factor * touch.restitution[c] * w.incoming[c])
         w.target[c] = max(0.0, away * (1.0 - w.part[c]) * h)
     return part
@@ -69,12 +69,12 @@ def _sweep(touch: Touch, w: Work, k: int) -> tuple[float, float]:
     worst, forward = 0.0, 0.0
     for i in range(k):
         c = w.near[i]
-        g = w.apart[c] + along(w.rows[i], w.bodies[i], w.moved, 0)
+        g = w.apart[c] + along(w.rows, i, w.moved, 0)
         new = max(0.0, w.nu[c] - g / w.own[i])
         if new != w.nu[c]:
             more = new - w.nu[c]
             worst = max(worst, abs(more) * w.own[i] / touch.closed[c])
-            push(w.pushes[i], w.bodies[i], 0, more, w.moved)
+            push(w.pushes, i, 0, more, w.moved)
             w.nu[c] = new
             forward += more * (new - w.last[i])
     return worst, forward
@@ -122,16 +122,15 @@ def _part_places(
         enough: Change of a gap, over that which counts as closed, that is small.
         ahead: Whether sweeps extrapolate, see :func:`_go_on`.
     """
-    w.moved[:], bodies = 0.0, w.bodies
+    w.moved[:], rows, pushes = 0.0, w.rows, w.pushes
     for i in range(k):
         c = w.near[i]
-        set_rows(H, touch, c, 0, bodies[i], w.rows[i])
-        set_pushes(masses, bodies[i], w.rows[i], w.pushes[i])
+        rows.first[i + 1] = rows.first[i] + set_rows(H, touch, c, 0, rows, rows.first[i])
         w.own[i] = 0.0
-        for side in range(2):
-            if bodies[i, side] >= 0:
-                for j in range(6):
-                    w.own[i] += w.rows[i, side, 0, j] * w.pushes[i, side, 0, j]
+        for block in range(rows.first[i], rows.first[i + 1]):
+            set_push(masses, rows.nodes[block], rows.values[block], pushes.values[block])
+            for j in range(6):
+                w.own[i] += rows.values[block, 0, j] * pushes.values[block, 0, j]
     weight = 1.0
     if ahead:
         _go_on(w, k, 0.0)

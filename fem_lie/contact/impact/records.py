@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.contact.impact.sweeps import Cones, dense_of, past_of
+from fem_lie.contact.impact.jacobian import BlockRows, empty_rows
+from fem_lie.contact.impact.sweeps import Cones, cones_of
 from fem_lie.contact.sides.table import Side
 
 CLOSED = 1e-9
@@ -67,7 +68,7 @@ class Work(NamedTuple):
         joined: Whether a contact takes part, shape (m,).
         gaps: At the start of a step, and at its end, shape (m,).
         smooth: At the end of the step without contacts, shape (m,).
-        before: Rows at the start of those that were closed, shape (m, 2, 3, 6).
+        before: Rows at the start of those that were closed.
         speed: Along the normal at the start, shape (m,).
         incoming: At the time of the impact, shape (m,).
         part: Of the step up to it, shape (m,).
@@ -75,17 +76,16 @@ class Work(NamedTuple):
         nu: Impulses times times that move bodies apart, shape (m,).
         apart: Gaps less those targets, shape (m,).
         impulses: In the last step, shape (m, 3).
-        rows: Normal rows, shape (m, 2, 1, 6).
-        pushes: What they do, likewise.
+        rows: Normal rows.
+        pushes: Velocities by unit impulses along these.
         own: Their products at one contact, shape (m,).
         last: ``nu`` after the last sweep, in the order of ``near``, shape (m,).
         turned: ``moved`` then, shape (n, 6).
         moved: Of bodies, shape (n, 6).
         H: Frames without contacts, and those of the last pass, shape (2, n, 4, 3).
         v: Velocities without contacts, shape (n, 6).
-        mean: Rows of a force, shape (2, 3, 6).
+        mean: A block of a force, shape (3, 6).
         near: Contacts whose places are looked at, shape (m,).
-        bodies: Of these, shape (m, 2).
         axis: By which tangents are chosen, shape (m,).
         close: Which may touch in this step at all, shape (m,).
         many: How many these are, shape (1,).
@@ -96,7 +96,7 @@ class Work(NamedTuple):
     joined: Flags
     gaps: Array
     smooth: Array
-    before: Array
+    before: BlockRows
     speed: Array
     incoming: Array
     part: Array
@@ -104,8 +104,8 @@ class Work(NamedTuple):
     nu: Array
     apart: Array
     impulses: Array
-    rows: Array
-    pushes: Array
+    rows: BlockRows
+    pushes: BlockRows
     own: Array
     last: Array
     turned: Array
@@ -114,28 +114,27 @@ class Work(NamedTuple):
     v: Array
     mean: Array
     near: Indices
-    bodies: Indices
     axis: Indices
     close: Indices
     many: Indices
 
 
+_BODIES = 2
+"""Nodes at one contact of rigid bodies."""
+
+
+def _pushes_of(rows: BlockRows) -> BlockRows:
+    """Rows of ``M⁻¹ B̄ᵀ`` of free rigid bodies: those of the same nodes."""
+    return rows._replace(values=np.zeros_like(rows.values))
+
+
 def work_of(m: int, n: int) -> Work:
     """Of ``m`` pairs of places and ``n`` bodies."""
     z = np.zeros
-    problem = Cones(
-        np.full((m, 2), -1),
-        z((m, 2, 3, 6)),
-        z((m, 2, 3, 6)),
-        z((m, 3, 3)),
-        z((m, 3)),
-        z(m),
-        z((m, 3)),
-        z((n, 6)),
-        dense_of(m),
-        past_of(m, n),
-        z(1),
-    )
+    rows, normals = (empty_rows(m, _BODIES, components) for components in (3, 1))
+    before = empty_rows(m, _BODIES, 3)
+    before.first[:] = _BODIES * np.arange(m + 1)
+    problem = cones_of(rows, _pushes_of(rows), n)
     whole = np.zeros(m, dtype=np.int64)
     return Work(
         cones=problem,
@@ -143,7 +142,7 @@ def work_of(m: int, n: int) -> Work:
         joined=np.zeros(m, dtype=np.bool_),
         gaps=z(m),
         smooth=z(m),
-        before=z((m, 2, 3, 6)),
+        before=before,
         speed=z(m),
         incoming=z(m),
         part=z(m),
@@ -151,17 +150,16 @@ def work_of(m: int, n: int) -> Work:
         nu=z(m),
         apart=z(m),
         impulses=z((m, 3)),
-        rows=z((m, 2, 1, 6)),
-        pushes=z((m, 2, 1, 6)),
+        rows=normals,
+        pushes=_pushes_of(normals),
         own=z(m),
         last=z(m),
         turned=z((n, 6)),
         moved=z((n, 6)),
         H=z((2, n, 4, 3)),
         v=z((n, 6)),
-        mean=z((2, 3, 6)),
+        mean=z((3, 6)),
         near=whole.copy(),
-        bodies=np.full((m, 2), -1),
         axis=whole.copy(),
         close=whole.copy(),
         many=np.zeros(1, dtype=np.int64),

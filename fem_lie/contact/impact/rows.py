@@ -1,4 +1,4 @@
-"""Gaps of contacts, rows of the matrix ``B`` of their velocities, and what unit impulses do."""
+"""Gaps of contacts, and the rows of the matrix ``B`` of their velocities."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
+from fem_lie.contact.impact.jacobian import BlockRows
 from fem_lie.contact.impact.records import Masses, Touch
-from fem_lie.contact.sides.kinematics import gap, place
+from fem_lie.contact.sides.kinematics import gap, place, slot
 from fem_lie.contact.sides.passage import jumps
+from fem_lie.contact.sides.surfaces import MOST_NODES
+from fem_lie.contact.sides.table import GROUND, UNUSED
 from fem_lie.lie.motions import global_components, local_components
 from fem_lie.lie.tuples import (
     Vector,
@@ -16,7 +19,7 @@ from fem_lie.lie.tuples import (
     dot,
     load_row,
     minus,
-    negative,
+    plus,
     scaled,
     store_row,
 )
@@ -88,42 +91,78 @@ def tangents(H: Array, touch: Touch, j: int, n: Vector, k: int) -> tuple[Vector,
 
 
 @inlined_uncounted
-def set_rows(H: Array, touch: Touch, c: int, axis: int, bodies: Indices, rows: Array) -> None:
-    """Bodies and rows of a pair, as many as there is room for: (2,), (2, 1 or 3, 6)."""
+def nearest(H: Array, touch: Touch, c: int) -> tuple[Vector, Vector]:
+    """Point of the first side of a pair that is nearest to the second, and the normal."""
     i, j = touch.pairs[c]
     _, n, P = gap(H, touch.a, touch.b, i, j, touch.flat[c])
-    at = minus(P, scaled(touch.a.radii[i], n))
-    first, second = n, n
-    if rows.shape[1] > 1:
-        first, second = tangents(H, touch, j, n, axis)
-    for side in range(2):
-        body = touch.a.nodes[i, 0] if side == 0 else touch.b.nodes[j, 0]
-        bodies[side] = body
-        if body < 0:
-            continue
-        lever = minus(at, load_row(H[body], 0))
-        for k in range(rows.shape[1]):
-            d = n if k == 0 else (first if k == 1 else second)
-            if side == 1:
-                d = negative(d)
-            turning = local_components(H[body], cross(lever, d))
-            for at_ in range(3):
-                rows[side, k, at_] = d[at_]
-                rows[side, k, 3 + at_] = turning[at_]
+    return minus(P, scaled(touch.a.radii[i], n)), n
 
 
 @inlined_uncounted
-def set_pushes(masses: Masses, bodies: Indices, rows: Array, pushes: Array) -> None:
-    """``M⁻¹ Bᵀ``."""
+def set_rows(H: Array, touch: Touch, c: int, axis: int, rows: BlockRows, block: int) -> int:
+    """Store the blocks of a pair from one on, as many components as there are; how many blocks."""
+    i, j = touch.pairs[c]
+    _, n, P = gap(H, touch.a, touch.b, i, j, touch.flat[c])
+    at = minus(P, scaled(touch.a.radii[i], n))
+    first, second, components, count = n, n, rows.values.shape[1], 0
+    if components > 1:
+        first, second = tangents(H, touch, j, n, axis)
     for side in range(2):
-        body = bodies[side]
-        if body < 0:
-            continue
-        J = masses.inverse[body]
-        for k in range(rows.shape[1]):
-            for i in range(3):
-                pushes[side, k, i] = rows[side, k, i] / masses.mass[body]
-                total = 0.0
-                for j in range(3):
-                    total += J[i, j] * rows[side, k, 3 + j]
-                pushes[side, k, 3 + i] = total
+        # the point of contact rotates with its nodes
+        off = minus(at, P if side == 0 or touch.flat[c] else place(H, touch.b, j))
+        for m in range(MOST_NODES):
+            node, sign, w, lever = slot(
+                H, touch.a, touch.b, i, j, touch.flat[c], P, side * MOST_NODES + m
+            )
+            if node == UNUSED:
+                break
+            if node == GROUND:
+                continue
+            lever = plus(lever, scaled(w, local_components(H[node], off)))
+            rows.nodes[block + count] = node
+            values = rows.values[block + count]
+            for k in range(components):
+                d = scaled(sign, n if k == 0 else (first if k == 1 else second))
+                moment = cross(lever, local_components(H[node], d))
+                for x in range(3):
+                    values[k, x], values[k, 3 + x] = w * d[x], moment[x]
+            count += 1
+    return count
+
+
+@inlined_uncounted
+def set_push(masses: Masses, body: int, force: Array, out: Array) -> None:
+    """``M⁻¹`` of one free rigid body times a block of forces, shapes (1 or 3, 6)."""
+    J = masses.inverse[body]
+    for k in range(force.shape[0]):
+        for i in range(3):
+            out[k, i] = force[k, i] / masses.mass[body]
+            total = 0.0
+            for j in range(3):
+                total += J[i, j] * force[k, 3 + j]
+            out[k, 3 + i] = total
+
+
+@uncounted
+def append_rows(H: Array, touch: Touch, chosen: Indices, axis: Indices, rows: BlockRows) -> None:
+    """Rows of the chosen pairs, shape (k,), with tangents by these axes."""
+    for e in range(chosen.shape[0]):
+        block = rows.first[e]
+        rows.first[e + 1] = block + set_rows(H, touch, chosen[e], axis[e], rows, block)
+
+
+@uncounted
+def choose_axes(H: Array, touch: Touch, chosen: Indices, axis: Indices) -> None:
+    """Axes by which tangents of the chosen pairs are chosen, shape (k,)."""
+    for e in range(chosen.shape[0]):
+        axis[e] = axis_of(H, touch, chosen[e])
+
+
+@uncounted
+def show_places(H: Array, touch: Touch, chosen: Indices, axis: Indices, out: Array) -> None:
+    """Points of the first sides that are nearest, normals and tangents, shape (k, 4, 3)."""
+    for e in range(chosen.shape[0]):
+        at, n = nearest(H, touch, chosen[e])
+        t1, t2 = tangents(H, touch, touch.pairs[chosen[e], 1], n, axis[e])
+        for k in range(3):
+            out[e, 0, k], out[e, 1, k], out[e, 2, k], out[e, 3, k] = at[k], n[k], t1[k], t2[k]

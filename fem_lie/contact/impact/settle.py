@@ -20,7 +20,8 @@ from __future__ import annotations
 from fem_lie._arrays import Array
 from fem_lie._jit import uncounted
 from fem_lie.contact.impact import cones
-from fem_lie.contact.impact.books import energy, note_ground, note_works
+from fem_lie.contact.impact.jacobian import along
+from fem_lie.contact.impact.observed import energy, note_ground, note_works
 from fem_lie.contact.impact.places import aim, moved, settle_places
 from fem_lie.contact.impact.records import (
     CONTACTS,
@@ -33,7 +34,7 @@ from fem_lie.contact.impact.records import (
     Touch,
     Work,
 )
-from fem_lie.contact.impact.sweeps import MOST_NEWTON, along
+from fem_lie.contact.impact.sweeps import MOST_NEWTON
 from fem_lie.contact.impact.velocities import choose, join, set_cones
 from fem_lie.contact.sides.kinematics import gap
 
@@ -99,7 +100,7 @@ def _fall(w: Work, k: int) -> float:
     """The largest change of a normal velocity in the smooth step."""
     found = 0.0
     for i in range(k):
-        free = along(w.cones.rows[i], w.cones.bodies[i], w.v, 0)
+        free = along(w.cones.rows, i, w.v, 0)
         found = max(found, abs(free - w.speed[w.chosen[i]]))
     return found
 

@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array
 from fem_lie._jit import inlined_uncounted, uncounted
+from fem_lie.contact.impact.jacobian import BlockRows, along_all, push_all, rates
 from fem_lie.contact.impact.one_contact import projected, single
 from fem_lie.lie.tuples import Vector
 
@@ -45,22 +46,19 @@ def dense_of(m: int) -> Dense:
     return Dense(np.zeros((n, n)), np.zeros((n, n)), *(np.zeros(n) for _ in range(6)))
 
 
-_TINY = 1e-6
-"""Part of speeds: round-off of these is 1e-10 of what changes them so."""
-
 PAST = 10
 """Sweeps that are known of many contacts."""
 
 
 class Past(NamedTuple):
-    """What sweeps of more contacts than those did, M of them, or room for none.
+    """The last sweeps of a method for many contacts.
 
     Attributes:
-        start: Impulses before the last one, shape (M, 3).
+        start: Impulses before the last one, shape (m, 3).
         end: And after it, likewise.
         did: What it did, likewise.
         turned: Changes of velocities after it, shape (n, 6).
-        steps: By what the ends of sweeps differ, shape (:data:`PAST`, M, 3).
+        steps: By what the ends of sweeps differ, shape (:data:`PAST`, m, 3).
         changes: By what differs what they did, likewise.
         turns: By what velocities differ, shape (:data:`PAST`, n, 6).
         products: Of ``changes``, shape (:data:`PAST`, :data:`PAST`).
@@ -81,15 +79,15 @@ class Past(NamedTuple):
 
 
 def past_of(m: int, n: int) -> Past:
-    """For at most ``m`` contacts of ``n`` bodies."""
-    M, z = m if m > MOST_NEWTON else 0, np.zeros
+    """For at most ``m`` contacts of ``n`` nodes."""
+    z = np.zeros
     return Past(
-        start=z((M, 3)),
-        end=z((M, 3)),
-        did=z((M, 3)),
+        start=z((m, 3)),
+        end=z((m, 3)),
+        did=z((m, 3)),
         turned=z((n, 6)),
-        steps=z((PAST, M, 3)),
-        changes=z((PAST, M, 3)),
+        steps=z((PAST, m, 3)),
+        changes=z((PAST, m, 3)),
         turns=z((PAST, n, 6)),
         products=z((PAST, PAST)),
         room=z((PAST, PAST)),
@@ -98,70 +96,68 @@ def past_of(m: int, n: int) -> Past:
 
 
 class Cones(NamedTuple):
-    """The first k of these are a problem.
+    """The first k contacts of these are a problem.
 
     Attributes:
-        bodies: On both sides, negative for ground, shape (·, 2).
-        rows: ``B`` of both bodies, shape (·, 2, 3, 6).
-        pushes: Rows of ``M⁻¹ B̄ᵀ``: what unit impulses do, likewise.
-        own: Their products at one contact, shape (·, 3, 3).
-        q: Shape (·, 3).
+        rows: ``B``.
+        pushes: Rows of ``M⁻¹ B̄ᵀ``: velocities by unit impulses.
+        own: Products of both at one contact, with ``soft``, shape (·, 3, 3).
+        soft: Velocity by which a contact yields to a unit impulse, shape (·,).
+        q: Velocities without impulses, less the least ones, shape (·, 3).
         friction: μ, shape (·,).
         r: Impulses; start and solution, shape (·, 3).
-        W: Change of the bodies' velocities, shape (n, 6).
-        dense: Room.
-        past: Room of many.
-        speed: The largest of any place without impulses, shape (1,).
+        W: Change of the nodes' velocities, shape (n, 6).
+        dense: Memory of Newton's method.
+        past: Memory of sweeps over many contacts.
+        least: Velocity that is round-off in this problem, shape (1,).
     """
 
-    bodies: Indices
-    rows: Array
-    pushes: Array
+    rows: BlockRows
+    pushes: BlockRows
     own: Array
+    soft: Array
     q: Array
     friction: Array
     r: Array
     W: Array
     dense: Dense
     past: Past
-    speed: Array
+    least: Array
 
 
-@inlined_uncounted
-def along(rows: Array, bodies: Indices, v: Array, k: int) -> float:
-    """``B v`` of a component of one contact, shapes (2, 3, 6), (2,)."""
-    total = 0.0
-    for side in range(2):
-        body = bodies[side]
-        if body >= 0:
-            for at in range(6):
-                total += rows[side, k, at] * v[body, at]
-    return total
-
-
-@inlined_uncounted
-def push(pushes: Array, bodies: Indices, k: int, impulse: float, v: Array) -> None:
-    """Add what an impulse along a component does to velocities."""
-    for side in range(2):
-        body = bodies[side]
-        if body >= 0:
-            for at in range(6):
-                v[body, at] += impulse * pushes[side, k, at]
+def cones_of(rows: BlockRows, pushes: BlockRows, n: int) -> Cones:
+    """A problem of at most as many contacts as ``rows`` has, of ``n`` nodes; all else is zero."""
+    m, z = len(rows.first) - 1, np.zeros
+    return Cones(
+        rows,
+        pushes,
+        own=z((m, 3, 3)),
+        soft=z(m),
+        q=z((m, 3)),
+        friction=z(m),
+        r=z((m, 3)),
+        W=z((n, 6)),
+        dense=dense_of(m),
+        past=past_of(m, n),
+        least=z(1),
+    )
 
 
 @uncounted
 def begin(problem: Cones, k: int) -> None:
     """Find the products at single contacts, and what the impulses do that it starts with."""
-    bodies, rows, pushes, own = problem.bodies, problem.rows, problem.pushes, problem.own
+    rows, pushes, own = problem.rows, problem.pushes, problem.own
     for c in range(k):
         for i in range(3):
             for j in range(3):
                 total = 0.0
-                for side in range(2):
-                    if bodies[c, side] >= 0:
-                        for at in range(6):
-                            total += rows[c, side, i, at] * pushes[c, side, j, at]
+                for s in range(rows.first[c], rows.first[c + 1]):
+                    for t in range(pushes.first[c], pushes.first[c + 1]):
+                        if rows.nodes[s] == pushes.nodes[t]:
+                            for at in range(6):
+                                total += rows.values[s, i, at] * pushes.values[t, j, at]
                 own[c, i, j] = total
+            own[c, i, i] += problem.soft[c]
     change(problem, k)
 
 
@@ -170,27 +166,49 @@ def change(problem: Cones, k: int) -> None:
     """Find what the impulses do to the velocities."""
     problem.W[:] = 0.0
     for c in range(k):
+        r = problem.r[c, 0], problem.r[c, 1], problem.r[c, 2]
+        push_all(problem.pushes, c, r, problem.W)
+
+
+@uncounted
+def products(problem: Cones, r: Array, u: Array) -> None:
+    """``u = B M⁻¹ B̄ᵀ r`` of all contacts, shapes (k, 3); the problem's impulses become ``r``."""
+    k = r.shape[0]
+    for c in range(k):
         for i in range(3):
-            push(problem.pushes[c], problem.bodies[c], i, problem.r[c, i], problem.W)
+            problem.r[c, i] = r[c, i]
+    change(problem, k)
+    rates(problem.rows, problem.W, u)
+
+
+@inlined_uncounted
+def velocity(problem: Cones, c: int) -> Vector:
+    """``u`` at contact ``c``, with all impulses."""
+    q, r, soft = problem.q, problem.r, problem.soft[c]
+    u0, u1, u2 = along_all(problem.rows, c, problem.W)
+    return (
+        q[c, 0] + u0 + soft * r[c, 0],
+        q[c, 1] + u1 + soft * r[c, 1],
+        q[c, 2] + u2 + soft * r[c, 2],
+    )
 
 
 @uncounted
 def sweep(problem: Cones, k: int) -> None:
     """Solve one contact after the other."""
-    bodies, rows, pushes, own = problem.bodies, problem.rows, problem.pushes, problem.own
-    q, r, W = problem.q, problem.r, problem.W
+    r, own = problem.r, problem.own
     for c in range(k):
         r0, r1, r2, A = r[c, 0], r[c, 1], r[c, 2], own[c]
+        u0, u1, u2 = velocity(problem, c)
         b = (
-            q[c, 0] + along(rows[c], bodies[c], W, 0) - A[0, 0] * r0 - A[0, 1] * r1 - A[0, 2] * r2,
-            q[c, 1] + along(rows[c], bodies[c], W, 1) - A[1, 0] * r0 - A[1, 1] * r1 - A[1, 2] * r2,
-            q[c, 2] + along(rows[c], bodies[c], W, 2) - A[2, 0] * r0 - A[2, 1] * r1 - A[2, 2] * r2,
+            u0 - A[0, 0] * r0 - A[0, 1] * r1 - A[0, 2] * r2,
+            u1 - A[1, 0] * r0 - A[1, 1] * r1 - A[1, 2] * r2,
+            u2 - A[2, 0] * r0 - A[2, 1] * r1 - A[2, 2] * r2,
         )
         x = single(A, b, problem.friction[c], (r0, r1, r2))
-        for i in range(3):
-            if x[i] != r[c, i]:
-                push(pushes[c], bodies[c], i, x[i] - r[c, i], W)
-                r[c, i] = x[i]
+        if x[0] != r0 or x[1] != r1 or x[2] != r2:
+            push_all(problem.pushes, c, (x[0] - r0, x[1] - r1, x[2] - r2), problem.W)
+            r[c, 0], r[c, 1], r[c, 2] = x
 
 
 @inlined_uncounted
@@ -216,19 +234,13 @@ def off_cone(u: Vector, own: Array, mu: float, r: Array) -> tuple[float, float]:
 
 @uncounted
 def residual(problem: Cones, k: int) -> float:
-    """What :func:`off_cone` has over the largest impulse.
+    """Largest :func:`off_cone` over the largest impulse.
 
-    What changes speeds by a part of :data:`_TINY` is known no better than to round-off.
+    Velocities of :attr:`Cones.least` are known no better than to round-off.
     """
-    worst, size, least = 0.0, np.finfo(np.float64).tiny, _TINY * problem.speed[0]
-    q, r = problem.q, problem.r
+    worst, size, least = 0.0, np.finfo(np.float64).tiny, problem.least[0]
     for c in range(k):
-        u = (
-            q[c, 0] + along(problem.rows[c], problem.bodies[c], problem.W, 0),
-            q[c, 1] + along(problem.rows[c], problem.bodies[c], problem.W, 1),
-            q[c, 2] + along(problem.rows[c], problem.bodies[c], problem.W, 2),
-        )
-        off, rho = off_cone(u, problem.own[c], problem.friction[c], r[c])
+        off, rho = off_cone(velocity(problem, c), problem.own[c], problem.friction[c], problem.r[c])
         worst = max(worst, off)
-        size = max(size, abs(r[c, 0]), rho * max(abs(q[c, 0]), least))
+        size = max(size, abs(problem.r[c, 0]), rho * max(abs(problem.q[c, 0]), least))
     return float(worst / size)

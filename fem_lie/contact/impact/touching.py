@@ -9,9 +9,9 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.contact.contact import Contact
+from fem_lie.contact.impact.observed import PAIR
 from fem_lie.contact.impact.records import CLOSED, Touch, Work, work_of
 from fem_lie.contact.impact.rows import find_crossed, set_centres, set_gaps
-from fem_lie.contact.impact.shown import PAIR
 from fem_lie.contact.impact.sweeps import Dense, Past
 from fem_lie.contact.laws import Impact
 from fem_lie.contact.sides.pairs import NearPairs
@@ -128,7 +128,7 @@ class Touching:
         self.work.impulses[here] = impulses[there]
 
     def named(self, shown: Array) -> Array:
-        """Rows of :mod:`.shown`; key of the contact and both its places instead of the pair."""
+        """Rows of :mod:`.observed`; key of the contact and both its places instead of the pair."""
         pair = shown[:, PAIR].astype(np.int64)
         of = self.of[pair]
         places = self.touch.pairs[pair] - self._first[of]

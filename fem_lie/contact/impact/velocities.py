@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Flags
 from fem_lie._jit import inlined_uncounted, uncounted
+from fem_lie.contact.impact.jacobian import along
 from fem_lie.contact.impact.records import Masses, Touch, Work
-from fem_lie.contact.impact.rows import axis_of, set_pushes, set_rows
-from fem_lie.contact.impact.sweeps import MOST_NEWTON, along
+from fem_lie.contact.impact.rows import axis_of, set_push, set_rows
+from fem_lie.contact.impact.sweeps import MOST_NEWTON
 from fem_lie.lie.tuples import dot, load
+
+_TINY = 1e-6
+"""Part of speeds: round-off of these is 1e-10 of what changes them so."""
 
 _REACH = 4.0
 """Steps in which places come so near that their gaps are looked at."""
@@ -67,57 +71,83 @@ def join(h: float, touch: Touch, start: tuple[Array, Array], w: Work) -> None:
         closed = w.gaps[c] <= touch.closed[c]
         if w.joined[c] or closed:
             w.axis[c] = axis_of(H, touch, c)
-            set_rows(H, touch, c, w.axis[c], w.bodies[at], w.before[c])
-            w.speed[c] = along(w.before[c], w.bodies[at], v, 0)
+            set_rows(H, touch, c, w.axis[c], w.before, w.before.first[c])
+            w.speed[c] = along(w.before, c, v, 0)
             lasts = many and closed and w.impulses[c, 0] > 0.0
             w.joined[c] = w.joined[c] or lasts or w.speed[c] <= touch.closed[c] / h
 
 
 @inlined_uncounted
-def _bound(h: float, touch: Touch, w: Work, c: int, i: int, factor: float) -> float:
-    """What the normal velocity of contact c, the i-th that takes part, is to be at least."""
-    free = along(w.cones.rows[i], w.cones.bodies[i], w.v, 0)
-    g0, g1 = max(w.gaps[c], 0.0), w.smooth[c]
-    moved = w.speed[c] * h
-    w.part[c], w.incoming[c] = 0.0, w.speed[c]
-    if g1 > 0.0 and g0 > touch.closed[c]:
-        w.part[c], w.incoming[c] = 1.0, free
-    elif g1 <= 0.0:
-        if g0 > touch.closed[c]:
-            w.part[c] = time_of(g0, moved, g1)
-        w.incoming[c] += 2.0 * (g1 - g0 - moved) * w.part[c] / h
-    elif g1 > 0.0:
-        w.incoming[c] = free
-    w.incoming[c] = min(0.0, w.incoming[c])
-    if w.incoming[c] == 0.0:
-        return 0.0
-    return max(0.0, free - (1.0 + factor * touch.restitution[c]) * w.incoming[c])
+def bound(
+    h: float, gaps: tuple[float, float], closed: bool, speed: float, free: float, restitution: float
+) -> tuple[float, float, float]:
+    """Least normal velocity at the end of a step, that at the impact, and the part up to it.
+
+    Args:
+        h: Size of the step.
+        gaps: At the start, and at the end without contacts.
+        closed: Whether the contact was closed at the start.
+        speed: Normal velocity at the start.
+        free: And at the end without contacts.
+        restitution: e.
+    """
+    g0, g1, moved = max(gaps[0], 0.0), gaps[1], speed * h
+    part, incoming = 0.0, free
+    if g1 > 0.0:
+        part = 0.0 if closed else 1.0
+    else:
+        if not closed:
+            part = time_of(g0, moved, g1)
+        incoming = speed + 2.0 * (g1 - g0 - moved) * part / h
+    incoming = min(0.0, incoming)
+    least = 0.0 if incoming == 0.0 else max(0.0, free - (1.0 + restitution) * incoming)
+    return least, incoming, part
+
+
+@uncounted
+def set_bounds(
+    h: float,
+    gaps: tuple[Array, Array],
+    closed: Flags,
+    speed: Array,
+    free: Array,
+    restitution: Array,
+    out: Array,
+) -> None:
+    """:func:`bound` of all contacts, shape (k, 3)."""
+    for c in range(out.shape[0]):
+        ends = gaps[0][c], gaps[1][c]
+        found = bound(h, ends, closed[c], speed[c], free[c], restitution[c])
+        out[c, 0], out[c, 1], out[c, 2] = found
 
 
 @uncounted
 def set_cones(h: float, touch: Touch, masses: Masses, w: Work, factor: float) -> int:
     """Rows at the places of the last pass, and velocities without impulses; how many take part."""
     problem, k = w.cones, 0
-    problem.speed[0] = largest_speed(w.v, touch.arm)
+    rows, pushes = problem.rows, problem.pushes
+    problem.least[0] = _TINY * largest_speed(w.v, touch.arm)
     for at in range(w.many[0]):
         c = w.close[at]
         if not w.joined[c]:
             continue
-        bodies, rows = problem.bodies[k], problem.rows[k]
-        set_rows(w.H[1], touch, c, w.axis[c], bodies, rows)
-        if w.gaps[c] <= touch.closed[c]:
-            mean = w.mean
-            for side in range(2):
-                for i in range(3):
-                    for j in range(6):
-                        mean[side, i, j] = 0.5 * (rows[side, i, j] + w.before[c, side, i, j])
-            set_pushes(masses, bodies, mean, problem.pushes[k])
-        else:
-            set_pushes(masses, bodies, rows, problem.pushes[k])
+        first, closed = rows.first[k], w.gaps[c] <= touch.closed[c]
+        rows.first[k + 1] = first + set_rows(w.H[1], touch, c, w.axis[c], rows, first)
+        for block in range(first, rows.first[k + 1]):
+            start = w.before.values[w.before.first[c] + block - first]
+            for i in range(3):
+                for j in range(6):
+                    here = rows.values[block, i, j]
+                    w.mean[i, j] = 0.5 * (here + start[i, j]) if closed else here
+            set_push(masses, rows.nodes[block], w.mean, pushes.values[block])
         for i in range(3):
-            problem.q[k, i] = along(rows, bodies, w.v, i)
+            problem.q[k, i] = along(rows, k, w.v, i)
             problem.r[k, i] = w.impulses[c, i]
-        problem.q[k, 0] -= _bound(h, touch, w, c, k, factor)
+        gaps, free, restitution = (w.gaps[c], w.smooth[c]), problem.q[k, 0], touch.restitution[c]
+        least, w.incoming[c], w.part[c] = bound(
+            h, gaps, closed, w.speed[c], free, factor * restitution
+        )
+        problem.q[k, 0] -= least
         problem.friction[k] = touch.friction[c]
         w.chosen[k] = c
         k += 1

@@ -7,6 +7,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.contact.sides.surfaces import MOST_NODES, Ball, Face
@@ -74,6 +75,27 @@ def empty_side(n: int) -> Side:
         np.zeros((n, 3)),
         np.zeros(n, dtype=np.int64),
     )
+
+
+def on_leaders(side: Side, leader: Indices, offset: Array) -> Side:
+    """The same places, by the nodes that their nodes follow.
+
+    Args:
+        side: On all nodes.
+        leader: Of each node, shape (N,).
+        offset: Its frame in that of its leader, shape (N, 4, 3).
+    """
+    moved = side._replace(
+        nodes=side.nodes.copy(), levers=side.levers.copy(), normals=side.normals.copy()
+    )
+    for i, k in np.argwhere(side.nodes >= 0):
+        node = side.nodes[i, k]
+        x, R = lie.position(offset[node]), lie.rotation(offset[node])
+        moved.nodes[i, k] = leader[node]
+        moved.levers[i, k] = side.weights[i, k] * x + R @ side.levers[i, k]
+        if k == 0:
+            moved.normals[i] = R @ side.normals[i]
+    return moved
 
 
 def least(*radii: Array) -> float:

@@ -10,9 +10,9 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._state import attributes
+from fem_lie.contact.impact.observed import WIDTH
 from fem_lie.contact.impact.records import CONTACTS, FRICTION, IMPACT, RESIDUAL
 from fem_lie.contact.impact.records import TOLD as SIZE
-from fem_lie.contact.impact.shown import WIDTH
 from fem_lie.forms.term import PassedThroughError
 from fem_lie.lie.kinds.kind import SLOPE
 from fem_lie.results import Result

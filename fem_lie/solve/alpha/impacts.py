@@ -13,6 +13,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._state import attributes
+from fem_lie.contact.impact.observed import WIDTH
 from fem_lie.contact.impact.records import (
     CONTACTS,
     FRICTION,
@@ -23,7 +24,6 @@ from fem_lie.contact.impact.records import (
     TOLD,
     Masses,
 )
-from fem_lie.contact.impact.shown import WIDTH
 from fem_lie.contact.impact.touching import Touching
 from fem_lie.contact.impact.velocities import largest_speed
 from fem_lie.forms.term import PassedThroughError

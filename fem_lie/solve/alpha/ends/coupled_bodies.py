@@ -11,11 +11,13 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie.contact.contact import Contact
-from fem_lie.contact.impact.rows import set_gaps
+from fem_lie.contact.impact.jacobian import BlockRows, empty_rows, rates
+from fem_lie.contact.impact.rows import append_rows, set_gaps
 from fem_lie.contact.impact.touching import Touching
+from fem_lie.contact.sides.table import on_leaders
 from fem_lie.lie.kinds import all_to_group, move_all
 from fem_lie.lie.kinds import to_local as twist_of
-from fem_lie.solve.alpha.ends.coupled_rows import on_leaders, set_rows
+from fem_lie.solve.alpha.ends.delassus import islands_of
 from fem_lie.solve.alpha.ends.impulses import Impulses
 from fem_lie.solve.alpha.step.node import Scheme
 from fem_lie.solve.alpha.step.nodes import State
@@ -64,7 +66,7 @@ class CoupledBodies:
         self._equations, self._p, self._kept = equations, scheme, kept
         self._n, self._m, self._h = unknowns.moving, unknowns.m, scheme.h
         self._rows, self._length = len(start.frames), unknowns.length
-        self._free = ~unknowns.held.ravel()
+        self._free, self._known = ~unknowns.held.ravel(), -1
         self.near = Touching(
             contacts,
             unknowns.bodies.__getitem__,
@@ -72,6 +74,8 @@ class CoupledBodies:
             start.frames,
             partial(on_leaders, leader=tables.leader, offset=tables.offset),
         )
+        sides = self.near.touch.a, self.near.touch.b
+        self._width = sum(int((side.nodes >= 0).sum(axis=1).max()) for side in sides)
         self._impulses = Impulses(equations, scheme.h)
         self._r = np.zeros(unknowns.size)
         none = self._still = np.zeros((self._n, 6))
@@ -92,22 +96,32 @@ class CoupledBodies:
         set_gaps(self.near.touch, H, g)
         return g
 
-    def _rows_of(self, H: Array, pairs: Indices, axis: Indices) -> Array:
-        B = np.empty((len(pairs), 3, self._rows, 6))
-        set_rows(H, self.near.touch, pairs, axis, B)
-        return B.reshape(3 * len(pairs), -1)
+    def _rows_of(self, H: Array, pairs: Indices, axis: Indices) -> BlockRows:
+        """Rows of contacts at frames ``H``."""
+        memory = empty_rows(len(pairs), self._width, 3)
+        append_rows(H, self.near.touch, pairs, axis, memory)
+        count = memory.first[-1]
+        return BlockRows(memory.first, memory.nodes[:count], memory.values[:count])
 
-    def _own(self, B: Array) -> Array:
-        """Of rows the part of the unknowns that are free."""
-        return np.asarray(B[:, : 6 * self._n] * self._free)
+    def _rates_of(self, rows: BlockRows, H: Array, twists: Array) -> Array:
+        """Velocities or increments of contacts (k, 3) by twists of all rows in frames ``H``."""
+        v, found = twists.reshape(-1, 6).copy(), np.empty((len(rows.first) - 1, 3))
+        v[:, :3] = (lie.rotation(H[: len(v)]) @ v[:, :3, np.newaxis])[..., 0]
+        rates(rows, v, found)
+        return found
 
-    def _turned(self, B: Array, of: Array, to: Array) -> Array:
-        """Rows whose forces are along axes of frames ``of``, along those of others."""
-        rows = B.reshape(-1, self._rows, 6).copy()
-        nodes = np.flatnonzero(rows.any(axis=(0, 2)))
-        turn = np.swapaxes(lie.rotation(to[nodes]), 1, 2) @ lie.rotation(of[nodes])
-        rows[:, nodes, :3] = (turn @ rows[:, nodes, :3, np.newaxis])[..., 0]
-        return rows.reshape(B.shape)
+    def _with_others(self, own: Array) -> Array:
+        """Increments of the moving nodes (6 n,) with those of the other rows, which are zero."""
+        whole = np.zeros((self._rows, 6))
+        whole[: self._n] = own.reshape(-1, 6)
+        return whole
+
+    @property
+    def _islands(self) -> tuple[Indices, Indices]:
+        matrix, beside = self._equations.matrix, bool(self._equations.scene.contacts)
+        if self._known != matrix.version:
+            self._known, self._labels = matrix.version, islands_of(matrix, beside)
+        return self._labels
 
     def _moved_by(self, s: State, end: Array, d: Array) -> Array:
         """Frames ``end`` moved by an increment in the nodes' axes."""

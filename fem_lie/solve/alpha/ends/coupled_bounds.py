@@ -7,7 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.contact.impact.velocities import time_of
+from fem_lie.contact.impact.jacobian import BlockRows
+from fem_lie.contact.impact.velocities import set_bounds
+from fem_lie.solve.alpha.ends.delassus import Delassus
 
 
 class Chosen(NamedTuple):
@@ -17,7 +19,8 @@ class Chosen(NamedTuple):
         pairs: Which of all pairs, shape (k,).
         axis: By which tangents are chosen.
         closed: Whether they were closed at the start.
-        before: Rows at the start, shape (3 k, 6 rows).
+        before: Rows at the start.
+        operator: What their impulses do.
         speed: Along the normal at the start.
         gaps: At the start.
         smooth: At the end without contacts.
@@ -28,7 +31,8 @@ class Chosen(NamedTuple):
     pairs: Indices
     axis: Indices
     closed: Flags
-    before: Array
+    before: BlockRows
+    operator: Delassus
     speed: Array
     gaps: Array
     smooth: Array
@@ -64,13 +68,8 @@ def bounds_of(h: float, chosen: Chosen, free: Array, factor: float) -> Bounds:
         free: Normal velocities at the end without contacts, shape (k,).
         factor: Of the restitution.
     """
-    g0, g1, moved = np.maximum(chosen.gaps, 0.0), chosen.smooth, chosen.speed * h
-    meets = (g1 <= 0.0) & ~chosen.closed
-    part = np.where(chosen.closed | meets, 0.0, 1.0)
-    for i in np.flatnonzero(meets):
-        part[i] = time_of(g0[i], moved[i], g1[i])
-    at_impact = chosen.speed + 2.0 * (g1 - g0 - moved) * part / h
-    incoming = np.minimum(0.0, np.where(g1 <= 0.0, at_impact, free))
-    wanted = free - (1.0 + factor * chosen.restitution) * incoming
-    velocity = np.where(incoming == 0.0, 0.0, np.maximum(0.0, wanted))
+    found, gaps = np.empty((len(free), 3)), (chosen.gaps, chosen.smooth)
+    restitution = factor * chosen.restitution
+    set_bounds(h, gaps, chosen.closed, chosen.speed, free, restitution, found)
+    velocity, incoming, part = found.T
     return Bounds(velocity, incoming, 1.0 - part)

@@ -23,16 +23,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.contact.contact import Contact
+from fem_lie.contact.impact import cones
 from fem_lie.contact.impact.records import CONTACTS, FRICTION, PENETRATION, RESIDUAL, SWEEPS
 from fem_lie.contact.impact.records import TOLD as SIZE
+from fem_lie.contact.impact.rows import choose_axes
+from fem_lie.contact.impact.sweeps import products
 from fem_lie.lie.kinds import all_from_local, all_to_group
-from fem_lie.solve.alpha.ends import coupled_cones
 from fem_lie.solve.alpha.ends.coupled_bodies import Kept, to_twists
 from fem_lie.solve.alpha.ends.coupled_bounds import Chosen, bounds_of
 from fem_lie.solve.alpha.ends.coupled_places import TOLERANCE, Aims, CoupledPlaces, Moved
-from fem_lie.solve.alpha.ends.coupled_rows import choose_axes
+from fem_lie.solve.alpha.ends.delassus import Delassus
 from fem_lie.solve.alpha.ends.last_contacts import Last
 from fem_lie.solve.alpha.step.node import Scheme
 from fem_lie.solve.alpha.step.nodes import State
@@ -74,18 +76,20 @@ class CoupledContacts(CoupledPlaces):
         touch, before = self.near.touch, self._gaps(self._H0)
         closed = before <= touch.closed
         pairs = np.flatnonzero((smooth <= 0.0) | closed | joined)
-        axis = np.zeros(len(pairs), dtype=np.int64)
+        axis: Indices = np.zeros(len(pairs), dtype=np.int64)
         choose_axes(self._H0, touch, pairs, axis)
-        B = self._rows_of(self._H0, pairs, axis)
-        speed = B[::3] @ self._V0.ravel()
+        rows = self._rows_of(self._H0, pairs, axis)
+        speed = self._rates_of(rows, self._H0, self._V0)[:, 0]
         slow = speed <= touch.closed[pairs] / self._h
         keep = (smooth[pairs] <= 0.0) | joined[pairs] | slow
-        pairs = pairs[keep]
+        pairs, axis = pairs[keep], axis[keep]
+        rows = self._rows_of(self._H0, pairs, axis)
         return Chosen(
             pairs,
-            axis[keep],
+            axis,
             closed[pairs],
-            B[np.repeat(keep, 3)],
+            rows,
+            Delassus(rows, self._islands, self._free),
             speed[keep],
             before[pairs],
             smooth[pairs],
@@ -125,7 +129,7 @@ class CoupledContacts(CoupledPlaces):
             joined |= deep
         self.violation = self._largest_violation(moved.H)
         self._take_over(s, weights, moved.H, v, old, time)
-        speeds = moved.rows @ self._all_rows(v, time).ravel()
+        speeds = self._rates_of(moved.rows, moved.H, self._all_rows(v, time))
         self._tell(chosen, gaps, impulses, speeds)
         return True
 
@@ -138,16 +142,16 @@ class CoupledContacts(CoupledPlaces):
         rows, normal, impulses = self._rows_of(end, chosen.pairs, chosen.axis), None, h * r
         open_ = not chosen.closed.all()
         for _ in range(_PASSES if open_ else 1):
-            free = rows @ V.ravel()
-            bounds = bounds_of(h, chosen, free[::3], 1.0)
+            free = self._rates_of(rows, end, V)
+            bounds = bounds_of(h, chosen, free[:, 0], 1.0)
             least = bounds.gaps(h, bounds.velocity if normal is None else normal, chosen)
-            slid = bounds.rest[:, np.newaxis] * h * free.reshape(-1, 3)[:, 1:]
+            slid = bounds.rest[:, np.newaxis] * h * free[:, 1:]
             moved = self.part(chosen, s, end, Aims(least, slid), r)
             self.told[SWEEPS] += moved.sweeps
             self.told[RESIDUAL] = moved.residual
             rows, r = moved.rows, moved.r
             v, impulses = self._throw(chosen, s, moved, end, V, defect, impulses, time)
-            normal = rows[::3] @ self._all_rows(v, time).ravel()
+            normal = self._rates_of(rows, moved.H, self._all_rows(v, time))[:, 0]
         return moved, v, impulses
 
     # --- velocities ---
@@ -164,51 +168,54 @@ class CoupledContacts(CoupledPlaces):
         time: float,
     ) -> tuple[Array, Array]:
         """Twists of the nodes at the end, and impulses of contacts (k, 3)."""
-        B = moved.rows
-        own, zero = self._own(B), np.zeros(6 * self._n)
-        v: Array = s.v.copy()
-        given: Array = np.zeros(moved.r.size)
+        B, H, k = moved.rows, moved.H, len(chosen.pairs)
+        v, zero = s.v.copy(), np.zeros(6 * self._n)
+        given: Array = np.zeros((k, 3))
+        u_given: Array = np.empty((k, 3))
         self.reactions[:] = 0.0
         if self._kept is not None:
             by = moved.d.reshape(-1, 6).copy()
             all_to_group(s.kinds, end, by)
             v += self._p.damping * by
-            given = self._p.damping / self._p.mass * moved.r.ravel()
+            given = self._p.damping / self._p.mass * moved.r
             self.reactions[:] = self._p.damping / self._p.mass * moved.carried
         smooth, twist = np.empty_like(v), np.empty_like(v)
-        to_twists(s.kinds, moved.H, s.v, smooth)
-        to_twists(s.kinds, moved.H, v, twist)
-        self._impulses.go_to(moved.H)
-        off = defect - self._rates(moved.H, self._all_rows(twist, time), time)
+        to_twists(s.kinds, H, s.v, smooth)
+        to_twists(s.kinds, H, v, twist)
+        self._impulses.go_to(H)
+        off = defect - self._rates(H, self._all_rows(twist, time), time)
         x, first = self._impulses.solve(zero, off)
-        Z, reactions = self._impulses.solve(moved.pushes.T)
-        bounds = bounds_of(self._h, chosen, B[::3] @ self._all_rows(smooth, time).ravel(), 1.0)
-        problem = coupled_cones.cones_of(own @ Z, chosen.friction)
+        responses = chosen.operator.solve(moved.forces, H, self._impulses.solve)
+        free = self._rates_of(B, H, self._all_rows(smooth, time))[:, 0]
+        bounds = bounds_of(self._h, chosen, free, 1.0)
+        problem = chosen.operator.problem(B.values, responses, chosen.friction)
         twist += x.reshape(-1, 6)
-        u = B @ self._all_rows(twist, time).ravel()
-        problem.q[:] = (u - own @ (Z @ given)).reshape(-1, 3)
+        u = self._rates_of(B, H, self._all_rows(twist, time))
+        products(problem, given, u_given)
+        without = u - u_given
+        problem.q[:] = without
         problem.q[:, 0] -= bounds.velocity
-        gaps = self._gaps(moved.H)[chosen.pairs]
+        gaps = self._gaps(H)[chosen.pairs]
         opens = (moved.r[:, 0] == 0.0) & (gaps > self.near.touch.closed[chosen.pairs])
         opens &= chosen.smooth > 0.0
         problem.q[opens, 0] = np.maximum(problem.q[opens, 0], 0.0) + 1e3 * np.abs(u).max()
-        problem.r[:], problem.speed[0] = impulses, _TINY * float(np.abs(V).max())
-        sweeps, residual = coupled_cones.solve_exactly(problem, own @ Z, TOLERANCE)
+        problem.r[:], problem.least[0] = impulses, _TINY * float(np.abs(V).max())
+        before = np.empty((k, 3)), np.empty((k, 3))
+        sweeps, residual = cones.solve_exactly(problem, k, TOLERANCE, before)
         self.told[SWEEPS] += sweeps
         self.told[RESIDUAL] = max(self.told[RESIDUAL], residual)
-        P = problem.r.ravel()
-        change = P - given
-        end_twist = twist + (Z @ change).reshape(-1, 6)
-        moving = 6 * (self._n + 1)
-        given_by = 0.5 * (self._V0 + V).ravel()[moving:]
-        self.work = -float(P @ (B[:, moving:] @ given_by))
-        self.reactions += first + reactions @ change
+        P, change = problem.r, problem.r - given
+        end_twist = twist + responses.moved(change).reshape(-1, 6)
+        driven = 0.5 * (self._V0 + V)
+        driven[: self._n + 1] = 0.0
+        self.work = -float((P * self._rates_of(B, H, driven)).sum())
+        self.reactions += first + responses.reactions(change)
         self.work -= float(self.reactions @ self._driven(time))
-        mean = 0.5 * (u + B @ self._all_rows(end_twist, time).ravel()).reshape(-1, 3)
+        mean = 0.5 * (without + self._rates_of(B, H, self._all_rows(end_twist, time)))
         # of what was closed by how far it slid, for that is nothing of what sticks
         slid = np.where(chosen.closed[:, np.newaxis], moved.slips / self._h, mean[:, 1:])
-        self.told[FRICTION] = float((slid * problem.r[:, 1:]).sum())
-        return end_twist, problem.r.copy()
+        self.told[FRICTION] = float((slid * P[:, 1:]).sum())
+        return end_twist, P.copy()
 
     # --- the end of the step ---
 
@@ -239,7 +246,7 @@ class CoupledContacts(CoupledPlaces):
         self.told[PENETRATION] = max(0.0, float(-gaps.min()))
         self.near.work.impulses[:] = 0.0
         self.near.work.impulses[chosen.pairs] = impulses
-        slips = speeds.reshape(-1, 3)[:, 1:]
+        slips = speeds[:, 1:]
         slow = self.near.touch.closed[chosen.pairs] / self._h
         sticks = np.linalg.norm(slips, axis=1) <= slow
         at = gaps[chosen.pairs]

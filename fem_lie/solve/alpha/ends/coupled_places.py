@@ -8,7 +8,9 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array
-from fem_lie.solve.alpha.ends import coupled_cones
+from fem_lie.contact.impact import cones
+from fem_lie.contact.impact.jacobian import BlockRows, rates
+from fem_lie.contact.impact.sweeps import products
 from fem_lie.solve.alpha.ends.coupled_bodies import CoupledBodies
 from fem_lie.solve.alpha.ends.coupled_bounds import Chosen
 from fem_lie.solve.alpha.step.nodes import State
@@ -43,8 +45,8 @@ class Moved(NamedTuple):
         H: Frames of all rows.
         d: By which increments, in the nodes' axes, shape (6 n,).
         r: Forces of contacts, shape (k, 3).
-        rows: There, shape (3 k, 6 rows).
-        pushes: Rows of forces, shape (3 k, 6 n).
+        rows: There.
+        forces: Blocks of the rows of forces, shape (b, 3, 6).
         carried: By joints, forces of them, shape (m,).
         slips: How far contacts slide, shape (k, 2).
         sweeps: Over all cones.
@@ -54,8 +56,8 @@ class Moved(NamedTuple):
     H: Array
     d: Array
     r: Array
-    rows: Array
-    pushes: Array
+    rows: BlockRows
+    forces: Array
     carried: Array
     slips: Array
     sweeps: int
@@ -78,19 +80,16 @@ class CoupledPlaces(CoupledBodies):
         far = self._h * float(speeds[:, 0].max() + self.near.arm * speeds[:, 1].max())
         self.near.update(H, far)
 
-    def _slips(self, chosen: Chosen, H: Array, B: Array, glide: Array) -> Array:
+    def _slips(self, chosen: Chosen, H: Array, B: BlockRows, glide: Array) -> Array:
         """How far contacts slide in the step, of those that meet after it, shape (k, 2)."""
-        nodes = np.flatnonzero(chosen.before.reshape(-1, self._rows, 6).any(axis=(0, 2)))
+        nodes, total = np.unique(B.nodes), np.zeros((2, len(chosen.pairs), 3))
         first, last = (lie.rotation(each[nodes]) for each in (self._H0, H))
-        apart = (H[nodes, 0] - self._H0[nodes, 0])[:, :, np.newaxis]
-        turned = lie.so3_log(np.swapaxes(first, 1, 2) @ last)
-        total = np.zeros((3 * len(chosen.pairs),))
-        for rows, R in ((chosen.before, first), (B, last)):
-            d = np.zeros((self._rows, 6))
-            d[nodes, :3] = (np.swapaxes(R, 1, 2) @ apart)[:, :, 0]
-            d[nodes, 3:] = turned
-            total += 0.5 * rows @ d.ravel()
-        return np.where(chosen.closed[:, np.newaxis], total.reshape(-1, 3)[:, 1:], glide)
+        d = np.zeros((self._rows, 6))
+        d[nodes, :3] = H[nodes, 0] - self._H0[nodes, 0]
+        d[nodes, 3:] = lie.so3_log(np.swapaxes(first, 1, 2) @ last)
+        for rows, found in zip((chosen.before, B), total, strict=True):
+            rates(rows, d, found)
+        return np.where(chosen.closed[:, np.newaxis], total.mean(axis=0)[:, 1:], glide)
 
     def part(self, chosen: Chosen, s: State, end: Array, aims: Aims, r: Array) -> Moved:
         """Part what overlaps, and hold what sticks.
@@ -104,45 +103,43 @@ class CoupledPlaces(CoupledBodies):
         """
         if self._kept is None:
             self._impulses.go_to(end)
-        H, sweeps, before = end, 0, np.inf
+        H, sweeps, before, k = end, 0, np.inf, len(chosen.pairs)
         d: Array = np.zeros(6 * self._n)
         joints: Array = np.zeros(6 * self._n)
-        pull: Array = np.zeros(r.size)
-        forces: Array = np.zeros(r.size)
-        first = self._turned(chosen.before, self._H0, end)
-        closed = np.repeat(chosen.closed, 3)[:, np.newaxis]
+        last: Array = np.zeros((k, 3))
+        products_of_last: Array = np.empty((k, 3))
+        each = np.diff(chosen.before.first)
+        closed = np.repeat(chosen.closed, each)[:, np.newaxis, np.newaxis]
         for iteration in range(_ITERATIONS):
             B = self._rows_of(H, chosen.pairs, chosen.axis)
-            here = self._turned(B, H, end)
-            own = self._own(here)
             if iteration < _ANEW:
-                pushes = self._own(np.where(closed, 0.5 * (first + here), here))
-                Z, carried = self._pushed(pushes.T)
-            problem = coupled_cones.cones_of(own @ Z, chosen.friction)
+                mean = 0.5 * (chosen.before.values + B.values)
+                forces = np.where(closed, mean, B.values)
+                responses = chosen.operator.solve(forces, end, self._pushed)
+            problem = chosen.operator.problem(B.values, responses, chosen.friction)
+            glide = aims.slides + self._rates_of(B, end, self._with_others(d))[:, 1:]
+            problem.q[:, 0] = self._gaps(H)[chosen.pairs] - aims.gaps
+            problem.q[:, 1:] = self._slips(chosen, H, B, glide)
+            products(problem, last, products_of_last)
+            problem.q[:] -= products_of_last + problem.soft[:, np.newaxis] * last
             if self._m:
                 more = self._closed(H)
                 joints += more
-                pull = own @ more
-            glide = aims.slides + (own @ d).reshape(-1, 3)[:, 1:]
-            problem.q[:, 0] = self._gaps(H)[chosen.pairs] - aims.gaps
-            problem.q[:, 1:] = self._slips(chosen, H, B, glide)
-            problem.q[:] += (pull - problem.dense.A @ forces).reshape(-1, 3)
-            problem.r[:], problem.speed[0] = r, _SMALL * self._length
-            more_sweeps, residual = coupled_cones.solve(problem, TOLERANCE if iteration else _ROUGH)
-            sweeps, r, last = sweeps + more_sweeps, problem.r, d
-            forces = r.ravel().copy()
-            d = Z @ forces + joints
+                problem.q[:] += self._rates_of(B, end, self._with_others(more))
+            problem.r[:], problem.least[0] = r, _SMALL * self._length
+            tolerance = TOLERANCE if iteration else _ROUGH
+            more_sweeps, _, residual = cones.solve(problem, k, tolerance)
+            sweeps, r, here = sweeps + more_sweeps, problem.r, d
+            last, d = r.copy(), responses.moved(r) + joints
             H = self._moved_by(s, end, d)
-            change = self._size(d - last)
+            change = self._size(d - here)
             if self._ends(iteration, change, before):
                 break
             before = change
-        whole = np.zeros((r.size, 6 * self._rows))
-        whole[:, : 6 * self._n] = pushes
-        pushes = self._own(self._turned(whole, end, H))
         rows = self._rows_of(H, chosen.pairs, chosen.axis)
         slips = self._slips(chosen, H, rows, glide)
-        return Moved(H, d, r, rows, pushes, carried @ forces, slips, sweeps, residual)
+        carried = responses.reactions(r)
+        return Moved(H, d, r, rows, forces, carried, slips, sweeps, residual)
 
     def _size(self, d: Array) -> float:
         """Of an increment: the largest of any place, with turns by the model's length."""

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.contact.impact.shown import GAP, IMPULSE, PAIR, POSITION, SLIP, STICKS, TIME, WIDTH
+from fem_lie.contact.impact.observed import GAP, IMPULSE, PAIR, POSITION, SLIP, STICKS, TIME, WIDTH
+from fem_lie.contact.impact.rows import show_places
 from fem_lie.contact.impact.touching import Touching
-from fem_lie.solve.alpha.ends.coupled_rows import show_places
 
 
 class Last(NamedTuple):

@@ -1,0 +1,150 @@
+"""Delassus operator ``B M⁻¹ B̄ᵀ`` of contacts, with ``M⁻¹`` by the factors of a coupled matrix.
+
+Nodes that no element, joint or spring couples are in different islands of the matrix. A right-hand
+side of one island leaves the others alone, so that one solution serves a contact in each of them:
+as many solutions are made as one island has contacts. Free bodies are islands of one node each, and
+their part of the operator is the block-diagonal inverse of the mass matrix.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.contact.impact.jacobian import BlockRows
+from fem_lie.contact.impact.sweeps import Cones, begin, cones_of
+from fem_lie.linear.bordered import KKT
+
+_YIELD = 1e-10
+"""Velocity by a unit impulse that contacts yield, over their own: joints hold some of them."""
+
+
+def islands_of(matrix: KKT, whole: bool) -> tuple[Indices, Indices]:
+    """Islands of the nodes, shape (n,), and of the constraints, shape (m,).
+
+    Args:
+        matrix: Iteration matrix of the nodes with the constraints.
+        whole: Whether all is one island: something couples nodes beside that matrix.
+    """
+    n, border, pointers = len(matrix.held), matrix.legs, matrix.indptr
+    m = len(border.ptr) - 1
+    if whole or matrix.low_rank is not None or matrix.beside is not None:
+        return np.zeros(n, dtype=np.int64), np.zeros(m, dtype=np.int64)
+    rows = np.concatenate([np.repeat(np.arange(n), np.diff(pointers)), n + border.rows])
+    columns = np.concatenate([matrix.indices, border.nodes])
+    graph = sp.coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(n + m, n + m))
+    labels = connected_components(graph, directed=False)[1].astype(np.int64)
+    return labels[:n], labels[n:]
+
+
+class Delassus:
+    """Which solutions contacts need, and where these are looked at: constant in a step.
+
+    Attributes:
+        touched: Moving nodes of any contact, shape (t,).
+    """
+
+    def __init__(self, rows: BlockRows, islands: tuple[Indices, Indices], free: Flags) -> None:
+        """Number the solutions.
+
+        Args:
+            rows: Of k contacts; their values are not looked at.
+            islands: See :func:`islands_of`.
+            free: Unknowns that are not held, shape (6 n,).
+        """
+        self._free = free.reshape(-1, 6)
+        label, self._labels = islands[0], islands
+        k, n = len(rows.first) - 1, len(label)
+        contacts = np.repeat(np.arange(k), np.diff(rows.first))
+        self._moving = np.flatnonzero(rows.nodes[: len(contacts)] < n)
+        contact, node = contacts[self._moving], rows.nodes[self._moving]
+        # of each island, a number for each of its contacts
+        groups, of = np.unique(label[node] * k + contact, return_inverse=True)
+        island, who = groups // k, groups % k
+        number = np.arange(len(groups)) - np.searchsorted(island, island)
+        self._solutions = int(number.max(initial=-1)) + 1
+        self._node, self._number = node, number[of]
+        last = max(int(each.max(initial=-1)) for each in islands) + 1
+        self._contact_of = np.full((last, self._solutions), k)
+        self._contact_of[island, number] = who
+        # an impulse is looked at where contacts are, of its own islands
+        touched = np.unique(node)
+        self.touched = touched[np.argsort(label[touched], kind="stable")]
+        own = np.empty(n, dtype=np.int64)
+        own[self.touched] = np.arange(len(touched))
+        ends = np.concatenate([[0], np.cumsum(np.bincount(contact, minlength=k))])
+        self._rows = ends, own[node]
+        found = label[self.touched]
+        start, stop = np.searchsorted(found, island), np.searchsorted(found, island, "right")
+        order = np.argsort(who, kind="stable")
+        counts = (stop - start)[order]
+        skipped = np.repeat(start[order] - np.cumsum(counts) + counts, counts)
+        at = np.arange(counts.sum()) + skipped
+        ends = np.concatenate([[0], np.cumsum(np.bincount(who, stop - start, k).astype(np.int64))])
+        self._pushes, self._seen = (ends, at), np.repeat(number[order], counts)
+
+    def solve(
+        self, forces: Array, H: Array, solve: Callable[[Array], tuple[Array, Array]]
+    ) -> Responses:
+        """What unit impulses of all contacts do.
+
+        Args:
+            forces: Rows of ``B̄``, in the blocks of the rows it was made of, shape (b, 3, 6).
+            H: Frames in whose axes the unknowns of the nodes are.
+            solve: ``M⁻¹`` with constraints, from forces (6 n, s) to unknowns and multipliers.
+        """
+        node, n = self._node, len(self._free)
+        local, R = forces[self._moving].copy(), lie.rotation(H[node])
+        local[:, :, :3] = local[:, :, :3] @ R
+        s, f = self._solutions, np.zeros((n, self._solutions, 3, 6))
+        np.add.at(f, (node, self._number), local)
+        f *= self._free[:, np.newaxis, np.newaxis]
+        x, multipliers = solve(np.moveaxis(f, 3, 1).reshape(6 * n, 3 * s))
+        of_joints = multipliers.reshape(len(multipliers), s, 3)
+        return Responses(self, H, x.reshape(n, 6, s, 3), of_joints)
+
+    def problem(self, rows: Array, responses: Responses, friction: Array) -> Cones:
+        """Cones of the contacts with rows ``B``, shape (b, 3, 6); ``q`` and ``r`` are zero."""
+        X, (ends, at) = responses.unknowns, self._pushes
+        node = self.touched[at]
+        values = np.swapaxes(X[node, :, self._seen, :], 1, 2) * self._free[node][:, np.newaxis]
+        values[:, :, :3] = values[:, :, :3] @ np.swapaxes(lie.rotation(responses.H[node]), 1, 2)
+        pushes = BlockRows(ends, at, np.ascontiguousarray(values))
+        own = BlockRows(*self._rows, np.ascontiguousarray(rows[self._moving]))
+        problem = cones_of(own, pushes, len(self.touched))
+        problem.friction[:] = friction
+        begin(problem, len(friction))
+        traces = np.abs(np.trace(problem.own, axis1=1, axis2=2))
+        problem.soft[:] = _YIELD * np.maximum(traces, 1e-6 * traces.max(initial=0.0))
+        return problem
+
+    def impulses(self, r: Array, constraints: bool) -> Array:
+        """Impulses of contacts (k, 3) by the solutions that nodes, or constraints, take part in."""
+        whole = np.concatenate([r, np.zeros((1, 3))])
+        return np.asarray(whole[self._contact_of[self._labels[constraints]]])
+
+
+class Responses:
+    """Unknowns and multipliers by unit impulses of contacts.
+
+    Attributes:
+        H: Frames in whose axes the unknowns are.
+        unknowns: Shape (n, 6, s, 3).
+    """
+
+    def __init__(self, of: Delassus, H: Array, unknowns: Array, multipliers: Array) -> None:
+        """Keep them; see :meth:`Delassus.solve`."""
+        self._of, self.H, self.unknowns, self._multipliers = of, H, unknowns, multipliers
+
+    def moved(self, r: Array) -> Array:
+        """Unknowns by impulses (k, 3), shape (6 n,)."""
+        return np.einsum("nask,nsk->na", self.unknowns, self._of.impulses(r, False)).ravel()
+
+    def reactions(self, r: Array) -> Array:
+        """Multipliers by impulses (k, 3), shape (m,)."""
+        return np.einsum("msk,msk->m", self._multipliers, self._of.impulses(r, True))
