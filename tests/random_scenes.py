@@ -110,8 +110,8 @@ ELEMENTS = (*_SLENDER, *_PATCHES, *_BLOCKS, "reduced")
 
 MIXED = replace(MOTION, elements=ELEMENTS)
 """For generalised-α: all kinds of bodies, joints, loads and contacts."""
-MIXED_CONSERVING = replace(CONSERVING, elements=tuple(e for e in ELEMENTS if e != "reduced"))
-"""The same for the schemes that conserve, but for what these refuse by name."""
+MIXED_CONSERVING = replace(CONSERVING, elements=ELEMENTS)
+"""The same for the schemes that conserve."""
 
 STEP = 5e-3
 GROUND = PointRef()

@@ -13,6 +13,7 @@ from fem_lie.bodies.loadable import Loadable
 from fem_lie.bodies.node_checks import check_nodes
 from fem_lie.grips.grip import Grip
 from fem_lie.lie.kinds import TRAITS, NodeKind, rigid_motions
+from fem_lie.lie.kinds.floating import WithinFrame
 
 if TYPE_CHECKING:
     from fem_lie.bodies.turning import Turning
@@ -105,11 +106,10 @@ class Nodes(Loadable):
         """Whether it goes slack, with an energy that is convex all the same."""
         return False
 
-    def within_frame(self) -> tuple[Array, Array] | None:
+    def within_frame(self) -> WithinFrame | None:
         """Of a body that deforms within one frame, with inertia that nodes do not have each.
 
-        Interfaces in that frame, (i, 4, 3), and the matrix of that inertia, see
-        :class:`~fem_lie.lie.kinds.floating.Floating`; ``None`` of any other body.
+        ``None`` of any other body.
         """
         return None
 

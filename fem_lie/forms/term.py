@@ -189,6 +189,8 @@ class Term(ABC):
             :meth:`geometric` is, but not its tangents.
         conserved: Whether conserving schemes have its forces over a step.
         secant: Whether they have them by :meth:`add_over_step`.
+        within_frames: Whether its energy is one of coordinates within frames of bodies, of which
+            conserving schemes know by the bodies.
         steady: Whether these are as they are, and their size makes up for no round-off.
         turning: Whether a load turns with nodes or is a moment, and so has no potential.
         on_ground: Whether ground is the other side of some of the forces.
@@ -205,7 +207,7 @@ class Term(ABC):
     version: int = 0
     amplitude: float = 1.0
     load = viscous = in_space = of_bodies = turning = False
-    carries = settles = within_joints = False
+    carries = settles = within_joints = within_frames = False
     conserved = secant = steady = on_ground = rubs = watches = parts = apart = False
 
     def _undefined(self, method: Callable[..., Any]) -> NotImplementedError:

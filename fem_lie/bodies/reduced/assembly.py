@@ -26,7 +26,7 @@ class ReducedData(Protocol):
 class ReducedAssembly(CellTerm, BodyTerm):
     """Bodies as cells of all their nodes; nodes are as in the bodies, one after the other."""
 
-    label, carries = "reduced bodies", False
+    label, carries, within_frames = "reduced bodies", False, True
 
     def __init__(self, bodies: Sequence[ReducedData]) -> None:
         """Pack stiffness, and inertia of the frames."""

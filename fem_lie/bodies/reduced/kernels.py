@@ -17,7 +17,7 @@ from fem_lie._arrays import Array
 from fem_lie._jit import callback, compiled, uncounted
 from fem_lie._jit.stack import blocks_at, matrix_at, stack
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer
-from fem_lie.lie.kinds.floating_coordinates import coordinates, spread
+from fem_lie.lie.kinds.floating_coordinates import add_times, coordinates, spread, strains
 from fem_lie.lie.kinds.forces import pull, pull_derivative, push
 from fem_lie.lie.kinds.kind import AMPLITUDE
 
@@ -49,29 +49,10 @@ def _cell(w: Pointer, c: Pointer) -> _Cell:
 @uncounted
 def _strain(cell: _Cell, J: Array, some: Array) -> None:
     """Set the derivative of strains ``J`` (m, m), and ``z``, ``e``, stresses ``K e`` (3, m)."""
-    m, (z, e, s) = cell.K.shape[0], (some[0], some[1], some[2])
-    coordinates(cell.q, cell.interfaces, z)
-    J[:] = 0.0
-    for c in range(m):
-        of_one, amplitude = cell.Q[c], z[c]
-        for a in range(m):
-            for b in range(m):
-                J[a, b] += of_one[a, b] * amplitude
-    for a in range(m):
-        e[a], s[a] = z[a], 0.0
-        for b in range(m):
-            e[a] += 0.5 * J[a, b] * z[b]
-        J[a, a] += 1.0
-    _add_times(cell.K, e, s)
-
-
-@uncounted
-def _add_times(A: Array, x: Array, out: Array) -> None:
-    """Add ``x A``, sums along rows, which are vectorised."""
-    for a in range(A.shape[0]):
-        row, amplitude = A[a], x[a]
-        for b in range(A.shape[1]):
-            out[b] += row[b] * amplitude
+    coordinates(cell.q, cell.interfaces, some[0])
+    strains(cell.Q, some[0], J, some[1])
+    some[2, :] = 0.0
+    add_times(cell.K, some[1], some[2])
 
 
 @compiled
@@ -79,7 +60,7 @@ def _stiffness(cell: _Cell, J: Array, s: Array) -> Array:
     """Second derivative of the energy, ``Jᵀ K J + s_a Q_abc``."""
     found = J.T @ (cell.K @ J)
     for c in range(len(s)):
-        _add_times(cell.Q[c], s, found[c])
+        add_times(cell.Q[c], s, found[c])
     return found
 
 
@@ -114,7 +95,7 @@ def force_kernel(
     f, out = blocks_at(stack(12 * k), k, 4, 3), numba.carray(A, (k, 6))
     _strain(cell, J, some[:3])
     f[:], some[3] = 0.0, 0.0
-    _add_times(J, some[2], some[3])
+    add_times(J, some[2], some[3])
     spread(some[3], q, interfaces, f)
     for i in range(k):
         pull(_kind(i, interfaces.shape[0]), q[i], f[i], 1.0, out[i])
@@ -131,7 +112,7 @@ def matrix_kernel(
     J, some = np.empty((m, m)), np.zeros((4, m))
     _strain(cell, J, some[:3])
     g, H = some[3], _stiffness(cell, J, some[2])
-    _add_times(J, some[2], g)
+    add_times(J, some[2], g)
     out = numba.carray(A, (k, 6, k, 6))
     f, unit, pushed, own = np.zeros_like(q), np.empty(6), np.empty((4, 3)), np.empty(6)
     spread(g, q, interfaces, f)

@@ -13,6 +13,7 @@ from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.reduced.assembly import ReducedAssembly
 from fem_lie.forms.body_term import BodyTerm
 from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.kinds.floating import WithinFrame
 from fem_lie.lie.kinds.floating_coordinates import all_coordinates, all_rates
 
 
@@ -141,11 +142,11 @@ class ReducedBody(Body):
         found.ravel()[6 + len(self.stiffness) :] = True
         return found
 
-    def within_frame(self) -> tuple[Array, Array]:
+    def within_frame(self) -> WithinFrame:
         """See the base class."""
         matrix = self.density.copy()
         matrix[:4, :4] = 0.0
-        return self.within, matrix
+        return WithinFrame(self.within, matrix, self.stiffness, self.quadratic)
 
     @property
     def kind(self) -> Hashable:

@@ -37,33 +37,52 @@ _FORCES, _INVARIANTS, _WEIGHTS = -3, -2, -1  # addresses, at the end of the inte
 _OTHERS, _SIZE, _NUMBERS, _NODES = range(4)  # in the integers of a body; its nodes come last
 
 
+class WithinFrame(NamedTuple):
+    """A body that deforms within the frame of its first node.
+
+    Attributes:
+        interfaces: Positions and directors of the other interfaces in that frame, (i, 4, 3).
+        inertia: Matrix of ``Q``, z_a d_1, z_a d_2, z_a d_3 one amplitude after the other, without
+            what nodes have by themselves, (4 + 3 m, 4 + 3 m).
+        stiffness: ``K`` of the energy ``½ eᵀ K e`` of the strains ``e``, (m, m).
+        quadratic: ``Q_abc`` of the strains, (m, m, m).
+    """
+
+    interfaces: Array
+    inertia: Array
+    stiffness: Array
+    quadratic: Array
+
+
 class Floating(NamedTuple):
-    """Inertia of such bodies beyond that of their frames.
+    """Such bodies: inertia beyond that of their frames, and stored energy.
 
     Attributes:
         integers: How many there are, where each begins in this array, and of each: other
             interfaces, coordinates, where it begins in ``numbers``, and its nodes; then addresses
             of the functions that compute with them, which no other scene compiles.
         numbers: Acceleration of free fall, and of each body ``X`` and ``D`` of its other
-            interfaces, 12 each, and the matrix of ``Q``, whose first four rows have nothing in the
-            first four columns; rows of all amplitudes with one director stand together.
+            interfaces, 12 each, the matrix of ``Q``, whose first four rows have nothing in the
+            first four columns, with rows of all amplitudes with one director together, the
+            stiffness, and ``Q_abc`` at ``[c, a, b]``.
     """
 
     integers: Indices
     numbers: Array
 
     @classmethod
-    def of(cls, bodies: list[tuple[Indices, Array, Array]]) -> Floating:
-        """Pack bodies: nodes, places and directors (i, 4, 3) of other interfaces, matrix."""
+    def of(cls, bodies: list[tuple[Indices, WithinFrame]]) -> Floating:
+        """Pack bodies with their nodes."""
         own: list[int] = []
         starts, numbers = [], [np.zeros(_HEAD)]
-        for nodes, interfaces, matrix in bodies:
+        for nodes, (interfaces, matrix, stiffness, quadratic) in bodies:
             starts.append(1 + len(bodies) + len(own))
             at = sum(len(part) for part in numbers)
             own += [len(interfaces), (len(matrix) - 4) // 3, at, *map(int, nodes)]
             m = (len(matrix) - 4) // 3
             order = np.r_[:4, 4 + np.arange(3 * m).reshape(m, 3).T.ravel()]
             numbers += [np.ravel(interfaces), np.ravel(matrix[np.ix_(order, order)])]
+            numbers += [np.ravel(stiffness), np.ravel(quadratic.transpose(2, 0, 1))]
         functions = (_add_forces, _add_invariants, _add_weights) if bodies else ()
         addresses = [function.address for function in functions]
         integers = np.array([len(bodies), *starts, *own, *addresses], dtype=np.int64)
@@ -78,6 +97,11 @@ class Floating(NamedTuple):
     def contents(self) -> tuple[Indices, Array]:
         """What is the same in all processes: without addresses, and without gravity."""
         return self.integers[: min(_FORCES, _INVARIANTS, _WEIGHTS)], self.numbers[_HEAD:]
+
+    @property
+    def sizes(self) -> Indices:
+        """How many coordinates each body has."""
+        return self.integers[self.integers[1 : 1 + self.integers[0]] + _SIZE]
 
     @property
     def pairs(self) -> tuple[Indices, Indices]:
@@ -113,6 +137,16 @@ def parts_of(integers: Indices, numbers: Array, body: int) -> tuple[Array, Array
     middle = first + 12 * others
     interfaces = numbers[first:middle].reshape((others, 4, 3))
     return interfaces, numbers[middle : middle + n * n].reshape((n, n))
+
+
+@compiled
+def elastic_of(integers: Indices, numbers: Array, body: int) -> tuple[Array, Array]:
+    """Stiffness (m, m) of a body, and ``Q_abc`` at ``[c, a, b]``."""
+    at = integers[1 + body]
+    m, n = integers[at + _SIZE], 4 + 3 * integers[at + _SIZE]
+    first = integers[at + _NUMBERS] + 12 * integers[at + _OTHERS] + n * n
+    last = first + m * m
+    return numbers[first:last].reshape((m, m)), numbers[last : last + m**3].reshape((m, m, m))
 
 
 @uncounted
@@ -277,17 +311,27 @@ def _add_forces_of(
 
 @inlined
 def add_invariants(
-    H: Array, qdot: Array, integers: Indices, numbers: Array, invariants: Array
+    H: Array, qdot: Array, count: int, integers: Indices, numbers: Array, invariants: Array
 ) -> float:
-    """Add kinetic energy and momenta (7,) of rates (n, 4, 3) of rows; returns the potential."""
+    """Add kinetic energy and momenta (7,) of rates of rows; returns the potential.
+
+    Args:
+        H: Frames.
+        qdot: Rates of the rows of ``count`` nodes, and, if they are known by themselves, of rows
+            ``(0, z_a d_k)`` of all coordinates of all bodies, (≥ count, 4, 3).
+        count: Nodes that move.
+        integers: See :class:`Floating`.
+        numbers: Likewise.
+        invariants: Updated.
+    """
     potential = vector_at(stack(1), 1)
     arrays = H, qdot, integers, numbers, invariants, potential
-    sizes = H.shape[0], qdot.shape[0], integers.shape[0], numbers.shape[0]
+    sizes = H.shape[0], qdot.shape[0], count, integers.shape[0], numbers.shape[0]
     call_with_arrays(integers[_INVARIANTS], arrays, sizes)
     return float(potential[0])
 
 
-@callback(types.void(*[_Doubles] * 2, _Integers, *[_Doubles] * 3, *[types.int64] * 4))
+@callback(types.void(*[_Doubles] * 2, _Integers, *[_Doubles] * 3, *[types.int64] * 5))
 def _add_invariants(
     H_at: Any,
     qdot_at: Any,
@@ -296,6 +340,7 @@ def _add_invariants(
     invariants_at: Any,
     potential_at: Any,
     count: int,
+    rates: int,
     leaders: int,
     size: int,
     length: int,
@@ -303,7 +348,8 @@ def _add_invariants(
     """:func:`add_invariants` of so many nodes, and of so many integers and numbers."""
     numba.carray(potential_at, (1,))[0] = _add_all_invariants(
         numba.carray(H_at, (count, 4, 3)),
-        numba.carray(qdot_at, (leaders, 4, 3)),
+        numba.carray(qdot_at, (rates, 4, 3)),
+        leaders,
         numba.carray(integers_at, (size,)),
         numba.carray(numbers_at, (length,)),
         numba.carray(invariants_at, (7,)),
@@ -312,9 +358,9 @@ def _add_invariants(
 
 @uncounted
 def _add_all_invariants(
-    H: Array, qdot: Array, integers: Indices, numbers: Array, invariants: Array
+    H: Array, qdot: Array, count: int, integers: Indices, numbers: Array, invariants: Array
 ) -> float:
-    potential = 0.0
+    potential, beyond = 0.0, count
     for body in range(integers[0]):
         at = integers[1 + body]
         others, n = integers[at + _OTHERS], 4 + 3 * integers[at + _SIZE]
@@ -323,7 +369,9 @@ def _add_all_invariants(
         interfaces = numbers[first:middle].reshape((others, 4, 3))
         G = numbers[middle : middle + n * n].reshape((n, n))
         nodes = integers[at + _NODES : at + _NODES + _count(integers, at)]
-        weight = _add_invariants_of((H, qdot), nodes, (interfaces, G), invariants)
+        rates = qdot[beyond : beyond + integers[at + _SIZE]] if qdot.shape[0] > count else qdot[:0]
+        beyond += integers[at + _SIZE]
+        weight = _add_invariants_of((H, qdot, rates), nodes, (interfaces, G), invariants)
         for j in range(3):
             potential -= weight[j] * numbers[j]
     return potential
@@ -331,10 +379,13 @@ def _add_all_invariants(
 
 @uncounted
 def _add_invariants_of(
-    rows: tuple[Array, Array], nodes: Indices, parts: tuple[Array, Array], invariants: Array
+    rows: tuple[Array, Array, Array],
+    nodes: Indices,
+    parts: tuple[Array, Array],
+    invariants: Array,
 ) -> Vector:
     """Of one body; returns its first moment of mass beyond that of its frame."""
-    (H, qdot), (interfaces, G) = rows, parts
+    (H, qdot, known), (interfaces, G) = rows, parts
     k, n, m = nodes.shape[0], G.shape[0], (G.shape[0] - 4) // 3
     q, rate = blocks_at(stack(12 * k), k, 4, 3), blocks_at(stack(12 * k), k, 4, 3)
     Q, V = matrix_at(stack(3 * n), 3, n), matrix_at(stack(3 * n), 3, n)
@@ -355,6 +406,8 @@ def _add_invariants_of(
             d, v, at = q[0, 1 + i, j], rate[0, 1 + i, j], 4 + i * m
             for a in range(m):
                 Q[j, at + a], V[j, at + a] = z[0, a] * d, z[1, a] * d + z[0, a] * v
+                if known.shape[0] > 0:
+                    V[j, at + a] = known[a, 1 + i, j]
     multiply(G, V, P)
     for r in range(n):
         for j in range(3):

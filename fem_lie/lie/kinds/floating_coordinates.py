@@ -8,7 +8,7 @@ start as components along the frame::
     z_u = d_k·(x_i − x) − X_k,    z_θ = ½ Σ_n D_n × (d_k·d_in)
 
 and then the amplitudes. They are bilinear in the rows of nodes, so that their rates and forces on
-rows need no more than products.
+rows need no more than products. Strains are ``e_a = z_a + ½ Q_abc z_b z_c``.
 """
 
 from __future__ import annotations
@@ -83,6 +83,32 @@ def spread(g: Rows, q: Rows, interfaces: Array, f: Rows) -> None:
                     f[0, 1 + k, j] += w[k] * q[1 + i, 1 + n, j]
     for a in range(g.shape[0] - 6 * others):
         f[1 + others + a // 6, 1 + (a % 6) // 3, a % 3] += g[6 * others + a]
+
+
+@uncounted
+def strains(Q: Array, z: Array, J: Array, e: Array) -> None:
+    """Set strains ``e`` (m,) and their derivative ``J`` (m, m); ``Q_abc`` is at ``[c, a, b]``."""
+    m = z.shape[0]
+    J[:] = 0.0
+    for c in range(m):
+        of_one, amplitude = Q[c], z[c]
+        for a in range(m):
+            for b in range(m):
+                J[a, b] += of_one[a, b] * amplitude
+    for a in range(m):
+        e[a] = z[a]
+        for b in range(m):
+            e[a] += 0.5 * J[a, b] * z[b]
+        J[a, a] += 1.0
+
+
+@uncounted
+def add_times(A: Array, x: Array, out: Array) -> None:
+    """Add ``x A``, sums along rows, which are vectorised."""
+    for a in range(A.shape[0]):
+        row, amplitude = A[a], x[a]
+        for b in range(A.shape[1]):
+            out[b] += row[b] * amplitude
 
 
 @compiled

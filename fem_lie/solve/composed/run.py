@@ -232,7 +232,7 @@ class ComposedRun(DividedIntegration[History]):
         n, held = equations.unknowns.moving, len(equations.unknowns.supported) > 0
         v, weights = equations.start.velocities.copy(), s.weights
         rates: Array = np.zeros((n, 6))
-        v[:n] = self._parts[0].local(s.V, s.H)
+        v[:n] = self._parts[0].local(s.V[:n], s.H)
         if Record.FORCES in history.filled and (held or len(weights)):
             rates, weights = self._end_forces(v)
         self._filled.by_both(history, s.H, (s.V, v[:n]), weights, s.books)

@@ -25,6 +25,8 @@ over a step; joint forces are reported at its end
 round-off changes, with a matrix in local frames that is kept as the policy says. Bodies' groups
 have no meaning for it. Nodes that are no frames have rows whose increments add: for these ``L`` is
 constant, and they stand in one system with frames (:mod:`fem_lie.solve.conserving.rows`).
+Reduced-order bodies have further rows with inertia
+(:mod:`fem_lie.solve.conserving.between.floating`).
 
 Sources: Simo, Tarnow & Doblaré, IJNME 38 (1995) 1431; Gonzalez, J. Nonlinear Sci. 6 (1996) 449;
 Romero & Armero, IJNME 54 (2002) 1683; Betsch & Leyendecker, IJNME 67 (2006) 499.

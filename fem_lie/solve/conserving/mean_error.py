@@ -30,10 +30,13 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie.lie.kinds import SLOPE, inertia, pull_all
+from fem_lie.lie.kinds import SLOPE, inertia, pull_all, push_all
+from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.lie.kinds.kind import axes
 from fem_lie.lie.tuples import load, rotate, rotate_back
-from fem_lie.solve.motion.step_error import StepError, add_inertia_forces, largest
+from fem_lie.solve.conserving.between.floating import PackedBodies
+from fem_lie.solve.conserving.between.product_rows import add_on_rows, product_rates
+from fem_lie.solve.motion.step_error import StepError, largest
 from fem_lie.system.equations import Instant
 
 if TYPE_CHECKING:
@@ -45,7 +48,7 @@ class End(NamedTuple):
 
     Attributes:
         H: Frames of all rows.
-        V: Velocities of (x, d₁, d₂, d₃), (n, 4, 3).
+        V: Velocities of (x, d₁, d₂, d₃) and of products, (n + p, 4, 3).
         time: On the step's side, if something jumps there.
     """
 
@@ -57,11 +60,18 @@ class End(NamedTuple):
 class MeanError:
     """The error of each step of one run."""
 
-    def __init__(self, equations: Equations) -> None:
-        """For equations whose matrix is factorised elsewhere."""
+    def __init__(self, equations: Equations, mass: Inertia, bodies: PackedBodies) -> None:
+        """For equations whose matrix is factorised elsewhere.
+
+        Args:
+            equations: Of the scene.
+            mass: Matrix of inertia of all rows, those of products last, (n + p).
+            bodies: Those of reduced order.
+        """
         unknowns, n = equations.unknowns, equations.unknowns.moving
         self._equations, self._size, self._kinds = equations, 6 * n, unknowns.kinds
-        self._q = np.zeros((n, 4, 3))
+        self._mass, self._bodies, self._moving = mass, bodies, n
+        self._q, self._work = np.zeros((2, len(mass.indptr) - 1, 4, 3))
         self._twist, self._still = np.zeros((2, n, 6))
         self._r, self._ones = np.zeros(unknowns.size), np.ones(unknowns.m)
         start = Instant(equations.start.frames, self._twist, self._still, np.zeros(unknowns.m))
@@ -76,7 +86,7 @@ class MeanError:
             h: Step size.
             start: The start of the step.
             end: Its end; loads are left as they are there.
-            delta: Increments of (x, d₁, d₂, d₃), (n, 4, 3).
+            delta: Increments of all rows, (n + p, 4, 3).
             weights: Multipliers of the step.
             mass: Factor of the mass matrix in the iteration matrix that will be used.
             r: Shape (size,), overwritten.
@@ -89,26 +99,37 @@ class MeanError:
         factor = h * h / 12.0 * mass
         _compare(self._kinds, start.H, end.H, before.reshape(-1, 6), factor, forces)
         self._q[:] = delta - 0.5 * h * (start.V + end.V)
-        add_inertia_forces(equations, end.H, self._q, -mass, forces)
+        self._add_inertia(end.H, -mass, forces)
         forces[equations.unknowns.held] = 0.0
         r[size:] = 0.0
 
     def _residual(self, at: End, A: Array, weights: Array) -> Array:
         """ρ, in the nodes' frames."""
-        equations, twist = self._equations, self._twist
+        equations, twist, n = self._equations, self._twist, self._moving
         if equations.unknowns.time_dependent:
             equations.prescribed(at.time).act()
         twist[:] = 0.0
-        pull_all(self._kinds, at.H, at.V, 1.0, twist.reshape(-1))
+        pull_all(self._kinds, at.H, at.V[:n], 1.0, twist.reshape(-1))
         # each director of a frame has its part of the rotation twice
         twist[self._kinds < SLOPE, 3:] *= 0.5
         now = Instant(at.H, twist, self._still, weights)
         equations.residual(now, self._ones, self._r, self._found)
-        inertia.accelerations(equations.unknowns.kinds, at.H, twist, self._still, self._q)
+        inertia.accelerations(equations.unknowns.kinds, at.H, twist, self._still, self._q[:n])
+        if len(self._q) > n:
+            push_all(self._kinds, at.H, twist, self._work[:n])
+            found = np.empty((2, *self._q[n:].shape))
+            product_rates(*self._bodies, (at.H, self._work[:n], self._q[:n]), found)
+            self._q[n:] = found[1]
         self._q[:] = A - self._q
-        forces = self._r[: self._size].reshape(-1, 6)
-        add_inertia_forces(equations, at.H, self._q, 1.0, forces)
+        self._add_inertia(at.H, 1.0, self._r[: self._size].reshape(-1, 6))
         return self._r
+
+    def _add_inertia(self, H: Array, factor: float, forces: Array) -> None:
+        """Add ``factor Lᵀ G q`` of the rows ``_q`` at frames ``H`` to ``forces``, (n, 6)."""
+        n, work = self._moving, self._work
+        inertia.multiply(*self._mass, self._q, work)
+        add_on_rows(*self._bodies, H, work[n:], work[:n])
+        pull_all(self._kinds, H, work[:n], factor, forces.reshape(-1))
 
     def of(self, dx: Array) -> StepError:
         """The error, from the solution of these equations."""

@@ -13,6 +13,9 @@ from fem_lie.forms.cell_forms import FormTable, each_cell, joined
 from fem_lie.forms.cells import Cells
 from fem_lie.forms.term import Term
 from fem_lie.lie.kinds import SLOPE
+from fem_lie.lie.kinds.inertia import Inertia
+from fem_lie.solve.conserving.between.floating import packed_bodies
+from fem_lie.solve.conserving.between.product_rows import inertia_with_products, product_weights
 from fem_lie.solve.conserving.between.pushes import Pushes
 from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
 from fem_lie.solve.conserving.rows.measure import measure_cells
@@ -23,6 +26,7 @@ from fem_lie.solve.conserving.step.records import (
     Model,
     Pieces,
     Scheme,
+    Span,
     State,
     Step,
 )
@@ -38,17 +42,18 @@ def start_state(
     """At rest at the frames of the start."""
     z = np.zeros
     n, m = equations.unknowns.moving, equations.unknowns.m
-    count = cells.count + len(rows.sees)
+    p, bodies = products_of(equations)
+    count = cells.count + len(rows.sees) + bodies
     return State(
         H=equations.start.frames.copy(),
         rest=z((n, 4, 3)),
-        V=z((n, 4, 3)),
+        V=z((n + p, 4, 3)),
         weights=z(m),
         gap=z(m),
         F=z((cells.places, 6)),
         W=z(count),
         account=z(count),
-        w=z((n, 4, 3)),
+        w=z((n + p, 4, 3)),
         w_F=z((cells.places, 6)),
         lag=z(13),
         carry=z((n, 6)),
@@ -62,6 +67,7 @@ def start_state(
         probe=np.cos(np.arange(6 * n + m)),
         lasting=z((2, len(rows.nodes) if dissipates else 0, 2, 3)),
         rates=z((2, n, 6)),
+        within=z(p if dissipates else 0),
     )
 
 
@@ -69,13 +75,15 @@ def room_for_step(
     equations: Equations, cells: Cells, rows: RowCells, legs: Legs, *, dissipates: bool
 ) -> Step:
     """Memory of a step."""
-    z, count = np.zeros, cells.count + len(rows.sees)
+    z, (p, bodies) = np.zeros, products_of(equations)
+    count = cells.count + len(rows.sees) + bodies
     unknowns, frames = equations.unknowns, equations.start.frames
     n, m, total = unknowns.moving, unknowns.m, unknowns.total
+    between = np.stack([*[frames] * 3, z(frames.shape)])
     return Step(
         step=z((n, 6)),
-        rows=np.stack([*[frames] * 3, z(frames.shape)]),
-        V1=z((n, 4, 3)),
+        rows=between,
+        V1=z((n + p, 4, 3)),
         F1=z((cells.places, 6)),
         W1=z(count),
         work=z(count),
@@ -88,20 +96,23 @@ def room_for_step(
         twists=z((total, 6)),
         on_nodes=z((total, 6)),
         forces=z((n, 6)),
-        q=z((2, n, 4, 3)),
+        q=z((2, n + p, 4, 3)),
         F_viscous=z((cells.places, 6)),
         r=z((5, 6 * n + m)),
         weights=z(m),
         filtered=z((3, total, 6)),
         border=z((2, len(legs.nodes), 6)),
         sums=z((3, 3, 3, 3)),
-        own=z((3, n, 4, 3)),
+        own=z((3, n + p, 4, 3)),
         turnings=z((2, 3 if dissipates else 0, 6 * n)),
         gains=z(cells.count),
         pushed=z((0 if has_vector_nodes(equations) else len(pushes_of(equations).room(n)), 6)),
         lasting=z((3, len(rows.nodes) if dissipates else 0, 2, 3)),
         changes=z((2, n if dissipates else 0, 6)),
         outer=z((n, 6)),
+        moved=z((n + p, 4, 3)) if p else Span(*between).delta[:n],
+        products=z((p, 4, 3)),
+        within=z((3, p)),
     )
 
 
@@ -110,11 +121,29 @@ def has_vector_nodes(equations: Equations) -> bool:
     return bool((equations.unknowns.kinds >= SLOPE).any())
 
 
+def products_of(equations: Equations) -> tuple[int, int]:
+    """Coordinates of reduced-order bodies, each with a row of products; how many bodies."""
+    sizes = equations.tables.floating.sizes
+    return int(sizes.sum()), len(sizes)
+
+
+def inertia_of(equations: Equations) -> Inertia:
+    """The mass matrix of rows of nodes and of products."""
+    known = equations.tables
+    if not products_of(equations)[0]:
+        return known.inertia
+    return inertia_with_products(known.inertia, known.floating)
+
+
 def assemblies_of_frames(equations: Equations) -> list[tuple[slice, BodyTerm]]:
-    """Those of bodies whose nodes are frames."""
+    """Those of bodies whose nodes are frames with inertia of their own."""
     known = equations.tables
     kinds = known.kinds[known.leader]
-    return [(at, term) for at, term in known.assemblies if kinds[at.start] < SLOPE]
+    return [
+        (at, term)
+        for at, term in known.assemblies
+        if kinds[at.start] < SLOPE and not term.within_frames
+    ]
 
 
 def cells_of_rows(equations: Equations) -> RowCells:
@@ -161,10 +190,12 @@ def model_of(
     """What a step sees of the scene."""
     known, unknowns = equations.tables, equations.unknowns
     n, m = unknowns.moving, unknowns.m
+    loads, mass = Loads(*(array.copy() for array in known.loads)), inertia_of(equations)
+    weights = product_weights(mass, n, known.floating.numbers[:3])
     return Model(
         cells=cells.table,
         joints=known.joints,
-        inertia=known.inertia,
+        inertia=mass,
         damping=known.damping,
         leaders=Leaders(
             known.leader,
@@ -175,8 +206,8 @@ def model_of(
         held=unknowns.held.astype(np.int64),
         measure=unknown_scaling(unknowns),
         scale=np.ones(m),
-        loads=Loads(*(array.copy() for array in known.loads)),
-        conservative=known.conservative,
+        loads=loads._replace(dead=np.concatenate([loads.dead, weights])),
+        conservative=np.concatenate([known.conservative, weights]),
         pressure=pieces_of(known.terms),
         viscous=any(term.viscous for _, term in assemblies_of_frames(equations)),
         scheme=scheme,
@@ -190,6 +221,7 @@ def model_of(
         rows=rows,
         of_frames=_of_frames(equations),
         outside=np.zeros(4, dtype=np.int64),
+        bodies=packed_bodies(known.floating),
     )
 
 

@@ -29,7 +29,6 @@ def refuse_scene(equations: Equations) -> None:
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
         f"shells with six parameters ({drilling})": bool(drilling),
-        f"reduced-order bodies ({', '.join(unknowns.floating)})": bool(unknowns.floating),
         ", ".join(dict.fromkeys(apart)): bool(apart),
     }
     refuse("a conserving scheme", reasons)
@@ -53,6 +52,8 @@ def _refuse_joints(equations: Equations) -> None:
 def _has_forces_over_steps(term: Term, kinds: Indices) -> bool:
     """Whether steps have the forces of a term, as cells of nodes of one sort or in other sums."""
     if term.secant or term.rates is not None or term.within_joints or acts_in_the_middle(term):
+        return True
+    if term.within_frames:
         return True
     if (kinds[term.pairs[0]] < SLOPE).all():
         return term.conserved

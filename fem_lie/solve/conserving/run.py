@@ -170,7 +170,7 @@ class Run(Steps):
         if self._changing:
             # drives are violated by what they are not at the end
             self.equations.prescribed(self._end).act()
-        motion = s.V, self.local(s.V, s.H)
+        motion = s.V, self.local(s.V[: self.moving], s.H)
         self._filled.by_both(history, s.H, motion, weights, s.books)
         if self._held and Record.FORCES in history.filled:
             history.reactions[row] = self._reactions(weights)
@@ -193,7 +193,7 @@ class Run(Steps):
         if s.sizes[-1] > 0.0:
             return at_end(s.weights, s.earlier, s.sizes)
         v, matrix = equations.start.velocities.copy(), equations.matrix.csr[0].copy()
-        v[:n] = self.local(s.V, s.H)
+        v[:n] = self.local(s.V[:n], s.H)
         solver = DirectSolver(equations.matrix, PREFIX)
         _, weights = accelerations(equations, solver, s.H, v, self._end, self.h)
         # the kept factors are those of this matrix
@@ -204,7 +204,8 @@ class Run(Steps):
         """Of supports, by the equations of motion at the end of the step."""
         s, (end, v, rates) = self.s, np.empty((3, self.moving, 6))
         rates_at_end(s.rates, s.sizes, end)
-        twists(self._kinds, self.equations.tables.turning, s.H, s.V, end, v, rates)
+        V = s.V[: self.moving]
+        twists(self._kinds, self.equations.tables.turning, s.H, V, end, v, rates)
         return self.equations.report(s.H, v, rates, weights, carried=False).reactions
 
     # --- checkpoints ---

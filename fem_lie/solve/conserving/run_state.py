@@ -18,6 +18,7 @@ from fem_lie.lie.kinds import SLOPE, follow_all, push_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.solve.conserving.between.any_node import span_from_python, spatial_rates, twists
+from fem_lie.solve.conserving.between.product_rows import product_rates, stored_energies
 from fem_lie.solve.conserving.between.screws import half_way
 from fem_lie.solve.conserving.between.turning import Turning
 from fem_lie.solve.conserving.memory import (
@@ -212,7 +213,8 @@ class RunState(DividedIntegration[History]):
         equations, s, n = self.equations, self.s, self.moving
         frames, v = equations.start[:2]
         check_velocities(equations, self.size)
-        push_all(self._kinds, frames[:n], np.ascontiguousarray(v[:n]), s.V)
+        push_all(self._kinds, frames[:n], np.ascontiguousarray(v[:n]), s.V[:n])
+        self._push_products(s.H, s.V)
         solver = DirectSolver(equations.matrix, PREFIX)
         vdot, s.weights[:] = accelerations(equations, solver, s.H, v, 0.0, self.size)
         s.rates[:] = self.spatial(s.H, v, vdot)
@@ -225,12 +227,23 @@ class RunState(DividedIntegration[History]):
         self.model.scale[:] = self._fill(s.H, v[:n], vdot, scale=None)
         self.numbers[corrections.EXCESS] = np.inf
 
+    def _push_products(self, H: Array, V: Array) -> None:
+        """Set the rates of products, which come last in ``V`` (n + p, 4, 3), by those of rows."""
+        n = self.moving
+        if len(V) > n:
+            found = np.empty((2, *V[n:].shape))
+            product_rates(*self.model.bodies, (H, V[:n], np.zeros_like(V[:n])), found)
+            V[n:] = found[0]
+
     def _evaluate_start(self) -> Array:
         """Forces and energies of the cells at the start of a step; returns the energies."""
         frames = self.equations.report(self.s.H).frames
         s, framed = self.s, self.cells.count
+        others = framed + len(self.row_cells.sees)
         evaluate(self.cells.table, frames, np.zeros_like(frames), s.F, s.W[:framed])
-        energies_at(self.row_cells, s.H, s.rest, s.W[framed:])
+        energies_at(self.row_cells, s.H, s.rest, s.W[framed:others])
+        if len(s.W) > others:
+            stored_energies(*self.model.bodies, s.H, s.W[others:])
         if len(s.lasting[0]):
             forces_at(self.row_cells, s.H, s.rest, s.lasting[0])
         return s.W
@@ -256,6 +269,7 @@ class RunState(DividedIntegration[History]):
         """Make the state that of the start of a step of another size, see :mod:`.variable`."""
         s, r = self.s, h / self.size
         s.w[:], s.w_F[:], s.carry[:] = r * s.w, r * s.w_F, s.carry / r
+        s.lasting[1, :], s.within[:] = r * s.lasting[1], r * s.within
         s.lag[LENGTH] *= r * r
         self.numbers[corrections.MOTION] *= r
         # round-off of a larger step is none of a smaller one
@@ -282,8 +296,9 @@ class RunState(DividedIntegration[History]):
             rows.mean[n + 1 :], rows.delta[n + 1 :] = 0.5 * (before + after), after - before
 
     def _take_loads(self) -> None:
+        # the weight on products stays as it is
         for array, value in zip(self.model.loads, self.equations.tables.loads, strict=True):
-            array[:] = value
+            array[: self.moving] = value
 
     def _set_loads(self, time: float) -> None:
         """Forces of the loads at ``time``; strains without stress do work when they change."""
@@ -333,9 +348,10 @@ class RunState(DividedIntegration[History]):
             packed, end, ahead = self._packed, Span(*this.rows).end, 0.0
             packed_residual(packed.model, packed.state, packed.step)
             H = at = self._half_way(end)
-            v, a = self.local(0.5 * (s.V + this.V1), H), self.local((this.V1 - s.V) / self.size, H)
+            V, V1 = s.V[:n], this.V1[:n]
+            v, a = self.local(0.5 * (V + V1), H), self.local((V1 - V) / self.size, H)
         else:
-            H, at, end, v, ahead = self._at_start(), s.H, s.H, self.local(s.V, s.H), 1.0
+            H, at, end, v, ahead = self._at_start(), s.H, s.H, self.local(s.V[:n], s.H), 1.0
             a = 2.0 * np.einsum("nij,nkj->nki", H[:n, 1:], s.trend.reshape(n, 2, 3)).reshape(n, 6)
         a[:, :3] -= np.cross(v[:, 3:], v[:, :3])
         a[self._vectors] = 0.0

@@ -105,9 +105,11 @@ def _fill(
 ) -> bool:
     """Fill in a row with the present state; returns whether an element turns nearly too far."""
     s, (scene, rows), (_, _, (h, _, _)) = state_of(starts), results, packed
-    weights, room = s.weights, np.zeros((3, s.V.shape[0], 6))
+    kinds = model_of(packed).kinds
+    weights, n = s.weights, kinds.shape[0]
+    room = np.zeros((3, n, 6))
     v, unused, still = room[0], room[1], room[2]
-    twists(model_of(packed).kinds, turning, s.H, s.V, still, v, unused)
+    twists(kinds, turning, s.H, s.V[:n], still, v, unused)
     if weights.shape[0] > 0:
         weights = at_end(s.weights, s.earlier, s.sizes)
     potential, springs, near = fill_by_both(s.H, v, s.V, weights, s.books, scene, rows, row)
@@ -121,12 +123,12 @@ def _fill_reactions(
 ) -> None:
     """Fill in the reactions of the present state, by the equations of motion there."""
     (table, turning, held, nodes, rows, ones), s = supports, state_of(starts)
-    kinds, n = model_of(packed).kinds, s.V.shape[0]
+    kinds, n = model_of(packed).kinds, s.rates.shape[1]
     rates, v, a = np.empty((n, 6)), np.empty((n, 6)), np.empty((n, 6))
     r, weights = np.empty(6 * n + s.weights.shape[0]), s.weights
     if weights.shape[0] > 0:
         weights = at_end(s.weights, s.earlier, s.sizes)
     rates_at_end(s.rates, s.sizes, rates)
-    twists(kinds, turning, s.H, s.V, rates, v, a)
+    twists(kinds, turning, s.H, s.V[:n], rates, v, a)
     residual(s.H, v, a, weights, ones, r, table)
     rows[row] = wrenches(kinds, s.H, r[: 6 * n].reshape(n, 6), held, nodes)

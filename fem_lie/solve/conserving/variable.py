@@ -22,12 +22,12 @@ from fem_lie.lie.kinds import inertia, push_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, solve
 from fem_lie.linear.levels import Levels
+from fem_lie.solve.conserving.between.product_rows import products_at
 from fem_lie.solve.conserving.mean_error import End, MeanError
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import PREFIX, Options
 from fem_lie.solve.conserving.step import corrections
 from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
-from fem_lie.solve.conserving.step.records import Span
 from fem_lie.solve.motion.consistent import accelerations, allowed_velocities
 from fem_lie.solve.motion.growing import GrowingHistory
 from fem_lie.solve.motion.step_error import StepError
@@ -54,7 +54,8 @@ class ConservingSteps(Run):
         super().__init__(options, equations, control.size)
         self.control = control
         self.levels = Levels[Factors](rigid=equations.unknowns.rigid)
-        self._scales, self._error = dict[int, Array](), MeanError(equations)
+        self._scales = dict[int, Array]()
+        self._error = MeanError(equations, self.model.inertia, self.model.bodies)
         self._solution = np.zeros((3, equations.unknowns.size))
 
     def _set_size(self, h: float) -> None:
@@ -105,6 +106,7 @@ class ConservingSteps(Run):
         """Forget changes of velocity; what is driven gets its new velocity by an impulse."""
         s = self.s
         s.lag[REMEMBERS], s.lag[LENGTH], s.w[:], s.w_F[:], s.sizes[:] = 0.0, 0.0, 0.0, 0.0, 0.0
+        s.lasting[1] = s.within[:] = 0.0
         if self.equations.unknowns.driven or len(s.H) > self.moving + 1:
             self._kick(time)
         if self._held:
@@ -114,7 +116,7 @@ class ConservingSteps(Run):
         """Accelerations after a jump, for reactions."""
         equations, s, n = self.equations, self.s, self.moving
         self._end, v = time, equations.start.velocities.copy()
-        v[:n] = self.local(s.V, s.H)
+        v[:n] = self.local(s.V[:n], s.H)
         solver = DirectSolver(equations.matrix, PREFIX)
         found = accelerations(equations, solver, s.H, v, time, self.size)[0]
         s.rates[:] = self.spatial(s.H, v, found)
@@ -123,10 +125,11 @@ class ConservingSteps(Run):
         """Make velocities satisfy drives and motions after ``time``, whose work is counted."""
         equations, s, n = self.equations, self.s, self.moving
         v, change = equations.start.velocities.copy(), np.empty_like(s.V)
-        v[:n] = self.local(s.V, s.H)
+        v[:n] = self.local(s.V[:n], s.H)
         solver = DirectSolver(equations.matrix, PREFIX)
         after = allowed_velocities(equations, solver, s.H, v, time, self.size)
-        push_all(self._kinds, s.H, np.ascontiguousarray(after[:n] - v[:n]), change)
+        push_all(self._kinds, s.H, np.ascontiguousarray(after[:n] - v[:n]), change[:n])
+        self._push_products(s.H, change)
         before = self._invariants()
         s.V[:] += change
         gain = self._invariants() - before
@@ -135,8 +138,11 @@ class ConservingSteps(Run):
 
     def _invariants(self) -> Array:
         """Kinetic energy and momenta, shape (7,)."""
-        work = np.empty_like(self.s.V)
-        return np.array(inertia.invariants_of_rates(self.s.H, self.s.V, *self.model.inertia, work))
+        s, n, work = self.s, self.moving, np.empty_like(self.s.V)
+        rows = work.copy()
+        rows[:n] = s.H[:n]
+        products_at(*self.model.bodies, s.H, rows[n:])
+        return np.array(inertia.invariants_of_rates(rows, s.V, *self.model.inertia, work))
 
     def calm(self, time: float, h: float) -> None:
         """Nothing: waves have energy, which is conserved."""
@@ -176,10 +182,9 @@ class ConservingSteps(Run):
     def estimate(self, before: Mapping[str, Array], start: float, end: float) -> StepError:
         """See the protocol."""
         s, h, V = self.s, self.size, before["s.V"]
-        delta = Span(*self.this.rows).delta[: self.moving]
         ends = End(before["s.H"], V, start + side(start, h)), End(s.H, s.V, end - side(end, h))
         r, y, x = self._solution
-        self._error.load(h, *ends, delta, s.weights, self.levels.mass, r)
+        self._error.load(h, *ends, self.this.moved, s.weights, self.levels.mass, r)
         factors = self.levels.present
         assert factors is not None
         solve(factors.plain, r, y, x)

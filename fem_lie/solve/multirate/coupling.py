@@ -100,7 +100,7 @@ class Coupling(Stateful):
     def _close(self, most: int) -> bool:
         """Whole steps until the joints are closed at their end; whether they are."""
         for domain in self._domains:
-            self._moved[domain.rows] = domain.h * domain.count * domain.s.V
+            self._moved[domain.rows] = domain.h * domain.count * domain.s.V[: domain.moving]
         λ = 2.0 * self.weights[0] - self.weights[1] if self.made > 1 else self.weights[0].copy()
         if not self.found and len(λ) and not self._find_response(λ):
             return False

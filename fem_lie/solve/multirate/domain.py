@@ -98,7 +98,7 @@ class Domain(Run):
 
     def _take_loads(self) -> None:
         super()._take_loads()
-        self.model.loads.dead[:] += self._acting
+        self.model.loads.dead[: self.moving] += self._acting
 
     @property
     def stored(self) -> float:

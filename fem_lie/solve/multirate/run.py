@@ -11,6 +11,7 @@ from fem_lie._state import attributes
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.results import Result
 from fem_lie.results.record import Record
+from fem_lie.solve.conserving.between.product_rows import product_numbers
 from fem_lie.solve.conserving.outside.forces import joints_of
 from fem_lie.solve.conserving.run_state import PREFIX, Options
 from fem_lie.solve.division import HALVINGS
@@ -55,6 +56,11 @@ class MultiRateRun(DividedIntegration[History]):
             Domain(options, part, step, count, rows_of(part, equations))
             for count, part in parts.items()
         )
+        bodies = equations.tables.floating
+        self._products = [
+            product_numbers(part.tables.floating, domain.rows, bodies)
+            for part, domain in zip(parts.values(), self._domains, strict=True)
+        ]
         self._coupling = Coupling(between, equations, self._domains)
         self.H = equations.start.frames.copy()
         self._filled, self._r = ResultRow(equations), np.empty(equations.unknowns.size)
@@ -125,15 +131,17 @@ class MultiRateRun(DividedIntegration[History]):
     def _keep_row(self, history: History) -> None:
         equations, row = self.equations, history.row
         n, m = equations.unknowns.moving, equations.unknowns.m
-        held, H, V = len(equations.unknowns.supported) > 0, self.frames, np.empty((n, 4, 3))
+        rows = n + sum(map(len, self._products))
+        held, H, V = len(equations.unknowns.supported) > 0, self.frames, np.empty((rows, 4, 3))
         v = equations.start.velocities.copy()
         rates: Array = np.zeros((n, 6))
         weights: Array = np.zeros(m)
         if equations.unknowns.time_dependent:
             equations.prescribed(self.index * self.h).act()
-        for domain in self._domains:
-            V[domain.rows] = domain.s.V
-            v[domain.rows] = domain.local(domain.s.V, domain.s.H)
+        for domain, products in zip(self._domains, self._products, strict=True):
+            own = domain.s.V[: domain.moving]
+            V[domain.rows], V[n + products] = own, domain.s.V[domain.moving :]
+            v[domain.rows] = domain.local(own, domain.s.H)
         if Record.FORCES in history.filled and (held or m):
             rates, weights = self._end_forces(H, v)
         books = np.sum([domain.s.books for domain in self._domains], axis=0)

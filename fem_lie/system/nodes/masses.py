@@ -11,7 +11,7 @@ from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
 from fem_lie.forms.term import add_at
 from fem_lie.lie.kinds import AMPLITUDE, SLOPE, SURFACE
-from fem_lie.lie.kinds.floating import Floating
+from fem_lie.lie.kinds.floating import Floating, WithinFrame
 from fem_lie.lie.kinds.inertia import Inertia, multiply
 from fem_lie.system.nodes.numbering import Numbering
 
@@ -75,7 +75,7 @@ def floating_of(numbering: Numbering) -> Floating:
     Raises:
         ValueError: Nodes of such a body follow others.
     """
-    found: list[tuple[Indices, Array, Array]] = []
+    found: list[tuple[Indices, WithinFrame]] = []
     attachment = numbering.attachment
     for body, nodes in numbering.nodes.items():
         inside = body.within_frame()
@@ -85,7 +85,7 @@ def floating_of(numbering: Numbering) -> Floating:
                     f"nodes of {body.label} cannot follow others: let the others follow them, or "
                     "take a Fixed joint"
                 )
-            found.append((attachment.leader[nodes], *inside))
+            found.append((attachment.leader[nodes], inside))
     return Floating.of(found)
 
 

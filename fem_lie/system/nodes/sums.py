@@ -188,15 +188,17 @@ def report_rates(
 ) -> float:
     """Set kinetic energy and momenta (7,), and return the potential; ``work`` (1, n, 4, 3).
 
-    ``qdot``: rates of (x, d₁, d₂, d₃), (n, 4, 3).
+    ``qdot``: rates of (x, d₁, d₂, d₃), and perhaps of products of floating bodies, see
+    :func:`~fem_lie.lie.kinds.floating.add_invariants`, (≥ n, 4, 3).
     """
-    indptr, indices, blocks = mass
-    values = inertia.invariants_of_rates(H, qdot, indptr, indices, blocks, work[0])
+    (indptr, indices, blocks), count = mass, dead.shape[0]
+    rates = qdot[:count]
+    values = inertia.invariants_of_rates(H, rates, indptr, indices, blocks, work[0])
     for k in range(7):
         invariants[k] = values[k]
     potential, (integers, numbers) = load_potential(H, dead), bodies
     if integers[0] > 0:
-        potential += floating.add_invariants(H, qdot, integers, numbers, invariants)
+        potential += floating.add_invariants(H, qdot, count, integers, numbers, invariants)
     return potential
 
 

@@ -44,6 +44,7 @@ class Followed(Term):
         self.conserved, self.secant, self.turning = term.conserved, term.secant, term.turning
         self.on_ground, self.rubs, self.apart = term.on_ground, term.rubs, term.apart
         self.steady, self.watches, self.parts = term.steady, term.watches, term.parts
+        self.within_frames = term.within_frames
         self._leader, self._offset = attachment.leader[where], attachment.offset[where]
         numbers = np.arange(len(attachment.leader))[where]
         self._direct = bool(np.isin(numbers, attachment.leaders).all())

@@ -32,6 +32,7 @@ from fem_lie.lie.wrenches import add_dead, add_wrench
 from fem_lie.solve.conserving.between.any_node import keep_axes, rates_of
 from fem_lie.solve.conserving.between.cayley import advance, left_moment
 from fem_lie.solve.conserving.between.edges import go_along_edge, turned_with
+from fem_lie.solve.conserving.between.floating import STRESS
 from fem_lie.solve.conserving.step.dissipation import (
     ENERGY,
     LEAK,
@@ -42,7 +43,7 @@ from fem_lie.solve.conserving.step.dissipation import (
     remember,
 )
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
-from fem_lie.solve.conserving.step.records import State, solution_of, span_of
+from fem_lie.solve.conserving.step.records import Model, State, Step, solution_of, span_of
 from fem_lie.system.nodes.loads import Loads
 
 
@@ -74,7 +75,10 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
                 old = state.w_F[place, k]
                 state.w_F[place, k] = old + μ * (F1[place, k] - state.F[place, k] - old)
         _learn_of_rows(μ, this.lasting, state.lasting)
+        for a in range(state.within.shape[0]):
+            state.within[a] += μ * (this.within[STRESS, a] - state.within[a])
     work = _work_of_loads(model.kinds, model.loads, model.conservative, this.rows, step, losses)
+    work += _work_on_products(model, this)
     books[WORK] += losses[WORK] + work
     books[DAMPING] += losses[DAMPING]
     books[NUMERICAL] += losses[NUMERICAL]
@@ -87,7 +91,7 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
             store_row(H[i], k, load_row(end[i], k))
     unwrap(H, joint_table(model.joints))
     unwrap(H, joint_table(model.probes))
-    for i in range(n):
+    for i in range(V.shape[0]):
         for k in range(4):
             store_row(V[i], k, load_row(V1[i], k))
     mass, momenta = model.inertia, this.q[1]
@@ -240,4 +244,17 @@ def _work_of_loads(
             force, turning = wrench(kinds[i], middle[i], following[i])
             turning = plus(turning, load(moment[i], 0))
             add_wrench(losses, BY_LOADS, load_row(middle[i], 0), force, turning)
+    return work
+
+
+@inlined
+def _work_on_products(model: Model, this: Step) -> float:
+    """The same of forces on products; adds their moments to ``losses``."""
+    n, dead, work = this.step.shape[0], model.loads.dead, 0.0
+    for a in range(this.products.shape[0]):
+        force, constant, moved = dead[n + a], model.conservative[n + a], this.moved[n + a]
+        for k in range(1, 4):
+            for j in range(3):
+                work += (force[k, j] - constant[k, j]) * moved[k, j]
+        add_dead(this.losses, BY_LOADS, 1.0, this.products[a], force)
     return work

@@ -22,10 +22,12 @@ from fem_lie.lie.tuples import (
     rotate_back,
     scaled,
     store,
+    store_row,
 )
 from fem_lie.lie.wrenches import add_dead, add_wrench
 from fem_lie.solve.conserving.between.any_node import span_all
 from fem_lie.solve.conserving.between.cayley import left_moment
+from fem_lie.solve.conserving.between.floating import add_inertia, span_products
 from fem_lie.solve.conserving.between.pushes import LOSS, ON_GROUND
 from fem_lie.solve.conserving.step.cells import add_filtered_forces, add_from_nodes
 from fem_lie.solve.conserving.step.dissipation import (
@@ -66,6 +68,8 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, anew: bool) -
     n, χ = this.step.shape[0], scheme.loss * state.lag[REMEMBERS]
     along, r = span_of(this.rows), solution_of(this.r).residual
     span_all(kinds, state.H, this.step, (along.delta, along.mean, along.end, along.middle))
+    if this.products.shape[0] > 0:
+        _span_products(packed, starts, steps)
     for k in range(losses.shape[0]):
         losses[k] = 0.0
     _make_up(kinds, state.carry, this.step, forces)
@@ -96,6 +100,18 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, anew: bool) -
                 r[6 * i + k] = 0.0
     for c in range(state.weights.shape[0]):
         r[6 * n + c] = model.scale[c] * (state.gap[c] + this.change[c])
+
+
+@uncounted
+def _span_products(packed: PackedModel, starts: Indices, steps: Indices) -> None:
+    """Coordinates and products of reduced-order bodies, and increments of all rows with inertia."""
+    model, state, this = model_of(packed), state_of(starts), step_of(steps)
+    along, moved = span_of(this.rows), this.moved
+    for i in range(this.step.shape[0]):
+        for k in range(4):
+            store_row(moved[i], k, load_row(along.delta[i], k))
+    nodes, motion = (state.H, state.rest), (along.mean, along.delta)
+    span_products(model.bodies, nodes, motion, this.within, this.products, moved)
 
 
 @inlined
@@ -156,7 +172,7 @@ def _choose_memory(packed: PackedModel, starts: Indices, steps: Indices) -> None
     """β, and velocities with it."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     V, w, lag, products, χ = state.V, state.w, state.lag, products_of(this), model.scheme.loss
-    set_products(model.inertia, V, w, span_of(this.rows).delta, model.scheme.h, products)
+    set_products(model.inertia, V, w, this.moved, model.scheme.h, products)
     ψ = choose_memory(products.sums, χ, lag)
     set_velocities(V, w, products.δ, χ, lag[MEMORY], ψ, this.V1)
 
@@ -169,12 +185,12 @@ def _add_momenta(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     h = scheme.h
     V, V1, losses, forces, q = state.V, this.V1, this.losses, this.forces, this.q
     _, mean, _, delta = span_of(this.rows)
-    n, dissipates = V.shape[0], scheme.loss * state.lag[REMEMBERS] > 0.0
+    n, moved, dissipates = forces.shape[0], this.moved, scheme.loss * state.lag[REMEMBERS] > 0.0
     if not dissipates:
-        for i in range(n):
+        for i in range(V.shape[0]):
             for k in range(4):
                 for j in range(3):
-                    V1[i, k, j] = 2.0 / h * delta[i, k, j] - V[i, k, j]
+                    V1[i, k, j] = 2.0 / h * moved[i, k, j] - V[i, k, j]
     if damping.indptr.shape[0] > 0:
         for i in range(n):
             for k in range(4):
@@ -190,18 +206,22 @@ def _add_momenta(packed: PackedModel, starts: Indices, steps: Indices) -> None:
         losses[DAMPING] += h * power
         for i in range(n):
             add_dead(losses, BY_LOADS, -1.0, mean[i], q[1, i])
-    for i in range(n):
+    for i in range(V.shape[0]):
         for k in range(4):
             for j in range(3):
                 q[0, i, k, j] = (V1[i, k, j] - V[i, k, j]) / h
     inertia.multiply(mass.indptr, mass.indices, mass.blocks, q[0], q[1])
     if dissipates:
-        losses[NUMERICAL] += velocity_loss(V, V1, delta, h, q[1])
-    for i in range(n):
+        losses[NUMERICAL] += velocity_loss(V, V1, moved, h, q[1])
+    for i in range(V.shape[0]):
         for k in range(4):
             for j in range(3):
                 q[1, i, k, j] -= dead[i, k, j]
     _on_rows(model.kinds, mean, q[1], forces)
+    if this.products.shape[0] > 0:
+        nodes, motion = (state.H, state.rest), (mean, delta)
+        own = this.step, this.within, this.products
+        add_inertia(model.bodies, model.kinds, nodes, motion, *own, q[1], forces)
 
 
 @uncounted

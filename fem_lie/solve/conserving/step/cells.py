@@ -29,6 +29,7 @@ from fem_lie.lie.wrenches import add_wrench
 from fem_lie.solve.conserving.between.cayley import follow
 from fem_lie.solve.conserving.between.discrete_gradient import Energies, Filtered, add_elastic
 from fem_lie.solve.conserving.between.edges import pull_edges, turn_edges
+from fem_lie.solve.conserving.between.floating import add_elastic as add_of_bodies
 from fem_lie.solve.conserving.between.mean_forces import Ends, Path
 from fem_lie.solve.conserving.rows.cells import Nodes
 from fem_lie.solve.conserving.rows.cells import add_elastic as add_of_rows
@@ -82,14 +83,33 @@ def add_from_nodes(packed: PackedModel, starts: Indices, steps: Indices, anew: b
     """
     model, state = model_of(packed), state_of(starts)
     known = _repayment(state.lag), state.lag[SQUARES] + state.lag[ROW_SQUARES]
-    if model.rows.sees.shape[0] == 0:
+    rows, bodies = model.rows.sees.shape[0], step_of(steps).products.shape[0]
+    if rows + bodies == 0:
         _add_from_frames(packed, starts, steps, anew, known)
         return
+    changes = step_of(steps).changes
     if model.scheme.loss > 0.0:
         anew = True
         state.lag[WORKS] = state.lag[WORKS + 1] = 0.0
+        for i in range(changes.shape[1]):
+            for k in range(6):
+                changes[0, i, k] = changes[1, i, k] = 0.0
     _add_from_frames(packed, starts, steps, anew, known)
-    _add_from_rows(packed, starts, steps, known)
+    if rows > 0:
+        _add_from_rows(packed, starts, steps, known)
+    if bodies > 0:
+        _add_from_bodies(packed, starts, steps)
+
+
+@uncounted
+def _add_from_bodies(packed: PackedModel, starts: Indices, steps: Indices) -> None:
+    """Add elastic forces of reduced-order bodies."""
+    model, state, this = model_of(packed), state_of(starts), step_of(steps)
+    along, first = span_of(this.rows), state.W.shape[0] - model.bodies[0][0]
+    nodes, motion = (state.H, state.rest), (along.mean, along.delta)
+    energies, out = (this.W1[first:], this.work[first:]), (this.forces, this.changes)
+    own, works = (this.within, state.within), state.lag[WORKS : WORKS + 2]
+    add_of_bodies(model.bodies, model.kinds, nodes, motion, *own, energies, out, works)
 
 
 @uncounted
@@ -117,9 +137,6 @@ def _add_from_rows(
     if model.scheme.loss == 0.0:
         return
     lasting, changes = this.lasting, this.changes
-    for i in range(changes.shape[1]):
-        for k in range(6):
-            changes[0, i, k] = changes[1, i, k] = 0.0
     forces = Lasting(state.lasting[0], state.lasting[1], lasting[0], lasting[1], lasting[2])
     by_change, by_memory = add_changes(cells, nodes, forces, changes)
     lag[WORKS] += by_change
@@ -265,9 +282,10 @@ def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) ->
     lag, given, losses = state.lag, this.filtered, this.losses
     a = 0.5 * scheme.loss * lag[REMEMBERS] * lag[ELASTIC]
     b = a * lag[MEMORY]
-    if model.cells.x.shape[0] > 0 or model.rows.sees.shape[0] > 0:
+    others = model.rows.sees.shape[0] + this.products.shape[0]
+    if model.cells.x.shape[0] > 0 or others > 0:
         losses[NUMERICAL] += a * lag[WORKS] - b * lag[WORKS + 1]
-    if model.rows.sees.shape[0] > 0:
+    if others > 0:
         for i in range(this.forces.shape[0]):
             for k in range(6):
                 this.forces[i, k] += a * this.changes[0, i, k] - b * this.changes[1, i, k]

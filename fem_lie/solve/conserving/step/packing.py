@@ -83,6 +83,7 @@ class Packed:
                     model.of_frames,
                     model.outside,
                     model.leaders.edges,
+                    *model.bodies,
                 )
             ),
             FixedArrays(state),
@@ -156,6 +157,7 @@ def model_of(packed: PackedModel) -> Model:
         ),
         numbers1(table, 48),
         integers1(table, 49),
+        (integers1(table, 51), numbers1(table, 52)),
     )
 
 
@@ -185,6 +187,7 @@ def state_of(table: Indices) -> State:
         numbers1(table, 19),
         numbers4(table, 20),
         many_sixes(table, 21),
+        numbers1(table, 22),
     )
 
 
@@ -221,4 +224,7 @@ def step_of(table: Indices) -> Step:
         numbers4(table, 26),
         many_sixes(table, 27),
         sixes(table, 28),
+        frames(table, 29),
+        frames(table, 30),
+        numbers2(table, 31),
     )

@@ -13,6 +13,7 @@ from fem_lie._jit import inlined
 from fem_lie.forms.cells import CellTable
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.lie.kinds.inertia import Inertia
+from fem_lie.solve.conserving.between.floating import PackedBodies
 from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
 from fem_lie.system.nodes.loads import Loads
 
@@ -101,14 +102,15 @@ class Model(NamedTuple):
     Attributes:
         cells: All cells.
         joints: Table of all joints.
-        inertia: Mass matrix.
+        inertia: Mass matrix of the rows of nodes, and of products of reduced-order bodies, see
+            :mod:`fem_lie.solve.conserving.between.floating`; n + p.
         damping: The same of damping that goes with mass; without rows there is none.
         leaders: Who leads.
         held: Which unknowns are zero, 0 or 1, (n, 6).
         measure: Size of each unknown and scaled multiplier, shape (6 n + m,).
         scale: Factor of each constraint, (m,).
-        loads: In the middle of the step; they may be changed.
-        conservative: Those of ``loads.dead`` that have a potential, (n, 4, 3).
+        loads: In the middle of the step, ``dead`` of rows with inertia; they may be changed.
+        conservative: Those of ``loads.dead`` that have a potential, (n + p, 4, 3).
         pressure: Where it acts.
         viscous: Whether cells have viscous forces.
         scheme: Parameters.
@@ -122,6 +124,7 @@ class Model(NamedTuple):
         rows: Cells of nodes that are no frames.
         of_frames: As ``measure`` for frames and constraints between these alone, else nil.
         outside: Addresses of :data:`FORCES` and :data:`LEARN`, nil without, and flags, (4,).
+        bodies: Those of reduced order.
     """
 
     cells: CellTable
@@ -147,6 +150,7 @@ class Model(NamedTuple):
     rows: RowCells
     of_frames: Array
     outside: Indices
+    bodies: PackedBodies
 
 
 class State(NamedTuple):
@@ -155,13 +159,13 @@ class State(NamedTuple):
     Attributes:
         H: Frames of all rows, ground and prescribed motions last, (n + 1 + p, 4, 3).
         rest: Digits of ``H`` that do not fit into it, (n, 4, 3).
-        V: Velocities of (x, d₁, d₂, d₃), (n, 4, 3).
+        V: Velocities of (x, d₁, d₂, d₃), and of products, (n + p, 4, 3).
         weights: Multipliers, (m,).
         gap: Values of the constraints, (m,).
         F: Forces of the cells, in the frames of their nodes, (places, 6).
-        W: Energies of the cells, those of frames first, (M,).
+        W: Energies of the cells, frames first and reduced-order bodies last, (M,).
         account: Work done on each cell, (M,).
-        w: Memory of changes of velocity, (n, 4, 3).
+        w: Memory of changes of velocity, (n + p, 4, 3).
         w_F: Of changes of forces, (places, 6).
         lag: Numbers of the last iteration, see :mod:`fem_lie.solve.conserving.step.dissipation`,
             (13,).
@@ -181,6 +185,8 @@ class State(NamedTuple):
             :mod:`fem_lie.solve.conserving.rows.changes`, (2, places, 2, 3); without dissipation no
             places.
         rates: Accelerations of increments: means over the last step and the one before, (2, n, 6).
+        within: Memory of changes of stresses of reduced-order bodies, (coordinates,); without
+            dissipation (0,).
     """
 
     H: Array
@@ -205,13 +211,14 @@ class State(NamedTuple):
     probe: Array
     lasting: Array
     rates: Array
+    within: Array
 
 
 class Products(NamedTuple):
     """Of velocities in the metric of inertia, see :mod:`.dissipation`.
 
     Attributes:
-        δ: ``Δq/h − V``, (n, 4, 3).
+        δ: ``Δq/h − V``, (n + p, 4, 3).
         Gδ: That times the mass matrix.
         GV: V times the mass matrix, likewise.
         sums: Of each pair of (V, δ, w), (3, 3, 3, 3).
@@ -229,7 +236,7 @@ class Step(NamedTuple):
     Attributes:
         step: Spatial translation and rotation of the nodes, (n, 6).
         rows: :class:`Span` of all rows, (4, rows, 4, 3).
-        V1: Velocities at the end, (n, 4, 3).
+        V1: Velocities at the end, (n + p, 4, 3).
         F1: Forces of the cells at the end, (places, 6).
         W1: Their energies, (M,).
         work: Done on them in the step, (M,).
@@ -243,7 +250,7 @@ class Step(NamedTuple):
         twists: In half-way frames, (N, 6).
         on_nodes: Forces on all nodes, (N, 6).
         forces: On the leaders, (n, 6).
-        q: For inertia, (2, n, 4, 3).
+        q: For inertia, (2, n + p, 4, 3).
         F_viscous: Viscous forces of the cells, (places, 6).
         r: :class:`Solution` of the equations, (5, 6 n + m).
         weights: Multipliers at the start of the step, (m,).
@@ -251,7 +258,7 @@ class Step(NamedTuple):
             on all nodes, (3, N, 6).
         border: How the constraints differ from those in the matrix, (2, legs, 6).
         sums: Of :class:`Products`, (3, 3, 3, 3).
-        own: Its arrays of the nodes, (3, n, 4, 3).
+        own: Its arrays of the nodes, (3, n + p, 4, 3).
         turnings: What the matrix lacks of dissipation, see :mod:`.dissipation`, (2, 3, 6 n);
             without dissipation (2, 0, 6 n).
         gains: Of the cells' energies, (M,).
@@ -261,6 +268,11 @@ class Step(NamedTuple):
             the memory, see :mod:`fem_lie.solve.conserving.rows.changes`, (3, places, 2, 3).
         changes: Changes of the forces of these cells, and their memory, (2, n, 6).
         outer: Forces from outside of compiled code, as increments, (n, 6).
+        moved: Increments of all rows with inertia, (n + p, 4, 3); without products the same memory
+            as in ``rows``.
+        products: Means of the products, (p, 4, 3).
+        within: Coordinates of reduced-order bodies over the step, see
+            :data:`~fem_lie.solve.conserving.between.floating.START`, (3, coordinates).
     """
 
     step: Array
@@ -292,6 +304,9 @@ class Step(NamedTuple):
     lasting: Array
     changes: Array
     outer: Array
+    moved: Array
+    products: Array
+    within: Array
 
 
 class Span(NamedTuple):

@@ -1,0 +1,441 @@
+r"""Reduced-order bodies over a step: kinetic and stored energy and all momenta exactly; compiled.
+
+Such a body has the frame ``(x, d_k)`` of its first node and coordinates ``z`` within it
+(:mod:`fem_lie.lie.kinds.floating_coordinates`). Its inertia is a constant matrix ``G`` of
+``Q = (x, d_k, z_a d_k)``, so the *products* ``z_a d_k`` are further rows with a velocity ``U`` of
+their own, which the trapezoidal rule changes like that of any row: ``U₁ = 2 ΔQ/h − U``. Forces
+``F = G (U₁ − U)/h`` do the work ``F·ΔQ = ½ U₁·G U₁ − ½ U·G U``. With means, increments, and the
+vector ψ of the frame's Cayley rotation these are exact::
+
+    Δz = d̄_k·Δr + r̄·Δd_k  (and likewise of directors),     r = x_i − x
+    Δ(z_a d_k) = z̄_a Δd_k + Δz_a d̄_k = ψ × m_ak + Δz_a c_k
+    m_ak = ½ (z_a d_k + (z_a d_k)₁) = z̄_a d̄_k + ¼ Δz_a Δd_k,      c_k = d̄_k − ¼ ψ × Δd_k
+
+The last form of the increment is a rotation of the *mean of the product*, and the rest. Its
+transpose gives the frame the moment ``Σ m_ak × F_ak``, so that the angular momentum ``Σ Q × G U``
+changes by moments of other forces alone, and the coordinates the forces ``Σ_k c_k·F_ak``, with no
+error of the work. The energy ``½ eᵀ K e`` of strains ``e_a = z_a + ½ Q_abc z_b z_c`` changes by
+``½ (e + e₁)ᵀ K J(z̄) Δz``, for e is quadratic; and Δz knows nothing of rigid motions of the means.
+
+Rows of the products of all bodies follow those of the nodes, ``(0, z_a d_1, z_a d_2, z_a d_3)`` of
+one coordinate after the other, and have their place in the matrix of inertia
+(:mod:`.product_rows`). What is done here is called by address, so that scenes without such bodies
+do not compile it.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numba
+import numpy as np
+from numba import types
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import callback, inlined, uncounted
+from fem_lie._jit.by_address import call_with_arrays
+from fem_lie._jit.stack import blocks_at, matrix_at, stack, vector_at
+from fem_lie.lie.kinds.floating import Floating, elastic_of, nodes_of, parts_of
+from fem_lie.lie.kinds.floating_coordinates import (
+    add_amplitudes,
+    add_products,
+    add_times,
+    coordinates,
+    spread,
+    strains,
+)
+from fem_lie.lie.kinds.forces import add_along_increments
+from fem_lie.lie.tuples import Vector, combined, cross, dot, load, load_row, plus, store
+
+PackedBodies: TypeAlias = tuple[Indices, Array]
+"""Integers and numbers of :class:`~fem_lie.lie.kinds.floating.Floating`, and at the end of the
+first the addresses of what is done with them here."""
+
+_SPAN, _ELASTIC, _INERTIA = -3, -2, -1
+START, CHANGE, STRESS = 0, 1, 2
+"""Of the coordinates of all bodies over a step: their values at its start, their increments, and
+the increments of stresses ``K e``; shape (3, m)."""
+
+
+def packed_bodies(bodies: Floating) -> PackedBodies:
+    """The bodies of a scene."""
+    functions = (_span, _add_elastic, _add_inertia) if bodies.integers[0] else ()
+    addresses = np.array([function.address for function in functions], dtype=np.int64)
+    return np.concatenate([bodies.integers, addresses]), bodies.numbers
+
+
+@inlined
+def dot_of(x: Array, y: Array) -> float:
+    """``x·y``."""
+    total = 0.0
+    for a in range(x.shape[0]):
+        total += x[a] * y[a]
+    return total
+
+
+@uncounted
+def _gather(nodes: Indices, H: Array, rest: Array, mean: Array, delta: Array, q: Array) -> None:
+    """Rows of a body's nodes at the start, at the mean, and increments, (3, k, 4, 3).
+
+    Positions are those from the first node: differences of large numbers are exact, and those of
+    the digits that do not fit into these have all digits.
+    """
+    first = nodes[0]
+    for i in range(nodes.shape[0]):
+        node = nodes[i]
+        for j in range(3):
+            start = (H[node, 0, j] - H[first, 0, j]) + (rest[node, 0, j] - rest[first, 0, j])
+            moved = delta[node, 0, j] - delta[first, 0, j]
+            q[0, i, 0, j], q[1, i, 0, j], q[2, i, 0, j] = start, start + 0.5 * moved, moved
+            for k in range(1, 4):
+                q[0, i, k, j] = H[node, k, j] + rest[node, k, j]
+                q[1, i, k, j], q[2, i, k, j] = mean[node, k, j], delta[node, k, j]
+
+
+@inlined
+def span_products(
+    bodies: PackedBodies,
+    nodes: tuple[Array, Array],
+    along: tuple[Array, Array],
+    within: Array,
+    means: Array,
+    moved: Array,
+) -> None:
+    """Set coordinates and products over a step.
+
+    Args:
+        bodies: Of the scene.
+        nodes: Rows at the start, and digits that do not fit into them, (≥ n, 4, 3).
+        along: Means and increments of these rows, (≥ n, 4, 3).
+        within: Values and increments of coordinates, see :data:`START`, updated.
+        means: Of the products, (p, 4, 3), overwritten.
+        moved: Increments of rows, those of the products, which come last, overwritten, (≥ p, 4, 3).
+    """
+    (integers, numbers), (H, rest), (mean, delta) = bodies, nodes, along
+    arrays = integers, numbers, H, rest, mean, delta, within, means, moved
+    sizes = integers.shape[0], numbers.shape[0], H.shape[0], rest.shape[0], moved.shape[0]
+    call_with_arrays(integers[_SPAN], arrays, sizes)
+
+
+_Integers, _Doubles = types.CPointer(types.int64), types.CPointer(types.float64)
+
+
+@callback(types.void(_Integers, *[_Doubles] * 8, *[types.int64] * 5))
+def _span(
+    integers_at: Any,
+    numbers_at: Any,
+    H_at: Any,
+    rest_at: Any,
+    mean_at: Any,
+    delta_at: Any,
+    within_at: Any,
+    means_at: Any,
+    moved_at: Any,
+    size: int,
+    length: int,
+    rows: int,
+    count: int,
+    every: int,
+) -> None:
+    """:func:`span_products` of so many integers, numbers, rows, nodes that move, and all rows."""
+    p = every - count
+    _span_all(
+        numba.carray(integers_at, (size,)),
+        numba.carray(numbers_at, (length,)),
+        numba.carray(H_at, (rows, 4, 3)),
+        numba.carray(rest_at, (count, 4, 3)),
+        numba.carray(mean_at, (rows, 4, 3)),
+        numba.carray(delta_at, (rows, 4, 3)),
+        numba.carray(within_at, (3, p)),
+        numba.carray(means_at, (p, 4, 3)),
+        numba.carray(moved_at, (every, 4, 3))[count:],
+    )
+
+
+@uncounted
+def _span_all(
+    integers: Indices,
+    numbers: Array,
+    H: Array,
+    rest: Array,
+    mean: Array,
+    delta: Array,
+    within: Array,
+    means: Array,
+    moved: Array,
+) -> None:
+    first = 0
+    for body in range(integers[0]):
+        nodes, (interfaces, G) = nodes_of(integers, body), parts_of(integers, numbers, body)
+        m, k = (G.shape[0] - 4) // 3, nodes.shape[0]
+        at = stack(36 * k)
+        q, flat = blocks_at(at, 3 * k, 4, 3), vector_at(at, 36 * k)
+        _gather(nodes, H, rest, mean, delta, flat.reshape((3, k, 4, 3)))
+        start, middle, change = q[:k], q[k : 2 * k], q[2 * k :]
+        z, dz = within[START, first : first + m], within[CHANGE, first : first + m]
+        coordinates(start, interfaces, z)
+        for a in range(m):
+            dz[a] = 0.0
+        add_products(change[0], middle, interfaces, 1.0, dz)
+        add_products(middle[0], change, interfaces, 1.0, dz)
+        add_amplitudes(change, interfaces.shape[0], dz)
+        for a in range(m):
+            z̄ = z[a] + 0.5 * dz[a]
+            for j in range(3):
+                means[first + a, 0, j] = moved[first + a, 0, j] = 0.0
+                for r in range(1, 4):
+                    d, turned = middle[0, r, j], change[0, r, j]
+                    means[first + a, r, j] = z̄ * d + 0.25 * dz[a] * turned
+                    moved[first + a, r, j] = z̄ * turned + dz[a] * d
+        first += m
+
+
+@uncounted
+def _add_within(
+    kinds: Indices, nodes: Indices, g: Array, middle: Array, interfaces: Array, out: Array
+) -> None:
+    """Add forces ``g`` (m,) on coordinates to those along increments of the nodes, (n, 6)."""
+    k = nodes.shape[0]
+    f = blocks_at(stack(12 * k), k, 4, 3)
+    f[:] = 0.0
+    spread(g, middle, interfaces, f)
+    for i in range(k):
+        # of positions only differences are in ``middle``, and no moment is due to them
+        add_along_increments(kinds[nodes[i]], middle[i], f[i], out[nodes[i]])
+
+
+@inlined
+def add_elastic(
+    bodies: PackedBodies,
+    kinds: Indices,
+    nodes: tuple[Array, Array],
+    along: tuple[Array, Array],
+    within: Array,
+    memory: Array,
+    energies: tuple[Array, Array],
+    out: tuple[Array, Array],
+    works: Array,
+) -> None:
+    """Add elastic forces over a step, whose work is the change of the stored energy.
+
+    Args:
+        bodies: Of the scene.
+        kinds: Types of the nodes, (n,).
+        nodes: As of :func:`span_products`.
+        along: Likewise.
+        within: Coordinates over the step; increments of stresses are set, (3, m).
+        memory: Of such increments, (m,), or (0,) where nothing dissipates.
+        energies: Stored at the end, and the work of the step, (bodies,), overwritten.
+        out: Forces along increments, (n, 6), and those of increments of stresses and of their
+            memory, (2, n, 6) or (2, 0, 6), updated.
+        works: Of the last two, (2,), updated.
+    """
+    (integers, numbers), (H, rest), (mean, delta) = bodies, nodes, along
+    (end, work), (forces, changes) = energies, out
+    given = integers, kinds, numbers, H, rest, mean, delta, within, memory
+    arrays = *given, end, work, forces, changes, works
+    sizes = integers.shape[0], numbers.shape[0], H.shape[0], rest.shape[0]
+    call_with_arrays(
+        integers[_ELASTIC],
+        arrays,
+        (*sizes, within.shape[1], memory.shape[0], changes.shape[1]),
+    )
+
+
+@callback(types.void(_Integers, _Integers, *[_Doubles] * 12, *[types.int64] * 7))
+def _add_elastic(
+    integers_at: Any,
+    kinds_at: Any,
+    numbers_at: Any,
+    H_at: Any,
+    rest_at: Any,
+    mean_at: Any,
+    delta_at: Any,
+    within_at: Any,
+    memory_at: Any,
+    end_at: Any,
+    work_at: Any,
+    forces_at: Any,
+    changes_at: Any,
+    works_at: Any,
+    size: int,
+    length: int,
+    rows: int,
+    count: int,
+    p: int,
+    kept: int,
+    changed: int,
+) -> None:
+    """:func:`add_elastic` of so many integers, numbers, rows, nodes that move, and coordinates."""
+    integers = numba.carray(integers_at, (size,))
+    _add_all_elastic(
+        integers,
+        numba.carray(numbers_at, (length,)),
+        numba.carray(kinds_at, (count,)),
+        (numba.carray(H_at, (rows, 4, 3)), numba.carray(rest_at, (count, 4, 3))),
+        (numba.carray(mean_at, (rows, 4, 3)), numba.carray(delta_at, (rows, 4, 3))),
+        numba.carray(within_at, (3, p)),
+        numba.carray(memory_at, (kept,)),
+        (numba.carray(end_at, (integers[0],)), numba.carray(work_at, (integers[0],))),
+        (numba.carray(forces_at, (count, 6)), numba.carray(changes_at, (2, changed, 6))),
+        numba.carray(works_at, (2,)),
+    )
+
+
+@uncounted
+def _add_all_elastic(
+    integers: Indices,
+    numbers: Array,
+    kinds: Indices,
+    nodes: tuple[Array, Array],
+    along: tuple[Array, Array],
+    within: Array,
+    memory: Array,
+    energies: tuple[Array, Array],
+    out: tuple[Array, Array],
+    works: Array,
+) -> None:
+    (end, done), (forces, changes), first = energies, out, 0
+    for body in range(integers[0]):
+        own, (interfaces, _) = nodes_of(integers, body), parts_of(integers, numbers, body)
+        K, Q = elastic_of(integers, numbers, body)
+        m, k = K.shape[0], own.shape[0]
+        at = stack(36 * k)
+        q, flat = blocks_at(at, 3 * k, 4, 3), vector_at(at, 36 * k)
+        _gather(own, nodes[0], nodes[1], along[0], along[1], flat.reshape((3, k, 4, 3)))
+        middle = q[k : 2 * k]
+        J, some = matrix_at(stack(m * m), m, m), matrix_at(stack(6 * m), 6, m)
+        z, e, change, stress, further, g = some[0], some[1], some[2], some[3], some[4], some[5]
+        values, dz = within[START, first : first + m], within[CHANGE, first : first + m]
+        strains(Q, values, J, e)
+        for a in range(m):
+            z[a], stress[a], further[a] = values[a] + 0.5 * dz[a], 0.0, 0.0
+        add_times(K, e, stress)
+        # of the strains at the mean nothing but their derivative is wanted
+        strains(Q, z, J, g)
+        for a in range(m):
+            change[a] = dot_of(J[a], dz)
+        add_times(K, change, further)
+        work = 0.0
+        for a in range(m):
+            within[STRESS, first + a] = further[a]
+            stress[a] += 0.5 * further[a]
+            work += stress[a] * change[a]
+            g[a] = 0.0
+        add_times(J, stress, g)
+        _add_within(kinds, own, g, middle, interfaces, forces)
+        done[body] = work
+        for a in range(m):
+            z[a] = e[a] + change[a]
+            stress[a] += 0.5 * further[a]
+        end[body] = 0.5 * dot_of(z, stress)
+        if memory.shape[0] > 0:
+            kept = memory[first : first + m]
+            works[0] += dot_of(further, change)
+            works[1] += dot_of(kept, change)
+            for part in range(2):
+                for a in range(m):
+                    g[a] = 0.0
+                add_times(J, further if part == 0 else kept, g)
+                _add_within(kinds, own, g, middle, interfaces, changes[part])
+        first += m
+
+
+@inlined
+def add_inertia(
+    bodies: PackedBodies,
+    kinds: Indices,
+    nodes: tuple[Array, Array],
+    along: tuple[Array, Array],
+    step: Array,
+    within: Array,
+    means: Array,
+    F: Array,
+    out: Array,
+) -> None:
+    """Add forces ``F`` on products as forces along increments.
+
+    Args:
+        bodies: Of the scene.
+        kinds: Types of the nodes, (n,).
+        nodes: As of :func:`span_products`.
+        along: Likewise.
+        step: Increments, (n, 6).
+        within: Coordinates over the step, (3, m).
+        means: Of the products, (p, 4, 3).
+        F: Forces on rows, those on the products last, (n + p, 4, 3).
+        out: Updated, (n, 6).
+    """
+    (integers, numbers), (H, rest), (mean, delta) = bodies, nodes, along
+    arrays = integers, kinds, numbers, H, rest, mean, delta, step, within, means, F, out
+    sizes = integers.shape[0], numbers.shape[0], H.shape[0], rest.shape[0], means.shape[0]
+    call_with_arrays(integers[_INERTIA], arrays, sizes)
+
+
+@callback(types.void(_Integers, _Integers, *[_Doubles] * 10, *[types.int64] * 5))
+def _add_inertia(
+    integers_at: Any,
+    kinds_at: Any,
+    numbers_at: Any,
+    H_at: Any,
+    rest_at: Any,
+    mean_at: Any,
+    delta_at: Any,
+    step_at: Any,
+    within_at: Any,
+    means_at: Any,
+    F_at: Any,
+    out_at: Any,
+    size: int,
+    length: int,
+    rows: int,
+    count: int,
+    p: int,
+) -> None:
+    """:func:`add_inertia` of so many integers, numbers, rows, nodes that move, and products."""
+    _add_all_inertia(
+        numba.carray(integers_at, (size,)),
+        numba.carray(numbers_at, (length,)),
+        numba.carray(kinds_at, (count,)),
+        (numba.carray(H_at, (rows, 4, 3)), numba.carray(rest_at, (count, 4, 3))),
+        (numba.carray(mean_at, (rows, 4, 3)), numba.carray(delta_at, (rows, 4, 3))),
+        numba.carray(step_at, (count, 6)),
+        numba.carray(means_at, (p, 4, 3)),
+        numba.carray(F_at, (count + p, 4, 3))[count:],
+        numba.carray(out_at, (count, 6)),
+    )
+
+
+@uncounted
+def _add_all_inertia(
+    integers: Indices,
+    numbers: Array,
+    kinds: Indices,
+    nodes: tuple[Array, Array],
+    along: tuple[Array, Array],
+    step: Array,
+    means: Array,
+    F: Array,
+    out: Array,
+) -> None:
+    first = 0
+    for body in range(integers[0]):
+        own, (interfaces, G) = nodes_of(integers, body), parts_of(integers, numbers, body)
+        m, k, frame = (G.shape[0] - 4) // 3, own.shape[0], own[0]
+        at = stack(36 * k)
+        q, flat = blocks_at(at, 3 * k, 4, 3), vector_at(at, 36 * k)
+        _gather(own, nodes[0], nodes[1], along[0], along[1], flat.reshape((3, k, 4, 3)))
+        middle, change, g = q[k : 2 * k], q[2 * k :], vector_at(stack(m), m)
+        moment: Vector = load(out[frame], 3)
+        for a in range(m):
+            g[a] = 0.0
+        for r in range(1, 4):
+            turned = cross(load(step[frame], 3), load_row(change[0], r))
+            c = combined(1.0, load_row(middle[0], r), -0.25, turned)
+            for a in range(m):
+                force = load_row(F[first + a], r)
+                g[a] += dot(c, force)
+                moment = plus(moment, cross(load_row(means[first + a], r), force))
+        store(out[frame], 3, moment)
+        _add_within(kinds, own, g, middle, interfaces, out)
+        first += m
