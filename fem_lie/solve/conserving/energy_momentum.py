@@ -15,7 +15,8 @@ of every force is that on ``Δq`` without any error:
 - *elements:* forces that do the work ``W₁ − W`` and have neither a resultant nor a moment, for any
   objective energy (:mod:`fem_lie.solve.conserving.between.discrete_gradient`);
 - *joints:* ``Φ`` is bilinear in ``q``, and its gradient at ``q̄`` does the work ``λ (Φ₁ − Φ) = 0``
-  (:mod:`fem_lie.solve.conserving.step.joints`);
+  (:mod:`fem_lie.solve.conserving.step.joints`); constraints between more than two frames, and those
+  of velocities, have a discrete gradient (:mod:`.outside.other_constraints`);
 - *loads* at the middle of the step: gravity and constant forces have a potential, the work of all
   others is counted, and so is what viscous forces take.
 

@@ -24,8 +24,10 @@ def refuse_scene(equations: Equations) -> None:
         for term in known.terms
         if not _has_forces_over_steps(term, known.kinds)
     ]
-    others = [] if vectors else unknowns.other_constraints
-    reasons = dict.fromkeys(others, True) | {
+    reasons = {
+        "springs along coordinates of joints between the nodes of a Beam": (
+            not vectors and unknowns.other_springs
+        ),
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
         f"shells with six parameters ({drilling})": bool(drilling),

@@ -33,6 +33,7 @@ from fem_lie.solve.conserving.memory import (
 )
 from fem_lie.solve.conserving.outside.forces import Outside
 from fem_lie.solve.conserving.outside.joints import Joints
+from fem_lie.solve.conserving.outside.other_constraints import OtherConstraints
 from fem_lie.solve.conserving.rows.cells import energies_at
 from fem_lie.solve.conserving.rows.changes import forces_at
 from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
@@ -196,7 +197,7 @@ class RunState(DividedIntegration[History]):
         return self._each
 
     @property
-    def joints(self) -> Joints | None:
+    def joints(self) -> Joints | OtherConstraints | None:
         """Those whose forces Python finds, if there are any."""
         return self._outside.joints
 

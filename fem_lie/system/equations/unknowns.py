@@ -54,6 +54,7 @@ class Unknowns(NamedTuple):
         preloaded: Whether there are springs with a rest value of their own.
         may_be_redundant: Whether constraints may follow from others.
         other_constraints: What constraints are called that no pair of frames has.
+        other_springs: Whether there are springs along coordinates of these.
         drilling: Shells whose nodes turn about their third directors.
         floating: Bodies that deform within their frames.
         has_potential: Whether all loads have one.
@@ -86,6 +87,7 @@ class Unknowns(NamedTuple):
     preloaded: bool
     may_be_redundant: bool
     other_constraints: Sequence[str]
+    other_springs: bool
     drilling: Sequence[str]
     floating: Sequence[str]
     has_potential: bool
@@ -129,6 +131,7 @@ class Unknowns(NamedTuple):
             preloaded=connections.preloaded,
             may_be_redundant=system.scene.redundant is not Redundant.REFUSE,
             other_constraints=connections.others,
+            other_springs=any(len(each.springs) > 0 for each in connections.sets[1:]),
             drilling=[b.label for b, six in numbering.drills.items() if b.uncoupled and six],
             floating=[b.label for b in numbering.nodes if b.within_frame() is not None],
             has_potential=potential,

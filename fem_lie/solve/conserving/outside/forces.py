@@ -25,6 +25,7 @@ from fem_lie.lie.tuples import dot, load, load_row, plus, rotate, rotate_back, s
 from fem_lie.lie.wrenches import add_wrench
 from fem_lie.solve.conserving.between.pushes import BESIDE, LOSS, ON_GROUND, Pushes
 from fem_lie.solve.conserving.outside.joints import Joints
+from fem_lie.solve.conserving.outside.other_constraints import OtherConstraints
 from fem_lie.solve.conserving.step.records import (
     ERROR,
     FORCES,
@@ -83,7 +84,9 @@ class Outside:
         """
         known, n = equations.tables, equations.unknowns.moving
         self._run, self._kinds, vectors = run, known.kinds, known.kinds >= SLOPE
-        self.joints: Joints | None = joints_of(equations) if shared is None else shared.joints
+        self.joints: Joints | OtherConstraints | None = (
+            joints_of(equations) if shared is None else shared.joints
+        )
         self._viscous = [term for term in _viscous(known.terms) if vectors[term.pairs[0]].all()]
         self._loads = [term for term in known.terms if acts_in_the_middle(term)]
         self._twists, self._forces = np.zeros((2, n, 6))
@@ -147,10 +150,10 @@ class Outside:
             this.losses[DAMPING] += self.pushed[n + LOSS, 0]
 
 
-def joints_of(equations: Equations) -> Joints | None:
-    """Those of a scene, if any of them holds on to a grip or to a node without a frame."""
+def joints_of(equations: Equations) -> Joints | OtherConstraints | None:
+    """Those of a scene, if some are between more than two frames or with nodes without frames."""
     if (equations.tables.kinds < SLOPE).all():
-        return None
+        return OtherConstraints(equations) if equations.unknowns.other_constraints else None
     joints = Joints(equations)
     return joints if joints.needed else None
 

@@ -73,14 +73,15 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, anew: bool) -
     for k in range(losses.shape[0]):
         losses[k] = 0.0
     _make_up(kinds, state.carry, this.step, forces)
-    if outside[FORCES] != 0:
-        _add_outer(outside, this.outer, forces)
     _add_pushed(this.pushed, forces, losses)
     add_from_nodes(packed, starts, steps, anew)
     if χ > 0.0:
         _choose_memory(packed, starts, steps)
         add_filtered_forces(packed, starts, steps)
     _add_momenta(packed, starts, steps)
+    if outside[FORCES] != 0:
+        # rates at the end of the step are known
+        _add_outer(outside, this.outer, forces)
     _add_loads(kinds, model.loads, along.middle, forces)
     if outside[JOINTS] == 0:
         given = model.joints, state.weights, model.driven, scheme.h
