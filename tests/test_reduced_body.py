@@ -314,7 +314,7 @@ def test_statics_and_vibrations_take_it():
     np.testing.assert_allclose(*lowest, rtol=1e-3)
 
 
-@pytest.mark.parametrize("scheme", [fl.Variational(), fl.Explicit(), fl.Asynchronous()], ids=str)
+@pytest.mark.parametrize("scheme", [fl.Explicit(), fl.Asynchronous()], ids=str)
 @pytest.mark.parametrize("modes", [0, 4])
 def test_other_schemes_refuse(scheme, modes):
     scene = fl.Scene()

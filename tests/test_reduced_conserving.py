@@ -1,4 +1,4 @@
-"""Reduced-order bodies in conserving schemes: energy, momenta, order, joints, loads, resume."""
+"""Reduced-order bodies in structure-preserving schemes: laws, order, joints, loads, resume."""
 
 import numpy as np
 import pytest
@@ -66,6 +66,33 @@ def test_a_free_body_keeps_energy_and_momenta(scheme, modes):
         assert change(energy) < 1e-12
 
 
+@pytest.mark.parametrize(
+    ("scheme", "order"), [(fl.Variational(), 2), (fl.Composed(fl.Variational()), 4)], ids=str
+)
+def test_variational_steps_keep_momenta_and_an_energy_that_does_not_drift(scheme, order):
+    errors = []
+    for step in (1e-3, 5e-4):
+        result = scheme.run(free()[0], duration=0.1, step=step)
+        assert change(result.momentum) < 1e-12
+        assert change(result.angular_momentum) < 1e-12
+        errors.append(change(result.total_energy))
+    assert errors[0] < 1e-4
+    assert 0.7 * 2**order < errors[0] / errors[1] < 1.5 * 2**order
+
+
+def test_variational_steps_with_dampers_and_joints():
+    """What gyroscopic inertia does is no damping: the balance closes to second order."""
+    errors = []
+    for step in (1e-3, 5e-4):
+        scene = chain()
+        link = scene.add(fl.Distance(fl.ground(), scene.bodies[0]["end"], at=(1.0, 0.0, -1.0)))
+        scene.add(fl.Spring(link.length, 50.0, damping=5.0))
+        result = fl.Variational().run(scene, duration=0.1, step=step)
+        assert np.abs(result.joint_violations).max() < 1e-13
+        errors.append(result.balance_error)
+    assert errors[0] < 1e-4 and 3.0 < errors[0] / errors[1] < 5.5
+
+
 def test_a_free_body_far_from_the_origin_keeps_them_too():
     """Its coordinates are differences of positions, which there have four digits less."""
     scene = fl.Scene()
@@ -76,8 +103,10 @@ def test_a_free_body_far_from_the_origin_keeps_them_too():
     assert change(result.total_energy) < 1e-12
 
 
-@pytest.mark.parametrize("name", ["conserving", "decaying"])
-def test_it_is_of_second_order(name):
+@pytest.mark.parametrize(
+    "scheme", [SCHEMES["conserving"], SCHEMES["decaying"], fl.Variational()], ids=str
+)
+def test_it_is_of_second_order(scheme):
     """Against generalised-α at fine steps."""
 
     def end(scheme, step):
@@ -85,7 +114,7 @@ def test_it_is_of_second_order(name):
         return scheme.run(scene, duration=0.16, step=step, record=fl.Record.FRAMES).frames[-1]
 
     exact = end(fl.GeneralisedAlpha(radius=1.0, tolerance=1e-10), 2e-5)
-    coarse, fine = (np.abs(end(SCHEMES[name], h) - exact).max() for h in (1e-4, 5e-5))
+    coarse, fine = (np.abs(end(scheme, h) - exact).max() for h in (1e-4, 5e-5))
     assert fine < 2e-6 and 3.3 < coarse / fine < 4.7
 
 
@@ -229,10 +258,17 @@ class Stopped(Exception):
     """Instead of a step."""
 
 
-@pytest.mark.parametrize("step", [1e-3, fl.AdaptiveStep(1e-2)], ids=["equal", "chosen"])
-@pytest.mark.parametrize("name", ["conserving", "decaying"])
-def test_resumed_to_the_last_bit(tmp_path, monkeypatch, name, step):
-    scheme, plan = SCHEMES[name], {"duration": 0.03, "step": step, "checkpoint_every": 7}
+@pytest.mark.parametrize(
+    ("scheme", "step"),
+    [
+        *((scheme, 1e-3) for scheme in (*SCHEMES.values(), fl.Variational())),
+        (SCHEMES["conserving"], fl.AdaptiveStep(1e-2)),
+        (SCHEMES["decaying"], fl.AdaptiveStep(1e-2)),
+    ],
+    ids=str,
+)
+def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scheme, step):
+    plan = {"duration": 0.03, "step": step, "checkpoint_every": 7}
     if not isinstance(step, float):
         plan["checkpoint_every"] = 2
     whole = scheme.run(chain(), **plan, file=tmp_path / "whole.h5")

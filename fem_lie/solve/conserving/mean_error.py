@@ -30,12 +30,12 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie.lie.kinds import SLOPE, inertia, pull_all, push_all
+from fem_lie.lie.kinds import SLOPE, pull_all
 from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.lie.kinds.kind import axes
 from fem_lie.lie.tuples import load, rotate, rotate_back
 from fem_lie.solve.conserving.between.floating import PackedBodies
-from fem_lie.solve.conserving.between.product_rows import add_on_rows, product_rates
+from fem_lie.solve.conserving.between.product_rows import accelerations, add_inertia
 from fem_lie.solve.motion.step_error import StepError, largest
 from fem_lie.system.equations import Instant
 
@@ -71,7 +71,7 @@ class MeanError:
         unknowns, n = equations.unknowns, equations.unknowns.moving
         self._equations, self._size, self._kinds = equations, 6 * n, unknowns.kinds
         self._mass, self._bodies, self._moving = mass, bodies, n
-        self._q, self._work = np.zeros((2, len(mass.indptr) - 1, 4, 3))
+        self._q = np.zeros((len(mass.indptr) - 1, 4, 3))
         self._twist, self._still = np.zeros((2, n, 6))
         self._r, self._ones = np.zeros(unknowns.size), np.ones(unknowns.m)
         start = Instant(equations.start.frames, self._twist, self._still, np.zeros(unknowns.m))
@@ -99,7 +99,7 @@ class MeanError:
         factor = h * h / 12.0 * mass
         _compare(self._kinds, start.H, end.H, before.reshape(-1, 6), factor, forces)
         self._q[:] = delta - 0.5 * h * (start.V + end.V)
-        self._add_inertia(end.H, -mass, forces)
+        add_inertia(self._kinds, self._mass, self._bodies, end.H, self._q, -mass, forces)
         forces[equations.unknowns.held] = 0.0
         r[size:] = 0.0
 
@@ -114,22 +114,11 @@ class MeanError:
         twist[self._kinds < SLOPE, 3:] *= 0.5
         now = Instant(at.H, twist, self._still, weights)
         equations.residual(now, self._ones, self._r, self._found)
-        inertia.accelerations(equations.unknowns.kinds, at.H, twist, self._still, self._q[:n])
-        if len(self._q) > n:
-            push_all(self._kinds, at.H, twist, self._work[:n])
-            found = np.empty((2, *self._q[n:].shape))
-            product_rates(*self._bodies, (at.H, self._work[:n], self._q[:n]), found)
-            self._q[n:] = found[1]
+        accelerations(self._kinds, self._bodies, at.H, twist, self._q)
         self._q[:] = A - self._q
-        self._add_inertia(at.H, 1.0, self._r[: self._size].reshape(-1, 6))
+        forces = self._r[: self._size].reshape(-1, 6)
+        add_inertia(self._kinds, self._mass, self._bodies, at.H, self._q, 1.0, forces)
         return self._r
-
-    def _add_inertia(self, H: Array, factor: float, forces: Array) -> None:
-        """Add ``factor Lᵀ G q`` of the rows ``_q`` at frames ``H`` to ``forces``, (n, 6)."""
-        n, work = self._moving, self._work
-        inertia.multiply(*self._mass, self._q, work)
-        add_on_rows(*self._bodies, H, work[n:], work[:n])
-        pull_all(self._kinds, H, work[:n], factor, forces.reshape(-1))
 
     def of(self, dx: Array) -> StepError:
         """The error, from the solution of these equations."""

@@ -13,7 +13,6 @@ from fem_lie.forms.cell_forms import FormTable, each_cell, joined
 from fem_lie.forms.cells import Cells
 from fem_lie.forms.term import Term
 from fem_lie.lie.kinds import SLOPE
-from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.solve.conserving.between.floating import packed_bodies
 from fem_lie.solve.conserving.between.product_rows import inertia_with_products, product_weights
 from fem_lie.solve.conserving.between.pushes import Pushes
@@ -127,14 +126,6 @@ def products_of(equations: Equations) -> tuple[int, int]:
     return int(sizes.sum()), len(sizes)
 
 
-def inertia_of(equations: Equations) -> Inertia:
-    """The mass matrix of rows of nodes and of products."""
-    known = equations.tables
-    if not products_of(equations)[0]:
-        return known.inertia
-    return inertia_with_products(known.inertia, known.floating)
-
-
 def assemblies_of_frames(equations: Equations) -> list[tuple[slice, BodyTerm]]:
     """Those of bodies whose nodes are frames with inertia of their own."""
     known = equations.tables
@@ -190,7 +181,8 @@ def model_of(
     """What a step sees of the scene."""
     known, unknowns = equations.tables, equations.unknowns
     n, m = unknowns.moving, unknowns.m
-    loads, mass = Loads(*(array.copy() for array in known.loads)), inertia_of(equations)
+    loads = Loads(*(array.copy() for array in known.loads))
+    mass = inertia_with_products(known.inertia, known.floating)
     weights = product_weights(mass, n, known.floating.numbers[:3])
     return Model(
         cells=cells.table,

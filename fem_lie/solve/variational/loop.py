@@ -53,7 +53,7 @@ def weigh(table: Indices, h: float) -> None:
     momenta.constrain(H, rows, this.joints, this.multipliers, this.driven, found)
     acting = this.before, this.forces, this.constraints
     out = this.r[: 6 * n].reshape(n, 6), this.after
-    momenta.balance(this.kinds, H, step, rows, this.mass, h, acting, held, out)
+    momenta.balance(this.kinds, H, step, rows, this.mass, h, acting, held, this.within, out)
     for c in range(this.gap.shape[0]):
         this.r[6 * n + c] = this.scale[c] * (this.gap[c] + this.change[c])
 

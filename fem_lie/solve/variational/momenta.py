@@ -8,13 +8,16 @@ has a momentum of each coordinate vector. All are in global components. Formulas
 from __future__ import annotations
 
 from math import sqrt
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
+from fem_lie.forms.fixed_arrays import put
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.lie.kinds import inertia
+from fem_lie.lie.kinds.floating import Floating
 from fem_lie.lie.kinds.kind import SLOPE, axes, carry, first, straight, turning
 from fem_lie.lie.tuples import (
     Vector,
@@ -32,15 +35,61 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 from fem_lie.solve.conserving.between.cayley import half, span
+from fem_lie.solve.conserving.between.floating import PackedBodies, packed_bodies, span_products
+from fem_lie.solve.conserving.between.product_rows import add_on_rows
 from fem_lie.solve.conserving.step.joints import add_joints
+
+PlainWithin: TypeAlias = tuple[PackedBodies, Array, Array, Array, Array]
+"""A :class:`Within`, as compiled functions are quicker to call with."""
+
+
+class Within(NamedTuple):
+    """Reduced-order bodies over a step, see :mod:`fem_lie.solve.conserving.between.floating`.
+
+    Attributes:
+        bodies: Those of the scene.
+        rest: Digits of frames that do not fit into them, (n, 4, 3).
+        coordinates: Over the step, (3, coordinates).
+        means: Of the products, (p, 4, 3).
+        moved: Increments of all rows with inertia, (n + p, 4, 3).
+    """
+
+    bodies: PackedBodies
+    rest: Array
+    coordinates: Array
+    means: Array
+    moved: Array
+
+    @classmethod
+    def of(cls, bodies: Floating, rest: Array) -> Within:
+        """Memory for these bodies."""
+        p, z = int(bodies.sizes.sum()), np.zeros
+        return cls(packed_bodies(bodies), rest, z((3, p)), z((p, 4, 3)), z((len(rest) + p, 4, 3)))
 
 
 @compiled
-def of_rates(kinds: Indices, H: Array, V: Array, mass: inertia.PlainInertia, out: Array) -> None:
-    """Momenta of rates ``V`` (n, 4, 3): of frames ``(G V)ₓ`` and ``Σ d_k × (G V)_k``."""
-    q = V.copy()
+def of_rates(
+    kinds: Indices,
+    H: Array,
+    V: Array,
+    mass: inertia.PlainInertia,
+    bodies: PackedBodies,
+    out: Array,
+) -> None:
+    """Momenta of rates of all rows: of frames ``(G V)ₓ`` and ``Σ d_k × (G V)_k``.
+
+    Args:
+        kinds: Types of the nodes, (n,).
+        H: Nodes, (≥ n, 4, 3).
+        V: Rates of their rows and of products of reduced-order bodies, (n + p, 4, 3).
+        mass: Inertia of these rows.
+        bodies: Those of reduced order.
+        out: Shape (n, 6), overwritten.
+    """
+    q, n = V.copy(), kinds.shape[0]
     inertia.multiply(mass[0], mass[1], mass[2], V, q)
-    for i in range(V.shape[0]):
+    add_on_rows(bodies[0], bodies[1], H, q[n:], q[:n])
+    for i in range(n):
         for at in (0, 3):
             store(out[i], at, _momentum(kinds[i], H[i], q[i], at))
 
@@ -243,6 +292,7 @@ def balance(
     h: float,
     acting: tuple[Array, Array, Array],
     held: Flags | Indices,
+    within: PlainWithin,
     out: tuple[Array, Array],
 ) -> None:
     """What is wrong with the momenta at the start, and those at the end.
@@ -257,19 +307,28 @@ def balance(
         acting: Momenta at the start, (n, 6); forces without inertia, as of a residual, in the
             half-way frames, (n, 6); those of the constraints at the start, (n, 6).
         held: Which unknowns are zero, (n, 6).
+        within: Of reduced-order bodies, see :class:`Within`.
         out: 4/h times what is wrong, in the frames at the start, (n, 6), and momenta at the end,
             (n, 6); overwritten.
     """
-    delta, _, end, middle = rows
+    delta, mean, end, middle = rows
     before, forces, constraints = acting
     r, after = out
-    n = step.shape[0]
-    q, p = np.empty((n, 4, 3)), np.empty((n, 4, 3))
+    (bodies, rest, coordinates, means, moved), n = within, step.shape[0]
     for i in range(n):
         for k in range(4):
+            store_row(moved[i], k, load_row(delta[i], k))
+    if means.shape[0] > 0:
+        span_products(bodies, (H, rest), (mean, delta), coordinates, means, moved)
+    q, p = np.empty(moved.shape), np.empty(moved.shape)
+    for i in range(moved.shape[0]):
+        for k in range(4):
             for j in range(3):
-                q[i, k, j] = delta[i, k, j] / h
+                q[i, k, j] = moved[i, k, j] / h
     inertia.multiply(mass[0], mass[1], mass[2], q, p)
+    put(p, q)
+    add_on_rows(bodies[0], bodies[1], H, p[n:], p[:n])
+    add_on_rows(bodies[0], bodies[1], end, q[n:], q[:n])
     for i in range(n):
         kind = kinds[i]
         d1, d2, d3 = axes(kind, middle[i])
@@ -286,7 +345,7 @@ def balance(
             own = f if at == 0 else early
             wrong = combined(1.0, plus(mine, own), -1.0, load(before[i], at))
             wrong = combined(1.0, wrong, h, load(constraints[i], at))
-            later = _momentum(kind, end[i], p[i], at)
+            later = _momentum(kind, end[i], q[i], at)
             own = f if at == 0 else last
             wrong = rotate_back(d1, d2, d3, wrong)
             wrong = (

@@ -8,6 +8,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined
 from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3
 from fem_lie.lie.kinds import inertia
+from fem_lie.solve.variational import momenta
 
 
 class Packed(NamedTuple):
@@ -54,6 +55,7 @@ class Packed(NamedTuple):
         ahead: Multipliers that they are told, (m,).
         targets: Of the constraints, (m,).
         kinds: Types of the nodes, (n,).
+        within: Of reduced-order bodies, see :class:`~.momenta.Within`.
     """
 
     H: Array
@@ -96,11 +98,13 @@ class Packed(NamedTuple):
     ahead: Array
     targets: Array
     kinds: Indices
+    within: momenta.PlainWithin
 
     @property
     def arrays(self) -> list[Any]:
         """One after the other."""
-        return [*self[:28], *self.mass, *self.joints, *self[30:]]
+        bodies, *within = self.within
+        return [*self[:28], *self.mass, *self.joints, *self[30:-1], *bodies, *within]
 
 
 @inlined
@@ -147,4 +151,11 @@ def packed(t: Indices) -> Packed:
         numbers1(t, 40),
         numbers1(t, 41),
         integers1(t, 42),
+        (
+            (integers1(t, 43), numbers1(t, 44)),
+            numbers3(t, 45),
+            numbers2(t, 46),
+            numbers3(t, 47),
+            numbers3(t, 48),
+        ),
     )

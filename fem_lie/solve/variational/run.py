@@ -181,6 +181,7 @@ class VariationalRun(RunState):
             np.zeros(m),
             self.books.targets,
             self.equations.unknowns.kinds,
+            self._inside,
         )
 
     @cached_property

@@ -9,13 +9,18 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._state import attributes
 from fem_lie.joints.equations.table import joint_table
-from fem_lie.lie.kinds import SLOPE, inertia, push_all
+from fem_lie.lie.kinds import SLOPE, push_all
 from fem_lie.linear.factors import Factors, factorise
+from fem_lie.solve.conserving.between.product_rows import (
+    accelerations,
+    add_inertia,
+    inertia_with_products,
+    product_rates,
+)
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.convergence import unknown_scaling
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.motion.policies import Policy
-from fem_lie.solve.motion.step_error import add_inertia_forces
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.variational import momenta
 from fem_lie.solve.variational.binding import Binding
@@ -72,10 +77,12 @@ class RunState(DividedIntegration[Recorder]):
         unknowns, known = equations.unknowns, equations.tables
         n, m, z = unknowns.moving, unknowns.m, np.zeros
         self.options, self._n, self.size = options, n, self.h
-        self._changing, self._mass = unknowns.time_dependent, known.inertia
+        self._changing = unknowns.time_dependent
+        self._mass = inertia_with_products(known.inertia, known.floating)
         self._viscous = _dissipates(equations)
         self._follows = any(body.follower() is not None for body in unknowns.bodies)
         self.H, self.rest = equations.start.frames.copy(), z((n, 4, 3))
+        self._within = momenta.Within.of(known.floating, self.rest)
         # the last step and the one before
         self.steps, self.step = z((2, n, 6)), z((n, 6))
         self.before, self.after = z((n, 6)), z((n, 6))
@@ -85,7 +92,7 @@ class RunState(DividedIntegration[Recorder]):
         self._none, self._driven, self._change = z(m), z(m), z(m)
         self._forces, self._constraints = z((n, 6)), z((n, 6))
         self._r, self._x, self._y = z((3, unknowns.size))
-        self._work, self._q = z(unknowns.size), z((n, 4, 3))
+        self._work, self._q = z(unknowns.size), z(self._within.moved.shape)
         self.scale: Array = np.ones(m)
         self._measure = unknown_scaling(unknowns)
         now = Instant(self.H, self.twists[:n], self._still, self._none)
@@ -103,12 +110,15 @@ class RunState(DividedIntegration[Recorder]):
         """See the base class."""
         equations, n = self.equations, self._n
         check_velocities(equations, self.h)
-        V = np.empty((n, 4, 3))
+        V, products = np.empty(self._q.shape), np.empty((2, *self._within.means.shape))
         v = equations.start.velocities
         kinds, spatial = equations.unknowns.kinds, np.empty((n, 6))
-        push_all(kinds, self.H[:n], v[:n], V)
-        momenta.of_rates(kinds, self.H, V, self._mass, self.before)
-        self.steps[:, :, :3] = self.h * V[:, 0]
+        push_all(kinds, self.H[:n], v[:n], V[:n])
+        bodies = self._within.bodies
+        product_rates(*bodies, (self.H, V[:n], np.zeros_like(V[:n])), products)
+        V[n:] = products[0]
+        momenta.of_rates(kinds, self.H, V, self._mass, bodies, self.before)
+        self.steps[:, :, :3] = self.h * V[:n, 0]
         self.steps[:, :, 3:] = self.h * np.einsum("nij,ni->nj", self.H[:n, 1:], v[:n, 3:])
         momenta.to_space(kinds, self.H, v[:n], spatial)
         self.steps[:, kinds >= SLOPE] = self.h * spatial[kinds >= SLOPE]
@@ -156,8 +166,9 @@ class RunState(DividedIntegration[Recorder]):
         )
         self._forces[:] = self._work[: 6 * n].reshape(n, 6)
         if self._viscous:
-            inertia.accelerations(kinds, middle, v[:n], self._still, self._q)
-            add_inertia_forces(equations, middle, self._q, -1.0, self._forces)
+            bodies = self._within.bodies
+            accelerations(kinds, bodies, middle, v[:n], self._q)
+            add_inertia(kinds, self._mass, bodies, middle, self._q, -1.0, self._forces)
         constraints = self._change, self._constraints
         joints = equations.tables.joints
         if self._binding is None:
@@ -168,8 +179,14 @@ class RunState(DividedIntegration[Recorder]):
         r = self._r[: 6 * n].reshape(n, 6)
         held = equations.unknowns.held
         out = r, self.after
-        momenta.balance(kinds, self.H, self.step, rows, self._mass, h, acting, held, out)
+        inside = self._inside
+        momenta.balance(kinds, self.H, self.step, rows, self._mass, h, acting, held, inside, out)
         self._r[6 * n :] = self.scale * (self.gap + self._change)
+
+    @property
+    def _inside(self) -> momenta.PlainWithin:
+        """Of reduced-order bodies over the step, from the present start."""
+        return (*self._within._replace(rest=self.rest),)
 
     def _factorise(self) -> None:
         self._fill(self.scale)

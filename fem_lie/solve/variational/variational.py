@@ -109,7 +109,6 @@ def _refuse(equations: Equations) -> None:
         "velocity constraints (KnifeEdge, RollingDisc)": unknowns.of_velocities > 0,
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
-        f"reduced-order bodies ({', '.join(unknowns.floating)})": bool(unknowns.floating),
         "friction of penalties": any(term.rubs for term in equations.tables.terms),
         f"shells with six parameters ({drilling})": bool(drilling),
     }

@@ -9,6 +9,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
+from fem_lie.lie.kinds import inertia, pull_all, push_all
 from fem_lie.lie.kinds.floating import (
     Floating,
     accelerate,
@@ -23,6 +24,8 @@ from fem_lie.lie.kinds.inertia import Inertia, multiply
 
 def inertia_with_products(mass: Inertia, bodies: Floating) -> Inertia:
     """The matrix of inertia of the rows of nodes, and of products after these."""
+    if not bodies.sizes.sum():
+        return mass
     n, blocks = len(mass.indptr) - 1, [mass.blocks]
     rows, columns = ([each] for each in mass.pairs)
     for body, first in enumerate(n + np.cumsum(bodies.sizes) - bodies.sizes):
@@ -156,3 +159,35 @@ def stored_energies(integers: Indices, numbers: Array, H: Array, W: Array) -> No
         for a in range(m):
             energy += e[a] * s[a]
         W[body] = 0.5 * energy
+
+
+# --- all rows, of nodes and of products ---
+
+
+def accelerations(
+    kinds: Indices, bodies: tuple[Indices, Array], H: Array, twist: Array, out: Array
+) -> None:
+    """Set the second rates of all rows (n + p, 4, 3) at steady twists (n, 6)."""
+    n = len(kinds)
+    inertia.accelerations(kinds, H, twist, np.zeros_like(twist), out[:n])
+    if len(out) > n:
+        rates, found = np.empty((n, 4, 3)), np.empty((2, *out[n:].shape))
+        push_all(kinds, H, twist, rates)
+        product_rates(*bodies, (H, rates, out[:n]), found)
+        out[n:] = found[1]
+
+
+def add_inertia(
+    kinds: Indices,
+    mass: Inertia,
+    bodies: tuple[Indices, Array],
+    H: Array,
+    q: Array,
+    factor: float,
+    forces: Array,
+) -> None:
+    """Add ``factor Lᵀ G q`` of all rows (n + p, 4, 3) at frames ``H`` to ``forces``, (n, 6)."""
+    n, work = len(kinds), np.empty_like(q)
+    multiply(*mass, q, work)
+    add_on_rows(*bodies, H, work[n:], work[:n])
+    pull_all(kinds, H, work[:n], factor, forces.reshape(-1))
