@@ -214,10 +214,14 @@ def _cell_size(term: Term) -> int:
 
 
 def refuse_floating(equations: Equations) -> None:
-    """Raise ``ValueError`` for reduced-order bodies, whose nodes share mass that moves along."""
+    """Raise ``ValueError`` for reduced-order bodies: no lumped mass is theirs."""
     floating = equations.unknowns.floating
+    names = ", ".join(floating)
     refuse(
         "Explicit",
-        {f"reduced-order bodies ({', '.join(floating)})": bool(floating)},
-        "GeneralisedAlpha, or Shell and Beam",
+        {
+            f"reduced-order bodies ({names}), whose inertia couples all of their nodes, so that "
+            "none has a mass of its own": bool(floating)
+        },
+        "Variational, EnergyMomentum or GeneralisedAlpha",
     )
