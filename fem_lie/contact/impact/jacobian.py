@@ -13,9 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
-from fem_lie._jit import inlined_uncounted, uncounted
-from fem_lie.lie.tuples import Vector
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie.lie.motions import global_components, local_components
+from fem_lie.lie.so3 import log_so3
+from fem_lie.lie.tuples import Vector, dot, load, load_row
 
 
 class BlockRows(NamedTuple):
@@ -89,3 +91,82 @@ def rates(rows: BlockRows, v: Array, out: Array) -> None:
     """``B v`` of all contacts, shape (m, 3)."""
     for c in range(out.shape[0]):
         out[c, 0], out[c, 1], out[c, 2] = along_all(rows, c, v)
+
+
+@uncounted
+def twist_rates(rows: BlockRows, H: Array, twists: Array, out: Array) -> None:
+    """:func:`rates` of twists in the axes of frames ``H``; nodes without a twist do not move."""
+    for c in range(out.shape[0]):
+        u0, u1, u2 = 0.0, 0.0, 0.0
+        for s in range(rows.first[c], rows.first[c + 1]):
+            node, values = rows.nodes[s], rows.values[s]
+            if node >= twists.shape[0]:
+                continue
+            v, ω = global_components(H[node], load(twists[node], 0)), load(twists[node], 3)
+            u0 += dot(load(values[0], 0), v) + dot(load(values[0], 3), ω)
+            u1 += dot(load(values[1], 0), v) + dot(load(values[1], 3), ω)
+            u2 += dot(load(values[2], 0), v) + dot(load(values[2], 3), ω)
+        out[c, 0], out[c, 1], out[c, 2] = u0, u1, u2
+
+
+@compiled
+def slides(rows: tuple[BlockRows, BlockRows], H: tuple[Array, Array], out: Array) -> None:
+    """How far contacts move between two frames, by the mean of their rows there, shape (k, 3)."""
+    d, D, θ = np.empty(6), np.empty((3, 3)), np.empty(3)
+    first, last = rows
+    for c in range(out.shape[0]):
+        out[c] = 0.0
+        for s in range(first.first[c], first.first[c + 1]):
+            before, after = H[0][first.nodes[s]], H[1][first.nodes[s]]
+            for k in range(3):
+                d[k] = after[0, k] - before[0, k]
+                axis = local_components(before, load_row(after, 1 + k))
+                D[k, 0], D[k, 1], D[k, 2] = axis
+            log_so3(D, θ)
+            d[3:] = θ
+            for k in range(3):
+                for at in range(6):
+                    mean = 0.5 * (first.values[s, k, at] + last.values[s, k, at])
+                    out[c, k] += mean * d[at]
+
+
+@uncounted
+def add_local_forces(
+    nodes: Indices, numbers: Indices, forces: Array, H: Array, free: Flags, out: Array
+) -> None:
+    """Add blocks of forces to right-hand sides in the axes of frames ``H``.
+
+    Args:
+        nodes: Of each block, shape (b,).
+        numbers: Which right-hand sides they belong to, shape (b,).
+        forces: Shape (b, 3, 6).
+        H: Frames of the nodes.
+        free: Unknowns that are not held, shape (n, 6).
+        out: Right-hand sides, shape (n, 6, s, 3).
+    """
+    for b in range(nodes.shape[0]):
+        node, s = nodes[b], numbers[b]
+        for k in range(3):
+            local = local_components(H[node], load(forces[b, k], 0))
+            for at in range(3):
+                if free[node, at]:
+                    out[node, at, s, k] += local[at]
+                if free[node, 3 + at]:
+                    out[node, 3 + at, s, k] += forces[b, k, 3 + at]
+
+
+@uncounted
+def take_local_velocities(
+    nodes: Indices, numbers: Indices, x: Array, H: Array, free: Flags, out: Array
+) -> None:
+    """Blocks (b, 3, 6) of solutions (n, 6, s, 3), the inverse of :func:`add_local_forces`."""
+    for b in range(nodes.shape[0]):
+        node, s = nodes[b], numbers[b]
+        for k in range(3):
+            u = (x[node, 0, s, k], x[node, 1, s, k], x[node, 2, s, k])
+            held = free[node, 0], free[node, 1], free[node, 2]
+            u = (u[0] * held[0], u[1] * held[1], u[2] * held[2])
+            v = global_components(H[node], u)
+            for at in range(3):
+                out[b, k, at] = v[at]
+                out[b, k, 3 + at] = x[node, 3 + at, s, k] * free[node, 3 + at]

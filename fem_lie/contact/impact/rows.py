@@ -102,14 +102,14 @@ def nearest(H: Array, touch: Touch, c: int) -> tuple[Vector, Vector]:
 def set_rows(H: Array, touch: Touch, c: int, axis: int, rows: BlockRows, block: int) -> int:
     """Store the blocks of a pair from one on, as many components as there are; how many blocks."""
     i, j = touch.pairs[c]
-    _, n, P = gap(H, touch.a, touch.b, i, j, touch.flat[c])
-    at = minus(P, scaled(touch.a.radii[i], n))
+    g, n, P = gap(H, touch.a, touch.b, i, j, touch.flat[c])
     first, second, components, count = n, n, rows.values.shape[1], 0
     if components > 1:
         first, second = tangents(H, touch, j, n, axis)
     for side in range(2):
-        # the point of contact rotates with its nodes
-        off = minus(at, P if side == 0 or touch.flat[c] else place(H, touch.b, j))
+        # the point of contact, so far along the normal from the place of a side, rotates with it
+        far = -touch.a.radii[i] if side == 0 or touch.flat[c] else g + touch.b.radii[j]
+        off = scaled(far, n)
         for m in range(MOST_NODES):
             node, sign, w, lever = slot(
                 H, touch.a, touch.b, i, j, touch.flat[c], P, side * MOST_NODES + m

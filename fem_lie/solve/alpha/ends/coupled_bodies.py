@@ -8,10 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie.contact.contact import Contact
-from fem_lie.contact.impact.jacobian import BlockRows, empty_rows, rates
+from fem_lie.contact.impact.jacobian import BlockRows, empty_rows, twist_rates
 from fem_lie.contact.impact.rows import append_rows, set_gaps
 from fem_lie.contact.impact.touching import Touching
 from fem_lie.contact.sides.table import on_leaders
@@ -104,17 +103,10 @@ class CoupledBodies:
         return BlockRows(memory.first, memory.nodes[:count], memory.values[:count])
 
     def _rates_of(self, rows: BlockRows, H: Array, twists: Array) -> Array:
-        """Velocities or increments of contacts (k, 3) by twists of all rows in frames ``H``."""
-        v, found = twists.reshape(-1, 6).copy(), np.empty((len(rows.first) - 1, 3))
-        v[:, :3] = (lie.rotation(H[: len(v)]) @ v[:, :3, np.newaxis])[..., 0]
-        rates(rows, v, found)
+        """Velocities or increments of contacts (k, 3) by twists of nodes in frames ``H``."""
+        found = np.empty((len(rows.first) - 1, 3))
+        twist_rates(rows, H, twists.reshape(-1, 6), found)
         return found
-
-    def _with_others(self, own: Array) -> Array:
-        """Increments of the moving nodes (6 n,) with those of the other rows, which are zero."""
-        whole = np.zeros((self._rows, 6))
-        whole[: self._n] = own.reshape(-1, 6)
-        return whole
 
     @property
     def _islands(self) -> tuple[Indices, Indices]:

@@ -6,10 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie.contact.impact import cones
-from fem_lie.contact.impact.jacobian import BlockRows, rates
+from fem_lie.contact.impact.jacobian import BlockRows, slides
 from fem_lie.contact.impact.sweeps import products
 from fem_lie.solve.alpha.ends.coupled_bodies import CoupledBodies
 from fem_lie.solve.alpha.ends.coupled_bounds import Chosen
@@ -82,14 +81,9 @@ class CoupledPlaces(CoupledBodies):
 
     def _slips(self, chosen: Chosen, H: Array, B: BlockRows, glide: Array) -> Array:
         """How far contacts slide in the step, of those that meet after it, shape (k, 2)."""
-        nodes, total = np.unique(B.nodes), np.zeros((2, len(chosen.pairs), 3))
-        first, last = (lie.rotation(each[nodes]) for each in (self._H0, H))
-        d = np.zeros((self._rows, 6))
-        d[nodes, :3] = H[nodes, 0] - self._H0[nodes, 0]
-        d[nodes, 3:] = lie.so3_log(np.swapaxes(first, 1, 2) @ last)
-        for rows, found in zip((chosen.before, B), total, strict=True):
-            rates(rows, d, found)
-        return np.where(chosen.closed[:, np.newaxis], total.mean(axis=0)[:, 1:], glide)
+        total = np.empty((len(chosen.pairs), 3))
+        slides((chosen.before, B), (self._H0, H), total)
+        return np.where(chosen.closed[:, np.newaxis], total[:, 1:], glide)
 
     def part(self, chosen: Chosen, s: State, end: Array, aims: Aims, r: Array) -> Moved:
         """Part what overlaps, and hold what sticks.
@@ -117,7 +111,7 @@ class CoupledPlaces(CoupledBodies):
                 forces = np.where(closed, mean, B.values)
                 responses = chosen.operator.solve(forces, end, self._pushed)
             problem = chosen.operator.problem(B.values, responses, chosen.friction)
-            glide = aims.slides + self._rates_of(B, end, self._with_others(d))[:, 1:]
+            glide = aims.slides + self._rates_of(B, end, d)[:, 1:]
             problem.q[:, 0] = self._gaps(H)[chosen.pairs] - aims.gaps
             problem.q[:, 1:] = self._slips(chosen, H, B, glide)
             products(problem, last, products_of_last)
@@ -125,7 +119,7 @@ class CoupledPlaces(CoupledBodies):
             if self._m:
                 more = self._closed(H)
                 joints += more
-                problem.q[:] += self._rates_of(B, end, self._with_others(more))
+                problem.q[:] += self._rates_of(B, end, more)
             problem.r[:], problem.least[0] = r, _SMALL * self._length
             tolerance = TOLERANCE if iteration else _ROUGH
             more_sweeps, _, residual = cones.solve(problem, k, tolerance)

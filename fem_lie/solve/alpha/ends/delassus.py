@@ -14,9 +14,12 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.contact.impact.jacobian import BlockRows
+from fem_lie.contact.impact.jacobian import (
+    BlockRows,
+    add_local_forces,
+    take_local_velocities,
+)
 from fem_lie.contact.impact.sweeps import Cones, begin, cones_of
 from fem_lie.linear.bordered import KKT
 
@@ -98,25 +101,20 @@ class Delassus:
             H: Frames in whose axes the unknowns of the nodes are.
             solve: ``M⁻¹`` with constraints, from forces (6 n, s) to unknowns and multipliers.
         """
-        node, n = self._node, len(self._free)
-        local, R = forces[self._moving].copy(), lie.rotation(H[node])
-        local[:, :, :3] = local[:, :, :3] @ R
-        s, f = self._solutions, np.zeros((n, self._solutions, 3, 6))
-        np.add.at(f, (node, self._number), local)
-        f *= self._free[:, np.newaxis, np.newaxis]
-        x, multipliers = solve(np.moveaxis(f, 3, 1).reshape(6 * n, 3 * s))
-        of_joints = multipliers.reshape(len(multipliers), s, 3)
-        return Responses(self, H, x.reshape(n, 6, s, 3), of_joints)
+        n, s = len(self._free), self._solutions
+        f = np.zeros((n, 6, s, 3))
+        blocks = self._node, self._number, forces[self._moving]
+        add_local_forces(*blocks, H, self._free, f)
+        x, multipliers = solve(f.reshape(6 * n, 3 * s))
+        x, of_joints = x.reshape(n, 6, s, 3), multipliers.reshape(len(multipliers), s, 3)
+        (ends, at), pushes = self._pushes, np.empty((len(self._seen), 3, 6))
+        take_local_velocities(self.touched[at], self._seen, x, H, self._free, pushes)
+        return Responses(self, x, of_joints, BlockRows(ends, at, pushes))
 
     def problem(self, rows: Array, responses: Responses, friction: Array) -> Cones:
         """Cones of the contacts with rows ``B``, shape (b, 3, 6); ``q`` and ``r`` are zero."""
-        X, (ends, at) = responses.unknowns, self._pushes
-        node = self.touched[at]
-        values = np.swapaxes(X[node, :, self._seen, :], 1, 2) * self._free[node][:, np.newaxis]
-        values[:, :, :3] = values[:, :, :3] @ np.swapaxes(lie.rotation(responses.H[node]), 1, 2)
-        pushes = BlockRows(ends, at, np.ascontiguousarray(values))
-        own = BlockRows(*self._rows, np.ascontiguousarray(rows[self._moving]))
-        problem = cones_of(own, pushes, len(self.touched))
+        own = BlockRows(*self._rows, rows[self._moving])
+        problem = cones_of(own, responses.pushes, len(self.touched))
         problem.friction[:] = friction
         begin(problem, len(friction))
         traces = np.abs(np.trace(problem.own, axis1=1, axis2=2))
@@ -133,17 +131,18 @@ class Responses:
     """Unknowns and multipliers by unit impulses of contacts.
 
     Attributes:
-        H: Frames in whose axes the unknowns are.
-        unknowns: Shape (n, 6, s, 3).
+        pushes: Rows of ``M⁻¹ B̄ᵀ``, of nodes in the order of :attr:`Delassus.touched`.
     """
 
-    def __init__(self, of: Delassus, H: Array, unknowns: Array, multipliers: Array) -> None:
+    def __init__(
+        self, of: Delassus, unknowns: Array, multipliers: Array, pushes: BlockRows
+    ) -> None:
         """Keep them; see :meth:`Delassus.solve`."""
-        self._of, self.H, self.unknowns, self._multipliers = of, H, unknowns, multipliers
+        self._of, self._unknowns, self._multipliers, self.pushes = of, unknowns, multipliers, pushes
 
     def moved(self, r: Array) -> Array:
         """Unknowns by impulses (k, 3), shape (6 n,)."""
-        return np.einsum("nask,nsk->na", self.unknowns, self._of.impulses(r, False)).ravel()
+        return np.einsum("nask,nsk->na", self._unknowns, self._of.impulses(r, False)).ravel()
 
     def reactions(self, r: Array) -> Array:
         """Multipliers by impulses (k, 3), shape (m,)."""
