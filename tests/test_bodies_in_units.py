@@ -98,8 +98,8 @@ REFUSED = {"shell of six", "reduced body"}
 OF_SLOPES = {"thin shell", "beam of gradients", "shell of gradients"}
 TAKES = {
     "generalised-α": (fl.GeneralisedAlpha(), set(BODIES)),
-    "conserving": (fl.EnergyMomentum(), set(BODIES) - REFUSED),
-    "decaying": (fl.EnergyDecaying(radius=0.5), set(BODIES) - REFUSED),
+    "conserving": (fl.EnergyMomentum(), set(BODIES)),
+    "decaying": (fl.EnergyDecaying(radius=0.5), set(BODIES)),
     "composed": (fl.Composed(), FRAMES | {"discrete rod"}),
     "variational": (fl.Variational(), FRAMES | {"discrete rod"}),
     "explicit": (fl.Explicit(), set(BODIES) - REFUSED - OF_SLOPES - {"quadratic tetrahedra"}),

@@ -167,8 +167,9 @@ class Cells:
 
     def _rows_of_sums(self, start: int, term: Term) -> dict[str, Indices]:
         """The same of a term that is sums over cells, which have one form each."""
-        assert term.tables is not None
-        (forces,), (energy,) = (table.rows for table in term.tables)
+        tables = term.over_cells
+        assert tables is not None, "refused before"
+        (forces,), (energy,) = (table.rows for table in tables)
         count, w = int(forces[CELLS]), [own_coefficients(row) for row in (energy, forces)]
         self._of_sums += w
         none, steps = np.zeros((count, 2), dtype=np.int64), np.arange(count)
@@ -181,7 +182,7 @@ class Cells:
             "n_s": none[:, 0],
             "unknowns": np.full(count, 6),
             "shares": np.full(count, NOTHING),
-            "nodes": start + term.tables[0].nodes.reshape(count, int(forces[NODES])),
+            "nodes": start + tables[0].nodes.reshape(count, int(forces[NODES])),
         }
 
     def pack(self) -> None:

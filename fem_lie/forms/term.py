@@ -305,6 +305,11 @@ class Term(ABC):
         return None
 
     @property
+    def over_cells(self) -> tuple[FormTable, FormTable] | None:
+        """The same for schemes that take cells one by one; default: :attr:`tables`."""
+        return self.tables
+
+    @property
     def following(self) -> FollowingTable | None:
         """Forces as such a sum over nodes that follow those of the equations."""
         return None

@@ -12,7 +12,17 @@ import basix
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.elements.shells.drilling_sums import PlainShapes, add_forces, add_tangent, strains
+from fem_lie.elements.shells.drilling_sums import (
+    PlainShapes,
+    add_forces,
+    add_tangent,
+    cell_data,
+    energy_kernel,
+    force_kernel,
+    strains,
+)
+from fem_lie.forms.cell_forms import FormTable
+from fem_lie.forms.cell_sums import CellSum
 from fem_lie.forms.term import Pairs, Term
 from fem_lie.lie.motions import add_turnings
 from fem_lie.mesh.shapes import rule, tabulated
@@ -64,6 +74,7 @@ class DrillingAssembly(Term):
     """
 
     label, of_bodies, carries = "drilling of shells with six parameters", True, True
+    conserved = True
 
     def __init__(
         self,
@@ -116,6 +127,15 @@ class DrillingAssembly(Term):
         self._pairs = rows, indices.astype(np.int64)
         self._diagonal = np.flatnonzero(rows == indices)
         self._all = np.ones(len(frames), dtype=bool)
+        data, sizes = (
+            cell_data(self._shapes, self._weight, self._rest),
+            np.array(N.shape[::-1], float),
+        )
+        none = np.zeros((len(cells), 1))
+        self._forces, self._energy = (
+            CellSum(self._cells, kernel.address, data, sizes, none, apart=True)
+            for kernel in (force_kernel, energy_kernel)
+        )
 
     @property
     def carried(self) -> Array:
@@ -131,6 +151,11 @@ class DrillingAssembly(Term):
     def pairs(self) -> Pairs:
         """Those of the shells."""
         return self._pairs
+
+    @property
+    def over_cells(self) -> tuple[FormTable, FormTable]:
+        """Of forces and of energy."""
+        return self._forces.table, self._energy.table
 
     def room(self) -> Array:
         """For all forces."""

@@ -16,7 +16,9 @@ from typing import TypeAlias
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined
+from fem_lie._jit import callback, compiled, inlined
+from fem_lie._jit.stack import blocks_at, matrix_at, stack, vector_at
+from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer
 from fem_lie.lie.motions import add_turning
 
 PlainShapes: TypeAlias = tuple[Array, Array, Array]
@@ -180,3 +182,74 @@ def add_tangent(
                                 value += Q[d, p] * M[p, f]
                             block[d, 3 + f] += value
                             across[3 + f, d] += value
+
+
+# --- cells one by one, of which conserving steps ask for energy and forces ---
+
+
+def cell_data(shapes: PlainShapes, weight: Array, rest: Array) -> Array:
+    """Numbers of each cell that follow the rows of its nodes, shape (m, any)."""
+    N, G, A = shapes
+    m = len(A)
+    parts = [np.broadcast_to(N, (m, *N.shape)), G, A, weight, rest]
+    return np.hstack([part.reshape(m, -1) for part in parts])
+
+
+_Cell: TypeAlias = tuple[Array, tuple[Array, Array, Array], Array, Array]
+"""Rows of the nodes of a cell, N, G and A, and weights and rest values."""
+
+
+@inlined
+def _cell(w: Pointer, c: Pointer) -> _Cell:
+    """A cell with ``c[0]`` nodes and ``c[1]`` points."""
+    k, count = int(c[0]), int(c[1])
+    at_N = 12 * k
+    at_G = at_N + count * k
+    at_A = at_G + 2 * count * k
+    at_w = at_A + 6 * k
+    numbers = vector_at(w, at_w + 2 * count)
+    N = numbers[at_N:at_G].reshape((count, k))
+    G = numbers[at_G:at_A].reshape((count, 2, k))
+    shapes = N, G, numbers[at_A:at_w].reshape((k, 2, 3))
+    weight, rest = numbers[at_w : at_w + count], numbers[at_w + count :]
+    return blocks_at(w, k, 4, 3), shapes, weight, rest
+
+
+@inlined
+def _own_numbers(nodes: Indices) -> None:
+    for i in range(len(nodes)):
+        nodes[i] = i
+
+
+@callback(UFCX_SIGNATURE)
+def energy_kernel(
+    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
+) -> None:
+    """Energy of a cell with the numbers of :func:`cell_data`."""
+    rows, (N, G, carried), weight, rest = _cell(w, c)
+    k = len(rows)
+    room, n = blocks_at(stack(18), 3, 2, 3), matrix_at(stack(6 * k), k, 6)
+    nodes = vector_at(stack(k), k).view(np.int64)
+    _own_numbers(nodes)
+    work = room[0], room[1], room[2]
+    for g in range(len(rest)):
+        value = _point(rows, nodes, (N[g], G[g], carried), work, n) - rest[g]
+        A[0] += 0.5 * weight[g] * value * value
+
+
+@callback(UFCX_SIGNATURE)
+def force_kernel(
+    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
+) -> None:
+    """Its forces."""
+    rows, (N, G, carried), weight, rest = _cell(w, c)
+    k = len(rows)
+    room, n = blocks_at(stack(18), 3, 2, 3), matrix_at(stack(6 * k), k, 6)
+    nodes = vector_at(stack(k), k).view(np.int64)
+    _own_numbers(nodes)
+    work, out = (room[0], room[1], room[2]), matrix_at(A, k, 6)
+    for g in range(len(rest)):
+        value = _point(rows, nodes, (N[g], G[g], carried), work, n) - rest[g]
+        for i in range(k):
+            for d in range(6):
+                out[i, d] += weight[g] * value * n[i, d]

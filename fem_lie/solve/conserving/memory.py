@@ -34,6 +34,9 @@ from fem_lie.solve.motion.convergence import unknown_scaling
 from fem_lie.system.equations import Equations
 from fem_lie.system.nodes.loads import Loads
 
+_LIGHT = 1e-12
+"""Moment of inertia over the largest one of a node that is none."""
+
 
 def start_state(
     equations: Equations, cells: Cells, rows: RowCells, legs: Legs, *, dissipates: bool
@@ -214,7 +217,26 @@ def model_of(
         of_frames=_of_frames(equations),
         outside=np.zeros(4, dtype=np.int64),
         bodies=packed_bodies(known.floating),
+        light=_without_inertia(equations),
     )
+
+
+def _without_inertia(equations: Equations) -> Array:
+    """Projectors on the rotations of frames that have no inertia, (n, 3, 3), or (0, 3, 3)."""
+    unknowns, mass = equations.unknowns, equations.tables.inertia
+    rows = np.repeat(np.arange(unknowns.moving), np.diff(mass.indptr[: unknowns.moving + 1]))
+    own = (rows == mass.indices[: len(rows)]) & (unknowns.kinds[rows] < SLOPE)
+    E = np.zeros((unknowns.moving, 3, 3))
+    E[rows[own]] = mass.blocks[: len(rows)][own, 1:, 1:]
+    J = np.trace(E, axis1=1, axis2=2)[:, np.newaxis, np.newaxis] * np.eye(3) - E
+    held = unknowns.held[:, 3:] | (unknowns.kinds >= SLOPE)[:, np.newaxis]
+    # what is held counts as heavy
+    size = np.maximum(np.abs(J).max(axis=(1, 2)), 1.0 * ~J.any(axis=(1, 2)))
+    J[:, np.arange(3), np.arange(3)] += size[:, np.newaxis] * held
+    moments, axes = np.linalg.eigh(J)
+    light = moments <= _LIGHT * size[:, np.newaxis]
+    found = np.einsum("nij,nj,nkj->nik", axes, light, axes)
+    return np.ascontiguousarray(found) if light.any() else np.zeros((0, 3, 3))
 
 
 def _of_frames(equations: Equations) -> Array:

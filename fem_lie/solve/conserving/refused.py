@@ -18,7 +18,7 @@ def refuse_scene(equations: Equations) -> None:
         ValueError: Says what there is.
     """
     unknowns, known = equations.unknowns, equations.tables
-    vectors, drilling = has_vector_nodes(equations), ", ".join(unknowns.drilling)
+    vectors = has_vector_nodes(equations)
     apart = [
         f"{term.label} with damping" if term.viscous else term.label
         for term in known.terms
@@ -30,7 +30,6 @@ def refuse_scene(equations: Equations) -> None:
         ),
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
-        f"shells with six parameters ({drilling})": bool(drilling),
         ", ".join(dict.fromkeys(apart)): bool(apart),
     }
     refuse("a conserving scheme", reasons)

@@ -24,13 +24,14 @@ from fem_lie.lie.tuples import (
     minus,
     plus,
     rotate,
+    rotate_back,
     scaled,
     store,
     store_row,
 )
 from fem_lie.lie.wrenches import add_dead, add_wrench
 from fem_lie.solve.conserving.between.any_node import keep_axes, rates_of
-from fem_lie.solve.conserving.between.cayley import advance, left_moment
+from fem_lie.solve.conserving.between.cayley import advance, left_moment, spin
 from fem_lie.solve.conserving.between.edges import go_along_edge, turned_with
 from fem_lie.solve.conserving.between.floating import STRESS
 from fem_lie.solve.conserving.step.dissipation import (
@@ -97,6 +98,7 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     mass, momenta = model.inertia, this.q[1]
     inertia.multiply(mass.indptr, mass.indices, mass.blocks, V, momenta)
     lag[ENERGY] = max(lag[ENERGY], 0.5 * _product(V, momenta) + np.sum(this.W1))
+    _calm(model.light, H, step, h, V)
     _keep_trend(model.kinds, H, V, h, step, state)
     for place in range(F1.shape[0]):
         for k in range(6):
@@ -110,6 +112,22 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     for c in range(state.gap.shape[0]):
         state.gap[c] += this.change[c]
         earlier[1, c], earlier[0, c] = earlier[0, c], this.weights[c]
+
+
+@uncounted
+def _calm(light: Array, H: Array, step: Array, h: float, V: Array) -> None:
+    """Give rotations without inertia their mean rate in the step.
+
+    Nothing balances their rates at its end, ``2 Δ/h − V``, whose sign would change in each step.
+    """
+    for i in range(light.shape[0]):
+        d1, d2, d3 = load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3)
+        missing = minus(scaled(1.0 / h, load(step[i], 3)), spin(H[i], V[i]))
+        own, P = rotate_back(d1, d2, d3, missing), light[i]
+        part = dot(load_row(P, 0), own), dot(load_row(P, 1), own), dot(load_row(P, 2), own)
+        added = rotate(d1, d2, d3, part)
+        for k in range(1, 4):
+            store_row(V[i], k, plus(load_row(V[i], k), cross(added, load_row(H[i], k))))
 
 
 @uncounted

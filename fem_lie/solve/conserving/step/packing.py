@@ -84,6 +84,7 @@ class Packed:
                     model.outside,
                     model.leaders.edges,
                     *model.bodies,
+                    model.light,
                 )
             ),
             FixedArrays(state),
@@ -158,6 +159,7 @@ def model_of(packed: PackedModel) -> Model:
         numbers1(table, 48),
         integers1(table, 49),
         (integers1(table, 51), numbers1(table, 52)),
+        numbers3(table, 53),
     )
 
 

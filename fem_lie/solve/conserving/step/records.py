@@ -125,6 +125,8 @@ class Model(NamedTuple):
         of_frames: As ``measure`` for frames and constraints between these alone, else nil.
         outside: Addresses of :data:`FORCES` and :data:`LEARN`, nil without, and flags, (4,).
         bodies: Those of reduced order.
+        light: Projectors on rotations of frames that have no inertia and are not held, in the axes
+            of the nodes, (n, 3, 3), or (0, 3, 3) if there are none.
     """
 
     cells: CellTable
@@ -151,6 +153,7 @@ class Model(NamedTuple):
     of_frames: Array
     outside: Indices
     bodies: PackedBodies
+    light: Array
 
 
 class State(NamedTuple):
