@@ -296,6 +296,24 @@ def test_solutions_satisfy_coulombs_law(seed):
     )
 
 
+def test_many_contacts_without_friction_are_solved_as_exactly_as_few():
+    """A tower of 80 balls on the ground: each contact carries what is above it."""
+    k, weight = 80, GRAVITY
+    rows = empty_rows(k, 2, 3)
+    rows.first[:] = 2 * np.arange(k + 1) - (np.arange(k + 1) > 0)
+    axes = np.hstack([np.eye(3)[[2, 0, 1]], np.zeros((3, 3))])
+    for c in range(k):
+        block = rows.first[c]
+        rows.nodes[block], rows.values[block] = c, axes
+        if c > 0:
+            rows.nodes[block + 1], rows.values[block + 1] = c - 1, -axes
+    problem = cones_of(rows, rows, k)
+    problem.q[0, 0] = -weight  # the others fall together
+    _, _, left = cones.solve(problem, k, 1e-9)
+    assert left <= 1e-9
+    np.testing.assert_allclose(problem.r[:, 0], weight * np.arange(k, 0, -1), rtol=1e-4)
+
+
 def test_many_contacts_settle():
     """A heap of 100 balls in a box, from its lattice on: cones to 1e-6 in every step."""
     rng, radius, law = np.random.default_rng(1), 0.05, fl.Impact(0.3)

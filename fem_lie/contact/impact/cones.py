@@ -37,7 +37,7 @@ _FIRST, _LATER, _ROUNDS = 3, 10, 4
 """Sweeps at first, sweeps of the first round after that, and rounds."""
 
 _MANY = 1e-6
-"""Residual with which more contacts than those are content."""
+"""Residual with which more contacts than those are content, if there is friction."""
 
 _LONGEST, _TURN, _LOOK, _EVERY, _WORSE, _LESS = 9_000, 200, 5, 5, 4.0, 0.9
 """Sweeps of these, about, at most; in the first turn; after how many of them the residual is looked
@@ -122,6 +122,8 @@ def _go_on(problem: Cones, k: int, known: int) -> None:
         most = max(most, past.products[i, i])
         for j in range(known):
             past.room[i, j] = past.products[i, j]
+    if most == 0.0:  # the last sweeps did all the same
+        return
     for i in range(known):
         past.room[i, i] += _RIDGE * most
     eliminate(past.room, past.parts, known)
@@ -235,6 +237,15 @@ def _in_turns(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
             return sweeps, reached
 
 
+@inlined_uncounted
+def _rubs(problem: Cones, k: int) -> bool:
+    """Whether there is friction; without it the problem is convex, and sweeps end."""
+    for c in range(k):
+        if problem.friction[c] > 0.0:
+            return True
+    return False
+
+
 @uncounted
 def solve(problem: Cones, k: int, tolerance: float) -> tuple[int, int, float]:
     """Solve for the impulses of the first ``k`` contacts, from those that are there.
@@ -249,7 +260,8 @@ def solve(problem: Cones, k: int, tolerance: float) -> tuple[int, int, float]:
     """
     begin(problem, k)
     if k > MOST_NEWTON:
-        sweeps, reached = _in_turns(problem, k, max(tolerance, _MANY))
+        enough = max(tolerance, _MANY) if _rubs(problem, k) else tolerance
+        sweeps, reached = _in_turns(problem, k, enough)
         return sweeps, 0, reached
     sweeps, iterations, reached, limit = 0, 0, np.inf, _FIRST
     for rounds in range(_ROUNDS + 1):

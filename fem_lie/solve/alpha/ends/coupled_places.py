@@ -9,7 +9,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.contact.impact import cones
 from fem_lie.contact.impact.jacobian import BlockRows, slides
-from fem_lie.contact.impact.sweeps import products
+from fem_lie.contact.impact.sweeps import MOST_NEWTON, products
 from fem_lie.solve.alpha.ends.coupled_bodies import CoupledBodies
 from fem_lie.solve.alpha.ends.coupled_bounds import Chosen
 from fem_lie.solve.alpha.step.nodes import State
@@ -20,6 +20,9 @@ TOLERANCE, _ROUGH = 1e-9, 1e-6
 _EXACT, _ITERATIONS, _ANEW = 1e-14, 30, 2
 """Part of the model's length by which places still change at the end; iterations at most, and in
 how many of the first ones rows of forces are taken anew."""
+
+_WITH_FRICTION = 6
+"""Iterations of many contacts with friction, which is then held: cones of so many end with 1e-6."""
 
 _SMALL = 1e-12
 """Part of the model's length below which places are known to round-off alone."""
@@ -104,13 +107,18 @@ class CoupledPlaces(CoupledBodies):
         products_of_last: Array = np.empty((k, 3))
         each = np.diff(chosen.before.first)
         closed = np.repeat(chosen.closed, each)[:, np.newaxis, np.newaxis]
+        held: Array = np.zeros((k, 3))
+        friction, many, left = chosen.friction, k > MOST_NEWTON, 0.0
         for iteration in range(_ITERATIONS):
+            if many and iteration == _WITH_FRICTION:  # gaps need more than cones end with
+                held, r, friction = r * (0.0, 1.0, 1.0), r * (1.0, 0.0, 0.0), np.zeros(k)
+                last = r.copy()
             B = self._rows_of(H, chosen.pairs, chosen.axis)
             if iteration < _ANEW:
                 mean = 0.5 * (chosen.before.values + B.values)
                 forces = np.where(closed, mean, B.values)
                 responses = chosen.operator.solve(forces, end, self._pushed)
-            problem = chosen.operator.problem(B.values, responses, chosen.friction)
+            problem = chosen.operator.problem(B.values, responses, friction)
             glide = aims.slides + self._rates_of(B, end, d)[:, 1:]
             problem.q[:, 0] = self._gaps(H)[chosen.pairs] - aims.gaps
             problem.q[:, 1:] = self._slips(chosen, H, B, glide)
@@ -123,8 +131,9 @@ class CoupledPlaces(CoupledBodies):
             problem.r[:], problem.least[0] = r, _SMALL * self._length
             tolerance = TOLERANCE if iteration else _ROUGH
             more_sweeps, _, residual = cones.solve(problem, k, tolerance)
+            left = residual if not many or iteration < _WITH_FRICTION else left
             sweeps, r, here = sweeps + more_sweeps, problem.r, d
-            last, d = r.copy(), responses.moved(r) + joints
+            last, d = r.copy(), responses.moved(r + held) + joints
             H = self._moved_by(s, end, d)
             change = self._size(d - here)
             if self._ends(iteration, change, before):
@@ -132,8 +141,9 @@ class CoupledPlaces(CoupledBodies):
             before = change
         rows = self._rows_of(H, chosen.pairs, chosen.axis)
         slips = self._slips(chosen, H, rows, glide)
+        r = r + held
         carried = responses.reactions(r)
-        return Moved(H, d, r, rows, forces, carried, slips, sweeps, residual)
+        return Moved(H, d, r, rows, forces, carried, slips, sweeps, left)
 
     def _size(self, d: Array) -> float:
         """Of an increment: the largest of any place, with turns by the model's length."""

@@ -116,7 +116,7 @@ class Delassus:
         own = BlockRows(*self._rows, rows[self._moving])
         problem = cones_of(own, responses.pushes, len(self.touched))
         problem.friction[:] = friction
-        begin(problem, len(friction))
+        begin(problem, len(problem.friction))
         traces = np.abs(np.trace(problem.own, axis1=1, axis2=2))
         problem.soft[:] = _YIELD * np.maximum(traces, 1e-6 * traces.max(initial=0.0))
         return problem
