@@ -127,10 +127,8 @@ class DrillingAssembly(Term):
         self._pairs = rows, indices.astype(np.int64)
         self._diagonal = np.flatnonzero(rows == indices)
         self._all = np.ones(len(frames), dtype=bool)
-        data, sizes = (
-            cell_data(self._shapes, self._weight, self._rest),
-            np.array(N.shape[::-1], float),
-        )
+        data = cell_data(self._shapes, self._weight, self._rest)
+        sizes = np.array(N.shape[::-1], dtype=np.float64)
         none = np.zeros((len(cells), 1))
         self._forces, self._energy = (
             CellSum(self._cells, kernel.address, data, sizes, none, apart=True)

@@ -18,7 +18,8 @@ def refuse_scene(equations: Equations) -> None:
         ValueError: Says what there is.
     """
     unknowns, known = equations.unknowns, equations.tables
-    vectors = has_vector_nodes(equations)
+    vectors, drilling = has_vector_nodes(equations), ", ".join(unknowns.drilling)
+    touched = bool(drilling) and any(term.secant for term in known.terms)
     apart = [
         f"{term.label} with damping" if term.viscous else term.label
         for term in known.terms
@@ -30,6 +31,7 @@ def refuse_scene(equations: Equations) -> None:
         ),
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
+        f"contacts by penalty beside shells with six parameters ({drilling})": touched,
         ", ".join(dict.fromkeys(apart)): bool(apart),
     }
     refuse("a conserving scheme", reasons)

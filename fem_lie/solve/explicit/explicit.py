@@ -86,7 +86,9 @@ def _refuse(equations: Equations) -> None:
     unknowns, tables = equations.unknowns, equations.tables
     dampers = bool(np.any(joint_table(tables.joints).springs[:, 1] != 0.0))
     reasons = {
-        "velocity constraints (KnifeEdge, RollingDisc)": unknowns.of_velocities > 0,
+        "velocity constraints (KnifeEdge, RollingDisc), whose motion makes no action stationary": (
+            unknowns.of_velocities > 0
+        ),
         "drives": unknowns.driven,
         "redundant constraints": unknowns.may_be_redundant,
         "prescribed motions": len(equations.start.frames) > unknowns.moving + 1,

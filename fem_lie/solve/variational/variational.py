@@ -106,10 +106,13 @@ def _refuse(equations: Equations) -> None:
     unknowns = equations.unknowns
     drilling = ", ".join(unknowns.drilling)
     reasons = {
-        "velocity constraints (KnifeEdge, RollingDisc)": unknowns.of_velocities > 0,
+        "velocity constraints (KnifeEdge, RollingDisc), whose motion makes no action stationary": (
+            unknowns.of_velocities > 0
+        ),
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
         "friction of penalties": any(term.rubs for term in equations.tables.terms),
-        f"shells with six parameters ({drilling})": bool(drilling),
+        f"shells with six parameters ({drilling}), whose drilling has no inertia, so that no "
+        "momentum gives its rate": bool(drilling),
     }
     refuse("Variational", reasons)
