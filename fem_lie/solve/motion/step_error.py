@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Flags
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
-from fem_lie.lie.kinds import inertia, pull_all
+from fem_lie.lie.kinds import floating, inertia, pull_all
 from fem_lie.lie.tuples import dot, load
 
 if TYPE_CHECKING:
@@ -54,11 +54,28 @@ def largest(e: Array, lengths: Flags) -> tuple[float, float, int, int]:
 def add_inertia_forces(
     equations: Equations, H: Array, q: Array, factor: float, forces: Array
 ) -> None:
-    """Add ``factor Lᵀ G q`` at frames ``H``: ``q`` (n, 4, 3), ``forces`` (n, 6)."""
-    work = np.empty_like(q)
+    """Add ``factor Lᵀ G q`` at frames ``H``: ``q`` (n, 4, 3), ``forces`` (n, 6).
+
+    Reduced-order bodies are felt by rows that change as ``q`` says, from rest.
+    """
+    work, kinds = np.empty_like(q), equations.unknowns.kinds
     indptr, indices, blocks = equations.tables.inertia
     inertia.multiply(indptr, indices, blocks, q, work)
-    pull_all(equations.unknowns.kinds, H, work, factor, forces.reshape(-1))
+    bodies, numbers = equations.tables.floating
+    if bodies[0]:
+        _add_floating(kinds, H, q, bodies, numbers, work)
+    pull_all(kinds, H, work, factor, forces.reshape(-1))
+
+
+@compiled
+def _add_floating(
+    kinds: Indices, H: Array, q: Array, integers: Indices, numbers: Array, out: Array
+) -> None:
+    """Add inertia of reduced-order bodies whose rows accelerate by ``q``, without their weight."""
+    still, with_weight = np.zeros((q.shape[0], 6)), np.zeros_like(q)
+    floating.add_forces(kinds, H, still, q, integers, numbers, out)
+    floating.add_forces(kinds, H, still, np.zeros_like(q), integers, numbers, with_weight)
+    out -= with_weight
 
 
 def largest_gaps(H: Array, other: Array) -> tuple[float, float]:
