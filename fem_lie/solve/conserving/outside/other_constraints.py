@@ -249,10 +249,10 @@ class OtherConstraints(Stateful):
         return self._equations.constraints(middle).rates(v)[0]
 
     def _rates(self, H: Array, V: Array) -> Array:
-        """First rates of all constraints at rows ``H`` with the rates ``V`` of the nodes, (m,)."""
+        """First rates of all constraints at rows ``H`` with the rates ``V`` of all rows, (m,)."""
         v, unused, still = np.zeros((3, len(H), 6))
         n, known = self._n, self._equations.tables
-        twists(known.kinds, known.turning, H, V, still[:n], v[:n], unused[:n])
+        twists(known.kinds, known.turning, H, V[:n], still[:n], v[:n], unused[:n])
         return self._equations.constraints(H).rates(v)[0]
 
     def accept(self, H: Array, driven: Array, gap: Array) -> None:
