@@ -79,8 +79,8 @@ from fem_lie.elements.solids.materials import (
 from fem_lie.elements.solids.small_changes import det_minus_one, expm1, log1p
 from fem_lie.elements.thin_shells.bicubic import BicubicHermite
 from fem_lie.forms.energy import StrainEnergy
-from fem_lie.forms.frame_map import FrameMap
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
+from fem_lie.forms.kernels.frame_map import FrameMap
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.joints import (
     Collar,

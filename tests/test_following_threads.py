@@ -45,8 +45,8 @@ def tangent(body, rows) -> np.ndarray:
     H[assembly.order] = rows
     for term in (assembly, *assembly.beside):
         forces = np.zeros((len(rows), 6))
-        if term.carries:
-            term.reset_stress(H)
+        if term.stress_update is not None:
+            term.stress_update.reset_stress(H)
         term.add_forces(H, forces)
         found += [term.tangent(H, forces).ravel(), forces.ravel()]
     return np.concatenate(found)

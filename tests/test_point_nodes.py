@@ -15,8 +15,8 @@ import ufl
 import fem_lie as fl
 from demos.space_net import square_net
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
-from fem_lie.forms.frame_map import FrameMap, frame_function
 from fem_lie.forms.frames import NodalFrames
+from fem_lie.forms.kernels.frame_map import FrameMap, frame_function
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.lie.kinds import POINT, NodeKind, pull, pull_derivative, push
 from fem_lie.mesh.curves import straight

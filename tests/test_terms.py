@@ -4,7 +4,6 @@ A name in the list below is a term that is tested by all of them.
 """
 
 import ast
-import inspect
 from collections.abc import Callable
 from functools import cache
 from typing import NamedTuple
@@ -14,6 +13,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
+from fem_lie.forms import abilities
 from fem_lie.forms.term import Term
 from fem_lie.lie.kinds import all_from_group, all_to_group, at_rest, follow_all
 from fem_lie.system import System
@@ -414,8 +414,12 @@ class Model:
         (self.term,) = (t for t in self.system.terms if t.label == TERMS[name].label)
         self.count, self.rng = self.system.count, np.random.default_rng(7)
         self.H = self.moved(self.system.frames, self.increment(), 0.2)
-        if self.term.carries:
-            self.term.reset_stress(self.H)
+        self.reset_stress()
+
+    def reset_stress(self) -> None:
+        """Make stress that is updated linearly that of the present state."""
+        if self.term.stress_update is not None:
+            self.term.stress_update.reset_stress(self.H)
 
     def increment(self) -> np.ndarray:
         return np.where(self.system.held, 0.0, self.rng.normal(size=(self.count, 6)))
@@ -434,23 +438,22 @@ class Model:
 
     def forces(self, H: np.ndarray, kept: np.ndarray | None = None) -> np.ndarray:
         out = np.zeros((self.count, 6))
-        if self.term.settles:
-            self.term.settle(H)
+        if self.term.local is not None:
+            self.term.local.condense(H)
         self.term.add_forces(H, out, kept)
         return out
 
     def viscous(self, H: np.ndarray, v: np.ndarray) -> np.ndarray:
         out = np.zeros((self.count, 6))
-        if self.term.viscous:
-            self.term.add_viscous_forces(H, v, out)
+        if self.term.viscosity is not None:
+            self.term.viscosity.add_viscous_forces(H, v, out)
         return out
 
     def tangent(self) -> np.ndarray:
         """Of the forces in the present state, blocks of pairs."""
         kept = self.term.room()
         self.forces(self.H, kept)
-        if self.term.carries:
-            self.term.reset_stress(self.H)
+        self.reset_stress()
         blocks, more = self.term.tangent(self.H, kept), self.term.geometric(self.H)
         return blocks.copy() if more is None else blocks + more
 
@@ -499,8 +502,7 @@ def test_tangent_depends_on_what_it_is_given_alone(name):
     kept = model.term.room()
     model.forces(model.H, kept)
     model.forces(model.moved(model.H, model.increment(), 0.1), model.term.room())
-    if model.term.carries:
-        model.term.reset_stress(model.H)
+    model.reset_stress()
     blocks, more = model.term.tangent(model.H, kept), model.term.geometric(model.H)
     close(blocks if more is None else blocks + more, before, 1e-13)
 
@@ -528,12 +530,11 @@ def test_pairs_have_all_that_moves_the_forces(name):
 def test_viscous_tangent_is_the_derivative_of_viscous_forces(name):
     """In velocities, and in frames where that is not left out; they are linear and take energy."""
     model = Model(name)
-    if not model.term.viscous:
-        assert model.term.rates is None
+    if model.term.viscosity is None:
         return
     v = model.increment()
     assert np.vdot(model.viscous(model.H, v), v) > 0.0
-    by_twists, by_frames = model.term.viscous_tangent(model.H, v)
+    by_twists, by_frames = model.term.viscosity.viscous_tangent(model.H, v)
     close(model.times(by_twists, v), model.viscous(model.H, v), 1e-12)
     if by_frames is None:
         return
@@ -546,22 +547,22 @@ def test_viscous_tangent_is_the_derivative_of_viscous_forces(name):
 @every_term
 def test_what_was_carried_is_restored(name):
     model = Model(name)
-    if not model.term.carries:
-        assert len(model.term.carried) == 0
+    stress, path = model.term.stress_update, model.term.path
+    if stress is None:
         return
-    kept, carried = model.term.room(), model.term.carried.copy()
+    kept, carried = model.term.room(), stress.carried.copy()
     model.forces(model.H, kept)
     before = model.term.tangent(model.H, kept).copy()
-    if model.term.rubs:  # what that carries waits for accepted frames
-        model.term.accept(model.moved(model.H, model.increment(), 0.1))
+    if path is not None:  # what friction has waits for accepted states
+        path.accept(model.moved(model.H, model.increment(), 0.1))
     else:
-        model.term.carry(model.H, 0.1 * model.increment())
-    assert len(carried) == 0 or np.abs(model.term.carried - carried).max() > 0.0
-    model.term.restore(carried)
-    assert np.array_equal(model.term.carried, carried)
+        stress.carry(model.H, 0.1 * model.increment())
+    assert len(carried) == 0 or np.abs(stress.carried - carried).max() > 0.0
+    stress.restore(carried)
+    assert np.array_equal(stress.carried, carried)
     assert np.array_equal(model.term.tangent(model.H, kept), before)
-    model.term.clear_stress()
-    model.term.reset_stress(model.H)
+    stress.clear_stress()
+    stress.reset_stress(model.H)
     close(model.term.tangent(model.H, kept), before, 1e-12)
 
 
@@ -600,8 +601,8 @@ def test_what_is_within_the_sum_over_joints_is_there():
     for term in system.terms:
         nodal = rest[: 6 * model.count].reshape(-1, 6)
         term.add_forces(model.H, nodal)
-        if term.viscous:
-            term.add_viscous_forces(model.H, v, nodal)
+        if term.viscosity is not None:
+            term.viscosity.add_viscous_forces(model.H, v, nodal)
     close(r[: 6 * model.count], rest[: 6 * model.count], 1e-13)
 
 
@@ -664,30 +665,21 @@ def test_the_equations_ask_no_term_and_no_load_what_it_is(module):
     assert not [f for f in calls if isinstance(f, ast.Name) and f.id in ("isinstance", "type")]
 
 
-UNDEFINED = {
-    "stiff_rows": "apart",
-    "add_of_ground": "on_ground",
-    "add_viscous_forces": "viscous",
-    "viscous_tangent": "viscous",
-    "carry": "carries",
-    "restore": "carries",
-    "settle": "settles",
-    "accept": "rubs or parts",
-    "check_passage": "watches",
-    "watch": "watches",
-    "watch_again": "watches",
-    "clear_stress": "carries",
-    "reset_stress": "carries",
-    "add_over_step": "secant",
-    "tangent_over_step": "secant",
-    "overlaps": "secant",
+ABILITIES = {
+    abilities.ViscousForces: ("add_viscous_forces", "viscous_tangent"),
+    abilities.LinearisedStress: ("carried", "carry", "clear_stress", "reset_stress", "restore"),
+    abilities.LocalUnknowns: ("condense",),
+    abilities.PathDependence: ("accept",),
+    abilities.PassageCheck: ("check_passage", "watch", "watch_again", "watched"),
+    abilities.StepForces: ("add_over_step", "overlaps", "tangent_over_step"),
+    abilities.LowRankTangent: ("stiff_rows",),
+    abilities.GroundForces: ("add_of_ground",),
 }
 
 
-@pytest.mark.parametrize(("method", "trait"), UNDEFINED.items())
-def test_a_term_that_lacks_what_its_traits_ask_for_is_named(method, trait):
-    class Lacking(Term):
-        label = "tides"
+@pytest.mark.parametrize(("ability", "methods"), ABILITIES.items())
+def test_a_term_that_lacks_what_its_abilities_ask_for_is_refused(ability, methods):
+    class Tides(Term):
         pairs = property(lambda self: (np.empty(0, int), np.empty(0, int)))
 
         def add_forces(self, H, out, kept=None):
@@ -696,8 +688,16 @@ def test_a_term_that_lacks_what_its_traits_ask_for_is_named(method, trait):
         def tangent(self, H, kept):
             """None."""
 
-    lacking = Lacking()
-    asked = getattr(lacking, method)
-    given = [None] * len(inspect.signature(asked).parameters)
-    with pytest.raises(NotImplementedError, match=rf"Lacking \(tides\) .* {method}\(\).*{trait} ="):
-        asked(*given)
+    class Lacking(Tides, ability):
+        """Says that it has the ability, and defines nothing of it."""
+
+    assert not any(getattr(Tides(), name) for name in HAVE)
+    with pytest.raises(TypeError) as caught:
+        Lacking()
+    assert all(method in str(caught.value) for method in ("Lacking", *methods))
+
+
+HAVE = (
+    *("viscosity", "stress_update", "local", "path", "passage", "over_step", "low_rank", "ground"),
+)
+"""What a term may have; by default it has none."""

@@ -18,7 +18,20 @@ from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.kinematics import SLOTS, add_row, gap, slot
 from fem_lie.contact.sides.meeting import Sides, copied
 from fem_lie.contact.sides.table import GROUND
-from fem_lie.forms.term import Done, Ends, Pairs, PassedThroughError, StiffRows, Term
+from fem_lie.forms.abilities import (
+    Done,
+    Ends,
+    GroundForces,
+    LinearisedStress,
+    LowRankTangent,
+    PassageCheck,
+    PassedThroughError,
+    PathDependence,
+    StepForces,
+    StiffRows,
+    ViscousForces,
+)
+from fem_lie.forms.term import Pairs, Term
 from fem_lie.lie.tuples import minus, scaled, store_row
 
 _log = logging.getLogger(__name__)
@@ -68,11 +81,20 @@ def _show(H: Array, at: Meeting, f: Array, X: Array, F: Array) -> None:
         store_row(F, e, scaled(-f[e], n))
 
 
-class PenaltyForces(Term):
+class PenaltyForces(
+    Term,
+    ViscousForces,
+    LinearisedStress,
+    PathDependence,
+    PassageCheck,
+    StepForces,
+    LowRankTangent,
+    GroundForces,
+):
     """The forces of one contact by penalty, with damping as forces that depend on twists."""
 
     label = "contacts by penalty"
-    watches = True
+    in_space = True
 
     def __init__(
         self,
@@ -94,20 +116,52 @@ class PenaltyForces(Term):
         """
         self._sides, self._name, self._allowed = sides, name, _DEEP * sides.radius
         self._law = Numbers(float(law.k), float(law.damping), float(law.ramp))
-        self.viscous = self.in_space = law.damping > 0.0
-        self.on_ground = sides.on_ground
-        self._friction = friction
-        self.carries = self.rubs = friction is not None
+        self._damped = law.damping > 0.0
+        self._friction, self.friction = friction, friction is not None
         self._watch = EnergyWatch(name, self._law, self._now)
         if friction is not None:
             self.label = "contacts by penalty with friction"
-        self.apart = not self.viscous and friction is None
-        self.conserved = self.secant = self.apart or (not self.viscous and sides.of_balls)
-        self.parts = parts
+        self.ignores = parts
+        smooth = friction is None or sides.of_balls
+        # free flight of conserving steps does not say when what is ignored parts
+        self.conserved = smooth and not (self._damped or parts)
         if parts:
-            # free flight of conserving steps does not say when they do
-            self.conserved = self.secant = False
             self.label += " that ignore what overlaps in the beginning"
+
+    @property
+    def viscosity(self) -> ViscousForces | None:
+        """Damping of the law."""
+        return self if self._damped else None
+
+    @property
+    def stress_update(self) -> LinearisedStress | None:
+        """Anchors of friction."""
+        return self if self.friction else None
+
+    @property
+    def path(self) -> PathDependence | None:
+        """Friction, and pairs that are ignored until they part."""
+        return self if self.friction or self.ignores else None
+
+    @property
+    def passage(self) -> PassageCheck:
+        """Both sides."""
+        return self
+
+    @property
+    def over_step(self) -> StepForces | None:
+        """Of those that conserve energy."""
+        return self if self.conserved else None
+
+    @property
+    def low_rank(self) -> LowRankTangent | None:
+        """Of normal forces, where there are no others."""
+        return None if self._damped or self.friction else self
+
+    @property
+    def ground(self) -> GroundForces | None:
+        """If a side is on ground."""
+        return self if self._sides.on_ground else None
 
     @property
     def version(self) -> int:  # type: ignore[override]
@@ -282,7 +336,7 @@ class PenaltyForces(Term):
 
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
         """See the base class."""
-        at, found = self._measured(H, v, viscous=self.viscous)
+        at, found = self._measured(H, v, viscous=self._damped)
         _add(H, at, found[1] + found[2], True, out)
         if self._friction is not None:
             self._friction.add_forces(H, out, grounded=True)
@@ -298,7 +352,7 @@ class PenaltyForces(Term):
             Pairs of places (k, 2), gaps (k,), nearest points of the first side (k, 3), and forces
             on it (k, 3), global components.
         """
-        at, found = self._measured(H, v, viscous=self.viscous)
+        at, found = self._measured(H, v, viscous=self._damped)
         X, F = np.empty((len(at.pairs), 3)), np.empty((len(at.pairs), 3))
         _show(H, at, found[1] + found[2], X, F)
         deep = found[0] < 0.0

@@ -21,7 +21,7 @@ from fem_lie.contact.laws import Penalty
 from fem_lie.contact.rubbing_tangents import add_rubbing_tangents
 from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.meeting import Sides, Stations
-from fem_lie.forms.term import Done, Ends
+from fem_lie.forms.abilities import Done, Ends
 
 
 class Friction:

@@ -21,7 +21,7 @@ from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.kinematics import SLOTS, gap
 from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import GROUND
-from fem_lie.forms.term import Ends
+from fem_lie.forms.abilities import Ends
 from fem_lie.lie.motions import global_components
 from fem_lie.lie.tuples import (
     Vector,

@@ -14,6 +14,7 @@ from dolfinx import fem
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
+from fem_lie.forms.abilities import LinearisedStress, ViscousForces
 from fem_lie.forms.body_term import BodyTerm
 from fem_lie.forms.cell_forms import FormTable
 from fem_lie.forms.cell_sums import CellForm, CellSum
@@ -33,7 +34,7 @@ def _gather_twists(v: Array, cells: npt.NDArray[np.int32], at: int, packed: Arra
                 k += 1
 
 
-class Assembly(BodyTerm):
+class Assembly(BodyTerm, ViscousForces, LinearisedStress):
     """Bodies of one kind whose elements are forms of DOLFINx."""
 
     conserved = True
@@ -65,13 +66,22 @@ class Assembly(BodyTerm):
         self._energy = CellForm(forms.energy, kernels.energy_kernel, cells, known)
         self._tangent = CellForm(forms.tangent, kernels.tangent_kernel, cells, known)
         self._unknowns = forms.increment.function_space.dofmap.bs
-        self.viscous = forms.viscous is not None
         if forms.viscous is not None:
             assert forms.viscous_tangent is not None
             self._viscous = CellForm(forms.viscous, kernels.viscous_kernel, cells)
             self._viscous_tangent = CellForm(forms.viscous_tangent, kernels.tangent_kernel, cells)
             # those of the state, which come first, are apart
             self._velocity_at = forms.velocity_at - 12 * cells.shape[1]
+
+    @property
+    def viscosity(self) -> ViscousForces | None:
+        """If the forms have it."""
+        return None if self._forms.viscous is None else self
+
+    @property
+    def stress_update(self) -> LinearisedStress:
+        """That of all cells."""
+        return self
 
     @property
     def forms(self) -> LocalFrameForms:
@@ -86,7 +96,7 @@ class Assembly(BodyTerm):
     @property
     def matrices(self) -> Sequence[CellSum]:
         """See the base class."""
-        return (self._tangent, self._viscous_tangent) if self.viscous else (self._tangent,)
+        return (self._tangent, self._viscous_tangent) if self.viscosity else (self._tangent,)
 
     @property
     def tables(self) -> tuple[FormTable, FormTable] | None:

@@ -42,7 +42,7 @@ class BodyTerm(Term):
         beside: Other terms on its nodes.
     """
 
-    label, of_bodies, carries = "elements", True, True
+    label, of_bodies = "elements", True
 
     def __init__(
         self, cells: npt.NDArray[np.integer[Any]], order: Indices, cell_order: Indices
@@ -70,13 +70,19 @@ class BodyTerm(Term):
         add_at(blocks, self._pattern.place, pairs)
         return blocks
 
+    @property
+    def carried_stress(self) -> Array:
+        """A copy of its stress, flat; empty without."""
+        update = self.stress_update
+        return np.empty(0) if update is None else update.carried.copy()
+
     def reset(self, carried: Array) -> None:
-        """Be as when it was made; ``carried``: what was carried then."""
-        if self.carries:
-            self.restore(carried)
+        """Be as when it was made; ``carried``: :attr:`carried_stress` then."""
+        if self.stress_update is not None:
+            self.stress_update.restore(carried)
         for term in self.beside:
-            if term.carries:
-                term.clear_stress()
+            if term.stress_update is not None:
+                term.stress_update.clear_stress()
 
     def set_eigenstrain(self, values: Array) -> None:
         """Strains without stress of the bodies' cells, one body after the other.

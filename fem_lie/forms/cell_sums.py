@@ -19,6 +19,7 @@ from dolfinx import fem
 
 from fem_lie import _compat
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.forms.abilities import LinearisedStress
 from fem_lie.forms.cell_forms import FormTable, add_blocks, add_cells, of_cells
 from fem_lie.forms.term import Term
 
@@ -172,11 +173,15 @@ class CellTerm(Term):
         self._matrix.add_matrix(H, self._pattern, place, K)
 
 
-class CarryingCellTerm(CellTerm):
+class CarryingCellTerm(CellTerm, LinearisedStress):
     """Such a term whose matrix has stress that is carried, ``_stress`` (m, any) of its cells."""
 
-    carries = True
     _stress: Array
+
+    @property
+    def stress_update(self) -> LinearisedStress:
+        """That of all cells."""
+        return self
 
     @property
     def carried(self) -> Array:

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie.forms.abilities import Ends
 from fem_lie.forms.fixed_arrays import FixedArrays
-from fem_lie.forms.term import Ends
 from fem_lie.scene.choices import Choices
 
 ALL = Choices(gyroscopic=True, geometric=True)

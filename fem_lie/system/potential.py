@@ -13,12 +13,12 @@ _SYMMETRIC = 1e-9  # of the largest entry, far above round-off and far below an 
 
 
 def has_potential(system: System) -> bool:
-    """Whether all loads have one: no moment about a fixed axis, nothing that follows or rubs.
+    """Whether all loads have one: no moment about a fixed axis, nothing that follows, no friction.
 
     The parts of the system's matrix are overwritten.
     """
-    rubs = any(term.rubs for term in system.terms)
-    return not system.load_cases.turning and not rubs and _conserve(system)
+    friction = any(term.has_friction for term in system.terms)
+    return not system.load_cases.turning and not friction and _conserve(system)
 
 
 def _conserve(system: System) -> bool:

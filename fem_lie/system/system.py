@@ -150,7 +150,7 @@ class System:
         self._any_uncoupled = bool(self.uncoupled.any())
         self._some_apart, self._viscous = not self.terms.all_in_tables, self.terms.viscous
         apart = self._others or self._any_uncoupled or self._some_apart
-        settles = any(term.settles for term in self.terms)
+        settles = any(term.local is not None for term in self.terms)
         self.in_one_sum = not (apart or self._viscous or self._guided or settles)
         self._found = self.room()
         self._plain_inertia, self._plain_floating = self.inertia.plain, self.floating.plain

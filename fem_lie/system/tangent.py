@@ -10,7 +10,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.forms.term import Ends, Pairs, Term, add_at
+from fem_lie.forms.abilities import Ends, ViscousForces
+from fem_lie.forms.term import Pairs, Term, add_at
 from fem_lie.lie.kinds import floating_tangents, inertia
 from fem_lie.lie.kinds.floating import Floating
 from fem_lie.lie.kinds.inertia import Inertia, PlainMotion
@@ -32,15 +33,23 @@ from fem_lie.system.terms.all_terms import Terms
 Wanted: TypeAlias = Callable[[Term], bool]
 """Whether a term is taken in."""
 
+WantedViscosity: TypeAlias = Callable[[Term, ViscousForces], bool]
+"""Whether viscous forces of a term are."""
+
 
 def every(_: Term) -> bool:
     """All terms."""
     return True
 
 
+def _all(_: Term, __: ViscousForces) -> bool:
+    """All of these."""
+    return True
+
+
 def whole(term: Term) -> bool:
     """Those that may not be apart."""
-    return not term.apart
+    return term.low_rank is None
 
 
 class Tangent:
@@ -133,7 +142,7 @@ class Tangent:
         self._diagonal = place(diagonal, diagonal)
         places = (place(*pair) for pair in coupled)
         self._of_terms = [
-            (term, in_K(at), at if term.viscous else at[:0])
+            (term, in_K(at), at if term.viscosity else at[:0])
             for term, at in zip(self._terms, places, strict=False)
         ]
         sets = self._connections.sets
@@ -322,8 +331,9 @@ class Tangent:
         """
         for (term, place, _), forces in zip(self._of_terms, kept, strict=True):
             with self._divided(really=self._divides(term)):
-                if ends is not None and term.secant:
-                    add_at(self.parts.blocks, place, term.tangent_over_step(ends, H))
+                if ends is not None and term.over_step is not None:
+                    blocks = term.over_step.tangent_over_step(ends, H)
+                    add_at(self.parts.blocks, place, blocks)
                 elif wanted(term):
                     term.add_tangent(H, forces, place, self.parts.blocks)
 
@@ -332,7 +342,8 @@ class Tangent:
 
         Without axes of supports.
         """
-        found = [term.stiff_rows(H) for term, *_ in self._of_terms if term.apart]
+        low_rank = [term.low_rank for term, *_ in self._of_terms]
+        found = [each.stiff_rows(H) for each in low_rank if each is not None]
         moves = [(f.nodes >= 0) & (f.nodes < self._count) for f in found]
         some = [which.any(axis=1) for which in moves]
         nodes = np.concatenate([f.nodes[which] for f, which in zip(found, moves, strict=True)])
@@ -375,7 +386,13 @@ class Tangent:
                 with self._divided():
                     add_at(self.parts.blocks, place, blocks)
 
-    def add_viscosity(self, H: Array, v: Array, factor: float, wanted: Wanted = every) -> None:
+    def add_viscosity(
+        self,
+        H: Array,
+        v: Array,
+        factor: float,
+        wanted: Callable[[Term, ViscousForces], bool] = _all,
+    ) -> None:
         """``factor`` times the derivatives of viscous forces in twists to ``A``, others to ``K``.
 
         Args:
@@ -385,8 +402,9 @@ class Tangent:
             wanted: Of which terms.
         """
         for term, in_K, in_A in self._of_terms:
-            if term.viscous and wanted(term):
-                by_twists, by_frames = term.viscous_tangent(H, v)
+            viscosity = term.viscosity
+            if viscosity is not None and wanted(term, viscosity):
+                by_twists, by_frames = viscosity.viscous_tangent(H, v)
                 with self._divided(really=self._divides(term)):
                     add_at(self.parts.blocks, in_A, factor * by_twists)
                     if by_frames is not None:

@@ -26,7 +26,7 @@ class ReducedData(Protocol):
 class ReducedAssembly(CellTerm, BodyTerm):
     """Bodies as cells of all their nodes; nodes are as in the bodies, one after the other."""
 
-    label, carries, within_frames = "reduced bodies", False, True
+    label, within_frames = "reduced bodies", True
 
     def __init__(self, bodies: Sequence[ReducedData]) -> None:
         """Pack stiffness, and inertia of the frames."""
@@ -50,9 +50,6 @@ class ReducedAssembly(CellTerm, BodyTerm):
     def contents(self) -> tuple[str, Array]:
         """What the energy is."""
         return "reduced body", self._values[:, 12 * self.cells.shape[1] :].copy()
-
-    def restore(self, carried: Array) -> None:
-        """Nothing is carried."""
 
 
 def _packed(body: ReducedData) -> tuple[Array, Array, Array]:

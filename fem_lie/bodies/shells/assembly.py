@@ -13,6 +13,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.elements.shells.cells import ShellCells
 from fem_lie.elements.shells.drilling import DrillingAssembly
 from fem_lie.elements.shells.element import ShellFormulation
+from fem_lie.forms.abilities import LocalUnknowns
 from fem_lie.forms.assembly import Assembly
 from fem_lie.forms.body_term import NodalInertia
 from fem_lie.forms.frames import NodalFrames
@@ -42,7 +43,7 @@ class ShellData(Protocol):
         """Constant matrix of (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, 4, k, 4)."""
 
 
-class ShellAssembly(Assembly):
+class ShellAssembly(Assembly, LocalUnknowns):
     """All shells of one formulation and kind of cell, on one surface mesh.
 
     A single one whose nodes and cells are those of a DOLFINx mesh that was given is on that mesh.
@@ -86,7 +87,7 @@ class ShellAssembly(Assembly):
         cell_order = np.argsort(permutation)
         super().__init__(nodal, forms, order, cell_order, None)
         plain = first.formulation.quadratic and measures.intermediate is None
-        self.settles = forms.local is not None and not plain
+        self._nonlinear = forms.local is not None and not plain
         if drilling is not None:
             moment = DrillingAssembly(
                 nodal.frames.copy(),
@@ -138,14 +139,18 @@ class ShellAssembly(Assembly):
         add_turnings(forces, -1.0, self._diagonal, self._all, blocks)
         return blocks
 
-    def settle(self, H: Array) -> None:
-        """Make mixed fields those of frames ``H`` where forces depend on them."""
-        if self.settles:
-            self.reset_stress(H)
+    @property
+    def local(self) -> LocalUnknowns | None:
+        """Mixed fields that do not follow linearly from frames."""
+        return self if self._nonlinear else None
+
+    def condense(self, H: Array) -> None:
+        """Make mixed fields those of frames ``H``."""
+        self.reset_stress(H)
 
     def reset_stress(self, H: Array) -> None:
         """Make stress true at ``H``: Newton's method in each cell if one solution is not enough."""
-        for _ in range(_LOCAL_ITERATIONS if self.settles else 1):
+        for _ in range(_LOCAL_ITERATIONS if self._nonlinear else 1):
             before = self.carried.copy()
             super().reset_stress(H)
             change = np.abs(self.carried - before).max(initial=0.0)

@@ -9,14 +9,22 @@ from fem_lie.contact.rings import kernels
 from fem_lie.contact.rings.curves import Ropes
 from fem_lie.contact.rings.surfaces import Rings, Rope
 from fem_lie.contact.sides.table import GROUND, Nodes, number_of
-from fem_lie.forms.term import Done, Ends, Pairs, Term
+from fem_lie.forms.abilities import (
+    Done,
+    Ends,
+    GroundForces,
+    LinearisedStress,
+    PathDependence,
+    StepForces,
+)
+from fem_lie.forms.term import Pairs, Term
 from fem_lie.lie.kinds import NodeKind
 
 _BEYOND = 2
 """Nodes on both sides of those that a place depends on, that the matrix knows of."""
 
 
-class RingForces(Term):
+class RingForces(Term, LinearisedStress, PathDependence, StepForces, GroundForces):
     """The forces of one rope that runs through rings.
 
     Where the rope was in its rings at the last accepted frames is carried, with the springs of
@@ -25,8 +33,8 @@ class RingForces(Term):
     """
 
     label = "rings on a rope"
-    carries = rubs = True
-    conserved = secant = steady = True
+    conserved = steady = friction = True
+    ignores = False
 
     def __init__(self, rope: Rope, rings: Rings, law: kernels.Law, nodes: Nodes) -> None:
         """Find where rings are.
@@ -44,12 +52,32 @@ class RingForces(Term):
         self._springs: Array = np.zeros(count)
         self._found, self._over = np.zeros((2, count, kernels.COLUMNS))
         self._ahead: Array | None = None
-        self.on_ground = bool((self._ropes.rings == GROUND).any())
+        self._grounded = bool((self._ropes.rings == GROUND).any())
         self._size = min(4 + 2 * _BEYOND, len(self._path))
         self._first = np.full(count, -1, dtype=np.int64)
         slots, _ = rope.powers()
         self._reach = np.column_stack([slots[:, 0], slots.max(axis=1)])
         self._look(self._feet)
+
+    @property
+    def stress_update(self) -> LinearisedStress:
+        """Positions on the rope, and springs of friction."""
+        return self
+
+    @property
+    def path(self) -> PathDependence:
+        """The same, of accepted states."""
+        return self
+
+    @property
+    def over_step(self) -> StepForces:
+        """All forces."""
+        return self
+
+    @property
+    def ground(self) -> GroundForces | None:
+        """If a ring is on ground."""
+        return self if self._grounded else None
 
     # --- the pattern ---
 

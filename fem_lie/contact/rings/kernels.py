@@ -24,7 +24,7 @@ from fem_lie.contact.rings.curves import (
     set_pair,
     store_place,
 )
-from fem_lie.forms.term import Ends
+from fem_lie.forms.abilities import Ends
 from fem_lie.lie.kinds.forces import add_along_increments, pull, pull_derivative, push
 from fem_lie.lie.tuples import (
     cross,

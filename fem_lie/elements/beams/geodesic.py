@@ -34,9 +34,9 @@ from fem_lie.elements.beams.element import (
 )
 from fem_lie.elements.beams.geodesic_forces import force_kernel
 from fem_lie.forms.energy import Forces, StrainEnergy
-from fem_lie.forms.frame_map import FrameMap, frame_function
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels.addresses import Pointer
+from fem_lie.forms.kernels.frame_map import FrameMap, frame_function
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.grips.geodesic import on_geodesic
 from fem_lie.grips.grip import Grip

@@ -32,9 +32,9 @@ from fem_lie.elements.beams.element import CellData, Formulation, cellwise
 from fem_lie.elements.rods.cable_forces import force_kernel, packed
 from fem_lie.elements.rods.thread_law import check_section, stretch_energy
 from fem_lie.forms.energy import Forces, StrainEnergy
-from fem_lie.forms.frame_map import FrameMap, frame_function
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels.addresses import Pointer
+from fem_lie.forms.kernels.frame_map import FrameMap, frame_function
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.grips.grip import Grip
 from fem_lie.grips.tangent import along_tangent

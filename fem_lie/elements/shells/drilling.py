@@ -21,6 +21,7 @@ from fem_lie.elements.shells.drilling_sums import (
     force_kernel,
     strains,
 )
+from fem_lie.forms.abilities import LinearisedStress
 from fem_lie.forms.cell_forms import FormTable
 from fem_lie.forms.cell_sums import CellSum
 from fem_lie.forms.term import Pairs, Term
@@ -66,15 +67,14 @@ def drilling_stiffness(
     return np.where(around, membrane, np.minimum(soft, membrane))
 
 
-class DrillingAssembly(Term):
+class DrillingAssembly(Term, LinearisedStress):
     """Forces, tangent and energy on the nodes of an assembly of shells.
 
     Attributes:
         carried: Stress γ c at the points of integration, flat.
     """
 
-    label, of_bodies, carries = "drilling of shells with six parameters", True, True
-    conserved = True
+    label, of_bodies, conserved = "drilling of shells with six parameters", True, True
 
     def __init__(
         self,
@@ -134,6 +134,11 @@ class DrillingAssembly(Term):
             CellSum(self._cells, kernel.address, data, sizes, none, apart=True)
             for kernel in (force_kernel, energy_kernel)
         )
+
+    @property
+    def stress_update(self) -> LinearisedStress:
+        """The moments."""
+        return self
 
     @property
     def carried(self) -> Array:

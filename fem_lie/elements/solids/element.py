@@ -24,8 +24,8 @@ from fem_lie._arrays import Array
 from fem_lie.elements.solids.maps import PLACES, PLACES_AND_VOLUME, volume
 from fem_lie.elements.solids.materials import SolidMaterial
 from fem_lie.forms.energy import StrainEnergy
-from fem_lie.forms.frame_map import FrameMap
 from fem_lie.forms.frames import NodalFrames
+from fem_lie.forms.kernels.frame_map import FrameMap
 from fem_lie.forms.local_forms import LocalFrameForms
 
 QUADRATURE = {

@@ -16,8 +16,8 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
-from fem_lie.forms.frame_map import FrameMap, frame_function
 from fem_lie.forms.kernels.addresses import Pointer
+from fem_lie.forms.kernels.frame_map import FrameMap, frame_function
 from fem_lie.lie.tuples import (
     Vector,
     cross,

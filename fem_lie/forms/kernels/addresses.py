@@ -27,7 +27,7 @@ UFCX_SIGNATURE = types.void(
 MAP_SIGNATURE = types.void(
     double_pointer, double_pointer, double_pointer, double_pointer, types.intp
 )
-"""Of the functions of a :class:`~fem_lie.forms.frame_map.FrameMap`."""
+"""Of the functions of a :class:`~fem_lie.forms.kernels.frame_map.FrameMap`."""
 
 
 @intrinsic

@@ -1,7 +1,7 @@
 """Compiled kernels with DOLFINx's signature (UFCx) that call FFCx's and move to local frames.
 
 There is one kernel for each thing assembled (energy, residual, tangent, carried stress, local
-fields), the same for all energies and every :class:`~fem_lie.forms.frame_map.FrameMap`. It calls
+fields), the same for all energies and every :class:`~.frame_map.FrameMap`. It calls
 what FFCx made, applies the map and condenses element-local fields ``s``. The addresses of FFCx's
 functions and of the map stand in a header of 64-bit integers in front of the form's constants:
 nothing is compiled again when the energy changes, and numba can cache everything, which it could

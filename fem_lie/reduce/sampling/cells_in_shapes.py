@@ -122,7 +122,8 @@ class CellsInShapes:
         """Gradient (m,) and second derivative (m, m) of the energy."""
         moved, kept = self.nodes.at(coordinates), self._term.room()
         forces = self._forces(moved, kept)
-        self._term.reset_stress(self._H)
+        if self._term.stress_update is not None:
+            self._term.stress_update.reset_stress(self._H)
         blocks = self._term.tangent(self._H, kept)
         motions = self.nodes.motions(moved)
         matrix = summed(motions[self._rows], blocks @ motions[self._columns])
@@ -133,6 +134,7 @@ class CellsInShapes:
         """Of the nodes, in their axes, shape (n, 6)."""
         self._H[self._order] = moved.frames
         self._r[:] = 0.0
-        self._term.settle(self._H)
+        if self._term.local is not None:
+            self._term.local.condense(self._H)
         self._term.add_forces(self._H, self._r, kept)
         return self._r[self._order]

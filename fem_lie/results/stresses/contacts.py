@@ -100,7 +100,7 @@ def contact_forces(
     if isinstance(contact.law, Impact):
         return _of_impacts(result, contact.key(nodes.__getitem__), chosen)
     term = contact.term(nodes.__getitem__)
-    if not term.parts:
+    if not term.ignores:
         found = [_in_state(term, result, k) for k in chosen]
     else:
         # what is ignored depends on all states before
@@ -116,7 +116,7 @@ def _in_state(
 ) -> tuple[Indices, Array, Array, Array]:
     """Places, gaps, positions and forces of those that touch."""
     H = np.ascontiguousarray(result.frames[k])
-    if term.parts:
+    if term.ignores:
         term.accept(H)
     v = np.zeros((len(H), 6))
     if isinstance(result, Result):

@@ -37,7 +37,7 @@ class ElementForces:
     @property
     def viscous(self) -> bool:
         """Whether forces depend on velocities."""
-        return self._assembly.viscous
+        return self._assembly.viscosity is not None
 
     def set_eigenstrain(self, strains: Array) -> None:
         """Strains without stress of all elements, shape (m, 6)."""
@@ -57,7 +57,7 @@ class ElementForces:
         H, forces = np.empty((assembly.count, 4, 3)), np.zeros((assembly.count, 6))
         H[order] = frames[self._elements].reshape(-1, 4, 3)
         assembly.add_forces(H, forces.reshape(-1))
-        if velocities is not None and assembly.viscous:
+        if velocities is not None and self.viscous:
             v = np.empty((assembly.count, 6))
             v[order] = velocities[self._elements].reshape(-1, 6)
             assembly.add_viscous_forces(H, v, forces.reshape(-1))

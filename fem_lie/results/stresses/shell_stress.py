@@ -64,7 +64,7 @@ class ShellStress:
         assembly.restore(self._unloaded)
         assembly.reset_stress(H)
         found = self._carried()
-        if not assembly.settles:
+        if assembly.local is None:
             return found
         for _ in range(_MOST_ROUNDS):
             assembly.reset_stress(H)

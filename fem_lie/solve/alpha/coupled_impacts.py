@@ -13,7 +13,7 @@ from fem_lie._state import attributes
 from fem_lie.contact.impact.observed import WIDTH
 from fem_lie.contact.impact.records import CONTACTS, FRICTION, IMPACT, RESIDUAL
 from fem_lie.contact.impact.records import TOLD as SIZE
-from fem_lie.forms.term import PassedThroughError
+from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.lie.kinds.kind import SLOPE
 from fem_lie.results import Result
 from fem_lie.solve.alpha.ends.coupled_contacts import CoupledContacts, Kept

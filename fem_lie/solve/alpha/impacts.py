@@ -26,7 +26,7 @@ from fem_lie.contact.impact.records import (
 )
 from fem_lie.contact.impact.touching import Touching
 from fem_lie.contact.impact.velocities import largest_speed
-from fem_lie.forms.term import PassedThroughError
+from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.lie.motions import Group
 from fem_lie.results import Result
 from fem_lie.results.steps import ContactSteps

@@ -73,7 +73,7 @@ class Run(Newton):
         compiled = rule is not None and not self._projects and not self._turned
         self._rule = rule.plain if compiled and rule is not None else None
         # and those for the parts of a step that it makes by itself
-        told = any(term.rubs or term.watches or term.parts for term in known.terms)
+        told = any(term.passage or term.path for term in known.terms)
         self._remembers = told or known.drills or equations.unknowns.other_constraints
         self._fills = known.stored is not None
         self._most = max(1, _AT_A_TIME // equations.unknowns.size)

@@ -122,14 +122,14 @@ def _refuse(equations: Equations) -> None:
     of_all = [tables.joints, *([] if pairs is None else [pairs.joints])]
     dampers = np.concatenate([joint_table(joints).springs[:, 1] for joints in of_all])
     reasons = {
-        "damping of materials": any(assembly.viscous for _, assembly in tables.assemblies),
+        "damping of materials": any(term.viscosity is not None for _, term in tables.assemblies),
         "damping in proportion to mass": len(tables.damping.indptr) > 0,
         "dampers in connections": bool(np.any(dampers != 0.0)),
     }
     refuse(
         "Composed",
         {
-            "contacts by penalty": any(term.secant for term in tables.terms),
+            "contacts by penalty": any(term.over_step is not None for term in tables.terms),
             "strains that change in time (Temperature, Eigenstrain with a history)": (
                 unknowns.strains_change
             ),

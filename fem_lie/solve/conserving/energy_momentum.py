@@ -110,7 +110,7 @@ class EnergyMomentum(Integrator):
         self, scene: Scene, plan: ChosenSteps
     ) -> Callable[[Equations, Control], Stepper[Any]]:
         def begin(equations: Equations, control: Control) -> ConservingSteps:
-            if any(term.secant for term in equations.tables.terms):
+            if any(term.over_step is not None for term in equations.tables.terms):
                 raise ValueError(
                     "conserving schemes have contacts by penalty in constant steps: expected the "
                     "size of the step as a number and nothing that jumps"

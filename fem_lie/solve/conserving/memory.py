@@ -204,7 +204,7 @@ def model_of(
         loads=loads._replace(dead=np.concatenate([loads.dead, weights])),
         conservative=np.concatenate([known.conservative, weights]),
         pressure=pieces_of(known.terms),
-        viscous=any(term.viscous for _, term in assemblies_of_frames(equations)),
+        viscous=any(term.viscosity is not None for _, term in assemblies_of_frames(equations)),
         scheme=scheme,
         probes=known.probes,
         driven=np.zeros(m),

@@ -19,9 +19,9 @@ def refuse_scene(equations: Equations) -> None:
     """
     unknowns, known = equations.unknowns, equations.tables
     vectors, drilling = has_vector_nodes(equations), ", ".join(unknowns.drilling)
-    touched = bool(drilling) and any(term.secant for term in known.terms)
+    touched = bool(drilling) and any(term.over_step is not None for term in known.terms)
     apart = [
-        f"{term.label} with damping" if term.viscous else term.label
+        f"{term.label} with damping" if term.viscosity is not None else term.label
         for term in known.terms
         if not _has_forces_over_steps(term, known.kinds)
     ]
@@ -54,12 +54,14 @@ def _refuse_joints(equations: Equations) -> None:
 
 def _has_forces_over_steps(term: Term, kinds: Indices) -> bool:
     """Whether steps have the forces of a term, as cells of nodes of one sort or in other sums."""
-    if term.secant or term.rates is not None or term.within_joints or acts_in_the_middle(term):
+    viscosity = term.viscosity
+    constant = viscosity is not None and viscosity.rates is not None
+    if term.over_step or constant or term.within_joints or acts_in_the_middle(term):
         return True
     if term.within_frames:
         return True
     if (kinds[term.pairs[0]] < SLOPE).all():
         return term.conserved
-    if term.tables is None or term.settles:
+    if term.tables is None or term.local is not None:
         return False
     return bool((kinds[term.tables[0].nodes] >= SLOPE).all())

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie.forms.term import Ends
+from fem_lie.forms.abilities import Ends
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import solve
 from fem_lie.solve.conserving.between.any_node import span_from_python

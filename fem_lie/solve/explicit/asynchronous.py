@@ -223,7 +223,7 @@ def _refuse(equations: Equations) -> None:
     """Raise ``ValueError`` for what the scheme cannot do."""
     unknowns, tables = equations.unknowns, equations.tables
     mass_damping = len(tables.damping.indptr) > 0
-    viscous = mass_damping or any(term.viscous for term in tables.terms)
+    viscous = mass_damping or any(term.viscosity is not None for term in tables.terms)
     massless = bool((tables.inertia.blocks[:, 0, 0] <= 0.0).any())
     reasons = {
         "nodes with other unknowns than positions": bool((unknowns.kinds != POINT).any()),

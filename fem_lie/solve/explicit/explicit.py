@@ -94,8 +94,10 @@ def _refuse(equations: Equations) -> None:
         "prescribed motions": len(equations.start.frames) > unknowns.moving + 1,
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "damping by strain rates and dampers": dampers
-        or any(term.viscous and term.rates is None for term in tables.terms),
+        or any(
+            term.viscosity is not None and term.viscosity.rates is None for term in tables.terms
+        ),
         "strains that change in time": unknowns.strains_change,
-        "friction of penalties": any(term.rubs for term in tables.terms),
+        "friction of penalties": any(term.has_friction for term in tables.terms),
     }
     refuse("Explicit", reasons)

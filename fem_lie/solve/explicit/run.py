@@ -72,7 +72,7 @@ class ExplicitRun(Integration[Recorder]):
         self._supported = len(supports) > 0
         # points whose axes are those of what is around them; cables have the tangent for theirs
         self._follows = bool(np.isin(masses.kinds, (SURFACE, CROSSING)).any())
-        self._remembers = any(term.watches or term.parts for term in known.terms)
+        self._remembers = any(term.passage or term.path for term in known.terms)
         self.counters = np.zeros(2, dtype=np.int64)
         others = _NOWHERE if table is None else table.copy()
         # the loop sums cells by itself

@@ -9,7 +9,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._state import HasState, attributes
-from fem_lie.forms.term import PassedThroughError
+from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.solve.division import Division
 from fem_lie.solve.motion.driver import Driver, Kept
 from fem_lie.solve.motion.policies import Policy

@@ -14,7 +14,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._state import attributes
-from fem_lie.forms.term import PassedThroughError
+from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.histories import declared
 from fem_lie.results import Result
 from fem_lie.scene import Scene

@@ -13,7 +13,7 @@ from math import acos, inf, sqrt
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.forms.term import PassedThroughError
+from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.results.path import PathState, Station
 from fem_lie.solve.progress_bars import Advance, step_bar
 from fem_lie.solve.stability.controls import Arc, Control, DisplacementControl, Load, LoadControl

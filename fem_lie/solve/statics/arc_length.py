@@ -29,7 +29,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, numbers
 from fem_lie.bodies.turning import FoldedElementError
-from fem_lie.forms.term import PassedThroughError
+from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.equilibrated import SingularMatrixError

@@ -10,7 +10,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.turning import FoldedElementError
-from fem_lie.forms.term import PassedThroughError
+from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.linear.choice import Solutions
 from fem_lie.linear.direct import ConvergenceError, DirectSolver

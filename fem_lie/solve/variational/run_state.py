@@ -210,4 +210,4 @@ def _dissipates(equations: Equations) -> bool:
     """Whether forces depend on velocities."""
     known = equations.tables
     dampers = joint_table(known.joints).springs[:, 1].any()
-    return bool(dampers) or len(known.damping.indptr) > 0 or any(t.viscous for t in known.terms)
+    return bool(dampers) or len(known.damping.indptr) > 0 or any(t.viscosity for t in known.terms)

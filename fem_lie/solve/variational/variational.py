@@ -111,7 +111,7 @@ def _refuse(equations: Equations) -> None:
         ),
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
-        "friction of penalties": any(term.rubs for term in equations.tables.terms),
+        "friction of penalties": any(term.has_friction for term in equations.tables.terms),
         f"shells with six parameters ({drilling}), whose drilling has no inertia, so that no "
         "momentum gives its rate": bool(drilling),
     }

@@ -49,9 +49,11 @@ class Acting:
         self._others = joined and not connections.of_joints_only
         self._pushed = len(system.terms.loads) > 0
         # of damping by a constant matrix and of dampers compiled looks know
-        self._viscous = system.terms.chosen(lambda term: term.rates is None)
+        self._viscous = system.terms.chosen(
+            lambda term: term.viscosity is None or term.viscosity.rates is None
+        )
         apart = self._pushed or self._viscous.viscous
-        self._grounded = [term for term in system.terms if term.on_ground]
+        self._grounded = [term.ground for term in system.terms if term.ground is not None]
         apart = apart or bool(self._grounded)
         moved = self._others or apart or self.strained
         special = moved or self._held is not None

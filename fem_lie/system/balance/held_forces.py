@@ -113,7 +113,7 @@ class HeldForces:
         system, r = self._system, self._values
         if self._terms is None:
             every = np.empty(system.size)
-            system.terms.settle(H)
+            system.terms.condense(H)
             system.with_reactions(Instant(H, v, a, weights), np.ones(system.m), every)
             r[:] = every[: 6 * system.count].reshape(-1, 6)
         else:

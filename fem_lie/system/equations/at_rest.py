@@ -29,7 +29,7 @@ def fill_at_rest(system: System, H: Array, step: float) -> Array:
     inverse = 4.0 / step**2
     tangent.add_terms(H, kept)
     tangent.add_viscosity(
-        H, still, 0.5 * step * inverse, lambda term: not (term.of_bodies or term.in_space)
+        H, still, 0.5 * step * inverse, lambda term, of: not (term.of_bodies or of.in_space)
     )
     tangent.add_mass(H, system.kinds, inverse)
     tangent.parts.add_K()

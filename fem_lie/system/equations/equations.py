@@ -79,7 +79,7 @@ class Equations:
         )
         # of springs in compiled sums these know themselves
         self._terms = self._system.terms.chosen(lambda term: not term.within_joints)
-        self._settles = any(term.settles for term in self._terms)
+        self._settles = any(term.local is not None for term in self._terms)
         self.unknowns = Unknowns.of(self._system)
         rows, began = self._system.rows, scene.began
         self.start = Start(rows.begins_at, rows.velocities, self._system.frames)
@@ -143,7 +143,7 @@ class Equations:
             self._system.applied(state, scale, r, found)
             return found
         if self._settles and not carried:
-            self._terms.settle(state.H)
+            self._terms.condense(state.H)
         self._system.residual(state, scale, r, found, per_increment=per_increment)
         return found
 

@@ -89,7 +89,7 @@ class Report:
         H, r = state.H, np.empty(system.size)
         with self._terms.unchanged():
             if not self._carried:
-                self._terms.settle(state.H)
+                self._terms.condense(state.H)
             # along the axes of supports, where there are any
             system.with_reactions(state, np.ones(system.m), r)
         local, held = r[: 6 * system.count].reshape(-1, 6), system.held

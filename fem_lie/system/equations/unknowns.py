@@ -135,7 +135,7 @@ class Unknowns(NamedTuple):
             drilling=[b.label for b, six in numbering.drills.items() if b.uncoupled and six],
             floating=[b.label for b in numbering.nodes if b.within_frame() is not None],
             has_potential=potential,
-            apart=any(term.apart for term in system.terms),
+            apart=any(term.low_rank is not None for term in system.terms),
             told=describe.in_one_line(*shown, time_dependent=system.time_dependent),
         )
 

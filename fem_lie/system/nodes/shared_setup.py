@@ -59,7 +59,7 @@ class SharedSetup:
             return numbered(scene)
         if self._numbering is None or mark != self._mark:
             self._numbering, self._mark = numbered(scene), mark
-            self._carried = [a.carried.copy() for _, a in self._numbering.assemblies]
+            self._carried = [assembly.carried_stress for _, assembly in self._numbering.assemblies]
             self.made += 1
         else:
             for (_, assembly), carried in zip(

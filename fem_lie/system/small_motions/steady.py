@@ -46,13 +46,13 @@ def linearised(
     M = tangent.A.copy()
     tangent.clear()
     tangent.add_inertia(now, twists, loads, (0.0, 1.0))
-    tangent.add_viscosity(H, v, 1.0, lambda term: term.in_space)
+    tangent.add_viscosity(H, v, 1.0, lambda _, viscosity: viscosity.in_space)
     tangent.add_terms(H, forces.own, lambda term: elements or not term.of_bodies)
     tangent.add_geometric(H, weights)
     system.follow_motion(forces)
     ad = lie.se3_ad(v)[tangent.kkt.indices]
     K = tangent.parts.K + tangent.A @ ad
-    tangent.add_viscosity(H, v, 1.0, lambda term: not term.in_space)
+    tangent.add_viscosity(H, v, 1.0, lambda _, viscosity: not viscosity.in_space)
     return M, tangent.A + M @ ad, K
 
 

@@ -50,14 +50,14 @@ class Terms:
         self._by_themselves = [(k, term) for k, term in self._apart if term.following is None]
         self.following = _following([term.following for _, term in self._apart])
         self._with_energy = [t for t, both in zip(self._terms, tables, strict=True) if both is None]
-        viscous = [t for t in self._terms if moving and t.viscous]
-        self._viscous = [t for t in viscous if not t.within_joints]
-        self.viscous_labels = tuple(dict.fromkeys(t.label for t in viscous))
+        viscous = [(t, t.viscosity) for t in self._terms if moving and t.viscosity is not None]
+        self._viscous = [viscosity for t, viscosity in viscous if not t.within_joints]
+        self.viscous_labels = tuple(dict.fromkeys(t.label for t, _ in viscous))
         self._energy = np.zeros(1)
-        self._carrying = [t for t in self._terms if t.carries]
-        self._rubbing = [t for t in self._terms if t.rubs or t.parts]
-        self._watching = [t for t in self._terms if t.watches]
-        self._settling = [t for t in self._terms if t.settles]
+        self._stresses = [t.stress_update for t in self._terms if t.stress_update is not None]
+        self._paths = [t.path for t in self._terms if t.path is not None]
+        self._passages = [t.passage for t in self._terms if t.passage is not None]
+        self._local = [t.local for t in self._terms if t.local is not None]
         self.all_in_tables = not self._by_themselves
         within = [term.within_joints or term.load for term in self._with_energy]
         self.energy_in_tables = all(within)
@@ -86,7 +86,8 @@ class Terms:
     @property
     def rates(self) -> tuple[Indices, Indices, Array] | None:
         """Of the one that has them, see :attr:`~fem_lie.forms.term.Term.rates`."""
-        found = [term.rates for term in self._terms if term.rates is not None]
+        viscous = [term.viscosity for term in self._terms if term.viscosity is not None]
+        found = [each.rates for each in viscous if each.rates is not None]
         assert len(found) <= 1
         return found[0] if found else None
 
@@ -137,8 +138,8 @@ class Terms:
     def add_viscous_forces(self, H: Array, v: Array, r: Array) -> None:
         """Add those that depend on twists, with the same exception."""
         nodal = r[: self._size].reshape(-1, 6)
-        for term in self._viscous:
-            term.add_viscous_forces(H, v, nodal)
+        for viscosity in self._viscous:
+            viscosity.add_viscous_forces(H, v, nodal)
 
     def of_loads(self, H: Array) -> Array:
         """Forces of all loads, as they act on the nodes, shape (count, 6)."""
@@ -156,45 +157,45 @@ class Terms:
             total += term.energy(H)
         return total
 
-    # --- what is carried ---
+    # --- what states do not say ---
 
     def carry(self, H: Array, h: Array) -> None:
-        """Carry all stresses on along the increment ``h`` (6 count,) made from frames ``H``."""
-        for term in self._carrying:
-            term.carry(H, h.reshape(-1, 6))
+        """Update all stresses along the increment ``h`` (6 count,) made from frames ``H``."""
+        for each in self._stresses:
+            each.carry(H, h.reshape(-1, 6))
 
     def check_passage(self, start: Array, end: Array) -> None:
         """Look whether surfaces went through each other in a step between frames."""
-        for term in self._watching:
-            term.check_passage(start, end)
+        for each in self._passages:
+            each.check_passage(start, end)
 
     def watch(self, start: Array, end: Array, h: float, middle: Array | None) -> None:
-        """Note a step of a scheme that does not conserve energy, see :meth:`.Term.watch`."""
-        for term in self._watching:
-            term.watch(start, end, h, middle)
+        """Note a step of a scheme that does not conserve energy."""
+        for each in self._passages:
+            each.watch(start, end, h, middle)
 
     def watched(self) -> list[Array]:
         """What has been noted of steps, term by term."""
-        return [term.watched for term in self._watching]
+        return [each.watched for each in self._passages]
 
     def watch_again(self, watched: Sequence[Array]) -> None:
         """Have noted again what was :meth:`watched` once."""
-        for term, each in zip(self._watching, watched, strict=True):
-            term.watch_again(each)
+        for passage, values in zip(self._passages, watched, strict=True):
+            passage.watch_again(values)
 
     def accept(self, H: Array) -> None:
         """Go on from frames ``H``."""
-        for term in self._rubbing:
-            term.accept(H)
+        for each in self._paths:
+            each.accept(H)
 
     def carried(self) -> list[Array]:
         """Copies of what each carries from iterate to iterate."""
-        return [term.carried.copy() for term in self._carrying]
+        return [each.carried.copy() for each in self._stresses]
 
     def restore(self, carried: Sequence[Array]) -> None:
         """Carry again what was carried when it was copied."""
-        for term, values in zip(self._carrying, carried, strict=True):
-            term.restore(values)
+        for each, values in zip(self._stresses, carried, strict=True):
+            each.restore(values)
 
     @contextmanager
     def unchanged(self) -> Iterator[None]:
@@ -207,18 +208,18 @@ class Terms:
 
     def clear_stress(self) -> None:
         """Make all carried stresses zero: a tangent without geometric stiffness."""
-        for term in self._carrying:
-            term.clear_stress()
+        for each in self._stresses:
+            each.clear_stress()
 
-    def settle(self, H: Array) -> None:
-        """Make what forces at frames ``H`` need of unknowns of the terms' own that of ``H``."""
-        for term in self._settling:
-            term.settle(H)
+    def condense(self, H: Array) -> None:
+        """Solve for unknowns of cells at frames ``H``."""
+        for each in self._local:
+            each.condense(H)
 
     def reset_stress(self, H: Array) -> None:
         """Make all carried stresses the true ones at frames ``H``."""
-        for term in self._carrying:
-            term.reset_stress(H)
+        for each in self._stresses:
+            each.reset_stress(H)
 
 
 def _following(parts: Sequence[FollowingTable | None]) -> FollowingCells:

@@ -6,6 +6,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
+from fem_lie.forms.abilities import ViscousForces
 from fem_lie.forms.term import Pairs, Term
 from fem_lie.lie.kinds import at_rest, inertia, pull_derivative
 from fem_lie.lie.kinds.inertia import Inertia
@@ -20,10 +21,10 @@ def _add_turned(kinds: Indices, H: Array, f: Array, diagonal: Indices, blocks: A
             pull_derivative(kinds[i], H[i], f[i], 1.0, blocks[diagonal[i]])
 
 
-class MassDamping(Term):
+class MassDamping(Term, ViscousForces):
     """Forces ``Lᵀ D q̇`` with a constant matrix ``D`` of (x, d₁, d₂, d₃) of the leaders."""
 
-    label, viscous, in_space, conserved = "damping of mass", True, True, True
+    label, in_space, conserved = "damping of mass", True, True
 
     def __init__(self, D: Inertia, kinds: Indices) -> None:
         """Keep the matrix, and what the nodes are."""
@@ -35,6 +36,11 @@ class MassDamping(Term):
         self._diagonal[self._rows[own]] = own
         self._place = np.arange(len(D.indices))
         self._work = np.zeros((2, self._count, 4, 3))
+
+    @property
+    def viscosity(self) -> ViscousForces:
+        """All forces."""
+        return self
 
     @property
     def pairs(self) -> Pairs:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.forms.abilities import ViscousForces
 from fem_lie.forms.term import Pairs, Term
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
 
@@ -72,10 +73,15 @@ class Springs(_Along):
         return self._joints.spring_energy(H)
 
 
-class Dampers(_Along):
+class Dampers(_Along, ViscousForces):
     """All dampers of a set of joints."""
 
-    label, viscous = "dampers", True
+    label = "dampers"
+
+    @property
+    def viscosity(self) -> ViscousForces:
+        """All forces."""
+        return self
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """There are none at rest."""

@@ -8,7 +8,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._state import Stateful, attributes
-from fem_lie.forms.term import Ends, Term
+from fem_lie.forms.abilities import Ends
+from fem_lie.forms.term import Term
 from fem_lie.solve.conserving.between.cayley import follow
 
 ON_GROUND, LOSS = 0, 1
@@ -47,12 +48,13 @@ class Pushes(Stateful):
             offset: Frame of each in that of its leader, (N, 4, 3).
             moving: Nodes that lead.
         """
-        self._terms = [term for term in terms if term.secant]
-        self._rubbing = [term for term in self._terms if term.rubs]
+        self._terms = [term for term in terms if term.over_step is not None]
+        self._rubbing = [t.path for t in self._terms if t.path is not None and t.path.friction]
         self._leader, self._offset = leader, offset
         self.energy = self.ahead = self.held = self.debt = 0.0
-        self._pushing = [term for term in self._terms if not term.steady]
-        self._steady = [term for term in self._terms if term.steady]
+        forces = [(term, term.over_step) for term in self._terms]
+        self._pushing = [(term, of) for term, of in forces if of is not None and not of.steady]
+        self._steady = [(term, of) for term, of in forces if of is not None and of.steady]
         self._trivial, total = moving == len(leader), len(leader)
         self._held_ahead = 0.0
         self._on_all, self._ground = np.zeros((total, 6)), np.zeros(6)
@@ -68,12 +70,12 @@ class Pushes(Stateful):
 
     def overlap(self, H: Array) -> bool:
         """Whether anything pushes at frames ``H``."""
-        return any(term.overlaps(H) for term in self._terms)
+        return any(forces.overlaps(H) for _, forces in (*self._pushing, *self._steady))
 
     def at_rest(self, H: Array) -> None:
         """Find the stored energy at frames ``H``."""
-        self.energy = sum(term.energy(H) for term in self._pushing)
-        self.held = sum(term.energy(H) for term in self._steady)
+        self.energy = sum(term.energy(H) for term, _ in self._pushing)
+        self.held = sum(term.energy(H) for term, _ in self._steady)
 
     def set(self, ends: Ends, leak: float, out: Array) -> None:
         """Forces over a step, into ``out``; on nodes that are no frames along increments.
@@ -98,8 +100,8 @@ class Pushes(Stateful):
         n = len(out) - BESIDE
         self._on_all[:] = self._ground[:] = out[:] = 0.0
         work, self.ahead = 0.0, 0.0
-        for term in self._pushing:
-            done = term.add_over_step(self.ends, self._on_all, self._ground)
+        for _, forces in self._pushing:
+            done = forces.add_over_step(self.ends, self._on_all, self._ground)
             self.ahead += done.stored
             work += done.work
             out[n + LOSS, 0] += done.lost
@@ -121,8 +123,8 @@ class Pushes(Stateful):
             return
         n, self._held_ahead = len(out) - BESIDE, 0.0
         self._on_all[:] = self._ground[:] = 0.0
-        for term in self._steady:
-            done = term.add_over_step(self.ends, self._on_all, self._ground)
+        for _, forces in self._steady:
+            done = forces.add_over_step(self.ends, self._on_all, self._ground)
             self._held_ahead += done.stored
             out[n + LOSS, 0] += done.lost
         out[n + ON_GROUND] += self._ground

@@ -17,7 +17,8 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie._jit.call_back import CalledBack
 from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, DAMPING, WORK
-from fem_lie.forms.term import Ends, Term
+from fem_lie.forms.abilities import Ends, ViscousForces
+from fem_lie.forms.term import Term
 from fem_lie.lie.kinds import SLOPE
 from fem_lie.lie.kinds.forces import wrench
 from fem_lie.lie.kinds.kind import axes
@@ -87,7 +88,8 @@ class Outside:
         self.joints: Joints | OtherConstraints | None = (
             joints_of(equations) if shared is None else shared.joints
         )
-        self._viscous = [term for term in _viscous(known.terms) if vectors[term.pairs[0]].all()]
+        of_vectors = [term for term in known.terms if vectors[term.pairs[0]].all()]
+        self._viscous = _viscous(of_vectors)
         self._loads = [term for term in known.terms if acts_in_the_middle(term)]
         self._twists, self._forces = np.zeros((2, n, 6))
         self.contacts = contacts if vectors.any() and contacts else None
@@ -131,10 +133,10 @@ class Outside:
         s, this, along = run.s, run.this, Span(*run.this.rows)
         if self.joints is not None:
             self.joints.add_forces(run.model, s, this, run.size)
-        for term in self._viscous:
+        for viscosity in self._viscous:
             _mean_rates(self._kinds, along.middle, this.step, run.size, self._twists)
             self._forces[:] = 0.0
-            term.add_viscous_forces(along.middle, self._twists, self._forces)
+            viscosity.add_viscous_forces(along.middle, self._twists, self._forces)
             lost = _add_viscous(self._kinds, along.middle, self._twists, self._forces, this.outer)
             this.losses[DAMPING] += run.size * lost
         for term in self._loads:
@@ -160,12 +162,13 @@ def joints_of(equations: Equations) -> Joints | OtherConstraints | None:
 
 def acts_in_the_middle(term: Term) -> bool:
     """Whether a term is a load whose forces over a step are those at its middle."""
-    return term.load and term.pieces is None and not term.secant
+    return term.load and term.pieces is None and term.over_step is None
 
 
-def _viscous(terms: Sequence[Term]) -> list[Term]:
+def _viscous(terms: Sequence[Term]) -> list[ViscousForces]:
     """Those whose damping goes with strain rates."""
-    return [t for t in terms if t.viscous and t.rates is None and not t.within_joints]
+    found = [t.viscosity for t in terms if not t.within_joints]
+    return [viscosity for viscosity in found if viscosity is not None and viscosity.rates is None]
 
 
 @compiled

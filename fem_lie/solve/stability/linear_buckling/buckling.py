@@ -100,7 +100,7 @@ def buckling(
 def _check_stress(equations: Equations) -> None:
     """Raise ``ValueError`` if elements carry none: their stiffness would not know of it."""
     for where, assembly in equations.tables.assemblies:
-        if not assembly.carried.size:
+        if not assembly.carried_stress.size:
             bodies = equations.unknowns.bodies.items()
             labels = [b.label for b, nodes in bodies if where.start <= nodes[0] < where.stop]
             raise ValueError(
