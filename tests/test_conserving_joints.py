@@ -38,11 +38,3 @@ def test_a_drive_does_the_work_that_the_balance_counts():
     assert abs(result.balance[-1, 0]) > 1e-4
     assert result.balance_error <= 1e-11
     assert result.angular_momentum_error <= 1e-12
-
-
-def test_what_conserving_schemes_do_not_have_is_refused():
-    scene = fl.Scene()
-    disc = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.2), (0, 0, 0.5)))
-    scene.add(fl.RollingDisc(fl.ground(), disc.centre, axis=(0, 1, 0), radius=0.5))
-    with pytest.raises(ValueError, match="KnifeEdge, RollingDisc"):
-        fl.EnergyMomentum().run(scene, duration=1.0, step=0.1)
