@@ -239,12 +239,6 @@ def test_checkpoints_know_where_places_are(tmp_path):
         scheme.resume(swinging(0.31), file)
 
 
-def test_conserving_schemes_refuse_places_before_any_work():
-    for scheme in (fl.EnergyMomentum(), fl.EnergyDecaying()):
-        with pytest.raises(ValueError, match="support joints on points that are not nodes: use"):
-            pendulum(*beam_of(None, 2), scheme=scheme)
-
-
 @pytest.mark.parametrize("following", [False, True])
 def test_conserving_schemes_book_loads_on_places(following):
     """Their work and impulses, to round-off."""

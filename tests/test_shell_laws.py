@@ -44,7 +44,7 @@ def test_forces_are_the_derivative_of_the_energy(name):
     rng = np.random.default_rng(1)
     H, h = system.frames.copy(), 0.1 * rng.normal(size=(system.count, 5))
     retract(H[: system.count], h)
-    system.elastic.settle(H)
+    system.elastic.condense(H)
     forces = np.zeros(system.size)
     system.elastic.add_forces(H, forces)
     direction, step, energies = rng.normal(size=(system.count, 5)), 1e-5, []

@@ -79,7 +79,7 @@ def moved(H, h):
 
 def blocks(system, H):
     (term,) = system.terms
-    term.reset_stress(H)
+    term.stress_update.reset_stress(H)
     return term.pairs, term.tangent(H, term.room())
 
 
