@@ -31,6 +31,9 @@ def refuse_scene(equations: Equations) -> None:
         ),
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
+        "velocity constraints (KnifeEdge, RollingDisc) beside shells with six parameters "
+        f"({drilling}), whose drilling has no inertia": bool(drilling)
+        and unknowns.of_velocities > 0,
         f"contacts by penalty beside shells with six parameters ({drilling})": touched,
         ", ".join(dict.fromkeys(apart)): bool(apart),
     }

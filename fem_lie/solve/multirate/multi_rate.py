@@ -114,10 +114,13 @@ class MultiRate(Integrator):
         for part in (*parts.values(), between):
             _check_alike(part, equations)
         pairs = between.tables.pairs_of_all
+        drilling = ", ".join(between.unknowns.drilling)
         reasons = {
+            "joints between bodies with steps of their own on shells with six parameters "
+            f"({drilling}), whose drilling has no inertia": bool(drilling and between.unknowns.m),
             "joints on points that are not nodes between bodies with steps of their own": (
                 pairs is not None and pairs.grips.count > 0
-            )
+            ),
         }
         refuse("MultiRate", reasons, "EnergyMomentum")
         return MultiRateRun(self.scheme.told(), equations, step, parts, between)
