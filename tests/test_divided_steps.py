@@ -26,7 +26,7 @@ def fail_in_full(monkeypatch) -> None:
         return self.index
 
     def attempts(self: MomentumRun, start: float, end: float) -> bool:
-        return (self.division.level > 0 or self._begun == 0) and attempt(self, start, end)
+        return (self.division.level > 0 or self.begun == 0) and attempt(self, start, end)
 
     monkeypatch.setattr(ComposedRun, "_failed_at", fails)
     monkeypatch.setattr(MomentumRun, "attempt", attempts)

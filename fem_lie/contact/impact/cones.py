@@ -238,7 +238,7 @@ def _in_turns(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
 
 
 @inlined_uncounted
-def _rubs(problem: Cones, k: int) -> bool:
+def _has_friction(problem: Cones, k: int) -> bool:
     """Whether there is friction; without it the problem is convex, and sweeps end."""
     for c in range(k):
         if problem.friction[c] > 0.0:
@@ -260,7 +260,7 @@ def solve(problem: Cones, k: int, tolerance: float) -> tuple[int, int, float]:
     """
     begin(problem, k)
     if k > MOST_NEWTON:
-        enough = max(tolerance, _MANY) if _rubs(problem, k) else tolerance
+        enough = max(tolerance, _MANY) if _has_friction(problem, k) else tolerance
         sweeps, reached = _in_turns(problem, k, enough)
         return sweeps, 0, reached
     sweeps, iterations, reached, limit = 0, 0, np.inf, _FIRST

@@ -39,7 +39,6 @@ from fem_lie.solve.alpha.step.records import (
     PlainSteps,
     Steps,
 )
-from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.motion.policies import EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
@@ -77,7 +76,7 @@ class Run(Newton):
         self._remembers = told or known.drills or equations.unknowns.other_constraints
         self._fills = known.stored is not None
         self._most = max(1, _AT_A_TIME // equations.unknowns.size)
-        self._filled, self._begun, self._taken = -1, 0, 0
+        self._filled, self._taken = -1, 0
 
     @cached_property
     def _packed(self) -> FixedArrays:
@@ -132,14 +131,14 @@ class Run(Newton):
 
     def _in_parts(self, history: Recorder) -> bool:
         """The next step, in parts if it takes these; whether it is made."""
-        self._begun, self._taken = self.index, 0
+        self._taken = 0
         made = self._cover()
         history.count += self._taken
         return made
 
     def attempt(self, start: float, end: float) -> bool:
         """Make a step, see :class:`~fem_lie.solve.division.Divisible`."""
-        self.counters[STEP], self._end = self._begun, end
+        self.counters[STEP], self._end = self.begun, end
         self._go_to_time(end)
         before = self.s.H.copy()
         iterations = self._take_step()
@@ -305,4 +304,4 @@ class Run(Newton):
         rescued, reached = self._rescues, float(self.numbers[INCREMENT])
         of_step = self.index, steps, self.h, limit, reached, residual, tolerance, rescued
         text = failure(*of_step, *_damping(self.options.radius))
-        return f"{text}. Nor did it in {2**HALVINGS} parts" if self.divides else text
+        return self._nor_in_parts(text)

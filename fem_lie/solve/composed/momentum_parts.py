@@ -14,7 +14,6 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._state import attributes, put_back, saved
 from fem_lie.results import Result
-from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.recording.checkpoints import Checkpoints
@@ -88,7 +87,7 @@ class MomentumPart(VariationalRun):
         # multipliers act at the end of one step and the start of the next
         self.weights *= (last * (h + last)) / (h * (last + earlier))
         self.earlier[:] = self.weights
-        alone, self._begun = self._alone, self.index
+        alone, self.begun = self._alone, self.index
         made = self._stretch(self.index + 1) if alone else self.attempt(start, start + h)
         if made:
             # and the last one as if it were of this size
@@ -164,7 +163,7 @@ class MomentumRun(DividedIntegration[Recorder]):
         self._order = [sizes.index(share) for share in shares]
         self._ends = np.cumsum([0.0, *shares])
         self._sizes = np.array([first.h, first.h])
-        self._made, self._part, self._begun = 0, 0, 0
+        self._made, self._part = 0, 0
 
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
@@ -190,14 +189,13 @@ class MomentumRun(DividedIntegration[Recorder]):
         return self._made
 
     def _advance(self, history: Recorder) -> bool:
-        self._begun = self.index
         made = self._cover()
         history.count = self._iterations
         return made
 
     def attempt(self, start: float, end: float) -> bool:
         """See the base class."""
-        self._made, size = self._begun, self.h / self.division.parts
+        self._made, size = self.begun, self.part_size
         known = self, ("_sizes", "equations.memory")
         changed = known, (self._parts[0], _SHARED), *((part, _OWN) for part in self._parts)
         before = [saved(owner, names) for owner, names in changed]
@@ -220,9 +218,8 @@ class MomentumRun(DividedIntegration[Recorder]):
             part.forget_matrix()
 
     def _set_sizes(self) -> None:
-        whole = self.h / self.division.parts
         for part, share in zip(self._parts, dict.fromkeys(self._shares), strict=True):
-            part.set_size(share * whole)
+            part.set_size(share * self.part_size)
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
@@ -238,7 +235,7 @@ class MomentumRun(DividedIntegration[Recorder]):
         numbers = options.max_iterations, *part.left, options.tolerance
         text = failure(self.index + 1, steps, self.h, *numbers, options.policy.rescue)
         text = f"part {self._part + 1} of {text}"
-        return f"{text}. Nor did it in {2**HALVINGS} parts" if self.divides else text
+        return self._nor_in_parts(text)
 
     def _record(self, history: Recorder) -> bool:
         history.show_progress(self.index)

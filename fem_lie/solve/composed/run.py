@@ -13,7 +13,6 @@ from fem_lie.solve.composed import stages
 from fem_lie.solve.composed.part import Part
 from fem_lie.solve.conserving.run_state import PREFIX, Options
 from fem_lie.solve.conserving.step import corrections, loop
-from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.motion.integration import DividedIntegration
@@ -57,7 +56,7 @@ class ComposedRun(DividedIntegration[History]):
         self._order = np.array([shares.index(half) for half in halves], dtype=np.int64)
         self._ends = np.cumsum([0.0, *halves])
         self._place = np.zeros(3, dtype=np.int64)
-        self._begun, self._start, self._left = 0, 0.0, (0, np.inf, np.inf)
+        self._start, self._left = 0.0, (0, np.inf, np.inf)
         self._filled, self._r = ResultRow(equations), np.empty(equations.unknowns.size)
         self._solver: DirectSolver | None = None
 
@@ -88,11 +87,10 @@ class ComposedRun(DividedIntegration[History]):
     def _advance(self, history: History) -> bool:
         last = history.next_stop(self.index)
         while self.index < last:
-            self._begun = self.index
             if self.division.level:
                 made = self._cover()
             else:
-                made = self._go(last) or (self.divides and self._divided())
+                made = self._go(last) or (self.divides and self._divide())
             if not made:
                 return False
         return True
@@ -123,21 +121,16 @@ class ComposedRun(DividedIntegration[History]):
         increment, left = part.numbers[corrections.INCREMENT], np.abs(part.this.r[0]).max()
         return int(self._place[stages.PART]) + 1, float(increment), float(left)
 
-    def _divided(self) -> bool:
-        """Make the step that has failed in steps of parts of its size; whether it was."""
-        self.division.halve(self, self.index * self.h, self.h)
-        return self._cover()
-
     def attempt(self, start: float, end: float) -> bool:
         """See the base class."""
-        self._place[stages.MADE], self._start = self._begun, start
-        return self._failed_at(self._begun + 1) is None
+        self._place[stages.MADE], self._start = self.begun, start
+        return self._failed_at(self.begun + 1) is None
 
     def resize(self, time: float, size: float) -> None:
         """See the base class."""
         first, other = self._parts
-        first.resize_whole(self.h / self.division.parts)
-        other.resize_whole(self.h / self.division.parts, shared=True)
+        first.resize_whole(self.part_size)
+        other.resize_whole(self.part_size, shared=True)
 
     @property
     def _quick(self) -> bool:
@@ -191,7 +184,7 @@ class ComposedRun(DividedIntegration[History]):
         k = int(self._place[stages.PART])
         ends = self._ends[k : k + 2]
         if self.division.level:
-            start, end = self._start + ends * (self.h / self.division.parts)
+            start, end = self._start + ends * self.part_size
         else:
             start, end = (self.index + ends) * self.h
         return float(start), float(end)
@@ -201,7 +194,7 @@ class ComposedRun(DividedIntegration[History]):
         limit, tolerance = options.max_iterations, options.tolerance
         numbers = limit, increment, left, tolerance, self._rescues
         text = f"part {part} of {failure(self.index + 1, steps, self.h, *numbers)}"
-        return f"{text}. Nor did it in {2**HALVINGS} parts" if self.divides else text
+        return self._nor_in_parts(text)
 
     # --- results ---
 

@@ -21,7 +21,6 @@ from fem_lie.solve.conserving.step import corrections, loop
 from fem_lie.solve.conserving.step.dissipation import ENERGY
 from fem_lie.solve.conserving.step.records import Solution
 from fem_lie.solve.conserving.steps import Steps
-from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.recording.checkpoints import Checkpoints
@@ -104,8 +103,7 @@ class Run(Steps):
             code = self._go_anew()
         if code == loop.DONE or (self._rescues and self._rescued()):
             return True
-        start = self.index * self.h
-        return self.divides and self._divided(start, start + self.h)
+        return self.divides and self._divide()
 
     def _supports(self, history: History) -> stretch.PlainSupports:
         """Supports whose reactions the compiled loop fills in."""
@@ -130,7 +128,7 @@ class Run(Steps):
         index = self.index + 1
         text = failure(index, steps, self.h, limit, increment, largest, tolerance, rescued)
         text = self._because(text, steps, index)
-        return f"{text}. Nor did it in {2**HALVINGS} parts" if self.divides else text
+        return self._nor_in_parts(text)
 
     # --- results ---
 

@@ -44,7 +44,6 @@ class Steps(Touching):
     """
 
     endures = True
-    _begun = 0
 
     @property
     def divides(self) -> bool:
@@ -72,27 +71,18 @@ class Steps(Touching):
                 return True
             if not self.divides:
                 return False
-            past = (self.index - first) * (end - start)
-            return self._divided(start + past, end + past)
-        self._begun = self.index
-        return self.division.cover(self, start, end)
-
-    def _divided(self, start: float, end: float) -> bool:
-        """Make the step that has failed in parts; whether it was."""
-        self._begun = self.index
-        self.division.halve(self, start, end - start)
-        return self.division.cover(self, start, end)
+            return self._divide()
+        return self._cover()
 
     def attempt(self, start: float, end: float) -> bool:
         """See :class:`~fem_lie.solve.division.Divisible`."""
-        self.counters[corrections.STEPS] = self._begun
+        self.counters[corrections.STEPS] = self.begun
         self._set_end(start, end)
-        return self._goes(self._begun + 1) or self._rescued()
+        return self._goes(self.begun + 1) or self._rescued()
 
     def resize(self, time: float, size: float) -> None:
         """See :class:`~fem_lie.solve.division.Divisible`."""
-        # without the round-off that differences of times have
-        self._resize(self.h / self.division.parts)
+        self._resize(self.part_size)
         self._forget_iteration()
 
     def _forget_iteration(self) -> None:

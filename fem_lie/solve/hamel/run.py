@@ -45,7 +45,7 @@ class HamelRun(DividedIntegration[Recorder]):
         super().__init__(Automatic(), equations, size)
         self._bodies, n = bodies, equations.unknowns.moving
         self.H, self.s = equations.start.frames.copy(), np.zeros((n, 6))
-        self.impulses, self._made, self._begun = np.zeros((2, 6)), 0, 0
+        self.impulses, self._made = np.zeros((2, 6)), 0
         self._solver: DirectSolver | None = None
 
     def history(
@@ -83,7 +83,6 @@ class HamelRun(DividedIntegration[Recorder]):
     def _advance(self, history: Recorder) -> bool:
         most = max(1, _AT_A_TIME // len(self.s))
         last = min(history.next_stop(self._made), self._made + most)
-        self._begun = self._made
         whole = not self.division.level and self._go(self.h, last - self._made)
         # steps before one that fails are made again, one at a time
         made = whole or self._cover()
@@ -102,8 +101,8 @@ class HamelRun(DividedIntegration[Recorder]):
 
     def attempt(self, start: float, end: float) -> bool:
         """See the base class."""
-        self._made = self._begun
-        return self._go(self.h / self.division.parts, 1)
+        self._made = self.begun
+        return self._go(self.part_size, 1)
 
     def resize(self, time: float, size: float) -> None:
         """See the base class; velocities are of no size."""

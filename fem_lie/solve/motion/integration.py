@@ -10,7 +10,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._state import HasState, attributes
 from fem_lie.forms.abilities import PassedThroughError
-from fem_lie.solve.division import Division
+from fem_lie.solve.division import HALVINGS, Division
 from fem_lie.solve.motion.driver import Driver, Kept
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.system.equations import Equations
@@ -96,6 +96,7 @@ class DividedIntegration(Integration[Kept]):
 
     Attributes:
         division: Into how many parts.
+        begun: Steps made before the present one, of which a part counts as one while it is made.
     """
 
     STATE = attributes("division")
@@ -105,11 +106,26 @@ class DividedIntegration(Integration[Kept]):
     ) -> None:
         """As the base class."""
         super().__init__(policy, equations, step, bound=bound)
-        self.division, self._rescues = Division(), policy.rescue
+        self.division, self._rescues, self.begun = Division(), policy.rescue, 0
 
     def _cover(self) -> bool:
         """Make the next step by :meth:`attempt`, in parts if it takes these; whether it is made."""
+        self.begun = self.index
         return self.division.cover(self, self.index * self.h, (self.index + 1) * self.h)
+
+    def _divide(self) -> bool:
+        """Make the next step, which has failed in full, in parts; whether it is made."""
+        self.division.halve(self, self.index * self.h, self.h)
+        return self._cover()
+
+    @property
+    def part_size(self) -> float:
+        """Of the present step or part, without the round-off of differences of times."""
+        return self.h / self.division.parts
+
+    def _nor_in_parts(self, text: str) -> str:
+        """What failed, and that parts of it failed, too, if it was made in these."""
+        return f"{text}. Nor did it in {2**HALVINGS} parts" if self.divides else text
 
     @property
     def divides(self) -> bool:

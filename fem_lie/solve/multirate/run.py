@@ -14,7 +14,6 @@ from fem_lie.results.record import Record
 from fem_lie.solve.conserving.between.product_rows import product_numbers
 from fem_lie.solve.conserving.outside.forces import joints_of
 from fem_lie.solve.conserving.run_state import PREFIX, Options
-from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.multirate.coupling import Coupling
@@ -102,7 +101,7 @@ class MultiRateRun(DividedIntegration[History]):
 
     def resize(self, time: float, size: float) -> None:
         """See the base class."""
-        self._coupling.resize(self.h / self.division.parts)
+        self._coupling.resize(self.part_size)
 
     def _failure(self, steps: int) -> str:
         text = (
@@ -110,7 +109,7 @@ class MultiRateRun(DividedIntegration[History]):
             f"steps of their own were left open by {self._coupling.left:.2g} of the model, or a "
             "step of a body was not found; a smaller step may help"
         )
-        return f"{text}. Nor did it in {2**HALVINGS} parts" if self.divides else text
+        return self._nor_in_parts(text)
 
     # --- results ---
 

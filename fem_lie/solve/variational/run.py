@@ -15,7 +15,6 @@ from fem_lie.linear.factors import Factors, solve
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.solve.conserving.between.cayley import advance
-from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, estimate, failure
 from fem_lie.solve.motion.policies import Decisions, EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
@@ -62,18 +61,13 @@ class VariationalRun(RunState):
 
     def _advance(self, history: Recorder) -> bool:
         before = self._iterations
-        made = self._stretch(history.next_stop(self.index)) if self._alone else self._in_parts()
+        made = self._stretch(history.next_stop(self.index)) if self._alone else self._cover()
         history.count += self._iterations - before
         return made
 
-    def _in_parts(self) -> bool:
-        """The next step from Python, in parts if it takes these; whether it is made."""
-        self._begun = self.index
-        return self._cover()
-
     def attempt(self, start: float, end: float) -> bool:
         """See the base class."""
-        self._made, self.reason = self._begun, ""
+        self._made, self.reason = self.begun, ""
         if self._changing:
             given = self._driven, self.twists
             prescribe(self.equations, self.H, start, self.size, self.rows, given)
@@ -126,8 +120,7 @@ class VariationalRun(RunState):
             return self._accept(self.time + self.h)
         if not self.divides:
             return False
-        self.division.halve(self, self.time, self.h)
-        return self._in_parts()
+        return self._divide()
 
     def _renewed(self) -> bool:
         """Make a new matrix; whether it has factors."""
@@ -261,7 +254,7 @@ class VariationalRun(RunState):
         numbers = options.max_iterations, self._increment, left, options.tolerance
         text = failure(self.index + 1, steps, self.h, *numbers, options.policy.rescue)
         text = self._because(text, steps, self.index)
-        return f"{text}. Nor did it in {2**HALVINGS} parts" if self.divides else text
+        return self._nor_in_parts(text)
 
     # --- results ---
 
@@ -306,5 +299,5 @@ class VariationalRun(RunState):
     def restore(self, kept: Mapping[str, Array]) -> None:
         """See the base class."""
         super().restore(kept)
-        self.size = self._ends.h = self.h / self.division.parts
+        self.size = self._ends.h = self.part_size
         self._factors = Factors.of(kept)

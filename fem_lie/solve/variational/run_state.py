@@ -99,7 +99,7 @@ class RunState(DividedIntegration[Recorder]):
         self._found = equations.residual(now, self.scale, self._work)
         self.books = equations.books()
         self._factors: Factors | None = None
-        self._made, self._begun, self._factorisations, self._iterations = 0, 0, 0, 0
+        self._made, self._factorisations, self._iterations = 0, 0, 0
         self._increment, self._born = np.inf, 0
         self._ends = Ends(equations, step)
         self._binding = Binding(equations) if unknowns.other_constraints else None

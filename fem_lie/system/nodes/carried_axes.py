@@ -100,22 +100,22 @@ class _Part(NamedTuple):
     Attributes:
         nodes: Leaders of its nodes, (k,).
         follower: Turns the axes.
-        led: Which nodes follow another one rigidly, (k,).
+        led: Which of them, by their places, follow another node rigidly.
         offset: Frames of these in those of their leaders.
         kept: Which leaders keep their axes, (k,).
     """
 
     nodes: Indices
     follower: Follower
-    led: Flags
+    led: Indices
     offset: Array
     kept: Flags
 
-    def followed(self, H: Array) -> Array:
-        """Leaders of its nodes with the axes turned, (k, 4, 3)."""
-        before = H[self.nodes]
+    def followed(self, before: Array) -> Array:
+        """Leaders of its nodes, ``before`` (k, 4, 3), with the axes turned."""
         found = before.copy()
-        found[self.led] = lie.se3_compose(before[self.led], self.offset)
+        if len(self.led):
+            found[self.led] = lie.se3_compose(before[self.led], self.offset)
         self.follower(found)
         found[self.kept] = before[self.kept]
         return found
@@ -141,7 +141,7 @@ class FollowingAxes:
                 seen = np.isin(body.node_kinds, (NodeKind.SLOPE, NodeKind.POINT))
                 kept = led | (seen & np.isin(leader, joined))
                 offset = attachment.offset[nodes[led]]
-                self._parts.append(_Part(leader, follower, led, offset, kept))
+                self._parts.append(_Part(leader, follower, np.flatnonzero(led), offset, kept))
 
     def __bool__(self) -> bool:
         """Whether there is anything to turn."""
@@ -150,11 +150,12 @@ class FollowingAxes:
     def turn(self, H: Array) -> None:
         """Turn the axes of the rows at the head of ``H`` (≥ n, 4, 3)."""
         for part in self._parts:
-            H[part.nodes] = part.followed(H)
+            H[part.nodes] = part.followed(H[part.nodes])
 
     def turn_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
         """Turn the axes and what is written in them; arguments as of :class:`CarriedAxes`."""
         for part in self._parts:
-            before, after = H[part.nodes], part.followed(H)
+            before = H[part.nodes]
+            after = part.followed(before)
             write_in_new_axes(kinds, part.nodes, before, after, written, motion)
             H[part.nodes] = after

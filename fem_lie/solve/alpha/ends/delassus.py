@@ -121,10 +121,17 @@ class Delassus:
         problem.soft[:] = _YIELD * np.maximum(traces, 1e-6 * traces.max(initial=0.0))
         return problem
 
-    def impulses(self, r: Array, constraints: bool) -> Array:
-        """Impulses of contacts (k, 3) by the solutions that nodes, or constraints, take part in."""
+    def impulses_on_nodes(self, r: Array) -> Array:
+        """Impulses of contacts (k, 3) by the solutions that nodes take part in, (n, s, 3)."""
+        return self._impulses(r, self._labels[0])
+
+    def impulses_on_constraints(self, r: Array) -> Array:
+        """The same of constraints, (m, s, 3)."""
+        return self._impulses(r, self._labels[1])
+
+    def _impulses(self, r: Array, islands: Indices) -> Array:
         whole = np.concatenate([r, np.zeros((1, 3))])
-        return np.asarray(whole[self._contact_of[self._labels[constraints]]])
+        return np.asarray(whole[self._contact_of[islands]])
 
 
 class Responses:
@@ -142,8 +149,8 @@ class Responses:
 
     def moved(self, r: Array) -> Array:
         """Unknowns by impulses (k, 3), shape (6 n,)."""
-        return np.einsum("nask,nsk->na", self._unknowns, self._of.impulses(r, False)).ravel()
+        return np.einsum("nask,nsk->na", self._unknowns, self._of.impulses_on_nodes(r)).ravel()
 
     def reactions(self, r: Array) -> Array:
         """Multipliers by impulses (k, 3), shape (m,)."""
-        return np.einsum("msk,msk->m", self._multipliers, self._of.impulses(r, True))
+        return np.einsum("msk,msk->m", self._multipliers, self._of.impulses_on_constraints(r))
