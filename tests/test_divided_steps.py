@@ -5,7 +5,8 @@ import pytest
 
 import fem_lie as fl
 from benchmarks.hamel import rolling
-from fem_lie.solve.composed.momentum_parts import MomentumRun
+from fem_lie.solve.composed import stages
+from fem_lie.solve.composed.momentum_parts import MomentumPart
 from fem_lie.solve.composed.run import ComposedRun
 from tests.test_composed import driven, rigid_pendulum
 from tests.test_multi_rate import chain, pushed
@@ -14,22 +15,24 @@ from tests.test_resume import same, stopped
 COMPOSED = {"mean": fl.Composed(), "momenta": fl.Composed(fl.Variational())}
 
 
-def fail_in_full(monkeypatch) -> None:
-    """Let every composed step but the first fail that is tried in full."""
-    failed_at, attempt = ComposedRun._failed_at, MomentumRun.attempt
+def fail_in_full(monkeypatch, h: float) -> None:
+    """Let every composed step of size ``h`` but the first fail when half of its parts are made."""
+    one_part, make = ComposedRun._one_part, MomentumPart.make
 
-    def fails(self: ComposedRun, last: int) -> int | None:
-        if self.division.level or last == 1:
-            return failed_at(self, last)
-        if self.index == 0:
-            failed_at(self, 1)
-        return self.index
+    def fails(self: ComposedRun) -> bool:
+        middle = self._place[stages.PART] == len(self._order) // 2
+        whole = self.division.level == 0 and self.index > 0
+        return not (whole and middle) and one_part(self)
 
-    def attempts(self: MomentumRun, start: float, end: float) -> bool:
-        return (self.division.level > 0 or self.begun == 0) and attempt(self, start, end)
+    def makes(self: MomentumPart, start: float, last: float, earlier: float) -> bool:
+        whole = min(abs(self.h / h - part) for part in fl.FiveStages().parts) < 1e-9
+        return not (whole and start > 1.2 * h and start / h % 1.0 > 0.2) and make(
+            self, start, last, earlier
+        )
 
-    monkeypatch.setattr(ComposedRun, "_failed_at", fails)
-    monkeypatch.setattr(MomentumRun, "attempt", attempts)
+    monkeypatch.setattr(ComposedRun, "_quick", False)
+    monkeypatch.setattr(ComposedRun, "_one_part", fails)
+    monkeypatch.setattr(MomentumPart, "make", makes)
 
 
 @pytest.mark.parametrize("scheme", COMPOSED.values(), ids=COMPOSED)
@@ -38,7 +41,7 @@ def test_composed_steps_keep_their_order_in_parts(monkeypatch, scheme, scene):
     """They are composed steps of half the size, and so is the motion."""
     duration, h = 0.06, 4e-3
     whole, half = (scheme.run(scene(), duration=duration, step=step) for step in (h, h / 2))
-    fail_in_full(monkeypatch)
+    fail_in_full(monkeypatch, h)
     found = scheme.run(scene(), duration=duration, step=h, save_every=1)
     assert found.divided == len(found.times) - 2
     for name in ("frames", "velocities"):
