@@ -12,7 +12,9 @@ import fem_lie as fl
 from fem_lie.solve.motion.variable_steps import VariableSteps
 from fem_lie.solve.step_control import Control, StepChoice
 from studies.time_error import TIP, rigid_pendulum, tip
+from tests.test_conserving_any import flying
 from tests.test_energy_momentum import bars
+from tests.test_reduced_conserving import free
 from tests.test_time_error import Alternating, arm_that_stops, jump, pushed
 
 PARTS = 10
@@ -124,12 +126,20 @@ def test_estimate_is_of_third_order():
     assert 2.9 < np.log2(ratio) < 3.1
 
 
-def test_dissipation_is_of_second_order_when_steps_change():
-    """Of less if the memory of forces, or of velocities, keeps its size."""
+DISSIPATING = {
+    "frames": lambda: bars(cells=1)[0],
+    "vector coordinates": lambda: flying("discrete cable")[0],
+    "modal coordinates": lambda: free(1)[0],
+}
+
+
+@pytest.mark.parametrize("name", DISSIPATING)
+def test_dissipation_is_of_second_order_when_steps_change(name):
+    """Of less if the memory of forces, of velocities or of stresses keeps its size."""
     losses = []
     for h in (5e-4, 1.25e-4):
         scheme = fl.EnergyDecaying(radius=0.2)
-        result = scheme.run(bars(cells=1)[0], duration=0.02, step=Alternating(h))
+        result = scheme.run(DISSIPATING[name](), duration=0.02, step=Alternating(h))
         assert len(np.unique(result.steps.sizes.round(9))) >= 2
         losses.append(result.balance[-1, 2])
     assert losses[1] > 0.0
