@@ -7,8 +7,13 @@ from fem_lie.forms.term import Term
 from fem_lie.lie.kinds import SLOPE
 from fem_lie.solve.conserving.memory import has_vector_nodes
 from fem_lie.solve.conserving.outside.forces import acts_in_the_middle
-from fem_lie.solve.motion.integrator import WITHOUT_FRAMES, refuse
+from fem_lie.solve.motion.integrator import refuse
 from fem_lie.system.equations import Equations
+
+_WITHOUT_FRAMES = (
+    "nodes without frames (Cable, Net, ThinShell, AncfBeam, AncfShell, Solid, reduced-order bodies)"
+)
+"""Bodies with nodes that have no rotation of their own."""
 
 
 def refuse_scene(equations: Equations) -> None:
@@ -52,7 +57,7 @@ def _refuse_joints(equations: Equations) -> None:
         "joints that need the rotation of a cable's end or of a node without axes "
         "(Revolute, Fixed; Spherical away from the node)": pairs is not None and pairs.loose,
     }
-    refuse(f"a conserving scheme, where there are {WITHOUT_FRAMES},", reasons)
+    refuse(f"a conserving scheme, where there are {_WITHOUT_FRAMES},", reasons)
 
 
 def _has_forces_over_steps(term: Term, kinds: Indices) -> bool:

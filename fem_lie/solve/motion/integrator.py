@@ -152,10 +152,6 @@ class Integrator(ABC):
         raise ValueError(f"{type(self).__name__} {self._wanted_step}, got {what}")
 
 
-WITHOUT_FRAMES = "nodes without frames (Cable, Net, ThinShell, AncfBeam, AncfShell, Solid)"
-"""How refusals name bodies whose nodes have no rotation of their own."""
-
-
 def refuse(scheme: str, unsupported: Mapping[str, bool], instead: str = "GeneralisedAlpha") -> None:
     """Refuse a scene that has what a scheme does not support.
 
