@@ -78,7 +78,7 @@ class NewmarkRun(DividedIntegration[Recorder]):
         self.forces, self.scale = np.zeros(m), np.ones(m)
         self.solver, self.books = DirectSolver(equations.matrix, "newmark_"), equations.books()
         self.measure = unknown_scaling(equations.unknowns)
-        self._begun, self._made, self._count, self._stale, self._left = 0, 0, 0, True, np.inf
+        self._made, self._count, self._stale, self._left = 0, 0, True, np.inf
 
     def history(self, plan: Any, progress: bool | None, store: Any) -> Recorder:
         """Where results go: rows are made of frames, twists, their rates and joint forces."""
@@ -116,7 +116,7 @@ class NewmarkRun(DividedIntegration[Recorder]):
 
     def attempt(self, start: float, end: float) -> bool:
         """Make a step, or leave the state at its start; with a new matrix each time if need be."""
-        self._made = self._begun
+        self._made = self.begun
         before = self.H.copy(), self.v.copy(), self.a.copy(), self.forces.copy()
         prescribed = self.equations.prescribed(end)
         prescribed.act()
@@ -170,8 +170,7 @@ class NewmarkRun(DividedIntegration[Recorder]):
     # --- what the driver asks for ---
 
     def _advance(self, history: Recorder) -> bool:
-        self._begun, before = self._made, self._count
-        made = self._cover()
+        before, made = self._count, self._cover()
         history.count += self._count - before
         return made
 
