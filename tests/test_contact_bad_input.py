@@ -56,9 +56,9 @@ def unsettled() -> None:
     scene = falling(fl.Impact(), [ball((0, 0, 0), "left"), ball((0.2, 0, 0), "right")])
     equations = Equations(scene.without_impacts(), dynamics=True)
     one = Run(fl.GeneralisedAlpha(radius=0.8), equations, 1e-2)
-    one._why, told = UNSETTLED, np.zeros_like(one._contacts.told, shape=(1, 13))
-    told[0, CONTACTS], told[0, RESIDUAL] = 1, 4e-3
-    one._contacts = one._contacts._replace(told=told)
+    one._why = UNSETTLED
+    one._told.begin(1)
+    one._told.steps[0, CONTACTS], one._told.steps[0, RESIDUAL] = 1, 4e-3
     raise fl.ConvergenceError(one._failure(1))
 
 

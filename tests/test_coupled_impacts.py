@@ -167,7 +167,7 @@ def test_an_impact_spreads_over_a_whole_row_in_one_step():
     ("joint", "what"),
     [
         (lambda ball: fl.Fixed(fl.ground(), ball), "violate joints by"),
-        (lambda ball: fl.Prismatic(fl.ground(), ball, axis=(1, 0, 0)), "still overlap by 0.003"),
+        (lambda ball: fl.Prismatic(fl.ground(), ball, axis=(1, 0, 0)), "still overlap by 8e-05"),
     ],
     ids=["fixed", "slides across"],
 )
@@ -402,13 +402,12 @@ def bouncing_beam(friction=0.2):
     return scene
 
 
-def test_a_step_with_impacts_that_fails_does_not_claim_parts():
-    """Contacts change the end of whole steps, which are not divided."""
+def test_a_step_with_impacts_that_has_no_solution_says_that_parts_have_none():
     scheme, scene = fl.GeneralisedAlpha(max_iterations=1), bouncing_beam()
     scene.bodies[0].turn((0, 30, 50), about=(0.5, 0, 0.1))
     with pytest.raises(fl.ConvergenceError, match="did not converge in 1 iterations") as info:
         scheme.run(scene, duration=0.01, step=0.01, progress=False)
-    assert "parts" not in str(info.value)
+    assert "Nor did it in 64 parts" in str(info.value)
 
 
 def test_a_beam_that_bounces_never_gains_energy():

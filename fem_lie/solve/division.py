@@ -59,9 +59,17 @@ class Division(Stateful):
         """Of the present step."""
         return int(2**self.level)
 
-    def cover(self, steps: Divisible, start: float, end: float) -> bool:
-        """Make all parts of a step from ``start`` to ``end``; whether they were made."""
-        size, place, parts = end - start, 0, self.parts
+    def cover(self, steps: Divisible, start: float, end: float, size: float) -> bool:
+        """Make all parts of a step; whether they were made.
+
+        Args:
+            steps: What makes them.
+            start: Of the step.
+            end: Of the step.
+            size: Of the step, without the round-off of ``end - start``, which a run that is resumed
+                does not know.
+        """
+        place, parts = 0, self.parts
         while place < self.parts:
             here = start + size * place / self.parts
             last = place + 1 == self.parts

@@ -18,6 +18,9 @@ CONTACTS, SWEEPS, RESIDUAL, PENETRATION, IMPACT, FRICTION, GROUND = range(7)
 """Places in what is told of a step; from the last on impulse of ground and its moment, six."""
 TOLD = GROUND + 6
 
+LARGEST = 1e-3
+"""Residual of the cones with which a step has failed."""
+
 
 class Touch(NamedTuple):
     """Pairs of places that may touch.

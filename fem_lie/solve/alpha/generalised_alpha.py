@@ -19,10 +19,11 @@ from typing import Any
 
 from fem_lie.lie.motions import Parametrisation
 from fem_lie.scene import Scene
-from fem_lie.solve.alpha import coupled_impacts, free_bodies, impacts
+from fem_lie.solve.alpha import free_bodies, impacts
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.variable import AlphaSteps
+from fem_lie.solve.impacts.refused import refuse_impacts
 from fem_lie.solve.motion.driver import Driver
 from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.motion.variable_steps import Stepper
@@ -67,7 +68,7 @@ class GeneralisedAlpha(Options, Integrator):
         scene = scene.without_impacts()
         equations = Equations(scene, dynamics=True, parametrisation=self.parametrisation)
         if scene.impacts and not self._free(scene):
-            coupled_impacts.check(equations)
+            refuse_impacts(equations)
         return equations
 
     def _free(self, scene: Scene) -> bool:
@@ -78,10 +79,9 @@ class GeneralisedAlpha(Options, Integrator):
 
     def _integration(self, equations: Equations, step: float) -> Driver[Any]:
         scene = equations.scene
-        if scene.impacts:
-            kind = impacts.Run if self._free(scene) else coupled_impacts.CoupledRun
-            return kind(self, equations, step)
-        return (free_bodies.Run if self._free(scene) else Run)(self, equations, step)
+        if not self._free(scene):
+            return Run(self, equations, step)
+        return (impacts.Run if scene.impacts else free_bodies.Run)(self, equations, step)
 
     def _steppers(
         self, scene: Scene, plan: ChosenSteps

@@ -16,11 +16,7 @@ from fem_lie._state import attributes
 from fem_lie.contact.impact.observed import WIDTH
 from fem_lie.contact.impact.records import (
     CONTACTS,
-    FRICTION,
-    IMPACT,
-    PENETRATION,
     RESIDUAL,
-    SWEEPS,
     TOLD,
     Masses,
 )
@@ -29,7 +25,6 @@ from fem_lie.contact.impact.velocities import largest_speed
 from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.lie.motions import Group
 from fem_lie.results import Result
-from fem_lie.results.steps import ContactSteps
 from fem_lie.scene import Scene
 from fem_lie.scene.load import amplitudes
 from fem_lie.solve.alpha import free_bodies
@@ -45,6 +40,7 @@ from fem_lie.solve.alpha.step.impact_steps import (
     Contacts,
     advance,
 )
+from fem_lie.solve.impacts.history import ContactHistory
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
@@ -69,30 +65,10 @@ def applies(scene: Scene, policy: Policy) -> bool:
     )
 
 
-def contact_steps(told: Array, step: float, each: Array) -> ContactSteps:
-    """What results have of what contacts did.
-
-    Args:
-        told: Of all S steps, see :data:`~fem_lie.contact.impact.records.TOLD`, shape (S, ·).
-        step: Their size.
-        each: See :class:`~fem_lie.results.steps.ContactSteps`, shape (k, 15).
-    """
-    return ContactSteps(
-        times=step * np.arange(1, len(told) + 1, dtype=np.float64),
-        contacts=told[:, CONTACTS].copy(),
-        sweeps=told[:, SWEEPS].copy(),
-        cone_residual=told[:, RESIDUAL].copy(),
-        penetration=told[:, PENETRATION].copy(),
-        impact_loss=-told[:, IMPACT],
-        friction_loss=-told[:, FRICTION],
-        each=each,
-    )
-
-
 class Run(free_bodies.Run):
     """One integration."""
 
-    STATE = attributes("_touching", "_contacts.sum", "_contacts.booked", "_contacts.told", "_shown")
+    STATE = attributes("_touching", "_contacts.sum", "_contacts.booked", "_told")
 
     def __init__(self, options: Options, equations: Equations, step: float) -> None:
         """Collect bodies, loads and contacts."""
@@ -114,18 +90,18 @@ class Run(free_bodies.Run):
             np.zeros((_ROOM, WIDTH)),
             np.zeros(1, dtype=np.int64),
         )
-        self._shown: Array = np.zeros((0, WIDTH + 2))
+        self._told = ContactHistory()
         self._why = MADE
 
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> History:
         """See the base class."""
-        self._contacts = self._contacts._replace(told=np.zeros((plan.steps, TOLD)))
+        self._told.begin(plan.steps)
         return super().history(plan, progress, store)
 
     def _result(self, history: History) -> Result:
-        found = contact_steps(self._contacts.told, self.p.h, self._shown)
+        found = self._told.result(self.p.h)
         history.add(found)
         return Result(**vars(super()._result(history)) | {"contacts": found})
 
@@ -156,8 +132,7 @@ class Run(free_bodies.Run):
     def _take_shown(self) -> None:
         """Take what results have of contacts, with the numbers of these and of their places."""
         count = int(self._contacts.shown[0])
-        found = self._touching.named(self._contacts.room[:count])
-        self._shown = np.concatenate([self._shown, found])
+        self._told.append(self._touching.named(self._contacts.room[:count]))
         self._contacts.shown[0] = 0
 
     def _go(self, history: History, wanted: range, before: int) -> tuple[int, int, int, int]:
@@ -179,7 +154,7 @@ class Run(free_bodies.Run):
             self._touching.touch,
             self._masses,
             self._touching.work,
-            self._contacts._replace(done=contacts),
+            self._contacts._replace(done=contacts, told=self._told.steps),
         )
         count, kept = before + np.cumsum(taken), (indices <= last) & rows
         number = int(kept.sum())
@@ -206,8 +181,8 @@ class Run(free_bodies.Run):
             )
         if self._why != UNSETTLED:
             return super()._failure(steps)
-        reached = float(self._contacts.told[index - 1, RESIDUAL])
-        count = int(self._contacts.told[index - 1, CONTACTS])
+        reached = float(self._told.steps[index - 1, RESIDUAL])
+        count = int(self._told.steps[index - 1, CONTACTS])
         work = self._touching.work
         worst = int(np.argmax(np.abs(work.cones.r[:count]).max(axis=1)))
         one, other = self._names(int(work.chosen[worst]))

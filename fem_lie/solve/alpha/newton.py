@@ -6,15 +6,18 @@ to iterate, policies without a rule, velocities that are projected, inertial com
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from fem_lie.lie.kinds import twists
 from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.solve.alpha.ends.projection import project
 from fem_lie.solve.alpha.run_state import RunState
 from fem_lie.solve.alpha.step.loop import allowed, settled_ratio
-from fem_lie.solve.alpha.step.nodes import accept, correct, predict
+from fem_lie.solve.alpha.step.nodes import accept, change_velocities, correct, predict
 from fem_lie.solve.alpha.step.records import INCREMENT, ITERATION, MOTION, NOW, RATIO
+from fem_lie.solve.impacts.projection import project
+from fem_lie.solve.impacts.step_end import StepEnd
 from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, estimate
 from fem_lie.solve.motion.policies import Decisions
 from fem_lie.solve.renewal import Update
@@ -75,7 +78,9 @@ class Newton(RunState):
         if decisions.asks and not self._turned:
             decisions.answer(iteration, ratio, self._staleness())
         if self._projects:
-            project(equations, self.solver, self.s, self.scale, self._end, self.p.h)
+            end = StepEnd(self.s.H1, self.s.twist1, self._end)
+            change = partial(change_velocities, self.s.plain)
+            project(equations, self.solver, end, self.scale, self.p.h, change)
         accept(*self._plain)
         return True
 

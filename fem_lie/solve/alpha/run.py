@@ -13,6 +13,8 @@ from functools import cached_property
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._state import attributes
+from fem_lie.contact.impact.records import FRICTION, IMPACT
 from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Solution
@@ -39,6 +41,8 @@ from fem_lie.solve.alpha.step.records import (
     PlainSteps,
     Steps,
 )
+from fem_lie.solve.impacts.settle import CoupledContacts
+from fem_lie.solve.impacts.step_end import Factors, Rule, StepEnd
 from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.motion.policies import EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
@@ -64,6 +68,11 @@ def _damping(radius: float) -> list[str]:
 class Run(Newton):
     """One integration."""
 
+    STATE = attributes("_contacts")
+
+    _contacts: CoupledContacts | None = None
+    """Contacts by impacts, which change the ends of steps."""
+
     def __init__(self, options: Options, equations: Equations, step: float) -> None:
         """As the base class."""
         super().__init__(options, equations, step)
@@ -77,6 +86,20 @@ class Run(Newton):
         self._fills = known.stored is not None
         self._most = max(1, _AT_A_TIME // equations.unknowns.size)
         self._filled, self._taken = -1, 0
+        if contacts := equations.scene.impacts:
+            unknowns, factors = equations.unknowns, None
+            if not unknowns.rigid or len(known.terms):
+                factors = Factors(self._solve, self.r, self.dx, self.scale)
+            self._contacts = CoupledContacts(contacts, equations, self._end_rule, factors)
+
+    @property
+    def _end_rule(self) -> Rule:
+        return Rule(self.p.h, self.p.mass, self.p.damping)
+
+    def _set_size(self, h: float) -> None:
+        super()._set_size(h)
+        if self._contacts is not None:
+            self._contacts.follow(self._end_rule)
 
     @cached_property
     def _packed(self) -> FixedArrays:
@@ -108,7 +131,8 @@ class Run(Newton):
     def _ends(self) -> bool:
         """Whether the compiled loop ends steps."""
         books = self.books
-        return not self._remembers and (books.empty or books.compiled)
+        ends = not self._remembers and self._contacts is None
+        return ends and (books.empty or books.compiled)
 
     def _compile(self) -> None:
         if self._rule is not None:
@@ -120,6 +144,8 @@ class Run(Newton):
         """What takes its rows from the equations."""
         if not plan.saving.booked:
             self.books.rest()
+        if self._contacts is not None:
+            self._contacts.history.begin(plan.steps)
         return Recorder(self.equations, plan, progress, store)
 
     # --- steps ---
@@ -132,6 +158,8 @@ class Run(Newton):
     def _in_parts(self, history: Recorder) -> bool:
         """The next step, in parts if it takes these; whether it is made."""
         self._taken = 0
+        if self._contacts is not None:
+            self._contacts.history.begin_step(self.index + 1)
         made = self._cover()
         history.count += self._taken
         return made
@@ -139,15 +167,44 @@ class Run(Newton):
     def attempt(self, start: float, end: float) -> bool:
         """Make a step, see :class:`~fem_lie.solve.division.Divisible`."""
         self.counters[STEP], self._end = self.begun, end
+        before, motion = self.s.H.copy(), None
+        if self._contacts is not None:
+            motion = self.s.motion.copy()
+            self._contacts.begin(before, self.s.twist1, start)
         self._go_to_time(end)
-        before = self.s.H.copy()
         iterations = self._take_step()
         self._taken += iterations
+        if iterations and self._contacts is not None:
+            assert motion is not None
+            if not self._touch(self._contacts, end):
+                self.s.H[:], self.s.motion[:] = before, motion
+                self.weights[:] = self._first
+                return False
+            return self._remembered(before)
         if iterations:
             self._turn()
             return self._close(end, before)
         self.weights[:] = self._first
         return False
+
+    def _touch(self, contacts: CoupledContacts, end: float) -> bool:
+        """Let contacts change the end of an accepted step, and book it; whether they may."""
+        s = self.s
+        changed = contacts.settle(StepEnd(s.H, s.twist1, end))
+        if contacts.failure:
+            contacts.abandon()
+            return False
+        self.books.add(self.p.h, end, *self._accepted)
+        if changed is not None:
+            before = self._accepted._replace(H=s.H.copy(), v=s.twist1.copy())
+            s.change_end(changed.frames, changed.twists, changed.rates)
+            self.weights += changed.multipliers
+            lost = self.books.collide(end, before, self._accepted, contacts.work)
+            contacts.told[IMPACT] = -lost - contacts.told[FRICTION]
+        contacts.history.add(self.index, contacts.told)
+        self.reason = contacts.passed(s.H)
+        self._turn()
+        return not self.reason
 
     def _stretch(self, history: Recorder) -> bool:
         """As many steps as can be made and recorded by the loop alone, at least one."""
@@ -282,25 +339,37 @@ class Run(Newton):
         if self._filled == self.index > 0:
             history.show_progress(self.index)
             return True
-        return history.record(self.index, *self._recorded, self.books.total)
+        kept = history.record(self.index, *self._recorded, self.books.total)
+        if kept and self.index and self._contacts is not None:
+            self._contacts.record(self.s.H, self.index * self.h)
+        return kept
 
     @property
     def _recorded(self) -> Instant:
-        """The present state as results have it."""
-        return self._accepted
+        """The present state as results have it: joints take what contacts push through them."""
+        if self._contacts is None:
+            return self._accepted
+        weights = self.weights + self._contacts.reactions / self.p.h
+        return self._accepted._replace(weights=weights)
 
     def _result(self, history: Recorder) -> Result:
         solver = self.solver
         self.division.report(self.index)
         counts = solver.refreshes, self.division.divided
+        others: dict[str, object] = {"subdomains": solver.subdomains}
+        if self._contacts is not None:
+            others["contacts"] = steps = self._contacts.history.result(self.h)
+            history.add(steps)
         made = history.result(solver.factorisations, history.seconds, *counts)
-        return with_others(made, {"subdomains": solver.subdomains})
+        return with_others(made, others)
 
     def _failure(self, steps: int) -> str:
         limit, tolerance = self.options.max_iterations, self.options.tolerance
         residual = float(np.abs(self.r).max())
-        if self.reason:
-            return f"step {self.index} of {steps} (time {self._end:g}) failed: {self.reason}"
+        wedged = "" if self._contacts is None else self._contacts.failure
+        if reason := self.reason or wedged:
+            text = f"step {self.index} of {steps} (time {self._end:g}) failed: {reason}"
+            return self._nor_in_parts(text)
         rescued, reached = self._rescues, float(self.numbers[INCREMENT])
         of_step = self.index, steps, self.h, limit, reached, residual, tolerance, rescued
         text = failure(*of_step, *_damping(self.options.radius))

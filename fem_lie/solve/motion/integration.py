@@ -111,7 +111,8 @@ class DividedIntegration(Integration[Kept]):
     def _cover(self) -> bool:
         """Make the next step by :meth:`attempt`, in parts if it takes these; whether it is made."""
         self.begun = self.index
-        return self.division.cover(self, self.index * self.h, (self.index + 1) * self.h)
+        start, end = self.index * self.h, (self.index + 1) * self.h
+        return self.division.cover(self, start, end, self.h)
 
     def _divide(self) -> bool:
         """Make the next step, which has failed in full, in parts; whether it is made."""

@@ -11,7 +11,7 @@ from fem_lie._jit import compiled, inlined, linked
 from fem_lie.contact.impact import records
 from fem_lie.contact.impact.observed import show
 from fem_lie.contact.impact.places import deepest
-from fem_lie.contact.impact.records import FRICTION, GROUND, IMPACT, Masses, Touch, Work
+from fem_lie.contact.impact.records import FRICTION, GROUND, IMPACT, LARGEST, Masses, Touch, Work
 from fem_lie.contact.impact.rows import find_crossed
 from fem_lie.contact.impact.settle import settle
 from fem_lie.contact.impact.velocities import largest_speed
@@ -39,9 +39,6 @@ MADE, STALE, FAILED, UNSETTLED, CROSSED, FULL, OVERLAPPING = range(7)
 """Why steps end: all are made; it has to be looked again who is near whom; a body's iteration has
 failed; contacts have not settled; a ball has gone through another; there is no more room for what
 results have of contacts; bodies still overlap."""
-
-LARGEST = 1e-3
-"""Residual of the cones with which a step has failed."""
 
 
 class Contacts(NamedTuple):

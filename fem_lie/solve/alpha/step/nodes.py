@@ -130,6 +130,26 @@ class State(NamedTuple):
         all_from_local(self.kinds, self.H, twist, rate, self.v, self.vdot)
         self.twist1[:], self.rate1[:], self.a[:] = twist, rate, self.vdot
 
+    def change_end(self, frames: Array, twists: Array, rates: tuple[Array, Array]) -> None:
+        """Let an accepted step end otherwise.
+
+        Args:
+            frames: Of all rows, shape (rows, 4, 3).
+            twists: In the nodes' axes, shape (n, 6).
+            rates: Rates of the twists that belong to the end as it is and to the other one, by
+                whose difference accelerations change, each of shape (n, 6).
+        """
+        n = len(self.kinds)
+        velocity, before, after = np.empty((3, n, 6))
+        all_from_local(self.kinds, self.H, self.twist1, rates[0], velocity, before)
+        all_from_local(self.kinds, frames, twists, rates[1], velocity, after)
+        self.motion[0] = self.motion[4] = velocity
+        for k in (1, 2, 5):
+            self.motion[k] += after - before
+        self.twist1[:] = twists
+        self.rate1[:] += rates[1] - rates[0]
+        self.H[:n] = self.H1[:n] = frames[:n]
+
 
 PlainState: TypeAlias = tuple[Array, Array, Array, Indices, Array]
 """A :class:`State` at the door from Python."""

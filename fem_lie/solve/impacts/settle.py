@@ -24,20 +24,29 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._state import Stateful, attributes
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.impact import cones
-from fem_lie.contact.impact.records import CONTACTS, FRICTION, PENETRATION, RESIDUAL, SWEEPS
+from fem_lie.contact.impact.records import (
+    CONTACTS,
+    FRICTION,
+    LARGEST,
+    PENETRATION,
+    RESIDUAL,
+    SWEEPS,
+)
 from fem_lie.contact.impact.records import TOLD as SIZE
 from fem_lie.contact.impact.rows import choose_axes
 from fem_lie.contact.impact.sweeps import products
+from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.lie.kinds import all_from_local, all_to_group
-from fem_lie.solve.alpha.ends.coupled_bodies import Kept, to_twists
-from fem_lie.solve.alpha.ends.coupled_bounds import Chosen, bounds_of
-from fem_lie.solve.alpha.ends.coupled_places import TOLERANCE, Aims, CoupledPlaces, Moved
-from fem_lie.solve.alpha.ends.delassus import Delassus
-from fem_lie.solve.alpha.ends.last_contacts import Last
-from fem_lie.solve.alpha.step.node import Scheme
-from fem_lie.solve.alpha.step.nodes import State
+from fem_lie.solve.impacts.bodies import to_twists
+from fem_lie.solve.impacts.bounds import Chosen, bounds_of
+from fem_lie.solve.impacts.delassus import Delassus
+from fem_lie.solve.impacts.history import ContactHistory
+from fem_lie.solve.impacts.last_contacts import Last
+from fem_lie.solve.impacts.positions import TOLERANCE, Aims, CoupledPlaces, Moved
+from fem_lie.solve.impacts.step_end import Changed, Factors, Rule, StepEnd
 from fem_lie.system.equations import Equations
 
 _PASSES = 2
@@ -46,12 +55,16 @@ _PASSES = 2
 _TINY = 1e-6
 """Part of speeds below which they are known to round-off alone."""
 
+_VIOLATED = 1e-8
+"""Violation of joints after contacts, over the length of the model or in rad, with which it has."""
 
-class CoupledContacts(CoupledPlaces):
+
+class CoupledContacts(CoupledPlaces, Stateful):
     """All contacts by impacts of a run.
 
     Attributes:
         told: What they did in the last step, see :data:`~fem_lie.contact.impact.records.TOLD`.
+        history: What they did in all steps of the run.
         reactions: Impulses of the joints with those of contacts, over the step, shape (m,).
         work: Of drives and prescribed motions by these impulses.
         overlap: By which bodies still overlap at the end of the last step, beyond what counts as
@@ -60,14 +73,31 @@ class CoupledContacts(CoupledPlaces):
             if contacts have moved bodies.
     """
 
+    STATE = attributes("near", "history")
+
     def __init__(
-        self, contacts: Sequence[Contact], equations: Equations, scheme: Scheme, kept: Kept | None
+        self, contacts: Sequence[Contact], equations: Equations, rule: Rule, kept: Factors | None
     ) -> None:
         """As the base class."""
-        super().__init__(contacts, equations, scheme, kept)
+        super().__init__(contacts, equations, rule, kept)
         self.told, self.reactions, self.work = np.zeros(SIZE), np.zeros(self._m), 0.0
+        self.history = ContactHistory()
+        self._forget()
+
+    def _forget(self) -> None:
+        """No contact has taken part."""
+        self.told[:], self.reactions[:], self.work = 0.0, 0.0, 0.0
         self.overlap = self.violation = 0.0
         self._last = Last.nothing()
+
+    def begin(self, H: Array, v: Array, time: float) -> None:
+        """See the base class."""
+        super().begin(H, v, time)
+        self._forget()
+
+    def abandon(self) -> None:
+        """Leave a step that is not accepted; its impulses are no start for another one."""
+        self.near.work.impulses[:] = 0.0
 
     # --- which contacts take part ---
 
@@ -97,29 +127,25 @@ class CoupledContacts(CoupledPlaces):
             touch.restitution[pairs],
         )
 
-    def settle(self, s: State, weights: Array, time: float) -> bool:
-        """Change the end of a step that was accepted without contacts; whether there are any.
+    def settle(self, step: StepEnd) -> Changed | None:
+        """What contacts make of the end of a step; ``None`` if there are none.
 
         Args:
-            s: Whose frames, velocities and accelerations are changed.
-            weights: Multipliers, changed.
-            time: Of the end.
+            step: Its end, made without contacts.
         """
-        self.told[:], self.reactions[:] = 0.0, 0.0
-        self.overlap = self.violation = 0.0
-        smooth = self._gaps(s.H)
+        time = step.time
+        smooth = self._gaps(step.frames)
         if not (smooth <= 0.0).any():
             self.near.work.impulses[:] = 0.0
-            self._last = Last.nothing()
-            return False
-        end, V = s.H.copy(), self._all_rows(s.twist1, time)
+            return None
+        end, V = step.frames, self._all_rows(step.twists, time)
         defect = self._rates(end, V, time)
         old = self._accelerations(end, V, time)
         joined = np.zeros(len(smooth), dtype=np.bool_)
         # those that overlap without taking part join; this ends, for there are so many pairs
         while True:
             chosen = self._choose(smooth, joined)
-            moved, v, impulses = self._passes(chosen, s, end, V, defect, time)
+            moved, v, impulses = self._passes(chosen, end, V, defect, time)
             gaps = self._gaps(moved.H)
             deep = gaps < -self.near.touch.closed
             self.overlap = -float(gaps[deep].min(initial=0.0))
@@ -128,13 +154,41 @@ class CoupledContacts(CoupledPlaces):
                 break
             joined |= deep
         self.violation = self._largest_violation(moved.H)
-        self._take_over(s, weights, moved.H, v, old, time)
-        speeds = self._rates_of(moved.rows, moved.H, self._all_rows(v, time))
+        V1 = self._all_rows(v, time)
+        new = self._accelerations(moved.H, V1, time)
+        speeds = self._rates_of(moved.rows, moved.H, V1)
         self._tell(chosen, gaps, impulses, speeds)
-        return True
+        return Changed(moved.H, v, (old[0], new[0]), new[1] - old[1])
+
+    @property
+    def failure(self) -> str:
+        """Why the end of the last step cannot be accepted; empty if it can."""
+        residual, many = float(self.told[RESIDUAL]), f"{int(self.told[CONTACTS])} contacts"
+        advice = "are bodies wedged? Try smaller steps, or Penalty"
+        if not residual <= LARGEST:
+            return f"{many} did not settle (residual {residual:.0e}); {advice}"
+        if self.overlap > 0.0:
+            return (
+                f"{many} still overlap by {self.overlap:.2g} after all of them took part; {advice}"
+            )
+        if not self.violation <= _VIOLATED:
+            return (
+                f"{many} violate joints by {self.violation:.2g} of the length of the model, or "
+                f"rad; {advice}"
+            )
+        return ""
+
+    def passed(self, frames: Array) -> str:
+        """Which bodies went through each other in the step that ends at ``frames``; empty: none."""
+        if (found := self.near.passed(self._H0, frames)) is None:
+            return ""
+        pair, way = found
+        leader, own = self._equations.tables.leader, self._equations.unknowns.bodies.items()
+        who = self.near.names(pair, {body: leader[nodes] for body, nodes in own})
+        return str(PassedThroughError(" and ".join(who), *way))
 
     def _passes(
-        self, chosen: Chosen, s: State, end: Array, V: Array, defect: Array, time: float
+        self, chosen: Chosen, end: Array, V: Array, defect: Array, time: float
     ) -> tuple[Moved, Array, Array]:
         """Places, twists of the nodes, and impulses of contacts at the end of a step."""
         h = self._h
@@ -146,11 +200,11 @@ class CoupledContacts(CoupledPlaces):
             bounds = bounds_of(h, chosen, free[:, 0], 1.0)
             least = bounds.gaps(h, bounds.velocity if normal is None else normal, chosen)
             slid = bounds.rest[:, np.newaxis] * h * free[:, 1:]
-            moved = self.part(chosen, s, end, Aims(least, slid), r)
+            moved = self.part(chosen, end, Aims(least, slid), r)
             self.told[SWEEPS] += moved.sweeps
             self.told[RESIDUAL] = moved.residual
             rows, r = moved.rows, moved.r
-            v, impulses = self._throw(chosen, s, moved, end, V, defect, impulses, time)
+            v, impulses = self._throw(chosen, moved, end, V, defect, impulses, time)
             normal = self._rates_of(rows, moved.H, self._all_rows(v, time))[:, 0]
         return moved, v, impulses
 
@@ -159,7 +213,6 @@ class CoupledContacts(CoupledPlaces):
     def _throw(
         self,
         chosen: Chosen,
-        s: State,
         moved: Moved,
         end: Array,
         V: Array,
@@ -169,19 +222,22 @@ class CoupledContacts(CoupledPlaces):
     ) -> tuple[Array, Array]:
         """Twists of the nodes at the end, and impulses of contacts (k, 3)."""
         B, H, k = moved.rows, moved.H, len(chosen.pairs)
-        v, zero = s.v.copy(), np.zeros(6 * self._n)
+        kinds, zero = self._kinds, np.zeros(6 * self._n)
+        before, rate = np.empty_like(self._still), np.empty_like(self._still)
+        all_from_local(kinds, end, V[: self._n], self._still, before, rate)
+        v = before.copy()
         given: Array = np.zeros((k, 3))
         u_given: Array = np.empty((k, 3))
         self.reactions[:] = 0.0
         if self._kept is not None:
             by = moved.d.reshape(-1, 6).copy()
-            all_to_group(s.kinds, end, by)
-            v += self._p.damping * by
-            given = self._p.damping / self._p.mass * moved.r
-            self.reactions[:] = self._p.damping / self._p.mass * moved.carried
+            all_to_group(kinds, end, by)
+            v += self._rule.damping * by
+            given = self._rule.damping / self._rule.mass * moved.r
+            self.reactions[:] = self._rule.damping / self._rule.mass * moved.carried
         smooth, twist = np.empty_like(v), np.empty_like(v)
-        to_twists(s.kinds, H, s.v, smooth)
-        to_twists(s.kinds, H, v, twist)
+        to_twists(kinds, H, before, smooth)
+        to_twists(kinds, H, v, twist)
         self._impulses.go_to(H)
         off = defect - self._rates(H, self._all_rows(twist, time), time)
         x, first = self._impulses.solve(zero, off)
@@ -200,8 +256,8 @@ class CoupledContacts(CoupledPlaces):
         opens &= chosen.smooth > 0.0
         problem.q[opens, 0] = np.maximum(problem.q[opens, 0], 0.0) + 1e3 * np.abs(u).max()
         problem.r[:], problem.least[0] = impulses, _TINY * float(np.abs(V).max())
-        before = np.empty((k, 3)), np.empty((k, 3))
-        sweeps, residual = cones.solve_exactly(problem, k, TOLERANCE, before)
+        memory = np.empty((k, 3)), np.empty((k, 3))
+        sweeps, residual = cones.solve_exactly(problem, k, TOLERANCE, memory)
         self.told[SWEEPS] += sweeps
         self.told[RESIDUAL] = max(self.told[RESIDUAL], residual)
         P, change = problem.r, problem.r - given
@@ -219,28 +275,6 @@ class CoupledContacts(CoupledPlaces):
 
     # --- the end of the step ---
 
-    def _take_over(
-        self,
-        s: State,
-        weights: Array,
-        H: Array,
-        v: Array,
-        old: tuple[Array, Array],
-        time: float,
-    ) -> None:
-        """Make that the end of the step."""
-        new = self._accelerations(H, self._all_rows(v, time), time)
-        vdot, before, velocity = np.empty_like(v), np.empty_like(v), np.empty_like(v)
-        all_from_local(s.kinds, s.H, s.twist1, old[0], velocity, before)
-        all_from_local(s.kinds, H, v, new[0], velocity, vdot)
-        s.motion[0], s.motion[4] = velocity, velocity
-        for k in (1, 2, 5):
-            s.motion[k] += vdot - before
-        s.twist1[:], s.rate1[:] = v, s.rate1 + new[0] - old[0]
-        s.H[: self._n] = H[: self._n]
-        s.H1[: self._n] = H[: self._n]
-        weights += new[1] - old[1]
-
     def _tell(self, chosen: Chosen, gaps: Array, impulses: Array, speeds: Array) -> None:
         self.told[CONTACTS] = len(chosen.pairs)
         self.told[PENETRATION] = max(0.0, float(-gaps.min()))
@@ -252,11 +286,11 @@ class CoupledContacts(CoupledPlaces):
         at = gaps[chosen.pairs]
         self._last = Last(chosen.pairs, chosen.axis, at, impulses, slips, sticks)
 
-    def shown(self, H: Array, time: float) -> Array:
-        """What results have of the contacts of the last step, as :meth:`.Touching.named`.
+    def record(self, H: Array, time: float) -> None:
+        """Keep for results what each contact did in the last step.
 
         Args:
             H: Frames of all rows.
             time: Its end.
         """
-        return self._last.shown(self.near, H, time)
+        self.history.append(self._last.shown(self.near, H, time))

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,27 +15,10 @@ from fem_lie.contact.impact.touching import Touching
 from fem_lie.contact.sides.table import on_leaders
 from fem_lie.lie.kinds import all_to_group, move_all
 from fem_lie.lie.kinds import to_local as twist_of
-from fem_lie.solve.alpha.ends.delassus import islands_of
-from fem_lie.solve.alpha.ends.impulses import Impulses
-from fem_lie.solve.alpha.step.node import Scheme
-from fem_lie.solve.alpha.step.nodes import State
+from fem_lie.solve.impacts.delassus import islands_of
+from fem_lie.solve.impacts.impulses import Impulses
+from fem_lie.solve.impacts.step_end import Factors, Rule
 from fem_lie.system.equations import Equations, Instant
-
-
-class Kept(NamedTuple):
-    """The kept factors of a run.
-
-    Attributes:
-        solve: Solves with ``right_hand_side`` and leaves ``solution``.
-        right_hand_side: Shape (6 n + m,).
-        solution: Likewise.
-        scale: Of the constraints in the matrix, shape (m,).
-    """
-
-    solve: Callable[[], None]
-    right_hand_side: Array
-    solution: Array
-    scale: Array
 
 
 class CoupledBodies:
@@ -50,20 +32,20 @@ class CoupledBodies:
         self,
         contacts: Sequence[Contact],
         equations: Equations,
-        scheme: Scheme,
-        kept: Kept | None,
+        rule: Rule,
+        kept: Factors | None,
     ) -> None:
         """Collect them.
 
         Args:
             contacts: By impacts, all of them.
             equations: Of the scene without them; their matrix is overwritten.
-            scheme: Parameters of the run.
-            kept: Factors; none for scenes without elements.
+            rule: How the end of a step follows its increment.
+            kept: Factors of the iteration matrix; none for scenes without elements.
         """
         unknowns, tables, start = equations.unknowns, equations.tables, equations.start
-        self._equations, self._p, self._kept = equations, scheme, kept
-        self._n, self._m, self._h = unknowns.moving, unknowns.m, scheme.h
+        self._equations, self._rule, self._kept = equations, rule, kept
+        self._n, self._m, self._kinds = unknowns.moving, unknowns.m, unknowns.kinds
         self._rows, self._length = len(start.frames), unknowns.length
         self._free, self._known = ~unknowns.held.ravel(), -1
         self.near = Touching(
@@ -75,12 +57,22 @@ class CoupledBodies:
         )
         sides = self.near.touch.a, self.near.touch.b
         self._width = sum(int((side.nodes >= 0).sum(axis=1).max()) for side in sides)
-        self._impulses = Impulses(equations, scheme.h)
+        self._impulses = Impulses(equations, rule.h)
         self._r = np.zeros(unknowns.size)
         none = self._still = np.zeros((self._n, 6))
         self._forces = equations.residual(
             Instant(start.frames, none, none, np.zeros(self._m)), np.ones(self._m), self._r
         )
+
+    @property
+    def _h(self) -> float:
+        """Size of the step."""
+        return self._rule.h
+
+    def follow(self, rule: Rule) -> None:
+        """Have steps whose ends follow their increments by another rule."""
+        self._rule = rule
+        self._impulses.resize(rule.h)
 
     def _all_rows(self, v: Array, time: float) -> Array:
         """Twists of all rows, with those of ground and of prescribed motions, shape (rows, 6)."""
@@ -115,18 +107,18 @@ class CoupledBodies:
             self._known, self._labels = matrix.version, islands_of(matrix, beside)
         return self._labels
 
-    def _moved_by(self, s: State, end: Array, d: Array) -> Array:
+    def _moved_by(self, end: Array, d: Array) -> Array:
         """Frames ``end`` moved by an increment in the nodes' axes."""
         H, by = end.copy(), d.reshape(-1, 6).copy()
-        all_to_group(s.kinds, end, by)
-        move_all(s.kinds, end, by, H)
+        all_to_group(self._kinds, end, by)
+        move_all(self._kinds, end, by, H)
         return H
 
     def _pushed(self, f: Array) -> tuple[Array, Array]:
         """``S⁻¹ f`` with joints closed, of forces (6 n, k), and what joints carry then, (m, k)."""
         if self._kept is None:
             found, carried = self._impulses.solve(f)
-            return np.asarray(found / self._p.mass, dtype=np.float64), carried
+            return np.asarray(found / self._rule.mass, dtype=np.float64), carried
         n, kept = len(f), self._kept
         moved, held = np.empty_like(f), np.empty((self._m, f.shape[1]))
         for k in range(f.shape[1]):

@@ -9,7 +9,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.contact.impact.jacobian import BlockRows
 from fem_lie.contact.impact.velocities import set_bounds
-from fem_lie.solve.alpha.ends.delassus import Delassus
+from fem_lie.solve.impacts.delassus import Delassus
 
 
 class Chosen(NamedTuple):

@@ -14,11 +14,13 @@ vibrations are not stirred. It is one solution more per step with the kept facto
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.linear.direct import DirectSolver
-from fem_lie.solve.alpha.step.nodes import State, change_velocities
+from fem_lie.solve.impacts.step_end import StepEnd
 from fem_lie.system.equations import Equations
 
 _ITERATIONS = 20
@@ -26,29 +28,35 @@ _CONTRACTION = 1e-12  # of the violation, or what the round-off of velocities le
 
 
 def project(
-    equations: Equations, solver: DirectSolver, s: State, scale: Array, time: float, step: float
+    equations: Equations,
+    solver: DirectSolver,
+    end: StepEnd,
+    scale: Array,
+    step: float,
+    subtract: Callable[[Array], object],
 ) -> None:
     """Change the velocities at the end of a step.
 
     Args:
         equations: Of the scene, at the time of the end of the step.
         solver: With the kept factorisation.
-        s: The converged step; its velocities at the end are changed.
+        end: Of the converged step; its twists are changed.
         scale: Of the constraints in the matrix, shape (m,).
-        time: End of the step.
         step: Over which drives and prescribed motions are differentiated.
+        subtract: Subtracts a change in the nodes' axes, shape (6 n + m,), from the twists, and from
+            all else that the scheme has of velocities.
     """
-    n, velocities = equations.unknowns.moving, np.zeros((len(s.H1), 6))
+    n, velocities = equations.unknowns.moving, np.zeros((len(end.frames), 6))
     drive: Array = np.zeros(1)
     if equations.unknowns.time_dependent:
-        driven = equations.prescribed(time, step)
+        driven = equations.prescribed(end.time, step)
         velocities[n + 1 :], drive = driven.velocities, driven.target_rates[0]
-    constraints = equations.constraints(s.H1)
+    constraints = equations.constraints(end.frames)
     B = constraints.jacobian
     impulse = np.zeros(equations.unknowns.m)
     change, largest = np.zeros(equations.unknowns.size), np.inf
     for _ in range(_ITERATIONS):
-        velocities[:n] = s.twist1
+        velocities[:n] = end.twists
         first = constraints.rates(velocities)[0] - drive
         violation = float(np.abs(first).max(initial=0.0))
         speed = float(np.abs(velocities).max(initial=0.0))
@@ -62,4 +70,4 @@ def project(
         solver.solve()
         change[: 6 * n] -= solver.solution[: 6 * n]
         impulse -= solver.solution[6 * n :]
-        change_velocities(s.plain, solver.solution)
+        subtract(solver.solution)

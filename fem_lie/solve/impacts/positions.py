@@ -10,9 +10,8 @@ from fem_lie._arrays import Array
 from fem_lie.contact.impact import cones
 from fem_lie.contact.impact.jacobian import BlockRows, slides
 from fem_lie.contact.impact.sweeps import MOST_NEWTON, products
-from fem_lie.solve.alpha.ends.coupled_bodies import CoupledBodies
-from fem_lie.solve.alpha.ends.coupled_bounds import Chosen
-from fem_lie.solve.alpha.step.nodes import State
+from fem_lie.solve.impacts.bodies import CoupledBodies
+from fem_lie.solve.impacts.bounds import Chosen
 
 TOLERANCE, _ROUGH = 1e-9, 1e-6
 """Residual of the cones, and that with which positions begin."""
@@ -88,12 +87,11 @@ class CoupledPlaces(CoupledBodies):
         slides((chosen.before, B), (self._H0, H), total)
         return np.where(chosen.closed[:, np.newaxis], total[:, 1:], glide)
 
-    def part(self, chosen: Chosen, s: State, end: Array, aims: Aims, r: Array) -> Moved:
+    def part(self, chosen: Chosen, end: Array, aims: Aims, r: Array) -> Moved:
         """Part what overlaps, and hold what sticks.
 
         Args:
             chosen: Contacts that take part.
-            s: Of the run.
             end: Frames of all rows without contacts.
             aims: Of the contacts.
             r: Forces that may be near, shape (k, 3).
@@ -134,7 +132,7 @@ class CoupledPlaces(CoupledBodies):
             left = residual if not many or iteration < _WITH_FRICTION else left
             sweeps, r, here = sweeps + more_sweeps, problem.r, d
             last, d = r.copy(), responses.moved(r + held) + joints
-            H = self._moved_by(s, end, d)
+            H = self._moved_by(end, d)
             change = self._size(d - here)
             if self._ends(iteration, change, before):
                 break

@@ -73,13 +73,21 @@ class Impulses:
         """
         unknowns = equations.unknowns
         self._equations, self._n, self._m = equations, 6 * unknowns.moving, unknowns.m
-        mass = _at_rest(equations, _TINY * step)
+        self._inertia, self._first = _at_rest(equations, _TINY * step), step
+        self._elastic: sp.csr_matrix | None = None
         N = massless(equations.tables.inertia, unknowns.held)
         if N.count_nonzero():
-            mass = mass + N @ (_at_rest(equations, step) - mass) @ N
+            self._elastic = N @ (_at_rest(equations, step) - self._inertia) @ N
+        self.resize(step)
+
+    def resize(self, step: float) -> None:
+        """Let impulses be those of steps of another size."""
+        mass = self._inertia
+        if self._elastic is not None:
+            mass = mass + (step / self._first) ** 2 * self._elastic
         self.mass = mass.tocsc()
         self._weights = 1.0 / self.mass.diagonal()
-        self._free = splu(self.mass) if unknowns.m == 0 else None
+        self._free = splu(self.mass) if self._m == 0 else None
 
     def go_to(self, H: Array) -> None:
         """Factorise with the joints as they are at frames ``H``."""
