@@ -19,7 +19,9 @@ def run(name, periods, count, scheme=None):
 @pytest.mark.parametrize(
     ("name", "periods", "count"),
     [
+        ("box", 0.02, 400),
         ("box", 0.9, 40),
+        ("box", 2.0, 14),
         ("corners", 0.2, 30),
         ("beams", 0.2, 10),
         ("beams", 2.0, 6),  # whose increments fall slowly
@@ -37,6 +39,14 @@ def test_energy_and_momenta_stay_over_impacts(name, periods, count):
     assert result.energy_error < 5e-12
     assert result.momentum_error < 1e-13
     assert result.angular_momentum_error < 1e-13
+
+
+@pytest.mark.parametrize(("name", "count"), [("lines90", 8), ("slab", 10)])
+def test_steps_in_contact_keep_their_matrix(name, count):
+    result, touch = run(name, 0.2, count)
+    assert np.count_nonzero(fl.contact_forces(result, touch).touching) > 2
+    assert result.factorisations <= 3
+    assert result.divided == 0
 
 
 def test_skins_that_conserving_steps_refuse():

@@ -19,6 +19,7 @@ from fem_lie.solve.conserving.between.pushes import Pushes
 from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
 from fem_lie.solve.conserving.rows.measure import measure_cells
 from fem_lie.solve.conserving.step.records import (
+    OUTSIDE,
     Leaders,
     LegEnds,
     Legs,
@@ -108,7 +109,6 @@ def room_for_step(
         own=z((3, n + p, 4, 3)),
         turnings=z((2, 3 if dissipates else 0, 6 * n)),
         gains=z(cells.count),
-        pushed=z((0 if has_vector_nodes(equations) else len(pushes_of(equations).room(n)), 6)),
         lasting=z((3, len(rows.nodes) if dissipates else 0, 2, 3)),
         changes=z((2, n if dissipates else 0, 6)),
         outer=z((n, 6)),
@@ -215,7 +215,7 @@ def model_of(
         arms=np.where(unknowns.lengths, 1.0, unknowns.length),
         rows=rows,
         of_frames=_of_frames(equations),
-        outside=np.zeros(4, dtype=np.int64),
+        outside=np.zeros(OUTSIDE, dtype=np.int64),
         bodies=packed_bodies(known.floating),
         light=_without_inertia(equations),
     )

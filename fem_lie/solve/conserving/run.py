@@ -59,7 +59,7 @@ class Run(Steps):
         if self._alone:
             return self._stretch(history)
         last = history.next_stop(self.index)
-        if self.rule is None or self._changing or self._touching or self._each:
+        if self.rule is None or self._changing or self._each:
             last = self.index + 1
         return self._go_to(last, self.index * self.h, (self.index + 1) * self.h)
 
@@ -75,7 +75,7 @@ class Run(Steps):
             and known
             and tables.complete
             and (not self._held or self._table is not None)
-            and not (self._changing or self._touching or self._each)
+            and not (self._changing or self._each)
         )
 
     def _stretch(self, history: History) -> bool:

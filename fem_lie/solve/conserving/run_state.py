@@ -144,7 +144,6 @@ class RunState(DividedIntegration[History]):
         self.model = model_of(equations, self.cells, self.row_cells, scheme, legs)
         outside = None if shared is None else shared._outside
         self._outside: Outside = Outside(equations, self, self._pushes, outside)
-        self._touching = bool(self._pushes) and not len(self._vectors)
         # what follows its surroundings is turned after each step, and what joints miss led back
         known, turns = equations.tables, len(self._vectors) > 0
         turns &= known.drills or len(known.around[0]) > 0
@@ -424,7 +423,7 @@ class RunState(DividedIntegration[History]):
         # the first step conserves, see filtered
         h, still = (1.0 + self.options.loss * self.s.lag[REMEMBERS]) * self.size, np.zeros((n, 6))
         plan = Plan(still, scale, 4.0 / h**2, 2.0 / h, joints_at, forces_at)
-        if self._pushes and self.counters[corrections.ITERATION] > 1:
+        if self._outside.touching and self.counters[corrections.ITERATION] > 1:
             plan = plan._replace(ends=self._pushes.ends)
         # unknowns are along half-way axes, elements and constraints are felt at the end
         lag = 0.5 * self.size * v[:, 3:]

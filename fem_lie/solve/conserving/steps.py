@@ -14,8 +14,8 @@ import logging
 import numpy as np
 
 from fem_lie.linear.equilibrated import SingularMatrixError
+from fem_lie.solve.conserving.run_state import RunState
 from fem_lie.solve.conserving.step import corrections, loop, nodes
-from fem_lie.solve.conserving.touching import Touching
 from fem_lie.solve.secants import Secants
 
 _log = logging.getLogger(__name__)
@@ -36,7 +36,7 @@ _SHARE = 0.4
 """Of the cost of a matrix, what a step may go on for instead: the next steps gain by it, too."""
 
 
-class Steps(Touching):
+class Steps(RunState):
     """How steps are made.
 
     Attributes:
@@ -120,7 +120,9 @@ class Steps(Touching):
         """The step that failed from its start, with new matrices until it converges fast."""
         if len(self._vectors) and self._make_learning():
             return True
-        for still in (True, False):
+        # from no motion contacts are those of the start of the step
+        predicted_first = self._outside.touching and not len(self._vectors)
+        for still in (False, True) if predicted_first else (True, False):
             self.numbers[corrections.EXCESS] = np.inf
             if self._make(_RESCUE, still=still, always=True):
                 self.unpredicted = _UNPREDICTED if still else 0
@@ -174,47 +176,49 @@ class Steps(Touching):
         numbers[corrections.FELT] = 0.0
 
     def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:
-        """Steps up to ``last``; with pushes that is the next one."""
+        """Make steps up to ``last``."""
         limit = self.options.max_iterations * (_SLOW if always else 1)
-        if self._each:
-            return self._go_each(last, rule, limit, always=always)
-        if not self._touching:
-            return self._go_free(last, rule, limit, always=always)
-        self.reason = ""
-        if self.counters[corrections.ITERATION] == 0:
-            self._begin()
-        if not self._pushes_ahead():
-            self._part()
-            before = self.saved()
-            code = self._go_free(last, rule, limit, always=always)
-            if code != loop.DONE or not self._pushes.overlap(self.s.H):
-                if code == loop.DONE and not self._keep_apart(before["s.H"], self.s.H):
-                    self.take_back(before)
-                    return loop.FAILED
-                if code == loop.DONE:
-                    self._pushes.rub(self.s.H)
-                return code
-            self.take_back(before)
-            self._begin()
-        return loop.DONE if self._touch(limit) else loop.FAILED
+        go = self._go_each if self._each else self._go_free
+        return go(last, rule, limit, always=always)
 
     def _go_each(
         self, last: int, rule: tuple[int, float], limit: int, *, always: bool = False
     ) -> int:
         """The same where there is something to do in Python before and after each step."""
-        outside, contacts = self._outside, self._outside.contacts
+        outside = self._outside
         while self.index < last:
             self.reason = ""
             outside.begin()
-            before = self.saved() if contacts else None
-            code = self._go_free(self.index + 1, rule, limit, always=always)
+            go = self._go_free if outside.contacts is None else self._meet
+            code = go(self.index + 1, rule, limit, always=always)
             if code != loop.DONE:
                 return code
-            if before is not None and not self._keep_apart(before["s.H"], self.s.H):
-                self.take_back(before)
-                return loop.FAILED
             self._go_on()
         return loop.DONE
+
+    def _meet(self, last: int, rule: tuple[int, float], limit: int, *, always: bool = False) -> int:
+        """Make step ``last``, the next one, of a scene with contacts.
+
+        Contacts that do not act at its predicted end are not evaluated in it. If they do at the end
+        that is found, the step is made again with them.
+        """
+        outside, before = self._outside, self.saved()
+        if self._pushes.act_always:
+            outside.touch(True)
+        else:
+            if self.counters[corrections.ITERATION] == 0:
+                self._begin()
+            outside.look_ahead()
+        code = self._go_free(last, rule, limit, always=always)
+        if code == loop.DONE and not outside.touching and self._pushes.overlap(self.s.H):
+            self.take_back(before)
+            self._begin()
+            outside.touch(True)
+            code = self._go_free(last, rule, limit, always=always)
+        if code == loop.DONE and not self._keep_apart(before["s.H"], self.s.H):
+            self.take_back(before)
+            return loop.FAILED
+        return code
 
     def _go_on(self) -> None:
         """What is to be done after a step."""
@@ -222,10 +226,7 @@ class Steps(Touching):
         memory.accept(s.H)
         if outside.joints is not None:
             outside.joints.accept(s.H, self.model.driven, s.gap)
-        if outside.contacts is not None:
-            outside.contacts.go_on()
-            if not outside.pushed.any():
-                outside.contacts.overlap(s.H)
+        outside.accept()
         if len(self._vectors):
             memory.turn_axes(s.H)
 

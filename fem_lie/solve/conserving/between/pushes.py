@@ -49,7 +49,6 @@ class Pushes(Stateful):
             moving: Nodes that lead.
         """
         self._terms = [term for term in terms if term.over_step is not None]
-        self._rubbing = [t.path for t in self._terms if t.path is not None and t.path.friction]
         self._leader, self._offset = leader, offset
         self.energy = self.ahead = self.held = self.debt = 0.0
         forces = [(term, term.over_step) for term in self._terms]
@@ -64,9 +63,10 @@ class Pushes(Stateful):
         """Whether there are any."""
         return bool(self._terms)
 
-    def room(self, moving: int) -> Array:
-        """For :meth:`set`, of shape (moving + 2, 6); (0, 6) if there are none."""
-        return np.zeros((moving + BESIDE if self else 0, 6))
+    @property
+    def act_always(self) -> bool:
+        """Whether some act in all steps."""
+        return bool(self._steady)
 
     def overlap(self, H: Array) -> bool:
         """Whether anything pushes at frames ``H``."""
@@ -83,7 +83,7 @@ class Pushes(Stateful):
         Args:
             ends: Of the nodes that lead, (≥ n, 4, 3) each.
             leak: Energy that round-off has brought in, which they take back with the debt.
-            out: See :meth:`room`.
+            out: Forces and moments on these, on ground, and the energy that is lost, (n + 2, 6).
         """
         for given, own in zip(ends, self.ends, strict=True):
             if self._trivial:
@@ -143,19 +143,9 @@ class Pushes(Stateful):
         out *= 1.0 + part
         self._owed = self.debt + missing - part * work
 
-    def accept(self, H: Array) -> None:
-        """Go on from the end of the step that was looked at, with frames ``H``."""
-        self.go_on()
-        self.rub(H)
-
-    def go_on(self) -> None:
-        """The same, but for what rubs, which somebody else tells."""
+    def accept(self) -> None:
+        """Make the end of the step with the last forces the start of the next one."""
         self.energy, self.debt, self.held = self.ahead, self._owed, self._held_ahead
-
-    def rub(self, H: Array) -> None:
-        """Go on from frames ``H`` with what rubs."""
-        for term in self._rubbing:
-            term.accept(H)
 
 
 def _part(missing: float, work: float) -> float:

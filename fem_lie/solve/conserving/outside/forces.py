@@ -1,8 +1,8 @@
 """Forces over a step that only Python can find, added when compiled steps ask for them.
 
 They are those of joints that hold on to attachment frames or to nodes without frames, viscous
-forces of cells of such nodes, contact forces on these, and loads that turn with bodies or act on
-points that are no nodes. Such loads are those at the middle of the step, along whose increments
+forces of cells of such nodes, contact forces, and loads that turn with bodies or act on points that
+are no nodes. Such loads are those at the middle of the step, along whose increments
 they do their work.
 """
 
@@ -24,14 +24,17 @@ from fem_lie.lie.kinds.forces import wrench
 from fem_lie.lie.kinds.kind import axes
 from fem_lie.lie.tuples import dot, load, load_row, plus, rotate, rotate_back, scaled, store
 from fem_lie.lie.wrenches import add_wrench
+from fem_lie.solve.conserving.between.any_node import span_from_python
 from fem_lie.solve.conserving.between.pushes import BESIDE, LOSS, ON_GROUND, Pushes
 from fem_lie.solve.conserving.outside.joints import Joints
 from fem_lie.solve.conserving.outside.other_constraints import OtherConstraints
+from fem_lie.solve.conserving.step.dissipation import LEAK
 from fem_lie.solve.conserving.step.records import (
     ERROR,
     FORCES,
     JOINTS,
     LEARN,
+    TOUCHES,
     Model,
     Span,
     State,
@@ -64,7 +67,7 @@ class Outside:
         joints: Those of the scene, if compiled steps do not have them by themselves.
         between: Whether there is anything to do between two steps.
         contacts: Contacts among these forces, if there are any.
-        pushed: Their forces, see :meth:`.Pushes.room`.
+        touching: Whether contacts may act in the present step. If not, they are not evaluated.
         learns: Corrections that learn from those before; none where there are no secants.
     """
 
@@ -92,21 +95,60 @@ class Outside:
         self._viscous = _viscous(of_vectors)
         self._loads = [term for term in known.terms if acts_in_the_middle(term)]
         self._twists, self._forces = np.zeros((2, n, 6))
-        self.contacts = contacts if vectors.any() and contacts else None
-        self.pushed = np.zeros((n + BESIDE, 6))
+        self.contacts, self.touching = contacts if contacts else None, False
+        # the other nodes have criteria of their own for the end of an iteration
+        self._frames_alone = not vectors.any()
+        self._contact_forces = np.zeros((n + BESIDE, 6))
         self.between = bool(self.joints or self.contacts)
         self.learns: Secants | None = None
         self._add, self._learn = (
             CalledBack(action, self._failed) for action in (self._add_forces, self._improve)
         )
-        anything = self.between or self._viscous or self._loads
-        run.model.outside[FORCES] = self._add.address if anything else 0
+        self._always = bool(self.joints or self._viscous or self._loads)
+        self.touch(False)
         run.model.outside[JOINTS] = self.joints is not None
 
     def learn(self, secants: Secants | None) -> None:
         """Improve corrections by these from now on, or no more."""
         self.learns = secants
         self._run.model.outside[LEARN] = 0 if secants is None else self._learn.address
+
+    def touch(self, touching: bool) -> None:
+        """Set :attr:`touching` for the present step; contacts that do not act store no energy."""
+        self.touching, outside = touching, self._run.model.outside
+        outside[FORCES] = self._add.address if touching or self._always else 0
+        outside[TOUCHES] = touching and self._frames_alone
+        if self.contacts is not None and not touching:
+            self.contacts.energy = 0.0
+
+    @property
+    def pushes(self) -> bool:
+        """Whether the last contact forces are other than zero."""
+        return bool(self._contact_forces.any())
+
+    def look_ahead(self) -> None:
+        """Find out whether contacts act at the end of the step as it is predicted."""
+        run, along = self._run, Span(*self._run.this.rows)
+        rows = along.delta, along.mean, along.end, along.middle
+        span_from_python(self._kinds, run.s.H, run.this.step, rows)
+        self._find_contact_forces()
+        self.touch(self.pushes)
+
+    def _find_contact_forces(self) -> None:
+        assert self.contacts is not None
+        s, along = self._run.s, Span(*self._run.this.rows)
+        # cells take back by themselves the energy that round-off has brought in
+        leak = 0.0 if len(s.W) else float(s.lag[LEAK])
+        ends = Ends(s.H, along.end, along.mean, along.delta)
+        self.contacts.set(ends, leak, self._contact_forces)
+
+    def accept(self) -> None:
+        """Make the end of the step the start of the next one, for contacts."""
+        if self.contacts is None or not self.touching:
+            return
+        self.contacts.accept()
+        if not self.pushes:
+            self.contacts.overlap(self._run.s.H)
 
     def begin(self) -> None:
         """A step begins from the present state."""
@@ -143,13 +185,12 @@ class Outside:
             self._forces[:] = 0.0
             term.add_forces(along.middle, self._forces)
             _add_load(self._kinds, along.middle, this.step, self._forces, this.outer, this.losses)
-        if self.contacts is not None:
-            n = len(this.step)
-            ends = Ends(s.H, along.end, along.mean, along.delta)
-            self.contacts.set(ends, 0.0, self.pushed)
-            this.outer[:] += self.pushed[:n]
-            this.losses[BY_REACTIONS : BY_REACTIONS + 6] += self.pushed[n + ON_GROUND]
-            this.losses[DAMPING] += self.pushed[n + LOSS, 0]
+        if self.touching:
+            n, forces = len(this.step), self._contact_forces
+            self._find_contact_forces()
+            this.outer[:] += forces[:n]
+            this.losses[BY_REACTIONS : BY_REACTIONS + 6] += forces[n + ON_GROUND]
+            this.losses[DAMPING] += forces[n + LOSS, 0]
 
 
 def joints_of(equations: Equations) -> Joints | OtherConstraints | None:

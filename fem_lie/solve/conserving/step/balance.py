@@ -28,7 +28,6 @@ from fem_lie.lie.wrenches import add_dead, add_wrench
 from fem_lie.solve.conserving.between.any_node import span_all
 from fem_lie.solve.conserving.between.cayley import left_moment
 from fem_lie.solve.conserving.between.floating import add_inertia, span_products
-from fem_lie.solve.conserving.between.pushes import LOSS, ON_GROUND
 from fem_lie.solve.conserving.step.cells import add_filtered_forces, add_from_nodes
 from fem_lie.solve.conserving.step.dissipation import (
     MEMORY,
@@ -73,7 +72,6 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, anew: bool) -
     for k in range(losses.shape[0]):
         losses[k] = 0.0
     _make_up(kinds, state.carry, this.step, forces)
-    _add_pushed(this.pushed, forces, losses)
     add_from_nodes(packed, starts, steps, anew)
     if χ > 0.0:
         _choose_memory(packed, starts, steps)
@@ -136,19 +134,6 @@ def _add_outer(outside: Indices, outer: Array, forces: Array) -> None:
     for i in range(outer.shape[0]):
         for k in range(6):
             forces[i, k] += outer[i, k]
-
-
-@inlined
-def _add_pushed(pushed: Array, forces: Array, losses: Array) -> None:
-    """Add the forces that are given."""
-    n = forces.shape[0]
-    if pushed.shape[0] == 0:
-        return
-    for k in range(6):
-        for i in range(n):
-            forces[i, k] += pushed[i, k]
-        losses[BY_REACTIONS + k] += pushed[n + ON_GROUND, k]
-    losses[DAMPING] += pushed[n + LOSS, 0]
 
 
 @uncounted

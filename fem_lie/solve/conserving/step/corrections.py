@@ -50,6 +50,10 @@ FINE = 1e-2 * ULPS
 """Increments that are."""
 SURE = 1e-3
 """Ratio of increments that is not asked for again at the last digits."""
+_FLIPS, _SHORTER, _FARTHEST = 3, 0.5, 0.05
+"""Increments with contacts that fell no more, after which corrections are shortened to this
+fraction, and the largest increment of an iteration, in lengths of the model: beyond it, other
+contacts act."""
 _STAGNANT = 6
 """Iterations of a step without progress."""
 STALLED = 0.8
@@ -152,14 +156,21 @@ def count(counters: Indices, numbers: Array) -> None:
 
 
 @inlined
-def settled(counters: Indices, numbers: Array) -> bool:
-    """Whether only round-off is left: it falls no more, or is as small as where it fell no more."""
+def settled(counters: Indices, numbers: Array, steadily: bool) -> bool:
+    """Whether only round-off is left: it falls no more, or is as small as where it fell no more.
+
+    With ``steadily`` increments are compared with the one that has last fallen: those that fall
+    slowly, but steadily, are no round-off.
+    """
     increment, least = numbers[INCREMENT], numbers[LEAST]
     if increment > STALLED * least:
         counters[STALLS] += 1
+        if steadily:
+            increment = least
     else:
         counters[STALLS] = 0
     numbers[LEAST] = min(increment, least)
+    increment = numbers[INCREMENT]
     if increment <= 2.0 * numbers[FLOOR]:
         # a lucky zero must not make the next steps wait for another
         numbers[FLOOR] = max(min(increment, numbers[FLOOR]), 0.9 * numbers[FLOOR])
@@ -168,6 +179,20 @@ def settled(counters: Indices, numbers: Array) -> bool:
         return False
     numbers[FLOOR] = numbers[LEAST]
     return True
+
+
+@inlined
+def shorten(x: Array, increment: float, stalls: int) -> None:
+    """Shorten a correction ``x`` of a step in which contacts act, whose size is ``increment``.
+
+    Contacts that stick and slip in turns are met between both.
+    """
+    factor = _SHORTER if stalls >= _FLIPS else 1.0
+    if increment > _FARTHEST:
+        factor = min(factor, _FARTHEST / increment)
+    if factor < 1.0:
+        for k in range(x.shape[0]):
+            x[k] *= factor
 
 
 @inlined

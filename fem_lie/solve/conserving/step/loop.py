@@ -49,6 +49,7 @@ from fem_lie.solve.conserving.step.corrections import (
     lags,
     larger,
     settled,
+    shorten,
     size,
     size_of_vectors,
     stagnates,
@@ -57,7 +58,7 @@ from fem_lie.solve.conserving.step.corrections import (
 from fem_lie.solve.conserving.step.dissipation import MEMORY
 from fem_lie.solve.conserving.step.nodes import begin, compare, correct, hold
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
-from fem_lie.solve.conserving.step.records import ERROR, LEARN, solution_of
+from fem_lie.solve.conserving.step.records import ERROR, LEARN, TOUCHES, solution_of
 from fem_lie.solve.conserving.step.series import (
     CLOSE,
     FALLS,
@@ -114,6 +115,7 @@ def run(
         for k in range(6):
             supported = supported or model.supported[i, k] != 0
     legs, ends, aside, compared = model.legs, model.ends, (this.border, this.turnings), False
+    touches = outside[TOUCHES] != 0
     kinds, vectors, noise_level = model.kinds, False, _noise_level(packed, starts)
     for i in range(kinds.shape[0]):
         vectors = vectors or kinds[i] >= SLOPE
@@ -173,11 +175,16 @@ def run(
         counters[TOTAL] += 1
         x, moved, rests, stalled = solution_of(this.r).x, 0.0, True, False
         own, before = numbers[INCREMENT], larger(numbers[PREVIOUS], numbers[RECENT])
-        if vectors:
-            own, moved = size(model.of_frames, x), size_of_vectors(kinds, measure, x)
+        if vectors or touches:
+            moved = own
+            if vectors:
+                own, moved = size(model.of_frames, x), size_of_vectors(kinds, measure, x)
             window = WINDOW if outside[LEARN] == 0 else LEARNING
             stalled = stalls(numbers, moved, window) and moved <= noise_level
             rests = moved <= ROUND_OFF or stalled
+            if not vectors:
+                # what contacts make of round-off may be larger than this level
+                rests = stalled or moved > noise_level or moved == 0.0
             if tolerance > 0.0:
                 own, rests = larger(own, moved), True
         # at the last digits of cells without frames no matrix helps: policies do not count them
@@ -186,19 +193,23 @@ def run(
         done = noise = False
         numbers[INCREMENT] = own
         if rests:
-            noise = settled(counters, numbers)
+            noise = settled(counters, numbers, touches)
             compares = moved <= noise_level and outside[LEARN] == 0
             if not noise and compares and stagnates(counters, numbers):
                 # one sample of round-off may be small by chance
                 numbers[FELT] = max(_round_off(packed, starts, steps, factors), numbers[FELT])
                 noise = numbers[INCREMENT] <= min(_FELT * numbers[FELT], _ASTRAY)
+            # matrices do not have the contacts of the end of the step
             known = legs.nodes.shape[0] == 0 or numbers[ASIDE] < _SMALL
+            known = known and not touches
             done = noise or converged(numbers, tolerance, iteration, known)
             noise = noise and (stalled or moved <= own)
         numbers[INCREMENT] = larger(own, moved)
         if iteration == 1:
             numbers[MARK] = numbers[INCREMENT]
-        lost = vectors and is_lost(counters, numbers, before) and moved > noise_level
+        # with a matrix in each iteration contacts that change may take longer
+        watched = vectors or (touches and patience > 1)
+        lost = watched and is_lost(counters, numbers, before) and moved > noise_level
         if done:
             # a correction that is noise is not made: what is accepted must be of one piece
             if not noise:
@@ -213,6 +224,8 @@ def run(
         elif lost or iteration == limit or not numbers[INCREMENT] < 1e3:
             return FAILED
         else:
+            if touches:
+                shorten(x, numbers[INCREMENT], counters[STALLS])
             correct(packed, starts, steps)
             numbers[PREVIOUS] = own
             counters[ITERATION] += 1

@@ -17,10 +17,11 @@ from fem_lie.solve.conserving.between.floating import PackedBodies
 from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
 from fem_lie.system.nodes.loads import Loads
 
-FORCES, LEARN, JOINTS, ERROR = 0, 1, 2, 3
-"""Places in :attr:`Model.outside`: the address of what adds forces from outside of compiled code,
-and that of what improves corrections; whether joints are among these forces, 0 or 1; and whether
-what was called has failed."""
+FORCES, LEARN, JOINTS, ERROR, TOUCHES, OUTSIDE = 0, 1, 2, 3, 4, 5
+"""Indices into :attr:`Model.outside`: the address of the function that adds forces from outside of
+compiled code, and of the one that improves corrections; whether joints are among these forces, 0 or
+1; whether a called function has failed; whether contacts may act in the step, in a scene of frames
+alone; and its length."""
 
 
 class Scheme(NamedTuple):
@@ -123,7 +124,7 @@ class Model(NamedTuple):
         arms: Moment arm of both halves of each node, by which what acts on it is a force, (n, 2).
         rows: Cells of nodes that are no frames.
         of_frames: As ``measure`` for frames and constraints between these alone, else nil.
-        outside: Addresses of :data:`FORCES` and :data:`LEARN`, nil without, and flags, (4,).
+        outside: Addresses of :data:`FORCES` and :data:`LEARN`, nil without, and flags, (5,).
         bodies: Those of reduced order.
         light: Projectors on rotations of frames that have no inertia and are not held, in the axes
             of the nodes, (n, 3, 3), or (0, 3, 3) if there are none.
@@ -265,8 +266,6 @@ class Step(NamedTuple):
         turnings: What the matrix lacks of dissipation, see :mod:`.dissipation`, (2, 3, 6 n);
             without dissipation (2, 0, 6 n).
         gains: Of the cells' energies, (M,).
-        pushed: Forces that are given, on the leaders and on ground, and what they lose, see
-            :mod:`fem_lie.solve.conserving.between.pushes`, (n + 2, 6); without any (0, 6).
         lasting: Forces at the end of cells of nodes that are no frames, changes and what is kept of
             the memory, see :mod:`fem_lie.solve.conserving.rows.changes`, (3, places, 2, 3).
         changes: Changes of the forces of these cells, and their memory, (2, n, 6).
@@ -303,7 +302,6 @@ class Step(NamedTuple):
     own: Array
     turnings: Array
     gains: Array
-    pushed: Array
     lasting: Array
     changes: Array
     outer: Array
