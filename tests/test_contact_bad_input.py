@@ -5,7 +5,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie.contact.impact.records import CONTACTS, RESIDUAL
-from fem_lie.solve.alpha.impacts import Run
+from fem_lie.solve.alpha.free_bodies import Run
 from fem_lie.solve.alpha.step.impact_steps import UNSETTLED
 from fem_lie.system.equations import Equations
 
@@ -56,9 +56,9 @@ def unsettled() -> None:
     scene = falling(fl.Impact(), [ball((0, 0, 0), "left"), ball((0.2, 0, 0), "right")])
     equations = Equations(scene.without_impacts(), dynamics=True)
     one = Run(fl.GeneralisedAlpha(radius=0.8), equations, 1e-2)
-    one._why = UNSETTLED
-    one._told.begin(1)
-    one._told.steps[0, CONTACTS], one._told.steps[0, RESIDUAL] = 1, 4e-3
+    assert one._impacts is not None
+    one._impacts._why, told = UNSETTLED, one._impacts._failed_step
+    told[CONTACTS], told[RESIDUAL] = 1, 4e-3
     raise fl.ConvergenceError(one._failure(1))
 
 

@@ -8,7 +8,7 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.lie.motions import move
-from fem_lie.solve.alpha import free_bodies
+from fem_lie.solve.alpha import free_bodies, free_scene
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.step import free_body, node
 from fem_lie.solve.alpha.step.free_records import Body
@@ -123,16 +123,16 @@ def test_which_scenes_take_the_compiled_loop(caplog):
     beams = fl.Scene()
     beams.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2))
     automatic = fl.Automatic()
-    assert free_bodies.applies(loaded(2), automatic)
-    assert not free_bodies.applies(loaded(2), Mine())
-    assert not free_bodies.applies(fl.Scene(), automatic)
-    assert not free_bodies.applies(beams, automatic)
+    assert free_scene.applies(loaded(2), automatic)
+    assert not free_scene.applies(loaded(2), Mine())
+    assert not free_scene.applies(fl.Scene(), automatic)
+    assert not free_scene.applies(beams, automatic)
     for item in (
         fl.Clamp,
         lambda point: fl.Spherical(fl.ground(), point),
         lambda point: fl.PrescribedMotion(point, lambda t: point.frame),
     ):
-        assert not free_bodies.applies(held(item), automatic)
+        assert not free_scene.applies(held(item), automatic)
     with caplog.at_level(logging.INFO, logger="fem_lie"):
         fl.GeneralisedAlpha(policy=Mine()).run(loaded(), duration=0.01, step=0.01)
         assert not any("free rigid bodies" in message for message in caplog.messages)
@@ -327,11 +327,26 @@ def test_failure_of_one_body_ends_the_run_of_all():
     np.testing.assert_allclose(result.frames, free.frames, rtol=0, atol=1e-12)
 
 
-def test_spin_beyond_the_step_fails():
-    """Fifty radians in a step: what was computed before is kept, and finite."""
+def spinning(ω: tuple[float, float, float]) -> fl.Scene:
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (1, 2, 2.5)))
-    body.turn((300, 400, 500), about=body.centre)
+    body.turn(ω, about=body.centre)
+    return scene
+
+
+def test_a_failed_step_is_divided_as_on_the_general_road():
+    options, ω = fl.GeneralisedAlpha(max_iterations=2), (3.0, 4.0, 5.0)
+    one = options.run(spinning(ω), duration=0.2, step=0.1)
+    two = general(options, spinning(ω), 2, 0.1)
+    assert one.divided == two.divided == 2
+    np.testing.assert_allclose(one.frames, two.frames, rtol=0, atol=1e-6)
+
+
+def test_spin_beyond_the_step_fails():
+    """A hundred radians in a step: what was computed before is kept, and finite."""
+    scene = fl.Scene()
+    body = scene.add(fl.RigidBody(1.0, (1, 2, 2.5)))
+    body.turn((600, 800, 1000), about=body.centre)
     options = fl.GeneralisedAlpha(max_iterations=4)
     with pytest.raises(fl.ConvergenceError, match=r"step \d of 10 .* Try a smaller step") as info:
         options.run(scene, duration=1.0, step=0.1)

@@ -358,8 +358,16 @@ def test_walls_that_almost_face_each_other_part_a_ball(degrees):
     assert result.position(ball)[-1, 2] == pytest.approx(height, rel=1e-10)
 
 
+def test_steps_in_which_bodies_cannot_be_parted_are_divided():
+    scene, ball, height = in_a_groove(0.03)
+    result = run(scene, 0.3, 1e-2)
+    assert result.divided > 0
+    assert result.contacts.penetration.max() < 1e-12 * RADIUS
+    assert result.position(ball)[-1, 2] == pytest.approx(height, rel=1e-6)
+
+
 def test_bodies_that_cannot_be_parted_are_an_error():
-    scene, _, _ = in_a_groove(0.03)
+    scene, _, _ = in_a_groove(1e-5)
     with pytest.raises(fl.ConvergenceError, match=r"ball and ground still overlap by .* wedged\?"):
         run(scene, 0.3, 1e-2)
 

@@ -64,7 +64,7 @@ def note_ground(masses: Masses, w: Work, k: int, told: Array) -> None:
 
 @uncounted
 def show(
-    index: int,
+    time: float,
     h: float,
     touch: Touch,
     w: Work,
@@ -76,7 +76,7 @@ def show(
     """Append the first ``k`` contacts that take part and push, as rows of ``room``.
 
     Args:
-        index: Number of the step.
+        time: End of the step.
         h: Its size; what slides less than closed gaps in it sticks.
         touch: Pairs.
         w: Work of the step.
@@ -91,7 +91,7 @@ def show(
             continue
         c, row = w.chosen[e], room[count[0]]
         at, _ = nearest(H, touch, c)
-        row[TIME], row[PAIR], row[GAP] = h * index, c, w.gaps[c]
+        row[TIME], row[PAIR], row[GAP] = time, c, w.gaps[c]
         block = problem.rows.first[e]
         sign = 1.0 if touch.a.nodes[touch.pairs[c, 0], 0] >= 0 else -1.0
         impulse, slip = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)

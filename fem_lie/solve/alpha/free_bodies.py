@@ -4,6 +4,9 @@ Every body has its own six equations and its own iteration
 (:mod:`fem_lie.solve.alpha.step.free_steps`), which does not depend on what else is in the scene:
 each of a thousand bodies moves bit for bit as alone.
 
+They may touch by impacts, which change the ends of steps
+(:mod:`fem_lie.solve.alpha.free_impacts`).
+
 Scheme, start, stopping rule and results are those of :mod:`fem_lie.solve.alpha.generalised_alpha`.
 Iterations are those of the body that takes most in a step; factorisations count those of all.
 """
@@ -11,36 +14,35 @@ Iterations are those of the body that takes most in a step; factorisations count
 from __future__ import annotations
 
 import logging
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._state import attributes
-from fem_lie.bodies.rigid import RigidBody
 from fem_lie.lie.kinds import all_from_local, move_all
 from fem_lie.results import Result
-from fem_lie.results.record import BOOKED, Record
-from fem_lie.scene import Scene
-from fem_lie.scene.load import History as LoadHistory
-from fem_lie.scene.load import NodalLoad, amplitudes, histories
-from fem_lie.solve.alpha.options import Options
+from fem_lie.results.record import BOOKED, Record, with_others
+from fem_lie.scene.load import amplitudes
+from fem_lie.solve.alpha.free_impacts import FreeImpacts, Interval
+from fem_lie.solve.alpha.free_scene import packed_bodies, packed_loads
+from fem_lie.solve.alpha.options import DAMPED, Options
 from fem_lie.solve.alpha.step import free_steps
 from fem_lie.solve.alpha.step import node as scheme
 from fem_lie.solve.alpha.step.free_records import (
+    BEYOND,
     BODY,
+    FEWEST,
     INCREMENT,
     RESIDUAL,
-    Bodies,
     Kept,
-    Loads,
     Plan,
     State,
 )
 from fem_lie.solve.alpha.step.free_records import Options as Iteration
-from fem_lie.solve.motion.convergence import ROTATION, failure
-from fem_lie.solve.motion.driver import Driver
-from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.motion.convergence import failure
+from fem_lie.solve.motion.integration import Divided
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import History
@@ -50,23 +52,11 @@ _log = logging.getLogger(__name__)
 
 _CHUNK = 200_000  # steps of bodies between two returns to Python: 0.1 s
 
-
-def applies(scene: Scene, policy: Policy) -> bool:
-    """Whether the scene is rigid bodies alone, and the policy a rule for compiled loops."""
-    return not scene.contacts and not scene.impacts and held_by_nothing(scene, policy)
+_NEVER = 2**62
+"""Steps between two rows where there is none."""
 
 
-def held_by_nothing(scene: Scene, policy: Policy) -> bool:
-    """:func:`applies`, whatever the contacts."""
-    holding = scene.joints, scene.connections, scene.clamps, scene.motions, scene.links
-    held = any(holding) or any(body.held.any() for body in scene.bodies)
-    rigid = all(isinstance(body, RigidBody) and not body.gram[0, 1:].any() for body in scene.bodies)
-    nodal = [load for load in scene.loads if isinstance(load, NodalLoad)]
-    simple = len(nodal) == len(scene.loads) and not any(load.on_directors().any() for load in nodal)
-    return bool(scene.bodies) and rigid and simple and not held and policy.rule() is not None
-
-
-class Run(Driver[History]):
+class Run(Divided[History]):
     """One integration.
 
     Attributes:
@@ -74,7 +64,7 @@ class Run(Driver[History]):
         s: State at the start of the next step.
     """
 
-    STATE = attributes("s", "_index", "_count", "_factorisations")
+    STATE = attributes("s", "_index", "_count", "_factorisations", "_impacts")
 
     def __init__(self, options: Options, equations: Equations, step: float) -> None:
         """Collect bodies and loads.
@@ -84,6 +74,7 @@ class Run(Driver[History]):
             equations: Of a scene that :func:`applies`.
             step: Step size.
         """
+        super().__init__(options.policy, step)
         scene = equations.scene
         _log.info("free rigid bodies only (%d): no matrix of the scene", len(scene.bodies))
         rule = options.policy.rule()
@@ -95,21 +86,13 @@ class Run(Driver[History]):
             float(rule[1]),
             options.policy.rescue,
         )
-        self.scene, self.equations = scene, equations
+        self.scene, self.equations, self._radius = scene, equations, options.radius
         self._index, self._count, self._factorisations = 0, 0, 0
         self._failed: Array = np.zeros(3)
-        unknowns, start = self.equations.unknowns, self.equations.start
+        unknowns, start = equations.unknowns, equations.start
         n = unknowns.moving
-        self.blocks = np.empty((n, 4, 4))
-        self.sizes = np.empty(n)
-        for body, nodes in unknowns.bodies.items():
-            assert isinstance(body, RigidBody)
-            self.blocks[nodes], self.sizes[nodes] = body.gram, body.size
-        trace = np.trace(self.blocks[:, 1:, 1:], axis1=1, axis2=2)
-        J = trace[:, np.newaxis, np.newaxis] * np.eye(3) - self.blocks[:, 1:, 1:]
-        scaling = np.column_stack([1.0 / self.sizes, np.full(n, ROTATION)])
-        self.bodies = Bodies(self.blocks[:, 0, 0].copy(), J, scaling, unknowns.kinds)
-        self.loads, self.histories = self._collect(scene)
+        self.blocks, self.sizes, self.bodies = packed_bodies(equations)
+        self.loads, self.histories = packed_loads(equations, self.bodies.mass)
         self.p = scheme.parameters(options.radius, step)
         self.s = State(
             start.frames[:n].copy(),
@@ -122,27 +105,10 @@ class Run(Driver[History]):
             np.zeros((n, 7)),
             np.zeros((n, 7)),
         )
-
-    def _collect(self, scene: Scene) -> tuple[Loads, dict[int, LoadHistory]]:
-        unknowns = self.equations.unknowns
-        constant = np.zeros((unknowns.moving, 12))
-        constant[:, :3] = self.bodies.mass[:, np.newaxis] * scene.gravity
-        vary, owner, varying = [], [], histories(scene.loads)
-        for k, given in enumerate(scene.loads):
-            assert isinstance(given, NodalLoad)
-            (node,) = unknowns.bodies[given.body]
-            twelve, at = np.zeros(12), 6 if given.following else 0
-            twelve[at : at + 6] = given.nodal()[0]
-            if k in varying:
-                vary.append(twelve)
-                owner.append(node)
-            else:
-                constant[node] += twelve
-        nodes = np.array(owner, dtype=np.int64)
-        order = np.argsort(nodes, kind="stable")
-        first = np.searchsorted(nodes[order], np.arange(unknowns.moving + 1))
-        table = np.array(vary).reshape(-1, 12)[order]
-        return Loads(constant, first, table, order), varying
+        self._impacts: FreeImpacts | None = None
+        if scene.impacts:
+            force, own = self.loads.constant[:, :3], unknowns.bodies
+            self._impacts = FreeImpacts(scene, own, self.bodies, force, self.sizes, self.s.H)
 
     @property
     def _twists(self) -> Array:
@@ -150,24 +116,31 @@ class Run(Driver[History]):
         return self.equations.start.velocities[: len(self.s.H)]
 
     def start(self) -> None:
-        """Consistent accelerations, and those that ``a`` stands for: α_m − α_f steps earlier."""
-        s, ahead = self.s, self.p.ahead
+        """Consistent accelerations."""
+        s = self.s
+        all_from_local(self.bodies.group, s.H, self._twists, np.zeros_like(s.v), s.v, s.vdot)
+        self._make_consistent(0.0)
+        amplitude = amplitudes(self.histories, [0.0])
+        free_steps.start_books(self.loads, amplitude[0], s.H, self._twists, s.rates)
+
+    def _make_consistent(self, time: float) -> None:
+        """Accelerations at ``time``, and those that ``a`` stands for: α_m − α_f steps earlier."""
+        s, ahead, group = self.s, self.p.ahead, self.bodies.group
         bodies, loads = self.bodies, self.loads
-        amplitude = amplitudes(self.histories, [0.0, ahead])
-        group, twists = self.bodies.group, self._twists
-        all_from_local(group, s.H, twists, np.zeros_like(twists), s.v, s.vdot)
+        amplitude = amplitudes(self.histories, [time, time + ahead])
         free_steps.accelerations(bodies, loads, amplitude[0], s.H, s.v, s.vdot)
         d, H1, later = ahead * s.v + 0.5 * ahead**2 * s.vdot, s.H.copy(), np.empty_like(s.vdot)
         move_all(group, s.H, d, H1)
         v1 = s.v + ahead * s.vdot
         free_steps.accelerations(bodies, loads, amplitude[1], H1, v1, later)
         s.a[:] = s.vdot - self.p.shift / ahead * (later - s.vdot)
-        free_steps.start_books(loads, amplitude[0], s.H, twists, s.rates)
 
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> History:
         """See the base class."""
+        if self._impacts is not None:
+            self._impacts.history.begin(plan.steps)
         # energies and momenta are made of velocities
         plan = replace(plan, saving=replace(plan.saving, also=Record.VELOCITIES))
         return History(self.equations.info, plan, progress, store)
@@ -184,21 +157,67 @@ class Run(Driver[History]):
 
     def integrate(self, history: History) -> Result:
         """See the base class."""
-        self._go_on(history, range(1, 1), 0)  # compilation is not integration
+        self._history = history
+        self._make(range(1, 1), np.zeros(0), kept=True)  # compilation is not integration
         return super().integrate(history)
 
+    # --- the size of the step ---
+
+    def _set_size(self, h: float) -> None:
+        radius = self._radius
+        self.p = scheme.parameters(min(radius, DAMPED) if self.division.level else radius, h)
+
+    def resize(self, time: float, size: float) -> None:
+        """See the base class; velocities of free bodies are of no size."""
+        self._set_size(size)
+        self._make_consistent(time)
+        memory = self.s.memory
+        memory[:, FEWEST], memory[:, BEYOND] = 0.0, np.inf
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        super().restore(kept)
+        self._set_size(self.part_size)
+
+    # --- steps ---
+
     def _advance(self, history: History) -> bool:
+        if self.division.level:
+            return self._in_parts()
         index = self._index
         chunk = max(1, min(history.refresh, _CHUNK // len(self.s.H)))
         end = history.next_halt(index, min(chunk, history.room or chunk))
         if history.room:
             history.make_room(end - index)
         wanted = range(index + 1, end + 1)
-        self._index, self._count, made = self._go_on(history, wanted, self._count)
-        self._factorisations += made
+        self._index = self._make(wanted, self.h * np.arange(index + 1.0, end + 1.0), kept=True)
+        if self._index < end:
+            if not self.divides:
+                return False
+            self.division.halve(self, self._index * self.h, self.h)
+            return self._in_parts()
+        self._show(history)
+        return True
+
+    def _show(self, history: History) -> None:
         if self._index:
             history.update_if_due(self._index, self._count)
-        return self._index == end
+
+    def _in_parts(self) -> bool:
+        """The next step, in parts; whether it is made."""
+        if self._impacts is not None:
+            self._impacts.history.begin_step(self._index + 1)
+        if self._history.room:
+            self._history.make_room(1)
+        made = self._cover()
+        self._index += made
+        self._show(self._history)
+        return made
+
+    def attempt(self, start: float, end: float) -> bool:
+        """See the base class; the row of a step is that of its last part."""
+        step, last = self.begun + 1, end == (self.begun + 1) * self.h
+        return self._make(range(step, step + 1), np.array([end]), kept=last) == step
 
     def _record(self, history: History) -> bool:
         """See the base class: all rows but the first one are kept by the compiled loop."""
@@ -209,36 +228,77 @@ class Run(Driver[History]):
         return True
 
     def _result(self, history: History) -> Result:
-        return history.result(self._factorisations, history.seconds)
+        self.division.report(self._index)
+        contacts = None
+        if self._impacts is not None:
+            contacts = self._impacts.history.result(self.h)
+            history.add(contacts)
+        divided = self.division.divided
+        made = history.result(self._factorisations, history.seconds, divided=divided)
+        return made if contacts is None else with_others(made, {"contacts": contacts})
 
-    def _go_on(self, history: History, wanted: range, before: int) -> tuple[int, int, int]:
-        """Make the steps ``wanted``, after ``before`` iterations: last step, iterations, matrices.
+    def _make(self, wanted: range, times: Array, *, kept: bool) -> int:
+        """Make steps that end at ``times``; returns the last that was made.
 
-        Counts are of all steps so far and of these steps.
+        After one that failed the state is that of its start.
+
+        Args:
+            wanted: Numbers of the steps.
+            times: Their ends.
+            kept: Whether there are rows for them.
         """
-        indices = np.arange(wanted.start, wanted.stop)
-        amplitude = amplitudes(self.histories, indices * self.p.h)
-        taken = np.zeros(len(indices), dtype=np.int64)
-        wanted_rows = (indices % history.every == 0) | (indices == history.steps)
-        done = np.zeros((int(wanted_rows.sum()), 7))
-        last, factorisations = free_steps.advance(
-            self.p,
-            self.options,
-            self.bodies,
-            self.loads,
-            amplitude,
-            self.s,
-            Plan(wanted.start, wanted.stop - 1, history.row, history.steps, history.every),
-            Kept(history.frames, history.velocities, done, taken, self._failed),
+        history, indices = self._history, np.arange(wanted.start, wanted.stop)
+        every, total = (history.every, history.steps) if kept else (_NEVER, -1)
+        rows = (indices % every == 0) | (indices == total)
+        taken, count = np.zeros(len(indices), dtype=np.int64), int(rows.sum())
+        interval = Interval(
+            Plan(wanted.start, wanted.stop - 1, history.row, total, every),
+            times,
+            amplitudes(self.histories, times),
+            Kept(history.frames, history.velocities, np.zeros((count, 7)), taken, self._failed),
+            rows,
         )
-        count = before + np.cumsum(taken)
-        kept = (indices <= last) & wanted_rows
-        count_kept = int(kept.sum())
-        rows = slice(history.row, history.row + count_kept)
-        self._book(history, rows, 0, done[:count_kept])
-        self._keep_rows(history, indices[kept], count[kept])
-        made = last - wanted.start + 1
-        return last, int(count[made - 1]) if made else before, factorisations
+        done = None
+        self.reason = ""
+        if self._impacts is None:
+            last, made = self._alone(interval)
+        else:
+            how = self.p, self.options, self.loads, self.s, interval
+            last, made, done = self._impacts.advance(*how)
+            if last < wanted.stop - 1:
+                if self._impacts.crossed:
+                    self.reason = self._impacts.failure(self.p, self.s.v)
+                self._impacts.go_back(self.s.H)
+        self._factorisations += made
+        counts = self._count + np.cumsum(taken)
+        filled = (indices <= last) & rows
+        number = int(filled.sum())
+        at = slice(history.row, history.row + number)
+        self._book(history, at, 0, interval.rows.done[:number])
+        if done is not None:
+            self._book(history, at, 1, done[:number])
+        self._keep_rows(history, indices[filled], counts[filled])
+        if last >= wanted.start:
+            self._count = int(counts[last - wanted.start])
+        return last
+
+    def _alone(self, interval: Interval) -> tuple[int, int]:
+        """Steps of bodies that do not touch: the last one, and the number of factorisations."""
+        plan, rows = interval.plan, interval.rows
+        before = State(*(array.copy() for array in self.s))
+        last, made = self._go(interval)
+        if last < plan.last:
+            # some bodies are beyond that step
+            for array, start in zip(self.s, before, strict=True):
+                array[:] = start
+            rows.done[:], rows.iterations[:], noted = 0.0, 0, self._failed.copy()
+            self._go(interval._replace(plan=plan._replace(last=last)))
+            self._failed[:] = noted
+        return last, made
+
+    def _go(self, interval: Interval) -> tuple[int, int]:
+        how = self.p, self.options, self.bodies, self.loads, interval.amplitude, self.s
+        return free_steps.advance(*how, interval.plan, interval.rows)
 
     def _book(self, history: History, rows: slice, column: int, done: Array) -> None:
         """Keep sums of what acted, work or loss before impulses, shape (k, 7)."""
@@ -260,10 +320,14 @@ class Run(Driver[History]):
         history.keep(indices, iterations)
 
     def _failure(self, steps: int) -> str:
-        index, failed = self._index + 1, self._failed
+        index, failed, wedged = self._index + 1, self._failed, ""
+        if self._impacts is not None:
+            wedged = self._impacts.failure(self.p, self.s.v)
+        if reason := self.reason or wedged:
+            return self._nor_in_parts(f"step {index} of {steps}: {reason}")
         name = self.scene.bodies[int(failed[BODY])].label
         limit, tolerance = self.options.limit, self.options.tolerance
         rescued = self.options.rescue
-        reached = index, steps, self.p.h, limit, failed[INCREMENT], failed[RESIDUAL]
+        reached = index, steps, self.h, limit, failed[INCREMENT], failed[RESIDUAL]
         text = failure(*reached, tolerance, rescued)
-        return f"{name}: {text}"
+        return self._nor_in_parts(f"{name}: {text}")

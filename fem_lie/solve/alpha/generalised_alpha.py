@@ -19,7 +19,8 @@ from typing import Any
 
 from fem_lie.lie.motions import Parametrisation
 from fem_lie.scene import Scene
-from fem_lie.solve.alpha import free_bodies, impacts
+from fem_lie.solve.alpha import free_bodies
+from fem_lie.solve.alpha.free_scene import applies
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.variable import AlphaSteps
@@ -74,14 +75,10 @@ class GeneralisedAlpha(Options, Integrator):
     def _free(self, scene: Scene) -> bool:
         """Whether the bodies of a scene can be stepped each by itself."""
         exponential = self.parametrisation == Parametrisation.EXPONENTIAL
-        by_themselves = impacts.applies if scene.impacts else free_bodies.applies
-        return exponential and by_themselves(scene, self.policy)
+        return exponential and applies(scene, self.policy)
 
     def _integration(self, equations: Equations, step: float) -> Driver[Any]:
-        scene = equations.scene
-        if not self._free(scene):
-            return Run(self, equations, step)
-        return (impacts.Run if scene.impacts else free_bodies.Run)(self, equations, step)
+        return (free_bodies.Run if self._free(equations.scene) else Run)(self, equations, step)
 
     def _steppers(
         self, scene: Scene, plan: ChosenSteps

@@ -10,6 +10,9 @@ from fem_lie.lie.motions import Parametrisation
 from fem_lie.solve.motion.integrator import check_kinds
 from fem_lie.solve.motion.policies import Automatic, Policy
 
+DAMPED = 0.5
+"""Largest radius of parts of steps: chains of hundreds of links do not arrive with less damping."""
+
 
 class Components(IntEnum):
     """In which components the iteration matrix is kept; the solution is the same.

@@ -21,8 +21,7 @@ from fem_lie.linear.factors import Solution
 from fem_lie.results import Result
 from fem_lie.results.record import with_others
 from fem_lie.solve.alpha.newton import Newton
-from fem_lie.solve.alpha.options import Options
-from fem_lie.solve.alpha.run_state import DAMPED
+from fem_lie.solve.alpha.options import DAMPED, Options
 from fem_lie.solve.alpha.step import loop
 from fem_lie.solve.alpha.step.nodes import WRITTEN
 from fem_lie.solve.alpha.step.records import (
@@ -201,7 +200,7 @@ class Run(Newton):
             self.weights += changed.multipliers
             lost = self.books.collide(end, before, self._accepted, contacts.work)
             contacts.told[IMPACT] = -lost - contacts.told[FRICTION]
-        contacts.history.add(self.index, contacts.told)
+        contacts.history.add(self.index, contacts.told[np.newaxis])
         self.reason = contacts.passed(s.H)
         self._turn()
         return not self.reason

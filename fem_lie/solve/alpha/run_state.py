@@ -13,7 +13,7 @@ from fem_lie._state import attributes
 from fem_lie.lie.kinds import follow_all, turn_all, turn_all_back
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.low_rank import MOST
-from fem_lie.solve.alpha.options import Components, Index, Options
+from fem_lie.solve.alpha.options import DAMPED, Components, Index, Options
 from fem_lie.solve.alpha.staleness import back_to_local, staleness
 from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.node import parameters
@@ -34,9 +34,6 @@ from fem_lie.system.equations import Equations, Instant, Plan
 
 _LARGE = 20_000
 """Nodes beyond which a matrix for the sake of compilation takes longer than that is worth."""
-
-DAMPED = 0.5
-"""Largest radius of parts of steps: chains of hundreds of links do not arrive with less damping."""
 
 
 class RunState(DividedIntegration[Recorder]):

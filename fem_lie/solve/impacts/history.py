@@ -45,17 +45,17 @@ class ContactHistory(Stateful):
         """Nothing has happened yet in the step of this number, the first of which is 1."""
         self.steps[step - 1] = 0.0
 
-    def add(self, step: int, told: Array) -> None:
-        """Add what contacts did in a step or sub-step.
+    def add(self, first: int, reported: Array) -> None:
+        """Add what contacts did in steps or sub-steps.
 
         Args:
-            step: Number of the step.
-            told: See :data:`~fem_lie.contact.impact.records.TOLD`, shape (13,).
+            first: Number of the first step.
+            reported: See :data:`~fem_lie.contact.impact.records.TOLD`, shape (k, 13).
         """
-        row = self.steps[step - 1]
-        largest = np.maximum(row[_LARGEST], told[_LARGEST])
-        row += told
-        row[_LARGEST] = largest
+        rows = self.steps[first - 1 : first - 1 + len(reported)]
+        largest = np.maximum(rows[:, _LARGEST], reported[:, _LARGEST])
+        rows += reported
+        rows[:, _LARGEST] = largest
 
     def append(self, rows: Array) -> None:
         """Keep rows of single contacts, shape (·, 15)."""

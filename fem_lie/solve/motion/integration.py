@@ -91,21 +91,29 @@ class Integration(Driver[Kept]):
         )
 
 
-class DividedIntegration(Integration[Kept]):
-    """One whose steps are made in parts where no solution is found in full.
+class Divided(Driver[Kept]):
+    """A run whose steps are made in parts where no solution is found in full.
 
     Attributes:
+        h: Step size.
+        reason: Why the last step failed, where smaller ones would fail, too.
         division: Into how many parts.
         begun: Steps made before the present one, of which a part counts as one while it is made.
     """
 
     STATE = attributes("division")
 
-    def __init__(
-        self, policy: Policy, equations: Equations, step: float, *, bound: bool = False
-    ) -> None:
-        """As the base class."""
-        super().__init__(policy, equations, step, bound=bound)
+    h: float
+    reason: str
+
+    def __init__(self, policy: Policy, step: float) -> None:
+        """No step is made yet.
+
+        Args:
+            policy: Whether steps that failed are tried otherwise.
+            step: Step size.
+        """
+        self.h, self.reason = float(step), ""
         self.division, self._rescues, self.begun = Division(), policy.rescue, 0
 
     def _cover(self) -> bool:
@@ -143,3 +151,14 @@ class DividedIntegration(Integration[Kept]):
     @abstractmethod
     def attempt(self, start: float, end: float) -> bool:
         """See :class:`~fem_lie.solve.division.Divisible`."""
+
+
+class DividedIntegration(Integration[Kept], Divided[Kept]):
+    """An integration whose steps are made in parts where no solution is found in full."""
+
+    def __init__(
+        self, policy: Policy, equations: Equations, step: float, *, bound: bool = False
+    ) -> None:
+        """As the base classes."""
+        Divided.__init__(self, policy, step)
+        super().__init__(policy, equations, step, bound=bound)

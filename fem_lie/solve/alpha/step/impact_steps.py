@@ -51,7 +51,8 @@ class Contacts(NamedTuple):
         thin: How far places move at least that go through others.
         failed: The pair that went through each other or still overlaps, shape (1,).
         sum: How far they may have moved, shape (1,).
-        told: Of all steps, see :data:`fem_lie.contact.impact.records.TOLD`, shape (S, 13).
+        times: At the ends of these steps, shape (last − first + 1,).
+        told: Of these steps, see :data:`fem_lie.contact.impact.records.TOLD`, shape (·, 13).
         booked: Work of contacts, and impulse of ground and its moment so far, shape (7,).
         done: These at the rows of these steps, shape (kept, 7).
         room: For what results have of each contact, see :mod:`fem_lie.contact.impact.observed`.
@@ -64,6 +65,7 @@ class Contacts(NamedTuple):
     thin: float
     failed: Indices
     sum: Array
+    times: Array
     told: Array
     booked: Array
     done: Array
@@ -93,6 +95,12 @@ def _changed(v: Array, smooth: Array, H: Array, before: Array) -> bool:
     return H[0, 0] != before[0, 0] or H[0, 1] != before[0, 1] or H[0, 2] != before[0, 2]
 
 
+@inlined
+def _take_back(state: State, H: Array, v: Array) -> None:
+    """Frames and velocities are those of the start of the step again."""
+    state.H[:], state.v[:] = H, v
+
+
 @linked
 def advance(
     p: Scheme,
@@ -109,6 +117,8 @@ def advance(
     contacts: Contacts,
 ) -> tuple[int, int, int]:
     """Steps ``first … last`` of all bodies; as :func:`~.free_steps.advance`, with contacts.
+
+    Frames and velocities after a step that failed are those of its start.
 
     Returns:
         The last step that was made, the number of factorisations, and why it ended there.
@@ -147,15 +157,18 @@ def advance(
             if count == 0:
                 rows.failed[BODY] = i
                 rows.failed[INCREMENT], rows.failed[RESIDUAL] = note[INCREMENT], note[RESIDUAL]
+                _take_back(state, H0, v0)
                 return index - 1, factorisations, FAILED
             rows.iterations[at] = max(count, rows.iterations[at])
-        told = contacts.told[index - 1]
+        told = contacts.told[at]
         start = H0, v0
         if settle(p.h, touch, masses, start, state.H, state.v, work, contacts.tolerance, told):
             if not told[records.RESIDUAL] <= LARGEST:
+                _take_back(state, H0, v0)
                 return index - 1, factorisations, UNSETTLED
             contacts.failed[0] = deepest(touch, work)
             if contacts.failed[0] >= 0:
+                _take_back(state, H0, v0)
                 return index - 1, factorisations, OVERLAPPING
             for i in range(n):
                 if _changed(state.v[i], work.v[i], state.H[i], work.H[0, i]):
@@ -176,6 +189,7 @@ def advance(
         if p.h * speed > 0.5 * contacts.thin:
             contacts.failed[0] = find_crossed(touch, H0, state.H)
             if contacts.failed[0] >= 0:
+                _take_back(state, H0, v0)
                 return index - 1, factorisations, CROSSED
         kept = index % plan.every == 0 or index == plan.total
         for i in range(n):
@@ -188,7 +202,7 @@ def advance(
         if kept:
             many = int(told[records.CONTACTS])
             ends = state.H, state.v
-            show(index, p.h, touch, work, many, ends, contacts.room, contacts.shown)
+            show(contacts.times[at], p.h, touch, work, many, ends, contacts.room, contacts.shown)
             contacts.done[row - plan.row] = contacts.booked
             row += 1
     return plan.last, factorisations, MADE

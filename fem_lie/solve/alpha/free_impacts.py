@@ -1,0 +1,222 @@
+"""Impacts of free rigid bodies in a run of generalised-α: pairs, compiled steps, what they did.
+
+The step of each body is made as without contacts, then these change its end
+(:mod:`fem_lie.contact.impact.settle`), all in one compiled loop that comes back for new lists of
+pairs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._state import Stateful, attributes
+from fem_lie.bodies.body import Body
+from fem_lie.contact.impact.observed import WIDTH
+from fem_lie.contact.impact.records import CONTACTS, PENETRATION, RESIDUAL, TOLD, Masses
+from fem_lie.contact.impact.rows import set_gaps
+from fem_lie.contact.impact.touching import Touching
+from fem_lie.contact.impact.velocities import largest_speed
+from fem_lie.forms.abilities import PassedThroughError
+from fem_lie.scene import Scene
+from fem_lie.solve.alpha.step.free_records import Bodies, Kept, Loads, Options, Plan, State
+from fem_lie.solve.alpha.step.impact_steps import (
+    CROSSED,
+    FAILED,
+    FULL,
+    MADE,
+    OVERLAPPING,
+    STALE,
+    UNSETTLED,
+    Contacts,
+    advance,
+)
+from fem_lie.solve.alpha.step.node import Scheme
+from fem_lie.solve.impacts.history import ContactHistory
+
+_ROOM = 10_000
+"""For so many contacts what results have of them is kept before it is taken."""
+
+_TOLERANCE = 1e-9
+"""Residual of the cones; where it is not reached it is reported, see :class:`ContactSteps`."""
+
+
+class Interval(NamedTuple):
+    """Steps that are made one after the other, and where their rows go.
+
+    Attributes:
+        plan: Which steps.
+        times: At their ends, shape (S,).
+        amplitude: Of the loads with history there, shape (S, k).
+        rows: What is kept.
+        kept: Whether the row of each step is, shape (S,).
+    """
+
+    plan: Plan
+    times: Array
+    amplitude: Array
+    rows: Kept
+    kept: Array
+
+    def after(self, made: int) -> Interval:
+        """Those that are left when so many were made."""
+        plan, rows, filled = self.plan, self.rows, int(self.kept[:made].sum())
+        return Interval(
+            plan._replace(first=plan.first + made, row=plan.row + filled),
+            self.times[made:],
+            self.amplitude[made:],
+            rows._replace(done=rows.done[filled:], iterations=rows.iterations[made:]),
+            self.kept[made:],
+        )
+
+
+class FreeImpacts(Stateful):
+    """Contacts by impacts of free rigid bodies.
+
+    Attributes:
+        history: What they did in all steps of the run.
+    """
+
+    STATE = attributes("_touching", "_contacts.sum", "_contacts.booked", "history")
+
+    def __init__(
+        self,
+        scene: Scene,
+        nodes: Mapping[Body, Indices],
+        bodies: Bodies,
+        force: Array,
+        sizes: Array,
+        H: Array,
+    ) -> None:
+        """Collect contacts.
+
+        Args:
+            scene: With contacts by impacts.
+            nodes: Numbers of the nodes of each body.
+            bodies: What these are.
+            force: Constant forces on them, shape (n, 3).
+            sizes: Their lengths, shape (n,).
+            H: Frames in the beginning, shape (n, 4, 3).
+        """
+        self._nodes, self._bodies = nodes, bodies
+        inverse = np.linalg.inv(bodies.J).astype(np.float64)
+        self._masses = Masses(bodies.mass, bodies.J, inverse, force.copy())
+        self._touching = Touching(scene.impacts, nodes.__getitem__, sizes, H)
+        self.history = ContactHistory()
+        none = np.zeros((0, 7))
+        self._contacts = Contacts(
+            tolerance=_TOLERANCE,
+            patience=self._touching.patience,
+            arm=self._touching.arm,
+            thin=self._touching.thin,
+            failed=np.full(1, -1),
+            sum=np.zeros(1),
+            times=np.zeros(0),
+            told=np.zeros((0, TOLD)),
+            booked=np.zeros(7),
+            done=none,
+            room=np.zeros((_ROOM, WIDTH)),
+            shown=np.zeros(1, dtype=np.int64),
+        )
+        self._why, self._failed_step = MADE, np.zeros(TOLD)
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        super().restore(kept)
+        self._contacts = self._contacts._replace(patience=self._touching.patience)
+
+    @property
+    def crossed(self) -> bool:
+        """Whether bodies have gone through each other in the step that failed."""
+        return self._why == CROSSED
+
+    def advance(
+        self, p: Scheme, options: Options, loads: Loads, s: State, interval: Interval
+    ) -> tuple[int, int, Array]:
+        """Make steps; frames and velocities after one that failed are those of its start.
+
+        Args:
+            p: Parameters of the scheme.
+            options: Of the iteration.
+            loads: Of the bodies.
+            s: Their state.
+            interval: Which steps.
+
+        Returns:
+            The last step that was made, the number of factorisations, and what contacts have done
+            so far in each row that is kept, losses before impulses, shape (·, 7).
+        """
+        plan = interval.plan
+        last, factorisations, done = plan.first - 1, 0, np.zeros((int(interval.kept.sum()), 7))
+        reported, filled, left = np.zeros((len(interval.times), TOLD)), 0, interval
+        while True:
+            made = last + 1 - plan.first
+            contacts = self._contacts._replace(
+                times=left.times, told=reported[made:], done=done[filled:]
+            )
+            tables = self._touching.touch, self._masses, self._touching.work, contacts
+            how = p, options, self._bodies, loads, left.amplitude, s, left.plan, left.rows
+            last, more, self._why = advance(*how, *tables)
+            factorisations += more
+            self._take_shown()
+            made = last + 1 - plan.first
+            left, filled = interval.after(made), int(interval.kept[:made].sum())
+            if self._why == FULL:
+                room = max(_ROOM, 4 * len(self._touching.touch.pairs))
+                self._contacts = self._contacts._replace(room=np.zeros((room, WIDTH)))
+            elif self._why == STALE:
+                self._touching.update(s.H, p.h * largest_speed(s.v, self._contacts.arm))
+                self._contacts = self._contacts._replace(patience=self._touching.patience)
+                self._contacts.sum[0] = 0.0
+            else:
+                break
+        self.history.add(plan.first, reported[:made])
+        if self._why not in (MADE, FAILED):
+            self._failed_step = reported[made]
+        return last, factorisations, done
+
+    def go_back(self, H: Array) -> None:
+        """Begin another step where the one that failed did, at frames ``H``."""
+        work = self._touching.work
+        set_gaps(self._touching.touch, H, work.gaps)
+        work.impulses[:] = 0.0
+
+    def _take_shown(self) -> None:
+        """Take what results have of contacts, with the numbers of these and of their places."""
+        count = int(self._contacts.shown[0])
+        self.history.append(self._touching.named(self._contacts.room[:count]))
+        self._contacts.shown[0] = 0
+
+    def failure(self, p: Scheme, v: Array) -> str:
+        """Why contacts have made the last step fail; empty: they have not.
+
+        Args:
+            p: Parameters of the scheme.
+            v: Velocities at its start, shape (n, 6).
+        """
+        touching, pair = self._touching, int(self._contacts.failed[0])
+        if self._why == CROSSED:
+            moved = p.h * largest_speed(v, self._contacts.arm)
+            return str(PassedThroughError(" and ".join(self._names(pair)), moved, touching.thin))
+        if self._why == OVERLAPPING:
+            one, other = self._names(pair)
+            return (
+                f"{one} and {other} still overlap by {self._failed_step[PENETRATION]:.2g} after "
+                "all iterations that part contacts; are bodies wedged? Try smaller steps, or "
+                "Penalty"
+            )
+        if self._why != UNSETTLED:
+            return ""
+        reached, count = float(self._failed_step[RESIDUAL]), int(self._failed_step[CONTACTS])
+        worst = int(np.argmax(np.abs(touching.work.cones.r[:count]).max(axis=1)))
+        one, other = self._names(int(touching.work.chosen[worst]))
+        return (
+            f"{count} contacts did not settle (residual {reached:.0e}); are bodies wedged, such as "
+            f"{one} and {other}? Try smaller steps, or Penalty"
+        )
+
+    def _names(self, pair: int) -> list[str]:
+        return self._touching.names(pair, self._nodes)
