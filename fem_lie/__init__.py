@@ -20,6 +20,7 @@ from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.beams.orientation import Twisted
 from fem_lie.bodies.body import Body, Point
+from fem_lie.bodies.cells.element_body import ElementBody
 from fem_lie.bodies.gradients.ancf_beam import AncfBeam
 from fem_lie.bodies.gradients.ancf_shell import AncfShell
 from fem_lie.bodies.points import ground
@@ -270,6 +271,7 @@ __all__ = [
     "Drive",
     "EdgeLoad",
     "Eigenstrain",
+    "ElementBody",
     "EnergyDecaying",
     "EnergyMomentum",
     "EquilibriumPath",

@@ -21,6 +21,12 @@ def test_an_element_of_ones_own():
     assert 1.9 <= found["order"] <= 2.2
 
 
+def test_an_element_of_ones_own_on_position_gradient_nodes():
+    found = runpy.run_path(str(DOCS / "how_to" / "gradient_element.py"))
+    assert found["errors"][1] <= 5e-6
+    assert 3.9 <= found["order"] <= 4.2
+
+
 def test_a_composition_of_ones_own():
     found = runpy.run_path(str(DOCS / "how_to" / "composition.py"))
     assert 3.9 <= found["order"] <= 4.1

@@ -20,6 +20,7 @@ from fem_lie.system import System
 from fem_lie.system.instant import Instant, Plan
 from fem_lie.system.terms.all_terms import Terms
 from fem_lie.system.terms.followed import Followed
+from tests.own_elements import random_body
 from tests.test_rooms import MODULES, imports_of
 
 MATERIAL = fl.Material(100.0, 0.3, 2.0)
@@ -359,6 +360,9 @@ TERMS: dict[str, Case] = {
     "restrained warping": Case(lambda: ancf(warping=0.7), "restrained warping"),
     "damping of mass of a beam of slopes": Case(lambda: ancf(damping=MASS), "damping of mass"),
     "load within a beam of slopes": Case(lambda: held(ancf()), HELD),
+    "viscous element of vectors": Case(
+        lambda: scene_with(random_body("function of products, with a law")), "elements"
+    ),
     "solid": Case(solid, "elements"),
     "body in few shapes": Case(few_shapes, "reduced bodies"),
     "rope in rings": Case(rope_in_rings, "rings on a rope"),

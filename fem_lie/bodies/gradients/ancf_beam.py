@@ -14,9 +14,10 @@ from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.beams.given_sections import Sections, outline_of, section_per_cell
 from fem_lie.bodies.beams.orientation import Chains, Twisted, Up, cell_frames, shared_nodes
 from fem_lie.bodies.body import NO_HOLDS, Holds, Point
-from fem_lie.bodies.gradients.assembly import GradientAssembly
+from fem_lie.bodies.cells.assembly import assemble_cells
 from fem_lie.bodies.gradients.axes import second_nodes
 from fem_lie.bodies.gradients.section_points import SectionPoints
+from fem_lie.elements.gradients import strains
 from fem_lie.elements.gradients.ancf import AncfElement, check_poisson
 from fem_lie.elements.gradients.warping import Warping, WarpingSprings
 from fem_lie.forms.body_term import BodyTerm
@@ -195,7 +196,7 @@ class AncfBeam(SectionPoints):
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
         """All of one :attr:`kind` together, with their springs of warping."""
-        assembly = GradientAssembly(bodies)
+        assembly = assemble_cells(strains.ELEMENT, strains.FUNCTIONS, bodies)
         starts = np.cumsum([0, *(len(body.frames) for body in bodies)])
         found = [
             part._replace(nodes=part.nodes + start)
@@ -205,6 +206,20 @@ class AncfBeam(SectionPoints):
         if found:
             assembly.beside.append(Warping(WarpingSprings.joined(found), assembly.count))
         return assembly
+
+    @property
+    def element_nodes(self) -> Indices:
+        """Nodes of each element, shape (m, 4)."""
+        return self.elements
+
+    def element_data(self) -> Array:
+        """Data of the elements, whose unloaded strains are those of :attr:`unloaded`."""
+        C = self.formulation.stiffness(self.stiffness, self.poisson, self.ends, self.lengths)
+        return strains.data(self.unloaded[self.elements], self.lengths, C)
+
+    def element_inertia(self) -> Array:
+        """Constant matrix of the rows of each element's nodes, shape (m, 4, 4, 4, 4)."""
+        return self.formulation.inertia(self.density, self.lengths)
 
     @property
     def restraints(self) -> list[WarpingSprings]:

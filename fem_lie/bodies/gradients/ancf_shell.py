@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Flags, instance
+from fem_lie._arrays import Array, Flags, Indices, instance
 from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.body import NO_HOLDS, Holds
-from fem_lie.bodies.gradients.plate_assembly import PlateAssembly
+from fem_lie.bodies.cells.assembly import assemble_cells
 from fem_lie.bodies.thin_shells.given_sections import ThinSections
 from fem_lie.bodies.thin_shells.joining import Joined
 from fem_lie.bodies.thin_shells.patch import SmoothPatch
 from fem_lie.bodies.thin_shells.smooth_surface import Direction, SmoothSurface
-from fem_lie.elements.gradients import coons
+from fem_lie.elements.gradients import coons, plate_strains
 from fem_lie.elements.gradients.plate import AncfPlate
 from fem_lie.forms.body_term import BodyTerm
 
@@ -99,7 +99,18 @@ class AncfShell(SmoothSurface):
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
         """All of one :attr:`kind` together."""
-        return PlateAssembly(bodies)
+        return assemble_cells(plate_strains.ELEMENT, plate_strains.FUNCTIONS, bodies)
+
+    @property
+    def element_nodes(self) -> Indices:
+        """Nodes of each cell, shape (m, 8)."""
+        return self.connectivity
+
+    def element_data(self) -> Array:
+        """Data of the cells, which are unloaded as they lie."""
+        q = self.vectors()
+        C = self.formulation.stiffness(q, self.axes, self.stiffness)
+        return plate_strains.data(q, self.extraction(), C)
 
     def element_inertia(self) -> Array:
         """Constant matrix of the rows of each cell's nodes, shape (m, 8, 4, 8, 4)."""

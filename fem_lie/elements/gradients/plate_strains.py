@@ -1,4 +1,9 @@
-"""Strains of the plate of places and three slopes, as products of vectors: tables of numbers."""
+"""Strains of the plate of places and three slopes, and the compiled functions of its cells.
+
+Strains are sums of products of vectors, the energy is ``½ ε·C ε`` of those less the strains of the
+unloaded cell, with the ``C`` of :mod:`.plate`. Nodes are those of thin shells, with the slope
+across the thickness where these have the mixed derivative.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +11,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array
+from fem_lie._jit import callback
 from fem_lie.elements.gradients import coons
 from fem_lie.elements.thin_shells import hermite
+from fem_lie.elements.thin_shells.rows import CORNERS
+from fem_lie.forms.kernels.addresses import Pointer
+from fem_lie.forms.small_energy.assembly import CellFunctions
+from fem_lie.forms.small_energy.cell import (
+    add_energy,
+    add_forces,
+    add_tangent_at_stress,
+    update_stress,
+)
+from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element, sums_of_products
+from fem_lie.lie.kinds.kind import NodeKind
 
 GRID = np.array([0.0, 0.5, 1.0])
 STRAINS = 44
@@ -28,12 +45,14 @@ E = _Places()
 K11, K22, K12, E33, MIDDLE = 33, 35, 37, 38, 42
 
 _R1, _R2, _D, _D1, _D2 = 0, 9, 18, 27, 36
-"""Levers at nine places, the second parameter runs first: slopes, director and its slopes."""
-LEVERS = 45
+"""Vectors at nine places, the second parameter runs first: slopes, director and its slopes."""
+_POINT_VECTORS = 45
+_ROWS = (4 * np.arange(CORNERS)[np.newaxis, :, np.newaxis] + np.array([[[0, 1]], [[3, 2]]])).ravel()
+"""Vectors of the interpolation in the order of the rows of a cell's nodes."""
 
 
-def levers() -> Array:
-    """Of the vectors of a cell, shape (45, 16)."""
+def _interpolation() -> Array:
+    """The 45 vectors of those of the interpolation, shape (45, 16)."""
     at = hermite.products(GRID, GRID)
     places, across = coons.table(at), coons.directors(at)
     parts = places[:, 1], places[:, 2], across[:, 0], across[:, 1], across[:, 2]
@@ -46,8 +65,8 @@ def _edge(k: int, side: int, place: int) -> int:
     return 3 * i + j
 
 
-def terms() -> tuple[Indices, Array]:
-    """Strain and both levers of each product (t, 3), and its factor (t,)."""
+def _terms() -> Array:
+    """Strain, both vectors and the factor of each product, shape (t, 4)."""
     found: list[tuple[float, ...]] = []
     for k, (r, d, membrane, shear, bent) in enumerate(
         ((_R1, _D1, E.E11, E.S1, K11), (_R2, _D2, E.E22, E.S2, K22))
@@ -64,5 +83,54 @@ def terms() -> tuple[Indices, Array]:
     found += [(K12, _R1 + 4, _D2 + 4, 1.0), (K12, _R2 + 4, _D1 + 4, 1.0)]
     for corner, at in enumerate((0, 6, 2, 8)):
         found.append((E33 + corner, _D + at, _D + at, 0.5))
-    table = np.array(found)
-    return table[:, :3].astype(np.int64), np.ascontiguousarray(table[:, 3])
+    return np.array(found)
+
+
+_INTERPOLATION, _TERMS = _interpolation(), _terms()
+ELEMENT = element(
+    [NodeKind.SURFACE] * CORNERS + [NodeKind.CROSSING] * CORNERS,
+    _TERMS,
+    vectors=_POINT_VECTORS,
+    strains=STRAINS,
+)
+
+
+def data(q: Array, extraction: Array, C: Array) -> Array:
+    """Data of cells.
+
+    Args:
+        q: Vectors of the interpolation, unloaded, shape (m, 16, 3).
+        extraction: These of the rows of nodes, shape (m, 16, 16).
+        C: Of the cells, shape (m, 44, 44).
+    """
+    unloaded = sums_of_products(ELEMENT.cells, _INTERPOLATION @ q)
+    parameters = np.hstack([unloaded, C.reshape(len(C), -1)])
+    T = (_INTERPOLATION @ extraction)[..., _ROWS]
+    return cell_data(ELEMENT, T[:, np.newaxis], parameters[:, np.newaxis])
+
+
+@callback(CELL_SIGNATURE)
+def energy_of_cell(A: Pointer, w: Pointer, h: Pointer) -> None:
+    """Energy of a cell."""
+    add_energy(ELEMENT, A, w)
+
+
+@callback(CELL_SIGNATURE)
+def forces_of_cell(A: Pointer, w: Pointer, h: Pointer) -> None:
+    """Forces of a cell."""
+    add_forces(ELEMENT, A, w)
+
+
+@callback(CELL_SIGNATURE)
+def tangent_of_cell(A: Pointer, w: Pointer, h: Pointer) -> None:
+    """Tangent stiffness of a cell."""
+    add_tangent_at_stress(ELEMENT, A, w)
+
+
+@callback(CELL_SIGNATURE)
+def stress_of_cell(A: Pointer, w: Pointer, h: Pointer) -> None:
+    """Linearised stress of a cell."""
+    update_stress(ELEMENT, A, w, h)
+
+
+FUNCTIONS = CellFunctions(energy_of_cell, forces_of_cell, tangent_of_cell, stress_of_cell)

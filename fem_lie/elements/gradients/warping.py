@@ -16,18 +16,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import callback, inlined
-from fem_lie._jit.stack import stack
+from fem_lie._jit import callback
 from fem_lie.elements.rods.springs import Springs
-from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer, shift
-from fem_lie.lie.kinds.kind import CROSSING, axes
-from fem_lie.lie.tuples import load_row, rotate, rotate_back, store
-
-_DATA = 36
+from fem_lie.forms.kernels.addresses import Pointer
+from fem_lie.forms.small_energy.cell import add_energy, add_forces, add_tangent
+from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
+from fem_lie.lie.kinds.kind import NodeKind
 
 
 class WarpingSprings(NamedTuple):
@@ -88,85 +85,38 @@ class WarpingSprings(NamedTuple):
         return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-@inlined
-def _gradient(q: Array, data: Array, g: Array) -> None:
-    """Derivative ``g`` (6, 3) of the change of twist, in ``r_y, r_z`` of the three nodes ``q``."""
-    a, b = data[0], data[1]
-    for j in range(3):
-        g[0, j], g[1, j] = a * q[3, j], -a * q[2, j]
-        g[2, j] = -b * q[5, j] - a * q[1, j]
-        g[3, j] = b * q[4, j] + a * q[0, j]
-        g[4, j], g[5, j] = b * q[3, j], -b * q[2, j]
+def _vectors(springs: WarpingSprings) -> Array:
+    """``T`` of ``r_y``, ``r_z`` in the middle, and of shares of those at both ends.
+
+    The change of twist is ``(b r_y,2 + a r_y,0)·r_z,1 − r_y,1·(b r_z,2 + a r_z,0)``.
+    """
+    tables = np.zeros((len(springs.nodes), 1, 4, 6))
+    tables[:, 0, 0, 2] = tables[:, 0, 1, 3] = 1.0
+    for k in range(2):
+        tables[:, 0, 2 + k, k] = springs.shares[:, 0]
+        tables[:, 0, 2 + k, 4 + k] = springs.shares[:, 1]
+    return tables
 
 
-@inlined
-def _dot(a: Array, b: Array) -> float:
-    total = 0.0
-    for i in range(6):
-        for j in range(3):
-            total += a[i, j] * b[i, j]
-    return total
+ELEMENT = element([NodeKind.CROSSING] * 3, [(0, 2, 1, 1.0), (0, 0, 3, -1.0)], vectors=4)
 
 
-@inlined
-def _change(H: Array, data: Array, q: Array, g: Array) -> float:
-    """Vectors, gradient, and the change of twist less that of the unloaded beam."""
-    for i in range(6):
-        store(q[i], 0, load_row(H[i // 2], 1 + i % 2))
-    _gradient(q, data, g)
-    return 0.5 * _dot(q, g) - data[3]
+@callback(CELL_SIGNATURE)
+def energy_of_spring(A: Pointer, w: Pointer, h: Pointer) -> None:
+    """Energy of a spring."""
+    add_energy(ELEMENT, A, w)
 
 
-@inlined
-def _pull(H: Array, g: Array, factor: float, out: Array) -> None:
-    for i in range(6):
-        d1, d2, d3 = axes(CROSSING, H[i // 2])
-        local = rotate_back(d1, d2, d3, load_row(g, i))
-        for k in range(3):
-            out[i // 2, 3 * (i % 2) + k] += factor * local[k]
+@callback(CELL_SIGNATURE)
+def forces_of_spring(A: Pointer, w: Pointer, h: Pointer) -> None:
+    """Forces of a spring."""
+    add_forces(ELEMENT, A, w)
 
 
-@callback(UFCX_SIGNATURE)
-def energy_kernel(
-    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
-) -> None:
-    """``W`` of a spring."""
-    H, data = numba.carray(w, (3, 4, 3)), numba.carray(shift(w, _DATA), (4,))
-    q, g = numba.carray(stack(18), (6, 3)), numba.carray(stack(18), (6, 3))
-    change, value = _change(H, data, q, g), numba.carray(A, (1,))
-    value[0] += 0.5 * data[2] * change * change
-
-
-@callback(UFCX_SIGNATURE)
-def force_kernel(
-    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
-) -> None:
-    """Its gradient."""
-    H, data = numba.carray(w, (3, 4, 3)), numba.carray(shift(w, _DATA), (4,))
-    q, g = numba.carray(stack(18), (6, 3)), numba.carray(stack(18), (6, 3))
-    change = _change(H, data, q, g)
-    _pull(H, g, data[2] * change, numba.carray(A, (3, 6)))
-
-
-@callback(UFCX_SIGNATURE)
-def matrix_kernel(
-    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
-) -> None:
-    """Its Hessian, column by column; the gradient is linear in the vectors."""
-    H, data = numba.carray(w, (3, 4, 3)), numba.carray(shift(w, _DATA), (4,))
-    q, g = numba.carray(stack(18), (6, 3)), numba.carray(stack(18), (6, 3))
-    d, dg = numba.carray(stack(18), (6, 3)), numba.carray(stack(18), (6, 3))
-    change, K = _change(H, data, q, g), numba.carray(A, (3, 6, 3, 6))
-    for i in range(6):
-        d1, d2, d3 = axes(CROSSING, H[i // 2])
-        for k in range(3):
-            unit = (1.0 if k == 0 else 0.0), (1.0 if k == 1 else 0.0), (1.0 if k == 2 else 0.0)
-            d[:] = 0.0
-            store(d[i], 0, rotate(d1, d2, d3, unit))
-            _gradient(d, data, dg)
-            column = K[:, :, i // 2, 3 * (i % 2) + k]
-            _pull(H, g, data[2] * _dot(g, d), column)
-            _pull(H, dg, data[2] * change, column)
+@callback(CELL_SIGNATURE)
+def tangent_of_spring(A: Pointer, w: Pointer, h: Pointer) -> None:
+    """Tangent stiffness of a spring."""
+    add_tangent(ELEMENT, A, w)
 
 
 class Warping(Springs):
@@ -176,5 +126,7 @@ class Warping(Springs):
 
     def __init__(self, springs: WarpingSprings, count: int) -> None:
         """Pack the springs, on the nodes of an assembly of so many."""
-        values = np.column_stack([springs.shares, springs.stiffness, springs.natural])
-        super().__init__((energy_kernel, force_kernel, matrix_kernel), values, springs, count)
+        parameters = np.column_stack([springs.natural, springs.stiffness])[:, np.newaxis]
+        values = cell_data(ELEMENT, _vectors(springs), parameters)
+        functions = energy_of_spring, forces_of_spring, tangent_of_spring
+        super().__init__(functions, values, springs, count)

@@ -12,30 +12,19 @@ Elastic Rods*, 2018.) At a clamped end ``e`` is fixed in space, and ``ℓ`` is h
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from math import sqrt
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import callback, inlined
+from fem_lie._jit import callback, compiled
 from fem_lie.elements.rods.springs import Springs
-from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer
-from fem_lie.lie.tuples import (
-    Vector,
-    combined,
-    dot,
-    load_row,
-    minus,
-    plus,
-    rotate_back,
-    scaled,
-)
-
-_DATA = 36
-"""Numbers of the cell follow the rows of its three nodes: ``EI/ℓ``, ``κ₀``, what is added to e."""
+from fem_lie.forms.kernels.addresses import Pointer
+from fem_lie.forms.small_energy.cell import add_energy, add_forces, add_tangent
+from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
+from fem_lie.lie.kinds.kind import NodeKind
 
 _STRAIGHT = 1e-12
 """Natural ``|κb|`` that is round-off of places along a straight line."""
@@ -62,12 +51,14 @@ class Bends(NamedTuple):
         stiffness: ``EI/ℓ``, shape (b,).
         natural: ``κ₀``, shape (b,).
         fixed: First edges where they are fixed in space, zero elsewhere, shape (b, 3).
+        laid: Lengths of both edges as laid, shape (b, 2).
     """
 
     nodes: Indices
     stiffness: Array
     natural: Array
     fixed: Array
+    laid: Array
 
     @classmethod
     def between(cls, places: Array, along: Successive, flexibility: Array, natural: bool) -> Bends:
@@ -84,7 +75,8 @@ class Bends(NamedTuple):
         size = 2 * np.linalg.norm(u - v, axis=1) / np.linalg.norm(u + v, axis=1)
         stiffness = 2.0 / flexibility[along.edges].sum(axis=1)
         own: Array = np.where(size > _STRAIGHT, size, 0.0) if natural else np.zeros(len(size))
-        return cls(along.nodes, np.asarray(stiffness), own, np.zeros_like(e))
+        laid = np.stack([np.linalg.norm(a, axis=1) for a in (e, f)], axis=1)
+        return cls(along.nodes, np.asarray(stiffness), own, np.zeros_like(e), laid)
 
     @classmethod
     def at_ends(cls, nodes: Indices, fixed: Array, flexibility: Array) -> Bends:
@@ -92,10 +84,13 @@ class Bends(NamedTuple):
 
         Args:
             nodes: The end, and the other node of its edge, shape (b, 2).
-            fixed: First edges, shape (b, 3).
+            fixed: First edges, as long as those that they bend with, shape (b, 3).
             flexibility: ``ℓ/EI`` of the edges, shape (b,).
         """
-        return cls(nodes[:, [0, 0, 1]], np.asarray(2.0 / flexibility), np.zeros(len(nodes)), fixed)
+        # as long as the edges beside them
+        laid = np.repeat(np.linalg.norm(fixed, axis=1)[:, np.newaxis], 2, axis=1)
+        stiffness = np.asarray(2.0 / flexibility)
+        return cls(nodes[:, [0, 0, 1]], stiffness, np.zeros(len(nodes)), fixed, laid)
 
     @classmethod
     def joined(cls, parts: Sequence[Bends]) -> Bends:
@@ -103,120 +98,67 @@ class Bends(NamedTuple):
         return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-_Corner: TypeAlias = tuple[Vector, Vector, float, float, float]
-"""Both edges' directions and lengths, and ``x``."""
+def _vectors(bends: Bends) -> tuple[Array, Array]:
+    """``T`` and ``z₀`` of ``e/|e|`` and ``f/|f| − e/|e|``, with the lengths of edges as laid.
+
+    Where a rod is laid straight the second one is nil, so that its products have all digits.
+    """
+    e, f = (1.0 / size[:, np.newaxis] for size in bends.laid.T)
+    free = (np.linalg.norm(bends.fixed, axis=1, keepdims=True) == 0).astype(float)
+    first = e * free * [-1.0, 1.0, 0.0]
+    tables = np.stack([first, f * [0.0, -1.0, 1.0] - first], axis=1)
+    constant = np.stack([e * bends.fixed, -e * bends.fixed], axis=1)
+    return tables[:, np.newaxis], constant[:, np.newaxis]
 
 
-@inlined
-def _edges(H: Array, data: Array) -> _Corner:
-    middle = load_row(H[1], 0)
-    e = plus(minus(middle, load_row(H[0], 0)), (data[2], data[3], data[4]))
-    f = minus(load_row(H[2], 0), middle)
-    α, β = sqrt(dot(e, e)), sqrt(dot(f, f))
-    u, v = scaled(1.0 / α, e), scaled(1.0 / β, f)
-    return u, v, α, β, dot(u, v)
+@compiled
+def _squared_curvature(products: tuple[float, ...]) -> tuple[float]:
+    """``|κb|²``."""
+    ee, eg, gg = products
+    along = ee + eg
+    sum_ = math.sqrt(ee * (ee + 2.0 * eg + gg)) + along
+    return (4.0 * (ee * gg - eg * eg) / (sum_ * sum_),)
 
 
-@inlined
-def _curvature(u: Vector, v: Vector, x: float) -> float:
-    """``|κb|``, of which ``1 − x`` would lose the digits."""
-    gap = minus(u, v)
-    return sqrt(2.0 * dot(gap, gap) / (1.0 + x))
+@compiled
+def _bending(strains: tuple[float, ...], parameters: tuple[float, ...]) -> float:
+    """``½ EI/ℓ (|κb| − κ₀)²``; straight it is bent alike to all sides."""
+    stiffness, natural = parameters
+    if natural > 0.0:
+        if strains[0] > 0.0:
+            change = math.sqrt(strains[0]) - natural
+            return 0.5 * stiffness * change * change
+        return 0.5 * stiffness * natural * natural + 0.0 * strains[0]
+    return 0.5 * stiffness * strains[0]
 
 
-@inlined
-def _slopes(corner: _Corner, data: Array) -> tuple[float, float]:
-    """``W′`` and ``W″`` in ``x``."""
-    u, v, _, _, x = corner
-    first, second = -8.0 / (1.0 + x) ** 2, 16.0 / (1.0 + x) ** 3
-    g, more = 0.5 * data[0], 0.0
-    if data[1] > 0.0:
-        κ = _curvature(u, v, x)
-        if κ > 0.0:
-            g, more = g * (1.0 - data[1] / κ), 0.25 * data[0] * data[1] / κ**3
-        else:
-            g = 0.0  # straight, and bent alike to all sides
-    return g * first, more * first**2 + g * second
+ELEMENT = element(
+    [NodeKind.POINT] * 3,
+    [(0, 0), (0, 1), (1, 1)],
+    vectors=2,
+    parameters=2,
+    strain=_squared_curvature,
+    law=_bending,
+    offsets=True,
+)
 
 
-@inlined
-def _beside(u: Vector, v: Vector) -> Vector:
-    """``v − x u``, of which the digits would be lost where both are nearly the same."""
-    gap = minus(v, u)
-    return combined(1.0, gap, 0.5 * dot(gap, gap), u)
+@callback(CELL_SIGNATURE)
+def energy_of_spring(A: Pointer, w: Pointer, h: Pointer) -> None:
+    """Energy of a spring."""
+    add_energy(ELEMENT, A, w)
 
 
-@inlined
-def _spread(H: Array, e: Vector, f: Vector, out: Array) -> None:
-    """Forces on both edges to those on the three nodes, along the axes of these; (3, ≥ 3)."""
-    forces = scaled(-1.0, e), minus(e, f), f
-    for i in range(3):
-        axes = load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3)
-        own = rotate_back(axes[0], axes[1], axes[2], forces[i])
-        for k in range(3):
-            out[i, k] += own[k]
+@callback(CELL_SIGNATURE)
+def forces_of_spring(A: Pointer, w: Pointer, h: Pointer) -> None:
+    """Forces of a spring."""
+    add_forces(ELEMENT, A, w)
 
 
-@callback(UFCX_SIGNATURE)
-def energy_kernel(
-    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
-) -> None:
-    """``W`` of a spring."""
-    H, data = numba.carray(w, (3, 4, 3)), numba.carray(w, (_DATA + 5,))[_DATA:]
-    u, v, _, _, cosine = _edges(H, data)
-    value = numba.carray(A, (1,))
-    value[0] += 0.5 * data[0] * (_curvature(u, v, cosine) - data[1]) ** 2
-
-
-@callback(UFCX_SIGNATURE)
-def force_kernel(
-    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
-) -> None:
-    """Its gradient, ``W′ ∂x/∂e = W′ (v − x u)/|e|`` and the like of ``f``."""
-    H, data = numba.carray(w, (3, 4, 3)), numba.carray(w, (_DATA + 5,))[_DATA:]
-    corner = _edges(H, data)
-    u, v, α, β, _ = corner
-    slope, _ = _slopes(corner, data)
-    e, f = scaled(slope / α, _beside(u, v)), scaled(slope / β, _beside(v, u))
-    _spread(H, e, f, numba.carray(A, (3, 6)))
-
-
-@inlined
-def _across(u: Vector, a: Vector) -> Vector:
-    return minus(a, scaled(dot(u, a), u))
-
-
-@inlined
-def _own(u: Vector, v: Vector, α: float, x: float, d: Vector) -> Vector:
-    """``∂²x/∂e∂e d = −((v − x u) u·d + u (v − x u)·d + x (d − u u·d))/|e|²``."""
-    a = _beside(u, v)
-    sum_ = plus(plus(scaled(dot(u, d), a), scaled(dot(a, d), u)), scaled(x, _across(u, d)))
-    return scaled(-1.0 / α**2, sum_)
-
-
-@callback(UFCX_SIGNATURE)
-def matrix_kernel(
-    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
-) -> None:
-    """Its Hessian, column by column."""
-    H, data = numba.carray(w, (3, 4, 3)), numba.carray(w, (_DATA + 5,))[_DATA:]
-    K = numba.carray(A, (3, 6, 3, 6))
-    corner = _edges(H, data)
-    u, v, α, β, cosine = corner
-    slope, curve = _slopes(corner, data)
-    a, b = scaled(1.0 / α, _beside(u, v)), scaled(1.0 / β, _beside(v, u))
-    for j in range(3):
-        for k in range(3):
-            d = load_row(H[j], 1 + k)
-            de = scaled(-1.0 if j == 0 else 1.0 if j == 1 else 0.0, d)
-            df = scaled(-1.0 if j == 1 else 1.0 if j == 2 else 0.0, d)
-            size = curve * (dot(a, de) + dot(b, df))
-            mixed = slope / (α * β)
-            e = combined(size, a, slope, _own(u, v, α, cosine, de))
-            f = combined(size, b, slope, _own(v, u, β, cosine, df))
-            e = plus(e, scaled(mixed, _across(u, _across(v, df))))
-            f = plus(f, scaled(mixed, _across(v, _across(u, de))))
-            _spread(H, e, f, K[:, :, j, k])
+@callback(CELL_SIGNATURE)
+def tangent_of_spring(A: Pointer, w: Pointer, h: Pointer) -> None:
+    """Tangent stiffness of a spring."""
+    add_tangent(ELEMENT, A, w)
 
 
 class BendingSprings(Springs):
@@ -226,6 +168,9 @@ class BendingSprings(Springs):
 
     def __init__(self, bends: Bends, count: int) -> None:
         """Pack the springs, on the nodes of an assembly of so many."""
-        values = np.column_stack([bends.stiffness, bends.natural, bends.fixed])
-        super().__init__((energy_kernel, force_kernel, matrix_kernel), values, bends, count)
+        tables, constant = _vectors(bends)
+        parameters = np.column_stack([bends.stiffness, bends.natural])[:, np.newaxis]
+        values = cell_data(ELEMENT, tables, parameters, offsets=constant)
+        functions = energy_of_spring, forces_of_spring, tangent_of_spring
+        super().__init__(functions, values, bends, count)
         self._matrix.used = 3

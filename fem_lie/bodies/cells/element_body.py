@@ -1,0 +1,191 @@
+"""Bodies of cells of one's own element, on nodes of any types."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, Indices, instance, numbers
+from fem_lie.bodies.beams.assembly import Damping
+from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
+from fem_lie.bodies.cells.assembly import assemble_cells
+from fem_lie.bodies.points import require_point
+from fem_lie.forms.body_term import BodyTerm
+from fem_lie.forms.small_energy.assembly import CellFunctions
+from fem_lie.forms.small_energy.element import Element
+from fem_lie.grips.grip import Grip
+from fem_lie.grips.tangent import along_tangent
+from fem_lie.lie.kinds import TRAITS, NodeKind
+
+_NO_POINTS: Mapping[str, int] = MappingProxyType({})
+
+
+class ElementBody(Body):
+    """A body whose cells are those of one element: vectors, strains and a law.
+
+    An element for the small-energy kernel is a record and four compiled functions, see
+    :mod:`fem_lie.forms.small_energy.cell`. Nodes are of any types, one for each node. Joints and
+    loads are attached to nodes with frames, and to the tangents of position-gradient nodes.
+
+    Attributes:
+        element: The element.
+        functions: Its compiled functions.
+        element_nodes: Nodes of each cell, shape (m, k).
+        damping: Of the motion in space.
+        has_mass: Whether cells have inertia.
+
+    Example:
+        >>> from fem_lie.elements.gradients import strains
+        >>> tube = fl.Section.circle(0.01, fl.Material(E=2.1e11, nu=0.3, density=7800.0))
+        >>> beam = fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), tube, cells=2)
+        >>> own = fl.ElementBody(
+        ...     beam.frames,
+        ...     beam.node_kinds,
+        ...     beam.elements,
+        ...     element=strains.ELEMENT,
+        ...     functions=strains.FUNCTIONS,
+        ...     data=beam.element_data(),
+        ... )
+        >>> own.element_nodes.shape
+        (2, 4)
+    """
+
+    def __init__(
+        self,
+        rows: npt.ArrayLike,
+        node_types: Sequence[NodeKind],
+        cells: npt.ArrayLike,
+        *,
+        element: Element,
+        functions: CellFunctions,
+        data: Array,
+        inertia: Array | None = None,
+        points: Mapping[str, int] = _NO_POINTS,
+        lines: npt.ArrayLike = (),
+        damping: Damping | None = None,
+        name: str = "",
+    ) -> None:
+        """Check the shapes.
+
+        Args:
+            rows: Nodal coordinates, see :mod:`fem_lie.lie.kinds`, shape (n, 4, 3).
+            node_types: Of the nodes.
+            cells: Nodes of each cell, shape (m, k), of the types of the element.
+            element: The element.
+            functions: Its compiled functions.
+            data: Data of the cells, see :func:`fem_lie.forms.small_energy.element.cell_data`.
+            inertia: Constant matrix of the rows of the nodes of each cell, shape (m, k, 4, k, 4);
+                default: none, for statics.
+            points: Named nodes.
+            lines: Pairs of nodes to be drawn, shape (any, 2); default: none.
+            damping: With mass only; viscosity is one of the element.
+            name: For messages and results.
+
+        Raises:
+            ValueError: Shapes do not fit each other, a cell has nodes of other types than the
+                element, or there is damping with strain.
+            TypeError: An argument is of another type than expected.
+        """
+        instance(element, Element, "ElementBody: element", "an Element")
+        instance(functions, CellFunctions, "ElementBody: functions", "CellFunctions")
+        instance(damping, Damping | None, "ElementBody: damping", "a Damping or None")
+        frames = numbers(rows, "ElementBody: rows")
+        self._types = np.array([int(each) for each in node_types], dtype=np.int64)
+        if frames.shape != (len(self._types), 4, 3):
+            raise ValueError(
+                f"ElementBody: rows must have shape ({len(self._types)}, 4, 3) for "
+                f"{len(self._types)} node types, got {frames.shape}"
+            )
+        nodes, of = np.asarray(cells, dtype=np.int64), element.cells.types
+        if nodes.ndim != 2 or nodes.shape[1] != len(of) or not _within(nodes, len(frames)):
+            raise ValueError(
+                f"ElementBody: cells must have {len(of)} of {len(frames)} nodes each, got "
+                f"{nodes.tolist()}"
+            )
+        if (self._types[nodes] != of).any():
+            raise ValueError(
+                f"ElementBody: cells must have nodes of types {of.tolist()}, got "
+                f"{self._types[nodes].tolist()}"
+            )
+        shape = (len(nodes), len(of), 4, len(of), 4)
+        if inertia is not None and inertia.shape != shape:
+            raise ValueError(f"ElementBody: inertia must have shape {shape}, got {inertia.shape}")
+        if len(data) != len(nodes):
+            raise ValueError(f"ElementBody: {len(nodes)} cells need as many data, got {len(data)}")
+        self.damping = Damping() if damping is None else damping
+        if self.damping.factors().any():
+            raise ValueError(
+                "an ElementBody has damping with mass only, got stiffness = "
+                f"{self.damping.stiffness!r}"
+            )
+        self.element, self.functions, self.element_nodes = element, functions, nodes
+        self._data, self._inertia, self.has_mass = data, inertia, inertia is not None
+        places = frames[[NodeKind(kind) < NodeKind.CROSSING for kind in self._types], 0]
+        super().__init__(
+            frames,
+            cells=np.asarray(lines, dtype=np.int64).reshape(-1, 2),
+            outline=None,
+            size=float(np.linalg.norm(np.ptp(places, axis=0))) or 1.0,
+            points=dict(points),
+            name=name,
+        )
+
+    @property
+    def node_kind(self) -> NodeKind:
+        """Type of the first node."""
+        return NodeKind(self._types[0])
+
+    @property
+    def node_kinds(self) -> Indices:
+        """Type of each node, shape (n,)."""
+        return self._types
+
+    @property
+    def kind(self) -> Hashable:
+        """Bodies of one element are assembled together."""
+        return type(self), self.functions
+
+    @classmethod
+    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
+        """All bodies of one :attr:`kind`."""
+        return assemble_cells(bodies[0].element, bodies[0].functions, bodies)
+
+    def element_data(self) -> Array:
+        """Data of the cells, shape (m, any)."""
+        return self._data
+
+    def element_inertia(self) -> Array:
+        """Constant matrix of the rows of each cell's nodes, shape (m, k, 4, k, 4).
+
+        Raises:
+            ValueError: There is none.
+        """
+        if self._inertia is None:
+            raise ValueError(f"{self.label} has no inertia")
+        return self._inertia
+
+    def grip_of(self, node: int) -> Grip | None:
+        """The tangent of a position-gradient node; other nodes have frames, or axes."""
+        return along_tangent(node) if self._types[node] == NodeKind.SLOPE else None
+
+    def clamp(self, *points: Point) -> None:
+        """Hold positions of points and, as far as their nodes have directions, these.
+
+        Raises:
+            ValueError: One is not a point of this body.
+            TypeError: One is no point.
+        """
+        for point in points:
+            require_point(point, "ElementBody.clamp: a point")
+            if point.body is not self:
+                raise ValueError(f"{self.label} cannot hold {point.label}: it is not its own")
+            held = TRAITS[NodeKind(self._types[point.node])].clamped
+            self.held[point.node] |= np.array(held)
+
+
+def _within(nodes: Indices, count: int) -> bool:
+    return bool(((nodes >= 0) & (nodes < count)).all())

@@ -1,0 +1,167 @@
+"""Cells of an element of the small-energy kernel as a term of a system."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled
+from fem_lie._jit.stack import stack, vector_at
+from fem_lie.forms.abilities import ViscousForces
+from fem_lie.forms.body_term import BodyTerm
+from fem_lie.forms.cell_sums import CarryingCellTerm, CellSum
+from fem_lie.forms.kernels.addresses import call_kernel, pointer
+from fem_lie.forms.small_energy.element import Element
+
+
+class CellFunctions(NamedTuple):
+    """Compiled functions of an element, made with ``callback(CELL_SIGNATURE)``.
+
+    Attributes:
+        energy: Calls :func:`.cell.add_energy`.
+        forces: Calls :func:`.cell.add_forces`.
+        tangent: Calls :func:`.cell.add_tangent_at_stress`.
+        stress: Calls :func:`.cell.update_stress`.
+        viscous_forces: Calls :func:`.cell.add_viscous_forces`, if the element is viscous.
+        viscous_tangent: Calls :func:`.cell.add_viscous_tangent`, if the element is viscous.
+    """
+
+    energy: Any
+    forces: Any
+    tangent: Any
+    stress: Any
+    viscous_forces: Any = None
+    viscous_tangent: Any = None
+
+
+class ElementAssembly(CarryingCellTerm, BodyTerm):
+    """Cells of one element on the nodes of its bodies, with linearised stress.
+
+    Attributes:
+        cells: Nodes of each cell, shape (m, k).
+    """
+
+    def __init__(
+        self, of: Element, functions: CellFunctions, cells: Indices, data: Array, count: int
+    ) -> None:
+        """Bind the functions to the data.
+
+        Args:
+            of: The element.
+            functions: Its functions.
+            cells: Nodes of each cell, shape (m, k).
+            data: Of each cell, see :func:`.element.cell_data`.
+            count: Number of nodes.
+
+        Raises:
+            ValueError: Cells have another number of nodes than the element.
+        """
+        if cells.ndim != 2 or cells.shape[1] != len(of.cells.types):
+            raise ValueError(
+                f"cells must have {len(of.cells.types)} nodes each, got shape {cells.shape}"
+            )
+        super().__init__(cells, np.arange(count), np.arange(len(cells)))
+        self._nodes = cells
+        self._element, self._functions, rows = of, functions, 12 * cells.shape[1]
+        self._values = np.hstack([np.zeros((len(cells), rows)), data])
+        self._data = self._values[:, rows:]
+        self._none = np.zeros(1), np.zeros((len(cells), 1))
+        self._energy, self._forces, self._matrix = (
+            self._sum(each) for each in (functions.energy, functions.forces, functions.tangent)
+        )
+        self._size = of.cells.points * of.cells.strains
+        self._stress = self._values[:, -self._size :]
+
+    def _sum(self, function: Any) -> CellSum:
+        return CellSum(self.cells, function.address, self._values, *self._none)
+
+    @property
+    def contents(self) -> tuple[str, list[Array], list[Array]]:
+        """What the energy is: its products, and the data of the cells."""
+        of = self._element.cells
+        return (
+            "sums of products",
+            [of.terms.astype(np.float64), of.factors],
+            [self._data[:, : -self._size]],
+        )
+
+    def strains(self, H: Array) -> Array:
+        """Strains of all cells at rows ``H`` of the nodes, shape (m, points · strains)."""
+        kept, found = self.carried.copy(), np.zeros((len(self.cells), self._size))
+        self._update(H, np.zeros((self.count, 6)), found)
+        self.restore(kept)
+        return found
+
+    def carry(self, H: Array, h: Array) -> None:
+        """See the base class."""
+        self._update(H, h.reshape(-1, 6), np.empty((len(self.cells), self._size)))
+
+    def _update(self, H: Array, h: Array, strains: Array) -> None:
+        at = self._values.ctypes.data, self._values.shape[1]
+        _update_cells(H, h, self._nodes, self._functions.stress.address, *at, strains)
+
+
+class ViscousElementAssembly(ElementAssembly, ViscousForces):
+    """The same of an element with viscosity."""
+
+    @property
+    def viscosity(self) -> ViscousForces:
+        """That of all cells."""
+        return self
+
+    def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
+        """See the base class."""
+        at = self._values.ctypes.data, self._values.shape[1]
+        _add_viscous(H, v, self._nodes, self._functions.viscous_forces.address, *at, out)
+
+    def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, None]:
+        """See the base class; derivatives in frames are left out."""
+        return self._sum(self._functions.viscous_tangent).matrix(H, self._pattern), None
+
+
+@compiled
+def _update_cells(
+    H: Array, h: Array, cells: Indices, function: int, at: int, width: int, strains: Array
+) -> None:
+    """Call the function of stress of all cells, whose data begin ``at``, ``width`` numbers each."""
+    k, size = cells.shape[1], strains.shape[1]
+    moved_at, out_at = stack(6 * k), stack(size)
+    moved, out = vector_at(moved_at, 6 * k), vector_at(out_at, size)
+    for e in range(cells.shape[0]):
+        w = pointer(at + 8 * width * e)
+        _place(H, h, cells[e], vector_at(w, 12 * k), moved)
+        call_kernel(function, out_at, w, moved_at, moved_at)
+        for i in range(size):
+            strains[e, i] = out[i]
+
+
+@compiled
+def _add_viscous(
+    H: Array, v: Array, cells: Indices, function: int, at: int, width: int, forces: Array
+) -> None:
+    """Add viscous forces of all cells, (nodes, 6); see :func:`_update_cells`."""
+    k = cells.shape[1]
+    moved_at, out_at = stack(6 * k), stack(6 * k)
+    moved, out = vector_at(moved_at, 6 * k), vector_at(out_at, 6 * k)
+    for e in range(cells.shape[0]):
+        w = pointer(at + 8 * width * e)
+        _place(H, v, cells[e], vector_at(w, 12 * k), moved)
+        for i in range(6 * k):
+            out[i] = 0.0
+        call_kernel(function, out_at, w, moved_at, moved_at)
+        for i in range(k):
+            for j in range(6):
+                forces[cells[e, i], j] += out[6 * i + j]
+
+
+@compiled
+def _place(H: Array, h: Array, nodes: Indices, rows: Array, moved: Array) -> None:
+    """Rows of a cell's nodes, and their increments or twists."""
+    for i in range(nodes.shape[0]):
+        for a in range(4):
+            for j in range(3):
+                rows[12 * i + 3 * a + j] = H[nodes[i], a, j]
+        for j in range(6):
+            moved[6 * i + j] = h[nodes[i], j]

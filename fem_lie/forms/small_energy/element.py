@@ -1,0 +1,207 @@
+"""What an element is for the small-energy kernel: nodes, vectors, products, strains and a law."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+from numba import types
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.forms.kernels.addresses import double_pointer
+from fem_lie.lie.kinds.kind import TRAITS, NodeKind
+
+CELL_SIGNATURE = types.void(double_pointer, double_pointer, double_pointer)
+"""Of the functions of an element: what they add to, the data of a cell, and twists or increments of
+its nodes. Callers may pass more arguments, which are ignored."""
+
+CompiledFunction: TypeAlias = Any
+"""A function made with :func:`fem_lie.compiled`."""
+
+
+class Cells(NamedTuple):
+    """Constants of an element for compiled code.
+
+    Attributes:
+        types: Type of each node of a cell, shape (k,).
+        rows: Of each coordinate vector: its node, its row there, its group of unknowns, and 1 to 3
+            for directors of frames, zero else, shape (r, 4).
+        places: Where each begins among the 12 k coordinates of all nodes, shape (r,).
+        groups: First unknown of each group of three among the 6 k of all nodes, shape (u,).
+        terms: Strain and both vectors of each product, shape (t, 3); where strains are a function
+            of products, the number of the product in place of the strain.
+        factors: Of each product, shape (t,).
+        points: Points of integration.
+        vectors: At each point.
+        strains: At each point.
+        parameters: Numbers of the law at each point.
+        offsets: Vectors with a constant part at each point: all or none.
+        viscosities: Numbers of the viscosity at each point.
+        turning: 1 if axes of nodes turn with their unknowns, else 0.
+    """
+
+    types: Indices
+    rows: Indices
+    places: Indices
+    groups: Indices
+    terms: Indices
+    factors: Array
+    points: int
+    vectors: int
+    strains: int
+    parameters: int
+    offsets: int
+    viscosities: int
+    turning: int
+
+
+class Element(NamedTuple):
+    """An element: constants and functions. :func:`element` makes one.
+
+    Attributes:
+        cells: Constants.
+        strain: Strains as a function of products, or ``None`` for sums of products.
+        law: Energy as a function of strains, or ``None`` for a quadratic law.
+        like: Tuples as long as those of products, strains and parameters.
+    """
+
+    cells: Cells
+    strain: CompiledFunction | None
+    law: CompiledFunction | None
+    like: tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]
+
+
+def element(
+    node_types: Sequence[NodeKind],
+    products: npt.ArrayLike,
+    *,
+    vectors: int,
+    strains: int = 1,
+    points: int = 1,
+    parameters: int | None = None,
+    strain: CompiledFunction | None = None,
+    law: CompiledFunction | None = None,
+    offsets: bool = False,
+    viscous: bool = False,
+) -> Element:
+    """An element for :mod:`fem_lie.forms.small_energy.cell`.
+
+    Args:
+        node_types: Of the nodes of a cell.
+        products: Both vectors of each scalar product, shape (t, 2), where ``strain`` is a function
+            of them; else strain, both vectors and factor of each, shape (t, 4): strains are sums.
+        vectors: Number of vectors at each point.
+        strains: Number of strains at each point.
+        points: Points of integration of a cell.
+        parameters: Numbers of ``law`` at each point.
+        strain: Compiled function of the tuple of products, which returns the tuple of strains.
+        law: Compiled function of the tuples of strains and parameters, which returns the energy at
+            a point. Default: ``½ (e − e₀)·C (e − e₀)``, whose parameters are ``e₀`` and ``C``.
+        offsets: Whether vectors have a constant part.
+        viscous: Whether there is a stress ``η ė`` (Kelvin and Voigt).
+
+    Raises:
+        ValueError: Products are of other vectors or strains than there are, or have another shape;
+            a law that is a function has no number of parameters.
+    """
+    table, width = np.asarray(products, dtype=np.float64), 4 if strain is None else 2
+    if table.ndim != 2 or table.shape[1] != width:
+        what = "strain, vectors and factor" if strain is None else "two vectors"
+        raise ValueError(f"products must have {what} each, shape (t, {width}), got {table.shape}")
+    if strain is not None:
+        numbers = np.arange(len(table), dtype=np.float64)
+        table = np.column_stack([numbers, table, np.ones(len(table))])
+    terms = np.ascontiguousarray(table[:, :3].astype(np.int64))
+    sums = strains if strain is None else len(terms)
+    if (terms < 0).any() or (terms >= [sums, vectors, vectors]).any():
+        raise ValueError(
+            f"products must be of vectors 0 to {vectors - 1} in strains 0 to {sums - 1}, got "
+            f"{terms.tolist()}"
+        )
+    if law is not None and parameters is None:
+        raise ValueError("a law that is a function needs the number of its parameters, got none")
+    count = strains + strains**2 if parameters is None or law is None else parameters
+    rows, groups = _rows(node_types)
+    constants = Cells(
+        types=np.array([int(each) for each in node_types], dtype=np.int64),
+        rows=rows,
+        places=np.ascontiguousarray(12 * rows[:, 0] + 3 * rows[:, 1]),
+        groups=groups,
+        terms=terms,
+        factors=np.ascontiguousarray(table[:, 3]),
+        points=points,
+        vectors=vectors,
+        strains=strains,
+        parameters=count,
+        offsets=vectors if offsets else 0,
+        viscosities=strains**2 if viscous else 0,
+        turning=int(any(kind <= NodeKind.SLOPE for kind in node_types)),
+    )
+    like = (0.0,) * len(terms), (0.0,) * strains, (0.0,) * count
+    return Element(constants, strain, law, like)
+
+
+def _rows(node_types: Sequence[NodeKind]) -> tuple[Indices, Indices]:
+    """Coordinate vectors and groups of unknowns of a cell's nodes."""
+    rows: list[tuple[int, int, int, int]] = []
+    groups: list[int] = []
+    for node, kind in enumerate(node_types):
+        for number, row in enumerate(TRAITS[kind].rows):
+            first = 6 * node + 3 * min(number, 1)
+            if first not in groups:
+                groups.append(first)
+            rows.append((node, row, groups.index(first), row if kind == NodeKind.FRAME else 0))
+    return np.array(rows, dtype=np.int64), np.array(groups, dtype=np.int64)
+
+
+def cell_data(
+    of: Element,
+    tables: Array,
+    parameters: Array,
+    *,
+    offsets: Array | None = None,
+    viscosity: Array | None = None,
+) -> Array:
+    """Data of cells as the functions of an element read them, with zero stress.
+
+    Args:
+        of: The element.
+        tables: ``T`` of each point, shape (m, points, vectors, rows); rows are the coordinate
+            vectors of one node after the other.
+        parameters: Of the law, shape (m, points, parameters).
+        offsets: ``z₀``, shape (m, points, vectors, 3), if vectors have a constant part.
+        viscosity: ``η``, shape (m, points, strains, strains), if the element is viscous.
+
+    Returns:
+        Shape (m, any).
+
+    Raises:
+        ValueError: One has another shape, or is missing or superfluous.
+    """
+    cells, m = of.cells, len(tables)
+    p, v, e = cells.points, cells.vectors, cells.strains
+    parts = [np.zeros((m, p * e))]
+    for what, given, needed, shape in (
+        ("viscosity", viscosity, cells.viscosities > 0, (m, p, e, e)),
+        ("parameters", parameters, True, (m, p, cells.parameters)),
+        ("offsets", offsets, cells.offsets > 0, (m, p, v, 3)),
+        ("tables", tables, True, (m, p, v, len(cells.rows))),
+    ):
+        if (given is None) == needed or (given is not None and given.shape != shape):
+            expected = f"of shape {shape}" if needed else "none"
+            found = "none" if given is None else f"shape {given.shape}"
+            raise ValueError(f"{what} of cells must be {expected}, got {found}")
+        if given is not None:
+            parts.insert(0, given.reshape(m, -1))
+    return np.hstack(parts)
+
+
+def sums_of_products(of: Cells, z: Array) -> Array:
+    """Strains that are sums of products, or all products, of vectors (m, vectors, 3), (m, any)."""
+    found = np.zeros((len(z), int(of.terms[:, 0].max()) + 1))
+    sums, first, second = of.terms.T
+    products = of.factors * np.einsum("mtj,mtj->mt", z[:, first], z[:, second])
+    np.add.at(found.T, sums, products.T)
+    return found
