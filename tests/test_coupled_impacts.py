@@ -5,14 +5,17 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import fem_lie as fl
 
 GRAVITY = 9.81
 
 
-def run(scene, duration, step, radius=0.8, **options) -> fl.Result:
-    scheme = fl.GeneralisedAlpha(radius=radius)
+DAMPED = fl.GeneralisedAlpha(radius=0.8)
+
+
+def run(scene, duration, step, scheme=DAMPED, **options) -> fl.Result:
     return scheme.run(scene, duration=duration, step=step, progress=False, **options)
 
 
@@ -228,7 +231,11 @@ def thrown(M, n, t, rates, friction: float, restitution: float) -> np.ndarray:
 @pytest.mark.parametrize("friction", [0.0, 0.3, 2.0])
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_impact_of_a_double_pendulum_is_that_of_impulses(friction, restitution):
-    """``M (ω⁺ − ω⁻) = Jᵀ p`` with the normal velocity reversed, in the first step."""
+    """``M (ω⁺ − ω⁻) = Jᵀ p`` with the normal velocity reversed, in the first step.
+
+    With much friction Newton's restitution of 1 gives four times the energy there was (Kane &
+    Levinson, Dynamics (1985) 348): it is reduced to what gives none.
+    """
     angles, rates, step = np.array([0.3, 0.7]), np.array([1.0, 2.0]), 1e-6
     law = fl.Impact(friction, restitution)
     scene, rods, _ = pendulum(angles, rates, law, 0.5 * step * (rates @ np.cos(angles)))
@@ -238,15 +245,28 @@ def test_impact_of_a_double_pendulum_is_that_of_impulses(friction, restitution):
     ]
     coupling = 0.5 * np.cos(angles[0] - angles[1])
     M = np.array([[4 / 3, coupling], [coupling, 1 / 3]])
-    expected = thrown(M, -np.cos(angles), np.sin(angles), rates, friction, restitution)
-    np.testing.assert_allclose(turned, expected, rtol=5e-5, atol=2e-5)
-    lost = 0.5 * rates @ M @ rates - 0.5 * expected @ M @ expected
+
+    def after(e: float) -> np.ndarray:
+        return thrown(M, -np.cos(angles), np.sin(angles), rates, friction, e)
+
+    def loss(e: float) -> float:
+        return 0.5 * rates @ M @ rates - 0.5 * after(e) @ M @ after(e)
+
+    gains = loss(restitution) < -1e-3
+    assert gains == (restitution == 1.0 and friction == 2.0)
+    if gains:
+        restitution = brentq(loss, 0.0, restitution)
+    expected, lost = after(restitution), loss(restitution)
+    near = 2e-3 if gains else 5e-5
+    np.testing.assert_allclose(turned, expected, rtol=near, atol=2e-5)
     told = result.contacts
-    assert told.impact_loss[0] + told.friction_loss[0] == pytest.approx(lost, rel=1e-4, abs=1e-4)
+    assert told.impact_loss[0] + told.friction_loss[0] == pytest.approx(
+        lost, rel=1e-4, abs=2 * near
+    )
     n, t = -np.cos(angles), np.sin(angles)
     _, along = np.linalg.solve(np.stack([n, t]).T, M @ (expected - rates))
     rubbed = -along * 0.5 * t @ (rates + expected)
-    assert told.friction_loss[0] == pytest.approx(rubbed, rel=1e-4, abs=1e-4)
+    assert told.friction_loss[0] == pytest.approx(rubbed, rel=2 * near, abs=2 * near)
     assert result.joint_violations.max() < 1e-12
 
 
@@ -260,6 +280,44 @@ def test_a_pendulum_that_bounces_keeps_its_joints_and_gains_nothing():
     # what steps of 1e-3 s make of the swing after the impact
     assert np.diff(result.total_energy).max() < 4e-5
     assert result.energy_error < 1e-4
+
+
+def colliding() -> fl.Scene:
+    """A ball hits a heavier one aslant, both spin; the normal turns within the step."""
+    scene, balls, radius = fl.Scene(), [], 0.1
+    for mass, at in ((1.0, (0, 0, 0)), (2.0, (0.5, 0.05, 0.02))):
+        turning = 0.4 * mass * radius**2 * np.ones(3)
+        balls.append(scene.add(fl.RigidBody(mass, turning, at)))
+    balls[0].move((3, 0, 0))
+    balls[0].turn((5, -8, 11), balls[0].centre)
+    balls[1].turn((0, 7, 3), balls[1].centre)
+    spheres = (fl.Sphere(ball.centre, radius) for ball in balls)
+    scene.add(fl.Contact(*spheres, fl.Impact(restitution=1.0)))
+    return hung_up(scene)
+
+
+def on_a_spring() -> fl.Scene:
+    """A ball on a rail and a spring bounces; positions are corrected against the spring."""
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    ball = scene.add(fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, 0.5)))
+    rail = scene.add(fl.Prismatic(fl.ground(), ball.centre, axis=(0, 0, 1)))
+    scene.add(fl.Spring(rail.displacement, stiffness=20.0))
+    ball.move((0, 0, -3))
+    surfaces = fl.Sphere(ball.centre, 0.1), fl.Plane(fl.ground(), (0, 0, 1))
+    scene.add(fl.Contact(*surfaces, fl.Impact(restitution=1.0)))
+    return scene
+
+
+@pytest.mark.parametrize("make", [colliding, on_a_spring])
+def test_restitution_adds_no_energy(make):
+    """It gave two per cent to the balls, and 2e-4 to the one on a spring."""
+    result = run(make(), 1.0, 1e-2 if make is colliding else 4e-3, fl.GeneralisedAlpha(radius=1.0))
+    energy = result.total_energy
+    assert result.contacts.contacts.any()
+    assert np.diff(energy).max() < 1e-9 * energy[0]
+    assert energy[-1] > 0.999 * energy[0]
+    if make is colliding:
+        assert np.abs(result.momentum - result.momentum[0]).max() < 1e-14
 
 
 @pytest.mark.parametrize("pull", [3.0, 7.0])

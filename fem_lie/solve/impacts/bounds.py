@@ -59,17 +59,15 @@ class Bounds(NamedTuple):
         return np.where(chosen.closed, 0.0, np.maximum(0.0, away * self.rest * h))
 
 
-def bounds_of(h: float, chosen: Chosen, free: Array, factor: float) -> Bounds:
+def bounds_of(h: float, chosen: Chosen, free: Array) -> Bounds:
     """Bounds of all contacts.
 
     Args:
         h: Size of the step.
         chosen: The contacts.
         free: Normal velocities at the end without contacts, shape (k,).
-        factor: Of the restitution.
     """
     found, gaps = np.empty((len(free), 3)), (chosen.gaps, chosen.smooth)
-    restitution = factor * chosen.restitution
-    set_bounds(h, gaps, chosen.closed, chosen.speed, free, restitution, found)
+    set_bounds(h, gaps, chosen.closed, chosen.speed, free, chosen.restitution, found)
     velocity, incoming, part = found.T
     return Bounds(velocity, incoming, 1.0 - part)

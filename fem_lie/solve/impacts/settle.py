@@ -13,53 +13,71 @@ that there is one dense matrix for all of them. What differs:
 - accelerations and multipliers change by as much as those that satisfy the equations of motion
   without contacts.
 
-Restitution is by Newton's law at the times of impacts; forces of closed contacts are along the mean
-of their rows at both ends.
+Restitution is by Newton's law at the times of impacts, and less where a step would gain energy by
+it (:mod:`.guard`); forces of closed contacts are along the mean of their rows at both ends.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._state import Stateful, attributes
 from fem_lie.contact.contact import Contact
-from fem_lie.contact.impact import cones
+from fem_lie.contact.impact.jacobian import BlockRows
 from fem_lie.contact.impact.records import (
     CONTACTS,
-    FRICTION,
     LARGEST,
     PENETRATION,
     RESIDUAL,
     SWEEPS,
 )
-from fem_lie.contact.impact.records import TOLD as SIZE
 from fem_lie.contact.impact.rows import choose_axes
-from fem_lie.contact.impact.sweeps import products
 from fem_lie.forms.abilities import PassedThroughError
-from fem_lie.lie.kinds import all_from_local, all_to_group
-from fem_lie.solve.impacts.bodies import to_twists
 from fem_lie.solve.impacts.bounds import Chosen, bounds_of
 from fem_lie.solve.impacts.delassus import Delassus
-from fem_lie.solve.impacts.history import ContactHistory
-from fem_lie.solve.impacts.last_contacts import Last
-from fem_lie.solve.impacts.positions import TOLERANCE, Aims, CoupledPlaces, Moved
+from fem_lie.solve.impacts.guard import allowed_part
+from fem_lie.solve.impacts.history import ContactHistory, Last
+from fem_lie.solve.impacts.positions import Aims, Moved
 from fem_lie.solve.impacts.step_end import Changed, Factors, Rule, StepEnd
-from fem_lie.system.equations import Equations
+from fem_lie.solve.impacts.velocities import CoupledVelocities
+from fem_lie.system.equations import Equations, Instant
 
 _PASSES = 2
 """Passes, in the second of which velocities after impacts are known."""
 
-_TINY = 1e-6
-"""Part of speeds below which they are known to round-off alone."""
+_GAIN = 1e-10
+"""Part of what contacts exchange that counts as no gain of energy."""
 
 _VIOLATED = 1e-8
 """Violation of joints after contacts, over the length of the model or in rad, with which it has."""
 
 
-class CoupledContacts(CoupledPlaces, Stateful):
+class _Solved(NamedTuple):
+    """The end of a step with contacts.
+
+    Attributes:
+        chosen: Which take part.
+        H: Frames of all rows.
+        rows: Of the contacts there.
+        v: Twists of the nodes, shape (n, 6).
+        impulses: Shape (k, 3).
+        gaps: Of all pairs, shape (m,).
+    """
+
+    chosen: Chosen
+    H: Array
+    rows: BlockRows
+    v: Array
+    impulses: Array
+    gaps: Array
+
+
+class CoupledContacts(CoupledVelocities, Stateful):
     """All contacts by impacts of a run.
 
     Attributes:
@@ -67,6 +85,7 @@ class CoupledContacts(CoupledPlaces, Stateful):
         history: What they did in all steps of the run.
         reactions: Impulses of the joints with those of contacts, over the step, shape (m,).
         work: Of drives and prescribed motions by these impulses.
+        exchanged: What contacts took and gave at most in the last step.
         overlap: By which bodies still overlap at the end of the last step, beyond what counts as
             closed; 0: they do not.
         violation: Of joints at the end of the last step, over the length of the model or in rad,
@@ -80,13 +99,13 @@ class CoupledContacts(CoupledPlaces, Stateful):
     ) -> None:
         """As the base class."""
         super().__init__(contacts, equations, rule, kept)
-        self.told, self.reactions, self.work = np.zeros(SIZE), np.zeros(self._m), 0.0
-        self.history = ContactHistory()
+        self.history, self._energy = ContactHistory(), equations.books()
         self._forget()
 
     def _forget(self) -> None:
         """No contact has taken part."""
         self.told[:], self.reactions[:], self.work = 0.0, 0.0, 0.0
+        self.exchanged = 0.0
         self.overlap = self.violation = 0.0
         self._last = Last.nothing()
 
@@ -101,8 +120,14 @@ class CoupledContacts(CoupledPlaces, Stateful):
 
     # --- which contacts take part ---
 
-    def _choose(self, smooth: Array, joined: Flags) -> Chosen:
-        """Those that overlap at the end, were closed and do not open, or have joined."""
+    def _choose(self, smooth: Array, joined: Flags, part: float) -> Chosen:
+        """Those that overlap at the end, were closed and do not open, or have joined.
+
+        Args:
+            smooth: Gaps at the end without contacts, shape (m,).
+            joined: Which have joined, shape (m,).
+            part: Of the restitution.
+        """
         touch, before = self.near.touch, self._gaps(self._H0)
         closed = before <= touch.closed
         pairs = np.flatnonzero((smooth <= 0.0) | closed | joined)
@@ -124,7 +149,7 @@ class CoupledContacts(CoupledPlaces, Stateful):
             before[pairs],
             smooth[pairs],
             touch.friction[pairs],
-            touch.restitution[pairs],
+            part * touch.restitution[pairs],
         )
 
     def settle(self, step: StepEnd) -> Changed | None:
@@ -138,27 +163,58 @@ class CoupledContacts(CoupledPlaces, Stateful):
         if not (smooth <= 0.0).any():
             self.near.work.impulses[:] = 0.0
             return None
-        end, V = step.frames, self._all_rows(step.twists, time)
-        defect = self._rates(end, V, time)
-        old = self._accelerations(end, V, time)
-        joined = np.zeros(len(smooth), dtype=np.bool_)
+        V = self._all_rows(step.twists, time)
+        old = self._accelerations(step.frames, V, time)
+        solve = partial(self._solve_end, step, V, smooth)
+        found = solve(1.0)
+        if found.chosen.restitution.any():
+            found = self._without_gain(step, solve, found)
+        self.violation = self._largest_violation(found.H)
+        V1 = self._all_rows(found.v, time)
+        new = self._accelerations(found.H, V1, time)
+        speeds = self._rates_of(found.rows, found.H, V1)
+        self._tell(found.chosen, found.gaps, found.impulses, speeds)
+        return Changed(found.H, found.v, (old[0], new[0]), new[1] - old[1])
+
+    def _solve_end(self, step: StepEnd, V: Array, smooth: Array, part: float) -> _Solved:
+        """The end of a step with a part of the restitution.
+
+        Args:
+            step: Its end without contacts.
+            V: Twists of all rows there, shape (rows, 6).
+            smooth: Gaps there, shape (m,).
+            part: Of the restitution.
+        """
+        end, time = step.frames, step.time
+        defect, joined = self._rates(end, V, time), np.zeros(len(smooth), dtype=np.bool_)
+        self.told[SWEEPS] = 0.0
         # those that overlap without taking part join; this ends, for there are so many pairs
         while True:
-            chosen = self._choose(smooth, joined)
+            chosen = self._choose(smooth, joined, part)
             moved, v, impulses = self._passes(chosen, end, V, defect, time)
             gaps = self._gaps(moved.H)
             deep = gaps < -self.near.touch.closed
             self.overlap = -float(gaps[deep].min(initial=0.0))
             deep[chosen.pairs] = False
             if not deep.any():
-                break
+                return _Solved(chosen, moved.H, moved.rows, v, impulses, gaps)
             joined |= deep
-        self.violation = self._largest_violation(moved.H)
-        V1 = self._all_rows(v, time)
-        new = self._accelerations(moved.H, V1, time)
-        speeds = self._rates_of(moved.rows, moved.H, V1)
-        self._tell(chosen, gaps, impulses, speeds)
-        return Changed(moved.H, v, (old[0], new[0]), new[1] - old[1])
+
+    def _without_gain(
+        self, step: StepEnd, solve: Callable[[float], _Solved], whole: _Solved
+    ) -> _Solved:
+        """The end with as much of the restitution as adds no energy."""
+        none = self._still, np.zeros(self._m)
+        before = Instant(step.frames, step.twists, *none)
+
+        def gained(end: _Solved) -> float:
+            after = Instant(end.H, end.v, *none)
+            return -self._energy.collide(step.time, before, after, self.work)
+
+        most, allowed = gained(whole), _GAIN * self.exchanged
+        if most <= allowed:
+            return whole
+        return solve(allowed_part(lambda part: gained(solve(part)), most, allowed))
 
     @property
     def failure(self) -> str:
@@ -197,7 +253,7 @@ class CoupledContacts(CoupledPlaces, Stateful):
         open_ = not chosen.closed.all()
         for _ in range(_PASSES if open_ else 1):
             free = self._rates_of(rows, end, V)
-            bounds = bounds_of(h, chosen, free[:, 0], 1.0)
+            bounds = bounds_of(h, chosen, free[:, 0])
             least = bounds.gaps(h, bounds.velocity if normal is None else normal, chosen)
             slid = bounds.rest[:, np.newaxis] * h * free[:, 1:]
             moved = self.part(chosen, end, Aims(least, slid), r)
@@ -207,71 +263,6 @@ class CoupledContacts(CoupledPlaces, Stateful):
             v, impulses = self._throw(chosen, moved, end, V, defect, impulses, time)
             normal = self._rates_of(rows, moved.H, self._all_rows(v, time))[:, 0]
         return moved, v, impulses
-
-    # --- velocities ---
-
-    def _throw(
-        self,
-        chosen: Chosen,
-        moved: Moved,
-        end: Array,
-        V: Array,
-        defect: Array,
-        impulses: Array,
-        time: float,
-    ) -> tuple[Array, Array]:
-        """Twists of the nodes at the end, and impulses of contacts (k, 3)."""
-        B, H, k = moved.rows, moved.H, len(chosen.pairs)
-        kinds, zero = self._kinds, np.zeros(6 * self._n)
-        before, rate = np.empty_like(self._still), np.empty_like(self._still)
-        all_from_local(kinds, end, V[: self._n], self._still, before, rate)
-        v = before.copy()
-        given: Array = np.zeros((k, 3))
-        u_given: Array = np.empty((k, 3))
-        self.reactions[:] = 0.0
-        if self._kept is not None:
-            by = moved.d.reshape(-1, 6).copy()
-            all_to_group(kinds, end, by)
-            v += self._rule.damping * by
-            given = self._rule.damping / self._rule.mass * moved.r
-            self.reactions[:] = self._rule.damping / self._rule.mass * moved.carried
-        smooth, twist = np.empty_like(v), np.empty_like(v)
-        to_twists(kinds, H, before, smooth)
-        to_twists(kinds, H, v, twist)
-        self._impulses.go_to(H)
-        off = defect - self._rates(H, self._all_rows(twist, time), time)
-        x, first = self._impulses.solve(zero, off)
-        responses = chosen.operator.solve(moved.forces, H, self._impulses.solve)
-        free = self._rates_of(B, H, self._all_rows(smooth, time))[:, 0]
-        bounds = bounds_of(self._h, chosen, free, 1.0)
-        problem = chosen.operator.problem(B.values, responses, chosen.friction)
-        twist += x.reshape(-1, 6)
-        u = self._rates_of(B, H, self._all_rows(twist, time))
-        products(problem, given, u_given)
-        without = u - u_given
-        problem.q[:] = without
-        problem.q[:, 0] -= bounds.velocity
-        gaps = self._gaps(H)[chosen.pairs]
-        opens = (moved.r[:, 0] == 0.0) & (gaps > self.near.touch.closed[chosen.pairs])
-        opens &= chosen.smooth > 0.0
-        problem.q[opens, 0] = np.maximum(problem.q[opens, 0], 0.0) + 1e3 * np.abs(u).max()
-        problem.r[:], problem.least[0] = impulses, _TINY * float(np.abs(V).max())
-        memory = np.empty((k, 3)), np.empty((k, 3))
-        sweeps, residual = cones.solve_exactly(problem, k, TOLERANCE, memory)
-        self.told[SWEEPS] += sweeps
-        self.told[RESIDUAL] = max(self.told[RESIDUAL], residual)
-        P, change = problem.r, problem.r - given
-        end_twist = twist + responses.moved(change).reshape(-1, 6)
-        driven = 0.5 * (self._V0 + V)
-        driven[: self._n + 1] = 0.0
-        self.work = -float((P * self._rates_of(B, H, driven)).sum())
-        self.reactions += first + responses.reactions(change)
-        self.work -= float(self.reactions @ self._driven(time))
-        mean = 0.5 * (without + self._rates_of(B, H, self._all_rows(end_twist, time)))
-        # of what was closed by how far it slid, for that is nothing of what sticks
-        slid = np.where(chosen.closed[:, np.newaxis], moved.slips / self._h, mean[:, 1:])
-        self.told[FRICTION] = float((slid * P[:, 1:]).sum())
-        return end_twist, P.copy()
 
     # --- the end of the step ---
 
