@@ -13,6 +13,8 @@ GRAVITY = 9.81
 
 
 DAMPED = fl.GeneralisedAlpha(radius=0.8)
+SCHEMES = {"generalised alpha": DAMPED, "variational": fl.Variational()}
+each_scheme = pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES)
 
 
 def run(scene, duration, step, scheme=DAMPED, **options) -> fl.Result:
@@ -41,11 +43,12 @@ def floored(body: fl.RigidBody, surface: fl.Surface, law: fl.Impact, angle=0.0) 
 # --- what a joint elsewhere must not change ---
 
 
+@each_scheme
 @pytest.mark.parametrize("restitution", [1.0, 0.8])
-def test_a_ball_bounces_as_without_joints(restitution):
+def test_a_ball_bounces_as_without_joints(restitution, scheme):
     ball = fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, 1.1))
     law = fl.Impact(restitution=restitution)
-    result = run(floored(ball, fl.Sphere(ball.centre, 0.1), law), 1.0, 1e-2)
+    result = run(floored(ball, fl.Sphere(ball.centre, 0.1), law), 1.0, 1e-2, scheme)
     fall = np.sqrt(2 / GRAVITY)
     after = np.maximum(0.0, result.times - fall)
     expected = np.where(
@@ -61,18 +64,20 @@ def test_a_ball_bounces_as_without_joints(restitution):
     )
 
 
+@each_scheme
 @pytest.mark.parametrize("angle", [20.0, 26.56, 26.57, 40.0])
-def test_a_block_sticks_or_slides_on_a_slope(angle):
+def test_a_block_sticks_or_slides_on_a_slope(angle, scheme):
     edges, down = (0.2, 0.2, 0.1), np.radians(angle)
     block = fl.RigidBody(1.0, cuboid(1.0, edges), (0, 0, 0.05))
     scene = floored(block, fl.Box(block.centre, edges), fl.Impact(friction=0.5), down)
-    result = run(scene, 0.5, 1e-2)
+    result = run(scene, 0.5, 1e-2, scheme)
     pull = GRAVITY * (np.sin(down) - 0.5 * np.cos(down))
     assert result.position(block.centre)[-1, 0] == pytest.approx(max(0.0, pull) / 8, abs=1e-9)
     assert result.contacts.cone_residual.max() < 1e-6
 
 
-def test_a_ladder_slides_with_second_order():
+@each_scheme
+def test_a_ladder_slides_with_second_order(scheme):
     errors = []
     fall = solve_ivp(
         lambda t, y: [y[1], 1.5 * GRAVITY * np.sin(y[0])],
@@ -90,7 +95,7 @@ def test_a_ladder_slides_with_second_order():
         scene = floored(rod, fl.Vertices([foot]), law)
         wall = fl.Plane(fl.ground(), (1, 0, 0))
         scene.add(fl.Contact(fl.Vertices([top]), wall, law))
-        result = run(scene, 0.4, step)
+        result = run(scene, 0.4, step, scheme)
         up = result.position(top)[-1] - result.position(foot)[-1]
         errors.append(np.arctan2(abs(up[0]), up[2]) - fall)
     assert abs(errors[1]) < 1.3e-4
@@ -228,9 +233,10 @@ def thrown(M, n, t, rates, friction: float, restitution: float) -> np.ndarray:
     return rates + np.linalg.solve(M, G.T @ p)
 
 
+@each_scheme
 @pytest.mark.parametrize("friction", [0.0, 0.3, 2.0])
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
-def test_impact_of_a_double_pendulum_is_that_of_impulses(friction, restitution):
+def test_impact_of_a_double_pendulum_is_that_of_impulses(friction, restitution, scheme):
     """``M (ω⁺ − ω⁻) = Jᵀ p`` with the normal velocity reversed, in the first step.
 
     With much friction Newton's restitution of 1 gives four times the energy there was (Kane &
@@ -239,7 +245,7 @@ def test_impact_of_a_double_pendulum_is_that_of_impulses(friction, restitution):
     angles, rates, step = np.array([0.3, 0.7]), np.array([1.0, 2.0]), 1e-6
     law = fl.Impact(friction, restitution)
     scene, rods, _ = pendulum(angles, rates, law, 0.5 * step * (rates @ np.cos(angles)))
-    result = run(scene, step, step)
+    result = run(scene, step, step, scheme)
     turned = [
         -(result.rotation(rod.centre)[-1] @ result.velocity(rod.centre)[-1, 3:])[1] for rod in rods
     ]
@@ -270,9 +276,10 @@ def test_impact_of_a_double_pendulum_is_that_of_impulses(friction, restitution):
     assert result.joint_violations.max() < 1e-12
 
 
-def test_a_pendulum_that_bounces_keeps_its_joints_and_gains_nothing():
+@each_scheme
+def test_a_pendulum_that_bounces_keeps_its_joints_and_gains_nothing(scheme):
     scene, _, _ = pendulum((1.2, 1.0), (0, 0), fl.Impact(0.2, 0.5), -1.6)
-    result = run(scene, 2.0, 1e-3)
+    result = run(scene, 2.0, 1e-3, scheme)
     told = result.contacts
     assert (told.contacts > 0).sum() >= 2
     assert told.penetration.max() < 1e-12
@@ -308,10 +315,11 @@ def on_a_spring() -> fl.Scene:
     return scene
 
 
+@pytest.mark.parametrize("scheme", [fl.GeneralisedAlpha(radius=1.0), fl.Variational()])
 @pytest.mark.parametrize("make", [colliding, on_a_spring])
-def test_restitution_adds_no_energy(make):
+def test_restitution_adds_no_energy(make, scheme):
     """It gave two per cent to the balls, and 2e-4 to the one on a spring."""
-    result = run(make(), 1.0, 1e-2 if make is colliding else 4e-3, fl.GeneralisedAlpha(radius=1.0))
+    result = run(make(), 1.0, 1e-2 if make is colliding else 4e-3, scheme)
     energy = result.total_energy
     assert result.contacts.contacts.any()
     assert np.diff(energy).max() < 1e-9 * energy[0]
@@ -320,8 +328,9 @@ def test_restitution_adds_no_energy(make):
         assert np.abs(result.momentum - result.momentum[0]).max() < 1e-14
 
 
+@each_scheme
 @pytest.mark.parametrize("pull", [3.0, 7.0])
-def test_a_block_on_a_driven_platform_is_taken_along_by_friction(pull):
+def test_a_block_on_a_driven_platform_is_taken_along_by_friction(pull, scheme):
     """μ g = 4.905 m/s²: with less it sticks, with more it slides at that acceleration."""
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     platform = scene.add(fl.RigidBody(5.0, np.ones(3), (0, 0, -0.1)))
@@ -331,7 +340,7 @@ def test_a_block_on_a_driven_platform_is_taken_along_by_friction(pull):
     top = fl.Plane(platform.at((0, 0, 0)), (0, 0, 1))
     box = fl.Box(block.centre, (0.2, 0.2, 0.1))
     scene.add(fl.Contact(box, top, fl.Impact(friction=0.5)))
-    result = run(scene, 0.5, 5e-3)
+    result = run(scene, 0.5, 5e-3, scheme)
     expected = 0.5 * min(pull, 0.5 * GRAVITY) * 0.25
     assert result.position(platform.centre)[-1, 0] == pytest.approx(0.125 * pull, abs=1e-9)
     assert result.position(block.centre)[-1, 0] == pytest.approx(expected, abs=1e-8)
@@ -407,9 +416,10 @@ def test_joints_are_told_to_carry_what_contacts_push():
     np.testing.assert_allclose(result.joint_force(joint)[1:, 2], -4.0 * GRAVITY, rtol=1e-8)
 
 
-def test_what_a_drive_does_through_friction_is_its_work():
+@each_scheme
+def test_what_a_drive_does_through_friction_is_its_work(scheme):
     """On a platform that is shaken a block slides to and fro: friction alone takes energy."""
-    result = run(stick_and_slip(), 0.3, 2.5e-3)
+    result = run(stick_and_slip(), 0.3, 2.5e-3, scheme)
     told = result.contacts
     work, lost = result.balance[-1, 0], told.friction_loss.sum()
     assert lost > 0.05
@@ -425,8 +435,9 @@ STEEL = fl.Material(2e9, 0.0, 1000.0)
 WAVE = np.sqrt(2e9 / 1000.0)
 
 
+@each_scheme
 @pytest.mark.parametrize("courant", [0.5, 1.0, 2.0])
-def test_an_elastic_bar_pushes_a_wall_as_its_wave_says(courant):
+def test_an_elastic_bar_pushes_a_wall_as_its_wave_says(courant, scheme):
     """ρ c v A while the wave goes and comes back; the energy never grows."""
     cells, gap, area = 50, 1e-3, np.pi * 0.02**2
     beam = fl.Beam.straight((0, 0, 0), (-1, 0, 0), fl.Section.circle(0.02, STEEL), cells=cells)
@@ -436,7 +447,7 @@ def test_an_elastic_bar_pushes_a_wall_as_its_wave_says(courant):
     wall = fl.Plane(fl.ground(), (-1, 0, 0), at=(gap, 0, 0))
     scene.add(fl.Contact(fl.Vertices([beam.start]), wall, fl.Impact()))
     step, back = courant / cells / WAVE, 2 / WAVE
-    result = run(scene, np.ceil((gap + 1.3 * back) / step) * step, step)
+    result = run(scene, np.ceil((gap + 1.3 * back) / step) * step, step, scheme)
     force = -np.diff(result.impulses[:, 1, 0]) / step / (1000.0 * WAVE * area)
     since = (result.times[1:] - 0.5 * step - gap) / back
     inside = force[(since > 0.1) & (since < 0.9)]
@@ -542,6 +553,18 @@ def test_a_beam_without_rotary_inertia_hits_the_floor():
     assert np.abs(ends[1] - ends[0]).max() < 0.02
 
 
+def test_velocities_by_momenta_need_inertia():
+    full = fl.Section.circle(0.02, fl.Material(1e8, 0.3, 1000.0))
+    light = fl.Section.from_stiffness(full.stiffness, mass=1.0)
+    beam = fl.Beam.straight((0, 0, 0.1), (1, 0, 0.1), light, cells=2)
+    scene = fl.Scene()
+    scene.add(beam)
+    floor = fl.Plane(fl.ground(), (0, 0, 1))
+    scene.add(fl.Contact(fl.Sphere(beam.end, 0.02), floor, fl.Impact()))
+    with pytest.raises(ValueError, match="expected rotary inertia at all nodes"):
+        run(scene, 0.1, 1e-2, fl.Variational())
+
+
 # --- runs that go on ---
 
 
@@ -558,11 +581,11 @@ def stick_and_slip() -> fl.Scene:
     return scene
 
 
+@each_scheme
 @pytest.mark.parametrize("make", [stick_and_slip, bouncing_beam])
 @pytest.mark.parametrize("every", [37, 80])
-def test_a_run_goes_on_to_the_last_bit(tmp_path, make, every):
+def test_a_run_goes_on_to_the_last_bit(tmp_path, make, every, scheme):
     options, file = {"duration": 0.3, "step": 2.5e-3, "progress": False}, tmp_path / "run.h5"
-    scheme = fl.GeneralisedAlpha(radius=0.8)
     whole = scheme.run(make(), **options)
     scheme.run(make(), **options, file=file, checkpoint_every=every)
     resumed = scheme.resume(make(), file, progress=False)

@@ -90,6 +90,13 @@ DIVIDED = {
     "free bodies": (lambda body: TWO, spinning, 0.1, 10, 1e-3),
     "impacts of free bodies": (lambda body: TWO, tumbling, 1e-2, 40, 1e-3),
     "impacts of flexible bodies": (lambda beam: TWO, bouncing, 2e-3, 50, 1e-4),
+    "impacts by momenta": (
+        lambda body: fl.Variational(tolerance=1e-8, max_iterations=3),
+        tumbling,
+        1e-2,
+        40,
+        1e-9,
+    ),
 }
 """Schemes, scenes, sizes and numbers of steps, and errors of the balance of energy."""
 

@@ -113,7 +113,7 @@ MAY_IMPORT = {
     "solve.conserving.step": {"solve.conserving.rows"},
     "solve.conserving.outside": {"solve.conserving.step"},
     "solve.conserving": {"solve.conserving.outside"},
-    "solve.variational": {"solve.conserving.step"},
+    "solve.variational": {"solve.conserving.step", "solve.impacts"},
     "solve.explicit": {"solve.motion"},
     "solve.composed": {"solve.conserving", "solve.variational"},
     "solve.multirate": {"solve.conserving"},

@@ -253,8 +253,8 @@ class Contact:
         """
         if not isinstance(self.law, Penalty):
             raise ValueError(
-                f"{self.label}: Impact is for GeneralisedAlpha with constant steps; give Penalty "
-                "elsewhere"
+                f"{self.label}: Impact is for GeneralisedAlpha and Variational with constant "
+                "steps; give Penalty elsewhere"
             )
         if isinstance(self.a, Rope) and isinstance(self.b, Rings):
             return self._rings(self.a, self.b, nodes)

@@ -77,8 +77,9 @@ class Penalty:
 class Impact:
     """Rigid surfaces: they never overlap, rub by Coulomb's law and bounce by Newton's.
 
-    It is for :class:`~fem_lie.GeneralisedAlpha` with constant steps, and for rigid bodies, beams
-    and shells whose nodes are frames, in joints or not. Steps need not resolve impacts.
+    It is for :class:`~fem_lie.GeneralisedAlpha` and :class:`~fem_lie.Variational` with constant
+    steps, and for rigid bodies, beams and shells whose nodes are frames, in joints or not. Steps
+    need not resolve impacts.
     Of several impacts at once restitution is a law, not physics.
 
     Attributes:

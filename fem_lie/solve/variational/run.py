@@ -9,12 +9,16 @@ from functools import cached_property
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._state import put_back, saved
+from fem_lie.contact.impact.records import FRICTION, IMPACT
 from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.linear.factors import Factors, solve
+from fem_lie.linear.factors import Factors
 from fem_lie.results import Result
-from fem_lie.results.record import Record
+from fem_lie.results.record import Record, with_others
 from fem_lie.solve.conserving.between.cayley import advance
+from fem_lie.solve.impacts.settle import CoupledContacts
+from fem_lie.solve.impacts.step_end import StepEnd
 from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, estimate, failure
 from fem_lie.solve.motion.policies import Decisions, EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
@@ -24,8 +28,12 @@ from fem_lie.solve.variational import loop, momenta
 from fem_lie.solve.variational.packing import Packed
 from fem_lie.solve.variational.prescribed import prescribe
 from fem_lie.solve.variational.run_state import RunState
+from fem_lie.system.equations import Instant
 
 _log = logging.getLogger(__name__)
+
+_CHANGED = "H", "rest", "steps", "before", "weights", "earlier", "gap", "_made"
+"""What the acceptance of a step changes."""
 
 _AT_A_TIME = 20_000
 """Steps times unknowns, some milliseconds, after which the loop comes back to be interrupted."""
@@ -40,6 +48,8 @@ class VariationalRun(RunState):
         """See the base class."""
         if not plan.saving.booked:
             self.books.rest()
+        if self._contacts is not None:
+            self._contacts.history.begin(plan.steps)
         return Recorder(self.equations, plan, progress, store)
 
     @property
@@ -61,6 +71,8 @@ class VariationalRun(RunState):
 
     def _advance(self, history: Recorder) -> bool:
         before = self._iterations
+        if self._contacts is not None:
+            self._contacts.history.begin_step(self.index + 1)
         made = self._stretch(history.next_stop(self.index)) if self._alone else self._cover()
         history.count += self._iterations - before
         return made
@@ -73,6 +85,8 @@ class VariationalRun(RunState):
             prescribe(self.equations, self.H, start, self.size, self.rows, given)
         if self._binding is not None:
             self._binding.begin(self.H, start, self.size)
+        if self._contacts is not None:
+            self._contacts.begin(self.H, self._v, start)
         return (self._made_with(self.decisions) or self._rescued()) and self._accept(end)
 
     def _rescued(self) -> bool:
@@ -88,6 +102,7 @@ class VariationalRun(RunState):
         tables, books = self.equations.tables, self.books
         beside = self._changing or self._viscous or tables.turns or not tables.in_one_sum
         beside = beside or self._binding is not None or self._follows
+        beside = beside or self._contacts is not None
         beside = beside or not (books.empty or books.compiled) or self.division.level > 0
         return not beside and self._factors is not None and self.decisions.rule is not None
 
@@ -195,8 +210,7 @@ class VariationalRun(RunState):
             wanted = self._factors is None or decisions.before_iteration(iteration)
             if wanted and not self._renewed():
                 return False
-            assert self._factors is not None
-            solve(self._factors.plain, self._r, self._y, self._x)
+            self._solve()
             increment = float(np.abs(self._x * self._measure).max(initial=0.0))
             ratio, remaining = estimate(increment, previous, ratio)
             self._increment, motion = increment, max(motion, increment)
@@ -217,6 +231,7 @@ class VariationalRun(RunState):
         """Make the end of the step, at ``time``, the start of the next; whether surfaces let it."""
         delta, _, end, middle = self.rows
         n, start = self._n, self.H.copy()
+        was = None if self._contacts is None else saved(self, _CHANGED)
         advance(self.H[:n], self.rest, delta[:n])
         momenta.keep_axes(self.equations.unknowns.kinds, end, self.H)
         self.H[n:] = end[n:]
@@ -226,13 +241,55 @@ class VariationalRun(RunState):
         ahead = 2.0 * self.weights - self.earlier if self.index else self.weights.copy()
         self.earlier[:] = self.weights
         self._made += 1
+        if self._contacts is not None and not self._touch(self._contacts, time, ahead):
+            assert was is not None
+            put_back(self, _CHANGED, was)
+            return False
         if not self._remembered(start, middle):
             return False
         if self._follows:
             self._turn_axes()
-        if not self.books.empty:
+        if self._contacts is None and not self.books.empty:
             self._book(time, ahead)
         return True
+
+    def _touch(self, contacts: CoupledContacts, time: float, ahead: Array) -> bool:
+        """Let contacts change the end of a step, and book it; whether they may.
+
+        Args:
+            contacts: By impacts.
+            time: Of the end.
+            ahead: Multipliers there, shape (m,).
+        """
+        equations, n = self.equations, self._n
+        if self._changing:
+            equations.prescribed(time).act()
+        v = self._ends.velocities(self.H, self.before, time)[:n]
+        changed = contacts.settle(StepEnd(self.H, v, time))
+        if contacts.failure:
+            contacts.abandon()
+            return False
+        if not self.books.empty:
+            _, rates = self._ends.through(self.H, self.steps, time, self._changing)
+            self.books.add(self.size, time, self.H, v, rates, ahead)
+        if changed is not None:
+            was = Instant(self.H.copy(), v, changed.rates[0], ahead)
+            change = self._momenta(changed.frames, changed.twists) - self._momenta(self.H, v)
+            self.before += change
+            self.H[:n], v = changed.frames[:n], changed.twists
+            self.rest[:] = 0.0
+            self._set_steps(v, changed.rates[1])
+            self.weights += changed.multipliers
+            self.earlier[:] = self.weights
+            now = Instant(self.H, v, changed.rates[1], ahead + changed.multipliers)
+            equations.residual(now, np.ones(len(self.weights)), self._work)
+            self.gap[:] = self._work[6 * n :]
+            lost = self.books.collide(time, was, now, contacts.work)
+            contacts.told[IMPACT] = -lost - contacts.told[FRICTION]
+        self._v[:] = v
+        contacts.history.add(self.index, contacts.told[np.newaxis])
+        self.reason = contacts.passed(self.H)
+        return not self.reason
 
     def _turn_axes(self) -> None:
         """Let axes follow the state that is accepted; spins about axes of frames go with these."""
@@ -253,6 +310,8 @@ class VariationalRun(RunState):
         left = float(np.abs(self._r).max(initial=0.0))
         numbers = options.max_iterations, self._increment, left, options.tolerance
         text = failure(self.index + 1, steps, self.h, *numbers, options.policy.rescue)
+        if self._contacts is not None:
+            self.reason = self.reason or self._contacts.failure
         text = self._because(text, steps, self.index)
         return self._nor_in_parts(text)
 
@@ -264,6 +323,8 @@ class VariationalRun(RunState):
         if wanted:
             with self.equations.memory.unchanged():
                 self.tell(history, self.time, moved=self.index > 0)
+            if self._contacts is not None and self.index:
+                self._contacts.record(self.H, self.time)
         return wanted
 
     def tell(self, history: Recorder, time: float, moved: bool) -> None:
@@ -282,12 +343,18 @@ class VariationalRun(RunState):
             v = self._ends.velocities(self.H, self.before, time)
         if Record.FORCES in history.filled:
             rates, weights = self._ends.accelerations(self.H, v, time)
+            if self._contacts is not None:
+                weights = weights + self._contacts.reactions / self.size
         history.fill(time, self.H, v[:n], rates, weights, self.books.total)
 
     def _result(self, history: Recorder) -> Result:
         self.division.report(self.index)
-        divided = self.division.divided
-        return history.result(self._factorisations, history.seconds, divided=divided)
+        divided, others = self.division.divided, {}
+        if self._contacts is not None:
+            others["contacts"] = steps = self._contacts.history.result(self.h)
+            history.add(steps)
+        made = history.result(self._factorisations, history.seconds, divided=divided)
+        return with_others(made, others)
 
     # --- checkpoints ---
 
@@ -299,5 +366,5 @@ class VariationalRun(RunState):
     def restore(self, kept: Mapping[str, Array]) -> None:
         """See the base class."""
         super().restore(kept)
-        self.size = self._ends.h = self.part_size
+        self._take_size(self.part_size)
         self._factors = Factors.of(kept)

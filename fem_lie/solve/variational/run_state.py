@@ -9,14 +9,17 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._state import attributes
 from fem_lie.joints.equations.table import joint_table
-from fem_lie.lie.kinds import SLOPE, push_all
-from fem_lie.linear.factors import Factors, factorise
+from fem_lie.lie.kinds import push_all
+from fem_lie.linear.factors import Factors, factorise, solve
 from fem_lie.solve.conserving.between.product_rows import (
     accelerations,
     add_inertia,
     inertia_with_products,
     product_rates,
 )
+from fem_lie.solve.impacts.settle import CoupledContacts
+from fem_lie.solve.impacts.step_end import Factors as StepFactors
+from fem_lie.solve.impacts.step_end import Rule
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.convergence import unknown_scaling
 from fem_lie.solve.motion.integration import DividedIntegration
@@ -63,6 +66,8 @@ class RunState(DividedIntegration[Recorder]):
         "_iterations",
         "_born",
         "books",
+        "_v",
+        "_contacts",
     )
 
     def __init__(self, options: Options, equations: Equations, step: float) -> None:
@@ -103,6 +108,24 @@ class RunState(DividedIntegration[Recorder]):
         self._increment, self._born = np.inf, 0
         self._ends = Ends(equations, step)
         self._binding = Binding(equations) if unknowns.other_constraints else None
+        # twists at the start of the step, which contacts alone ask for
+        self._v: Array = equations.start.velocities[:n].copy()
+        self._contacts: CoupledContacts | None = None
+        if contacts := equations.scene.impacts:
+            factors = None
+            if not unknowns.rigid or len(known.terms):
+                factors = StepFactors(self._solve, self._r, self._x, self.scale)
+            self._contacts = CoupledContacts(contacts, equations, self._end_rule, factors)
+
+    @property
+    def _end_rule(self) -> Rule:
+        """As of the trapezoidal rule: ``Δq = ½ h (v₀ + v₁)``."""
+        return Rule(self.size, 4.0 / self.size**2, 2.0 / self.size)
+
+    def _solve(self) -> None:
+        """Solve with the kept factors."""
+        assert self._factors is not None
+        solve(self._factors.plain, self._r, self._y, self._x)
 
     # --- start ---
 
@@ -110,18 +133,9 @@ class RunState(DividedIntegration[Recorder]):
         """See the base class."""
         equations, n = self.equations, self._n
         check_velocities(equations, self.h)
-        V, products = np.empty(self._q.shape), np.empty((2, *self._within.means.shape))
         v = equations.start.velocities
-        kinds, spatial = equations.unknowns.kinds, np.empty((n, 6))
-        push_all(kinds, self.H[:n], v[:n], V[:n])
-        bodies = self._within.bodies
-        product_rates(*bodies, (self.H, V[:n], np.zeros_like(V[:n])), products)
-        V[n:] = products[0]
-        momenta.of_rates(kinds, self.H, V, self._mass, bodies, self.before)
-        self.steps[:, :, :3] = self.h * V[:n, 0]
-        self.steps[:, :, 3:] = self.h * np.einsum("nij,ni->nj", self.H[:n, 1:], v[:n, 3:])
-        momenta.to_space(kinds, self.H, v[:n], spatial)
-        self.steps[:, kinds >= SLOPE] = self.h * spatial[kinds >= SLOPE]
+        self.before[:] = self._momenta(self.H, v[:n])
+        self._set_steps(v[:n])
         rates, self.weights[:] = self._ends.accelerations(self.H, v, 0.0)
         self.earlier[:] = self.weights
         now = Instant(self.H, v[:n], rates, self.weights)
@@ -130,6 +144,34 @@ class RunState(DividedIntegration[Recorder]):
         self.books.open(0.0, *now)
         self._take_rows()
         self.scale[:] = self._fill(None)
+
+    def _momenta(self, H: Array, v: Array) -> Array:
+        """Momenta of twists ``v``, shape (n, 6)."""
+        n, kinds, bodies = self._n, self.equations.unknowns.kinds, self._within.bodies
+        V, products = np.empty(self._q.shape), np.empty((2, *self._within.means.shape))
+        found = np.empty((n, 6))
+        push_all(kinds, H[:n], v, V[:n])
+        product_rates(*bodies, (H, V[:n], np.zeros_like(V[:n])), products)
+        V[n:] = products[0]
+        momenta.of_rates(kinds, H, V, self._mass, bodies, found)
+        return found
+
+    def _set_steps(self, v: Array, rates: Array | None = None) -> None:
+        """Let the last two steps be those of a uniform motion.
+
+        Args:
+            v: Twists at its end, shape (n, 6).
+            rates: Rates of these, shape (n, 6); default: none.
+        """
+        kinds, h = self.equations.unknowns.kinds, self.size
+        velocity, acceleration = np.empty((2, self._n, 6))
+        momenta.to_space(kinds, self.H, v, velocity)
+        self.steps[:] = h * velocity
+        if rates is not None:
+            local = rates.copy()
+            local[:, :3] += np.cross(v[:, 3:], v[:, :3])
+            momenta.to_space(kinds, self.H, local, acceleration)
+            self.steps -= h**2 * np.array([0.5, 1.5])[:, np.newaxis, np.newaxis] * acceleration
 
     def _take_rows(self) -> None:
         for row in self.rows[1:]:
@@ -140,10 +182,15 @@ class RunState(DividedIntegration[Recorder]):
     def resize(self, time: float, size: float) -> None:
         """See the base class; momenta are of no size."""
         self.steps *= size / self.size
-        self.size = self._ends.h = size
+        self._take_size(size)
         self._take_rows()
         self.scale[:] = self._fill(None)
         self._factors = None
+
+    def _take_size(self, size: float) -> None:
+        self.size = self._ends.h = size
+        if self._contacts is not None:
+            self._contacts.follow(self._end_rule)
 
     # --- one iteration ---
 

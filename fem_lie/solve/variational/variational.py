@@ -24,6 +24,9 @@ Forces without a potential, following loads and dampers do their virtual work on
 and symplectic; energy goes up and down with the step squared and does not drift. With a quadratic
 potential it is as stable as the trapezoidal rule.
 
+Contacts by impacts change frames and momenta at the end of a step, as in generalised-α
+(:mod:`fem_lie.solve.impacts`), by the velocities that there are then.
+
 Velocities in results are those that have the momenta and that joints allow, joint forces those of
 the equations of motion at the ends of steps; both take a factorisation for each state that is kept.
 Work and impulses are booked by the trapezoidal rule. Bodies' groups have no meaning for it.
@@ -39,6 +42,8 @@ from typing import ClassVar
 
 from fem_lie.lie.motions import Group
 from fem_lie.scene import Scene
+from fem_lie.solve.impacts.impulses import massless
+from fem_lie.solve.impacts.refused import refuse_impacts
 from fem_lie.solve.motion.integrator import Integrator, check_until_round_off, refuse
 from fem_lie.solve.motion.policies import Automatic, Policy
 from fem_lie.solve.variational.run import VariationalRun
@@ -95,7 +100,17 @@ class Variational(Integrator):
         return Options(self.tolerance, self.policy, self.max_iterations)
 
     def _equations(self, scene: Scene) -> Equations:
-        return self.equations(scene)
+        """Those of a scene; impacts are in none: they change the ends of steps."""
+        equations = self.equations(scene.without_impacts())
+        if equations.scene.impacts:
+            refuse_impacts(equations)
+            if massless(equations.tables.inertia, equations.unknowns.held).count_nonzero():
+                raise ValueError(
+                    "Variational finds velocities of impacts from momenta: expected rotary inertia "
+                    "at all nodes, got a beam whose section has none; give its section rotary "
+                    "inertia, or use GeneralisedAlpha"
+                )
+        return equations
 
     def _integration(self, equations: Equations, step: float) -> VariationalRun:
         return VariationalRun(self.told(), equations, step)
