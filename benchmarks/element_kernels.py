@@ -19,6 +19,8 @@ import subprocess
 import sys
 from argparse import ArgumentParser
 from collections.abc import Callable
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -65,7 +67,8 @@ def bodies() -> dict[str, Callable[[], Any]]:
         file = HERE / "docs" / "how_to" / "gradient_element.py"
         if not hasattr(fl, "ElementBody"):
             return fl.Cable.curve(wave, thread, cells=CELLS)
-        return runpy.run_path(str(file))["cable"](CELLS, 2e7, 3e2, 1.0)
+        with redirect_stdout(StringIO()):
+            return runpy.run_path(str(file))["cable"](CELLS, 2e7, 3e2, 1.0)
 
     return {
         "bends of a discrete cable": lambda: fl.Cable(

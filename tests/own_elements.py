@@ -14,9 +14,9 @@ from fem_lie.lie.kinds import TRAITS, NodeKind
 
 
 @compiled
-def function_of_products(products):
+def function_of_products(products, parameters):
     a, b, c, d = products
-    return math.sqrt(a) - 1.0, math.atan(b / a) + 0.1 * c * d
+    return math.sqrt(a) - 1.0, math.atan(b / a) + 0.1 * parameters[1] * c * d
 
 
 @compiled

@@ -30,7 +30,7 @@ MASSES = (
 
 
 @compiled
-def stretch_and_curvature(products):
+def stretch_and_curvature(products, parameters):
     """Strains as a function of f·f, f·g and g·g."""
     ff, fg, gg = products
     return math.sqrt(ff) - 1.0, (ff * gg - fg * fg) / (ff * ff)

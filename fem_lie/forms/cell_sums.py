@@ -10,6 +10,7 @@ cell, and adds a number, forces or a matrix to ``A``. Forms of DOLFINx are one s
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import dolfinx
@@ -21,7 +22,7 @@ from fem_lie import _compat
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.abilities import LinearisedStress
 from fem_lie.forms.cell_forms import FormTable, add_blocks, add_cells, of_cells
-from fem_lie.forms.term import Term
+from fem_lie.forms.term import Pairs, Term
 
 
 class Pattern(NamedTuple):
@@ -145,6 +146,13 @@ class CellTerm(Term):
     _forces: CellSum
     _matrix: CellSum
     _pattern: Pattern
+
+    @cached_property
+    def pairs(self) -> Pairs:
+        """Nodes of each cell with each other."""
+        count = len(self._pattern.indptr) - 1
+        rows = np.repeat(np.arange(count), np.diff(self._pattern.indptr))
+        return rows, self._pattern.indices.astype(np.int64)
 
     @property
     def matrices(self) -> Sequence[CellSum]:

@@ -112,7 +112,7 @@ def _vectors(bends: Bends) -> tuple[Array, Array]:
 
 
 @compiled
-def _squared_curvature(products: tuple[float, ...]) -> tuple[float]:
+def _squared_curvature(products: tuple[float, ...], parameters: tuple[float, ...]) -> tuple[float]:
     """``|κb|²``."""
     ee, eg, gg = products
     along = ee + eg

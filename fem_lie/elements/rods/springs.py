@@ -9,7 +9,6 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.forms.cell_sums import CellSum, CellTerm, Pattern
-from fem_lie.forms.term import Pairs
 
 
 class _Data(Protocol):
@@ -42,13 +41,7 @@ class Springs(CellTerm):
             CellSum(nodes, kernel.address, data, *none, apart=True) for kernel in kernels
         )
         self._pattern = Pattern.of(nodes, count)
-        self.springs, self._count = springs, count
-
-    @property
-    def pairs(self) -> Pairs:
-        """Nodes of each spring with each other."""
-        rows = np.repeat(np.arange(self._count), np.diff(self._pattern.indptr))
-        return rows, self._pattern.indices
+        self.springs = springs
 
     @property
     def contents(self) -> _Data:

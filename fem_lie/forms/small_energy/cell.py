@@ -80,13 +80,13 @@ def add_forces(of: Element, A: Pointer, w: Pointer) -> None:
 @inlined
 def add_tangent(of: Element, A: Pointer, w: Pointer) -> None:
     """Tangent stiffness, added to ``A`` (k, 6, k, 6), at the stress of the strains."""
-    _tangent(of.cells, of.strain, of.law, of.like, A, w, 0)
+    _tangent(of.cells, of.strain, of.law, of.like, of.turning, None, A, w)
 
 
 @inlined
 def add_tangent_at_stress(of: Element, A: Pointer, w: Pointer) -> None:
     """Tangent stiffness, added to ``A`` (k, 6, k, 6), at the linearised stress."""
-    _tangent(of.cells, of.strain, of.law, of.like, A, w, 1)
+    _tangent(of.cells, of.strain, of.law, of.like, of.turning, 1, A, w)
 
 
 @inlined
@@ -119,7 +119,7 @@ def _energy(E: Cells, strain: Function, law: Function, like: Any, A: Pointer, w:
     N = numba.carray(stack(E.strains), (E.strains,))
     for p in range(E.points):
         find_vectors(E, data, p, z)
-        find_strains(E, strain, like, z, s_at, e_at)
+        find_strains(E, strain, like, data, p, z, s_at, e_at)
         value[0] += energy_at(E, law, like, data, p, e_at, N)
 
 
@@ -134,7 +134,7 @@ def _forces(E: Cells, strain: Function, law: Function, like: Any, A: Pointer, w:
     _clear(f)
     for p in range(E.points):
         find_vectors(E, data, p, z)
-        find_first(E, strain, like, z, s_at, e_at, J_at)
+        find_first(E, strain, like, data, p, z, s_at, e_at, J_at)
         find_stress(E, law, like, data, p, e_at, L, N)
         if strain is None:
             add_pulled(E, data.tables[p], z, N, fz, f)
@@ -157,9 +157,10 @@ def _tangent(
     strain: Function,
     law: Function,
     like: Any,
+    turning: int | None,
+    linearised: int | None,
     A: Pointer,
     w: Pointer,
-    linearised: int,
 ) -> None:
     data, t, n = read(E, w), E.terms.shape[0], E.strains
     r, u, size = E.rows.shape[0], E.groups.shape[0], 6 * E.types.shape[0]
@@ -184,9 +185,9 @@ def _tangent(
         T = data.tables[p]
         find_vectors(E, data, p, z)
         find_changes(E, T, z, D, B, S)
-        find_second(E, strain, like, z, s_at, e_at, J_at)
+        find_second(E, strain, like, data, p, z, s_at, e_at, J_at)
         find_moduli(E, law, like, data, p, e_at, L, N, C)
-        if linearised == 1:
+        if linearised is not None:
             for i in range(n):
                 N[i] = data.stress[p, i]
         if strain is None:
@@ -199,10 +200,10 @@ def _tangent(
             pull_strains(E, N, jets, g)
             add_congruent(M, rows, MS, K)
         add_second(E, T, g, G)
-        if E.turning == 1:
+        if turning is not None:
             add_pulled(E, T, z, g, fz, f)
     add_local_matrix(E, D, K, G, numba.carray(A, (size, size)))
-    if E.turning == 1:
+    if turning is not None:
         add_turning(E, data.H, f, A)
 
 
@@ -225,7 +226,7 @@ def _stress(
     for p in range(E.points):
         find_vectors(E, data, p, z)
         multiply(data.tables[p], dq, dz)
-        find_first(E, strain, like, z, s_at, e_at, J_at)
+        find_first(E, strain, like, data, p, z, s_at, e_at, J_at)
         _find_changes(E, strain, z, dz, J_at, ds, change)
         for i in range(n):
             e[i] += change[i]
@@ -268,7 +269,7 @@ def _viscous_forces(
     for p in range(E.points):
         find_vectors(E, data, p, z)
         multiply(data.tables[p], dq, dz)
-        find_first(E, strain, like, z, s_at, e_at, J_at)
+        find_first(E, strain, like, data, p, z, s_at, e_at, J_at)
         _find_changes(E, strain, z, dz, J_at, ds, rate)
         for i in range(n):
             N[i] = 0.0
@@ -303,7 +304,7 @@ def _viscous_tangent(E: Cells, strain: Function, like: Any, A: Pointer, w: Point
         if strain is None:
             add_congruent(data.viscosity[p], rows, MS, K)
         else:
-            find_first(E, strain, like, z, s_at, e_at, J_at)
+            find_first(E, strain, like, data, p, z, s_at, e_at, J_at)
             jets = numba.carray(J_at, (n, 1 + t))
             for i in range(t):
                 for k in range(t):

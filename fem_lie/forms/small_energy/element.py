@@ -39,7 +39,6 @@ class Cells(NamedTuple):
         parameters: Numbers of the law at each point.
         offsets: Vectors with a constant part at each point: all or none.
         viscosities: Numbers of the viscosity at each point.
-        turning: 1 if axes of nodes turn with their unknowns, else 0.
     """
 
     types: Indices
@@ -54,7 +53,6 @@ class Cells(NamedTuple):
     parameters: int
     offsets: int
     viscosities: int
-    turning: int
 
 
 class Element(NamedTuple):
@@ -64,13 +62,17 @@ class Element(NamedTuple):
         cells: Constants.
         strain: Strains as a function of products, or ``None`` for sums of products.
         law: Energy as a function of strains, or ``None`` for a quadratic law.
-        like: Tuples as long as those of products, strains and parameters.
+        like: Tuples as long as those of products, strains and parameters, as far as functions
+            take these.
+        turning: 1 if axes of nodes turn with their unknowns, else ``None``, which spares their
+            compilation.
     """
 
     cells: Cells
     strain: CompiledFunction | None
     law: CompiledFunction | None
     like: tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]
+    turning: int | None
 
 
 def element(
@@ -96,7 +98,8 @@ def element(
         strains: Number of strains at each point.
         points: Points of integration of a cell.
         parameters: Numbers of ``law`` at each point.
-        strain: Compiled function of the tuple of products, which returns the tuple of strains.
+        strain: Compiled function of the tuples of products and parameters, which returns the tuple
+            of strains. With a quadratic law the second tuple is empty.
         law: Compiled function of the tuples of strains and parameters, which returns the energy at
             a point. Default: ``½ (e − e₀)·C (e − e₀)``, whose parameters are ``e₀`` and ``C``.
         offsets: Whether vectors have a constant part.
@@ -137,10 +140,15 @@ def element(
         parameters=count,
         offsets=vectors if offsets else 0,
         viscosities=strains**2 if viscous else 0,
-        turning=int(any(kind <= NodeKind.SLOPE for kind in node_types)),
     )
-    like = (0.0,) * len(terms), (0.0,) * strains, (0.0,) * count
-    return Element(constants, strain, law, like)
+    # tuples of hundreds of numbers that nobody takes would be compiled, too
+    like = (
+        (0.0,) * (0 if strain is None else len(terms)),
+        (0.0,) * (0 if law is None else strains),
+        (0.0,) * (0 if law is None else count),
+    )
+    turning = 1 if any(kind <= NodeKind.SLOPE for kind in node_types) else None
+    return Element(constants, strain, law, like, turning)
 
 
 def _rows(node_types: Sequence[NodeKind]) -> tuple[Indices, Indices]:

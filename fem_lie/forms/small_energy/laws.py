@@ -21,40 +21,71 @@ Function = CompiledFunction | None
 
 
 @inlined
+def _parameters(E: Cells, like: Any, data: CellData, p: int) -> Any:
+    """Tuple of the parameters of a point."""
+    return numbers_at(shift(data.parameters, p * E.parameters), like[2])
+
+
+@inlined
 def find_strains(
-    E: Cells, strain: Function, like: Any, z: Array, s_at: Pointer, e_at: Pointer
+    E: Cells,
+    strain: Function,
+    like: Any,
+    data: CellData,
+    p: int,
+    z: Array,
+    s_at: Pointer,
+    e_at: Pointer,
 ) -> None:
-    """Strains alone; ``s_at``: room for the products."""
+    """Strains alone at a point with the vectors ``z``; ``s_at``: room for the products."""
     if strain is None:
         find_sums(E, z, numba.carray(e_at, (E.strains,)))
     else:
         find_sums(E, z, numba.carray(s_at, (E.terms.shape[0],)))
-        store_parts(strain(numbers_at(s_at, like[0])), e_at)
+        store_parts(strain(numbers_at(s_at, like[0]), _parameters(E, like, data, p)), e_at)
 
 
 @inlined
 def find_first(
-    E: Cells, strain: Function, like: Any, z: Array, s_at: Pointer, e_at: Pointer, J_at: Pointer
+    E: Cells,
+    strain: Function,
+    like: Any,
+    data: CellData,
+    p: int,
+    z: Array,
+    s_at: Pointer,
+    e_at: Pointer,
+    J_at: Pointer,
 ) -> None:
     """Strains, and their jets of first order where they are a function of products."""
     if strain is None:
         find_sums(E, z, numba.carray(e_at, (E.strains,)))
     else:
         find_sums(E, z, numba.carray(s_at, (E.terms.shape[0],)))
-        store_parts(strain(first_order(numbers_at(s_at, like[0]))), J_at)
+        products = first_order(numbers_at(s_at, like[0]))
+        store_parts(strain(products, _parameters(E, like, data, p)), J_at)
         _take_values(E, 1 + E.terms.shape[0], J_at, e_at)
 
 
 @inlined
 def find_second(
-    E: Cells, strain: Function, like: Any, z: Array, s_at: Pointer, e_at: Pointer, J_at: Pointer
+    E: Cells,
+    strain: Function,
+    like: Any,
+    data: CellData,
+    p: int,
+    z: Array,
+    s_at: Pointer,
+    e_at: Pointer,
+    J_at: Pointer,
 ) -> None:
     """Strains, and their jets of second order where they are a function of products."""
     if strain is None:
         find_sums(E, z, numba.carray(e_at, (E.strains,)))
     else:
         find_sums(E, z, numba.carray(s_at, (E.terms.shape[0],)))
-        store_parts(strain(second_order(numbers_at(s_at, like[0]))), J_at)
+        products = second_order(numbers_at(s_at, like[0]))
+        store_parts(strain(products, _parameters(E, like, data, p)), J_at)
         _take_values(E, second_size(E.terms.shape[0]), J_at, e_at)
 
 
@@ -107,7 +138,7 @@ def energy_at(
             value += 0.5 * N[i] * e[i]
         return value
     else:
-        parameters = numbers_at(shift(data.parameters, p * E.parameters), like[2])
+        parameters = _parameters(E, like, data, p)
         return float(law(numbers_at(e_at, like[1]), parameters))
 
 
@@ -119,7 +150,7 @@ def find_stress(
     if law is None:
         _quadratic(E, data, p, numba.carray(e_at, (E.strains,)), N)
     else:
-        parameters = numbers_at(shift(data.parameters, p * E.parameters), like[2])
+        parameters = _parameters(E, like, data, p)
         store_parts((law(first_order(numbers_at(e_at, like[1])), parameters),), L)
         jet = numba.carray(L, (1 + E.strains,))
         for i in range(E.strains):
@@ -147,7 +178,7 @@ def find_moduli(
             for j in range(n):
                 C[i, j] = moduli[i, j]
     else:
-        parameters = numbers_at(shift(data.parameters, p * E.parameters), like[2])
+        parameters = _parameters(E, like, data, p)
         store_parts((law(second_order(numbers_at(e_at, like[1])), parameters),), L)
         jet, k = numba.carray(L, (second_size(n),)), 1 + n
         for i in range(n):
