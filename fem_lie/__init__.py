@@ -38,6 +38,7 @@ from fem_lie.bodies.thin_shells.seams import Seam
 from fem_lie.bodies.thin_shells.spline_patch import bspline_patch, spline_patch
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.contact.contact import Contact
+from fem_lie.contact.convex.polyhedron import ConvexPolyhedron
 from fem_lie.contact.energy.watch import UnresolvedContactWarning
 from fem_lie.contact.laws import Impact, Penalty
 from fem_lie.contact.lines import Cylinder, Line
@@ -254,6 +255,7 @@ __all__ = [
     "Contact",
     "ContactForces",
     "ConvergenceError",
+    "ConvexPolyhedron",
     "Coordinate",
     "Critical",
     "CriticalLoad",

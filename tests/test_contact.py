@@ -278,7 +278,7 @@ REFUSED = {
                 fl.Box(one.centre, (1, 1, 1)), fl.Sphere(two.centre, 0.1), LAW
             )
         ),
-        "corners of a box touch planes",
+        "touch each other and balls by Impact",
     ),
     "hollows": (
         lambda: two_bodies(

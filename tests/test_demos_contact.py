@@ -100,3 +100,11 @@ def test_net_is_shut_by_its_rope():
     assert found["height"] < 0.1
     assert found["balance_error"] < 1e-11
     assert found["steps_in_parts"] == 0
+
+
+def test_dominoes():
+    """The row as a mechanism of one degree of freedom between collisions."""
+    found = importlib.import_module("demos.dominoes").main(count=6, step=5e-4, pictures=False)
+    assert found["largest_time_error"] < 2e-3
+    assert abs(found["front_speed"] / found["reference_speed"] - 1) < 5e-3
+    assert found["penetration"] < 1e-12

@@ -3,6 +3,7 @@
 import errno
 import gc
 import os
+import pickle
 import shutil
 import subprocess
 import sys
@@ -14,7 +15,7 @@ import pytest
 
 import fem_lie._jit
 from fem_lie._jit import shipped
-from fem_lie._jit.checked_files import read_checked, write_checked
+from fem_lie._jit.checked_files import read_checked, unpickled, write_checked
 from fem_lie._jit.garbage import seldom_collected
 from fem_lie.solve.stopwatch import Stopwatch
 
@@ -255,6 +256,14 @@ def test_damaged_files_of_the_cache_are_replaced(run, tmp_path, damage, ending):
     assert values == [4.0, 5.0]
     assert "is damaged; it is replaced" in log
     assert run(3.0) == ([4.0, 5.0], 2, "")
+
+
+def test_records_of_another_version_are_no_error():
+    """Versions share a cache: of records that one does not have it takes no code."""
+    for missing in (b"cfem_lie.no_such_module\nRecord\n.", b"cfem_lie.lie\nno_such_record\n."):
+        assert unpickled(missing) is None
+    assert unpickled(None) is None
+    assert unpickled(pickle.dumps({"a": 1})) == {"a": 1}
 
 
 def test_code_of_another_signature_is_not_taken(run, tmp_path):

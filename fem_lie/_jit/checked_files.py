@@ -51,6 +51,18 @@ def read_checked(path: Path) -> bytes | None:
     return data
 
 
+def unpickled(data: bytes | None) -> Any:
+    """What was pickled; ``None`` for nothing, and for records of modules that are not there.
+
+    Versions of the package share a cache, and a function that is the same in two of them may have
+    been compiled for records that one of them does not have.
+    """
+    try:
+        return None if data is None else pickle.loads(data)
+    except (ImportError, AttributeError):
+        return None
+
+
 class CheckedFiles(IndexDataCacheFile):
     """The index and the data of one function in numba's cache, each with a checksum.
 
@@ -69,7 +81,7 @@ class CheckedFiles(IndexDataCacheFile):
 
     def _load_index(self) -> dict[Any, str]:
         data = read_checked(Path(self._index_path))
-        stamp, overloads = (None, {}) if data is None else pickle.loads(data)
+        stamp, overloads = unpickled(data) or (None, {})
         return overloads if stamp == self._source_stamp else {}
 
     def _save_index(self, overloads: dict[Any, str]) -> None:
@@ -77,7 +89,7 @@ class CheckedFiles(IndexDataCacheFile):
 
     def _load_data(self, name: str) -> Any:
         data = read_checked(Path(self._data_path(name)))
-        return None if data is None else pickle.loads(data)
+        return unpickled(data)
 
     def _save_data(self, name: str, data: Any) -> None:
         write_checked(Path(self._data_path(name)), self._dump(data))

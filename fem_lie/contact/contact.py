@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple, TypeAlias
 from zlib import crc32
 
@@ -14,6 +15,8 @@ from fem_lie._arrays import Array, flag, instance, text
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.held import HeldRotation
 from fem_lie.contact.chosen import chosen_stiffness
+from fem_lie.contact.convex.overlaps import overlap_of
+from fem_lie.contact.convex.table import PolyhedronPair, slots_of
 from fem_lie.contact.laws import Impact, Penalty
 from fem_lie.contact.penalty import PenaltyForces
 from fem_lie.contact.rings.forces import RingForces
@@ -25,7 +28,14 @@ from fem_lie.contact.sides.meeting import Balls, Lines
 from fem_lie.contact.sides.meeting import Sides as MeetingSides
 from fem_lie.contact.sides.pairs import NearPairs
 from fem_lie.contact.sides.surfaces import Ball, Surface
-from fem_lie.contact.sides.table import Nodes, Side, balls_side, number_of, planes_side
+from fem_lie.contact.sides.table import (
+    Nodes,
+    Side,
+    balls_side,
+    joined_sides,
+    number_of,
+    planes_side,
+)
 from fem_lie.contact.skins import Skin, meeting_of, numbers_of
 
 Law: TypeAlias = Penalty | Impact
@@ -122,8 +132,28 @@ class Contact:
             self._check_skins() if self._skins else self._check_lines()
             self._check_meeting()
             return
+        if self.polyhedron_pairs:
+            self._check_polyhedra()
+            return
         self._check_sorts()
         self._check_overlap()
+
+    def _check_polyhedra(self) -> None:
+        if not isinstance(self.law, Impact):
+            raise ValueError(
+                f"{self.label}: polyhedra touch each other and balls by Impact; the force of a "
+                "Penalty would jump where a corner gets over an edge"
+            )
+        if self.ignore_initial:
+            raise ValueError(f"{self.label}: ignore_initial is for points, balls and planes")
+        for pair in self.polyhedron_pairs:
+            owners = pair.first.owners if isinstance(pair.first, Ball) else (pair.first.owner,)
+            if any(body is pair.second.owner[0] for body, _ in owners):
+                raise ValueError(f"{self.label}: they never move against each other")
+        numbers, H = self._numbered()
+        overlap, size = overlap_of(self.polyhedron_pairs, numbers, H)
+        if overlap > OVERLAP * size:
+            raise ValueError(f"{self.label}: they overlap by {overlap:.3g}; start apart")
 
     def _check_rings(self) -> None:
         rope, rings, law = self.a, self.b, self.law
@@ -190,8 +220,8 @@ class Contact:
             return
         if not (self.a.whole and self.b.whole):
             raise ValueError(
-                f"{self.label}: the corners of a box touch planes and the inside of a box; what "
-                "its faces touch is not looked for"
+                f"{self.label}: points do not touch polyhedra, and neither does what is around a "
+                "hollow; give balls, boxes or planes"
             )
         radii = [min(ball.radius for ball in side) for side in (a, b)]
         if min(radii) < 0.0 and (max(radii) < 0.0 or min(radii) + _largest(a, b) >= 0.0):
@@ -205,6 +235,10 @@ class Contact:
         Args:
             nodes: Numbers of a body's nodes.
         """
+        if self.polyhedron_pairs:
+            slots = [slots_of(pair, nodes) for pair in self.polyhedron_pairs]
+            first, second = zip(*slots, strict=True)
+            return Sides(joined_sides(first), joined_sides(second), False, False)
         a, b = self.a.balls(), self.b.balls()
         if not a:
             return Sides(balls_side(b, nodes), planes_side(self.a.faces(), nodes), True, False)
@@ -226,8 +260,11 @@ class Contact:
             first, second = (_numbers_of(each, nodes) for each in (self.a, self.b))
             return *first, *second, repr(self.law)
         a, b, flat, same = self.sides(nodes)
+        corners = [
+            each.corners for each in (self.a.polyhedron(), self.b.polyhedron()) if each is not None
+        ]
         ignores = ("ignore_initial",) if self.ignore_initial else ()
-        return *a, *b, flat, same, repr(self.law), *ignores
+        return *a, *b, flat, same, repr(self.law), *ignores, *corners
 
     def key(self, nodes: Nodes) -> int:
         """A number that tells it from others of its scene, of :meth:`contents`."""
@@ -269,6 +306,18 @@ class Contact:
     def rubs(self) -> bool:
         """Whether forces depend on how surfaces came to where they are."""
         return isinstance(self.law, Penalty) and self.law.friction > 0.0
+
+    @cached_property
+    def polyhedron_pairs(self) -> list[PolyhedronPair]:
+        """Polyhedra that touch each other, or balls; none: it is of other surfaces."""
+        a, b = self.a.polyhedron(), self.b.polyhedron()
+        if a is not None and b is not None:
+            return [PolyhedronPair(a, b)]
+        polyhedron, other = (b, self.a) if a is None else (a, self.b)
+        balls = other.balls() if other.whole else []
+        if polyhedron is None or any(ball.radius <= 0.0 for ball in balls):
+            return []
+        return [PolyhedronPair(ball, polyhedron) for ball in balls]
 
     @property
     def _lines(self) -> bool:

@@ -21,7 +21,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.contact.impact.jacobian import push_all
-from fem_lie.contact.impact.newton import eliminate, newton
+from fem_lie.contact.impact.newton import eliminate, newton, proximal
 from fem_lie.contact.impact.sweeps import (
     MOST_NEWTON,
     PAST,
@@ -33,11 +33,14 @@ from fem_lie.contact.impact.sweeps import (
     velocity,
 )
 
-_FIRST, _LATER, _ROUNDS = 3, 10, 4
-"""Sweeps at first, sweeps of the first round after that, and rounds."""
+_FIRST, _LATER = 3, 10
+"""Sweeps before Newton's method, and before its proximal steps."""
 
 _MANY = 1e-6
 """Residual with which more contacts than those are content, if there is friction."""
+
+_ENOUGH = 1e-9
+"""Residual with which all are content that was not less after the first sweeps."""
 
 _LONGEST, _TURN, _LOOK, _EVERY, _WORSE, _LESS = 9_000, 200, 5, 5, 4.0, 0.9
 """Sweeps of these, about, at most; in the first turn; after how many of them the residual is looked
@@ -260,23 +263,25 @@ def solve(problem: Cones, k: int, tolerance: float) -> tuple[int, int, float]:
     """
     begin(problem, k)
     if k > MOST_NEWTON:
-        enough = max(tolerance, _MANY) if _has_friction(problem, k) else tolerance
+        enough = max(tolerance, _MANY if _has_friction(problem, k) else _ENOUGH)
         sweeps, reached = _in_turns(problem, k, enough)
         return sweeps, 0, reached
-    sweeps, iterations, reached, limit = 0, 0, np.inf, _FIRST
-    for rounds in range(_ROUNDS + 1):
-        for _ in range(limit):
+    sweeps, iterations, reached = 0, 0, np.inf
+    enough = max(tolerance, _ENOUGH)
+    for first in (True, False):
+        for _ in range(_FIRST if first else _LATER):
             sweep(problem, k)
             sweeps += 1
             reached = residual(problem, k)
-            if reached <= tolerance:
+            if reached <= (tolerance if first else enough):
                 return sweeps, iterations, reached
-        if rounds < _ROUNDS:
-            more, reached = _with_newton(problem, k, tolerance, reached)
-            iterations += more
-            if reached <= tolerance:
-                break
-        limit = _LATER * 3**rounds
+        if first:
+            more, reached = _with_newton(problem, k, enough, reached)
+        else:
+            more, reached = proximal(problem, k, enough)
+        iterations += more
+        if reached <= enough:
+            return sweeps, iterations, reached
     if reached > _MANY:
         more, reached = _in_turns(problem, k, _MANY)
         sweeps += more

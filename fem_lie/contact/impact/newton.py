@@ -15,6 +15,13 @@ _ITERATIONS, _HALVES = 10, 12
 _REDUNDANT = 1e-8
 """Added to the diagonal, which is of the size of one: some contacts say what others do."""
 
+_YIELDS, _LESS, _MORE, _MOST_YIELDS, _PROXIMAL = 1e-4, 0.3, 10.0, 1e-2, 16
+"""Part of its own velocity by which a contact yields in the first proximal step, by which it yields
+less after a step that was found and more after another, what it yields at most, and steps."""
+
+_FOUND = 1e-8
+"""Part of the largest impulse by which the function differs from zero at the end of such a step."""
+
 
 @uncounted
 def _set_matrix(problem: Cones, k: int) -> None:
@@ -125,8 +132,8 @@ def _begin(problem: Cones, k: int) -> None:
 
 
 @uncounted
-def _step(problem: Cones, k: int) -> None:
-    """One step, halved until the function is smaller, of all impulses."""
+def _step(problem: Cones, k: int) -> float:
+    """One step, halved until the function is smaller, of all impulses; returns ``F·F`` there."""
     n, room = 3 * k, problem.dense
     r, tried, F, d = room.r, room.tried, room.F, room.d
     square = _set_function(problem, k, r)
@@ -147,6 +154,7 @@ def _step(problem: Cones, k: int) -> None:
     for i in range(n):
         r[i] -= best * d[i]
         problem.r[i // 3, i % 3] = r[i]
+    return least
 
 
 @uncounted
@@ -166,3 +174,69 @@ def newton(problem: Cones, k: int, tolerance: float) -> int:
         if residual(problem, k) <= tolerance:
             return iteration
     return _ITERATIONS
+
+
+@uncounted
+def _yield_more(problem: Cones, k: int, part: float) -> None:
+    """Let contacts yield by a part of their own velocity to what impulses differ from ``start``.
+
+    The sum of this with ``part`` and with ``−part`` is nothing.
+    """
+    A, start = problem.dense.A, problem.dense.start
+    for c in range(k):
+        a, own = 3 * c, problem.own[c]
+        soft = part * (own[0, 0] + own[1, 1] + own[2, 2]) / 3.0
+        for i in range(3):
+            A[a + i, a + i] += soft
+            problem.q[c, i] -= soft * start[a + i]
+
+
+@uncounted
+def proximal(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
+    """Newton's method where some contacts say what others do, or nearly slip or nearly part.
+
+    In each step contacts yield a little to what impulses differ from those of the step before, so
+    that there is one solution; where nothing changes any more, that is one of the problem
+    (R. T. Rockafellar, SIAM J. Control Optim. 14 (1976) 877).
+
+    Args:
+        problem: Impulses and velocities are updated, those of the least residual are left.
+        k: How many contacts, at most :data:`~fem_lie.contact.impact.sweeps.MOST_NEWTON`.
+        tolerance: Of the residual.
+
+    Returns:
+        Iterations, and the residual.
+    """
+    _begin(problem, k)
+    _set_matrix(problem, k)
+    room, n = problem.dense, 3 * k
+    change(problem, k)
+    part, iterations, reached = _YIELDS, 0, residual(problem, k)
+    for _ in range(_PROXIMAL):
+        largest = 0.0
+        for i in range(n):
+            room.r[i] = room.start[i] = room.kept[i]
+        _yield_more(problem, k, part)
+        found = False
+        for _ in range(_ITERATIONS):
+            square = _step(problem, k)
+            iterations += 1
+            for i in range(n):
+                largest = max(largest, abs(room.r[i]))
+            found = square <= (_FOUND * largest) ** 2
+            if found:
+                break
+        _yield_more(problem, k, -part)
+        change(problem, k)
+        now = residual(problem, k)
+        if found or now < reached:
+            reached = now
+            for i in range(n):
+                room.kept[i] = room.r[i]
+        if reached <= tolerance:
+            break
+        part = _LESS * part if found else min(_MORE * part, _MOST_YIELDS)
+    for i in range(n):
+        problem.r[i // 3, i % 3] = room.kept[i]
+    change(problem, k)
+    return iterations, residual(problem, k)

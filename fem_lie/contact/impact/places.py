@@ -6,11 +6,11 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie.contact.convex.features import gap_of
 from fem_lie.contact.impact.jacobian import along, push
 from fem_lie.contact.impact.records import CLOSED, Masses, Touch, Work
 from fem_lie.contact.impact.rows import axis_of, set_push, set_rows
 from fem_lie.contact.impact.sweeps import MOST_NEWTON
-from fem_lie.contact.sides.kinematics import gap
 from fem_lie.lie.kinds import move
 from fem_lie.lie.motions import Group
 
@@ -165,7 +165,7 @@ def settle_places(
         for at in range(w.many[0]):
             c = w.close[at]
             i, j = touch.pairs[c]
-            g, _, _ = gap(H, touch.a, touch.b, i, j, touch.flat[c])
+            g, _, _ = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
             g -= w.target[c]
             if g < 0.0 or w.nu[c] > 0.0 or (many and w.joined[c]):
                 if not w.joined[c]:

@@ -29,7 +29,7 @@ class Touch(NamedTuple):
         a: First places, on rigid bodies or ground.
         b: Second ones, or planes.
         pairs: Shape (m, 2).
-        flat: Whether the second is a plane, shape (m,).
+        kinds: What the pairs are, :data:`~fem_lie.contact.convex.features.ROUND` and others, (m,).
         friction: μ, shape (m,).
         restitution: e, shape (m,).
         closed: Gap below which a contact is closed, shape (m,).
@@ -39,7 +39,7 @@ class Touch(NamedTuple):
     a: Side
     b: Side
     pairs: Indices
-    flat: Flags
+    kinds: Indices
     friction: Array
     restitution: Array
     closed: Array

@@ -6,9 +6,13 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
+from fem_lie.contact.convex.features import EDGES, PLANE, ROUND, gap_of, set_gaps_of, slot_of
+from fem_lie.contact.convex.manifold import set_manifolds
+from fem_lie.contact.convex.passage import first_passed
+from fem_lie.contact.convex.table import Polyhedra
 from fem_lie.contact.impact.jacobian import BlockRows
 from fem_lie.contact.impact.records import Masses, Touch
-from fem_lie.contact.sides.kinematics import gap, place, slot
+from fem_lie.contact.sides.kinematics import place
 from fem_lie.contact.sides.passage import jumps
 from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import GROUND, UNUSED
@@ -28,9 +32,28 @@ from fem_lie.lie.tuples import (
 @uncounted
 def set_gaps(touch: Touch, H: Array, out: Array) -> None:
     """Gaps at frames ``H``, shape (m,)."""
-    for c in range(touch.pairs.shape[0]):
-        i, j = touch.pairs[c]
-        out[c], _, _ = gap(H, touch.a, touch.b, i, j, touch.flat[c])
+    set_gaps_of(H, touch.a, touch.b, touch.pairs, touch.kinds, 0, out)
+
+
+@uncounted
+def set_ahead(
+    touch: Touch, polyhedra: Polyhedra, start: Array, end: Array, gaps: Array, impulses: Array
+) -> None:
+    """Write contact manifolds of polyhedra, with the gaps that these features had at the start.
+
+    Args:
+        touch: Pairs.
+        polyhedra: Whose contact manifolds are among these.
+        start: Frames at the start of the step.
+        end: At its end without contacts.
+        gaps: At the start, shape (m,), those of polyhedra overwritten.
+        impulses: Of the last step, shape (m, 3); see
+            :func:`~fem_lie.contact.convex.manifold.set_manifolds`.
+    """
+    if polyhedra.pairs.shape[0] > 0:
+        set_manifolds(end, polyhedra, touch.pairs, touch.kinds, touch.a, touch.b, impulses)
+        first = polyhedra.slots[0]
+        set_gaps_of(start, touch.a, touch.b, touch.pairs, touch.kinds, first, gaps)
 
 
 @uncounted
@@ -42,19 +65,21 @@ def set_centres(H: Array, touch: Touch, c: int, out: Array) -> None:
 
 
 @uncounted
-def find_crossed(touch: Touch, before: Array, H: Array) -> int:
-    """A pair of balls whose contact was missed between frames, or −1.
+def find_crossed(touch: Touch, polyhedra: Polyhedra, before: Array, H: Array) -> int:
+    """A pair whose contact was missed between frames, or −1.
 
-    See :func:`~fem_lie.contact.sides.passage.jumps`.
+    See :func:`~fem_lie.contact.sides.passage.jumps`, and of polyhedra :func:`.first_passed`.
     """
     for c in range(touch.pairs.shape[0]):
         i, j = touch.pairs[c]
-        if touch.flat[c] or touch.b.radii[j] < 0.0:
+        if touch.kinds[c] != ROUND or touch.b.radii[j] < 0.0:
             continue
         D = minus(place(before, touch.a, i), place(before, touch.b, j))
         E = minus(place(H, touch.a, i), place(H, touch.b, j))
         if jumps(D, E, touch.a.radii[i] + touch.b.radii[j]):
             return c
+    if polyhedra.pairs.shape[0] > 0:
+        return first_passed(before, H, polyhedra, touch.pairs, touch.a)
     return -1
 
 
@@ -71,7 +96,7 @@ def _local_normal(H: Array, touch: Touch, j: int, n: Vector) -> Vector:
 def axis_of(H: Array, touch: Touch, c: int) -> int:
     """The axis of the second body that is most nearly across a normal."""
     i, j = touch.pairs[c]
-    _, n, _ = gap(H, touch.a, touch.b, i, j, touch.flat[c])
+    _, n, _ = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
     local, k = _local_normal(H, touch, j, n), 0
     if abs(local[1]) < abs(local[0]):
         k = 1
@@ -94,7 +119,7 @@ def tangents(H: Array, touch: Touch, j: int, n: Vector, k: int) -> tuple[Vector,
 def nearest(H: Array, touch: Touch, c: int) -> tuple[Vector, Vector]:
     """Point of the first side of a pair that is nearest to the second, and the normal."""
     i, j = touch.pairs[c]
-    _, n, P = gap(H, touch.a, touch.b, i, j, touch.flat[c])
+    _, n, P = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
     return minus(P, scaled(touch.a.radii[i], n)), n
 
 
@@ -102,17 +127,18 @@ def nearest(H: Array, touch: Touch, c: int) -> tuple[Vector, Vector]:
 def set_rows(H: Array, touch: Touch, c: int, axis: int, rows: BlockRows, block: int) -> int:
     """Store the blocks of a pair from one on, as many components as there are; how many blocks."""
     i, j = touch.pairs[c]
-    g, n, P = gap(H, touch.a, touch.b, i, j, touch.flat[c])
+    g, n, P = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
     first, second, components, count = n, n, rows.values.shape[1], 0
     if components > 1:
         first, second = tangents(H, touch, j, n, axis)
+    at_foot = touch.kinds[c] == PLANE or touch.kinds[c] == EDGES
     for side in range(2):
         # the point of contact, so far along the normal from the place of a side, rotates with it
-        far = -touch.a.radii[i] if side == 0 or touch.flat[c] else g + touch.b.radii[j]
+        far = -touch.a.radii[i] if side == 0 or at_foot else g + touch.b.radii[j]
         off = scaled(far, n)
         for m in range(MOST_NODES):
-            node, sign, w, lever = slot(
-                H, touch.a, touch.b, i, j, touch.flat[c], P, side * MOST_NODES + m
+            node, sign, w, lever = slot_of(
+                H, touch.a, touch.b, i, j, touch.kinds[c], P, side * MOST_NODES + m
             )
             if node == UNUSED:
                 break

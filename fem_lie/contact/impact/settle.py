@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from fem_lie._arrays import Array
 from fem_lie._jit import uncounted
+from fem_lie.contact.convex.features import gap_of
 from fem_lie.contact.impact import cones
 from fem_lie.contact.impact.jacobian import along
 from fem_lie.contact.impact.observed import energy, note_ground, note_works
@@ -36,7 +37,6 @@ from fem_lie.contact.impact.records import (
 )
 from fem_lie.contact.impact.sweeps import MOST_NEWTON
 from fem_lie.contact.impact.velocities import choose, join, set_cones
-from fem_lie.contact.sides.kinematics import gap
 
 _PASSES, _MOST, _GROWING, _GUARDS = 2, 40, 6, 6
 """Passes; most of them; in how many contacts may join; reductions of restitution."""
@@ -133,7 +133,7 @@ def settle(
     told[:], overlaps, m = 0.0, False, touch.pairs.shape[0]
     for c in range(m):
         i, j = touch.pairs[c]
-        w.smooth[c], _, _ = gap(H, touch.a, touch.b, i, j, touch.flat[c])
+        w.smooth[c], _, _ = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
         w.joined[c] = w.smooth[c] <= 0.0
         overlaps = overlaps or w.joined[c]
     if not overlaps:
@@ -153,7 +153,7 @@ def settle(
     told[IMPACT] = energy(masses, H, v) - free - told[FRICTION]
     for c in range(m):
         i, j = touch.pairs[c]
-        w.gaps[c], _, _ = gap(H, touch.a, touch.b, i, j, touch.flat[c])
+        w.gaps[c], _, _ = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
         told[PENETRATION] = max(told[PENETRATION], -w.gaps[c])
     return True
 

@@ -24,6 +24,7 @@ class Dense(NamedTuple):
         J: Of the derivative, likewise.
         r: Impulses, shape (N,).
         kept: Those before, likewise.
+        start: Those from which they differ in a proximal step, likewise.
         tried: Those of a part of a step, likewise.
         u: Velocities, likewise.
         F: Of which zeros are wanted, likewise.
@@ -34,6 +35,7 @@ class Dense(NamedTuple):
     J: Array
     r: Array
     kept: Array
+    start: Array
     tried: Array
     u: Array
     F: Array
@@ -43,7 +45,7 @@ class Dense(NamedTuple):
 def dense_of(m: int) -> Dense:
     """For at most ``m`` contacts."""
     n = 3 * min(m, MOST_NEWTON)
-    return Dense(np.zeros((n, n)), np.zeros((n, n)), *(np.zeros(n) for _ in range(6)))
+    return Dense(np.zeros((n, n)), np.zeros((n, n)), *(np.zeros(n) for _ in range(7)))
 
 
 PAST = 10

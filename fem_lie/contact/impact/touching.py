@@ -9,18 +9,16 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.contact.contact import Contact
+from fem_lie.contact.convex.features import APART, PLANE, ROUND
+from fem_lie.contact.convex.table import polyhedra_of
 from fem_lie.contact.impact.observed import PAIR
 from fem_lie.contact.impact.records import CLOSED, Touch, Work, work_of
 from fem_lie.contact.impact.rows import find_crossed, set_centres, set_gaps
 from fem_lie.contact.impact.sweeps import Dense, Past
 from fem_lie.contact.laws import Impact
-from fem_lie.contact.sides.pairs import NearPairs
+from fem_lie.contact.sides.pairs import NearPairs, SlotPairs
 from fem_lie.contact.sides.passage import Passage
-from fem_lie.contact.sides.table import Nodes, Side
-
-
-def _joined(sides: Sequence[Side]) -> Side:
-    return Side(*(np.concatenate(parts) for parts in zip(*sides, strict=True)))
+from fem_lie.contact.sides.table import Nodes, Side, joined_sides
 
 
 def _arrays(record: tuple[object, ...]) -> Iterator[Array]:
@@ -41,6 +39,8 @@ class Touching:
         touch: The pairs.
         of: To which contact each belongs, shape (m,).
         work: Of these.
+        polyhedra: Whose contact manifolds are among the pairs.
+        arm: The largest distance of a place from the centre of its body.
     """
 
     def __init__(
@@ -60,17 +60,32 @@ class Touching:
             H: Frames in the beginning, shape (n, 4, 3).
             on_leaders: A side by the nodes that its nodes follow; default: none follows another.
         """
+        # slots of polyhedra come last
+        contacts = sorted(contacts, key=lambda contact: len(contact.polyhedron_pairs) > 0)
         sides = [contact.sides(nodes) for contact in contacts]
         if on_leaders is not None:
             sides = [each._replace(a=on_leaders(each.a), b=on_leaders(each.b)) for each in sides]
-        self._a, self._b = _joined([each.a for each in sides]), _joined([each.b for each in sides])
-        self._near = [NearPairs(a, b, flat=flat, same=same) for a, b, flat, same in sides]
+        self._a, self._b = (
+            joined_sides(parts) for parts in zip(*((a, b) for a, b, _, _ in sides), strict=True)
+        )
+        self._near = [
+            (SlotPairs if contact.polyhedron_pairs else NearPairs)(a, b, flat=flat, same=same)
+            for contact, (a, b, flat, same) in zip(contacts, sides, strict=True)
+        ]
+        pairs = [pair for contact in contacts for pair in contact.polyhedron_pairs]
+        self.polyhedra = polyhedra_of(pairs, nodes, on_leaders)
+        self.arm = self._arm
         for contact, near in zip(contacts, self._near, strict=True):
             if contact.ignore_initial:
                 near.ignore(H)
         self._first = np.zeros((len(sides) + 1, 2), dtype=np.int64)
         self._first[1:] = np.cumsum([(len(a.radii), len(b.radii)) for a, b, _, _ in sides], axis=0)
-        self._flat = np.array([each.flat for each in sides])
+        self._kinds = np.array(
+            [
+                APART if contact.polyhedron_pairs else (PLANE if each.flat else ROUND)
+                for contact, each in zip(contacts, sides, strict=True)
+            ]
+        )
         laws = [contact.law for contact in contacts]
         numbers = [(law.friction, law.restitution) for law in laws if isinstance(law, Impact)]
         self._friction, self._restitution = np.array(numbers, dtype=np.float64).T.copy()
@@ -112,13 +127,15 @@ class Touching:
             self._a,
             self._b,
             pairs,
-            self._flat[of],
+            self._kinds[of],
             self._friction[of],
             self._restitution[of],
             CLOSED * np.maximum(self._lengths[0][pairs[:, 0]], self._lengths[1][pairs[:, 1]]),
             self.arm,
         )
-        self.work: Work = work_of(len(pairs), self._count)
+        count, slots = len(pairs), self.polyhedra.slots
+        slots += count - slots[-1]
+        self.work: Work = work_of(count, self._count)
 
     def _remember(self, pairs: Indices, impulses: Array) -> None:
         """Take over impulses of the pairs that there were."""
@@ -142,7 +159,7 @@ class Touching:
             start: Frames at the start of the step.
             end: At its end.
         """
-        pair = find_crossed(self.touch, start, end)
+        pair = find_crossed(self.touch, self.polyhedra, start, end)
         return None if pair < 0 else (pair, self.way(pair, start, end))
 
     def way(self, pair: int, start: Array, end: Array) -> Passage:
@@ -153,6 +170,9 @@ class Touching:
             set_centres(H, self.touch, pair, X[k])
         apart = X[:, 0] - X[:, 1]
         reach = self._a.radii[i] + self._b.radii[j]
+        of = int(np.searchsorted(self.polyhedra.slots, pair, side="right")) - 1
+        if of >= 0:
+            reach = self.polyhedra.thin[of]
         return Passage(float(np.linalg.norm(apart[1] - apart[0])), float(reach))
 
     def names(self, pair: int, bodies: Mapping[Body, Indices]) -> list[str]:
@@ -171,6 +191,7 @@ class Touching:
         """All that the next steps depend on."""
         seen = {f"near.{k}": each.seen for k, each in enumerate(self._near)}
         seen["skins"] = np.array([each.skin for each in self._near])
+        seen["slots"] = self.polyhedra.ids.astype(np.float64)
         return seen | {f"work.{k}": values for k, values in enumerate(_arrays(self.work))}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
@@ -180,21 +201,24 @@ class Touching:
             each.see_again(kept[f"near.{k}"])
         self._versions = tuple(each.version for each in self._near)
         self._set()
+        self.polyhedra.ids[:] = kept["slots"].astype(np.int64)
         for k, values in enumerate(_arrays(self.work)):
             values[...] = kept[f"work.{k}"]
 
     @property
-    def arm(self) -> float:
-        """The largest distance of a place from the centre of its body."""
+    def _arm(self) -> float:
         levers = [side.levers[side.nodes[:, 0] >= 0, 0] for side in (self._a, self._b)]
         return float(np.linalg.norm(np.concatenate(levers), axis=1).max(initial=0.0))
 
     @property
     def thin(self) -> float:
-        """The least sum of radii of balls that touch balls: who moves less jumps over nothing."""
-        sums, ends = [], [self._first[:-1], self._first[1:]]
-        for (i, j), (after_i, after_j), flat in zip(*ends, self._flat, strict=True):
-            if not flat:
+        """The least sum of radii of balls in what touches: who moves less jumps over nothing."""
+        sums, ends = (
+            [float(each) for each in self.polyhedra.thin],
+            [self._first[:-1], self._first[1:]],
+        )
+        for (i, j), (after_i, after_j), kind in zip(*ends, self._kinds, strict=True):
+            if kind == ROUND:
                 sums.append(self._a.radii[i:after_i].min() + self._b.radii[j:after_j].min())
         return float(min((each for each in sums if each > 0.0), default=np.inf))
 

@@ -214,3 +214,14 @@ class NearPairs:
         if self.ignores:
             apart &= ~np.isin(self._keys(pairs), self._ignored)
         return np.ascontiguousarray(pairs[apart])
+
+
+class SlotPairs(NearPairs):
+    """First and second places that belong together, one by one: slots of contact manifolds."""
+
+    def __init__(self, a: Side, b: Side, *, flat: bool, same: bool) -> None:
+        """As the base class; all are always in the list."""
+        super().__init__(a, b, flat=True, same=False)
+
+    def _all(self) -> Indices:
+        return np.repeat(np.arange(len(self._a.radii)), 2).reshape(-1, 2)

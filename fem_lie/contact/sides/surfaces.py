@@ -86,6 +86,18 @@ class Face(NamedTuple):
     normal: Array
 
 
+class Polyhedron(NamedTuple):
+    """A convex polyhedron.
+
+    Attributes:
+        owner: Body and node of the frame that it is fixed to; ``None``: ground.
+        corners: In this frame, shape (n, 3).
+    """
+
+    owner: tuple[Body | None, int]
+    corners: Array
+
+
 def initial_frame(body: Body | None, node: int) -> Array:
     """Of a node or of ground, shape (4, 3)."""
     return np.vstack([np.zeros(3), np.eye(3)]) if body is None else body.frames[node]
@@ -95,12 +107,18 @@ def _owner(point: Point) -> tuple[Body | None, int]:
     return point.body, point.node
 
 
-def _fixed(point: Point, radius: float, offset: Array | None = None) -> Ball:
+def fixed_ball(point: Point, radius: float, offset: Array | None = None) -> Ball:
     """A ball about a point, or about a place that has the ``offset`` (3,) in its frame."""
     H = initial_frame(*_owner(point))
     place = point.position if offset is None else point.frame[0] + offset @ point.frame[1:]
     lever = H[1:] @ (place - H[0])
     return Ball((_owner(point),), np.ones(1), lever[np.newaxis], radius)
+
+
+def polyhedron_at(point: Point, places: Sequence[Array]) -> Polyhedron:
+    """A polyhedron that is fixed to a point, by the initial places of its corners (3,)."""
+    H = initial_frame(*_owner(point))
+    return Polyhedron(_owner(point), (np.array(places) - H[0]) @ H[1:].T)
 
 
 class Surface(ABC):
@@ -128,6 +146,10 @@ class Surface(ABC):
     def faces(self) -> list[Face]:
         """Its planes; default: none."""
         return []
+
+    def polyhedron(self) -> Polyhedron | None:
+        """All of it, if it is a convex polyhedron; default: it is none."""
+        return None
 
     @property
     def label(self) -> str:
@@ -227,7 +249,7 @@ class Sphere(Surface):
 
     def balls(self) -> list[Ball]:
         """Itself."""
-        return [_fixed(self.point, -self.radius if self.hollow else self.radius)]
+        return [fixed_ball(self.point, -self.radius if self.hollow else self.radius)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,18 +286,17 @@ class Vertices(Surface):
 
     def balls(self) -> list[Ball]:
         """One about each."""
-        return [_fixed(point, self.radius) for point in self.of]
+        return [fixed_ball(point, self.radius) for point in self.of]
 
 
 @dataclass(frozen=True, eq=False)
 class Box(Surface):
-    """A box with the axes of a point's frame about it: its corners, or its faces from inside.
+    """A box with the axes of a point's frame about it, or a room of that shape.
 
     Attributes:
         point: In the middle.
         edges: Lengths along the axes, shape (3,).
-        inside: Whether what touches it is within; then it has faces, and else corners alone, which
-            touch planes.
+        inside: Whether what touches it is within.
     """
 
     point: Point
@@ -306,7 +327,15 @@ class Box(Surface):
         if self.inside:
             return []
         signs = product((-1.0, 1.0), repeat=3)
-        return [_fixed(self.point, 0.0, self._half * np.array(sign)) for sign in signs]
+        return [fixed_ball(self.point, 0.0, self._half * np.array(sign)) for sign in signs]
+
+    def polyhedron(self) -> Polyhedron | None:
+        """The box, if nothing is within it."""
+        return (
+            None
+            if self.inside
+            else polyhedron_at(self.point, [ball.place for ball in self.balls()])
+        )
 
     def faces(self) -> list[Face]:
         """Six, whose normals point inwards."""

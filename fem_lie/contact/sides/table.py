@@ -65,6 +65,11 @@ def planes_side(faces: Sequence[Face], nodes: Nodes) -> Side:
     return found
 
 
+def joined_sides(sides: Sequence[Side]) -> Side:
+    """Several sides as one."""
+    return Side(*(np.concatenate(parts) for parts in zip(*sides, strict=True)))
+
+
 def empty_side(n: int) -> Side:
     """Room for ``n`` places."""
     return Side(

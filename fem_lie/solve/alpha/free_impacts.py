@@ -40,8 +40,9 @@ from fem_lie.solve.impacts.history import ContactHistory
 _ROOM = 10_000
 """For so many contacts what results have of them is kept before it is taken."""
 
-_TOLERANCE = 1e-9
-"""Residual of the cones; where it is not reached it is reported, see :class:`ContactSteps`."""
+_TOLERANCE = 1e-15
+"""Residual of the cones that is tried for, so that nothing creeps that is at rest; what is left is
+told, see :class:`ContactSteps`."""
 
 
 class Interval(NamedTuple):
@@ -157,7 +158,8 @@ class FreeImpacts(Stateful):
             contacts = self._contacts._replace(
                 times=left.times, told=reported[made:], done=done[filled:]
             )
-            tables = self._touching.touch, self._masses, self._touching.work, contacts
+            near = self._touching
+            tables = near.touch, near.polyhedra, self._masses, near.work, contacts
             how = p, options, self._bodies, loads, left.amplitude, s, left.plan, left.rows
             last, more, self._why = advance(*how, *tables)
             factorisations += more

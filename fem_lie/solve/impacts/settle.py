@@ -36,7 +36,7 @@ from fem_lie.contact.impact.records import (
     RESIDUAL,
     SWEEPS,
 )
-from fem_lie.contact.impact.rows import choose_axes
+from fem_lie.contact.impact.rows import choose_axes, set_ahead
 from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.solve.impacts.bounds import Chosen, bounds_of
 from fem_lie.solve.impacts.delassus import Delassus
@@ -159,6 +159,9 @@ class CoupledContacts(CoupledVelocities, Stateful):
             step: Its end, made without contacts.
         """
         time = step.time
+        work = self.near.work
+        ends = self._H0, step.frames
+        set_ahead(self.near.touch, self.near.polyhedra, *ends, work.gaps, work.impulses)
         smooth = self._gaps(step.frames)
         if not (smooth <= 0.0).any():
             self.near.work.impulses[:] = 0.0

@@ -8,11 +8,12 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
+from fem_lie.contact.convex.table import Polyhedra
 from fem_lie.contact.impact import records
 from fem_lie.contact.impact.observed import show
 from fem_lie.contact.impact.places import deepest
 from fem_lie.contact.impact.records import FRICTION, GROUND, IMPACT, LARGEST, Masses, Touch, Work
-from fem_lie.contact.impact.rows import find_crossed
+from fem_lie.contact.impact.rows import find_crossed, set_ahead
 from fem_lie.contact.impact.settle import settle
 from fem_lie.contact.impact.velocities import largest_speed
 from fem_lie.lie.motions import to_local
@@ -112,6 +113,7 @@ def advance(
     plan: Plan,
     rows: Kept,
     touch: Touch,
+    polyhedra: Polyhedra,
     masses: Masses,
     work: Work,
     contacts: Contacts,
@@ -162,6 +164,7 @@ def advance(
             rows.iterations[at] = max(count, rows.iterations[at])
         told = contacts.told[at]
         start = H0, v0
+        set_ahead(touch, polyhedra, H0, state.H, work.gaps, work.impulses)
         if settle(p.h, touch, masses, start, state.H, state.v, work, contacts.tolerance, told):
             if not told[records.RESIDUAL] <= LARGEST:
                 _take_back(state, H0, v0)
@@ -187,7 +190,7 @@ def advance(
         speed = max(speed, largest_speed(state.v, contacts.arm))
         contacts.sum[0] += p.h * speed
         if p.h * speed > 0.5 * contacts.thin:
-            contacts.failed[0] = find_crossed(touch, H0, state.H)
+            contacts.failed[0] = find_crossed(touch, polyhedra, H0, state.H)
             if contacts.failed[0] >= 0:
                 _take_back(state, H0, v0)
                 return index - 1, factorisations, CROSSED

@@ -1,0 +1,114 @@
+"""Gaps of pairs of places of any kind, corners and edges of polyhedra among them: compiled.
+
+Beside balls and planes (:mod:`fem_lie.contact.sides.kinematics`), with ``t`` along an edge::
+
+    edges    g = n·(P − Q),  n = ± t_A × t_B / |t_A × t_B|,  P and Q where the lines are nearest
+    line     g = |P − Q| − r_A,  Q the foot of the ball on the line of an edge
+
+Both gaps change by ``n·(δP − δQ)`` alone, for where they are nearest is stationary. An edge is a
+place in its middle, whose second lever is half of the edge, and whose third points out of its
+polyhedron.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import inlined_uncounted, uncounted
+from fem_lie.contact.sides.kinematics import gap, place, slot
+from fem_lie.contact.sides.surfaces import MOST_NODES
+from fem_lie.contact.sides.table import GROUND, Side
+from fem_lie.lie.motions import global_components, local_components
+from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, plus, scaled
+
+ROUND, PLANE, EDGES, LINE, APART = range(5)
+"""A ball and a ball; a ball, a point and a plane; two edges; a ball and an edge; nothing."""
+
+MIDDLE, HALF, OUTWARDS = range(3)
+"""Levers of an edge."""
+
+
+@inlined_uncounted
+def _lever(H: Array, side: Side, i: int, k: int) -> Vector:
+    """A lever of an edge, in global components."""
+    node, c = side.nodes[i, 0], load_row(side.levers[i], k)
+    return c if node == GROUND else global_components(H[node], c)
+
+
+@inlined_uncounted
+def nearest_of_lines(P: Vector, s: Vector, Q: Vector, t: Vector) -> tuple[Vector, Vector]:
+    """Places of two lines, through ``P`` along ``s`` and ``Q`` along ``t``, nearest each other."""
+    apart = minus(P, Q)
+    ss, tt, st = dot(s, s), dot(t, t), dot(s, t)
+    a, b = dot(s, apart), dot(t, apart)
+    det = ss * tt - st * st
+    u = (st * b - tt * a) / det
+    w = (ss * b - st * a) / det
+    return plus(P, scaled(u, s)), plus(Q, scaled(w, t))
+
+
+@uncounted
+def _gap_of_edges(
+    H: Array, a: Side, b: Side, i: int, j: int, kind: int
+) -> tuple[float, Vector, Vector]:
+    """:func:`gap_of` of edges, which is called: merged into loops over all pairs it slows these."""
+    P = place(H, a, i)
+    if kind == APART:
+        return np.inf, (0.0, 0.0, 1.0), P
+    Q, t = place(H, b, j), _lever(H, b, j, HALF)
+    if kind == LINE:
+        apart = minus(P, Q)
+        apart = minus(apart, scaled(dot(t, apart) / dot(t, t), t))
+        distance = np.sqrt(dot(apart, apart))
+        return distance - a.radii[i], scaled(1.0 / distance, apart), P
+    s = _lever(H, a, i, HALF)
+    n = cross(s, t)
+    size = np.sqrt(dot(n, n))
+    n = scaled(1.0 / size if dot(n, _lever(H, b, j, OUTWARDS)) > 0.0 else -1.0 / size, n)
+    P, Q = nearest_of_lines(P, s, Q, t)
+    return dot(n, minus(P, Q)), n, P
+
+
+@inlined_uncounted
+def gap_of(H: Array, a: Side, b: Side, i: int, j: int, kind: int) -> tuple[float, Vector, Vector]:
+    """Gap, normal out of the second side, and place of the first side."""
+    if kind <= PLANE:
+        return gap(H, a, b, i, j, kind == PLANE)
+    return _gap_of_edges(H, a, b, i, j, kind)
+
+
+@uncounted
+def _slot_of_edges(
+    H: Array, a: Side, b: Side, i: int, j: int, kind: int, P: Vector, s: int
+) -> tuple[int, float, float, Vector]:
+    """:func:`slot_of` of edges, likewise."""
+    first = s < MOST_NODES
+    node = a.nodes[i, s] if first else b.nodes[j, s - MOST_NODES]
+    sign = 1.0 if first else -1.0
+    foot = P
+    if kind == LINE and not first:
+        Q, t = place(H, b, j), _lever(H, b, j, HALF)
+        foot = plus(Q, scaled(dot(t, minus(P, Q)) / dot(t, t), t))
+    if node < 0:
+        return node, sign, 1.0, foot
+    return node, sign, 1.0, local_components(H[node], minus(foot, load_row(H[node], 0)))
+
+
+@inlined_uncounted
+def slot_of(
+    H: Array, a: Side, b: Side, i: int, j: int, kind: int, P: Vector, s: int
+) -> tuple[int, float, float, Vector]:
+    """Node of a slot, sign, weight and lever; of planes and edges that of the foot."""
+    if kind <= PLANE:
+        return slot(H, a, b, i, j, kind == PLANE, P, s)
+    return _slot_of_edges(H, a, b, i, j, kind, P, s)
+
+
+@uncounted
+def set_gaps_of(
+    H: Array, a: Side, b: Side, pairs: Indices, kinds: Indices, first: int, out: Array
+) -> None:
+    """Gaps of all pairs of places from one on, shape (m,)."""
+    for c in range(first, pairs.shape[0]):
+        out[c], _, _ = gap_of(H, a, b, pairs[c, 0], pairs[c, 1], kinds[c])

@@ -1,0 +1,207 @@
+"""Polyhedra that touch as arrays, for compiled code."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.contact.convex.hulls import Hull, hull_of
+from fem_lie.contact.sides.surfaces import Ball, Face, Polyhedron
+from fem_lie.contact.sides.table import Nodes, Side, balls_side, planes_side
+
+BITS = 2**24
+"""More than there are corners of faces."""
+
+
+class Polyhedra(NamedTuple):
+    """All polyhedra, and who may touch whom.
+
+    A contact of two has a few places of its own among those of all pairs, its slots, into which the
+    contact manifold of each step is written.
+
+    Attributes:
+        corners: Of all polyhedra.
+        faces: Likewise.
+        centres: A place within each polyhedron, with the radius of the ball about it.
+        first: First corner, face and edge of each polyhedron, and after the last, shape (p + 1, 3).
+        edges: Both corners and both faces of each edge, shape (E, 4).
+        loops: Corners of all faces, one face after the other.
+        begins: Where the loop of each face begins, and after the last, shape (F + 1,).
+        at: A corner of each face, shape (F,).
+        pairs: Polyhedra that may touch, −1 instead of the first: a ball, shape (m, 2).
+        thin: Sum of radii of balls within both of these, shape (m,).
+        slots: First slot of each of these among all pairs of places, and after the last, (m + 1,).
+        ids: What is in each slot, by which it is known again in the next step, shape (s,).
+        X: Corners now, shape (V, 3).
+        N: Normals of faces now, shape (F, 3).
+        polygon: Room for a polygon and the same one clipped, shape (2, ·, 3).
+        marks: What their corners and the edges from these are, shape (2, ·, 2).
+        impulses: Room for those of the last step, shape (·, 3).
+        known: Likewise for what was in the slots, shape (·,).
+    """
+
+    corners: Side
+    faces: Side
+    centres: Side
+    first: Indices
+    edges: Indices
+    loops: Indices
+    begins: Indices
+    at: Indices
+    pairs: Indices
+    thin: Array
+    slots: Indices
+    ids: Indices
+    X: Array
+    N: Array
+    polygon: Array
+    marks: Indices
+    impulses: Array
+    known: Indices
+
+
+class PolyhedronPair(NamedTuple):
+    """A polyhedron, and what touches it.
+
+    Attributes:
+        first: A ball, or a polyhedron.
+        second: The polyhedron.
+    """
+
+    first: Ball | Polyhedron
+    second: Polyhedron
+
+
+class _Shape(NamedTuple):
+    """One polyhedron in the frame that it is fixed to, and its number."""
+
+    polyhedron: Polyhedron
+    hull: Hull
+
+    def balls(self) -> list[Ball]:
+        return [
+            Ball((self.polyhedron.owner,), np.ones(1), corner[np.newaxis], 0.0)
+            for corner in self.hull.corners
+        ]
+
+    def faces(self) -> list[Face]:
+        firsts = [self.hull.corners[loop[0]] for loop in self.hull.loops]
+        return [
+            Face(self.polyhedron.owner, first, np.asarray(normal))
+            for first, normal in zip(firsts, self.hull.normals, strict=True)
+        ]
+
+    def centre(self) -> Ball:
+        middle = self.hull.corners.mean(axis=0)
+        radius = float(np.linalg.norm(self.hull.corners - middle, axis=1).max())
+        return Ball((self.polyhedron.owner,), np.ones(1), middle[np.newaxis], radius)
+
+    @property
+    def inner(self) -> float:
+        """Radius of the ball about the centre within."""
+        middle = self.hull.corners.mean(axis=0)
+        firsts = np.array([self.hull.corners[loop[0]] for loop in self.hull.loops])
+        return float(((firsts - middle) * self.hull.normals).sum(axis=1).min())
+
+    @property
+    def longest(self) -> int:
+        """Corners of the face that has most."""
+        return max(map(len, self.hull.loops))
+
+
+def _shape_of(polyhedron: Polyhedron) -> _Shape:
+    return _Shape(polyhedron, hull_of(polyhedron.corners))
+
+
+def slots_of(pair: PolyhedronPair, nodes: Nodes) -> tuple[Side, Side]:
+    """Places of the contact manifold of a pair, whatever it is: first and second ones.
+
+    Args:
+        pair: Who may touch.
+        nodes: Numbers of a body's nodes.
+    """
+    second = _shape_of(pair.second)
+    corner = _farthest(second)
+    if isinstance(pair.first, Ball):
+        return balls_side([pair.first], nodes), balls_side([corner], nodes)
+    first, most = _shape_of(pair.first), _slots(*pair)
+    return balls_side([_farthest(first)] * most, nodes), balls_side([corner] * most, nodes)
+
+
+def _farthest(polyhedron: _Shape) -> Ball:
+    """The corner that is farthest from the origin of the frame."""
+    k = int(np.linalg.norm(polyhedron.hull.corners, axis=1).argmax())
+    return polyhedron.balls()[k]
+
+
+def polyhedra_of(
+    pairs: Sequence[PolyhedronPair], nodes: Nodes, on_leaders: Callable[[Side], Side] | None
+) -> Polyhedra:
+    """All polyhedra of pairs, each once, and room for what is found of them.
+
+    Args:
+        pairs: Who may touch whom.
+        nodes: Numbers of a body's nodes.
+        on_leaders: A side by the nodes that its nodes follow; default: none follows another.
+    """
+    found = {
+        _key(each): _shape_of(each)
+        for pair in pairs
+        for each in pair
+        if isinstance(each, Polyhedron)
+    }
+    number, shapes = {key: k for k, key in enumerate(found)}, list(found.values())
+    sizes = [(len(s.hull.corners), len(s.hull.loops), len(s.hull.edges)) for s in shapes]
+    first: Indices = np.cumsum([(0, 0, 0), *sizes], axis=0, dtype=np.int64)
+    numbered: list[tuple[_Shape, Indices]] = list(zip(shapes, list(first), strict=False))
+    loops = [loop + at[0] for shape, at in numbered for loop in shape.hull.loops]
+    edges = [shape.hull.edges + np.repeat(at[:2], 2) for shape, at in numbered]
+    sides = [
+        balls_side([ball for shape in shapes for ball in shape.balls()], nodes),
+        planes_side([face for shape in shapes for face in shape.faces()], nodes),
+        balls_side([shape.centre() for shape in shapes], nodes),
+    ]
+    corners, faces, centres = sides if on_leaders is None else map(on_leaders, sides)
+    counts = [_slots(*pair) for pair in pairs]
+    of = [(-1 if isinstance(a, Ball) else number[_key(a)], number[_key(b)]) for a, b in pairs]
+    most, whole = 2 * max((shape.longest for shape in shapes), default=0) + 2, np.int64
+    return Polyhedra(
+        corners,
+        faces,
+        centres,
+        first,
+        edges=np.concatenate([np.empty((0, 4), whole), *edges]),
+        loops=np.concatenate([np.empty(0, whole), *loops]),
+        begins=np.cumsum([0, *map(len, loops)], dtype=whole),
+        at=np.array([loop[0] for loop in loops], whole),
+        pairs=np.array(of, whole).reshape(-1, 2),
+        thin=np.array([_thin(*pair) for pair in pairs]),
+        slots=np.cumsum([0, *counts], dtype=whole),
+        ids=np.zeros(sum(counts), whole),
+        X=np.empty((len(corners.radii), 3)),
+        N=np.empty((len(faces.radii), 3)),
+        polygon=np.empty((2, most, 3)),
+        marks=np.empty((2, most, 2), whole),
+        impulses=np.empty((most, 3)),
+        known=np.empty(most, whole),
+    )
+
+
+def _key(polyhedron: Polyhedron) -> tuple[object, ...]:
+    body, node = polyhedron.owner
+    return id(body), node, polyhedron.corners.tobytes()
+
+
+def _slots(first: Ball | Polyhedron, second: Polyhedron) -> int:
+    if isinstance(first, Ball):
+        return 1
+    # a polygon clipped by another, and the nearest corner
+    return _shape_of(first).longest + _shape_of(second).longest + 1
+
+
+def _thin(first: Ball | Polyhedron, second: Polyhedron) -> float:
+    own = first.radius if isinstance(first, Ball) else _shape_of(first).inner
+    return own + _shape_of(second).inner
