@@ -45,6 +45,7 @@ class CoupledBodies:
         """
         unknowns, tables, start = equations.unknowns, equations.tables, equations.start
         self._equations, self._rule, self._kept = equations, rule, kept
+        self._h = rule.h
         self._n, self._m, self._kinds = unknowns.moving, unknowns.m, unknowns.kinds
         self._rows, self._length = len(start.frames), unknowns.length
         self._free, self._known = ~unknowns.held.ravel(), -1
@@ -64,14 +65,9 @@ class CoupledBodies:
             Instant(start.frames, none, none, np.zeros(self._m)), np.ones(self._m), self._r
         )
 
-    @property
-    def _h(self) -> float:
-        """Size of the step."""
-        return self._rule.h
-
     def follow(self, rule: Rule) -> None:
         """Have steps whose ends follow their increments by another rule."""
-        self._rule = rule
+        self._rule, self._h = rule, rule.h
         self._impulses.resize(rule.h)
 
     def _all_rows(self, v: Array, time: float) -> Array:

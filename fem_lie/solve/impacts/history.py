@@ -22,7 +22,7 @@ from fem_lie.contact.impact.rows import show_places
 from fem_lie.contact.impact.touching import Touching
 from fem_lie.results.steps import ContactSteps
 
-_LARGEST = [CONTACTS, RESIDUAL, PENETRATION]
+_LARGEST = CONTACTS, RESIDUAL, PENETRATION
 """Columns that are of the worst of all sub-steps of a step; all others are sums."""
 
 
@@ -57,9 +57,10 @@ class ContactHistory(Stateful):
             reported: See :data:`~fem_lie.contact.impact.records.TOLD`, shape (k, 13).
         """
         rows = self.steps[first - 1 : first - 1 + len(reported)]
-        largest = np.maximum(rows[:, _LARGEST], reported[:, _LARGEST])
+        largest = [np.maximum(rows[:, k], reported[:, k]) for k in _LARGEST]
         rows += reported
-        rows[:, _LARGEST] = largest
+        for k, column in zip(_LARGEST, largest, strict=True):
+            rows[:, k] = column
 
     def append(self, rows: Array) -> None:
         """Keep rows of single contacts, shape (·, 15)."""

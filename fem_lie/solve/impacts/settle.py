@@ -47,8 +47,14 @@ from fem_lie.solve.impacts.step_end import Changed, Factors, Rule, StepEnd
 from fem_lie.solve.impacts.velocities import CoupledVelocities
 from fem_lie.system.equations import Equations, Instant
 
+_NOTHING = Last.nothing()
+"""Of a step without contacts."""
+
 _PASSES = 2
 """Passes, in the second of which velocities after impacts are known."""
+
+_FELT = 1e-2
+"""Velocity by restitution, over what a step changes without contacts, that is looked at."""
 
 _GAIN = 1e-10
 """Part of what contacts exchange that counts as no gain of energy."""
@@ -85,7 +91,6 @@ class CoupledContacts(CoupledVelocities, Stateful):
         history: What they did in all steps of the run.
         reactions: Impulses of the joints with those of contacts, over the step, shape (m,).
         work: Of drives and prescribed motions by these impulses.
-        exchanged: What contacts took and gave at most in the last step.
         overlap: By which bodies still overlap at the end of the last step, beyond what counts as
             closed; 0: they do not.
         violation: Of joints at the end of the last step, over the length of the model or in rad,
@@ -105,9 +110,8 @@ class CoupledContacts(CoupledVelocities, Stateful):
     def _forget(self) -> None:
         """No contact has taken part."""
         self.told[:], self.reactions[:], self.work = 0.0, 0.0, 0.0
-        self.exchanged = 0.0
         self.overlap = self.violation = 0.0
-        self._last = Last.nothing()
+        self._last = _NOTHING
 
     def begin(self, H: Array, v: Array, time: float) -> None:
         """See the base class."""
@@ -170,7 +174,8 @@ class CoupledContacts(CoupledVelocities, Stateful):
         old = self._accelerations(step.frames, V, time)
         solve = partial(self._solve_end, step, V, smooth)
         found = solve(1.0)
-        if found.chosen.restitution.any():
+        given, fallen = self._law
+        if found.chosen.restitution.any() and given.max() > _FELT * np.abs(fallen).max():
             found = self._without_gain(step, solve, found)
         self.violation = self._largest_violation(found.H)
         V1 = self._all_rows(found.v, time)

@@ -40,6 +40,8 @@ class CoupledVelocities(CoupledPlaces):
         super().__init__(contacts, equations, rule, kept)
         self.told, self.reactions = np.zeros(SIZE), np.zeros(self._m)
         self.work = self.exchanged = 0.0
+        # normal velocities that restitution gives, and by how much they change without contacts
+        self._law: tuple[Array, Array] = np.zeros(0), np.zeros(0)
 
     def _throw(
         self,
@@ -97,6 +99,7 @@ class CoupledVelocities(CoupledPlaces):
         driven[: self._n + 1] = 0.0
         self.work = -float((P * self._rates_of(B, H, driven)).sum())
         self.exchanged = float(np.abs(P * without).sum())
+        self._law = -chosen.restitution * bounds.incoming, free - chosen.speed
         self.reactions += first + responses.reactions(change)
         self.work -= float(self.reactions @ self._driven(time))
         mean = 0.5 * (without + self._rates_of(B, H, self._all_rows(end_twist, time)))
