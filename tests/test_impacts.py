@@ -387,7 +387,7 @@ REFUSED = {
     "not finite": (lambda: fl.Impact(friction=float("inf")), "friction must be a finite number"),
     "conserving": (
         lambda: fl.EnergyMomentum().run(impacted(), duration=1.0, step=0.1),
-        "Impact is for GeneralisedAlpha with constant steps",
+        "Impact is for GeneralisedAlpha and Variational with constant steps",
     ),
     "statics": (lambda: fl.statics(impacted()), "Impact is for GeneralisedAlpha"),
     "adaptive": (
