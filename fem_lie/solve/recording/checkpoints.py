@@ -20,6 +20,7 @@ from io import BytesIO
 from math import prod
 from pathlib import Path
 from shutil import disk_usage
+from tokenize import TokenError
 from typing import Any
 from zipfile import BadZipFile
 
@@ -239,6 +240,8 @@ _DAMAGES = (
     # what reading a damaged archive raises
     *(BadZipFile, zlib.error, OSError, EOFError, KeyError, ValueError, struct.error),
     *(NotImplementedError, RuntimeError, MemoryError, OverflowError),
+    # numpy reads a damaged header of an array with Python's tokenizer
+    *(TokenError, SyntaxError),
 )
 
 
