@@ -52,7 +52,7 @@ def same(one: fl.Result, other: fl.Result) -> None:
 
 def watched(monkeypatch) -> dict[str, int]:
     """How often steps are iterated in Python, and how often a run goes on."""
-    calls = {"_newton": 0, "_advance": 0}
+    calls = {"_iterate": 0, "_advance": 0}
 
     def count(name):
         function = getattr(Run, name)
@@ -74,9 +74,9 @@ def test_the_double_pendulum_goes_through_the_loop(monkeypatch, case):
     scene, step = pendulum(case)[0], STEP[case]
     given = {"duration": 400 * step, "step": step, "progress": False}
     compiled = fl.GeneralisedAlpha(policy=fl.Automatic(**options)).run(scene, **given)
-    assert calls["_newton"] == 0 and calls["_advance"] < 20
+    assert calls["_iterate"] == 0 and calls["_advance"] < 20
     one_by_one = fl.GeneralisedAlpha(policy=Asked(**options)).run(scene, **given)
-    assert calls["_newton"] >= 400
+    assert calls["_iterate"] >= 400
     same(compiled, one_by_one)
     if case != 2:
         assert compiled.phi_updates > compiled.k_updates > 0
@@ -147,7 +147,7 @@ def test_axes_of_solids_are_turned_in_the_loop(monkeypatch, held):
     body.turn((0, 0, 20.0), (0, 0, 0))
     given = {"duration": 0.1, "step": 1e-3, "progress": False}
     compiled = fl.GeneralisedAlpha(policy=fl.Automatic(**options)).run(scene, **given)
-    assert calls["_newton"] == 0
+    assert calls["_iterate"] == 0
     assert calls["_advance"] < 20 or held
     one_by_one = fl.GeneralisedAlpha(policy=Asked(**options)).run(scene, **given)
     same(compiled, one_by_one)

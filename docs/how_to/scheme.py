@@ -23,8 +23,8 @@ from fem_lie._state import attributes
 from fem_lie.lie.kinds import SLOPE, move_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.results import Result
+from fem_lie.solve.convergence import DIVERGED, ROUND_OFF, estimate, failure, unknown_scaling
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
-from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, estimate, failure, unknown_scaling
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.motion.integrator import Integrator, check_kinds, refuse
 from fem_lie.solve.motion.policies import Automatic, Decisions, EveryIteration, Policy

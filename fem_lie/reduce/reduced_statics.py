@@ -13,6 +13,9 @@ from fem_lie.reduce.basis import Basis
 from fem_lie.reduce.beside_rest import BesideRest
 from fem_lie.reduce.in_shapes import InShapes
 from fem_lie.scene import Scene
+from fem_lie.solve.convergence import Verdict
+from fem_lie.solve.iteration import Iterated, iterate
+from fem_lie.solve.renewal import Update
 
 _MOST = 30
 _CONVERGED = 1e-9  # of the first residual
@@ -77,15 +80,43 @@ def _beyond(scene: Scene, forces: Array) -> float:
 
 def _newton(reduced: InShapes, coordinates: Array, size: float) -> tuple[Array, int]:
     """Coordinates where the residual is round-off of ``size``, and how often it took."""
-    found = coordinates.copy()
-    for iteration in range(1, _MOST + 1):
-        residual = reduced.residual(found)
-        if np.linalg.norm(residual) <= _CONVERGED * size:
-            return found, iteration - 1
-        found -= np.linalg.solve(_matrix(reduced, found), residual)
-    raise ConvergenceError(
-        f"no equilibrium in {len(found)} shapes after {_MOST} iterations: try more load_steps"
-    )
+    equilibrium = _Equilibrium(reduced, coordinates.copy(), _CONVERGED * size)
+    ended = iterate(equilibrium, _MOST)
+    if not ended.converged:
+        raise ConvergenceError(
+            f"no equilibrium with {len(coordinates)} modes after {_MOST} iterations: try more "
+            "load_steps"
+        )
+    return equilibrium.found, ended.iterations
+
+
+class _Equilibrium(Iterated):
+    """Equilibrium of a reduced-order body: the residual is round-off.
+
+    Attributes:
+        found: Coordinates, shape (m,).
+    """
+
+    def __init__(self, reduced: InShapes, start: Array, bound: float) -> None:
+        self._reduced, self.found, self._bound = reduced, start, bound
+        self._residual: Array
+        self._tangent: Array
+
+    def evaluate(self, iteration: int) -> bool:
+        self._residual = self._reduced.residual(self.found)
+        return bool(np.linalg.norm(self._residual) <= self._bound)
+
+    def renew(self, update: Update) -> None:
+        self._tangent = _matrix(self._reduced, self.found)
+
+    def correct(self) -> float:
+        """Solve for a correction and apply it; returns its norm."""
+        step = np.linalg.solve(self._tangent, self._residual)
+        self.found -= step
+        return float(np.linalg.norm(step))
+
+    def judge(self, size: float) -> Verdict:
+        return Verdict.GOES_ON
 
 
 def _matrix(reduced: InShapes, at: Array) -> Array:

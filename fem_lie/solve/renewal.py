@@ -61,11 +61,13 @@ _NONE, _CONSTRAINTS, _ALL = (int(update) for update in Update)
 
 
 @inlined
-def _within_step(iteration: int, patience: int, bound: bool) -> int:
-    """Constraints first, if there are any, then all each time that patience is at an end."""
-    if (iteration - 1) % patience != 0:
-        return _NONE
-    return _CONSTRAINTS if bound and iteration - 1 == patience else _ALL
+def is_due(iteration: int, patience: int, lost: float, cost: float) -> bool:
+    """Whether a matrix is due before an iteration of a step, counted from 1.
+
+    At the start of a step if the iterations ``lost`` by the frozen matrix have reached the ``cost``
+    of a new one; within it each time that ``patience`` is at an end.
+    """
+    return lost >= cost if iteration == 1 else (iteration - 1) % patience == 0
 
 
 @compiled
@@ -75,12 +77,12 @@ def due(rule: PlainRule, known: Array, iteration: int) -> int:
     ``known`` (4,) is updated.
     """
     patience, cost, refresh, most, bound, _ = rule
-    if iteration > 1:
-        update = _within_step(iteration, patience, bound)
-    elif known[LOST if bound else EXCESS] >= cost:
-        update = _ALL
+    if is_due(iteration, patience, known[LOST if bound else EXCESS], cost):
+        # within a step constraints first
+        update = _CONSTRAINTS if bound and iteration - 1 == patience else _ALL
     else:
-        update = _CONSTRAINTS if bound and known[EXCESS] >= refresh else _NONE
+        refreshed = iteration == 1 and bound and known[EXCESS] >= refresh
+        update = _CONSTRAINTS if refreshed else _NONE
     update = min(update, most)
     if update != _NONE:
         known[BEST] = known[EXCESS] = 0.0

@@ -15,6 +15,9 @@ from fem_lie.reduce.beside_rest import equations_of
 from fem_lie.reduce.sampling.cells_in_shapes import CellsInShapes, NodesInShapes, summed
 from fem_lie.reduce.sampling.ecsw import CellSample
 from fem_lie.scene import Scene
+from fem_lie.solve.convergence import Verdict
+from fem_lie.solve.iteration import Iterated, iterate
+from fem_lie.solve.renewal import Update
 from fem_lie.system.equations import Equations
 from fem_lie.system.nodes.sums import load_tangent, load_vector
 
@@ -135,15 +138,48 @@ def _newton(
     cells: CellsInShapes, loads: LoadsInShapes, level: float, start: Array
 ) -> tuple[Array, int]:
     """Coordinates where loads times the level are balanced, and how many solutions it took."""
-    η = start
-    for iteration in range(1, _MOST + 1):
-        inner, K = cells.forces_and_matrix(η)
-        outer, change = loads.forces_and_matrix(η)
-        step = np.linalg.solve(K + level * change, inner + level * outer)
-        η = η - step
-        # not forces: round-off of stretching is large beside those that bend
-        if np.linalg.norm(step) <= _CONVERGED * np.linalg.norm(η):
-            return η, iteration
-    raise ConvergenceError(
-        f"no equilibrium in {len(start)} shapes after {_MOST} iterations: try levels in between"
-    )
+    equilibrium = _Equilibrium(cells, loads, level, start)
+    ended = iterate(equilibrium, _MOST)
+    if not ended.converged:
+        raise ConvergenceError(
+            f"no equilibrium with {len(start)} modes after {_MOST} iterations: try levels in "
+            "between"
+        )
+    return equilibrium.η, ended.iterations
+
+
+class _Equilibrium(Iterated):
+    """Equilibrium of a reduced-order body with sampled cells.
+
+    Attributes:
+        η: Coordinates, shape (m,).
+    """
+
+    def __init__(
+        self, cells: CellsInShapes, loads: LoadsInShapes, level: float, start: Array
+    ) -> None:
+        self._cells, self._loads, self._level, self.η = cells, loads, level, start
+        self._residual: Array
+        self._tangent: Array
+
+    def evaluate(self, iteration: int) -> bool:
+        """Evaluate forces and their derivatives; residuals alone do not end the iteration."""
+        inner, K = self._cells.forces_and_matrix(self.η)
+        outer, change = self._loads.forces_and_matrix(self.η)
+        self._residual = inner + self._level * outer
+        self._tangent = K + self._level * change
+        return False
+
+    def renew(self, update: Update) -> None:
+        """Nothing to do: the dense tangent is solved with as it is."""
+
+    def correct(self) -> float:
+        """Solve for a correction and apply it; returns its norm over that of the coordinates."""
+        step = np.linalg.solve(self._tangent, self._residual)
+        self.η = self.η - step
+        moved = float(np.linalg.norm(step))
+        return moved / max(float(np.linalg.norm(self.η)), np.finfo(float).tiny)
+
+    def judge(self, size: float) -> Verdict:
+        """By corrections: round-off of forces that stretch is large beside those that bend."""
+        return Verdict.CONVERGED if size <= _CONVERGED else Verdict.GOES_ON

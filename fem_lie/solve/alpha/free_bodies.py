@@ -41,7 +41,7 @@ from fem_lie.solve.alpha.step.free_records import (
     State,
 )
 from fem_lie.solve.alpha.step.free_records import Options as Iteration
-from fem_lie.solve.motion.convergence import failure
+from fem_lie.solve.convergence import failure
 from fem_lie.solve.motion.integration import Divided
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps

@@ -11,7 +11,7 @@ from fem_lie.scene import Scene
 from fem_lie.scene.load import History as LoadHistory
 from fem_lie.scene.load import NodalLoad, histories
 from fem_lie.solve.alpha.step.free_records import Bodies, Loads
-from fem_lie.solve.motion.convergence import ROTATION
+from fem_lie.solve.convergence import ROTATION
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.system.equations import Equations
 

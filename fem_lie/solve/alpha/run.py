@@ -40,9 +40,9 @@ from fem_lie.solve.alpha.step.records import (
     PlainSteps,
     Steps,
 )
+from fem_lie.solve.convergence import failure
 from fem_lie.solve.impacts.settle import CoupledContacts
 from fem_lie.solve.impacts.step_end import Factors, Rule, StepEnd
-from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.motion.policies import EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps

@@ -19,13 +19,13 @@ from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.node import parameters
 from fem_lie.solve.alpha.step.nodes import State, accept, correct, extrapolate, predict
 from fem_lie.solve.alpha.step.records import COUNTERS, INCREMENT, ITERATION, NUMBERS, RATIO, STEP
-from fem_lie.solve.motion.consistent import allowed_velocities, check_velocities
-from fem_lie.solve.motion.convergence import (
+from fem_lie.solve.convergence import (
     constraint_scaling,
     estimate,
     explained,
     node_scaling,
 )
+from fem_lie.solve.motion.consistent import allowed_velocities, check_velocities
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.renewal import Update

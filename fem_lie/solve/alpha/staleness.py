@@ -15,7 +15,7 @@ from fem_lie.lie.kinds import all_from_group
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step.node import PlainScheme
 from fem_lie.solve.alpha.step.nodes import State, correct
-from fem_lie.solve.motion.convergence import node_scaling
+from fem_lie.solve.convergence import node_scaling
 from fem_lie.system.equations import Equations, Instant
 
 PROBE = 1e-6

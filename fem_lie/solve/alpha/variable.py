@@ -31,8 +31,8 @@ from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.records import INCREMENT, MOTION, STEP
 from fem_lie.solve.alpha.time_error import TimeError
+from fem_lie.solve.convergence import ROTATION
 from fem_lie.solve.motion.consistent import check_velocities
-from fem_lie.solve.motion.convergence import ROTATION
 from fem_lie.solve.motion.growing import GrowingRecorder
 from fem_lie.solve.motion.step_error import StepError
 from fem_lie.solve.motion.variable_steps import side

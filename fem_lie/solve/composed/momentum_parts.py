@@ -14,7 +14,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._state import attributes, put_back, saved
 from fem_lie.results import Result
-from fem_lie.solve.motion.convergence import failure
+from fem_lie.solve.convergence import failure
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps

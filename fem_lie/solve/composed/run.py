@@ -13,8 +13,8 @@ from fem_lie.solve.composed import stages
 from fem_lie.solve.composed.part import Part
 from fem_lie.solve.conserving.run_state import PREFIX, Options
 from fem_lie.solve.conserving.step import corrections, loop
+from fem_lie.solve.convergence import failure
 from fem_lie.solve.motion.consistent import accelerations
-from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps

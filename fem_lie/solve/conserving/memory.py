@@ -31,7 +31,7 @@ from fem_lie.solve.conserving.step.records import (
     Step,
 )
 from fem_lie.solve.conserving.step.series import DENSE, WHOLE
-from fem_lie.solve.motion.convergence import unknown_scaling
+from fem_lie.solve.convergence import unknown_scaling
 from fem_lie.system.equations import Equations
 from fem_lie.system.nodes.loads import Loads
 

@@ -21,8 +21,8 @@ from fem_lie.solve.conserving.step import corrections, loop
 from fem_lie.solve.conserving.step.dissipation import ENERGY
 from fem_lie.solve.conserving.step.records import Solution
 from fem_lie.solve.conserving.steps import Steps
+from fem_lie.solve.convergence import failure
 from fem_lie.solve.motion.consistent import accelerations
-from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import History

@@ -22,9 +22,9 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from fem_lie._arrays import Array
 from fem_lie._state import Stateful, attributes
+from fem_lie.solve.convergence import constraint_scaling
 from fem_lie.solve.explicit import nodes
 from fem_lie.solve.explicit.stable import in_axes
-from fem_lie.solve.motion.convergence import constraint_scaling
 from fem_lie.system.equations import Equations, Instant
 
 _MOST = 50

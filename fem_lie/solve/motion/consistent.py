@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.linear.equilibrated import InaccurateSolutionError, SingularMatrixError
+from fem_lie.solve.convergence import Verdict
+from fem_lie.solve.iteration import KEPT, Iterated, iterate
+from fem_lie.solve.renewal import Update
 from fem_lie.system.equations import Instant, Plan
 
 if TYPE_CHECKING:
@@ -126,43 +131,89 @@ def accelerations(
         ValueError: The mass matrix is singular, forces are beyond the range of numbers, or no
             solver could solve the equations.
     """
-    n, m = equations.unknowns.moving, equations.unknowns.m
+    n = equations.unknowns.moving
     prescribed = equations.prescribed(time, step)
     v = _moved(equations, v, prescribed.velocities)
     prescribed.act()
     H = np.concatenate([H[: n + 1], prescribed.frames])
-    r, supports = solver.right_hand_side, equations.supports
     rate = np.zeros_like(v)
     rate[n + 1 :] = prescribed.accelerations
     # ẍ = R (u̇ + ω × u) = 0, of which supports hold a part
-    guided = supports.nodes
+    guided = equations.supports.nodes
     rate[guided, :3] = -np.cross(v[guided, 3:], v[guided, :3])
-    constraints, weights = equations.constraints(H), np.zeros(m)
-    _, second = constraints.rates(v)
-    for sweep in range(sweeps):
-        equations.residual(Instant(H, v, rate[:n], weights), np.ones(m), r, carried=True)
-        drive, _ = constraints.rates(rate)
-        r[6 * n :] = second + drive - prescribed.target_rates[1]
-        if sweep == 0:
-            scale = _fill(equations, H, step)
-        r[6 * n :] *= scale
-        _solve_at_rest(solver, anew=sweep == 0)
-        found = solver.solution
-        supports.turn_back(H, found[: 6 * n].reshape(n, 6))
-        rate[:n] -= found[: 6 * n].reshape(n, 6)
-        weights -= scale * found[6 * n :]
-    return rate[:n], weights
+    start = _AtStart(equations, solver, (H, v, rate), prescribed.target_rates[1], step)
+    iterate(start, sweeps, KEPT)
+    return rate[:n], start.weights
 
 
-def _solve_at_rest(solver: DirectSolver, *, anew: bool) -> None:
-    """Solve for accelerations; ``anew``: with a new matrix."""
-    largest = float(np.abs(solver.right_hand_side).max(initial=0.0))
-    if not largest < _LARGEST:
-        raise ValueError(f"forces at the start are {largest:.1e}: they cannot be computed with")
+class _AtStart(Iterated):
+    """Accelerations and multipliers at given frames and velocities.
+
+    The equations are linear, but the matrix is that of a step: each iteration more corrects what
+    that leaves.
+
+    Attributes:
+        weights: Multipliers, shape (m,).
+    """
+
+    def __init__(
+        self,
+        equations: Equations,
+        solver: DirectSolver,
+        motion: tuple[Array, Array, Array],
+        targets: Array,
+        step: float,
+    ) -> None:
+        self._equations, self._solver, self._step, self._targets = equations, solver, step, targets
+        self._H, self._v, self._rate = motion
+        self.weights = np.zeros(equations.unknowns.m)
+        self._constraints = equations.constraints(self._H)
+        _, self._second = self._constraints.rates(self._v)
+        self._scale: Array | None = None
+
+    @property
+    def missing(self) -> bool:
+        return self._scale is None
+
+    def evaluate(self, iteration: int) -> bool:
+        """Evaluate what is left of the equations; residuals do not end the iteration."""
+        n, r = self._equations.unknowns.moving, self._solver.right_hand_side
+        now = Instant(self._H, self._v, self._rate[:n], self.weights)
+        self._equations.residual(now, np.ones(len(self.weights)), r, carried=True)
+        drive, _ = self._constraints.rates(self._rate)
+        r[6 * n :] = self._second + drive - self._targets
+        largest = float(np.abs(r).max(initial=0.0))
+        if not largest < _LARGEST:
+            raise ValueError(f"forces at the start are {largest:.1e}: they cannot be computed with")
+        return False
+
+    def renew(self, update: Update) -> None:
+        self._scale = _fill(self._equations, self._H, self._step)
+        with _solvable():
+            self._solver.factorise()
+
+    def correct(self) -> float:
+        """Solve for a correction and apply it; returns its size."""
+        assert self._scale is not None
+        n, solver = self._equations.unknowns.moving, self._solver
+        solver.right_hand_side[6 * n :] *= self._scale
+        with _solvable():
+            solver.solve()
+        found, nodes = solver.solution, solver.solution[: 6 * n].reshape(n, 6)
+        self._equations.supports.turn_back(self._H, nodes)
+        self._rate[:n] -= nodes
+        self.weights -= self._scale * found[6 * n :]
+        return float(np.abs(found).max(initial=0.0))
+
+    def judge(self, size: float) -> Verdict:
+        return Verdict.GOES_ON
+
+
+@contextmanager
+def _solvable() -> Iterator[None]:
+    """Name the cause where the equations at the start have no solution."""
     try:
-        if anew:
-            solver.factorise()
-        solver.solve()
+        yield
     except InaccurateSolutionError as error:
         raise ValueError(f"initial accelerations cannot be computed: {error}") from error
     except SingularMatrixError as error:

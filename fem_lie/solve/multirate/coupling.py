@@ -6,7 +6,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._state import Stateful, attributes
-from fem_lie.solve.motion.convergence import constraint_scaling
+from fem_lie.solve.convergence import constraint_scaling
 from fem_lie.solve.multirate.domain import Domain
 from fem_lie.solve.multirate.interface import joined
 from fem_lie.solve.multirate.mixing import Mixed

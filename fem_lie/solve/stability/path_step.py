@@ -16,6 +16,9 @@ from fem_lie.bodies.turning import FoldedElementError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results.path import Station
+from fem_lie.solve.convergence import Verdict
+from fem_lie.solve.iteration import Iterated, iterate
+from fem_lie.solve.renewal import Update
 from fem_lie.solve.stability.controls import Arc, Control
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from fem_lie.solve.statics.arc_length import ArcLength
@@ -44,6 +47,88 @@ class FoldedStepError(LostError):
         """Keep what folds."""
         super().__init__(iterations)
         self.what = what
+
+
+class _Step(Iterated):
+    """The iteration of one step.
+
+    Attributes:
+        factor: Present load factor.
+        count: Linear solutions.
+        load: External forces at the factor 1, as they were evaluated last.
+    """
+
+    def __init__(
+        self,
+        model: StableEquilibrium,
+        options: ArcLength,
+        least: float,
+        to: tuple[Station, Control, float, Arc],
+        factor: float,
+    ) -> None:
+        self._model, self._options, self._least, self.factor = model, options, least, factor
+        self._origin, self._control, self._length, self._arc = to
+        self.count, self._change = 0, 0.0
+        self.load: Array | None = None
+        self._residual, self._dx, self._moved = np.zeros((3, 0))
+        self._changed, self._rest = 0.0, 0.0
+
+    def predict(self) -> None:
+        """Go along the tangent at the origin.
+
+        Raises:
+            LostError: It does not lead as far.
+        """
+        origin = self._origin
+        self._change = self._length * self._control.rate(origin.velocity, origin.sign)
+        if not np.isfinite(self._change):
+            raise LostError(0)
+        self._dx = self._change * origin.response
+        if self.judge(self._size()) == Verdict.DIVERGED:
+            raise LostError(0)
+        self.apply(Verdict.GOES_ON)
+
+    def evaluate(self, iteration: int) -> bool:
+        """Evaluate forces and distance; whether both are those of the end of the step."""
+        model, origin, tolerance = self._model, self._origin, self._options.tolerance
+        internal, load = model.forces()
+        self.load, self._residual = load, internal - self.factor * load
+        self._moved = model.positions() - origin.places
+        self._changed = self.factor - origin.factor
+        self._rest = self._length - self._control.distance(self._moved, self._changed)
+        bound = max(abs(self.factor), self._least) * float(np.abs(load).max())
+        balanced = float(np.abs(self._residual).max()) <= tolerance * bound
+        return balanced and abs(self._rest) <= tolerance
+
+    def renew(self, update: Update) -> None:
+        self._model.factorise(self.factor)
+
+    def correct(self) -> float:
+        """Solve for an increment and a change of the load factor; infinite if there is none."""
+        assert self.load is not None
+        model, at = self._model, (self._moved, self._changed)
+        x_r, x_f = -model.solve(self._residual), model.solve(self.load)
+        u_r, u_f = model.translations(x_r), model.translations(x_f)
+        slope = self._control.slope(*at, u_f, 1.0)
+        if slope == 0.0:
+            return np.inf
+        self._change = (self._rest - self._control.slope(*at, u_r, 0.0)) / slope
+        self._dx = x_r + self._change * x_f
+        self.count += 1
+        return self._size()
+
+    def _size(self) -> float:
+        return float(self._arc.norm(self._model.translations(self._dx), 0.0))
+
+    def judge(self, size: float) -> Verdict:
+        if not size <= _SIDEWAYS * max(abs(self._length), _SEARCH):
+            return Verdict.DIVERGED
+        small = self.count > 0 and size < self._options.tolerance
+        return Verdict.CONVERGED if small else Verdict.GOES_ON
+
+    def apply(self, verdict: Verdict) -> None:
+        self._model.move(self._dx)
+        self.factor += self._change
 
 
 class Walker:
@@ -96,61 +181,24 @@ class Walker:
             LostError: No convergence, or a joint rotates too far.
             FoldedStepError: An element does.
         """
-        model, first = self.model, begin is None
-        near = origin if begin is None else begin
+        model, near = self.model, origin if begin is None else begin
         model.restore(near.state)
-        self._factor, count, done = near.factor, 0, False
+        step = _Step(model, self.options, self.load, (origin, control, length, arc), near.factor)
         try:
-            while not done and count < self.options.max_iterations:
-                if first:
-                    change = length * control.rate(origin.velocity, origin.sign)
-                    if not np.isfinite(change):
-                        raise LostError(0)
-                    dx, first = change * origin.response, False
-                else:
-                    dx, change, done = self._correction(origin, control, length)
-                    if done:
-                        break
-                    count += 1
-                moved = arc.norm(model.translations(dx), 0.0)
-                if not np.isfinite(moved) or moved > _SIDEWAYS * max(abs(length), _SEARCH):
-                    raise LostError(count)
-                model.move(dx)
-                self._factor += change
-                done = count > 0 and moved < self.options.tolerance
-            if not done:
-                raise LostError(count)
-            model.check_turns(self._factor)
-            return self._station(self._factor, origin.sign, count, (origin, arc), probe)
+            if begin is None:
+                step.predict()
+            if not iterate(step, self.options.max_iterations).converged:
+                raise LostError(step.count)
+            model.check_turns(step.factor)
+            if step.load is not None:
+                self._last_load = step.load
+            return self._station(step.factor, origin.sign, step.count, (origin, arc), probe)
         except (SingularMatrixError, LostBranchError):
-            raise LostError(count) from None
+            raise LostError(step.count) from None
         except FoldedElementError as error:
-            raise FoldedStepError(count, str(error)) from None
+            raise FoldedStepError(step.count, str(error)) from None
         finally:
-            self.iterations += count + 1
-
-    def _correction(
-        self, origin: Station, control: Control, length: float
-    ) -> tuple[Array, float, bool]:
-        """One linear solution, or whether none is needed."""
-        model = self.model
-        internal, load = model.forces()
-        self._last_load = load
-        residual = internal - self._factor * load
-        moved, changed = model.positions() - origin.places, self._factor - origin.factor
-        rest = length - control.distance(moved, changed)
-        bound = max(abs(self._factor), self.load) * float(np.abs(load).max())
-        balanced = float(np.abs(residual).max()) <= self.options.tolerance * bound
-        if balanced and abs(rest) <= self.options.tolerance:
-            return residual, 0.0, True
-        model.factorise(self._factor)
-        x_r, x_f = -model.solve(residual), model.solve(load)
-        u_r, u_f = model.translations(x_r), model.translations(x_f)
-        slope = control.slope(moved, changed, u_f, 1.0)
-        if slope == 0.0:
-            raise LostError(0)
-        change = (rest - control.slope(moved, changed, u_r, 0.0)) / slope
-        return x_r + change * x_f, change, False
+            self.iterations += step.count + 1
 
     def _station(
         self,

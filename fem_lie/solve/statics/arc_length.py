@@ -32,12 +32,15 @@ from fem_lie.bodies.turning import FoldedElementError
 from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.linear.equilibrated import SingularMatrixError
+from fem_lie.solve.convergence import Verdict
+from fem_lie.solve.iteration import Iterated, iterate
 from fem_lie.solve.progress_bars import load_bar
+from fem_lie.solve.renewal import Update
 from fem_lie.solve.statics.passed import Passed, cosine, rms
 
 _SHOWN = 1e-2  # translations over rotations × diameter that show how far rotations are
 _ON_THE_SPOT = 1e-9  # translations over rotations × diameter: less are round-off
+_FARTHEST = 4  # lengths of the step: an iteration that goes farther is lost
 _AHEAD = 0.4  # cosine between the twists of two steps: never less
 
 
@@ -186,7 +189,7 @@ def increasing(levels: Sequence[float]) -> list[float]:
     return [float(factor) for factor in factors]
 
 
-class _Follower:
+class _Follower(Iterated):
     """One run: the present load factor and step length."""
 
     def __init__(self, options: ArcLength, model: Equilibrium, begin: float) -> None:
@@ -194,6 +197,8 @@ class _Follower:
         self._factor, self._length = begin, options.first_step * model.diameter
         self._twist: Array | None = None  # of the last step
         self._moved: Array
+        self._cap, self._next, self._first, self._count = begin, begin, True, 0
+        self._origin, self._residual, self._load, self._dx = np.zeros((4, 0))
         self._path, self._refused = Path(), ""
         self._passed = Passed(model.positions())
 
@@ -222,23 +227,15 @@ class _Follower:
 
     def _found(self, cap: float, origin: Array, before: Any) -> tuple[bool, int]:
         """Whether there is equilibrium at the end of a step, and iterations."""
-        model, count, done = self._model, 0, False
+        model, self._cap, self._origin, self._count = self._model, cap, origin, 0
         try:
-            while not done and count < self._options.max_iterations:
-                internal, load = model.forces()
-                residual = internal - self._factor * load
-                done = count > 0 and self._balanced(residual, load, cap)
-                if not done:
-                    count += 1
-                    done = self._iterate(residual, load, cap, origin, first=count == 1)
+            done = iterate(self, self._options.max_iterations).converged
             if done:
                 model.check_turns(self._factor)
                 model.check_passage(before)
         except (FoldedElementError, LostBranchError, PassedThroughError) as error:
             done, self._refused = False, f" The step was refused: {error}."
-        except (_Lost, SingularMatrixError):
-            done = False
-        return done, count
+        return done, self._count
 
     def _halve(self, count: int) -> None:
         """Go on with a shorter step."""
@@ -268,31 +265,48 @@ class _Follower:
                 path,
             )
 
-    def _balanced(self, residual: Array, load: Array, cap: float) -> bool:
-        """Whether the wanted load is reached, and in equilibrium."""
-        bound = self._options.tolerance * cap * float(np.abs(load).max())
-        return self._factor == cap and float(np.abs(residual).max()) <= bound
+    # --- one iteration, see :class:`~fem_lie.solve.iteration.Iterated` ---
 
-    def _iterate(
-        self, residual: Array, load: Array, cap: float, origin: Array, first: bool
-    ) -> bool:
-        """One linear solution; whether its increment says that the step has arrived."""
-        model, options = self._model, self._options
-        model.factorise(self._factor)
-        x_r, x_f = -model.solve(residual), model.solve(load)
-        wanted, room = self._change(x_r, x_f, origin, first), cap - self._factor
+    def evaluate(self, iteration: int) -> bool:
+        """Evaluate forces; whether the wanted load is reached, and in equilibrium."""
+        self._first = iteration == 1
+        internal, self._load = self._model.forces()
+        self._residual = internal - self._factor * self._load
+        bound = self._options.tolerance * self._cap * float(np.abs(self._load).max())
+        balanced = self._factor == self._cap and float(np.abs(self._residual).max()) <= bound
+        return not self._first and balanced
+
+    def renew(self, update: Update) -> None:
+        """See the base class."""
+        self._count += 1
+        self._model.factorise(self._factor)
+
+    def correct(self) -> float:
+        """Solve for an increment and a load factor; returns the size of the translations."""
+        model = self._model
+        x_r, x_f = -model.solve(self._residual), model.solve(self._load)
+        wanted, room = self._change(x_r, x_f), self._cap - self._factor
         change = min(wanted, room)
-        dx = x_r + change * x_f
-        moved = rms(model.translations(dx))
-        if not np.isfinite(moved) or moved > 4 * self._length:
-            raise _Lost
+        self._dx = x_r + change * x_f
         # not by addition: it must be the wanted load to the last digit
-        self._factor = cap if wanted >= room else self._factor + change
-        model.move(dx)
-        self._moved = dx if first else self._moved + dx
+        self._next = self._cap if wanted >= room else self._factor + change
+        return rms(model.translations(self._dx))
+
+    def judge(self, size: float) -> Verdict:
+        """See the base class; an increment that leaves the neighbourhood of the step diverges."""
+        options = self._options
+        if not size <= _FARTHEST * self._length:
+            return Verdict.DIVERGED
+        self._moved = self._dx if self._first else self._moved + self._dx
         # residuals of slender structures may have more round-off than the tolerance allows
-        enough = options.tolerance if self._factor == cap else options.loose
-        return not first and moved < enough * self._length and self._turned(dx, enough)
+        enough = options.tolerance if self._next == self._cap else options.loose
+        small = size < enough * self._length and self._turned(self._dx, enough)
+        return Verdict.CONVERGED if small and not self._first else Verdict.GOES_ON
+
+    def apply(self, verdict: Verdict) -> None:
+        """See the base class."""
+        self._factor = self._next
+        self._model.move(self._dx)
 
     def _turned(self, dx: Array, enough: float) -> bool:
         """Whether the rotations of an increment are small, where translations do not show them."""
@@ -300,11 +314,11 @@ class _Follower:
         shown = self._length >= _SHOWN * self._model.diameter * step
         return shown or now < enough * step
 
-    def _change(self, x_r: Array, x_f: Array, origin: Array, first: bool) -> float:
-        """Change of the load factor that puts the step's end at its length."""
+    def _change(self, x_r: Array, x_f: Array) -> float:
+        """Change of the load factor that puts the step's end at its length; nan if none does."""
         model, length = self._model, self._length
         u_f = model.translations(x_f)
-        if first:
+        if self._first:
             moves, turns = rms(u_f), rms(model.twists(x_f)[:, 3:])
             if moves <= _ON_THE_SPOT * turns:  # not if they are no numbers
                 what = "turns nodes on the spot" if turns else "moves nothing"
@@ -315,17 +329,13 @@ class _Follower:
                 )
             forward = self._twist is None or float(np.sum(model.twists(x_f) * self._twist)) >= 0
             return (1.0 if forward else -1.0) * length / moves
-        now = model.positions() - origin
+        now = model.positions() - self._origin
         distance = rms(now)
         if distance == 0.0:
-            raise _Lost
+            return np.nan
         gradient = now / (distance * len(now))
         u_r = model.translations(x_r)
         slope = float(np.sum(gradient * u_f))
         if slope == 0.0:
-            raise _Lost
+            return np.nan
         return (length - distance - float(np.sum(gradient * u_r))) / slope
-
-
-class _Lost(Exception):
-    """The iteration left the neighbourhood of its step."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -14,13 +13,15 @@ from fem_lie.joints.connection import LostBranchError
 from fem_lie.lie.kinds import placed, turn_all
 from fem_lie.linear.choice import Solutions
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
-from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.ranks.subdomains import Subdomains
 from fem_lie.results.equilibrium import PathResult
 from fem_lie.scene import Scene
 from fem_lie.scene.load import StrainLoad
 from fem_lie.scene.rotation import Rotation
 from fem_lie.scene.scene import require_scene
+from fem_lie.solve.convergence import Verdict
+from fem_lie.solve.iteration import Iterated, iterate
+from fem_lie.solve.renewal import Update
 from fem_lie.solve.statics.arc_length import ArcLength, Path, increasing
 from fem_lie.solve.statics.free_motions import POLISHED, FreeMotions, SingularStartError
 from fem_lie.solve.statics.increment import move
@@ -210,16 +211,7 @@ class SceneEquilibrium:
 
     def _settles(self, factor: float, most: int = _MOST) -> bool:
         """Go to the equilibrium at a load factor that is near; whether there is one."""
-        for _ in range(most):
-            internal, load = self.forces()
-            self.factorise(factor)
-            dx = self.solve(factor * load - internal)
-            self.move(dx)
-            moved = np.abs(self.translations(dx)).max(initial=0.0)
-            turned = np.abs(self.twists(dx)[:, 3:]).max(initial=0.0)
-            if max(moved, _OF_TURNS * turned) < _SETTLED * self.diameter:
-                return True
-        return False
+        return iterate(_AtFactor(self, factor), most).converged
 
     def _strain(self) -> None:
         """Strain the springs step by step, without loads; where that fails all is as it was."""
@@ -232,7 +224,7 @@ class SceneEquilibrium:
                     self.check_turns(0.0)
                     part, step = self._preload, 2.0 * step
                     continue
-            except (SingularMatrixError, FoldedElementError, LostBranchError):
+            except (FoldedElementError, LostBranchError):
                 pass  # a shorter step
             self.restore(kept)
             step /= 2.0
@@ -322,8 +314,7 @@ class SceneEquilibrium:
         if not search.possible or not len(search.allowed(self._H)):
             return ""
         # forces that are not in balance would resist, or seem to
-        with suppress(SingularMatrixError):
-            self._settles(factor, POLISHED)
+        self._settles(factor, POLISHED)
         internal, load = self.forces()
         self._fill(factor)
         free = search.unresisted(search.allowed(self._H), internal - factor * load)
@@ -343,6 +334,34 @@ class SceneEquilibrium:
         self._forces_known = False
         self._H[:], self._multipliers[:] = state.frames, state.multipliers
         self.equations.memory.restore(state.saved)
+
+
+class _AtFactor(Iterated):
+    """Equilibrium of a scene at a given load factor."""
+
+    def __init__(self, model: SceneEquilibrium, factor: float) -> None:
+        self._model, self._factor = model, factor
+        self._residual: Array
+
+    def evaluate(self, iteration: int) -> bool:
+        internal, load = self._model.forces()
+        self._residual = self._factor * load - internal
+        return False
+
+    def renew(self, update: Update) -> None:
+        self._model.factorise(self._factor)
+
+    def correct(self) -> float:
+        """Solve for a correction and apply it; returns its size over that of the model."""
+        model = self._model
+        dx = model.solve(self._residual)
+        model.move(dx)
+        moved = np.abs(model.translations(dx)).max(initial=0.0)
+        turned = np.abs(model.twists(dx)[:, 3:]).max(initial=0.0)
+        return float(max(moved, _OF_TURNS * turned)) / model.diameter
+
+    def judge(self, size: float) -> Verdict:
+        return Verdict.CONVERGED if size < _SETTLED else Verdict.GOES_ON
 
 
 def _result(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from contextlib import suppress
 
 import numpy as np
 
@@ -14,11 +13,13 @@ from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.linear.choice import Solutions
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
-from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
+from fem_lie.solve.convergence import Verdict
+from fem_lie.solve.iteration import Criterion, Iterated, Polishing, QuadraticRate, iterate
 from fem_lie.solve.progress_bars import Reach, load_bar
+from fem_lie.solve.renewal import Update
 from fem_lie.solve.statics.free_motions import POLISHED, FreeMotions, SingularStartError
 from fem_lie.solve.statics.increment import move
 from fem_lie.solve.statics.newton import Newton
@@ -27,11 +28,12 @@ from fem_lie.solve.stopwatch import Stopwatch
 from fem_lie.system.equations import Equations, Instant, Plan
 
 _SMALLEST = 1e-3  # part of the preload that is given up
+_FARTHEST = 1e3  # increments over their units that have diverged
 
 _log = logging.getLogger(__name__)
 
 
-class LoadSteps:
+class LoadSteps(Iterated):
     """Newton's method from one accepted state to the next; it keeps those that were accepted."""
 
     def __init__(
@@ -56,7 +58,8 @@ class LoadSteps:
         self.iterations: int = 0
         self.residual: float = 0.0
         self.last: float = 0.0
-        self._lost = ""
+        self._lost, self._factor = "", 0.0
+        self._criterion: Criterion = Polishing()
         equations.memory.carry(self.H)
         now = Instant(self.H, self._zero, self._zero, self.multipliers)
         self._scale = equations.fill(now, None, Plan(self._zero))
@@ -206,25 +209,15 @@ class LoadSteps:
         now = equations.prescribed(factor)
         now.act(factor, preload)
         self.H[self._moving + 1 :] = now.frames
-        previous = np.inf
-        self.iterations, self._lost = 0, ""
-        while self.iterations < self._options.max_iterations:
-            self.iterations += 1
+        self._factor, self._lost = factor, ""
+        self._criterion = QuadraticRate(self._options.tolerance, _FARTHEST)
+        ended = iterate(self, self._options.max_iterations)
+        self.iterations, self.last = ended.iterations, ended.size
+        if ended.converged:
             try:
-                self._iterate(factor)
-            except SingularMatrixError:
-                self.last = np.inf
-            if not np.isfinite(self.last) or self.last > 1e3:
-                break
-            ratio = min(1.0, self.last / previous) if self.iterations > 1 else 1.0
-            # quadratic convergence: the next increment is this one times the ratio squared
-            if self.last * ratio**2 <= self._options.tolerance:
-                try:
-                    return self._accept(factor, H)
-                except (FoldedElementError, PassedThroughError, LostBranchError) as error:
-                    self._lost = f" The step was refused: {error}."
-                    break
-            previous = self.last
+                return self._accept(factor, H)
+            except (FoldedElementError, PassedThroughError, LostBranchError) as error:
+                self._lost = f" The step was refused: {error}."
         self.H, self.multipliers = H, multipliers
         self._failed += self.iterations
         equations.memory.restore(saved)
@@ -261,9 +254,8 @@ class LoadSteps:
         memory = self.equations.memory
         H, multipliers, saved = self.H.copy(), self.multipliers.copy(), memory.memory()
         # forces that are not in balance would resist, or seem to
-        with suppress(SingularMatrixError):
-            for _ in range(POLISHED):
-                self._iterate(factor)
+        self._factor, self._criterion = factor, Polishing()
+        iterate(self, POLISHED)
         self._fill(factor)
         free = search.unresisted(search.allowed(self.H), self._r)
         self.H, self.multipliers = H, multipliers
@@ -297,10 +289,26 @@ class LoadSteps:
         plan = Plan(zero, self._scale, steady=bool(self._rotation))
         equations.fill(now, self._found, plan)
 
-    def _iterate(self, factor: float) -> None:
-        self._factorise(factor)
+    # --- one iteration, see :class:`~fem_lie.solve.iteration.Iterated` ---
+
+    def evaluate(self, iteration: int) -> bool:
+        """Evaluate residual and tangent; see the base class."""
+        self._fill(self._factor)
+        return False
+
+    def renew(self, update: Update) -> None:
+        """See the base class."""
+        self._solver.factorise()
+
+    def correct(self) -> float:
+        """Solve for a correction and apply it; returns its size over the units of the unknowns."""
         self._solver.solve()
         nodes = self._dx[: 6 * self._moving].reshape(-1, 6)
         self.equations.supports.turn_back(self.H, nodes)
-        self.last = move(self.equations, self.H, self._dx, carried=self._options.carried_stress)
+        size = move(self.equations, self.H, self._dx, carried=self._options.carried_stress)
         self.multipliers -= self._scale * self._dx[6 * self._moving :]
+        return size
+
+    def judge(self, size: float) -> Verdict:
+        """See the base class."""
+        return self._criterion.judge(size)

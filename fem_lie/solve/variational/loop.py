@@ -8,7 +8,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, linked
 from fem_lie.linear.factors import PlainFactors, solve
 from fem_lie.solve.conserving.between.cayley import advance
-from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, estimate
+from fem_lie.solve.convergence import DIVERGES, GOES_ON, STAGNANT, estimate, judged
 from fem_lie.solve.renewal import PlainRule, due, learn
 from fem_lie.solve.variational import momenta
 from fem_lie.solve.variational.packing import packed
@@ -23,8 +23,8 @@ MADE, ITERATION, TOTAL = range(3)
 MOTION, PREVIOUS, RATIO, INCREMENT = range(4)
 """Numbers: the largest motion of the step, the increment before, the ratio of both, and it."""
 
-STAGNANT, FALLS = 1e3 * float(np.finfo(np.float64).eps), 0.5
-"""Increments below the first, over those of the model, that do not fall by the second are noise."""
+NOISE = 1e3 * float(np.finfo(np.float64).eps)
+"""Increments below, over the model, that do not fall are round-off."""
 
 
 @compiled
@@ -93,17 +93,17 @@ def _improve(table: Indices, factors: PlainFactors, h: float, tolerance: float) 
     ratio, remaining = estimate(increment, previous, numbers[RATIO])
     numbers[RATIO], numbers[INCREMENT] = ratio, increment
     numbers[MOTION] = max(numbers[MOTION], increment)
-    noise = increment <= STAGNANT and increment > FALLS * previous
-    if noise or increment <= ROUND_OFF or remaining <= tolerance * numbers[MOTION]:
-        if not noise:
-            _correct(table)
-            weigh(table, h)
-        return DONE
-    if not increment < DIVERGED:
+    verdict = judged(increment, previous, remaining, tolerance * numbers[MOTION], NOISE)
+    if verdict == DIVERGES:
         return FAILED
-    _correct(table)
+    if verdict != STAGNANT:
+        _correct(table)
     numbers[PREVIOUS] = increment
-    return MATRIX
+    if verdict == GOES_ON:
+        return MATRIX
+    if verdict != STAGNANT:
+        weigh(table, h)
+    return DONE
 
 
 @linked

@@ -17,17 +17,17 @@ from fem_lie.linear.factors import Factors
 from fem_lie.results import Result
 from fem_lie.results.record import Record, with_others
 from fem_lie.solve.conserving.between.cayley import advance
+from fem_lie.solve.convergence import failure
 from fem_lie.solve.impacts.settle import CoupledContacts
 from fem_lie.solve.impacts.step_end import StepEnd
-from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, estimate, failure
-from fem_lie.solve.motion.policies import Decisions, EveryIteration
+from fem_lie.solve.motion.policies import EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.variational import loop, momenta
+from fem_lie.solve.variational.newton import Newton
 from fem_lie.solve.variational.packing import Packed
 from fem_lie.solve.variational.prescribed import prescribe
-from fem_lie.solve.variational.run_state import RunState
 from fem_lie.system.equations import Instant
 
 _log = logging.getLogger(__name__)
@@ -39,7 +39,7 @@ _AT_A_TIME = 20_000
 """Steps times unknowns, some milliseconds, after which the loop comes back to be interrupted."""
 
 
-class VariationalRun(RunState):
+class VariationalRun(Newton):
     """One integration."""
 
     def history(
@@ -195,37 +195,6 @@ class VariationalRun(RunState):
     @cached_property
     def _fixed(self) -> FixedArrays:
         return FixedArrays(self._packed.arrays)
-
-    def _made_with(self, decisions: Decisions) -> bool:
-        """Make the step from its start; whether it converges."""
-        held = self.equations.unknowns.held
-        self.step[:] = 2.0 * self.steps[0] - self.steps[1]
-        momenta.hold(self.equations.unknowns.kinds, self.H, held, self.step)
-        self.weights[:] = self.earlier
-        motion = float(np.abs(self.step.ravel() * self._measure[: self.step.size]).max(initial=0.0))
-        previous, ratio = np.inf, 1.0
-        for iteration in range(1, self.options.max_iterations + 1):
-            self._iterations += 1
-            self._residual()
-            wanted = self._factors is None or decisions.before_iteration(iteration)
-            if wanted and not self._renewed():
-                return False
-            self._solve()
-            increment = float(np.abs(self._x * self._measure).max(initial=0.0))
-            ratio, remaining = estimate(increment, previous, ratio)
-            self._increment, motion = increment, max(motion, increment)
-            noise = increment <= loop.STAGNANT and increment > loop.FALLS * previous
-            if noise or increment <= ROUND_OFF or remaining <= self.options.tolerance * motion:
-                if not noise:
-                    self._correct()
-                    self._residual()
-                decisions.after_step(iteration)
-                return True
-            if not increment < DIVERGED:
-                return False
-            self._correct()
-            previous = increment
-        return False
 
     def _accept(self, time: float) -> bool:
         """Make the end of the step, at ``time``, the start of the next; whether surfaces let it."""

@@ -17,11 +17,11 @@ from fem_lie.solve.conserving.between.product_rows import (
     inertia_with_products,
     product_rates,
 )
+from fem_lie.solve.convergence import unknown_scaling
 from fem_lie.solve.impacts.settle import CoupledContacts
 from fem_lie.solve.impacts.step_end import Factors as StepFactors
 from fem_lie.solve.impacts.step_end import Rule
 from fem_lie.solve.motion.consistent import check_velocities
-from fem_lie.solve.motion.convergence import unknown_scaling
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.recorder import Recorder

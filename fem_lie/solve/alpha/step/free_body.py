@@ -49,7 +49,7 @@ from fem_lie.solve.alpha.step.free_records import (
     Start,
 )
 from fem_lie.solve.alpha.step.node import Scheme
-from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, UNMEASURED, estimate
+from fem_lie.solve.convergence import DIVERGED, ROUND_OFF, UNMEASURED, estimate
 
 
 @inlined

@@ -41,7 +41,14 @@ from fem_lie.solve.alpha.step.records import (
     Steps,
     packed,
 )
-from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, UNMEASURED, estimate
+from fem_lie.solve.convergence import (
+    CONVERGED,
+    GOES_ON,
+    ROUND_OFF,
+    UNMEASURED,
+    estimate,
+    judged,
+)
 from fem_lie.solve.recording.result_row import fill_whole
 from fem_lie.solve.renewal import PlainRule, due, learn
 from fem_lie.system.nodes.sums import residual
@@ -101,9 +108,11 @@ def _correct(table: Indices, scheme: PlainScheme, state: PlainState, steps: Plai
     increment = correct(scheme, state, this.dx, scale, spread, this.joined, this.weights)
     ratio, remaining = estimate(increment, numbers[PREVIOUS], numbers[NOW])
     numbers[INCREMENT], numbers[NOW] = increment, ratio
-    if remaining <= allowed(numbers[MOTION], how.tolerance, how.finest) or increment <= ROUND_OFF:
+    bound = allowed(numbers[MOTION], how.tolerance, how.finest)
+    verdict = judged(increment, numbers[PREVIOUS], remaining, bound, 0.0)
+    if verdict == CONVERGED:
         return CHECKED
-    if not increment < DIVERGED or counters[ITERATION] == how.limit:
+    if verdict != GOES_ON or counters[ITERATION] == how.limit:
         return BETWEEN
     numbers[PREVIOUS] = increment
     counters[ITERATION] += 1

@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeAlias
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined
 from fem_lie.lie.kinds import move, settle
-from fem_lie.solve.motion.convergence import size_of
+from fem_lie.solve.convergence import size_of
 
 AHEAD = 0.1
 """Part of a step over which initial accelerations are differentiated, if not over α_f − α_m."""

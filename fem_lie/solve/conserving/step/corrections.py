@@ -15,7 +15,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie.kinds.kind import SLOPE
-from fem_lie.solve.motion.convergence import DIVERGED
+from fem_lie.solve.convergence import DIVERGED, contraction, to_come
 
 _ALIKE, _SHARE = 0.2, 0.5
 """How much corrections in one direction differ, and the most that one may leave over."""
@@ -262,12 +262,12 @@ def converged(numbers: Array, tolerance: float, iteration: int, known: bool) -> 
     """
     increment = numbers[INCREMENT]
     if iteration > 1 and (tolerance > 0.0 or (known and numbers[FLOOR] > 0.0)):
-        ratio = max(increment / numbers[PREVIOUS], 0.7 * numbers[RATIO])
+        ratio = contraction(increment, numbers[PREVIOUS], numbers[RATIO])
         numbers[RATIO] = ratio
         if tolerance == 0.0:
             # the last digits come the slowest
             ratio = max(ratio, SURE)
         allowed = max(tolerance * numbers[MOTION], 2.0 * numbers[FLOOR])
-        if ratio < 1.0 and increment * ratio / (1.0 - ratio) <= allowed:
+        if to_come(increment, ratio) <= allowed:
             return True
     return increment == 0.0

@@ -66,7 +66,8 @@ from fem_lie.solve.conserving.step.series import (
     correction,
     growth,
 )
-from fem_lie.solve.motion.convergence import ROUND_OFF
+from fem_lie.solve.convergence import ROUND_OFF
+from fem_lie.solve.renewal import is_due
 
 DONE, MATRIX, FAILED, LOST = 0, 1, 2, 3
 _ULP = 4.0 * float(np.finfo(np.float64).eps)
@@ -131,14 +132,9 @@ def run(
         iteration = counters[ITERATION]
         if counters[ASKED] != iteration:
             counters[ASKED] = iteration
-            if iteration == 1:
-                due = numbers[EXCESS] >= cost
-            else:
-                due = (iteration - 1) % patience == 0
-                if due and spare > 0.0:
-                    due = lags(
-                        numbers, tolerance, patience, spare, noise_level if vectors else FINE
-                    )
+            due = is_due(iteration, patience, numbers[EXCESS], cost)
+            if due and iteration > 1 and spare > 0.0:
+                due = lags(numbers, tolerance, patience, spare, noise_level if vectors else FINE)
             if due:
                 return MATRIX
         residual(packed, starts, steps, True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
 from typing import Protocol
 
 import numpy as np
@@ -26,6 +27,24 @@ class Dimensions(Protocol):
         """Of the model."""
 
 
+class Verdict(IntEnum):
+    """What a correction says of an iteration.
+
+    ``STAGNANT``: It is small and no smaller than those before: round-off. ``SINGULAR`` and
+    ``REFUSED``: there was no correction, or what was found is no solution.
+    """
+
+    GOES_ON = 0
+    CONVERGED = 1
+    STAGNANT = 2
+    DIVERGED = 3
+    SINGULAR = 4
+    REFUSED = 5
+
+
+GOES_ON, CONVERGED, STAGNANT, DIVERGES = (int(verdict) for verdict in list(Verdict)[:4])
+"""Verdicts in compiled code."""
+
 ROTATION = 0.1
 """A rotation counts in the size of an increment as a displacement of this part of the model."""
 
@@ -35,6 +54,9 @@ ROUND_OFF = 1e-15
 DIVERGED = 1.0
 """Increments above, in lengths of the model, do not lead to the motion that follows from the start
 of the step: a rotation counts as much by one and a half turns."""
+
+FALLS = 0.5
+"""Ratio of increments above which small ones are said not to fall."""
 
 UNMEASURED = 0.8
 """Power of the ratio of increments from a step that has none: trust it less and less."""
@@ -102,17 +124,47 @@ def failure(
 
 
 @inlined
+def contraction(increment: float, previous: float, ratio: float) -> float:
+    """Ratio of an increment to the previous one, with ``ratio`` that of the iterations before."""
+    # one lucky ratio must not end the next steps too early: forget slowly
+    return max(increment / previous, 0.7 * ratio)
+
+
+@inlined
+def to_come(increment: float, ratio: float) -> float:
+    """Sum of all increments that would follow in a linearly converging iteration."""
+    return increment * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
+
+
+@inlined
 def estimate(increment: float, previous: float, ratio: float) -> tuple[float, float]:
     """Ratio of successive increments, and the sum of all that would follow.
 
     ``previous`` is inf in the first iteration, and ``ratio`` that of the iterations before.
     """
     if previous < np.inf:
-        # one lucky ratio must not end the next steps too early: forget slowly
-        ratio = max(increment / previous, 0.7 * ratio)
-    # of a linearly converging iteration
-    remaining = increment * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
-    return ratio, remaining
+        ratio = contraction(increment, previous, ratio)
+    return ratio, to_come(increment, ratio)
+
+
+@inlined
+def judged(
+    increment: float, previous: float, remaining: float, allowed: float, noise: float
+) -> int:
+    """Verdict on an increment of an iteration that converges linearly.
+
+    Args:
+        increment: Its size.
+        previous: That of the one before; inf in the first iteration.
+        remaining: What would follow, see :func:`estimate`.
+        allowed: How large that may be.
+        noise: Increments below that do not fall are round-off.
+    """
+    if increment <= noise and increment > FALLS * previous:
+        return STAGNANT
+    if remaining <= allowed or increment <= ROUND_OFF:
+        return CONVERGED
+    return GOES_ON if increment < DIVERGED else DIVERGES
 
 
 def explained(allowed: float) -> float:

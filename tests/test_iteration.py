@@ -1,0 +1,104 @@
+"""The one iteration: how it ends, and that all equations with the same law end alike."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie.linear.equilibrated import SingularMatrixError
+from fem_lie.solve.convergence import Verdict
+from fem_lie.solve.iteration import KEPT, NEWTON, Iterated, LinearRate, QuadraticRate, iterate
+from fem_lie.solve.renewal import Update
+
+
+class Root(Iterated):
+    """The root of ``x³ = 8``."""
+
+    def __init__(self, start, criterion, slope=None):
+        self.x, self._criterion, self._slope = start, criterion, slope
+        self.made = 0
+
+    @property
+    def missing(self):
+        return self._slope is None
+
+    def evaluate(self, iteration):
+        self._residual = self.x**3 - 8.0
+        return self._residual == 0.0
+
+    def renew(self, update):
+        assert update == Update.ALL
+        self._slope, self.made = 3.0 * self.x**2, self.made + 1
+        if self._slope == 0.0:
+            raise SingularMatrixError("no slope")
+
+    def correct(self):
+        self._change = -self._residual / self._slope
+        return abs(self._change)
+
+    def judge(self, size):
+        return self._criterion.judge(size)
+
+    def apply(self, verdict):
+        self.x += self._change
+
+
+def linear(tolerance=1e-12):
+    return LinearRate(lambda _: tolerance, 1.0, 1e-14)
+
+
+@pytest.mark.parametrize("renewals", [NEWTON, KEPT])
+def test_a_frozen_matrix_arrives_where_newton_does(renewals):
+    root = Root(2.3, linear())
+    ended = iterate(root, 60, renewals)
+    assert ended.converged
+    assert abs(root.x - 2.0) < 1e-12
+    assert root.made == (1 if renewals is KEPT else ended.iterations)
+    assert (ended.iterations > 8) == (renewals is KEPT)
+
+
+def test_what_is_left_after_quadratic_convergence_is_below_the_tolerance():
+    root = Root(2.3, QuadraticRate(1e-10, 1e3))
+    ended = iterate(root, 20)
+    assert ended.verdict == Verdict.CONVERGED
+    assert abs(root.x - 2.0) < 1e-10
+    assert ended.size > 1e-10  # the last correction itself is not
+
+
+@pytest.mark.parametrize(
+    ("start", "slope", "limit", "verdict"),
+    [
+        (2.3, None, 1, Verdict.GOES_ON),
+        (0.0, None, 9, Verdict.SINGULAR),
+        (2.3, 0.5, 9, Verdict.DIVERGED),
+        (2.0, None, 9, Verdict.CONVERGED),  # without a correction
+    ],
+)
+def test_how_an_iteration_ends(start, slope, limit, verdict):
+    ended = iterate(Root(start, linear(), slope), limit, KEPT)
+    assert ended.verdict == verdict
+    assert ended.converged == (verdict == Verdict.CONVERGED)
+    assert (ended.iterations == 0) == (start == 2.0)
+
+
+def swinging(history):
+    """A pendulum of two rigid bars under a constant force, which may be called a function of time.
+
+    Of loads that are, the compiled loops of steps know nothing.
+    """
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    upper = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), position=(0.5, 0, 0)))
+    lower = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), position=(1.5, 0, 0)))
+    scene.add(fl.Spherical(upper.centre, fl.ground(), at=(0, 0, 0)))
+    scene.add(fl.Spherical(upper.centre, lower.centre, at=(1, 0, 0)))
+    scene.add(fl.PointLoad(lower.centre, force=(0, 0, 1.0), history=history))
+    return scene
+
+
+@pytest.mark.parametrize("scheme", [fl.Variational(), fl.GeneralisedAlpha(), fl.EnergyMomentum()])
+def test_compiled_loops_iterate_as_python_does(scheme):
+    plan = {"duration": 0.5, "step": 2e-3, "progress": False}
+    compiled, called = (scheme.run(swinging(history), **plan) for history in (None, lambda _: 1.0))
+    np.testing.assert_allclose(called.frames, compiled.frames, rtol=0, atol=1e-11)
+    assert abs(int(called.iterations[-1]) - int(compiled.iterations[-1])) <= 2
