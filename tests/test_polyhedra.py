@@ -321,7 +321,7 @@ REFUSED = {
     ),
     "three corners": (
         lambda: fl.ConvexPolyhedron(fl.ground(), np.eye(3)),
-        r"at least four finite places, shape \(n, 3\), got shape \(3, 3\)",
+        r"at least four finite points, shape \(n, 3\), got shape \(3, 3\)",
     ),
     "itself": (
         lambda: two(cube, lambda body: fl.Box(body.centre, CUBE)).check()

@@ -1,13 +1,13 @@
-"""Gaps of pairs of places of any kind, corners and edges of polyhedra among them: compiled.
+"""Gaps of pairs of contact points, vertices and edges of polyhedra among them: compiled.
 
 Beside balls and planes (:mod:`fem_lie.contact.sides.kinematics`), with ``t`` along an edge::
 
     edges    g = n·(P − Q),  n = ± t_A × t_B / |t_A × t_B|,  P and Q where the lines are nearest
     line     g = |P − Q| − r_A,  Q the foot of the ball on the line of an edge
 
-Both gaps change by ``n·(δP − δQ)`` alone, for where they are nearest is stationary. An edge is a
-place in its middle, whose second lever is half of the edge, and whose third points out of its
-polyhedron.
+Both gaps change by ``n·(δP − δQ)`` alone, for the distance is stationary in the nearest points. An
+edge is stored as its midpoint, with half of the edge as second vector and a vector out of its
+polyhedron as third.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ ROUND, PLANE, EDGES, LINE, APART = range(5)
 """A ball and a ball; a ball, a point and a plane; two edges; a ball and an edge; nothing."""
 
 MIDDLE, HALF, OUTWARDS = range(3)
-"""Levers of an edge."""
+"""Vectors of an edge: its midpoint, half of it, and out of the polyhedron."""
 
 
 @inlined_uncounted
 def _lever(H: Array, side: Side, i: int, k: int) -> Vector:
-    """A lever of an edge, in global components."""
+    """A vector of an edge, in global components."""
     node, c = side.nodes[i, 0], load_row(side.levers[i], k)
     return c if node == GROUND else global_components(H[node], c)
 
 
 @inlined_uncounted
 def nearest_of_lines(P: Vector, s: Vector, Q: Vector, t: Vector) -> tuple[Vector, Vector]:
-    """Places of two lines, through ``P`` along ``s`` and ``Q`` along ``t``, nearest each other."""
+    """Nearest points of two lines, through ``P`` along ``s`` and through ``Q`` along ``t``."""
     apart = minus(P, Q)
     ss, tt, st = dot(s, s), dot(t, t), dot(s, t)
     a, b = dot(s, apart), dot(t, apart)
@@ -72,7 +72,7 @@ def _gap_of_edges(
 
 @inlined_uncounted
 def gap_of(H: Array, a: Side, b: Side, i: int, j: int, kind: int) -> tuple[float, Vector, Vector]:
-    """Gap, normal out of the second side, and place of the first side."""
+    """Gap, normal out of the second side, and point of the first side."""
     if kind <= PLANE:
         return gap(H, a, b, i, j, kind == PLANE)
     return _gap_of_edges(H, a, b, i, j, kind)
@@ -99,7 +99,7 @@ def _slot_of_edges(
 def slot_of(
     H: Array, a: Side, b: Side, i: int, j: int, kind: int, P: Vector, s: int
 ) -> tuple[int, float, float, Vector]:
-    """Node of a slot, sign, weight and lever; of planes and edges that of the foot."""
+    """Node of a slot, sign, weight and moment arm; of planes and edges that of the foot."""
     if kind <= PLANE:
         return slot(H, a, b, i, j, kind == PLANE, P, s)
     return _slot_of_edges(H, a, b, i, j, kind, P, s)
@@ -109,6 +109,6 @@ def slot_of(
 def set_gaps_of(
     H: Array, a: Side, b: Side, pairs: Indices, kinds: Indices, first: int, out: Array
 ) -> None:
-    """Gaps of all pairs of places from one on, shape (m,)."""
+    """Gaps of all pairs of contact points from one on, shape (m,)."""
     for c in range(first, pairs.shape[0]):
         out[c], _, _ = gap_of(H, a, b, pairs[c, 0], pairs[c, 1], kinds[c])

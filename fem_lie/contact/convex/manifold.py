@@ -1,9 +1,9 @@
 """The contact manifold of two polyhedra: which points and edges may touch in a step; compiled.
 
 Along the normal of a face the face opposite is clipped by the sides of that face (I. Sutherland &
-G. Hodgman, Commun. ACM 17 (1974) 32): its corners and the places where its edges leave are points
-of one polyhedron that may not go into the plane of the other. Along a common normal of edges it is
-these two edges. In a step features stay what they are; gaps follow their motion exactly.
+G. Hodgman, Commun. ACM 17 (1974) 32): its vertices and the points where its edges leave are points
+of one polyhedron that may not penetrate the plane of the other. Along a common normal of edges the
+manifold is these two edges. Features stay the same in a step; gaps follow their motion exactly.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _REACH = 0.1
 """Distance over the size of a polyhedron beyond which nothing is looked for."""
 
 _SAME = 1e-6
-"""Part of the size by which places of corners differ that are on the edge of a face."""
+"""Part of the size within which a vertex lies on the edge of a face."""
 
 _LIKELY = 1e-4
 """Part of the size by which edges, or the faces of the first, have to be farther apart."""
@@ -33,7 +33,7 @@ _LIKELY = 1e-4
 
 @uncounted
 def _clip(shapes: Polyhedra, n: Vector, face: int, count: int, slack: float) -> tuple[int, int]:
-    """The polygon in the first room, clipped by the sides of a face: in which room, how many."""
+    """Clip the first polygon by the sides of a face; returns its workspace and its size."""
     P, marks, now = shapes.polygon, shapes.marks, 0
     begin, end = shapes.begins[face], shapes.begins[face + 1]
     for side in range(begin, end):
@@ -168,10 +168,10 @@ def set_manifolds(
     Args:
         H: Frames, shape (n, 4, 3).
         shapes: Who may touch whom.
-        pairs: All pairs of places, shape (M, 2).
+        pairs: All pairs of contact points, shape (M, 2).
         kinds: What these are, shape (M,); those of slots are overwritten.
-        a: First places; those of slots are overwritten.
-        b: Second places, likewise.
+        a: First points; those of slots are overwritten.
+        b: Second points, likewise.
         impulses: Of all pairs, shape (M, 3); those of slots go with what is in them.
     """
     places(H, shapes.corners, shapes.X)

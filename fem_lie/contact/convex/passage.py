@@ -13,7 +13,7 @@ from fem_lie.contact.sides.table import Side
 from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
 
 _MOST = 1000
-"""Places on the way that are looked at, at most."""
+"""Positions on the path that are checked, at most."""
 
 _TOUCHING, _DEEP = 1e-6, 0.25
 """Overlaps over the thickness of both: at an end of a step, and of what does not only graze."""
@@ -39,7 +39,7 @@ def _separation(shapes: Polyhedra, one: int, two: int, centre: Vector) -> float:
 
 @inlined_uncounted
 def _height(shapes: Polyhedra, two: int, x: Vector) -> float:
-    """Of a place over the faces of a polyhedron, negative within."""
+    """Height of a point over the faces of a polyhedron, negative within."""
     found = -np.inf
     for face in range(shapes.first[two, 1], shapes.first[two + 1, 1]):
         apart = minus(x, load_row(shapes.X, shapes.at[face]))
@@ -51,14 +51,14 @@ def _height(shapes: Polyhedra, two: int, x: Vector) -> float:
 def first_passed(before: Array, H: Array, shapes: Polyhedra, pairs: Indices, a: Side) -> int:
     """The first slot of a pair that is apart at both ends of a step and was not in between, or −1.
 
-    The second one comes straight to where it is, as it stands at the end.
+    The second one moves straight to its final position, with its orientation at the end.
 
     Args:
         before: Frames at the start of the step.
         H: At its end.
         shapes: Who may touch whom.
-        pairs: All pairs of places.
-        a: First places.
+        pairs: All pairs of contact points.
+        a: First points.
     """
     places(H, shapes.corners, shapes.X)
     for face in range(shapes.N.shape[0]):

@@ -43,7 +43,7 @@ class ConvexPolyhedron(Surface):
         given = numbers(self.corners, "ConvexPolyhedron: corners")
         if given.ndim != 2 or given.shape[1] != 3 or len(given) < 4 or not np.isfinite(given).all():
             raise ValueError(
-                "ConvexPolyhedron: corners must be at least four finite places, shape (n, 3), got "
+                "ConvexPolyhedron: corners must be at least four finite points, shape (n, 3), got "
                 f"shape {given.shape}"
             )
         try:

@@ -101,7 +101,7 @@ def edge_axis(
         edges: Both corners and both faces of each, shape (E, 4).
         first: First edge of one polyhedron, and the one after the last.
         second: Likewise of the other.
-        centre: Any place within the first polyhedron.
+        centre: Any point within the first polyhedron.
     """
     best = EdgeAxis(-np.inf, -1, -1, 1.0)
     for e in range(first[0], first[1]):

@@ -16,7 +16,7 @@ from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, scaled, stor
 
 @inlined_uncounted
 def _put(H: Array, side: Side, i: int, node: int, k: int, x: Vector) -> None:
-    """Make a place, or a vector where ``k`` is no first lever, one of a node or of ground."""
+    """Fix a point, or a vector where ``k`` is not the first, to a node or to ground."""
     if node == GROUND:
         store_row(side.levers[i], k, x)
         return
@@ -26,7 +26,7 @@ def _put(H: Array, side: Side, i: int, node: int, k: int, x: Vector) -> None:
 
 @inlined_uncounted
 def _fix(side: Side, i: int, of: Side, j: int) -> None:
-    """Fix a slot to the node that a place is fixed to."""
+    """Fix a slot to the node that a point is fixed to."""
     side.nodes[i, 0] = of.nodes[j, 0]
     side.owners[i], side.weights[i, 0] = of.owners[j], 1.0
     store_row(side.normals, i, (0.0, 0.0, 0.0))
@@ -43,7 +43,7 @@ def set_corner(shapes: Polyhedra, corner: int, side: Side, i: int) -> None:
 def set_point(
     H: Array, shapes: Polyhedra, corner: int, mark: int, x: Vector, side: Side, i: int
 ) -> None:
-    """A point of a polyhedron, a corner of which is given; it is one if its mark says so."""
+    """A point of a polyhedron, one of whose vertices is given; a vertex if its mark says so."""
     if mark > 0:
         set_corner(shapes, mark - 1, side, i)
     else:
@@ -61,7 +61,7 @@ def set_plane(shapes: Polyhedra, face: int, side: Side, j: int) -> None:
 
 @inlined_uncounted
 def set_edge(H: Array, shapes: Polyhedra, edge: int, centre: Vector, side: Side, i: int) -> None:
-    """An edge of a polyhedron, of which a place within is given, into a slot."""
+    """An edge of a polyhedron, of which an inner point is given, into a slot."""
     start, end = shapes.edges[edge, 0], shapes.edges[edge, 1]
     _fix(side, i, shapes.corners, start)
     p, q, node = load_row(shapes.X, start), load_row(shapes.X, end), side.nodes[i, 0]

@@ -19,13 +19,13 @@ BITS = 2**24
 class Polyhedra(NamedTuple):
     """All polyhedra, and who may touch whom.
 
-    A contact of two has a few places of its own among those of all pairs, its slots, into which the
-    contact manifold of each step is written.
+    A contact of two has a few pairs of points of its own, its slots, into which the contact
+    manifold of each step is written.
 
     Attributes:
         corners: Of all polyhedra.
         faces: Likewise.
-        centres: A place within each polyhedron, with the radius of the ball about it.
+        centres: A point within each polyhedron, with the radius of the ball about it.
         first: First corner, face and edge of each polyhedron, and after the last, shape (p + 1, 3).
         edges: Both corners and both faces of each edge, shape (E, 4).
         loops: Corners of all faces, one face after the other.
@@ -33,13 +33,13 @@ class Polyhedra(NamedTuple):
         at: A corner of each face, shape (F,).
         pairs: Polyhedra that may touch, −1 instead of the first: a ball, shape (m, 2).
         thin: Sum of radii of balls within both of these, shape (m,).
-        slots: First slot of each of these among all pairs of places, and after the last, (m + 1,).
+        slots: First slot of each of these among all pairs of points, and after the last, (m + 1,).
         ids: What is in each slot, by which it is known again in the next step, shape (s,).
         X: Corners now, shape (V, 3).
         N: Normals of faces now, shape (F, 3).
-        polygon: Room for a polygon and the same one clipped, shape (2, ·, 3).
+        polygon: Workspace for a polygon and the same one clipped, shape (2, ·, 3).
         marks: What their corners and the edges from these are, shape (2, ·, 2).
-        impulses: Room for those of the last step, shape (·, 3).
+        impulses: Workspace for those of the last step, shape (·, 3).
         known: Likewise for what was in the slots, shape (·,).
     """
 
@@ -117,7 +117,7 @@ def _shape_of(polyhedron: Polyhedron) -> _Shape:
 
 
 def slots_of(pair: PolyhedronPair, nodes: Nodes) -> tuple[Side, Side]:
-    """Places of the contact manifold of a pair, whatever it is: first and second ones.
+    """Points of the contact manifold of a pair, whatever it is: first and second ones.
 
     Args:
         pair: Who may touch.
@@ -140,7 +140,7 @@ def _farthest(polyhedron: _Shape) -> Ball:
 def polyhedra_of(
     pairs: Sequence[PolyhedronPair], nodes: Nodes, on_leaders: Callable[[Side], Side] | None
 ) -> Polyhedra:
-    """All polyhedra of pairs, each once, and room for what is found of them.
+    """All polyhedra of pairs, each once, and workspace for their contact manifolds.
 
     Args:
         pairs: Who may touch whom.
