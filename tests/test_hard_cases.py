@@ -297,10 +297,10 @@ def test_a_run_goes_on_between_parts_of_steps(tmp_path, monkeypatch):
     scene, file = chain(100)[0], tmp_path / "chain.h5"
     real = Division.cover
 
-    def stop(division, steps, start, end):
+    def stop(division, steps, start, *rest):
         if start > 0.6605:
             raise KeyboardInterrupt
-        return real(division, steps, start, end)
+        return real(division, steps, start, *rest)
 
     monkeypatch.setattr(Division, "cover", stop)
     with pytest.raises(KeyboardInterrupt):

@@ -117,32 +117,32 @@ NEWTON, KEPT = Fixed(Update.ALL), Fixed(Update.NONE)
 """A matrix in every iteration, and only where there is none."""
 
 
-def iterate(equations: Iterated, limit: int, renewals: Renewals = NEWTON) -> Ended:
+def iterate(problem: Iterated, limit: int, renewals: Renewals = NEWTON) -> Ended:
     """Iterate until the corrections converge.
 
     Args:
-        equations: What is solved.
+        problem: What is solved.
         limit: Most iterations.
         renewals: When to make a matrix; default: in every iteration.
     """
     size = np.inf
     for iteration in range(1, limit + 1):
         try:
-            if equations.evaluate(iteration):
+            if problem.evaluate(iteration):
                 return Ended(iteration - 1, size, Verdict.CONVERGED)
             wanted = renewals.before_iteration(iteration)
-            if wanted or equations.missing:
-                everything = wanted is True or equations.missing
-                equations.renew(Update.ALL if everything else Update(wanted))
-            size = equations.correct()
+            if wanted or problem.missing:
+                everything = wanted is True or problem.missing
+                problem.renew(Update.ALL if everything else Update(wanted))
+            size = problem.correct()
         except SingularMatrixError:
             return Ended(iteration, np.inf, Verdict.SINGULAR)
-        verdict = equations.judge(size)
+        verdict = problem.judge(size)
         if verdict == Verdict.DIVERGED:
             return Ended(iteration, size, verdict)
-        equations.apply(verdict)
+        problem.apply(verdict)
         if verdict != Verdict.GOES_ON:
-            if not equations.admits(verdict):
+            if not problem.admits(verdict):
                 return Ended(iteration, size, Verdict.REFUSED)
             renewals.after_step(iteration)
             return Ended(iteration, size, verdict)

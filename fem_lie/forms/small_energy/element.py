@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeAlias
 
@@ -202,7 +203,7 @@ def cell_data(
             found = "none" if given is None else f"shape {given.shape}"
             raise ValueError(f"{what} of cells must be {expected}, got {found}")
         if given is not None:
-            parts.insert(0, given.reshape(m, -1))
+            parts.insert(0, given.reshape(m, math.prod(shape[1:])))
     return np.hstack(parts)
 
 
