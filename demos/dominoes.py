@@ -75,16 +75,16 @@ def main(
     result = fl.GeneralisedAlpha().run(scene, duration=duration, step=step)
     seconds = process_time() - before
     times = times_of_impact(result, bodies)
-    told = result.contacts
-    assert told is not None
+    contacts = result.contacts
+    assert contacts is not None
     if pictures:
         result.picture(in_results("dominoes.png"), (duration,), title="Dominoes")
     return {
         "front_speed": front_speed(times),
         "reference_speed": front_speed(reference),
         "largest_time_error": float(np.abs(times / reference - 1).max()),
-        "penetration": float(told.penetration.max()),
-        "cone_residual": float(told.cone_residual.max()),
+        "penetration": float(contacts.penetration.max()),
+        "cone_residual": float(contacts.cone_residual.max()),
         "steps": len(result.times) - 1,
         "microseconds_per_step": 1e6 * seconds / (len(result.times) - 1),
     }

@@ -40,13 +40,11 @@ class EdgeAxis(NamedTuple):
         separation: Their distance, negative where the polyhedra overlap.
         first: Edge of the first polyhedron, −1: there is none.
         second: Edge of the second one.
-        sine: Of the angle between them.
     """
 
     separation: float
     first: int
     second: int
-    sine: float
 
 
 @uncounted
@@ -103,7 +101,7 @@ def edge_axis(
         second: Likewise of the other.
         centre: Any point within the first polyhedron.
     """
-    best = EdgeAxis(-np.inf, -1, -1, 1.0)
+    best = EdgeAxis(-np.inf, -1, -1)
     for e in range(first[0], first[1]):
         a, b = load_row(N, edges[e, 2]), load_row(N, edges[e, 3])
         p = load_row(X, edges[e, 0])
@@ -122,7 +120,7 @@ def edge_axis(
             n = scaled(1.0 / size if dot(n, minus(p, centre)) > 0.0 else -1.0 / size, n)
             separation = dot(n, minus(q, p))
             if separation > best.separation:
-                best = EdgeAxis(separation, e, f, sine)
+                best = EdgeAxis(separation, e, f)
     return best
 
 

@@ -42,7 +42,7 @@ _ROOM = 10_000
 
 _TOLERANCE = 1e-15
 """Residual of the cones that is tried for, so that nothing creeps that is at rest; what is left is
-told, see :class:`ContactSteps`."""
+reported, see :class:`ContactSteps`."""
 
 
 class Interval(NamedTuple):
