@@ -1,6 +1,8 @@
 """Flexible multibody dynamics in the local frames of SE(3), as a plugin for FEniCSx."""
 
 from fem_lie import _ffcx_warnings as _ffcx_warnings  # before anything imports DOLFINx
+from fem_lie import extend as extend
+from fem_lie import lie as lie
 from fem_lie.adapt.critical_load import CriticalLoad
 from fem_lie.adapt.estimates.estimate import ErrorEstimate
 from fem_lie.adapt.estimates.hierarchical import Hierarchical

@@ -23,6 +23,7 @@ OUTSIDE = {
     "_form_cache",
     "_precompile",
     "_state",
+    "extend",
 }
 
 FLOOR = {"_arrays", "_blas", "_compat", "_ffcx_warnings", "_form_cache", "_jit", "_state"}
@@ -128,8 +129,8 @@ def modules():
     found = {}
     for path in sorted(PACKAGE.rglob("*.py")):
         parts = path.relative_to(PACKAGE).with_suffix("").parts
-        if parts in (("__main__",), ("_precompile",)):
-            continue  # programs, which no room imports
+        if parts in (("__main__",), ("_precompile",), ("extend",)):
+            continue  # programs and names for users, which no room imports
         found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
     return found
 

@@ -13,7 +13,7 @@ import numpy as np
 import ufl
 
 import fem_lie as fl
-from fem_lie.elements.beams.element import CellData, cellwise, present_values
+from fem_lie.extend import CellData, cellwise, present_values
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,16 @@ import math
 import numpy as np
 
 import fem_lie as fl
-from fem_lie._jit import callback, compiled
-from fem_lie.forms.small_energy import cell
-from fem_lie.forms.small_energy.assembly import CellFunctions
-from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.extend import (
+    CELL_SIGNATURE,
+    CellFunctions,
+    NodeKind,
+    callback,
+    cell,
+    cell_data,
+    compiled,
+    element,
+)
 
 SIDE = 0.5 * np.sqrt(0.6)
 POINTS = np.array([0.0, 0.5 - SIDE, 0.5, 0.5 + SIDE, 1.0])

@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import cos, pi, sin
 
 import fem_lie as fl
-from fem_lie.joints.connection import rows
+from fem_lie.extend import rows
 
 
 class OnLine(fl.Joint):

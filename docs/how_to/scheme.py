@@ -18,18 +18,28 @@ from typing import Any
 import numpy as np
 
 import fem_lie as fl
-from fem_lie._arrays import Array
-from fem_lie._state import attributes
-from fem_lie.lie.kinds import SLOPE, move_all
-from fem_lie.linear.direct import DirectSolver
-from fem_lie.results import Result
-from fem_lie.solve.convergence import DIVERGED, ROUND_OFF, estimate, failure, unknown_scaling
-from fem_lie.solve.motion.consistent import accelerations, check_velocities
-from fem_lie.solve.motion.integration import DividedIntegration
-from fem_lie.solve.motion.integrator import Integrator, check_kinds, refuse
-from fem_lie.solve.motion.policies import Automatic, Decisions, EveryIteration, Policy
-from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.system.equations import Equations, Instant, Plan
+from fem_lie.extend import (
+    DIVERGED,
+    ROUND_OFF,
+    Array,
+    DirectSolver,
+    DividedIntegration,
+    Equations,
+    Instant,
+    Integrator,
+    NodeKind,
+    Plan,
+    Recorder,
+    accelerations,
+    attributes,
+    check_kinds,
+    check_velocities,
+    estimate,
+    failure,
+    move_all,
+    refuse,
+    unknown_scaling,
+)
 
 
 @dataclass(frozen=True)
@@ -45,7 +55,7 @@ class Newmark(Integrator):
 
     gamma: float = 0.5
     tolerance: float = 1e-8
-    policy: Policy = field(default_factory=Automatic)
+    policy: fl.Policy = field(default_factory=fl.Automatic)
     max_iterations: int = 30
 
     def __post_init__(self) -> None:
@@ -54,7 +64,7 @@ class Newmark(Integrator):
 
     def _equations(self, scene: fl.Scene) -> Equations:
         equations = Equations(scene, dynamics=True, group=fl.Group.SE3)
-        vectors = equations.unknowns.kinds >= SLOPE
+        vectors = equations.unknowns.kinds >= NodeKind.SLOPE
         refuse("Newmark", {"nodes with vector coordinates": bool(vectors.any())})
         return equations
 
@@ -120,7 +130,7 @@ class NewmarkRun(DividedIntegration[Recorder]):
         before = self.H.copy(), self.v.copy(), self.a.copy(), self.forces.copy()
         prescribed = self.equations.prescribed(end)
         prescribed.act()
-        for decisions in (self.decisions, EveryIteration().begin(bound=False)):
+        for decisions in (self.decisions, fl.EveryIteration().begin(bound=False)):
             self.H[len(self.v) + 1 :] = prescribed.frames
             if self._converges(decisions, before[0]):
                 self._made += 1
@@ -129,7 +139,7 @@ class NewmarkRun(DividedIntegration[Recorder]):
             self.H[:], self.v, self.a, self.forces = (array.copy() for array in before)
         return False
 
-    def _converges(self, decisions: Decisions, start: Array) -> bool:
+    def _converges(self, decisions: fl.Decisions, start: Array) -> bool:
         h, gamma, n = self.size, self.options.gamma, len(self.v)
         beta = 0.25 * (gamma + 0.5) ** 2
         d = h * self.v + 0.5 * h * h * self.a  # of the same acceleration
@@ -177,7 +187,7 @@ class NewmarkRun(DividedIntegration[Recorder]):
     def _record(self, history: Recorder) -> bool:
         return history.record(self._made, *self.now, self.books.total)
 
-    def _result(self, history: Recorder) -> Result:
+    def _result(self, history: Recorder) -> fl.Result:
         made = self.solver.factorisations
         return history.result(made, history.seconds, divided=self.division.divided)
 

@@ -1,0 +1,98 @@
+"""What elements, joints, bodies, error estimates and time schemes of one's own are made of.
+
+Each of these is one new file outside the package; ``docs/how_to`` has a whole one for each. What a
+scene is made of stands in :mod:`fem_lie` itself; here is what scenes do not show.
+
+* **Elements from a UFL energy**: :class:`CellData`, :func:`cellwise`, :func:`present_values`,
+  :class:`NodalFrames`, :func:`local_frame_forms`, :class:`LocalFrameForms`, :class:`FrameMap`,
+  :class:`StrainEnergy`.
+* **Elements from vectors, strains and a law**, on nodes of any type: :func:`element`,
+  :func:`cell_data`, :class:`CellFunctions`, :data:`CELL_SIGNATURE`, the functions of :mod:`cell`,
+  :class:`NodeKind`, :func:`compiled`, :func:`callback`.
+* **Joints**: :func:`rows` selects entries of the relative motion.
+* **Forces and matrices of any other origin**: :class:`Term`, :class:`Pairs`.
+* **Time schemes**: :class:`Equations` with :class:`Instant` and :class:`Plan`;
+  :class:`Integrator`, :class:`Integration`, :class:`DividedIntegration`, :class:`Recorder`;
+  :class:`DirectSolver`; the iteration with a frozen matrix (:func:`iterate`, :class:`Iterated`,
+  :class:`Verdict`, :class:`LinearRate`, :class:`QuadraticRate`); the measure of convergence
+  (:func:`unknown_scaling`, :func:`estimate`, :func:`failure`); consistent initial accelerations
+  (:func:`accelerations`, :func:`check_velocities`).
+"""
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import callback, compiled
+from fem_lie._state import attributes
+from fem_lie.elements.beams.element import CellData, cellwise, present_values
+from fem_lie.forms.energy import StrainEnergy
+from fem_lie.forms.frames import NodalFrames, local_frame_forms
+from fem_lie.forms.kernels.frame_map import FrameMap
+from fem_lie.forms.local_forms import LocalFrameForms
+from fem_lie.forms.small_energy import cell
+from fem_lie.forms.small_energy.assembly import CellFunctions
+from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
+from fem_lie.forms.term import Pairs, Term
+from fem_lie.joints.connection import rows
+from fem_lie.lie.kinds import NodeKind, move_all
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.solve.convergence import (
+    DIVERGED,
+    ROUND_OFF,
+    Verdict,
+    estimate,
+    failure,
+    unknown_scaling,
+)
+from fem_lie.solve.iteration import Iterated, LinearRate, QuadraticRate, iterate
+from fem_lie.solve.motion.consistent import accelerations, check_velocities
+from fem_lie.solve.motion.integration import DividedIntegration, Integration
+from fem_lie.solve.motion.integrator import Integrator, check_kinds, refuse
+from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.system.equations import Equations, Instant, Plan
+
+__all__ = [
+    "CELL_SIGNATURE",
+    "DIVERGED",
+    "ROUND_OFF",
+    "Array",
+    "CellData",
+    "CellFunctions",
+    "DirectSolver",
+    "DividedIntegration",
+    "Equations",
+    "FrameMap",
+    "Indices",
+    "Instant",
+    "Integration",
+    "Integrator",
+    "Iterated",
+    "LinearRate",
+    "LocalFrameForms",
+    "NodalFrames",
+    "NodeKind",
+    "Pairs",
+    "Plan",
+    "QuadraticRate",
+    "Recorder",
+    "StrainEnergy",
+    "Term",
+    "Verdict",
+    "accelerations",
+    "attributes",
+    "callback",
+    "cell",
+    "cell_data",
+    "cellwise",
+    "check_kinds",
+    "check_velocities",
+    "compiled",
+    "element",
+    "estimate",
+    "failure",
+    "iterate",
+    "local_frame_forms",
+    "move_all",
+    "present_values",
+    "refuse",
+    "rows",
+    "unknown_scaling",
+]
