@@ -42,11 +42,13 @@ from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.convex.polyhedron import ConvexPolyhedron
 from fem_lie.contact.energy.watch import UnresolvedContactWarning
-from fem_lie.contact.laws import Impact, Penalty
-from fem_lie.contact.lines import Cylinder, Line
+from fem_lie.contact.laws.law import Impact, Penalty
+from fem_lie.contact.pairs.lines import Cylinder, Line
+from fem_lie.contact.pairs.pair import ContactPair, register_contact_pair
+from fem_lie.contact.pairs.shapes import Box, Plane, Sphere, Vertices
+from fem_lie.contact.pairs.skins import Skin
 from fem_lie.contact.rings.surfaces import Rings, Rope
-from fem_lie.contact.sides.surfaces import Box, Plane, Sphere, Surface, Vertices
-from fem_lie.contact.skins import Skin
+from fem_lie.contact.sides.surfaces import Surface
 from fem_lie.elements.beams.directors import Director, director_strains
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.beams.geodesic import Geodesic
@@ -256,6 +258,7 @@ __all__ = [
     "ConstraintsOnly",
     "Contact",
     "ContactForces",
+    "ContactPair",
     "ConvergenceError",
     "ConvexPolyhedron",
     "Coordinate",
@@ -468,6 +471,7 @@ __all__ = [
     "reduced_frequencies",
     "reduced_statics",
     "refine",
+    "register_contact_pair",
     "resultant_colours",
     "resultant_series",
     "resultants",

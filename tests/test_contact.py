@@ -369,7 +369,7 @@ def test_a_stiffness_is_chosen_by_what_is_behind(caplog):
         with caplog.at_level("INFO"):
             law = fl.Contact(surface, other, fl.Penalty(friction=0.1)).law
         assert law.stiffness == pytest.approx(0.2 * wanted, rel=1e-6)
-        assert law.holds == law.stiffness
+        assert law.coulomb.holding == law.stiffness
         assert f"stiffness {law.stiffness:g} was chosen" in caplog.messages[-1]
     with pytest.raises(ValueError, match="Penalty needs a stiffness, for there is neither"):
         fl.Contact(fl.Sphere(ball.centre, 0.1), floor, fl.Penalty())

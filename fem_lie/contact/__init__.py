@@ -1,1 +1,1 @@
-"""Contact: laws of what bodies do that touch, and the forces of penalties."""
+"""Contact: two surfaces and the law between them."""

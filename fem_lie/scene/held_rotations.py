@@ -34,7 +34,7 @@ def held_by(item: Holding) -> Iterator[tuple[Body, HeldRotation]]:
     elif isinstance(item, PrescribedMotion):
         yield from _by_each_other(type(item).__name__, item.point, ground())
     elif isinstance(item, Contact):
-        yield from item.holds
+        yield from item.held_rotations
     elif isinstance(item, PointLoad) and np.any(item.moment):
         what = f"the moment at {item.point.label}"
         yield item.body, HeldRotation(item.point.node, item, what, item.axis())

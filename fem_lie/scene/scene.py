@@ -15,7 +15,7 @@ from fem_lie._arrays import Array, choice, instance, shown, vector
 from fem_lie.bodies.body import Body, Holds
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.contact.contact import Contact
-from fem_lie.contact.laws import Impact
+from fem_lie.contact.laws.law import Impact
 from fem_lie.joints import Connection, Drive, Joint, RigidLink
 from fem_lie.pictures.bodies import draw
 from fem_lie.pictures.stage import Canvas

@@ -13,11 +13,17 @@ from fem_lie._arrays import Array, numbers
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_point
 from fem_lie.contact.convex.hulls import hull_of
-from fem_lie.contact.sides.surfaces import Ball, Polyhedron, Surface, fixed_ball, polyhedron_at
+from fem_lie.contact.sides.surfaces import (
+    Ball,
+    PolyhedralSurface,
+    Polyhedron,
+    fixed_ball,
+    polyhedron_at,
+)
 
 
 @dataclass(frozen=True, eq=False)
-class ConvexPolyhedron(Surface):
+class ConvexPolyhedron(PolyhedralSurface):
     """A convex polyhedron that is fixed to a point: the convex hull of its corners.
 
     Attributes:
@@ -34,8 +40,6 @@ class ConvexPolyhedron(Surface):
 
     point: Point
     corners: npt.ArrayLike
-
-    whole = False
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` or ``ValueError`` for what is no point or polyhedron."""

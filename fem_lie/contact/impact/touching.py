@@ -15,7 +15,7 @@ from fem_lie.contact.impact.observed import PAIR
 from fem_lie.contact.impact.records import CLOSED, Touch, Work, work_of
 from fem_lie.contact.impact.rows import find_crossed, set_centres, set_gaps
 from fem_lie.contact.impact.sweeps import Dense, Past
-from fem_lie.contact.laws import Impact
+from fem_lie.contact.laws.law import Impact
 from fem_lie.contact.sides.pairs import NearPairs, SlotPairs
 from fem_lie.contact.sides.passage import Passage
 from fem_lie.contact.sides.table import Nodes, Side, joined_sides
@@ -61,19 +61,21 @@ class Touching:
             on_leaders: A side by the nodes that its nodes follow; default: none follows another.
         """
         # slots of polyhedra come last
-        contacts = sorted(contacts, key=lambda contact: len(contact.polyhedron_pairs) > 0)
-        sides = [contact.sides(nodes) for contact in contacts]
+        contacts = sorted(contacts, key=lambda contact: len(contact.pair.impact.manifolds) > 0)
+        manifolds = [list(contact.pair.impact.manifolds) for contact in contacts]
+        sides = [contact.pair.impact.sides(nodes) for contact in contacts]
         if on_leaders is not None:
             sides = [each._replace(a=on_leaders(each.a), b=on_leaders(each.b)) for each in sides]
         self._a, self._b = (
             joined_sides(parts) for parts in zip(*((a, b) for a, b, _, _ in sides), strict=True)
         )
         self._near = [
-            (SlotPairs if contact.polyhedron_pairs else NearPairs)(a, b, flat=flat, same=same)
-            for contact, (a, b, flat, same) in zip(contacts, sides, strict=True)
+            (SlotPairs if own else NearPairs)(a, b, flat=flat, same=same)
+            for own, (a, b, flat, same) in zip(manifolds, sides, strict=True)
         ]
-        pairs = [pair for contact in contacts for pair in contact.polyhedron_pairs]
-        self.polyhedra = polyhedra_of(pairs, nodes, on_leaders)
+        self.polyhedra = polyhedra_of(
+            [pair for own in manifolds for pair in own], nodes, on_leaders
+        )
         self.arm = self._arm
         for contact, near in zip(contacts, self._near, strict=True):
             if contact.ignore_initial:
@@ -82,8 +84,8 @@ class Touching:
         self._first[1:] = np.cumsum([(len(a.radii), len(b.radii)) for a, b, _, _ in sides], axis=0)
         self._kinds = np.array(
             [
-                APART if contact.polyhedron_pairs else (PLANE if each.flat else ROUND)
-                for contact, each in zip(contacts, sides, strict=True)
+                APART if own else (PLANE if each.flat else ROUND)
+                for own, each in zip(manifolds, sides, strict=True)
             ]
         )
         laws = [contact.law for contact in contacts]

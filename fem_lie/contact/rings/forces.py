@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie.contact.friction.coulomb import CoulombLaw
+from fem_lie.contact.laws.term import ContactTerm
 from fem_lie.contact.rings import kernels
 from fem_lie.contact.rings.curves import Ropes
 from fem_lie.contact.rings.surfaces import Rings, Rope
@@ -17,14 +19,14 @@ from fem_lie.forms.abilities import (
     PathDependence,
     StepForces,
 )
-from fem_lie.forms.term import Pairs, Term
+from fem_lie.forms.term import Pairs
 from fem_lie.lie.kinds import NodeKind
 
 _BEYOND = 2
 """Nodes on both sides of those that a place depends on, that the matrix knows of."""
 
 
-class RingForces(Term, LinearisedStress, PathDependence, StepForces, GroundForces):
+class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, GroundForces):
     """The forces of one rope that runs through rings.
 
     Where the rope was in its rings at the last accepted frames is carried, with the springs of
@@ -34,9 +36,8 @@ class RingForces(Term, LinearisedStress, PathDependence, StepForces, GroundForce
 
     label = "rings on a rope"
     conserved = steady = friction = True
-    ignores = False
 
-    def __init__(self, rope: Rope, rings: Rings, law: kernels.Law, nodes: Nodes) -> None:
+    def __init__(self, rope: Rope, rings: Rings, law: CoulombLaw, nodes: Nodes) -> None:
         """Find where rings are.
 
         Args:
@@ -138,7 +139,7 @@ class RingForces(Term, LinearisedStress, PathDependence, StepForces, GroundForce
     def _stored(self) -> float:
         """Of springs, of what was found last at frames."""
         d, τ = self._found[:, kernels.DISTANCE], self._found[:, kernels.TRACTION]
-        return 0.5 * self._law.k * float(d @ d) + 0.5 / self._law.holds * float(τ @ τ)
+        return 0.5 * self._law.k * float(d @ d) + 0.5 / self._law.holding * float(τ @ τ)
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """See the base class."""
@@ -168,14 +169,14 @@ class RingForces(Term, LinearisedStress, PathDependence, StepForces, GroundForce
         stored, work = kernels.add_over_step(*given, self._over, out, ground)
         self._look(self._over[:, kernels.PLACE])
         τ, slip = self._over[:, kernels.TRACTION], self._over[:, kernels.SLIP]
-        holds = self._law.holds
-        self._ahead = np.asarray(τ / holds)
+        holding = self._law.holding
+        self._ahead = np.asarray(τ / holding)
         held, before = (
-            0.5 / holds * float(τ @ τ),
-            0.5 * holds * float(self._springs @ self._springs),
+            0.5 / holding * float(τ @ τ),
+            0.5 * holding * float(self._springs @ self._springs),
         )
-        rubbed = float(τ @ slip)
-        return Done(stored + held, work + rubbed, max(0.0, rubbed - (held - before)))
+        by_friction = float(τ @ slip)
+        return Done(stored + held, work + by_friction, max(0.0, by_friction - (held - before)))
 
     def tangent_over_step(self, ends: Ends, H: Array) -> Array:
         """See the base class."""
@@ -208,7 +209,7 @@ class RingForces(Term, LinearisedStress, PathDependence, StepForces, GroundForce
             self._ahead = None
             return
         self._forces(H, np.zeros((len(H), 6)))
-        self._springs = np.asarray(self._found[:, kernels.TRACTION] / self._law.holds)
+        self._springs = np.asarray(self._found[:, kernels.TRACTION] / self._law.holding)
         self._feet = self._found[:, kernels.END].copy()
 
     def carry(self, H: Array, h: Array) -> None:

@@ -10,12 +10,11 @@ Friction has neither resultant nor moment, since ``σ`` does not change in rigid
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie.contact.friction.coulomb import CoulombLaw, limit, returned
 from fem_lie.contact.rings.curves import (
     Ropes,
     foot,
@@ -43,25 +42,17 @@ the rope has slid over a step, and where it is at the end."""
 COLUMNS = 5
 
 
-class Law(NamedTuple):
-    """Numbers.
-
-    Attributes:
-        k: Stiffness.
-        μ: Of friction.
-        holds: Stiffness until it slips.
-    """
-
-    k: float
-    μ: float
-    holds: float
+@inlined_uncounted
+def _traction(law: CoulombLaw, stretch: float, distance: float, s: float) -> float:
+    """Friction along the rope, of a spring that is stretched."""
+    τ, _ = returned(law, abs(stretch), _most(law, distance, s))
+    return τ if stretch >= 0.0 else -τ
 
 
 @inlined_uncounted
-def _limited(law: Law, τ: float, distance: float, s: float) -> float:
-    """Friction, which Coulomb's law limits."""
-    most = law.μ * law.k * distance * np.sqrt(max(s, 0.0))
-    return min(most, max(-most, τ))
+def _most(law: CoulombLaw, distance: float, s: float) -> float:
+    """The largest one."""
+    return limit(law, distance) * np.sqrt(max(s, 0.0))
 
 
 @compiled
@@ -76,7 +67,7 @@ def set_feet(H: Array, ropes: Ropes, kept: Array, out: Array) -> None:
 def add_forces(
     H: Array,
     ropes: Ropes,
-    law: Law,
+    law: CoulombLaw,
     kept: Array,
     springs: Array,
     grounded: bool,
@@ -102,7 +93,7 @@ def add_forces(
         σ = foot(H, ropes, kept[k], ring(H, ropes, k), C)
         apart, s = set_pair(H, ropes, k, σ, G, room, m)
         distance = np.sqrt(dot(apart, apart))
-        τ = _limited(law, law.holds * (springs[k] + σ - kept[k]), distance, s)
+        τ = _traction(law, springs[k] + σ - kept[k], distance, s)
         found[k, PLACE], found[k, DISTANCE], found[k, TRACTION] = σ, distance, τ
         found[k, SLIP], found[k, END] = σ - kept[k], σ
         if grounded and ropes.rings[k] >= 0:
@@ -121,7 +112,7 @@ def add_forces(
 def add_over_step(
     ends: Ends,
     ropes: Ropes,
-    law: Law,
+    law: CoulombLaw,
     kept: Array,
     springs: Array,
     found: Array,
@@ -151,7 +142,7 @@ def add_over_step(
             for row in range(4 if G[0][a] >= 0 else 0):
                 slip -= dot(load_row(m[a], row), load_row(ends.delta[G[0][a]], row)) / s
         distance = np.sqrt(dot(apart, apart))
-        τ = _limited(law, law.holds * (springs[k] + slip), distance, s)
+        τ = _traction(law, springs[k] + slip, distance, s)
         found[k, PLACE], found[k, DISTANCE], found[k, TRACTION] = σ, distance, τ
         found[k, SLIP], found[k, END] = slip, σ1
         stored += 0.5 * law.k * dot(after, after)
@@ -178,7 +169,7 @@ def add_over_step(
 def tangents(
     H: Array,
     ropes: Ropes,
-    law: Law,
+    law: CoulombLaw,
     found: Array,
     factor: float,
     windows: Indices,
@@ -206,12 +197,11 @@ def tangents(
         apart, s = set_pair(H, ropes, k, σ, G, room, m)
         slides = 0.0 if σ <= ropes.starts[0] or σ >= ropes.starts[-1] else 1.0
         distance = np.sqrt(dot(apart, apart))
-        most = law.μ * law.k * distance * np.sqrt(max(s, 0.0))
-        sticks = law.μ > 0.0 and abs(τ) < most
+        sticks = law.μ > 0.0 and abs(τ) < _most(law, distance, s)
         n = scaled(1.0 / distance if distance > 0.0 else 0.0, apart)
         rises = 0.0
         if law.μ > 0.0 and not sticks:
-            rises = (1.0 if τ > 0.0 else -1.0) * law.μ * law.k * np.sqrt(max(s, 0.0))
+            rises = (1.0 if τ > 0.0 else -1.0) * _most(law, 1.0, s)
         for a in range(5):
             node = G[0][a]
             if node < 0:
@@ -241,7 +231,7 @@ def tangents(
                         both = g[a, i] * g[b, j]
                         block[i, j] += law.k * (own - slides * both / s)
                         if sticks:
-                            block[i, j] += factor * law.holds * both / (s * s)
+                            block[i, j] += factor * law.holding * both / (s * s)
                         elif rises != 0.0:
                             block[i, j] -= rises * g[a, i] / s * dot(n, load(A[b, j], 0))
             if G[0][a] >= 0:

@@ -39,6 +39,22 @@ class Side(NamedTuple):
     owners: Indices
 
 
+class BothSides(NamedTuple):
+    """Both sides of a contact of points.
+
+    Attributes:
+        a: Points with a radius.
+        b: Planes, or points with a radius.
+        flat: Whether the second are planes.
+        same: Whether the second side is the first one again.
+    """
+
+    a: Side
+    b: Side
+    flat: bool
+    same: bool
+
+
 def balls_side(balls: Sequence[Ball], nodes: Nodes) -> Side:
     """Balls as a side.
 

@@ -9,9 +9,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices, instance
 from fem_lie.contact.contact import Contact
-from fem_lie.contact.laws import Impact
-from fem_lie.contact.penalty import PenaltyForces
-from fem_lie.contact.rings.forces import RingForces
+from fem_lie.contact.laws.law import Impact
+from fem_lie.contact.laws.term import ContactTerm
 from fem_lie.pictures.bodies import Arrows
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
@@ -112,7 +111,7 @@ def contact_forces(
 
 
 def _in_state(
-    term: PenaltyForces | RingForces, result: Result | StaticResult, k: int
+    term: ContactTerm, result: Result | StaticResult, k: int
 ) -> tuple[Indices, Array, Array, Array]:
     """Places, gaps, positions and forces of those that touch."""
     H = np.ascontiguousarray(result.frames[k])

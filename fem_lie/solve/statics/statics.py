@@ -91,8 +91,14 @@ def statics(
     asked = partial(stepped, steps, options.smallest_step)
     roads: list[Callable[[], StaticResult]]
     slackens = any(body.slackens for body in scene.bodies)
-    rubs = any(contact.rubs for contact in scene.contacts)
-    if slackens or rubs or not options.carried_stress or rotation or not in_proportion(scene):
+    has_friction = any(contact.has_friction for contact in scene.contacts)
+    if (
+        slackens
+        or has_friction
+        or not options.carried_stress
+        or rotation
+        or not in_proportion(scene)
+    ):
         roads = [asked]
     elif load_steps is not None:
         roads = [asked, along]

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.contact import rubbing_over_steps as over_steps
-from fem_lie.contact.friction import (
+from fem_lie.contact.friction import over_steps
+from fem_lie.contact.friction.anchors import (
     Anchors,
-    Rubbing,
-    add_rubbing,
+    add_tractions,
     empty_anchors,
     found,
     packed,
@@ -17,8 +16,8 @@ from fem_lie.contact.friction import (
     tractions,
     unpacked,
 )
-from fem_lie.contact.laws import Penalty
-from fem_lie.contact.rubbing_tangents import add_rubbing_tangents
+from fem_lie.contact.friction.coulomb import CoulombLaw
+from fem_lie.contact.friction.tangents import add_traction_tangents
 from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.meeting import Sides, Stations
 from fem_lie.forms.abilities import Done, Ends
@@ -27,7 +26,7 @@ from fem_lie.forms.abilities import Done, Ends
 class Friction:
     """Springs across the normal that slip, between anchors on both sides."""
 
-    def __init__(self, sides: Sides, law: Penalty, H: Array) -> None:
+    def __init__(self, sides: Sides, law: CoulombLaw, H: Array) -> None:
         """Anchor all that is near.
 
         Args:
@@ -35,13 +34,12 @@ class Friction:
             law: With friction; of lines per length.
             H: Frames in the beginning.
         """
-        self._sides = sides
-        self._law = Rubbing(float(law.k), float(law.friction), float(law.holds))
+        self._sides, self._law = sides, law
         self._anchors = empty_anchors(0)
         self._ahead: tuple[Indices, Array] | None = None
         self.accept(H)
 
-    def _rubs(self, H: Array) -> tuple[Stations, Indices, Array]:
+    def _tractions(self, H: Array) -> tuple[Stations, Indices, Array]:
         """Pairs, their anchors, and tractions (m, 3)."""
         stations = self._sides.stations(H)
         which, τ = found(self._anchors.keys, stations.keys), np.empty((len(stations.keys), 3))
@@ -50,32 +48,32 @@ class Friction:
 
     def add_forces(self, H: Array, out: Array, *, grounded: bool = False) -> None:
         """Add all forces, or those of what touches ground, to ``out`` (≥ nodes, 6)."""
-        stations, which, τ = self._rubs(H)
-        add_rubbing(H, stations.at, self._anchors, which, τ, grounded, out)
+        stations, which, τ = self._tractions(H)
+        add_tractions(H, stations.at, self._anchors, which, τ, grounded, out)
 
     def energy(self, H: Array) -> float:
         """Of the springs."""
-        stations, _, τ = self._rubs(H)
+        stations, _, τ = self._tractions(H)
         weight = stations.at.weight[: len(τ)]
-        return 0.5 / self._law.holds * float((τ * τ).sum(axis=1) @ weight)
+        return 0.5 / self._law.holding * float((τ * τ).sum(axis=1) @ weight)
 
     def add_tangent(self, H: Array, blocks: Array) -> None:
         """Add derivatives of the forces to blocks of the pairs that are near."""
         stations = self._sides.stations(H)
         which = found(self._anchors.keys, stations.keys)
         none = np.empty((0, 7))
-        add_rubbing_tangents(H, stations.at, self._anchors, which, self._law, none, blocks)
+        add_traction_tangents(H, stations.at, self._anchors, which, self._law, none, blocks)
 
     def accept(self, H: Array) -> None:
         """Anchor anew at frames ``H``, with springs as they are stretched there."""
-        (at, keys, a, b), _, τ = self._rubs(H)
+        (at, keys, a, b), _, τ = self._tractions(H)
         if self._ahead is not None:
             known, over = self._ahead
             # those that were not near have the last row
             τ = np.concatenate([over, np.zeros((1, 3))])[found(known, keys)]
             self._ahead = None
         anchors = empty_anchors(len(at.pairs))
-        set_anchors(H, at, a, b, np.asarray(τ / self._law.holds), anchors)
+        set_anchors(H, at, a, b, np.asarray(τ / self._law.holding), anchors)
         anchors.keys[:] = keys
         self._anchors = anchors
 
@@ -91,7 +89,7 @@ class Friction:
     def add_tangent_over_step(self, ends: Ends, at: Meeting, H: Array, blocks: Array) -> None:
         """Add twice their derivative in frames ``H`` half-way."""
         levers, which, measured, _ = self._over_step(ends, at)
-        add_rubbing_tangents(H, at, levers, which, self._law, measured, blocks)
+        add_traction_tangents(H, at, levers, which, self._law, measured, blocks)
 
     def _over_step(self, ends: Ends, at: Meeting) -> tuple[Anchors, Indices, Array, Array]:
         m = len(at.pairs)

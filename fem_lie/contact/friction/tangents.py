@@ -6,7 +6,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted
-from fem_lie.contact.friction import Anchors, Rubbing, Traction, apart_of, traction
+from fem_lie.contact.friction.anchors import Anchors, Traction, stretch_of, traction
+from fem_lie.contact.friction.coulomb import CoulombLaw, limit
 from fem_lie.contact.sides.gauss_points import Meeting, set_slide, slides
 from fem_lie.contact.sides.kinematics import SLOTS, add_turning, bends, gap, place
 from fem_lie.lie.motions import global_components, local_components
@@ -25,24 +26,24 @@ def _motion(H: Array, w: float, c: Vector, D: Array) -> None:
 
 @inlined_uncounted
 def _change(
-    law: Rubbing, t: Traction, n: Vector, u: Vector, δu: Vector, δn: Vector, δg: float
+    law: CoulombLaw, t: Traction, n: Vector, u: Vector, δu: Vector, δn: Vector, δg: float
 ) -> Vector:
     """How a traction changes."""
     δacross = combined(1.0, δu, -dot(n, δu) - dot(δn, u), n)
     δacross = combined(1.0, δacross, -dot(n, u), δn)
     if not t.slips:
-        return scaled(law.holds, δacross)
+        return scaled(law.holding, δacross)
     turned = combined(1.0, δacross, -dot(t.along, δacross), t.along)
-    return combined(dot(t.τ, t.along) / t.size, turned, -law.μ * law.k * δg, t.along)
+    return combined(dot(t.τ, t.along) / t.size, turned, limit(law, -δg), t.along)
 
 
 @compiled
-def add_rubbing_tangents(
+def add_traction_tangents(
     H: Array,
     at: Meeting,
     anchors: Anchors,
     which: Indices,
-    law: Rubbing,
+    law: CoulombLaw,
     given: Array,
     blocks: Array,
 ) -> None:
@@ -69,7 +70,7 @@ def add_rubbing_tangents(
             continue
         if not at.flat and not over_step:
             _follow(H, at, e, n, nodes, D, row)
-        u = load(given[e], 4) if over_step else apart_of(H, anchors, q)
+        u = load(given[e], 4) if over_step else stretch_of(H, anchors, q)
         t, share = traction(law, g, n, u), 2.0 * weight if over_step else weight
         for s in range(SLOTS):
             if nodes[s] >= 0:

@@ -10,10 +10,11 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
 from fem_lie.contact.energy.numbers import Numbers, damping
 from fem_lie.contact.energy.watch import EnergyWatch
-from fem_lie.contact.laws import Penalty
-from fem_lie.contact.over_steps import CHANGE, END, SLOPE, add_secants, mixed
-from fem_lie.contact.penalty_tangents import normal_rows, speed_of, tangents
-from fem_lie.contact.rubbing import Friction
+from fem_lie.contact.friction.forces import Friction
+from fem_lie.contact.laws.law import Penalty
+from fem_lie.contact.laws.over_steps import CHANGE, END, SLOPE, add_secants, mixed
+from fem_lie.contact.laws.tangents import normal_rows, speed_of, tangents
+from fem_lie.contact.laws.term import ContactTerm
 from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.kinematics import SLOTS, add_row, gap, slot
 from fem_lie.contact.sides.meeting import Sides, copied
@@ -31,7 +32,7 @@ from fem_lie.forms.abilities import (
     StiffRows,
     ViscousForces,
 )
-from fem_lie.forms.term import Pairs, Term
+from fem_lie.forms.term import Pairs
 from fem_lie.lie.tuples import minus, scaled, store_row
 
 _log = logging.getLogger(__name__)
@@ -82,7 +83,7 @@ def _show(H: Array, at: Meeting, f: Array, X: Array, F: Array) -> None:
 
 
 class PenaltyForces(
-    Term,
+    ContactTerm,
     ViscousForces,
     LinearisedStress,
     PathDependence,
@@ -311,8 +312,8 @@ class PenaltyForces(
         done = Done(k * float(secants[END] @ at.weight), k * work, 0.0)
         if self._friction is None:
             return done
-        rubbed = self._friction.add_over_step(ends, at, out, ground)
-        return Done(*(a + b for a, b in zip(done, rubbed, strict=True)))
+        by_friction = self._friction.add_over_step(ends, at, out, ground)
+        return Done(*(a + b for a, b in zip(done, by_friction, strict=True)))
 
     def tangent_over_step(self, ends: Ends, H: Array) -> Array:
         """See the base class."""
@@ -342,16 +343,7 @@ class PenaltyForces(
             self._friction.add_forces(H, out, grounded=True)
 
     def touching(self, H: Array, v: Array) -> tuple[Indices, Array, Array, Array]:
-        """Which places touch, and how.
-
-        Args:
-            H: Frames of all nodes.
-            v: Their twists.
-
-        Returns:
-            Pairs of places (k, 2), gaps (k,), nearest points of the first side (k, 3), and forces
-            on it (k, 3), global components.
-        """
+        """See the base class."""
         at, found = self._measured(H, v, viscous=self._damped)
         X, F = np.empty((len(at.pairs), 3)), np.empty((len(at.pairs), 3))
         _show(H, at, found[1] + found[2], X, F)

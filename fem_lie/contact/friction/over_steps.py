@@ -16,7 +16,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted
-from fem_lie.contact.friction import Anchors, Rubbing, apart_of, traction
+from fem_lie.contact.friction.anchors import Anchors, stretch_of, traction
+from fem_lie.contact.friction.coulomb import CoulombLaw
 from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.kinematics import SLOTS, gap
 from fem_lie.contact.sides.surfaces import MOST_NODES
@@ -57,7 +58,7 @@ def set_over_step(
     at: Meeting,
     anchors: Anchors,
     which: Indices,
-    law: Rubbing,
+    law: CoulombLaw,
     levers: Anchors,
     found: Array,
     τ: Array,
@@ -78,11 +79,11 @@ def set_over_step(
         found[e], τ[e], q = 0.0, 0.0, which[e]
         if q < 0:
             continue
-        mean, spring, slip = apart_of(ends.mean, anchors, q), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        mean, spring, slip = stretch_of(ends.mean, anchors, q), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         i, j = at.pairs[e]
         # what is apart holds no spring: round-off of its anchors would count as a push
         if gap(ends.start, at.a, at.b, i, j, at.flat)[0] < 0.0:
-            spring = apart_of(ends.start, anchors, q)
+            spring = stretch_of(ends.start, anchors, q)
         for s in range(SLOTS):
             node, w = anchors.nodes[q, s], anchors.weights[q, s]
             levers.nodes[e, s], levers.weights[e, s] = node, w
@@ -130,11 +131,11 @@ def add_over_step(
             store(ground, 3, minus(load(ground, 3), moment))
 
 
-def energies(law: Rubbing, at: Meeting, found: Array, τ: Array) -> tuple[float, float, float]:
+def energies(law: CoulombLaw, at: Meeting, found: Array, τ: Array) -> tuple[float, float, float]:
     """Stored at the end, work done, and what of it is lost."""
     weight = at.weight[: len(τ)]
-    stored = 0.5 / law.holds * float((τ * τ).sum(axis=1) @ weight)
-    before = 0.5 * law.holds * float((found[:, SPRING] ** 2).sum(axis=1) @ weight)
+    stored = 0.5 / law.holding * float((τ * τ).sum(axis=1) @ weight)
+    before = 0.5 * law.holding * float((found[:, SPRING] ** 2).sum(axis=1) @ weight)
     work = float((τ * found[:, 10:]).sum(axis=1) @ weight)
     return stored, work, max(0.0, work - (stored - before))
 

@@ -16,10 +16,8 @@ from scipy.sparse import coo_array, csr_array, vstack
 from scipy.sparse.csgraph import dijkstra
 
 from fem_lie._arrays import Array, Indices, flag, instance, positive, whole
-from fem_lie.bodies.body import Point
+from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.shells.shell import Shell
-from fem_lie.contact.sides.meeting import Balls, Sides
-from fem_lie.contact.sides.patch_sides import Facing
 from fem_lie.contact.sides.patches import (
     NET,
     ROWS,
@@ -30,7 +28,7 @@ from fem_lie.contact.sides.patches import (
     set_shapes,
 )
 from fem_lie.contact.sides.surfaces import MOST_NODES, Surface
-from fem_lie.contact.sides.table import UNUSED, Nodes, Side, balls_side, empty_side, planes_side
+from fem_lie.contact.sides.table import UNUSED, Nodes, Side, empty_side
 from fem_lie.mesh.shapes import rule
 
 _PARTS = {
@@ -91,6 +89,20 @@ class Skin(Surface):
     def points(self) -> Sequence[Point]:
         """Its nodes."""
         return [Point(self.shell, node) for node in range(len(self.shell.frames))]
+
+    def rotating(self, friction: bool) -> Sequence[Body]:
+        """The shell: tractions act on faces, with moment arms that are not along directors."""
+        return [self.shell] if self.smooth or friction else []
+
+    def contents(self, nodes: Nodes) -> list[Array | Indices]:
+        """All that it consists of.
+
+        Args:
+            nodes: Numbers of a body's nodes.
+        """
+        patches = self.patches(nodes)
+        _, _, areas = self.places(patches)
+        return [patches.nodes, patches.tangents, patches.radii, patches.corners, areas]
 
     def _parts(self, cells: Indices) -> Indices:
         """Corners of all patches, shape (m, 3 or 4)."""
@@ -165,46 +177,6 @@ class Skin(Surface):
         at = coo_array((ones, (corners.ravel(), np.repeat(np.arange(m), corners.shape[1]))), (n, m))
         both = (at.T @ near @ at).tocoo()
         return np.stack([both.row, both.col], axis=1).astype(np.int64)
-
-
-def meeting_of(a: Surface, b: Surface, nodes: Nodes) -> Sides:
-    """Two surfaces of which one at least is a skin.
-
-    Args:
-        a: First one.
-        b: Second one.
-        nodes: Numbers of a body's nodes.
-    """
-    if not isinstance(b, Skin):
-        a, b = b, a
-    assert isinstance(b, Skin)
-    patches = b.patches(nodes)
-    none = np.empty((0, 2), dtype=np.int64)
-    if isinstance(a, Skin):
-        places, fixed, areas = a.places(patches if a is b else a.patches(nodes))
-        if a is not b:
-            return Facing(places, fixed, areas, patches, none)
-        # each pair of faces is seen from both of them
-        g = len(areas) // len(patches.nodes)
-        pairs = b.neighbours(patches)
-        first = (g * pairs[:, :1] + np.arange(g)).ravel()
-        left_out = np.stack([first, np.repeat(pairs[:, 1], g)], axis=1)
-        return Facing(places, fixed, 0.5 * areas, patches, left_out)
-    if balls := a.balls():
-        places = balls_side(balls, nodes)
-        return Facing(places, places, np.ones(len(balls)), patches, none)
-    places, fixed, areas = b.places(patches)
-    planes = planes_side(a.faces(), nodes)
-    return Balls(places, planes, flat=True, same=False, areas=areas, fixed=fixed)
-
-
-def numbers_of(surface: Surface, nodes: Nodes) -> list[object]:
-    """All that it consists of."""
-    if isinstance(surface, Skin):
-        patches = surface.patches(nodes)
-        _, _, areas = surface.places(patches)
-        return [patches.nodes, patches.tangents, patches.radii, patches.corners, areas]
-    return [*balls_side(surface.balls(), nodes), *planes_side(surface.faces(), nodes)]
 
 
 def _tangents(frames: Array, cells: Indices) -> Array:

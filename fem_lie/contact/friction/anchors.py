@@ -1,4 +1,4 @@
-"""Coulomb's friction of penalties, with springs that hold until it slips: compiled.
+"""Anchors of friction by penalty, and their tractions: compiled.
 
 When a step is accepted, each pair of places that are near gets an anchor on both sides, material
 points at the place of contact, of which the second is short of it by what the spring is stretched.
@@ -18,6 +18,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted
+from fem_lie.contact.friction.coulomb import CoulombLaw, limit, returned
 from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.kinematics import SLOTS, gap, place
 from fem_lie.contact.sides.surfaces import MOST_NODES
@@ -34,20 +35,6 @@ from fem_lie.lie.tuples import (
     scaled,
     store_row,
 )
-
-
-class Rubbing(NamedTuple):
-    """Numbers of a law, for a weight of one.
-
-    Attributes:
-        k: Stiffness along the normal.
-        μ: Friction.
-        holds: Stiffness across it.
-    """
-
-    k: float
-    μ: float
-    holds: float
 
 
 class Anchors(NamedTuple):
@@ -158,7 +145,7 @@ def set_anchors(H: Array, at: Meeting, a: Side, b: Side, springs: Array, out: An
 
 
 @inlined_uncounted
-def apart_of(H: Array, anchors: Anchors, q: int) -> Vector:
+def stretch_of(H: Array, anchors: Anchors, q: int) -> Vector:
     """``u`` of an anchor."""
     u = load_row(anchors.fixed, q)
     for s in range(SLOTS):
@@ -170,10 +157,10 @@ def apart_of(H: Array, anchors: Anchors, q: int) -> Vector:
 
 
 class Traction(NamedTuple):
-    """Of one pair, for a weight of one.
+    """Traction of one pair, for a weight of one.
 
     Attributes:
-        τ: Traction.
+        τ: Its components, global.
         along: Its direction, where it slips.
         size: ``|u_T|``.
         slips: Whether it does.
@@ -186,19 +173,20 @@ class Traction(NamedTuple):
 
 
 @inlined_uncounted
-def traction(law: Rubbing, g: float, n: Vector, u: Vector) -> Traction:
+def traction(law: CoulombLaw, g: float, n: Vector, u: Vector) -> Traction:
     """Of a pair that overlaps."""
     across = combined(1.0, u, -dot(n, u), n)
-    size, most = np.sqrt(dot(across, across)), -law.μ * law.k * g
-    if law.holds * size <= most or size == 0.0:
-        return Traction(scaled(law.holds, across), (0.0, 0.0, 0.0), size, False)
+    size = np.sqrt(dot(across, across))
+    τ, slips = returned(law, size, limit(law, -g))
+    if not slips:
+        return Traction(scaled(law.holding, across), (0.0, 0.0, 0.0), size, False)
     along = scaled(1.0 / size, across)
-    return Traction(scaled(most, along), along, size, True)
+    return Traction(scaled(τ, along), along, size, True)
 
 
 @compiled
 def tractions(
-    H: Array, at: Meeting, anchors: Anchors, which: Indices, law: Rubbing, out: Array
+    H: Array, at: Meeting, anchors: Anchors, which: Indices, law: CoulombLaw, out: Array
 ) -> None:
     """Tractions on the second side, of pairs without an anchor none: (m, 3)."""
     for e in range(at.pairs.shape[0]):
@@ -206,11 +194,11 @@ def tractions(
         store_row(out, e, (0.0, 0.0, 0.0))
         g, n, _ = gap(H, at.a, at.b, i, j, at.flat)
         if g < 0.0 and which[e] >= 0:
-            store_row(out, e, traction(law, g, n, apart_of(H, anchors, which[e])).τ)
+            store_row(out, e, traction(law, g, n, stretch_of(H, anchors, which[e])).τ)
 
 
 @compiled
-def add_rubbing(
+def add_tractions(
     H: Array, at: Meeting, anchors: Anchors, which: Indices, τ: Array, grounded: bool, out: Array
 ) -> None:
     """Add tractions to forces, of all pairs or of those with ground alone."""

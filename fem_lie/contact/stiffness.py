@@ -1,53 +1,42 @@
-"""The stiffness of a penalty for which none was given: that of what is behind it."""
+"""The stiffness of a penalty for which none was given: that of the bodies behind the surfaces."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.shells.shell import Shell
-from fem_lie.contact.sides.surfaces import Surface
-from fem_lie.contact.skins import Skin
 
-_PART = 0.2
+_FRACTION = 0.2
 """Of an element's own stiffness: impacts of bars are least noisy by it (benchmarks/elastic_bar)."""
 
 
-def chosen_stiffness(a: Surface, b: Surface, what: str) -> float:
-    """A fifth of the stiffness of the softest element behind two surfaces.
+def chosen_stiffness(bodies: Iterable[Body], power: int, what: str) -> float:
+    """A fifth of the stiffness of the softest element of bodies.
 
     That is EA/ℓ of beams and the membrane stiffness of shells; over ℓ where forces are per length,
     and over ℓ² where they are per area.
 
     Args:
-        a: One of them.
-        b: The other.
+        bodies: Behind both surfaces.
+        power: Forces are per length to this power.
         what: For the message.
 
     Raises:
-        ValueError: There are neither beams nor shells behind them.
+        ValueError: There are neither beams nor shells among them.
     """
-    power = _power(a, b)
-    bodies = dict.fromkeys(p.body for p in (*a.points, *b.points) if p.body is not None)
     known = [k for body in bodies if (k := _softest(body, power)) is not None]
     if not known:
         raise ValueError(
             f"{what}: Penalty needs a stiffness, for there is neither beam nor shell behind it; "
             "give m v²/δ², for a mass m that comes with a speed v and is to go in by δ"
         )
-    return _PART * min(known)
-
-
-def _power(a: Surface, b: Surface) -> int:
-    """Of which power of a length forces are."""
-    if a.pieces() or b.pieces():
-        return 1
-    skins = [isinstance(each, Skin) for each in (a, b)]
-    balls = any(each.balls() for each in (a, b))
-    return 2 if any(skins) and not balls else 0
+    return _FRACTION * min(known)
 
 
 def _softest(body: Body, power: int) -> float | None:
-    """Of the elements of a body; of what is rigid none."""
+    """Of the elements of a body; of a rigid one none."""
     if isinstance(body, Beam):
         return float((body.stiffness[:, 0, 0] / body.lengths ** (1 + power)).min())
     if isinstance(body, Shell):

@@ -1,4 +1,4 @@
-"""Surfaces along lines: round beams and round bars, as pieces of cubic curves with a radius.
+"""Round beams and round bars: pieces of cubic curves with a radius, and their contact pairs.
 
 A piece is Hermite's cubic in the ends and the tangents there, ``P = Σ Nₖ (xₖ + Rₖ pₖ) + Mₖ Rₖ tₖ``:
 of a beam ``p = 0`` and ``t = ℓ e₁``, so that its axis has no kinks at nodes; of a straight bar in
@@ -7,17 +7,29 @@ one frame both ends have the same node.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import instance, positive, vector
+from fem_lie._arrays import Array, instance, positive, vector
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_point
-from fem_lie.contact.sides.surfaces import Piece, Surface, initial_frame
+from fem_lie.contact.friction.forces import Friction
+from fem_lie.contact.laws.law import Penalty
+from fem_lie.contact.laws.penalty import PenaltyForces
+from fem_lie.contact.pairs.pair import ContactPair
+from fem_lie.contact.sides.meeting import Lines
+from fem_lie.contact.sides.surfaces import (
+    LineSurface,
+    Piece,
+    PlaneSurface,
+    initial_frame,
+)
+from fem_lie.contact.sides.table import Nodes, number_of, planes_side
 
 _KINK = np.cos(np.radians(10.0))
 """Of the largest angle between e₁ at a node and the chord."""
@@ -27,7 +39,7 @@ _CURVED = 0.9
 
 
 @dataclass(frozen=True, eq=False)
-class Line(Surface):
+class Line(LineSurface):
     """A round beam: all within a radius of its axis, with round ends.
 
     Forces are per length of the unloaded axis. The first of two lines is the one along which they
@@ -93,7 +105,7 @@ class Line(Surface):
 
 
 @dataclass(frozen=True, eq=False)
-class Cylinder(Surface):
+class Cylinder(LineSurface):
     """A straight round bar with round ends, fixed to ground, a rigid body or a node.
 
     Attributes:
@@ -128,3 +140,83 @@ class Cylinder(Surface):
         tangents = np.tile(H[1:] @ along, (2, 1))
         length = float(np.linalg.norm(along))
         return [Piece((owner, owner), ends, tangents, length, length, self.radius, False)]
+
+
+class _LinePair(ContactPair):
+    """A line, and what is near along it."""
+
+    a: LineSurface
+
+    what = "lines"
+    power = 1
+
+    @abstractmethod
+    def sides(self, nodes: Nodes) -> Lines:
+        """Both sides, for compiled code.
+
+        Args:
+            nodes: Numbers of a body's nodes.
+        """
+
+    def check(self) -> None:
+        """See the base class."""
+        self.check_friction()
+        nodes, H = self.numbered()
+        sides = self.sides(nodes)
+        _, g, positions, _ = PenaltyForces(sides, Penalty(1.0)).touching(H, np.zeros((len(H), 6)))
+        self.refuse_overlap(g, positions, np.full(len(g), sides.radius))
+
+    def term(self, nodes: Nodes) -> PenaltyForces:
+        """See the base class."""
+        sides, law, friction = self.sides(nodes), self.penalty, None
+        if law.friction > 0.0:
+            friction = Friction(sides, law.coulomb, self.initial_frames(nodes))
+        return PenaltyForces(sides, law, self.label, friction)
+
+
+class LinePair(_LinePair):
+    """Two lines; forces are integrated along the first."""
+
+    b: LineSurface
+
+    def sides(self, nodes: Nodes) -> Lines:
+        """See the base class."""
+        return Lines(self.a.pieces(), self.b.pieces(), None, nodes)
+
+    def check(self) -> None:
+        """See the base class."""
+        if self.a is self.b:
+            raise ValueError(f"{self.label}: a line does not touch itself; give two lines")
+        super().check()
+
+    def contents(self, nodes: Nodes) -> tuple[object, ...]:
+        """See the base class."""
+        return *_arrays_of(self.a, nodes), *_arrays_of(self.b, nodes), repr(self.law)
+
+
+class LinePlanePair(_LinePair):
+    """A line and planes."""
+
+    b: PlaneSurface
+
+    def sides(self, nodes: Nodes) -> Lines:
+        """See the base class."""
+        return Lines(self.a.pieces(), [], planes_side(self.b.faces(), nodes), nodes)
+
+    def contents(self, nodes: Nodes) -> tuple[object, ...]:
+        """See the base class."""
+        faces = self.b.faces()
+        owners = np.array([number_of(*face.owner, nodes) for face in faces])
+        planes = owners, np.array([np.append(face.origin, face.normal) for face in faces])
+        return *_arrays_of(self.a, nodes), *planes, repr(self.law)
+
+
+def _arrays_of(line: LineSurface, nodes: Nodes) -> list[Array]:
+    """All that a line consists of: numbers of nodes, and the shapes of its pieces."""
+    pieces = line.pieces()
+    owners = [number_of(*owner, nodes) for piece in pieces for owner in piece.owners]
+    shapes = []
+    for piece in pieces:
+        sizes = piece.length, piece.chord, piece.radius, float(piece.goes_on)
+        shapes.append(np.concatenate([piece.ends.ravel(), piece.tangents.ravel(), sizes]))
+    return [np.array(owners), np.array(shapes)]

@@ -1,10 +1,11 @@
-"""What surfaces do that touch."""
+"""Contact laws."""
 
 from __future__ import annotations
 
 from dataclasses import InitVar, dataclass
 
 from fem_lie._arrays import number, positive
+from fem_lie.contact.friction.coulomb import CoulombLaw
 
 
 @dataclass(frozen=True)
@@ -68,9 +69,10 @@ class Penalty:
         return self.stiffness
 
     @property
-    def holds(self) -> float:
-        """That of springs across the normal, likewise."""
-        return self.k if self.holding is None else self.holding
+    def coulomb(self) -> CoulombLaw:
+        """Stiffness and friction as constants; see :attr:`k` for errors."""
+        holding = self.k if self.holding is None else self.holding
+        return CoulombLaw(float(self.k), float(self.friction), float(holding))
 
 
 @dataclass(frozen=True)

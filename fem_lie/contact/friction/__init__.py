@@ -1,0 +1,1 @@
+"""Coulomb friction of contacts by penalty: return mapping, anchors, forces and tangents."""

@@ -1,0 +1,1 @@
+"""Contact laws: `Penalty` and `Impact`, and the forces of the former."""

@@ -1,0 +1,116 @@
+"""Contact pairs of points and balls, which touch planes, hollows and each other."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+import numpy as np
+
+from fem_lie.contact.friction.forces import Friction
+from fem_lie.contact.laws.penalty import PenaltyForces
+from fem_lie.contact.pairs.pair import ContactPair, ImpactPair
+from fem_lie.contact.sides.kinematics import gaps
+from fem_lie.contact.sides.meeting import Balls
+from fem_lie.contact.sides.pairs import NearPairs
+from fem_lie.contact.sides.surfaces import (
+    Ball,
+    PlaneSurface,
+    PointSurface,
+    PolyhedralSurface,
+)
+from fem_lie.contact.sides.table import BothSides, Nodes, balls_side, planes_side
+
+
+class _PointPair(ContactPair, ImpactPair):
+    """Points with a radius on one side, planes or points on the other."""
+
+    what = "points and balls"
+    ignores_initial = True
+
+    @property
+    def impact(self) -> ImpactPair:
+        """Itself."""
+        return self
+
+    @abstractmethod
+    def sides(self, nodes: Nodes) -> BothSides:
+        """See the base class."""
+
+    def check(self) -> None:
+        """See the base class."""
+        self.check_friction()
+        nodes, H = self.numbered()
+        a, b, flat, same = self.sides(nodes)
+        if not (a.owners[:, np.newaxis] != b.owners).any():
+            raise ValueError(f"{self.label}: they never move against each other")
+        near = NearPairs(a, b, flat=flat, same=same)
+        near.update(H)
+        sizes = np.where(a.radii > 0.0, a.radii, max(body.size for body in self.bodies))
+        g, positions = gaps(H, a, b, near.now, flat)
+        self.refuse_overlap(g, positions, sizes[near.now[:, 0]])
+
+    def contents(self, nodes: Nodes) -> tuple[object, ...]:
+        """See the base class."""
+        a, b, flat, same = self.sides(nodes)
+        ignores = ("ignore_initial",) if self.ignore_initial else ()
+        return *a, *b, flat, same, repr(self.law), *ignores
+
+    def term(self, nodes: Nodes) -> PenaltyForces:
+        """See the base class."""
+        a, b, flat, same = self.sides(nodes)
+        sides, friction, law = Balls(a, b, flat=flat, same=same), None, self.penalty
+        if self.ignore_initial:
+            sides.near.ignore(self.initial_frames(nodes))
+        if law.friction > 0.0:
+            friction = Friction(sides, law.coulomb, self.initial_frames(nodes))
+        return PenaltyForces(sides, law, self.label, friction, parts=self.ignore_initial)
+
+
+class BallPlanePair(_PointPair):
+    """Points and balls, which touch planes."""
+
+    a: PointSurface | PolyhedralSurface
+    b: PlaneSurface
+
+    def sides(self, nodes: Nodes) -> BothSides:
+        """See the base class."""
+        a, b = balls_side(self.a.balls(), nodes), planes_side(self.b.faces(), nodes)
+        return BothSides(a, b, True, False)
+
+
+class PolyhedronPlanePair(BallPlanePair):
+    """The vertices of a polyhedron, which touch planes."""
+
+    a: PolyhedralSurface
+
+    def contents(self, nodes: Nodes) -> tuple[object, ...]:
+        """See the base class."""
+        return *super().contents(nodes), self.a.polyhedron().corners
+
+
+class BallPair(_PointPair):
+    """Points and balls, which touch points, balls, and what is around hollows."""
+
+    a: PointSurface
+    b: PointSurface
+
+    def sides(self, nodes: Nodes) -> BothSides:
+        """See the base class."""
+        a, b = self.a.balls(), self.b.balls()
+        if min(ball.radius for ball in a) < 0.0:
+            a, b = b, a
+        return BothSides(balls_side(a, nodes), balls_side(b, nodes), False, self.a is self.b)
+
+    def check(self) -> None:
+        """See the base class."""
+        a, b = self.a.balls(), self.b.balls()
+        radii = [min(ball.radius for ball in side) for side in (a, b)]
+        if min(radii) < 0.0 and (max(radii) < 0.0 or min(radii) + _largest(a, b) >= 0.0):
+            raise ValueError(f"{self.label}: what is in a hollow must be smaller, and no hollow")
+        if radii[0] == radii[1] == 0.0:
+            raise ValueError(f"{self.label}: points never touch points; give one of them a radius")
+        super().check()
+
+
+def _largest(*sides: list[Ball]) -> float:
+    return max(ball.radius for side in sides for ball in side)

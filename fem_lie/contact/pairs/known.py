@@ -1,0 +1,51 @@
+"""The contact pairs of the package: which surfaces touch, and why others do not."""
+
+from __future__ import annotations
+
+from fem_lie.contact.pairs.balls import BallPair, BallPlanePair, PolyhedronPlanePair
+from fem_lie.contact.pairs.lines import LinePair, LinePlanePair
+from fem_lie.contact.pairs.pair import ContactPair, register_contact_pair
+from fem_lie.contact.pairs.polyhedra import BallPolyhedronPair, PolyhedronPolyhedronPair
+from fem_lie.contact.pairs.ropes import ALONE, RopeRingPair
+from fem_lie.contact.pairs.skin_pairs import BallSkinPair, SkinPair, SkinPlanePair
+from fem_lie.contact.pairs.skins import Skin
+from fem_lie.contact.rings.surfaces import Rings, Rope
+from fem_lie.contact.sides.surfaces import (
+    LineSurface,
+    PlaneSurface,
+    PointSurface,
+    PolyhedralSurface,
+    Surface,
+)
+
+_TWO_PLANES = (
+    "planes touch points, not each other; give the corners of one of them as Box or Vertices"
+)
+_LINES = "lines touch lines, bars and planes, not balls"
+_SKINS = "skins touch skins, balls and planes, not lines"
+_CORNERS = "the corners of a box do not touch skins"
+
+PAIRS: tuple[tuple[type[Surface], type[Surface], type[ContactPair] | str], ...] = (
+    (PointSurface, PlaneSurface, BallPlanePair),
+    (PointSurface, PointSurface, BallPair),
+    (PolyhedralSurface, PlaneSurface, PolyhedronPlanePair),
+    (PolyhedralSurface, PolyhedralSurface, PolyhedronPolyhedronPair),
+    (PointSurface, PolyhedralSurface, BallPolyhedronPair),
+    (LineSurface, LineSurface, LinePair),
+    (LineSurface, PlaneSurface, LinePlanePair),
+    (Skin, Skin, SkinPair),
+    (PointSurface, Skin, BallSkinPair),
+    (Skin, PlaneSurface, SkinPlanePair),
+    (Rope, Rings, RopeRingPair),
+    (PlaneSurface, PlaneSurface, _TWO_PLANES),
+    (LineSurface, PointSurface, _LINES),
+    (LineSurface, PolyhedralSurface, _LINES),
+    (Skin, LineSurface, _SKINS),
+    (Skin, PolyhedralSurface, _CORNERS),
+    (Rope, Surface, ALONE),
+    (Rings, Surface, ALONE),
+)
+"""Kinds of both surfaces, and their contact pair or the reason why there is none."""
+
+for _row in PAIRS:
+    register_contact_pair(*_row)
