@@ -49,12 +49,11 @@ from command_line import in_results, one_of, run
 from records import components
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
 REFERENCE = np.array([47.15043857, 15.68480053, 53.47485879])
 FORCE = 600.0
-UNITS = Units(length="length", force="force")
+UNITS = fl.Units(length="length", force="force")
 Choice: TypeAlias = fl.Formulation | fl.AncfElement | None
 FORMULATIONS: dict[str, Choice] = {
     "geodesic": fl.Geodesic(),

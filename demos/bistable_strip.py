@@ -29,12 +29,11 @@ from records import of_path
 from reference.bistable_strip import force, theory
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 MATERIAL = fl.Material(3e9, 0.35, 1000.0)
 LENGTH, THICKNESS, WIDTH = 0.1, 5e-4, 5e-3
 BENDING = MATERIAL.E * WIDTH * THICKNESS**3 / 12
-UNITS = Units()
+UNITS = fl.Units()
 Paths = tuple[fl.EquilibriumPath, ...]
 
 

@@ -21,13 +21,12 @@ import numpy as np
 from command_line import in_results, run
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
 LENGTH, WIDTH, THICKNESS, E = 12.0, 1.0, 0.1, 1.2e6
 STIFFNESS = E * WIDTH * THICKNESS**3 / 12
 CIRCLE = 2 * np.pi * STIFFNESS / LENGTH
-UNITS = Units(length="length")
+UNITS = fl.Units(length="length")
 FORMULATIONS: dict[str, fl.ShellFormulation] = {
     "HR": fl.HellingerReissner(),
     "HW": fl.HuWashizu(),

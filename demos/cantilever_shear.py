@@ -18,7 +18,6 @@ import numpy as np
 from command_line import in_results, run
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
 LENGTH, WIDTH, THICKNESS, FORCE = 10.0, 1.0, 0.1, 4.0
@@ -28,7 +27,7 @@ REFERENCE = {
     0.75: (2.544419, 6.032923),
     1.0: (3.289678, 6.700108),
 }
-UNITS = Units(length="length")
+UNITS = fl.Units(length="length")
 
 
 def strip(cells: int) -> fl.Scene:

@@ -43,7 +43,6 @@ from diagrams import COLOURS, diagram
 from reference.catenary import GRAVITY, LENGTH, RISE, SPAN, STRETCH, catenary, parabola, sag
 
 import fem_lie as fl
-from fem_lie.mesh.curves import curve
 
 LONGER = 1.01
 Cable = fl.AncfBeam | fl.Cable | fl.SplineCable | fl.Rod
@@ -71,7 +70,7 @@ def laid(element: str, elements: int) -> Cable:
         rates = place(s + 0.5) - place(s - 0.5)  # exact on a parabola
         return fl.SplineCable(s, place(s), rates, own, formulation=made, name="cable")
     start = parabola(LONGER) if element != "slack" else lambda s: (SPAN * s, RISE * s, 0.0)
-    mesh = curve(start, elements)
+    mesh = fl.curve(start, elements)
     if isinstance(made, fl.AncfElement):
         return fl.AncfBeam(mesh, own, length=LENGTH, formulation=made, name="cable")
     if isinstance(made, fl.Kirchhoff):

@@ -24,7 +24,6 @@ import numpy as np
 from command_line import in_results, run
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 RADIUS, ANGLE, BENDING, FORCE = 100.0, np.radians(215.0), 1e6, 1000.0
 # name: EA, GA (shear-rigid: very stiff), limit loads
@@ -32,7 +31,7 @@ VARIANTS = {
     "stretchable": (3e6, 3e10, (896.8413923, -72.92283728)),
     "stiff": (1e8, 1e8, (897.2891401, -73.04371536)),
 }
-UNITS = Units(length="length")
+UNITS = fl.Units(length="length")
 
 
 def arch(elements: int, variant: str, *, across: float = 100.0) -> tuple[fl.Scene, fl.Point]:

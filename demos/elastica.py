@@ -29,10 +29,9 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 LENGTH, BENDING, FORCE = 10.0, 100.0, 4.0
-UNITS = Units(length="length")
+UNITS = fl.Units(length="length")
 
 
 def elastica(force: float) -> np.ndarray:

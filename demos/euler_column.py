@@ -28,7 +28,6 @@ from records import of_path
 from reference.euler_column import BETA, FARTHEST, LENGTH, deflection_error
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 BENDING, RATIO = 1.0, 1e6
 
@@ -75,7 +74,7 @@ def study(
     if file is not None:
         others = [(path, path.observed["deflection"]) for path in (straight, imperfect)]
         over = (1.0, "load over Euler's")
-        units = Units(length="length")
+        units = fl.Units(length="length")
         branch.plot_path(
             "deflection", file, label="deflection", load=over, others=others, units=units
         )

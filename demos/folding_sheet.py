@@ -23,11 +23,10 @@ from command_line import in_results, run
 from reference.collapsed_ring import collapse
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 THICKNESS, MOST, ROUND = 0.02, 20.0, 0.002
 PRESSURES = np.array([4.0, 4.5, 5.0, 6.0, 8.0, 12.0, 16.0, 20.0])
-UNITS = Units(length="R")
+UNITS = fl.Units(length="R")
 
 
 def place(a: float, b: float) -> np.ndarray:

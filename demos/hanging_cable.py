@@ -16,7 +16,6 @@ from command_line import one_of, run
 from reference.catenary import GRAVITY, LENGTH, STRETCH, exact_frequencies
 
 import fem_lie as fl
-from fem_lie.mesh.curves import curve
 
 ELEMENTS = {"cable": fl.HermiteCable(), "discrete": fl.DiscreteCable()}
 
@@ -25,7 +24,7 @@ def main(element: str = "cable", elements: int = 32) -> dict[str, Any]:
     one_of("element", element, ELEMENTS)
     bending = 1e-10 * STRETCH * LENGTH**2
     section = fl.Section.from_stiffness([1e7] * 3 + [bending] * 3, mass=1.0)
-    mesh = curve(lambda s: (0.0, 0.0, -LENGTH * s), elements)
+    mesh = fl.curve(lambda s: (0.0, 0.0, -LENGTH * s), elements)
     cable = fl.Cable(mesh, section, formulation=ELEMENTS[element])
     mass = fl.RigidBody(0.1 * LENGTH, (1e-3,) * 3, position=(0, 0, -LENGTH))
     mass.held[0, 3:] = True

@@ -31,7 +31,6 @@ from command_line import in_results, one_of, run
 from records import of_loading
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 MODEL = Path(__file__).parents[1] / "meshes" / "hemisphere.geo"
 RADIUS, HOLE = 10.0, np.radians(18)
@@ -101,7 +100,7 @@ def main(
     b = float(RADIUS - result.position("hemisphere.10")[-1, 1])
     if pictures:
         file = in_results("hemisphere.png")
-        result.picture(file, title="Pinched hemisphere, a quarter", units=Units(length="length"))
+        result.picture(file, title="Pinched hemisphere, a quarter", units=fl.Units(length="length"))
     return {
         "thickness": thickness,
         "mesh": mesh,

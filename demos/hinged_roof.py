@@ -20,7 +20,6 @@ import numpy as np
 from command_line import in_results, run
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 RADIUS, HALF_LENGTH, HALF_ANGLE, FORCE = 2540.0, 254.0, 0.1, 3000.0
 LIMITS = {12.7: (0.7399762442, 0.1690852467), 6.35: (0.1948567713, -0.1283840308)}
@@ -31,7 +30,7 @@ PUBLISHED = {  # deflections and load factors of Sze, Liu & Lo, some of them
            (14.52, -0.1001), (16.961, -0.1271), (23.1, -0.0484), (30.023, 0.2403),
            (36.626, 0.8114)],
 }  # fmt: skip
-UNITS = Units(length="mm")
+UNITS = fl.Units(length="mm")
 
 
 def place(a: float, b: float) -> np.ndarray:

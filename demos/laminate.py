@@ -38,14 +38,13 @@ from command_line import in_results, run
 from reference.navier import SIDE, navier
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
 E2 = 1.0
 FIBRES = fl.Orthotropic(25 * E2, E2, 0.25, 0.5 * E2, 0.5 * E2, 0.2 * E2, 1.0)
 CENTRE = (SIDE / 2, SIDE / 2)
 PLACES = {"w": CENTRE, "M11": CENTRE, "M22": CENTRE, "M12": (0.0, 0.0), "Q1": (0.0, SIDE / 2)}
-UNITS = Units(length="a", force="E2 a²")
+UNITS = fl.Units(length="a", force="E2 a²")
 
 
 def cross_ply(thickness: float) -> fl.ShellSection:

@@ -31,12 +31,11 @@ from scipy.optimize import brentq
 from scipy.special import jv
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 STEEL = fl.Material(210e9, 0.3, 7850.0)
 LENGTH, HEIGHT, WIDTH = 2.0, 0.1, 0.0025
 ROOT = brentq(lambda x: jv(-0.25, x), 1.9, 2.1, xtol=1e-14)
-UNITS = Units()
+UNITS = fl.Units()
 
 
 def prandtl(stiffness: np.ndarray, length: float) -> float:

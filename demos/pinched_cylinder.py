@@ -29,11 +29,10 @@ from command_line import in_results, one_of, run
 from records import of_loading
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
 RADIUS, HALF_LENGTH, THICKNESS, FORCE = 100.0, 100.0, 1.0, 12000.0
-UNITS = Units(length="length")
+UNITS = fl.Units(length="length")
 # load factor: deflections inward under the force, and outward at a right angle from it
 PUBLISHED = {
     0.05: (9.561, -0.233),

@@ -23,14 +23,13 @@ from any_shell import KNOWN, any_shell
 from command_line import in_results, one_of, run
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 LENGTH, RADIUS, THICKNESS, FORCE = 10.35, 4.953, 0.094, 40000.0
 REFERENCE = {"a": 2.750, "b": 4.555, "c": 3.275}
 PUBLISHED = [(0.864, 0.025), (1.471, 0.05), (2.217, 0.1), (2.904, 0.2), (3.227, 0.3), (3.443, 0.4),
              (3.653, 0.5), (4.061, 0.525), (4.171, 0.55), (4.274, 0.6), (4.385, 0.7), (4.455, 0.8),
              (4.508, 0.9), (4.551, 1.0)]  # fmt: skip
-UNITS = Units(length="mm")
+UNITS = fl.Units(length="mm")
 
 
 def place(a: float, b: float) -> np.ndarray:

@@ -32,10 +32,9 @@ import numpy as np
 from command_line import in_results, run
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 LENGTH, BENDING = 10.0, 100.0
-UNITS = Units(length="length")
+UNITS = fl.Units(length="length")
 
 
 def cantilever(elements: int, stiffness_ratio: float) -> tuple[fl.Scene, fl.Beam]:

@@ -36,11 +36,10 @@ from command_line import in_results, one_of, run
 from records import of_loading
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
 RADIUS, LENGTH, THICKNESS, FORCE = 1.016, 3.048, 0.03, 2000.0
-UNITS = Units(length="length")
+UNITS = fl.Units(length="length")
 # load factor: deflection of the crown
 REFERENCE = {
     "isotropic": {0.1: 0.161973, 0.2: 0.377751, 0.4: 1.145485, 0.7: 1.532459, 1.0: 1.717351},

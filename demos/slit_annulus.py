@@ -18,7 +18,6 @@ import numpy as np
 from command_line import in_results, run
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
 INNER, OUTER, THICKNESS, FORCE = 6.0, 10.0, 0.03, 0.8
@@ -26,7 +25,7 @@ REFERENCE = 13.850, 17.487
 PATCHES = {"thin": fl.smooth_patch, "spline": fl.spline_patch}
 """What thin shells lie on."""
 FORMULATIONS = "HR", *PATCHES
-UNITS = Units(length="length")
+UNITS = fl.Units(length="length")
 
 
 def place(a: float, b: float) -> np.ndarray:

@@ -53,9 +53,8 @@ from reference.spherical_cap import (
 )
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
-UNITS = Units(length="a")
+UNITS = fl.Units(length="a")
 
 
 def place(a: float, b: float) -> np.ndarray:

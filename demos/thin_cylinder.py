@@ -17,7 +17,6 @@ from reference.compressed_cylinder import KOITER, MATERIAL, half_wave
 from rigid import box_inertia
 
 import fem_lie as fl
-from fem_lie.pictures.units import Units
 
 
 def outward(x: np.ndarray) -> np.ndarray:
@@ -69,7 +68,7 @@ def buckles(ratio: float, mesh: int, pictures: bool) -> dict[str, Any]:
     linear, point = float(modes.factors[0]), path.critical[0]
     for mode in (1, 2) if pictures else ():
         file = in_results(f"thin_cylinder_{ratio:g}_mode{mode}.png")
-        modes.picture(file, mode, amplitude=2 / ratio, units=Units(length="R"))
+        modes.picture(file, mode, amplitude=2 / ratio, units=fl.Units(length="R"))
     effort = of_path(path)
     del effort["rejected_steps"]
     return {

@@ -26,11 +26,10 @@ import numpy as np
 import fem_lie as fl
 from demos.any_shell import KNOWN, AnyShell, about_x, any_shell
 from demos.command_line import in_results, one_of, run
-from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
 SMALL = 1e-6
-UNITS = Units(length="length")
+UNITS = fl.Units(length="length")
 
 
 class Case(NamedTuple):

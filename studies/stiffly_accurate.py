@@ -27,9 +27,6 @@ import numpy as np
 import fem_lie as fl
 from demos.soft_bars import soft_pendulum
 from fem_lie import lie
-from fem_lie._arrays import Array
-from fem_lie.linear.direct import DirectSolver
-from fem_lie.system.equations import Equations, Instant, Plan
 
 GAMMA = 0.25
 A = np.zeros((5, 5))
@@ -59,13 +56,13 @@ class Stages:
     """A run of the scheme."""
 
     def __init__(self, scene: fl.Scene, step: float, tolerance: float) -> None:
-        self.equations = Equations(scene, dynamics=True, group=fl.Group.SE3)
+        self.equations = fl.extend.Equations(scene, dynamics=True, group=fl.Group.SE3)
         start, known = self.equations.start, self.equations.unknowns
         self.n, self.h, self.tolerance = known.moving, step, tolerance
         self.H, self.v = start.frames.copy(), start.velocities[: known.moving].copy()
         self.weights, self.scale = np.zeros(known.m), np.ones(known.m)
-        self.solver = DirectSolver(self.equations.matrix, "stages_")
-        self.known: list[tuple[float, Array, Array]] = []
+        self.solver = fl.extend.DirectSolver(self.equations.matrix, "stages_")
+        self.known: list[tuple[float, fl.extend.Array, fl.extend.Array]] = []
         self.iterations = self.matrices = 0
         self.time = 0.0
 
@@ -80,7 +77,9 @@ class Stages:
         self.H, self.v = H, v_end
         self.time += self.h
 
-    def _stage(self, time: float, before: Array, v: Array) -> tuple[Array, Array, Array, Array]:
+    def _stage(
+        self, time: float, before: fl.extend.Array, v: fl.extend.Array
+    ) -> tuple[fl.extend.Array, fl.extend.Array, fl.extend.Array, fl.extend.Array]:
         """Rates of velocities and of increments, frames and velocities of a stage."""
         part, (rate, self.weights) = GAMMA * self.h, self._predicted(time)
         theta = before + part * v
@@ -91,14 +90,14 @@ class Stages:
                 theta = before + part * speed
             H = self.H.copy()
             H[: self.n] = lie.se3_retract(self.H[: self.n], theta)
-            change = self._correct(Instant(H, v_end, rate, self.weights), iteration)
+            change = self._correct(fl.extend.Instant(H, v_end, rate, self.weights), iteration)
             rate = rate - change / part**2
             if np.abs(change).max() <= self.tolerance * max(np.abs(self.h * v_end).max(), 1e-12):
                 self.known = [*self.known[-2:], (time, rate, self.weights)]
                 return rate, speed, H, v_end
         raise fl.ConvergenceError(f"a stage at {time:g} did not converge")
 
-    def _predicted(self, time: float) -> tuple[Array, Array]:
+    def _predicted(self, time: float) -> tuple[fl.extend.Array, fl.extend.Array]:
         """Rates and multipliers, from a polynomial through those of the last stages."""
         rate, weights = np.zeros((self.n, 6)), np.zeros_like(self.weights)
         for t, known, pulls in self.known:
@@ -107,14 +106,14 @@ class Stages:
             rate, weights = rate + share * known, weights + share * pulls
         return rate, weights
 
-    def _correct(self, at: Instant, iteration: int) -> Array:
+    def _correct(self, at: fl.extend.Instant, iteration: int) -> fl.extend.Array:
         """Increments that are too large, and the multipliers."""
         equations, r, part = self.equations, self.solver.right_hand_side, GAMMA * self.h
         forces = equations.residual(at, np.ones_like(self.scale), r)
         twists = equations.start.velocities.copy()
         twists[: self.n] = at.v
         if not self.matrices or iteration == SLOW:
-            plan = Plan(np.zeros((self.n, 6)), None, 1.0 / part**2, 1.0 / part)
+            plan = fl.extend.Plan(np.zeros((self.n, 6)), None, 1.0 / part**2, 1.0 / part)
             self.scale = equations.fill(at, forces, plan).copy()
             self.solver.factorise()
             self.matrices += 1
@@ -134,7 +133,9 @@ def scene(damping: float) -> fl.Scene:
     return found
 
 
-def staged(damping: float, duration: float, steps: int, tolerance: float) -> tuple[Array, Stages]:
+def staged(
+    damping: float, duration: float, steps: int, tolerance: float
+) -> tuple[fl.extend.Array, Stages]:
     """Places at the end, and the run."""
     run = Stages(scene(damping), duration / steps, tolerance)
     for _ in range(steps):

@@ -47,7 +47,6 @@ from matplotlib.figure import Figure
 
 import fem_lie as fl
 from fem_lie.pictures.diagrams import COLOURS
-from fem_lie.solve.motion.integrator import Integrator
 
 RESULTS = Path(__file__).parents[1] / "results"
 TIP = np.array([-0.58577183066, 0.0, -0.01018573161])  # Pinocchio, at 1 s
@@ -92,15 +91,15 @@ def main(
 # --- schemes: for whole runs, and for errors of single steps -------------------------------------
 
 
-def generalised_alpha(radius: float) -> tuple[Integrator, Integrator]:
+def generalised_alpha(radius: float) -> tuple[fl.extend.Integrator, fl.extend.Integrator]:
     return fl.GeneralisedAlpha(radius=radius), fl.GeneralisedAlpha(radius=radius, tolerance=1e-10)
 
 
-def energy_momentum(radius: float) -> tuple[Integrator, Integrator]:
+def energy_momentum(radius: float) -> tuple[fl.extend.Integrator, fl.extend.Integrator]:
     return fl.EnergyMomentum(), fl.EnergyMomentum()
 
 
-def energy_decaying(radius: float) -> tuple[Integrator, Integrator]:
+def energy_decaying(radius: float) -> tuple[fl.extend.Integrator, fl.extend.Integrator]:
     return fl.EnergyDecaying(radius=radius), fl.EnergyDecaying(radius=radius)
 
 
@@ -213,7 +212,7 @@ def joint_numbers(steps: fl.StepHistory) -> dict[str, Any]:
     }
 
 
-def against_solver(scheme: Integrator, tolerance: float) -> dict[str, Any]:
+def against_solver(scheme: fl.extend.Integrator, tolerance: float) -> dict[str, Any]:
     """The tip after 1 s, by steps that a tolerance chooses."""
     result = scheme.run(rigid_pendulum(), duration=1.0, step=fl.AdaptiveStep(tolerance))
     assert result.steps is not None
@@ -228,7 +227,9 @@ def against_solver(scheme: Integrator, tolerance: float) -> dict[str, Any]:
     }
 
 
-def follow_tolerance(scheme: Integrator, tightest: float, pictures: bool) -> dict[str, Any]:
+def follow_tolerance(
+    scheme: fl.extend.Integrator, tightest: float, pictures: bool
+) -> dict[str, Any]:
     """Error of the tip over the tolerance."""
     tolerances = 10.0 ** np.arange(-2, round(np.log10(tightest)) - 1, -1)
     runs = [against_solver(scheme, value) for value in tolerances]

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+import fem_lie as fl
 from fem_lie import lie
-from fem_lie._arrays import Array
 
 
-def mass_matrix_6x6(gram: npt.ArrayLike) -> Array:
+def mass_matrix_6x6(gram: npt.ArrayLike) -> fl.extend.Array:
     """Mass matrix of local velocities (translation, rotation): ``[[m I, −m ĉ], [m ĉ, J]]``.
 
     Args:

@@ -16,14 +16,12 @@ import ufl
 from dolfinx import fem
 from hypothesis import Phase, settings
 
+import fem_lie as fl
 from fem_lie import _compat, lie
-from fem_lie.elements.beams.directors import director_strains, midpoint_strains
+from fem_lie.elements.beams.directors import midpoint_strains
 from fem_lie.elements.beams.element import with_bending_flexibility
 from fem_lie.elements.beams.geodesic import GEODESIC, geodesic_energy
 from fem_lie.elements.rods.kirchhoff import rod_energy
-from fem_lie.forms.energy import StrainEnergy
-from fem_lie.forms.frames import NodalFrames, local_frame_forms
-from fem_lie.forms.local_forms import LocalFrameForms
 
 few = settings(
     max_examples=8,
@@ -42,9 +40,9 @@ STRAIN_0 = np.array([1.0, 0.02, -0.03, 0.1, 0.2, -0.15])
 class Model:
     """An element on a small mesh, with its unloaded frames."""
 
-    frames: NodalFrames
-    forms: LocalFrameForms
-    energy: StrainEnergy | ufl.Form
+    frames: fl.NodalFrames
+    forms: fl.LocalFrameForms
+    energy: fl.StrainEnergy | ufl.Form
     coordinates: fem.Function | None = None
     unloaded: np.ndarray = field(init=False)
 
@@ -144,18 +142,20 @@ def nonlinear_law(strain):
     return linear_law(strain) + 5.0 * strain[4] ** 4 + 2.0 * strain[0] ** 2 * strain[5] ** 2
 
 
-def director_energy(q: NodalFrames, law: Callable = nonlinear_law, degree: int = 1) -> StrainEnergy:
-    stretch, curvature = director_strains(q)
+def director_energy(
+    q: fl.NodalFrames, law: Callable = nonlinear_law, degree: int = 1
+) -> fl.StrainEnergy:
+    stretch, curvature = fl.director_strains(q)
     strain = ufl.as_vector([*stretch, *curvature]) - ufl.as_vector(STRAIN_0.tolist())
-    return StrainEnergy(strain, law, measure(q.function.function_space.mesh, degree))
+    return fl.StrainEnergy(strain, law, measure(q.function.function_space.mesh, degree))
 
 
 def _director_beam(comm, degree: int, carried: bool) -> Model:
-    q = NodalFrames(line(comm, degree), degree)
+    q = fl.NodalFrames(line(comm, degree), degree)
     # one or two points: the degree to which 1 and 2 Gauss points are exact
     energy = director_energy(q, degree=2 * degree - 1)
     given = energy if carried else energy.form()
-    return Model(q, local_frame_forms(given, q), given)
+    return Model(q, fl.local_frame_forms(given, q), given)
 
 
 def director_beam_1(comm=MPI.COMM_SELF) -> Model:
@@ -176,12 +176,12 @@ def director_beam_2_carried(comm=MPI.COMM_SELF) -> Model:
 
 def director_beam_midpoint(comm=MPI.COMM_SELF) -> Model:
     """Strains of the middle, by the chain rule."""
-    q = NodalFrames(line(comm, 1))
+    q = fl.NodalFrames(line(comm, 1))
     stretch, curvature, through = midpoint_strains(q)
     strain = ufl.as_vector([*stretch, *curvature]) - ufl.as_vector(STRAIN_0.tolist())
     dx = measure(q.function.function_space.mesh, 1)
-    energy = StrainEnergy(strain, nonlinear_law, dx, through=through)
-    return Model(q, local_frame_forms(energy, q), energy)
+    energy = fl.StrainEnergy(strain, nonlinear_law, dx, through=through)
+    return Model(q, fl.local_frame_forms(energy, q), energy)
 
 
 def cellwise(mesh, values: np.ndarray) -> fem.Function:
@@ -193,7 +193,7 @@ def cellwise(mesh, values: np.ndarray) -> fem.Function:
 
 def _geodesic_beam(mesh, stiffness=None, law=None, rest: bool = True) -> Model:
     """Section stiffness from the lengths; law or quadratic energy; curved at rest, or straight."""
-    q = NodalFrames(mesh)
+    q = fl.NodalFrames(mesh)
     if rest:
         x = q.frames[:, 0]
         q.update(np.column_stack([0 * x, 0.3 * np.sin(x + 1)]))
@@ -206,8 +206,8 @@ def _geodesic_beam(mesh, stiffness=None, law=None, rest: bool = True) -> Model:
         section = stiffness(section, relative)
     energy = geodesic_energy(d, d0, ell, cellwise(mesh, section), mesh)
     if law is not None:
-        energy = StrainEnergy(energy.strain, law, energy.dx, energy.weight)
-    forms = LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
+        energy = fl.StrainEnergy(energy.strain, law, energy.dx, energy.weight)
+    forms = fl.LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
     return Model(q, forms, energy, d)
 
 
@@ -225,21 +225,21 @@ def geodesic_beam_nonlinear(comm=MPI.COMM_SELF) -> Model:
 
 def kirchhoff_rod(comm=MPI.COMM_SELF) -> Model:
     mesh = line(comm, 1)
-    q = NodalFrames(mesh)
+    q = fl.NodalFrames(mesh)
     x = q.frames[:, 0]
     q.update(np.column_stack([0 * x, 0.3 * np.sin(x + 1)]))
     ends = q.frames[q.function.function_space.dofmap.list]
     relative = lie.se3_relative(ends[:, 0], ends[:, 1])
     d, length = (cellwise(mesh, a) for a in (relative, np.linalg.norm(relative[:, :3], axis=1)))
     energy = rod_energy(d, length, cellwise(mesh, np.tile(D, (len(ends), 1, 1))))
-    forms = LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
+    forms = fl.LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
     return Model(q, forms, energy, d)
 
 
 def _shell(comm, cell: str, degree: int) -> Model:
     """Membrane, transverse shear, bending by d₃, and d₁, d₂ bound to the surface."""
     mesh = surface(comm, cell)
-    q = NodalFrames(mesh, degree)
+    q = fl.NodalFrames(mesh, degree)
     d1, d2, d3 = q.directors
     F, B = ufl.grad(q.position), ufl.grad(d3)
     E = 0.5 * (F.T * F - ufl.Identity(3))
@@ -251,7 +251,7 @@ def _shell(comm, cell: str, degree: int) -> Model:
         + 8.0 * ufl.dot(shear, shear) + drill**2
     )  # fmt: skip
     energy = density * measure(mesh, 2)
-    return Model(q, local_frame_forms(energy, q), energy)
+    return Model(q, fl.local_frame_forms(energy, q), energy)
 
 
 def shell_triangles(comm=MPI.COMM_SELF) -> Model:
@@ -266,15 +266,15 @@ def shell_quadrilaterals_2(comm=MPI.COMM_SELF) -> Model:
     return _shell(comm, "quadrilateral", 2)
 
 
-def _with_local(q: NodalFrames, element, energy_of: Callable) -> Model:
+def _with_local(q: fl.NodalFrames, element, energy_of: Callable) -> Model:
     s = fem.Function(fem.functionspace(q.function.function_space.mesh, element))
     energy = energy_of(s)
-    return Model(q, local_frame_forms(energy, q, local=s), energy)
+    return Model(q, fl.local_frame_forms(energy, q, local=s), energy)
 
 
 def hellinger_reissner(comm=MPI.COMM_SELF) -> Model:
     """``s·ε − ½ s·D⁻¹s`` with constant ``s``: the linear director beam with one point."""
-    q = NodalFrames(line(comm, 1))
+    q = fl.NodalFrames(line(comm, 1))
     element = basix.ufl.element("DG", "interval", 0, shape=(6,))
     C = ufl.as_matrix(np.linalg.inv(D).tolist())
     base = director_energy(q)
@@ -288,7 +288,7 @@ def hu_washizu(comm=MPI.COMM_SELF) -> Model:
 
     ``∂²W/∂s²`` has a zero diagonal block, so that its elimination must exchange rows.
     """
-    q = NodalFrames(line(comm, 1))
+    q = fl.NodalFrames(line(comm, 1))
     part = basix.ufl.element("DG", "interval", 0, shape=(6,))
     base = director_energy(q)
 
@@ -301,7 +301,7 @@ def hu_washizu(comm=MPI.COMM_SELF) -> Model:
 
 def hellinger_reissner_linear(mesh, section: np.ndarray, rest: np.ndarray) -> Model:
     """Moments ``M̄ − s e₁×N`` in equilibrium with the constant forces, on one-point strains."""
-    q = NodalFrames(mesh)
+    q = fl.NodalFrames(mesh)
     base = director_energy(q, linear_law)
     strain = base.strain + ufl.as_vector((STRAIN_0 - rest).tolist())
     # arc length from the middle of each cell, as a linear function

@@ -4,13 +4,19 @@ import math
 
 import numpy as np
 
+import fem_lie as fl
 from fem_lie import lie
-from fem_lie._jit import callback, compiled
-from fem_lie.bodies.cells.element_body import ElementBody
-from fem_lie.forms.small_energy import cell
-from fem_lie.forms.small_energy.assembly import CellFunctions
-from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
-from fem_lie.lie.kinds import TRAITS, NodeKind
+from fem_lie.extend import (
+    CELL_SIGNATURE,
+    CellFunctions,
+    NodeKind,
+    callback,
+    cell,
+    cell_data,
+    compiled,
+    element,
+)
+from fem_lie.lie.kinds import TRAITS
 
 
 @compiled
@@ -162,6 +168,6 @@ def random_body(name, count=3):
     inertia = np.zeros((count, k, 4, k, 4))
     for node, own in enumerate(active):
         inertia[:, node, own, node, own] = 0.5
-    return ElementBody(
+    return fl.ElementBody(
         rows, types, cells, element=of, functions=functions, data=data, inertia=inertia
     )

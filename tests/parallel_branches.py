@@ -11,7 +11,8 @@ import basix.ufl
 import dolfinx
 import numpy as np
 
-from fem_lie import NodalFrames, _compat
+import fem_lie as fl
+from fem_lie import _compat
 
 
 def lines(comm, arms: int, cells: int = 8) -> tuple[np.ndarray, np.ndarray]:
@@ -41,7 +42,7 @@ def of_dolfinx(comm, arms: int) -> dolfinx.mesh.Mesh:
     points, cells = lines(comm, arms)
     element = basix.ufl.element("Lagrange", "interval", 1, shape=(3,))
     mesh = dolfinx.mesh.create_mesh(comm, cells=cells, x=points, e=element)
-    NodalFrames(mesh)
+    fl.NodalFrames(mesh)
     return mesh
 
 

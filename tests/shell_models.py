@@ -15,19 +15,9 @@ import scipy.sparse as sp
 import ufl
 from dolfinx import fem
 
+import fem_lie as fl
 from fem_lie.elements.shells import element as shell
 from fem_lie.elements.shells.cells import ShellCells
-from fem_lie.elements.shells.measures import (
-    DECOUPLED,
-    MITC3_PLUS,
-    MITC4,
-    MITC4_PLUS,
-    MITC6,
-    MITC9,
-    StrainMeasures,
-)
-from fem_lie.forms.frames import NodalFrames
-from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.lie.motions import retract
 from fem_lie.linear.packages import NEGATIVE
 
@@ -71,9 +61,9 @@ def grid(
 
 def with_normals(
     mesh: dolfinx.mesh.Mesh, normal: Callable, first: Callable, degree: int = 1
-) -> NodalFrames:
+) -> fl.NodalFrames:
     """Frames with given third and first directors as functions of position."""
-    q = NodalFrames(mesh, degree)
+    q = fl.NodalFrames(mesh, degree)
     H = q.frames
     H[:, 3], H[:, 1] = normal(H[:, 0]), first(H[:, 0])
     H[:, 2] = np.cross(H[:, 3], H[:, 1])
@@ -85,7 +75,7 @@ class Element:
     """A shell element under test."""
 
     name: str
-    measures: StrainMeasures = MITC4
+    measures: fl.StrainMeasures = fl.MITC4
     formulation: str = "HR"
     drilling: float | None = None
     distortion: float = 1.0  # of the cells of a patch
@@ -98,7 +88,7 @@ class Element:
     def degree(self) -> int:
         return self.measures.degree
 
-    def cells(self, q: NodalFrames) -> ShellCells:
+    def cells(self, q: fl.NodalFrames) -> ShellCells:
         return ShellCells(q, self.measures, drilling_stiffness=self.drilling)
 
     def forms(self, cells: ShellCells, D: np.ndarray, law: Callable | None = None):
@@ -117,15 +107,15 @@ class Element:
 HR = Element("HR")
 HW = Element("HW", formulation="HW")
 DISPLACEMENT = Element("MITC4", formulation="displacement")
-PLUS = Element("HR, MITC4+", MITC4_PLUS)
-PLUS_DISPLACEMENT = Element("MITC4+", MITC4_PLUS, "displacement")
-BENT = Element("HR, decoupled bending", DECOUPLED)
+PLUS = Element("HR, MITC4+", fl.MITC4_PLUS)
+PLUS_DISPLACEMENT = Element("MITC4+", fl.MITC4_PLUS, "displacement")
+BENT = Element("HR, decoupled bending", fl.DECOUPLED)
 SIX = Element("HR, six parameters", drilling=0.3)
 SIX_DISPLACEMENT = Element("MITC4, six parameters", formulation="displacement", drilling=0.3)
-TRIANGLE = Element("MITC3+", MITC3_PLUS)
-TRIANGLE_6 = Element("MITC6", MITC6, "displacement")
+TRIANGLE = Element("MITC3+", fl.MITC3_PLUS)
+TRIANGLE_6 = Element("MITC6", fl.MITC6, "displacement")
 # it passes the patch test for parallelograms only
-QUADRILATERAL_9 = Element("MITC9", MITC9, "displacement", distortion=0.0)
+QUADRILATERAL_9 = Element("MITC9", fl.MITC9, "displacement", distortion=0.0)
 
 
 @dataclass
@@ -136,8 +126,8 @@ class Statics:
     that hold rigid motions without a force.
     """
 
-    frames: NodalFrames
-    forms: LocalFrameForms
+    frames: fl.NodalFrames
+    forms: fl.LocalFrameForms
     held: np.ndarray
     loads: list[tuple[int, np.ndarray]]
     springs: list[tuple[int, np.ndarray, float]] = field(default_factory=list)
@@ -319,7 +309,7 @@ def patch(element: Element, flat: bool = False, law: Callable | None = None):
         return [x, y, 0 * a if flat else 0.3 * np.sin(1.5 * x) + 0.2 * x * y]
 
     mesh = grid((2, 2), place, element.cell, 1)
-    q = NodalFrames(mesh, element.degree)
+    q = fl.NodalFrames(mesh, element.degree)
     if not flat:
         rng = np.random.default_rng(4)
         x, y, _ = q.frames[:, 0].T

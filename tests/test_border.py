@@ -9,12 +9,10 @@ from fem_lie.linear.bordered import KKT, Border
 from fem_lie.linear.choice import Solutions
 from fem_lie.linear.condensed import border as module
 from fem_lie.linear.condensed.border import MOST, border_of
-from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import Equilibrated
 from fem_lie.linear.low_rank import LowRank
 from fem_lie.linear.packages import ByBorder, Method
 from fem_lie.linear.pivots import inertia
-from fem_lie.system.equations import Equations
 
 BY_BORDER = ByBorder("cholesky", "cholmod")
 COUNT, M = 30, 5
@@ -46,8 +44,8 @@ def matrix(rng, *, frames=(), indefinite=False) -> tuple[KKT, np.ndarray]:
     return kkt, sp.csr_matrix(kkt.csr).toarray()
 
 
-def solved(kkt: KKT, methods) -> tuple[DirectSolver, np.ndarray]:
-    solver = DirectSolver(kkt, "test_border_", methods)
+def solved(kkt: KKT, methods) -> tuple[fl.extend.DirectSolver, np.ndarray]:
+    solver = fl.extend.DirectSolver(kkt, "test_border_", methods)
     solver.factorise()
     solver.right_hand_side[:] = np.arange(1.0, len(solver.solution) + 1.0)
     solver.solve()
@@ -214,7 +212,7 @@ def test_attachments_may_be_on_nodes_that_are_held(monkeypatch):
         return fl.statics(scene)
 
     found = result()
-    monkeypatch.setattr(DirectSolver, "take_low_rank", lambda _: None)
+    monkeypatch.setattr(fl.extend.DirectSolver, "take_low_rank", lambda _: None)
     wanted = result()
     np.testing.assert_allclose(found.frames, wanted.frames, rtol=0, atol=1e-12)
     np.testing.assert_allclose(found.joint_forces, wanted.joint_forces, rtol=1e-10, atol=1e-6)
@@ -230,7 +228,7 @@ def test_a_force_on_an_averaging_attachment_is_a_traction():
         for node in block.points("c=0"):
             scene.add(fl.Clamp(node))
         loaded(scene, block, np.array([2e4, -1e4, -6e4]))
-        return Equations(scene, dynamics=False).matrix.csr[0].size, fl.statics(scene)
+        return fl.extend.Equations(scene, dynamics=False).matrix.csr[0].size, fl.statics(scene)
 
     def at_the_mean(scene, block, force):
         scene.add(fl.PointLoad(block.grip("c=1"), force=force))
@@ -266,7 +264,7 @@ def test_the_pattern_of_an_averaging_attachment_stays_sparse(monkeypatch):
         return *found, *entries[0]
 
     state, motion, sparse, apart = results()
-    monkeypatch.setattr(DirectSolver, "take_low_rank", lambda _: None)
+    monkeypatch.setattr(fl.extend.DirectSolver, "take_low_rank", lambda _: None)
     same, again, dense, within = results()
     assert apart and not within
     assert dense - sparse > 2 * (3 * 81) ** 2 / 3

@@ -12,7 +12,6 @@ from benchmarks import swinging_cable
 from fem_lie import lie
 from fem_lie.lie import kinds
 from fem_lie.lie.kinds import SLOPE
-from fem_lie.mesh.curves import curve, straight
 from fem_lie.results.resampling import between
 from tests.unit_systems import METRES, OTHER_SYSTEMS, UnitSystem
 
@@ -201,7 +200,7 @@ def weight_on_a_cable(cells: int) -> float:
     scene = fl.Scene(gravity=(0, -WEIGHT, 0))
     corners = np.array([[0.0, 0, 0], [4, -2.9, 0], [8, 1, 0]])
     pieces = [
-        fl.Cable(straight(a, b, cells), section(EA, 1e-6), length=LENGTH / 2)
+        fl.Cable(fl.straight(a, b, cells), section(EA, 1e-6), length=LENGTH / 2)
         for a, b in pairwise(corners)
     ]
     for piece in pieces:
@@ -235,7 +234,7 @@ def tension(strain: float, EA: float, slack: float) -> float:
 def test_tension_of_a_slack_cable(strain):
     """Of a straight one, from its nodes' forces."""
     cable = fl.Cable(
-        straight((0, 0, 0), (1 + strain, 0, 0), 2),
+        fl.straight((0, 0, 0), (1 + strain, 0, 0), 2),
         section(1e4, 1e-3),
         length=1.0,
         formulation=SLACK,
@@ -252,7 +251,7 @@ def test_slack_cables_find_the_only_equilibrium_from_anywhere():
     """Laid straight and a quarter too short, or along arches: the catenary below."""
     EA = 1e4
     for height in (0.0, 1.0, 8.0):
-        mesh = curve(lambda s, h=height: (8 * s, s + h * s * (1 - s), 0.0), 16)
+        mesh = fl.curve(lambda s, h=height: (8 * s, s + h * s * (1 - s), 0.0), 16)
         cable = fl.Cable(mesh, section(EA, 1e-6), length=LENGTH, formulation=SLACK)
         scene = fl.Scene(gravity=(0, -WEIGHT, 0))
         scene.add(cable)
@@ -273,7 +272,7 @@ def test_one_of_two_guys_goes_slack():
     mast.held[0, [3, 5]] = True
     for side in (-1.0, 1.0):
         guy = fl.Cable(
-            straight((side, 0, 0), (0, 0, 1), 4),
+            fl.straight((side, 0, 0), (0, 0, 1), 4),
             section(EA, 1e-4),
             formulation=fl.HermiteCable(slack=slack),
         )
@@ -300,7 +299,7 @@ def test_one_of_two_guys_goes_slack():
 @pytest.mark.parametrize("element", [fl.HermiteCable(), SLACK], ids=["pushed", "slack"])
 def test_loose_cable_falls_and_is_caught(element):
     """It lies along an arch without tension; the energy stays in the books."""
-    arch = curve(lambda s: (s, 0, 0.6 * s * (1 - s)), 8)
+    arch = fl.curve(lambda s: (s, 0, 0.6 * s * (1 - s)), 8)
     cable = fl.Cable(arch, section(1e3, 1e-2, 0.5), formulation=element)
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     scene.add(cable)
@@ -355,7 +354,7 @@ def test_forces_and_tangent_are_derivatives_of_the_energy():
 
 def every_kind() -> dict[str, fl.Cable]:
     """Bent ones whose closed forces differ: law, parameter, the way that cells run."""
-    own, bow = section(1e3, 10.0), curve(lambda s: (3 * s, 0.3 * s * s, 0.2 * s**3), 3)
+    own, bow = section(1e3, 10.0), fl.curve(lambda s: (3 * s, 0.3 * s * s, 0.2 * s**3), 3)
     points = bow.points[[0, 2]]
     back = fl.LineMesh.from_cells(points, [(1, 0)], named_points={"a": [0], "b": [1]})
     slopes = [(2.0, 1.0, 0.0), (1.5, 0.1, 0.0), (1.0, 0.3, 0.4)]

@@ -7,7 +7,6 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.mesh.curves import straight
 from fem_lie.solve.conserving.rows.cells import Nodes, energies_at
 from fem_lie.solve.conserving.rows.energies import Energies
 from fem_lie.solve.conserving.rows.places import add_of_places
@@ -22,7 +21,7 @@ def started(clamped: bool) -> Run:
     one = np.column_stack([s, 0.2 * s**2, 0.1 * np.sin(3.0 * s)])
     section = fl.Section.from_stiffness([STIFFNESS] * 3 + [2.0] * 3, mass=1.0)
     if clamped:
-        rope = straight((0, 0, 0), (1, 0, 0), 12)
+        rope = fl.straight((0, 0, 0), (1, 0, 0), 12)
         cable = fl.Cable(rope, section, formulation=fl.DiscreteCable())
         scene.add(cable)
         cable.clamp(cable.start)

@@ -11,16 +11,13 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.bodies.body import Body
-from fem_lie.forms.term import Pairs, Term
 from fem_lie.scene.load import History, Load, Sum
 from fem_lie.system import System
-from fem_lie.system.instant import Instant, Plan
 
 STIFFNESS, RADIUS = 50.0, 0.5
 
 
-class Overlaps(Term):
+class Overlaps(fl.extend.Term):
     """Energy ``½ k (2 r − |x_i − x_j|)²`` of each pair of nodes that overlaps."""
 
     label = "soft balls"
@@ -37,7 +34,7 @@ class Overlaps(Term):
             self._now, self.version = found, self.version + 1
 
     @property
-    def pairs(self) -> Pairs:
+    def pairs(self) -> fl.extend.Pairs:
         both = self._now[:, [0, 0, 1, 1]], self._now[:, [0, 1, 0, 1]]
         return both[0].ravel(), both[1].ravel()
 
@@ -80,11 +77,11 @@ class Overlaps(Term):
 class SoftBalls(Load):
     """All bodies push each other off."""
 
-    balls: tuple[Body, ...]
+    balls: tuple[fl.Body, ...]
     history: History | None = None
 
     @property
-    def body(self) -> Body:
+    def body(self) -> fl.Body:
         return self.balls[0]
 
     def check(self) -> None:
@@ -114,7 +111,7 @@ def billiard() -> tuple[fl.Scene, list[fl.RigidBody]]:
     return scene, balls
 
 
-def overlaps_of(system: System) -> Term:
+def overlaps_of(system: System) -> fl.extend.Term:
     (term,) = (t for t in system.terms if t.label == "soft balls")
     return term
 
@@ -134,11 +131,13 @@ def test_the_matrix_has_the_pairs_of_the_present_state():
         def residual(h, size, H=H):
             there, r = H.copy(), np.zeros(system.size)
             there[:n] = lie.se3_retract(H[:n], size * h)
-            system.residual(Instant(there, still, still, np.zeros(0)), none, r, forces)
+            system.residual(fl.extend.Instant(there, still, still, np.zeros(0)), none, r, forces)
             return r
 
         residual(still, 0.0)
-        system.fill_matrix(Instant(H, still, still, np.zeros(0)), forces, Plan(still, none))
+        system.fill_matrix(
+            fl.extend.Instant(H, still, still, np.zeros(0)), forces, fl.extend.Plan(still, none)
+        )
         A = system.kkt.matrix[:, :]
         h = rng.normal(size=(n, 6))
         expected = (residual(h, 1e-6) - residual(h, -1e-6)) / 2e-6

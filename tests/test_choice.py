@@ -12,11 +12,9 @@ import fem_lie as fl
 from fem_lie.linear import direct
 from fem_lie.linear.bordered import Border
 from fem_lie.linear.choice import Solutions, choose
-from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.fill import DISSECTION, MINIMUM_DEGREE, Graph, _ordering
 from fem_lie.linear.packages import Method
 from fem_lie.solve.statics.follow import SceneEquilibrium
-from fem_lie.system.equations import Equations
 
 STEEL = fl.Material(2.1e11, 0.3, 7850.0)
 
@@ -120,7 +118,7 @@ def test_width_tells_chains_from_meshes(pairs, least, most):
 
 
 def packages(scene: fl.Scene, solutions: Solutions, *, dynamics: bool) -> list[str]:
-    matrix = Equations(scene, dynamics=dynamics).matrix
+    matrix = fl.extend.Equations(scene, dynamics=dynamics).matrix
     return [each.package for each in choose(matrix, "test_choice_", solutions).methods]
 
 
@@ -141,7 +139,7 @@ def test_structure_decides_and_not_who_asks(scene, few, many):
     assert packages(scene, Solutions.FEW, dynamics=True) == few
 
 
-def solved(solver: DirectSolver) -> np.ndarray:
+def solved(solver: fl.extend.DirectSolver) -> np.ndarray:
     solver.factorise()
     solver.right_hand_side[:] = np.arange(1.0, len(solver.solution) + 1.0)
     solver.solve()
@@ -151,7 +149,7 @@ def solved(solver: DirectSolver) -> np.ndarray:
 def test_values_decide_whether_one_half_of_the_matrix_is_read():
     model = SceneEquilibrium(cube(5), "test_choice_")
     matrix = model.equations.matrix
-    solver = DirectSolver(matrix, "test_choice_", solutions=Solutions.FEW)
+    solver = fl.extend.DirectSolver(matrix, "test_choice_", solutions=Solutions.FEW)
     values, columns, pointers = matrix.csr
     b = np.arange(1.0, len(pointers))
     for change, kind in ((0.0, "cholesky"), (0.1, "lu"), (0.0, "lu")):
@@ -169,10 +167,10 @@ def test_values_decide_whether_one_half_of_the_matrix_is_read():
 def test_a_bad_guess_is_noticed_once(monkeypatch):
     model = SceneEquilibrium(cube(6), "test_choice_")
     matrix = model.equations.matrix
-    wanted = solved(DirectSolver(matrix, "test_choice_", [Method("lu", "mumps")]))
+    wanted = solved(fl.extend.DirectSolver(matrix, "test_choice_", [Method("lu", "mumps")]))
     monkeypatch.setattr(direct, "_LONG", -1.0)
     monkeypatch.setattr(direct, "_FAR", -1.0)
-    solver = DirectSolver(matrix, "test_choice_", solutions=Solutions.FEW)
+    solver = fl.extend.DirectSolver(matrix, "test_choice_", solutions=Solutions.FEW)
     found = solved(solver)
     assert [method.package for method in solver._methods] == ["mumps", "mumps"]
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())

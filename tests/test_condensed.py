@@ -11,9 +11,7 @@ from fem_lie.linear.bordered import KKT, Border
 from fem_lie.linear.choice import CHAINS, Solutions, choose
 from fem_lie.linear.condensed import preconditioner
 from fem_lie.linear.condensed.elimination import plan_of
-from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.packages import Alone, ByChains, Method
-from fem_lie.system.equations import Equations
 
 
 def chain(count: int, reach: int) -> np.ndarray:
@@ -100,7 +98,7 @@ def test_solutions_are_those_of_the_whole_matrix(name, seed):
         free = ~kkt.unit_rows[: 6 * count].reshape(-1, 6).all(axis=1)
         assert free.sum() - len(plan.order) == left
     A = sp.csr_matrix(kkt.csr).toarray()
-    solver = DirectSolver(kkt, "test_condensed_", CHAINS)
+    solver = fl.extend.DirectSolver(kkt, "test_condensed_", CHAINS)
     for _ in range(2):  # factors are made anew in the same memory
         solver.factorise()
         b = np.random.default_rng(seed).normal(size=len(A))
@@ -123,7 +121,7 @@ def test_chains_keep_their_factors_while_constraints_change(name, monkeypatch):
     monkeypatch.setattr(
         preconditioner, "factorise", lambda *args: made.append(args) or factors(*args)
     )
-    solver = DirectSolver(kkt, "test_condensed_", CHAINS)
+    solver = fl.extend.DirectSolver(kkt, "test_condensed_", CHAINS)
     m, rng = len(kkt.measure), np.random.default_rng(1)
     for factor, anew, times in ((1.0, True, 1), (1.0, False, 1), (2.0, True, 2), (2.0, False, 2)):
         rows = np.zeros((m, 6))
@@ -148,7 +146,7 @@ def test_where_a_node_alone_is_singular_the_whole_is_factorised():
     inside = np.flatnonzero(columns[pointers[row] : pointers[row + 1]] // 6 == row // 6)
     values[pointers[row] + inside] = 0.0  # regular by its neighbours alone
     A = sp.csr_matrix(kkt.csr).toarray()
-    solver = DirectSolver(kkt, "test_condensed_", CHAINS)
+    solver = fl.extend.DirectSolver(kkt, "test_condensed_", CHAINS)
     solver.factorise()
     b = np.arange(1.0, len(A) + 1.0)
     solver.right_hand_side[:] = b
@@ -157,7 +155,7 @@ def test_where_a_node_alone_is_singular_the_whole_is_factorised():
     np.testing.assert_allclose(A @ solver.solution, b, atol=1e-9 * np.abs(b).max())
 
 
-def methods(equations: Equations) -> tuple[Method, ...]:
+def methods(equations: fl.extend.Equations) -> tuple[Method, ...]:
     return choose(equations.matrix, "test_condensed_", Solutions.MANY).methods
 
 
@@ -169,7 +167,7 @@ def test_a_net_moves_as_with_factors_of_the_whole(monkeypatch):
         return scheme.run(square_net(2, 10), duration=3e-3, step=1e-3, progress=False)
 
     wanted = run()
-    equations = Equations(square_net(2, 10), dynamics=True)
+    equations = fl.extend.Equations(square_net(2, 10), dynamics=True)
     assert methods(equations)[0].package == "umfpack"
     monkeypatch.setattr(choice, "LARGE", 10)
     assert methods(equations) == CHAINS
@@ -187,4 +185,4 @@ def test_a_net_moves_as_with_factors_of_the_whole(monkeypatch):
         body = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (k + 0.5, 0, 0)))
         scene.add(fl.Spherical(last, body.centre, at=(k, 0, 0)))
         last = body.centre
-    assert methods(Equations(scene, dynamics=True)) == (Alone("lu", "klu"),)
+    assert methods(fl.extend.Equations(scene, dynamics=True)) == (Alone("lu", "klu"),)

@@ -5,7 +5,6 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.solve.alpha.options import Index
 from fem_lie.system import System
 
 Z = (0, 0, 1)
@@ -115,7 +114,7 @@ def test_full_turns_are_part_of_the_memory():
     assert system.terms.energy(system.frames) == pytest.approx(7.0**2, rel=1e-12)
 
 
-@pytest.mark.parametrize("index", Index)
+@pytest.mark.parametrize("index", fl.Index)
 def test_shafts_on_a_universal_joint(index):
     """tan φ₂ = tan φ₁ / cos β with the first fork in the plane of the shafts, over two turns."""
     bend, speed = np.radians(30.0), 2 * np.pi

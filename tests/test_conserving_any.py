@@ -9,7 +9,6 @@ import fem_lie as fl
 from benchmarks.conserving_any import JOINED, FixedAxes
 from benchmarks.conserving_any import SCENES as TURNING
 from fem_lie.lie.kinds import placed
-from fem_lie.mesh.curves import straight
 from fem_lie.solve.conserving.step import corrections
 from tests.test_composed import resumed_as_whole
 
@@ -31,7 +30,7 @@ def flung(body: fl.Body, spin=(0.3, 2.0, 3.0)) -> fl.Body:
 
 
 def line(formulation: object, cells: int = 5) -> fl.Body:
-    return fl.Cable(straight((0, 0, 0), (1, 0, 0), cells), SECTION, formulation=formulation)
+    return fl.Cable(fl.straight((0, 0, 0), (1, 0, 0), cells), SECTION, formulation=formulation)
 
 
 def net() -> fl.Body:

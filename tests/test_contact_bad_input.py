@@ -7,7 +7,6 @@ import fem_lie as fl
 from fem_lie.contact.impact.records import CONTACTS, RESIDUAL
 from fem_lie.solve.alpha.free_bodies import Run
 from fem_lie.solve.alpha.step.impact_steps import UNSETTLED
-from fem_lie.system.equations import Equations
 
 RADIUS = 0.1
 FLOOR = fl.Plane(fl.ground(), (0, 0, 1))
@@ -54,7 +53,7 @@ def beam_line(radius: float, bent: float = 0.0) -> fl.Line:
 def unsettled() -> None:
     """The message of a step that has failed, of two balls that were made to be wedged."""
     scene = falling(fl.Impact(), [ball((0, 0, 0), "left"), ball((0.2, 0, 0), "right")])
-    equations = Equations(scene.without_impacts(), dynamics=True)
+    equations = fl.extend.Equations(scene.without_impacts(), dynamics=True)
     one = Run(fl.GeneralisedAlpha(radius=0.8), equations, 1e-2)
     assert one._impacts is not None
     one._impacts._why, told = UNSETTLED, one._impacts._failed_step

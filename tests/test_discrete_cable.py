@@ -12,7 +12,6 @@ from demos.elastica import BENDING, FORCE, LENGTH, elastica
 from fem_lie import lie
 from fem_lie.lie import kinds
 from fem_lie.lie.kinds import POINT
-from fem_lie.mesh.curves import curve, straight
 
 
 def section(EA: float, EI: float, mass: float = 1.0) -> fl.Section:
@@ -23,7 +22,7 @@ def straight_cable(cells: int, ratio: float) -> tuple[fl.Scene, fl.Cable]:
     """The cantilever of the elastica."""
     own = section(ratio * BENDING / LENGTH**2, BENDING)
     cable = fl.Cable(
-        straight((0, 0, 0), (LENGTH, 0, 0), cells), own, formulation=fl.DiscreteCable()
+        fl.straight((0, 0, 0), (LENGTH, 0, 0), cells), own, formulation=fl.DiscreteCable()
     )
     scene = fl.Scene()
     scene.add(cable)
@@ -161,7 +160,7 @@ class Bent:
 
     def __init__(self, natural: bool) -> None:
         rng = np.random.default_rng(3)
-        line = curve(lambda s: (3 * s, s * s, 0.5 * s**3), 5)
+        line = fl.curve(lambda s: (3 * s, s * s, 0.5 * s**3), 5)
         element = fl.DiscreteCable(natural=natural)
         self.cable = fl.Cable(line, section(1e3, 10.0), formulation=element)
         self.cable.clamp(self.cable.start, self.cable.end)
@@ -221,7 +220,7 @@ POINTS = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (0.5, 0, 0)]
 
 def cable() -> fl.Cable:
     return fl.Cable(
-        straight((0, 0, 0), (1, 0, 0), 3), section(1, 1), formulation=fl.DiscreteCable()
+        fl.straight((0, 0, 0), (1, 0, 0), 3), section(1, 1), formulation=fl.DiscreteCable()
     )
 
 

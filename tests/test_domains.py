@@ -11,7 +11,6 @@ from ranks import on_ranks
 import fem_lie as fl
 from fem_lie.linear.domains.division import Links, divided
 from fem_lie.linear.domains.interface import Interface
-from fem_lie.system.equations import Equations, Instant, Plan
 
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
 BAR = fl.Section.rectangle(0.02, 0.03, STEEL)
@@ -66,7 +65,7 @@ def parts(equations, state, plan, count):
 @pytest.mark.parametrize("make", [joined_beams, sheet])
 @pytest.mark.parametrize("dynamics", [False, True])
 def test_parts_sum_up_to_the_matrix(make, count, dynamics):
-    equations = Equations(make(), dynamics=dynamics)
+    equations = fl.extend.Equations(make(), dynamics=dynamics)
     unknowns, rng = equations.unknowns, np.random.default_rng(3)
     H = equations.start.frames.copy()
     n = unknowns.moving
@@ -75,9 +74,9 @@ def test_parts_sum_up_to_the_matrix(make, count, dynamics):
     d = 1e-2 * rng.standard_normal((n, 6))
     if not dynamics:
         v[:] = a[:] = d[:] = 0.0
-    state = Instant(H, v, a, rng.standard_normal(unknowns.m))
+    state = fl.extend.Instant(H, v, a, rng.standard_normal(unknowns.m))
     mass, damping = (1e6, 1e3) if dynamics else (0.0, 0.0)
-    plan = Plan(d, np.ones(unknowns.m), mass, damping)
+    plan = fl.extend.Plan(d, np.ones(unknowns.m), mass, damping)
     equations.residual(state, plan.scale, np.zeros(unknowns.size))
     total, have = parts(equations, state, plan, count)
     K = whole(equations)
@@ -90,7 +89,7 @@ def test_parts_sum_up_to_the_matrix(make, count, dynamics):
 
 @pytest.mark.parametrize("make", [joined_beams, sheet])
 def test_what_several_domains_have_is_their_interface(make):
-    equations = Equations(make(), dynamics=True)
+    equations = fl.extend.Equations(make(), dynamics=True)
     tangent, free = equations.system.tangent, ~equations.matrix.unit_rows
     division, have, mine = tangent.division(3), np.zeros(equations.unknowns.size), []
     for rank in range(3):
@@ -108,7 +107,7 @@ def test_what_several_domains_have_is_their_interface(make):
 @pytest.mark.parametrize("make", [joined_beams, sheet])
 def test_motions_of_the_interface_are_rigid(make, inertial):
     """What frames do that are all moved by a small motion of space, along axes of either kind."""
-    equations = Equations(make(), dynamics=True)
+    equations = fl.extend.Equations(make(), dynamics=True)
     tangent, n = equations.system.tangent, equations.unknowns.moving
     H = fl.lie.se3_compose(
         fl.lie.se3_exp(np.array([1.0, -2.0, 0.5, 0.4, 0.3, -0.8])), np.array(equations.start.frames)
@@ -167,7 +166,7 @@ def test_what_is_joined_is_of_one_domain():
 
 
 def test_refuses_a_matrix_without_those_of_its_domains():
-    equations = Equations(joined_beams(), dynamics=True)
+    equations = fl.extend.Equations(joined_beams(), dynamics=True)
     memory, tangent = equations.memory.with_matrix, equations.system.tangent
     saved = memory.memory()
     tangent.divide(tangent.division(2), 0)
@@ -176,7 +175,7 @@ def test_refuses_a_matrix_without_those_of_its_domains():
 
 
 def test_refuses_more_domains_than_parts_between_joints():
-    equations = Equations(joined_beams(), dynamics=True)
+    equations = fl.extend.Equations(joined_beams(), dynamics=True)
     with pytest.raises(ValueError, match="subdomains need 40 parts between which there are no"):
         equations.system.tangent.division(40)
 

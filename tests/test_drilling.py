@@ -7,7 +7,6 @@ import fem_lie as fl
 from fem_lie import lie
 from fem_lie.elements.shells.drilling import FRACTION
 from fem_lie.system import System
-from fem_lie.system.instant import Instant
 
 MATERIAL = fl.Material(100.0, 0.3, 2.0)
 SHEAR = 100.0 / 2.6
@@ -85,7 +84,7 @@ def test_an_unloaded_shell_of_warped_cells_has_no_drilling_stress():
     scene.add(shell)
     system = System(scene, dynamics=False)
     zero, forces = np.zeros((system.count, 6)), np.zeros(system.size)
-    system.residual(Instant(system.frames, zero, zero, np.zeros(0)), np.ones(0), forces)
+    system.residual(fl.extend.Instant(system.frames, zero, zero, np.zeros(0)), np.ones(0), forces)
     assert np.abs(forces).max() <= 1e-13 * SHEAR
 
 

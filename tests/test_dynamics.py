@@ -12,7 +12,6 @@ from fem_lie import lie
 from fem_lie.solve.alpha import newton
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.step.nodes import correct
-from fem_lie.system.equations import Equations, Instant
 from tests.test_alpha_loop import Asked, same
 
 G = 9.81
@@ -61,7 +60,9 @@ def test_start_stands_for_the_acceleration_before_the_first_step(radius, group):
     errors = []
     for step in (2e-2, 1e-2):
         scene, _ = pendulum(angle, speed, group)
-        run = Run(fl.GeneralisedAlpha(radius=radius), Equations(scene, dynamics=True), step)
+        run = Run(
+            fl.GeneralisedAlpha(radius=radius), fl.extend.Equations(scene, dynamics=True), step
+        )
         run.start()
         # time runs backwards: the pendulum with the opposite speed
         before = exact_pendulum(np.array([0.0, (run.p.af - run.p.am) * step]), angle, -speed)
@@ -210,7 +211,9 @@ def mixed_scene(group: fl.Group, turned: np.ndarray | None = None) -> fl.Scene:
 def test_iteration_matrix_is_the_derivative_of_the_residual(group, parametrisation):
     """At a random state with rotations of half a radian in the step, column by column."""
     scheme = fl.GeneralisedAlpha(parametrisation=parametrisation)
-    equations = Equations(mixed_scene(group), dynamics=True, parametrisation=parametrisation)
+    equations = fl.extend.Equations(
+        mixed_scene(group), dynamics=True, parametrisation=parametrisation
+    )
     run, size = Run(scheme, equations, 1e-2), equations.unknowns.size
     run.start()
     s, rng, epsilon = run.s, np.random.default_rng(5), 1e-6
@@ -224,12 +227,12 @@ def test_iteration_matrix_is_the_derivative_of_the_residual(group, parametrisati
         correct(tuple(run.p), state, dx.copy(), *run._sizes, weights)
         r = np.empty(size)
         H1, motion = state[1], state[2]
-        equations.residual(Instant(H1, motion[6], motion[7], weights), run.scale, r)
+        equations.residual(fl.extend.Instant(H1, motion[6], motion[7], weights), run.scale, r)
         return r
 
     zero, weights = np.zeros(size), run.weights.copy()
     correct(tuple(run.p), tuple(s), zero.copy(), *run._sizes, weights)
-    now = Instant(s.H1, s.twist1, s.rate1, run.weights)
+    now = fl.extend.Instant(s.H1, s.twist1, s.rate1, run.weights)
     equations.residual(now, run.scale, zero, run.forces)
     run._fill(s.H1, s.H1, run.scale, turned=False)
     matrix = equations.matrix.matrix.convert("dense").getDenseArray()

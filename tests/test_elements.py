@@ -14,12 +14,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from models import BEAMS, ELEMENTS, D, built, few, hellinger_reissner_linear, straight, superpose
 
+import fem_lie as fl
 from fem_lie import _compat, lie
-from fem_lie.elements.beams.directors import director_strains, midpoint_strains
+from fem_lie.elements.beams.directors import midpoint_strains
 from fem_lie.elements.beams.element import with_bending_flexibility
 from fem_lie.elements.beams.geodesic import GEODESIC, geodesic_energy
-from fem_lie.forms.frames import NodalFrames, local_frame_forms
-from fem_lie.forms.local_forms import LocalFrameForms
 
 seeds = st.integers(0, 2**32 - 1)
 every_element = pytest.mark.parametrize("make", ELEMENTS, ids=lambda make: make.__name__)
@@ -126,9 +125,9 @@ def circle(count: int, angle: float, radius: float) -> np.ndarray:
 def test_director_strains_of_an_arc():
     """A line of unit length bent to an arc: stretch 1 and curvature 1/r up to the chords."""
     count, angle = 50, 1.3
-    q = NodalFrames(straight(MPI.COMM_SELF, 1.0, count))
+    q = fl.NodalFrames(straight(MPI.COMM_SELF, 1.0, count))
     q.frames[np.argsort(q.frames[:, 0, 0])] = circle(count, angle, 1.0 / angle)
-    stretch, curvature = director_strains(q)
+    stretch, curvature = fl.director_strains(q)
     strain = _compat.expression(ufl.as_vector([*stretch, *curvature]), np.array([[0.5]]))
     values = strain.eval(q.function.function_space.mesh, np.arange(count, dtype=np.int32))
     values = values.reshape(count, 6)  # DOLFINx 0.11 keeps the axis of the points
@@ -142,7 +141,7 @@ def test_midpoint_strains_are_mean_rotation_and_angle(angle, tolerance):
     L, rng = 1.5, np.random.default_rng(2)
     axis, way = rng.normal(size=(2, 3))
     turn = angle * axis / np.linalg.norm(axis)
-    q = NodalFrames(straight(MPI.COMM_SELF, L, 1))
+    q = fl.NodalFrames(straight(MPI.COMM_SELF, L, 1))
     first = np.argmin(q.frames[:, 0, 0])
     q.frames[first] = lie.se3_exp(rng.normal(size=6))
     R = lie.rotation(q.frames[first])
@@ -159,14 +158,14 @@ def test_midpoint_strains_are_mean_rotation_and_angle(angle, tolerance):
 def single_element(section, length, flexible):
     """One straight geodesic element."""
     mesh = straight(MPI.COMM_SELF, length, 1)
-    q = NodalFrames(mesh)
+    q = fl.NodalFrames(mesh)
     relative, ell = np.array([[length, 0, 0, 0, 0, 0]]), np.array([length])
     stiffness = section[np.newaxis]
     if flexible:
         stiffness = with_bending_flexibility(stiffness, relative)
-    d, d0, L, C = (models.cellwise(mesh, a) for a in (relative, relative, ell, stiffness))
+    d, d0, L, C = (fl.extend.cellwise(mesh, a) for a in (relative, relative, ell, stiffness))
     energy = geodesic_energy(d, d0, L, C, mesh)
-    return q, LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
+    return q, fl.LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
 
 
 def slender_section(slenderness: float) -> np.ndarray:
@@ -212,12 +211,12 @@ def test_linear_moments_are_the_bending_flexibility():
     mesh = straight(MPI.COMM_SELF, length, count)
     rest = np.array([1.0, 0, 0, 0, 0, 0])
     mixed = hellinger_reissner_linear(mesh, D, rest)
-    q = NodalFrames(mesh)
+    q = fl.NodalFrames(mesh)
     C = with_bending_flexibility(D[np.newaxis], length / count * np.eye(1, 6))[0]
-    stretch, curvature = director_strains(q)
+    stretch, curvature = fl.director_strains(q)
     strain = ufl.as_vector([*stretch, *curvature]) - ufl.as_vector(rest.tolist())
     energy = 0.5 * ufl.inner(strain, ufl.as_matrix(C.tolist()) * strain) * models.measure(mesh, 1)
-    forms = local_frame_forms(energy, q)
+    forms = fl.local_frame_forms(energy, q)
     H = mixed.random(11)
     mixed.at(H).settle()
     q.frames[:] = H

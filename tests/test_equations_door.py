@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import fem_lie
-from fem_lie.system.equations import Equations
+import fem_lie as fl
 from fem_lie.system.equations.constraints_at import ConstraintsAt
 from fem_lie.system.equations.memory import Memory
 from fem_lie.system.equations.prescribed import Prescribed
@@ -120,7 +120,7 @@ def test_solvers_use_these_names_of_equations_and_no_others():
 
 @pytest.mark.parametrize("verb", sorted(set().union(*VERBS.values())))
 def test_every_verb_says_what_it_does(verb):
-    assert getattr(Equations, verb).__doc__
+    assert getattr(fl.extend.Equations, verb).__doc__
 
 
 @pytest.mark.parametrize("view", VIEWS, ids=lambda view: view.__name__)

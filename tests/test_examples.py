@@ -6,15 +6,19 @@ import inspect
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.contact.contact import Contact
 from fem_lie.joints.connection import Connection
-from fem_lie.joints.rigid_link import RigidLink
-from fem_lie.scene.nodal_loads import PointLoad
-from fem_lie.scene.supports import Clamp, PrescribedMotion
-from fem_lie.solve.motion.integrator import Integrator
 
-LOAD = next(base for base in PointLoad.__mro__ if base.__name__ == "Load")
-PUT_IN = (fl.Body, Connection, RigidLink, LOAD, Clamp, PrescribedMotion, Contact, Integrator)
+LOAD = next(base for base in fl.PointLoad.__mro__ if base.__name__ == "Load")
+PUT_IN = (
+    fl.Body,
+    Connection,
+    fl.RigidLink,
+    LOAD,
+    fl.Clamp,
+    fl.PrescribedMotion,
+    fl.Contact,
+    fl.extend.Integrator,
+)
 CLASSES = [thing for name in fl.__all__ if inspect.isclass(thing := getattr(fl, name))]
 WANTED = [
     thing

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.system.equations import Instant
 from tests.combinations import free
 from tests.scene_builder import build
 from tests.test_composed import flying, resumed_as_whole
@@ -273,7 +272,7 @@ def test_forces_in_the_loop_are_those_of_the_equations():
     run.start()
     n = equations.unknowns.moving
     rest, none, r = np.zeros((n, 6)), np.zeros(0), np.zeros(6 * n)
-    equations.residual(Instant(run.H, rest, rest, none), none, r)
+    equations.residual(fl.extend.Instant(run.H, rest, rest, none), none, r)
     r[equations.unknowns.held.ravel()] = 0.0
     assert np.abs(r).max() > 0.0
     np.testing.assert_array_equal(run.r, r)

@@ -9,8 +9,6 @@ import fem_lie as fl
 from demos.double_pendulum import pendulum
 from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.system import System
-from fem_lie.system.equations import Equations
-from fem_lie.system.instant import Instant
 
 
 @pytest.mark.parametrize(
@@ -42,7 +40,7 @@ def test_residual_in_one_call_is_the_sum_of_its_parts(time):
     assert system.terms.all_in_tables
     system.set_time(time)
     r, parts = np.empty((2, system.size))
-    now, scale = Instant(*state[:4]), state[4]
+    now, scale = fl.extend.Instant(*state[:4]), state[4]
     system.with_reactions(now, scale, r)
     system.applied(now, scale, parts)
     system.terms.add_forces(now.H, parts)
@@ -66,7 +64,7 @@ def test_cells_whose_nodes_follow_others_are_in_the_same_call():
     H = system.frames.copy()
     H[: system.count, 0] += 1e-3 * rng.normal(size=(system.count, 3))
     v, a = rng.normal(size=(2, system.count, 6))
-    now, scale = Instant(H, v, a, rng.normal(size=system.m)), np.ones(system.m)
+    now, scale = fl.extend.Instant(H, v, a, rng.normal(size=system.m)), np.ones(system.m)
     r, parts = np.empty((2, system.size))
     system.with_reactions(now, scale, r)
     system.applied(now, scale, parts)
@@ -81,7 +79,7 @@ def test_rows_are_what_the_equations_report():
     scene.gravity = np.array((0.0, -9.81, 0.0))
     scene.add(fl.PointLoad(one.end, force=(0.0, 0.0, 1.0), history=lambda t: np.sin(50 * t)))
     result = fl.GeneralisedAlpha().run(scene, duration=5e-3, step=1e-4, progress=False)
-    equations = Equations(scene, dynamics=True)
+    equations = fl.extend.Equations(scene, dynamics=True)
     system = equations.system
     H = np.concatenate([result.frames[-1], system.frames[system.count :]])
     v, invariants = result.velocities[-1], np.empty(7)

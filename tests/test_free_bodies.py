@@ -14,7 +14,6 @@ from fem_lie.solve.alpha.step import free_body, node
 from fem_lie.solve.alpha.step.free_records import Body
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system.equations import Equations
 
 HISTORIES = ("times", "frames", "velocities", "kinetic", "potential", "elastic", "momentum")
 FULL = np.array([[2.0, 0.3, -0.2], [0.3, 2.5, 0.1], [-0.2, 0.1, 1.5]])
@@ -44,14 +43,14 @@ def general(options: fl.GeneralisedAlpha, scene: fl.Scene, steps: int, step: flo
     """The same by the road that all other scenes take."""
     # the compiled loop has all terms in its matrix
     scene.choices = fl.Choices(gyroscopic=True)
-    run = Run(options, Equations(scene, dynamics=True), step)
+    run = Run(options, fl.extend.Equations(scene, dynamics=True), step)
     return run.run(EqualSteps(Saving(), steps, step), False, None)
 
 
 def as_r3xso3(options: fl.GeneralisedAlpha, scene: fl.Scene, steps: int, step: float) -> fl.Result:
     for body in scene.bodies:
         body.group = fl.Group.R3xSO3
-    run = free_bodies.Run(options, Equations(scene, dynamics=True), step)
+    run = free_bodies.Run(options, fl.extend.Equations(scene, dynamics=True), step)
     return run.run(EqualSteps(Saving(), steps, step), False, None)
 
 

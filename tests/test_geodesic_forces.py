@@ -9,34 +9,33 @@ import numpy as np
 import pytest
 from dolfinx import fem
 
+import fem_lie as fl
 from fem_lie import lie
-from fem_lie.elements.beams.element import CellData, bending_share, with_bending_flexibility
-from fem_lie.elements.beams.geodesic import GEODESIC, Geodesic, geodesic_energy
+from fem_lie.elements.beams.element import bending_share, with_bending_flexibility
+from fem_lie.elements.beams.geodesic import GEODESIC, geodesic_energy
 from fem_lie.forms.assembly import Assembly
 from fem_lie.forms.cells import Cells, evaluate
-from fem_lie.forms.frames import NodalFrames
-from fem_lie.forms.local_forms import LocalFrameForms
 
 
-def both(count: int) -> tuple[NodalFrames, LocalFrameForms, LocalFrameForms]:
+def both(count: int) -> tuple[fl.NodalFrames, fl.LocalFrameForms, fl.LocalFrameForms]:
     """By hand, and derived: of any stiffness, strained at rest."""
     mesh, rng = models.straight(MPI.COMM_SELF, 1.5, count), np.random.default_rng(5)
-    q = NodalFrames(mesh)
+    q = fl.NodalFrames(mesh)
     q.update(0.2 * rng.normal(size=(count + 1, 6)))
     ends = q.frames[q.function.function_space.dofmap.list]
     relative = lie.se3_relative(ends[:, 0], ends[:, 1])
     factors = rng.normal(size=(count, 6, 6))
     section = np.einsum("eij,ekj->eik", factors, factors)
     lengths = rng.uniform(0.5, 2.0, count)
-    eigenstrain = models.cellwise(mesh, rng.normal(size=(count, 6)))
+    eigenstrain = fl.extend.cellwise(mesh, rng.normal(size=(count, 6)))
     nothing = np.zeros((count, 4, 4)), eigenstrain, None, np.zeros((count, 2))
-    cells = CellData(lengths, section, *nothing)
+    cells = fl.extend.CellData(lengths, section, *nothing)
     stiffness = with_bending_flexibility(section, relative)
-    share = models.cellwise(mesh, bending_share(section, stiffness))
-    d, d0, ell, D = (models.cellwise(mesh, a) for a in (relative, relative, lengths, stiffness))
+    share = fl.extend.cellwise(mesh, bending_share(section, stiffness))
+    d, d0, ell, D = (fl.extend.cellwise(mesh, a) for a in (relative, relative, lengths, stiffness))
     energy = geodesic_energy(d, d0, ell, D, mesh, eigenstrain, share=share)
-    derived = LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
-    return q, Geodesic().forms(q, cells), derived
+    derived = fl.LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
+    return q, fl.Geodesic().forms(q, cells), derived
 
 
 @pytest.mark.parametrize("size", [0.0, 1e-9, 0.1, 1.0], ids=str)

@@ -9,7 +9,6 @@ from scipy.integrate import quad
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie._arrays import diameter
-from fem_lie.mesh.curves import straight
 from fem_lie.mesh.lines import KINK_ANGLE
 
 FRAME = Path(__file__).parents[1] / "meshes" / "frame.geo"
@@ -291,7 +290,7 @@ def test_without_rotary_inertia_mass_and_its_centre_stay():
     inertia[1:, 1:] += mass * np.outer(centre, centre)
     inertia[0, 1:] = inertia[1:, 0] = mass * centre
     section = fl.Section.from_stiffness(SECTION.stiffness, inertia)
-    mesh = straight((0, 0, 0), (1, 0, 0), 1)
+    mesh = fl.straight((0, 0, 0), (1, 0, 0), 1)
     (reduced,) = fl.Beam(mesh, section, rotary_inertia=False).density
     np.testing.assert_allclose(reduced[0], inertia[0], atol=1e-15)
     about_centre = reduced[1:, 1:] - mass * np.outer(centre, centre)

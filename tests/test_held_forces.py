@@ -6,8 +6,6 @@ import pytest
 import fem_lie as fl
 from fem_lie.system.balance.acting import supported
 from fem_lie.system.balance.held_forces import HeldForces
-from fem_lie.system.equations import Equations
-from fem_lie.system.instant import Instant
 
 STEEL = fl.Material(E=2e11, nu=0.3, density=7800.0)
 SECTION = fl.Section.rectangle(0.02, 0.03, STEEL)
@@ -52,7 +50,7 @@ def jointed():
 
 @pytest.mark.parametrize("scene", [cantilever, branched, jointed])
 def test_forces_of_supports_need_only_what_is_near(scene):
-    rng, equations = np.random.default_rng(5), Equations(scene(), dynamics=True)
+    rng, equations = np.random.default_rng(5), fl.extend.Equations(scene(), dynamics=True)
     system = equations.system
     count, frames = system.count, system.frames.copy()
     frames[:count, :3] += 1e-3 * rng.standard_normal((count, 3, 3))
@@ -62,7 +60,7 @@ def test_forces_of_supports_need_only_what_is_near(scene):
     near = HeldForces(system, held)
     assert near.near
     r = np.empty(system.size)
-    system.with_reactions(Instant(*state), np.ones(system.m), r)
+    system.with_reactions(fl.extend.Instant(*state), np.ones(system.m), r)
     wanted = np.where(held, r[: 6 * count].reshape(-1, 6), 0.0)
     assert (near.nodes == np.flatnonzero(wanted.any(axis=1))).all()
     for _ in range(2):

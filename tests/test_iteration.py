@@ -7,12 +7,10 @@ import pytest
 
 import fem_lie as fl
 from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.solve.convergence import Verdict
-from fem_lie.solve.iteration import KEPT, NEWTON, Iterated, LinearRate, QuadraticRate, iterate
-from fem_lie.solve.renewal import Update
+from fem_lie.solve.iteration import KEPT, NEWTON
 
 
-class Root(Iterated):
+class Root(fl.extend.Iterated):
     """The root of ``x³ = 8``."""
 
     def __init__(self, start, criterion, slope=None):
@@ -28,7 +26,7 @@ class Root(Iterated):
         return self._residual == 0.0
 
     def renew(self, update):
-        assert update == Update.ALL
+        assert update == fl.Update.ALL
         self._slope, self.made = 3.0 * self.x**2, self.made + 1
         if self._slope == 0.0:
             raise SingularMatrixError("no slope")
@@ -45,13 +43,13 @@ class Root(Iterated):
 
 
 def linear(tolerance=1e-12):
-    return LinearRate(lambda _: tolerance, 1.0, 1e-14)
+    return fl.extend.LinearRate(lambda _: tolerance, 1.0, 1e-14)
 
 
 @pytest.mark.parametrize("renewals", [NEWTON, KEPT])
 def test_a_frozen_matrix_arrives_where_newton_does(renewals):
     root = Root(2.3, linear())
-    ended = iterate(root, 60, renewals)
+    ended = fl.extend.iterate(root, 60, renewals)
     assert ended.converged
     assert abs(root.x - 2.0) < 1e-12
     assert root.made == (1 if renewals is KEPT else ended.iterations)
@@ -59,9 +57,9 @@ def test_a_frozen_matrix_arrives_where_newton_does(renewals):
 
 
 def test_what_is_left_after_quadratic_convergence_is_below_the_tolerance():
-    root = Root(2.3, QuadraticRate(1e-10, 1e3))
-    ended = iterate(root, 20)
-    assert ended.verdict == Verdict.CONVERGED
+    root = Root(2.3, fl.extend.QuadraticRate(1e-10, 1e3))
+    ended = fl.extend.iterate(root, 20)
+    assert ended.verdict == fl.extend.Verdict.CONVERGED
     assert abs(root.x - 2.0) < 1e-10
     assert ended.size > 1e-10  # the last correction itself is not
 
@@ -69,16 +67,16 @@ def test_what_is_left_after_quadratic_convergence_is_below_the_tolerance():
 @pytest.mark.parametrize(
     ("start", "slope", "limit", "verdict"),
     [
-        (2.3, None, 1, Verdict.GOES_ON),
-        (0.0, None, 9, Verdict.SINGULAR),
-        (2.3, 0.5, 9, Verdict.DIVERGED),
-        (2.0, None, 9, Verdict.CONVERGED),  # without a correction
+        (2.3, None, 1, fl.extend.Verdict.GOES_ON),
+        (0.0, None, 9, fl.extend.Verdict.SINGULAR),
+        (2.3, 0.5, 9, fl.extend.Verdict.DIVERGED),
+        (2.0, None, 9, fl.extend.Verdict.CONVERGED),  # without a correction
     ],
 )
 def test_how_an_iteration_ends(start, slope, limit, verdict):
-    ended = iterate(Root(start, linear(), slope), limit, KEPT)
+    ended = fl.extend.iterate(Root(start, linear(), slope), limit, KEPT)
     assert ended.verdict == verdict
-    assert ended.converged == (verdict == Verdict.CONVERGED)
+    assert ended.converged == (verdict == fl.extend.Verdict.CONVERGED)
     assert (ended.iterations == 0) == (start == 2.0)
 
 

@@ -17,7 +17,6 @@ from fem_lie.joints.equations.relative_motion import relative_motion
 from fem_lie.solve.alpha.run import Run
 from fem_lie.system import System
 from fem_lie.system.constraints import Connections
-from fem_lie.system.equations import Equations, Instant
 from fem_lie.system.nodes.numbering import Numbering
 
 seeds = st.integers(0, 2**32 - 1)
@@ -355,10 +354,10 @@ def test_condition_of_matrix_does_not_depend_on_step(flexible):
         else:
             body = scene.add(fl.RigidBody(2.0, (0.1, 0.2, 0.2), (0.5, 0, 0)))
             scene.add(fl.Revolute(fl.ground(), body.centre, at=(0, 0, 0), axis=(0, 1, 0)))
-        run = Run(fl.GeneralisedAlpha(), Equations(scene, dynamics=True), step)
+        run = Run(fl.GeneralisedAlpha(), fl.extend.Equations(scene, dynamics=True), step)
         run.start()
         s = run.s
-        now = Instant(s.H, s.twist1, s.rate1, run.weights)
+        now = fl.extend.Instant(s.H, s.twist1, s.rate1, run.weights)
         run.equations.residual(now, run.scale, run.r, run.forces)
         run._factorise(s.H)
         matrix = run.equations.matrix.matrix.convert("dense").getDenseArray()

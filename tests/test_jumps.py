@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.solve.step_control import ConstantStep
 from tests.jumping import (
     AT_END,
     END,
@@ -32,7 +31,7 @@ def errors(scene, body, scheme, exact, at, step):
 
 @each
 @pytest.mark.parametrize("at", [AT_END, INSIDE])
-@pytest.mark.parametrize("kind", [float, ConstantStep])
+@pytest.mark.parametrize("kind", [float, fl.ConstantStep])
 def test_a_load_that_jumps_costs_no_order(scheme, at, kind):
     """At the end of a step and within one; the same with a table and with a function that says."""
     table = fl.Table((0, at, at), (0, 0, 1))
@@ -130,7 +129,7 @@ def two(body):
         (lambda: fl.Table((0, np.nan), (0, 0)), "times must be finite"),
         (lambda: fl.Table((0, 1), (0, np.inf)), "must be finite, got"),
         (lambda: fl.Jumps(abs, (np.nan,)), "jumps must be finite times"),
-        (lambda: ConstantStep(0.1, events=(2.0,)).check(1.0), r"events must be in \(0, 1\)"),
+        (lambda: fl.ConstantStep(0.1, events=(2.0,)).check(1.0), r"events must be in \(0, 1\)"),
     ],
 )
 def test_bad_histories_are_named(call, message):

@@ -20,11 +20,10 @@ from hypothesis import strategies as st
 from models import CARRIED, STRAIN_0, D, Model, built, few
 from ranks import on_ranks
 
+import fem_lie as fl
 from fem_lie import lie
 from fem_lie.elements.beams.geodesic import GEODESIC
-from fem_lie.forms.energy import StrainEnergy
-from fem_lie.forms.frames import DIRECTORS, NodalFrames, local_frame_forms
-from fem_lie.forms.local_forms import LocalFrameForms
+from fem_lie.forms.frames import DIRECTORS
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -60,7 +59,7 @@ def map_derivative(H: np.ndarray, f: np.ndarray, step: float = 1e-5) -> np.ndarr
     return np.array(columns).T
 
 
-def twin(q: NodalFrames, energy: ufl.Form) -> tuple[float, np.ndarray, np.ndarray]:
+def twin(q: fl.NodalFrames, energy: ufl.Form) -> tuple[float, np.ndarray, np.ndarray]:
     """Energy, residual and tangent by DOLFINx in flat coordinates and NumPy on nodes."""
     y, space = q.function, q.function.function_space
     gradient = ufl.derivative(energy, y, ufl.TestFunction(space))
@@ -96,7 +95,7 @@ def data(mesh, rng: np.random.Generator) -> dict:
     }
 
 
-def packed_energy(q: NodalFrames, g: dict) -> tuple:
+def packed_energy(q: fl.NodalFrames, g: dict) -> tuple:
     """A strain and a law that use all of them; ``shift`` drops out of the derivatives."""
     x, (d1, d2, d3) = q.position, q.directors
     J = ufl.Jacobian(q.function.function_space.mesh)
@@ -123,12 +122,12 @@ def test_packing_does_not_depend_on_the_order_of_creation(order, state_at, carri
     makers, given_data, q = data(mesh, np.random.default_rng(1)), {}, None
     for position, key in enumerate([*order, None]):
         if position == state_at:
-            q = NodalFrames(mesh)
+            q = fl.NodalFrames(mesh)
         if key is not None:
             given_data[key] = makers[key]()
     strain, law = packed_energy(q, given_data)
-    energy = StrainEnergy(strain, law, models.measure(mesh, 3))
-    model = Model(q, local_frame_forms(energy if carried else energy.form(), q), energy)
+    energy = fl.StrainEnergy(strain, law, models.measure(mesh, 3))
+    model = Model(q, fl.local_frame_forms(energy if carried else energy.form(), q), energy)
     model.at(model.random(2)).settle()
     value, residual, tangent = twin(q, energy.form())
     assert model.energy_value() == pytest.approx(value, rel=1e-13)
@@ -140,11 +139,13 @@ def test_packing_does_not_depend_on_the_order_of_creation(order, state_at, carri
 def test_changed_data_are_seen():
     """Constants and coefficients are read at each assembly, the carried stress, too."""
     mesh = models.line(MPI.COMM_SELF, 1, 2)
-    q, factor = NodalFrames(mesh), fem.Constant(mesh, 1.0)
-    weight = models.cellwise(mesh, np.ones(2))
+    q, factor = fl.NodalFrames(mesh), fem.Constant(mesh, 1.0)
+    weight = fl.extend.cellwise(mesh, np.ones(2))
     energy = models.director_energy(q)
-    energy = StrainEnergy(energy.strain, lambda e: factor * models.linear_law(e), energy.dx, weight)
-    model = Model(q, local_frame_forms(energy, q), energy)
+    energy = fl.StrainEnergy(
+        energy.strain, lambda e: factor * models.linear_law(e), energy.dx, weight
+    )
+    model = Model(q, fl.local_frame_forms(energy, q), energy)
     model.at(model.random(1)).settle()
     before = model.residual(), model.tangent()
     factor.value, weight.x.array[:] = 3.0, 0.5
@@ -156,10 +157,10 @@ def test_changed_data_are_seen():
 def test_energy_linear_in_the_coordinates():
     """The second derivative is zero, FFCx makes no function: the map's derivative is left."""
     mesh = models.line(MPI.COMM_SELF, 1)
-    q = NodalFrames(mesh)
+    q = fl.NodalFrames(mesh)
     x, d = q.position, q.directors
     energy = (2 * x[0] - x[2] + 3 * d[0][1] + d[2][0]) * ufl.dx(mesh)
-    model = Model(q, local_frame_forms(energy, q), energy)
+    model = Model(q, fl.local_frame_forms(energy, q), energy)
     model.at(model.random(4))
     _, residual, tangent = twin(q, energy)
     assert close(model.residual(), residual, 1e-13)
@@ -173,10 +174,10 @@ def test_energy_on_a_part_of_the_mesh(carried):
     dx = ufl.Measure(
         "dx", domain=mesh, subdomain_data=tags, metadata={"quadrature_degree": 1}
     )(7)  # fmt: skip
-    q = NodalFrames(mesh)
+    q = fl.NodalFrames(mesh)
     whole = models.director_energy(q)
-    energy = StrainEnergy(whole.strain, whole.law, dx)
-    model = Model(q, local_frame_forms(energy if carried else energy.form(), q), energy)
+    energy = fl.StrainEnergy(whole.strain, whole.law, dx)
+    model = Model(q, fl.local_frame_forms(energy if carried else energy.form(), q), energy)
     model.at(model.random(8)).settle()
     _, residual, tangent = twin(q, energy.form())
     assert close(model.residual(), residual, 1e-13)
@@ -250,7 +251,7 @@ def test_geometric_stiffness_is_of_the_carried_stress(make):
     model = built(make)
     energy, stress = model.energy, model.forms.stress
     model.at(model.random(3))
-    linear = local_frame_forms(ufl.inner(stress, energy.strain) * energy.dx, model.frames)
+    linear = fl.local_frame_forms(ufl.inner(stress, energy.strain) * energy.dx, model.frames)
     stress.x.array[:] = 0.0
     material = model.tangent()
     stress.x.array[:] = np.random.default_rng(3).normal(size=stress.x.array.size) * 30
@@ -265,14 +266,14 @@ def test_geometric_stiffness_is_of_the_carried_stress(make):
 @pytest.mark.parametrize("rule", ["default", "GLL"])
 def test_quadrature_rule_of_the_measure_is_that_of_the_stress(rule):
     mesh = models.line(MPI.COMM_SELF, 1, 2)
-    q = NodalFrames(mesh)
+    q = fl.NodalFrames(mesh)
     whole = models.director_energy(q)
     # one point in the middle or one at each end: neither is exact, so they differ
     metadata = {"quadrature_degree": 1, "quadrature_rule": rule}
-    energy = StrainEnergy(
+    energy = fl.StrainEnergy(
         whole.strain, whole.law, ufl.Measure("dx", domain=mesh, metadata=metadata)
     )
-    model = Model(q, local_frame_forms(energy, q), energy)
+    model = Model(q, fl.local_frame_forms(energy, q), energy)
     model.at(model.random(1)).settle()
     _, residual, tangent = twin(q, energy.form())
     assert close(model.residual(), residual, 1e-13)
@@ -283,9 +284,9 @@ def test_quadrature_rule_of_the_measure_is_that_of_the_stress(rule):
 
 
 def linear_director_beam() -> Model:
-    q = NodalFrames(models.line(MPI.COMM_SELF, 1))
+    q = fl.NodalFrames(models.line(MPI.COMM_SELF, 1))
     energy = models.director_energy(q, models.linear_law)
-    return Model(q, local_frame_forms(energy, q), energy)
+    return Model(q, fl.local_frame_forms(energy, q), energy)
 
 
 @pytest.mark.parametrize(
@@ -411,22 +412,22 @@ def test_ranks_give_the_same_vectors(ranks, alone, tmp_path):
 
 
 @pytest.fixture(scope="module")
-def frames() -> NodalFrames:
-    return NodalFrames(models.line(MPI.COMM_SELF, 1, 2))
+def frames() -> fl.NodalFrames:
+    return fl.NodalFrames(models.line(MPI.COMM_SELF, 1, 2))
 
 
 def test_strain_energy_needs_a_quadrature_degree(frames):
     energy = models.director_energy(frames)
-    energy = StrainEnergy(energy.strain, energy.law, ufl.dx(frames.function.function_space.mesh))
+    energy = fl.StrainEnergy(energy.strain, energy.law, ufl.dx(frames.function.function_space.mesh))
     with pytest.raises(ValueError, match="needs a quadrature degree"):
-        local_frame_forms(energy, frames)
+        fl.local_frame_forms(energy, frames)
 
 
 def test_strain_must_be_a_vector(frames):
     dx = models.measure(frames.function.function_space.mesh, 1)
-    energy = StrainEnergy(frames.position[0], lambda e: e**2, dx)
+    energy = fl.StrainEnergy(frames.position[0], lambda e: e**2, dx)
     with pytest.raises(ValueError, match=r"shape \(n,\), got \(\)"):
-        local_frame_forms(energy, frames)
+        fl.local_frame_forms(energy, frames)
 
 
 @pytest.mark.parametrize("measure", [ufl.ds, ufl.dS])
@@ -435,9 +436,9 @@ def test_only_cell_integrals(frames, measure):
     x = frames.position
     density = ufl.inner(x, x) if measure is ufl.ds else ufl.avg(ufl.inner(x, x))
     with pytest.raises(ValueError, match="over cells"):
-        local_frame_forms(density * measure(mesh), frames)
+        fl.local_frame_forms(density * measure(mesh), frames)
     with pytest.raises(ValueError, match="over cells"):
-        local_frame_forms(density * measure(mesh) + x[0] ** 2 * ufl.dx(mesh), frames)
+        fl.local_frame_forms(density * measure(mesh) + x[0] ** 2 * ufl.dx(mesh), frames)
 
 
 def test_only_one_cell_integral(frames):
@@ -447,19 +448,21 @@ def test_only_one_cell_integral(frames):
     x = frames.position
     for energy in (x[0] ** 2 * dx(1) + x[1] ** 2 * dx(2), x[0] ** 2 * dx((1, 2))):
         with pytest.raises(ValueError, match="one cell integral, got 2"):
-            local_frame_forms(energy, frames)
+            fl.local_frame_forms(energy, frames)
 
 
 def test_energy_that_does_not_depend_on_the_frames(frames):
     mesh = frames.function.function_space.mesh
     with pytest.raises(ValueError, match="does not depend on the coordinates"):
-        local_frame_forms(fem.Constant(mesh, 2.0) * ufl.dx(mesh), frames)
+        fl.local_frame_forms(fem.Constant(mesh, 2.0) * ufl.dx(mesh), frames)
 
 
 def test_local_fields_with_strain_energy(frames):
     mesh = frames.function.function_space.mesh
     with pytest.raises(ValueError, match="local fields as a UFL form"):
-        local_frame_forms(models.director_energy(frames), frames, models.cellwise(mesh, D[:2]))
+        fl.local_frame_forms(
+            models.director_energy(frames), frames, fl.extend.cellwise(mesh, D[:2])
+        )
 
 
 @pytest.mark.parametrize(
@@ -474,31 +477,31 @@ def test_local_fields_are_refused_if_cells_share_them(frames, family, degree):
     energy = (ufl.inner(local, strain) - 0.5 * ufl.inner(local, local)) * models.measure(mesh, 3)
     if family == "Lagrange":
         with pytest.raises(ValueError, match="must be discontinuous between cells"):
-            local_frame_forms(energy, frames, local)
+            fl.local_frame_forms(energy, frames, local)
     else:
-        assert local_frame_forms(energy, frames, local).local is local
+        assert fl.local_frame_forms(energy, frames, local).local is local
 
 
 def test_frames_need_a_mesh_in_space():
     mesh = dolfinx.mesh.create_unit_square(MPI.COMM_SELF, 1, 1)
     with pytest.raises(ValueError, match="gdim 3, got gdim 2"):
-        NodalFrames(mesh)
+        fl.NodalFrames(mesh)
 
 
 def test_functions_must_fit_the_map(frames):
     energy = frames.position[0] ** 2 * ufl.dx(frames.function.function_space.mesh)
     state, increment = frames.function, frames.increment
     with pytest.raises(ValueError, match="increment must have 6 values per node"):
-        LocalFrameForms(energy, state, state, DIRECTORS)
+        fl.LocalFrameForms(energy, state, state, DIRECTORS)
     with pytest.raises(ValueError, match="state must have 12 values per node"):
-        LocalFrameForms(energy, increment, increment, DIRECTORS)
+        fl.LocalFrameForms(energy, increment, increment, DIRECTORS)
     finer = fem.functionspace(state.function_space.mesh, ("Lagrange", 2, (6,)))
     with pytest.raises(ValueError, match="same nodes"):
-        LocalFrameForms(energy, state, fem.Function(finer), DIRECTORS)
+        fl.LocalFrameForms(energy, state, fem.Function(finer), DIRECTORS)
     with pytest.raises(ValueError, match=r"this map does$"):
-        LocalFrameForms(energy, state, increment, GEODESIC)
+        fl.LocalFrameForms(energy, state, increment, GEODESIC)
     with pytest.raises(ValueError, match=r"this map does not$"):
-        LocalFrameForms(energy, state, increment, DIRECTORS, coordinates=state)
+        fl.LocalFrameForms(energy, state, increment, DIRECTORS, coordinates=state)
 
 
 def test_update_needs_six_values_per_node(frames):

@@ -6,16 +6,15 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.lie import kinds
-from fem_lie.lie.kinds import AMPLITUDE, POINT, SLOPE, SURFACE, TRAITS, NodeKind, inertia
-from fem_lie.lie.motions import Group, Parametrisation
+from fem_lie.lie.kinds import AMPLITUDE, POINT, SLOPE, SURFACE, TRAITS, inertia
 from fem_lie.system import System
 from fem_lie.system.nodes import numbering
 
 KINDS = {
     f"{group.name}, {parametrisation.name}": group + 2 * parametrisation
-    for group in Group
-    for parametrisation in Parametrisation
-} | {kind.name: int(kind) for kind in NodeKind if kind >= SLOPE}
+    for group in fl.Group
+    for parametrisation in fl.Parametrisation
+} | {kind.name: int(kind) for kind in fl.extend.NodeKind if kind >= SLOPE}
 STEP = 1e-5
 WEIGHTS = {-2: -1 / 12, -1: 4 / 3, 0: -5 / 2, 1: 4 / 3, 2: -1 / 12}
 
@@ -29,7 +28,7 @@ class Node:
         rng = np.random.default_rng(seed)
         self.kind, self.kinds = kind, np.array([kind])
         self.H = lie.se3_exp(rng.normal(size=(1, 6)))
-        rows = TRAITS[NodeKind.FRAME if kind < SLOPE else NodeKind(kind)].rows
+        rows = TRAITS[fl.extend.NodeKind.FRAME if kind < SLOPE else fl.extend.NodeKind(kind)].rows
         self.rows, self.placed = slice(rows.start, rows.stop), rows.start == 0
         if kind in (SLOPE, SURFACE):
             self.H[:, 1] *= 1.3
@@ -213,7 +212,7 @@ def test_shown_velocities_are_of_the_rows(kind):
     np.testing.assert_allclose(np.cross(spin, first), across, atol=1e-13)
 
 
-@pytest.mark.parametrize("kind", [kind for kind in NodeKind if POINT <= kind < AMPLITUDE])
+@pytest.mark.parametrize("kind", [kind for kind in fl.extend.NodeKind if POINT <= kind < AMPLITUDE])
 def test_axes_are_what_they_were_set_to(kind):
     """Straight rows stay, and so do the axes in any motion."""
     node, R = Node(kind), lie.se3_exp(np.random.default_rng(8).normal(size=(1, 6)))[:, 1:]
@@ -245,7 +244,7 @@ def test_carried_axes_stay_unit_vectors_without_twist():
 def test_clamps_hold_place_and_direction():
     """A clamped slope may still be stretched."""
     node = Node(SLOPE)
-    h = np.where(TRAITS[NodeKind.SLOPE].clamped, 0.0, node.h)
+    h = np.where(TRAITS[fl.extend.NodeKind.SLOPE].clamped, 0.0, node.h)
     moved = node.follow(h)
     np.testing.assert_array_equal(moved[0, 0], node.H[0, 0])
     assert np.abs(np.cross(moved[0, 1], node.H[0, 1])).max() < 1e-15
@@ -258,8 +257,8 @@ def test_unknowns_that_a_kind_does_not_have_are_none_of_the_matrix(monkeypatch):
     cable = fl.Cable.straight((0, 0, 0), (1, 0, 0), section, cells=2)
     scene = fl.Scene()
     scene.add(cable)
-    three = TRAITS[NodeKind.SLOPE]._replace(unknowns=3)
-    monkeypatch.setattr(numbering, "TRAITS", {**TRAITS, NodeKind.SLOPE: three})
+    three = TRAITS[fl.extend.NodeKind.SLOPE]._replace(unknowns=3)
+    monkeypatch.setattr(numbering, "TRAITS", {**TRAITS, fl.extend.NodeKind.SLOPE: three})
     system = System(scene, dynamics=True)
     assert system.held[:, 3:].all() and not system.held[:, :3].any()
     _, columns, pointers = system.kkt.csr

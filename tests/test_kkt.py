@@ -8,11 +8,9 @@ import scipy.sparse as sp
 
 import fem_lie as fl
 from demos.hemisphere import pinched, quarter
-from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.packages import Method
 from fem_lie.solve.statics.follow import SceneEquilibrium
-from fem_lie.system.instant import Instant, Plan
 
 SYMMETRIC = Method("cholesky", "cholmod"), Method("cholesky", "mumps")
 INDEFINITE = SYMMETRIC[1:]
@@ -42,7 +40,7 @@ def test_an_indefinite_matrix_stays_with_the_solver_that_can(cells):
     """Where there is little fill CHOLMOD would take it, and say that it has no negative pivot."""
     model = SceneEquilibrium(pinched(0.04, quarter(cells), fl.HellingerReissner()), "test_")
     matrix = model.equations.system.kkt.matrix
-    solver = DirectSolver(model.equations.system.kkt, "test_indefinite_", SYMMETRIC)
+    solver = fl.extend.DirectSolver(model.equations.system.kkt, "test_indefinite_", SYMMETRIC)
     A = stored(model)
     solver.factorise()
     assert solver._methods == SYMMETRIC
@@ -60,7 +58,7 @@ def test_options_that_are_given_come_before_those_of_a_package():
     model = SceneEquilibrium(pinched(0.04, quarter(3), fl.HellingerReissner()), "test_")
     options = PETSc.Options("test_given_")
     options["mat_umfpack_pivot_tolerance"] = 0.5
-    DirectSolver(model.equations.matrix, "test_given_", [Method("lu", "umfpack")])
+    fl.extend.DirectSolver(model.equations.matrix, "test_given_", [Method("lu", "umfpack")])
     assert options.getReal("mat_umfpack_pivot_tolerance") == 0.5
     assert options.getString("mat_umfpack_strategy") == "SYMMETRIC"
 
@@ -69,7 +67,7 @@ def test_options_that_are_given_come_before_those_of_a_package():
 def test_a_matrix_that_is_not_finite_does_not_spoil_the_next(methods):
     """A step that blew up is halved; the packages themselves never recover from nan."""
     model = SceneEquilibrium(pinched(0.04, quarter(12), fl.HellingerReissner()), "test_")
-    solver = DirectSolver(model.equations.system.kkt, "test_finite_", methods)
+    solver = fl.extend.DirectSolver(model.equations.system.kkt, "test_finite_", methods)
     values = model.equations.system.kkt.csr[0]
     kept = values.copy()
     solver.right_hand_side[:] = 1.0
@@ -101,8 +99,8 @@ def test_forces_that_are_known_make_the_same_matrix(load):
     found, system = stored(model), model.equations.system
     zero = np.zeros((system.count, 6))
     state = model._H, zero, zero, model._multipliers, model._scale
-    now, forces = Instant(*state[:4]), system.room()
+    now, forces = fl.extend.Instant(*state[:4]), system.room()
     system.residual(now, state[4], np.empty(system.size), forces)
-    system.fill_matrix(now, forces, Plan(zero, state[4]))
+    system.fill_matrix(now, forces, fl.extend.Plan(zero, state[4]))
     anew = stored(model)
     assert abs(found - anew).max() <= 1e-12 * abs(anew).max()

@@ -6,7 +6,6 @@ import pytest
 import fem_lie as fl
 from benchmarks.levels import PROBLEMS, levels, study
 from demos.deep_arch import arch
-from fem_lie.linear.direct import ConvergenceError
 from fem_lie.solve.statics.arc_length import Passed
 from fem_lie.solve.statics.load_steps import SingularStartError
 from fem_lie.solve.statics.statics import _first_that_arrives
@@ -84,7 +83,7 @@ def test_ways_are_tried_in_turn_and_their_solutions_counted():
     scene = PROBLEMS["three turns by a moment"]()
     good = fl.statics(scene)
 
-    def fails(kind=ConvergenceError):
+    def fails(kind=fl.ConvergenceError):
         raise kind("no equilibrium here", good)
 
     found = _first_that_arrives([fails, fails, lambda: good])

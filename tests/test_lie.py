@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba.core.runtime import _nrt_python, rtsys
 
+import fem_lie as fl
 from fem_lie import lie
-from fem_lie._jit import compiled
 from fem_lie.lie import series
 
 PI = np.pi
@@ -160,7 +160,7 @@ def test_derivatives_of_rotation_tangents(angle):
     close(lie.so3_tangent_inverse_derivative(theta, w), mp_columns(inverse, exact(theta)))
 
 
-@compiled
+@fl.extend.compiled
 def _coefficients(x):
     return series.stumpff(x)[2:], series.inverse_series(x)
 
@@ -388,7 +388,7 @@ def test_cayley_of_se3(angle):
 # --- compiled loops -----------------------------------------------------------------------------
 
 
-@compiled
+@fl.extend.compiled
 def _march(H, d, steps, clean):
     for _ in range(steps):
         lie.retract(H, d, H)
@@ -416,7 +416,7 @@ def test_reorthonormalise_squares_the_error():
     close(H, wanted, 1e-4)
 
 
-@compiled
+@fl.extend.compiled
 def _everything(H, d, v, M, out, frame_out):
     lie.retract(H, d, frame_out)
     lie.relative(H, frame_out, out)
@@ -436,7 +436,7 @@ def _everything(H, d, v, M, out, frame_out):
     lie.tangent_derivative_so3(out[3:], v[:3], M[3:, 3:])
 
 
-@compiled
+@fl.extend.compiled
 def _allocating(H, d, v, M, out, frame_out):
     out[:] = v + d
 

@@ -9,7 +9,6 @@ import ufl
 from dolfinx import fem
 
 import fem_lie as fl
-from fem_lie.elements.beams.element import cellwise
 from tests.random_scenes import PROPORTIONAL, random_scene
 from tests.scene_builder import build
 
@@ -149,7 +148,7 @@ class Yielding(fl.Director):
         s = fem.Function(fem.functionspace(mesh, element))
         stretch, curvature = fl.director_strains(nodal)
         strain = ufl.as_vector([stretch[0] - 1, stretch[1], stretch[2], *curvature])
-        C = cellwise(mesh, np.linalg.inv(cells.stiffness))
+        C = fl.extend.cellwise(mesh, np.linalg.inv(cells.stiffness))
         bending = C[4, 4] * s[4] ** 2 + C[5, 5] * s[5] ** 2
         stored = 0.5 * ufl.inner(s, C * s) + 0.5 * self.gamma * s[0] * bending
         dx = ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": 1})

@@ -7,7 +7,6 @@ import fem_lie as fl
 from fem_lie import lie
 from fem_lie.scene.pressure import Pressure
 from fem_lie.system import System
-from fem_lie.system.instant import Instant, Plan
 
 EA, GA, GJ, EI2, EI3 = 1e4, 5e3, 50.0, 100.0, 70.0
 MASS = np.diag([0.5, 0.0, 1e-4, 2e-4])
@@ -58,16 +57,16 @@ def random_state(system: System, seed: int):
 
 def dense(system: System, H, v, a, factors) -> np.ndarray:
     zero = np.zeros((system.count, 6))
-    now, forces = Instant(H, v, a, np.zeros(0)), system.room()
+    now, forces = fl.extend.Instant(H, v, a, np.zeros(0)), system.room()
     system.residual(now, np.ones(0), np.zeros(system.size), forces)
-    system.fill_matrix(now, forces, Plan(zero, np.ones(0), *factors))
+    system.fill_matrix(now, forces, fl.extend.Plan(zero, np.ones(0), *factors))
     matrix = system.kkt.matrix.copy()  # "convert" changes what it is called on
     return matrix.convert("dense").getDenseArray().copy()
 
 
 def residual(system: System, H, v, a) -> np.ndarray:
     r = np.zeros(system.size)
-    system.residual(Instant(H, v, a, np.zeros(0)), np.ones(0), r)
+    system.residual(fl.extend.Instant(H, v, a, np.zeros(0)), np.ones(0), r)
     return r
 
 

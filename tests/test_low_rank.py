@@ -5,7 +5,6 @@ import pytest
 
 import fem_lie as fl
 from fem_lie.linear.low_rank import Beside, Columns
-from fem_lie.system.equations import Equations, Instant, Plan
 
 RADIUS, CELLS = 0.01, 8
 SECTION = fl.Section.circle(RADIUS, fl.Material(1e7, 0.3, 1000.0))
@@ -61,14 +60,14 @@ def test_solutions_are_those_of_the_whole_matrix():
 def test_what_is_beside_is_the_stiffness_of_the_contact(line):
     """Differences of the residual along increments that were made, but for turns of forces."""
     scene = falling(1e6, line=line)
-    equations = Equations(scene, dynamics=True)
+    equations = fl.extend.Equations(scene, dynamics=True)
     still = np.zeros((equations.unknowns.moving, 6))
     H = equations.start.frames.copy()
     H[:, 0, 2] -= 0.002 if line else 0.011 + 1e-6
-    state = Instant(H, still, still, np.empty(0))
+    state = fl.extend.Instant(H, still, still, np.empty(0))
     r, none = np.empty(equations.unknowns.size), np.empty(0)
     forces = equations.residual(state, none, r)
-    whole, apart = Plan(still, none), Plan(still, none, apart=True)
+    whole, apart = fl.extend.Plan(still, none), fl.extend.Plan(still, none, apart=True)
     equations.fill(state, forces, whole)
     x = np.random.default_rng(1).normal(size=len(r))
     wanted = equations.matrix.times(x)

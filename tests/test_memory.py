@@ -12,7 +12,6 @@ import scipy.sparse as sp
 
 import fem_lie as fl
 from demos.hemisphere import pinched, quarter
-from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.packages import Method
 from fem_lie.linear.pivots import inertia
@@ -79,7 +78,7 @@ def little_for_mumps():
 
 def solver(cells, method):
     model = SceneEquilibrium(pinched(0.04, quarter(cells), fl.HellingerReissner()), "test_")
-    return DirectSolver(model.equations.system.kkt, "test_memory_", [method])
+    return fl.extend.DirectSolver(model.equations.system.kkt, "test_memory_", [method])
 
 
 @pytest.mark.parametrize("kind", ["lu", "cholesky"])

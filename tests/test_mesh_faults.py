@@ -11,8 +11,7 @@ import pytest
 from dolfinx import cpp
 
 import fem_lie as fl
-from fem_lie.mesh.curves import polyline
-from fem_lie.mesh.lines import KINK_ANGLE, LineMesh
+from fem_lie.mesh.lines import KINK_ANGLE
 
 MATERIAL = fl.Material(1e9, 0.3, 1000.0)
 SECTION = fl.Section.circle(0.01, MATERIAL)
@@ -149,22 +148,22 @@ CASES = {
         "crosses itself",
     ),
     "a polyline that turns back": (
-        lambda: polyline([(0, 0, 0), (1, 0, 0), (0.5, 0, 0)], 2),
+        lambda: fl.polyline([(0, 0, 0), (1, 0, 0), (0.5, 0, 0)], 2),
         r"cells 1 and 2 lie on top of each other at \[1\. 0\. 0\.\].* goes back",
     ),
     "two members on each other": (
-        lambda: LineMesh.from_cells(
+        lambda: fl.LineMesh.from_cells(
             [(0, 0, 0), (1, 0, 0), (2, 0, 0), (1, 1, 0)], [(3, 0), (0, 1), (0, 2)]
         ),
         r"cells 1 and 2 lie on top of each other at \[0\. 0\. 0\.\]",
     ),
-    "a polyline of one point": (lambda: polyline([(0, 0, 0)], 2), "two points or more, got 1"),
+    "a polyline of one point": (lambda: fl.polyline([(0, 0, 0)], 2), "two points or more, got 1"),
     "a polyline that stands still": (
-        lambda: polyline([(0, 0, 0), (1, 0, 0), (1, 0, 0)], 2),
+        lambda: fl.polyline([(0, 0, 0), (1, 0, 0), (1, 0, 0)], 2),
         "must have a length",
     ),
     "numbers of cells of other pieces": (
-        lambda: polyline([(0, 0, 0), (1, 0, 0), (1, 1, 0)], [2, 2, 2]),
+        lambda: fl.polyline([(0, 0, 0), (1, 0, 0), (1, 1, 0)], [2, 2, 2]),
         "of 2 pieces, got 3",
     ),
 }  # fmt: skip
@@ -213,7 +212,7 @@ def test_a_director_between_is_said(caplog):
 def test_points_at_one_place_are_said(caplog):
     points = [(0, 0, 0), (1, 0, 0), (1, 0, 0), (2, 0, 0)]
     with caplog.at_level(logging.WARNING, logger="fem_lie"):
-        fl.Beam(LineMesh.from_cells(points, [(0, 1), (2, 3)]), SECTION, name="two")
+        fl.Beam(fl.LineMesh.from_cells(points, [(0, 1), (2, 3)]), SECTION, name="two")
     assert "two has 1 pairs of points at the same place, the first are 1 and 2" in caplog.text
 
 
@@ -304,19 +303,19 @@ def test_a_corner_is_a_corner_at_any_angle(angle, cells):
     )
     points = np.delete(points, cells + 1, axis=0)
     pairs = [(i, i + 1) for i in range(2 * cells)]
-    bare = fl.Beam(LineMesh.from_cells(points, pairs), SECTION)
+    bare = fl.Beam(fl.LineMesh.from_cells(points, pairs), SECTION)
     np.testing.assert_allclose(bare.lengths, 10 / cells, rtol=1e-13)
     np.testing.assert_allclose(bare.frames, beam.frames, atol=1e-13)
     # one node more on the other side of the corner, which follows
     assert len(beam.frames) == 2 * cells + 2
     assert np.count_nonzero(beam.leaders != np.arange(len(beam.frames))) == 1
     if cells == 4 and angle < 40.0:
-        asked = fl.Beam(LineMesh.from_cells(points, pairs, kink_angle=KINK_ANGLE), SECTION)
+        asked = fl.Beam(fl.LineMesh.from_cells(points, pairs, kink_angle=KINK_ANGLE), SECTION)
         assert asked.lengths.sum() > 20.0 + 1e-5
 
 
 def test_a_closed_polyline_has_its_pieces_and_corners():
-    mesh = polyline([(0, 0, 0), (3, 0, 0), (3, 4, 0), (0, 0, 0)], [3, 4, 5])
+    mesh = fl.polyline([(0, 0, 0), (3, 0, 0), (3, 4, 0), (0, 0, 0)], [3, 4, 5])
     assert mesh.points.shape == (12, 3) and set(mesh.named_points) == {
         "start",
         "corner 1",

@@ -14,14 +14,9 @@ import ufl
 
 import fem_lie as fl
 from demos.space_net import square_net
-from fem_lie.elements.beams.element import CellData, Formulation, cellwise
-from fem_lie.forms.frames import NodalFrames
-from fem_lie.forms.kernels.frame_map import FrameMap, frame_function
-from fem_lie.forms.local_forms import LocalFrameForms
-from fem_lie.lie.kinds import POINT, NodeKind, pull, pull_derivative, push
-from fem_lie.mesh.curves import straight
+from fem_lie.forms.kernels.frame_map import frame_function
+from fem_lie.lie.kinds import POINT, pull, pull_derivative, push
 from fem_lie.system import System
-from fem_lie.system.equations import Equations, Instant, Plan
 from fem_lie.system.parts import Parts
 
 EA, MASS, GRAVITY = 50.0, 0.3, 9.81
@@ -51,32 +46,32 @@ def _geometric(state, y, given, out, nodes):
         pull_derivative(POINT, H[i], f[i], 1.0, A[i, :, i])
 
 
-PLACES = FrameMap(None, _pull, _push, _geometric, values=12, unknowns=6)
+PLACES = fl.FrameMap(None, _pull, _push, _geometric, values=12, unknowns=6)
 
 
 @dataclass(frozen=True)
-class String(Formulation):
+class String(fl.Formulation):
     """``½ EA (|b − a|/ℓ − 1)² ℓ`` between two places."""
 
-    node_kind = NodeKind.POINT
+    node_kind = fl.extend.NodeKind.POINT
     viscous = False
     degree: int = 1
 
-    def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
+    def forms(self, nodal: fl.NodalFrames, cells: fl.extend.CellData) -> fl.LocalFrameForms:
         mesh = nodal.function.function_space.mesh
-        length = cellwise(mesh, cells.lengths)
+        length = fl.extend.cellwise(mesh, cells.lengths)
         chord = ufl.dot(ufl.grad(nodal.position), ufl.Jacobian(mesh)[:, 0])
         strain = ufl.sqrt(ufl.dot(chord, chord)) / length - 1
-        stretch = 0.5 * cellwise(mesh, cells.stiffness[:, 0, 0]) * strain**2
+        stretch = 0.5 * fl.extend.cellwise(mesh, cells.stiffness[:, 0, 0]) * strain**2
         dx = ufl.Measure("dx", mesh, metadata={"quadrature_degree": 0})
         energy = stretch * length / ufl.CellVolume(mesh) * dx
-        return LocalFrameForms(energy, nodal.function, nodal.increment, PLACES)
+        return fl.LocalFrameForms(energy, nodal.function, nodal.increment, PLACES)
 
 
 def string(direction, cells: int, stretch: float = 1.1, begin=(0.0, 0.0, 0.0)) -> fl.Cable:
     """Of unstretched length 2, stretched at the start."""
     section = fl.Section.from_stiffness([EA, 1, 1, 1, 1, 1], mass=MASS)
-    mesh = straight(begin, np.add(begin, 2 * stretch * np.array(direction)), cells)
+    mesh = fl.straight(begin, np.add(begin, 2 * stretch * np.array(direction)), cells)
     return fl.Cable(mesh, section, length=2.0, formulation=String())
 
 
@@ -154,15 +149,15 @@ def test_parts_of_places_are_one():
     """To their columns A and K have the same blocks, and the sum is that of parts kept apart."""
     scene = square_net(2, cells=3)
     scene.gravity = (0, 0, -GRAVITY)
-    equations = Equations(scene, dynamics=True)
+    equations = fl.extend.Equations(scene, dynamics=True)
     n, m, rng = equations.unknowns.moving, equations.unknowns.m, np.random.default_rng(3)
     v, a = rng.normal(size=(2, n, 6))
-    state = Instant(equations.start.frames, v, a, rng.normal(size=m))
+    state = fl.extend.Instant(equations.start.frames, v, a, rng.normal(size=m))
     forces = equations.residual(state, np.ones(m), np.empty(equations.unknowns.size))
     plans = (
-        Plan(0.1 * rng.normal(size=(n, 6)), np.ones(m), mass=3.0, damping=2.0),
-        Plan(np.zeros((n, 6)), np.ones(m), mass=3.0),
-        Plan(np.zeros((n, 6)), at_rest=0.5),
+        fl.extend.Plan(0.1 * rng.normal(size=(n, 6)), np.ones(m), mass=3.0, damping=2.0),
+        fl.extend.Plan(np.zeros((n, 6)), np.ones(m), mass=3.0),
+        fl.extend.Plan(np.zeros((n, 6)), at_rest=0.5),
     )
     tangent, found = equations.system.tangent, []
     for apart in (False, True):

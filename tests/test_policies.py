@@ -10,14 +10,12 @@ from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.staleness import staleness
 from fem_lie.solve.motion.policies import Ruled
 from fem_lie.solve.recording.recorder import History
-from fem_lie.solve.renewal import Update
-from fem_lie.system.equations import Equations, Instant
 
-NONE, CONSTRAINTS, ALL = Update
+NONE, CONSTRAINTS, ALL = fl.Update
 MATERIAL = fl.Material(7e10, 0.3, 2700.0)
 
 
-def asked(policy: fl.Policy, iterations: int, *, bound: bool = True) -> list[Update | bool]:
+def asked(policy: fl.Policy, iterations: int, *, bound: bool = True) -> list[fl.Update | bool]:
     decisions = policy.begin(bound)
     return [decisions.before_iteration(k) for k in range(1, iterations + 1)]
 
@@ -180,11 +178,11 @@ def test_staleness_is_the_rate_at_which_an_old_matrix_converges(group):
     section = fl.Section.circle(0.005, MATERIAL)
     bar = scene.add(fl.Beam.straight((0, 0, 0), (0.4, 0.3, 0), section, cells=4).on(group))
     bar.turn((1, 2, 3), about=(0, 0, 0))
-    equations = Equations(scene, dynamics=True)
+    equations = fl.extend.Equations(scene, dynamics=True)
     run = Run(fl.GeneralisedAlpha(), equations, 1e-3)
     run.start()
     s, rng = run.s, np.random.default_rng(3)
-    now = Instant(s.H1, s.twist1, s.rate1, run.weights)
+    now = fl.extend.Instant(s.H1, s.twist1, s.rate1, run.weights)
     equations.residual(now, run.scale, run.r, run.forces)
     run._factorise(s.H1)
 

@@ -12,7 +12,6 @@ from fem_lie.results.record import RECORDED_BY
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system.equations import Equations
 from tests.test_explicit import net
 from tests.test_saving import top
 
@@ -146,7 +145,7 @@ def test_nothing_is_booked_that_nobody_asks_for():
     """Work and impulses are sums over all steps."""
     booked = {}
     for record in (fl.Record.FRAMES, fl.Record.MOMENTA):
-        run = Run(fl.GeneralisedAlpha(), Equations(top(), dynamics=True), 1e-3)
+        run = Run(fl.GeneralisedAlpha(), fl.extend.Equations(top(), dynamics=True), 1e-3)
         run.run(EqualSteps(Saving(record=record), 20, 1e-3), False, None)
         booked[record] = np.abs(run.books.total).max()
     assert booked[fl.Record.FRAMES] == 0.0 < booked[fl.Record.MOMENTA]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import fem_lie as fl
 from fem_lie.forms.cells import Cells
 from fem_lie.solve.conserving.memory import (
     cells_of_rows,
@@ -18,7 +19,6 @@ from fem_lie.solve.conserving.memory import (
     start_state,
 )
 from fem_lie.solve.conserving.step import packing, records
-from fem_lie.system.equations import Equations
 from tests.random_scenes import CONSERVING, random_scene
 from tests.scene_builder import build
 
@@ -37,7 +37,7 @@ def leaves(record: Any, name: str) -> Iterator[tuple[str, Any]]:
 def given() -> dict[str, Any]:
     """Records of a scene with beams, a joint and springs."""
     scene = build(random_scene(0, replace(CONSERVING, steps=1))).scene
-    equations = Equations(scene, dynamics=True)
+    equations = fl.extend.Equations(scene, dynamics=True)
     cells = Cells(list(equations.tables.assemblies))
     legs = legs_of(equations, follows=True)
     rows = cells_of_rows(equations)

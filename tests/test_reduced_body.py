@@ -6,10 +6,8 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.lie import kinds
-from fem_lie.lie.motions import Group
 from fem_lie.reduce.beside_rest import BesideRest
 from fem_lie.system import System
-from fem_lie.system.instant import Instant, Plan
 
 STEEL = fl.Material(E=2e11, nu=0.3, density=7800.0)
 AT_HOME = lie.se3_exp(np.zeros(6))
@@ -34,7 +32,7 @@ def reduced(modes=4, bow=0.1, cells=8, stretching=True):
 class Anywhere:
     """Equations of a free body in any state: large motion, any deformation."""
 
-    def __init__(self, rng, group=Group.SE3, gravity=(1.0, -2.0, 3.0)):
+    def __init__(self, rng, group=fl.Group.SE3, gravity=(1.0, -2.0, 3.0)):
         self.body, self.full = reduced()
         scene = fl.Scene(gravity=gravity)
         scene.add(self.body)
@@ -55,7 +53,7 @@ class Anywhere:
 
     def residual(self, H, v, a):
         r = np.empty(self.system.size)
-        self.system.residual(Instant(H, v, a, np.zeros(0)), np.ones(0), r)
+        self.system.residual(fl.extend.Instant(H, v, a, np.zeros(0)), np.ones(0), r)
         return r
 
     def along(self, step, d, rates, seconds):
@@ -74,16 +72,16 @@ class Anywhere:
         return self.residual(H, twist, rate)
 
 
-@pytest.mark.parametrize("group", list(Group))
+@pytest.mark.parametrize("group", list(fl.Group))
 @pytest.mark.parametrize("factors", [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
 def test_the_matrix_is_the_derivative_of_the_equations(rng, group, factors):
     at = Anywhere(rng, group)
     system, (mass, damping) = at.system, factors
     n = system.count
     forces, r = system.room(), np.empty(system.size)
-    state = Instant(at.H, at.v, at.a, np.zeros(0))
+    state = fl.extend.Instant(at.H, at.v, at.a, np.zeros(0))
     system.residual(state, np.ones(0), r, forces)
-    plan = Plan(np.zeros((n, 6)), mass=mass, damping=damping, scale=np.zeros(0))
+    plan = fl.extend.Plan(np.zeros((n, 6)), mass=mass, damping=damping, scale=np.zeros(0))
     system.fill_matrix(state, forces, plan)
     S = dense(system)
     x = rng.normal(size=(n, 6))

@@ -9,7 +9,6 @@ import scipy.sparse as sp
 
 import fem_lie as fl
 from fem_lie.linear.redundancy import IdleMultipliers, redundant_constraints
-from fem_lie.system.equations import Equations
 from tests.unit_systems import METRES, UNIT_SYSTEMS, UnitSystem
 
 Z = (0.0, 0.0, 1.0)
@@ -142,7 +141,7 @@ def test_one_constraint_too_many_of_a_long_ring_is_found(count):
 
 def test_what_motions_can_mend_is_no_contradiction():
     """Violations along a motion of the loop's bodies are those of an unfinished iteration."""
-    equations = Equations(four_bar(0.0), dynamics=True)
+    equations = fl.extend.Equations(four_bar(0.0), dynamics=True)
     constraints = equations.constraints(equations.start.frames)
     B = constraints.jacobian
     motion = np.random.default_rng(0).normal(size=B.shape[1])

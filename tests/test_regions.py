@@ -6,7 +6,6 @@ import pytest
 import fem_lie as fl
 from benchmarks import regions as net_benchmark
 from fem_lie.reduce.regions.looking import Looking
-from fem_lie.system.equations import Equations
 
 PLASTIC = fl.Material(E=2e9, nu=0.3, density=1100.0)
 
@@ -28,7 +27,7 @@ def rod(force=0.0, cells=8):
 
 def looking(scene, increments=None, twists=None):
     """At a state of the rod, by default the initial one."""
-    whole = Equations(scene, dynamics=True)
+    whole = fl.extend.Equations(scene, dynamics=True)
     (body,) = scene.bodies
     frames = body.frames if increments is None else fl.lie.se3_retract(body.frames, increments)
     nodes = whole.unknowns.bodies[body]
@@ -60,7 +59,7 @@ def test_what_is_missed_is_how_far_nodes_go_elsewhere():
 
 def rigid_twists(bent):
     """Those of the rod's rigid motion at bent places that are nearest to its own."""
-    whole = Equations(rod(), dynamics=True)
+    whole = fl.extend.Equations(rod(), dynamics=True)
     nodes = whole.unknowns.bodies[whole.scene.bodies[0]]
     return looking(rod(), bent).projected(np.zeros(9, dtype=int))[0][nodes]
 

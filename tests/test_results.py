@@ -15,14 +15,10 @@ from PIL import Image
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo
-from fem_lie.bodies.points import ground
-from fem_lie.bodies.rigid import RigidBody
 from fem_lie.pictures.bodies import _surfaces, draw
 from fem_lie.pictures.diagrams import COLOURS
 from fem_lie.pictures.shapes import joint_places, shapes
 from fem_lie.pictures.stage import Canvas, _round_step
-from fem_lie.pictures.units import Units
-from fem_lie.results import Result
 
 SPIN = np.array([0.3, -0.8, 1.5])
 NODES = 5
@@ -54,7 +50,7 @@ def _rod():
         JointInfo("hinge", "Cylindrical", node=0, coordinates=("angle", "displacement")),
         JointInfo("weld", "Fixed", 5, np.array([-0.25, 0, 0])),
     )
-    return Result(
+    return fl.Result(
         times=times,
         frames=frames,
         velocities=np.tile(velocity, (count, 1, 1)),
@@ -90,7 +86,7 @@ def test_points_are_found_by_name_number_and_object(rod):
     exact = np.array([lie.so3_exp(SPIN * t)[:, 0] for t in rod.times])
     for point in ("rod.end", "rod.node 4", 4, np.int64(4)):
         np.testing.assert_allclose(rod.position(point), exact, atol=1e-15)
-    body = RigidBody(1.0, [1, 1, 1], name="tip")
+    body = fl.RigidBody(1.0, [1, 1, 1], name="tip")
     np.testing.assert_allclose(rod.position(body.centre), 1.25 * exact, atol=1e-15)
 
 
@@ -113,8 +109,11 @@ def test_joint_forces_are_the_joints_own(rod):
     [
         (lambda r: r.position("rod.tip"), "no point 'rod.tip'; there are: rod.end, rod.start, tip"),
         (lambda r: r.position(6), r"nodes are 0 … 5, got 6"),
-        (lambda r: r.position(ground()), "ground does not move"),
-        (lambda r: r.position(RigidBody(1, [1, 1, 1], name="top").centre), "no body 'top'.*'rod'"),
+        (lambda r: r.position(fl.ground()), "ground does not move"),
+        (
+            lambda r: r.position(fl.RigidBody(1, [1, 1, 1], name="top").centre),
+            "no body 'top'.*'rod'",
+        ),
         (lambda r: r.joint_force("motor"), "no joint 'motor'; there are: 'hinge', 'weld'"),
         (lambda r: replace(r, elastic=r.elastic[1:]), r"elastic must have shape \(21,\), got"),
         (lambda r: replace(r, velocities=r.velocities[:, 1:]), r"velocities must .*\(21, 6, 6\)"),
@@ -194,7 +193,7 @@ def _same(a, b):
 
 def test_a_saved_result_comes_back_bit_by_bit(rod, tmp_path):
     rod.save(tmp_path / "rod.h5")
-    back = Result.load(tmp_path / "rod.h5")
+    back = fl.Result.load(tmp_path / "rod.h5")
     _same(rod, back)
     for mine, theirs in zip(
         (*rod.info.bodies, *rod.info.joints), (*back.info.bodies, *back.info.joints), strict=True
@@ -212,7 +211,7 @@ def test_a_result_without_joints_and_points_comes_back(rod, tmp_path):
         "joint_violations": np.empty((21, 0)),
     }
     replace(rod, info=bare, **none).save(tmp_path / "rod.h5")
-    back = Result.load(tmp_path / "rod.h5")
+    back = fl.Result.load(tmp_path / "rod.h5")
     assert back.info.joints == () and back.info.bodies[0].points == {}
     assert back.joint_forces.shape == (21, 0, 6)
 
@@ -222,32 +221,32 @@ def test_a_failed_save_leaves_the_old_file(rod, tmp_path):
     broken = replace(rod.info, bodies=(replace(rod.info.bodies[0], outline=object()),))
     with pytest.raises(TypeError):
         replace(rod, info=broken, seconds=9.0).save(tmp_path / "rod.h5")
-    assert Result.load(tmp_path / "rod.h5").seconds == 0.25
+    assert fl.Result.load(tmp_path / "rod.h5").seconds == 0.25
     assert [p.name for p in tmp_path.iterdir()] == ["rod.h5"]
 
 
 def test_other_files_are_refused(rod, tmp_path):
     with pytest.raises(FileNotFoundError, match=r"no file of results .*none\.h5"):
-        Result.load(tmp_path / "none.h5")
+        fl.Result.load(tmp_path / "none.h5")
     (tmp_path / "text.h5").write_text("energy 1.0")
     with pytest.raises(ValueError, match=r"text\.h5' is not a file of results \(not HDF5\)"):
-        Result.load(tmp_path / "text.h5")
+        fl.Result.load(tmp_path / "text.h5")
     rod.save(tmp_path / "old.h5")
     with h5py.File(tmp_path / "old.h5", "a") as file:
         file.attrs["version"] = 0
     with pytest.raises(
         ValueError, match=r"of versions 10 to 11: format 'fem_lie results', version 0"
     ):
-        Result.load(tmp_path / "old.h5")
+        fl.Result.load(tmp_path / "old.h5")
     with h5py.File(tmp_path / "foreign.h5", "w") as file:
         file["x"] = 1.0
     with pytest.raises(ValueError, match="format None"):
-        Result.load(tmp_path / "foreign.h5")
+        fl.Result.load(tmp_path / "foreign.h5")
     rod.save(tmp_path / "cut.h5")
     with open(tmp_path / "cut.h5", "r+b") as file:
         file.truncate(3000)
     with pytest.raises(ValueError, match=r"cut\.h5' is damaged"):
-        Result.load(tmp_path / "cut.h5")
+        fl.Result.load(tmp_path / "cut.h5")
 
 
 def test_the_series_for_paraview_has_times_cells_and_global_vectors(rod, tmp_path):
@@ -375,7 +374,7 @@ def test_diagrams_show_the_data_with_units(rod, tmp_path):
     assert below.get_xlabel() == "time [s]" and above.get_ylabel() == "energy [J]"
     assert (tmp_path / "energies.png").stat().st_size > 10_000
 
-    figure = rod.plot("rod.end", 0, units=Units(length="mm", time="ms"))
+    figure = rod.plot("rod.end", 0, units=fl.Units(length="mm", time="ms"))
     assert [ax.get_ylabel() for ax in figure.axes] == ["rod.end [mm]", "node 0 [mm]"]
     np.testing.assert_array_equal(
         np.array([line.get_ydata() for line in figure.axes[0].lines]).T, rod.position("rod.end")

@@ -10,8 +10,6 @@ import pytest
 import ufl
 
 import fem_lie as fl
-from fem_lie.elements.beams.element import Formulation
-from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.recording.recorder import History
 
 STEPS, STEP = 6, 2e-3
@@ -26,7 +24,7 @@ class Case:
     young: float = 1e9
     density: float = 1100.0
     damping: fl.Damping = DAMPING
-    formulation: Formulation = GEODESIC
+    formulation: fl.Formulation = GEODESIC
     group: fl.Group = fl.Group.SE3
     velocity: float = 0.2
     gravity: tuple[float, ...] = (0.0, 0.0, -9.81)
@@ -77,7 +75,7 @@ class Case:
         return scene
 
 
-def run(scene: fl.Scene, scheme: Integrator, file: Path) -> fl.Result:
+def run(scene: fl.Scene, scheme: fl.extend.Integrator, file: Path) -> fl.Result:
     return scheme.run(
         scene, duration=STEPS * STEP, step=STEP, file=file, checkpoint_every=STEPS // 2
     )
@@ -238,7 +236,9 @@ FELT = {
 """With tolerances that decide how many iterations a step takes."""
 
 
-def stopped(monkeypatch, scheme: Integrator, scene: fl.Scene, file: Path, at: int, **plan) -> None:
+def stopped(
+    monkeypatch, scheme: fl.extend.Integrator, scene: fl.Scene, file: Path, at: int, **plan
+) -> None:
     """Run up to a checkpoint after step ``at``, as if the user had stopped it there."""
     write = History.write_checkpoint
 

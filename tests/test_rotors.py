@@ -8,11 +8,9 @@ import pytest
 
 import fem_lie as fl
 from benchmarks.rotors import Rotor, continuous, dense
-from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.spectra import smallest
 from fem_lie.linear.spectra.krylov import Approximation, Krylov
 from fem_lie.scene.rotation import Rotation
-from fem_lie.system.equations import Equations
 
 DAMPING = fl.Damping(stiffness=1e-6)
 
@@ -56,7 +54,7 @@ def test_whirl_is_that_of_a_dense_method(bearing, damping, speed):
     rotor = Rotor(0.05, 6, "beam", bearing, damping)
     modes, spin = whirl(rotor, speed)
     axis = Rotation.of((spin, 0.0, 0.0), (0.0, 0.0, 0.0))
-    pencil = Equations(rotor.scene(), dynamics=True).small_motions(axis).pencil()
+    pencil = fl.extend.Equations(rotor.scene(), dynamics=True).small_motions(axis).pencil()
     least = 0.02 * rotor.critical()
     found = modes.eigenvalues[np.abs(modes.eigenvalues) > least]
     expected = dense(pencil, 6, least)[: len(found)]
@@ -82,7 +80,7 @@ def test_motions_on_stiff_springs_are_not_counted_twice(bearing, speed):
     least = 1e-3 * modes.frequencies.max()
     axis = Rotation.of((spin, 0.0, 0.0), (0.0, 0.0, 0.0))
     scene = Rotor(0.2, 6, "beam", bearing).scene()
-    pencil = Equations(scene, dynamics=True).small_motions(axis).pencil()
+    pencil = fl.extend.Equations(scene, dynamics=True).small_motions(axis).pencil()
     found = modes.eigenvalues[2:]
     assert (modes.eigenvalues[:2] == 0.0).all()
     assert errors(found, dense(pencil, 6, least)[:4], spin).max() < 1e-8
@@ -150,7 +148,7 @@ def test_modes_that_all_methods_have_wrong_are_refused(monkeypatch, how, speed):
     spoiled(monkeypatch, "krylov", how)
     spoiled(monkeypatch, "dense", how)
     message = re.escape("6 modes with residuals below 1e-05 were not found: ")
-    with pytest.raises(ConvergenceError, match=message):
+    with pytest.raises(fl.ConvergenceError, match=message):
         fl.vibrations(rotor.scene(), 6, spin=(spin, 0.0, 0.0))
 
 
@@ -160,7 +158,7 @@ def test_the_dense_method_has_the_modes_of_krylov_methods(speed):
     for rotor in (Rotor(0.2, 6), Rotor(0.2, 6, "beam", 1e4, DAMPING)):
         spin = speed * rotor.critical()
         axis = Rotation.of((spin, 0.0, 0.0), (0.0, 0.0, 0.0))
-        pencil = Equations(rotor.scene(), dynamics=True).small_motions(axis).pencil()
+        pencil = fl.extend.Equations(rotor.scene(), dynamics=True).small_motions(axis).pencil()
         found = [
             smallest._physical(pencil, method(pencil, 6, spin))
             for method in (Krylov("test_"), smallest.dense)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.mesh.curves import straight
 from fem_lie.solve.secants import Secants
 from tests.test_composed import resumed_as_whole
 
@@ -131,7 +130,7 @@ def test_goes_on_to_the_last_bit(tmp_path, monkeypatch):
 def thrown() -> fl.Scene:
     """A rope in the air that is thrown so that it bends and stretches."""
     section = fl.Section.from_stiffness([1e3] * 3 + [0.1] * 3, mass=0.1)
-    mesh = straight((0, 0, 0), (1, 0, 0), 12)
+    mesh = fl.straight((0, 0, 0), (1, 0, 0), 12)
     rope = fl.Cable(mesh, section, formulation=fl.DiscreteCable())
     s = np.linspace(0.0, 1.0, 13)
     rope.velocities[:, :3] = 10.0 * np.column_stack([s**2, np.sin(6.0 * s), s - 0.5])

@@ -9,7 +9,6 @@ import fem_lie as fl
 from demos.elastica import elastica
 from fem_lie import lie
 from fem_lie.system import System
-from fem_lie.system.equations import Equations
 
 EA, GA, GJ, EI2, EI3 = 1e4, 5e3, 50.0, 100.0, 70.0
 SECTION = fl.Section.from_stiffness([EA, GA, GA, GJ, EI2, EI3], mass=0.5, rotary=(2e-4, 1e-4))
@@ -60,7 +59,7 @@ def twisted_arc(formulation, section=SECTION) -> tuple[fl.Scene, fl.Beam]:
 
 def in_frames(scene: fl.Scene, beam: fl.Beam, frames: np.ndarray) -> fl.SectionForces:
     """Those of one beam of a scene in given frames of its nodes."""
-    info = Equations(scene, dynamics=False).info
+    info = fl.extend.Equations(scene, dynamics=False).info
     placed = np.zeros((sum(len(body.nodes) for body in info.bodies), 4, 3))
     placed[info.body(beam.name).nodes] = frames
     result = fl.StaticResult(

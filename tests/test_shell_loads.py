@@ -9,7 +9,6 @@ from fem_lie.lie.motions import retract
 from fem_lie.mesh.shapes import FaceRule
 from fem_lie.system import System
 from fem_lie.system.equations.unknowns import Unknowns
-from fem_lie.system.instant import Instant, Plan
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, SOFT)
@@ -202,9 +201,9 @@ def test_matrix_is_known_to_be_symmetric_where_the_pressure_has_a_potential(name
     zero = np.zeros((system.count, 6))
     H = deformed(system, seed=5, size=0.05)
     system.elastic.reset_stress(H)
-    now, forces, none = Instant(H, zero, zero, np.zeros(0)), system.room(), np.ones(0)
+    now, forces, none = fl.extend.Instant(H, zero, zero, np.zeros(0)), system.room(), np.ones(0)
     system.residual(now, none, np.zeros(system.size), forces)
-    system.fill_matrix(now, forces, Plan(zero, none))
+    system.fill_matrix(now, forces, fl.extend.Plan(zero, none))
     K = system.kkt.matrix[:, :]
     skew = np.abs(K - K.T).max() / np.abs(K).max()
     assert skew <= 1e-12 if symmetric else skew > 1e-6

@@ -9,11 +9,8 @@ from fem_lie import lie
 from fem_lie.lie.kinds import advance
 from fem_lie.lie.motions import add_turning
 from fem_lie.scene.rotation import Rotation
-from fem_lie.solve.renewal import Update
 from fem_lie.solve.statics.load_steps import LoadSteps
-from fem_lie.solve.statics.newton import Newton
 from fem_lie.system import System
-from fem_lie.system.instant import Instant, Plan
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, SOFT)
@@ -185,12 +182,12 @@ def derivative_error(system: System, H, weights, *, along_motion: bool) -> float
     def residual(H, weights):
         r = np.empty(system.size)
         system.elastic.reset_stress(H)
-        system.residual(Instant(H, zero, zero, weights), ones, r, room)
+        system.residual(fl.extend.Instant(H, zero, zero, weights), ones, r, room)
         return r
 
     residual(H, weights)
     forces = room.outer + room.inner
-    system.fill_matrix(Instant(H, zero, zero, weights), room, Plan(zero, ones))
+    system.fill_matrix(fl.extend.Instant(H, zero, zero, weights), room, fl.extend.Plan(zero, ones))
     A, free = dense(system), ~system.held
     if not along_motion:
         for i in np.flatnonzero(system.uncoupled):
@@ -226,7 +223,7 @@ def test_matrix_is_the_derivative_of_the_residual(links):
     assert derivative_error(system, H, weights, along_motion=False) <= 1e-7
 
     newton = LoadSteps(
-        scene, Rotation.of((0, 0, 0), (0, 0, 0)), Newton(1e-14, carried_stress=False), "six_"
+        scene, Rotation.of((0, 0, 0), (0, 0, 0)), fl.Newton(1e-14, carried_stress=False), "six_"
     )
     assert newton.solve(1.0)
     assert np.abs(newton.H - newton.equations.start.frames).max() > 0.1
@@ -239,13 +236,13 @@ def test_matrix_is_the_derivative_of_the_residual(links):
 def test_newton_converges_quadratically_and_needs_few_steps_with_carried_stress():
     scene = machine(clamped=True, loaded=True)
     system = LoadSteps(
-        scene, Rotation.of((0, 0, 0), (0, 0, 0)), Newton(1e-14, carried_stress=False), "six_"
+        scene, Rotation.of((0, 0, 0), (0, 0, 0)), fl.Newton(1e-14, carried_stress=False), "six_"
     )
     system.equations.prescribed(1.0).act()
     system._factor, increments = 1.0, []
     while len(increments) < 20 and (not increments or increments[-1] > 1e-12):
         system.evaluate(1)
-        system.renew(Update.ALL)
+        system.renew(fl.Update.ALL)
         increments.append(system.correct())
     logs = np.log(increments[-5:-1])
     # a rate of two; with the turning of unbalanced forces left in at equilibrium it would be one

@@ -5,7 +5,6 @@ import pytest
 
 import fem_lie as fl
 from demos.elastica import BENDING, FORCE, LENGTH, elastica
-from fem_lie.mesh.curves import straight
 
 SLENDER = [1e1, 1e2, 1e4]
 """Of a square section: EA L²/EI is twelve times its square."""
@@ -29,7 +28,7 @@ def spline(cells: int, slenderness: float) -> fl.SplineCable:
 
 
 def discrete(cells: int, slenderness: float) -> fl.Cable:
-    mesh = straight((0, 0, 0), (LENGTH, 0, 0), cells)
+    mesh = fl.straight((0, 0, 0), (LENGTH, 0, 0), cells)
     return fl.Cable(mesh, section(slenderness), formulation=fl.DiscreteCable())
 
 

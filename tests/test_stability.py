@@ -7,7 +7,6 @@ from scipy.special import ellipk
 from test_paths import arch, column
 
 import fem_lie as fl
-from fem_lie.elements.beams.element import cellwise
 from fem_lie.linear.pivots import inertia
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from tests.random_scenes import PROPORTIONAL, random_scene
@@ -216,7 +215,7 @@ class Plain(fl.Director):
         mesh = nodal.function.function_space.mesh
         stretch, curvature = fl.director_strains(nodal)
         strain = ufl.as_vector([stretch[0] - 1, stretch[1], stretch[2], *curvature])
-        energy = 0.5 * ufl.inner(strain, cellwise(mesh, cells.stiffness) * strain)
+        energy = 0.5 * ufl.inner(strain, fl.extend.cellwise(mesh, cells.stiffness) * strain)
         dx = ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": 1})
         return fl.local_frame_forms(energy * dx, nodal)
 

@@ -5,7 +5,6 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.system.equations import Equations
 
 MATERIAL = fl.Material(2.1e11, 0.3, 7850.0)
 SECTION = fl.Section.rectangle(0.02, 0.01, MATERIAL)
@@ -343,7 +342,7 @@ def test_increment_that_is_nan_anywhere_is_seen():
     from fem_lie.solve.statics.increment import move
 
     scene, _ = cantilever(stiffness(), 10.0, 2)
-    equations = Equations(scene, dynamics=False)
+    equations = fl.extend.Equations(scene, dynamics=False)
     dx = np.full(equations.unknowns.size, 1e-3)
     dx[8] = np.nan
     assert np.isnan(move(equations, equations.start.frames.copy(), dx, carried=False))

@@ -14,10 +14,8 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.forms import abilities
-from fem_lie.forms.term import Term
 from fem_lie.lie.kinds import all_from_group, all_to_group, at_rest, follow_all
 from fem_lie.system import System
-from fem_lie.system.instant import Instant, Plan
 from fem_lie.system.terms.all_terms import Terms
 from fem_lie.system.terms.followed import Followed
 from tests.own_elements import random_body
@@ -621,13 +619,13 @@ def test_matrix_is_that_of_the_forces_it_is_given(scene, dynamics):
     system = System(scene(), dynamics=dynamics)
     n, rng = system.count, np.random.default_rng(4)
     first, second = (np.where(system.held, 0.0, 0.1 * rng.normal(size=(n, 6))) for _ in range(2))
-    frames, plan = [], Plan(np.zeros((n, 6)), np.ones(system.m), 3.0, 2.0)
+    frames, plan = [], fl.extend.Plan(np.zeros((n, 6)), np.ones(system.m), 3.0, 2.0)
     for h in (first, second):
         H = system.frames.copy()
         H[:n] = lie.se3_retract(H[:n], h)
         frames.append(H)
     v, a = (rng.normal(size=(n, 6)) if dynamics else np.zeros((n, 6)) for _ in range(2))
-    here, there = (Instant(H, v, a, rng.normal(size=system.m)) for H in frames)
+    here, there = (fl.extend.Instant(H, v, a, rng.normal(size=system.m)) for H in frames)
     forces, r, found = system.room(), np.empty(system.size), []
     for others in ([], [there]):
         system.terms.reset_stress(here.H)
@@ -643,7 +641,7 @@ def test_matrix_is_that_of_the_forces_it_is_given(scene, dynamics):
 # --- nobody asks which they are ---
 
 
-def all_kinds(of: type[Term] = Term) -> list[type[Term]]:
+def all_kinds(of: type[fl.extend.Term] = fl.extend.Term) -> list[type[fl.extend.Term]]:
     return [kind for sub in of.__subclasses__() for kind in (sub, *all_kinds(sub))]
 
 
@@ -683,7 +681,7 @@ ABILITIES = {
 
 @pytest.mark.parametrize(("ability", "methods"), ABILITIES.items())
 def test_a_term_that_lacks_what_its_abilities_ask_for_is_refused(ability, methods):
-    class Tides(Term):
+    class Tides(fl.extend.Term):
         pairs = property(lambda self: (np.empty(0, int), np.empty(0, int)))
 
         def add_forces(self, H, out, kept=None):

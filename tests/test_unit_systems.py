@@ -6,11 +6,8 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.packages import Method
-from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.system import System
-from fem_lie.system.equations import Equations
 from tests.closed_loop import closed_loop
 from tests.unit_systems import METRES, MILLIMETRES, OTHER_SYSTEMS, UNIT_SYSTEMS, UnitSystem
 
@@ -42,9 +39,11 @@ MOTION = Method("lu", "umfpack"), Method("lu", "mumps")
 
 def first_accelerations(u: UnitSystem, step: float) -> tuple[np.ndarray, np.ndarray]:
     """At the start of the closed loop; in metres, kilograms and seconds."""
-    equations = Equations(closed_loop(u), dynamics=True)
-    solver = DirectSolver(equations.matrix, "test_units_", MOTION)
-    vdot, weights = accelerations(equations, solver, *equations.start[:2], 0.0, u.time(step))
+    equations = fl.extend.Equations(closed_loop(u), dynamics=True)
+    solver = fl.extend.DirectSolver(equations.matrix, "test_units_", MOTION)
+    vdot, weights = fl.extend.accelerations(
+        equations, solver, *equations.start[:2], 0.0, u.time(step)
+    )
     vdot = np.concatenate([u.inverse.acceleration(vdot[:, :3]), u.inverse.of(vdot[:, 3:], time=-2)])
     wrench = np.where(equations.unknowns.angular, u.moment(1.0), u.force(1.0))
     return vdot, weights / wrench
@@ -95,20 +94,20 @@ class Careless:
 )
 def test_each_factorisation_is_checked_once(error, refined, package):
     """What is not accurate is refined once, or else solved by the next method."""
-    equations = Equations(closed_loop(), dynamics=True)
-    solver = DirectSolver(equations.matrix, "test_careless_", MOTION)
+    equations = fl.extend.Equations(closed_loop(), dynamics=True)
+    solver = fl.extend.DirectSolver(equations.matrix, "test_careless_", MOTION)
     state = equations, solver, *equations.start[:2], 0.0, 1e-3
-    expected = accelerations(*state)[0]
+    expected = fl.extend.accelerations(*state)[0]
     method = MOTION[0]
     solver._solvers[method] = Careless(solver._solver(method), error)
-    found = accelerations(*state)[0]
+    found = fl.extend.accelerations(*state)[0]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
     assert solver._refines == refined
     assert solver._methods[0].package == package
 
 
 def test_no_accurate_solver_is_an_error(monkeypatch):
-    monkeypatch.setattr(DirectSolver, "_error", lambda solver: 1.0)
+    monkeypatch.setattr(fl.extend.DirectSolver, "_error", lambda solver: 1.0)
     with pytest.raises(ValueError, match=r"residual is 1\.0e\+00 of what cancels"):
         fl.GeneralisedAlpha().run(closed_loop(), duration=1e-3, step=1e-3)
 

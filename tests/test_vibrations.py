@@ -15,7 +15,6 @@ from fem_lie.lie.kinds import inertia
 from fem_lie.linear.spectra.pencil import Pencil
 from fem_lie.linear.spectra.smallest import smallest
 from fem_lie.system import System
-from fem_lie.system.instant import Instant
 from fem_lie.system.small_motions.steady import linearised
 from tests.random_scenes import HELD, random_scene
 from tests.scene_builder import build
@@ -208,7 +207,7 @@ def test_stiffness_of_steady_motion_is_the_derivative_of_the_residual():
         v[:, :3] = np.einsum("nij,nj->ni", H[:n, 1:], 1e3 * np.cross(spin, H[:n, 0] - about))
         v[:, 3:] = H[:n, 1:] @ (1e3 * spin)
         r = np.empty(system.size)
-        system.residual(Instant(H, v, np.zeros((n, 6)), weights), np.ones(system.m), r)
+        system.residual(fl.extend.Instant(H, v, np.zeros((n, 6)), weights), np.ones(system.m), r)
         return r[: 6 * n], v
 
     _, v = residual(H)
