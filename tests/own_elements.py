@@ -1,4 +1,4 @@
-"""Two elements of vectors, strains and a law on nodes of all types, and bodies of their cells."""
+"""Elements of vectors, strains and a law on nodes of all types, and bodies of their cells."""
 
 import math
 
@@ -17,6 +17,7 @@ from fem_lie.extend import (
     element,
 )
 from fem_lie.lie.kinds import TRAITS
+from fem_lie.lie.tuples import cross, dot, scaled
 
 
 @compiled
@@ -40,6 +41,27 @@ SMOOTH = element(
     parameters=2,
     strain=function_of_products,
     law=stiffening,
+    viscous=True,
+)
+
+
+@compiled
+def unit_normal(slopes):
+    m = cross(slopes[:3], slopes[3:])
+    return scaled(1.0 / math.sqrt(dot(m, m)), m)
+
+
+NORMALS = element(
+    [NodeKind.FRAME, NodeKind.SLOPE, NodeKind.POINT],
+    [(0, 0), (2, 3), (3, 4), (1, 4)],
+    vectors=3,
+    strains=2,
+    points=2,
+    parameters=2,
+    strain=function_of_products,
+    law=stiffening,
+    derive=unit_normal,
+    inputs=[(0, 1), (1, 2)],
     viscous=True,
 )
 SUMS = element(
@@ -112,7 +134,48 @@ def sums_viscous_tangent(A, w, h):
     cell.add_viscous_tangent(SUMS, A, w)
 
 
+@callback(CELL_SIGNATURE)
+def normals_energy(A, w, h):
+    cell.add_energy(NORMALS, A, w)
+
+
+@callback(CELL_SIGNATURE)
+def normals_forces(A, w, h):
+    cell.add_forces(NORMALS, A, w)
+
+
+@callback(CELL_SIGNATURE)
+def normals_tangent(A, w, h):
+    cell.add_tangent_at_stress(NORMALS, A, w)
+
+
+@callback(CELL_SIGNATURE)
+def normals_stress(A, w, h):
+    cell.update_stress(NORMALS, A, w, h)
+
+
+@callback(CELL_SIGNATURE)
+def normals_viscous(A, w, h):
+    cell.add_viscous_forces(NORMALS, A, w, h)
+
+
+@callback(CELL_SIGNATURE)
+def normals_viscous_tangent(A, w, h):
+    cell.add_viscous_tangent(NORMALS, A, w)
+
+
 ELEMENTS = {
+    "derived vectors": (
+        NORMALS,
+        CellFunctions(
+            normals_energy,
+            normals_forces,
+            normals_tangent,
+            normals_stress,
+            normals_viscous,
+            normals_viscous_tangent,
+        ),
+    ),
     "function of products, with a law": (
         SMOOTH,
         CellFunctions(

@@ -16,7 +16,7 @@ from fem_lie.forms.small_energy.element import cell_data, element
 from fem_lie.forms.small_energy.jets import first_order, second_order, store_parts
 from fem_lie.lie.kinds import NodeKind, rigid_motions
 from tests.body_alone import BodyAlone
-from tests.own_elements import ELEMENTS, random_body, stiffening
+from tests.own_elements import ELEMENTS, random_body, stiffening, unit_normal
 
 DOCS = Path(__file__).parents[1] / "docs"
 
@@ -236,6 +236,11 @@ def test_the_element_of_the_page_is_that_of_the_package():
         ({"products": [(0, 0, 2, 1.0)]}, r"products must be of vectors 0 to 1 in strains 0 to 0"),
         ({"products": [(1, 0, 0, 1.0)]}, r"products must be of vectors 0 to 1 in strains 0 to 0"),
         ({"products": [(0, 0, 0, 1.0)], "law": stiffening}, "a law that is a function needs"),
+        ({"products": [(0, 0, 0, 1.0)], "inputs": [(0, 1)]}, "linear vectors 0 to 1, got no func"),
+        (
+            {"products": [(0, 0, 2, 1.0)], "derive": unit_normal, "inputs": [(0, 2)]},
+            r"as its inputs, linear vectors 0 to 1, got a function and \[\[0, 2\]\]",
+        ),
     ],
 )
 def test_products_that_do_not_fit_are_refused(arguments, message):

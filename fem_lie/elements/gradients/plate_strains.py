@@ -15,7 +15,7 @@ from fem_lie._arrays import Array
 from fem_lie._jit import callback
 from fem_lie.elements.gradients import coons
 from fem_lie.elements.thin_shells import hermite
-from fem_lie.elements.thin_shells.rows import CORNERS
+from fem_lie.elements.thin_shells.rows import COORDINATES, CORNERS
 from fem_lie.forms.kernels.addresses import Pointer
 from fem_lie.forms.small_energy.assembly import CellFunctions
 from fem_lie.forms.small_energy.cell import (
@@ -47,8 +47,6 @@ K11, K22, K12, E33, MIDDLE = 33, 35, 37, 38, 42
 _R1, _R2, _D, _D1, _D2 = 0, 9, 18, 27, 36
 """Vectors at nine places, the second parameter runs first: slopes, director and its slopes."""
 _POINT_VECTORS = 45
-_ROWS = (4 * np.arange(CORNERS)[np.newaxis, :, np.newaxis] + np.array([[[0, 1]], [[3, 2]]])).ravel()
-"""Vectors of the interpolation in the order of the rows of a cell's nodes."""
 
 
 def _interpolation() -> Array:
@@ -100,12 +98,12 @@ def data(q: Array, extraction: Array, C: Array) -> Array:
 
     Args:
         q: Vectors of the interpolation, unloaded, shape (m, 16, 3).
-        extraction: These of the rows of nodes, shape (m, 16, 16).
+        extraction: These of the coordinate vectors of nodes, shape (m, 16, 16).
         C: Of the cells, shape (m, 44, 44).
     """
     unloaded = sums_of_products(ELEMENT.cells, _INTERPOLATION @ q)
     parameters = np.hstack([unloaded, C.reshape(len(C), -1)])
-    T = (_INTERPOLATION @ extraction)[..., _ROWS]
+    T = (_INTERPOLATION @ extraction)[..., COORDINATES]
     return cell_data(ELEMENT, T[:, np.newaxis], parameters[:, np.newaxis])
 
 

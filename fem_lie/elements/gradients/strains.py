@@ -97,7 +97,7 @@ def data(rows: Array, lengths: Array, C: Array) -> Array:
         C: Of the cells, shape (m, 18, 18).
     """
     T, of = _tables(lengths), ELEMENT.cells
-    unloaded = sums_of_products(of, T[:, 0] @ rows[:, of.rows[:, 0], of.rows[:, 1]])
+    unloaded = sums_of_products(of, T[:, 0] @ rows[:, of.coordinates[:, 0], of.coordinates[:, 1]])
     parameters = np.hstack([unloaded, C.reshape(len(C), -1)])
     return cell_data(ELEMENT, T, parameters[:, np.newaxis])
 

@@ -23,6 +23,10 @@ from fem_lie.lie.tuples import load, load_row, rotate, rotate_back, scaled, stor
 CORNERS, VECTORS, NODES, UNKNOWNS = 4, 16, 8, 48
 SIZES = 4
 """Numbers of a cell: what ∂u, ∂v and the mixed derivative are multiplied by, and which hang."""
+COORDINATES: Indices = np.concatenate(
+    [4 * np.arange(CORNERS)[:, np.newaxis] + pair for pair in ((0, 1), (3, 2))]
+).ravel()
+"""Vector of the interpolation of each coordinate vector of the nodes, one node after the other."""
 
 
 @inlined

@@ -36,8 +36,49 @@ class CellFunctions(NamedTuple):
     viscous_tangent: Any = None
 
 
-class ElementAssembly(CarryingCellTerm, BodyTerm):
-    """Cells of one element on the nodes of its bodies, with linearised stress.
+class ElementCells(CarryingCellTerm):
+    """Cells of one element on any nodes, with linearised stress."""
+
+    def _bind(self, of: Element, functions: CellFunctions, cells: Indices, data: Array) -> None:
+        """Bind the functions to the data.
+
+        Args:
+            of: The element.
+            functions: Its functions.
+            cells: Nodes of each cell, shape (m, k).
+            data: Of each cell, see :func:`.element.cell_data`.
+        """
+        self._nodes, self._functions, head = cells, functions, 12 * cells.shape[1]
+        self._values = np.hstack([np.zeros((len(cells), head)), data])
+        self._data = self._values[:, head:]
+        self._none = np.zeros(1), np.zeros((len(cells), 1))
+        self._energy, self._forces, self._matrix = (
+            self._sum(each) for each in (functions.energy, functions.forces, functions.tangent)
+        )
+        self._size = of.cells.points * of.cells.strains
+        self._stress = self._values[:, -self._size :]
+
+    def _sum(self, function: Any) -> CellSum:
+        return CellSum(self._nodes, function.address, self._values, *self._none)
+
+    def strains(self, H: Array) -> Array:
+        """Strains of all cells at coordinates ``H`` of the nodes, shape (m, points · strains)."""
+        kept, found = self.carried.copy(), np.zeros((len(self._nodes), self._size))
+        self._update(H, np.zeros((len(H), 6)), found)
+        self.restore(kept)
+        return found
+
+    def carry(self, H: Array, h: Array) -> None:
+        """See the base class."""
+        self._update(H, h.reshape(-1, 6), np.empty((len(self._nodes), self._size)))
+
+    def _update(self, H: Array, h: Array, strains: Array) -> None:
+        at = self._values.ctypes.data, self._values.shape[1]
+        _update_cells(H, h, self._nodes, self._functions.stress.address, *at, strains)
+
+
+class ElementAssembly(ElementCells, BodyTerm):
+    """Cells of one element on the nodes of its bodies.
 
     Attributes:
         cells: Nodes of each cell, shape (m, k).
@@ -63,19 +104,8 @@ class ElementAssembly(CarryingCellTerm, BodyTerm):
                 f"cells must have {len(of.cells.types)} nodes each, got shape {cells.shape}"
             )
         super().__init__(cells, np.arange(count), np.arange(len(cells)))
-        self._nodes = cells
-        self._element, self._functions, rows = of, functions, 12 * cells.shape[1]
-        self._values = np.hstack([np.zeros((len(cells), rows)), data])
-        self._data = self._values[:, rows:]
-        self._none = np.zeros(1), np.zeros((len(cells), 1))
-        self._energy, self._forces, self._matrix = (
-            self._sum(each) for each in (functions.energy, functions.forces, functions.tangent)
-        )
-        self._size = of.cells.points * of.cells.strains
-        self._stress = self._values[:, -self._size :]
-
-    def _sum(self, function: Any) -> CellSum:
-        return CellSum(self.cells, function.address, self._values, *self._none)
+        self._element = of
+        self._bind(of, functions, cells, data)
 
     @property
     def contents(self) -> tuple[str, list[Array], list[Array]]:
@@ -86,21 +116,6 @@ class ElementAssembly(CarryingCellTerm, BodyTerm):
             [of.terms.astype(np.float64), of.factors],
             [self._data[:, : -self._size]],
         )
-
-    def strains(self, H: Array) -> Array:
-        """Strains of all cells at rows ``H`` of the nodes, shape (m, points · strains)."""
-        kept, found = self.carried.copy(), np.zeros((len(self.cells), self._size))
-        self._update(H, np.zeros((self.count, 6)), found)
-        self.restore(kept)
-        return found
-
-    def carry(self, H: Array, h: Array) -> None:
-        """See the base class."""
-        self._update(H, h.reshape(-1, 6), np.empty((len(self.cells), self._size)))
-
-    def _update(self, H: Array, h: Array, strains: Array) -> None:
-        at = self._values.ctypes.data, self._values.shape[1]
-        _update_cells(H, h, self._nodes, self._functions.stress.address, *at, strains)
 
 
 class ViscousElementAssembly(ElementAssembly, ViscousForces):

@@ -2,7 +2,8 @@ r"""Energy, forces, tangent, stress and viscous forces of a cell, from vectors, 
 
 An element says what its cells are, and nothing about derivatives in the unknowns:
 
-- vectors ``z = T q + z₀`` at each of its points, linear in the nodal coordinate vectors ``q``;
+- vectors ``z = T q + z₀`` at each of its points, linear in the nodal coordinate vectors ``q``,
+  constant ones, and derived ones that are a function of few linear ones, such as unit normals;
 - strains ``e(s)``, sums of scalar products ``s = z_a·z_b`` or a function of these;
 - a law ``W(e)``: ``½ (e − e₀)·C (e − e₀)``, or a function, with the weight of the point.
 
@@ -10,13 +11,15 @@ With ``N = ∂W/∂e``, ``C = ∂²W/∂e²`` and ``g = N·∂e/∂s``, forces a
 
     f = Σ g_k s_k′,    K = s′ᵀ (e′ᵀ C e′ + N·e″) s′ + Σ g_k s_k″ + ∂(Lᵀ f)/∂h
 
-with ``s′`` and ``s″`` of products, derivatives in ``s`` and ``e`` in forward mode (:mod:`.jets`),
-and the last part of nodal axes that turn with the node. Strains do not change in a rigid motion,
-for scalar products do not. Nodes are of any types, each of its own. The linearised stress is that
-of ``e + e′ h``; where it is used, the tangent has it in place of ``N``.
+with ``s′`` and ``s″`` of products by those of vectors, derivatives of derived vectors, in ``s`` and
+in ``e`` in forward mode (:mod:`.jets`), and the last part of nodal axes that turn with the node.
+Strains do not change in a rigid motion if they are functions of scalar products of vectors that
+rotate with it. The linearised stress is that of ``e + e′ h``; where it is used, the tangent has it
+instead of ``N``. Nodes are of any types, each of its own.
 
 Every function here is of one cell, and is merged into a function of an element that passes its
-constants. The data of a cell are the rows of its nodes, then those of :func:`.element.cell_data`.
+constants. The data of a cell are the coordinate vectors of its nodes, then those of
+:func:`.element.cell_data`.
 """
 
 from __future__ import annotations
@@ -27,33 +30,43 @@ import numba
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined
-from fem_lie._jit.stack import stack
+from fem_lie._jit.stack import blocks_at, matrix_at, stack, vector_at
 from fem_lie.forms.kernels.addresses import Pointer
-from fem_lie.forms.small_energy.element import Cells, Element
+from fem_lie.forms.small_energy.derived import (
+    derivatives_at,
+    find_derived,
+    find_derived_second,
+    find_linear_changes,
+)
+from fem_lie.forms.small_energy.element import Cells, CompiledFunction, Element
 from fem_lie.forms.small_energy.laws import (
     Function,
+    add_second_of_strains,
     energy_at,
     find_between,
-    find_first,
-    find_moduli,
-    find_second,
     find_strains,
     find_stress,
+    first,
+    plain,
     pull_strains,
+    second,
     second_size,
 )
 from fem_lie.forms.small_energy.vectors import (
+    CellData,
     add_congruent,
     add_local,
     add_local_matrix,
     add_pulled,
     add_second,
     add_turning,
+    all_vectors,
+    clear,
     find_changes,
     find_directions,
     find_rates,
+    find_vector_forces,
     find_vectors,
-    multiply,
     push_local,
     read,
 )
@@ -68,25 +81,25 @@ def add_energy(of: Element, A: Pointer, w: Pointer) -> None:
         A: A number, added to.
         w: Data of the cell.
     """
-    _energy(of.cells, of.strain, of.law, of.like, A, w)
+    _energy(of.cells, of.strain, of.law, of.derive, of.like, A, w)
 
 
 @inlined
 def add_forces(of: Element, A: Pointer, w: Pointer) -> None:
     """Forces along the axes of the nodes, added to ``A`` (k, 6); see :func:`add_energy`."""
-    _forces(of.cells, of.strain, of.law, of.like, A, w)
+    _forces(of.cells, of.strain, of.law, of.derive, of.like, A, w, None)
 
 
 @inlined
 def add_tangent(of: Element, A: Pointer, w: Pointer) -> None:
     """Tangent stiffness, added to ``A`` (k, 6, k, 6), at the stress of the strains."""
-    _tangent(of.cells, of.strain, of.law, of.like, of.turning, None, A, w)
+    _tangent(of.cells, of.strain, of.law, of.derive, of.like, of.turning, None, None, second, A, w)
 
 
 @inlined
 def add_tangent_at_stress(of: Element, A: Pointer, w: Pointer) -> None:
     """Tangent stiffness, added to ``A`` (k, 6, k, 6), at the linearised stress."""
-    _tangent(of.cells, of.strain, of.law, of.like, of.turning, 1, A, w)
+    _tangent(of.cells, of.strain, of.law, of.derive, of.like, of.turning, 1, None, second, A, w)
 
 
 @inlined
@@ -96,59 +109,123 @@ def update_stress(of: Element, A: Pointer, w: Pointer, h: Pointer) -> None:
     The strains ``e + e′ h``, shape (points, strains), less ``e₀`` of a quadratic law, are written
     to ``A``.
     """
-    _stress(of.cells, of.strain, of.law, of.like, A, w, h)
+    _stress(of.cells, of.strain, of.law, of.derive, of.like, A, w, h)
 
 
 @inlined
 def add_viscous_forces(of: Element, A: Pointer, w: Pointer, v: Pointer) -> None:
     """Forces of the stress ``η ė`` at twists ``v`` (k, 6) of the nodes, added to ``A`` (k, 6)."""
-    _viscous_forces(of.cells, of.strain, of.like, A, w, v)
+    _forces(of.cells, of.strain, of.law, of.derive, of.like, A, w, v)
 
 
 @inlined
 def add_viscous_tangent(of: Element, A: Pointer, w: Pointer) -> None:
     """Their derivative in the twists, added to ``A`` (k, 6, k, 6)."""
-    _viscous_tangent(of.cells, of.strain, of.like, A, w)
+    _tangent(of.cells, of.strain, of.law, of.derive, of.like, None, None, 1, first, A, w)
 
 
 @inlined
-def _energy(E: Cells, strain: Function, law: Function, like: Any, A: Pointer, w: Pointer) -> None:
-    data, value = read(E, w), numba.carray(A, (1,))
-    z = numba.carray(stack(3 * E.vectors), (E.vectors, 3))
-    s_at, e_at = stack(E.terms.shape[0]), stack(E.strains)
-    N = numba.carray(stack(E.strains), (E.strains,))
-    for p in range(E.points):
-        find_vectors(E, data, p, z)
-        find_strains(E, strain, like, data, p, z, s_at, e_at)
-        value[0] += energy_at(E, law, like, data, p, e_at, N)
+def _vectors_at(
+    E: Cells,
+    derive: Function,
+    order: CompiledFunction,
+    like: Any,
+    data: CellData,
+    p: int,
+    z: Array,
+    x_at: Pointer,
+    Y_at: Pointer,
+    Y: Array,
+) -> None:
+    """All vectors at a point, and derivatives of derived ones."""
+    find_vectors(E, data, p, z)
+    if derive is not None:
+        find_derived(E, derive, order, like, z, x_at, Y_at, Y)
 
 
 @inlined
-def _forces(E: Cells, strain: Function, law: Function, like: Any, A: Pointer, w: Pointer) -> None:
-    data, t, n, r = read(E, w), E.terms.shape[0], E.strains, E.rows.shape[0]
-    f = numba.carray(stack(3 * r), (r, 3))
-    z = numba.carray(stack(3 * E.vectors), (E.vectors, 3))
-    fz = numba.carray(stack(3 * E.vectors), (E.vectors, 3))
-    s_at, e_at, J_at, L = stack(t), stack(n), stack(n * (1 + t)), stack(1 + n)
-    N, g = numba.carray(stack(n), (n,)), numba.carray(stack(t), (t,))
-    _clear(f)
+def _energy(
+    E: Cells, strain: Function, law: Function, derive: Function, like: Any, A: Pointer, w: Pointer
+) -> None:
+    data, value, n = read(E, w), vector_at(A, 1), E.strains
+    z, x_at = matrix_at(stack(3 * all_vectors(E)), all_vectors(E), 3), stack(_inputs(E))
+    Y_at, s_at, e_at = stack(_derived(E, 1)), stack(E.terms.shape[0]), stack(n)
+    Y, e, N = derivatives_at(Y_at, E, 1), vector_at(e_at, n), vector_at(stack(n), n)
+    J_at = stack(n)
     for p in range(E.points):
-        find_vectors(E, data, p, z)
-        find_first(E, strain, like, data, p, z, s_at, e_at, J_at)
-        find_stress(E, law, like, data, p, e_at, L, N)
-        if strain is None:
-            add_pulled(E, data.tables[p], z, N, fz, f)
+        _vectors_at(E, derive, plain, like, data, p, z, x_at, Y_at, Y)
+        find_strains(E, strain, plain, like, data, p, z, s_at, J_at, matrix_at(J_at, n, 1), e)
+        value[0] += energy_at(E, law, like, data, p, e_at, e, N)
+
+
+@inlined
+def _inputs(E: Cells) -> int:
+    """Components of the inputs of a derived vector."""
+    return 3 * E.inputs.shape[1]
+
+
+@inlined
+def _derived(E: Cells, size: int) -> int:
+    """Numbers of all derived vectors of a point, of so many derivatives each."""
+    return 3 * E.inputs.shape[0] * size
+
+
+@inlined
+def _forces(
+    E: Cells,
+    strain: Function,
+    law: Function,
+    derive: Function,
+    like: Any,
+    A: Pointer,
+    w: Pointer,
+    v: Pointer | None,
+) -> None:
+    """Forces of the stress of the strains or, with twists ``v``, of the viscous stress."""
+    data, t, n, r = read(E, w), E.terms.shape[0], E.strains, E.starts.shape[0]
+    sums, size, count = n if strain is None else t, 1 + _inputs(E), all_vectors(E)
+    f, z, fz = (
+        matrix_at(stack(3 * r), r, 3),
+        matrix_at(stack(3 * count), count, 3),
+        matrix_at(stack(3 * count), count, 3),
+    )
+    x_at, Y_at, s_at, J_at = stack(_inputs(E)), stack(_derived(E, size)), stack(t), stack(n + n * t)
+    e_at, L = stack(n), stack(1 + n)
+    Y, J, e = derivatives_at(Y_at, E, size), matrix_at(J_at, n, 1 + t), vector_at(e_at, n)
+    N, g = vector_at(stack(n), n), vector_at(stack(sums), sums)
+    ds, rate, dq = (
+        vector_at(stack(sums), sums),
+        vector_at(stack(n), n),
+        matrix_at(stack(3 * r), r, 3),
+    )
+    clear(f)
+    if v is not None:
+        push_local(E, data.H, vector_at(v, 6 * E.types.shape[0]), dq)
+    for p in range(E.points):
+        _vectors_at(E, derive, first, like, data, p, z, x_at, Y_at, Y)
+        find_strains(E, strain, first, like, data, p, z, s_at, J_at, J, e)
+        if v is None:
+            find_stress(E, law, first, like, data, p, e_at, e, L, N, None)
         else:
-            pull_strains(E, N, numba.carray(J_at, (n, 1 + t)), g)
-            add_pulled(E, data.tables[p], z, g, fz, f)
-    add_local(E, data.H, f, numba.carray(A, (6 * E.types.shape[0],)))
+            find_rates(E, derive, data.tables[p], z, Y, dq, fz, ds)
+            _find_changes(E, strain, J, ds, rate)
+            for i in range(n):
+                N[i] = 0.0
+                for k in range(n):
+                    N[i] += data.viscosity[p, i, k] * rate[k]
+        pull_strains(E, strain, N, J, g)
+        find_vector_forces(E, z, g, fz)
+        add_pulled(E, derive, data.tables[p], Y, fz, f)
+    add_local(E, data.H, f, vector_at(A, 6 * E.types.shape[0]))
 
 
 @inlined
-def _clear(a: Array) -> None:
-    for i in range(a.shape[0]):
-        for k in range(a.shape[1]):
-            a[i, k] = 0.0
+def _jet_size(viscous: int | None, n: int) -> int:
+    """Numbers of a jet of ``n`` variables: of first order for viscous forces, else of second."""
+    if viscous is None:
+        return second_size(n)
+    else:
+        return 1 + n
 
 
 @inlined
@@ -156,161 +233,123 @@ def _tangent(
     E: Cells,
     strain: Function,
     law: Function,
+    derive: Function,
     like: Any,
     turning: int | None,
     linearised: int | None,
+    viscous: int | None,
+    order: CompiledFunction,
     A: Pointer,
     w: Pointer,
 ) -> None:
+    """Derivative of elastic forces or, if ``viscous``, that of viscous ones in twists."""
     data, t, n = read(E, w), E.terms.shape[0], E.strains
-    r, u, size = E.rows.shape[0], E.groups.shape[0], 6 * E.types.shape[0]
-    sums = n if strain is None else t
-    f = numba.carray(stack(3 * r), (r, 3))
-    z = numba.carray(stack(3 * E.vectors), (E.vectors, 3))
-    fz = numba.carray(stack(3 * E.vectors), (E.vectors, 3))
-    width = 1 if strain is None else second_size(t)
-    s_at, e_at, J_at, L = stack(t), stack(n), stack(n * width), stack(second_size(n))
-    N, g = numba.carray(stack(n), (n,)), numba.carray(stack(sums), (sums,))
-    C, M = numba.carray(stack(n * n), (n, n)), numba.carray(stack(sums * sums), (sums, sums))
-    CJ, D = numba.carray(stack(n * sums), (n, sums)), numba.carray(stack(9 * r), (r, 3, 3))
-    B, S_at = numba.carray(stack(3 * sums * r), (sums, r, 3)), stack(3 * sums * u)
-    S, rows = numba.carray(S_at, (sums, u, 3)), numba.carray(S_at, (sums, 3 * u))
-    MS = numba.carray(stack(3 * sums * u), (sums, 3 * u))
-    K, G = numba.carray(stack(9 * u * u), (3 * u, 3 * u)), numba.carray(stack(r * r), (r, r))
-    _clear(f)
-    _clear(K)
-    _clear(G)
+    r, u, count = E.starts.shape[0], E.groups.shape[0], all_vectors(E)
+    sums, c = n if strain is None else t, 3 * E.curved
+    width, size = _jet_size(viscous, t), _jet_size(viscous, _inputs(E))
+    f, z, fz = (
+        matrix_at(stack(3 * r), r, 3),
+        matrix_at(stack(3 * count), count, 3),
+        matrix_at(stack(3 * count), count, 3),
+    )
+    x_at, Y_at, s_at, J_at = stack(_inputs(E)), stack(_derived(E, size)), stack(t), stack(n * width)
+    e_at, L = stack(n), stack(second_size(n))
+    Y, J, e = derivatives_at(Y_at, E, size), matrix_at(J_at, n, width), vector_at(e_at, n)
+    N, g = vector_at(stack(n), n), vector_at(stack(sums), sums)
+    C, M = matrix_at(stack(n * n), n, n), matrix_at(stack(sums * sums), sums, sums)
+    CJ, D = matrix_at(stack(n * sums), n, sums), blocks_at(stack(9 * r), r, 3, 3)
+    B, S_at = blocks_at(stack(3 * sums * r), sums, r, 3), stack(3 * sums * u)
+    S, MS = blocks_at(S_at, sums, u, 3), matrix_at(stack(3 * sums * u), sums, 3 * u)
+    K, G = matrix_at(stack(9 * u * u), 3 * u, 3 * u), matrix_at(stack(r * r), r, r)
+    Q, Z_at, QZ = (
+        matrix_at(stack(c * c), c, c),
+        stack(3 * c * u),
+        matrix_at(stack(3 * c * u), c, 3 * u),
+    )
+    clear(f)
+    clear(K)
+    clear(G)
     find_directions(E, data.H, D)
     for p in range(E.points):
         T = data.tables[p]
-        find_vectors(E, data, p, z)
-        find_changes(E, T, z, D, B, S)
-        find_second(E, strain, like, data, p, z, s_at, e_at, J_at)
-        find_moduli(E, law, like, data, p, e_at, L, N, C)
+        _vectors_at(E, derive, order, like, data, p, z, x_at, Y_at, Y)
+        find_changes(E, derive, T, z, Y, D, B, S)
+        find_strains(E, strain, order, like, data, p, z, s_at, J_at, J, e)
+        if viscous is None:
+            find_stress(E, law, order, like, data, p, e_at, e, L, N, C)
+        else:
+            for i in range(n):
+                for k in range(n):
+                    C[i, k] = data.viscosity[p, i, k]
         if linearised is not None:
             for i in range(n):
                 N[i] = data.stress[p, i]
         if strain is None:
-            for i in range(n):
-                g[i] = N[i]
-            add_congruent(C, rows, MS, K)
+            add_congruent(C, matrix_at(S_at, sums, 3 * u), MS, K)
         else:
-            jets = numba.carray(J_at, (n, width))
-            find_between(E, jets, C, N, CJ, M)
-            pull_strains(E, N, jets, g)
-            add_congruent(M, rows, MS, K)
-        add_second(E, T, g, G)
+            find_between(E, J, C, CJ, M)
+            if viscous is None:
+                add_second_of_strains(E, J, N, M)
+            add_congruent(M, matrix_at(S_at, sums, 3 * u), MS, K)
+        if viscous is None:
+            pull_strains(E, strain, N, J, g)
+            add_second(E, T, g, G)
+            if derive is not None:
+                find_vector_forces(E, z, g, fz)
+                find_derived_second(E, Y, g, fz, Q)
+                find_linear_changes(E, T, D, numba.carray(Z_at, (E.curved, 3, u, 3)))
+                add_congruent(Q, matrix_at(Z_at, c, 3 * u), QZ, K)
         if turning is not None:
-            add_pulled(E, T, z, g, fz, f)
-    add_local_matrix(E, D, K, G, numba.carray(A, (size, size)))
+            find_vector_forces(E, z, g, fz)
+            add_pulled(E, derive, T, Y, fz, f)
+    add_local_matrix(E, D, K, G, matrix_at(A, 6 * E.types.shape[0], 6 * E.types.shape[0]))
     if turning is not None:
         add_turning(E, data.H, f, A)
 
 
 @inlined
 def _stress(
-    E: Cells, strain: Function, law: Function, like: Any, A: Pointer, w: Pointer, h: Pointer
+    E: Cells,
+    strain: Function,
+    law: Function,
+    derive: Function,
+    like: Any,
+    A: Pointer,
+    w: Pointer,
+    h: Pointer,
 ) -> None:
-    data, t, n, r = read(E, w), E.terms.shape[0], E.strains, E.rows.shape[0]
-    dq = numba.carray(stack(3 * r), (r, 3))
-    z = numba.carray(stack(3 * E.vectors), (E.vectors, 3))
-    dz = numba.carray(stack(3 * E.vectors), (E.vectors, 3))
-    s_at, e_at, J_at, L = stack(t), stack(n), stack(n * (1 + t)), stack(1 + n)
-    e, N, change = (
-        numba.carray(e_at, (n,)),
-        numba.carray(stack(n), (n,)),
-        numba.carray(stack(n), (n,)),
+    data, t, n, r = read(E, w), E.terms.shape[0], E.strains, E.starts.shape[0]
+    sums, size, count = n if strain is None else t, 1 + _inputs(E), all_vectors(E)
+    dq, z, dz = (
+        matrix_at(stack(3 * r), r, 3),
+        matrix_at(stack(3 * count), count, 3),
+        matrix_at(stack(3 * count), count, 3),
     )
-    ds, out = numba.carray(stack(t), (t,)), numba.carray(A, (E.points, n))
-    push_local(E, data.H, numba.carray(h, (6 * E.types.shape[0],)), dq)
+    x_at, Y_at, s_at, J_at = stack(_inputs(E)), stack(_derived(E, size)), stack(t), stack(n + n * t)
+    e_at, L = stack(n), stack(1 + n)
+    Y, J, e = derivatives_at(Y_at, E, size), matrix_at(J_at, n, 1 + t), vector_at(e_at, n)
+    N, change = vector_at(stack(n), n), vector_at(stack(n), n)
+    ds, out = vector_at(stack(sums), sums), matrix_at(A, E.points, n)
+    push_local(E, data.H, vector_at(h, 6 * E.types.shape[0]), dq)
     for p in range(E.points):
-        find_vectors(E, data, p, z)
-        multiply(data.tables[p], dq, dz)
-        find_first(E, strain, like, data, p, z, s_at, e_at, J_at)
-        _find_changes(E, strain, z, dz, J_at, ds, change)
+        _vectors_at(E, derive, first, like, data, p, z, x_at, Y_at, Y)
+        find_strains(E, strain, first, like, data, p, z, s_at, J_at, J, e)
+        find_rates(E, derive, data.tables[p], z, Y, dq, dz, ds)
+        _find_changes(E, strain, J, ds, change)
         for i in range(n):
             e[i] += change[i]
-        find_stress(E, law, like, data, p, e_at, L, N)
+        find_stress(E, law, first, like, data, p, e_at, e, L, N, None)
         for i in range(n):
             data.stress[p, i], out[p, i] = N[i], e[i]
 
 
 @inlined
-def _find_changes(
-    E: Cells, strain: Function, z: Array, dz: Array, J_at: Pointer, ds: Array, de: Array
-) -> None:
-    """Changes ``de`` of strains of changes of vectors; ``ds``: room for those of products."""
-    if strain is None:
-        find_rates(E, z, dz, de)
-    else:
-        t, n = E.terms.shape[0], E.strains
-        jets = numba.carray(J_at, (n, 1 + t))
-        find_rates(E, z, dz, ds)
-        for i in range(n):
+def _find_changes(E: Cells, strain: Function, J: Array, ds: Array, de: Array) -> None:
+    """Changes ``de`` of strains of those of sums of products."""
+    for i in range(E.strains):
+        if strain is None:
+            de[i] = ds[i]
+        else:
             de[i] = 0.0
-            for k in range(t):
-                de[i] += jets[i, 1 + k] * ds[k]
-
-
-@inlined
-def _viscous_forces(
-    E: Cells, strain: Function, like: Any, A: Pointer, w: Pointer, v: Pointer
-) -> None:
-    data, t, n, r = read(E, w), E.terms.shape[0], E.strains, E.rows.shape[0]
-    dq = numba.carray(stack(3 * r), (r, 3))
-    f = numba.carray(stack(3 * r), (r, 3))
-    z = numba.carray(stack(3 * E.vectors), (E.vectors, 3))
-    dz = numba.carray(stack(3 * E.vectors), (E.vectors, 3))
-    s_at, e_at, J_at = stack(t), stack(n), stack(n * (1 + t))
-    N, rate = numba.carray(stack(n), (n,)), numba.carray(stack(n), (n,))
-    ds, g = numba.carray(stack(t), (t,)), numba.carray(stack(t), (t,))
-    _clear(f)
-    push_local(E, data.H, numba.carray(v, (6 * E.types.shape[0],)), dq)
-    for p in range(E.points):
-        find_vectors(E, data, p, z)
-        multiply(data.tables[p], dq, dz)
-        find_first(E, strain, like, data, p, z, s_at, e_at, J_at)
-        _find_changes(E, strain, z, dz, J_at, ds, rate)
-        for i in range(n):
-            N[i] = 0.0
-            for k in range(n):
-                N[i] += data.viscosity[p, i, k] * rate[k]
-        if strain is None:
-            add_pulled(E, data.tables[p], z, N, dz, f)
-        else:
-            pull_strains(E, N, numba.carray(J_at, (n, 1 + t)), g)
-            add_pulled(E, data.tables[p], z, g, dz, f)
-    add_local(E, data.H, f, numba.carray(A, (6 * E.types.shape[0],)))
-
-
-@inlined
-def _viscous_tangent(E: Cells, strain: Function, like: Any, A: Pointer, w: Pointer) -> None:
-    data, t, n = read(E, w), E.terms.shape[0], E.strains
-    r, u, size = E.rows.shape[0], E.groups.shape[0], 6 * E.types.shape[0]
-    sums = n if strain is None else t
-    z = numba.carray(stack(3 * E.vectors), (E.vectors, 3))
-    s_at, e_at, J_at = stack(t), stack(n), stack(n * (1 + t))
-    M, D = numba.carray(stack(sums * sums), (sums, sums)), numba.carray(stack(9 * r), (r, 3, 3))
-    B, S_at = numba.carray(stack(3 * sums * r), (sums, r, 3)), stack(3 * sums * u)
-    S, rows = numba.carray(S_at, (sums, u, 3)), numba.carray(S_at, (sums, 3 * u))
-    MS = numba.carray(stack(3 * sums * u), (sums, 3 * u))
-    K, G = numba.carray(stack(9 * u * u), (3 * u, 3 * u)), numba.carray(stack(r * r), (r, r))
-    _clear(K)
-    _clear(G)
-    find_directions(E, data.H, D)
-    for p in range(E.points):
-        find_vectors(E, data, p, z)
-        find_changes(E, data.tables[p], z, D, B, S)
-        if strain is None:
-            add_congruent(data.viscosity[p], rows, MS, K)
-        else:
-            find_first(E, strain, like, data, p, z, s_at, e_at, J_at)
-            jets = numba.carray(J_at, (n, 1 + t))
-            for i in range(t):
-                for k in range(t):
-                    M[i, k] = 0.0
-                    for a in range(n):
-                        for b in range(n):
-                            M[i, k] += jets[a, 1 + i] * data.viscosity[p, a, b] * jets[b, 1 + k]
-            add_congruent(M, rows, MS, K)
-    add_local_matrix(E, D, K, G, numba.carray(A, (size, size)))
+            for k in range(ds.shape[0]):
+                de[i] += J[i, 1 + k] * ds[k]

@@ -25,34 +25,42 @@ CompiledFunction: TypeAlias = Any
 class Cells(NamedTuple):
     """Constants of an element for compiled code.
 
+    Vectors are numbered linear ones first, then constant ones, then derived ones.
+
     Attributes:
         types: Type of each node of a cell, shape (k,).
-        rows: Of each coordinate vector: its node, its row there, its group of unknowns, and 1 to 3
-            for directors of frames, zero else, shape (r, 4).
-        places: Where each begins among the 12 k coordinates of all nodes, shape (r,).
+        coordinates: Of each coordinate vector: its node, its number there, its group of unknowns,
+            and 1 to 3 for directors of frames, zero else, shape (r, 4).
+        starts: First of each among the 12 k numbers of all nodes, shape (r,).
         groups: First unknown of each group of three among the 6 k of all nodes, shape (u,).
         terms: Strain and both vectors of each product, shape (t, 3); where strains are a function
-            of products, the number of the product in place of the strain.
+            of products, the number of the product instead of the strain.
         factors: Of each product, shape (t,).
+        inputs: Linear vectors that each derived vector is a function of, shape (d, i).
         points: Points of integration.
-        vectors: At each point.
+        vectors: Linear vectors at each point.
+        curved: How many of these, the first ones, derived vectors depend on or are multiplied by.
         strains: At each point.
         parameters: Numbers of the law at each point.
-        offsets: Vectors with a constant part at each point: all or none.
+        offsets: Linear vectors with a constant part at each point: all or none.
+        constants: Constant vectors at each point.
         viscosities: Numbers of the viscosity at each point.
     """
 
     types: Indices
-    rows: Indices
-    places: Indices
+    coordinates: Indices
+    starts: Indices
     groups: Indices
     terms: Indices
     factors: Array
+    inputs: Indices
     points: int
     vectors: int
+    curved: int
     strains: int
     parameters: int
     offsets: int
+    constants: int
     viscosities: int
 
 
@@ -63,8 +71,9 @@ class Element(NamedTuple):
         cells: Constants.
         strain: Strains as a function of products, or ``None`` for sums of products.
         law: Energy as a function of strains, or ``None`` for a quadratic law.
-        like: Tuples as long as those of products, strains and parameters, as far as functions
-            take these.
+        derive: Derived vector as a function of others, or ``None``.
+        like: Tuples as long as those of products, strains, parameters and components of inputs of
+            a derived vector, as far as functions take these.
         turning: 1 if axes of nodes turn with their unknowns, else ``None``, which spares their
             compilation.
     """
@@ -72,7 +81,8 @@ class Element(NamedTuple):
     cells: Cells
     strain: CompiledFunction | None
     law: CompiledFunction | None
-    like: tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]
+    derive: CompiledFunction | None
+    like: tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...], tuple[float, ...]]
     turning: int | None
 
 
@@ -86,6 +96,9 @@ def element(
     parameters: int | None = None,
     strain: CompiledFunction | None = None,
     law: CompiledFunction | None = None,
+    derive: CompiledFunction | None = None,
+    inputs: Sequence[Sequence[int]] = (),
+    constants: int = 0,
     offsets: bool = False,
     viscous: bool = False,
 ) -> Element:
@@ -95,7 +108,7 @@ def element(
         node_types: Of the nodes of a cell.
         products: Both vectors of each scalar product, shape (t, 2), where ``strain`` is a function
             of them; else strain, both vectors and factor of each, shape (t, 4): strains are sums.
-        vectors: Number of vectors at each point.
+        vectors: Number of linear vectors at each point; constant and derived ones follow them.
         strains: Number of strains at each point.
         points: Points of integration of a cell.
         parameters: Numbers of ``law`` at each point.
@@ -103,12 +116,17 @@ def element(
             of strains. With a quadratic law the second tuple is empty.
         law: Compiled function of the tuples of strains and parameters, which returns the energy at
             a point. Default: ``½ (e − e₀)·C (e − e₀)``, whose parameters are ``e₀`` and ``C``.
-        offsets: Whether vectors have a constant part.
+        derive: Compiled function of the tuple of components of linear vectors, which returns the
+            three components of a derived vector, such as a unit normal of two slopes.
+        inputs: Linear vectors that each derived vector is this function of.
+        constants: Number of constant vectors at each point.
+        offsets: Whether linear vectors have a constant part.
         viscous: Whether there is a stress ``η ė`` (Kelvin and Voigt).
 
     Raises:
         ValueError: Products are of other vectors or strains than there are, or have another shape;
-            a law that is a function has no number of parameters.
+            derived vectors are of other vectors than linear ones, or without a function; a law
+            that is a function has no number of parameters.
     """
     table, width = np.asarray(products, dtype=np.float64), 4 if strain is None else 2
     if table.ndim != 2 or table.shape[1] != width:
@@ -119,27 +137,32 @@ def element(
         table = np.column_stack([numbers, table, np.ones(len(table))])
     terms = np.ascontiguousarray(table[:, :3].astype(np.int64))
     sums = strains if strain is None else len(terms)
-    if (terms < 0).any() or (terms >= [sums, vectors, vectors]).any():
+    derived = _inputs(inputs, vectors, derive)
+    every = vectors + constants + len(derived)
+    if (terms < 0).any() or (terms >= [sums, every, every]).any():
         raise ValueError(
-            f"products must be of vectors 0 to {vectors - 1} in strains 0 to {sums - 1}, got "
+            f"products must be of vectors 0 to {every - 1} in strains 0 to {sums - 1}, got "
             f"{terms.tolist()}"
         )
     if law is not None and parameters is None:
         raise ValueError("a law that is a function needs the number of its parameters, got none")
     count = strains + strains**2 if parameters is None or law is None else parameters
-    rows, groups = _rows(node_types)
-    constants = Cells(
+    coordinates, groups = _coordinates(node_types)
+    cells = Cells(
         types=np.array([int(each) for each in node_types], dtype=np.int64),
-        rows=rows,
-        places=np.ascontiguousarray(12 * rows[:, 0] + 3 * rows[:, 1]),
+        coordinates=coordinates,
+        starts=np.ascontiguousarray(12 * coordinates[:, 0] + 3 * coordinates[:, 1]),
         groups=groups,
         terms=terms,
         factors=np.ascontiguousarray(table[:, 3]),
+        inputs=derived,
         points=points,
         vectors=vectors,
+        curved=_curved(terms[:, 1:], derived, vectors, every),
         strains=strains,
         parameters=count,
         offsets=vectors if offsets else 0,
+        constants=constants,
         viscosities=strains**2 if viscous else 0,
     )
     # tuples of hundreds of numbers that nobody takes would be compiled, too
@@ -147,12 +170,35 @@ def element(
         (0.0,) * (0 if strain is None else len(terms)),
         (0.0,) * (0 if law is None else strains),
         (0.0,) * (0 if law is None else count),
+        (0.0,) * (3 * derived.shape[1]),
     )
     turning = 1 if any(kind <= NodeKind.SLOPE for kind in node_types) else None
-    return Element(constants, strain, law, like, turning)
+    return Element(cells, strain, law, derive, like, turning)
 
 
-def _rows(node_types: Sequence[NodeKind]) -> tuple[Indices, Indices]:
+def _inputs(
+    inputs: Sequence[Sequence[int]], vectors: int, derive: CompiledFunction | None
+) -> Indices:
+    """Those of derived vectors, shape (d, i), after a check."""
+    found = np.array([*inputs] or np.empty((0, 0)), dtype=np.int64)
+    if (derive is None) != (len(found) == 0) or (found < 0).any() or (found >= vectors).any():
+        function = "no function" if derive is None else "a function"
+        raise ValueError(
+            "derived vectors must have a function and, as its inputs, linear vectors 0 to "
+            f"{vectors - 1}, got {function} and {found.tolist()}"
+        )
+    return found
+
+
+def _curved(pairs: Indices, inputs: Indices, vectors: int, every: int) -> int:
+    """How many linear vectors, the first ones, second derivatives of derived ones are of."""
+    first = every - len(inputs)
+    beside = pairs[(pairs >= first).any(axis=1)]
+    touched = [*inputs.ravel(), *beside[beside < vectors]]
+    return 1 + int(max(touched, default=-1))
+
+
+def _coordinates(node_types: Sequence[NodeKind]) -> tuple[Indices, Indices]:
     """Coordinate vectors and groups of unknowns of a cell's nodes."""
     rows: list[tuple[int, int, int, int]] = []
     groups: list[int] = []
@@ -171,16 +217,18 @@ def cell_data(
     parameters: Array,
     *,
     offsets: Array | None = None,
+    constants: Array | None = None,
     viscosity: Array | None = None,
 ) -> Array:
     """Data of cells as the functions of an element read them, with zero stress.
 
     Args:
         of: The element.
-        tables: ``T`` of each point, shape (m, points, vectors, rows); rows are the coordinate
-            vectors of one node after the other.
+        tables: ``T`` of each point, shape (m, points, vectors, r), of the ``r`` coordinate vectors
+            of one node after the other.
         parameters: Of the law, shape (m, points, parameters).
-        offsets: ``z₀``, shape (m, points, vectors, 3), if vectors have a constant part.
+        offsets: ``z₀``, shape (m, points, vectors, 3), if linear vectors have a constant part.
+        constants: Constant vectors, shape (m, points, constants, 3), if there are any.
         viscosity: ``η``, shape (m, points, strains, strains), if the element is viscous.
 
     Returns:
@@ -195,8 +243,9 @@ def cell_data(
     for what, given, needed, shape in (
         ("viscosity", viscosity, cells.viscosities > 0, (m, p, e, e)),
         ("parameters", parameters, True, (m, p, cells.parameters)),
+        ("constants", constants, cells.constants > 0, (m, p, cells.constants, 3)),
         ("offsets", offsets, cells.offsets > 0, (m, p, v, 3)),
-        ("tables", tables, True, (m, p, v, len(cells.rows))),
+        ("tables", tables, True, (m, p, v, len(cells.coordinates))),
     ):
         if (given is None) == needed or (given is not None and given.shape != shape):
             expected = f"of shape {shape}" if needed else "none"

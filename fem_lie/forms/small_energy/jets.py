@@ -266,6 +266,15 @@ _FUNCTIONS: dict[Any, Callable[[_Derivatives, Any, Any], tuple[Any, Any]]] = {
 """First and second derivative of each, of its argument and value."""
 
 
+def _plain_value(context: Any, builder: Any, function: Any, x: Any) -> Any:
+    """Value of a function of a number; a root is an instruction, and no call of a library."""
+    if function is math.sqrt:
+        return builder.call(builder.module.declare_intrinsic("llvm.sqrt", [_DOUBLE]), [x])
+    own = context.typing_context.resolve_value_type(function)
+    context.typing_context.resolve_function_type(own, (types.float64,), {})
+    return context.get_function(own, types.float64(types.float64))(builder, (x,))
+
+
 def _define_function(function: Any, rule: Callable[..., tuple[Any, Any]]) -> None:
     @type_callable(function)
     def type_of(context: Any) -> Callable[[Any], Any]:
@@ -275,10 +284,7 @@ def _define_function(function: Any, rule: Callable[..., tuple[Any, Any]]) -> Non
     def lowered(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         kind = signature.return_type
         a = _read(context, builder, kind, arguments[0])
-        plain = types.float64(types.float64)
-        own = context.typing_context.resolve_value_type(function)
-        context.typing_context.resolve_function_type(own, (types.float64,), {})
-        value = context.get_function(own, plain)(builder, (a.value,))
+        value = _plain_value(context, builder, function, a.value)
         d = _Derivatives(builder)
         first, second = rule(d, a.value, value)
         gradient = [d.times(first, x) for x in a.gradient]

@@ -1,6 +1,7 @@
 """Vectors of a cell, their scalar products, and how both move with the nodes: compiled.
 
 All functions are of one cell, and are merged into those of an element with its constants ``E``.
+Derived vectors are in :mod:`.derived`.
 """
 
 from __future__ import annotations
@@ -11,9 +12,14 @@ import numba
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined
-from fem_lie._jit.stack import stack
+from fem_lie._jit.stack import matrix_at, stack
 from fem_lie.forms.kernels.addresses import Pointer, shift
-from fem_lie.forms.small_energy.element import Cells
+from fem_lie.forms.small_energy.derived import (
+    add_change,
+    find_derived_changes,
+    pull_derived,
+)
+from fem_lie.forms.small_energy.element import Cells, CompiledFunction
 from fem_lie.lie.kinds.forces import pull_derivative
 from fem_lie.lie.kinds.kind import SLOPE, axes
 from fem_lie.lie.tuples import Vector, combined, load_row, negative, plus, scaled, store
@@ -23,19 +29,21 @@ class CellData(NamedTuple):
     """Data of one cell.
 
     Attributes:
-        H: Rows of the nodes, shape (k, 4, 3).
-        coordinates: The same, flat.
-        tables: ``T``, shape (points, vectors, rows).
+        H: Coordinate vectors of the nodes, shape (k, 4, 3).
+        numbers: The same, one number after the other.
+        tables: ``T``, shape (points, vectors, r).
         offsets: ``z₀``, shape (points, vectors or none, 3).
+        constants: Constant vectors, shape (points, constants, 3).
         parameters: Where those of the first point are.
         viscosity: ``η``, shape (points, strains or none, strains).
         stress: Linearised stress, shape (points, strains).
     """
 
     H: Array
-    coordinates: Array
+    numbers: Pointer
     tables: Array
     offsets: Array
+    constants: Array
     parameters: Pointer
     viscosity: Array
     stress: Array
@@ -44,41 +52,44 @@ class CellData(NamedTuple):
 @inlined
 def read(E: Cells, w: Pointer) -> CellData:
     """Data of the cell at ``w``."""
-    k, r, n = E.types.shape[0], E.rows.shape[0], E.strains
+    k, r, n = E.types.shape[0], E.starts.shape[0], E.strains
     at = 12 * k
     tables = numba.carray(shift(w, at), (E.points, E.vectors, r))
     at += E.points * E.vectors * r
     offsets = numba.carray(shift(w, at), (E.points, E.offsets, 3))
     at += E.points * E.offsets * 3
+    constants = numba.carray(shift(w, at), (E.points, E.constants, 3))
+    at += E.points * E.constants * 3
     parameters = shift(w, at)
     at += E.points * E.parameters
     viscosity = numba.carray(shift(w, at), (E.points, n if E.viscosities > 0 else 0, n))
     stress = numba.carray(shift(w, at + E.points * E.viscosities), (E.points, n))
-    H, flat = numba.carray(w, (k, 4, 3)), numba.carray(w, (12 * k,))
-    return CellData(H, flat, tables, offsets, parameters, viscosity, stress)
+    H = numba.carray(w, (k, 4, 3))
+    return CellData(H, w, tables, offsets, constants, parameters, viscosity, stress)
 
 
 @inlined
-def multiply(T: Array, q: Array, z: Array) -> None:
-    """``z = T q``, shape (vectors, 3)."""
-    for v in range(T.shape[0]):
-        x = y = w = 0.0
-        for r in range(T.shape[1]):
-            t = T[v, r]
-            x += t * q[r, 0]
-            y += t * q[r, 1]
-            w += t * q[r, 2]
-        store(z[v], 0, (x, y, w))
+def all_vectors(E: Cells) -> int:
+    """Vectors at each point: linear, constant and derived ones."""
+    return E.vectors + E.constants + E.inputs.shape[0]
+
+
+@inlined
+def clear(a: Array) -> None:
+    """Set a matrix to zero."""
+    for i in range(a.shape[0]):
+        for k in range(a.shape[1]):
+            a[i, k] = 0.0
 
 
 @inlined
 def find_vectors(E: Cells, data: CellData, p: int, z: Array) -> None:
-    """``z`` at a point, shape (vectors, 3)."""
-    T, q = data.tables[p], data.coordinates
+    """Linear and constant vectors at a point, the first ones of ``z`` (all, 3)."""
+    T, q = data.tables[p], data.numbers
     for v in range(E.vectors):
         x = y = w = 0.0
-        for r in range(E.places.shape[0]):
-            t, at = T[v, r], E.places[r]
+        for r in range(E.starts.shape[0]):
+            t, at = T[v, r], E.starts[r]
             x += t * q[at]
             y += t * q[at + 1]
             w += t * q[at + 2]
@@ -86,6 +97,8 @@ def find_vectors(E: Cells, data: CellData, p: int, z: Array) -> None:
     for v in range(E.offsets):
         for j in range(3):
             z[v, j] += data.offsets[p, v, j]
+    for c in range(E.constants):
+        store(z[E.vectors + c], 0, load_row(data.constants[p], c))
 
 
 @inlined
@@ -100,8 +113,26 @@ def find_sums(E: Cells, z: Array, s: Array) -> None:
 
 
 @inlined
-def find_rates(E: Cells, z: Array, dz: Array, ds: Array) -> None:
-    """Changes of :func:`find_sums` of changes ``dz`` of the vectors."""
+def find_rates(
+    E: Cells,
+    derive: CompiledFunction | None,
+    T: Array,
+    z: Array,
+    Y: Array,
+    dq: Array,
+    dz: Array,
+    ds: Array,
+) -> None:
+    """Changes ``ds`` of :func:`find_sums` of changes ``dq`` of the coordinate vectors, (r, 3).
+
+    ``dz``: workspace for changes of the vectors, shape (all, 3).
+    """
+    clear(dz)
+    for v in range(T.shape[0]):
+        for r in range(T.shape[1]):
+            store(dz[v], 0, plus(load_row(dz, v), scaled(T[v, r], load_row(dq, r))))
+    if derive is not None:
+        find_derived_changes(E, Y, dz)
     for i in range(ds.shape[0]):
         ds[i] = 0.0
     for t in range(E.terms.shape[0]):
@@ -116,33 +147,43 @@ def find_rates(E: Cells, z: Array, dz: Array, ds: Array) -> None:
 
 
 @inlined
-def add_pulled(E: Cells, T: Array, z: Array, g: Array, fz: Array, f: Array) -> None:
-    """Add forces ``g`` on sums of products to those on coordinate vectors, ``f`` (rows, 3).
-
-    ``fz``: room for forces on the vectors, shape (vectors, 3).
-    """
-    for v in range(E.vectors):
-        store(fz[v], 0, (0.0, 0.0, 0.0))
+def find_vector_forces(E: Cells, z: Array, g: Array, fz: Array) -> None:
+    """Forces on all vectors, ``fz`` (all, 3), of forces ``g`` on sums of products."""
+    clear(fz)
     for t in range(E.terms.shape[0]):
         a, b, s = E.terms[t, 1], E.terms[t, 2], E.factors[t] * g[E.terms[t, 0]]
         for j in range(3):
             fz[a, j] += s * z[b, j]
             fz[b, j] += s * z[a, j]
+
+
+@inlined
+def add_pulled(
+    E: Cells, derive: CompiledFunction | None, T: Array, Y: Array, fz: Array, f: Array
+) -> None:
+    """Add forces ``fz`` on the vectors to those on coordinate vectors, ``f`` (r, 3).
+
+    ``fz`` gets those of derived vectors.
+    """
+    if derive is not None:
+        pull_derived(E, Y, fz)
     for r in range(T.shape[1]):
         x, y, w = load_row(f, r)
         for v in range(E.vectors):
-            t_ = T[v, r]
-            x += t_ * fz[v, 0]
-            y += t_ * fz[v, 1]
-            w += t_ * fz[v, 2]
+            t = T[v, r]
+            x += t * fz[v, 0]
+            y += t * fz[v, 1]
+            w += t * fz[v, 2]
         store(f[r], 0, (x, y, w))
 
 
 @inlined
-def direction(E: Cells, H: Array, r: int, m: int) -> Vector:
-    """How a coordinate vector moves with the m-th unknown of its group."""
-    d1, d2, d3 = axes(E.types[E.rows[r, 0]], H[E.rows[r, 0]])
-    director = E.rows[r, 3]
+def _direction(own: tuple[Vector, Vector, Vector], director: int, m: int) -> Vector:
+    """How a coordinate vector of a node with these axes moves with the m-th unknown of its group.
+
+    ``director``: 1 to 3 for those of frames, zero else.
+    """
+    d1, d2, d3 = own
     if director == 0:
         return d1 if m == 0 else d2 if m == 1 else d3
     # R (e_m × e_k)
@@ -155,23 +196,30 @@ def direction(E: Cells, H: Array, r: int, m: int) -> Vector:
 
 
 @inlined
+def _axes(E: Cells, H: Array, r: int) -> tuple[Vector, Vector, Vector]:
+    """Axes of the node of a coordinate vector."""
+    node = E.coordinates[r, 0]
+    return axes(E.types[node], H[node])
+
+
+@inlined
 def add_local(E: Cells, H: Array, f: Array, out: Array) -> None:
-    """Add forces on coordinate vectors (rows, 3) as forces along the axes of nodes, (6 k,)."""
-    for r in range(E.rows.shape[0]):
-        first = E.groups[E.rows[r, 2]]
+    """Add forces on coordinate vectors (r, 3) as forces along the axes of nodes, (6 k,)."""
+    for r in range(E.starts.shape[0]):
+        first, own = E.groups[E.coordinates[r, 2]], _axes(E, H, r)
         for m in range(3):
-            x, y, w = direction(E, H, r, m)
+            x, y, w = _direction(own, E.coordinates[r, 3], m)
             out[first + m] += x * f[r, 0] + y * f[r, 1] + w * f[r, 2]
 
 
 @inlined
 def push_local(E: Cells, H: Array, h: Array, dq: Array) -> None:
-    """Changes of coordinate vectors, (rows, 3), of increments or twists of the nodes, (6 k,)."""
-    for r in range(E.rows.shape[0]):
-        first = E.groups[E.rows[r, 2]]
+    """Changes of coordinate vectors, (r, 3), of increments or twists of the nodes, (6 k,)."""
+    for r in range(E.starts.shape[0]):
+        first, own = E.groups[E.coordinates[r, 2]], _axes(E, H, r)
         moved = 0.0, 0.0, 0.0
         for m in range(3):
-            moved = plus(moved, scaled(h[first + m], direction(E, H, r, m)))
+            moved = plus(moved, scaled(h[first + m], _direction(own, E.coordinates[r, 3], m)))
         store(dq[r], 0, moved)
 
 
@@ -180,34 +228,46 @@ def push_local(E: Cells, H: Array, h: Array, dq: Array) -> None:
 
 @inlined
 def find_directions(E: Cells, H: Array, D: Array) -> None:
-    """:func:`direction` of all coordinate vectors and unknowns, shape (rows, 3, 3)."""
-    for r in range(E.rows.shape[0]):
+    """How all coordinate vectors move with the unknowns of their groups, shape (r, 3, 3)."""
+    for r in range(E.starts.shape[0]):
+        own = _axes(E, H, r)
         for m in range(3):
-            store(D[r, m], 0, direction(E, H, r, m))
+            store(D[r, m], 0, _direction(own, E.coordinates[r, 3], m))
 
 
 @inlined
-def find_changes(E: Cells, T: Array, z: Array, D: Array, B: Array, S: Array) -> None:
+def find_changes(
+    E: Cells,
+    derive: CompiledFunction | None,
+    T: Array,
+    z: Array,
+    Y: Array,
+    D: Array,
+    B: Array,
+    S: Array,
+) -> None:
     """Derivatives ``S`` of sums of products in the unknowns, shape (sums, groups, 3).
 
-    ``B``: room for those in the coordinate vectors, shape (sums, rows, 3).
+    ``B``: workspace for those in the coordinate vectors, shape (sums, r, 3).
     """
-    count, r = B.shape[0], E.rows.shape[0]
+    count, r = B.shape[0], E.starts.shape[0]
     for i in range(count):
-        for k in range(r):
-            store(B[i, k], 0, (0.0, 0.0, 0.0))
-        for u in range(S.shape[1]):
-            store(S[i, u], 0, (0.0, 0.0, 0.0))
+        clear(B[i])
+        clear(S[i])
     for t in range(E.terms.shape[0]):
         i, a, b = E.terms[t]
         za, zb = scaled(E.factors[t], load_row(z, a)), scaled(E.factors[t], load_row(z, b))
-        for k in range(r):
-            moved = combined(T[a, k], zb, T[b, k], za)
-            store(B[i, k], 0, plus(load_row(B[i], k), moved))
+        if derive is None:
+            for k in range(r):
+                moved = combined(T[a, k], zb, T[b, k], za)
+                store(B[i, k], 0, plus(load_row(B[i], k), moved))
+        else:
+            add_change(E, T, Y, a, zb, B[i])
+            add_change(E, T, Y, b, za, B[i])
     for i in range(count):
         for k in range(r):
             x, y, w = load_row(B[i], k)
-            group = E.rows[k, 2]
+            group = E.coordinates[k, 2]
             for m in range(3):
                 S[i, group, m] += x * D[k, m, 0] + y * D[k, m, 1] + w * D[k, m, 2]
 
@@ -216,7 +276,7 @@ def find_changes(E: Cells, T: Array, z: Array, D: Array, B: Array, S: Array) -> 
 def add_congruent(M: Array, S: Array, MS: Array, K: Array) -> None:
     """Add ``Sᵀ M S`` of a symmetric ``M`` to ``K`` on and above its diagonal; ``S`` (n, any).
 
-    ``MS``: room for the product. Four rows at a time, for fewer loads and stores.
+    ``MS``: workspace for the product. Four rows at a time, for fewer loads and stores.
     """
     n, size = S.shape
     even = 4 * (n // 4)
@@ -245,32 +305,36 @@ def add_congruent(M: Array, S: Array, MS: Array, K: Array) -> None:
 
 @inlined
 def add_second(E: Cells, T: Array, g: Array, G: Array) -> None:
-    """Add second derivatives of products at forces ``g`` on their sums to ``G`` (rows, rows).
+    """Add second derivatives of products at forces ``g`` on their sums to ``G`` (r, r).
 
     They are the same for all components.
     """
     for t in range(E.terms.shape[0]):
         a, b, s = E.terms[t, 1], E.terms[t, 2], E.factors[t] * g[E.terms[t, 0]]
-        for i in range(E.rows.shape[0]):
+        if max(a, b) >= E.vectors:
+            continue
+        for i in range(T.shape[1]):
             first, second = s * T[a, i], s * T[b, i]
             if first == 0.0 and second == 0.0:
                 continue
-            for k in range(E.rows.shape[0]):
+            for k in range(T.shape[1]):
                 G[i, k] += first * T[b, k] + second * T[a, k]
 
 
 @inlined
 def add_local_matrix(E: Cells, D: Array, K: Array, G: Array, out: Array) -> None:
-    """Add ``K`` (3 groups, 3 groups) and ``G`` (rows, rows) of all components to (6 k, 6 k).
+    """Add ``K`` (3 groups, 3 groups) and ``G`` (r, r) of all components to (6 k, 6 k).
 
     ``K`` is read on and above its diagonal, and overwritten.
     """
     for a in range(K.shape[0]):
         for b in range(a):
             K[a, b] = K[b, a]
-    for i in range(E.rows.shape[0]):
-        for k in range(E.rows.shape[0]):
-            first, second = 3 * E.rows[i, 2], 3 * E.rows[k, 2]
+    for i in range(E.starts.shape[0]):
+        for k in range(E.starts.shape[0]):
+            if G[i, k] == 0.0:
+                continue
+            first, second = 3 * E.coordinates[i, 2], 3 * E.coordinates[k, 2]
             for m in range(3):
                 for n in range(3):
                     along = D[i, m, 0] * D[k, n, 0] + D[i, m, 1] * D[k, n, 1]
@@ -284,14 +348,13 @@ def add_local_matrix(E: Cells, D: Array, K: Array, G: Array, out: Array) -> None
 
 @inlined
 def add_turning(E: Cells, H: Array, f: Array, A: Pointer) -> None:
-    """What the turning of nodal axes does to forces ``f`` (rows, 3), to a matrix (6 k, 6 k)."""
+    """What the turning of nodal axes does to forces ``f`` (r, 3), to a matrix (6 k, 6 k)."""
     k = E.types.shape[0]
-    out, own = numba.carray(A, (k, 6, k, 6)), numba.carray(stack(12), (4, 3))
+    out, own = numba.carray(A, (k, 6, k, 6)), matrix_at(stack(12), 4, 3)
     for node in range(k):
         if E.types[node] <= SLOPE:
-            for i in range(4):
-                store(own[i], 0, (0.0, 0.0, 0.0))
-            for r in range(E.rows.shape[0]):
-                if E.rows[r, 0] == node:
-                    store(own[E.rows[r, 1]], 0, load_row(f, r))
+            clear(own)
+            for r in range(E.starts.shape[0]):
+                if E.coordinates[r, 0] == node:
+                    store(own[E.coordinates[r, 1]], 0, load_row(f, r))
             pull_derivative(E.types[node], H[node], own, 1.0, out[node, :, node])
