@@ -47,7 +47,7 @@ MAY_IMPORT = {
     "forms.small_energy": {"forms"},
     "elements": set(),
     "elements.beams": {"forms", "grips"},
-    "elements.shells": {"forms", "mesh"},
+    "elements.shells": {"forms.small_energy", "mesh"},
     "elements.rods": {"elements.beams", "forms.small_energy"},
     "elements.solids": {"forms", "mesh"},
     "elements.gradients": {"elements.rods", "elements.thin_shells"},

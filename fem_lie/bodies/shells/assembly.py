@@ -97,7 +97,6 @@ class ShellAssembly(Assembly, LocalUnknowns):
                 measures.quadrature_degree,
                 axes,
                 drilling[permutation],
-                (self.indptr, self.indices),
             )
             self.beside.append(moment)
         rows = np.repeat(np.arange(self.count), np.diff(self.indptr))

@@ -1,6 +1,8 @@
 """Drilling of six-parameter shells: how stiff, on which nodes, and as a term of its own.
 
-Its energy is in :mod:`fem_lie.elements.shells.drilling_sums`.
+The energy ``∫ ½ γ c²`` of ``c = a₁·x,₂ − a₂·x,₁`` (:mod:`.drilling_strain`), with tangents
+``a = Σ Nᵢ Rᵢ Aᵢ`` that nodes carry, stands beside the forms of five parameters. Positions and
+directors are in it as products of vectors, so that cells of any type and degree need no form.
 """
 
 from __future__ import annotations
@@ -12,20 +14,19 @@ import basix
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.elements.shells.drilling_sums import (
-    PlainShapes,
+from fem_lie._jit import callback, inlined
+from fem_lie.forms.cell_sums import Pattern
+from fem_lie.forms.kernels.addresses import Pointer
+from fem_lie.forms.small_energy.assembly import CellFunctions, ElementCells
+from fem_lie.forms.small_energy.cell import (
+    add_energy,
     add_forces,
-    add_tangent,
-    cell_data,
-    energy_kernel,
-    force_kernel,
-    strains,
+    add_tangent_at_stress,
+    update_stress,
 )
-from fem_lie.forms.abilities import LinearisedStress
-from fem_lie.forms.cell_forms import FormTable
-from fem_lie.forms.cell_sums import CellSum
-from fem_lie.forms.term import Pairs, Term
-from fem_lie.lie.motions import add_turnings
+from fem_lie.forms.small_energy.element import Element, cell_data, element
+from fem_lie.forms.small_energy.packed import PACKED_SIGNATURE, packed, unpacked
+from fem_lie.lie.kinds.kind import NodeKind
 from fem_lie.mesh.shapes import rule, tabulated
 
 FRACTION = 0.01
@@ -67,12 +68,48 @@ def drilling_stiffness(
     return np.where(around, membrane, np.minimum(soft, membrane))
 
 
-class DrillingAssembly(Term, LinearisedStress):
-    """Forces, tangent and energy on the nodes of an assembly of shells.
+_A1, _A2, _X1, _X2 = range(4)
+"""Vectors at each point: tangents that nodes carry, and those of the surface."""
 
-    Attributes:
-        carried: Stress γ c at the points of integration, flat.
-    """
+
+def _element(nodes: int, points: int) -> Element:
+    """That of cells with so many nodes and points of integration."""
+    products = [(0, _A1, _X2, 1.0), (0, _A2, _X1, -1.0)]
+    return element([NodeKind.FRAME] * nodes, products, vectors=4, points=points)
+
+
+@inlined
+def _packed_element(c: Pointer) -> Element:
+    """The element whose constants are at ``c``."""
+    return Element(unpacked(c), None, None, None, ((), (), (), ()), 1)
+
+
+@callback(PACKED_SIGNATURE)
+def energy_of_cell(A: Pointer, w: Pointer, c: Pointer, h: Pointer) -> None:
+    """Energy of a cell."""
+    add_energy(_packed_element(c), A, w)
+
+
+@callback(PACKED_SIGNATURE)
+def forces_of_cell(A: Pointer, w: Pointer, c: Pointer, h: Pointer) -> None:
+    """Forces of a cell."""
+    add_forces(_packed_element(c), A, w)
+
+
+@callback(PACKED_SIGNATURE)
+def tangent_of_cell(A: Pointer, w: Pointer, c: Pointer, h: Pointer) -> None:
+    """Tangent stiffness of a cell."""
+    add_tangent_at_stress(_packed_element(c), A, w)
+
+
+@callback(PACKED_SIGNATURE)
+def stress_of_cell(A: Pointer, w: Pointer, c: Pointer, h: Pointer) -> None:
+    """Linearised stress of a cell."""
+    update_stress(_packed_element(c), A, w, h)
+
+
+class DrillingAssembly(ElementCells):
+    """Forces, tangent and energy on the nodes of an assembly of shells."""
 
     label, of_bodies, conserved = "drilling of shells with six parameters", True, True
 
@@ -85,7 +122,6 @@ class DrillingAssembly(Term, LinearisedStress):
         quadrature_degree: int,
         directions: Array,
         stiffness: Array,
-        pattern: tuple[Indices, Indices],
     ) -> None:
         """Evaluate the unloaded surface.
 
@@ -97,106 +133,30 @@ class DrillingAssembly(Term, LinearisedStress):
             quadrature_degree: As of the element.
             directions: Vector of each cell whose projection onto the surface is the first axis.
             stiffness: γ of each cell, shape (m,).
-            pattern: Rows and columns of the blocks of the tangent.
         """
         points, w = rule(kind.name, quadrature_degree)
         middle = np.asarray(basix.geometry(kind)).mean(axis=0, keepdims=True)
         table = tabulated(kind.name, degree, np.vstack([points, middle]))
-        self._cells, N = cells.astype(np.int64), np.ascontiguousarray(table[0, :-1])
+        N = table[0, :-1]
         tangents = np.einsum("agk,mkj->mgaj", table[1:], frames[cells, 0])
         normal = np.cross(tangents[:, :, 0], tangents[:, :, 1])
         e2 = np.cross(normal, directions[:, np.newaxis])
         axes = np.stack([np.cross(e2, normal), e2], axis=2)
         axes /= np.linalg.norm(axes, axis=-1, keepdims=True)
         inverse = np.linalg.inv(np.einsum("mgaj,mgbj->mgab", tangents, axes)[:, :-1])
-        G = np.einsum("mgba,agk->mgbk", inverse, table[1:, :-1])
+        # coordinate vectors of a node are its position and three directors
+        m, (g, k) = len(cells), N.shape
+        T = np.zeros((m, g, 4, k, 4))
+        T[:, :, _X1 : _X2 + 1, :, 0] = np.einsum("mgba,agk->mgbk", inverse, table[1:, :-1])
         # what nodes carry are the axes of the centre
         A = np.einsum("mbj,mkdj->mkbd", axes[:, -1], frames[cells, 1:])
-        self._shapes: PlainShapes = N, G, A
-        area = w * np.linalg.norm(normal[:, :-1], axis=-1)
-        self._area, self._weight = area, area * stiffness[:, np.newaxis]
-        self._gamma = stiffness[:, np.newaxis]
-        self._rest, self._stress = np.zeros_like(area), np.zeros_like(area)
-        self._change = np.zeros_like(area)
-        self._rest[:] = self._strain(frames, np.zeros((len(frames), 6)))[0]
-        indptr, indices = pattern
-        key = np.repeat(np.arange(len(frames)), np.diff(indptr)) * len(frames) + indices
-        pairs = len(frames) * self._cells[:, :, np.newaxis] + self._cells[:, np.newaxis]
-        self._place = np.searchsorted(key, pairs)
-        rows = np.repeat(np.arange(len(frames)), np.diff(indptr))
-        self._pairs = rows, indices.astype(np.int64)
-        self._diagonal = np.flatnonzero(rows == indices)
-        self._all = np.ones(len(frames), dtype=bool)
-        data = cell_data(self._shapes, self._weight, self._rest)
-        sizes = np.array(N.shape[::-1], dtype=np.float64)
-        none = np.zeros((len(cells), 1))
-        self._forces, self._energy = (
-            CellSum(self._cells, kernel.address, data, sizes, none, apart=True)
-            for kernel in (force_kernel, energy_kernel)
-        )
-
-    @property
-    def stress_update(self) -> LinearisedStress:
-        """The moments."""
-        return self
-
-    @property
-    def carried(self) -> Array:
-        """See the class; a view."""
-        return self._stress.reshape(-1)
-
-    def _strain(self, H: Array, h: Array) -> tuple[Array, Array]:
-        c = np.empty_like(self._rest)
-        strains(H, self._cells, self._shapes, self._rest, h.reshape(-1, 6), (c, self._change))
-        return c, self._change
-
-    @property
-    def pairs(self) -> Pairs:
-        """Those of the shells."""
-        return self._pairs
-
-    @property
-    def over_cells(self) -> tuple[FormTable, FormTable]:
-        """Of forces and of energy."""
-        return self._forces.table, self._energy.table
-
-    def room(self) -> Array:
-        """For all forces."""
-        return np.zeros((len(self._all), 6))
-
-    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """Add the forces at frames ``H`` to ``out``, shape (n, 6)."""
-        forces = self.room() if kept is None else kept
-        forces[:] = 0.0
-        add_forces(H, self._cells, self._shapes, self._rest, self._weight, forces)
-        out += forces
-
-    def energy(self, H: Array) -> float:
-        """Stored energy."""
-        c, _ = self._strain(H, np.zeros((len(H), 6)))
-        return float(0.5 * np.sum(self._weight * c**2))
-
-    def tangent(self, H: Array, kept: Array) -> Array:
-        """Derivatives in twists, with the carried stress."""
-        blocks = np.zeros((len(self._pairs[0]), 6, 6))
-        factors = self._weight, self._area * self._stress
-        add_tangent(H, self._cells, self._shapes, factors, self._place, blocks)
-        add_turnings(kept, -1.0, self._diagonal, self._all, blocks)
-        return blocks
-
-    def restore(self, carried: Array) -> None:
-        """See the base class."""
-        self.carried[:] = carried
-
-    def clear_stress(self) -> None:
-        """See the base class."""
-        self.carried[:] = 0.0
-
-    def reset_stress(self, H: Array) -> None:
-        """See the base class."""
-        self.carry(H, np.zeros((len(H), 6)))
-
-    def carry(self, H: Array, h: Array) -> None:
-        """Carry the stress on to the end of the increment ``h`` (n, 6) from frames ``H``."""
-        c, change = self._strain(H, h)
-        self._stress[:] = self._gamma * (c + change)
+        T[:, :, _A1 : _A2 + 1, :, 1:] = np.einsum("gk,mkbd->mgbkd", N, A)
+        weight = w * np.linalg.norm(normal[:, :-1], axis=-1) * stiffness[:, np.newaxis]
+        a1, a2, x1, x2 = np.einsum("mgvkc,mkcj->vmgj", T, frames[cells])
+        unloaded = np.einsum("mgj,mgj->mg", a1, x2) - np.einsum("mgj,mgj->mg", a2, x1)
+        of = _element(k, g)
+        data = cell_data(of, T.reshape(m, g, 4, 4 * k), np.stack([unloaded, weight], axis=2))
+        nodes = cells.astype(np.int64)
+        functions = CellFunctions(energy_of_cell, forces_of_cell, tangent_of_cell, stress_of_cell)
+        self._pattern = Pattern.of(nodes, len(frames))
+        self._bind(of, functions, nodes, data, packed(of.cells))

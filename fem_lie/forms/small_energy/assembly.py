@@ -39,7 +39,14 @@ class CellFunctions(NamedTuple):
 class ElementCells(CarryingCellTerm):
     """Cells of one element on any nodes, with linearised stress."""
 
-    def _bind(self, of: Element, functions: CellFunctions, cells: Indices, data: Array) -> None:
+    def _bind(
+        self,
+        of: Element,
+        functions: CellFunctions,
+        cells: Indices,
+        data: Array,
+        constants: Array | None = None,
+    ) -> None:
         """Bind the functions to the data.
 
         Args:
@@ -47,11 +54,13 @@ class ElementCells(CarryingCellTerm):
             functions: Its functions.
             cells: Nodes of each cell, shape (m, k).
             data: Of each cell, see :func:`.element.cell_data`.
+            constants: That the functions read, see :mod:`.packed`; default: none.
         """
         self._nodes, self._functions, head = cells, functions, 12 * cells.shape[1]
         self._values = np.hstack([np.zeros((len(cells), head)), data])
         self._data = self._values[:, head:]
-        self._none = np.zeros(1), np.zeros((len(cells), 1))
+        self._constants = np.zeros(1) if constants is None else constants
+        self._packed = 0 if constants is None else self._constants.ctypes.data
         self._energy, self._forces, self._matrix = (
             self._sum(each) for each in (functions.energy, functions.forces, functions.tangent)
         )
@@ -59,7 +68,8 @@ class ElementCells(CarryingCellTerm):
         self._stress = self._values[:, -self._size :]
 
     def _sum(self, function: Any) -> CellSum:
-        return CellSum(self._nodes, function.address, self._values, *self._none)
+        none = np.zeros((len(self._nodes), 1))
+        return CellSum(self._nodes, function.address, self._values, self._constants, none)
 
     def strains(self, H: Array) -> Array:
         """Strains of all cells at coordinates ``H`` of the nodes, shape (m, points · strains)."""
@@ -73,7 +83,7 @@ class ElementCells(CarryingCellTerm):
         self._update(H, h.reshape(-1, 6), np.empty((len(self._nodes), self._size)))
 
     def _update(self, H: Array, h: Array, strains: Array) -> None:
-        at = self._values.ctypes.data, self._values.shape[1]
+        at = self._values.ctypes.data, self._values.shape[1], self._packed
         _update_cells(H, h, self._nodes, self._functions.stress.address, *at, strains)
 
 
@@ -138,16 +148,27 @@ class ViscousElementAssembly(ElementAssembly, ViscousForces):
 
 @compiled
 def _update_cells(
-    H: Array, h: Array, cells: Indices, function: int, at: int, width: int, strains: Array
+    H: Array,
+    h: Array,
+    cells: Indices,
+    function: int,
+    at: int,
+    width: int,
+    constants: int,
+    strains: Array,
 ) -> None:
-    """Call the function of stress of all cells, whose data begin ``at``, ``width`` numbers each."""
+    """Call the function of stress of all cells, whose data begin ``at``, ``width`` numbers each.
+
+    ``constants``: where those of :mod:`.packed` are, or zero.
+    """
     k, size = cells.shape[1], strains.shape[1]
     moved_at, out_at = stack(6 * k), stack(size)
     moved, out = vector_at(moved_at, 6 * k), vector_at(out_at, size)
+    third = moved_at if constants == 0 else pointer(constants)
     for e in range(cells.shape[0]):
         w = pointer(at + 8 * width * e)
         _place(H, h, cells[e], vector_at(w, 12 * k), moved)
-        call_kernel(function, out_at, w, moved_at, moved_at)
+        call_kernel(function, out_at, w, third, moved_at)
         for i in range(size):
             strains[e, i] = out[i]
 

@@ -15,7 +15,8 @@ with ``s′`` and ``s″`` of products by those of vectors, derivatives of deriv
 in ``e`` in forward mode (:mod:`.jets`), and the last part of nodal axes that turn with the node.
 Strains do not change in a rigid motion if they are functions of scalar products of vectors that
 rotate with it. The linearised stress is that of ``e + e′ h``; where it is used, the tangent has it
-instead of ``N``. Nodes are of any types, each of its own.
+instead of ``N``, but for the rotation of frames, which the forces of ``N`` take part in (see
+:mod:`fem_lie.elements.shells.maps`). Nodes are of any types, each of its own.
 
 Every function here is of one cell, and is merged into a function of an element that passes its
 constants. The data of a cell are the coordinate vectors of its nodes, then those of
@@ -60,6 +61,7 @@ from fem_lie.forms.small_energy.vectors import (
     add_pulled,
     add_second,
     add_turning,
+    add_turning_of_frames,
     all_vectors,
     clear,
     find_changes,
@@ -266,7 +268,9 @@ def _tangent(
         stack(3 * c * u),
         matrix_at(stack(3 * c * u), c, 3 * u),
     )
+    more, excess = matrix_at(stack(3 * r), r, 3), vector_at(stack(n), n)
     clear(f)
+    clear(more)
     clear(K)
     clear(G)
     find_directions(E, data.H, D)
@@ -283,7 +287,7 @@ def _tangent(
                     C[i, k] = data.viscosity[p, i, k]
         if linearised is not None:
             for i in range(n):
-                N[i] = data.stress[p, i]
+                excess[i], N[i] = data.stress[p, i] - N[i], data.stress[p, i]
         if strain is None:
             add_congruent(C, matrix_at(S_at, sums, 3 * u), MS, K)
         else:
@@ -302,9 +306,15 @@ def _tangent(
         if turning is not None:
             find_vector_forces(E, z, g, fz)
             add_pulled(E, derive, T, Y, fz, f)
+            if linearised is not None:
+                pull_strains(E, strain, excess, J, g)
+                find_vector_forces(E, z, g, fz)
+                add_pulled(E, derive, T, Y, fz, more)
     add_local_matrix(E, D, K, G, matrix_at(A, 6 * E.types.shape[0], 6 * E.types.shape[0]))
     if turning is not None:
         add_turning(E, data.H, f, A)
+        if linearised is not None:
+            add_turning_of_frames(E, data.H, more, A)
 
 
 @inlined

@@ -22,6 +22,7 @@ from fem_lie.forms.small_energy.derived import (
 from fem_lie.forms.small_energy.element import Cells, CompiledFunction
 from fem_lie.lie.kinds.forces import pull_derivative
 from fem_lie.lie.kinds.kind import SLOPE, axes
+from fem_lie.lie.motions import add_turning as add_symmetric_part
 from fem_lie.lie.tuples import Vector, combined, load_row, negative, plus, scaled, store
 
 
@@ -358,3 +359,16 @@ def add_turning(E: Cells, H: Array, f: Array, A: Pointer) -> None:
                 if E.coordinates[r, 0] == node:
                     store(own[E.coordinates[r, 1]], 0, load_row(f, r))
             pull_derivative(E.types[node], H[node], own, 1.0, out[node, :, node])
+
+
+@inlined
+def add_turning_of_frames(E: Cells, H: Array, f: Array, A: Pointer) -> None:
+    """Add what forces ``f`` (r, 3) lack of a symmetric matrix of frames to (6 k, 6 k)."""
+    k = E.types.shape[0]
+    out, local_at = numba.carray(A, (k, 6, k, 6)), stack(6 * k)
+    local = matrix_at(local_at, k, 6)
+    clear(local)
+    add_local(E, H, f, numba.carray(local_at, (6 * k,)))
+    for node in range(k):
+        if E.types[node] < SLOPE:
+            add_symmetric_part(local[node], 1.0, out[node, :, node])
