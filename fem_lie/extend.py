@@ -4,17 +4,22 @@ Each of these is one new file outside the package; ``docs/how_to`` has a whole o
 scene is made of stands in :mod:`fem_lie` itself; here is what scenes do not show.
 
 * **Elements from a UFL energy**: :class:`CellData`, :func:`cellwise`, :func:`present_values`,
-  :class:`NodalFrames`, :func:`local_frame_forms`, :class:`LocalFrameForms`, :class:`FrameMap`,
-  :class:`StrainEnergy`.
+  :class:`NodalFrames`, :func:`local_frame_forms`, :class:`LocalFrameForms`, :class:`FrameMap` of
+  functions compiled by :func:`frame_function`, :class:`StrainEnergy`.
 * **Elements from vectors, strains and a law**, on nodes of any type: :func:`element`,
   :func:`cell_data`, :class:`CellFunctions`, :data:`CELL_SIGNATURE`, the functions of :mod:`cell`,
-  :class:`NodeKind`, :func:`compiled`, :func:`callback`.
+  :class:`NodeKind` and the compiled functions of all node types, the module :mod:`kinds`;
+  vectors of three numbers in these, the module :mod:`tuples`; :func:`compiled`, :func:`callback`.
 * **Joints**: :func:`rows` selects entries of the relative motion.
-* **Forces and matrices of any other origin**: :class:`Term`, :class:`Pairs`.
+* **Forces and matrices of any other origin**: :class:`Term`, :class:`Pairs`; a :class:`Load`
+  passes a term to the :class:`Sum` of all loads.
 * **Time schemes**: :class:`Equations` with :class:`Instant` and :class:`Plan`;
   :class:`Integrator`, :class:`Integration`, :class:`DividedIntegration`, :class:`Recorder`;
-  :class:`DirectSolver`; the iteration with a frozen matrix (:func:`iterate`, :class:`Iterated`,
-  :class:`Verdict`, :class:`LinearRate`, :class:`QuadraticRate`); the measure of convergence
+  :class:`DirectSolver` by a :class:`Method` of a package, which raises
+  :class:`SingularMatrixError`; the iteration with a frozen matrix (:func:`iterate`,
+  :class:`Iterated`, :class:`Verdict`, :class:`LinearRate`, :class:`QuadraticRate`, :data:`NEWTON`,
+  :data:`KEPT`); the choice of step sizes (:class:`StepChoice`, :class:`Control`); the measure of
+  convergence
   (:func:`unknown_scaling`, :func:`estimate`, :func:`failure`); consistent initial accelerations
   (:func:`accelerations`, :func:`check_velocities`).
 """
@@ -25,15 +30,19 @@ from fem_lie._state import attributes
 from fem_lie.elements.beams.element import CellData, cellwise, present_values
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
-from fem_lie.forms.kernels.frame_map import FrameMap
+from fem_lie.forms.kernels.frame_map import FrameMap, frame_function
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.forms.small_energy import cell
 from fem_lie.forms.small_energy.assembly import CellFunctions
 from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
 from fem_lie.forms.term import Pairs, Term
 from fem_lie.joints.connection import rows
+from fem_lie.lie import kinds, tuples
 from fem_lie.lie.kinds import NodeKind, move_all
 from fem_lie.linear.direct import DirectSolver
+from fem_lie.linear.equilibrated import SingularMatrixError
+from fem_lie.linear.packages import Method
+from fem_lie.scene.load import Load, Sum
 from fem_lie.solve.convergence import (
     DIVERGED,
     ROUND_OFF,
@@ -42,20 +51,24 @@ from fem_lie.solve.convergence import (
     failure,
     unknown_scaling,
 )
-from fem_lie.solve.iteration import Iterated, LinearRate, QuadraticRate, iterate
+from fem_lie.solve.iteration import KEPT, NEWTON, Iterated, LinearRate, QuadraticRate, iterate
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
 from fem_lie.solve.motion.integration import DividedIntegration, Integration
 from fem_lie.solve.motion.integrator import Integrator, check_kinds, refuse
 from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.step_control import Control, StepChoice
 from fem_lie.system.equations import Equations, Instant, Plan
 
 __all__ = [
     "CELL_SIGNATURE",
     "DIVERGED",
+    "KEPT",
+    "NEWTON",
     "ROUND_OFF",
     "Array",
     "CellData",
     "CellFunctions",
+    "Control",
     "DirectSolver",
     "DividedIntegration",
     "Equations",
@@ -66,14 +79,19 @@ __all__ = [
     "Integrator",
     "Iterated",
     "LinearRate",
+    "Load",
     "LocalFrameForms",
+    "Method",
     "NodalFrames",
     "NodeKind",
     "Pairs",
     "Plan",
     "QuadraticRate",
     "Recorder",
+    "SingularMatrixError",
+    "StepChoice",
     "StrainEnergy",
+    "Sum",
     "Term",
     "Verdict",
     "accelerations",
@@ -88,11 +106,14 @@ __all__ = [
     "element",
     "estimate",
     "failure",
+    "frame_function",
     "iterate",
+    "kinds",
     "local_frame_forms",
     "move_all",
     "present_values",
     "refuse",
     "rows",
+    "tuples",
     "unknown_scaling",
 ]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fem_lie.lie import kinds
+from fem_lie.extend import kinds
 
 
 class BodyAlone:

@@ -15,9 +15,8 @@ from fem_lie.extend import (
     cell_data,
     compiled,
     element,
+    tuples,
 )
-from fem_lie.lie.kinds import TRAITS
-from fem_lie.lie.tuples import cross, dot, scaled
 
 
 @compiled
@@ -47,8 +46,8 @@ SMOOTH = element(
 
 @compiled
 def unit_normal(slopes):
-    m = cross(slopes[:3], slopes[3:])
-    return scaled(1.0 / math.sqrt(dot(m, m)), m)
+    m = tuples.cross(slopes[:3], slopes[3:])
+    return tuples.scaled(1.0 / math.sqrt(tuples.dot(m, m)), m)
 
 
 NORMALS = element(
@@ -205,7 +204,7 @@ def random_body(name, count=3):
     """Cells of a chain of nodes, some of which they share, with vectors without translation."""
     of, functions = ELEMENTS[name]
     kinds, rng = [NodeKind(kind) for kind in of.cells.types], np.random.default_rng(1)
-    k, active = len(kinds), [TRAITS[kind].rows for kind in kinds]
+    k, active = len(kinds), [fl.extend.kinds.TRAITS[kind].rows for kind in kinds]
     # successive cells share a node of position
     types = [*kinds * count, kinds[0]] if name == "sums of products" else kinds * count
     cells = k * np.arange(count)[:, np.newaxis] + np.arange(k)

@@ -5,7 +5,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.lie import kinds
+from fem_lie.extend import kinds
 from tests.body_alone import BodyAlone
 
 STEEL = fl.Material(1e3, 0.3, 2.0)

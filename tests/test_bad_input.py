@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.system import System
 
 SECTION = fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1000.0))
 NAN = float("nan")
@@ -134,7 +133,7 @@ CASES = {
         lambda: attached(lambda b: fl.PrescribedMotion(b.end, lambda t: np.zeros((4, 3)))),
         "start at its frame",
     ),
-    "empty scene": (lambda: System(fl.Scene(), dynamics=True), "no body"),
+    "empty scene": (lambda: fl.extend.Equations(fl.Scene(), dynamics=True), "no body"),
     "step zero": (lambda: run(scene_with(bar()), step=0.0), "positive.*0"),
     "negative duration": (lambda: run(scene_with(bar()), duration=-1.0), "positive.*-1"),
     "nan step": (lambda: run(scene_with(bar()), step=NAN), "nan"),

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.lie.kinds import placed
 from tests.unit_systems import METRES, OTHER_SYSTEMS, UnitSystem
 
 E, RHO = 4e7, 1000.0
@@ -123,7 +122,10 @@ def flown(u: UnitSystem, scheme: str, name: str) -> tuple[np.ndarray, int, int]:
     result = TAKES[scheme][0].run(
         scene, duration=u.time(5 * step), step=u.time(step), progress=False
     )
-    places = result.frames[-1][placed(body.node_kinds), 0] - body.frames[placed(body.node_kinds), 0]
+    places = (
+        result.frames[-1][fl.extend.kinds.placed(body.node_kinds), 0]
+        - body.frames[fl.extend.kinds.placed(body.node_kinds), 0]
+    )
     return u.inverse.length(places), int(result.iterations[-1]), int(result.divided)
 
 

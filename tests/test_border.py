@@ -11,7 +11,7 @@ from fem_lie.linear.condensed import border as module
 from fem_lie.linear.condensed.border import MOST, border_of
 from fem_lie.linear.equilibrated import Equilibrated
 from fem_lie.linear.low_rank import LowRank
-from fem_lie.linear.packages import ByBorder, Method
+from fem_lie.linear.packages import ByBorder
 from fem_lie.linear.pivots import inertia
 
 BY_BORDER = ByBorder("cholesky", "cholmod")
@@ -79,15 +79,15 @@ def test_negative_pivots_are_those_of_the_whole(rng):
 
 def test_what_is_indefinite_inside_or_wide_goes_to_the_next(rng):
     kkt, A = matrix(rng, indefinite=True)
-    solver, found = solved(kkt, [BY_BORDER, Method("lu", "mumps")])
-    assert solver._methods == (Method("lu", "mumps"),)
+    solver, found = solved(kkt, [BY_BORDER, fl.extend.Method("lu", "mumps")])
+    assert solver._methods == (fl.extend.Method("lu", "mumps"),)
     wanted = np.linalg.solve(A, np.arange(1.0, len(A) + 1.0))
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
     wide = range(0, COUNT - 1, 2)
     assert 6 * len(wide) + M > MOST
     kkt, A = matrix(rng, frames=wide)
-    solver, found = solved(kkt, [BY_BORDER, Method("lu", "mumps")])
-    assert solver._methods == (Method("lu", "mumps"),)
+    solver, found = solved(kkt, [BY_BORDER, fl.extend.Method("lu", "mumps")])
+    assert solver._methods == (fl.extend.Method("lu", "mumps"),)
     wanted = np.linalg.solve(A, np.arange(1.0, len(A) + 1.0))
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
 
@@ -95,7 +95,7 @@ def test_what_is_indefinite_inside_or_wide_goes_to_the_next(rng):
 def test_a_method_that_reads_one_half_is_passed_over_where_the_border_fails(rng):
     """Frames make it unsymmetric, and what is inside is indefinite."""
     kkt, A = matrix(rng, frames=(4,), indefinite=True)
-    half, last = Method("cholesky", "mumps"), Method("lu", "mumps")
+    half, last = fl.extend.Method("cholesky", "mumps"), fl.extend.Method("lu", "mumps")
     solver, found = solved(kkt, [BY_BORDER, half, last])
     assert solver._methods == (last,) and half not in solver._solvers
     wanted = np.linalg.solve(A, np.arange(1.0, len(A) + 1.0))
@@ -147,7 +147,9 @@ def with_sums(rng, kkt: KKT, *, symmetric: bool) -> np.ndarray:
     return sp.csr_matrix(kkt.csr).toarray() + U @ core @ U.T
 
 
-@pytest.mark.parametrize("method", [BY_BORDER, Method("lu", "mumps"), Method("lu", "umfpack")])
+@pytest.mark.parametrize(
+    "method", [BY_BORDER, fl.extend.Method("lu", "mumps"), fl.extend.Method("lu", "umfpack")]
+)
 @pytest.mark.parametrize("symmetric", [True, False])
 def test_parts_of_low_rank_are_in_the_matrix(rng, method, symmetric):
     kkt, _ = matrix(rng)

@@ -10,8 +10,7 @@ from scipy.special import jn_zeros
 import fem_lie as fl
 from benchmarks import swinging_cable
 from fem_lie import lie
-from fem_lie.lie import kinds
-from fem_lie.lie.kinds import SLOPE
+from fem_lie.extend import kinds
 from fem_lie.results.resampling import between
 from tests.unit_systems import METRES, OTHER_SYSTEMS, UnitSystem
 
@@ -320,7 +319,7 @@ class Bent:
         rng = np.random.default_rng(2)
         self.cable = fl.Cable.straight((0, 0, 0), (3, 1, 2), section(1e3, 10.0), cells=3)
         self.assembly = fl.Cable.assemble([self.cable])
-        self.kinds = np.full(4, SLOPE)
+        self.kinds = np.full(4, fl.extend.kinds.SLOPE)
         start = np.empty((4, 4, 3))
         start[self.assembly.order] = self.cable.frames
         self.H = self.moved(start, 0.2 * rng.normal(size=(4, 6)))
@@ -373,7 +372,7 @@ def test_closed_forces_are_those_of_the_energy(name):
     assembly, n = type(cable).assemble([cable]), len(cable.frames)
     start, H = np.empty((2, n, 4, 3))
     start[assembly.order] = cable.frames
-    slopes = np.full(n, SLOPE)
+    slopes = np.full(n, fl.extend.kinds.SLOPE)
     kinds.follow_all(slopes, start, 0.2 * rng.normal(size=(n, 6)), H)
     forces, numeric, step, moved = np.zeros((n, 6)), np.zeros((n, 6)), 1e-5, np.empty_like(H)
     assembly.add_forces(H, forces)

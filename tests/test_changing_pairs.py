@@ -4,15 +4,14 @@ Soft balls push each other off where they overlap: which pairs there are changes
 run. They come into a scene as loads do, by what they contribute.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie import lie
-from fem_lie.scene.load import History, Load, Sum
-from fem_lie.system import System
+from tests.assembled import Assembled
 
 STIFFNESS, RADIUS = 50.0, 0.5
 
@@ -74,11 +73,11 @@ class Overlaps(fl.extend.Term):
 
 
 @dataclass(frozen=True, eq=False)
-class SoftBalls(Load):
+class SoftBalls(fl.extend.Load):
     """All bodies push each other off."""
 
     balls: tuple[fl.Body, ...]
-    history: History | None = None
+    history: Callable[[float], float] | None = None
 
     @property
     def body(self) -> fl.Body:
@@ -87,7 +86,7 @@ class SoftBalls(Load):
     def check(self) -> None:
         """Nothing can be wrong."""
 
-    def contribute(self, to: Sum) -> None:
+    def contribute(self, to: fl.extend.Sum) -> None:
         to.add_term(Overlaps(np.array([to.nodes(ball)[0] for ball in self.balls])))
 
 
@@ -111,39 +110,23 @@ def billiard() -> tuple[fl.Scene, list[fl.RigidBody]]:
     return scene, balls
 
 
-def overlaps_of(system: System) -> fl.extend.Term:
-    (term,) = (t for t in system.terms if t.label == "soft balls")
-    return term
-
-
 def test_the_matrix_has_the_pairs_of_the_present_state():
     """Of two states with other pairs, there and back; against differences of the residual."""
     scene, _ = billiard()
-    system = System(scene, dynamics=True)
+    system = Assembled(scene, dynamics=True)
     n, rng = system.count, np.random.default_rng(2)
-    still, forces, none = np.zeros((n, 6)), system.room(), np.ones(0)
-    first = system.kkt.version
+    first = system.equations.matrix.version
     for places in ([[0, 0, 0], [0.8, 0.1, 0], [3, 0, 0]], [[0, 0, 0], [3, 0, 0], [0.7, 0.2, 0]]):
-        H = system.frames.copy()
+        H = system.start.copy()
         H[:n, 0] = places
-        H[:n] = lie.se3_retract(H[:n], 0.01 * rng.normal(size=(n, 6)))
-
-        def residual(h, size, H=H):
-            there, r = H.copy(), np.zeros(system.size)
-            there[:n] = lie.se3_retract(H[:n], size * h)
-            system.residual(fl.extend.Instant(there, still, still, np.zeros(0)), none, r, forces)
-            return r
-
-        residual(still, 0.0)
-        system.fill_matrix(
-            fl.extend.Instant(H, still, still, np.zeros(0)), forces, fl.extend.Plan(still, none)
-        )
-        A = system.kkt.matrix[:, :]
-        h = rng.normal(size=(n, 6))
-        expected = (residual(h, 1e-6) - residual(h, -1e-6)) / 2e-6
+        H = system.moved(H, 0.01 * rng.normal(size=(n, 6)))
+        A, h = system.matrix(H), rng.normal(size=(n, 6))
+        ahead, behind = (system.residual(system.moved(H, sign * 1e-6 * h)) for sign in (1, -1))
+        expected = (ahead - behind) / 2e-6
         np.testing.assert_allclose(A @ h.ravel(), expected, atol=1e-7 * np.abs(expected).max())
-    assert system.kkt.version == first + 2
-    assert len(overlaps_of(system).pairs[0]) == 4
+    assert system.equations.matrix.version == first + 2
+    # two of the three balls touch
+    assert np.count_nonzero(np.abs(A.reshape(n, 6, n, 6)).max(axis=(1, 3))) == 4
 
 
 @pytest.mark.parametrize("step", [2e-3, fl.AdaptiveStep(1e-5)], ids=["constant", "adaptive"])

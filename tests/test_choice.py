@@ -13,7 +13,6 @@ from fem_lie.linear import direct
 from fem_lie.linear.bordered import Border
 from fem_lie.linear.choice import Solutions, choose
 from fem_lie.linear.fill import DISSECTION, MINIMUM_DEGREE, Graph, _ordering
-from fem_lie.linear.packages import Method
 from fem_lie.solve.statics.follow import SceneEquilibrium
 
 STEEL = fl.Material(2.1e11, 0.3, 7850.0)
@@ -167,7 +166,9 @@ def test_values_decide_whether_one_half_of_the_matrix_is_read():
 def test_a_bad_guess_is_noticed_once(monkeypatch):
     model = SceneEquilibrium(cube(6), "test_choice_")
     matrix = model.equations.matrix
-    wanted = solved(fl.extend.DirectSolver(matrix, "test_choice_", [Method("lu", "mumps")]))
+    wanted = solved(
+        fl.extend.DirectSolver(matrix, "test_choice_", [fl.extend.Method("lu", "mumps")])
+    )
     monkeypatch.setattr(direct, "_LONG", -1.0)
     monkeypatch.setattr(direct, "_FAR", -1.0)
     solver = fl.extend.DirectSolver(matrix, "test_choice_", solutions=Solutions.FEW)

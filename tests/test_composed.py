@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.solve.recording.recorder import History
+from tests.interruption import interrupted
 from tests.test_energy_momentum import ARRAYS, SQUARE, bars, plate, same
 
 COMPOSITIONS = {"five": fl.FiveStages(), "nine": fl.NineStages(), "triple": fl.TripleJump()}
@@ -172,23 +172,11 @@ def test_a_policy_that_must_be_asked():
 # --- interruption ---
 
 
-class Stopped(Exception):
-    """Instead of a step."""
-
-
-def resumed_as_whole(scheme, scene, plan, file, monkeypatch):
+def resumed_as_whole(scheme, scene, plan, file):
     """A run that ends after its second checkpoint, at step 14, and goes on, against a whole one."""
-    whole, written = scheme.run(scene(), **plan), History.write_checkpoint
-
-    def stop(self, index, memory):
-        written(self, index, memory)
-        if index == 14:
-            raise Stopped
-
-    monkeypatch.setattr(History, "write_checkpoint", stop)
-    with pytest.raises(Stopped):
+    whole = scheme.run(scene(), **plan)
+    with interrupted(2):
         scheme.run(scene(), **plan, file=file, checkpoint_every=7)
-    monkeypatch.undo()
     same(scheme.resume(scene(), file), whole)
     same(fl.Result.load(file), whole)
 
@@ -198,9 +186,9 @@ RESUMED = SCHEMES | {"variational": fl.Composed(fl.Variational())}
 
 @pytest.mark.parametrize("scheme", RESUMED.values(), ids=RESUMED)
 @pytest.mark.parametrize("scene", [lambda: bars()[0], driven], ids=["free", "driven"])
-def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scheme, scene):
+def test_resumed_to_the_last_bit(tmp_path, scheme, scene):
     plan = {"duration": 0.12, "step": 4e-3}
-    resumed_as_whole(scheme, scene, plan, tmp_path / "run.h5", monkeypatch)
+    resumed_as_whole(scheme, scene, plan, tmp_path / "run.h5")
 
 
 # --- bad input ---

@@ -11,7 +11,7 @@ from fem_lie.linear.bordered import KKT, Border
 from fem_lie.linear.choice import CHAINS, Solutions, choose
 from fem_lie.linear.condensed import preconditioner
 from fem_lie.linear.condensed.elimination import plan_of
-from fem_lie.linear.packages import Alone, ByChains, Method
+from fem_lie.linear.packages import Alone, ByChains
 
 
 def chain(count: int, reach: int) -> np.ndarray:
@@ -155,7 +155,7 @@ def test_where_a_node_alone_is_singular_the_whole_is_factorised():
     np.testing.assert_allclose(A @ solver.solution, b, atol=1e-9 * np.abs(b).max())
 
 
-def methods(equations: fl.extend.Equations) -> tuple[Method, ...]:
+def methods(equations: fl.extend.Equations) -> tuple[fl.extend.Method, ...]:
     return choose(equations.matrix, "test_condensed_", Solutions.MANY).methods
 
 

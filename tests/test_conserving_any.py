@@ -8,7 +8,6 @@ import pytest
 import fem_lie as fl
 from benchmarks.conserving_any import JOINED, FixedAxes
 from benchmarks.conserving_any import SCENES as TURNING
-from fem_lie.lie.kinds import placed
 from fem_lie.solve.conserving.step import corrections
 from tests.test_composed import resumed_as_whole
 
@@ -24,8 +23,8 @@ def flung(body: fl.Body, spin=(0.3, 2.0, 3.0)) -> fl.Body:
     x = body.frames[:, 0]
     # waves that steps resolve, along all axes of the nodes
     waves = 0.5 * np.sin(2.0 * x[:, [1, 0, 0]] + [0.1, 0.4, 1.0])
-    body.velocities[:, :3] += waves * placed(body.node_kinds)[:, np.newaxis]
-    body.velocities[placed(body.node_kinds), 0] += 1.0
+    body.velocities[:, :3] += waves * fl.extend.kinds.placed(body.node_kinds)[:, np.newaxis]
+    body.velocities[fl.extend.kinds.placed(body.node_kinds), 0] += 1.0
     return body
 
 

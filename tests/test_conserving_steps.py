@@ -10,7 +10,6 @@ import pytest
 
 import fem_lie as fl
 from fem_lie.solve.motion.variable_steps import VariableSteps
-from fem_lie.solve.step_control import Control, StepChoice
 from studies.time_error import TIP, rigid_pendulum, tip
 from tests.test_conserving_any import flying
 from tests.test_energy_momentum import bars
@@ -59,7 +58,7 @@ def tumbling() -> fl.Scene:
     return scene
 
 
-class Wandering(Control):
+class Wandering(fl.extend.Control):
     """Up and down by as much as two levels, in no order."""
 
     def accept(self, e: float) -> None:
@@ -68,14 +67,14 @@ class Wandering(Control):
 
 
 @dataclass(frozen=True)
-class AnySize(StepChoice):
+class AnySize(fl.extend.StepChoice):
     size: float
     refinement: int = 1
 
     def check(self, duration: float) -> None:
         pass
 
-    def control(self, duration: float, length: float, order: int, jumps=()) -> Control:
+    def control(self, duration: float, length: float, order: int, jumps=()) -> fl.extend.Control:
         return Wandering(self.size, math.inf, math.inf, (duration,), 1.0, 0.0, order)
 
 

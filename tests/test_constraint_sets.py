@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.lie import kinds
+from fem_lie.extend import kinds
 from fem_lie.system import System, constraints
 from fem_lie.system.constraint_sets import relative_motions, rolls, slides
 

@@ -10,8 +10,7 @@ import fem_lie as fl
 from benchmarks import nets
 from demos.elastica import BENDING, FORCE, LENGTH, elastica
 from fem_lie import lie
-from fem_lie.lie import kinds
-from fem_lie.lie.kinds import POINT
+from fem_lie.extend import kinds
 
 
 def section(EA: float, EI: float, mass: float = 1.0) -> fl.Section:
@@ -173,7 +172,7 @@ class Bent:
 
     def moved(self, H, h):
         out = np.empty_like(H)
-        kinds.follow_all(np.full(6, POINT), H, h, out)
+        kinds.follow_all(np.full(6, fl.extend.kinds.POINT), H, h, out)
         return out
 
     def forces(self, H):

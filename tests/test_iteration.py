@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.solve.iteration import KEPT, NEWTON
 
 
 class Root(fl.extend.Iterated):
@@ -29,7 +27,7 @@ class Root(fl.extend.Iterated):
         assert update == fl.Update.ALL
         self._slope, self.made = 3.0 * self.x**2, self.made + 1
         if self._slope == 0.0:
-            raise SingularMatrixError("no slope")
+            raise fl.extend.SingularMatrixError("no slope")
 
     def correct(self):
         self._change = -self._residual / self._slope
@@ -46,14 +44,14 @@ def linear(tolerance=1e-12):
     return fl.extend.LinearRate(lambda _: tolerance, 1.0, 1e-14)
 
 
-@pytest.mark.parametrize("renewals", [NEWTON, KEPT])
+@pytest.mark.parametrize("renewals", [fl.extend.NEWTON, fl.extend.KEPT])
 def test_a_frozen_matrix_arrives_where_newton_does(renewals):
     root = Root(2.3, linear())
     ended = fl.extend.iterate(root, 60, renewals)
     assert ended.converged
     assert abs(root.x - 2.0) < 1e-12
-    assert root.made == (1 if renewals is KEPT else ended.iterations)
-    assert (ended.iterations > 8) == (renewals is KEPT)
+    assert root.made == (1 if renewals is fl.extend.KEPT else ended.iterations)
+    assert (ended.iterations > 8) == (renewals is fl.extend.KEPT)
 
 
 def test_what_is_left_after_quadratic_convergence_is_below_the_tolerance():
@@ -74,7 +72,7 @@ def test_what_is_left_after_quadratic_convergence_is_below_the_tolerance():
     ],
 )
 def test_how_an_iteration_ends(start, slope, limit, verdict):
-    ended = fl.extend.iterate(Root(start, linear(), slope), limit, KEPT)
+    ended = fl.extend.iterate(Root(start, linear(), slope), limit, fl.extend.KEPT)
     assert ended.verdict == verdict
     assert ended.converged == (verdict == fl.extend.Verdict.CONVERGED)
     assert (ended.iterations == 0) == (start == 2.0)

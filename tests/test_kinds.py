@@ -5,7 +5,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.lie import kinds
+from fem_lie.extend import kinds
 from fem_lie.lie.kinds import AMPLITUDE, POINT, SLOPE, SURFACE, TRAITS, inertia
 from fem_lie.system import System
 from fem_lie.system.nodes import numbering

@@ -8,11 +8,9 @@ import scipy.sparse as sp
 
 import fem_lie as fl
 from demos.hemisphere import pinched, quarter
-from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.linear.packages import Method
 from fem_lie.solve.statics.follow import SceneEquilibrium
 
-SYMMETRIC = Method("cholesky", "cholmod"), Method("cholesky", "mumps")
+SYMMETRIC = fl.extend.Method("cholesky", "cholmod"), fl.extend.Method("cholesky", "mumps")
 INDEFINITE = SYMMETRIC[1:]
 
 
@@ -58,7 +56,9 @@ def test_options_that_are_given_come_before_those_of_a_package():
     model = SceneEquilibrium(pinched(0.04, quarter(3), fl.HellingerReissner()), "test_")
     options = PETSc.Options("test_given_")
     options["mat_umfpack_pivot_tolerance"] = 0.5
-    fl.extend.DirectSolver(model.equations.matrix, "test_given_", [Method("lu", "umfpack")])
+    fl.extend.DirectSolver(
+        model.equations.matrix, "test_given_", [fl.extend.Method("lu", "umfpack")]
+    )
     assert options.getReal("mat_umfpack_pivot_tolerance") == 0.5
     assert options.getString("mat_umfpack_strategy") == "SYMMETRIC"
 
@@ -76,7 +76,7 @@ def test_a_matrix_that_is_not_finite_does_not_spoil_the_next(methods):
     wanted = solver.solution.copy()
     values[:] = np.nan
     model.equations.system.kkt.matrix.stateIncrease()
-    with pytest.raises(SingularMatrixError, match="finite"):
+    with pytest.raises(fl.extend.SingularMatrixError, match="finite"):
         solver.factorise()
     values[:] = kept
     model.equations.system.kkt.matrix.stateIncrease()

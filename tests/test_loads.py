@@ -6,7 +6,7 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.scene.pressure import Pressure
-from fem_lie.system import System
+from tests.assembled import Assembled
 
 EA, GA, GJ, EI2, EI3 = 1e4, 5e3, 50.0, 100.0, 70.0
 MASS = np.diag([0.5, 0.0, 1e-4, 2e-4])
@@ -48,26 +48,10 @@ def branch(damping: fl.Damping | None = None) -> tuple[fl.Scene, fl.Beam]:
     return scene, scene.add(fl.Beam(mesh, SECTION, damping=damping))
 
 
-def random_state(system: System, seed: int):
+def random_state(system: Assembled, seed: int):
     rng = np.random.default_rng(seed)
-    H = system.frames.copy()
-    H[: system.count] = lie.se3_retract(H[: system.count], 0.4 * rng.normal(size=(system.count, 6)))
+    H = system.moved(system.start, 0.4 * rng.normal(size=(system.count, 6)))
     return H, rng.normal(size=(system.count, 6)), rng.normal(size=(system.count, 6))
-
-
-def dense(system: System, H, v, a, factors) -> np.ndarray:
-    zero = np.zeros((system.count, 6))
-    now, forces = fl.extend.Instant(H, v, a, np.zeros(0)), system.room()
-    system.residual(now, np.ones(0), np.zeros(system.size), forces)
-    system.fill_matrix(now, forces, fl.extend.Plan(zero, np.ones(0), *factors))
-    matrix = system.kkt.matrix.copy()  # "convert" changes what it is called on
-    return matrix.convert("dense").getDenseArray().copy()
-
-
-def residual(system: System, H, v, a) -> np.ndarray:
-    r = np.zeros(system.size)
-    system.residual(fl.extend.Instant(H, v, a, np.zeros(0)), np.ones(0), r)
-    return r
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -81,53 +65,40 @@ def test_tangent_of_pressure_and_of_all_loads_on_nodes_that_follow(seed):
     scene.add(fl.PointLoad(block.centre, (30, 20, 10), (1, 2, 3), following=True))
     scene.add(fl.LineLoad(beam, force=(10, 20, 30), moment=(3, 2, 1)))
     scene.add(fl.PreStress(beam, (10, 20, 30, 3, 2, 1)))
-    system = System(scene, dynamics=False)
+    system = Assembled(scene, dynamics=False)
     H, _, _ = random_state(system, seed)
-    zero = np.zeros((system.count, 6))
-    system.elastic.reset_stress(H)
-    residual(system, H, zero, zero)
-    K = dense(system, H, zero, zero, (0.0, 0.0))
-    step, columns = 1e-6, []
-    for j in range(6 * system.count):
-        values = []
-        for sign in (1, -1):
-            moved = H.copy()
-            h = sign * step * np.eye(1, 6 * system.count, j).reshape(-1, 6)
-            moved[: system.count] = lie.se3_retract(moved[: system.count], h)
-            values.append(residual(system, moved, zero, zero))
-        columns.append((values[0] - values[1]) / (2 * step))
+    K = system.matrix(H)
     # 1e-6² of third derivatives, and 1e-16 / 1e-6
-    np.testing.assert_allclose(K, np.array(columns).T, rtol=0, atol=1e-8 * np.abs(K).max())
+    expected = system.differences(H, 1e-6)
+    np.testing.assert_allclose(K, expected, rtol=0, atol=1e-8 * np.abs(K).max())
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_damping_is_linear_in_the_velocity_and_in_the_matrix(seed):
     """The derivative of the residual in the velocities is what the matrix has for them."""
     scene, _ = branch(fl.Damping(mass=2.0, stiffness=(0.1, 0.2, 0.3, 0.4, 0.5, 0.6)))
-    system = System(scene, dynamics=True)
+    system = Assembled(scene, dynamics=True)
     H, v, a = random_state(system, seed)
-    system.elastic.reset_stress(H)
-    residual(system, H, v, a)
-    D = dense(system, H, v, a, (0.0, 2.0)) - dense(system, H, v, a, (0.0, 1.0))
+    D = system.matrix(H, v, a, damping=2.0) - system.matrix(H, v, a, damping=1.0)
     step, columns = 1e-3, []
     for j in range(6 * system.count):
         h = step * np.eye(1, 6 * system.count, j).reshape(-1, 6)
-        columns.append((residual(system, H, v + h, a) - residual(system, H, v - h, a)) / (2 * step))
+        columns.append((system.residual(H, v + h, a) - system.residual(H, v - h, a)) / (2 * step))
     # the residual is a quadratic of the velocities: round-off only
     np.testing.assert_allclose(D, np.array(columns).T, rtol=0, atol=1e-10 * np.abs(D).max())
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_viscous_forces_do_not_feel_rigid_motion_and_never_feed_it(seed):
-    scene, _ = branch(fl.Damping(stiffness=0.1))
-    system = System(scene, dynamics=True)
-    H, v, _ = random_state(system, seed)
-    moving = H[: system.count]
+    damped, free = (
+        Assembled(branch(damping)[0], dynamics=True)
+        for damping in (fl.Damping(stiffness=0.1), None)
+    )
+    H, v, _ = random_state(damped, seed)
+    moving = H[: damped.count]
 
     def forces(twists):
-        r = np.zeros(system.size)
-        system.elastic.add_viscous_forces(moving, twists, r)
-        return r
+        return damped.residual(H, twists) - free.residual(H, twists)
 
     rigid = lie.se3_adjoint(lie.se3_inverse(moving)) @ v[0]
     assert np.abs(forces(rigid)).max() < 1e-12 * np.abs(forces(v)).max()
@@ -190,14 +161,11 @@ def test_a_ring_buckles_at_its_critical_pressure():
     for factor in (0.98, 1.02):
         scene, _ = ring(48, section, factor * 3 * EI)
         result = fl.statics(scene)
-        system = System(scene, dynamics=False)
-        zero = np.zeros((system.count, 6))
-        H = system.frames.copy()
+        system = Assembled(scene, dynamics=False)
+        H = system.start.copy()
         H[: system.count] = result.frames[-1]
-        system.elastic.reset_stress(H)
-        residual(system, H, zero, zero)
         free = ~system.held.ravel()
-        K = dense(system, H, zero, zero, (0.0, 0.0))[np.ix_(free, free)]
+        K = system.matrix(H)[np.ix_(free, free)]
         lowest.append(np.linalg.eigvals(K).real.min())
     assert lowest[0] > 0 > lowest[1], lowest
 

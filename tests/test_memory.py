@@ -12,8 +12,6 @@ import scipy.sparse as sp
 
 import fem_lie as fl
 from demos.hemisphere import pinched, quarter
-from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.linear.packages import Method
 from fem_lie.linear.pivots import inertia
 from fem_lie.solve.statics.follow import SceneEquilibrium
 
@@ -84,7 +82,7 @@ def solver(cells, method):
 @pytest.mark.parametrize("kind", ["lu", "cholesky"])
 def test_a_limit_of_mumps_is_no_singular_matrix(little_for_mumps, kind):
     with pytest.raises(MemoryError, match=r"the matrix of \d+ unknowns by mumps"):
-        solver(24, Method(kind, "mumps")).factorise()
+        solver(24, fl.extend.Method(kind, "mumps")).factorise()
 
 
 def laplacian(n):
@@ -112,10 +110,10 @@ def test_eigenvalues_without_memory_say_so(little_for_mumps):
 
 
 def test_a_singular_matrix_is_still_called_so():
-    made = solver(4, Method("lu", "klu"))
+    made = solver(4, fl.extend.Method("lu", "klu"))
     made._kkt.csr[0][:] = 0.0
     made._kkt.matrix.assemble()
-    with pytest.raises((SingularMatrixError, FloatingPointError, ValueError)):
+    with pytest.raises((fl.extend.SingularMatrixError, FloatingPointError, ValueError)):
         made.factorise()
         made.right_hand_side[:] = np.ones(len(made.solution))
         made.solve()

@@ -14,36 +14,34 @@ import ufl
 
 import fem_lie as fl
 from demos.space_net import square_net
-from fem_lie.forms.kernels.frame_map import frame_function
-from fem_lie.lie.kinds import POINT, pull, pull_derivative, push
 from fem_lie.system import System
 from fem_lie.system.parts import Parts
 
 EA, MASS, GRAVITY = 50.0, 0.3, 9.81
 
 
-@frame_function
+@fl.extend.frame_function
 def _pull(state, y, given, out, nodes):
     H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
     r = numba.carray(out, (nodes, 6))
     for i in range(nodes):
-        pull(POINT, H[i], f[i], 1.0, r[i])
+        fl.extend.kinds.pull(fl.extend.kinds.POINT, H[i], f[i], 1.0, r[i])
 
 
-@frame_function
+@fl.extend.frame_function
 def _push(state, y, given, out, nodes):
     H, h = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 6))
     rates = numba.carray(out, (nodes, 4, 3))
     for i in range(nodes):
-        push(POINT, H[i], h[i], rates[i])
+        fl.extend.kinds.push(fl.extend.kinds.POINT, H[i], h[i], rates[i])
 
 
-@frame_function
+@fl.extend.frame_function
 def _geometric(state, y, given, out, nodes):
     H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
     A = numba.carray(out, (nodes, 6, nodes, 6))
     for i in range(nodes):
-        pull_derivative(POINT, H[i], f[i], 1.0, A[i, :, i])
+        fl.extend.kinds.pull_derivative(fl.extend.kinds.POINT, H[i], f[i], 1.0, A[i, :, i])
 
 
 PLACES = fl.FrameMap(None, _pull, _push, _geometric, values=12, unknowns=6)

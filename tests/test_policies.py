@@ -9,7 +9,7 @@ import fem_lie as fl
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.staleness import staleness
 from fem_lie.solve.motion.policies import Ruled
-from fem_lie.solve.recording.recorder import History
+from tests.interruption import interrupted
 
 NONE, CONSTRAINTS, ALL = fl.Update
 MATERIAL = fl.Material(7e10, 0.3, 2700.0)
@@ -199,22 +199,14 @@ def test_staleness_is_the_rate_at_which_an_old_matrix_converges(group):
     assert rate() == pytest.approx(0.5, abs=1e-5)
 
 
-def test_a_run_of_a_policy_that_asks_resumes_to_the_last_bit(tmp_path, monkeypatch):
+def test_a_run_of_a_policy_that_asks_resumes_to_the_last_bit(tmp_path):
     def run(**options) -> fl.Result:
         scheme = fl.GeneralisedAlpha(policy=fl.Automatic(cost=5, refresh=5))
         return scheme.run(ladder(), duration=0.4, step=2e-3, **options)
 
-    whole, write = run(), History.write_checkpoint
-
-    def interrupted(self, index, memory) -> None:
-        write(self, index, memory)
-        if index == 100:
-            raise KeyboardInterrupt
-
-    monkeypatch.setattr(History, "write_checkpoint", interrupted)
-    with pytest.raises(KeyboardInterrupt):
+    whole = run()
+    with interrupted(2):
         run(file=tmp_path / "run.h5", checkpoint_every=50)
-    monkeypatch.undo()
     scheme = fl.GeneralisedAlpha(policy=fl.Automatic(cost=5, refresh=5))
     resumed = scheme.resume(ladder(), tmp_path / "run.h5")
     np.testing.assert_array_equal(resumed.frames, whole.frames)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.system import System
 
 STEEL = fl.Material(2e9, 0.3, 1000.0)
 LAYER = fl.ShellSection.layer(0.1, STEEL)
@@ -18,10 +17,10 @@ SCHEMES = {
 
 def pushes(scene: fl.Scene) -> np.ndarray:
     """Forces of all pressures on the unloaded scene, global components, shape (n, 3)."""
-    system = System(scene, dynamics=False)
-    system.set_time(0.0, 1.0)
-    local = system.terms.of_loads(system.frames)[:, :3]
-    return np.einsum("ni,nij->nj", local, system.frames[: system.count, 1:])
+    equations = fl.extend.Equations(scene, dynamics=False)
+    H = equations.start.frames
+    local = equations.prescribed(0.0).loads(H).reshape(-1, 6)
+    return np.einsum("ni,nij->nj", local[:, :3], H[: len(local), 1:])
 
 
 def scene_with(*items) -> fl.Scene:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.solve.recording.recorder import History
+from tests.interruption import interrupted
 
 RUBBER = fl.Material(E=2e8, nu=0.3, density=2000.0)
 SCHEMES = {
@@ -254,10 +254,6 @@ def test_steps_are_chosen_as_for_the_full_body(scheme):
     assert 0.6 < counts[0] / counts[1] < 1.7
 
 
-class Stopped(Exception):
-    """Instead of a step."""
-
-
 @pytest.mark.parametrize(
     ("scheme", "step"),
     [
@@ -267,23 +263,13 @@ class Stopped(Exception):
     ],
     ids=str,
 )
-def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scheme, step):
+def test_resumed_to_the_last_bit(tmp_path, scheme, step):
     plan = {"duration": 0.03, "step": step, "checkpoint_every": 7}
     if not isinstance(step, float):
         plan["checkpoint_every"] = 2
     whole = scheme.run(chain(), **plan, file=tmp_path / "whole.h5")
-    written, made = History.write_checkpoint, []
-
-    def stop(self, index, memory):
-        written(self, index, memory)
-        made.append(index)
-        if len(made) == 2:
-            raise Stopped
-
-    monkeypatch.setattr(History, "write_checkpoint", stop)
-    with pytest.raises(Stopped):
+    with interrupted(2):
         scheme.run(chain(), **plan, file=tmp_path / "run.h5")
-    monkeypatch.undo()
     again = scheme.resume(chain(), tmp_path / "run.h5")
     for quantity in ("times", "frames", "velocities", "kinetic", "elastic", "joint_forces"):
         found, wanted = getattr(again, quantity), getattr(whole, quantity)

@@ -7,7 +7,6 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.lie.kinds import AMPLITUDE, SLOPE, all_axes
 from fem_lie.results.resampling import between
 
 STEEL = fl.Material(2e11, 0.3, 7800.0)
@@ -129,7 +128,9 @@ def test_both_nodes_of_a_surface_point_have_the_same_axes_between_states(name):
     result = fl.GeneralisedAlpha().run(scene_of(name), duration=0.06, step=STEP)
     kinds, found = result.info.node_kinds, result.resampled([0.013, 0.055])
     for state in found.frames:
-        of_points, of_others = np.split(all_axes(kinds, np.ascontiguousarray(state)), 2)
+        of_points, of_others = np.split(
+            fl.extend.kinds.all_axes(kinds, np.ascontiguousarray(state)), 2
+        )
         np.testing.assert_allclose(of_others, of_points, atol=1e-12)
 
 
@@ -157,7 +158,7 @@ def test_rates_of_a_stretched_gradient_are_those_of_its_position():
         rates[k, 0, 0] /= length[k]
     rows = {"times": times, "frames": frames, "velocities": rates, "iterations": np.arange(3)}
     at = np.array([0.1, 0.25, 0.7, 1.2])
-    found = between(rows, np.array([SLOPE]), at)
+    found = between(rows, np.array([fl.extend.kinds.SLOPE]), at)
     stretch = np.linalg.norm(found["frames"][:, 0, 1], axis=-1)
     np.testing.assert_allclose(stretch, np.interp(at, times, length), rtol=1e-12)
     moved = np.einsum("ki,kij->kj", found["velocities"][:, 0, :3], found["frames"][:, 0, 1:])
@@ -181,7 +182,9 @@ def test_modal_coordinates_are_interpolated_by_cubics():
         return {"times": t, "frames": frames, "velocities": rate(t)[:, np.newaxis]}
 
     at = np.array([0.2, 0.9, 1.7])
-    found = between(rows_of(times) | {"iterations": np.arange(3)}, np.array([AMPLITUDE]), at)
+    found = between(
+        rows_of(times) | {"iterations": np.arange(3)}, np.array([fl.extend.kinds.AMPLITUDE]), at
+    )
     wanted = rows_of(at)
     for name in ("frames", "velocities"):
         np.testing.assert_allclose(found[name], wanted[name], atol=1e-12)

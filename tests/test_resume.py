@@ -10,7 +10,7 @@ import pytest
 import ufl
 
 import fem_lie as fl
-from fem_lie.solve.recording.recorder import History
+from tests.interruption import interrupted
 
 STEPS, STEP = 6, 2e-3
 Function = Callable[[float], float]
@@ -236,20 +236,10 @@ FELT = {
 """With tolerances that decide how many iterations a step takes."""
 
 
-def stopped(
-    monkeypatch, scheme: fl.extend.Integrator, scene: fl.Scene, file: Path, at: int, **plan
-) -> None:
+def stopped(scheme: fl.extend.Integrator, scene: fl.Scene, file: Path, at: int, **plan) -> None:
     """Run up to a checkpoint after step ``at``, as if the user had stopped it there."""
-    write = History.write_checkpoint
-
-    def once(self: History, index: int, memory: dict) -> None:
-        write(self, index, memory)
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(History, "write_checkpoint", once)
-    with pytest.raises(KeyboardInterrupt):
+    with interrupted():
         scheme.run(scene, file=file, checkpoint_every=at, **plan)
-    monkeypatch.undo()
 
 
 def same(a: fl.Result, b: fl.Result) -> None:
@@ -261,12 +251,12 @@ def same(a: fl.Result, b: fl.Result) -> None:
 
 @pytest.mark.parametrize("policy", POLICIES)
 @pytest.mark.parametrize("scheme", FELT)
-def test_resumed_is_uninterrupted_to_the_last_bit(monkeypatch, tmp_path, scheme, policy):
+def test_resumed_is_uninterrupted_to_the_last_bit(tmp_path, scheme, policy):
     chosen = FELT[scheme](POLICIES[policy])
     plan = {"duration": 0.025, "step": 5e-4}
     whole = chosen.run(slowing(), **plan)
     file = tmp_path / "run.h5"
-    stopped(monkeypatch, chosen, slowing(), file, 34, **plan)
+    stopped(chosen, slowing(), file, 34, **plan)
     same(chosen.resume(slowing(), file), whole)
 
 
@@ -291,12 +281,12 @@ VARIABLE = {
 
 @pytest.mark.parametrize("plan", VARIABLE)
 @pytest.mark.parametrize("scheme", ["generalised alpha", "conserving", "decaying"])
-def test_steps_that_change_resume_to_the_last_bit(monkeypatch, tmp_path, scheme, plan):
+def test_steps_that_change_resume_to_the_last_bit(tmp_path, scheme, plan):
     chosen = FELT[scheme](POLICIES["automatic"])
     options = {"duration": 0.025, "progress": False, **VARIABLE[plan]}
     for every in (5, 34):
         whole = chosen.run(jerked(), file=tmp_path / "a.h5", checkpoint_every=every, **options)
-        stopped(monkeypatch, chosen, jerked(), tmp_path / "b.h5", every, **options)
+        stopped(chosen, jerked(), tmp_path / "b.h5", every, **options)
         resumed = chosen.resume(jerked(), tmp_path / "b.h5")
         same(resumed, whole)
         for name in ("times", "sizes", "rejected", "measured_rotation", "translation"):

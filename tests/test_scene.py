@@ -5,7 +5,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.system import System
+from tests.assembled import Assembled
 
 SECTION = fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1000.0))
 LAYER = fl.ShellSection.layer(0.01, fl.Material(1e9, 0.3, 1000.0))
@@ -29,11 +29,11 @@ def test_a_shell_has_five_parameters_in_one_scene_and_six_in_another():
     shell = plate()
     plain, jointed = fl.Scene(), fl.Scene()
     plain.add(shell)
-    first = System(plain, dynamics=True)
+    first = Assembled(plain, dynamics=True)
     jointed.add(shell)
     jointed.add(fl.Revolute(shell["00"], fl.ground()))
-    again = System(plain, dynamics=True)
-    other = System(jointed, dynamics=True)
+    again = Assembled(plain, dynamics=True)
+    other = Assembled(jointed, dynamics=True)
     assert not plain.drills(shell) and jointed.drills(shell)
     np.testing.assert_array_equal(again.held, first.held)
     assert not other.held[:, 5].any() and first.held[:, 5].all()
@@ -43,10 +43,10 @@ def test_two_shells_of_one_kind_may_differ_in_parameters():
     scene = fl.Scene()
     five, six = scene.add(plate()), scene.add(fl.Shell(plate().mesh, LAYER, name="other"))
     scene.add(fl.PointLoad(six["11"], moment=(0, 0, 1)))
-    system = System(scene, dynamics=True)
-    held = system.held[:, 5]
-    assert held[system.numbering.nodes[five]].all()
-    assert not held[system.numbering.nodes[six]].any()
+    unknowns = fl.extend.Equations(scene, dynamics=True).unknowns
+    held = unknowns.held[:, 5]
+    assert held[unknowns.bodies[five]].all()
+    assert not held[unknowns.bodies[six]].any()
 
 
 # --- coordinates ----------------------------------------------------------------------------------
@@ -192,7 +192,7 @@ def test_what_is_set_by_hand_is_seen_before_anything_is_computed(spoil, message,
     scene.add(fl.Clamp(bar.start))
     with pytest.raises(ValueError, match=f"(?s){message}"):
         spoil(scene, bar)
-        System(scene, dynamics=solve == "dynamics")
+        fl.extend.Equations(scene, dynamics=solve == "dynamics")
 
 
 def test_a_point_needs_a_node_that_is_there():

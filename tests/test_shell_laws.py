@@ -6,8 +6,7 @@ import ufl
 from scipy.optimize import brentq
 
 import fem_lie as fl
-from fem_lie.lie.motions import retract
-from fem_lie.system import System
+from tests.assembled import Assembled
 
 MODULUS, THICKNESS, CUBIC = 100.0, 0.1, 40.0
 LAYER = fl.ShellSection.layer(THICKNESS, fl.Material(MODULUS, 0.0, 2.0))
@@ -40,19 +39,17 @@ def strip(name: str, law, cells=(2, 1)) -> tuple[fl.Scene, fl.Shell]:
 def test_forces_are_the_derivative_of_the_energy(name):
     """At large strains, where one solution for the cells' own unknowns is not enough."""
     scene, _ = strip(name, stiffening)
-    system = System(scene, dynamics=False)
-    rng = np.random.default_rng(1)
-    H, h = system.frames.copy(), 0.1 * rng.normal(size=(system.count, 5))
-    retract(H[: system.count], h)
-    system.elastic.condense(H)
-    forces = np.zeros(system.size)
-    system.elastic.add_forces(H, forces)
-    direction, step, energies = rng.normal(size=(system.count, 5)), 1e-5, []
-    for sign in (1, -1):
-        moved = H.copy()
-        retract(moved[: system.count], sign * step * direction)
-        energies.append(system.elastic.energy(moved))
-    work = (forces.reshape(-1, 6)[:, :5] * direction).sum()
+    system = Assembled(scene, dynamics=False)
+    rng, step = np.random.default_rng(1), 1e-5
+    first, second = rng.normal(size=(2, system.count, 5))
+    increment, direction = (np.pad(h, [(0, 0), (0, 1)]) for h in (0.1 * first, second))
+    H = system.tilted(system.start, increment)
+    forces = system.residual(H)
+    energies = [
+        system.equations.report(system.tilted(H, sign * step * direction), carried=False).elastic
+        for sign in (1, -1)
+    ]
+    work = forces @ direction.ravel()
     assert (energies[0] - energies[1]) / (2 * step) == pytest.approx(work, rel=1e-6)
 
 

@@ -1,14 +1,12 @@
 """Loads on shells: pressure that follows, forces per area, volume and mass, edges."""
 
+import basix
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
 import fem_lie as fl
-from fem_lie.lie.motions import retract
-from fem_lie.mesh.shapes import FaceRule
-from fem_lie.system import System
-from fem_lie.system.equations.unknowns import Unknowns
+from tests.assembled import Assembled
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, SOFT)
@@ -63,26 +61,34 @@ def box(cell: str, degree: int, count: int = 2) -> fl.Shell:
     )
 
 
-def deformed(system: System, seed: int = 1, size: float = 0.2) -> np.ndarray:
+def deformed(system: Assembled, seed: int = 1, size: float = 0.2) -> np.ndarray:
     """Random places and directors of what is free."""
-    H, rng = system.frames.copy(), np.random.default_rng(seed)
+    H, rng = system.start, np.random.default_rng(seed)
     h = np.where(system.held, 0.0, size * rng.normal(size=(system.count, 6)))
-    system.supports.turn_back(H, h)
-    retract(H[: system.count], h)
-    return H
+    system.equations.supports.turn_back(H, h)
+    return system.tilted(H, h)
 
 
-def pushes(system: System, H: np.ndarray) -> np.ndarray:
+def loads(system: Assembled, H: np.ndarray, time: float = 1.0) -> np.ndarray:
+    """Forces and moments of all loads, local components, shape (n, 6)."""
+    return system.equations.prescribed(time).loads(H).reshape(-1, 6)
+
+
+def pushes(system: Assembled, H: np.ndarray) -> np.ndarray:
     """Forces of all pressures, global components, shape (n, 3)."""
-    local = system.terms.of_loads(H)[:, :3]
-    return np.einsum("ni,nij->nj", local, H[: system.count, 1:])
+    return np.einsum("ni,nij->nj", loads(system, H)[:, :3], H[: system.count, 1:])
 
 
-def volume(shell: fl.Shell, system: System, H: np.ndarray, gradient=(0, 0, 0)) -> float:
+def volume(shell: fl.Shell, nodes: np.ndarray, H: np.ndarray, gradient=(0, 0, 0)) -> float:
     """``∫ x·n/3 + (g·x) (x·n)/4`` over the current surface: ``∫ 1 + g·x dV`` if it is closed."""
-    rule, cells = FaceRule.of(shell.mesh.cell, shell.mesh.degree), shell.mesh.cells
-    x = H[system.numbering.nodes[shell], 0]
-    places, normals = rule.places(x, cells), rule.normals(x, cells)
+    cell, degree = basix.CellType[shell.mesh.cell], shell.mesh.degree
+    points, weights = basix.make_quadrature(cell, 5 * degree)
+    element = basix.create_element(
+        basix.ElementFamily.P, cell, degree, basix.LagrangeVariant.gll_warped
+    )
+    x = H[nodes, 0][shell.mesh.cells]
+    places, along, across = np.einsum("dgk,ckj->dcgj", element.tabulate(1, points)[..., 0], x)
+    normals = weights[:, np.newaxis] * np.cross(along, across)
     density = 1 / 3 + places @ np.asarray(gradient, dtype=float) / 4
     return float((density * (places * normals).sum(axis=2)).sum())
 
@@ -94,26 +100,23 @@ def volume(shell: fl.Shell, system: System, H: np.ndarray, gradient=(0, 0, 0)) -
 def test_load_stiffness_is_the_derivative_of_the_forces(cell, degree):
     """On an open surface, with a pressure that differs from cell to cell and grows with depth."""
     shell = plate(cell, degree)
-    system = System(
+    system = Assembled(
         scene_with(
             shell, fl.SurfacePressure(shell, lambda x: 1.0 + x[0], gradient=(0.3, -0.2, 0.5))
         ),
-        dynamics=False,
+        dynamics=True,
     )
     H = deformed(system)
-    (load,) = system.terms.loads
-    blocks, (rows, columns) = load.tangent(H, load.room()), load.pairs
-    K = np.zeros((system.count, 6, system.count, 6))
-    np.add.at(K.transpose(0, 2, 1, 3), (rows, columns), blocks)
-    rng, step = np.random.default_rng(2), 1e-5
-    h = rng.normal(size=(system.count, 6))
-    values = []
-    for sign in (1, -1):
-        moved = H.copy()
-        retract(moved[: system.count], sign * step * h)
-        values.append(system.terms.of_loads(moved))
-    expected = -(values[0] - values[1]) / (2 * step)
-    found = np.einsum("iajb,jb->ia", K, h)
+    system.equations.prescribed(1.0).act()
+    # the stress of the state is the same without pressure
+    found, rng, step = system.matrix(H), np.random.default_rng(2), 1e-5
+    found = found - Assembled(scene_with(shell), dynamics=True).matrix(H)
+    h = np.where(system.held, 0.0, rng.normal(size=(system.count, 6)))
+    ahead, behind = (pushes(system, system.moved(H, sign * step * h)) for sign in (1, -1))
+    expected = -(ahead - behind) / (2 * step)
+    found = (found @ h.ravel()).reshape(-1, 6)
+    assert not found[:, 3:].any()
+    found = np.einsum("ni,nij->nj", found[:, :3], H[: system.count, 1:])
     # the third derivative is that of a cubic, or quartic, and small: 1e-10
     np.testing.assert_allclose(found, expected, atol=1e-8 * np.abs(expected).max())
 
@@ -123,18 +126,18 @@ def test_load_stiffness_is_the_derivative_of_the_forces(cell, degree):
 def test_pressure_on_a_closed_surface_is_the_gradient_of_its_volume(cell, degree, gradient):
     """``Σ f·δx = δ∫ p dV`` for any state and increment, to round-off of the difference."""
     shell = box(cell, degree)
-    system = System(
+    system = Assembled(
         scene_with(shell, fl.SurfacePressure(shell, 3.0, np.multiply(3.0, gradient))),
         dynamics=False,
     )
-    H = deformed(system)
+    H, nodes = deformed(system), system.equations.unknowns.bodies[shell]
     forces, rng, step = pushes(system, H), np.random.default_rng(3), 1e-4
     dx = rng.normal(size=forces.shape)
     work = 0.0
     for sign in (1, -1):
         moved = H.copy()
         moved[: system.count, 0] += sign * step * dx
-        work += sign * 3.0 * volume(shell, system, moved, gradient) / (2 * step)
+        work += sign * 3.0 * volume(shell, nodes, moved, gradient) / (2 * step)
     assert (forces * dx).sum() == pytest.approx(work, rel=1e-6)
     if not any(gradient):
         np.testing.assert_allclose(forces.sum(axis=0), 0.0, atol=1e-13)
@@ -142,9 +145,9 @@ def test_pressure_on_a_closed_surface_is_the_gradient_of_its_volume(cell, degree
         np.testing.assert_allclose(moment, 0.0, atol=1e-12)
     else:
         # Archimedes: the weight of what is displaced
-        buoyancy = 3.0 * np.asarray(gradient) * volume(shell, system, H)
+        buoyancy = 3.0 * np.asarray(gradient) * volume(shell, nodes, H)
         np.testing.assert_allclose(forces.sum(axis=0), buoyancy, atol=1e-12)
-    assert Unknowns.of(system).has_potential
+    assert system.equations.unknowns.has_potential
 
 
 def test_pressure_pushes_to_the_side_of_the_directors():
@@ -152,8 +155,8 @@ def test_pressure_pushes_to_the_side_of_the_directors():
     for director in ((0, 0, 1.0), (0, 0, -1.0)):
         place = square if director[2] > 0 else lambda a, b: square(1 - a, b)
         shell = fl.Shell(fl.surface(place, (2, 2)), LAYER, director=lambda x, d=director: d)
-        system = System(scene_with(shell, fl.SurfacePressure(shell, 3.0)), dynamics=False)
-        total = pushes(system, system.frames).sum(axis=0)
+        system = Assembled(scene_with(shell, fl.SurfacePressure(shell, 3.0)), dynamics=False)
+        total = pushes(system, system.start).sum(axis=0)
         np.testing.assert_allclose(total, 6.0 * np.array(director), atol=1e-12)
 
 
@@ -196,15 +199,9 @@ def open_case(name: str) -> fl.Scene:
     ],
 )
 def test_matrix_is_known_to_be_symmetric_where_the_pressure_has_a_potential(name, symmetric):
-    system = System(open_case(name), dynamics=False)
-    assert Unknowns.of(system).has_potential is symmetric
-    zero = np.zeros((system.count, 6))
-    H = deformed(system, seed=5, size=0.05)
-    system.elastic.reset_stress(H)
-    now, forces, none = fl.extend.Instant(H, zero, zero, np.zeros(0)), system.room(), np.ones(0)
-    system.residual(now, none, np.zeros(system.size), forces)
-    system.fill_matrix(now, forces, fl.extend.Plan(zero, none))
-    K = system.kkt.matrix[:, :]
+    system = Assembled(open_case(name), dynamics=False)
+    assert system.equations.unknowns.has_potential is symmetric
+    K = system.matrix(deformed(system, seed=5, size=0.05))
     skew = np.abs(K - K.T).max() / np.abs(K).max()
     assert skew <= 1e-12 if symmetric else skew > 1e-6
 
@@ -286,7 +283,7 @@ def test_a_strip_bends_under_pressure_as_a_beam_does(cell, degree, cells, bound)
     )
     shell.clamp("a=0")
     scene = scene_with(shell, fl.SurfacePressure(shell, 8.0 * 12e6 * t**3 / 12))
-    assert not Unknowns.of(System(scene, dynamics=False)).has_potential
+    assert not fl.extend.Equations(scene, dynamics=False).unknowns.has_potential
     result = fl.follow_loads(scene)
     expected = bent_by_pressure(8.0)
     assert expected[1] > 0.6
@@ -299,9 +296,7 @@ def test_a_balloon_pulsates_with_its_energy():
     scene.add(fl.SurfacePressure(shell, 8.0))
     result = fl.GeneralisedAlpha(radius=1.0).run(scene, duration=0.5, step=0.005)
     nodes = result.info.body(shell.name).nodes
-    system = System(scene, dynamics=False)
-    assert (system.numbering.nodes[shell] == nodes).all()
-    volumes = np.array([volume(shell, system, H) for H in result.frames])
+    volumes = np.array([volume(shell, nodes, H) for H in result.frames])
     energy = result.kinetic + result.elastic
     work = 8.0 * (volumes - volumes[0])
     assert np.ptp(volumes) > 1.0
@@ -316,9 +311,10 @@ def test_pressures_have_histories_of_their_own():
         fl.SurfacePressure(shell, 3.0),
         fl.SurfacePressure(shell, 5.0, history=lambda t: t**2),
     )
-    system = System(scene, dynamics=False)
-    system.set_time(0.5, 0.1)
-    total = pushes(system, system.frames).sum(axis=0)
+    system = Assembled(scene, dynamics=False)
+    system.equations.prescribed(0.5).act(factor=0.1)
+    local = -system.residual(system.start)[: 6 * system.count].reshape(-1, 6)
+    total = np.einsum("ni,nij->j", local[:, :3], system.start[: system.count, 1:])
     np.testing.assert_allclose(total, [0, 0, 2.0 * (0.3 + 1.25)], atol=1e-13)
     with pytest.raises(ValueError, match=r"SurfacePressure on .* with a history"):
         fl.follow_loads(scene)
@@ -360,7 +356,8 @@ def test_forces_per_volume_and_mass_are_gravity():
         scene.add(shell)
         if make is not None:
             scene.add(make(shell))
-        return System(scene, dynamics=True).loads.dead
+        equations = fl.extend.Equations(scene, dynamics=True)
+        return equations.prescribed(0.0).loads(equations.start.frames)
 
     for section in (LAYER, heavy):
         found = dead(section, lambda shell: fl.MassLoad(shell, gravity))
@@ -377,8 +374,8 @@ def test_loads_on_a_group_of_cells():
     assert area[:, 2].sum() == pytest.approx(1.0)
     assert not area[shell.frames[:, 0, 0] < 0.9].any()
     pressure = fl.SurfacePressure(shell, 1.0, cells="half")
-    system = System(scene_with(shell, pressure), dynamics=False)
-    np.testing.assert_allclose(pushes(system, system.frames), area[:, :3], atol=1e-14)
+    system = Assembled(scene_with(shell, pressure), dynamics=False)
+    np.testing.assert_allclose(pushes(system, system.start), area[:, :3], atol=1e-14)
 
 
 # --- edges ---

@@ -8,7 +8,7 @@ import pytest
 
 import fem_lie
 import fem_lie as fl
-from fem_lie.solve.recording.recorder import History
+from tests.interruption import interrupted
 from tools.site import reference
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -47,19 +47,11 @@ def test_a_scheme_of_ones_own(own_scheme):
     assert found.energy_error < 1e-3
 
 
-def test_a_scheme_of_ones_own_resumes_to_the_last_bit(own_scheme, tmp_path, monkeypatch):
+def test_a_scheme_of_ones_own_resumes_to_the_last_bit(own_scheme, tmp_path):
     scheme, plan = own_scheme["Newmark"](gamma=0.6), {"duration": 0.04, "step": 1e-3}
-    whole, write = scheme.run(own_scheme["pendulum"](), **plan), History.write_checkpoint
-
-    def once(history, index, memory):
-        write(history, index, memory)
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(History, "write_checkpoint", once)
-    file = tmp_path / "run.h5"
-    with pytest.raises(KeyboardInterrupt):
+    whole, file = scheme.run(own_scheme["pendulum"](), **plan), tmp_path / "run.h5"
+    with interrupted():
         scheme.run(own_scheme["pendulum"](), **plan, file=file, checkpoint_every=17)
-    monkeypatch.undo()
     resumed = scheme.resume(own_scheme["pendulum"](), file)
     for name in ("times", "frames", "velocities", "joint_forces", "kinetic", "iterations"):
         np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name), err_msg=name)

@@ -9,12 +9,8 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie._jit import compiled
 from fem_lie._jit.stack import stack, vector_at
-from fem_lie.bodies.cells.element_body import ElementBody
-from fem_lie.forms.small_energy.element import cell_data, element
 from fem_lie.forms.small_energy.jets import first_order, second_order, store_parts
-from fem_lie.lie.kinds import NodeKind, rigid_motions
 from tests.body_alone import BodyAlone
 from tests.own_elements import ELEMENTS, random_body, stiffening, unit_normal
 
@@ -24,7 +20,7 @@ DOCS = Path(__file__).parents[1] / "docs"
 # --- jets -----------------------------------------------------------------------------------------
 
 
-@compiled
+@fl.extend.compiled
 def composed(x):
     """All operations and functions of jets."""
     a, b, c = x
@@ -32,7 +28,7 @@ def composed(x):
     return -root - b / (1.0 + c * c) + 3 * a + math.exp(a - c) * math.log(b) - (2 - c) + a / 4
 
 
-@compiled
+@fl.extend.compiled
 def both_orders(a, b, c):
     out, second, first = np.empty(14), stack(10), stack(4)
     store_parts((composed(second_order((a, b, c))),), second)
@@ -72,7 +68,7 @@ def test_second_derivatives_are_those_of_first_ones():
     np.testing.assert_allclose(both_orders(*X)[4:10], expected[np.triu_indices(3)], atol=1e-10)
 
 
-@compiled
+@fl.extend.compiled
 def compared(x):
     """Branches by values."""
     a, b = x
@@ -81,7 +77,7 @@ def compared(x):
     return 0.0 * a
 
 
-@compiled
+@fl.extend.compiled
 def first_of_compared(a, b):
     out, place = np.empty(3), stack(3)
     store_parts((compared(first_order((a, b))),), place)
@@ -104,7 +100,7 @@ class Alone(BodyAlone):
 
     def __init__(self, name):
         body = random_body(name)
-        super().__init__(body, ElementBody.assemble([body]))
+        super().__init__(body, fl.ElementBody.assemble([body]))
 
     def viscous(self, H, v):
         out = np.zeros((self.count, 6))
@@ -140,12 +136,12 @@ def test_rigid_motions_change_nothing(name):
     """Energy stays, and forces do no work in the six rigid motions."""
     alone = Alone(name)
     H = alone.deformed()
-    forces, motions = alone.forces(H), rigid_motions(alone.kinds, H, np.zeros(3))
+    forces, motions = alone.forces(H), fl.extend.kinds.rigid_motions(alone.kinds, H, np.zeros(3))
     work = np.einsum("na,nab->nb", forces, motions)
     assert np.abs(work.sum(axis=0)).max() < 1e-12 * np.abs(work).sum()
     turn = lie.so3_exp(np.array([[0.7, -1.2, 0.4]]))[0]
     moved = H.copy()
-    turned = alone.kinds != NodeKind.AMPLITUDE
+    turned = alone.kinds != fl.extend.NodeKind.AMPLITUDE
     moved[turned] = H[turned] @ turn.T
     assert alone.term.energy(moved) == pytest.approx(alone.term.energy(H), rel=1e-13)
 
@@ -192,7 +188,7 @@ def test_viscous_forces_dissipate_and_leave_rigid_motions_free(name):
     matrix[rows, :, columns] = D
     close(np.einsum("iajb,jb->ia", matrix, v), forces, 1e-12)
     scale = np.abs(forces).max() / np.abs(v).max()
-    for motion in rigid_motions(alone.kinds, H, np.zeros(3)).transpose(2, 0, 1):
+    for motion in fl.extend.kinds.rigid_motions(alone.kinds, H, np.zeros(3)).transpose(2, 0, 1):
         assert np.abs(alone.viscous(H, motion)).max() < 1e-11 * scale * np.abs(motion).max()
 
 
@@ -246,15 +242,17 @@ def test_the_element_of_the_page_is_that_of_the_package():
 def test_products_that_do_not_fit_are_refused(arguments, message):
     products = arguments.pop("products")
     with pytest.raises(ValueError, match=message):
-        element([NodeKind.POINT], products, vectors=2, **arguments)
+        fl.extend.element([fl.extend.NodeKind.POINT], products, vectors=2, **arguments)
 
 
 def test_data_of_another_shape_are_refused():
-    of = element([NodeKind.POINT] * 2, [(0, 0, 0, 0.5)], vectors=1)
+    of = fl.extend.element([fl.extend.NodeKind.POINT] * 2, [(0, 0, 0, 0.5)], vectors=1)
     with pytest.raises(ValueError, match=r"tables of cells must be of shape \(2, 1, 1, 2\)"):
-        cell_data(of, np.zeros((2, 1, 1, 3)), np.zeros((2, 1, 2)))
+        fl.extend.cell_data(of, np.zeros((2, 1, 1, 3)), np.zeros((2, 1, 2)))
     with pytest.raises(ValueError, match="offsets of cells must be none, got shape"):
-        cell_data(of, np.zeros((2, 1, 1, 2)), np.zeros((2, 1, 2)), offsets=np.zeros((2, 1, 1, 3)))
+        fl.extend.cell_data(
+            of, np.zeros((2, 1, 1, 2)), np.zeros((2, 1, 2)), offsets=np.zeros((2, 1, 1, 3))
+        )
 
 
 @pytest.mark.parametrize(
@@ -279,4 +277,4 @@ def test_bodies_whose_parts_do_not_fit_are_refused(change, message):
         "data": body.element_data(),
     }
     with pytest.raises(ValueError, match=message):
-        ElementBody(**(given | change))
+        fl.ElementBody(**(given | change))

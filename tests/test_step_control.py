@@ -5,15 +5,15 @@ from math import inf
 import pytest
 
 import fem_lie as fl
-from fem_lie.solve.step_control import AIM, Control
+from fem_lie.solve.step_control import AIM
 
 ORDER = 2
 
 
 def control(
     first: float = 1e-3, *, events: tuple[float, ...] = (1.0,), largest: float = 1.0
-) -> Control:
-    return Control(first, 1e-3, 1e-3, events, largest, 1e-9, ORDER)
+) -> fl.extend.Control:
+    return fl.extend.Control(first, 1e-3, 1e-3, events, largest, 1e-9, ORDER)
 
 
 def levels(*errors: float) -> int:
@@ -66,7 +66,7 @@ def test_after_a_change_the_error_is_expected_that_the_order_gives(order):
     expected = 2.0 ** (-0.5 * order)
     limit = AIM ** (2 / 3) * expected ** (1 / 3)
     for error, level in ((0.99 * limit, -1), (1.01 * limit, -2)):
-        chosen = Control(1e-3, 1e-3, 1e-3, (1.0,), 1.0, 1e-9, order)
+        chosen = fl.extend.Control(1e-3, 1e-3, 1e-3, (1.0,), 1.0, 1e-9, order)
         chosen.accept(1.0)
         assert chosen.level == -1
         chosen.accept(error)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.scene.load import Load
 from tests.combinations import BODIES
 from tests.combined_loads import loaded
 from tests.scene_builder import build
@@ -27,7 +26,7 @@ def beams() -> tuple[fl.Scene, fl.Beam, fl.Drive]:
     return scene, two, drive
 
 
-def loads(two: fl.Beam, k: float) -> list[Load]:
+def loads(two: fl.Beam, k: float) -> list[fl.extend.Load]:
     return [
         fl.PointLoad(two.end, (k, 0, 0.5), following=True, history=lambda t: 1.0 + k * t),
         fl.PressureLoad(two, 0.1 * k),

@@ -14,7 +14,6 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.forms import abilities
-from fem_lie.lie.kinds import all_from_group, all_to_group, at_rest, follow_all
 from fem_lie.system import System
 from fem_lie.system.terms.all_terms import Terms
 from fem_lie.system.terms.followed import Followed
@@ -428,14 +427,14 @@ class Model:
 
     def moved(self, H: np.ndarray, h: np.ndarray, size: float) -> np.ndarray:
         there = H.copy()
-        follow_all(self.system.kinds, H, size * h, there)
+        fl.extend.kinds.follow_all(self.system.kinds, H, size * h, there)
         return there
 
     def as_fast(self, v: np.ndarray, there: np.ndarray) -> np.ndarray:
         """The velocity of the nodes' groups, twists of frames, that ``v`` is, elsewhere."""
-        moving, kinds = v.copy(), at_rest(self.system.kinds)
-        all_to_group(kinds, self.H, moving)
-        all_from_group(kinds, there, moving)
+        moving, kinds = v.copy(), fl.extend.kinds.at_rest(self.system.kinds)
+        fl.extend.kinds.all_to_group(kinds, self.H, moving)
+        fl.extend.kinds.all_from_group(kinds, there, moving)
         return moving
 
     def forces(self, H: np.ndarray, kept: np.ndarray | None = None) -> np.ndarray:

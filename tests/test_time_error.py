@@ -10,7 +10,6 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.solve.step_control import Control, StepChoice
 from studies.time_error import TIP, rigid_pendulum, tip
 from studies.variable_step import four_bar
 
@@ -43,7 +42,9 @@ def with_joints(group: fl.Group) -> fl.Scene:
     return scene
 
 
-def run(scene: fl.Scene, step: float | StepChoice, duration: float = 1.0, **options) -> fl.Result:
+def run(
+    scene: fl.Scene, step: float | fl.extend.StepChoice, duration: float = 1.0, **options
+) -> fl.Result:
     return fl.GeneralisedAlpha(**options).run(scene, duration=duration, step=step)
 
 
@@ -110,7 +111,7 @@ def test_nodes_of_the_error_are_those_of_the_results():
 # --- the order with steps that change ---
 
 
-class Zigzag(Control):
+class Zigzag(fl.extend.Control):
     """Up and down by one level, again and again."""
 
     def accept(self, e: float) -> None:
@@ -118,14 +119,14 @@ class Zigzag(Control):
 
 
 @dataclass(frozen=True)
-class Alternating(StepChoice):
+class Alternating(fl.extend.StepChoice):
     size: float
     refinement: int = 1
 
     def check(self, duration: float) -> None:
         pass
 
-    def control(self, duration: float, length: float, order: int, jumps=()) -> Control:
+    def control(self, duration: float, length: float, order: int, jumps=()) -> fl.extend.Control:
         return Zigzag(self.size, math.inf, math.inf, (duration,), 1.0, 0.0, order)
 
 

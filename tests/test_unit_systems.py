@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.linear.packages import Method
 from fem_lie.system import System
 from tests.closed_loop import closed_loop
 from tests.unit_systems import METRES, MILLIMETRES, OTHER_SYSTEMS, UNIT_SYSTEMS, UnitSystem
@@ -34,7 +33,7 @@ def test_there_and_back(u):
     assert METRES.time(2.0) == 2.0
 
 
-MOTION = Method("lu", "umfpack"), Method("lu", "mumps")
+MOTION = fl.extend.Method("lu", "umfpack"), fl.extend.Method("lu", "mumps")
 
 
 def first_accelerations(u: UnitSystem, step: float) -> tuple[np.ndarray, np.ndarray]:

@@ -166,9 +166,10 @@ class Checkpoints:
         # the directory of an archive has no checksum: entries that it lost would not be missed
         kept[_NAMES] = np.array(sorted(kept))
         np.savez(packed, **kept)
-        with self._writing(self._lost(float(ends[-1]))):
+        # released however this ends: an interruption keeps the frames that it came through
+        with self._writing(self._lost(float(ends[-1]))), packed.getbuffer() as data:
             self._file.sync()
-            self._replace(packed.getbuffer())
+            self._replace(data)
         self._at = float(ends[-1])
 
     def _replace(self, data: memoryview) -> None:
