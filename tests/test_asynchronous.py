@@ -63,9 +63,9 @@ def test_energy_stays():
     assert record["energy, last third"] <= 2.0 * record["energy, first third"]
 
 
-def test_resumed_to_the_last_bit(tmp_path, monkeypatch):
+def test_resumed_to_the_last_bit(tmp_path):
     plan = {"duration": 0.03, "step": 1e-3, "save_every": 3}
-    resumed_as_whole(SCHEME, lambda: net()[0], plan, tmp_path / "run.h5", monkeypatch)
+    resumed_as_whole(SCHEME, lambda: net()[0], plan, tmp_path / "run.h5")
 
 
 # --- bad input ---

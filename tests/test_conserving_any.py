@@ -227,16 +227,16 @@ def test_joint_forces_and_order():
     )
 
 
-def test_joints_resumed_to_the_last_bit(tmp_path, monkeypatch):
+def test_joints_resumed_to_the_last_bit(tmp_path):
     made, step = JOINED["two bricks, motor, damper"]
     plan = {"duration": 16 * step, "step": step}
-    resumed_as_whole(SCHEME, made, plan, tmp_path / "run.h5", monkeypatch)
+    resumed_as_whole(SCHEME, made, plan, tmp_path / "run.h5")
 
 
 @pytest.mark.parametrize("scheme", [SCHEME, fl.EnergyDecaying()], ids=["conserving", "decaying"])
-def test_resumed_to_the_last_bit(scheme, tmp_path, monkeypatch):
+def test_resumed_to_the_last_bit(scheme, tmp_path):
     plan = {"duration": 0.12, "step": 4e-3}
-    resumed_as_whole(scheme, lambda: flying("cable")[0], plan, tmp_path / "run.h5", monkeypatch)
+    resumed_as_whole(scheme, lambda: flying("cable")[0], plan, tmp_path / "run.h5")
 
 
 @pytest.mark.parametrize("name", BODIES)

@@ -137,9 +137,9 @@ def test_steps_that_are_chosen(joint):
 
 @pytest.mark.parametrize("joint", ["Collar", "KnifeEdge"])
 @pytest.mark.parametrize("name", ["energy-momentum", "decaying"])
-def test_resumed_to_the_last_bit(tmp_path, monkeypatch, name, joint):
+def test_resumed_to_the_last_bit(tmp_path, name, joint):
     plan = {"duration": 0.06, "step": 2e-3, "save_every": 3}
-    resumed_as_whole(SCHEMES[name], SCENES[joint], plan, tmp_path / "run.h5", monkeypatch)
+    resumed_as_whole(SCHEMES[name], SCENES[joint], plan, tmp_path / "run.h5")
 
 
 def hinged(*, sprung: bool = False) -> fl.Scene:

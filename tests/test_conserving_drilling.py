@@ -74,7 +74,7 @@ def test_rates_of_drilling_rotations_are_those_of_the_step():
     assert found[1] < 5.0 * found[0]
 
 
-def test_resumed_to_the_last_bit(tmp_path, monkeypatch):
+def test_resumed_to_the_last_bit(tmp_path):
     plan = {"duration": 0.03, "step": 1e-3, "save_every": 3}
     scheme = SCHEMES["energy-momentum"]
-    resumed_as_whole(scheme, twisted, plan, tmp_path / "run.h5", monkeypatch)
+    resumed_as_whole(scheme, twisted, plan, tmp_path / "run.h5")

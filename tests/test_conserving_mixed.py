@@ -136,9 +136,9 @@ def test_what_constraints_miss_is_led_back():
 
 
 @pytest.mark.parametrize("name", ["shell and thread", "wheel on a motor, cable, beam with damping"])
-def test_resumed_to_the_last_bit(name, tmp_path, monkeypatch):
+def test_resumed_to_the_last_bit(name, tmp_path):
     plan = {"duration": 0.016, "step": 1e-3}
-    resumed_as_whole(SCHEME, SCENES[name], plan, tmp_path / "run.h5", monkeypatch)
+    resumed_as_whole(SCHEME, SCENES[name], plan, tmp_path / "run.h5")
 
 
 def with_pressure(scene: fl.Scene, beam: fl.Beam) -> None:

@@ -135,10 +135,10 @@ def test_steps_of_its_own():
 
 
 @pytest.mark.parametrize("name", ["energy-momentum", "explicit"])
-def test_resumed_to_the_last_bit(tmp_path, monkeypatch, name):
+def test_resumed_to_the_last_bit(tmp_path, name):
     step = 5e-5 if name == "explicit" else 1e-3
     plan = {"duration": 30 * step, "step": step, "save_every": 3}
-    resumed_as_whole(CONSERVING[name], swinging, plan, tmp_path / "run.h5", monkeypatch)
+    resumed_as_whole(CONSERVING[name], swinging, plan, tmp_path / "run.h5")
 
 
 def test_explicit_steps_up_to_the_largest_stable_one():

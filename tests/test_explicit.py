@@ -223,11 +223,11 @@ def test_loads_in_time():
 
 
 @pytest.mark.parametrize("name", ["net", "beam", "thin shell"])
-def test_resumed_to_the_last_bit(tmp_path, monkeypatch, name):
+def test_resumed_to_the_last_bit(tmp_path, name):
     scene = SCENES[name]
     step = 0.5 * SCHEME.stable_step(scene())
     plan = {"duration": 30 * step, "step": step, "save_every": 3}
-    resumed_as_whole(SCHEME, scene, plan, tmp_path / "run.h5", monkeypatch)
+    resumed_as_whole(SCHEME, scene, plan, tmp_path / "run.h5")
 
 
 # --- bad input ---

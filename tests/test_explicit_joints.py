@@ -111,10 +111,10 @@ def test_bodies_swing_as_with_energy_momentum():
 
 
 @pytest.mark.parametrize("name", ["damped rope", "collar", "bodies", "thin shell"])
-def test_resumed_to_the_last_bit(tmp_path, monkeypatch, name):
+def test_resumed_to_the_last_bit(tmp_path, name):
     scene = SCENES[name]
     steps = plan(scene(), 30) | {"save_every": 3}
-    resumed_as_whole(SCHEME, scene, steps, tmp_path / "run.h5", monkeypatch)
+    resumed_as_whole(SCHEME, scene, steps, tmp_path / "run.h5")
 
 
 # --- bad input ---

@@ -68,9 +68,9 @@ def test_energy_does_not_drift():
     assert np.ptp(late) <= 1.05 * np.ptp(early)
 
 
-def test_resumed_to_the_last_bit(tmp_path, monkeypatch):
+def test_resumed_to_the_last_bit(tmp_path):
     plan = {"duration": 0.06, "step": 3e-3}
-    resumed_as_whole(SCHEME, lambda: rolling()[0], plan, tmp_path / "run.h5", monkeypatch)
+    resumed_as_whole(SCHEME, lambda: rolling()[0], plan, tmp_path / "run.h5")
 
 
 def test_bad_input():

@@ -102,11 +102,11 @@ def test_it_converges_to_small_steps_everywhere(scene_of):
 
 
 @pytest.mark.parametrize("scene_of", [chain, pushed], ids=["free", "pushed"])
-def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scene_of):
+def test_resumed_to_the_last_bit(tmp_path, scene_of):
     scene, two = scene_of()
     plan = {"duration": 0.016, "step": 1e-3}
     scheme, file = fl.MultiRate({two: 3}), tmp_path / "run.h5"
-    resumed_as_whole(scheme, lambda: scene, plan, file, monkeypatch)
+    resumed_as_whole(scheme, lambda: scene, plan, file)
 
 
 def test_drives():

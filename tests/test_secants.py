@@ -122,9 +122,9 @@ def test_motion_is_the_same_with_fewer_iterations():
     assert better.iterations[-1] < plain.iterations[-1]
 
 
-def test_goes_on_to_the_last_bit(tmp_path, monkeypatch):
+def test_goes_on_to_the_last_bit(tmp_path):
     """For nothing is kept beyond a step."""
-    resumed_as_whole(scheme(3), slackening, PLAN, tmp_path / "run.h5", monkeypatch)
+    resumed_as_whole(scheme(3), slackening, PLAN, tmp_path / "run.h5")
 
 
 def thrown() -> fl.Scene:

@@ -188,19 +188,19 @@ def test_a_discrete_rod_that_turns_over():
 
 
 @pytest.mark.parametrize("name", ["Hermite cable", "thin shell"])
-def test_vector_coordinates_resumed_to_the_last_bit(tmp_path, monkeypatch, name):
+def test_vector_coordinates_resumed_to_the_last_bit(tmp_path, name):
     plan = {"duration": 3e-3, "step": 1e-4, "save_every": 3}
 
     def scene():
         return build(joined(name, "Revolute")).scene
 
-    resumed_as_whole(SCHEME, scene, plan, tmp_path / "run.h5", monkeypatch)
+    resumed_as_whole(SCHEME, scene, plan, tmp_path / "run.h5")
 
 
 @pytest.mark.parametrize("scene", [lambda: bars()[0], driven], ids=["free", "driven"])
-def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scene):
+def test_resumed_to_the_last_bit(tmp_path, scene):
     plan = {"duration": 0.03, "step": 1e-3, "save_every": 3}
-    resumed_as_whole(SCHEME, scene, plan, tmp_path / "run.h5", monkeypatch)
+    resumed_as_whole(SCHEME, scene, plan, tmp_path / "run.h5")
 
 
 # --- bad input ---
