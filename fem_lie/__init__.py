@@ -44,7 +44,6 @@ from fem_lie.contact.convex.polyhedron import ConvexPolyhedron
 from fem_lie.contact.energy.watch import UnresolvedContactWarning
 from fem_lie.contact.laws.law import Impact, Penalty
 from fem_lie.contact.pairs.lines import Cylinder, Line
-from fem_lie.contact.pairs.pair import ContactPair, register_contact_pair
 from fem_lie.contact.pairs.shapes import Box, Plane, Sphere, Vertices
 from fem_lie.contact.pairs.skins import Skin
 from fem_lie.contact.rings.surfaces import Rings, Rope
@@ -258,7 +257,6 @@ __all__ = [
     "ConstraintsOnly",
     "Contact",
     "ContactForces",
-    "ContactPair",
     "ConvergenceError",
     "ConvexPolyhedron",
     "Coordinate",
@@ -471,7 +469,6 @@ __all__ = [
     "reduced_frequencies",
     "reduced_statics",
     "refine",
-    "register_contact_pair",
     "resultant_colours",
     "resultant_series",
     "resultants",

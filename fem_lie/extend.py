@@ -11,6 +11,10 @@ scene is made of stands in :mod:`fem_lie` itself; here is what scenes do not sho
   :class:`NodeKind` and the compiled functions of all node types, the module :mod:`kinds`;
   vectors of three numbers in these, the module :mod:`tuples`; :func:`compiled`, :func:`callback`.
 * **Joints**: :func:`rows` selects entries of the relative motion.
+* **Contact surfaces**: :class:`PointSurface`, :class:`PlaneSurface`, :class:`LineSurface`,
+  :class:`PolyhedralSurface`, or :class:`GapSurface` with a gap function (:func:`evaluate`,
+  :data:`GAP_SIGNATURE`). **Contact pairs** of kinds of surfaces: :class:`ContactPair`,
+  :class:`PenaltyPair`, :class:`BallGapPair`, :func:`register_contact_pair`.
 * **Forces and matrices of any other origin**: :class:`Term`, :class:`Pairs`; a :class:`Load`
   passes a term to the :class:`Sum` of all loads.
 * **Time schemes**: :class:`Equations` with :class:`Instant` and :class:`Plan`;
@@ -27,6 +31,17 @@ scene is made of stands in :mod:`fem_lie` itself; here is what scenes do not sho
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, compiled
 from fem_lie._state import attributes
+from fem_lie.contact.pairs.balls import BallGapPair
+from fem_lie.contact.pairs.by_penalty import PenaltyPair
+from fem_lie.contact.pairs.pair import ContactPair, register_contact_pair
+from fem_lie.contact.sides.gap_functions import GAP_SIGNATURE, evaluate
+from fem_lie.contact.sides.surfaces import (
+    GapSurface,
+    LineSurface,
+    PlaneSurface,
+    PointSurface,
+    PolyhedralSurface,
+)
 from fem_lie.elements.beams.element import CellData, cellwise, present_values
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
@@ -62,22 +77,27 @@ from fem_lie.system.equations import Equations, Instant, Plan
 __all__ = [
     "CELL_SIGNATURE",
     "DIVERGED",
+    "GAP_SIGNATURE",
     "KEPT",
     "NEWTON",
     "ROUND_OFF",
     "Array",
+    "BallGapPair",
     "CellData",
     "CellFunctions",
+    "ContactPair",
     "Control",
     "DirectSolver",
     "DividedIntegration",
     "Equations",
     "FrameMap",
+    "GapSurface",
     "Indices",
     "Instant",
     "Integration",
     "Integrator",
     "Iterated",
+    "LineSurface",
     "LinearRate",
     "Load",
     "LocalFrameForms",
@@ -85,7 +105,11 @@ __all__ = [
     "NodalFrames",
     "NodeKind",
     "Pairs",
+    "PenaltyPair",
     "Plan",
+    "PlaneSurface",
+    "PointSurface",
+    "PolyhedralSurface",
     "QuadraticRate",
     "Recorder",
     "SingularMatrixError",
@@ -105,6 +129,7 @@ __all__ = [
     "compiled",
     "element",
     "estimate",
+    "evaluate",
     "failure",
     "frame_function",
     "iterate",
@@ -113,6 +138,7 @@ __all__ = [
     "move_all",
     "present_values",
     "refuse",
+    "register_contact_pair",
     "rows",
     "tuples",
     "unknown_scaling",

@@ -6,8 +6,10 @@ from PIL import Image
 
 import fem_lie as fl
 from benchmarks import pressed_cap, pressed_cylinder
+from fem_lie import extend
 from fem_lie.contact.sides.detection import near
 from fem_lie.system import System
+from tests.own_surface import Quartic
 
 GRAVITY, RADIUS = 9.81, 0.1
 SECTION = fl.Section.circle(0.02, fl.Material(2e9, 0.3, 1000.0))
@@ -373,3 +375,36 @@ def test_a_stiffness_is_chosen_by_what_is_behind(caplog):
         assert f"stiffness {law.stiffness:g} was chosen" in caplog.messages[-1]
     with pytest.raises(ValueError, match="Penalty needs a stiffness, for there is neither"):
         fl.Contact(fl.Sphere(ball.centre, 0.1), floor, fl.Penalty())
+
+
+def test_a_free_surface_with_a_gap_function_conserves_all():
+    """A ball in a hollow of no symmetry, both free: momenta of both bodies, energy."""
+    scene = fl.Scene()
+    hollow = scene.add(fl.RigidBody(2.0, np.diag([0.3, 0.2, 0.4]), (0.1, 0.2, 0.3)))
+    ball = scene.add(fl.RigidBody(0.5, np.diag([0.01, 0.02, 0.015]), (0.2, 0.25, 0.3)))
+    hollow.turn((0.5, -0.3, 0.8), hollow.centre)
+    ball.move((1.0, -2.0, 0.7))
+    law = fl.Penalty(2e3)
+    scene.add(fl.Contact(fl.Sphere(ball.centre, 0.05), Quartic(hollow.centre), law))
+    result = fl.EnergyMomentum().run(scene, duration=1.0, step=2e-3, progress=False)
+    assert fl.contact_forces(result, scene.contacts[0]).touching.sum() > 10
+    assert result.balance_error < 1e-12
+    assert max(result.momentum_error, result.angular_momentum_error) < 1e-13
+
+
+def test_pairs_that_are_not_known_are_refused():
+    class Own(fl.Surface):
+        points = ()
+
+        def __init__(self, point):
+            self.points = (point,)
+
+    body = fl.RigidBody(1.0, np.eye(3), (0, 0, 1))
+    contact = fl.Contact(Own(body.centre), fl.Sphere(fl.ground(), 0.1), fl.Penalty(1e3))
+    with pytest.raises(ValueError, match="no contact pair of Own and Sphere; register_contact"):
+        contact.check()
+    with pytest.raises(ValueError, match="PlaneSurface and PointSurface is registered already"):
+        extend.register_contact_pair(extend.PlaneSurface, extend.PointSurface, "why not")
+    extend.register_contact_pair(Own, extend.PointSurface, "own surfaces never touch points")
+    with pytest.raises(ValueError, match="own surfaces never touch points"):
+        fl.Contact(fl.Sphere(fl.ground(), 0.1), Own(body.centre), fl.Penalty(1e3)).check()

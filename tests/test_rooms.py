@@ -63,7 +63,7 @@ MAY_IMPORT = {
     "bodies.gradients": {"bodies.cells", "bodies.thin_shells", "elements.gradients"},
     "joints.equations": {"lie"},
     "joints": {"joints.equations", "bodies.beams"},
-    "contact.sides": {"bodies.beams"},
+    "contact.sides": {"bodies.beams", "forms.small_energy"},
     "contact.friction": {"contact.sides"},
     "contact.energy": {"contact.sides"},
     "contact.convex": {"contact.sides"},

@@ -27,6 +27,20 @@ def test_an_element_of_ones_own_on_position_gradient_nodes():
     assert 3.9 <= found["order"] <= 4.2
 
 
+def test_a_contact_surface_of_ones_own():
+    found = runpy.run_path(str(DOCS / "how_to" / "contact_surface.py"))
+    assert max(found["errors"].values()) <= 3e-5
+    assert found["energy"] <= 1e-12
+    assert found["moment"] <= 1e-5
+    body = fl.RigidBody(1.0, np.eye(3), (1.0, 0.0, -0.1))
+    torus = found["Torus"](fl.ground(), 1.0, 0.3)
+    fl.Contact(fl.Box(body.centre, (0.1, 0.1, 0.1)), torus, fl.Penalty(1e3)).check()
+    with pytest.raises(ValueError, match=r"overlap by 0\.0[0-9]+ at"):
+        fl.Contact(fl.Sphere(body.centre, 0.25), torus, fl.Penalty(1e3)).check()
+    with pytest.raises(ValueError, match="touch by Penalty, not Impact"):
+        fl.Contact(fl.Sphere(body.centre, 0.05), torus, fl.Impact()).check()
+
+
 def test_a_composition_of_ones_own():
     found = runpy.run_path(str(DOCS / "how_to" / "composition.py"))
     assert 3.9 <= found["order"] <= 4.1

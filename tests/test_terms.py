@@ -18,6 +18,7 @@ from fem_lie.system import System
 from fem_lie.system.terms.all_terms import Terms
 from fem_lie.system.terms.followed import Followed
 from tests.own_elements import random_body
+from tests.own_surface import Quartic
 from tests.test_rooms import MODULES, imports_of
 
 MATERIAL = fl.Material(100.0, 0.3, 2.0)
@@ -187,6 +188,23 @@ def ball_in_hollow(**law) -> fl.Scene:
     return in_contact(
         lambda one, two, line: fl.Sphere(one.at((0.3, 0.2, 0)), 0.4),
         lambda one, two, line: fl.Sphere(two.at((0.7, 0.4, 0.2)), 0.88, hollow=True),
+        **law,
+    )
+
+
+def balls_in_quartic(**law) -> fl.Scene:
+    """Inside a surface with a gap function, beside the node that it is fixed to."""
+    return in_contact(
+        lambda one, two, line: fl.Sphere(one.at((0.3, 0.2, 0)), 0.4),
+        lambda one, two, line: Quartic(two.at((0.7, 0.4, 0.2)), size=1.01),
+        **law,
+    )
+
+
+def ends_in_quartic(**law) -> fl.Scene:
+    return in_contact(
+        lambda one, two, line: fl.Vertices([line.start, two.centre], 0.2),
+        lambda one, two, line: Quartic(fl.ground(), size=2.6),
         **law,
     )
 
@@ -376,6 +394,9 @@ TERMS: dict[str, Case] = {
     "balls on balls": Case(balls_on_balls, TOUCH),
     "ball in a hollow": Case(ball_in_hollow, TOUCH),
     "ends on ground": Case(ends_on_ground, TOUCH),
+    "balls within a quartic": Case(balls_in_quartic, TOUCH),
+    "ends within a quartic on ground": Case(ends_in_quartic, TOUCH),
+    "damped balls within a quartic": Case(lambda: balls_in_quartic(damping=3.0), TOUCH),
     "line on a bar": Case(line_on_bar, TOUCH),
     "line on a line": Case(line_on_line, TOUCH),
     "line on a plane": Case(line_on_plane, TOUCH),

@@ -5,9 +5,11 @@ distance and gap are quadratic or bilinear in the rows of the nodes, so that the
 
     balls    d₁² − d₀² = 2 Δ̄·δΔ,  Δg = ±(d₁² − d₀²)/(d₀ + d₁),  F = ± σ 2 Δ̄/(d₀ + d₁)
     plane    Δg = n̄·δΔ + δn·Δ̄,                                  F = σ n̄
-    both     σ = ΔU/Δg = ½ k (g₀ + g₁) where both ends overlap, else (U₁ − U₀)/Δg
+    surface  Δg = G·ΔX,  ΔX = R̄ᵀ δΔ + δRᵀ Δ̄,                    F = σ R̄ G
+    all      σ = ΔU/Δg = ½ k (g₀ + g₁) where both ends overlap, else (U₁ − U₀)/Δg
 
-A force ``F`` at the levers of the mean has neither resultant nor moment, and does the work ``ΔU``.
+``G`` is the discrete gradient of a gap function, constant for a plane. A force ``F`` at the levers
+of the mean has neither resultant nor moment, and does the work ``ΔU``.
 """
 
 from __future__ import annotations
@@ -18,8 +20,9 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie.contact.sides.gap_functions import mean_gradient, position_in, turned
 from fem_lie.contact.sides.gauss_points import Meeting
-from fem_lie.contact.sides.kinematics import gap, normal_of, place
+from fem_lie.contact.sides.kinematics import gap, place
 from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import GROUND, UNUSED, Side
 from fem_lie.forms.abilities import Ends
@@ -89,14 +92,29 @@ def _between(ends: Ends, at: Meeting, e: int) -> tuple[Secant, Vector, Vector]:
     P, Q = place(ends.mean, at.a, i), place(ends.mean, at.b, j)
     apart, moved = minus(P, Q), minus(_moved(ends.delta, at.a, i), _moved(ends.delta, at.b, j))
     if at.flat:
-        n, turned = normal_of(ends.mean, at.b, j), (0.0, 0.0, 0.0)
+        m = load_row(at.b.normals, j)
+        if at.b.level.address != 0:
+            m = _mean_normal(ends, at, i, j, moved, apart)
+        n, change = turned(ends.mean, at.b, j, m), 0.0
         if at.b.nodes[j, 0] != GROUND:
-            turned = normal_of(ends.delta, at.b, j)
-        return _secant(g0, g1, dot(n, moved) + dot(turned, apart)), n, P
+            change = dot(turned(ends.delta, at.b, j, m), apart)
+        return _secant(g0, g1, dot(n, moved) + change), n, P
     sign = 1.0 if at.b.radii[j] >= 0.0 else -1.0
     reach = at.a.radii[i] + at.b.radii[j]
     n = scaled(2.0 * sign / (sign * (g0 + g1 + 2.0 * reach)), apart)
     return _secant(g0, g1, dot(n, moved)), n, P
+
+
+@uncounted
+def _mean_normal(ends: Ends, at: Meeting, i: int, j: int, moved: Vector, apart: Vector) -> Vector:
+    """Discrete gradient of a gap function, in the frame of the surface."""
+    before = minus(place(ends.start, at.a, i), place(ends.start, at.b, j))
+    after = minus(place(ends.end, at.a, i), place(ends.end, at.b, j))
+    change = position_in(ends.mean, at.b, j, moved)
+    if at.b.nodes[j, 0] != GROUND:
+        change = plus(change, position_in(ends.delta, at.b, j, apart))
+    X0, X1 = position_in(ends.start, at.b, j, before), position_in(ends.end, at.b, j, after)
+    return mean_gradient(at.b, j, X0, X1, change)
 
 
 @inlined_uncounted

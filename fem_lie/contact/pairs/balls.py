@@ -6,22 +6,22 @@ from abc import abstractmethod
 
 import numpy as np
 
-from fem_lie.contact.friction.forces import Friction
-from fem_lie.contact.laws.penalty import PenaltyForces
-from fem_lie.contact.pairs.pair import ContactPair, ImpactPair
+from fem_lie.contact.pairs.by_penalty import PenaltyPair
+from fem_lie.contact.pairs.pair import ImpactPair
 from fem_lie.contact.sides.kinematics import gaps
-from fem_lie.contact.sides.meeting import Balls
+from fem_lie.contact.sides.meeting import Balls, Sides
 from fem_lie.contact.sides.pairs import NearPairs
 from fem_lie.contact.sides.surfaces import (
     Ball,
+    GapSurface,
     PlaneSurface,
     PointSurface,
     PolyhedralSurface,
 )
-from fem_lie.contact.sides.table import BothSides, Nodes, balls_side, planes_side
+from fem_lie.contact.sides.table import BothSides, Nodes, balls_side, level_side, planes_side
 
 
-class _PointPair(ContactPair, ImpactPair):
+class _PointPair(PenaltyPair, ImpactPair):
     """Points with a radius on one side, planes or points on the other."""
 
     what = "points and balls"
@@ -53,17 +53,12 @@ class _PointPair(ContactPair, ImpactPair):
         """See the base class."""
         a, b, flat, same = self.sides(nodes)
         ignores = ("ignore_initial",) if self.ignore_initial else ()
-        return *a, *b, flat, same, repr(self.law), *ignores
+        return *a.arrays, *b.arrays, flat, same, repr(self.law), *ignores
 
-    def term(self, nodes: Nodes) -> PenaltyForces:
+    def meeting(self, nodes: Nodes) -> Sides:
         """See the base class."""
         a, b, flat, same = self.sides(nodes)
-        sides, friction, law = Balls(a, b, flat=flat, same=same), None, self.penalty
-        if self.ignore_initial:
-            sides.near.ignore(self.initial_frames(nodes))
-        if law.friction > 0.0:
-            friction = Friction(sides, law.coulomb, self.initial_frames(nodes))
-        return PenaltyForces(sides, law, self.label, friction, parts=self.ignore_initial)
+        return Balls(a, b, flat=flat, same=same)
 
 
 class BallPlanePair(_PointPair):
@@ -86,6 +81,31 @@ class PolyhedronPlanePair(BallPlanePair):
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
         """See the base class."""
         return *super().contents(nodes), self.a.polyhedron().corners
+
+
+class BallGapPair(_PointPair):
+    """Points and balls, which touch a surface that has a gap function."""
+
+    a: PointSurface | PolyhedralSurface
+    b: GapSurface
+
+    @property
+    def impact(self) -> ImpactPair:
+        """There is none.
+
+        Raises:
+            ValueError: Always.
+        """
+        raise ValueError(f"{self.label}: surfaces with a gap function touch by Penalty, not Impact")
+
+    def sides(self, nodes: Nodes) -> BothSides:
+        """See the base class."""
+        return BothSides(balls_side(self.a.balls(), nodes), level_side(self.b, nodes), True, False)
+
+    def contents(self, nodes: Nodes) -> tuple[object, ...]:
+        """See the base class."""
+        surface = type(self.b).__qualname__, tuple(float(each) for each in self.b.parameters)
+        return *super().contents(nodes), *surface
 
 
 class BallPair(_PointPair):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fem_lie.contact.pairs.balls import BallPair, BallPlanePair, PolyhedronPlanePair
+from fem_lie.contact.pairs.balls import BallGapPair, BallPair, BallPlanePair, PolyhedronPlanePair
 from fem_lie.contact.pairs.lines import LinePair, LinePlanePair
 from fem_lie.contact.pairs.pair import ContactPair, register_contact_pair
 from fem_lie.contact.pairs.polyhedra import BallPolyhedronPair, PolyhedronPolyhedronPair
@@ -11,6 +11,7 @@ from fem_lie.contact.pairs.skin_pairs import BallSkinPair, SkinPair, SkinPlanePa
 from fem_lie.contact.pairs.skins import Skin
 from fem_lie.contact.rings.surfaces import Rings, Rope
 from fem_lie.contact.sides.surfaces import (
+    GapSurface,
     LineSurface,
     PlaneSurface,
     PointSurface,
@@ -28,6 +29,7 @@ _CORNERS = "the corners of a box do not touch skins"
 PAIRS: tuple[tuple[type[Surface], type[Surface], type[ContactPair] | str], ...] = (
     (PointSurface, PlaneSurface, BallPlanePair),
     (PointSurface, PointSurface, BallPair),
+    (PointSurface, GapSurface, BallGapPair),
     (PolyhedralSurface, PlaneSurface, PolyhedronPlanePair),
     (PolyhedralSurface, PolyhedralSurface, PolyhedronPolyhedronPair),
     (PointSurface, PolyhedralSurface, BallPolyhedronPair),

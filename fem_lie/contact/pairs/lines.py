@@ -7,7 +7,6 @@ one frame both ends have the same node.
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -18,10 +17,7 @@ from fem_lie._arrays import Array, instance, positive, vector
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_point
-from fem_lie.contact.friction.forces import Friction
-from fem_lie.contact.laws.law import Penalty
-from fem_lie.contact.laws.penalty import PenaltyForces
-from fem_lie.contact.pairs.pair import ContactPair
+from fem_lie.contact.pairs.by_penalty import PenaltyPair
 from fem_lie.contact.sides.meeting import Lines
 from fem_lie.contact.sides.surfaces import (
     LineSurface,
@@ -142,7 +138,7 @@ class Cylinder(LineSurface):
         return [Piece((owner, owner), ends, tangents, length, length, self.radius, False)]
 
 
-class _LinePair(ContactPair):
+class _LinePair(PenaltyPair):
     """A line, and what is near along it."""
 
     a: LineSurface
@@ -150,36 +146,13 @@ class _LinePair(ContactPair):
     what = "lines"
     power = 1
 
-    @abstractmethod
-    def sides(self, nodes: Nodes) -> Lines:
-        """Both sides, for compiled code.
-
-        Args:
-            nodes: Numbers of a body's nodes.
-        """
-
-    def check(self) -> None:
-        """See the base class."""
-        self.check_friction()
-        nodes, H = self.numbered()
-        sides = self.sides(nodes)
-        _, g, positions, _ = PenaltyForces(sides, Penalty(1.0)).touching(H, np.zeros((len(H), 6)))
-        self.refuse_overlap(g, positions, np.full(len(g), sides.radius))
-
-    def term(self, nodes: Nodes) -> PenaltyForces:
-        """See the base class."""
-        sides, law, friction = self.sides(nodes), self.penalty, None
-        if law.friction > 0.0:
-            friction = Friction(sides, law.coulomb, self.initial_frames(nodes))
-        return PenaltyForces(sides, law, self.label, friction)
-
 
 class LinePair(_LinePair):
     """Two lines; forces are integrated along the first."""
 
     b: LineSurface
 
-    def sides(self, nodes: Nodes) -> Lines:
+    def meeting(self, nodes: Nodes) -> Lines:
         """See the base class."""
         return Lines(self.a.pieces(), self.b.pieces(), None, nodes)
 
@@ -199,7 +172,7 @@ class LinePlanePair(_LinePair):
 
     b: PlaneSurface
 
-    def sides(self, nodes: Nodes) -> Lines:
+    def meeting(self, nodes: Nodes) -> Lines:
         """See the base class."""
         return Lines(self.a.pieces(), [], planes_side(self.b.faces(), nodes), nodes)
 

@@ -78,7 +78,7 @@ class PolyhedronPolyhedronPair(_PolyhedralPair):
         """See the base class."""
         a, b, flat, same = self.sides(nodes)
         corners = self.a.polyhedron().corners, self.b.polyhedron().corners
-        return *a, *b, flat, same, repr(self.law), *corners
+        return *a.arrays, *b.arrays, flat, same, repr(self.law), *corners
 
 
 class BallPolyhedronPair(_PolyhedralPair):
@@ -96,7 +96,7 @@ class BallPolyhedronPair(_PolyhedralPair):
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
         """See the base class."""
         a, b, flat, same = self.sides(nodes)
-        return *a, *b, flat, same, repr(self.law), self.b.polyhedron().corners
+        return *a.arrays, *b.arrays, flat, same, repr(self.law), self.b.polyhedron().corners
 
     def check(self) -> None:
         """See the base class."""

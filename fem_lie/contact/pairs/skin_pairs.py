@@ -2,50 +2,22 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-
 import numpy as np
 
-from fem_lie.contact.friction.forces import Friction
-from fem_lie.contact.laws.law import Penalty
-from fem_lie.contact.laws.penalty import PenaltyForces
-from fem_lie.contact.pairs.pair import ContactPair
+from fem_lie.contact.pairs.by_penalty import PenaltyPair
+from fem_lie.contact.pairs.patch_sides import Facing
 from fem_lie.contact.pairs.skins import Skin
 from fem_lie.contact.sides.meeting import Balls, Sides
-from fem_lie.contact.sides.patch_sides import Facing
 from fem_lie.contact.sides.surfaces import PlaneSurface, PointSurface
 from fem_lie.contact.sides.table import Nodes, balls_side, planes_side
 
 _NONE = np.empty((0, 2), dtype=np.int64)
 
 
-class _SkinPair(ContactPair):
+class _SkinPair(PenaltyPair):
     """A shell, and what touches it."""
 
     what = "skins of shells"
-
-    @abstractmethod
-    def sides(self, nodes: Nodes) -> Sides:
-        """Both sides, for compiled code.
-
-        Args:
-            nodes: Numbers of a body's nodes.
-        """
-
-    def check(self) -> None:
-        """See the base class."""
-        self.check_friction()
-        nodes, H = self.numbered()
-        sides = self.sides(nodes)
-        _, g, positions, _ = PenaltyForces(sides, Penalty(1.0)).touching(H, np.zeros((len(H), 6)))
-        self.refuse_overlap(g, positions, np.full(len(g), sides.radius))
-
-    def term(self, nodes: Nodes) -> PenaltyForces:
-        """See the base class."""
-        sides, law, friction = self.sides(nodes), self.penalty, None
-        if law.friction > 0.0:
-            friction = Friction(sides, law.coulomb, self.initial_frames(nodes))
-        return PenaltyForces(sides, law, self.label, friction)
 
 
 class SkinPair(_SkinPair):
@@ -62,7 +34,7 @@ class SkinPair(_SkinPair):
             raise ValueError(f"{self.label}: a shell touches itself by one skin, given twice")
         super().check()
 
-    def sides(self, nodes: Nodes) -> Sides:
+    def meeting(self, nodes: Nodes) -> Sides:
         """See the base class."""
         patches = self.b.patches(nodes)
         if self.a is not self.b:
@@ -93,7 +65,7 @@ class BallSkinPair(_SkinPair):
             raise ValueError(f"{self.label}: skins do not touch what is around a hollow")
         super().check()
 
-    def sides(self, nodes: Nodes) -> Sides:
+    def meeting(self, nodes: Nodes) -> Sides:
         """See the base class."""
         balls = balls_side(self.a.balls(), nodes)
         return Facing(balls, balls, np.ones(len(balls.radii)), self.b.patches(nodes), _NONE)
@@ -101,7 +73,7 @@ class BallSkinPair(_SkinPair):
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
         """See the base class."""
         balls = balls_side(self.a.balls(), nodes)
-        return *balls, *self.b.contents(nodes), repr(self.law)
+        return *balls.arrays, *self.b.contents(nodes), repr(self.law)
 
 
 class SkinPlanePair(_SkinPair):
@@ -112,7 +84,7 @@ class SkinPlanePair(_SkinPair):
 
     power = 2
 
-    def sides(self, nodes: Nodes) -> Sides:
+    def meeting(self, nodes: Nodes) -> Sides:
         """See the base class."""
         places, fixed, areas = self.a.places(self.a.patches(nodes))
         planes = planes_side(self.b.faces(), nodes)
@@ -120,4 +92,4 @@ class SkinPlanePair(_SkinPair):
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
         """See the base class."""
-        return *self.a.contents(nodes), *planes_side(self.b.faces(), nodes), repr(self.law)
+        return *self.a.contents(nodes), *planes_side(self.b.faces(), nodes).arrays, repr(self.law)

@@ -5,6 +5,7 @@ With ``P`` and ``Q`` the places of the two sides, ``Δ = P − Q``, and ``Dᵢ =
     balls    g = |Δ| − r_A − r_B,  n = Δ/|Δ|
     hollow   g = |r_B| − r_A − |Δ|,  n = −Δ/|Δ|
     plane    g = n·Δ − r_A,        n = R_B m
+    surface  g = φ(X) − r_A,       n = R_B ∂φ/∂X,  X = R_Bᵀ Δ   (a plane is φ = m·X)
     row      ġ = Σ bᵢ·vᵢ,          bᵢ = ± Dᵢᵀ n    (of a plane's frame at the foot of the ball)
 
 Slots are the nodes of the first side, then those of the second.
@@ -16,6 +17,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie.contact.sides.gap_functions import bent, local_gap, position_in, turned
 from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import GROUND, UNUSED, Side
 from fem_lie.lie.motions import global_components, local_components
@@ -62,6 +64,9 @@ def gap(H: Array, a: Side, b: Side, i: int, j: int, flat: bool) -> tuple[float, 
     P = place(H, a, i)
     apart = minus(P, place(H, b, j))
     if flat:
+        if b.level.address != 0:
+            g, m, _, _ = local_gap(b, j, position_in(H, b, j, apart))
+            return g - a.radii[i], turned(H, b, j, m), P
         n = normal_of(H, b, j)
         return dot(n, apart) - a.radii[i], n, P
     distance = np.sqrt(dot(apart, apart))
@@ -138,10 +143,10 @@ def _store_motion(H: Array, node: int, sign: float, w: float, c: Vector, D: Arra
         d = load_row(H[node], 1 + k)
         # column k of R, and of −R ĉ = R (e_k × c)
         e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
-        turned = global_components(H[node], cross(e, c))
+        rotated = global_components(H[node], cross(e, c))
         for r in range(3):
             D[r, k] = sign * w * d[r]
-            D[r, 3 + k] = sign * turned[r]
+            D[r, 3 + k] = sign * rotated[r]
 
 
 @inlined_uncounted
@@ -158,14 +163,19 @@ def _turns_of_normal(
                 N[r, k] = sign / distance * (D[r, k] - n[r] * along)
         return
     N[:] = 0.0
+    m = load_row(b.normals, j)
+    if b.level.address != 0:
+        _, m, diagonal, others = local_gap(b, j, position_in(H, b, j, apart))
+        for k in range(6):
+            moved = position_in(H, b, j, (D[0, k], D[1, k], D[2, k]))
+            N[0, k], N[1, k], N[2, k] = turned(H, b, j, bent(diagonal, others, moved))
     if s == MOST_NODES:
         node = b.nodes[j, 0]
-        m = load_row(b.normals, j)
         for k in range(3):
             e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
-            turned = global_components(H[node], cross(e, m))
+            along = global_components(H[node], cross(e, m))
             for r in range(3):
-                N[r, 3 + k] = turned[r]
+                N[r, 3 + k] += along[r]
 
 
 @inlined_uncounted
@@ -173,10 +183,10 @@ def add_turning(f: Vector, w: float, c: Vector, block: Array) -> None:
     """How ``(w f, c × f)`` turns with the node, ``δf = f × η``."""
     for k in range(3):
         e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
-        turned = cross(f, e)
-        moment = cross(c, turned)
+        rotated = cross(f, e)
+        moment = cross(c, rotated)
         for r in range(3):
-            block[r, 3 + k] += w * turned[r]
+            block[r, 3 + k] += w * rotated[r]
             block[3 + r, 3 + k] += moment[r]
 
 
@@ -231,7 +241,7 @@ def bends(
                         total += D[s, 0, r, k] * D[t, 1, r, q]
                     G[s, t, k, q] = total
             if flat and s == MOST_NODES:
-                _add_sliding(H[node], load_row(b.normals, j), D[t, 0], G[s, t])
+                _add_sliding(H[node], local_components(H[node], n), D[t, 0], G[s, t])
         add_turning(scaled(sign, local_components(H[node], n)), w, c, G[s, s])
 
 

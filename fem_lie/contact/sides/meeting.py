@@ -314,11 +314,4 @@ def copied(at: Meeting) -> Meeting:
 
 
 def _copied_side(side: Side) -> Side:
-    return Side(
-        side.nodes.copy(),
-        side.weights.copy(),
-        side.levers.copy(),
-        side.radii.copy(),
-        side.normals.copy(),
-        side.owners.copy(),
-    )
+    return Side._make([*(array.copy() for array in side.arrays), side.level])

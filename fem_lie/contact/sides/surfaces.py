@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import NamedTuple, TypeAlias
+from typing import ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._jit.decorators import Callback
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.points import require_node
 from fem_lie.lie.kinds import NodeKind
@@ -216,6 +217,29 @@ class PolyhedralSurface(Surface):
     def moments(self, friction: bool) -> Sequence[Owner]:
         """See the base class."""
         return _with_moments(self.balls(), friction)
+
+
+class GapSurface(Surface):
+    """A surface that is given by the gap of points to it, in the axes of the frame of a point.
+
+    Attributes:
+        point: What it is fixed to; positions count from it, along the axes of its body's frame.
+        gap: Compiled gap function, see :mod:`.gap_functions`.
+        parameters: Numbers that it takes; default: none.
+    """
+
+    point: Point
+    gap: ClassVar[Callback]
+    parameters: Sequence[float] = ()
+
+    @property
+    def points(self) -> Sequence[Point]:
+        """The point."""
+        return [self.point]
+
+    def moments(self, friction: bool) -> Sequence[Owner]:
+        """See the base class."""
+        return [owner_of(self.point)]
 
 
 def _with_moments(balls: Sequence[Ball], friction: bool) -> list[Owner]:

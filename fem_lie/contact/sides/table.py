@@ -10,7 +10,14 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
-from fem_lie.contact.sides.surfaces import MOST_NODES, Ball, Face
+from fem_lie.contact.sides.surfaces import (
+    MOST_NODES,
+    Ball,
+    Face,
+    GapSurface,
+    initial_frame,
+    owner_of,
+)
 
 GROUND, UNUSED = -1, -2
 """Instead of a node: the frame that does not move, and none."""
@@ -19,8 +26,20 @@ Nodes: TypeAlias = Callable[[Body], Indices]
 """Numbers of a body's nodes."""
 
 
+class Level(NamedTuple):
+    """Gap function of surfaces that are no planes.
+
+    Attributes:
+        address: Of a compiled function, see :mod:`.gap_functions`; 0: there is none.
+        parameters: That it takes, of each surface, shape (n, q).
+    """
+
+    address: int
+    parameters: Array
+
+
 class Side(NamedTuple):
-    """Places ``P = Σ (wᵢ xᵢ + Rᵢ cᵢ)`` with a radius, or in a plane.
+    """Places ``P = Σ (wᵢ xᵢ + Rᵢ cᵢ)`` with a radius, in a plane, or at the origin of a surface.
 
     Attributes:
         nodes: Of each place, :data:`UNUSED` after the last, shape (n, 4).
@@ -29,6 +48,7 @@ class Side(NamedTuple):
         radii: Negative around a hollow, zero in a plane, shape (n,).
         normals: Of a plane, in the frame of its first node; else zero, shape (n, 3).
         owners: The frame that each is fixed to, the same number for the same frame, shape (n,).
+        level: Gap function, of the position from the place along the axes of the first node.
     """
 
     nodes: Indices
@@ -37,6 +57,16 @@ class Side(NamedTuple):
     radii: Array
     normals: Array
     owners: Indices
+    level: Level
+
+    @property
+    def arrays(self) -> list[Array | Indices]:
+        """All but the gap function."""
+        return [each for each in self if isinstance(each, np.ndarray)]
+
+
+NO_LEVEL = Level(0, np.empty((0, 0)))
+"""Of planes, points and balls."""
 
 
 class BothSides(NamedTuple):
@@ -81,9 +111,21 @@ def planes_side(faces: Sequence[Face], nodes: Nodes) -> Side:
     return found
 
 
+def level_side(surface: GapSurface, nodes: Nodes) -> Side:
+    """A surface that has a gap function as a side; ``nodes`` as of :func:`balls_side`."""
+    body, node = owner_of(surface.point)
+    H, found = initial_frame(body, node), empty_side(1)
+    found.nodes[0, 0], found.weights[0, 0] = number_of(body, node, nodes), 1.0
+    found.levers[0, 0] = H[1:] @ (surface.point.position - H[0])
+    found.owners[0] = _frame_of(body, node, nodes)
+    parameters = np.array([surface.parameters], dtype=np.float64)
+    return found._replace(level=Level(surface.gap.address, parameters))
+
+
 def joined_sides(sides: Sequence[Side]) -> Side:
     """Several sides as one."""
-    return Side(*(np.concatenate(parts) for parts in zip(*sides, strict=True)))
+    parts = zip(*(side.arrays for side in sides), strict=True)
+    return Side._make([*(np.concatenate(part) for part in parts), NO_LEVEL])
 
 
 def empty_side(n: int) -> Side:
@@ -95,6 +137,7 @@ def empty_side(n: int) -> Side:
         np.zeros(n),
         np.zeros((n, 3)),
         np.zeros(n, dtype=np.int64),
+        NO_LEVEL,
     )
 
 
