@@ -52,9 +52,9 @@ def pendulum(mesh: fl.LineMesh) -> fl.Scene:
         return END if arc > SOFT else ARM
 
     arm = scene.add(fl.Beam(mesh, section, name="arm"))
-    arm.turn((0, -1, 0), about=(0, 0, 0))
-    scene.add(fl.Revolute(fl.ground(), arm["start"], axis=(0, 1, 0), name="hinge"))
-    scene.add(fl.PointLoad(arm["end"], force=(FORCE, 0, 0), history=push))
+    arm.add_velocity(omega=(0, -1, 0), about=(0, 0, 0))
+    scene.add(fl.Revolute(fl.ground(), arm.point("start"), axis=(0, 1, 0), name="hinge"))
+    scene.add(fl.PointLoad(arm.point("end"), force=(FORCE, 0, 0), history=push))
     return scene
 
 

@@ -51,13 +51,13 @@ def swinging(made: Made) -> tuple[fl.Scene, Any]:
     body = made.straight((0, 0, 0), (1, 0, 0), section(), cells=CELLS)
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(body)
-    scene.add(fl.Revolute(fl.ground(), body.start, axis=(0, 1, 0)))
+    scene.add(fl.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
     return scene, body
 
 
 def tumbling(made: Made, cells: int = CELLS) -> tuple[fl.Scene, Any]:
     body = made.curve(lambda s: (s, 0.5 * s * s, 0.2 * s**3), section(), cells=cells)
-    body.turn((3.0, 4.0, 2.0), (0.4, 0.2, 0.0))
+    body.add_velocity(omega=(3.0, 4.0, 2.0), about=(0.4, 0.2, 0.0))
     scene = fl.Scene()
     scene.add(body)
     return scene, body
@@ -75,10 +75,10 @@ def twisted(cells: int) -> tuple[float, float]:
     own = fl.Section.from_stiffness(stiff)
     warping = E * weak * depth**2 / 4
     beam = fl.AncfBeam.straight((0, 0, 0), (length, 0, 0), own, cells=cells, warping=warping)
-    beam.clamp(beam.start)
+    beam.clamp(beam.point("start"))
     scene = fl.Scene()
     scene.add(beam)
-    scene.add(fl.PointLoad(beam.end, moment=(torque, 0, 0)))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(torque, 0, 0)))
     rows = fl.statics(scene).frames[-1][2 * beam.points_count - 1]
     x = length * np.sqrt(G * J / warping)
     part = 1 - np.tanh(x) / x

@@ -60,7 +60,7 @@ def tumbling(make: Made, modulus: float) -> fl.Scene:
     """Free, turning about an axis that is none of its own."""
     shell, scene = make(modulus), fl.Scene()
     scene.add(shell)
-    shell.add_velocity(np.array([0.2, 0.1, 0.0]), np.array([3.0, 4.0, 2.0]), np.zeros(3))
+    shell.add_velocity((0.2, 0.1, 0.0), omega=(3.0, 4.0, 2.0), about=(0, 0, 0))
     return scene
 
 

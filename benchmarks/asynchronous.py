@@ -37,7 +37,7 @@ def net(cells: int, pieces: int, short: float = 0.01) -> fl.Scene:
         places.append(tuple(one + k * short * (two - one)))
     body = fl.Net(places, threads, THREAD, stretch=1.05)
     edge = np.unique([*grid[[0, -1]].ravel(), *grid[:, [0, -1]].ravel()])
-    body.pin(*(body.node(int(k)) for k in edge))
+    body.pin(*(body.point(int(k)) for k in edge))
     far = ((body.frames[:, 0, :2] - 0.5) ** 2).sum(axis=1)
     blow = 2.0 * np.exp(-far / 0.2**2)
     body.velocities[:, :3] = blow[:, np.newaxis] * body.frames[:, 1:, 2]

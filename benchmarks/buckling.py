@@ -33,7 +33,7 @@ def bent_column() -> fl.Scene:
     scene, beam = euler_column.column("pinned-pinned", 16)
     load = scene.loads[0]
     assert isinstance(load, fl.PointLoad)
-    scene.loads[0] = fl.PointLoad(beam.end, force=[1.2 * f for f in load.force])
+    scene.loads[0] = fl.PointLoad(beam.point("end"), force=[1.2 * f for f in load.force])
     return fl.imperfect(scene, fl.ModeImperfection(fl.buckling(scene, 1), 1, 1e-3))
 
 

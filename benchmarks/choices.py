@@ -43,14 +43,14 @@ def pendulum(options: Options) -> Built:
             [(i, i + 1) for i in range(10)],
             named_points={"start": [0], "end": [10]},
         )
-        beam = fl.Beam(mesh, section, rotary_inertia=options.rotary_inertia).on(group)
+        beam = fl.Beam(mesh, section, rotary_inertia=options.rotary_inertia).set_group(group)
         return scene.add(beam)
 
     one, two = bar((0, 0, 0), (0.3, 0, 0)), bar((0.3, 0, 0), (0.3, 0.5, 0))
-    scene.add(fl.Spherical(fl.ground(), one.start))
-    scene.add(fl.Spherical(one.end, two.start))
-    two.turn((3, 0, -4), about=two.start)
-    return scene, two.end
+    scene.add(fl.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.Spherical(one.point("end"), two.point("start")))
+    two.add_velocity(omega=(3, 0, -4), about=two.point("start"))
+    return scene, two.point("end")
 
 
 def rubber(options: Options) -> Built:
@@ -74,10 +74,10 @@ def top(options: Options) -> Built:
     scene = fl.Scene((0, 0, -9.81), choices=options.choices)
     group = fl.Group.R3xSO3 if options.group is None else options.group
     inertia = (0.234375, 0.46875, 0.234375)
-    body = scene.add(fl.RigidBody(15.0, inertia, (0, 1, 0)).on(group))
-    body.turn((0, 150, -4.61538), about=(0, 0, 0))
-    scene.add(fl.Spherical(fl.ground(), body.centre, at=(0, 0, 0)))
-    return scene, body.centre
+    body = scene.add(fl.RigidBody(15.0, inertia, (0, 1, 0)).set_group(group))
+    body.add_velocity(omega=(0, 150, -4.61538), about=(0, 0, 0))
+    scene.add(fl.Spherical(fl.ground(), body.point("centre"), at=(0, 0, 0)))
+    return scene, body.point("centre")
 
 
 def grid(options: Options) -> Built:
@@ -94,14 +94,14 @@ def grid(options: Options) -> Built:
     for a, b in ends:
         start, end = ((0.2 * p[0], 0.2 * p[1], 0.0) for p in (a, b))
         bar = scene.add(fl.Beam.straight(start, end, section, cells=4))
-        bar.turn((1.0, 2.0, 5.0), about=(0.1, 0.1, 0))
-        for knot, point in ((a, bar.start), (b, bar.end)):
+        bar.add_velocity(omega=(1.0, 2.0, 5.0), about=(0.1, 0.1, 0))
+        for knot, point in ((a, bar.point("start")), (b, bar.point("end"))):
             if knot not in first:
                 first[knot] = point
             elif options.links:
-                scene.add(fl.RigidLink(first[knot], point))
+                scene.add(fl.RigidLink(first.point(knot), point))
             else:
-                scene.add(fl.Fixed(first[knot], point))
+                scene.add(fl.Fixed(first.point(knot), point))
     return scene, first[3, 3]
 
 

@@ -60,11 +60,11 @@ def wire(cells: int, element: fl.Formulation) -> list[float]:
         line((0, 0, 0), (length, 0, 0), fl.Section.circle(radius, STEEL), cells, element)
     )
     scene.add(hub)
-    scene.add(fl.Clamp(wire.start))
-    scene.add(fl.Prismatic(fl.ground(), hub.centre, axis=(1, 0, 0)))
-    scene.add(fl.Fixed(hub.centre, wire.end))
-    scene.add(fl.PointLoad(hub.centre, (tension, 0, 0)))
-    middle = wire.at(length / 2)
+    scene.add(fl.Clamp(wire.point("start")))
+    scene.add(fl.Prismatic(fl.ground(), hub.point("centre"), axis=(1, 0, 0)))
+    scene.add(fl.Fixed(hub.point("centre"), wire.point("end")))
+    scene.add(fl.PointLoad(hub.point("centre"), (tension, 0, 0)))
+    middle = wire.point((length / 2, 0, 0))
     scene.add(fl.PointLoad(middle, (0, 0, force)))
     result = fl.statics(scene)
     assert result.stable[-1], (cells, element)
@@ -87,10 +87,10 @@ def heavy_bar(cells: int, element: fl.Formulation) -> np.ndarray:
     section = fl.Section.rectangle(0.02, 0.02, fl.Material(2.1e11, 0.3, 7800.0))
     scene = fl.Scene(gravity=(0, 0, -9.81))
     beam = scene.add(line((0, 0, 0), (30, 0, 0), section, cells, element))
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     result = fl.statics(scene)
     assert result.stable[-1], (cells, element)
-    return np.asarray(result.position(beam.end)[-1])
+    return np.asarray(result.position(beam.point("end"))[-1])
 
 
 def bar(cells: int, element: fl.Formulation) -> list[float]:
@@ -113,12 +113,12 @@ def falling(cells: int, element: fl.Formulation | None) -> np.ndarray:
     beam: fl.Beam | fl.Cable
     if element is None:
         beam = scene.add(fl.Cable.straight(*ends, section, cells=cells))
-        beam.pin(beam.start)
+        beam.pin(beam.point("start"))
     else:
         beam = scene.add(line(*ends, section, cells, element, up=(0, 0, 1)))
-        scene.add(fl.Spherical(fl.ground(), beam.start))
+        scene.add(fl.Spherical(fl.ground(), beam.point("start")))
     scheme = fl.GeneralisedAlpha(radius=0.6)
-    return np.asarray(scheme.run(scene, duration=0.8, step=1e-3).position(beam.end))
+    return np.asarray(scheme.run(scene, duration=0.8, step=1e-3).position(beam.point("end")))
 
 
 def pendulum(cells: int, element: fl.Formulation) -> list[float]:
@@ -132,7 +132,7 @@ def spinning(cells: int, element: fl.Formulation) -> np.ndarray:
     section = fl.Section.rectangle(0.02, 0.001, fl.Material(7e10, 0.3, 2700.0))
     scene = fl.Scene()
     strip = scene.add(line((0.05, 0, 0), (1.05, 0, 0), section, cells, element, up=(0, 0, 1)))
-    scene.add(fl.Clamp(strip.start))
+    scene.add(fl.Clamp(strip.point("start")))
     return np.asarray(fl.vibrations(scene, 3, spin=(0, 0, 100.0)).frequencies[[0, 2]])
 
 
@@ -146,8 +146,8 @@ def loaded_blade(cells: int, element: fl.Formulation) -> np.ndarray:
     section, scene = fl.Section.rectangle(0.05, 0.005, fl.Material(2.1e11, 0.3, 7800.0)), fl.Scene()
     blade = scene.add(line((0.1, 0, 0), (1.1, 0, 0), section, cells, element, up=(0, 0, 1)))
     mass = scene.add(fl.RigidBody(1000.0, (1.0, 1.0, 1.0), position=(1.1, 0, 0)))
-    scene.add(fl.Clamp(blade.start))
-    scene.add(fl.RigidLink(blade.end, mass.centre))
+    scene.add(fl.Clamp(blade.point("start")))
+    scene.add(fl.RigidLink(blade.point("end"), mass.point("centre")))
     return np.asarray(fl.vibrations(scene, 1, spin=(0, 0, 20.0)).frequencies)
 
 
@@ -161,12 +161,12 @@ def guyed(cells: int, element: fl.Formulation) -> np.ndarray:
     tube, rope = fl.Section.tube(0.075, 0.08, STEEL), fl.Section.circle(0.006, STEEL)
     scene = fl.Scene()
     mast = scene.add(line((0, 0, 0), (0, 0, 20), tube, cells, element))
-    scene.add(fl.Universal(fl.ground(), mast.start, axis=(1, 0, 0), second=(0, 1, 0)))
+    scene.add(fl.Universal(fl.ground(), mast.point("start"), axis=(1, 0, 0), second=(0, 1, 0)))
     for side in (-8.0, 8.0):
         guy = scene.add(line((-12, side, 0), (0, 0, 20), rope, cells, element))
-        scene.add(fl.Clamp(guy.start))
-        scene.add(fl.Spherical(mast.end, guy.end))
-    scene.add(fl.PointLoad(mast.end, (2e3, 0, -8e3)))
+        scene.add(fl.Clamp(guy.point("start")))
+        scene.add(fl.Spherical(mast.point("end"), guy.point("end")))
+    scene.add(fl.PointLoad(mast.point("end"), (2e3, 0, -8e3)))
     return np.asarray(fl.buckling(scene, 1).factors)
 
 

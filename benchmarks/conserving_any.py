@@ -83,7 +83,7 @@ def swinging_cable() -> fl.Scene:
     """A cable of eight elements on a pin, let go from the side."""
     scene = fl.Scene(gravity=DOWN)
     cable = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), ROPE, cells=8))
-    cable.pin(cable.start)
+    cable.pin(cable.point("start"))
     return scene
 
 
@@ -92,7 +92,7 @@ def whirling_rod() -> fl.Scene:
     scene = fl.Scene()
     shape = straight((0, 0, 0), (1, 0, 0), 20)
     rod = scene.add(fl.Cable(shape, ROPE, formulation=fl.DiscreteCable()))
-    rod.turn((0.5, 6.0, 9.0), about=(0.4, 0, 0))
+    rod.add_velocity(omega=(0.5, 6.0, 9.0), about=(0.4, 0, 0))
     return scene
 
 
@@ -104,7 +104,7 @@ def falling_net() -> fl.Scene:
     scene = fl.Scene(gravity=DOWN)
     net = scene.add(fl.Net(points, [*grid.tolist(), *grid.T.tolist()], ROPE))
     for corner in (0, 5):
-        net.pin(net.node(corner))
+        net.pin(net.point(corner))
     return scene
 
 
@@ -114,7 +114,7 @@ def flapping_plate() -> fl.Scene:
     layer = fl.ShellSection.layer(0.02, fl.Material(2e3, 0.3, 1.0))
     scene = fl.Scene()
     plate = scene.add(fl.ThinShell(patch, layer))
-    plate.turn((2.0, 1.0, 3.0), about=(0.5, 0.2, 0))
+    plate.add_velocity(omega=(2.0, 1.0, 3.0), about=(0.5, 0.2, 0))
     return scene
 
 
@@ -122,7 +122,7 @@ def tumbling_brick() -> fl.Scene:
     """A soft brick that tumbles about its middle axis."""
     scene = fl.Scene()
     brick = scene.add(fl.Solid.brick((1.0, 0.4, 0.2), RUBBER, cells=(4, 2, 1)))
-    brick.turn((0.05, 6.0, 0.1), about=(0.5, 0.2, 0.1))
+    brick.add_velocity(omega=(0.05, 6.0, 0.1), about=(0.5, 0.2, 0.1))
     return scene
 
 
@@ -133,7 +133,7 @@ def tumbling(material: fl.SolidMaterial, cell: str, degree: int) -> Callable[[],
         scene = fl.Scene()
         size, cells = (1.0, 0.4, 0.2), (3, 1, 1)
         brick = fl.Solid.brick(size, material, cells=cells, cell=cell, degree=degree)
-        brick.turn((0.05, 6.0, 0.1), about=(0.5, 0.2, 0.1))
+        brick.add_velocity(omega=(0.05, 6.0, 0.1), about=(0.5, 0.2, 0.1))
         brick.velocities[:, :3] += 0.3 * np.sin(2.0 * brick.frames[:, 0, [1, 0, 0]])
         scene.add(brick)
         return scene
@@ -146,7 +146,7 @@ def whirling_spline() -> fl.Scene:
     points = np.array([(0, 0, 0), (0.3, 0.05, 0), (0.6, 0, 0.05), (1, 0, 0)])
     scene = fl.Scene()
     cable = scene.add(fl.SplineCable.through(points, ROPE))
-    cable.turn((0.5, 6.0, 9.0), about=(0.4, 0, 0))
+    cable.add_velocity(omega=(0.5, 6.0, 9.0), about=(0.4, 0, 0))
     return scene
 
 
@@ -154,7 +154,7 @@ def tumbling_beam() -> fl.Scene:
     """A beam of places and slopes that flies, turns and bends."""
     stiff = fl.Section.from_stiffness([1e4, 4e3, 4e3, 1.0, 1.0, 1.0], mass=1.0, polar=1e-3)
     beam = fl.AncfBeam.curve(lambda s: (s, 0.5 * s * s, 0.2 * s**3), stiff, cells=6)
-    beam.turn((3.0, 4.0, 2.0), (0.4, 0.2, 0.0))
+    beam.add_velocity(omega=(3.0, 4.0, 2.0), about=(0.4, 0.2, 0.0))
     scene = fl.Scene()
     scene.add(beam)
     return scene
@@ -165,8 +165,8 @@ def joined_cables() -> fl.Scene:
     scene = fl.Scene(gravity=DOWN)
     first = scene.add(fl.Cable.straight((0, 0, 0), (0.5, 0, 0), ROPE, cells=4))
     second = scene.add(fl.Cable.straight((0.5, 0, 0), (1, 0, 0), ROPE, cells=4))
-    scene.add(fl.Spherical(fl.ground(), first.start))
-    scene.add(fl.Spherical(first.end, second.start))
+    scene.add(fl.Spherical(fl.ground(), first.point("start")))
+    scene.add(fl.Spherical(first.point("end"), second.point("start")))
     return scene
 
 
@@ -179,11 +179,11 @@ def hinged_bricks() -> fl.Scene:
     """Two bricks on a spring in a hinge between two faces, which fly and turn."""
     scene = fl.Scene()
     first, second = scene.add(block(0.0)), scene.add(block(0.5))
-    hinge = fl.Revolute(first.grip("a=1"), second.grip("a=0"), axis=(0, 1, 0.3))
+    hinge = fl.Revolute(first.point("a=1"), second.point("a=0"), axis=(0, 1, 0.3))
     scene.add(hinge)
     scene.add(fl.Spring(hinge.angle, 0.5))
-    first.turn((1.0, 3.0, 2.0), about=(0.2, 0, 0))
-    second.turn((1.0, 3.0, 2.0), about=(0.2, 0, 0))
+    first.add_velocity(omega=(1.0, 3.0, 2.0), about=(0.2, 0, 0))
+    second.add_velocity(omega=(1.0, 3.0, 2.0), about=(0.2, 0, 0))
     return scene
 
 
@@ -191,8 +191,8 @@ def driven_bricks() -> fl.Scene:
     """One brick turned by a motor, and one that hangs from it on a spring with a damper."""
     scene = fl.Scene(gravity=DOWN)
     first, second = scene.add(block(0.0)), scene.add(block(0.5))
-    motor = fl.Revolute(fl.ground(), first.grip("a=0"), axis=(0, 1, 0))
-    hinge = fl.Revolute(first.grip("a=1"), second.grip("a=0"), axis=(0, 1, 0))
+    motor = fl.Revolute(fl.ground(), first.point("a=0"), axis=(0, 1, 0))
+    hinge = fl.Revolute(first.point("a=1"), second.point("a=0"), axis=(0, 1, 0))
     for joint in (motor, hinge):
         scene.add(joint)
     scene.add(fl.Drive(motor.angle, lambda t: 2.0 * np.sin(3.0 * t) ** 2))
@@ -204,7 +204,7 @@ def rope_in_hand() -> fl.Scene:
     """A brick whose face is moved, and a cable from its other face."""
     scene = fl.Scene(gravity=DOWN)
     brick = scene.add(block(0.0))
-    held = brick.grip("a=0")
+    held = brick.point("a=0")
     place = held.position
 
     def motion(t: float) -> np.ndarray:
@@ -214,7 +214,7 @@ def rope_in_hand() -> fl.Scene:
 
     scene.add(fl.PrescribedMotion(held, motion))
     rope = scene.add(fl.Cable.straight((0.5, 0.1, 0.05), (1, 0.1, 0.05), ROPE, cells=3))
-    scene.add(fl.Spherical(brick.grip("a=1"), rope.start))
+    scene.add(fl.Spherical(brick.point("a=1"), rope.point("start")))
     return scene
 
 
@@ -227,11 +227,11 @@ def towed_net() -> fl.Scene:
     grid = np.arange(16).reshape(4, 4)
     points = np.stack([x.ravel(), y.ravel(), np.zeros(16)], axis=1)
     net = scene.add(fl.Net(points, [*grid.tolist(), *grid.T.tolist()], soft))
-    scene.add(fl.Spherical(rope.end, net.node(0)))
-    scene.add(fl.InPlane(fl.ground(), rope.start, axis=(1, 0, 1)))
-    winch = scene.add(fl.Distance(fl.ground(), net.node(15), at=(1, 1, 1)))
+    scene.add(fl.Spherical(rope.point("end"), net.point(0)))
+    scene.add(fl.InPlane(fl.ground(), rope.point("start"), axis=(1, 0, 1)))
+    winch = scene.add(fl.Distance(fl.ground(), net.point(15), at=(1, 1, 1)))
     scene.add(fl.Drive(winch.length, lambda t: 1.0 + 0.2 * np.sin(4.0 * t) ** 2))
-    beside = scene.add(fl.Distance(rope.start, net.node(12)))
+    beside = scene.add(fl.Distance(rope.point("start"), net.point(12)))
     scene.add(fl.Spring(beside.length, 20.0, 0.5))
     return scene
 
@@ -242,7 +242,7 @@ def hung_sheet() -> fl.Scene:
     layer = fl.ShellSection.layer(0.05, fl.Material(2e4, 0.3, 1.0))
     scene = fl.Scene(gravity=(0, 0, -1.0))
     sheet = scene.add(fl.ThinShell(patch, layer))
-    scene.add(fl.Revolute(fl.ground(), sheet.node(0), axis=(0, 1, 0)))
+    scene.add(fl.Revolute(fl.ground(), sheet.point(0), axis=(0, 1, 0)))
     return scene
 
 

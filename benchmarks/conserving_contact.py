@@ -26,7 +26,7 @@ Case = tuple[fl.Scene, fl.Contact]
 
 def ball(place: tuple[float, ...], velocity: tuple[float, ...]) -> fl.RigidBody:
     body = fl.RigidBody(1.0, 4e-3 * np.eye(3), place)
-    body.move(velocity)
+    body.add_velocity(velocity)
     return body
 
 
@@ -40,10 +40,10 @@ def scene_of(*items: object) -> fl.Scene:
 def box(k: float, μ: float = 0.0) -> Case:
     """A ball within a free box that turns."""
     outer, one = fl.RigidBody(3.0, np.diag([0.4, 0.6, 0.9])), ball((0.1, 0.05, 0), (1, 0.7, 0.4))
-    outer.turn((0.5, 1, 2), about=outer.centre)
-    outer.move((-1 / 3, -0.7 / 3, -0.4 / 3))
-    inside = fl.Box(outer.centre, (1, 1, 1), inside=True)
-    touch = fl.Contact(fl.Sphere(one.centre, 0.1), inside, fl.Penalty(k, friction=μ))
+    outer.add_velocity(omega=(0.5, 1, 2), about=outer.point("centre"))
+    outer.add_velocity((-1 / 3, -0.7 / 3, -0.4 / 3))
+    inside = fl.Box(outer.point("centre"), (1, 1, 1), inside=True)
+    touch = fl.Contact(fl.Sphere(one.point("centre"), 0.1), inside, fl.Penalty(k, friction=μ))
     return scene_of(outer, one, touch), touch
 
 
@@ -51,10 +51,12 @@ def corners(k: float, μ: float = 0.0) -> Case:
     """A box that turns, with its corners on the face of another body."""
     table = fl.RigidBody(3.0, np.diag([0.4, 0.6, 0.9]))
     one = fl.RigidBody(1.0, np.diag([0.02, 0.03, 0.04]), (0.1, 0.05, 0.5))
-    one.turn((2, 1, 3), about=one.centre)
-    one.move((0, 0, -1))
-    face = fl.Plane(table.centre, (0, 0, 1))
-    touch = fl.Contact(fl.Box(one.centre, (0.3, 0.4, 0.5)), face, fl.Penalty(k, friction=μ))
+    one.add_velocity(omega=(2, 1, 3), about=one.point("centre"))
+    one.add_velocity((0, 0, -1))
+    face = fl.Plane(table.point("centre"), (0, 0, 1))
+    touch = fl.Contact(
+        fl.Box(one.point("centre"), (0.3, 0.4, 0.5)), face, fl.Penalty(k, friction=μ)
+    )
     return scene_of(table, one, touch), touch
 
 
@@ -64,9 +66,9 @@ def beams(k: float, μ: float = 0.0) -> Case:
         fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=6),
         ball((0.7, 0.2, 0.05), (0, 0, 0)),
     )
-    beam.move((0, 5, 0))
+    beam.add_velocity((0, 5, 0))
     nodes = fl.Vertices([fl.Point(beam, n) for n in range(len(beam.frames))], 0.02)
-    touch = fl.Contact(nodes, fl.Sphere(one.centre, 0.15), fl.Penalty(k, friction=μ))
+    touch = fl.Contact(nodes, fl.Sphere(one.point("centre"), 0.15), fl.Penalty(k, friction=μ))
     return scene_of(beam, one, touch), touch
 
 
@@ -75,7 +77,7 @@ def lines(k: float, angle: float, μ: float) -> Case:
     c, s = 0.5 * np.cos(np.radians(angle)), 0.5 * np.sin(np.radians(angle))
     lower = fl.Beam.straight((-0.5, 0, 0), (0.5, 0, 0), SECTION, cells=6)
     upper = fl.Beam.straight((-c + 0.1, -s, 0.05), (c + 0.1, s, 0.05), SECTION, cells=6)
-    upper.move((1, 0.5, -5))
+    upper.add_velocity((1, 0.5, -5))
     touch = fl.Contact(fl.Line(lower, 0.02), fl.Line(upper, 0.02), fl.Penalty(k, friction=μ))
     return scene_of(lower, upper, touch), touch
 
@@ -94,14 +96,14 @@ def on_sheet(k: float, μ: float = 0.0) -> Case:
     """A ball thrown aslant on a free sheet."""
     one, lower = ball((0.1, 0.05, 0.115), (0.3, 0.2, -1)), sheet(0, 1, 6)
     skin = fl.Skin(lower, smooth=False)
-    touch = fl.Contact(fl.Sphere(one.centre, 0.1), skin, fl.Penalty(k, friction=μ))
+    touch = fl.Contact(fl.Sphere(one.point("centre"), 0.1), skin, fl.Penalty(k, friction=μ))
     return scene_of(lower, one, touch), touch
 
 
 def sheets(k: float, μ: float = 0.0) -> Case:
     """A sheet that comes down aslant on a wider one."""
     lower, upper = sheet(0, 1, 5), sheet(0.045, 0.5, 4, 0.05)
-    upper.move((0.5, 0.2, -2))
+    upper.add_velocity((0.5, 0.2, -2))
     a, b = fl.Skin(upper, smooth=False), fl.Skin(lower, smooth=False)
     touch = fl.Contact(a, b, fl.Penalty(k, friction=μ))
     return scene_of(lower, upper, touch), touch
@@ -110,8 +112,8 @@ def sheets(k: float, μ: float = 0.0) -> Case:
 def slab(k: float, μ: float = 0.0) -> Case:
     """A sheet that comes down aslant on the face of a body."""
     table, upper = fl.RigidBody(3.0, np.diag([0.4, 0.6, 0.9])), sheet(0.035, 0.5, 4, 0.05)
-    upper.move((0.5, 0.2, -2))
-    face = fl.Plane(table.centre, (0, 0, 1))
+    upper.add_velocity((0.5, 0.2, -2))
+    face = fl.Plane(table.point("centre"), (0, 0, 1))
     touch = fl.Contact(face, fl.Skin(upper, smooth=False), fl.Penalty(k, friction=μ))
     return scene_of(table, upper, touch), touch
 

@@ -38,12 +38,12 @@ def two_bodies(kind: str, *, spring: float = 0.0) -> tuple[fl.Scene, fl.Joint]:
     scene = fl.Scene()
     one = scene.add(fl.RigidBody(2.0, (0.1, 0.25, 0.3), (-0.4, 0.1, 0.0)))
     two = scene.add(fl.RigidBody(1.0, (0.08, 0.05, 0.11), (0.5, 0.0, 0.2)))
-    joint = scene.add(JOINTS[kind](one.centre, two.centre))
+    joint = scene.add(JOINTS[kind](one.point("centre"), two.point("centre")))
     if spring:
         scene.add(fl.Spring(joint.coordinates()[0], stiffness=spring))
     for body in (one, two):
-        body.turn((1.5, 2.0, 0.7), about=(0.0, 0.3, 0.0))
-        body.move((0.3, -0.2, 0.1))
+        body.add_velocity(omega=(1.5, 2.0, 0.7), about=(0.0, 0.3, 0.0))
+        body.add_velocity((0.3, -0.2, 0.1))
     return scene, joint
 
 
@@ -52,7 +52,8 @@ def errors(kind: str, *, steps: int, step: float = 1e-3, spring: float = 0.0) ->
     scene, joint = two_bodies(kind, spring=spring)
     result = fl.EnergyMomentum().run(scene, duration=steps * step, step=step)
     moved = np.ptp(
-        result.position(scene.bodies[0].centre) - result.position(scene.bodies[1].centre)
+        result.position(scene.bodies[0].point("centre"))
+        - result.position(scene.bodies[1].point("centre"))
     )
     return {
         "energy_error": result.energy_error,

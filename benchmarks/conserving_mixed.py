@@ -27,9 +27,9 @@ def beam_and_cable() -> fl.Scene:
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), BAR, cells=4))
     cable = scene.add(fl.Cable.straight((1, 0, 0), (2, 0, 0), ROPE, cells=4))
-    scene.add(fl.Spherical(beam.end, cable.start))
+    scene.add(fl.Spherical(beam.point("end"), cable.point("start")))
     for body in (beam, cable):
-        body.turn((0.3, 2.0, 3.0), about=(0.5, 0, 0))
+        body.add_velocity(omega=(0.3, 2.0, 3.0), about=(0.5, 0, 0))
     return scene
 
 
@@ -37,11 +37,11 @@ def crane() -> fl.Scene:
     """A clamped beam in gravity, a cable from its end, and a weight on that."""
     scene = fl.Scene(gravity=DOWN)
     jib = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), BAR, cells=4))
-    scene.add(fl.Clamp(jib.start))
+    scene.add(fl.Clamp(jib.point("start")))
     rope = scene.add(fl.Cable.straight((1, 0, 0), (1.4, 0, 0.2), ROPE, cells=3))
     weight = scene.add(fl.RigidBody(0.5, (1e-3, 2e-3, 3e-3), position=(1.4, 0.1, 0.2)))
-    scene.add(fl.Spherical(jib.end, rope.start))
-    scene.add(fl.Spherical(rope.end, weight.at((1.4, 0.0, 0.2))))
+    scene.add(fl.Spherical(jib.point("end"), rope.point("start")))
+    scene.add(fl.Spherical(rope.point("end"), weight.point((1.4, 0.0, 0.2))))
     return scene
 
 
@@ -54,11 +54,11 @@ def solid_hub() -> fl.Scene:
     weight = fl.RigidBody(0.2, (1e-3,) * 3, position=(0.25, 0.6, 0.05))
     for body in (hub, left, right, rope, weight):
         scene.add(body)
-        body.turn((0.4, 0.2, 4.0), about=(0.25, 0.1, 0.05))
-    scene.add(fl.Fixed(hub.grip("a=0"), left.start))
-    scene.add(fl.Fixed(hub.grip("a=1"), right.start))
-    scene.add(fl.Spherical(hub.grip("b=1"), rope.start))
-    scene.add(fl.Spherical(rope.end, weight.centre))
+        body.add_velocity(omega=(0.4, 0.2, 4.0), about=(0.25, 0.1, 0.05))
+    scene.add(fl.Fixed(hub.point("a=0"), left.point("start")))
+    scene.add(fl.Fixed(hub.point("a=1"), right.point("start")))
+    scene.add(fl.Spherical(hub.point("b=1"), rope.point("start")))
+    scene.add(fl.Spherical(rope.point("end"), weight.point("centre")))
     return scene
 
 
@@ -71,9 +71,9 @@ def shell_and_thread() -> fl.Scene:
     end = corner.position + np.array([0.6, 0.0, 0.0])
     shape = straight(corner.position, end, 6)
     thread = scene.add(fl.Cable(shape, SOFT, formulation=fl.DiscreteCable()))
-    scene.add(fl.Spherical(corner, thread.start))
+    scene.add(fl.Spherical(corner, thread.point("start")))
     for body in (sheet, thread):
-        body.turn((2.0, 1.0, 3.0), about=(0.5, 0.2, 0))
+        body.add_velocity(omega=(2.0, 1.0, 3.0), about=(0.5, 0.2, 0))
     return scene
 
 
@@ -81,13 +81,13 @@ def driven_body() -> fl.Scene:
     """A body on a motor, a cable to a beam on a hinge with a spring and a damper, in gravity."""
     scene = fl.Scene(gravity=DOWN)
     wheel = scene.add(fl.RigidBody(1.0, (0.02, 0.03, 0.02)))
-    motor = scene.add(fl.Revolute(fl.ground(), wheel.centre, axis=(0, 1, 0)))
+    motor = scene.add(fl.Revolute(fl.ground(), wheel.point("centre"), axis=(0, 1, 0)))
     scene.add(fl.Drive(motor.angle, lambda t: 2.0 * np.sin(3.0 * t) ** 2))
     rope = scene.add(fl.Cable.straight((0.2, 0, 0), (0.7, 0, 0), SOFT, cells=3))
     arm = scene.add(fl.Beam.straight((0.7, 0, 0), (1.2, 0, 0), BAR, cells=2))
-    scene.add(fl.Spherical(wheel.at((0.2, 0, 0)), rope.start))
-    scene.add(fl.Spherical(rope.end, arm.start))
-    hinge = scene.add(fl.Revolute(fl.ground(), arm.end, axis=(0, 1, 0)))
+    scene.add(fl.Spherical(wheel.point((0.2, 0, 0)), rope.point("start")))
+    scene.add(fl.Spherical(rope.point("end"), arm.point("start")))
+    hinge = scene.add(fl.Revolute(fl.ground(), arm.point("end"), axis=(0, 1, 0)))
     scene.add(fl.Spring(hinge.angle, 1.0, 0.02))
     arm.damping = fl.Damping(mass=0.2, stiffness=1e-3)
     return scene
@@ -100,8 +100,8 @@ def thin_shell_on_beam() -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -1.0))
     arm = scene.add(fl.Beam.straight((-0.5, 0, 0), (0, 0, 0), BAR, cells=2))
     sheet = scene.add(fl.ThinShell(patch, layer))
-    scene.add(fl.Revolute(fl.ground(), arm.start, axis=(0, 1, 0)))
-    scene.add(fl.Revolute(arm.end, sheet.node(0), axis=(0, 1, 0)))
+    scene.add(fl.Revolute(fl.ground(), arm.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.Revolute(arm.point("end"), sheet.point(0), axis=(0, 1, 0)))
     return scene
 
 
@@ -110,9 +110,9 @@ def rod_and_cable() -> fl.Scene:
     scene = fl.Scene()
     rod = scene.add(fl.Rod.curve(lambda s: (s, 0.3 * s * s, 0.1 * s**3), BAR, cells=5))
     cable = scene.add(fl.Cable.straight((1, 0.3, 0.1), (1.5, 0.3, 0.1), ROPE, cells=3))
-    scene.add(fl.Spherical(rod.end, cable.start))
+    scene.add(fl.Spherical(rod.point("end"), cable.point("start")))
     for body in (rod, cable):
-        body.turn((4.0, 2.0, 3.0), about=(0.5, 0.1, 0))
+        body.add_velocity(omega=(4.0, 2.0, 3.0), about=(0.5, 0.1, 0))
     return scene
 
 

@@ -72,7 +72,7 @@ def square(n: int, thickness: float, static: bool, radius: float = np.inf) -> Bu
         shell.clamp("a=0")
         scene.add(shell)
         force = STEEL.E * thickness**3 * 1e-2
-        scene.add(fl.PointLoad(shell["11"], force=(0.0, 0.2 * force, force)))
+        scene.add(fl.PointLoad(shell.point("11"), force=(0.0, 0.2 * force, force)))
     else:
         x = shell.frames[:, 0]
         bends = np.stack([0 * x[:, 0], 0 * x[:, 0], np.sin(2 * np.pi * x[:, 1])], axis=1)
@@ -106,8 +106,8 @@ def beams(n: int, static: bool) -> Built:
     scene.add(body)
     if static:
         for knot in knots[0]:
-            scene.add(fl.Clamp(body.node(int(knot))))
-        scene.add(fl.PointLoad(body.node(int(knots[-1, -1])), force=(0.0, 0.0, 1.0)))
+            scene.add(fl.Clamp(body.point(int(knot))))
+        scene.add(fl.PointLoad(body.point(int(knots[-1, -1])), force=(0.0, 0.0, 1.0)))
     else:
         thrown(body)
     return Built(scene, 1e-3)
@@ -118,11 +118,11 @@ def cables(n: int, static: bool) -> Built:
     points, lines, knots = lattice(n, CELLS)
     body = fl.Net(points, lines, THREAD, stretch=STRETCH)
     edge = np.unique([*knots[[0, -1]].ravel(), *knots[:, [0, -1]].ravel()])
-    body.pin(*(body.node(int(k)) for k in edge))
+    body.pin(*(body.point(int(k)) for k in edge))
     scene = fl.Scene()
     if static:
         scene.add(body)
-        scene.add(fl.PointLoad(body.node(int(knots[n // 2, n // 2])), force=(0.0, 0.0, 1.0)))
+        scene.add(fl.PointLoad(body.point(int(knots[n // 2, n // 2])), force=(0.0, 0.0, 1.0)))
     else:
         thrown(body)
         body.velocities[edge] = 0.0

@@ -144,7 +144,7 @@ def stack() -> tuple[fl.Scene, list[fl.RigidBody]]:
     for k in range(HEIGHT):
         at = 0, 0, (k + 0.5) * EDGE
         bodies.append(scene.add(fl.RigidBody(1.0, 3 * (EDGE**2 / 6,), at)))
-        above = fl.Box(bodies[-1].centre, 3 * (EDGE,))
+        above = fl.Box(bodies[-1].point("centre"), 3 * (EDGE,))
         scene.add(fl.Contact(above, below, law))
         below = above
     return scene, bodies
@@ -158,7 +158,7 @@ def compare_stacks(inside: Path | None) -> None:
     steps = round(REST / STACK_STEP)
     result = fl.GeneralisedAlpha().run(scene, duration=REST, step=STACK_STEP, progress=False)
     seconds = process_time() - before
-    moved = max(np.abs(np.ptp(result.position(b.centre), axis=0)).max() for b in bodies)
+    moved = max(np.abs(np.ptp(result.position(b.point("centre")), axis=0)).max() for b in bodies)
     assert result.contacts is not None
     print(f"{'step':>8} {'':16} {'moved m':>10} {'overlap m':>10} {'us / step':>10}")
     deep = float(result.contacts.penetration.max())

@@ -142,7 +142,7 @@ def hole(count: int) -> fl.Scene:
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (1, 0, 0))
     for name in ("a=0", "a=1", "b=0", "b=1"):
-        shell.guide(name, (0, 0, 1))
+        shell.roller(name, (0, 0, 1))
     scene = fl.Scene()
     scene.add(shell)
     scene.add(fl.EdgeLoad(shell, "right", force=(1.0, 0, 0)))
@@ -192,7 +192,7 @@ def roof(count: int) -> fl.Scene:
     shell.symmetry("b=0", (1, 0, 0))
     shell.symmetry("a=0", (0, 1, 0))
     for direction in ((0, 1, 0), (0, 0, 1)):
-        shell.guide("b=1", direction)
+        shell.roller("b=1", direction)
     scene = fl.Scene()
     scene.add(shell)
     scene.add(fl.AreaLoad(shell, force=(0, 0, -90.0)))
@@ -255,8 +255,8 @@ def arc(cells: int, formulation: fl.Formulation, force: Sequence[float]) -> Arc:
     beam = scene.add(
         fl.Beam.curve(place, section, cells=cells, formulation=formulation, name="arc")
     )
-    scene.add(fl.Clamp(beam["start"]))
-    scene.add(fl.PointLoad(beam["end"], force=force))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=force))
     return fl.statics(scene, load_steps=3), beam, scene
 
 

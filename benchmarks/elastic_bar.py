@@ -27,10 +27,10 @@ STIFFNESS = 2e9 * AREA * CELLS / LENGTH
 def bar(part: float | None = 1.0) -> fl.Scene:
     """On its way to the wall, whose stiffness is a part of EA/ℓ; without one it is rigid."""
     beam = fl.Beam.straight((0, 0, 0), (-LENGTH, 0, 0), SECTION, cells=CELLS)
-    beam.move((SPEED, 0, 0))
+    beam.add_velocity((SPEED, 0, 0))
     wall = fl.Plane(fl.ground(), (-1, 0, 0), at=(GAP, 0, 0))
     law = fl.Impact() if part is None else fl.Penalty(part * STIFFNESS)
-    touch = fl.Contact(fl.Vertices([beam.start]), wall, law)
+    touch = fl.Contact(fl.Vertices([beam.point("start")]), wall, law)
     scene = fl.Scene()
     scene.add(beam)
     scene.add(touch)

@@ -23,18 +23,18 @@ G = (0, 0, -9.81)
 def slow_top(group: fl.Group) -> fl.Scene:
     """The heavy top with 5 rad/s: it falls."""
     scene = fl.Scene(gravity=G)
-    body = scene.add(fl.RigidBody(15.0, (0.234375, 0.46875, 0.234375), (0, 1, 0)).on(group))
-    scene.add(fl.Spherical(fl.ground(), body.centre, at=(0, 0, 0)))
-    body.turn((0, 5, -4.61538), about=(0, 0, 0))
+    body = scene.add(fl.RigidBody(15.0, (0.234375, 0.46875, 0.234375), (0, 1, 0)).set_group(group))
+    scene.add(fl.Spherical(fl.ground(), body.point("centre"), at=(0, 0, 0)))
+    body.add_velocity(omega=(0, 5, -4.61538), about=(0, 0, 0))
     return scene
 
 
 def flight(group: fl.Group) -> fl.Scene:
     """A body thrown with a spin about nearly its middle axis."""
     scene = fl.Scene(gravity=G)
-    body = scene.add(fl.RigidBody(2.0, (0.1, 0.2, 0.25)).on(group))
-    body.move((1, 2, 3))
-    body.turn((0.3, 6, 0.2), about=body.centre)
+    body = scene.add(fl.RigidBody(2.0, (0.1, 0.2, 0.25)).set_group(group))
+    body.add_velocity((1, 2, 3))
+    body.add_velocity(omega=(0.3, 6, 0.2), about=body.point("centre"))
     return scene
 
 
@@ -46,14 +46,14 @@ def double_pendulum(group: fl.Group, spin: float = 0.0) -> fl.Scene:
         mass = 2700 * side**2 * length
         along, across = mass * side**2 / 6, mass * (length**2 + side**2) / 12
         centre = (start + length / 2, 0, 0)
-        return scene.add(fl.RigidBody(mass, (along, across, across), centre).on(group))
+        return scene.add(fl.RigidBody(mass, (along, across, across), centre).set_group(group))
 
     one, two = bar(0.0, 0.3), bar(0.3, 0.5)
-    scene.add(fl.Spherical(fl.ground(), one.centre, at=(0, 0, 0)))
-    scene.add(fl.Spherical(one.centre, two.centre, at=(0.3, 0, 0)))
+    scene.add(fl.Spherical(fl.ground(), one.point("centre"), at=(0, 0, 0)))
+    scene.add(fl.Spherical(one.point("centre"), two.point("centre"), at=(0.3, 0, 0)))
     for body in (one, two):
-        body.turn((0, 0, 0.4 * spin), about=(0, 0, 0))
-    two.turn((0, 0, spin), about=(0.3, 0, 0))
+        body.add_velocity(omega=(0, 0, 0.4 * spin), about=(0, 0, 0))
+    two.add_velocity(omega=(0, 0, spin), about=(0.3, 0, 0))
     return scene
 
 
@@ -66,12 +66,12 @@ def arm(group: fl.Group, beams: fl.Group = SE3) -> fl.Scene:
     """A soft arm on a hinge, 6 rad/s, with a body at its end."""
     section = fl.Section.rectangle(0.01, 0.02, fl.Material(2e9, 0.3, 1200))
     scene = fl.Scene()
-    beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=6).on(beams))
-    body = scene.add(fl.RigidBody(0.5, (1e-3, 2e-3, 2e-3), (1.05, 0, 0)).on(group))
-    scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 0, 1)))
-    scene.add(fl.Fixed(beam.end, body.centre, at=(1, 0, 0)))
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=6).set_group(beams))
+    body = scene.add(fl.RigidBody(0.5, (1e-3, 2e-3, 2e-3), (1.05, 0, 0)).set_group(group))
+    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
+    scene.add(fl.Fixed(beam.point("end"), body.point("centre"), at=(1, 0, 0)))
     for item in (beam, body):
-        item.turn((0, 0, 6), about=(0, 0, 0))
+        item.add_velocity(omega=(0, 0, 6), about=(0, 0, 0))
     return scene
 
 
@@ -85,11 +85,11 @@ def rotor(group: fl.Group) -> fl.Scene:
     section = fl.Section.rectangle(0.02, 0.02, fl.Material(2e11, 0.3, 7800))
     scene = fl.Scene()
     shaft = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=6))
-    body = scene.add(fl.RigidBody(5.0, (0.1, 0.05, 0.05), (1, 0, 0)).on(group))
-    scene.add(fl.Clamp(shaft.start))
-    scene.add(fl.Revolute(shaft.end, body.centre, axis=(1, 0, 0)))
-    body.turn((100, 0, 0), about=body.centre)
-    scene.add(fl.PointLoad(body.centre, force=(0, 50, 0)))
+    body = scene.add(fl.RigidBody(5.0, (0.1, 0.05, 0.05), (1, 0, 0)).set_group(group))
+    scene.add(fl.Clamp(shaft.point("start")))
+    scene.add(fl.Revolute(shaft.point("end"), body.point("centre"), axis=(1, 0, 0)))
+    body.add_velocity(omega=(100, 0, 0), about=body.point("centre"))
+    scene.add(fl.PointLoad(body.point("centre"), force=(0, 50, 0)))
     return scene
 
 

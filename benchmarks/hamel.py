@@ -23,9 +23,9 @@ def sledge() -> tuple[fl.Scene, fl.Joint]:
     scene = fl.Scene(gravity=(0.5, 0, 0))
     body = scene.add(fl.RigidBody(1.5, (0.05, 0.05, 0.05)))
     at = (-AHEAD, 0, 0)
-    blade = scene.add(fl.KnifeEdge(fl.ground(), body.centre, at=at, axis=(0, 1, 0)))
-    body.turn((0, 0, 2.0), about=at)
-    body.move((-0.5, 0, 0))
+    blade = scene.add(fl.KnifeEdge(fl.ground(), body.point("centre"), at=at, axis=(0, 1, 0)))
+    body.add_velocity(omega=(0, 0, 2.0), about=at)
+    body.add_velocity((-0.5, 0, 0))
     return scene, blade
 
 

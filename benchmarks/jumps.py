@@ -35,7 +35,7 @@ def load_error(scheme: str, at: float, told: bool, step: float) -> float:
     scene, body = oscillator(history if told else lambda t: history(t))
     result = SCHEMES[scheme].run(scene, duration=END, step=step, progress=False)
     exact, _ = after_step_force(result.times, at)
-    return float(np.abs(result.position(body.centre)[:, 0] - exact).max() / 0.1)
+    return float(np.abs(result.position(body.point("centre"))[:, 0] - exact).max() / 0.1)
 
 
 def drive_error(scheme: str, at: float, told: bool, step: float) -> float:

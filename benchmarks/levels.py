@@ -39,8 +39,8 @@ def cantilever(
     beam = scene.add(
         fl.Beam.straight((0, 0, 0), (10, 0, 0), section, cells=cells, formulation=formulation)
     )
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, force=force, moment=moment, following=following))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=force, moment=moment, following=following))
     return scene
 
 
@@ -70,8 +70,8 @@ def frame(load: float) -> fl.Scene:
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, section, up=(0, 0, 1), name="frame"))
     for name in ("foot", "far"):
-        scene.add(fl.Revolute(fl.ground(), beam[name], axis=(0, 0, 1)))
-    scene.add(fl.PointLoad(beam["loaded"], force=(0, -load, 0)))
+        scene.add(fl.Revolute(fl.ground(), beam.point(name), axis=(0, 0, 1)))
+    scene.add(fl.PointLoad(beam.point("loaded"), force=(0, -load, 0)))
     return scene
 
 

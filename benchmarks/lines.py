@@ -120,9 +120,9 @@ def cantilever(line: Line, cells: int, slenderness: float) -> tuple[fl.Scene, An
     body, scene = line.make(cells, section(slenderness)), fl.Scene()
     scene.add(body)
     if isinstance(body, fl.Beam):
-        scene.add(fl.Clamp(body.start))
+        scene.add(fl.Clamp(body.point("start")))
     else:
-        body.clamp(body.start)
+        body.clamp(body.point("start"))
     return scene, body
 
 
@@ -130,21 +130,21 @@ def rolled_up(name: str, cells: int, slenderness: float) -> Found:
     """The tip is at the root in the end."""
     line, moment = LINES[name], (0, 0, 2 * np.pi * BENDING / LENGTH)
     scene, body = cantilever(line, cells, slenderness)
-    point = body.end
+    point = body.point("end")
     if isinstance(body, fl.Cable | fl.SplineCable):
         tip = scene.add(fl.RigidBody(1.0, (1, 1, 1), position=TIP))
         tip.held[0, 3] = True  # about the tangent
-        scene.add(fl.Revolute(tip.centre, body.end, axis=(1, 0, 0)))
-        point = tip.centre
+        scene.add(fl.Revolute(tip.point("centre"), body.point("end"), axis=(1, 0, 0)))
+        point = tip.point("centre")
     scene.add(fl.PointLoad(point, moment=moment))
-    return solved(scene, body.end, line.steps)
+    return solved(scene, body.point("end"), line.steps)
 
 
 def pushed(name: str, cells: int, slenderness: float) -> Found:
     """By a force across."""
     scene, body = cantilever(LINES[name], cells, slenderness)
-    scene.add(fl.PointLoad(body.end, (0, 0, FORCE)))
-    return solved(scene, body.end, 10)
+    scene.add(fl.PointLoad(body.point("end"), (0, 0, FORCE)))
+    return solved(scene, body.point("end"), 10)
 
 
 PROBLEMS: dict[str, tuple[Callable[[str, int, float], Found], np.ndarray]] = {

@@ -25,8 +25,8 @@ def chain(bodies: int, redundant: fl.Redundant) -> fl.Scene:
     last = fl.ground()
     for k in range(bodies):
         body = scene.add(fl.RigidBody(1.0, (0.01, 0.1, 0.1), (k + 0.5, 0, 0)))
-        scene.add(fl.Revolute(last, body.centre, at=(k, 0, 0), axis=(0, 0, 1)))
-        last = body.centre
+        scene.add(fl.Revolute(last, body.point("centre"), at=(k, 0, 0), axis=(0, 0, 1)))
+        last = body.point("centre")
     return scene
 
 

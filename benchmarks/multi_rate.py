@@ -28,15 +28,15 @@ def beams(elements: int, weight: float) -> tuple[fl.Scene, fl.Beam, fl.Beam]:
         for a, b in ((0.0, half), (half, LENGTH))
     )
     for beam in (upper, lower):
-        beam.turn((0.5, 1.0, -2.0), about=(0, 0, 0))
-    scene.add(fl.Fixed(upper.end, lower.start))
+        beam.add_velocity(omega=(0.5, 1.0, -2.0), about=(0, 0, 0))
+    scene.add(fl.Fixed(upper.point("end"), lower.point("start")))
     return scene, upper, lower
 
 
 def swinging(elements: int) -> tuple[fl.Scene, fl.Beam]:
     """The scene under gravity, held at one end, and its lower half."""
     scene, upper, lower = beams(elements, 9.81)
-    scene.add(fl.Spherical(fl.ground(), upper.start))
+    scene.add(fl.Spherical(fl.ground(), upper.point("start")))
     return scene, lower
 
 

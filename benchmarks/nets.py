@@ -57,7 +57,7 @@ def net(parts: int) -> fl.Net:
         threads.append(thread)
     body = fl.Net(points, threads, THREAD, stretch=STRETCH)
     edge = np.unique([*knots[[0, -1]].ravel(), *knots[:, [0, -1]].ravel()])
-    body.pin(*(body.node(int(k)) for k in edge))
+    body.pin(*(body.point(int(k)) for k in edge))
     place = body.frames[:, 0]
     hill = np.sin(np.pi * place[:, 0]) ** 2 * np.sin(np.pi * place[:, 1]) ** 2
     blow = np.outer(hill * (0.5 + place[:, 0]), BLOW)

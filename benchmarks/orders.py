@@ -61,8 +61,10 @@ def pendulum() -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     one = scene.add(fl.RigidBody(1.0, (2e-3, 5e-3, 6e-3), position=(0.2, 0, 0)))
     two = scene.add(fl.RigidBody(0.7, (1e-3, 3e-3, 3e-3), position=(0.5, 0, 0)))
-    scene.add(fl.Revolute(fl.ground(), one.centre, at=(0, 0, 0), axis=(0, 1, 0)))
-    scene.add(fl.Revolute(one.centre, two.centre, at=(0.4, 0, 0), axis=(0, 1, 0.5)))
+    scene.add(fl.Revolute(fl.ground(), one.point("centre"), at=(0, 0, 0), axis=(0, 1, 0)))
+    scene.add(
+        fl.Revolute(one.point("centre"), two.point("centre"), at=(0.4, 0, 0), axis=(0, 1, 0.5))
+    )
     return scene
 
 
@@ -70,7 +72,7 @@ def flying() -> fl.Scene:
     """A soft beam that turns, flies and bends."""
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), SOFT, cells=3))
-    beam.turn((3, 1, -8), about=(0.2, 0, 0))
+    beam.add_velocity(omega=(3, 1, -8), about=(0.2, 0, 0))
     beam.velocities[:, 2] += 4.0 * beam.frames[:, 0, 0]
     return scene
 

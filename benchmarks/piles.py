@@ -99,13 +99,13 @@ def pile(places: np.ndarray, walls: list[Wall], spin: float = 0.0) -> fl.Scene:
     The drum is free, so heavy that it goes on as if it were driven, and its weight is carried.
     """
     scene, moment = fl.Scene(gravity=(0, 0, -GRAVITY)), np.full(3, 0.4 * MASS * RADIUS**2)
-    centres = [scene.add(fl.RigidBody(MASS, moment, place)).centre for place in places]
+    centres = [scene.add(fl.RigidBody(MASS, moment, place)).point("centre") for place in places]
     balls, law, held_by = fl.Vertices(centres, RADIUS), fl.Impact(FRICTION), fl.ground()
     if spin:
         drum = scene.add(fl.RigidBody(HEAVY, np.full(3, HEAVY), (0, 0, 0), name="drum"))
-        drum.turn((0, spin, 0), drum.centre)
-        scene.add(fl.PointLoad(drum.centre, (0, 0, HEAVY * GRAVITY)))
-        held_by = drum.centre
+        drum.add_velocity(omega=(0, spin, 0), about=drum.point("centre"))
+        scene.add(fl.PointLoad(drum.point("centre"), (0, 0, HEAVY * GRAVITY)))
+        held_by = drum.point("centre")
     scene.add(fl.Contact(balls, balls, law))
     for at, normal in walls:
         scene.add(fl.Contact(balls, fl.Plane(held_by, normal, at), law))

@@ -54,44 +54,44 @@ def driven(scene: fl.Scene, point: fl.Point, axis: Vector, degrees: float) -> No
 def beam() -> tuple[fl.Body, fl.Point]:
     """By its end."""
     body = fl.Beam.straight((0, 0, 0), (4, 0, 0), SECTION, cells=8)
-    return body, body.end
+    return body, body.point("end")
 
 
 def place() -> tuple[fl.Body, fl.Point]:
     """A beam by an attachment frame within an element."""
     body = fl.Beam.straight((0, 0, 0), (4, 0, 0), SECTION, cells=3)
-    return body, body.at(1.7)
+    return body, body.point((1.7, 0, 0))
 
 
 def rod() -> tuple[fl.Body, fl.Point]:
     """By its end."""
     body = fl.Rod.straight((0, 0, 0), (4, 0, 0), SECTION, cells=8)
-    return body, body.end
+    return body, body.point("end")
 
 
 def ancf() -> tuple[fl.Body, fl.Point]:
     """By an attachment frame at its end."""
     body = fl.AncfBeam.straight((0, 0, 0), (4, 0, 0), SECTION, cells=4)
-    return body, body.end
+    return body, body.point("end")
 
 
 def shell() -> tuple[fl.Body, fl.Point]:
     """By a corner."""
     mesh = fl.surface(lambda a, b: (2 * a, b, 0.0), (4, 2))
     body = fl.Shell(mesh, LAYER)
-    return body, body["00"]
+    return body, body.point("00")
 
 
 def solid() -> tuple[fl.Body, fl.Point]:
     """By the attachment frame of a face."""
     body = fl.Solid.brick((2.0, 0.5, 0.5), fl.SaintVenantKirchhoff(1e4, 0.3, 1.0), cells=(4, 1, 1))
-    return body, body.grip("a=0")
+    return body, body.point("a=0")
 
 
 def rigid() -> tuple[fl.Body, fl.Point]:
     """By its centre."""
     body = fl.RigidBody(1.0, (1, 1, 1), position=(0.3, 0.2, 0.1))
-    return body, body.centre
+    return body, body.point("centre")
 
 
 FREE = {"beam": beam, "place": place, "rod": rod, "ancf": ancf, "shell": shell, "solid": solid}
@@ -117,8 +117,8 @@ def shaft(kind: type[fl.Beam] | type[fl.Rod], degrees: float) -> float:
     """Relative error of the moment of a shaft that is clamped at one end, twisted at the other."""
     scene = fl.Scene()
     body = scene.add(kind.straight((0, 0, 0), (4, 0, 0), SHAFT, cells=16))
-    held = scene.add(fl.Clamp(body.start))
-    scene.add(turned(body.end, (1, 0, 0), degrees))
+    held = scene.add(fl.Clamp(body.point("start")))
+    scene.add(turned(body.point("end"), (1, 0, 0), degrees))
     moment = -fl.statics(scene).reaction(held)[-1][3]
     return float(abs(moment / (np.radians(degrees) * SHAFT.stiffness[3, 3] / 4) - 1.0))
 
@@ -127,12 +127,12 @@ def springs(axis: Vector, degrees: float) -> float:
     """Relative error of the moment of two torsion springs in series, through a rigid body."""
     scene = fl.Scene()
     first, second = (scene.add(fl.RigidBody(1.0, (1, 1, 1))) for _ in range(2))
-    grounded = scene.add(fl.Revolute(fl.ground(), first.centre, axis=axis))
-    between = scene.add(fl.Revolute(first.centre, second.centre, axis=axis))
+    grounded = scene.add(fl.Revolute(fl.ground(), first.point("centre"), axis=axis))
+    between = scene.add(fl.Revolute(first.point("centre"), second.point("centre"), axis=axis))
     scene.add(fl.Spring(grounded.angle, stiffness=2.0))
     spring = scene.add(fl.Spring(between.angle, stiffness=3.0))
     scene.redundant = fl.Redundant.MINIMUM_NORM
-    scene.add(turned(second.centre, axis, degrees))
+    scene.add(turned(second.point("centre"), axis, degrees))
     moment = np.linalg.norm(fl.statics(scene).joint_force(spring)[-1][3:])
     return float(abs(moment / (1.2 * np.radians(degrees)) - 1.0))
 
@@ -145,7 +145,7 @@ def bar(degrees: float) -> float:
         material = fl.SaintVenantKirchhoff(1e4, 0.0, 1.0)
         body = scene.add(fl.Solid.brick((8.0, 0.2, 0.2), material, cells=(16, 1, 1)))
         body.clamp("a=0")
-        end = body.grip("a=1")
+        end = body.point("a=1")
         if by_joint:
             driven(scene, end, (1, 0, 0), degrees)
         else:

@@ -44,11 +44,11 @@ def press(mesh: int, load_steps: int = 60) -> tuple[np.ndarray, np.ndarray, floa
     scene = fl.Scene()
     scene.add(shell)
     scene.add(ball)
-    scene.add(fl.PrescribedMotion(ball.centre, down))
+    scene.add(fl.PrescribedMotion(ball.point("centre"), down))
     nodes = [fl.Point(shell, node) for node in range(len(shell.frames))]
     law = fl.Penalty(AREAL * (SIDE / mesh) ** 2)
     skin = fl.Vertices(nodes, 0.5 * THICKNESS)
-    touch = scene.add(fl.Contact(skin, fl.Sphere(ball.centre, BALL), law))
+    touch = scene.add(fl.Contact(skin, fl.Sphere(ball.point("centre"), BALL), law))
     result = fl.statics(scene, levels=LEVELS, load_steps=load_steps)
     found = fl.contact_forces(result, touch)
     iterations = float(result.iterations.sum() / (len(result.factors) - 1))

@@ -73,11 +73,11 @@ def press(
     scene = fl.Scene()
     scene.add(shell)
     scene.add(plate)
-    scene.add(fl.PrescribedMotion(plate.centre, down))
+    scene.add(fl.PrescribedMotion(plate.point("centre"), down))
     nodes = [fl.Point(shell, node) for node in range(len(shell.frames))]
     surface = fl.Vertices(nodes, 0.5 * THICKNESS)
     law = fl.Penalty(stiffness * WIDTH / mesh)
-    touch = scene.add(fl.Contact(surface, fl.Plane(plate.centre, (0, 0, -1)), law))
+    touch = scene.add(fl.Contact(surface, fl.Plane(plate.point("centre"), (0, 0, -1)), law))
     result = fl.statics(scene, levels=PRESSED, load_steps=load_steps)
     found = fl.contact_forces(result, touch)
     # of a quarter, of the nodes in the plane of symmetry half

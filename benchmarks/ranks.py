@@ -74,9 +74,9 @@ def dropped(law: fl.Penalty | fl.Impact) -> fl.Scene:
     """A ball just over the floor."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     ball = scene.add(fl.RigidBody(1.0, 4e-3 * np.eye(3), (0, 0, 0.1)))
-    ball.move((0.3, 0, -0.5))
+    ball.add_velocity((0.3, 0, -0.5))
     floor = fl.Plane(fl.ground(), (0, 0, 1))
-    scene.add(fl.Contact(fl.Sphere(ball.centre, 0.1), floor, law))
+    scene.add(fl.Contact(fl.Sphere(ball.point("centre"), 0.1), floor, law))
     return scene
 
 

@@ -44,7 +44,7 @@ def pieces(
         start, end = (whole.frames[n, 0] for n in (count * p, count * (p + 1)))
         up = whole.frames[0, 3]
         rod = fl.Beam.straight(start, end, section, cells=count, up=up, name=f"rod {p}")
-        points = [rod.node(count // 2), rod.start, rod.end]
+        points = [rod.point(count // 2), rod.point("start"), rod.point("end")]
         found.append(part_of(rod, points[: 3 if last or p + 1 < parts else 2], modes))
     return found
 
@@ -54,7 +54,7 @@ def put_in(scene: fl.Scene, rods: Sequence[fl.ReducedBody]) -> None:
     for rod in rods:
         scene.add(rod)
     for one, other in pairwise(rods):
-        scene.add(fl.Fixed(one["end"], other["start"]))
+        scene.add(fl.Fixed(one.point("end"), other.point("start")))
 
 
 def places(result: fl.Result, rods: Sequence[fl.ReducedBody]) -> np.ndarray:
@@ -68,9 +68,9 @@ def swung(rods: Sequence[fl.ReducedBody], spin: np.ndarray, step: float) -> np.n
     """Places in the swing of reduction.py."""
     scene = fl.Scene(gravity=WEIGHT)
     put_in(scene, rods)
-    scene.add(fl.Spherical(fl.ground(), rods[0]["start"]))
+    scene.add(fl.Spherical(fl.ground(), rods[0].point("start")))
     for rod in rods:
-        rod.turn(spin, about=(0, 0, 0))
+        rod.add_velocity(omega=spin, about=(0, 0, 0))
     return places(fl.GeneralisedAlpha().run(scene, duration=2.0, step=step), rods)
 
 
@@ -117,19 +117,19 @@ def cranked(rods: Sequence[fl.ReducedBody]) -> fl.Scene:
     scene = fl.Scene(gravity=WEIGHT)
     middle, along = 0.5 * (crank.PIVOT + crank.CRANK_END), (crank.SLIDER - crank.CRANK_END) / 0.3
     arm = scene.add(fl.RigidBody(0.12, (1e-4, 1e-4, 1e-5), middle, name="crank"))
-    arm.turn((crank.SPEED, 0, 0), about=crank.PIVOT)
+    arm.add_velocity(omega=(crank.SPEED, 0, 0), about=crank.PIVOT)
     start = np.cross((crank.SPEED, 0, 0), crank.CRANK_END - crank.PIVOT)
     end = np.array([start @ along / along[0], 0, 0])
     slider = scene.add(fl.RigidBody(2.0, (1e-3, 1e-3, 1e-3), crank.SLIDER, name="slider"))
-    slider.move(end)
+    slider.add_velocity(end)
     put_in(scene, rods)
     for rod in rods:
-        rod.move(start)
-        rod.turn(np.cross(along, end - start) / 0.3, about=crank.CRANK_END)
-    scene.add(fl.Revolute(fl.ground(), arm.centre, at=crank.PIVOT, axis=(1, 0, 0)))
-    scene.add(fl.Spherical(arm.centre, rods[0]["start"], at=crank.CRANK_END))
-    scene.add(fl.Spherical(slider.centre, rods[-1]["end"], at=crank.SLIDER))
-    scene.add(fl.Prismatic(fl.ground(), slider.centre, axis=(1, 0, 0)))
+        rod.add_velocity(start)
+        rod.add_velocity(omega=np.cross(along, end - start) / 0.3, about=crank.CRANK_END)
+    scene.add(fl.Revolute(fl.ground(), arm.point("centre"), at=crank.PIVOT, axis=(1, 0, 0)))
+    scene.add(fl.Spherical(arm.point("centre"), rods[0].point("start"), at=crank.CRANK_END))
+    scene.add(fl.Spherical(slider.point("centre"), rods[-1].point("end"), at=crank.SLIDER))
+    scene.add(fl.Prismatic(fl.ground(), slider.point("centre"), axis=(1, 0, 0)))
     return scene
 
 

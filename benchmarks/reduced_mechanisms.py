@@ -53,15 +53,15 @@ def part_of(
 
 def middle(body: fl.Beam) -> list[fl.Point]:
     """Interfaces with the frame in the middle of 16 elements, where ends turn least from it."""
-    return [body.node(8), body.start]
+    return [body.point(8), body.point("start")]
 
 
 def few_swings(few: fl.ReducedBody, spin: np.ndarray, step: float) -> fl.Result:
     """The swing of reduction.py."""
     scene = fl.Scene(gravity=WEIGHT)
     scene.add(few)
-    scene.add(fl.Spherical(fl.ground(), few["start"]))
-    few.turn(spin, about=few["start"].position)
+    scene.add(fl.Spherical(fl.ground(), few.point("start")))
+    few.add_velocity(omega=spin, about=few.point("start").position)
     return fl.expand(fl.GeneralisedAlpha().run(scene, duration=2.0, step=step), few)
 
 
@@ -125,7 +125,7 @@ def postures(modulus: float, modes: int, count: int) -> dict[str, float]:
 
 def crank_rod(rod: fl.Beam, modes: int, stretching: bool) -> fl.ReducedBody:
     """With its frame in the middle."""
-    points = [rod.node(8), rod.start, rod.end]
+    points = [rod.point(8), rod.point("start"), rod.point("end")]
     return part_of(rod, points, modes, stretching=stretching)
 
 
@@ -151,20 +151,19 @@ class FewTruss(Truss):
         name, part = f"bar {len(self.bars)}", fl.Scene()
         bar = fl.Beam.straight(start, end, self.section, cells=self.elements, up=up, name=name)
         part.add(bar)
-        few = self.scene.add(fl.reduced_body(part, [bar.start, bar.end], 0))
-        few.start, few.end = few["start"], few["end"]  # as truss_scene asks bars for them
+        few = self.scene.add(fl.reduced_body(part, [bar.point("start"), bar.point("end")], 0))
         self.bars.append(few)
         return few
 
     def _frame(self, level: int) -> list[fl.Point]:
         battens = self._battens(level)
         for i in range(4):
-            self.scene.add(fl.Fixed(battens[i - 1].end, battens[i].start))
-        return [batten.start for batten in battens]
+            self.scene.add(fl.Fixed(battens[i - 1].point("end"), battens[i].point("start")))
+        return [batten.point("start") for batten in battens]
 
     def _lower_frame(self, cell: int) -> None:
         for i, batten in enumerate(self._battens(cell)):
-            for corner, end in ((i, batten.start), ((i + 1) % 4, batten.end)):
+            for corner, end in ((i, batten.point("start")), ((i + 1) % 4, batten.point("end"))):
                 on = self.frames[cell][corner]
                 self.scene.add(fl.Clamp(end) if on.is_ground else fl.Fixed(on, end))
 

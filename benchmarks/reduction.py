@@ -45,8 +45,8 @@ def swing(
     """Two seconds of it."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     body = scene.add(straight_rod(turned, cells, modulus))
-    scene.add(fl.Spherical(fl.ground(), body.start))
-    body.turn(spin * turned @ (0.0, 1.0, 1.0), about=(0, 0, 0))
+    scene.add(fl.Spherical(fl.ground(), body.point("start")))
+    body.add_velocity(omega=spin * turned @ (0.0, 1.0, 1.0), about=(0, 0, 0))
     return fl.GeneralisedAlpha().run(scene, duration=2.0, step=step), body, scene
 
 
@@ -95,7 +95,7 @@ def postures(cells: int, modes: int, count: int) -> dict[str, float]:
     local = fl.pod(trained, body, modes)
     alone = fl.Scene()
     free = alone.add(straight_rod(np.eye(3), cells))
-    ends = fl.craig_bampton(alone, [free.start, free.end], modes)
+    ends = fl.craig_bampton(alone, [free.point("start"), free.point("end")], modes)
     random = np.random.default_rng(1)
     others = [lie.so3_exp(random.uniform(-2.0, 2.0, 3)) for _ in range(count)]
     cases = [("trained", np.eye(3), 1.0), ("fast", np.eye(3), FAST)]
@@ -140,11 +140,11 @@ def spinning_in_few_shapes(modes: int, stretching: bool = True) -> dict[str, flo
     section = fl.Section.rectangle(WIDTH, HEIGHT, STEEL)
     free = part.add(fl.Beam.straight((0, 0, 0), (LENGTH, 0, 0), section, cells=16))
     began = time.perf_counter()
-    inner = fl.inertial_shapes(part, [free.start], modes, spinning=True)
-    body = few.add(fl.reduced_body(part, [free.start], inner, stretching=stretching))
+    inner = fl.inertial_shapes(part, [free.point("start")], modes, spinning=True)
+    body = few.add(fl.reduced_body(part, [free.point("start")], inner, stretching=stretching))
     label = "body" if stretching else "constant"
     record = {f"{label}_{modes}_set_up_seconds": time.perf_counter() - began}
-    few.add(fl.Clamp(body["start"]))
+    few.add(fl.Clamp(body.point("start")))
     for speed in (0.0, 2.0, 5.0, 10.0):
         spin = (0, 0, speed * lag)
         found, full = (fl.vibrations(s, 4, spin=spin).frequencies for s in (few, scene))
@@ -157,9 +157,9 @@ def cantilever(force: float) -> tuple[fl.Scene, fl.Beam]:
     scene = fl.Scene()
     section = fl.Section.rectangle(0.01, 0.015, RUBBER)
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=16, name="beam"))
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     if force:
-        scene.add(fl.PointLoad(beam.end, force=force * np.array([0.0, 1.0, 1.5])))
+        scene.add(fl.PointLoad(beam.point("end"), force=force * np.array([0.0, 1.0, 1.5])))
     return scene, beam
 
 
@@ -203,7 +203,7 @@ def answering(shapes: int) -> dict[str, float]:
     full = f @ scipy.sparse.linalg.spsolve(dynamic, f)
     record = {}
     bases = {
-        "krylov": fl.krylov(scene, [(beam.node(9), wrench)], shapes),
+        "krylov": fl.krylov(scene, [(beam.point(9), wrench)], shapes),
         "normal": fl.craig_bampton(scene, [], shapes),
     }
     for name, basis in bases.items():

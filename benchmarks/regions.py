@@ -42,14 +42,14 @@ def net(count: int, force: float) -> fl.Scene:
     damping = fl.Damping(stiffness=0.05)
     body = fl.Beam(threads(count), section, up=(0, 0, 1), damping=damping, name="net")
     scene.add(body)
-    body.turn((1.0, 0.3, 2.0), about=(0.5, 0.5, 0.0))
-    body.move((0.2, 0.1, 0.3))
+    body.add_velocity(omega=(1.0, 0.3, 2.0), about=(0.5, 0.5, 0.0))
+    body.add_velocity((0.2, 0.1, 0.3))
 
     def pulse(t: float) -> float:
         since = (t - STRUCK) / LASTS
         return sin(pi * since) if 0.0 < since < 1.0 else 0.0
 
-    scene.add(fl.PointLoad(body["corner"], force=(0.0, 0.0, force), history=pulse))
+    scene.add(fl.PointLoad(body.point("corner"), force=(0.0, 0.0, force), history=pulse))
     return scene
 
 

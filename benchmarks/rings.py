@@ -42,11 +42,11 @@ def free(kind: str, ring: str, friction: float = 0.0) -> fl.Scene:
     scene.add(one)
     if ring == "body":
         other = scene.add(fl.RigidBody(0.01, 1e-5 * np.eye(3), at - [0, 0, 0.03]))
-        rings = fl.Rings([other.centre], at=[at])
+        rings = fl.Rings([other.point("centre")], at=[at])
     else:
         other = scene.add(fl.Net([at, at - [0, 0, 0.2], at - [0, 0, 0.4]], [[0, 1, 2]], THREAD))
-        rings = fl.Rings([other.node(0)])
-    other.move((2.0, 0, -1.0))
+        rings = fl.Rings([other.point(0)])
+    other.add_velocity((2.0, 0, -1.0))
     scene.add(fl.Contact(fl.Rope(one), rings, fl.Penalty(1e4, friction=friction)))
     return scene
 
@@ -90,8 +90,8 @@ def capstan(degrees: float, rings: int, cells: int, friction: float) -> dict[str
     def pulled(part: float) -> np.ndarray:
         return start + part * slides * np.array([start[1], *np.zeros((3, 3))])
 
-    motion = scene.add(fl.PrescribedMotion(rope.end, pulled))
-    scene.add(fl.PointLoad(rope.start, force=-rope.frames[0, 1]))
+    motion = scene.add(fl.PrescribedMotion(rope.point("end"), pulled))
+    scene.add(fl.PointLoad(rope.point("start"), force=-rope.frames[0, 1]))
     at = rope.frames[TAIL + cells // 2 + cells * np.arange(rings), 0]
     law = fl.Penalty(SOFT, friction=friction)
     scene.add(fl.Contact(fl.Rope(rope), fl.Rings([fl.ground()] * rings, at=at), law))

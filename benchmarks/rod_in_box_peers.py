@@ -185,7 +185,7 @@ def given(friction: float) -> dict[str, object]:
 def ours(friction: float) -> list[float]:
     """Height of the first end, largest gain, overlap, seconds and steps."""
     scene, rod, _ = demo.rod_in_box("spheres", fl.Impact(friction))
-    scheme, first = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-10), rod.at(demo.FIRST)
+    scheme, first = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-10), rod.point(demo.FIRST)
     scheme.run(scene, duration=STEP, step=STEP, progress=False)
     before = process_time()
     result = scheme.run(scene, duration=DURATION, step=STEP, progress=False)

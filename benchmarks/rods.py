@@ -57,9 +57,9 @@ def step(element: fl.Formulation) -> tuple[float, float]:
     body, scene = cable(50, element), fl.Scene(gravity=(0, -9.81, 0))
     scene.add(body)
     if isinstance(body, fl.Rod):
-        scene.add(fl.Clamp(body.start))
+        scene.add(fl.Clamp(body.point("start")))
     else:
-        body.clamp(body.start)
+        body.clamp(body.point("start"))
     scheme, seconds = fl.GeneralisedAlpha(radius=0.9), []
     for steps in (10, 10, 1010):
         start = process_time()

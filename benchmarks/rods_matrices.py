@@ -33,22 +33,22 @@ def section(EI: float) -> fl.Section:
 def swinging(EI: float) -> tuple[fl.Scene, Threads, float]:
     """Dropped from the horizontal, a little bent."""
     cable = fl.Cable.curve(lambda s: (s, 0, 1e-2 * s * s), section(EI), cells=20)
-    cable.pin(cable.start)
+    cable.pin(cable.point("start"))
     return falling(cable), cable, 1e-3
 
 
 def whirling() -> tuple[fl.Scene, Threads, float]:
     """A rope between two hands, 10 rad/s."""
     cable = fl.Cable.curve(lambda s: (s, 2 * s * (1 - s), 0), section(1e-1), cells=20)
-    cable.pin(cable.start, cable.end)
-    cable.turn((10.0, 0, 0), (0.0, 0, 0))
+    cable.pin(cable.point("start"), cable.point("end"))
+    cable.add_velocity(omega=(10.0, 0, 0), about=(0.0, 0, 0))
     return falling(cable), cable, 1e-3
 
 
 def tumbling() -> tuple[fl.Scene, Threads, float]:
     """A free bent rod."""
     cable = fl.Cable.curve(lambda s: (s, 0.5 * s * s, 0.2 * s**3), section(1.0), cells=20)
-    cable.turn((3.0, 4.0, 2.0), cable.node(10))
+    cable.add_velocity(omega=(3.0, 4.0, 2.0), about=cable.point(10))
     scene = fl.Scene()
     scene.add(cable)
     return scene, cable, 1e-3
@@ -73,9 +73,9 @@ def rod(held: bool, formulation: fl.Formulation | None) -> tuple[fl.Scene, fl.Ro
         )
     if held:
         scene = falling(body)
-        scene.add(fl.Revolute(fl.ground(), body.start, axis=(0, 1, 0)))
+        scene.add(fl.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
         return scene, body, 1e-3
-    body.turn((3.0, 4.0, 2.0), body.node(10))
+    body.add_velocity(omega=(3.0, 4.0, 2.0), about=body.point(10))
     scene = fl.Scene()
     scene.add(body)
     return scene, body, 1e-3
@@ -90,9 +90,9 @@ def net(held: bool) -> tuple[fl.Scene, Threads, float]:
     points = np.column_stack([x.ravel(), y.ravel(), 0.1 * x.ravel() * y.ravel()])
     body = fl.Net(points, [*number.tolist(), *number.T.tolist()], section(1e-2))
     if held:
-        body.pin(body.node(0), body.node(n - 1))
+        body.pin(body.point(0), body.point(n - 1))
         return falling(body), body, 1e-3
-    body.turn((3.0, 1.0, 2.0), body.node(n * n // 2))
+    body.add_velocity(omega=(3.0, 1.0, 2.0), about=body.point(n * n // 2))
     return falling(body), body, 1e-3
 
 

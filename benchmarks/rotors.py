@@ -82,11 +82,11 @@ class Rotor:
         scene = fl.Scene()
         scene.add(shaft)
         scene.add(disc)
-        scene.add(fl.RigidLink(shaft.end, disc.centre))
+        scene.add(fl.RigidLink(shaft.point("end"), disc.point("centre")))
         if self.bearing is None:
-            scene.add(fl.Clamp(shaft.start))
+            scene.add(fl.Clamp(shaft.point("start")))
             return scene
-        for end, axis in product((shaft.start, shaft.end), np.eye(3)[1:]):
+        for end, axis in product((shaft.point("start"), shaft.point("end")), np.eye(3)[1:]):
             joint = scene.add(fl.Distance(fl.ground(), end, at=end.position + axis))
             scene.add(fl.Spring(joint.length, stiffness=self.bearing))
         return scene

@@ -33,9 +33,11 @@ def cantilever(factor: float) -> tuple[fl.Scene, fl.Beam]:
     scene = fl.Scene()
     section = fl.Section.rectangle(0.01, 0.015, RUBBER)
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=200, name="beam"))
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     if factor:
-        scene.add(fl.PointLoad(beam.end, force=factor * 1.6e-3 * np.array([0.0, 1.0, 1.5])))
+        scene.add(
+            fl.PointLoad(beam.point("end"), force=factor * 1.6e-3 * np.array([0.0, 1.0, 1.5]))
+        )
     return scene, beam
 
 
@@ -46,7 +48,7 @@ def plate(factor: float) -> tuple[fl.Scene, fl.Shell]:
     shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.01, RUBBER), name="plate"))
     shell.clamp("a=0")
     if factor:
-        scene.add(fl.PointLoad(shell["11"], force=(0.0, 0.0, factor * 0.06)))
+        scene.add(fl.PointLoad(shell.point("11"), force=(0.0, 0.0, factor * 0.06)))
     return scene, shell
 
 

@@ -38,8 +38,8 @@ def chain(bodies: int) -> fl.Scene:
     for k in range(bodies):
         rod = fl.RigidBody(MASS, (thin, thick, thick), ((k + 0.5) * LINK, 0.0, 0.0))
         scene.add(rod)
-        scene.add(fl.Spherical(before, rod.centre, at=(k * LINK, 0.0, 0.0)))
-        before = rod.centre
+        scene.add(fl.Spherical(before, rod.point("centre"), at=(k * LINK, 0.0, 0.0)))
+        before = rod.point("centre")
     return scene
 
 
@@ -67,7 +67,7 @@ def weave(bodies: int) -> fl.Scene:
                 rod = fl.Beam.straight(*ends, tube, cells=end - begin - 1, up=(0.0, 0.0, 1.0))
                 scene.add(rod)
                 for k in range(begin, end):
-                    found[(row, k) if way else (k, row)] = rod.node(k - begin)
+                    found[(row, k) if way else (k, row)] = rod.point(k - begin)
     for place in crossing[0].keys() & crossing[1].keys():
         scene.add(fl.Spherical(crossing[0][place], crossing[1][place]))
     return scene

@@ -81,14 +81,14 @@ def pinched(made: dict[str, Any], thickness: float = THIN) -> tuple[list[float],
     section = fl.ShellSection.layer(thickness, fl.Material(6.825e7, 0.3, 1.0))
     shell = fl.ThinShell(made["patches"], section, seams=made["seams"], name="hemisphere")
     _held(shell, made["patches"])
-    shell.guide("left.00", (0, 0, 1))
+    shell.roller("left.00", (0, 0, 1))
     force, *wanted = hemisphere.CASES[thickness]
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.PointLoad(shell["left.00"], force=(force / 2, 0, 0)))
-    scene.add(fl.PointLoad(shell["right.10"], force=(0, -force / 2, 0)))
+    scene.add(fl.PointLoad(shell.point("left.00"), force=(force / 2, 0, 0)))
+    scene.add(fl.PointLoad(shell.point("right.10"), force=(0, -force / 2, 0)))
     result = fl.follow_loads(scene)
-    a, b = (result.position(shell[name])[-1] for name in ("left.00", "right.10"))
+    a, b = (result.position(shell.point(name))[-1] for name in ("left.00", "right.10"))
     found = a[0] - hemisphere.RADIUS, hemisphere.RADIUS - b[1]
     return [f / w - 1 for f, w in zip(found, wanted, strict=True)], result.total_iterations
 
@@ -103,9 +103,9 @@ def pulled(made: dict[str, Any]) -> tuple[list[float], int]:
         shell.symmetry(f"{name}.b=0", (0, 0, 1))
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.PointLoad(shell["left.00"], force=(d.FORCE / 4, 0, 0)))
+    scene.add(fl.PointLoad(shell.point("left.00"), force=(d.FORCE / 4, 0, 0)))
     result = fl.follow_loads(scene)
-    a, b, c = (result.position(shell[k])[-1] for k in ("left.00", "right.10", "right.11"))
+    a, b, c = (result.position(shell.point(k))[-1] for k in ("left.00", "right.10", "right.11"))
     found = {"a": a[0] - d.RADIUS, "b": d.RADIUS - b[1], "c": d.RADIUS - c[1]}
     return [found[k] / d.REFERENCE[k] - 1 for k in "abc"], result.total_iterations
 
@@ -118,12 +118,12 @@ def roof(made: dict[str, Any]) -> tuple[list[float], int]:
     for name in made["patches"]:
         shell.symmetry(f"{name}.b=0", (1, 0, 0))
         for direction in ((0, 1, 0), (0, 0, 1)):
-            shell.guide(f"{name}.b=1", direction)
+            shell.roller(f"{name}.b=1", direction)
     scene = fl.Scene()
     scene.add(shell)
     scene.add(fl.AreaLoad(shell, force=(0, 0, -90.0)))
     result = fl.follow_loads(scene, [_SMALL])
-    moved = result.position(shell["right.10"])[-1] - shell["right.10"].position
+    moved = result.position(shell.point("right.10"))[-1] - shell.point("right.10").position
     return [-moved[2] / _SMALL / 0.3024 - 1], result.total_iterations
 
 

@@ -176,11 +176,11 @@ def pendulum_beside(*beside: str) -> fl.Scene:
     scene = pendulum(1)
     if "cable" in beside:
         cable = scene.add(fl.Cable.straight((5, 0, 0), (6, 0, 0), SLENDER, cells=2))
-        cable.clamp(cable.start)
+        cable.clamp(cable.point("start"))
     if "ball" in beside:
         ball = scene.add(fl.RigidBody(1.0, 4e-3 * np.eye(3), (9, 0, 0.11)))
         floor = fl.Plane(fl.ground(), (0, 0, 1))
-        scene.add(fl.Contact(fl.Sphere(ball.centre, 0.1), floor, fl.Penalty(1e4)))
+        scene.add(fl.Contact(fl.Sphere(ball.point("centre"), 0.1), floor, fl.Penalty(1e4)))
     return scene
 
 
@@ -199,8 +199,8 @@ def chain(links: int) -> fl.Scene:
     for k in range(links):
         moments = (mass * radius**2 / 2, across, across)
         rod = scene.add(fl.RigidBody(mass, moments, ((k + 0.5) * length, 0, 0)))
-        scene.add(fl.Spherical(before, rod.centre, at=(k * length, 0, 0)))
-        before = rod.centre
+        scene.add(fl.Spherical(before, rod.point("centre"), at=(k * length, 0, 0)))
+        before = rod.point("centre")
     return scene
 
 
@@ -209,7 +209,7 @@ def flying_bodies(count: int) -> fl.Scene:
     scene, spins = fl.Scene(), np.random.default_rng(1).normal(size=(count, 3))
     for k, spin in enumerate(spins):
         body = scene.add(fl.RigidBody(1.0, (1, 1, 2), (3.0 * k, 0, 0)))
-        body.turn(spin, about=body.centre)
+        body.add_velocity(omega=spin, about=body.point("centre"))
     return scene
 
 
@@ -220,7 +220,7 @@ def rod(formulation: fl.Formulation) -> fl.Scene:
     body = scene.add(
         fl.Rod(fl.straight((0, 0, 0), (1, 0, 0), 20), section, formulation=formulation)
     )
-    scene.add(fl.Clamp(body.start))
+    scene.add(fl.Clamp(body.point("start")))
     return scene
 
 
@@ -229,7 +229,7 @@ def ancf_beam() -> fl.Scene:
     section = fl.Section.from_stiffness([1e4, 4e3, 4e3, 1.0, 1.0, 1.0], mass=1.0, polar=1e-3)
     scene = fl.Scene(gravity=DOWN)
     beam = scene.add(fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), section, cells=8))
-    scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 1, 0)))
+    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
     return scene
 
 
@@ -249,7 +249,7 @@ def brick() -> fl.Scene:
     """A soft brick that tumbles and falls."""
     scene = fl.Scene(gravity=DOWN)
     body = scene.add(fl.Solid.brick((1.0, 0.4, 0.2), RUBBER, cells=(4, 3, 2)))
-    body.turn((1.0, 6.0, 0.3), (0.5, 0.2, 0.1))
+    body.add_velocity(omega=(1.0, 6.0, 0.3), about=(0.5, 0.2, 0.1))
     return scene
 
 
@@ -257,7 +257,7 @@ def reduced_crank() -> fl.Scene:
     """The slider-crank with a reduced-order rod, its modes included."""
     part, rod_in_full = fl.Scene(), slider_crank.flexible(16, 2e9)
     part.add(rod_in_full)
-    points = [rod_in_full.node(8), rod_in_full.start, rod_in_full.end]
+    points = [rod_in_full.point(8), rod_in_full.point("start"), rod_in_full.point("end")]
     inner = fl.inertial_shapes(part, points, 8, spinning=True)
     return slider_crank.mechanism(fl.reduced_body(part, points, inner))[0]
 
@@ -266,9 +266,9 @@ def slider_on_beam() -> fl.Scene:
     """A body with a collar on a soft cantilever that sags."""
     scene = fl.Scene(gravity=DOWN)
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SOFT, cells=8))
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     body = scene.add(fl.RigidBody(0.05, (1e-5, 2e-5, 2e-5), (0.2, 0, 0)))
-    scene.add(fl.Collar(beam, body.centre, at=(0.2, 0, 0)))
+    scene.add(fl.Collar(beam, body.point("centre"), at=(0.2, 0, 0)))
     return scene
 
 
@@ -289,8 +289,8 @@ def beams_at_rest() -> fl.Scene:
     lower = [scene.add(fl.Beam.straight(*both, SOFT, cells=4)) for both in ends]
     upper = scene.add(fl.Beam.straight((-0.5, 0, 0.02), (0.5, 0, 0.02), SOFT, cells=4))
     for beam in lower:
-        scene.add(fl.Clamp(beam.start))
-        scene.add(fl.Clamp(beam.end))
+        scene.add(fl.Clamp(beam.point("start")))
+        scene.add(fl.Clamp(beam.point("end")))
         scene.add(fl.Contact(fl.Line(upper, 0.01), fl.Line(beam, 0.01), fl.Penalty(1e4)))
     return scene
 
@@ -307,7 +307,7 @@ def rope_and_ball() -> fl.Scene:
     cable = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), thread, cells=8))
     ball = scene.add(fl.RigidBody(0.02, (1e-5, 2e-5, 2e-5), (1.1, 0, 0)))
     ball.velocities[0, [1, 5]] = 0.2, 2.0
-    scene.add(fl.Spherical(cable.end, ball.centre, at=(1, 0, 0)))
+    scene.add(fl.Spherical(cable.point("end"), ball.point("centre"), at=(1, 0, 0)))
     return scene
 
 
@@ -316,7 +316,7 @@ def hung_cable() -> fl.Scene:
     scene = fl.Scene(gravity=(0, -catenary.GRAVITY, 0))
     cable = scene.add(catenary.laid("cable", 512))
     assert isinstance(cable, fl.Cable)
-    cable.pin(cable.start, cable.end)
+    cable.pin(cable.point("start"), cable.point("end"))
     return scene
 
 

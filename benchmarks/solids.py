@@ -34,8 +34,8 @@ SMALL = 1e-5
 def tumble(degree: int, steps: int, components: fl.Components) -> tuple[fl.Result, float]:
     """A run and its seconds, without compilation."""
     body = fl.Solid.brick(SIZE, LAW, cells=BRICKS[degree], degree=degree, name="brick")
-    body.turn((1.0, 6.0, 0.3), (0.5, 0.2, 0.1))
-    body.move((1.0, 0.0, 0.0))
+    body.add_velocity(omega=(1.0, 6.0, 0.3), about=(0.5, 0.2, 0.1))
+    body.add_velocity((1.0, 0.0, 0.0))
     scene = fl.Scene(gravity=(0.0, 0.0, -9.81))
     scene.add(body)
     scheme = fl.GeneralisedAlpha(radius=0.9, components=components)
@@ -124,7 +124,7 @@ def rise(nu: float, mesh: int, degree: int) -> float:
     scene = fl.Scene()
     scene.add(panel)
     scene.add(fl.FaceLoad(panel, "a=1", (0.0, SMALL / 16, 0.0)))
-    return float(fl.statics(scene).displacement(panel["110"])[-1, 1])
+    return float(fl.statics(scene).displacement(panel.point("110"))[-1, 1])
 
 
 TABLES = {"tumbling": tumbling, "residual": residual, "tetrahedra": tetrahedra}

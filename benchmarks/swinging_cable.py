@@ -51,8 +51,8 @@ def laid(
 
 def hinged(cells: int, element: str, EI: float, spin: float) -> fl.Cable:
     cable = laid(lambda s: (LENGTH * s, 0, 0), cells, EI, element)
-    cable.pin(cable.start)
-    cable.turn((0, 0, spin), (0.0, 0, 0))
+    cable.pin(cable.point("start"))
+    cable.add_velocity(omega=(0, 0, spin), about=(0.0, 0, 0))
     return cable
 
 
@@ -68,13 +68,13 @@ def taut(cells: int, element: str) -> fl.Cable:
     if element == "cable":
         cable.velocities[:, 3:] = np.einsum("nij,nj->ni", axes, rates[:, 1])
     cable.velocities[[0, -1], :3] = 0.0
-    cable.pin(cable.start, cable.end)
+    cable.pin(cable.point("start"), cable.point("end"))
     return cable
 
 
 def slack(cells: int, element: str) -> fl.Cable:
     cable = laid(lambda s: (LENGTH * s, 0, 1.2 * s * (1 - s)), cells, 0.1, element)
-    cable.pin(cable.start, cable.end)
+    cable.pin(cable.point("start"), cable.point("end"))
     return cable
 
 

@@ -77,10 +77,10 @@ def four_bar() -> fl.Scene:
         scene.add(fl.Beam.straight(a, b, SOFT, cells=3, up=(0, 1, 0))) for a, b in pairwise(corners)
     )
     y, tilted = (0, 1, 0), (-np.sin(np.radians(5.0)), np.cos(np.radians(5.0)), 0)
-    crank = scene.add(fl.Revolute(fl.ground(), one.start, axis=y))
-    scene.add(fl.Revolute(one.end, two.start, axis=y))
-    scene.add(fl.Revolute(two.end, three.start, axis=tilted))
-    scene.add(fl.Revolute(fl.ground(), three.end, axis=y))
+    crank = scene.add(fl.Revolute(fl.ground(), one.point("start"), axis=y))
+    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=y))
+    scene.add(fl.Revolute(two.point("end"), three.point("start"), axis=tilted))
+    scene.add(fl.Revolute(fl.ground(), three.point("end"), axis=y))
     scene.add(fl.Drive(crank.angle, _turned))
     return scene
 

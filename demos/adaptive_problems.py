@@ -90,7 +90,7 @@ def pinched_cylinder(mesh: fl.SurfaceMesh) -> fl.Scene:
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (0, 0, 1))
     for direction in ((0, 1, 0), (0, 0, 1)):
-        shell.guide("b=1", direction)
+        shell.roller("b=1", direction)
     scene = fl.Scene()
     scene.add(shell)
     pad = shell.areas()[mesh.group("pad")].sum()

@@ -48,7 +48,7 @@ def plate(mesh: fl.SplineMesh) -> fl.Scene:
     shell = scene.add(fl.ThinShell(mesh, SECTION, name="plate"))
     for edge in EDGES:
         shell.hinge(edge)
-    scene.add(fl.PointLoad(shell.node(middle(shell)), force=(0.0, 0.0, FORCE)))
+    scene.add(fl.PointLoad(shell.point(middle(shell)), force=(0.0, 0.0, FORCE)))
     return scene
 
 

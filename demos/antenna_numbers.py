@@ -21,7 +21,7 @@ def sizes(antenna: Antenna) -> dict[str, int]:
 
 def shape(antenna: Antenna, result: fl.Result) -> dict[str, float]:
     """Where the tops are."""
-    tops = np.array([result.position(bar.end) for bar in antenna.uprights])
+    tops = np.array([result.position(bar.point("end")) for bar in antenna.uprights])
     radii = np.hypot(tops[..., 0], tops[..., 1])
     differ = [
         np.ptp(radii, axis=0),

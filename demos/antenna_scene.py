@@ -97,8 +97,8 @@ class Antenna:
             self.net = nets(cables(bays, PULL), cells, slack)
             self.scene.add(self.net)
             for i, upright in enumerate(self.uprights):
-                self.scene.add(fl.Spherical(upright.end, self.net.node(i)))
-                self.scene.add(fl.Spherical(upright.start, self.net.node(bays + i)))
+                self.scene.add(fl.Spherical(upright.point("end"), self.net.point(i)))
+                self.scene.add(fl.Spherical(upright.point("start"), self.net.point(bays + i)))
 
     @property
     def side(self) -> float:
@@ -125,23 +125,32 @@ class Antenna:
     def _bay(self, i: int) -> tuple[fl.Revolute, fl.Revolute]:
         """From vertical i to the next; returns the joints at both ends of the upper longeron."""
         one, two = self.uprights[i], self.uprights[(i + 1) % len(self.uprights)]
-        across = one.start.position + two.start.position
+        across = one.point("start").position + two.point("start").position
         across = across * [1.0, 1.0, 0.0]
 
         def hinge(a: fl.Point, b: fl.Point) -> fl.Revolute:
             return self.scene.add(fl.Revolute(a, b, axis=across))
 
-        low = self._bar(one.start.position, two.start.position, UP)
-        hinge(one.start, low.start), hinge(two.start, low.end)
-        top = self._bar(one.end.position, two.end.position, UP)
-        found = hinge(one.end, top.start), hinge(two.end, top.end)
-        foot, head = (one.start, two.end) if i % 2 else (two.start, one.end)
+        low = self._bar(one.point("start").position, two.point("start").position, UP)
+        hinge(one.point("start"), low.point("start")), hinge(two.point("start"), low.point("end"))
+        top = self._bar(one.point("end").position, two.point("end").position, UP)
+        found = (
+            hinge(one.point("end"), top.point("start")),
+            hinge(two.point("end"), top.point("end")),
+        )
+        foot, head = (
+            (one.point("start"), two.point("end"))
+            if i % 2
+            else (two.point("start"), one.point("end"))
+        )
         along = head.position - foot.position
         along = along / np.linalg.norm(along)
         lower = self._bar(foot.position, foot.position + self.tube_length * along, across)
         upper = self._bar(head.position, head.position - self.tube_length * along, across)
-        hinge(foot, lower.start)
-        self.scene.add(fl.Spherical(head, upper.start))
-        tips = fl.Prismatic(lower.end, upper.end, at=lower.end.position, axis=along)
+        hinge(foot, lower.point("start"))
+        self.scene.add(fl.Spherical(head, upper.point("start")))
+        tips = fl.Prismatic(
+            lower.point("end"), upper.point("end"), at=lower.point("end").position, axis=along
+        )
         self.telescopes.append(self.scene.add(tips))
         return found

@@ -84,20 +84,20 @@ def solve(
     beam: fl.AncfBeam | fl.Beam
     if isinstance(formulation, fl.AncfElement):
         beam = scene.add(fl.AncfBeam(mesh, section, formulation=formulation, name="bend"))
-        beam.clamp(beam["clamp"])
+        beam.clamp(beam.point("clamp"))
     elif formulation is None:
         points = mesh.points[np.argsort(np.linalg.norm(mesh.points, axis=1))]  # from the clamp on
         ends = {"clamp": np.array([0]), "tip": np.array([elements])}
         line = replace(fl.Spline.through(points).mesh(), named_points=ends)
         beam = scene.add(fl.Rod(line, section, name="bend"))
-        scene.add(fl.Clamp(beam["clamp"]))
+        scene.add(fl.Clamp(beam.point("clamp")))
     else:
         make = fl.Beam if formulation.bends else fl.Rod
         beam = scene.add(make(mesh, section, formulation=formulation, name="bend"))
-        scene.add(fl.Clamp(beam["clamp"]))
-    scene.add(fl.PointLoad(beam["tip"], force=(0, 0, FORCE)))
+        scene.add(fl.Clamp(beam.point("clamp")))
+    scene.add(fl.PointLoad(beam.point("tip"), force=(0, 0, FORCE)))
     result = fl.statics(scene, load_steps=load_steps)
-    tip = result.position(beam["tip"])[-1]
+    tip = result.position(beam.point("tip"))[-1]
     record: dict[str, Any] = {
         "elements": elements,
         "load_steps": load_steps,
@@ -111,7 +111,7 @@ def solve(
         return record, result, None
     forces = fl.section_forces(result, beam, scene, steps=[-1])
     for key, name in (("root_torque", "T"), ("root_moment", "My")):
-        record[key] = float(forces.at(beam["clamp"], name)[-1])
+        record[key] = float(forces.at(beam.point("clamp"), name)[-1])
     record["force_error"] = float(np.abs(forces.cut_forces - (0, 0, FORCE)).max() / FORCE)
     return record, result, forces
 

@@ -52,15 +52,15 @@ def strip(q: float, elements: int, *, guided: bool) -> tuple[fl.Scene, fl.Point,
     count = elements // 2 if guided else elements
     scene = fl.Scene()
     beam = scene.add(fl.Beam.curve(place, section, cells=count, up=(0, 0, 1), name="strip"))
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     if guided:
         # a pin on the middle stays upright
         for name, lever in (("middle", 0.0), ("pin", h)):
-            at = beam.end.position + np.array([0.0, 0.0, lever])
-            scene.add(fl.InPlane(fl.ground(), beam.end, at=at, axis=(1, 0, 0), name=name))
+            at = beam.point("end").position + np.array([0.0, 0.0, lever])
+            scene.add(fl.InPlane(fl.ground(), beam.point("end"), at=at, axis=(1, 0, 0), name=name))
     else:
-        scene.add(fl.Clamp(beam.end))
-    middle = beam.node(elements // 2)
+        scene.add(fl.Clamp(beam.point("end")))
+    middle = beam.point(elements // 2)
     scene.add(fl.PointLoad(middle, force=(0, 0, -part * 1000 * BENDING * h / LENGTH**3)))
     return scene, middle, h
 

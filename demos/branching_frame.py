@@ -49,18 +49,18 @@ def frame(elements: int, joints: bool) -> tuple[fl.Scene, fl.Point]:
             for group, section in SECTIONS.items()
         }
         for point, first, second in JOINTS:
-            scene.add(fl.Fixed(parts[first][point], parts[second][point], name=point))
+            scene.add(fl.Fixed(parts[first].point(point), parts[second].point(point), name=point))
     else:
         parts = dict.fromkeys(SECTIONS, scene.add(fl.Beam(mesh, SECTIONS, up=UP, name="frame")))
-    end = parts["outrigger"]["end"]
+    end = parts["outrigger"].point("end")
     place = end.position + np.array([0.3, 0.3, -0.5])
     weight = scene.add(fl.RigidBody(300.0, (10, 10, 10), place))
     if joints:
-        scene.add(fl.Fixed(end, weight.centre, at=end.position, name="weight"))
+        scene.add(fl.Fixed(end, weight.point("centre"), at=end.position, name="weight"))
     else:
-        scene.add(fl.RigidLink(end, weight.centre))
+        scene.add(fl.RigidLink(end, weight.point("centre")))
     for foot in ("left foot", "right foot"):
-        scene.add(fl.Clamp(parts["columns"][foot]))
+        scene.add(fl.Clamp(parts["columns"].point(foot)))
     scene.add(fl.Temperature(parts["girder"], 40.0, 1.2e-5, gradient=(0.0, 300.0), cells="girder"))
     scene.add(fl.PressureLoad(parts["columns"], 800.0, (0, 1, 0), cells="columns"))
     return scene, end

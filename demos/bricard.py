@@ -38,7 +38,7 @@ def mechanism(redundant: fl.Redundant) -> tuple[fl.Scene, fl.RigidBody]:
     for start, end in pairwise(POINTS):
         inertia = np.where(end - start != 0, along, across)
         bars.append(scene.add(fl.RigidBody(1.0, inertia, 0.5 * (start + end))))
-    sides = [fl.ground(), *(bar.centre for bar in bars), fl.ground()]
+    sides = [fl.ground(), *(bar.point("centre") for bar in bars), fl.ground()]
     for k, (a, b) in enumerate(pairwise(sides)):
         scene.add(fl.Revolute(a, b, at=POINTS[k], axis=AXES[k], name=f"hinge {k}"))
     return scene, bars[2]
@@ -63,7 +63,7 @@ def main(
     for h in (step / 2**k for k in range(runs)):
         scene, bar = mechanism(fl.Redundant.MINIMUM_NORM)
         result = scheme.run(scene, duration=duration, step=h, save_every=round(EVERY / h))
-        path = result.position(bar.centre) + result.rotation(bar.centre) @ corner
+        path = result.position(bar.point("centre")) + result.rotation(bar.point("centre")) @ corner
         results.append(path[1:])
     reference = REFERENCE[1 : len(result.times), 1:]
     errors, limit = largest_errors(results, reference)

@@ -56,8 +56,8 @@ def main(
 
     scene = fl.Scene()
     scene.add(rope)
-    motion = scene.add(fl.PrescribedMotion(rope.end, pulled))
-    scene.add(fl.PointLoad(rope.start, force=-HELD * rope.frames[0, 1]))
+    motion = scene.add(fl.PrescribedMotion(rope.point("end"), pulled))
+    scene.add(fl.PointLoad(rope.point("start"), force=-HELD * rope.frames[0, 1]))
     drum = fl.Cylinder(fl.ground(), (0, 0, 0.4), DRUM)
     law = fl.Penalty(PENALTY, friction=friction)
     scene.add(fl.Contact(fl.Line(rope, RADIUS), drum, law, name="rope"))

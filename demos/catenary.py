@@ -89,7 +89,7 @@ def hang(element: str, elements: int) -> tuple[dict[str, Any], fl.StaticResult, 
         cable.held[[0, -1], :3] = True
         cable.held[0, 3] = True  # it would turn about itself
     else:
-        cable.pin(cable.start, cable.end)
+        cable.pin(cable.point("start"), cable.point("end"))
     if isinstance(cable, fl.AncfBeam):
         cable.held[len(s), 2] = True  # likewise: its section's second axis stays in the plane
     result, (places, H, V) = fl.statics(scene), catenary()

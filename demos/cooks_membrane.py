@@ -76,7 +76,7 @@ def solve(
     scene.add(panel)
     scene.add(fl.FaceLoad(panel, "a=1", (0, load / 16, 0)))
     result = fl.statics(scene, load_steps=load_steps)
-    corner = panel["110"]
+    corner = panel.point("110")
     rise = float(result.displacement(corner)[-1, 1]) / unit
     stresses = fl.solid_stresses(result, panel)
     record = {

@@ -54,7 +54,7 @@ def main(
     )
     for node in (0, cells):
         scene.add(fl.Clamp(fl.Point(lower, node)))
-    upper.move(SPEED)
+    upper.add_velocity(SPEED)
     for node in range(cells + 1):
         scene.add(led(upper, node))
     lines = fl.Line(lower, RADIUS), fl.Line(upper, RADIUS)

@@ -47,9 +47,9 @@ def arch(elements: int, variant: str, *, across: float = 100.0) -> tuple[fl.Scen
 
     scene = fl.Scene()
     beam = scene.add(fl.Beam.curve(place, section, cells=elements, up=(0, 0, 1), name="arch"))
-    scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 0, 1)))
-    scene.add(fl.Clamp(beam.end))
-    crown = beam.node(elements // 2)
+    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
+    scene.add(fl.Clamp(beam.point("end")))
+    crown = beam.point(elements // 2)
     scene.add(fl.PointLoad(crown, force=(0, -FORCE, 0)))
     return scene, crown
 

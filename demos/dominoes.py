@@ -36,12 +36,12 @@ def dominoes(count: int, floor_friction: float) -> tuple[fl.Scene, list[fl.Rigid
     for k in range(count):
         place = k * (ROW.spacing + ROW.thickness) - ROW.thickness / 2, 0, ROW.height / 2
         body = scene.add(fl.RigidBody(1.0, box_inertia(1.0, edges), place, name=f"domino {k + 1}"))
-        surfaces.append(fl.Box(body.centre, edges))
+        surfaces.append(fl.Box(body.point("centre"), edges))
         scene.add(fl.Contact(surfaces[-1], floor, fl.Impact(floor_friction)))
         bodies.append(body)
     for behind, front in pairwise(surfaces):
         scene.add(fl.Contact(behind, front, fl.Impact()))
-    bodies[0].turn((0, PUSH, 0), bodies[0].at((0, 0, 0)))
+    bodies[0].add_velocity(omega=(0, PUSH, 0), about=bodies[0].point((0, 0, 0)))
     return scene, bodies
 
 
@@ -49,9 +49,9 @@ def times_of_impact(result: fl.Result, bodies: list[fl.RigidBody]) -> np.ndarray
     """When each but the first begins to turn, from its tilt and rate in the first step after."""
     found = []
     for body in bodies[1:]:
-        rates = result.velocity(body.centre)[:, 4]
+        rates = result.velocity(body.point("centre"))[:, 4]
         k = int(np.flatnonzero(np.abs(rates) > 1e-3 * PUSH)[0])
-        found.append(result.times[k] - result.rotation(body.centre)[k, 0, 2] / rates[k])
+        found.append(result.times[k] - result.rotation(body.point("centre"))[k, 0, 2] / rates[k])
     return np.array(found)
 
 

@@ -47,20 +47,26 @@ def mechanism(angle: float = np.pi / 2, speed: float = 1.0, pins: bool = False) 
     for k in range(3):
         foot = np.array([k, 0.0, 0.0])
         bar = scene.add(fl.RigidBody(1.0, INERTIA, foot + 0.5 * along, axes, name=f"bar {k}"))
-        bar.turn(-speed * z, about=foot)
-        scene.add(fl.Revolute(fl.ground(), bar.centre, at=foot, axis=z))
+        bar.add_velocity(omega=-speed * z, about=foot)
+        scene.add(fl.Revolute(fl.ground(), bar.point("centre"), at=foot, axis=z))
         upright.append(bar)
     for k in range(2):
         place = np.array([k + 0.5, 0.0, 0.0]) + along
         bar = scene.add(fl.RigidBody(1.0, INERTIA, place, name=f"top {k}"))
-        bar.move(np.cross(-speed * z, along))
+        bar.add_velocity(np.cross(-speed * z, along))
         left, right = place - HALF, place + HALF
-        scene.add(fl.Revolute(upright[k].centre, bar.centre, at=left, axis=z))
+        scene.add(fl.Revolute(upright[k].point("centre"), bar.point("centre"), at=left, axis=z))
         if pins:
             for normal in np.eye(3)[:2]:
-                scene.add(fl.InPlane(upright[k + 1].centre, bar.centre, at=right, axis=normal))
+                scene.add(
+                    fl.InPlane(
+                        upright[k + 1].point("centre"), bar.point("centre"), at=right, axis=normal
+                    )
+                )
         else:
-            scene.add(fl.Revolute(bar.centre, upright[k + 1].centre, at=right, axis=z))
+            scene.add(
+                fl.Revolute(bar.point("centre"), upright[k + 1].point("centre"), at=right, axis=z)
+            )
     return scene
 
 

@@ -62,12 +62,12 @@ def pendulum(case: int = 1, elements: int = 10) -> tuple[fl.Scene, fl.Beam, fl.B
     two = scene.add(
         fl.Beam.straight((0.3, 0, 0), (0.3, 0.5, 0), square, cells=elements, name="bar II")
     )
-    scene.add(fl.Spherical(fl.ground(), one.start))
+    scene.add(fl.Spherical(fl.ground(), one.point("start")))
     if case == 3:
-        scene.add(fl.Revolute(one.end, two.start, axis=(1, 0, 0)))
+        scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0)))
     else:
-        scene.add(fl.Spherical(one.end, two.start))
-    two.turn(SPIN[case], about=two.start)
+        scene.add(fl.Spherical(one.point("end"), two.point("start")))
+    two.add_velocity(omega=SPIN[case], about=two.point("start"))
     return scene, one, two
 
 
@@ -85,8 +85,8 @@ def main(
     scene, one, two = pendulum(case, elements)
     scheme = fl.GeneralisedAlpha(radius=radius, policy=POLICIES[policy])
     result = scheme.run(scene, step=step or STEP[case], duration=duration or DURATION[case])
-    knee = result.position(one.end) - result.position(two.start)
-    gaps = np.concatenate([result.position(one.start), knee])
+    knee = result.position(one.point("end")) - result.position(two.point("start"))
+    gaps = np.concatenate([result.position(one.point("start")), knee])
     if pictures:
         draw(result, case)
     return {
@@ -95,7 +95,7 @@ def main(
         "radius": radius,
         "policy": policy,
         **of_equal_steps(result),
-        **components("tip", result.position(two.end)[-1]),
+        **components("tip", result.position(two.point("end"))[-1]),
         "joint_gap": float(np.linalg.norm(gaps, axis=1).max()),
         "deflection": max(deflection(result, bar) for bar in (one, two)),
     }

@@ -56,10 +56,10 @@ def solve(elements: int, load_steps: int, stiffness_ratio: float) -> tuple[Any, 
     beam = scene.add(
         fl.Beam.straight((0, 0, 0), (LENGTH, 0, 0), section, cells=elements, name="strip")
     )
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, force=(0, 0, FORCE)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, FORCE)))
     result = fl.statics(scene, load_steps=load_steps)
-    return result.position(beam.end) - beam.end.position, result
+    return result.position(beam.point("end")) - beam.point("end").position, result
 
 
 def main(

@@ -43,16 +43,16 @@ def column(ends: str, elements: int) -> tuple[fl.Scene, fl.Beam]:
     scene.add(beam)
     bottom, head = ends.split("-")
     if bottom == "fixed":
-        scene.add(fl.Clamp(beam.start))
+        scene.add(fl.Clamp(beam.point("start")))
     else:
-        scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 1, 0)))
+        scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
     if head != "free":
-        scene.add(fl.InPlane(fl.ground(), beam.end, axis=(1, 0, 0)))
+        scene.add(fl.InPlane(fl.ground(), beam.point("end"), axis=(1, 0, 0)))
     if head == "fixed":  # a stiff pin on top stays upright, too
         pin = (0, 0, 1.1 * LENGTH)
-        scene.add(fl.InPlane(fl.ground(), beam.end, at=pin, axis=(1, 0, 0), name="pin"))
+        scene.add(fl.InPlane(fl.ground(), beam.point("end"), at=pin, axis=(1, 0, 0), name="pin"))
     load = BETA[ends] ** 2 * BENDING / LENGTH**2
-    scene.add(fl.PointLoad(beam.end, force=(0, 0, -load)))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, -load)))
     return scene, beam
 
 
@@ -62,11 +62,11 @@ def study(
     """Critical load in two ways, branch, and imperfect path; loads over that of Euler."""
     scene, beam = column(ends, elements)
     modes = fl.buckling(scene, 1)
-    middle = beam.node(round(FARTHEST[ends] * elements)).label
+    middle = beam.point(round(FARTHEST[ends] * elements)).label
     bent = {"deflection": lambda state: abs(state.position(middle)[0])}
     straight = fl.follow_path(scene, 1.1, observe=bent)
     point = straight.bifurcations[0]
-    until = fl.PathEnds(beyond, stop=lambda state: -state.position(beam.end)[2])
+    until = fl.PathEnds(beyond, stop=lambda state: -state.position(beam.point("end"))[2])
     branch = fl.follow_path(scene, until, start=fl.branch(scene, point), observe=bent)
     out_of_shape = fl.imperfect(scene, fl.ModeImperfection(modes, 1, imperfection * LENGTH))
     imperfect = fl.follow_path(out_of_shape, until, observe=bent)

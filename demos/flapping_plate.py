@@ -50,7 +50,7 @@ def sheet(cells: tuple[int, int], A: float, nu: float) -> fl.Scene:
     section = fl.ShellSection.layer(given.THICKNESS, fl.Material(given.E, nu, given.DENSITY))
     wing = fl.Shell(mesh, section, name="wing")
     wing.hinge("a=0")
-    wing.turn((0.0, -A * BEAT, 0.0), about=(0.0, 0.0, 0.0))
+    wing.add_velocity(omega=(0.0, -A * BEAT, 0.0), about=(0.0, 0.0, 0.0))
     scene = fl.Scene()
     scene.add(wing)
     scene.add(fl.EdgeLoad(wing, "a=0", moment=(0, 1, 0), history=lambda t: given.moment(A, t)))

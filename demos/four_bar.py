@@ -47,10 +47,10 @@ def mechanism(cells: int, ramp: float) -> tuple[fl.Scene, fl.Beam, fl.Revolute]:
     two = scene.add(bar(B, C, cells, THICK, "BC"))
     three = scene.add(bar(C, D, cells, THIN, "CD"))
     y, tilted = (0, 1, 0), (-np.sin(DEFECT), np.cos(DEFECT), 0)
-    drive = scene.add(fl.Revolute(fl.ground(), one.start, axis=y, name="A"))
-    scene.add(fl.Revolute(one.end, two.start, axis=y, name="B"))
-    scene.add(fl.Revolute(two.end, three.start, axis=tilted, name="C"))
-    last = scene.add(fl.Revolute(fl.ground(), three.end, axis=y, name="D"))
+    drive = scene.add(fl.Revolute(fl.ground(), one.point("start"), axis=y, name="A"))
+    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=y, name="B"))
+    scene.add(fl.Revolute(two.point("end"), three.point("start"), axis=tilted, name="C"))
+    last = scene.add(fl.Revolute(fl.ground(), three.point("end"), axis=y, name="D"))
 
     def angle(t: float) -> float:
         s = min(t / ramp, 1.0)

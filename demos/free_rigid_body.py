@@ -42,7 +42,7 @@ def spinning(spins: np.ndarray) -> fl.Scene:
     scene = fl.Scene()
     for k, spin in enumerate(spins):
         body = scene.add(fl.RigidBody(1.0, J, (3.0 * k, 0, 0), name=f"body {k + 1}"))
-        body.turn(spin, about=body.centre)
+        body.add_velocity(omega=spin, about=body.point("centre"))
     return scene
 
 

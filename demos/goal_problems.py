@@ -21,9 +21,9 @@ def arch(mesh: fl.LineMesh) -> fl.Scene:
     section = fl.Section.from_stiffness([EA, GA, GA, 100 * BENDING, 100 * BENDING, BENDING])
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, section, up=(0, 0, 1), formulation=PLAIN, name="arch"))
-    scene.add(fl.Revolute(fl.ground(), beam["start"], axis=(0, 0, 1)))
-    scene.add(fl.Clamp(beam["end"]))
-    scene.add(fl.PointLoad(beam["crown"], force=(0, -FORCE, 0)))
+    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
+    scene.add(fl.Clamp(beam.point("end")))
+    scene.add(fl.PointLoad(beam.point("crown"), force=(0, -FORCE, 0)))
     return scene
 
 
@@ -72,8 +72,8 @@ def frame(mesh: fl.LineMesh) -> fl.Scene:
     sections = {"legs": leg, "corner": corner}
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, sections, up=(0, 1, 0), formulation=PLAIN, name="frame"))
-    scene.add(fl.Clamp(beam["start"]))
-    scene.add(fl.PointLoad(beam["end"], force=(0, 0, -300.0)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, -300.0)))
     return scene
 
 

@@ -31,8 +31,8 @@ def main(element: str = "cable", elements: int = 32) -> dict[str, Any]:
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     for body in (cable, mass):
         scene.add(body)
-    scene.add(fl.Spherical(cable.end, mass.centre))
-    cable.pin(cable.start)
+    scene.add(fl.Spherical(cable.point("end"), mass.point("centre")))
+    cable.pin(cable.point("start"))
     found = fl.vibrations(scene, 6, at=fl.statics(scene)).frequencies
     error = np.abs(found / np.repeat(exact_frequencies(), 2) - 1).max()
     return {"frequency_error": float(error)}

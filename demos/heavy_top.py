@@ -55,9 +55,9 @@ MAPS = {"exponential": fl.Parametrisation.EXPONENTIAL, "cayley": fl.Parametrisat
 def top(group: fl.Group) -> fl.Scene:
     """A body on its tip."""
     scene, inertia = fl.Scene(gravity=(0, 0, -9.81)), (0.234375, 0.46875, 0.234375)
-    body = scene.add(fl.RigidBody(15.0, inertia, (0, 1, 0), name="top").on(group))
-    scene.add(fl.Spherical(fl.ground(), body.centre, at=(0, 0, 0), name="tip"))
-    body.turn((0, 150, -4.61538), about=(0, 0, 0))
+    body = scene.add(fl.RigidBody(15.0, inertia, (0, 1, 0), name="top").set_group(group))
+    scene.add(fl.Spherical(fl.ground(), body.point("centre"), at=(0, 0, 0), name="tip"))
+    body.add_velocity(omega=(0, 150, -4.61538), about=(0, 0, 0))
     return scene
 
 

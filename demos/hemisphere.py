@@ -73,12 +73,12 @@ def pinched(
         )
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (1, 0, 0))
-    shell.guide("00", (0, 0, 1))
+    shell.roller("00", (0, 0, 1))
     scene = fl.Scene()
     scene.add(shell)
     force = CASES[thickness][0]
-    scene.add(fl.PointLoad(shell["00"], force=(force / 2, 0, 0)))
-    scene.add(fl.PointLoad(shell["10"], force=(0, -force / 2, 0)))
+    scene.add(fl.PointLoad(shell.point("00"), force=(force / 2, 0, 0)))
+    scene.add(fl.PointLoad(shell.point("10"), force=(0, -force / 2, 0)))
     return scene
 
 

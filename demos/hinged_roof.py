@@ -52,8 +52,8 @@ def roof(thickness: float, mesh: int) -> tuple[fl.Scene, fl.Point]:
     shell.hinge("a=1")
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.PointLoad(shell["00"], force=(0, 0, -FORCE / 4)))
-    return scene, shell["00"]
+    scene.add(fl.PointLoad(shell.point("00"), force=(0, 0, -FORCE / 4)))
+    return scene, shell.point("00")
 
 
 def turns(values: np.ndarray) -> bool:

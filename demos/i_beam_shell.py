@@ -67,8 +67,8 @@ def of_shells(along: int, length: float, force: tuple[float, ...], torque: float
     plate = scene.add(fl.RigidBody(1.0, inertia, position=(length, 0, 0), name="plate"))
     ends = {p.node: p for name in ("top end", "bottom end", "web end") for p in beam.points(name)}
     for point in ends.values():
-        scene.add(fl.RigidLink(plate["centre"], point))
-    scene.add(fl.PointLoad(plate["centre"], force=force, moment=(torque, 0, 0)))
+        scene.add(fl.RigidLink(plate.point("centre"), point))
+    scene.add(fl.PointLoad(plate.point("centre"), force=force, moment=(torque, 0, 0)))
     return scene
 
 
@@ -79,8 +79,8 @@ def of_beam(shape: fl.SectionShape, force: tuple[float, ...]) -> fl.StaticResult
         (0, 0, 0), (LENGTH, 0, 0), shape.section(STEEL), up=(0, 0, 1), cells=20, name="beam"
     )
     scene.add(beam)
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, force=force))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=force))
     return fl.follow_loads(scene)
 
 

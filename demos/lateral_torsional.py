@@ -50,8 +50,8 @@ def cantilever(section: fl.Section, elements: int, load: float) -> fl.Scene:
         (0, 0, 0), end, section, cells=elements, up=(0, 0, 1), name="beam", formulation=by
     )
     scene.add(beam)
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, force=(0, 0, -load)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, -load)))
     return scene
 
 

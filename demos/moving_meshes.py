@@ -32,7 +32,7 @@ def push(time: float) -> float:
 def rod(mesh: fl.LineMesh) -> fl.Scene:
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, BAR, formulation=PLAIN, name="line"))
-    scene.add(fl.PointLoad(beam.start, force=(FORCE, 0, 0), history=push))
+    scene.add(fl.PointLoad(beam.point("start"), force=(FORCE, 0, 0), history=push))
     return scene
 
 

@@ -56,23 +56,27 @@ def capture(rings: int, cells: int, start: float) -> tuple[fl.Scene, int]:
     own = [range(len(path))]
     rope = scene.add(fl.Net(path, own, THREAD, formulation=LAID, name="rope"))
     for body in (net, rope):
-        body.move((0.0, 0.0, -SPEED))
-    ends = [*(net.node(edge[k * rings]) for k in range(6)), rope.node(0), rope.node(len(path) - 1)]
+        body.add_velocity((0.0, 0.0, -SPEED))
+    ends = [
+        *(net.point(edge[k * rings]) for k in range(6)),
+        rope.point(0),
+        rope.point(len(path) - 1),
+    ]
     masses = []
     for point in ends[:-1]:
         mass = scene.add(fl.RigidBody(0.02, np.full(3, 1e-6), point.position))
-        mass.move((0.0, 0.0, -SPEED))
+        mass.add_velocity((0.0, 0.0, -SPEED))
         masses.append(mass)
     for point, mass in zip(ends, [*masses, masses[-1]], strict=True):
-        scene.add(fl.Spherical(point, mass.centre))
+        scene.add(fl.Spherical(point, mass.point("centre")))
     k = 2.0 * THREAD.stiffness[0, 0] * rings * cells / SIZE
-    knots = fl.Rings([net.node(node) for node in edge])
+    knots = fl.Rings([net.point(node) for node in edge])
     scene.add(fl.Contact(fl.Rope(rope), knots, fl.Penalty(k), name="rings"))
     every = [fl.Point(body, n) for body in (net, rope) for n in range(len(body.frames))]
     ball = fl.Sphere(fl.ground(), BALL)
     scene.add(fl.Contact(fl.Vertices(every, 1e-3), ball, fl.Penalty(2e2), name="net-ball"))
     pull = fl.Table((0.0, start, start + 0.01), (0.0, 0.0, PULL))
-    scene.add(fl.PointLoad(masses[-1].centre, force=(0.0, 0.0, -1.0), history=pull))
+    scene.add(fl.PointLoad(masses[-1].point("centre"), force=(0.0, 0.0, -1.0), history=pull))
     return scene, len(net.elements) + len(rope.elements)
 
 

@@ -67,11 +67,11 @@ def pinched(mesh: int, formulation: str) -> fl.Scene:
     shell.symmetry("b=0", (1, 0, 0))
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (0, 0, 1))
-    shell.guide("b=1", (0, 1, 0))
-    shell.guide("b=1", (0, 0, 1))
+    shell.roller("b=1", (0, 1, 0))
+    shell.roller("b=1", (0, 0, 1))
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.PointLoad(shell["00"], force=(0, 0, -FORCE / 4)))
+    scene.add(fl.PointLoad(shell.point("00"), force=(0, 0, -FORCE / 4)))
     return scene
 
 

@@ -47,7 +47,7 @@ def cylinder(around: int, along: int, formulation: str = "HR") -> fl.Scene:
     shell.symmetry("b=0", (0, 0, 1))
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.PointLoad(shell["00"], force=(FORCE / 4, 0, 0)))
+    scene.add(fl.PointLoad(shell.point("00"), force=(FORCE / 4, 0, 0)))
     return scene
 
 

@@ -48,8 +48,8 @@ def plate(scene: fl.Scene, x: float, name: str) -> tuple[fl.Shell, fl.Point, fl.
         edge = np.flatnonzero(np.abs(shell.frames[:, 0, 0] - end) < 1e-9)
         middle = edge[np.abs(shell.frames[edge, 0, 1]).argmin()]
         for node in edge[edge != middle]:
-            scene.add(fl.RigidLink(shell.node(middle), shell.node(node)))
-        ends.append(shell.node(middle))
+            scene.add(fl.RigidLink(shell.point(middle), shell.point(node)))
+        ends.append(shell.point(middle))
     return shell, *ends
 
 
@@ -78,7 +78,7 @@ def main(
     start = perf_counter()
     links = [few.add(reduced(x, name, modes)) for x, name in ((0.0, "one"), (LENGTH, "two"))]
     setup = perf_counter() - start
-    hinged(few, [link.node(k) for link in links for k in range(2)])
+    hinged(few, [link.point(k) for link in links for k in range(2)])
     scheme, steps = fl.GeneralisedAlpha(radius=0.8), round(duration / step)
     scheme.run(few, duration=step, step=step)  # compiles
     fast = scheme.run(few, duration=duration, step=step)

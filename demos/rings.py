@@ -41,11 +41,11 @@ def helix(formulation: fl.Formulation, elements: int) -> tuple[float, float]:
     """Error of the tip over the length, and iterations per load step."""
     scene, ends = fl.Scene(), ((0, 0, 0), (LENGTH, 0, 0))
     rod = scene.add(fl.Rod.straight(*ends, SECTION, cells=elements, formulation=formulation))
-    scene.add(fl.Clamp(rod.start))
-    scene.add(fl.PointLoad(rod.end, moment=MOMENT))
+    scene.add(fl.Clamp(rod.point("start")))
+    scene.add(fl.PointLoad(rod.point("end"), moment=MOMENT))
     result = fl.statics(scene, load_steps=20)
     exact = lie.se3_exp(LENGTH * np.array([1.0, 0, 0, *MOMENT]))[0]
-    error = np.linalg.norm(result.position(rod.end)[-1] - exact) / LENGTH
+    error = np.linalg.norm(result.position(rod.point("end"))[-1] - exact) / LENGTH
     return float(error), (result.total_iterations + result.failed_iterations) / 20
 
 
@@ -60,8 +60,8 @@ def ring(discrete: bool, elements: int, natural: tuple[float, float, float]) -> 
     element = fl.DiscreteRod(natural=natural) if discrete else fl.Kirchhoff()
     options: dict[str, Any] = {"up": (0, 0, 1), "formulation": element}
     rod = scene.add(fl.Rod.curve(circle, SECTION, cells=elements, **options))
-    scene.add(fl.Clamp(rod.start))
-    scene.add(fl.Clamp(rod.end))
+    scene.add(fl.Clamp(rod.point("start")))
+    scene.add(fl.Clamp(rod.point("end")))
     if not discrete:
         own = np.array([0, 0, 0, *natural]) - [0, 0, 0, 0, 0, 1.0]
         scene.add(fl.Eigenstrain(rod, own))

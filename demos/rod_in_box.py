@@ -50,10 +50,10 @@ def rod_in_box(ends: str, law: fl.Impact | fl.Penalty) -> tuple[fl.Scene, fl.Rig
     axes = axes_along(SECOND - FIRST)
     rod = scene.add(fl.RigidBody(MASS, box_inertia(MASS, edges), middle, axes, name="rod"))
     box = scene.add(fl.RigidBody(outer - inner, moments, CENTRE, name="box"))
-    scene.add(fl.PointLoad(rod.centre, (0, 0, -GRAVITY * MASS)))
-    balls = fl.Vertices([rod.at(FIRST), rod.at(SECOND)], SIDE / 2)
-    surface = fl.Box(rod.centre, edges) if ends == "square" else balls
-    walls = fl.Box(box.centre, INNER, inside=True)
+    scene.add(fl.PointLoad(rod.point("centre"), (0, 0, -GRAVITY * MASS)))
+    balls = fl.Vertices([rod.point(FIRST), rod.point(SECOND)], SIDE / 2)
+    surface = fl.Box(rod.point("centre"), edges) if ends == "square" else balls
+    walls = fl.Box(box.point("centre"), INNER, inside=True)
     contact = scene.add(fl.Contact(surface, walls, law, name="rod in box"))
     return scene, rod, contact
 
@@ -102,7 +102,7 @@ def main(
         # with frames bodies are drawn see-through
         result.picture(file, (duration,), trace=["rod.centre"], frames=True, title=title)
     return {
-        "rod_end_z": float(result.position(rod.at(FIRST))[-1][2]),
+        "rod_end_z": float(result.position(rod.point(FIRST))[-1][2]),
         "momentum_error": float(np.abs(result.momentum[-1] + [0, 0, given]).max()) / given,
         "energy_gain": float(np.diff(result.total_energy).max()) / (MASS * GRAVITY),
         "penetration": overlap,

@@ -72,9 +72,11 @@ def disc(tilt: float, spin: float, yaw: float) -> tuple[fl.Scene, fl.RigidBody, 
     scene = fl.Scene(gravity=-GRAVITY * UP)
     x, R, velocity, omega = start(tilt, spin, yaw)
     body = scene.add(fl.RigidBody(MASS, INERTIA, x, R, name="disc"))
-    body.turn(omega, about=x)
-    body.move(velocity)
-    contact = scene.add(fl.RollingDisc(fl.ground(), body.centre, axis=R[:, 2], radius=RADIUS))
+    body.add_velocity(omega=omega, about=x)
+    body.add_velocity(velocity)
+    contact = scene.add(
+        fl.RollingDisc(fl.ground(), body.point("centre"), axis=R[:, 2], radius=RADIUS)
+    )
     return scene, body, contact
 
 
@@ -92,7 +94,7 @@ def main(
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
     result = scheme.run(scene, duration=duration, step=step)
     exact = reference(lean, spin, yaw, result.times)
-    path = result.position(body.centre)
+    path = result.position(body.point("centre"))
     record = {
         "step": step,
         "position_error": float(np.linalg.norm(path - exact, axis=1).max()),

@@ -45,8 +45,8 @@ def cantilever(elements: int, stiffness_ratio: float) -> tuple[fl.Scene, fl.Beam
     section = fl.Section.from_stiffness(stiffness, outline=outline)
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (LENGTH, 0, 0), section, cells=elements))
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, moment=(0, 0, 2 * pi * BENDING / LENGTH)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, 2 * pi * BENDING / LENGTH)))
     return scene, beam
 
 
@@ -59,7 +59,7 @@ def main(
 ) -> dict[str, Any]:
     scene, beam = cantilever(elements, stiffness_ratio)
     result = fl.statics(scene, load_steps=load_steps)
-    tip = result.position(beam.end)[-1]
+    tip = result.position(beam.point("end"))[-1]
     iterations = result.total_iterations
     record: dict[str, Any] = {
         "elements": elements,

@@ -37,7 +37,7 @@ def blade(elements: int) -> tuple[fl.Scene, fl.Beam]:
     scene = fl.Scene()
     section = fl.Section.rectangle(WIDTH, HEIGHT, STEEL)
     beam = scene.add(fl.Beam.straight((0, 0, 0), (LENGTH, 0, 0), section, cells=elements))
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     return scene, beam
 
 

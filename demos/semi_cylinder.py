@@ -72,7 +72,7 @@ def pinched(mesh: int, layers: fl.ShellSection, formulation: str) -> fl.Scene:
     shell.symmetry("a=1", (0, 1, 0))
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.PointLoad(shell["11"], force=(0, 0, -FORCE / 2)))
+    scene.add(fl.PointLoad(shell.point("11"), force=(0, 0, -FORCE / 2)))
     return scene
 
 

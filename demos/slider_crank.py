@@ -49,23 +49,23 @@ def mechanism(rod: fl.Body | None = None) -> Mechanism:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     middle, J = 0.5 * (PIVOT + CRANK_END), (1e-4, 1e-4, 1e-5)
     crank = scene.add(fl.RigidBody(0.12, J, middle, name="crank"))
-    crank.turn((SPEED, 0, 0), about=PIVOT)
+    crank.add_velocity(omega=(SPEED, 0, 0), about=PIVOT)
     along = (SLIDER - CRANK_END) / 0.3
     velocity_b = np.cross((SPEED, 0, 0), CRANK_END - PIVOT)
     speed = np.array([velocity_b @ along / along[0], 0, 0])
     slider = scene.add(fl.RigidBody(2.0, (1e-3, 1e-3, 1e-3), SLIDER, name="slider"))
-    slider.move(speed)
+    slider.add_velocity(speed)
     ends = ("start", "end")
     if rod is None:
         middle, axes, ends = 0.5 * (CRANK_END + SLIDER), axes_along(along), ("centre", "centre")
         rod = fl.RigidBody(ROD_MASS, (4e-4, 4e-3, 4e-3), middle, axes, name="rod")
     scene.add(rod)
-    rod.move(velocity_b)
-    rod.turn(np.cross(along, speed - velocity_b) / 0.3, about=CRANK_END)
-    pivot = scene.add(fl.Revolute(fl.ground(), crank.centre, at=PIVOT, axis=(1, 0, 0)))
-    scene.add(fl.Spherical(crank.centre, rod[ends[0]], at=CRANK_END))
-    scene.add(fl.Spherical(slider.centre, rod[ends[1]], at=SLIDER))
-    guide = scene.add(fl.Prismatic(fl.ground(), slider.centre, axis=(1, 0, 0)))
+    rod.add_velocity(velocity_b)
+    rod.add_velocity(omega=np.cross(along, speed - velocity_b) / 0.3, about=CRANK_END)
+    pivot = scene.add(fl.Revolute(fl.ground(), crank.point("centre"), at=PIVOT, axis=(1, 0, 0)))
+    scene.add(fl.Spherical(crank.point("centre"), rod.point(ends[0]), at=CRANK_END))
+    scene.add(fl.Spherical(slider.point("centre"), rod.point(ends[1]), at=SLIDER))
+    guide = scene.add(fl.Prismatic(fl.ground(), slider.point("centre"), axis=(1, 0, 0)))
     return scene, pivot, guide
 
 

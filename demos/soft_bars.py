@@ -13,8 +13,8 @@ def flying_beam() -> fl.Scene:
     """A soft beam that turns, flies and bends."""
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), SOFT, cells=6))
-    beam.turn((3, 1, -8), about=(0.2, 0, 0))
-    beam.move((1.0, 0.0, 0.5))
+    beam.add_velocity(omega=(3, 1, -8), about=(0.2, 0, 0))
+    beam.add_velocity((1.0, 0.0, 0.5))
     beam.velocities[:, 2] += 4.0 * np.sin(np.pi * beam.frames[:, 0, 0] / 0.5)
     return scene
 
@@ -24,6 +24,6 @@ def soft_pendulum() -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.4, 0, 0), SOFT, cells=4))
     two = scene.add(fl.Beam.straight((0.4, 0, 0), (1, 0, 0), SOFT, cells=4))
-    scene.add(fl.Spherical(fl.ground(), one.start))
-    scene.add(fl.Revolute(one.end, two.start, axis=(0, 1, 0.3)))
+    scene.add(fl.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(0, 1, 0.3)))
     return scene

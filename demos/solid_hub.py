@@ -58,16 +58,16 @@ def model(cells: int, elements: int) -> tuple[fl.Scene, fl.Solid, list[fl.Joint]
     weight = fl.RigidBody(0.2, (1e-5,) * 3, position=(0, half + 0.4, 0), name="weight")
     for part in (body, left, right, cable, weight):
         scene.add(part)
-        part.turn((0, 0, SPIN), (0, 0, 0))
+        part.add_velocity(omega=(0, 0, SPIN), about=(0, 0, 0))
     joints = [
-        fl.Revolute(body.grip("c=0"), fl.ground(), at=(0, 0, origin_of(body))),
-        fl.Fixed(body.grip("a=0"), left.start),
-        fl.Fixed(body.grip("a=1"), right.start),
-        fl.Spherical(body.grip("b=1"), cable.start),
+        fl.Revolute(body.point("c=0"), fl.ground(), at=(0, 0, origin_of(body))),
+        fl.Fixed(body.point("a=0"), left.point("start")),
+        fl.Fixed(body.point("a=1"), right.point("start")),
+        fl.Spherical(body.point("b=1"), cable.point("start")),
     ]
     for joint in joints:
         scene.add(joint)
-    scene.add(fl.Spherical(cable.end, weight.centre))
+    scene.add(fl.Spherical(cable.point("end"), weight.point("centre")))
     return scene, body, joints
 
 

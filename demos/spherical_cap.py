@@ -79,7 +79,7 @@ def cap(thickness: float, mesh: int) -> tuple[fl.Scene, fl.Point]:
     scene.add(shell)
     # a positive one pushes to the side of the directors
     scene.add(fl.SurfacePressure(shell, -classical(thickness)))
-    return scene, shell["00"]
+    return scene, shell.point("00")
 
 
 def main(number: float = 5.0, mesh: int = 16, pictures: bool = True) -> dict[str, Any]:

@@ -53,10 +53,10 @@ def spin_up(
             lie.frame(np.zeros(3), lie.so3_exp([0.0, 0, angle(time)])), beam.frames[0]
         )
 
-    scene.add(fl.PrescribedMotion(beam.start, hub))
+    scene.add(fl.PrescribedMotion(beam.point("start"), hub))
     result = scheme.run(scene, duration=duration, step=step)
     turn = lie.so3_exp([[0.0, 0, angle(t)] for t in result.times])
-    tip = np.einsum("tji,tj->ti", turn, result.position(beam.end))
+    tip = np.einsum("tji,tj->ti", turn, result.position(beam.point("end")))
     return result.times, tip - tip[0]
 
 

@@ -52,11 +52,11 @@ def cell(thickness: float, mesh: int, slimness: float = 1.0) -> fl.Scene:
     scene.add(wall)
     bar = box_inertia(1.0, np.array([0.05 * length, width, 0.05 * length]))  # for the picture only
     press = scene.add(fl.RigidBody(1.0, bar, place(0.5, 1), name="press"))
-    scene.add(fl.Prismatic(fl.ground(), press.centre, axis=(0, 0, 1)))
+    scene.add(fl.Prismatic(fl.ground(), press.point("centre"), axis=(0, 0, 1)))
     for point in top:
-        scene.add(fl.InPlane(press.centre, point, at=point.position, axis=(0, 0, 1)))
+        scene.add(fl.InPlane(press.point("centre"), point, at=point.position, axis=(0, 0, 1)))
     load = MATERIAL.E * thickness**2 / KOITER
-    scene.add(fl.PointLoad(press.centre, force=(0, 0, -load * width)))
+    scene.add(fl.PointLoad(press.point("centre"), force=(0, 0, -load * width)))
     return scene
 
 

@@ -95,12 +95,12 @@ class Truss:
     def _frame(self, level: int) -> list[fl.Point]:
         battens = self._battens(level)
         for i in range(4):
-            self.scene.add(fl.RigidLink(battens[i - 1].end, battens[i].start))
-        return [batten.start for batten in battens]
+            self.scene.add(fl.RigidLink(battens[i - 1].point("end"), battens[i].point("start")))
+        return [batten.point("start") for batten in battens]
 
     def _lower_frame(self, cell: int) -> None:
         for i, batten in enumerate(self._battens(cell)):
-            for corner, end in ((i, batten.start), ((i + 1) % 4, batten.end)):
+            for corner, end in ((i, batten.point("start")), ((i + 1) % 4, batten.point("end"))):
                 on = self.frames[cell][corner]
                 self.scene.add(fl.Clamp(end) if on.is_ground else fl.RigidLink(on, end))
 
@@ -110,8 +110,8 @@ class Truss:
         tops = {}
         for i in range(4):
             bar = self._bar(lower[i], upper[i], AXIS)
-            foot = self._hinge(self.frames[cell][i], bar.start)
-            top = self._hinge(self.frames[cell + 1][i], bar.end)
+            foot = self._hinge(self.frames[cell][i], bar.point("start"))
+            top = self._hinge(self.frames[cell + 1][i], bar.point("end"))
             if i not in self.driven:
                 continue
             tops[i] = top
@@ -131,9 +131,13 @@ class Truss:
         across = np.cross(AXIS, along)
         one = self._bar(start, start + tube * along, across)
         two = self._bar(end, end - tube * along, across)
-        self._hinge(self.frames[cell][i], one.start)
-        self._hinge(self.frames[cell + 1][j], two.start)
-        self.scene.add(fl.Prismatic(one.end, two.end, at=one.end.position, axis=along))
+        self._hinge(self.frames[cell][i], one.point("start"))
+        self._hinge(self.frames[cell + 1][j], two.point("start"))
+        self.scene.add(
+            fl.Prismatic(
+                one.point("end"), two.point("end"), at=one.point("end").position, axis=along
+            )
+        )
 
     def _hinge(self, a: fl.Point, b: fl.Point) -> fl.Revolute:
         return self.scene.add(fl.Revolute(a, b, axis=AXIS))

@@ -33,12 +33,12 @@ def pulsating() -> fl.Scene:
     tensor = [[3783.42, 352.9, 484.74], [352.9, 3776.16, 469.74], [484.74, 469.74, 2630.94]]
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1000.0, tensor, name="body"))
-    body.move((10, 10, 10))
-    body.turn((10, 10, 10), about=body.centre)
+    body.add_velocity((10, 10, 10))
+    body.add_velocity(omega=(10, 10, 10), about=body.point("centre"))
     for axis, (size, phase) in enumerate(((50e3, 0.0), (52e3, pi / 3), (50e3, pi / 2))):
         load, pulse = size * np.eye(3)[axis], pulse_of(phase)
-        scene.add(fl.PointLoad(body.centre, force=load, history=pulse))
-        scene.add(fl.PointLoad(body.centre, moment=load, following=True, history=pulse))
+        scene.add(fl.PointLoad(body.point("centre"), force=load, history=pulse))
+        scene.add(fl.PointLoad(body.point("centre"), moment=load, following=True, history=pulse))
     return scene
 
 
@@ -50,7 +50,7 @@ def tumbling() -> fl.Scene:
     """The body that turns over."""
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (1, 2, 3), name="body"))
-    body.turn((0.01, 2, 0.01), about=body.centre)
+    body.add_velocity(omega=(0.01, 2, 0.01), about=body.point("centre"))
     return scene
 
 

@@ -43,8 +43,8 @@ def thrown(formulation: str, along: int, across: int) -> tuple[fl.Scene, fl.Shel
             name="plate",
         )
     )
-    plate.turn((4.0, 9.0, 3.0), about=(0.15, 0.1, 0.0))
-    plate.move((0.4, 0.2, 1.0))
+    plate.add_velocity(omega=(4.0, 9.0, 3.0), about=(0.15, 0.1, 0.0))
+    plate.add_velocity((0.4, 0.2, 1.0))
     # the halves fold
     plate.velocities[:, 2] += 6.0 * (np.abs(plate.frames[:, 0, 0] - 0.15) - 0.075)
     return scene, plate
@@ -68,7 +68,7 @@ def main(
     every = save_every or max(1, steps // 1000)
     result = scheme.run(scene, duration=steps * step, step=step, save_every=every)
     x = result.frames[:, :, 0]
-    corners = [plate[name] for name in ("00", "10", "11", "01")]
+    corners = [plate.point(name) for name in ("00", "10", "11", "01")]
     a, b, c, d = (result.position(corner) for corner in corners)
     fold = np.linalg.norm(a + c - b - d, axis=1).max() / 0.3
     record: dict[str, Any] = {

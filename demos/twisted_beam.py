@@ -46,10 +46,10 @@ def solve(elements: int, load_steps: int) -> tuple[dict[str, Any], fl.StaticResu
             up=fl.Twisted(lambda s: 0.5 * pi * s / LENGTH, (0, 0, 1)),
         )
     )
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, force=(0, 0, -4e6)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, -4e6)))
     result = fl.statics(scene, load_steps=load_steps)
-    tip = result.position(beam.end)[-1] - beam.end.position
+    tip = result.position(beam.point("end"))[-1] - beam.point("end").position
     record = {
         "elements": elements,
         "load_steps": load_steps,

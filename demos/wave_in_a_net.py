@@ -32,7 +32,7 @@ def square_net(cells: int) -> tuple[fl.Scene, fl.Net]:
     scene = fl.Scene()
     net = scene.add(fl.Net(places, threads, THREAD, stretch=STRETCH))
     edge = np.unique([*grid[[0, -1]].ravel(), *grid[:, [0, -1]].ravel()])
-    net.pin(*(net.node(int(k)) for k in edge))
+    net.pin(*(net.point(int(k)) for k in edge))
     far = ((places[:, :2] - 0.5) ** 2).sum(axis=1)
     blow = BLOW * np.exp(-far / 0.1**2)
     # along the axes of the knots

@@ -36,9 +36,9 @@ def _mechanism() -> fl.Scene:
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), _SECTION, cells=4))
     two = scene.add(fl.Beam.straight((0.5, 0, 0), (0.5, 0.5, 0), _SECTION, cells=4))
     body = scene.add(fl.RigidBody(1.0, (0.01, 0.02, 0.02), (0.5, 0.5, 0)))
-    scene.add(fl.Spherical(fl.ground(), one.start))
-    scene.add(fl.Revolute(one.end, two.start, axis=(1, 0, 0)))
-    scene.add(fl.Fixed(two.end, body.centre))
+    scene.add(fl.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0)))
+    scene.add(fl.Fixed(two.point("end"), body.point("centre")))
     return scene
 
 
@@ -61,8 +61,8 @@ def _shells() -> None:
 def _beams() -> None:
     scene = fl.Scene()
     rod = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), _SECTION, cells=4))
-    scene.add(fl.Clamp(rod.start))
-    scene.add(fl.PointLoad(rod.end, force=(0, 0, 100.0)))
+    scene.add(fl.Clamp(rod.point("start")))
+    scene.add(fl.PointLoad(rod.point("end"), force=(0, 0, 100.0)))
     fl.statics(scene)
     fl.vibrations(scene, 2)
 

@@ -21,8 +21,8 @@ def rolled(turns: float, cells: int = 8, load_steps: int = 6) -> fl.StaticResult
     moment = turns * 2 * pi * strip.stiffness[5, 5] / LENGTH
     scene = fl.Scene()
     scene.add(beam)
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, moment=(0, 0, moment)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, moment)))
     return fl.statics(scene, load_steps=load_steps)
 
 

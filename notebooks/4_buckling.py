@@ -23,8 +23,8 @@ def column(cells: int) -> fl.Scene:
     body = fl.Beam.straight((0, 0, 0), (0, 0, LENGTH), section, cells=cells, name="column")
     scene = fl.Scene()
     scene.add(body)
-    scene.add(fl.Clamp(body.start))
-    scene.add(fl.PointLoad(body.end, force=(0, 0, -1.0)))
+    scene.add(fl.Clamp(body.point("start")))
+    scene.add(fl.PointLoad(body.point("end"), force=(0, 0, -1.0)))
     return scene
 
 
@@ -83,10 +83,10 @@ def compressed() -> fl.Scene:
     scene = fl.Scene()
     scene.add(wall)
     plate = scene.add(fl.RigidBody(1.0, (1, 1, 1), (np.cos(SIZE / 2), np.sin(SIZE / 2), SIZE)))
-    scene.add(fl.Prismatic(fl.ground(), plate.centre, axis=(0, 0, 1)))
+    scene.add(fl.Prismatic(fl.ground(), plate.point("centre"), axis=(0, 0, 1)))
     for point in wall.points("top"):
-        scene.add(fl.InPlane(plate.centre, point, at=point.position, axis=(0, 0, 1)))
-    scene.add(fl.PointLoad(plate.centre, force=(0, 0, -CLASSICAL * SIZE)))
+        scene.add(fl.InPlane(plate.point("centre"), point, at=point.position, axis=(0, 0, 1)))
+    scene.add(fl.PointLoad(plate.point("centre"), force=(0, 0, -CLASSICAL * SIZE)))
     return scene
 
 

@@ -12,7 +12,7 @@ import fem_lie as fl
 def tumbling() -> tuple[fl.Scene, fl.RigidBody]:
     """Three different moments of inertia, a turn about none of their axes."""
     body = fl.RigidBody(1.0, (0.1, 0.2, 0.28), name="body")
-    body.turn((2.0, 3.0, 1.0), about=body.centre)
+    body.add_velocity(omega=(2.0, 3.0, 1.0), about=body.point("centre"))
     scene = fl.Scene()
     scene.add(body)
     return scene, body
@@ -21,7 +21,7 @@ def tumbling() -> tuple[fl.Scene, fl.RigidBody]:
 def end(scheme, steps: int) -> np.ndarray:
     """Its rotation after a second."""
     scene, body = tumbling()
-    return scheme.run(scene, duration=1.0, step=1.0 / steps).rotation(body.centre)[-1]
+    return scheme.run(scene, duration=1.0, step=1.0 / steps).rotation(body.point("centre"))[-1]
 
 
 def order(scheme, steps: int) -> float:

@@ -42,8 +42,8 @@ def falling() -> tuple[fl.Scene, fl.Beam]:
         scene.add(fl.Beam.straight((a, 0, 0), (b, 0, 0), soft, cells=4))
         for a, b in ((0.0, 0.4), (0.4, 1.0))
     )
-    scene.add(fl.Spherical(fl.ground(), one.start))
-    scene.add(fl.Revolute(one.end, two.start, axis=(0, 1, 0.3)))
+    scene.add(fl.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(0, 1, 0.3)))
     return scene, two
 
 
@@ -78,7 +78,7 @@ def tip(
     """Tip at the end, error of the energy, seconds."""
     scene, two = falling()
     result = scheme.run(scene, duration=DURATION, step=h, save_every=max(1, round(8e-3 / h)))
-    return result.position(two.end)[-1], result.energy_error, result.seconds
+    return result.position(two.point("end"))[-1], result.energy_error, result.seconds
 
 
 def draw(rows: list[tuple[str, float, float, float, float]]) -> None:

@@ -59,7 +59,7 @@ def part(
     shell.symmetry("b=0", (1, 0, 0))
     shell.symmetry("a=0", (0, 1, 0))
     for direction in ((0, 1, 0), (0, 0, 1)):
-        shell.guide("b=1", direction)
+        shell.roller("b=1", direction)
     return shell
 
 
@@ -73,7 +73,7 @@ def cylinder(mesh: int, formulation: str) -> fl.Scene:
     section = fl.ShellSection.layer(3.0, fl.Material(3e6, 0.3, 1.0))
     shell = part(mesh, 300.0, 300.0, (0.0, 90.0), section, formulation)
     shell.symmetry("a=1", (0, 0, 1))
-    return scene_of(shell, fl.PointLoad(shell["00"], force=(0, 0, -0.25)))
+    return scene_of(shell, fl.PointLoad(shell.point("00"), force=(0, 0, -0.25)))
 
 
 def hemisphere(mesh: int, formulation: str) -> fl.Scene:
@@ -86,9 +86,9 @@ def hemisphere(mesh: int, formulation: str) -> fl.Scene:
     shell = any_shell(formulation, place, (mesh, mesh), section, lambda x: x / 10)
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (1, 0, 0))
-    shell.guide("00", (0, 0, 1))
-    outward = fl.PointLoad(shell["00"], force=(1, 0, 0))
-    return scene_of(shell, outward, fl.PointLoad(shell["10"], force=(0, -1, 0)))
+    shell.roller("00", (0, 0, 1))
+    outward = fl.PointLoad(shell.point("00"), force=(1, 0, 0))
+    return scene_of(shell, outward, fl.PointLoad(shell.point("10"), force=(0, -1, 0)))
 
 
 def twisted(thickness: float, force: tuple[float, float, float]) -> Callable[[int, str], fl.Scene]:

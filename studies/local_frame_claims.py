@@ -60,11 +60,11 @@ def pendulum(group: fl.Group, speed: float = 1.0) -> fl.Scene:
         b, b, aluminium, shear_factor=5 / 6, torsion_constant=0.1406 * b**4
     )
     scene, corner = fl.Scene(), (0.3, 0, 0)
-    one = scene.add(fl.Beam.straight((0, 0, 0), corner, square, cells=10).on(group))
-    two = scene.add(fl.Beam.straight(corner, (0.3, 0.5, 0), square, cells=10).on(group))
-    scene.add(fl.Spherical(fl.ground(), one.start))
-    scene.add(fl.Spherical(one.end, two.start))
-    two.turn((3 * speed, 0, -4 * speed), about=two.start)
+    one = scene.add(fl.Beam.straight((0, 0, 0), corner, square, cells=10).set_group(group))
+    two = scene.add(fl.Beam.straight(corner, (0.3, 0.5, 0), square, cells=10).set_group(group))
+    scene.add(fl.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.Spherical(one.point("end"), two.point("start")))
+    two.add_velocity(omega=(3 * speed, 0, -4 * speed), about=two.point("start"))
     return scene
 
 
@@ -87,17 +87,17 @@ def net(
                     continue
                 bar = fl.Beam.straight(
                     (side * i, side * j, 0), (side * k, side * m, 0), section, cells=2
-                ).on(group)
+                ).set_group(group)
                 scene.add(bar)
-                knots.setdefault((i, j), []).append(bar.start)
-                knots.setdefault((k, m), []).append(bar.end)
+                knots.setdefault((i, j), []).append(bar.point("start"))
+                knots.setdefault((k, m), []).append(bar.point("end"))
     for first, *others in knots.values():
         for other in others:
             scene.add(joint(first, other))
     half = 0.5 * side * meshes
     for body in scene.bodies:
-        body.turn((6, 3, 12), about=(half, half, 0))
-        body.move((1, 0, 2))
+        body.add_velocity(omega=(6, 3, 12), about=(half, half, 0))
+        body.add_velocity((1, 0, 2))
     return scene
 
 

@@ -89,7 +89,7 @@ def numbers(
     result: fl.Result, one: fl.Beam, two: fl.Beam, scene: fl.Scene, steps: int
 ) -> dict[str, Any]:
     """What a run says of itself, as plain numbers."""
-    tip = result.position(two.end)
+    tip = result.position(two.point("end"))
     record: dict[str, Any] = {
         "steps": steps,
         "seconds": result.seconds,
@@ -111,7 +111,10 @@ def numbers(
 
 def constraint_error(result: fl.Result, one: fl.Beam, two: fl.Beam, scene: fl.Scene) -> float:
     """Largest violation at the kept times: gaps in lengths of bar I, and angles of the axis."""
-    gaps = [result.position(one.start), result.position(one.end) - result.position(two.start)]
+    gaps = [
+        result.position(one.point("start")),
+        result.position(one.point("end")) - result.position(two.point("start")),
+    ]
     worst = max(float(np.linalg.norm(gap, axis=1).max()) for gap in gaps) / FIRST
     for joint in scene.joints:
         if isinstance(joint, fl.Revolute):

@@ -75,10 +75,10 @@ def cantilever(formulation: fl.Formulation) -> Callable[[float], tuple[np.ndarra
                 up=fl.Twisted(lambda s: np.pi / 20 * s, (0, 0, 1)),
             )
         )
-        scene.add(fl.Clamp(beam.start))
-        scene.add(fl.PointLoad(beam.end, force=(0, 0, -4e6)))
+        scene.add(fl.Clamp(beam.point("start")))
+        scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, -4e6)))
         result = fl.statics(scene, load_steps=3)
-        return result.position(beam.end)[-1] - (10, 0, 0), result.seconds
+        return result.position(beam.point("end"))[-1] - (10, 0, 0), result.seconds
 
     return solve
 
@@ -90,15 +90,15 @@ def pendulum(radius: float, group: fl.Group) -> Callable[[float], tuple[np.ndarr
         soft = fl.Section.rectangle(0.02, 0.02, fl.Material(E=2e7, nu=0.3, density=1200.0))
         scene = fl.Scene(gravity=(0, 0, -9.81))
         one, two = (
-            scene.add(fl.Beam.straight((a, 0, 0), (b, 0, 0), soft, cells=4).on(group))
+            scene.add(fl.Beam.straight((a, 0, 0), (b, 0, 0), soft, cells=4).set_group(group))
             for a, b in ((0.0, 0.4), (0.4, 1.0))
         )
-        scene.add(fl.Spherical(fl.ground(), one.start))
-        scene.add(fl.Revolute(one.end, two.start, axis=(0, 1, 0.3)))
+        scene.add(fl.Spherical(fl.ground(), one.point("start")))
+        scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(0, 1, 0.3)))
         scheme = fl.GeneralisedAlpha(radius=radius, tolerance=1e-10)
         save = round(DURATION / step)
         result = scheme.run(scene, duration=DURATION, step=step, save_every=save)
-        return result.position(two.end)[-1], result.seconds
+        return result.position(two.point("end"))[-1], result.seconds
 
     return solve
 

@@ -114,12 +114,12 @@ def pulsating() -> fl.Scene:
     tensor = [[3783.42, 352.9, 484.74], [352.9, 3776.16, 469.74], [484.74, 469.74, 2630.94]]
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1000.0, tensor, name="body"))
-    body.move((10, 10, 10))
-    body.turn((10, 10, 10), about=body.centre)
+    body.add_velocity((10, 10, 10))
+    body.add_velocity(omega=(10, 10, 10), about=body.point("centre"))
     for load, phase in zip(np.diag(SIZES), PHASES, strict=True):
         pulse = pulse_of(phase)
-        scene.add(fl.PointLoad(body.centre, force=load, history=pulse))
-        scene.add(fl.PointLoad(body.centre, moment=load, following=True, history=pulse))
+        scene.add(fl.PointLoad(body.point("centre"), force=load, history=pulse))
+        scene.add(fl.PointLoad(body.point("centre"), moment=load, following=True, history=pulse))
     return scene
 
 
@@ -134,10 +134,10 @@ def rigid_pendulum(group: fl.Group = fl.Group.R3xSO3) -> fl.Scene:
         mass = DENSITY * SIDE**2 * length
         across = mass * (length**2 + SIDE**2) / 12
         J = (mass * SIDE**2 / 6, across, across)
-        bar = fl.RigidBody(mass, J, (start + length / 2, 0, 0), name=name).on(group)
+        bar = fl.RigidBody(mass, J, (start + length / 2, 0, 0), name=name).set_group(group)
         scene.add(bar)
-        scene.add(fl.Spherical(points[-1], bar.centre, at=(start, 0, 0)))
-        points.append(bar.centre)
+        scene.add(fl.Spherical(points[-1], bar.point("centre"), at=(start, 0, 0)))
+        points.append(bar.point("centre"))
         start += length
     return scene
 
@@ -152,8 +152,8 @@ def flexible_pendulum(cells: int = 5) -> fl.Scene:
     for length, name in zip(LENGTHS, ("bar I", "bar II"), strict=True):
         ends = (start, 0, 0), (start + length, 0, 0)
         bar = scene.add(fl.Beam.straight(*ends, square, cells=cells, name=name))
-        scene.add(fl.Spherical(point, bar.start))
-        start, point = start + length, bar.end
+        scene.add(fl.Spherical(point, bar.point("start")))
+        start, point = start + length, bar.point("end")
     return scene
 
 

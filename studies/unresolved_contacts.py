@@ -26,14 +26,14 @@ def energy(scheme: Any, steps: int, phase: float) -> float:
     """Of a ball after an impact of so many steps, which begins at a part of one."""
     h = 1e-3 * np.pi / steps
     ball = fl.RigidBody(1.0, (1e-2,) * 3, position=(0, 0, RADIUS + (2.0 + phase) * h * SPEED))
-    ball.move((0, 0, -SPEED))
+    ball.add_velocity((0, 0, -SPEED))
     scene, plane = fl.Scene(), fl.Plane(fl.ground(), (0, 0, 1))
     scene.add(ball)
-    scene.add(fl.Contact(fl.Sphere(ball.centre, RADIUS), plane, fl.Penalty(1e6)))
+    scene.add(fl.Contact(fl.Sphere(ball.point("centre"), RADIUS), plane, fl.Penalty(1e6)))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", fl.UnresolvedContactWarning)
         result = scheme.run(scene, duration=(10 + 2 * steps) * h, step=h, progress=False)
-    return float((result.velocity(ball.centre)[-1, 2] / SPEED) ** 2)
+    return float((result.velocity(ball.point("centre"))[-1, 2] / SPEED) ** 2)
 
 
 def main(phases: int = 13) -> dict[str, Any]:

@@ -111,11 +111,13 @@ def four_bar(cells: int) -> fl.Scene:
             ("CD", (C, D), thin),
         )
     )
-    first = ab.start.frame.copy()
-    scene.add(fl.PrescribedMotion(ab.start, lambda t: turned(first, angle(t))))
-    scene.add(fl.Revolute(ab.end, bc.start, axis=(0, 1, 0)))
-    scene.add(fl.Revolute(bc.end, cd.start, axis=(-np.sin(TILT), np.cos(TILT), 0)))
-    scene.add(fl.Revolute(fl.ground(), cd.end, axis=(0, 1, 0)))
+    first = ab.point("start").frame.copy()
+    scene.add(fl.PrescribedMotion(ab.point("start"), lambda t: turned(first, angle(t))))
+    scene.add(fl.Revolute(ab.point("end"), bc.point("start"), axis=(0, 1, 0)))
+    scene.add(
+        fl.Revolute(bc.point("end"), cd.point("start"), axis=(-np.sin(TILT), np.cos(TILT), 0))
+    )
+    scene.add(fl.Revolute(fl.ground(), cd.point("end"), axis=(0, 1, 0)))
     return scene
 
 

@@ -38,18 +38,22 @@ def closed_loop(
             u.mass(3.0), u.inertia([0.02, 0.03, 0.04]), u.length([0.6, 0.1, 0.0]), name="block"
         )
     )
-    scene.add(fl.Revolute(fl.ground(), left.start, axis=(0, 1, 0), name="root"))
-    scene.add(fl.Spherical(left.end, nearest(plate, high), name="near"))
+    scene.add(fl.Revolute(fl.ground(), left.point("start"), axis=(0, 1, 0), name="root"))
+    scene.add(fl.Spherical(left.point("end"), nearest(plate, high), name="near"))
     corner = nearest(plate, far)
     if parameters == fl.Parameters.SIX:
-        scene.add(fl.Revolute(corner, right.start, axis=(0, 1, 0), name="far"))
+        scene.add(fl.Revolute(corner, right.point("start"), axis=(0, 1, 0), name="far"))
     else:
-        scene.add(fl.Spherical(corner, right.start, name="far"))
-    scene.add(fl.Spherical(right.end, block.centre, at=foot, name="foot"))
-    scene.add(fl.Spherical(block.centre, fl.ground(), at=u.length([0.7, 0.1, -0.1]), name="ground"))
+        scene.add(fl.Spherical(corner, right.point("start"), name="far"))
+    scene.add(fl.Spherical(right.point("end"), block.point("centre"), at=foot, name="foot"))
+    scene.add(
+        fl.Spherical(
+            block.point("centre"), fl.ground(), at=u.length([0.7, 0.1, -0.1]), name="ground"
+        )
+    )
     return scene
 
 
 def nearest(body: fl.Shell, place: np.ndarray) -> fl.Point:
     """The node of a body that is nearest to a place."""
-    return body.node(int(np.linalg.norm(body.frames[:, 0] - place, axis=1).argmin()))
+    return body.point(int(np.linalg.norm(body.frames[:, 0] - place, axis=1).argmin()))

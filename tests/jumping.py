@@ -26,9 +26,9 @@ def oscillator(history: Callable[[float], float]) -> tuple[fl.Scene, fl.RigidBod
     """A mass on a spring under a force of size 4 that has this history."""
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(M, (0.1, 0.2, 0.3)))
-    slide = scene.add(fl.Prismatic(fl.ground(), body.centre, axis=(1, 0, 0)))
+    slide = scene.add(fl.Prismatic(fl.ground(), body.point("centre"), axis=(1, 0, 0)))
     scene.add(fl.Spring(slide.displacement, K))
-    scene.add(fl.PointLoad(body.centre, force=(4.0, 0, 0), history=history))
+    scene.add(fl.PointLoad(body.point("centre"), force=(4.0, 0, 0), history=history))
     return scene, body
 
 
@@ -37,8 +37,8 @@ def driven(function: Callable[[float], float]) -> tuple[fl.Scene, fl.RigidBody]:
     scene = fl.Scene()
     cart = scene.add(fl.RigidBody(1.0, (0.1, 0.2, 0.3), name="cart"))
     body = scene.add(fl.RigidBody(M, (0.1, 0.2, 0.3)))
-    slide = scene.add(fl.Prismatic(fl.ground(), cart.centre, axis=(1, 0, 0)))
-    rail = scene.add(fl.Prismatic(cart.centre, body.centre, axis=(1, 0, 0)))
+    slide = scene.add(fl.Prismatic(fl.ground(), cart.point("centre"), axis=(1, 0, 0)))
+    rail = scene.add(fl.Prismatic(cart.point("centre"), body.point("centre"), axis=(1, 0, 0)))
     scene.add(fl.Spring(rail.displacement, K))
     scene.add(fl.Drive(slide.displacement, function))
     return scene, body

@@ -72,7 +72,7 @@ def scene(fault="", rank=-1):
                 IN_TIME[fault][0]()
         return t
 
-    built.add(fl.PointLoad(built.bodies[1].end, force=(0, 0, 1.0), history=push))
+    built.add(fl.PointLoad(built.bodies[1].point("end"), force=(0, 0, 1.0), history=push))
     return built
 
 

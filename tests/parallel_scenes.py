@@ -31,8 +31,8 @@ def sheet():
     shell.clamp("a=0")
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.PointLoad(shell["11"], force=(0.0, 300.0, 2e3)))
-    return scene, shell["11"]
+    scene.add(fl.PointLoad(shell.point("11"), force=(0.0, 300.0, 2e3)))
+    return scene, shell.point("11")
 
 
 def pendulum():
@@ -43,8 +43,8 @@ def pendulum():
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(upper)
     scene.add(lower)
-    scene.add(fl.Revolute(fl.ground(), upper.start, axis=(0, 1, 0)))
-    scene.add(fl.Revolute(upper.end, lower.start, axis=(0, 1, 0)))
+    scene.add(fl.Revolute(fl.ground(), upper.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.Revolute(upper.point("end"), lower.point("start"), axis=(0, 1, 0)))
     return scene
 
 
@@ -54,9 +54,9 @@ def column():
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4)
     scene = fl.Scene()
     scene.add(beam)
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     stiffness = STEEL.E * 0.03 * 0.02**3 / 12
-    scene.add(fl.PointLoad(beam.end, force=(-2 * stiffness * np.pi**2 / 4, 0, 0)))
+    scene.add(fl.PointLoad(beam.point("end"), force=(-2 * stiffness * np.pi**2 / 4, 0, 0)))
     return scene
 
 
@@ -69,7 +69,7 @@ def stopped(after):
             raise ArithmeticError("no push is known here")
         return t
 
-    scene.add(fl.PointLoad(scene.bodies[1].end, force=(0, 0, 1.0), history=push))
+    scene.add(fl.PointLoad(scene.bodies[1].point("end"), force=(0, 0, 1.0), history=push))
     return scene
 
 

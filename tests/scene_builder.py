@@ -54,7 +54,7 @@ class Built:
         if isinstance(body, fl.Solid):
             return self.faces[ref]
         _, is_node, number = ref.name.partition("node ")
-        return body.node(int(number)) if is_node else body[ref.name]
+        return body.point(int(number)) if is_node else body.point(ref.name)
 
     def coordinate(self, ref: data.CoordinateRef) -> fl.Coordinate:
         return self.joints[ref.joint].coordinates()[ref.number]
@@ -86,8 +86,8 @@ def build(
     for part in (*given.bodies, *given.joints, *given.supports, *given.actions, *given.loads):
         add(part, built)
     for body in scene.bodies:
-        body.turn(given.spin, about=given.about)
-        body.move(given.velocity)
+        body.add_velocity(omega=given.spin, about=given.about)
+        body.add_velocity(given.velocity)
     return built
 
 
@@ -157,9 +157,9 @@ def _(item: data.SlenderData, built: Built) -> None:
     body = built.scene.add(make(mesh, section, up=item.up, damping=damping, name=item.name))
     if item.clamped is not None:
         if isinstance(body, fl.AncfBeam | fl.Cable):
-            body.clamp(body[item.clamped])
+            body.clamp(body.point(item.clamped))
         else:
-            built.scene.add(fl.Clamp(body[item.clamped]))
+            built.scene.add(fl.Clamp(body.point(item.clamped)))
     built.bodies[item.name] = body
 
 
@@ -168,7 +168,7 @@ def _(item: data.NetData, built: Built) -> None:
     damping, section = fl.Damping(item.drag), _section(item.section)
     net = fl.Net(item.points, item.threads, section, damping=damping, name=item.name)
     if item.clamped is not None:
-        net.pin(net.node(0))
+        net.pin(net.point(0))
     built.bodies[item.name] = built.scene.add(net)
 
 
@@ -201,7 +201,7 @@ def _(item: data.BlockData, built: Built) -> None:
     # axes that rotate with the scene, as forces that follow a face are along them
     axes = np.array([side / np.linalg.norm(side) for side in (item.a, item.b, item.c)])
     for face in ("a=0", "a=1"):
-        built.faces[data.PointRef(item.name, face)] = solid.grip(face, axes)
+        built.faces[data.PointRef(item.name, face)] = solid.point(face, axes=axes)
 
 
 @add.register
@@ -211,7 +211,9 @@ def _(item: data.ReducedData, built: Built) -> None:
     )
     scene = fl.Scene()
     scene.add(full)
-    body = fl.reduced_body(scene, [full.start, full.end], item.modes, name=item.name)
+    body = fl.reduced_body(
+        scene, [full.point("start"), full.point("end")], item.modes, name=item.name
+    )
     built.bodies[item.name] = built.scene.add(body)
 
 

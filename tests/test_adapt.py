@@ -20,8 +20,8 @@ def cantilever(mesh, formulation=PLAIN, force=(0, 2e3, 3e4)):
     """Clamped at its start, bent far."""
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, SECTION, formulation=formulation, name="beam"))
-    scene.add(fl.Clamp(beam["start"]))
-    scene.add(fl.PointLoad(beam["end"], force=force))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=force))
     return scene
 
 
@@ -97,8 +97,8 @@ def test_nothing_is_wrong_with_what_is_constant():
     """Pure bending is in the element; a rigid motion adds nothing."""
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (10, 0, 0), SECTION, cells=5, name="beam"))
-    scene.add(fl.Clamp(beam["start"]))
-    scene.add(fl.PointLoad(beam["end"], moment=(0, 1e5, 0), following=True))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 1e5, 0), following=True))
     found = fl.space_error(fl.statics(scene, load_steps=4), beam, scene)
     assert found.relative < 1e-8
     assert found.energy == pytest.approx(1e10 * 10 / 2e6, rel=1e-6)
@@ -113,8 +113,8 @@ def test_it_has_the_unit_of_energy(size):
     section = fl.Section.from_stiffness(D)
     beam = fl.Beam.straight((0, 0, 0), (length, 0, 0), section, cells=cells, name="beam")
     scene.add(beam)
-    scene.add(fl.Clamp(beam["start"]))
-    scene.add(fl.PointLoad(beam["end"], force=(0, 0, force)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, force)))
     found = fl.space_error(fl.statics(scene), beam, scene)
     expected = force**2 * (length / cells) ** 3 / (12 * D[4])
     np.testing.assert_allclose(found.squares, expected, rtol=1e-4)
@@ -127,7 +127,7 @@ def test_it_holds_in_motion():
         scene = fl.Scene(gravity=(0, 0, -9.81))
         section = fl.Section.rectangle(0.05, 0.05, fl.Material(1e7, 0.3, 1e3))
         rod = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=cells, name="rod"))
-        scene.add(fl.Revolute(fl.ground(), rod["start"], axis=(0, 1, 0)))
+        scene.add(fl.Revolute(fl.ground(), rod.point("start"), axis=(0, 1, 0)))
         result = fl.GeneralisedAlpha().run(scene, duration=0.3, step=2e-3)
         found.append([fl.space_error(result, rod, scene, step).relative for step in (80, 150)])
     assert (np.array(found[1]) < 0.6 * np.array(found[0])).all()
@@ -168,9 +168,9 @@ def test_a_goal_behind_a_joint():
             scene.add(fl.Beam(m, SECTION, formulation=PLAIN, name=n))
             for m, n in zip(line, "ab", strict=True)
         )
-        scene.add(fl.Clamp(a["start"]))
-        scene.add(fl.Fixed(a["end"], b["start"]))
-        scene.add(fl.PointLoad(b["end"], force=(0, 0, 5e3)))
+        scene.add(fl.Clamp(a.point("start")))
+        scene.add(fl.Fixed(a.point("end"), b.point("start")))
+        scene.add(fl.PointLoad(b.point("end"), force=(0, 0, 5e3)))
         result = fl.statics(scene, load_steps=2)
         found[cells] = fl.goal_error(result, [a, b], scene, goal)
     error = found[64].value + found[64].estimate - found[4].value
@@ -189,7 +189,7 @@ def test_a_limit_load():
     assert found.estimate == pytest.approx(error, rel=0.1)
     np.testing.assert_array_equal(path.factors, factors)
     # loads twice as large, half the factor
-    scene.add(fl.PointLoad(scene.bodies[0]["crown"], force=(0, -deep_arch.FORCE, 0)))
+    scene.add(fl.PointLoad(scene.bodies[0].point("crown"), force=(0, -deep_arch.FORCE, 0)))
     again = fl.goal_error(goal.solve(scene), scene.bodies, scene, goal)
     assert again.value == pytest.approx(0.5 * found.value, rel=1e-5)
     assert again.estimate == pytest.approx(0.5 * found.estimate, rel=1e-3)
@@ -203,7 +203,7 @@ def test_a_frequency(mode):
         scene = fl.Scene()
         line = fl.straight((0, 0, 0), (1, 0, 0), cells)
         beam = scene.add(fl.Beam(line, section, formulation=PLAIN, name="beam"))
-        scene.add(fl.Clamp(beam["start"]))
+        scene.add(fl.Clamp(beam.point("start")))
         found[cells] = fl.goal_error(goal.solve(scene), [beam], scene, goal)
         assert found[cells].value == pytest.approx(
             fl.vibrations(scene, mode).frequencies[-1], rel=1e-8
@@ -391,9 +391,9 @@ def test_unknowns_are_those_of_the_nodes(drilling):
         section = fl.Section.circle(0.1, fl.Material(1e6, 0.3, 1.0))
         net = scene.add(fl.Net(ends, [[0, 1], [1, 2]], section, name="net"))
         for node in range(3):
-            net.pin(net.node(node))
+            net.pin(net.point(node))
         box = scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0), (5.0, 0.0, 0.0), name="box"))
-        scene.add(fl.Clamp(box.centre))
+        scene.add(fl.Clamp(box.point("centre")))
         return scene
 
     mesh = square(2)

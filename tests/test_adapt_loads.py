@@ -14,8 +14,8 @@ def cantilever(mesh):
     """Bent far by the last load."""
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, SECTION, formulation=fl.Geodesic(), name="beam"))
-    scene.add(fl.Clamp(beam["start"]))
-    scene.add(fl.PointLoad(beam["end"], force=(0, 0, 4e5)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 4e5)))
     return scene
 
 
@@ -54,7 +54,7 @@ def test_through_a_limit_point():
         scene = fl.Scene()
         beam = scene.add(fl.Beam(mesh, soft, name="arch"))
         for end in ("start", "end"):
-            scene.add(fl.Clamp(beam[end]))
+            scene.add(fl.Clamp(beam.point(end)))
         scene.add(fl.LineLoad(beam, force=(0.0, 0.0, -3e4)))
         return scene
 

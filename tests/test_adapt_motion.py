@@ -14,7 +14,7 @@ LINE = fl.straight((0, 0, 0), (1, 0, 0), 4)
 def pendulum(mesh):
     scene = fl.Scene(gravity=(0, 0, -9.81))
     arm = scene.add(fl.Beam(mesh, SECTION, name="arm"))
-    scene.add(fl.Revolute(fl.ground(), arm["start"], axis=(0, 1, 0), name="hinge"))
+    scene.add(fl.Revolute(fl.ground(), arm.point("start"), axis=(0, 1, 0), name="hinge"))
     return scene
 
 

@@ -143,8 +143,8 @@ def test_axes_of_solids_are_turned_in_the_loop(monkeypatch, held):
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(body)
     if held:
-        body.guide("c=0", (0, 0, 1))
-    body.turn((0, 0, 20.0), (0, 0, 0))
+        body.roller("c=0", (0, 0, 1))
+    body.add_velocity(omega=(0, 0, 20.0), about=(0, 0, 0))
     given = {"duration": 0.1, "step": 1e-3, "progress": False}
     compiled = fl.GeneralisedAlpha(policy=fl.Automatic(**options)).run(scene, **given)
     assert calls["_iterate"] == 0

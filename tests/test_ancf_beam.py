@@ -92,14 +92,14 @@ def test_only_rigid_motions_have_no_energy(element):
 def cantilever(beam, **load):
     scene = fl.Scene()
     scene.add(beam)
-    beam.clamp(beam.start)
-    scene.add(fl.PointLoad(beam.end, **load))
+    beam.clamp(beam.point("start"))
+    scene.add(fl.PointLoad(beam.point("end"), **load))
     return scene
 
 
 def tip(beam, load_steps=1, **load):
     result = fl.statics(cantilever(beam, **load), load_steps=load_steps)
-    return result.position(beam.end)[-1], result
+    return result.position(beam.point("end"))[-1], result
 
 
 @pytest.mark.parametrize("cells", [1, 3])
@@ -155,11 +155,11 @@ def test_the_limit_of_the_bend_is_that_of_beams_whose_sections_stay():
         scene = fl.Scene()
         scene.add(beam)
         if isinstance(beam, fl.AncfBeam):
-            beam.clamp(beam.start)
+            beam.clamp(beam.point("start"))
         else:
-            scene.add(fl.Clamp(beam.start))
-        scene.add(fl.PointLoad(beam.end, force=(0, 0, 600.0)))
-        return fl.statics(scene, load_steps=3).position(beam.end)[-1]
+            scene.add(fl.Clamp(beam.point("start")))
+        scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 600.0)))
+        return fl.statics(scene, load_steps=3).position(beam.point("end"))[-1]
 
     def arc(s):
         return 100 * np.array([np.sin(s * np.pi / 4), 1 - np.cos(s * np.pi / 4), 0.0])
@@ -186,12 +186,12 @@ def test_a_stretched_beam_pulls():
 def test_vibrations_are_those_of_beams():
     slim = fl.Section.rectangle(0.05, 0.05, fl.Material(2e11, 0.3, 7800.0))
     beam = fl.AncfBeam.straight((0, 0, 0), (2, 0, 0), slim, cells=16)
-    beam.clamp(beam.start)
+    beam.clamp(beam.point("start"))
     fine = fl.Beam.straight((0, 0, 0), (2, 0, 0), slim, cells=64)
     scenes = [fl.Scene(), fl.Scene()]
     for scene, item in zip(scenes, (beam, fine), strict=True):
         scene.add(item)
-    scenes[1].add(fl.Clamp(fine.start))
+    scenes[1].add(fl.Clamp(fine.point("start")))
     found, expected = (fl.vibrations(scene, 4).frequencies for scene in scenes)
     np.testing.assert_allclose(found, expected, rtol=1e-3)
 
@@ -201,13 +201,13 @@ def test_line_loads_and_gravity_agree():
     scenes = []
     for gravity in (True, False):
         beam = fl.AncfBeam.curve(bowed, SECTION, cells=3)
-        beam.clamp(beam.start)
+        beam.clamp(beam.point("start"))
         weight = np.array([0, 0, -SECTION.inertia[0, 0] * 0.05])
         scene = fl.Scene(gravity=(0, 0, -0.05)) if gravity else fl.Scene()
         scene.add(beam)
         if not gravity:
             scene.add(fl.LineLoad(beam, force=weight))
-        scenes.append(fl.statics(scene).position(beam.end)[-1])
+        scenes.append(fl.statics(scene).position(beam.point("end"))[-1])
     assert np.linalg.norm(scenes[0] - bowed(1.0)) > 1e-3
     np.testing.assert_allclose(scenes[0], scenes[1], atol=1e-9)
 
@@ -218,9 +218,9 @@ def test_a_hinged_beam_swings_as_one_of_frames_with_one_matrix():
         body = made.straight((0, 0, 0), (1, 0, 0), own, cells=cells)
         scene = fl.Scene(gravity=(0, 0, -9.81))
         scene.add(body)
-        scene.add(fl.Revolute(fl.ground(), body.start, axis=(0, 1, 0)))
+        scene.add(fl.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
         result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.3, step=1e-3)
-        return result.position(body.end), result.k_updates
+        return result.position(body.point("end")), result.k_updates
 
     places, matrices = swing(fl.AncfBeam, 12)
     expected, _ = swing(fl.Beam, 24)
@@ -231,7 +231,7 @@ def test_a_hinged_beam_swings_as_one_of_frames_with_one_matrix():
 def test_tumbling_conserves_energy_and_momenta():
     own = fl.Section.from_stiffness([1e4, 4e3, 4e3, 1.0, 1.0, 1.0], mass=1.0, polar=1e-3)
     beam = fl.AncfBeam.curve(bowed, own, cells=4)
-    beam.turn((3.0, 4.0, 2.0), (0.4, 0.2, 0.0))
+    beam.add_velocity(omega=(3.0, 4.0, 2.0), about=(0.4, 0.2, 0.0))
     scene = fl.Scene()
     scene.add(beam)
     result = fl.EnergyMomentum().run(scene, duration=0.2, step=1e-3)
@@ -276,9 +276,9 @@ def test_damping_with_strain_is_refused():
 def test_a_clamp_of_half_a_point_is_refused():
     beam = fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2)
     with pytest.raises(ValueError, match=r"AncfBeam\.clamp"):
-        fl.Clamp(beam.start).check()
+        fl.Clamp(beam.point("start")).check()
     with pytest.raises(ValueError, match="no node of it"):
-        beam.clamp(beam.within(0, 0.5))
+        beam.clamp(beam.point_in_cell(0, 0.5))
 
 
 @pytest.mark.parametrize("ratio", [0.5, -1.0, 0.7])

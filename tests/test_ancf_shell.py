@@ -21,7 +21,7 @@ def pushed(body: fl.AncfShell, force: float) -> fl.StaticResult:
     scene = fl.Scene()
     scene.add(body)
     for point in ("10", "11"):
-        scene.add(fl.PointLoad(body[point], force=(0, 0, force / 2)))
+        scene.add(fl.PointLoad(body.point(point), force=(0, 0, force / 2)))
     return fl.statics(scene)
 
 
@@ -82,7 +82,7 @@ def test_a_hinged_plate_vibrates_with_rotary_inertia_and_shear():
 def test_a_plate_that_is_thrown_keeps_its_energy():
     patch = fl.smooth_patch(lambda a, b: [a, b, 0.1 * a * a], (2, 2))
     body = fl.AncfShell(patch, fl.ShellSection.layer(0.05, fl.Material(1e4, 0.3, 10.0)))
-    body.add_velocity(np.array([0.3, 0, 0]), np.array([1.0, 2.0, 0.5]), np.zeros(3))
+    body.add_velocity((0.3, 0, 0), omega=(1.0, 2.0, 0.5), about=(0, 0, 0))
     scene = fl.Scene()
     scene.add(body)
     result = fl.EnergyMomentum().run(scene, duration=0.02, step=1e-3)

@@ -35,7 +35,7 @@ def frame(cells, joints: bool, gravity=(0, 0, 0)):
     for part in parts.values():
         scene.add(part)
     for name in list(parts)[1:]:
-        scene.add(fl.Fixed(parts["trunk"]["corner"], parts[name]["corner"], name=name))
+        scene.add(fl.Fixed(parts["trunk"].point("corner"), parts[name].point("corner"), name=name))
     return scene, parts
 
 
@@ -44,7 +44,7 @@ def both(cells, loads, solve, **options):
     found = []
     for joints in (False, True):
         scene, parts = frame(cells, joints, **options)
-        scene.add(fl.Clamp(parts["trunk"]["root"]))
+        scene.add(fl.Clamp(parts["trunk"].point("root")))
         for load in loads(parts):
             scene.add(load)
         found.append(solve(scene, parts))
@@ -53,12 +53,12 @@ def both(cells, loads, solve, **options):
 
 LOADS = {
     "dead force and moment at the corner": lambda p: [
-        fl.PointLoad(p["trunk"]["corner"], force=(3, -20, 40), moment=(20, 10, -5))
+        fl.PointLoad(p["trunk"].point("corner"), force=(3, -20, 40), moment=(20, 10, -5))
     ],
     "following force and moment at the corner": lambda p: [
-        fl.PointLoad(p["trunk"]["corner"], (3, -20, 40), (20, 10, -5), following=True)
+        fl.PointLoad(p["trunk"].point("corner"), (3, -20, 40), (20, 10, -5), following=True)
     ],
-    "dead force at the tip": lambda p: [fl.PointLoad(p["arm"]["tip"], force=(10, -20, 40))],
+    "dead force at the tip": lambda p: [fl.PointLoad(p["arm"].point("tip"), force=(10, -20, 40))],
     "dead line load on the arm": lambda p: [
         fl.LineLoad(p["arm"], force=(0, 0, 30), moment=(10, 0, 0), cells="arm")
     ],
@@ -76,7 +76,7 @@ LOADS = {
 def test_one_mesh_is_beams_with_joints_in_statics(cells, name):
     def solve(scene, parts):
         result = fl.statics(scene, load_steps=2, newton=fl.Newton(tolerance=1e-13))
-        return result.position(parts["arm"]["tip"])[-1], parts["arm"]["tip"].position
+        return result.position(parts["arm"].point("tip"))[-1], parts["arm"].point("tip").position
 
     (mesh, start), (joints, _) = both(cells, LOADS[name], solve)
     assert np.linalg.norm(mesh - start) > 1e-3, "the load does something"
@@ -89,7 +89,7 @@ def test_one_mesh_is_beams_with_joints_in_dynamics():
     def solve(scene, parts):
         scheme = fl.GeneralisedAlpha(tolerance=1e-11)
         result = scheme.run(scene, duration=0.05, step=1e-3)
-        return result.position(parts["arm"]["tip"]), result
+        return result.position(parts["arm"].point("tip")), result
 
     (mesh, result), (joints, other) = both(
         BRANCH, LOADS["dead force at the tip"], solve, gravity=(0, 0, -9.81)
@@ -109,13 +109,13 @@ def test_a_branch_does_not_see_a_rigid_motion_of_all():
         scene = fl.Scene(R @ [0, 2.0, -9.81])
         sections = {"trunk": SECTION, "arm": THIN, "branch": SECTION}
         beam = scene.add(fl.Beam(mesh_of(BRANCH, place), sections, up=R @ UP))
-        scene.add(fl.Clamp(beam["root"]))
-        scene.add(fl.PointLoad(beam["tip"], R @ [5, -10, 20], R @ [3, 2, 1]))
+        scene.add(fl.Clamp(beam.point("root")))
+        scene.add(fl.PointLoad(beam.point("tip"), R @ [5, -10, 20], R @ [3, 2, 1]))
         scene.add(fl.LineLoad(beam, (0, 5, 5), cells="branch", following=True))
         scene.add(fl.PressureLoad(beam, 20.0, (0, 1, 0), cells="arm"))
         tips.append(
             fl.statics(scene, load_steps=2, newton=fl.Newton(tolerance=1e-13)).position(
-                beam["tip"]
+                beam.point("tip")
             )[-1]
         )
     np.testing.assert_allclose(tips[1], motion[0] + turn @ tips[0], rtol=0, atol=1e-11)
@@ -129,16 +129,16 @@ def test_clamp_joint_and_motion_on_a_node_that_follows():
             scene = fl.Scene()
             beam = scene.add(fl.Beam(mesh_of(BRANCH), SECTION, up=UP))
             assert beam.leaders.tolist() == [0, 1, 2, 3, 4, 5, 2, 2]
-            corner = beam.node(node)
+            corner = beam.point(node)
             if support == "clamp":
                 scene.add(fl.Clamp(corner))
             elif support == "joint":
                 scene.add(fl.Fixed(fl.ground(), corner))
             else:
                 scene.add(fl.PrescribedMotion(corner, lambda t, start=corner.frame: start))
-            scene.add(fl.PointLoad(beam["tip"], force=(10, -20, 40)))
+            scene.add(fl.PointLoad(beam.point("tip"), force=(10, -20, 40)))
             tips[node, support] = fl.statics(scene, newton=fl.Newton(tolerance=1e-13)).position(
-                beam["tip"]
+                beam.point("tip")
             )[-1]
     values = np.array(list(tips.values()))
     np.testing.assert_allclose(values, values[:1].repeat(9, axis=0), rtol=0, atol=1e-12)
@@ -157,18 +157,23 @@ def test_a_rigid_link_is_a_fixed_joint_at_an_offset(steps):
         a = scene.add(rod((0, 0, 0), (1, 0, 0)))
         b = scene.add(rod((1.3, 0.2, 0.4), (2, 1, 0), formulation=fl.Geodesic(False)))
         block = scene.add(fl.RigidBody(0.5, (0.02, 0.03, 0.04), (1.1, -0.2, 0.1)))
-        for first, second in ((a.end, block.centre), (b.start, block.centre)):
+        for first, second in (
+            (a.point("end"), block.point("centre")),
+            (b.point("start"), block.point("centre")),
+        ):
             joint = fl.Fixed(first, second, at=first.position)
             scene.add(fl.RigidLink(second, first) if links else joint)
-        scene.add(fl.Clamp(a.start))
-        scene.add(fl.PointLoad(block.centre, force=(0, 5, 3), moment=(1, 2, 3)))
-        scene.add(fl.PointLoad(b.start, force=(1, 2, 1), following=True))
+        scene.add(fl.Clamp(a.point("start")))
+        scene.add(fl.PointLoad(block.point("centre"), force=(0, 5, 3), moment=(1, 2, 3)))
+        scene.add(fl.PointLoad(b.point("start"), force=(1, 2, 1), following=True))
         if steps:
             scheme = fl.GeneralisedAlpha(tolerance=1e-11)
-            tips.append(scheme.run(scene, duration=steps * 1e-3, step=1e-3).position(b.end))
+            tips.append(
+                scheme.run(scene, duration=steps * 1e-3, step=1e-3).position(b.point("end"))
+            )
         else:
             result = fl.statics(scene, load_steps=2, newton=fl.Newton(tolerance=1e-13))
-            tips.append(result.position(b.end))
+            tips.append(result.position(b.point("end")))
     assert np.linalg.norm(tips[0][-1] - [2, 1, 0]) > 1e-3
     np.testing.assert_allclose(tips[0], tips[1], rtol=0, atol=1e-8 if steps else 1e-12)
 
@@ -190,10 +195,10 @@ def test_linked_bodies_are_one_body():
     def run(*bodies, links=()):
         scene = fl.Scene()
         for body in bodies:
-            scene.add(body).turn(spin, about=centre)
-            body.move(speed)
+            scene.add(body).add_velocity(omega=spin, about=centre)
+            body.add_velocity(speed)
         for i, j in links:
-            scene.add(fl.RigidLink(bodies[i].centre, bodies[j].centre))
+            scene.add(fl.RigidLink(bodies[i].point("centre"), bodies[j].point("centre")))
         scheme = fl.GeneralisedAlpha(radius=1.0, tolerance=1e-12)
         return scheme.run(scene, duration=0.5, step=5e-4)
 
@@ -222,10 +227,10 @@ def test_momentum_of_a_beam_with_a_body_beside_it():
     scene = fl.Scene()
     beam = scene.add(rod((0, 0, 0), (1, 0, 0)))
     block = scene.add(fl.RigidBody(0.5, (0.02, 0.03, 0.04), (1.2, 0.3, 0.1)))
-    scene.add(fl.RigidLink(beam.end, block.centre))
+    scene.add(fl.RigidLink(beam.point("end"), block.point("centre")))
     for body in (beam, block):
-        body.turn((1, 2, 3), about=(0.3, 0, 0))
-        body.move((0.3, 0, 1))
+        body.add_velocity(omega=(1, 2, 3), about=(0.3, 0, 0))
+        body.add_velocity((0.3, 0, 1))
     result = fl.GeneralisedAlpha(radius=1.0, tolerance=1e-11).run(scene, duration=0.2, step=2e-4)
     # of second order in the step, as the pendulum's in test_dynamics.py
     assert result.momentum_error < 1e-4 and result.angular_momentum_error < 1e-4
@@ -237,12 +242,12 @@ def test_energy_of_a_dead_force_on_a_body_that_follows():
     scene = fl.Scene()
     beam = scene.add(rod((0, 0, 0), (1, 0, 0)))
     block = scene.add(fl.RigidBody(0.5, (0.02, 0.03, 0.04), (1.0, 0.4, 0.0)))
-    scene.add(fl.RigidLink(beam.end, block.centre))
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.RigidLink(beam.point("end"), block.point("centre")))
+    scene.add(fl.Clamp(beam.point("start")))
     force = np.array([0.0, 3.0, 20.0])
-    scene.add(fl.PointLoad(block.centre, force=force))
+    scene.add(fl.PointLoad(block.point("centre"), force=force))
     result = fl.GeneralisedAlpha(radius=1.0, tolerance=1e-11).run(scene, duration=0.05, step=1e-4)
-    moved = result.position(block.centre) - block.centre.position
+    moved = result.position(block.point("centre")) - block.point("centre").position
     np.testing.assert_allclose(result.potential - result.potential[0], -moved @ force, atol=1e-12)
     assert result.energy_error < 1e-4
 
@@ -251,20 +256,20 @@ def test_velocities_that_a_link_does_not_allow_are_refused():
     scene = fl.Scene()
     beam = scene.add(rod((0, 0, 0), (1, 0, 0), name="arm"))
     block = scene.add(fl.RigidBody(0.5, (0.02, 0.03, 0.04), (1.0, 0.4, 0.0), name="block"))
-    scene.add(fl.RigidLink(beam.end, block.centre))
-    beam.turn((0, 0, 2), about=(0, 0, 0))
+    scene.add(fl.RigidLink(beam.point("end"), block.point("centre")))
+    beam.add_velocity(omega=(0, 0, 2), about=(0, 0, 0))
     with pytest.raises(ValueError, match="velocities of block contradict a rigid link"):
         fl.extend.Equations(scene, dynamics=True)
-    block.turn((0, 0, 2), about=(0, 0, 0))
+    block.add_velocity(omega=(0, 0, 2), about=(0, 0, 0))
     fl.extend.Equations(scene, dynamics=True)
 
 
 def test_a_joint_between_linked_points_is_redundant():
     scene = fl.Scene()
     a, b = scene.add(rod((0, 0, 0), (1, 2, 0.3))), scene.add(rod((1, 2, 0.3), (2, 1, 0)))
-    scene.add(fl.RigidLink(a.end, b.start))
-    scene.add(fl.Clamp(a.start))
-    scene.add(fl.Revolute(b.start, a.end, axis=(1, 1, 3), name="useless"))
+    scene.add(fl.RigidLink(a.point("end"), b.point("start")))
+    scene.add(fl.Clamp(a.point("start")))
+    scene.add(fl.Revolute(b.point("start"), a.point("end"), axis=(1, 1, 3), name="useless"))
     with pytest.raises(ValueError, match=r"5 of 5 constraints are redundant.*useless"):
         fl.extend.Equations(scene, dynamics=True)
 

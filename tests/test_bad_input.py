@@ -28,7 +28,7 @@ def run(scene: fl.Scene, *, radius=0.8, tolerance=1e-8, **options) -> fl.Result:
 def attached(load_of_point):
     """A scene with a clamped bar and what the function makes of it."""
     body = bar()
-    return scene_with(body, fl.Clamp(body.start), load_of_point(body))
+    return scene_with(body, fl.Clamp(body.point("start")), load_of_point(body))
 
 
 def with_bar(item_of_bar):
@@ -77,8 +77,8 @@ CASES = {
         lambda: attached(lambda b: fl.LineLoad(b, force=(0, 0, 1), cells="deck")),
         "'deck'",
     ),
-    "missing point": (lambda: bar()["middle"], "'middle'.*start"),
-    "missing node": (lambda: bar().node(7), "7"),
+    "missing point": (lambda: bar().point("middle"), "'middle'.*start"),
+    "missing node": (lambda: bar().point(7), "7"),
     "curve with a kink": (
         lambda: fl.Beam.curve(lambda s: (s, abs(s - 0.3), 0), SECTION, cells=8),
         r"kink at s = 0\.3",
@@ -88,7 +88,10 @@ CASES = {
         lambda: fl.Beam(kink(), SECTION, up=fl.Twisted(lambda s: s)),
         "one smooth line",
     ),
-    "link to ground": (lambda: with_bar(lambda b: fl.RigidLink(fl.ground(), b.end)), "ground"),
+    "link to ground": (
+        lambda: with_bar(lambda b: fl.RigidLink(fl.ground(), b.point("end"))),
+        "ground",
+    ),
     "pressure along the axis": (
         lambda: attached(lambda b: fl.PressureLoad(b, 1.0, direction=(1, 0, 1))),
         "across the axis",
@@ -99,21 +102,27 @@ CASES = {
     ),
     "negative damping": (lambda: bar(damping=fl.Damping(stiffness=-1.0)), "≥ 0"),
     "up along the line": (lambda: bar(up=(1, 0, 0)), "along the line"),
-    "nan load": (lambda: attached(lambda b: fl.PointLoad(b.end, force=(0, NAN, 0))), "nan"),
-    "load of two numbers": (lambda: attached(lambda b: fl.PointLoad(b.end, force=(0, 1))), "3"),
+    "nan load": (
+        lambda: attached(lambda b: fl.PointLoad(b.point("end"), force=(0, NAN, 0))),
+        "nan",
+    ),
+    "load of two numbers": (
+        lambda: attached(lambda b: fl.PointLoad(b.point("end"), force=(0, 1))),
+        "3",
+    ),
     "load on ground": (lambda: fl.Scene().add(fl.PointLoad(fl.ground())), "ground"),
     "nan gravity": (lambda: fl.Scene(gravity=(0, 0, NAN)), "nan"),
     "joint to a body that is not there": (
-        lambda: scene_with(fl.Spherical(fl.ground(), bar(name="stray").start)),
+        lambda: scene_with(fl.Spherical(fl.ground(), bar(name="stray").point("start"))),
         "stray is not in the scene",
     ),
     "joint between points apart": (
-        lambda: with_bar(lambda b: fl.Fixed(b.start, b.end)),
+        lambda: with_bar(lambda b: fl.Fixed(b.point("start"), b.point("end"))),
         r"1 apart.*more than 1e-09 of the size 1.*at=\(0\.5, 0, 0\)",
     ),
     "joint without direction": (
         lambda: scene_with(
-            *(lambda b: (b, fl.Revolute(fl.ground(), b.end, axis=(0, 0, 0))))(bar())
+            *(lambda b: (b, fl.Revolute(fl.ground(), b.point("end"), axis=(0, 0, 0))))(bar())
         ),
         "axis",
     ),
@@ -130,7 +139,7 @@ CASES = {
         "rotation",
     ),
     "motion that starts elsewhere": (
-        lambda: attached(lambda b: fl.PrescribedMotion(b.end, lambda t: np.zeros((4, 3)))),
+        lambda: attached(lambda b: fl.PrescribedMotion(b.point("end"), lambda t: np.zeros((4, 3)))),
         "start at its frame",
     ),
     "empty scene": (lambda: fl.extend.Equations(fl.Scene(), dynamics=True), "no body"),
@@ -157,19 +166,26 @@ CASES = {
     ),
     "velocities against a joint": (
         lambda: run(
-            (lambda b: (b.move((1, 0, 0)), scene_with(b, fl.Spherical(fl.ground(), b.start)))[1])(
-                bar()
-            )
+            (
+                lambda b: (
+                    b.add_velocity((1, 0, 0)),
+                    scene_with(b, fl.Spherical(fl.ground(), b.point("start"))),
+                )[1]
+            )(bar())
         ),
         "velocities break Spherical",
     ),
     "velocity of a clamped point": (
-        lambda: run((lambda b: (b.move((1, 0, 0)), scene_with(b, fl.Clamp(b.end)))[1])(bar())),
+        lambda: run(
+            (lambda b: (b.add_velocity((1, 0, 0)), scene_with(b, fl.Clamp(b.point("end"))))[1])(
+                bar()
+            )
+        ),
         "end is clamped, but has the initial velocity",
     ),
     "load history of nan": (
         lambda: run(
-            attached(lambda b: fl.PointLoad(b.end, force=(1, 0, 0), history=lambda t: NAN))
+            attached(lambda b: fl.PointLoad(b.point("end"), force=(1, 0, 0), history=lambda t: NAN))
         ),
         "history of load 1 is nan",
     ),

@@ -45,7 +45,7 @@ def test_a_mass_under_a_ramped_force_and_gravity(scheme, kind):
     m, k, g, x0 = 2.0, 3.0, np.array([0, 0, -9.81]), np.array([0.3, 0.5, 0.0])
     scene = fl.Scene(gravity=g)
     body = scene.add(fl.RigidBody(m, (0.1, 0.2, 0.3), x0))
-    scene.add(fl.PointLoad(body.centre, force=(k, 0, 0), history=lambda t: t))
+    scene.add(fl.PointLoad(body.point("centre"), force=(k, 0, 0), history=lambda t: t))
     result = run(scene, scheme, kind)
     impulse = m * g * T + np.array([0.5 * k * T**2, 0, 0])
     # about the origin: ∫ x × F dt
@@ -55,7 +55,8 @@ def test_a_mass_under_a_ramped_force_and_gravity(scheme, kind):
     loads = (*impulse, *moment)
     check(result, scheme, k**2 * T**4 / (8 * m), 0.0, loads, (0,) * 6, 1e-3)
     np.testing.assert_allclose(
-        result.potential - result.potential[0], 9.81 * m * result.position(body.centre)[:, 2]
+        result.potential - result.potential[0],
+        9.81 * m * result.position(body.point("centre"))[:, 2],
     )
 
 
@@ -66,7 +67,7 @@ def test_a_driven_pendulum(scheme, kind):
     m, J, length, alpha, g = 2.0, 0.3, 0.7, 1.5, 9.81
     scene = fl.Scene(gravity=(0, -g, 0))
     body = scene.add(fl.RigidBody(m, (0.1, 0.2, J), (length, 0, 0)))
-    hinge = scene.add(fl.Revolute(fl.ground(), body.centre, at=(0, 0, 0), axis=(0, 0, 1)))
+    hinge = scene.add(fl.Revolute(fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 0, 1)))
     scene.add(fl.Drive(hinge.angle, lambda t: 0.5 * alpha * t**2))
     result = run(scene, scheme, kind)
     spin, angle = alpha * T, 0.5 * alpha * T**2
@@ -88,7 +89,7 @@ def test_a_damped_oscillator(scheme, kind):
     m, c, k, x0 = 2.0, 1.2, 80.0, 0.1
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(m, (0.1, 0.2, 0.3)))
-    slide = scene.add(fl.Prismatic(fl.ground(), body.centre, axis=(1, 0, 0)))
+    slide = scene.add(fl.Prismatic(fl.ground(), body.point("centre"), axis=(1, 0, 0)))
     scene.add(fl.Spring(slide.displacement, k, c, rest=-x0))
     result = run(scene, scheme, kind)
     decay = c / (2 * m)
@@ -108,7 +109,7 @@ def test_a_body_that_is_spun_up(scheme, kind, following):
     J, M = 0.3, 0.4
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(2.0, (0.1, 0.2, J), (1.0, 0, 0)))
-    scene.add(fl.PointLoad(body.centre, moment=(0, 0, M), following=following))
+    scene.add(fl.PointLoad(body.point("centre"), moment=(0, 0, M), following=following))
     result = run(scene, scheme, kind)
     check(result, scheme, (M * T) ** 2 / (2 * J), 0.0, (0, 0, 0, 0, 0, M * T), (0,) * 6, 1e-6)
 
@@ -118,14 +119,14 @@ def test_a_shaken_hinge(scheme):
     """A prescribed motion carries a body along: ½ m v² is its work, m v its impulse."""
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(2.0, (0.1, 0.2, 0.3)))
-    start = body.centre.frame.copy()
+    start = body.point("centre").frame.copy()
 
     def pulled(t):
         frame = start.copy()
         frame[0] += (0.4 * t**2, 0.1 * t**3, 0)
         return frame
 
-    scene.add(fl.PrescribedMotion(body.centre, pulled))
+    scene.add(fl.PrescribedMotion(body.point("centre"), pulled))
     result = run(scene, scheme)
     v = np.array([0.8, 0.3, 0])
     x = np.array([0.4, 0.1, 0])
@@ -137,7 +138,7 @@ def cantilever(*loads):
     scene = fl.Scene(gravity=(0, 0, -9.81))
     damping = fl.Damping(mass=0.5, stiffness=1e-3)
     beam = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), STEEL, cells=4, damping=damping))
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     for load in loads:
         scene.add(load(beam))
     return scene
@@ -149,8 +150,8 @@ def ramp(t):
 
 ON_BEAM = {
     "gravity": (),
-    "tip force": (lambda b: fl.PointLoad(b.end, force=(0, 0.5, 1.0), history=ramp),),
-    "following": (lambda b: fl.PointLoad(b.end, force=(0, 0.5, 1.0), following=True),),
+    "tip force": (lambda b: fl.PointLoad(b.point("end"), force=(0, 0.5, 1.0), history=ramp),),
+    "following": (lambda b: fl.PointLoad(b.point("end"), force=(0, 0.5, 1.0), following=True),),
     "line load": (lambda b: fl.LineLoad(b, force=(0, 1.0, 2.0), history=ramp),),
     "pressure": (lambda b: fl.PressureLoad(b, 2.0, history=ramp),),
     "strain": (lambda b: fl.Eigenstrain(b, (0, 0, 0, 0, 0.5, 0), history=ramp),),

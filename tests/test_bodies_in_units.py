@@ -60,7 +60,7 @@ def net(u: UnitSystem) -> fl.Net:
 def reduced(u: UnitSystem) -> fl.ReducedBody:
     scene = fl.Scene()
     full = scene.add(fl.Beam(bow(u, 4), bar(u)))
-    return fl.reduced_body(scene, [full.start, full.end], 3)
+    return fl.reduced_body(scene, [full.point("start"), full.point("end")], 3)
 
 
 def spline(u: UnitSystem) -> fl.SplineCable:
@@ -118,7 +118,7 @@ def flown(u: UnitSystem, scheme: str, name: str) -> tuple[np.ndarray, int, int]:
     """Places after five steps over their start, iterations, and steps that were divided."""
     scene, step = fl.Scene(gravity=u.acceleration([0, 0, -9.81])), STEPS.get(scheme, 2e-3)
     body = scene.add(BODIES[name](u))
-    body.turn(u.rate([1.0, 2.0, 3.0]), about=u.length([0.5, 0.1, 0]))
+    body.add_velocity(omega=u.rate([1.0, 2.0, 3.0]), about=u.length([0.5, 0.1, 0]))
     result = TAKES[scheme][0].run(
         scene, duration=u.time(5 * step), step=u.time(step), progress=False
     )
@@ -172,7 +172,7 @@ def test_steel_flies_in_full_steps(name):
     """Where waves pass cells many times in a step, and no matrix has what rotation does in it."""
     scene = fl.Scene()
     body = scene.add(STEEL[name](fl.Material(2e11, 0.3, 7800.0)))
-    body.turn((1.0, 2.0, 3.0), about=(0.5, 0.1, 0))
+    body.add_velocity(omega=(1.0, 2.0, 3.0), about=(0.5, 0.1, 0))
     result = fl.EnergyMomentum().run(scene, duration=0.02, step=1e-3, progress=False)
     assert result.divided == 0
     assert result.factorisations <= 40
@@ -187,10 +187,10 @@ HELD = ("geodesic beam", "thin shell", "beam of gradients", "shell of gradients"
 def ends(body: fl.Body) -> tuple[fl.Point, fl.Point]:
     """Two points of a body of :data:`HELD`."""
     if isinstance(body, fl.ReducedBody):
-        return body.node(0), body.node(1)
+        return body.point(0), body.point(1)
     if isinstance(body, fl.ThinShell | fl.AncfShell):
-        return body["00"], body["11"]
-    return body.start, body.end
+        return body.point("00"), body.point("11")
+    return body.point("start"), body.point("end")
 
 
 def hung(u: UnitSystem, name: str, gravity: float = 0.0) -> tuple[fl.Scene, fl.Point]:
@@ -281,7 +281,7 @@ def test_redundant_joints_share_forces_alike(name, u):
 def on_a_hinge(u: UnitSystem) -> np.ndarray:
     """Forces and moments of a hinge at one point of a thin shell that falls."""
     scene, step = fl.Scene(gravity=u.acceleration([0, 0, -9.81])), u.time(5e-3)
-    point = scene.add(fl.ThinShell(patch(u), layer(u)))["00"]
+    point = scene.add(fl.ThinShell(patch(u), layer(u))).point("00")
     scene.add(fl.Revolute(fl.ground(), point, at=point.position, axis=(0, 1, 0)))
     result = fl.EnergyMomentum().run(scene, duration=12 * step, step=step, progress=False)
     return u.inverse.wrench(result.joint_forces)
@@ -299,7 +299,7 @@ def swinging(u: UnitSystem) -> float:
     """Balance of energy of a rope of bars that is clamped at its end."""
     scene, step = fl.Scene(gravity=u.acceleration([0, 0, -9.81])), u.time(5e-3)
     cable = scene.add(fl.Cable(bow(u), rope(u), formulation=fl.DiscreteCable()))
-    cable.clamp(cable.start)
+    cable.clamp(cable.point("start"))
     result = fl.EnergyMomentum().run(scene, duration=12 * step, step=step, progress=False)
     return result.balance_error
 

@@ -185,8 +185,8 @@ def block_on_a_mass(cells: int) -> fl.Scene:
     for node in block.points("c=0"):
         scene.add(fl.Clamp(node))
     mass = scene.add(fl.RigidBody(1.0, (0.1,) * 3, position=(0.5, 0.5, 1.0)))
-    scene.add(fl.Fixed(block.grip("c=1"), mass.centre, at=(0.5, 0.5, 0.5)))
-    scene.add(fl.PointLoad(mass.centre, force=(2e4, 0.0, -4e4), moment=(0.0, 0.0, 3e3)))
+    scene.add(fl.Fixed(block.point("c=1"), mass.point("centre"), at=(0.5, 0.5, 0.5)))
+    scene.add(fl.PointLoad(mass.point("centre"), force=(2e4, 0.0, -4e4), moment=(0.0, 0.0, 3e3)))
     return scene
 
 
@@ -209,8 +209,8 @@ def test_attachments_may_be_on_nodes_that_are_held(monkeypatch):
         scene = block_on_a_mass(8)
         (block,) = (body for body in scene.bodies if isinstance(body, fl.Solid))
         mass = scene.add(fl.RigidBody(1.0, (0.1,) * 3, position=(0.5, 0.5, -1.0)))
-        scene.add(fl.Fixed(block.grip("c=0"), mass.centre, at=(0.5, 0.5, 0.0)))
-        scene.add(fl.PointLoad(mass.centre, force=(1e3, 0.0, 0.0)))
+        scene.add(fl.Fixed(block.point("c=0"), mass.point("centre"), at=(0.5, 0.5, 0.0)))
+        scene.add(fl.PointLoad(mass.point("centre"), force=(1e3, 0.0, 0.0)))
         return fl.statics(scene)
 
     found = result()
@@ -233,7 +233,7 @@ def test_a_force_on_an_averaging_attachment_is_a_traction():
         return fl.extend.Equations(scene, dynamics=False).matrix.csr[0].size, fl.statics(scene)
 
     def at_the_mean(scene, block, force):
-        scene.add(fl.PointLoad(block.grip("c=1"), force=force))
+        scene.add(fl.PointLoad(block.point("c=1"), force=force))
 
     def spread(scene, block, force):
         scene.add(fl.FaceLoad(block, "c=1", force / 1.05))

@@ -29,8 +29,8 @@ def heavy_cantilever(cells: int) -> np.ndarray:
     cable = fl.Cable.straight((0, 0, 0), (2, 0, 0), section(1e6, 2500 / 3, 78.0), cells=cells)
     scene = fl.Scene(gravity=(0, -GRAVITY, 0))
     scene.add(cable)
-    scene.add(fl.Clamp(cable.start))
-    return (fl.statics(scene).position(cable.end)[-1] - (2, 0, 0))[:2]
+    scene.add(fl.Clamp(cable.point("start")))
+    return (fl.statics(scene).position(cable.point("end"))[-1] - (2, 0, 0))[:2]
 
 
 SLACK = fl.HermiteCable(slack=1e-4)
@@ -54,11 +54,11 @@ def sagging_and_swinging(u: UnitSystem) -> tuple[np.ndarray, int]:
     cable = fl.Cable.straight(u.length([0, 0, 0]), u.length([2, 0, 0]), own, cells=6)
     scene = fl.Scene(gravity=u.acceleration([0, -GRAVITY, 0]))
     scene.add(cable)
-    scene.add(fl.Clamp(cable.start))
-    rest = fl.statics(scene).position(cable.end)[-1:]
+    scene.add(fl.Clamp(cable.point("start")))
+    rest = fl.statics(scene).position(cable.point("end"))[-1:]
     scheme = fl.GeneralisedAlpha(radius=0.8)
     result = scheme.run(scene, duration=u.time(0.1), step=u.time(1e-3))
-    moved = np.concatenate([rest, result.position(cable.end)])
+    moved = np.concatenate([rest, result.position(cable.point("end"))])
     return u.inverse.length(moved), result.k_updates
 
 
@@ -113,7 +113,7 @@ def hung(cells: int, EA: float, EI: float) -> tuple[fl.Scene, fl.Cable]:
     cable = fl.Cable(mesh, section(EA, EI), length=LENGTH)
     scene = fl.Scene(gravity=(0, -WEIGHT, 0))
     scene.add(cable)
-    cable.pin(cable.start, cable.end)
+    cable.pin(cable.point("start"), cable.point("end"))
     return scene, cable
 
 
@@ -146,10 +146,10 @@ def test_line_load_is_that_of_gravity():
     weight = (0, -78 * GRAVITY, 0)
     scene = fl.Scene()
     scene.add(cable)
-    scene.add(fl.Clamp(cable.start))
+    scene.add(fl.Clamp(cable.point("start")))
     scene.add(fl.LineLoad(cable, weight))
-    loaded = fl.statics(scene).position(cable.end)
-    heavy = fl.statics(scene.with_loads(gravity=(0, -GRAVITY, 0))).position(cable.end)
+    loaded = fl.statics(scene).position(cable.point("end"))
+    heavy = fl.statics(scene.with_loads(gravity=(0, -GRAVITY, 0))).position(cable.point("end"))
     np.testing.assert_allclose(loaded[-1], heavy[-1], rtol=1e-9)
 
 
@@ -158,8 +158,8 @@ def test_column_buckles_as_eulers_does():
     cable = fl.Cable.straight((0, 0, 0), (1, 0, 0), section(1e5, 1.0), cells=8)
     scene = fl.Scene()
     scene.add(cable)
-    scene.add(fl.Clamp(cable.start))
-    scene.add(fl.PointLoad(cable.end, (-1.0, 0, 0)))
+    scene.add(fl.Clamp(cable.point("start")))
+    scene.add(fl.PointLoad(cable.point("end"), (-1.0, 0, 0)))
     modes = fl.buckling(scene, 2)
     np.testing.assert_allclose(modes.factors, np.pi**2 / 4, rtol=2e-5)
     moved = np.linalg.norm(modes.shapes[0][:, :3], axis=1)
@@ -173,7 +173,7 @@ def test_load_steps_converge_at_once_with_carried_stress():
         cable = fl.Cable.straight((0, 0, 0), (2, 0, 0), section(1e6, 833.0, 78.0), cells=cells)
         scene = fl.Scene(gravity=(0, -GRAVITY, 0))
         scene.add(cable)
-        scene.add(fl.Clamp(cable.start))
+        scene.add(fl.Clamp(cable.point("start")))
         assert fl.statics(scene).iterations.sum() <= 6
 
 
@@ -205,12 +205,12 @@ def weight_on_a_cable(cells: int) -> float:
     for piece in pieces:
         scene.add(piece)
     for (a, b), load in zip(pairwise(pieces), weights, strict=False):
-        scene.add(fl.Spherical(a.end, b.start))
-        scene.add(fl.PointLoad(a.end, (0, -load, 0)))
-    pieces[0].pin(pieces[0].start)
-    pieces[-1].pin(pieces[-1].end)
+        scene.add(fl.Spherical(a.point("end"), b.point("start")))
+        scene.add(fl.PointLoad(a.point("end"), (0, -load, 0)))
+    pieces[0].pin(pieces[0].point("start"))
+    pieces[-1].pin(pieces[-1].point("end"))
     result = fl.statics(scene)
-    found = np.array([result.position(piece.end)[-1, :2] for piece in pieces])
+    found = np.array([result.position(piece.point("end"))[-1, :2] for piece in pieces])
     return float(np.abs(found - expected).max())
 
 
@@ -254,7 +254,7 @@ def test_slack_cables_find_the_only_equilibrium_from_anywhere():
         cable = fl.Cable(mesh, section(EA, 1e-6), length=LENGTH, formulation=SLACK)
         scene = fl.Scene(gravity=(0, -WEIGHT, 0))
         scene.add(cable)
-        cable.pin(cable.start, cable.end)
+        cable.pin(cable.point("start"), cable.point("end"))
         result = fl.statics(scene)
         s = np.concatenate([[0.0], np.cumsum(cable.lengths)])
         error = np.abs(result.frames[-1][:, 0, :2] - elastic_catenary(EA)[0](s)).max()
@@ -266,7 +266,7 @@ def test_one_of_two_guys_goes_slack():
     EA, slack, push = 1e3, 1e-3, 3.0
     scene = fl.Scene()
     mast = scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(0, 0, 1)))
-    foot = fl.Spherical(fl.ground(), mast.at((0, 0, 0)))
+    foot = fl.Spherical(fl.ground(), mast.point((0, 0, 0)))
     scene.add(foot)
     mast.held[0, [3, 5]] = True
     for side in (-1.0, 1.0):
@@ -276,10 +276,10 @@ def test_one_of_two_guys_goes_slack():
             formulation=fl.HermiteCable(slack=slack),
         )
         scene.add(guy)
-        guy.pin(guy.start)
-        scene.add(fl.Spherical(guy.end, mast.centre))
-    scene.add(fl.PointLoad(mast.centre, (push, 0, 0)))
-    angle = fl.statics(scene).position(mast.centre)[-1]
+        guy.pin(guy.point("start"))
+        scene.add(fl.Spherical(guy.point("end"), mast.point("centre")))
+    scene.add(fl.PointLoad(mast.point("centre"), (push, 0, 0)))
+    angle = fl.statics(scene).position(mast.point("centre"))[-1]
 
     def moment(turn):
         top, total = np.array([np.sin(turn), np.cos(turn)]), push * np.cos(turn)
@@ -302,7 +302,7 @@ def test_loose_cable_falls_and_is_caught(element):
     cable = fl.Cable(arch, section(1e3, 1e-2, 0.5), formulation=element)
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     scene.add(cable)
-    cable.pin(cable.start, cable.end)
+    cable.pin(cable.point("start"), cable.point("end"))
     scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-8)
     result = scheme.run(scene, duration=0.5, step=1e-3)
     assert result.frames[:, 4, 0, 2].min() < -0.14
@@ -403,8 +403,8 @@ def test_direction_of_the_cells_does_not_matter():
         cable = fl.Cable(mesh, section(1e6, 833.0, 78.0))
         scene = fl.Scene(gravity=(0, -GRAVITY, 0))
         scene.add(cable)
-        scene.add(fl.Clamp(cable["a"]))
-        ends.append(fl.statics(scene).position(cable["b"])[-1])
+        scene.add(fl.Clamp(cable.point("a")))
+        ends.append(fl.statics(scene).position(cable.point("b"))[-1])
     np.testing.assert_allclose(*ends, rtol=1e-9)
 
 
@@ -418,7 +418,7 @@ def test_swinging_of_a_hanging_chain():
     cable = scene.add(
         fl.Cable.straight((0, 0, 0), (0, 0, -length), section(1e7, 1e-4, 0.3), cells=12)
     )
-    cable.pin(cable.start)
+    cable.pin(cable.point("start"))
     found = fl.vibrations(scene, 4, at=fl.statics(scene)).frequencies
     expected = np.repeat(0.5 * jn_zeros(0, 2) * np.sqrt(GRAVITY / length), 2)
     np.testing.assert_allclose(found, expected, rtol=1e-3)
@@ -443,8 +443,8 @@ def test_moves_as_an_independent_program_has_it(name):
 def free_flight(step: float, **options) -> fl.Result:
     """A bent cable that tumbles without anything that acts."""
     cable = fl.Cable.curve(lambda s: (2 * s, 0.3 * s * s, 0.1 * s), section(1e3, 1.0, 0.5), cells=4)
-    cable.move((1, 2, 3))
-    cable.turn((1.0, 2.0, 0.5), cable.node(0))
+    cable.add_velocity((1, 2, 3))
+    cable.add_velocity(omega=(1.0, 2.0, 0.5), about=cable.point(0))
     scene = fl.Scene()
     scene.add(cable)
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10, **options)
@@ -471,11 +471,11 @@ def test_damping_with_strain():
     )
     scene = fl.Scene()
     scene.add(cable)
-    scene.add(fl.Clamp(cable.start))
+    scene.add(fl.Clamp(cable.point("start")))
     modes, step = fl.vibrations(scene, 1), 4e-3
     omega = np.abs(modes.eigenvalues[0])
     np.testing.assert_allclose(modes.damping_ratios, 0.5 * factor * omega, rtol=1e-3)
-    scene.add(fl.PointLoad(cable.end, (0, 0, 1e-3), history=lambda t: float(t < 0.2)))
+    scene.add(fl.PointLoad(cable.point("end"), (0, 0, 1e-3), history=lambda t: float(t < 0.2)))
     scheme = fl.GeneralisedAlpha(radius=1.0, tolerance=1e-12)
     result = scheme.run(scene, duration=4.0, step=step)
     free, period = result.times > 1.5, 2 * np.pi / omega
@@ -520,11 +520,11 @@ def test_steps_that_change_follow_the_same_motion():
     cable = fl.Cable.straight((0, 0, 0), (1, 0, 0), section(1e3, 1e-2, 0.5), cells=4)
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     scene.add(cable)
-    cable.pin(cable.start)
+    cable.pin(cable.point("start"))
     scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-8)
     fixed = scheme.run(scene, duration=0.2, step=5e-4)
     adaptive = scheme.run(scene, duration=0.2, step=fl.AdaptiveStep(tolerance=1e-4))
-    ends = [result.position(cable.end)[-1] for result in (fixed, adaptive)]
+    ends = [result.position(cable.point("end"))[-1] for result in (fixed, adaptive)]
     np.testing.assert_allclose(*ends, atol=1e-3)
 
 
@@ -543,7 +543,7 @@ def swinging_on_a_joint(**options) -> fl.Result:
     )
     scene = fl.Scene(gravity=(0, 1, -GRAVITY))
     scene.add(cable)
-    scene.add(fl.Spherical(fl.ground(), cable.start))
+    scene.add(fl.Spherical(fl.ground(), cable.point("start")))
     scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-10, **options)
     return scheme.run(scene, duration=0.1, step=1e-3)
 
@@ -560,7 +560,7 @@ def test_file_and_resume(tmp_path):
     cable = fl.Cable.straight((0, 0, 0), (1, 0, 0), section(1e3, 1e-2, 0.5), cells=3)
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     scene.add(cable)
-    scene.add(fl.Clamp(cable.start))
+    scene.add(fl.Clamp(cable.point("start")))
     scheme, path = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-8), tmp_path / "cable.h5"
     plain = scheme.run(scene, duration=0.05, step=1e-3)
     scheme.run(scene, duration=0.05, step=1e-3, file=path, checkpoint_every=20)
@@ -580,7 +580,10 @@ def test_joints_hold_a_cable_as_pins_do():
     cable.held[:] = False
     jointed = fl.Scene(gravity=(0, -WEIGHT, 0))
     jointed.add(cable)
-    joints = [jointed.add(fl.Spherical(fl.ground(), point)) for point in (cable.start, cable.end)]
+    joints = [
+        jointed.add(fl.Spherical(fl.ground(), point))
+        for point in (cable.point("start"), cable.point("end"))
+    ]
     found = fl.statics(jointed)
     np.testing.assert_allclose(found.frames[-1][:, 0], pinned.frames[-1][:, 0], atol=1e-8)
     forces = [found.joint_force(joint)[-1][:3] for joint in joints]
@@ -594,9 +597,9 @@ def test_revolute_joint_about_the_tangent_is_a_clamp():
         cable = fl.Cable.straight((0, 0, 0), (2, 0, 0), section(1e6, 833.0, 78.0), cells=4)
         scene = fl.Scene(gravity=(0, -GRAVITY, 0))
         scene.add(cable)
-        held = fl.Revolute(fl.ground(), cable.start, axis=(1, 0, 0))
-        scene.add(fl.Clamp(cable.start) if clamped else held)
-        tips.append(fl.statics(scene).position(cable.end)[-1])
+        held = fl.Revolute(fl.ground(), cable.point("start"), axis=(1, 0, 0))
+        scene.add(fl.Clamp(cable.point("start")) if clamped else held)
+        tips.append(fl.statics(scene).position(cable.point("end"))[-1])
     np.testing.assert_allclose(*tips, rtol=1e-8)
 
 
@@ -605,8 +608,8 @@ def bent_by(load, cells: int = 16):
     cable = fl.Cable.straight((0, 0, 0), (2, 0, 0), section(1e6, 833.0, 78.0), cells=cells)
     scene = fl.Scene()
     scene.add(cable)
-    scene.add(fl.Clamp(cable.start))
-    scene.add(fl.PointLoad(cable.end, **load))
+    scene.add(fl.Clamp(cable.point("start")))
+    scene.add(fl.PointLoad(cable.point("end"), **load))
     tip = fl.statics(scene).frames[-1][-1]
     return tip[0], tip[1] / np.linalg.norm(tip[1])
 
@@ -614,7 +617,7 @@ def bent_by(load, cells: int = 16):
 def test_a_moment_bends_a_cable_to_a_circle():
     """The component about the tangent does no work."""
     angle, tangential = 1.0, 50.0
-    axes = fl.Cable.straight((0, 0, 0), (2, 0, 0), section(1, 1), cells=1).end.frame[1:]
+    axes = fl.Cable.straight((0, 0, 0), (2, 0, 0), section(1, 1), cells=1).point("end").frame[1:]
     moment = axes @ (tangential, 0.0, 833.0 * angle / 2)
     tip, tangent = bent_by({"moment": moment, "following": True})
     np.testing.assert_allclose(tangent, [np.cos(angle), np.sin(angle), 0], atol=1e-5)
@@ -630,13 +633,15 @@ def test_a_force_that_follows_a_cable_is_that_on_a_body_at_its_tangent():
     scene = fl.Scene()
     scene.add(cable)
     scene.add(body)
-    scene.add(fl.Clamp(cable.start))
-    scene.add(fl.Revolute(cable.end, body.centre, axis=(1, 0, 0)))
-    hinge = scene.add(fl.Planar(fl.ground(), body.centre, axis=(0, 0, 1), second=(1, 0, 0)))
+    scene.add(fl.Clamp(cable.point("start")))
+    scene.add(fl.Revolute(cable.point("end"), body.point("centre"), axis=(1, 0, 0)))
+    hinge = scene.add(
+        fl.Planar(fl.ground(), body.point("centre"), axis=(0, 0, 1), second=(1, 0, 0))
+    )
     assert hinge is not None
-    scene.add(fl.PointLoad(body.centre, force, following=True))
-    expected = fl.statics(scene).position(cable.end)[-1]
-    axes = cable.end.frame[1:]
+    scene.add(fl.PointLoad(body.point("centre"), force, following=True))
+    expected = fl.statics(scene).position(cable.point("end"))[-1]
+    axes = cable.point("end").frame[1:]
     tip, _ = bent_by({"force": axes @ force, "following": True})
     np.testing.assert_allclose(tip, expected, atol=1e-7 * np.linalg.norm(expected))
 
@@ -648,9 +653,9 @@ def crane(step: float) -> fl.Result:
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), steel, cells=2))
     cable = scene.add(fl.Cable.straight((1, 0, 0), (1, 0, -1), section(1e4, 0.1, 0.1), cells=4))
     load = scene.add(fl.RigidBody(0.5, (1e-2, 1e-2, 1e-2), position=(1, 0, -1)))
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.Revolute(beam.end, cable.start, axis=(0, 0, 1)))
-    scene.add(fl.Spherical(cable.end, load.centre))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.Revolute(beam.point("end"), cable.point("start"), axis=(0, 0, 1)))
+    scene.add(fl.Spherical(cable.point("end"), load.point("centre")))
     return fl.GeneralisedAlpha(radius=0.9, tolerance=1e-8).run(scene, duration=0.2, step=step)
 
 
@@ -693,11 +698,14 @@ def corner():
 
 
 REFUSED = {
-    "moment": (added(lambda c: fl.PointLoad(c.end, moment=(1, 0, 0))), "no rotation"),
+    "moment": (added(lambda c: fl.PointLoad(c.point("end"), moment=(1, 0, 0))), "no rotation"),
     "line moment": (added(lambda c: fl.LineLoad(c, moment=(1, 0, 0))), "moment"),
-    "rigid link": (added(lambda c: fl.RigidLink(c.start, c.end)), "places and slopes"),
+    "rigid link": (
+        added(lambda c: fl.RigidLink(c.point("start"), c.point("end"))),
+        "places and slopes",
+    ),
     "motion": (
-        added(lambda c: fl.PrescribedMotion(c.end, lambda t: c.end.frame)),
+        added(lambda c: fl.PrescribedMotion(c.point("end"), lambda t: c.point("end").frame)),
         "prescribed motion",
     ),
     "corner": (lambda: fl.Cable(corner(), section(1.0, 1.0)), "smooth"),
@@ -728,7 +736,10 @@ REFUSED = {
         "nodes with frames",
     ),
     "group of cells": (added(lambda c: fl.LineLoad(c, (0, 0, 1), cells="all")), "group"),
-    "pin of another": (lambda: cable_in_a_scene()[1].pin(cable_in_a_scene()[1].end), "its own"),
+    "pin of another": (
+        lambda: cable_in_a_scene()[1].pin(cable_in_a_scene()[1].point("end")),
+        "its own",
+    ),
     "spin": (lambda: fl.statics(cable_in_a_scene()[0], spin=(0, 0, 1)), "steady rotation"),
     "imperfection": (
         lambda: fl.imperfect(

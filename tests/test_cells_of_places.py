@@ -24,7 +24,7 @@ def started(clamped: bool) -> Run:
         rope = fl.straight((0, 0, 0), (1, 0, 0), 12)
         cable = fl.Cable(rope, section, formulation=fl.DiscreteCable())
         scene.add(cable)
-        cable.clamp(cable.start)
+        cable.clamp(cable.point("start"))
     else:
         points = np.vstack([one, np.delete(one, 6, axis=0)[:, [1, 0, 2]]])
         threads = [range(13), [*range(13, 19), 6, *range(19, 25)]]

@@ -117,7 +117,7 @@ def test_the_matrix_has_the_pairs_of_the_present_state():
     n, rng = system.count, np.random.default_rng(2)
     first = system.equations.matrix.version
     for places in ([[0, 0, 0], [0.8, 0.1, 0], [3, 0, 0]], [[0, 0, 0], [3, 0, 0], [0.7, 0.2, 0]]):
-        H = system.start.copy()
+        H = system.point("start").copy()
         H[:n, 0] = places
         H = system.moved(H, 0.01 * rng.normal(size=(n, 6)))
         A, h = system.matrix(H), rng.normal(size=(n, 6))
@@ -153,7 +153,7 @@ def test_balls_bounce_off_and_conserve(step):
     energy = result.kinetic + result.elastic
     assert result.elastic.max() > 0.1 * energy[0]
     np.testing.assert_allclose(energy[-1], energy[0], rtol=2e-3)
-    x = np.array([result.position(each.centre)[-1] for each in balls])
+    x = np.array([result.position(each.point("centre"))[-1] for each in balls])
     assert np.linalg.norm(x[0] - x[1]) > 2 * RADIUS
 
 

@@ -49,7 +49,7 @@ def lattice(bars: int) -> fl.Scene:
             beam = fl.Beam.straight(*ends, section, cells=bars - 1, up=(0, 0, 1))
             scene.add(beam)
             for k in range(bars):
-                at.setdefault((row, k) if layer else (k, row), []).append(beam.node(k))
+                at.setdefault((row, k) if layer else (k, row), []).append(beam.point(k))
     for one, two in at.values():
         scene.add(fl.Revolute(one, two, axis=(0, 0, 1)))
     for k in range(bars):
@@ -67,7 +67,7 @@ def polygon(bars: int, *, closed: bool) -> fl.Scene:
         for a, b in pairwise(places)
     ]
     for one, two in pairwise(beams + beams[: int(closed)]):
-        scene.add(fl.Spherical(one.end, two.start))
+        scene.add(fl.Spherical(one.point("end"), two.point("start")))
     return scene
 
 

@@ -18,11 +18,11 @@ def pendulum(choices=None, spin=2.0, **options):
     mesh = fl.LineMesh.from_cells(points, [(i, i + 1) for i in range(4)], named_points=ends)
     bar = scene.add(fl.Beam(mesh, SECTION, **options))
     body = scene.add(fl.RigidBody(0.1, (1e-4, 1e-4, 1e-4), (0.4, 0.1, 0)))
-    scene.add(fl.RigidLink(bar.end, body.centre))
-    scene.add(fl.Spherical(fl.ground(), bar.start))
+    scene.add(fl.RigidLink(bar.point("end"), body.point("centre")))
+    scene.add(fl.Spherical(fl.ground(), bar.point("start")))
     for item in (bar, body):
-        item.turn((0, 0, spin), about=bar.start)
-    return scene, bar.end
+        item.add_velocity(omega=(0, 0, spin), about=bar.point("start"))
+    return scene, bar.point("end")
 
 
 def run(scene, step=1e-3):

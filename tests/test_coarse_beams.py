@@ -38,8 +38,8 @@ def test_no_tension_makes_elements_unstable(element, times):
             continue
         wire, scene = line((0, 0, 0), (1, 0, 0), section, cells, element), fl.Scene()
         scene.add(wire)
-        scene.add(fl.Clamp(wire.start))
-        scene.add(fl.PointLoad(wire.end, (tension, 0, 0)))
+        scene.add(fl.Clamp(wire.point("start")))
+        scene.add(fl.PointLoad(wire.point("end"), (tension, 0, 0)))
         assert fl.statics(scene).stable[-1]
 
 
@@ -50,8 +50,8 @@ def test_pulled_column_does_not_buckle_by_its_mesh(element, cells):
     section = fl.Section.circle(0.01, STEEL)
     column, scene = line((0, 0, 0), (1, 0, 0), section, cells, element), fl.Scene()
     scene.add(column)
-    scene.add(fl.Clamp(column.start))
-    scene.add(fl.PointLoad(column.end, (section.stiffness[1, 1], 0, 0)))
+    scene.add(fl.Clamp(column.point("start")))
+    scene.add(fl.PointLoad(column.point("end"), (section.stiffness[1, 1], 0, 0)))
     with suppress(fl.ConvergenceError, ValueError):  # there is none
         assert fl.buckling(scene, 1).factors[0] >= 0.5
 
@@ -60,9 +60,9 @@ def heavy_bar(cells, element):
     """Position of the tip, and the longest chord over its unloaded length."""
     scene, section = fl.Scene(gravity=(0, 0, -9.81)), fl.Section.rectangle(0.02, 0.02, STEEL)
     bar = scene.add(line((0, 0, 0), (30, 0, 0), section, cells, element))
-    scene.add(fl.Clamp(bar.start))
+    scene.add(fl.Clamp(bar.point("start")))
     result = fl.statics(scene)
-    x = np.array([result.position(bar.node(k))[-1] for k in range(cells + 1)])
+    x = np.array([result.position(bar.point(k))[-1] for k in range(cells + 1)])
     return x[-1], np.linalg.norm(np.diff(x, axis=0), axis=1).max() / (30 / cells)
 
 
@@ -102,9 +102,9 @@ def test_mean_shear_that_is_bending_does_not_depend_on_the_axes_of_the_section(e
         section = fl.Section.rectangle(0.02, 0.004, STEEL).rotated(-angle)
         strip, scene = line((0, 0, 0), (1, 0, 0), section, 6, element, up=up), fl.Scene()
         scene.add(strip)
-        scene.add(fl.Clamp(strip.start))
-        scene.add(fl.PointLoad(strip.end, (2e4, 50.0, 30.0)))
-        tips.append(fl.statics(scene).position(strip.end)[-1])
+        scene.add(fl.Clamp(strip.point("start")))
+        scene.add(fl.PointLoad(strip.point("end"), (2e4, 50.0, 30.0)))
+        tips.append(fl.statics(scene).position(strip.point("end"))[-1])
     np.testing.assert_allclose(tips[1], tips[0], atol=1e-9)
 
 
@@ -115,8 +115,8 @@ def test_absurd_strains_are_named():
         fl.Scene(),
     )
     scene.add(bar)
-    scene.add(fl.Clamp(bar.start))
-    scene.add(fl.PointLoad(bar.end, (1e7, 0, 0)))
+    scene.add(fl.Clamp(bar.point("start")))
+    scene.add(fl.PointLoad(bar.point("end"), (1e7, 0, 0)))
     with pytest.warns(fl.CoarseElementsWarning, match="is stretched by 15%"):
         fl.statics(scene)
 
@@ -126,8 +126,8 @@ def test_axis_that_leans_from_its_element_is_named():
     section = fl.Section.rectangle(0.02, 0.001, STEEL)
     strip, scene = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2), fl.Scene()
     scene.add(strip)
-    scene.add(fl.Clamp(strip.start))
-    scene.add(fl.PointLoad(strip.end, (0, 0, 100 * section.stiffness[4, 4])))
+    scene.add(fl.Clamp(strip.point("start")))
+    scene.add(fl.PointLoad(strip.point("end"), (0, 0, 100 * section.stiffness[4, 4])))
     with pytest.warns(fl.CoarseElementsWarning, match="use more elements"):
         fl.statics(scene)
 
@@ -136,10 +136,10 @@ def test_soft_pendulum_of_few_elements_swings_as_a_fine_one():
     """Rubber, 1.2 m: beyond a lean of 0.7 rad elements gained length, and the tip was 1 m off."""
     scene, section = fl.Scene(gravity=(0, 0, -9.81)), coarse_beams.rubber()
     beam = scene.add(line((0, 0, 0), (1.2, 0, 0), section, 8, fl.Geodesic(), up=(0, 0, 1)))
-    scene.add(fl.Spherical(fl.ground(), beam.start))
+    scene.add(fl.Spherical(fl.ground(), beam.point("start")))
     with pytest.warns(fl.CoarseElementsWarning):
         motion = fl.GeneralisedAlpha(radius=0.6).run(scene, duration=0.8, step=2e-3)
-    tips = motion.position(beam.end)[[200, 250, 300, 350, 400]]
+    tips = motion.position(beam.point("end"))[[200, 250, 300, 350, 400]]
     cable = [  # of 128 cable elements
         (0.85287, 0, -0.78458),
         (0.39504, 0, -1.21527),
@@ -155,8 +155,8 @@ def test_rigid_motion_and_pure_bending_are_not_coarse():
     section = fl.Section.circle(0.01, STEEL)
     bar, scene = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2), fl.Scene()
     scene.add(bar)
-    scene.add(fl.Clamp(bar.start))
-    bar.turn((0.3, 0.2, -2.0), about=(0, 0, 0))
+    scene.add(fl.Clamp(bar.point("start")))
+    bar.add_velocity(omega=(0.3, 0.2, -2.0), about=(0, 0, 0))
     moment = bar.frames[0][1:].T @ (0, 0, 2.4 * section.stiffness[5, 5])
-    scene.add(fl.PointLoad(bar.end, moment=moment))
+    scene.add(fl.PointLoad(bar.point("end"), moment=moment))
     fl.statics(scene, load_steps=4)

@@ -38,7 +38,7 @@ def flying() -> fl.Scene:
     """A soft beam that turns, flies and bends."""
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), SQUARE, cells=3))
-    beam.turn((3, 1, -8), about=(0.2, 0, 0))
+    beam.add_velocity(omega=(3, 1, -8), about=(0.2, 0, 0))
     beam.velocities[:, 2] += 4.0 * beam.frames[:, 0, 0]
     return scene
 
@@ -56,8 +56,10 @@ def rigid_pendulum() -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     one = scene.add(fl.RigidBody(1.0, (2e-3, 5e-3, 6e-3), position=(0.2, 0, 0)))
     two = scene.add(fl.RigidBody(0.7, (1e-3, 3e-3, 3e-3), position=(0.5, 0, 0)))
-    scene.add(fl.Revolute(fl.ground(), one.centre, at=(0, 0, 0), axis=(0, 1, 0)))
-    scene.add(fl.Revolute(one.centre, two.centre, at=(0.4, 0, 0), axis=(0, 1, 0.5)))
+    scene.add(fl.Revolute(fl.ground(), one.point("centre"), at=(0, 0, 0), axis=(0, 1, 0)))
+    scene.add(
+        fl.Revolute(one.point("centre"), two.point("centre"), at=(0.4, 0, 0), axis=(0, 1, 0.5))
+    )
     return scene
 
 
@@ -105,11 +107,13 @@ def driven() -> fl.Scene:
     """A rigid arm that is driven, beside one that is held and pushed."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     arm = scene.add(fl.RigidBody(1.0, (2e-3, 5e-3, 6e-3), position=(0.2, 0, 0)))
-    hinge = scene.add(fl.Revolute(fl.ground(), arm.centre, at=(0, 0, 0), axis=(0, 1, 0)))
+    hinge = scene.add(fl.Revolute(fl.ground(), arm.point("centre"), at=(0, 0, 0), axis=(0, 1, 0)))
     scene.add(fl.Drive(hinge.angle, lambda t: 0.5 * (1.0 - np.cos(3.0 * t))))
     soft = scene.add(fl.Beam.straight((0, 1, 0), (0.3, 1, 0), SQUARE, cells=2))
-    scene.add(fl.Clamp(soft.start))
-    scene.add(fl.PointLoad(soft.end, force=(0, 0, 0.1), history=lambda t: 1.0 - np.cos(40.0 * t)))
+    scene.add(fl.Clamp(soft.point("start")))
+    scene.add(
+        fl.PointLoad(soft.point("end"), force=(0, 0, 0.1), history=lambda t: 1.0 - np.cos(40.0 * t))
+    )
     return scene
 
 
@@ -237,14 +241,14 @@ def test_steps_that_change():
 def test_jumps():
     scene, one, _ = bars()
     late = fl.Jumps(lambda t: float(t > 0.05), (0.05,))
-    scene.add(fl.PointLoad(one.end, force=(0, 0, 1), history=late))
+    scene.add(fl.PointLoad(one.point("end"), force=(0, 0, 1), history=late))
     with pytest.raises(ValueError, match=r"jumps at the times \[0.05\]"):
         SCHEMES["five"].run(scene, duration=0.1, step=1e-2)
 
 
 def test_dissipation():
     scene, one, two = bars()
-    ends = scene.add(fl.Distance(one.start, two.end))
+    ends = scene.add(fl.Distance(one.point("start"), two.point("end")))
     scene.add(fl.Spring(ends.length, stiffness=1.0, damping=0.1))
     with pytest.raises(ValueError, match="dampers in connections would feed energy"):
         SCHEMES["five"].run(scene, duration=0.1, step=1e-2)

@@ -183,6 +183,6 @@ def test_a_net_moves_as_with_factors_of_the_whole(monkeypatch):
     scene, last = fl.Scene(gravity=(0, 0, -9.81)), fl.ground()
     for k in range(20):
         body = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (k + 0.5, 0, 0)))
-        scene.add(fl.Spherical(last, body.centre, at=(k, 0, 0)))
-        last = body.centre
+        scene.add(fl.Spherical(last, body.point("centre"), at=(k, 0, 0)))
+        last = body.point("centre")
     assert methods(fl.extend.Equations(scene, dynamics=True)) == (Alone("lu", "klu"),)

@@ -19,7 +19,7 @@ def test_a_nut_falls_on_its_thread():
     """m a = −m g + F, J α = −F p/2π, a = α p/2π."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     nut = body(scene)
-    screw = scene.add(fl.Screw(fl.ground(), nut.centre, axis=Z, pitch=0.5))
+    screw = scene.add(fl.Screw(fl.ground(), nut.point("centre"), axis=Z, pitch=0.5))
     result = SCHEME.run(scene, duration=2.0, step=1e-2)
     lead = 0.5 / (2 * np.pi)
     a = -9.81 * 2.0 * lead**2 / (2.0 * lead**2 + 0.3)
@@ -37,10 +37,10 @@ def test_wheels_on_a_gear_turn_against_each_other():
     """A weight's torque on the first wheel turns both: inertia J₁ + J₂/i²; motor and rack, too."""
     scene = fl.Scene()
     one, two = body(scene), body(scene, (1, 0, 0), (0.3, 0.3, 0.5))
-    first = scene.add(fl.Revolute(fl.ground(), one.centre, axis=Z))
-    second = scene.add(fl.Revolute(fl.ground(), two.centre, axis=Z, name="second"))
+    first = scene.add(fl.Revolute(fl.ground(), one.point("centre"), axis=Z))
+    second = scene.add(fl.Revolute(fl.ground(), two.point("centre"), axis=Z, name="second"))
     gear = scene.add(fl.Gear(first.angle, second.angle, ratio=2.0))
-    scene.add(fl.PointLoad(one.centre, moment=(0, 0, 0.7)))
+    scene.add(fl.PointLoad(one.point("centre"), moment=(0, 0, 0.7)))
     result = SCHEME.run(scene, duration=3.0, step=1e-2)
     alpha = 0.7 / (0.3 + 0.5 / 4)
     turned = 0.5 * alpha * result.times**2
@@ -57,10 +57,10 @@ def test_a_pinion_drives_a_rack():
     radius, moment = 0.2, 0.7
     scene = fl.Scene()
     pinion, rack = body(scene), body(scene, (0, radius, 0))
-    wheel = scene.add(fl.Revolute(fl.ground(), pinion.centre, axis=Z))
-    guide = scene.add(fl.Prismatic(fl.ground(), rack.centre, axis=(1, 0, 0)))
+    wheel = scene.add(fl.Revolute(fl.ground(), pinion.point("centre"), axis=Z))
+    guide = scene.add(fl.Prismatic(fl.ground(), rack.point("centre"), axis=(1, 0, 0)))
     gear = scene.add(fl.Gear(wheel.angle, guide.displacement, ratio=1 / radius))
-    scene.add(fl.PointLoad(pinion.centre, moment=(0, 0, moment)))
+    scene.add(fl.PointLoad(pinion.point("centre"), moment=(0, 0, moment)))
     result = SCHEME.run(scene, duration=2.0, step=1e-2)
     turned = 0.5 * moment / (0.3 + 2.0 * radius**2) * result.times**2
     np.testing.assert_allclose(result.coordinate(wheel), turned, rtol=0, atol=1e-7)
@@ -73,9 +73,9 @@ def test_a_gear_is_measured_by_its_first_coordinate():
     """A ratio converts the second: in the scene's units it is any number."""
     scene = fl.Scene()
     one, two, three = body(scene), body(scene, (1, 0, 0)), body(scene, (2, 0, 0))
-    wheel = scene.add(fl.Revolute(fl.ground(), one.centre, axis=Z))
-    guide = scene.add(fl.Prismatic(fl.ground(), two.centre, axis=Z))
-    scene.add(fl.Screw(fl.ground(), three.centre, axis=Z, pitch=0.1))
+    wheel = scene.add(fl.Revolute(fl.ground(), one.point("centre"), axis=Z))
+    guide = scene.add(fl.Prismatic(fl.ground(), two.point("centre"), axis=Z))
+    scene.add(fl.Screw(fl.ground(), three.point("centre"), axis=Z, pitch=0.1))
     turns = scene.add(fl.Gear(wheel.angle, guide.displacement, ratio=3e6))
     connections = System(scene, dynamics=True).connections
     of = {
@@ -94,7 +94,7 @@ def test_full_turns_are_part_of_the_memory():
     """What is taken back forgets no turn, and keeps none that came later."""
     scene = fl.Scene()
     wheel = body(scene)
-    hinge = scene.add(fl.Revolute(fl.ground(), wheel.centre, axis=Z))
+    hinge = scene.add(fl.Revolute(fl.ground(), wheel.point("centre"), axis=Z))
     scene.add(fl.Spring(hinge.angle, stiffness=2.0))
     system = System(scene, dynamics=True)
     connections, none = system.connections, np.zeros((system.count, 6))
@@ -121,22 +121,24 @@ def test_shafts_on_a_universal_joint(index):
     scene = fl.Scene()
     axis = np.array([np.cos(bend), np.sin(bend), 0])
     one, two = body(scene, (-0.5, 0, 0)), body(scene, 0.5 * axis, (0.2,) * 3)
-    first = scene.add(fl.Revolute(fl.ground(), one.centre, at=(-1, 0, 0), axis=(1, 0, 0)))
+    first = scene.add(fl.Revolute(fl.ground(), one.point("centre"), at=(-1, 0, 0), axis=(1, 0, 0)))
     # the axis fixed to the first shaft is across it and in the plane of both
-    cross = fl.Universal(one.centre, two.centre, at=(0, 0, 0), axis=(0, 1, 0), second=Z)
+    cross = fl.Universal(
+        one.point("centre"), two.point("centre"), at=(0, 0, 0), axis=(0, 1, 0), second=Z
+    )
     scene.add(cross)
     # a bearing at the end of the second shaft that lets it slide
     for across in (Z, (-np.sin(bend), np.cos(bend), 0)):
-        scene.add(fl.InPlane(fl.ground(), two.centre, at=axis, axis=across))
+        scene.add(fl.InPlane(fl.ground(), two.point("centre"), at=axis, axis=across))
     scene.add(fl.Drive(first.angle, lambda t: speed * t))
-    one.turn((speed, 0, 0), about=(0, 0, 0))
-    two.turn(speed / np.cos(bend) * axis, about=(0, 0, 0))
+    one.add_velocity(omega=(speed, 0, 0), about=(0, 0, 0))
+    two.add_velocity(omega=speed / np.cos(bend) * axis, about=(0, 0, 0))
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10, index=index)
     result = scheme.run(scene, duration=2.0, step=2e-3)
     phi = speed * result.times
     turns = np.round(phi / np.pi) * np.pi
     known = turns + np.arctan(np.tan(phi - turns) / np.cos(bend))
-    arm = result.rotation(two.centre)[:, :, 2]
+    arm = result.rotation(two.point("centre"))[:, :, 2]
     second = np.unwrap(np.arctan2(-arm @ np.cross(Z, axis), arm[:, 2]))
     np.testing.assert_allclose(second, known, rtol=0, atol=1e-8)
     swing = np.abs(result.coordinate(cross, "angle")).max()
@@ -148,8 +150,10 @@ def test_angles_of_a_universal_joint_are_right_handed(name, axis):
     """A ball that spins about one of the two axes turns in that coordinate alone."""
     scene = fl.Scene()
     ball = body(scene)
-    joint = scene.add(fl.Universal(fl.ground(), ball.centre, axis=Z, second=(1.0, 0.0, 0.0)))
-    ball.turn(2.0 * np.array(axis), about=ball.centre.position)
+    joint = scene.add(
+        fl.Universal(fl.ground(), ball.point("centre"), axis=Z, second=(1.0, 0.0, 0.0))
+    )
+    ball.add_velocity(omega=2.0 * np.array(axis), about=ball.point("centre").position)
     result = SCHEME.run(scene, duration=0.1, step=0.01)
     for other in ("angle", "second angle"):
         expected = 0.2 if other == name else 0.0
@@ -160,7 +164,7 @@ def test_springs_swing_and_dampers_damp():
     """Frequency √(k/m), decay c/2m, and a static displacement; the energy counts the spring."""
     k, c, m = 50.0, 0.8, 2.0
     scene = fl.Scene(gravity=(0, 0, -9.81))
-    slide = scene.add(fl.Prismatic(fl.ground(), body(scene, mass=m).centre, axis=Z))
+    slide = scene.add(fl.Prismatic(fl.ground(), body(scene, mass=m).point("centre"), axis=Z))
     spring = scene.add(fl.Spring(slide.displacement, stiffness=k, damping=c, name="spring"))
     static = fl.statics(scene)
     assert static.position("rigidbody 1.centre")[-1, 2] == pytest.approx(-m * 9.81 / k)
@@ -182,9 +186,11 @@ def test_planar_joint_keeps_to_its_plane():
     """A puck flies straight on and turns; its coordinates are those of the plane's axes."""
     scene = fl.Scene(gravity=(0, -9.81, 0))
     puck = body(scene)
-    floor = scene.add(fl.Planar(fl.ground(), puck.centre, axis=(0, 1, 0), second=(0, 0, 1)))
-    puck.turn((0, 3.0, 0), about=(0, 0, 0))
-    puck.move((0.4, 0, 0.3))
+    floor = scene.add(
+        fl.Planar(fl.ground(), puck.point("centre"), axis=(0, 1, 0), second=(0, 0, 1))
+    )
+    puck.add_velocity(omega=(0, 3.0, 0), about=(0, 0, 0))
+    puck.add_velocity((0.4, 0, 0.3))
     result = SCHEME.run(scene, duration=3.0, step=1e-2)
     t = result.times
     np.testing.assert_allclose(result.coordinate(floor, "displacement 1"), 0.3 * t, atol=1e-9)
@@ -198,11 +204,11 @@ def test_massless_rod_is_a_pendulum():
     """A distance that is kept, against the reference of a point mass on a rod (IFToMM A01)."""
     scene = fl.Scene(gravity=(0, -9.81, 0))
     ball = body(scene, (-1, 0, 0), (1e-6,) * 3, 1.0)
-    rod = fl.Distance(fl.ground(), ball.centre, at=(0, 0, 0))
+    rod = fl.Distance(fl.ground(), ball.point("centre"), at=(0, 0, 0))
     keep = scene.add(fl.Drive(rod.length, name="rod"))
     result = SCHEME.run(scene, duration=1.0, step=1e-3)
     np.testing.assert_allclose(
-        result.position(ball.centre)[-1, :2], [0.9862917511, -0.1650108531], atol=1e-5
+        result.position(ball.point("centre"))[-1, :2], [0.9862917511, -0.1650108531], atol=1e-5
     )
     assert result.coordinate(keep) == pytest.approx(1.0, abs=1e-12)
 
@@ -211,10 +217,10 @@ def test_drive_in_statics_follows_the_load_factor():
     section = fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1000.0))
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4))
-    hinge = scene.add(fl.Revolute(fl.ground(), beam.start, axis=Z))
+    hinge = scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=Z))
     scene.add(fl.Drive(hinge.angle, lambda t: 2.0 * np.pi * 0.75 * t))
     result = fl.statics(scene, load_steps=6)
-    np.testing.assert_allclose(result.position(beam.end)[-1], [0, -1, 0], atol=1e-9)
+    np.testing.assert_allclose(result.position(beam.point("end"))[-1], [0, -1, 0], atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -238,7 +244,7 @@ def test_drive_in_statics_follows_the_load_factor():
 )
 def test_bad_input_says_what_is_wrong(make, message):
     scene = fl.Scene()
-    joint = fl.Revolute(fl.ground(), body(scene).centre, axis=Z)
+    joint = fl.Revolute(fl.ground(), body(scene).point("centre"), axis=Z)
     with pytest.raises(ValueError, match=message):
         scene.add(make(joint))
 
@@ -247,7 +253,9 @@ def test_springs_on_one_coordinate_need_names():
     """Without names the force of the first one was returned for both."""
     for names in (("soft", "stiff"), ("", "")):
         scene = fl.Scene()
-        hinge = scene.add(fl.Revolute(fl.ground(), body(scene).centre, axis=Z, name="hinge"))
+        hinge = scene.add(
+            fl.Revolute(fl.ground(), body(scene).point("centre"), axis=Z, name="hinge")
+        )
         soft, stiff = (
             scene.add(fl.Spring(hinge.angle, stiffness, rest=0.1, name=name))
             for stiffness, name in zip((2.0, 50.0), names, strict=True)
@@ -264,7 +272,7 @@ def test_springs_on_one_coordinate_need_names():
 
 def test_unknown_coordinate_names_those_that_exist():
     scene = fl.Scene()
-    joint = scene.add(fl.Cylindrical(fl.ground(), body(scene).centre, axis=Z, name="pin"))
+    joint = scene.add(fl.Cylindrical(fl.ground(), body(scene).point("centre"), axis=Z, name="pin"))
     result = SCHEME.run(scene, duration=0.1, step=0.1)
     with pytest.raises(ValueError, match=r"pin has no coordinate 'turn'.*angle, displacement"):
         result.coordinate(joint, "turn")
@@ -277,14 +285,16 @@ def test_double_four_bar_passes_its_flat_positions():
     upright = [body(scene, (x, 0.5, 0), (across, 1e-9, across), 1.0) for x in (0, 1, 2)]
     flat = [body(scene, (x + 0.5, 1, 0), (1e-9, across, across), 1.0) for x in (0, 1)]
     for x, bar in enumerate(upright):
-        scene.add(fl.Revolute(fl.ground(), bar.centre, at=(x, 0, 0)))
-        bar.turn((0, 0, -1.0), about=(x, 0, 0))
+        scene.add(fl.Revolute(fl.ground(), bar.point("centre"), at=(x, 0, 0)))
+        bar.add_velocity(omega=(0, 0, -1.0), about=(x, 0, 0))
     for x, bar in enumerate(flat):
-        scene.add(fl.Revolute(upright[x].centre, bar.centre, at=(x, 1, 0)))
-        scene.add(fl.Revolute(bar.centre, upright[x + 1].centre, at=(x + 1, 1, 0)))
-        bar.move((1, 0, 0))
+        scene.add(fl.Revolute(upright[x].point("centre"), bar.point("centre"), at=(x, 1, 0)))
+        scene.add(
+            fl.Revolute(bar.point("centre"), upright[x + 1].point("centre"), at=(x + 1, 1, 0))
+        )
+        bar.add_velocity((1, 0, 0))
     result = SCHEME.run(scene, duration=1.0, step=1e-3)
-    bar = upright[0].centre
+    bar = upright[0].point("centre")
     top = result.position(bar) + 0.5 * result.rotation(bar)[:, :, 1]
     for time, place in ((0.5, (0.6952866332, 0.7187325634)), (1.0, (-0.1950203019, -0.9807992057))):
         # of second order: 2.3e-5 at 1 s with this step, 5.8e-6 with half of it

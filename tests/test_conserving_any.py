@@ -19,7 +19,7 @@ CURVE = np.array([(0, 0, 0), (0.3, 0.05, 0), (0.6, 0, 0.05), (1, 0, 0)])
 
 def flung(body: fl.Body, spin=(0.3, 2.0, 3.0)) -> fl.Body:
     """Flying, turning, and deforming as it does."""
-    body.turn(spin, about=(0.4, 0.1, 0.0))
+    body.add_velocity(omega=spin, about=(0.4, 0.1, 0.0))
     x = body.frames[:, 0]
     # waves that steps resolve, along all axes of the nodes
     waves = 0.5 * np.sin(2.0 * x[:, [1, 0, 0]] + [0.1, 0.4, 1.0])
@@ -151,7 +151,7 @@ def swinging() -> fl.Scene:
     """A cable on a pin in gravity, drawn by a force that comes and goes."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     cable = scene.add(line(fl.HermiteCable()))
-    cable.pin(cable.start)
+    cable.pin(cable.point("start"))
     scene.add(fl.LineLoad(cable, (0, 0.5, 0), history=lambda t: np.sin(9.0 * t)))
     return scene
 
@@ -160,7 +160,7 @@ def clamped() -> fl.Scene:
     """A discrete cable whose end keeps its direction."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     cable = scene.add(line(fl.DiscreteCable()))
-    cable.clamp(cable.start)
+    cable.clamp(cable.point("start"))
     return scene
 
 
@@ -316,11 +316,11 @@ def test_velocities_of_all_nodes_are_those_of_generalised_alpha(name):
 
 
 def with_a_hinge(scene: fl.Scene, cable: fl.Body) -> None:
-    scene.add(fl.Revolute(fl.ground(), cable.start, axis=(1, 0, 0)))
+    scene.add(fl.Revolute(fl.ground(), cable.point("start"), axis=(1, 0, 0)))
 
 
 def with_a_lever(scene: fl.Scene, cable: fl.Body) -> None:
-    scene.add(fl.Spherical(fl.ground(), cable.start, at=(0, 0, 1)))
+    scene.add(fl.Spherical(fl.ground(), cable.point("start"), at=(0, 0, 1)))
 
 
 SCENES = {
@@ -344,7 +344,7 @@ def test_matrices_are_not_made_for_the_last_digits():
     def run(policy: fl.Policy) -> fl.Result:
         scene = fl.Scene(gravity=(0, 0, -9.81))
         cable = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), rope, cells=8))
-        cable.pin(cable.start)
+        cable.pin(cable.point("start"))
         return fl.EnergyMomentum(policy=policy).run(scene, duration=1.6, step=8e-3)
 
     kept, limited = run(fl.Automatic()), run(fl.Limit(4))

@@ -33,12 +33,12 @@ def sliding(joint: str, *, free: bool = True, spin: float = 9.0) -> fl.Scene:
     beam = scene.add(line())
     at = middle_of(beam)
     bead = scene.add(fl.RigidBody(0.5, (0.002, 0.003, 0.004), tuple(at)))
-    scene.add(getattr(fl, joint)(beam, bead.centre))
+    scene.add(getattr(fl, joint)(beam, bead.point("centre")))
     if free:
         for body in (beam, bead):
-            body.turn((0.5, 1.0, spin), about=(0, 0, 0))
+            body.add_velocity(omega=(0.5, 1.0, spin), about=(0, 0, 0))
     else:
-        scene.add(fl.Spherical(fl.ground(), beam.start))
+        scene.add(fl.Spherical(fl.ground(), beam.point("start")))
     return scene
 
 
@@ -53,14 +53,14 @@ def rolling(joint: str) -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     wheel = scene.add(fl.RigidBody(2.0, (0.02, 0.02, 0.03), (0, 0, 0.3)))
     if joint == "KnifeEdge":
-        scene.add(fl.KnifeEdge(fl.ground(), wheel.centre, axis=(0, 1, 0)))
-        scene.add(fl.Planar(fl.ground(), wheel.centre, axis=(0, 0, 1), second=(1, 0, 0)))
-        wheel.turn((0, 0, 4.0), about=wheel.centre)
-        wheel.move((1.0, 0, 0))
+        scene.add(fl.KnifeEdge(fl.ground(), wheel.point("centre"), axis=(0, 1, 0)))
+        scene.add(fl.Planar(fl.ground(), wheel.point("centre"), axis=(0, 0, 1), second=(1, 0, 0)))
+        wheel.add_velocity(omega=(0, 0, 4.0), about=wheel.point("centre"))
+        wheel.add_velocity((1.0, 0, 0))
     else:
         rim = {"axis": (0, 1, 0), "radius": 0.3, "normal": (0, 0, 1)}
-        scene.add(fl.RollingDisc(fl.ground(), wheel.centre, **rim))
-        wheel.turn((0.3, 4.0, 0.8), about=(0, 0, 0))
+        scene.add(fl.RollingDisc(fl.ground(), wheel.point("centre"), **rim))
+        wheel.add_velocity(omega=(0.3, 4.0, 0.8), about=(0, 0, 0))
     return scene
 
 
@@ -77,7 +77,7 @@ def centre_of(scheme, scene: fl.Scene, step: float) -> tuple[np.ndarray, fl.Resu
     """Where the body is at the end."""
     (body,) = (body for body in scene.bodies if isinstance(body, fl.RigidBody))
     result = scheme.run(scene, duration=TIME, step=step)
-    return result.position(body.centre)[-1], result
+    return result.position(body.point("centre"))[-1], result
 
 
 @each
@@ -117,9 +117,11 @@ def test_travel_that_is_driven_does_work():
     beam = scene.add(line())
     bead = scene.add(fl.RigidBody(0.5, (0.002, 0.003, 0.004), tuple(beam.frames[2, 0])))
     reached = float(beam.lengths[:2].sum())
-    scene.add(fl.Collar(beam, bead.centre, travel=lambda t: reached + 0.3 * np.sin(8 * t) ** 2))
+    scene.add(
+        fl.Collar(beam, bead.point("centre"), travel=lambda t: reached + 0.3 * np.sin(8 * t) ** 2)
+    )
     for body in (beam, bead):
-        body.turn((0, 0, 5.0), about=(0.5, 0, 0))
+        body.add_velocity(omega=(0, 0, 5.0), about=(0.5, 0, 0))
     result = fl.EnergyMomentum().run(scene, duration=TIME, step=1e-3)
     gained = result.total_energy[-1] - result.total_energy[0]
     assert abs(gained) > 1e-3 * result.total_energy[0]
@@ -146,13 +148,13 @@ def hinged(*, sprung: bool = False) -> fl.Scene:
     """A body on a hinge between two nodes of a beam that flies."""
     scene = fl.Scene()
     beam = scene.add(line())
-    place = beam.at(0.4)
+    place = beam.point(0.4)
     body = scene.add(fl.RigidBody(0.5, (0.002, 0.003, 0.004), tuple(place.position + 0.1)))
-    hinge = scene.add(fl.Revolute(place, body.at(tuple(place.position)), axis=(0, 0, 1)))
+    hinge = scene.add(fl.Revolute(place, body.point(tuple(place.position)), axis=(0, 0, 1)))
     if sprung:
         scene.add(fl.Spring(hinge.angle, 1.0))
-    beam.turn((0.5, 1.0, 4.0), about=(0, 0, 0))
-    body.turn((0.5, 1.0, 4.0), about=(0, 0, 0))
+    beam.add_velocity(omega=(0.5, 1.0, 4.0), about=(0, 0, 0))
+    body.add_velocity(omega=(0.5, 1.0, 4.0), about=(0, 0, 0))
     return scene
 
 

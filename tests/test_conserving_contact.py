@@ -76,7 +76,7 @@ def test_what_ground_gives_is_booked():
     ball = fl.RigidBody(1.0, 4e-3 * np.eye(3), (0, 0, 1))
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(ball)
-    skin, law = fl.Sphere(ball.centre, 0.1), fl.Penalty(1e4)
+    skin, law = fl.Sphere(ball.point("centre"), 0.1), fl.Penalty(1e4)
     scene.add(fl.Contact(skin, fl.Plane(fl.ground(), (0.3, 0, 1), at=(0, 0, 0.5)), law))
     scene.add(fl.Contact(skin, fl.Plane(fl.ground(), (-1, 0, 1), at=(0, 0, 0)), law))
     result = fl.EnergyMomentum().run(scene, duration=1.5, step=5e-3, progress=False)

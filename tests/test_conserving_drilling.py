@@ -28,7 +28,7 @@ def sheet(cell: str = "quadrilateral") -> fl.Shell:
 def flying(cell: str = "quadrilateral") -> fl.Scene:
     """Free, and turning."""
     scene = fl.Scene()
-    scene.add(sheet(cell)).turn((0.5, 2.0, 3.0), about=(0.5, 0, 0))
+    scene.add(sheet(cell)).add_velocity(omega=(0.5, 2.0, 3.0), about=(0.5, 0, 0))
     return scene
 
 

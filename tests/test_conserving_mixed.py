@@ -61,11 +61,11 @@ def hanging() -> fl.Scene:
     """A beam on a clamp, a cable on its end, in gravity, drawn by a load that grows."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     jib = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), BAR, cells=2))
-    scene.add(fl.Clamp(jib.start))
+    scene.add(fl.Clamp(jib.point("start")))
     rope = scene.add(fl.Cable.straight((1, 0, 0), (1.5, 0, 0), SOFT, cells=2))
-    scene.add(fl.Spherical(jib.end, rope.start))
+    scene.add(fl.Spherical(jib.point("end"), rope.point("start")))
     pull = {"force": (0, 1.0, 0), "moment": (0.05, 0, 0)}
-    scene.add(fl.PointLoad(jib.end, **pull, history=lambda t: np.sin(20.0 * t)))
+    scene.add(fl.PointLoad(jib.point("end"), **pull, history=lambda t: np.sin(20.0 * t)))
     return scene
 
 
@@ -74,7 +74,7 @@ def shells() -> fl.Scene:
     layer = fl.ShellSection.layer(0.02, fl.Material(2e4, 0.3, 50.0))
     scene = fl.Scene()
     sheet = scene.add(fl.Shell(fl.surface(lambda a, b: (a, 0.5 * b, 0.1 * a * a), (2, 2)), layer))
-    sheet.turn((2.0, 1.0, 3.0), about=(0.5, 0.2, 0))
+    sheet.add_velocity(omega=(2.0, 1.0, 3.0), about=(0.5, 0.2, 0))
     return scene
 
 
@@ -83,9 +83,9 @@ def beams() -> fl.Scene:
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), BAR, cells=4))
     beam.damping = fl.Damping(mass=0.2, stiffness=1e-3)
-    hinge = scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 1, 0)))
+    hinge = scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
     scene.add(fl.Spring(hinge.angle, 1.0, 0.02))
-    beam.turn((0, 3.0, 0), about=(0, 0, 0))
+    beam.add_velocity(omega=(0, 3.0, 0), about=(0, 0, 0))
     return scene
 
 
@@ -95,8 +95,8 @@ FRAMES = {"bodies": lambda: two_bodies("revolute", spring=2.0)[0], "shell": shel
 def beside_a_cable(scene: fl.Scene) -> fl.Scene:
     """The same, and a cable at rest far away, beside which frames move with places."""
     rope = fl.Cable.straight((0, 0, 5), (1, 0, 5), SOFT, cells=1)
-    scene.add(rope).pin(rope.start)
-    rope.pin(rope.end)
+    scene.add(rope).pin(rope.point("start"))
+    rope.pin(rope.point("end"))
     return scene
 
 
@@ -154,15 +154,15 @@ def with_a_strain(scene: fl.Scene, beam: fl.Beam) -> None:
 
 def with_a_follower(scene: fl.Scene, beam: fl.Beam) -> None:
     """A body that the start of the beam carries."""
-    x = beam.start.position - np.array([0.2, 0.0, 0.1])
+    x = beam.point("start").position - np.array([0.2, 0.0, 0.1])
     body = scene.add(fl.RigidBody(0.3, (1e-3, 2e-3, 2e-3), position=x))
-    body.turn((0.3, 2.0, 3.0), about=(0.5, 0, 0))
-    scene.add(fl.RigidLink(beam.start, body.centre))
+    body.add_velocity(omega=(0.3, 2.0, 3.0), about=(0.5, 0, 0))
+    scene.add(fl.RigidLink(beam.point("start"), body.point("centre")))
 
 
 def with_a_load_within(scene: fl.Scene, beam: fl.Beam) -> None:
     """A force and a moment on a point that is no node, which turn with it."""
-    point = beam.within(0, 0.3)
+    point = beam.point_in_cell(0, 0.3)
     scene.add(fl.PointLoad(point, force=(0, 1, 2), moment=(0, 0.1, 0.2), following=True))
 
 
@@ -253,10 +253,10 @@ def test_steps_of_each_bodys_own_size():
         beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), BAR, cells=2))
         body = scene.add(fl.RigidBody(0.5, (1e-3, 2e-3, 3e-3), position=(1.1, 0, 0)))
         cable = scene.add(fl.Cable.straight((1.1, 0, 0), (2, 0, 0), SOFT, cells=2))
-        scene.add(fl.Spherical(beam.end, body.centre, at=(1, 0, 0)))
-        scene.add(fl.Spherical(body.centre, cable.start))
+        scene.add(fl.Spherical(beam.point("end"), body.point("centre"), at=(1, 0, 0)))
+        scene.add(fl.Spherical(body.point("centre"), cable.point("start")))
         for each in (beam, body, cable):
-            each.turn((0.3, 2.0, 3.0), about=(0.5, 0, 0))
+            each.add_velocity(omega=(0.3, 2.0, 3.0), about=(0.5, 0, 0))
         return scene
 
     scene = made()
@@ -271,7 +271,7 @@ def test_steps_of_each_bodys_own_size():
 
 
 def with_a_place_within(scene: fl.Scene, beam: fl.Beam) -> None:
-    scene.add(fl.Spherical(fl.ground(), beam.within(0, 0.3)))
+    scene.add(fl.Spherical(fl.ground(), beam.point_in_cell(0, 0.3)))
 
 
 def test_refused():

@@ -71,9 +71,11 @@ def hanging() -> fl.Scene:
     section = fl.Section.circle(0.01, fl.Material(1e8, 0.3, 1100.0))
     beam = made.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=4))
     bar = made.add(fl.Beam.straight((0.5, 0, 0), (0.9, 0, 0), section, cells=1))
-    made.add(fl.Clamp(beam.start))
-    made.add(fl.Revolute(beam.end, bar.start, axis=(0, 1, 0)))
-    made.add(fl.PointLoad(bar.end, (0, 0, 0.05), history=lambda t: (1 - np.cos(20 * t)) ** 2))
+    made.add(fl.Clamp(beam.point("start")))
+    made.add(fl.Revolute(beam.point("end"), bar.point("start"), axis=(0, 1, 0)))
+    made.add(
+        fl.PointLoad(bar.point("end"), (0, 0, 0.05), history=lambda t: (1 - np.cos(20 * t)) ** 2)
+    )
     made.add(
         fl.Eigenstrain(beam, (0, 0, 0, 0, 0.2, 0), history=lambda t: (1 - np.cos(10 * t)) ** 2)
     )

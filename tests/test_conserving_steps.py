@@ -27,7 +27,7 @@ def turning_pendulum() -> fl.Scene:
     """The rigid double pendulum, turning about all axes."""
     scene = rigid_pendulum()
     for body in scene.bodies:
-        body.turn((5.0, 1.0, 4.0), about=(0, 0, 0))
+        body.add_velocity(omega=(5.0, 1.0, 4.0), about=(0, 0, 0))
     return scene
 
 
@@ -36,10 +36,12 @@ def hinged() -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     wheel = scene.add(fl.RigidBody(1.0, (0.1, 0.2, 0.1), (0, 0, 0)))
     bob = scene.add(fl.RigidBody(0.5, (0.01, 0.02, 0.01), (0.5, 0, 0)))
-    scene.add(fl.Revolute(fl.ground(), wheel.centre, axis=(0, 1, 0.1)))
-    scene.add(fl.Revolute(wheel.centre, bob.centre, at=(0.4, 0, 0), axis=(0, 1, 0.1)))
+    scene.add(fl.Revolute(fl.ground(), wheel.point("centre"), axis=(0, 1, 0.1)))
+    scene.add(
+        fl.Revolute(wheel.point("centre"), bob.point("centre"), at=(0.4, 0, 0), axis=(0, 1, 0.1))
+    )
     for body in (wheel, bob):
-        body.turn(20.0 * np.array([0, 1, 0.1]) / np.hypot(1, 0.1), about=(0, 0, 0))
+        body.add_velocity(omega=20.0 * np.array([0, 1, 0.1]) / np.hypot(1, 0.1), about=(0, 0, 0))
     return scene
 
 
@@ -47,12 +49,17 @@ def tumbling() -> fl.Scene:
     """A free body under smooth loads."""
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(2.0, (1.0, 2.0, 2.5), (0.3, 0, 0), name="body"))
-    body.move((1.0, -2.0, 0.5))
-    body.turn((3.0, 2.0, -1.0), about=body.centre)
-    scene.add(fl.PointLoad(body.centre, force=(9, 5, -7), history=lambda t: math.sin(4 * t + 1)))
+    body.add_velocity((1.0, -2.0, 0.5))
+    body.add_velocity(omega=(3.0, 2.0, -1.0), about=body.point("centre"))
+    scene.add(
+        fl.PointLoad(body.point("centre"), force=(9, 5, -7), history=lambda t: math.sin(4 * t + 1))
+    )
     scene.add(
         fl.PointLoad(
-            body.centre, moment=(3, -2, 5), following=True, history=lambda t: math.cos(3 * t)
+            body.point("centre"),
+            moment=(3, -2, 5),
+            following=True,
+            history=lambda t: math.cos(3 * t),
         )
     )
     return scene
@@ -149,7 +156,7 @@ def test_flight_has_no_error():
     """A parabola, and a turn about a fixed axis errs in its angle alone."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     body = scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0), name="body"))
-    body.move((1, 0, 5))
+    body.add_velocity((1, 0, 5))
     steps = fl.EnergyMomentum().run(scene, duration=0.2, step=fl.ConstantStep(0.01)).steps
     assert steps.translation.max() < 1e-13
     assert steps.rotation.max() < 1e-13

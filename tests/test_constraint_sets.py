@@ -39,15 +39,17 @@ def hinge_spring_drive(scene: fl.Scene, a: fl.Point, b: fl.Point) -> None:
 
 
 def joints(scene):
-    hinge_spring_drive(scene, body(scene, (0.1, 0, 0)).centre, body(scene).centre)
+    hinge_spring_drive(scene, body(scene, (0.1, 0, 0)).point("centre"), body(scene).point("centre"))
 
 
 def joints_on(element):
     def build(scene):
         beam = rail(scene, element)
-        hinge_spring_drive(scene, beam.at(0.42), body(scene).centre)
+        hinge_spring_drive(scene, beam.point((0.42, 0, 0)), body(scene).point("centre"))
         other = rail(scene, element, along=((0.2, -0.5, 0), (0.2, 0.5, 0)))
-        scene.add(fl.Spherical(beam.at(0.2), other.at(0.57), at=(0.2, 0, 0)))
+        scene.add(
+            fl.Spherical(beam.point((0.2, 0, 0)), other.point((0.2, 0.07, 0)), at=(0.2, 0, 0))
+        )
 
     return build
 
@@ -57,11 +59,13 @@ def joints_on_branch(scene):
     ends = [(0, 0, 0), (0.3, 0, 0), (0.4, 0.3, 0), (0.5, 0, 0.3), (0.9, 0, 0.3)]
     mesh = fl.LineMesh.from_cells(ends, [(0, 1), (1, 2), (1, 3), (3, 4)])
     tree = scene.add(fl.Beam(mesh, SECTION))
-    hinge_spring_drive(scene, tree.within(1, 0.4), body(scene).centre)
+    hinge_spring_drive(scene, tree.point_in_cell(1, 0.4), body(scene).point("centre"))
     scene.add(
-        fl.RigidLink(tree.node(int(tree.elements[3, 0])), tree.node(int(tree.elements[3, 1])))
+        fl.RigidLink(tree.point(int(tree.elements[3, 0])), tree.point(int(tree.elements[3, 1])))
     )
-    scene.add(fl.Spherical(tree.within(2, 0.3), tree.within(3, 0.6), at=(0.5, 0, 0.2)))
+    scene.add(
+        fl.Spherical(tree.point_in_cell(2, 0.3), tree.point_in_cell(3, 0.6), at=(0.5, 0, 0.2))
+    )
 
 
 def blocks_on_averages(scene):
@@ -71,29 +75,31 @@ def blocks_on_averages(scene):
         scene.add(fl.Solid.brick((0.4, 0.2, 0.1), law, cells=(1, 1, 1), name=name))
         for name in ("one", "other")
     )
-    hinge_spring_drive(scene, solid.grip("a=1"), body(scene).centre)
-    ends = solid.grip("a=1"), other.grip("b=0")
+    hinge_spring_drive(scene, solid.point("a=1"), body(scene).point("centre"))
+    ends = solid.point("a=1"), other.point("b=0")
     scene.add(fl.Revolute(*ends, at=(0.35, 0.05, 0.05), axis=(0.1, 1, 0)))
 
 
 def sleeve(scene):
     beam, b = rail(scene), body(scene)
-    scene.add(fl.Sleeve(beam, b.centre, at=HERE, travel=lambda t: 0.35))
+    scene.add(fl.Sleeve(beam, b.point("centre"), at=HERE, travel=lambda t: 0.35))
 
 
 def collar_on_beam(scene):
     other = rail(scene, along=((0.35, -0.4, 0), (0.35, 0.6, 0)))
-    scene.add(fl.Collar(rail(scene), other.at(0.47), at=HERE, travel=lambda t: 0.35))
+    scene.add(fl.Collar(rail(scene), other.point((0.35, 0.07, 0)), at=HERE, travel=lambda t: 0.35))
 
 
 def disc(scene):
     a, b = body(scene, (0, 0, 0)), body(scene, (0.3, 0.5, 0.8))
-    scene.add(fl.RollingDisc(a.centre, b.centre, axis=(0.2, 1, 0.3), radius=0.4))
+    scene.add(fl.RollingDisc(a.point("centre"), b.point("centre"), axis=(0.2, 1, 0.3), radius=0.4))
 
 
 def edge_on_beam(scene):
     a, beam = body(scene, (0, 0.2, 0)), rail(scene)
-    scene.add(fl.KnifeEdge(a.centre, beam.at(0.47), at=(0.4, 0.1, 0), axis=(0, 1, 1)))
+    scene.add(
+        fl.KnifeEdge(a.point("centre"), beam.point((0.47, 0, 0)), at=(0.4, 0.1, 0), axis=(0, 1, 1))
+    )
 
 
 JOINTS, SLIDES, ROLLS = relative_motions.RelativeMotions.what, slides.Slides.what, rolls.Rolls.what

@@ -18,7 +18,7 @@ FLOOR = fl.Plane(fl.ground(), (0, 0, 2))
 
 def ball(place, velocity=(0.0, 0.0, 0.0), mass=1.0) -> fl.RigidBody:
     body = fl.RigidBody(mass, 0.4 * mass * RADIUS**2 * np.eye(3), place)
-    body.move(velocity)
+    body.add_velocity(velocity)
     return body
 
 
@@ -37,7 +37,7 @@ def run(scene, duration, step, radius=1.0, **options) -> fl.Result:
 def dropped(law: fl.Penalty) -> tuple[fl.Scene, fl.RigidBody, fl.Contact]:
     """A ball, one metre above the floor."""
     body = ball((0, 0, 1 + RADIUS))
-    contact = fl.Contact(fl.Sphere(body.centre, RADIUS), FLOOR, law)
+    contact = fl.Contact(fl.Sphere(body.point("centre"), RADIUS), FLOOR, law)
     return scene_with(body, contact), body, contact
 
 
@@ -59,7 +59,7 @@ def test_a_ball_bounces_as_the_closed_form():
     stiffness = 1e3
     scene, body, contact = dropped(fl.Penalty(stiffness))
     result = run(scene, 2.0, 5e-4)
-    height = result.position(body.centre)[:, 2] - RADIUS
+    height = result.position(body.point("centre"))[:, 2] - RADIUS
     np.testing.assert_allclose(height, flight(result.times, stiffness), rtol=0, atol=2e-4)
     found = fl.contact_forces(result, contact)
     # ½ k δ² = m g (1 + δ)
@@ -76,7 +76,7 @@ def test_damping_takes_energy_and_never_pulls():
     stiffness = 1e3
     scene, body, contact = dropped(fl.Penalty(stiffness, damping=2 * np.sqrt(stiffness)))
     result = run(scene, 3.0, 5e-4, radius=0.8)
-    assert result.position(body.centre)[-1, 2] - RADIUS == pytest.approx(
+    assert result.position(body.point("centre"))[-1, 2] - RADIUS == pytest.approx(
         -GRAVITY / stiffness, rel=1e-6
     )
     forces = fl.contact_forces(result, contact).forces
@@ -97,7 +97,7 @@ def test_momenta_of_free_balls_stay(hollow):
         two = ball((0.5, 0.05, 0.02), mass=3.0)
         one = ball((0, 0, 0), (1.0, 0, 0))
         surface = fl.Sphere(two.at((0.5, 0.1, 0.0)), 2 * RADIUS)
-    touch = fl.Contact(surface, fl.Sphere(one.centre, RADIUS), fl.Penalty(200.0))
+    touch = fl.Contact(surface, fl.Sphere(one.point("centre"), RADIUS), fl.Penalty(200.0))
     result = run(scene_with(one, two, touch, gravity=(0, 0, 0)), 2.0, 2e-3)
     found = fl.contact_forces(result, touch)
     assert found.touching.max() == 1
@@ -114,12 +114,16 @@ def test_a_round_end_of_a_beam_lies_on_a_plane():
     bending = SECTION.stiffness[4, 4]
     gap, stiffness, force = 0.001, 300.0, 2.0
     floor = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -0.02 - gap))
-    touch = fl.Contact(fl.Sphere(beam.end, 0.02), floor, fl.Penalty(stiffness))
+    touch = fl.Contact(fl.Sphere(beam.point("end"), 0.02), floor, fl.Penalty(stiffness))
     scene = scene_with(
-        beam, fl.Clamp(beam.start), fl.PointLoad(beam.end, (0, 0, -force)), touch, gravity=(0, 0, 0)
+        beam,
+        fl.Clamp(beam.point("start")),
+        fl.PointLoad(beam.point("end"), (0, 0, -force)),
+        touch,
+        gravity=(0, 0, 0),
     )
     state = fl.statics(scene)
-    down = -state.position(beam.end)[-1, 2]
+    down = -state.position(beam.point("end"))[-1, 2]
     own = 3 * bending
     assert down == pytest.approx((force + stiffness * gap) / (own + stiffness), rel=2e-3)
     found = fl.contact_forces(state, touch)
@@ -172,7 +176,7 @@ def pile() -> tuple[fl.Scene, list[fl.RigidBody]]:
         ball(place, velocity)
         for place, velocity in zip(places, rng.normal(size=(27, 3)), strict=True)
     ]
-    surface = fl.Vertices([each.centre for each in balls], RADIUS)
+    surface = fl.Vertices([each.point("centre") for each in balls], RADIUS)
     law = fl.Penalty(2e3)
     scene = scene_with(*balls, fl.Contact(surface, surface, law), gravity=(0, 0, 0))
     box = fl.Box(fl.ground(), (1.3, 1.3, 1.3), inside=True)
@@ -245,39 +249,47 @@ REFUSED = {
     "overlap": (
         lambda: one_body(
             lambda body: fl.Contact(
-                fl.Sphere(body.centre, 0.2), fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, 0.9)), LAW
+                fl.Sphere(body.point("centre"), 0.2),
+                fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, 0.9)),
+                LAW,
             )
         ),
         r"overlap by 0\.1 at \(0, 0, 0\.8\); start apart",
     ),
     "overlap of balls": (
         lambda: two_bodies(
-            lambda one, two: fl.Contact(fl.Sphere(one.centre, 0.6), fl.Sphere(two.centre, 0.5), LAW)
+            lambda one, two: fl.Contact(
+                fl.Sphere(one.point("centre"), 0.6), fl.Sphere(two.point("centre"), 0.5), LAW
+            )
         ),
         r"overlap by 0\.1 at",
     ),
     "same body": (
         lambda: one_body(
             lambda body: fl.Contact(
-                fl.Sphere(body.at((0, 0, 3)), 0.1), fl.Plane(body.centre, (0, 0, 1)), LAW
+                fl.Sphere(body.at((0, 0, 3)), 0.1), fl.Plane(body.point("centre"), (0, 0, 1)), LAW
             )
         ),
         "never move against each other",
     ),
     "two planes": (
-        lambda: one_body(lambda body: fl.Contact(fl.Plane(body.centre, (0, 0, -1)), FLOOR, LAW)),
+        lambda: one_body(
+            lambda body: fl.Contact(fl.Plane(body.point("centre"), (0, 0, -1)), FLOOR, LAW)
+        ),
         "planes touch points",
     ),
     "two points": (
         lambda: two_bodies(
-            lambda one, two: fl.Contact(fl.Vertices([one.centre]), fl.Vertices([two.centre]), LAW)
+            lambda one, two: fl.Contact(
+                fl.Vertices([one.point("centre")]), fl.Vertices([two.point("centre")]), LAW
+            )
         ),
         "points never touch points",
     ),
     "ball on a box": (
         lambda: two_bodies(
             lambda one, two: fl.Contact(
-                fl.Box(one.centre, (1, 1, 1)), fl.Sphere(two.centre, 0.1), LAW
+                fl.Box(one.point("centre"), (1, 1, 1)), fl.Sphere(two.point("centre"), 0.1), LAW
             )
         ),
         "touch each other and balls by Impact",
@@ -285,13 +297,15 @@ REFUSED = {
     "hollows": (
         lambda: two_bodies(
             lambda one, two: fl.Contact(
-                fl.Sphere(one.centre, 3.0), fl.Sphere(two.centre, 2.0, hollow=True), LAW
+                fl.Sphere(one.point("centre"), 3.0),
+                fl.Sphere(two.point("centre"), 2.0, hollow=True),
+                LAW,
             )
         ),
         "must be smaller",
     ),
     "body that is not there": (
-        lambda: scene_with(fl.Contact(fl.Sphere(ball((0, 0, 1)).centre, 0.1), FLOOR, LAW)),
+        lambda: scene_with(fl.Contact(fl.Sphere(ball((0, 0, 1)).point("centre"), 0.1), FLOOR, LAW)),
         "is not in the scene",
     ),
     "conserving": (
@@ -342,7 +356,7 @@ def test_pictures_show_forces_as_arrows(tmp_path):
 
     def orange(name: str, forces) -> int:
         file = tmp_path / name
-        result.picture(file, [result.times[last]], trace=[body.centre], arrows=forces)
+        result.picture(file, [result.times[last]], trace=[body.point("centre")], arrows=forces)
         red, _, blue = np.moveaxis(np.array(Image.open(file).convert("RGB"), dtype=int), -1, 0)
         return int((red - blue > 60).sum())
 
@@ -363,10 +377,10 @@ def test_a_stiffness_is_chosen_by_what_is_behind(caplog):
     ball = fl.RigidBody(1.0, np.eye(3), (0, 0, 3))
     EA, length = E * np.pi * r**2, 2 / cells
     for surface, other, wanted in (
-        (fl.Vertices([beam.start, beam.end], r), floor, EA / length),
+        (fl.Vertices([beam.point("start"), beam.point("end")], r), floor, EA / length),
         (fl.Line(beam, r), floor, EA / length**2),
         (fl.Skin(sheet), floor, E * t / length**2),
-        (fl.Sphere(ball.centre, 0.1), fl.Skin(sheet), E * t),
+        (fl.Sphere(ball.point("centre"), 0.1), fl.Skin(sheet), E * t),
     ):
         with caplog.at_level("INFO"):
             law = fl.Contact(surface, other, fl.Penalty(friction=0.1)).law
@@ -374,7 +388,7 @@ def test_a_stiffness_is_chosen_by_what_is_behind(caplog):
         assert law.coulomb.holding == law.stiffness
         assert f"stiffness {law.stiffness:g} was chosen" in caplog.messages[-1]
     with pytest.raises(ValueError, match="Penalty needs a stiffness, for there is neither"):
-        fl.Contact(fl.Sphere(ball.centre, 0.1), floor, fl.Penalty())
+        fl.Contact(fl.Sphere(ball.point("centre"), 0.1), floor, fl.Penalty())
 
 
 def test_a_free_surface_with_a_gap_function_conserves_all():
@@ -382,10 +396,12 @@ def test_a_free_surface_with_a_gap_function_conserves_all():
     scene = fl.Scene()
     hollow = scene.add(fl.RigidBody(2.0, np.diag([0.3, 0.2, 0.4]), (0.1, 0.2, 0.3)))
     ball = scene.add(fl.RigidBody(0.5, np.diag([0.01, 0.02, 0.015]), (0.2, 0.25, 0.3)))
-    hollow.turn((0.5, -0.3, 0.8), hollow.centre)
-    ball.move((1.0, -2.0, 0.7))
+    hollow.add_velocity(omega=(0.5, -0.3, 0.8), about=hollow.point("centre"))
+    ball.add_velocity((1.0, -2.0, 0.7))
     law = fl.Penalty(2e3)
-    scene.add(fl.Contact(fl.Sphere(ball.centre, 0.05), Quartic(hollow.centre), law))
+    scene.add(
+        fl.Contact(fl.Sphere(ball.point("centre"), 0.05), Quartic(hollow.point("centre")), law)
+    )
     result = fl.EnergyMomentum().run(scene, duration=1.0, step=2e-3, progress=False)
     assert fl.contact_forces(result, scene.contacts[0]).touching.sum() > 10
     assert result.balance_error < 1e-12
@@ -400,11 +416,11 @@ def test_pairs_that_are_not_known_are_refused():
             self.points = (point,)
 
     body = fl.RigidBody(1.0, np.eye(3), (0, 0, 1))
-    contact = fl.Contact(Own(body.centre), fl.Sphere(fl.ground(), 0.1), fl.Penalty(1e3))
+    contact = fl.Contact(Own(body.point("centre")), fl.Sphere(fl.ground(), 0.1), fl.Penalty(1e3))
     with pytest.raises(ValueError, match="no contact pair of Own and Sphere; register_contact"):
         contact.check()
     with pytest.raises(ValueError, match="PlaneSurface and PointSurface is registered already"):
         extend.register_contact_pair(extend.PlaneSurface, extend.PointSurface, "why not")
     extend.register_contact_pair(Own, extend.PointSurface, "own surfaces never touch points")
     with pytest.raises(ValueError, match="own surfaces never touch points"):
-        fl.Contact(fl.Sphere(fl.ground(), 0.1), Own(body.centre), fl.Penalty(1e3)).check()
+        fl.Contact(fl.Sphere(fl.ground(), 0.1), Own(body.point("centre")), fl.Penalty(1e3)).check()

@@ -15,12 +15,12 @@ MATERIAL = fl.Material(1e9, 0.3, 1000.0)
 
 def ball(place, name: str = "", speed: float = 0.0) -> fl.RigidBody:
     body = fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), place, name=name)
-    body.move((speed, 0, 0))
+    body.add_velocity((speed, 0, 0))
     return body
 
 
 def sphere(body: fl.RigidBody) -> fl.Sphere:
-    return fl.Sphere(body.centre, RADIUS)
+    return fl.Sphere(body.point("centre"), RADIUS)
 
 
 def falling(law, bodies: list[fl.RigidBody], *others) -> fl.Scene:
@@ -28,7 +28,7 @@ def falling(law, bodies: list[fl.RigidBody], *others) -> fl.Scene:
     scene = fl.Scene()
     for each in (*bodies, *others):
         scene.add(each)
-    surfaces = fl.Vertices([body.centre for body in bodies], RADIUS)
+    surfaces = fl.Vertices([body.point("centre") for body in bodies], RADIUS)
     scene.add(fl.Contact(surfaces, surfaces if len(bodies) > 1 else FLOOR, law))
     return scene
 
@@ -92,7 +92,9 @@ SURFACES = {
         r"two: they overlap by 0\.05 at \(0, 0, -0\.05\); start apart, or give ignore_initial=True",
     ),
     "the same body": (
-        lambda: checked(fl.Sphere(ONE[0].at((0, 0, 2)), 0.1), fl.Plane(ONE[0].centre, (0, 0, 1))),
+        lambda: checked(
+            fl.Sphere(ONE[0].point((0, 0, 2)), 0.1), fl.Plane(ONE[0].point("centre"), (0, 0, 1))
+        ),
         "two: they never move against each other",
     ),
     "kinks": (lambda: checked(beam_line(0.1, 0.3), FLOOR), "of node 0 is more than 10° off"),
@@ -151,7 +153,7 @@ def test_what_goes_through_another_is_told_of(speed, through):
             run(scene)
         return
     result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.5, step=1e-2, progress=False)
-    assert result.velocity(bodies[1].centre)[-1, 0] == pytest.approx(speed, rel=1e-12)
+    assert result.velocity(bodies[1].point("centre"))[-1, 0] == pytest.approx(speed, rel=1e-12)
 
 
 def test_nothing_is_said_of_what_flies_past():
@@ -159,4 +161,4 @@ def test_nothing_is_said_of_what_flies_past():
     result = fl.GeneralisedAlpha(radius=0.8).run(
         falling(fl.Impact(), bodies), duration=0.1, step=1e-2, progress=False
     )
-    assert result.velocity(bodies[0].centre)[-1, 0] == 100.0
+    assert result.velocity(bodies[0].point("centre"))[-1, 0] == 100.0

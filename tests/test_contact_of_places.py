@@ -27,10 +27,10 @@ def caught(*, free: bool = True) -> fl.Scene:
     middle = np.array([0.03, 0.02, -RADIUS - 0.01]) if free else np.zeros(3)
     if not free:
         threads.frames[:, 0] += [-0.03, -0.02, RADIUS + 0.01]
-    threads.move((0.1, 0.0, -3.0))
+    threads.add_velocity((0.1, 0.0, -3.0))
     point = fl.ground()
     if free:
-        point = scene.add(fl.RigidBody(0.1, 1e-3 * np.eye(3), middle)).centre
+        point = scene.add(fl.RigidBody(0.1, 1e-3 * np.eye(3), middle)).point("centre")
     nodes = fl.Vertices([fl.Point(threads, k) for k in range(len(threads.frames))], 1e-3)
     scene.add(fl.Contact(nodes, fl.Sphere(point, RADIUS), fl.Penalty(1e3)))
     return scene
@@ -80,10 +80,10 @@ def test_a_run_goes_on_to_the_last_bit(tmp_path):
 def test_what_turns_needs_axes():
     threads, scene = net(3), fl.Scene()
     scene.add(threads)
-    nodes = fl.Vertices([threads.node(0)], 1e-3)
+    nodes = fl.Vertices([threads.point(0)], 1e-3)
     with pytest.raises(ValueError, match=r"Plane on net.* needs nodes with frames"):
-        floor = fl.Plane(threads.node(8), (0, 0, 1))
-        scene.add(fl.Contact(fl.Sphere(threads.node(0), 0.01), floor, fl.Penalty(1e3)))
+        floor = fl.Plane(threads.point(8), (0, 0, 1))
+        scene.add(fl.Contact(fl.Sphere(threads.point(0), 0.01), floor, fl.Penalty(1e3)))
     with pytest.raises(ValueError, match=r"friction needs nodes with frames"):
         law = fl.Penalty(1e3, friction=0.1)
         scene.add(fl.Contact(nodes, fl.Plane(fl.ground(), (0, 0, 1)), law))

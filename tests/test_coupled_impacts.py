@@ -29,7 +29,7 @@ def cuboid(mass: float, edges) -> np.ndarray:
 def hung_up(scene: fl.Scene) -> fl.Scene:
     """With a pendulum far away, for whose sake contacts go through one matrix of all bodies."""
     bob = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (50.0, 0, 0)))
-    scene.add(fl.Spherical(fl.ground(), bob.at((50.0, 0, 1.0))))
+    scene.add(fl.Spherical(fl.ground(), bob.point((50.0, 0, 1.0))))
     return scene
 
 
@@ -48,7 +48,7 @@ def floored(body: fl.RigidBody, surface: fl.Surface, law: fl.Impact, angle=0.0) 
 def test_a_ball_bounces_as_without_joints(restitution, scheme):
     ball = fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, 1.1))
     law = fl.Impact(restitution=restitution)
-    result = run(floored(ball, fl.Sphere(ball.centre, 0.1), law), 1.0, 1e-2, scheme)
+    result = run(floored(ball, fl.Sphere(ball.point("centre"), 0.1), law), 1.0, 1e-2, scheme)
     fall = np.sqrt(2 / GRAVITY)
     after = np.maximum(0.0, result.times - fall)
     expected = np.where(
@@ -56,7 +56,7 @@ def test_a_ball_bounces_as_without_joints(restitution, scheme):
         1 - 0.5 * GRAVITY * result.times**2,
         restitution * np.sqrt(2 * GRAVITY) * after - 0.5 * GRAVITY * after**2,
     )
-    height = result.position(ball.centre)[:, 2] - 0.1
+    height = result.position(ball.point("centre"))[:, 2] - 0.1
     np.testing.assert_allclose(height, expected, rtol=0, atol=1e-13)
     assert result.contacts.penetration.max() < 1e-13
     assert result.contacts.impact_loss.sum() == pytest.approx(
@@ -69,10 +69,12 @@ def test_a_ball_bounces_as_without_joints(restitution, scheme):
 def test_a_block_sticks_or_slides_on_a_slope(angle, scheme):
     edges, down = (0.2, 0.2, 0.1), np.radians(angle)
     block = fl.RigidBody(1.0, cuboid(1.0, edges), (0, 0, 0.05))
-    scene = floored(block, fl.Box(block.centre, edges), fl.Impact(friction=0.5), down)
+    scene = floored(block, fl.Box(block.point("centre"), edges), fl.Impact(friction=0.5), down)
     result = run(scene, 0.5, 1e-2, scheme)
     pull = GRAVITY * (np.sin(down) - 0.5 * np.cos(down))
-    assert result.position(block.centre)[-1, 0] == pytest.approx(max(0.0, pull) / 8, abs=1e-9)
+    assert result.position(block.point("centre"))[-1, 0] == pytest.approx(
+        max(0.0, pull) / 8, abs=1e-9
+    )
     assert result.contacts.cone_residual.max() < 1e-6
 
 
@@ -90,7 +92,7 @@ def test_a_ladder_slides_with_second_order(scheme):
     for step in (2e-2, 1e-2):
         axes = np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
         rod = fl.RigidBody(1.0, (1 / 12, 1 / 12, 1e-3), (s / 2, 0, c / 2), axes)
-        top, foot = rod.at((0, 0, c)), rod.at((s, 0, 0))
+        top, foot = rod.point((0, 0, c)), rod.point((s, 0, 0))
         law = fl.Impact()
         scene = floored(rod, fl.Vertices([foot]), law)
         wall = fl.Plane(fl.ground(), (1, 0, 0))
@@ -106,7 +108,7 @@ def with_beam(scene: fl.Scene) -> fl.Scene:
     """With a clamped beam far away, for whose sake positions follow from the iteration matrix."""
     section = fl.Section.circle(0.02, fl.Material(1e8, 0.3, 1000.0))
     beam = scene.add(fl.Beam.straight((50.0, 0, 0), (51.0, 0, 0), section, cells=4))
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     return scene
 
 
@@ -120,9 +122,9 @@ def in_box(count: tuple[int, int, int], speed=0.0, restitution=0.0) -> fl.Scene:
     for at in np.ndindex(count):
         place = 2.1 * radius * (np.array(at) + 0.5) + 0.02 * radius * rng.standard_normal(3)
         ball = scene.add(fl.RigidBody(1.0, np.full(3, 0.4 * radius**2), place))
-        ball.move(speed * rng.normal(size=3))
-        ball.turn(speed / radius * rng.normal(size=3), ball.centre)
-        balls.append(ball.centre)
+        ball.add_velocity(speed * rng.normal(size=3))
+        ball.add_velocity(omega=speed / radius * rng.normal(size=3), about=ball.point("centre"))
+        balls.append(ball.point("centre"))
     heap, ends = fl.Vertices(balls, radius), 2.1 * radius * np.array(count)
     scene.add(fl.Contact(heap, heap, law))
     scene.add(fl.Contact(heap, fl.Plane(fl.ground(), (0, 0, 1)), law))
@@ -161,12 +163,12 @@ def test_an_impact_spreads_over_a_whole_row_in_one_step():
     scene, radius, count = fl.Scene(), 0.1, 24
     places = (2 * radius + 1e-4) * np.arange(count)
     balls = [scene.add(fl.RigidBody(1.0, 4e-3 * np.ones(3), (x, 0, 0))) for x in places]
-    balls[0].move((5.0, 0, 0))
+    balls[0].add_velocity((5.0, 0, 0))
     for a, b in pairwise(balls):
-        spheres = (fl.Sphere(ball.centre, radius) for ball in (a, b))
+        spheres = (fl.Sphere(ball.point("centre"), radius) for ball in (a, b))
         scene.add(fl.Contact(*spheres, fl.Impact(restitution=0.0)))
     result = run(hung_up(scene), 0.05, 1e-2)
-    x = np.array([result.position(ball.centre)[:, 0] for ball in balls])
+    x = np.array([result.position(ball.point("centre"))[:, 0] for ball in balls])
     assert np.diff(x, axis=0).min() > 2 * radius - 1e-9
     np.testing.assert_allclose(result.momentum[:, 0], 5.0, rtol=1e-12)
 
@@ -185,10 +187,10 @@ def test_a_body_that_cannot_give_way_to_a_driven_one_is_refused(joint, what):
     ball, plate = (fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, z)) for z in (0.105, 0.0))
     scene.add(ball)
     scene.add(plate)
-    scene.add(joint(ball.centre))
-    rail = scene.add(fl.Prismatic(fl.ground(), plate.centre, axis=(0, 0, 1)))
+    scene.add(joint(ball.point("centre")))
+    rail = scene.add(fl.Prismatic(fl.ground(), plate.point("centre"), axis=(0, 0, 1)))
     scene.add(fl.Drive(rail.displacement, lambda t: 20 * t * t))
-    surfaces = fl.Sphere(ball.centre, 0.1), fl.Plane(plate.centre, (0, 0, 1))
+    surfaces = fl.Sphere(ball.point("centre"), 0.1), fl.Plane(plate.point("centre"), (0, 0, 1))
     scene.add(fl.Contact(*surfaces, fl.Impact()))
     with pytest.raises(fl.ConvergenceError, match=rf"1 contacts {what}.*are bodies wedged\?"):
         run(hung_up(scene), 0.05, 1e-2)
@@ -206,12 +208,12 @@ def pendulum(angles, rates, law: fl.Impact, gap: float):
         down = np.array([s, 0, -c])
         axes = np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
         rod = scene.add(fl.RigidBody(1.0, (1 / 12, 1 / 12, 1e-3), top + 0.5 * down, axes))
-        rod.move(speed)
-        rod.turn((0, -rate, 0), about=top)
-        scene.add(fl.Revolute(before, rod.at(top), axis=(0, 1, 0)))
+        rod.add_velocity(speed)
+        rod.add_velocity(omega=(0, -rate, 0), about=top)
+        scene.add(fl.Revolute(before, rod.point(top), axis=(0, 1, 0)))
         speed = speed + rate * np.array([c, 0, s])
         top = top + down
-        before = rod.at(top)
+        before = rod.point(top)
         rods.append(rod)
     away = np.sign(gap)
     wall = fl.Plane(fl.ground(), (-away, 0, 0), at=(top[0] + gap, 0, 0))
@@ -247,7 +249,10 @@ def test_impact_of_a_double_pendulum_is_that_of_impulses(friction, restitution, 
     scene, rods, _ = pendulum(angles, rates, law, 0.5 * step * (rates @ np.cos(angles)))
     result = run(scene, step, step, scheme)
     turned = [
-        -(result.rotation(rod.centre)[-1] @ result.velocity(rod.centre)[-1, 3:])[1] for rod in rods
+        -(result.rotation(rod.point("centre"))[-1] @ result.velocity(rod.point("centre"))[-1, 3:])[
+            1
+        ]
+        for rod in rods
     ]
     coupling = 0.5 * np.cos(angles[0] - angles[1])
     M = np.array([[4 / 3, coupling], [coupling, 1 / 3]])
@@ -295,10 +300,10 @@ def colliding() -> fl.Scene:
     for mass, at in ((1.0, (0, 0, 0)), (2.0, (0.5, 0.05, 0.02))):
         turning = 0.4 * mass * radius**2 * np.ones(3)
         balls.append(scene.add(fl.RigidBody(mass, turning, at)))
-    balls[0].move((3, 0, 0))
-    balls[0].turn((5, -8, 11), balls[0].centre)
-    balls[1].turn((0, 7, 3), balls[1].centre)
-    spheres = (fl.Sphere(ball.centre, radius) for ball in balls)
+    balls[0].add_velocity((3, 0, 0))
+    balls[0].add_velocity(omega=(5, -8, 11), about=balls[0].point("centre"))
+    balls[1].add_velocity(omega=(0, 7, 3), about=balls[1].point("centre"))
+    spheres = (fl.Sphere(ball.point("centre"), radius) for ball in balls)
     scene.add(fl.Contact(*spheres, fl.Impact(restitution=1.0)))
     return hung_up(scene)
 
@@ -307,10 +312,10 @@ def on_a_spring() -> fl.Scene:
     """A ball on a rail and a spring bounces; positions are corrected against the spring."""
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     ball = scene.add(fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, 0.5)))
-    rail = scene.add(fl.Prismatic(fl.ground(), ball.centre, axis=(0, 0, 1)))
+    rail = scene.add(fl.Prismatic(fl.ground(), ball.point("centre"), axis=(0, 0, 1)))
     scene.add(fl.Spring(rail.displacement, stiffness=20.0))
-    ball.move((0, 0, -3))
-    surfaces = fl.Sphere(ball.centre, 0.1), fl.Plane(fl.ground(), (0, 0, 1))
+    ball.add_velocity((0, 0, -3))
+    surfaces = fl.Sphere(ball.point("centre"), 0.1), fl.Plane(fl.ground(), (0, 0, 1))
     scene.add(fl.Contact(*surfaces, fl.Impact(restitution=1.0)))
     return scene
 
@@ -335,16 +340,16 @@ def test_a_block_on_a_driven_platform_is_taken_along_by_friction(pull, scheme):
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     platform = scene.add(fl.RigidBody(5.0, np.ones(3), (0, 0, -0.1)))
     block = scene.add(fl.RigidBody(1.0, cuboid(1.0, (0.2, 0.2, 0.1)), (0, 0, 0.05)))
-    rail = scene.add(fl.Prismatic(fl.ground(), platform.centre, axis=(1, 0, 0)))
+    rail = scene.add(fl.Prismatic(fl.ground(), platform.point("centre"), axis=(1, 0, 0)))
     scene.add(fl.Drive(rail.displacement, lambda t: 0.5 * pull * t * t))
-    top = fl.Plane(platform.at((0, 0, 0)), (0, 0, 1))
-    box = fl.Box(block.centre, (0.2, 0.2, 0.1))
+    top = fl.Plane(platform.point((0, 0, 0)), (0, 0, 1))
+    box = fl.Box(block.point("centre"), (0.2, 0.2, 0.1))
     scene.add(fl.Contact(box, top, fl.Impact(friction=0.5)))
     result = run(scene, 0.5, 5e-3, scheme)
     expected = 0.5 * min(pull, 0.5 * GRAVITY) * 0.25
-    assert result.position(platform.centre)[-1, 0] == pytest.approx(0.125 * pull, abs=1e-9)
-    assert result.position(block.centre)[-1, 0] == pytest.approx(expected, abs=1e-8)
-    assert np.abs(result.position(block.centre)[:, 2] - 0.05).max() < 1e-11
+    assert result.position(platform.point("centre"))[-1, 0] == pytest.approx(0.125 * pull, abs=1e-9)
+    assert result.position(block.point("centre"))[-1, 0] == pytest.approx(expected, abs=1e-8)
+    assert np.abs(result.position(block.point("centre"))[:, 2] - 0.05).max() < 1e-11
 
 
 def test_a_platform_that_a_joint_holds_is_ground():
@@ -360,12 +365,12 @@ def test_a_platform_that_a_joint_holds_is_ground():
         under = fl.ground()
         if held:
             platform = scene.add(fl.RigidBody(3.0, np.ones(3), (0.2, 0.1, -1.0)))
-            scene.add(fl.Fixed(fl.ground(), platform.centre))
-            under = platform.at((0, 0, 0))
+            scene.add(fl.Fixed(fl.ground(), platform.point("centre")))
+            under = platform.point((0, 0, 0))
         floor = fl.Plane(under, (0, 0, 1))
-        scene.add(fl.Contact(fl.Box(block.centre, edges), floor, fl.Impact(1.0)))
+        scene.add(fl.Contact(fl.Box(block.point("centre"), edges), floor, fl.Impact(1.0)))
         result = run(scene, 0.6, 1e-3)
-        paths.append(result.rotation(block.centre)[:, 0, 2])
+        paths.append(result.rotation(block.point("centre"))[:, 0, 2])
     np.testing.assert_allclose(paths[0][::50], paths[1][::50], rtol=0, atol=2e-3)
 
 
@@ -377,8 +382,8 @@ def test_forces_of_impacts_are_told_place_by_place(jointed, tmp_path):
     """A block slides, and is held by friction: weight and friction, on its four lower corners."""
     edges, scene = (0.2, 0.2, 0.1), fl.Scene(gravity=(0, 0, -GRAVITY))
     block = scene.add(fl.RigidBody(2.0, cuboid(2.0, edges), (0, 0, 0.05)))
-    block.move((1.0, 0, 0))
-    box, floor = fl.Box(block.centre, edges), fl.Plane(fl.ground(), (0, 0, 1))
+    block.add_velocity((1.0, 0, 0))
+    box, floor = fl.Box(block.point("centre"), edges), fl.Plane(fl.ground(), (0, 0, 1))
     touch = scene.add(fl.Contact(box, floor, fl.Impact(friction=0.5)))
     if jointed:
         hung_up(scene)
@@ -394,7 +399,7 @@ def test_forces_of_impacts_are_told_place_by_place(jointed, tmp_path):
         assert not found.sticks[found.states == 10].any()
         assert found.sticks[found.states == 30].all()
         # of its own velocity, against which friction acts
-        speed = result.velocity(block.centre)[10, 0]
+        speed = result.velocity(block.point("centre"))[10, 0]
         np.testing.assert_allclose(found.slips[found.states == 10, 0], speed, rtol=1e-8)
         assert found.penetration.max() < 1e-12
         arrows = found.arrows(10)
@@ -407,10 +412,10 @@ def test_joints_are_told_to_carry_what_contacts_push():
     """A platform of 3 kg on a joint, with a block of 1 kg on it; a beam at rest on a floor."""
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     platform = scene.add(fl.RigidBody(3.0, np.ones(3), (0, 0, -0.1)))
-    joint = scene.add(fl.Fixed(fl.ground(), platform.centre))
+    joint = scene.add(fl.Fixed(fl.ground(), platform.point("centre")))
     block = scene.add(fl.RigidBody(1.0, cuboid(1.0, (0.2, 0.2, 0.1)), (0, 0, 0.05)))
-    top = fl.Plane(platform.at((0, 0, 0)), (0, 0, 1))
-    box = fl.Box(block.centre, (0.2, 0.2, 0.1))
+    top = fl.Plane(platform.point((0, 0, 0)), (0, 0, 1))
+    box = fl.Box(block.point("centre"), (0.2, 0.2, 0.1))
     scene.add(fl.Contact(box, top, fl.Impact(friction=0.5)))
     result = run(scene, 0.1, 1e-2)
     np.testing.assert_allclose(result.joint_force(joint)[1:, 2], -4.0 * GRAVITY, rtol=1e-8)
@@ -441,11 +446,11 @@ def test_an_elastic_bar_pushes_a_wall_as_its_wave_says(courant, scheme):
     """ρ c v A while the wave goes and comes back; the energy never grows."""
     cells, gap, area = 50, 1e-3, np.pi * 0.02**2
     beam = fl.Beam.straight((0, 0, 0), (-1, 0, 0), fl.Section.circle(0.02, STEEL), cells=cells)
-    beam.move((1, 0, 0))
+    beam.add_velocity((1, 0, 0))
     scene = fl.Scene()
     scene.add(beam)
     wall = fl.Plane(fl.ground(), (-1, 0, 0), at=(gap, 0, 0))
-    scene.add(fl.Contact(fl.Vertices([beam.start]), wall, fl.Impact()))
+    scene.add(fl.Contact(fl.Vertices([beam.point("start")]), wall, fl.Impact()))
     step, back = courant / cells / WAVE, 2 / WAVE
     result = run(scene, np.ceil((gap + 1.3 * back) / step) * step, step, scheme)
     force = -np.diff(result.impulses[:, 1, 0]) / step / (1000.0 * WAVE * area)
@@ -462,7 +467,7 @@ def bouncing_beam(friction=0.2):
     """It falls askew on the floor, and slides."""
     section = fl.Section.circle(0.02, fl.Material(1e8, 0.3, 1000.0))
     beam = fl.Beam.straight((0, 0, 0.05), (1, 0, 0.15), section, cells=8)
-    beam.move((0.5, 0, 0))
+    beam.add_velocity((0.5, 0, 0))
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     scene.add(beam)
     nodes = fl.Vertices([fl.Point(beam, k) for k in range(9)], 0.02)
@@ -473,7 +478,7 @@ def bouncing_beam(friction=0.2):
 
 def test_a_step_with_impacts_that_has_no_solution_says_that_parts_have_none():
     scheme, scene = fl.GeneralisedAlpha(max_iterations=1), bouncing_beam()
-    scene.bodies[0].turn((0, 30, 50), about=(0.5, 0, 0.1))
+    scene.bodies[0].add_velocity(omega=(0, 30, 50), about=(0.5, 0, 0.1))
     with pytest.raises(fl.ConvergenceError, match="did not converge in 1 iterations") as info:
         scheme.run(scene, duration=0.01, step=0.01, progress=False)
     assert "Nor did it in 64 parts" in str(info.value)
@@ -503,9 +508,9 @@ def bouncing_plate(parameters, friction: float, joint=None) -> fl.Scene:
     scene.add(fl.Contact(balls, fl.Plane(fl.ground(), (0, 0, 1)), fl.Impact(friction=friction)))
     if joint is not None:
         arm = scene.add(fl.RigidBody(0.5, 5e-3 * np.ones(3), (-0.1, 0, 0.1)))
-        scene.add(joint(arm.centre, plate["00"], at=plate["00"].position))
+        scene.add(joint(arm.point("centre"), plate.point("00"), at=plate.point("00").position))
     for body in scene.bodies:
-        body.move((0.5, 0.3, 0))
+        body.add_velocity((0.5, 0.3, 0))
     return scene
 
 
@@ -542,14 +547,14 @@ def test_a_beam_without_rotary_inertia_hits_the_floor():
         beam = fl.Beam.straight((0, 0, 0.1), (1, 0, 0.1), section, cells=6)
         scene = fl.Scene(gravity=(0, 0, -10 * GRAVITY))
         scene.add(beam)
-        scene.add(fl.Clamp(beam.start))
-        tip = fl.Sphere(beam.end, 0.02)
+        scene.add(fl.Clamp(beam.point("start")))
+        tip = fl.Sphere(beam.point("end"), 0.02)
         floor = fl.Plane(fl.ground(), (0, 0.1, 1))
         scene.add(fl.Contact(tip, floor, fl.Impact()))
         result = run(scene, 0.2, 1e-3)
         assert result.contacts.contacts.any()
         assert np.diff(result.total_energy).max() < 1e-3 * result.total_energy[0]
-        ends.append(result.position(beam.end))
+        ends.append(result.position(beam.point("end")))
     assert np.abs(ends[1] - ends[0]).max() < 0.02
 
 
@@ -560,7 +565,7 @@ def test_velocities_by_momenta_need_inertia():
     scene = fl.Scene()
     scene.add(beam)
     floor = fl.Plane(fl.ground(), (0, 0, 1))
-    scene.add(fl.Contact(fl.Sphere(beam.end, 0.02), floor, fl.Impact()))
+    scene.add(fl.Contact(fl.Sphere(beam.point("end"), 0.02), floor, fl.Impact()))
     with pytest.raises(ValueError, match="expected rotary inertia at all nodes"):
         run(scene, 0.1, 1e-2, fl.Variational())
 
@@ -573,10 +578,10 @@ def stick_and_slip() -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     platform = scene.add(fl.RigidBody(5.0, np.ones(3), (0, 0, -0.1)))
     block = scene.add(fl.RigidBody(1.0, cuboid(1.0, (0.2, 0.2, 0.1)), (0, 0, 0.05)))
-    rail = scene.add(fl.Prismatic(fl.ground(), platform.centre, axis=(1, 0, 0)))
+    rail = scene.add(fl.Prismatic(fl.ground(), platform.point("centre"), axis=(1, 0, 0)))
     scene.add(fl.Drive(rail.displacement, lambda t: 0.02 * (1 - np.cos(20 * t))))
-    top = fl.Plane(platform.at((0, 0, 0)), (0, 0, 1))
-    box = fl.Box(block.centre, (0.2, 0.2, 0.1))
+    top = fl.Plane(platform.point((0, 0, 0)), (0, 0, 1))
+    box = fl.Box(block.point("centre"), (0.2, 0.2, 0.1))
     scene.add(fl.Contact(box, top, fl.Impact(friction=0.5)))
     return scene
 
@@ -605,34 +610,34 @@ def test_a_run_goes_on_to_the_last_bit(tmp_path, make, every, scheme):
 def with_cable() -> fl.Scene:
     cable = fl.Cable.straight((0, 0, 1), (1, 0, 1), fl.Section.circle(0.02, STEEL), cells=4)
     ball = fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, 1.1))
-    scene = floored(ball, fl.Sphere(ball.centre, 0.1), fl.Impact())
+    scene = floored(ball, fl.Sphere(ball.point("centre"), 0.1), fl.Impact())
     scene.add(cable)
     return scene
 
 
 def with_guide() -> fl.Scene:
     ball = fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, 1.1))
-    scene = floored(ball, fl.Sphere(ball.centre, 0.1), fl.Impact())
+    scene = floored(ball, fl.Sphere(ball.point("centre"), 0.1), fl.Impact())
     mesh = fl.surface(lambda a, b: np.array([a, b, 2.0]), (2, 2))
     sheet = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.05, STEEL)))
-    sheet.guide("a=0", (1, 0, 0))
+    sheet.roller("a=0", (1, 0, 0))
     return scene
 
 
 def with_few_shapes() -> fl.Scene:
     full = fl.Scene()
     beam = full.add(fl.Beam.straight((0, 0, 1), (1, 0, 1), fl.Section.circle(0.02, STEEL), cells=4))
-    rod = fl.reduced_body(full, [beam.start, beam.end], 2)
-    return floored(rod, fl.Sphere(rod["end"], 0.1), fl.Impact())
+    rod = fl.reduced_body(full, [beam.point("start"), beam.point("end")], 2)
+    return floored(rod, fl.Sphere(rod.point("end"), 0.1), fl.Impact())
 
 
 def with_disc() -> fl.Scene:
     disc = fl.RigidBody(1.0, (0.1, 0.1, 0.2), (0, 0, 0.3))
     scene = fl.Scene()
     scene.add(disc)
-    scene.add(fl.RollingDisc(fl.ground(), disc.centre, axis=(0, 1, 0), radius=0.3))
+    scene.add(fl.RollingDisc(fl.ground(), disc.point("centre"), axis=(0, 1, 0), radius=0.3))
     floor = fl.Plane(fl.ground(), (0, 0, 1))
-    scene.add(fl.Contact(fl.Sphere(disc.centre, 0.05), floor, fl.Impact()))
+    scene.add(fl.Contact(fl.Sphere(disc.point("centre"), 0.05), floor, fl.Impact()))
     return scene
 
 

@@ -174,8 +174,8 @@ def test_diaphragm_meets_a_plane_of_symmetry():
         )
         if first:
             shell.symmetry("b=0", (0, 1, 0))
-        shell.guide("a=1", (0, 1, 0))
-        shell.guide("a=1", (0, 0, 1))
+        shell.roller("a=1", (0, 1, 0))
+        shell.roller("a=1", (0, 0, 1))
         if not first:
             shell.symmetry("b=0", (0, 1, 0))
         shells.append(shell)
@@ -185,7 +185,7 @@ def test_diaphragm_meets_a_plane_of_symmetry():
         held = shell.supports[corner][shell.held[corner, :3]]
         assert np.abs(held[:, 0]).max() < 1e-12  # x is free
     with pytest.raises(ValueError, match="must not be zero"):
-        shells[0].guide("a=1", (0, 0, 0))
+        shells[0].roller("a=1", (0, 0, 0))
 
 
 @pytest.mark.parametrize(

@@ -25,8 +25,8 @@ def straight_cable(cells: int, ratio: float) -> tuple[fl.Scene, fl.Cable]:
     )
     scene = fl.Scene()
     scene.add(cable)
-    cable.clamp(cable.start)
-    scene.add(fl.PointLoad(cable.end, (0, 0, FORCE)))
+    cable.clamp(cable.point("start"))
+    scene.add(fl.PointLoad(cable.point("end"), (0, 0, FORCE)))
     return scene, cable
 
 
@@ -38,7 +38,7 @@ def test_elastica_is_of_second_order_however_slender(ratio):
         scene, cable = straight_cable(cells, ratio)
         result = fl.statics(scene)
         assert result.iterations.sum() <= 10 and result.failed_iterations == 0
-        moved = result.position(cable.end)[-1] - (LENGTH, 0, 0)
+        moved = result.position(cable.point("end"))[-1] - (LENGTH, 0, 0)
         errors.append(np.linalg.norm(moved - elastica(FORCE)) / LENGTH)
     assert errors[-1] < 4e-4
     assert errors[0] / errors[2] > 10 or ratio < 1e6
@@ -101,9 +101,9 @@ def test_load_on_a_knot():
     net, load = cross(), 2.0
     scene = fl.Scene()
     scene.add(net)
-    net.pin(*(net.node(k) for k in (0, 6, 7, 12)))
-    scene.add(fl.PointLoad(net.node(3), (0, 0, -load)))
-    found = fl.statics(scene).position(net.node(3))[-1]
+    net.pin(*(net.point(k) for k in (0, 6, 7, 12)))
+    scene.add(fl.PointLoad(net.point(3), (0, 0, -load)))
+    found = fl.statics(scene).position(net.point(3))[-1]
     length = lambda d: np.hypot(1.0, d)  # noqa: E731
     d = brentq(lambda d: 4 * 100 * (length(d) - 1) * d / length(d) - load, 0.0, 1.0, xtol=1e-14)
     np.testing.assert_allclose(found, (0, 0, -d), atol=1e-7)
@@ -116,11 +116,11 @@ def test_slack_net_hangs():
     )
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(net)
-    net.pin(*(net.node(k) for k in (0, 4, 20, 24)))
+    net.pin(*(net.point(k) for k in (0, 4, 20, 24)))
     result = fl.statics(scene)
     weight = 9.81 * net.lengths.sum()
     np.testing.assert_allclose(result.reactions[-1][:, :3].sum(axis=0), (0, 0, weight), atol=1e-6)
-    places = np.array([result.position(net.node(k))[-1] for k in range(25)]).reshape(5, 5, 3)
+    places = np.array([result.position(net.point(k))[-1] for k in range(25)]).reshape(5, 5, 3)
     np.testing.assert_allclose(places[:, :, 2], places[::-1, :, 2], atol=1e-7)
     np.testing.assert_allclose(places[:, :, 2], places.transpose(1, 0, 2)[:, :, 2], atol=1e-7)
     assert places[2, 2, 2] < -0.5
@@ -139,7 +139,7 @@ def grid(cells: int, edge: float) -> tuple[np.ndarray, list[list[int]]]:
 def test_fall_of_a_net():
     """Momentum by gravity alone, energy and angular momentum to the order of the step."""
     net = fl.Net(*grid(4, 1.0), section(1e3, 1e-3, 0.2))
-    net.turn((1.0, 2.0, 3.0), net.node(0))
+    net.add_velocity(omega=(1.0, 2.0, 3.0), about=net.point(0))
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(net)
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
@@ -162,7 +162,7 @@ class Bent:
         line = fl.curve(lambda s: (3 * s, s * s, 0.5 * s**3), 5)
         element = fl.DiscreteCable(natural=natural)
         self.cable = fl.Cable(line, section(1e3, 10.0), formulation=element)
-        self.cable.clamp(self.cable.start, self.cable.end)
+        self.cable.clamp(self.cable.point("start"), self.cable.point("end"))
         assembly = fl.Cable.assemble([self.cable])
         (self.springs,) = assembly.beside
         H = np.empty_like(self.cable.frames)
@@ -226,13 +226,13 @@ def cable() -> fl.Cable:
 def clamped():
     scene, line = fl.Scene(), cable()
     scene.add(line)
-    scene.add(fl.Clamp(line.start))
+    scene.add(fl.Clamp(line.point("start")))
 
 
 def revolute():
     scene, line = fl.Scene(), cable()
     scene.add(line)
-    scene.add(fl.Revolute(fl.ground(), line.start, axis=(1, 0, 0)))
+    scene.add(fl.Revolute(fl.ground(), line.point("start"), axis=(1, 0, 0)))
 
 
 REFUSED = {
@@ -262,8 +262,8 @@ REFUSED = {
         "mass only",
     ),
     "slack": (lambda: fl.DiscreteCable(slack=-1.0), "positive"),
-    "clamp in the middle": (lambda: (line := cable()).clamp(line.node(1)), "at ends"),
-    "clamp of another": (lambda: cable().clamp(cable().start), "its own"),
+    "clamp in the middle": (lambda: (line := cable()).clamp(line.point(1)), "at ends"),
+    "clamp of another": (lambda: cable().clamp(cable().point("start")), "its own"),
     "clamp of a scene": (clamped, r"clamp\(point\)"),
     "direction by a joint": (revolute, "no directions"),
 }
@@ -295,7 +295,7 @@ def test_threads_that_are_naturally_as_laid_move_freely(cells):
     thread = fl.Section.circle(1e-3, fl.Material(E=1e8, nu=0.3, density=1000.0))
     natural = fl.DiscreteCable(natural=True)
     net = fl.Net(points, [[*range(len(points)), 0]], thread, formulation=natural)
-    net.move((0.0, 0.0, -10.0))
+    net.add_velocity((0.0, 0.0, -10.0))
     scene = fl.Scene()
     scene.add(net)
     result = fl.EnergyMomentum().run(scene, duration=5e-3, step=2.5e-4, progress=False)

@@ -32,7 +32,7 @@ def flying(*, flat: bool = False) -> fl.Scene:
     """Free, and turning."""
     scene = fl.Scene()
     spin = (0, 0, 6.0) if flat else (0.5, 2.0, 6.0)
-    scene.add(rod(flat=flat)).turn(spin, about=(0.5, 0, 0))
+    scene.add(rod(flat=flat)).add_velocity(omega=spin, about=(0.5, 0, 0))
     return scene
 
 
@@ -40,11 +40,11 @@ def swinging() -> fl.Scene:
     """A pendulum on a ball joint, that carries a body on a hinge and is drawn by a moment."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     own = scene.add(rod())
-    end = own.frames[own.end.node, 0]
+    end = own.frames[own.point("end").node, 0]
     bob = scene.add(fl.RigidBody(0.5, (0.002, 0.003, 0.004), tuple(end + np.array([0.1, 0.05, 0]))))
-    scene.add(fl.Spherical(fl.ground(), own.start))
-    scene.add(fl.Revolute(own.end, bob.at(tuple(end)), axis=(0, 1, 0)))
-    scene.add(fl.PointLoad(own.end, moment=(0.3, 0.2, -0.1)))
+    scene.add(fl.Spherical(fl.ground(), own.point("start")))
+    scene.add(fl.Revolute(own.point("end"), bob.point(tuple(end)), axis=(0, 1, 0)))
+    scene.add(fl.PointLoad(own.point("end"), moment=(0.3, 0.2, -0.1)))
     return scene
 
 
@@ -53,7 +53,7 @@ def end_of(scheme, scene: fl.Scene, step: float) -> tuple[np.ndarray, fl.Result]
     steps = round(TIME / step)
     result = scheme.run(scene, duration=TIME, step=step, save_every=steps)
     (own,) = (body for body in scene.bodies if isinstance(body, fl.Rod))
-    return result.position(own.end)[-1], result
+    return result.position(own.point("end"))[-1], result
 
 
 @conserving
@@ -104,15 +104,15 @@ def test_a_linked_end_moves_as_a_fixed_one(name):
     def carried(*, linked: bool) -> fl.Scene:
         scene = flying()
         (own,) = scene.bodies
-        end = own.frames[own.end.node, 0]
+        end = own.frames[own.point("end").node, 0]
         bob = scene.add(
             fl.RigidBody(0.5, (0.002, 0.003, 0.004), tuple(end + np.array([0.3, 0.2, 0.1])))
         )
-        bob.turn((0.5, 2.0, 6.0), about=(0.5, 0, 0))
+        bob.add_velocity(omega=(0.5, 2.0, 6.0), about=(0.5, 0, 0))
         if linked:
-            scene.add(fl.RigidLink(bob.centre, own.end))
+            scene.add(fl.RigidLink(bob.point("centre"), own.point("end")))
         else:
-            scene.add(fl.Fixed(bob.at(tuple(end)), own.end))
+            scene.add(fl.Fixed(bob.point(tuple(end)), own.point("end")))
         return scene
 
     scheme = CONSERVING.get(name, fl.GeneralisedAlpha())

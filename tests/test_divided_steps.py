@@ -62,7 +62,7 @@ def spinning() -> tuple[fl.Scene, fl.Body]:
     """A free body that turns by 0.7 rad in a step."""
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (1, 2, 2.5)))
-    body.turn((3, 4, 5), about=body.centre)
+    body.add_velocity(omega=(3, 4, 5), about=body.point("centre"))
     return scene, body
 
 
@@ -71,9 +71,9 @@ def tumbling() -> tuple[fl.Scene, fl.Body]:
     scene, centres, law = fl.Scene(gravity=(0, 0, -9.81)), [], fl.Impact(0.3, 0.5)
     for k in range(3):
         body = scene.add(fl.RigidBody(1.0, (1e-3, 2e-3, 2.5e-3), (0.21 * k, 0, 0.12)))
-        body.turn((15, -24, 36), body.centre)
-        body.move((-0.5 * k, 0, -0.5))
-        centres.append(body.centre)
+        body.add_velocity(omega=(15, -24, 36), about=body.point("centre"))
+        body.add_velocity((-0.5 * k, 0, -0.5))
+        centres.append(body.point("centre"))
     balls = fl.Vertices(centres, 0.1)
     scene.add(fl.Contact(balls, balls, law))
     scene.add(fl.Contact(balls, fl.Plane(fl.ground(), (0, 0, 1)), law))

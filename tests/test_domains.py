@@ -23,9 +23,9 @@ def joined_beams():
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(upper)
     scene.add(lower)
-    scene.add(fl.Revolute(fl.ground(), upper.start, axis=(0, 1, 0)))
-    scene.add(fl.Revolute(upper.end, lower.start, axis=(0, 1, 0)))
-    scene.add(fl.Spring(fl.Distance(upper.node(3), lower.node(3)).length, stiffness=1e6))
+    scene.add(fl.Revolute(fl.ground(), upper.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.Revolute(upper.point("end"), lower.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.Spring(fl.Distance(upper.point(3), lower.point(3)).length, stiffness=1e6))
     return scene
 
 
@@ -36,7 +36,7 @@ def sheet():
     shell.clamp("a=0")
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.PointLoad(shell["11"], force=(0.0, 300.0, 2e3)))
+    scene.add(fl.PointLoad(shell.point("11"), force=(0.0, 300.0, 2e3)))
     return scene
 
 

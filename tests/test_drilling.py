@@ -41,7 +41,11 @@ def test_cells_where_a_node_alone_takes_a_moment_are_as_stiff_as_the_membrane(co
     scene.add(shell)
     bodies = {name: scene.add(fl.RigidBody(1.0, [1.0] * 3)) for name in sorted({*corners.values()})}
     for corner, body in corners.items():
-        scene.add(fl.Fixed(shell[corner], bodies[body].centre, at=shell[corner].position))
+        scene.add(
+            fl.Fixed(
+                shell.point(corner), bodies[body].point("centre"), at=shell.point(corner).position
+            )
+        )
     drills, found = shell.drilling_told(scene.held_rotations()[shell])
     assert drills
     membrane = np.isclose(found, SHEAR * 0.01, rtol=1e-12)
@@ -57,7 +61,7 @@ def test_cells_resist_moments_of_friction_at_a_node(law, radius, friction, stiff
     """Forces on a ball about a node have a moment about it, forces at the node itself none."""
     scene, shell = fl.Scene(), plate(0.01, Parameters.SIX)
     scene.add(shell)
-    balls = fl.Vertices([shell["00"]], radius)
+    balls = fl.Vertices([shell.point("00")], radius)
     floor = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -1))
     scene.add(fl.Contact(balls, floor, law(friction=friction)))
     for each in (scene, scene.without_impacts()):
@@ -70,7 +74,7 @@ def test_five_parameters_do_for_contacts_at_nodes():
     scene, shell = fl.Scene(), plate(0.01, Parameters.AUTOMATIC)
     scene.add(shell)
     floor = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -1))
-    ball = fl.Sphere(shell["00"], 0.01)
+    ball = fl.Sphere(shell.point("00"), 0.01)
     scene.add(fl.Contact(ball, floor, fl.Impact(friction=0.3)))
     assert not scene.drills(shell)
 
@@ -83,18 +87,18 @@ def test_an_unloaded_shell_of_warped_cells_has_no_drilling_stress():
     scene = fl.Scene()
     scene.add(shell)
     system = Assembled(scene, dynamics=False)
-    assert np.abs(system.residual(system.start)).max() <= 1e-13 * SHEAR
+    assert np.abs(system.residual(system.point("start"))).max() <= 1e-13 * SHEAR
 
 
 def test_frames_with_joints_are_not_carried_along():
     """The axes of the joint are written in them."""
     scene, shell = fl.Scene(), plate(0.1, Parameters.FIVE_CARRIED)
     scene.add(shell)
-    scene.add(fl.Spherical(shell["00"], fl.ground()))
+    scene.add(fl.Spherical(shell.point("00"), fl.ground()))
     system = Assembled(scene, dynamics=False)
-    joint = system.equations.unknowns.bodies[shell][shell["00"].node]
+    joint = system.equations.unknowns.bodies[shell][shell.point("00").node]
     motion = lie.se3_exp(np.array([0.1, 0.2, 0.3, 0.5, -0.4, 2.0]))
-    moved = lie.se3_compose(motion, system.start[: system.count])
+    moved = lie.se3_compose(motion, system.point("start")[: system.count])
     wrong = moved.copy()
     wrong[:, 1], wrong[:, 2] = moved[:, 2], -moved[:, 1]  # a quarter of a turn ahead
     before = wrong[joint].copy()

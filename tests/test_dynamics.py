@@ -30,9 +30,11 @@ def pendulum(
     scene = fl.Scene(gravity=(0, 0, -G))
     place = LENGTH * np.array([np.cos(angle), 0, -np.sin(angle)])
     R = lie.so3_exp([0, angle, 0])
-    body = scene.add(fl.RigidBody(MASS, (0.1, INERTIA, 0.25), place, R).on(group))
-    scene.add(fl.Revolute(fl.ground(), body.centre, at=(0, 0, 0), axis=(0, 1, 0), name="pivot"))
-    body.turn((0, speed, 0), about=(0, 0, 0))
+    body = scene.add(fl.RigidBody(MASS, (0.1, INERTIA, 0.25), place, R).set_group(group))
+    scene.add(
+        fl.Revolute(fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 1, 0), name="pivot")
+    )
+    body.add_velocity(omega=(0, speed, 0), about=(0, 0, 0))
     return scene, body
 
 
@@ -101,9 +103,9 @@ def test_order_of_configuration_velocity_and_multipliers(radius, parametrisation
         half = len(result.times) // 2  # multipliers also in the first half: no transient allowed
         errors.append(
             [
-                np.abs(result.position(body.centre) - position).max(),
-                np.abs(result.velocity(body.centre)[:, 4] - rate).max(),
-                np.abs(result.velocity(body.centre)[:, 2] + LENGTH * rate).max(),
+                np.abs(result.position(body.point("centre")) - position).max(),
+                np.abs(result.velocity(body.point("centre"))[:, 4] - rate).max(),
+                np.abs(result.velocity(body.point("centre"))[:, 2] + LENGTH * rate).max(),
                 np.abs(force - pivot_force(phi, rate) @ frame.T)[1:half].max(),
                 np.abs(force - pivot_force(phi, rate) @ frame.T)[half:].max(),
             ]
@@ -120,10 +122,10 @@ def heavy_top(group: fl.Group) -> tuple[fl.Scene, fl.RigidBody]:
     """Brüls & Cardona's top at 150 rad/s, its frame at the centre of mass."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     top = scene.add(
-        fl.RigidBody(15.0, (0.234375, 0.46875, 0.234375), (0, 1, 0), name="top").on(group)
+        fl.RigidBody(15.0, (0.234375, 0.46875, 0.234375), (0, 1, 0), name="top").set_group(group)
     )
-    scene.add(fl.Spherical(fl.ground(), top.centre, at=(0, 0, 0), name="tip"))
-    top.turn((0, 150, -4.61538), about=(0, 0, 0))
+    scene.add(fl.Spherical(fl.ground(), top.point("centre"), at=(0, 0, 0), name="tip"))
+    top.add_velocity(omega=(0, 150, -4.61538), about=(0, 0, 0))
     return scene, top
 
 
@@ -156,7 +158,7 @@ def test_fast_heavy_top_keeps_one_matrix(group, step, bound):
     scene, top = heavy_top(group)
     result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=0.2, step=step)
     end = [0.60555056138, 0.5989576818, -0.52398302743]
-    assert np.linalg.norm(result.position(top.centre)[-1] - end) < bound
+    assert np.linalg.norm(result.position(top.point("centre"))[-1] - end) < bound
     assert result.factorisations == 1
     # full Newton takes two as well: the kept matrix is as good as a new one
     assert result.iterations[-1] < 2.1 * (len(result.times) - 1)
@@ -196,13 +198,17 @@ def mixed_scene(group: fl.Group, turned: np.ndarray | None = None) -> fl.Scene:
     other = fl.Group(1 - group)
     section = fl.Section.rectangle(0.02, 0.01, fl.Material(1e8, 0.3, 1000))
     scene = fl.Scene()
-    beam = scene.add(fl.Beam.straight((0, 0, 0), R[:, 0], section, cells=3, up=R[:, 2]).on(group))
-    body = scene.add(fl.RigidBody(0.3, (1e-3, 2e-3, 2.5e-3), R @ [1.1, 0.2, 0], R).on(other))
-    scene.add(fl.Revolute(beam.end, body.centre, at=R[:, 0], axis=R @ [0, 0.6, 0.8]))
+    beam = scene.add(
+        fl.Beam.straight((0, 0, 0), R[:, 0], section, cells=3, up=R[:, 2]).set_group(group)
+    )
+    body = scene.add(fl.RigidBody(0.3, (1e-3, 2e-3, 2.5e-3), R @ [1.1, 0.2, 0], R).set_group(other))
+    scene.add(
+        fl.Revolute(beam.point("end"), body.point("centre"), at=R[:, 0], axis=R @ [0, 0.6, 0.8])
+    )
     for item in (beam, body):
-        item.move(R @ [1, 2, 3])
-        item.turn(R @ [8, -6, 10], about=(0, 0, 0))
-    body.turn(R @ [0, 12, 16], about=R[:, 0])
+        item.add_velocity(R @ [1, 2, 3])
+        item.add_velocity(omega=R @ [8, -6, 10], about=(0, 0, 0))
+    body.add_velocity(omega=R @ [0, 12, 16], about=R[:, 0])
     return scene
 
 
@@ -274,17 +280,17 @@ def test_free_flight_is_exact_in_translation_with_translations_apart(parametrisa
     scene = fl.Scene(gravity=(0, 0, -G))
     body = scene.add(fl.RigidBody(2.0, (0.1, 0.2, 0.25), (0, 0, 1)))
     assert body.group is fl.Group.R3xSO3
-    body.move((1, 2, 3))
-    body.turn((0.3, 6, 0.2), about=body.centre)
+    body.add_velocity((1, 2, 3))
+    body.add_velocity(omega=(0.3, 6, 0.2), about=body.point("centre"))
     scheme = fl.GeneralisedAlpha(parametrisation=parametrisation)
     result = scheme.run(scene, duration=1.0, step=0.05)
     t = result.times[:, np.newaxis]
     parabola = [0, 0, 1] + t * [1, 2, 3] - 0.5 * G * t**2 * [0, 0, 1]
-    np.testing.assert_allclose(result.position(body.centre), parabola, atol=1e-13)
+    np.testing.assert_allclose(result.position(body.point("centre")), parabola, atol=1e-13)
     velocity = np.einsum(
         "tij,ti->tj", lie.rotation(result.frames[:, 0]), [1, 2, 3] - G * t * [0, 0, 1]
     )
-    np.testing.assert_allclose(result.velocity(body.centre)[:, :3], velocity, atol=1e-12)
+    np.testing.assert_allclose(result.velocity(body.point("centre"))[:, :3], velocity, atol=1e-12)
 
 
 @groups
@@ -308,11 +314,11 @@ def test_components_for_bodies_that_are_held(group):
     def motion(components: fl.Components) -> np.ndarray:
         section = fl.Section.rectangle(0.02, 0.01, fl.Material(1e9, 0.3, 1000))
         scene = fl.Scene(gravity=(0, 0, -G))
-        one = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=3).on(group))
-        two = scene.add(fl.Beam.straight((1, 0, 0), (1, 1, 0), section, cells=3).on(group))
-        scene.add(fl.Clamp(one.start))
-        scene.add(fl.Revolute(one.end, two.start, axis=(1, 0, 0)))
-        two.turn((20, 0, 0), about=two.start)
+        one = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=3).set_group(group))
+        two = scene.add(fl.Beam.straight((1, 0, 0), (1, 1, 0), section, cells=3).set_group(group))
+        scene.add(fl.Clamp(one.point("start")))
+        scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0)))
+        two.add_velocity(omega=(20, 0, 0), about=two.point("start"))
         scheme = fl.GeneralisedAlpha(tolerance=1e-10, components=components)
         return scheme.run(scene, duration=0.2, step=1e-3).frames
 
@@ -326,10 +332,10 @@ def test_waves_that_no_step_resolves_do_not_spoil_the_start(group, radius):
     """A load on steel at once, in steps of a hundred periods: extrapolated ``a₀`` was nonsense."""
     section = fl.Section.rectangle(0.02, 0.02, fl.Material(2e11, 0.3, 7800))
     scene = fl.Scene(gravity=(0, 0, -G))
-    beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=8).on(group))
-    body = scene.add(fl.RigidBody(5.0, (0.1, 0.1, 0.1), (1.3, 0.2, 0)).on(group))
-    scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 1, 0)))
-    scene.add(fl.Fixed(beam.end, body.centre, at=(1, 0, 0)))
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=8).set_group(group))
+    body = scene.add(fl.RigidBody(5.0, (0.1, 0.1, 0.1), (1.3, 0.2, 0)).set_group(group))
+    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.Fixed(beam.point("end"), body.point("centre"), at=(1, 0, 0)))
     result = fl.GeneralisedAlpha(radius=radius).run(scene, duration=0.1, step=4e-3)
     assert result.energy_error < 0.05
 
@@ -346,14 +352,14 @@ def test_rigid_double_pendulum(group):
         mass = 2700 * side**2 * length
         moments = mass / 12 * np.array([2 * side**2, length**2 + side**2, length**2 + side**2])
         place = (start + length / 2, 0, 0)
-        bodies.append(scene.add(fl.RigidBody(mass, moments, place).on(group)))
+        bodies.append(scene.add(fl.RigidBody(mass, moments, place).set_group(group)))
     one, two = bodies
-    scene.add(fl.Spherical(fl.ground(), one.centre, at=(0, 0, 0)))
-    scene.add(fl.Spherical(one.centre, two.centre, at=(0.3, 0, 0)))
+    scene.add(fl.Spherical(fl.ground(), one.point("centre"), at=(0, 0, 0)))
+    scene.add(fl.Spherical(one.point("centre"), two.point("centre"), at=(0.3, 0, 0)))
     errors = []
     for step in (1e-3, 5e-4):
         result = fl.GeneralisedAlpha(tolerance=1e-10).run(scene, duration=1.0, step=step)
-        x, e1 = result.frames[-1, result.info.node(two.centre), :2]
+        x, e1 = result.frames[-1, result.info.node(two.point("centre")), :2]
         errors.append(np.linalg.norm(x + 0.25 * e1 - [-0.5857718307, 0.0, -0.01018573161]))
     assert errors[1] < 2e-5
     assert np.log2(errors[0] / errors[1]) > 1.9, errors
@@ -367,9 +373,9 @@ def flexible_pendulum(
     scene = fl.Scene()
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.3, 0, 0), section, cells=cells))
     two = scene.add(fl.Beam.straight((0.3, 0, 0), (0.3, 0.5, 0), section, cells=cells))
-    scene.add(fl.Spherical(fl.ground(), one.start))
-    scene.add(fl.Revolute(one.end, two.start, axis=(1, 0, 0)))
-    two.turn((3, 0, 0), about=two.start)
+    scene.add(fl.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0)))
+    two.add_velocity(omega=(3, 0, 0), about=two.point("start"))
     scheme = fl.GeneralisedAlpha(policy=policy or fl.Automatic(), max_iterations=max_iterations)
     return scheme.run(scene, duration=0.05, step=1e-4, **options)
 
@@ -406,13 +412,13 @@ def free_flight(step: float, formulation: fl.Formulation) -> fl.Result:
         for ends in (((0, 0, 0), (1, 0, 0)), ((1, 0, 0), (1, 1, 0)))
     )
     body = scene.add(fl.RigidBody(0.3, (1e-3, 2e-3, 2.5e-3), (1, 1, 0)))
-    scene.add(fl.Spherical(one.end, two.start))
-    scene.add(fl.Fixed(two.end, body.centre))
+    scene.add(fl.Spherical(one.point("end"), two.point("start")))
+    scene.add(fl.Fixed(two.point("end"), body.point("centre")))
     for item in (one, two, body):
-        item.move((1, 2, 3))
-        item.turn((2, 0, 1), about=(0, 0, 0))
-    two.turn((4, 0, 0), about=two.start)
-    body.turn((4, 0, 0), about=two.start)
+        item.add_velocity((1, 2, 3))
+        item.add_velocity(omega=(2, 0, 1), about=(0, 0, 0))
+    two.add_velocity(omega=(4, 0, 0), about=two.point("start"))
+    body.add_velocity(omega=(4, 0, 0), about=two.point("start"))
     # far below the errors that are compared
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
     return scheme.run(scene, duration=0.1, step=step)
@@ -435,16 +441,16 @@ def test_prescribed_rotation_and_its_driving_moment():
     offset = 0.4
     body = scene.add(fl.RigidBody(MASS, (0.1, 0.2, INERTIA), (offset, 0, 0)))
     hub = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (0, 0, 0)))
-    scene.add(fl.Fixed(hub.centre, body.centre, at=(0, 0, 0)))
+    scene.add(fl.Fixed(hub.point("centre"), body.point("centre"), at=(0, 0, 0)))
 
     def motion(t: float) -> np.ndarray:
         return lie.frame(np.zeros(3), lie.so3_exp([0, 0, 0.5 * 3.0 * t**2]))
 
-    scene.add(fl.PrescribedMotion(hub.centre, motion))
+    scene.add(fl.PrescribedMotion(hub.point("centre"), motion))
     result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.5, step=1e-3)
     t = result.times
     place = offset * np.stack([np.cos(1.5 * t**2), np.sin(1.5 * t**2), 0 * t], 1)
-    assert np.abs(result.position(body.centre) - place).max() < 1e-5
+    assert np.abs(result.position(body.point("centre")) - place).max() < 1e-5
     drive = result.joint_forces[:, -1, 5]
     inertia = INERTIA + 0.1 + MASS * offset**2
     assert np.abs(drive - inertia * 3.0)[1:].max() < 1e-3 * inertia * 3.0
@@ -465,7 +471,7 @@ def test_clamped_beam_vibrates_at_its_frequency(formulation, cells):
     scene = fl.Scene()
     line = fl.Beam.straight((0, 0, 0), (L, 0, 0), section, cells=cells, formulation=formulation)
     beam = scene.add(line)
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     s = beam.frames[:, 0, 0] / L
     k = 1.875104068711961
     shape = np.cosh(k * s) - np.cos(k * s)
@@ -478,7 +484,7 @@ def test_clamped_beam_vibrates_at_its_frequency(formulation, cells):
     frequency = k**2 * np.sqrt(EI / mass) / L**2 / (2 * np.pi)
     step = 1 / frequency / 200
     result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=(4 * 200) * step, step=step)
-    z = result.position(beam.end)[:, 2]
+    z = result.position(beam.point("end"))[:, 2]
     up = np.flatnonzero((z[:-1] < 0) & (z[1:] >= 0))
     crossing = result.times[up] - z[up] * step / (z[up + 1] - z[up])
     measured = (len(crossing) - 1) / (crossing[-1] - crossing[0])
@@ -529,7 +535,7 @@ def test_new_matrices_in_each_iteration_end_where_others_do():
         section = fl.Section.rectangle(0.02, 0.02, fl.Material(2e9, 0.3, 1500.0))
         scene = fl.Scene(gravity=(0, 0, -9.81))
         beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4))
-        scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 1, 0)))
+        scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
         scheme = fl.GeneralisedAlpha(max_iterations=limit)
         return scheme.run(scene, duration=0.02, step=0.02, progress=False).joint_forces
 
@@ -542,7 +548,7 @@ def test_new_matrices_in_each_iteration_end_where_others_do():
 def test_failure_keeps_what_was_computed():
     scene, _ = pendulum()
     scene.add(
-        fl.PointLoad(scene.bodies[0]["centre"], force=(0, 0, 1e9), history=lambda t: t > 0.05)
+        fl.PointLoad(scene.bodies[0].point("centre"), force=(0, 0, 1e9), history=lambda t: t > 0.05)
     )
     scheme = fl.GeneralisedAlpha(max_iterations=2, tolerance=1e-14)
     with pytest.raises(fl.ConvergenceError, match=r"step .*did not converge.*residual") as info:

@@ -23,8 +23,8 @@ def bent(cells: int, angle: float, formulation: fl.Formulation) -> tuple[fl.Scen
     beam = scene.add(
         fl.Beam.straight((0, 0, 0), (LENGTH, 0, 0), section, cells=cells, formulation=formulation)
     )
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, moment=(0, 0, angle * cells * EI / LENGTH)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, angle * cells * EI / LENGTH)))
     return scene, beam
 
 
@@ -88,7 +88,7 @@ def test_node_inside_of_three_is_stable_up_to_the_limit_and_no_farther():
 @pytest.mark.parametrize("name", BEAMS)
 def test_elements_far_from_the_limit_are_silent(name):
     scene, beam = bent(8, 0.8, BEAMS[name])
-    end = fl.statics(scene).rotation(beam.end)[-1]
+    end = fl.statics(scene).rotation(beam.point("end"))[-1]
     np.testing.assert_allclose(end, lie.so3_exp([0, 0, 6.4]), atol=0.05)
 
 
@@ -133,9 +133,9 @@ def test_motion_ends_where_an_element_folds(run):
     beam = scene.add(
         fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=1, formulation=fl.Director(2))
     )
-    beam.turn((0, 0, 2.0), about=beam.start)
-    beam.velocities[beam.start.node] = 0.0
-    scene.add(fl.Clamp(beam.start))
+    beam.add_velocity(omega=(0, 0, 2.0), about=beam.point("start"))
+    beam.velocities[beam.point("start").node] = 0.0
+    scene.add(fl.Clamp(beam.point("start")))
     scheme = fl.EnergyMomentum() if run == "conserving" else fl.GeneralisedAlpha()
     step = fl.AdaptiveStep(tolerance=1e-2) if run == "variable steps" else 1e-2
     with (

@@ -69,10 +69,10 @@ def bars(
     two = scene.add(
         fl.Beam.straight((0.3, 0, 0), (0.3, 0.5, 0), SQUARE, cells=cells, formulation=formulation)
     )
-    scene.add(fl.Spherical(fl.ground(), one.start))
-    scene.add(joint(one.end, two.start, axis=(1, 0, 0.2)))
+    scene.add(fl.Spherical(fl.ground(), one.point("start")))
+    scene.add(joint(one.point("end"), two.point("start"), axis=(1, 0, 0.2)))
     for bar in (one, two):
-        bar.turn((3, 1, -8), about=(0, 0, 0))
+        bar.add_velocity(omega=(3, 1, -8), about=(0, 0, 0))
     return scene, one, two
 
 
@@ -85,8 +85,8 @@ def plate(name: str, cells=(3, 2)) -> tuple[fl.Scene, fl.Shell]:
     section = fl.ShellSection.layer(0.004, fl.Material(2e7, 0.3, 1200.0))
     scene = fl.Scene()
     shell = scene.add(fl.Shell(mesh, section, formulation=formulation))
-    shell.turn((5, 8, 3), about=(0.1, 0.1, 0.0))
-    shell.move((0.3, -0.2, 0.1))
+    shell.add_velocity(omega=(5, 8, 3), about=(0.1, 0.1, 0.0))
+    shell.add_velocity((0.3, -0.2, 0.1))
     # and bends: one half turns against the other
     turning = np.where(shell.frames[:, 0, 0] > 0.15, 4.0, -4.0)
     shell.velocities[:, 2] += turning * (shell.frames[:, 0, 0] - 0.15)
@@ -110,9 +110,9 @@ def test_beams_and_joints(formulation, joint, scheme):
         assert result.balance[-1, 2] > 1e-6 * result.kinetic[0]
     else:
         assert result.energy_error <= 1e-12
-    gap = np.linalg.norm(result.position(one.start), axis=1).max()
+    gap = np.linalg.norm(result.position(one.point("start")), axis=1).max()
     if joint is not fl.InPlane:
-        apart = result.position(one.end) - result.position(two.start)
+        apart = result.position(one.point("end")) - result.position(two.point("start"))
         gap = max(gap, np.linalg.norm(apart, axis=1).max())
     assert gap <= 1e-13
 
@@ -142,10 +142,14 @@ def test_rigid_bodies_tumble_and_are_joined():
     scene = fl.Scene()
     first = scene.add(fl.RigidBody(2.0, (1.0, 2.0, 2.7)))
     second = scene.add(fl.RigidBody(1.0, (0.3, 0.4, 0.5), (0.5, 0.0, 0.0)))
-    scene.add(fl.Revolute(first.centre, second.centre, at=(0.3, 0.1, 0.0), axis=(0, 1, 0)))
+    scene.add(
+        fl.Revolute(
+            first.point("centre"), second.point("centre"), at=(0.3, 0.1, 0.0), axis=(0, 1, 0)
+        )
+    )
     for body in (first, second):
-        body.turn((0.01, 2.0, 0.02), about=(0, 0, 0))
-        body.move((0.1, 0.2, -0.3))
+        body.add_velocity(omega=(0.01, 2.0, 0.02), about=(0, 0, 0))
+        body.add_velocity((0.1, 0.2, -0.3))
     result = fl.EnergyMomentum().run(scene, duration=4.0, step=1e-2)
     assert result.energy_error <= 1e-12
     assert result.momentum_error <= 1e-12
@@ -156,8 +160,8 @@ def test_linked_bodies_and_a_branching_beam():
     """Nodes that follow others, and a rigid body in the middle of a beam."""
     scene, _, two = bars()
     body = scene.add(fl.RigidBody(0.05, (1e-4, 1e-4, 1e-4), (0.35, 0.5, 0.0)))
-    body.turn((3, 1, -8), about=(0, 0, 0))
-    scene.add(fl.RigidLink(two.end, body.centre))
+    body.add_velocity(omega=(3, 1, -8), about=(0, 0, 0))
+    scene.add(fl.RigidLink(two.point("end"), body.point("centre")))
     result = fl.EnergyMomentum().run(scene, duration=0.2, step=2e-3)
     assert result.energy_error <= 1e-12
     assert result.angular_momentum_error <= 1e-12
@@ -175,11 +179,13 @@ def ramp(time: float) -> float:
 
 
 def add_following(scene: fl.Scene, one: fl.Beam, two: fl.Beam) -> None:
-    scene.add(fl.PointLoad(two.end, force=(0, 0.3, 0.1), moment=(0, 0, 0.01), following=True))
+    scene.add(
+        fl.PointLoad(two.point("end"), force=(0, 0.3, 0.1), moment=(0, 0, 0.01), following=True)
+    )
 
 
 def add_moment(scene: fl.Scene, one: fl.Beam, two: fl.Beam) -> None:
-    scene.add(fl.PointLoad(two.end, moment=(0.02, 0, 0.01), history=ramp))
+    scene.add(fl.PointLoad(two.point("end"), moment=(0.02, 0, 0.01), history=ramp))
 
 
 def add_history(scene: fl.Scene, one: fl.Beam, two: fl.Beam) -> None:
@@ -198,14 +204,14 @@ def add_drive(scene: fl.Scene, one: fl.Beam, two: fl.Beam) -> None:
     del scene.joints[0]  # the one with the ground
     for bar in (one, two):
         bar.velocities[:] = 0.0
-    start = one.start.frame.copy()
+    start = one.point("start").frame.copy()
 
     def shaken(time: float) -> np.ndarray:
         frame = start.copy()
         frame[0] += 0.03 * (1 - np.cos(8 * time)), 0.0, 0.1 * time**2
         return frame
 
-    scene.add(fl.PrescribedMotion(one.start, shaken))
+    scene.add(fl.PrescribedMotion(one.point("start"), shaken))
 
 
 LOADS = [add_following, add_moment, add_history, add_pressure, add_strain, add_drive]
@@ -224,8 +230,8 @@ def test_loss_by_damping_closes_the_balance():
     scene = fl.Scene()
     damping = fl.Damping(mass=0.5, stiffness=1e-3)
     bar = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), SQUARE, cells=4, damping=damping))
-    scene.add(fl.Spherical(fl.ground(), bar.start))
-    bar.turn((0, 3, 8), about=(0, 0, 0))
+    scene.add(fl.Spherical(fl.ground(), bar.point("start")))
+    bar.add_velocity(omega=(0, 3, 8), about=(0, 0, 0))
     bar.velocities[-1, 2] += 0.5
     result = fl.EnergyMomentum().run(scene, duration=0.2, step=2e-3)
     assert (np.diff(result.balance[:, 1]) > 0).all()
@@ -243,7 +249,7 @@ def test_order(scheme):
         for bar in (one, two):
             bar.velocities[:] = 0.0
         result = scheme.run(scene, duration=0.2, step=step, save_every=10**6)
-        return result.position(two.end)[-1]
+        return result.position(two.point("end"))[-1]
 
     coarse, fine = (tip(step, fl.EnergyMomentum()) for step in (2.5e-4, 1.25e-4))
     exact = (4 * fine - coarse) / 3
@@ -256,7 +262,7 @@ def test_spectral_radius_at_infinity(radius):
     """A single element as a spring whose period is a ten thousandth of the step."""
     scene = fl.Scene()
     bar = scene.add(fl.Beam.straight((0, 0, 0), (0.1, 0, 0), SQUARE, cells=1))
-    scene.add(fl.Clamp(bar.start))
+    scene.add(fl.Clamp(bar.point("start")))
     bar.velocities[1, 0] = 1e-3
     stiffness, mass = SQUARE.stiffness[0, 0] / 0.1, SQUARE.inertia[0, 0] * 0.1 / 3
     step = 1e4 / np.sqrt(stiffness / mass)
@@ -278,7 +284,7 @@ def test_decaying_damps_what_is_not_resolved_and_nothing_else():
     stiff = fl.Section.rectangle(0.02, 0.02, fl.Material(E=2e11, nu=0.3, density=7800.0))
     scene = fl.Scene(gravity=(0, 0, -9.81))
     bar = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), stiff, cells=4))
-    scene.add(fl.Revolute(fl.ground(), bar.start, axis=(0, 1, 0)))
+    scene.add(fl.Revolute(fl.ground(), bar.point("start"), axis=(0, 1, 0)))
     result = fl.EnergyDecaying(radius=0.8).run(scene, duration=1.0, step=5e-3)
     swing = np.ptp(result.potential)
     assert result.balance[-1, 2] <= 2e-3 * swing
@@ -290,7 +296,7 @@ def test_every_policy_gives_the_same_motion():
     for policy in (fl.Automatic(), fl.EveryIteration(), fl.Limit(5), Own()):
         scene, _, two = bars()
         result = fl.EnergyMomentum(policy=policy).run(scene, duration=0.05, step=1e-3)
-        tips.append(result.position(two.end)[-1])
+        tips.append(result.position(two.point("end"))[-1])
         assert result.energy_error <= 1e-12
     np.testing.assert_allclose(tips, [tips[0]] * len(tips), atol=1e-12)
 
@@ -324,7 +330,7 @@ def test_large_rotations_in_a_step_are_too_slow_and_logged(
 ):
     """By the Cayley map: 2 atan(θ/2) for θ, 0.81 % of 18°; from 10° on the log says so."""
     top, step = fl.RigidBody(1.0, (0.1, 0.2, 0.3)), 1e-2
-    top.turn((0, 0, rotation / step), about=top.centre)
+    top.add_velocity(omega=(0, 0, rotation / step), about=top.point("centre"))
     scene = fl.Scene()
     scene.add(top)
     if beside_a_cable:

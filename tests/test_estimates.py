@@ -47,8 +47,8 @@ def cantilever(formulation, turn=None, force=(0, 2e3, 3e4)):
     mesh = fl.straight((0, 0, 0), R @ (10.0, 0, 0), 6)
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, SECTION, up=R[:, 2], formulation=formulation, name="beam"))
-    scene.add(fl.Clamp(beam["start"]))
-    scene.add(fl.PointLoad(beam["end"], force=R @ np.array(force, dtype=float)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=R @ np.array(force, dtype=float)))
     return scene
 
 
@@ -66,8 +66,8 @@ def test_pure_bending_has_no_error(estimate, formulation):
     beam = scene.add(
         fl.Beam.straight((0, 0, 0), (10, 0, 0), SECTION, cells=5, formulation=formulation, name="b")
     )
-    scene.add(fl.Clamp(beam["start"]))
-    scene.add(fl.PointLoad(beam["end"], moment=(0, 2e4, 0), following=True))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 2e4, 0), following=True))
     # directors of degree 2 do not bend to an arc; two halves in degree 1 are not quite their whole
     halves = isinstance(estimate, fl.Hierarchical) and formulation == fl.Director(1)
     bound = 1e-3 if formulation == fl.Director(2) else 1e-4 if halves else 1e-8
@@ -142,7 +142,7 @@ def test_line_loads_are_seen(estimate):
     load, length, cells = 50.0, 10.0, 40
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (length, 0, 0), SECTION, cells=cells, name="b"))
-    scene.add(fl.Clamp(beam["start"]))
+    scene.add(fl.Clamp(beam.point("start")))
     scene.add(fl.LineLoad(beam, force=(0, 0, load)))
     # the moment is q (L − x)²/2, its slope q (L − x), and it misses that over each element
     h = length / cells
@@ -174,8 +174,8 @@ def test_layers_along_free_edges():
     plate = scene.add(fl.Shell(mesh, section, name="plate"))
     for corner, directions in (("00", np.eye(3)), ("10", np.eye(3)[1:]), ("01", np.eye(3)[2:])):
         for direction in directions:
-            plate.guide(corner, direction)
-    scene.add(fl.PointLoad(plate["11"], force=(0, 0, force)))
+            plate.roller(corner, direction)
+    scene.add(fl.PointLoad(plate.point("11"), force=(0, 0, force)))
     twist, shear = section.stiffness[5, 5], section.stiffness[6, 6]
     expected = np.sqrt(4.0 * (force / 2) ** 2 / np.sqrt(twist * shear))
     assert errors(scene, fl.Residual()).total == pytest.approx(expected, rel=0.02)
@@ -197,7 +197,7 @@ def test_halves_of_elements_say_the_same(formulation, force):
 def test_halves_under_line_loads():
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (10, 0, 0), SECTION, cells=20, name="b"))
-    scene.add(fl.Clamp(beam["start"]))
+    scene.add(fl.Clamp(beam.point("start")))
     scene.add(fl.LineLoad(beam, force=(0, 0, 50.0)))
     a, b = (errors(scene, e).total for e in (fl.Recovery(), fl.Hierarchical()))
     assert b == pytest.approx(a, rel=0.02)
@@ -268,8 +268,8 @@ def test_a_line_is_refined_by_residuals():
     def build(mesh):
         scene = fl.Scene()
         beam = scene.add(fl.Beam(mesh, SECTION, name="beam"))
-        scene.add(fl.Clamp(beam["start"]))
-        scene.add(fl.PointLoad(beam["end"], force=(0, 0, 3e3)))
+        scene.add(fl.Clamp(beam.point("start")))
+        scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 3e3)))
         return scene
 
     line = fl.straight((0, 0, 0), (10, 0, 0), 4)

@@ -32,7 +32,7 @@ def net(cells: int = 5, pinned: bool = True) -> tuple[fl.Scene, fl.Net]:
     scene.add(body)
     if pinned:
         edges = np.unique([*grid[[0, -1]].ravel(), *grid[:, [0, -1]].ravel()])
-        body.pin(*(body.node(int(k)) for k in edges))
+        body.pin(*(body.point(int(k)) for k in edges))
         body.velocities[edges] = 0.0
     return scene, body
 
@@ -111,7 +111,7 @@ def test_a_strip_of_points_vibrates_as_a_beam(name):
     ends = []
     for scheme, step in ((SCHEME, 2e-5), (fl.GeneralisedAlpha(), 1e-3)):
         body = POINTS[name](fl.Section.rectangle(0.1, 0.01, fl.Material(1e7, 0.0, 1000.0)))
-        body.clamp(*((body.start,) if name == "ANCF beam" else ("a=0",)))
+        body.clamp(*((body.point("start"),) if name == "ANCF beam" else ("a=0",)))
         x = body.frames[: body.points_count, 0, 0]
         body.velocities[: body.points_count, 2] = 0.1 * x**2
         scene = fl.Scene()
@@ -145,7 +145,7 @@ def test_the_stable_step_of_a_row_of_bars():
     places[:, 0] = np.arange(9) / 8
     scene = fl.Scene()
     body = scene.add(fl.Net(places, [range(9)], soft))
-    body.pin(body.node(0), body.node(8))
+    body.pin(body.point(0), body.point(8))
     limit = SCHEME.stable_step(scene)
     assert limit == pytest.approx(0.125 * np.sqrt(0.01 / 100.0), rel=1e-3)
 
@@ -207,7 +207,7 @@ def test_loads_and_supports():
 def test_loads_in_time():
     """They are known at the ends of steps."""
     scene, body = net()
-    push = fl.PointLoad(body.node(14), force=(0, 0, 0.1), history=lambda t: np.sin(40 * t))
+    push = fl.PointLoad(body.point(14), force=(0, 0, 0.1), history=lambda t: np.sin(40 * t))
     scene.add(push)
     step = 0.1 * SCHEME.stable_step(scene)
     runs = [
@@ -246,7 +246,7 @@ def test_damping_that_differs_around_a_frame():
         scene.add(fl.Beam.straight((x, 0, 0), (x + 1, 0, 0), SQUARE, cells=2, damping=damping))
         for x, damping in ((0, fl.Damping(mass=1.0)), (1, fl.Damping()))
     )
-    scene.add(fl.RigidLink(first.end, second.start))
+    scene.add(fl.RigidLink(first.point("end"), second.point("start")))
     with pytest.raises(ValueError, match=r"differs around node \d of beam 1"):
         SCHEME.run(scene, duration=1e-5, step=1e-7)
 

@@ -23,8 +23,8 @@ def moving_system() -> tuple[System, tuple[np.ndarray, ...]]:
     """Two hinged bars with gravity, a load in time and a spring, somewhere in motion."""
     scene, one, two = pendulum(3)
     scene.gravity = np.array((0.0, 0.0, -9.81))
-    scene.add(fl.PointLoad(two.end, force=(1.0, 2.0, 3.0), history=lambda t: 1.0 + t))
-    scene.add(fl.PointLoad(one.end, moment=(0.3, 0.2, 0.1)))
+    scene.add(fl.PointLoad(two.point("end"), force=(1.0, 2.0, 3.0), history=lambda t: 1.0 + t))
+    scene.add(fl.PointLoad(one.point("end"), moment=(0.3, 0.2, 0.1)))
     system = System(scene, dynamics=True)
     rng = np.random.default_rng(1)
     H = system.frames.copy()
@@ -55,8 +55,8 @@ def test_cells_whose_nodes_follow_others_are_in_the_same_call():
         scene.add(fl.Beam.straight(*ends, section, cells=3))
         for ends in ((np.zeros(3), corner), (corner, corner + np.array((0.0, 0.2, 0.1))))
     )
-    scene.add(fl.Spherical(fl.ground(), one.start))
-    scene.add(fl.RigidLink(one.end, other.start))
+    scene.add(fl.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.RigidLink(one.point("end"), other.point("start")))
     system = System(scene, dynamics=True)
     assert system.in_one_sum
     assert [term.following is None for term in system.terms] == [False]
@@ -77,7 +77,9 @@ def test_rows_are_what_the_equations_report():
     """Joints, invariants and energies of a run, from its frames, velocities and multipliers."""
     scene, one, _ = pendulum(1)
     scene.gravity = np.array((0.0, -9.81, 0.0))
-    scene.add(fl.PointLoad(one.end, force=(0.0, 0.0, 1.0), history=lambda t: np.sin(50 * t)))
+    scene.add(
+        fl.PointLoad(one.point("end"), force=(0.0, 0.0, 1.0), history=lambda t: np.sin(50 * t))
+    )
     result = fl.GeneralisedAlpha().run(scene, duration=5e-3, step=1e-4, progress=False)
     equations = fl.extend.Equations(scene, dynamics=True)
     system = equations.system

@@ -94,8 +94,8 @@ def test_motion_is_the_same(make):
             body.follow()
         scene = fl.Scene(gravity=(0, 0, -9.81))
         scene.add(body)
-        scene.add(fl.Spherical(fl.ground(), body.node(0)))
-        body.turn((0.0, 3.0, 2.0), body.node(0))
+        scene.add(fl.Spherical(fl.ground(), body.point(0)))
+        body.add_velocity(omega=(0.0, 3.0, 2.0), about=body.point(0))
         scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-11)
         results.append(scheme.run(scene, duration=0.1, step=1e-3))
     plain, other = results

@@ -27,14 +27,18 @@ def loaded(
     scene = fl.Scene(gravity=gravity)
     for _ in range(count):
         R = lie.so3_exp(rng.normal(size=3))
-        body = scene.add(fl.RigidBody(rng.uniform(1, 2), FULL, rng.normal(size=3), R).on(group))
-        body.move(rng.normal(size=3))
-        body.turn(3.0 * rng.normal(size=3), about=body.centre)
+        body = scene.add(
+            fl.RigidBody(rng.uniform(1, 2), FULL, rng.normal(size=3), R).set_group(group)
+        )
+        body.add_velocity(rng.normal(size=3))
+        body.add_velocity(omega=3.0 * rng.normal(size=3), about=body.point("centre"))
         if loads:
             for following in (False, True):
                 for history in (None, np.sin, lambda t: 1 / (1 + t)):
                     f, m = rng.normal(size=(2, 3))
-                    load = fl.PointLoad(body.centre, f, m, following=following, history=history)
+                    load = fl.PointLoad(
+                        body.point("centre"), f, m, following=following, history=history
+                    )
                     scene.add(load)
     return scene
 
@@ -115,7 +119,7 @@ def test_which_scenes_take_the_compiled_loop(caplog):
     def held(item) -> fl.Scene:
         scene = loaded(loads=False, gravity=(0, 0, 0))
         scene.bodies[0].velocities[:] = 0.0
-        scene.add(item(scene.bodies[0].centre))
+        scene.add(item(scene.bodies[0].point("centre")))
         return scene
 
     section = fl.Section.rectangle(0.1, 0.1, fl.Material(1e9, 0.3, 1000))
@@ -159,10 +163,10 @@ def test_second_order_in_rotation_and_velocity(radius, ratio):
     for step in (4e-3, 2e-3, 1e-3):
         scene = fl.Scene()
         body = scene.add(fl.RigidBody(1.0, (1, 1, ratio)))
-        body.turn(spin, about=body.centre)
+        body.add_velocity(omega=spin, about=body.point("centre"))
         result = fl.GeneralisedAlpha(radius=radius).run(scene, duration=1.0, step=step)
         R = exact(result.times, spin, ratio)
-        error = lie.so3_log(R.transpose(0, 2, 1) @ result.rotation(body.centre))
+        error = lie.so3_log(R.transpose(0, 2, 1) @ result.rotation(body.point("centre")))
         axis = np.array([0, 0, (ratio - 1) * spin[2]])
         omega = lie.so3_exp(result.times[:, np.newaxis] * axis) @ spin
         gap = np.abs(result.velocities[:, 0, 3:] - omega)
@@ -188,13 +192,13 @@ def test_translation_without_spin_is_exact():
     scene = fl.Scene(gravity=(0, 0, -10))
     R = lie.so3_exp([1, 2, 3])
     body = scene.add(fl.RigidBody(2.0, FULL, (1, 2, 3), R))
-    body.move((1, 0, 4))
-    scene.add(fl.PointLoad(body.centre, force=(6, 0, 0)))
-    scene.add(fl.PointLoad(body.centre, force=(0, 2, 0), following=True))
+    body.add_velocity((1, 0, 4))
+    scene.add(fl.PointLoad(body.point("centre"), force=(6, 0, 0)))
+    scene.add(fl.PointLoad(body.point("centre"), force=(0, 2, 0), following=True))
     result = fl.GeneralisedAlpha().run(scene, duration=1.0, step=0.05)
     t = result.times[:, np.newaxis]
     path = [1, 2, 3] + t * [1, 0, 4] + 0.5 * t**2 * (np.array([3, 0, -10]) + R[:, 1])
-    np.testing.assert_allclose(result.position(body.centre), path, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(result.position(body.point("centre")), path, rtol=0, atol=1e-12)
     # but for the work of the following force
     work = 2.0 * (path - path[0]) @ R[:, 1]
     energy = result.total_energy - result.total_energy[0] - work
@@ -205,19 +209,21 @@ def test_history_gives_its_impulse():
     """Momentum under a load with history is the integral of it, in space."""
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(2.0, FULL))
-    body.turn((1, 2, 3), about=body.centre)
+    body.add_velocity(omega=(1, 2, 3), about=body.point("centre"))
     calls = []
 
     def history(t: float) -> float:
         calls.append(t)
         return np.cos(7 * t)
 
-    scene.add(fl.PointLoad(body.centre, (1, 2, 0), (0, 3, 1), history=history))
+    scene.add(fl.PointLoad(body.point("centre"), (1, 2, 0), (0, 3, 1), history=history))
     step = 1e-3
     result = fl.GeneralisedAlpha().run(scene, duration=0.5, step=step)
     impulse = np.sin(7 * result.times)[:, np.newaxis] / 7
     assert np.abs(result.momentum - impulse * [1, 2, 0]).max() < 2e-5
-    spin = result.angular_momentum - np.cross(result.position(body.centre), result.momentum)
+    spin = result.angular_momentum - np.cross(
+        result.position(body.point("centre")), result.momentum
+    )
     turned = spin - spin[0] - impulse * [0, 3, 1]
     assert np.abs(turned).max() < 1e-4
     # once for each step, and a few times for the start
@@ -227,9 +233,9 @@ def test_history_gives_its_impulse():
 
 def test_history_that_is_not_finite():
     scene = loaded(loads=False)
-    scene.add(fl.PointLoad(scene.bodies[0]["centre"], force=(1, 0, 0)))
+    scene.add(fl.PointLoad(scene.bodies[0].point("centre"), force=(1, 0, 0)))
     load = fl.PointLoad(
-        scene.bodies[0]["centre"], (1, 0, 0), history=lambda t: np.inf if t > 0.035 else 1.0
+        scene.bodies[0].point("centre"), (1, 0, 0), history=lambda t: np.inf if t > 0.035 else 1.0
     )
     scene.add(load)
     with pytest.raises(ValueError, match=r"the history of load 2 is inf at time 0\.04"):
@@ -245,7 +251,7 @@ def test_thousand_bodies_are_thousand_single_runs():
     options = fl.GeneralisedAlpha()
     loads = np.random.default_rng(5).normal(size=(1000, 2, 3))
     for k, (body, (f, m)) in enumerate(zip(scene.bodies, loads, strict=True)):
-        scene.add(fl.PointLoad(body["centre"], f, m, following=k % 2 == 0, history=np.cos))
+        scene.add(fl.PointLoad(body.point("centre"), f, m, following=k % 2 == 0, history=np.cos))
     whole = options.run(scene, duration=0.05, step=1e-3, save_every=7)
     for k in range(0, 1000, 9):
         single = fl.Scene(gravity=scene.gravity)
@@ -297,7 +303,7 @@ def test_rows_do_not_depend_on_what_is_kept_or_shown(capsys, monkeypatch):
 def kicked(count: int = 1) -> fl.Scene:
     """A moment far too large for the step hits the last body at 0.05."""
     scene = loaded(count, loads=False)
-    point = scene.bodies[-1]["centre"]
+    point = scene.bodies[-1].point("centre")
     scene.add(fl.PointLoad(point, moment=(0, 1e9, 2e9), history=lambda t: t > 0.055))
     return scene
 
@@ -329,7 +335,7 @@ def test_failure_of_one_body_ends_the_run_of_all():
 def spinning(ω: tuple[float, float, float]) -> fl.Scene:
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (1, 2, 2.5)))
-    body.turn(ω, about=body.centre)
+    body.add_velocity(omega=ω, about=body.point("centre"))
     return scene
 
 
@@ -345,7 +351,7 @@ def test_spin_beyond_the_step_fails():
     """A hundred radians in a step: what was computed before is kept, and finite."""
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (1, 2, 2.5)))
-    body.turn((600, 800, 1000), about=body.centre)
+    body.add_velocity(omega=(600, 800, 1000), about=body.point("centre"))
     options = fl.GeneralisedAlpha(max_iterations=4)
     with pytest.raises(fl.ConvergenceError, match=r"step \d of 10 .* Try a smaller step") as info:
         options.run(scene, duration=1.0, step=0.1)
@@ -430,4 +436,4 @@ def test_axes_that_are_held_do_not_move():
     scene = fl.Scene(gravity=(1, 0, -9.81))
     scene.add(body)
     result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.1, step=1e-2, progress=False)
-    np.testing.assert_allclose(result.position(body.centre)[-1], [5e-3, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(result.position(body.point("centre"))[-1], [5e-3, 0, 0], atol=1e-12)

@@ -14,28 +14,28 @@ AXIS = (1, 0, 0)
 def brick(scene, **load):
     """A solid on a hinge about its long axis, pulled along it at the other face."""
     body = scene.add(fl.Solid.brick((1, 0.4, 0.4), fl.NeoHooke(1e6, 0.3, 100.0), cells=(3, 2, 2)))
-    hinge = scene.add(fl.Revolute(fl.ground(), body.grip("a=0"), axis=AXIS))
+    hinge = scene.add(fl.Revolute(fl.ground(), body.point("a=0"), axis=AXIS))
     for corner in ("100", "110", "101", "111"):
-        scene.add(fl.PointLoad(body[corner], force=(20, 0, 0)))
-    return body["111"], hinge
+        scene.add(fl.PointLoad(body.point(corner), force=(20, 0, 0)))
+    return body.point("111"), hinge
 
 
 def beam(scene, kind, pull):
     """Between two pins, of which one moves along the axis."""
     body = scene.add(kind.straight((0, 0, 0), AXIS, SECTION, cells=4))
-    hinge = scene.add(fl.Cylindrical(fl.ground(), body.end, axis=AXIS))
-    scene.add(fl.Spherical(fl.ground(), body.start))
-    scene.add(fl.PointLoad(body.end, force=(pull, 0, 0)))
-    return body.end, hinge
+    hinge = scene.add(fl.Cylindrical(fl.ground(), body.point("end"), axis=AXIS))
+    scene.add(fl.Spherical(fl.ground(), body.point("start")))
+    scene.add(fl.PointLoad(body.point("end"), force=(pull, 0, 0)))
+    return body.point("end"), hinge
 
 
 def net(scene):
     """A triangle that turns about one of its sides, pulled along that."""
     points = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (1, 1, 0)]
     body = scene.add(fl.Net(points, [[0, 1, 2], [0, 3], [3, 2], [1, 3]], SECTION))
-    body.pin(body.node(0), body.node(2))
-    scene.add(fl.PointLoad(body.node(3), force=(10, 0, 0)))
-    return body.node(3), None
+    body.pin(body.point(0), body.point(2))
+    scene.add(fl.PointLoad(body.point(3), force=(10, 0, 0)))
+    return body.point(3), None
 
 
 SCENES = {
@@ -90,16 +90,16 @@ def test_what_is_free_does_not_depend_on_units(u, held):
     material = fl.NeoHooke(u.stress(1e6), 0.3, u.density(100.0))
     edges = tuple(u.length([size, 0.4 * size, 0.4 * size]))
     body = scene.add(fl.Solid.brick(edges, material, cells=(3, 2, 2)))
-    hinge = scene.add(fl.Revolute(fl.ground(), body.grip("a=0"), axis=AXIS))
+    hinge = scene.add(fl.Revolute(fl.ground(), body.point("a=0"), axis=AXIS))
     force = u.force([5e3 * size**2, 0, 0])
     for corner in ("100", "110", "101", "111"):
-        scene.add(fl.PointLoad(body[corner], force=force))
+        scene.add(fl.PointLoad(body.point(corner), force=force))
     if not held:
         with pytest.raises(fl.ConvergenceError, match="motion"):
             fl.statics(scene)
         return
     scene.add(fl.Spring(hinge.angle, stiffness=u.moment(size**3)))
-    moved = fl.statics(scene).position(body["111"])[-1] - body["111"].position
+    moved = fl.statics(scene).position(body.point("111"))[-1] - body.point("111").position
     np.testing.assert_allclose(moved[1:], 0.0, atol=3e-2 * u.length(size))
 
 
@@ -115,7 +115,7 @@ def test_the_message_names_the_bodies():
     scene = fl.Scene()
     brick(scene)
     held = scene.add(fl.Beam.straight((0, 3, 0), (1, 3, 0), SECTION, cells=1, name="held"))
-    scene.add(fl.Clamp(held.start))
+    scene.add(fl.Clamp(held.point("start")))
     with pytest.raises(fl.ConvergenceError, match=r"1 rigid motion of solid 1 left free"):
         fl.statics(scene)
 
@@ -126,7 +126,7 @@ def test_weight_holds_a_solid_that_hangs():
     lengths, origin = (0.1, 0.1, 0.5), (-0.05, -0.05, -0.5)
     rubber = fl.NeoHooke(1e6, 0.3, 100.0)
     body = scene.add(fl.Solid.brick(lengths, rubber, cells=(1, 1, 3), origin=origin))
-    scene.add(fl.Revolute(fl.ground(), body.grip("c=1"), axis=AXIS))
-    low = fl.statics(scene).position(body["000"])[-1]
-    np.testing.assert_allclose(low[:2], body["000"].position[:2], atol=1e-3)
+    scene.add(fl.Revolute(fl.ground(), body.point("c=1"), axis=AXIS))
+    low = fl.statics(scene).position(body.point("000"))[-1]
+    np.testing.assert_allclose(low[:2], body.point("000").position[:2], atol=1e-3)
     assert low[2] < -0.5

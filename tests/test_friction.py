@@ -18,8 +18,8 @@ def on_slope(degrees: float, surface, law: fl.Penalty, start=0.0) -> tuple[fl.Sc
     body = fl.RigidBody(1.0, 0.4 * SIZE**2 * np.eye(3), (0, 0, SIZE - start))
     scene = fl.Scene(gravity=(GRAVITY * np.sin(angle), 0, -GRAVITY * np.cos(angle)))
     scene.add(body)
-    scene.add(fl.Contact(surface(body.centre), FLOOR, law))
-    return scene, body.centre
+    scene.add(fl.Contact(surface(body.point("centre")), FLOOR, law))
+    return scene, body.point("centre")
 
 
 def block(point: fl.Point) -> fl.Box:
@@ -54,12 +54,12 @@ def test_a_block_on_a_body_that_a_joint_holds_slides_to_rest():
     μ, k, speed = 0.3, 1e6, 0.3
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     slab = scene.add(fl.RigidBody(1e3, 1e3 * np.eye(3), (0, 0, -0.5)))
-    scene.add(fl.Prismatic(fl.ground(), slab.centre, axis=(0, 1, 0)))
+    scene.add(fl.Prismatic(fl.ground(), slab.point("centre"), axis=(0, 1, 0)))
     body = scene.add(fl.RigidBody(1.0, np.eye(3), (0, 0, SIZE - GRAVITY / (4 * k))))
-    body.move((speed, 0, 0))
-    top = fl.Plane(slab.at((0, 0, 0)), (0, 0, 1))
-    scene.add(fl.Contact(block(body.centre), top, fl.Penalty(k, friction=μ)))
-    x = run(scene, 0.3, 1e-3).position(body.centre)[:, 0]
+    body.add_velocity((speed, 0, 0))
+    top = fl.Plane(slab.point((0, 0, 0)), (0, 0, 1))
+    scene.add(fl.Contact(block(body.point("centre")), top, fl.Penalty(k, friction=μ)))
+    x = run(scene, 0.3, 1e-3).position(body.point("centre"))[:, 0]
     assert x[-1] == pytest.approx(speed**2 / (2 * μ * GRAVITY), rel=0.02)
     assert np.ptp(x[-100:]) < 1e-5
 
@@ -82,12 +82,15 @@ def forces_of(term, H: np.ndarray) -> np.ndarray:
 
 def ball_on_ball() -> tuple[list[fl.Body], fl.Contact]:
     pair = [fl.RigidBody(1.0, np.eye(3), place) for place in ((0, 0, 0.098), (0, 0, -0.3))]
-    return pair, (fl.Sphere(pair[0].centre, 0.1), fl.Sphere(pair[1].centre, 0.3))
+    return pair, (fl.Sphere(pair[0].point("centre"), 0.1), fl.Sphere(pair[1].point("centre"), 0.3))
 
 
 def ball_on_plane() -> tuple[list[fl.Body], fl.Contact]:
     pair = [fl.RigidBody(1.0, np.eye(3), place) for place in ((0, 0, 0.098), (0, 0, 0))]
-    return pair, (fl.Sphere(pair[0].centre, 0.1), fl.Plane(pair[1].centre, (0, 0, 1)))
+    return pair, (
+        fl.Sphere(pair[0].point("centre"), 0.1),
+        fl.Plane(pair[1].point("centre"), (0, 0, 1)),
+    )
 
 
 def line_on_plane() -> tuple[list[fl.Body], fl.Contact]:
@@ -114,7 +117,7 @@ def skin_on_plane() -> tuple[list[fl.Body], fl.Contact]:
 
 def ball_on_skin() -> tuple[list[fl.Body], fl.Contact]:
     one, body = sheet(0.0, 1), fl.RigidBody(1.0, np.eye(3), (0.3, 0.4, 0.148))
-    return [body, one], (fl.Sphere(body.centre, 0.1), fl.Skin(one))
+    return [body, one], (fl.Sphere(body.point("centre"), 0.1), fl.Skin(one))
 
 
 @pytest.mark.parametrize("friction", [100.0, 0.1])
@@ -148,10 +151,10 @@ def test_derivatives(make, friction):
 def thrown() -> fl.Scene:
     """A ball that slides on the floor at first."""
     body = fl.RigidBody(1.0, 0.4 * SIZE**2 * np.eye(3), (0, 0, SIZE - 1e-4))
-    body.move((0.3, 0.1, 0))
+    body.add_velocity((0.3, 0.1, 0))
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     scene.add(body)
-    scene.add(fl.Contact(ball(body.centre), FLOOR, fl.Penalty(1e5, friction=0.3)))
+    scene.add(fl.Contact(ball(body.point("centre")), FLOOR, fl.Penalty(1e5, friction=0.3)))
     return scene
 
 
@@ -243,7 +246,7 @@ def sliding_beam(*, line: bool) -> fl.Scene:
     section = fl.Section.circle(0.01, fl.Material(1e7, 0.3, 1000.0))
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     beam = scene.add(fl.Beam.straight((0, 0, 0.0097), (1, 0, 0.03), section, cells=6))
-    beam.move((0.1, 0.05, 0))
+    beam.add_velocity((0.1, 0.05, 0))
     nodes = fl.Vertices([fl.Point(beam, k) for k in range(7)], 0.01)
     law = fl.Penalty(2e4 if line else 2e3, friction=0.3)
     scene.add(fl.Contact(fl.Line(beam, 0.01) if line else nodes, FLOOR, law))

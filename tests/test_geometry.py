@@ -148,9 +148,9 @@ def test_twist_is_a_rate_along_straight_bars_and_comes_on_top_on_others():
 def tip_displacement(beam: fl.Beam, force) -> np.ndarray:
     scene = fl.Scene()
     scene.add(beam)
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, force=force))
-    return fl.statics(scene).position(beam.end)[-1] - beam.end.position
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=force))
+    return fl.statics(scene).position(beam.point("end"))[-1] - beam.point("end").position
 
 
 def test_a_tapered_cantilever_gives_way_as_the_integral_says_with_second_order():
@@ -238,15 +238,15 @@ def test_a_fork_with_one_tangent_is_one_node():
         if joints:
             beams = {g: scene.add(fl.Beam(mesh.part(g), SECTION, up=PLANE[:, 2])) for g in parts}
             for g in ("left", "right"):
-                scene.add(fl.Fixed(beams["stem"]["fork"], beams[g]["fork"]))
+                scene.add(fl.Fixed(beams["stem"].point("fork"), beams[g].point("fork")))
         else:
             whole = scene.add(fl.Beam(mesh, SECTION, up=PLANE[:, 2]))
             assert len(whole.frames) == 6, "no follower"
             beams = dict.fromkeys(parts, whole)
-        scene.add(fl.Clamp(beams["stem"]["root"]))
-        scene.add(fl.PointLoad(beams["left"]["left"], force=(3.0, 5, -8)))
+        scene.add(fl.Clamp(beams["stem"].point("root")))
+        scene.add(fl.PointLoad(beams["left"].point("left"), force=(3.0, 5, -8)))
         result = fl.statics(scene, load_steps=2, newton=fl.Newton(tolerance=1e-13))
-        tips.append(result.position(beams["right"]["right"])[-1])
+        tips.append(result.position(beams["right"].point("right"))[-1])
     assert np.linalg.norm(tips[0] - x[5]) > 1e-3
     np.testing.assert_allclose(tips[0], tips[1], rtol=0, atol=1e-12)
 
@@ -259,7 +259,7 @@ def test_a_gmsh_frame_has_its_sections_points_and_nodes(tmp_path):
     np.testing.assert_array_equal(mesh.branching_points, mesh.named("middle"))
     assert len(mesh.points) == 16 and len(beam.frames) == 19
     followers = np.flatnonzero(beam.leaders != np.arange(19))
-    places = [beam[name].node for name in ("left corner", "right corner", "middle")]
+    places = [beam.point(name).node for name in ("left corner", "right corner", "middle")]
     assert sorted(beam.leaders[followers]) == sorted(places)
     np.testing.assert_array_equal(beam.frames[followers, 0], mesh.points[beam.leaders[followers]])
     for k, group in enumerate(sections):
@@ -272,11 +272,11 @@ def test_a_gmsh_frame_has_its_sections_points_and_nodes(tmp_path):
         relative = successive(beam)[cells]
         np.testing.assert_allclose(relative[:, 0], beam.lengths[cells], rtol=1e-12)
         np.testing.assert_allclose(relative[:, 1:], 0.0, atol=1e-12)
-    np.testing.assert_allclose(beam["end"].position, [2, 2, 3], atol=1e-12)
+    np.testing.assert_allclose(beam.point("end").position, [2, 2, 3], atol=1e-12)
     with pytest.raises(ValueError, match="6 cells have no section, the first is cell 3"):
         fl.Beam(mesh, {"columns": SECTION, "outrigger": SECTION})
     with pytest.raises(ValueError, match=r"no point 'roof'; it has: end, left corner"):
-        beam["roof"]
+        beam.point("roof")
 
 
 def _scaled(factor: float) -> fl.Section:

@@ -24,7 +24,7 @@ MATERIAL = fl.Material(E=70e9, nu=0.3, density=2700.0)
 def cantilever(section, cells=8, length=1.0, **options):
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (length, 0, 0), section, cells=cells, **options))
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     return scene, beam
 
 
@@ -38,9 +38,9 @@ def test_roll_up_to_a_full_circle_at_any_slenderness(
     EI, EA = 1.0, slenderness**2
     section = fl.Section.from_stiffness([EA, EA / 3, EA / 3, EI, EI, EI])
     scene, beam = cantilever(section, formulation=formulation)
-    scene.add(fl.PointLoad(beam.end, moment=(0, 0, 2 * np.pi * EI)))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, 2 * np.pi * EI)))
     result = fl.statics(scene, load_steps=load_steps)
-    np.testing.assert_allclose(result.position(beam.end)[-1], 0.0, atol=closed)
+    np.testing.assert_allclose(result.position(beam.point("end"))[-1], 0.0, atol=closed)
     # an axis that bends within its element stretches in iterates of so large a step
     bends = getattr(formulation, "bending_flexibility", False) and formulation.degree == 1
     assert result.failed_iterations <= (25 if bends and load_steps == 1 else 0)
@@ -50,9 +50,9 @@ def test_roll_up_to_a_full_circle_at_any_slenderness(
 def test_two_turns_in_one_load_step(formulation, closed, bound):
     section = fl.Section.from_stiffness([1e4, 1e4, 1e4, 1.0, 1.0, 1.0])
     scene, beam = cantilever(section, cells=16, formulation=formulation)
-    scene.add(fl.PointLoad(beam.end, moment=(0, 0, 4 * np.pi)))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, 4 * np.pi)))
     result = fl.statics(scene)
-    middle = result.position(beam.node(4))[-1]  # half a turn: opposite to the clamp
+    middle = result.position(beam.point(4))[-1]  # half a turn: opposite to the clamp
     np.testing.assert_allclose(middle, (0, 1 / (2 * np.pi), 0), atol=bound)
 
 
@@ -71,9 +71,9 @@ def test_stiffness_ratio_between_neighbours(ratio, order):
     first, second = (soft, stiff) if order == "soft first" else (stiff, soft)
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, {"first": first, "second": second}))
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, moment=(0, 0, np.pi)))
-    tip = fl.statics(scene).position(beam.end)[-1]
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, np.pi)))
+    tip = fl.statics(scene).position(beam.point("end"))[-1]
     # half a length bends to a quarter of a turn with radius 1/π
     arc = np.array([1 / np.pi, 1 / np.pi, 0])
     straight = np.array([0, 0.5, 0]) if order == "soft first" else np.array([0.5, 0, 0])
@@ -92,8 +92,8 @@ def test_mass_ratio_of_a_double_pendulum(ratio):
         scene.add(fl.RigidBody(m, np.full(3, 1e-6 * m), position=(k + 1.0, 0, 0)))
         for k, m in enumerate(masses)
     ]
-    scene.add(fl.Spherical(fl.ground(), bodies[0].centre, at=(0, 0, 0)))
-    scene.add(fl.Spherical(bodies[0].centre, bodies[1].centre, at=(1, 0, 0)))
+    scene.add(fl.Spherical(fl.ground(), bodies[0].point("centre"), at=(0, 0, 0)))
+    scene.add(fl.Spherical(bodies[0].point("centre"), bodies[1].point("centre"), at=(1, 0, 0)))
     result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=0.2, step=1e-4)
 
     def rates(t, y):
@@ -112,7 +112,7 @@ def test_mass_ratio_of_a_double_pendulum(ratio):
 
     a, b = solve_ivp(rates, (0, 0.2), np.zeros(4), method="Radau", rtol=1e-8, atol=1e-10).y[:2, -1]
     tip = [np.cos(a) + np.cos(b), 0, -np.sin(a) - np.sin(b)]
-    np.testing.assert_allclose(result.position(bodies[1].centre)[-1], tip, atol=1e-6)
+    np.testing.assert_allclose(result.position(bodies[1].point("centre"))[-1], tip, atol=1e-6)
 
 
 def test_beam_that_spins_about_its_axis():
@@ -120,11 +120,11 @@ def test_beam_that_spins_about_its_axis():
     scene = fl.Scene()
     section = fl.Section.rectangle(0.02, 0.02, MATERIAL)
     beam = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=6))
-    scene.add(fl.Revolute(fl.ground(), beam.start, axis=(1, 0, 0)))
-    beam.turn((150, 0, 0), about=(0, 0, 0))
+    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(1, 0, 0)))
+    beam.add_velocity(omega=(150, 0, 0), about=(0, 0, 0))
     result = fl.GeneralisedAlpha().run(scene, duration=0.05, step=1e-3)
-    assert np.abs(result.position(beam.end) - (0.5, 0, 0)).max() < 1e-9
-    np.testing.assert_allclose(result.velocity(beam.end)[:, 3], 150, rtol=1e-9)
+    assert np.abs(result.position(beam.point("end")) - (0.5, 0, 0)).max() < 1e-9
+    np.testing.assert_allclose(result.velocity(beam.point("end"))[:, 3], 150, rtol=1e-9)
     assert result.factorisations == 1
 
 
@@ -136,15 +136,15 @@ def test_step_sizes(exponent):
     scene = fl.Scene()
     section = fl.Section.rectangle(0.05, 0.05, MATERIAL)
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4))
-    scene.add(fl.Spherical(fl.ground(), beam.start))
-    beam.turn((0, 0, omega), about=(0, 0, 0))
+    scene.add(fl.Spherical(fl.ground(), beam.point("start")))
+    beam.add_velocity(omega=(0, 0, omega), about=(0, 0, 0))
     result = fl.GeneralisedAlpha().run(scene, duration=10 * h, step=h)
     angle = 10 * h * omega
     # the bar stretches by ρω²L³/3E = 1e-10 under its centrifugal force
     np.testing.assert_allclose(
-        result.position(beam.end)[-1], (np.cos(angle), np.sin(angle), 0), atol=3e-10
+        result.position(beam.point("end"))[-1], (np.cos(angle), np.sin(angle), 0), atol=3e-10
     )
-    assert np.abs(result.position(beam.start)).max() < 1e-12
+    assert np.abs(result.position(beam.point("start"))).max() < 1e-12
 
 
 @formulations
@@ -158,9 +158,9 @@ def test_nearly_coincident_nodes(formulation, closed, bound, gap):
     section = fl.Section.from_stiffness([1e6, 1e6, 1e6, 1.0, 1.0, 1.0])
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, section, formulation=formulation))
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, moment=(0, 0, np.pi)))
-    tip = fl.statics(scene, load_steps=2).position(beam.end)[-1]
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, np.pi)))
+    tip = fl.statics(scene, load_steps=2).position(beam.point("end"))[-1]
     # strain in the short cell is a difference of positions, good to 1e-16, over the gap
     np.testing.assert_allclose(tip, (0, 2 / np.pi, 0), atol=max(bound, 1e-15 / gap))
 
@@ -170,11 +170,11 @@ def deflected(unit):
     section = fl.Section.rectangle(0.02 * unit, 0.01 * unit, MATERIAL)
     scene, beam = cantilever(section, length=unit)
     EI = MATERIAL.E * 0.02 * 0.01**3 / 12 * unit**4
-    scene.add(fl.PointLoad(beam.end, force=(0, 0, 0.2 * EI / unit**2)))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 0.2 * EI / unit**2)))
     static = fl.statics(scene)
     # time scales with length, as the speed of sound is that of the material
     swing = fl.GeneralisedAlpha().run(scene, duration=0.02 * unit, step=2e-4 * unit)
-    return [result.position(beam.end)[-1] / unit for result in (static, swing)]
+    return [result.position(beam.point("end"))[-1] / unit for result in (static, swing)]
 
 
 @pytest.mark.parametrize("unit", [1e-6, 1e3])
@@ -193,8 +193,8 @@ def test_coincident_nodes_fail_with_the_announced_error(gap):
         section = fl.Section.from_stiffness([1e6, 1e6, 1e6, 1.0, 1.0, 1.0])
         scene = fl.Scene()
         beam = scene.add(fl.Beam(mesh, section, formulation=fl.Geodesic(False)))
-        scene.add(fl.Clamp(beam.node(0)))
-        scene.add(fl.PointLoad(beam.node(3), moment=(0, 0, np.pi)))
+        scene.add(fl.Clamp(beam.point(0)))
+        scene.add(fl.PointLoad(beam.point(3), moment=(0, 0, np.pi)))
         fl.statics(scene, load_steps=2)
 
     error, message = (
@@ -213,11 +213,11 @@ def violent(step, scheme=None):
     section = fl.Section.rectangle(5e-3, 5e-3, MATERIAL)
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.3, 0, 0), section, cells=10))
     two = scene.add(fl.Beam.straight((0.3, 0, 0), (0.3, 0.5, 0), section, cells=10))
-    scene.add(fl.Spherical(fl.ground(), one.start))
-    scene.add(fl.Spherical(one.end, two.start))
-    two.turn((3, 0, -4), about=two.start)
+    scene.add(fl.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.Spherical(one.point("end"), two.point("start")))
+    two.add_velocity(omega=(3, 0, -4), about=two.point("start"))
     result = (scheme or fl.GeneralisedAlpha()).run(scene, duration=1.0, step=step)
-    return result.position(two.end)[-1] - END
+    return result.position(two.point("end"))[-1] - END
 
 
 def test_unresolved_vibrations_leave_second_order():
@@ -254,8 +254,8 @@ def test_a_failure_advises_what_can_help(scheme, policy):
     bar = scene.add(
         fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.circle(0.01, MATERIAL), cells=2)
     )
-    scene.add(fl.Spherical(fl.ground(), bar.start))
-    bar.turn((0, 0, 300), about=bar.start)
+    scene.add(fl.Spherical(fl.ground(), bar.point("start")))
+    bar.add_velocity(omega=(0, 0, 300), about=bar.point("start"))
     with pytest.raises(fl.ConvergenceError, match="Try a smaller step") as info:
         scheme(policy=policy, max_iterations=2).run(scene, duration=0.5, step=0.1, progress=False)
     text = str(info.value)
@@ -273,8 +273,8 @@ def chain(links):
     for k in range(links):
         rod = fl.RigidBody(m, (m * r * r / 2, thick, thick), ((k + 0.5) * a, 0, 0))
         scene.add(rod)
-        scene.add(fl.Spherical(before, rod.centre, at=(k * a, 0, 0)))
-        before = rod.centre
+        scene.add(fl.Spherical(before, rod.point("centre"), at=(k * a, 0, 0)))
+        before = rod.point("centre")
     return scene, before
 
 

@@ -18,8 +18,8 @@ def bar(scene, start, end, name):
 def cantilever():
     scene = fl.Scene(gravity=(1.0, 2.0, -9.81))
     one = bar(scene, (0, 0, 0), (1, 0.2, 0.1), "one")
-    scene.add(fl.Clamp(one.start))
-    scene.add(fl.PointLoad(one.start, force=(1.0, 2.0, 3.0), moment=(4.0, 5.0, 6.0)))
+    scene.add(fl.Clamp(one.point("start")))
+    scene.add(fl.PointLoad(one.point("start"), force=(1.0, 2.0, 3.0), moment=(4.0, 5.0, 6.0)))
     return scene
 
 
@@ -27,11 +27,11 @@ def branched():
     """Nodes follow others, and the one that leads is held in the middle of a numbering."""
     scene = cantilever()
     one = scene.bodies[0]
-    two = bar(scene, (0.5, -1, 0), one.end.position, "two")
-    three = bar(scene, one.start.position, (0, 1, 0), "three")
-    scene.add(fl.RigidLink(two.end, one.end))
-    scene.add(fl.RigidLink(one.start, three.start))
-    scene.add(fl.Clamp(two.start))
+    two = bar(scene, (0.5, -1, 0), one.point("end").position, "two")
+    three = bar(scene, one.point("start").position, (0, 1, 0), "three")
+    scene.add(fl.RigidLink(two.point("end"), one.point("end")))
+    scene.add(fl.RigidLink(one.point("start"), three.point("start")))
+    scene.add(fl.Clamp(two.point("start")))
     return scene
 
 
@@ -40,11 +40,19 @@ def jointed():
     scene = branched()
     one, two, three = scene.bodies
     four = bar(scene, (0, 0, 0), (0, 0, 1), "four")
-    scene.add(fl.Spherical(four.start, one.start))
-    scene.add(fl.Spherical(two.start, three.end, at=two.start.position))
-    hinge = scene.add(fl.Revolute(one.end, four.end, at=four.end.position, axis=(0, 1, 0)))
+    scene.add(fl.Spherical(four.point("start"), one.point("start")))
+    scene.add(fl.Spherical(two.point("start"), three.point("end"), at=two.point("start").position))
+    hinge = scene.add(
+        fl.Revolute(
+            one.point("end"), four.point("end"), at=four.point("end").position, axis=(0, 1, 0)
+        )
+    )
     scene.add(fl.Spring(hinge.angle, stiffness=30.0, damping=2.0))
-    scene.add(fl.Spring(fl.Distance(one.start, four.end).length, stiffness=100.0, damping=3.0))
+    scene.add(
+        fl.Spring(
+            fl.Distance(one.point("start"), four.point("end")).length, stiffness=100.0, damping=3.0
+        )
+    )
     return scene
 
 

@@ -12,14 +12,14 @@ GRAVITY = 9.81
 def thrown_up(law: fl.Penalty | fl.Impact, jointed: bool = False) -> tuple[fl.Scene, fl.RigidBody]:
     """A ball that is half in the floor at first, beside one that lies on it."""
     balls = [fl.RigidBody(1.0, 4e-3 * np.eye(3), (x, 0, z)) for x, z in ((0, 0.0), (1, 0.1))]
-    balls[0].move((0.5, 0, 3))
+    balls[0].add_velocity((0.5, 0, 3))
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     for ball in balls:
         scene.add(ball)
     if jointed:
         bob = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (50.0, 0, 0)))
-        scene.add(fl.Spherical(fl.ground(), bob.at((50.0, 0, 1.0))))
-    pile = fl.Vertices([ball.centre for ball in balls], 0.1)
+        scene.add(fl.Spherical(fl.ground(), bob.point((50.0, 0, 1.0))))
+    pile = fl.Vertices([ball.point("centre") for ball in balls], 0.1)
     floor = fl.Plane(fl.ground(), (0, 0, 1))
     scene.add(fl.Contact(pile, floor, law, ignore_initial=True))
     return scene, balls[0]
@@ -35,7 +35,7 @@ def run(scene: fl.Scene, **options) -> fl.Result:
 def test_it_leaves_freely_and_touches_when_it_comes_back(law, jointed):
     scene, ball = thrown_up(law, jointed)
     result = run(scene)
-    z, t = result.position(ball.centre)[:, 2], result.times
+    z, t = result.position(ball.point("centre"))[:, 2], result.times
     back = (3 + np.sqrt(9 - 2 * GRAVITY * 0.1)) / GRAVITY
     before = t < back - 2e-3
     np.testing.assert_allclose(z[before], (3 * t - GRAVITY * t**2 / 2)[before], atol=1e-4)
@@ -51,17 +51,17 @@ def test_it_leaves_freely_and_touches_when_it_comes_back(law, jointed):
 def test_each_pair_parts_by_itself(law):
     """One ball leaves the floor and comes back; one that began in it, too, falls on through it."""
     balls = [fl.RigidBody(1.0, 4e-3 * np.eye(3), (x, 0, 0.05)) for x in (0, 1)]
-    balls[0].move((0, 0, 1))
+    balls[0].add_velocity((0, 0, 1))
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     for ball in balls:
         scene.add(ball)
     pile, floor = (
-        fl.Vertices([ball.centre for ball in balls], 0.1),
+        fl.Vertices([ball.point("centre") for ball in balls], 0.1),
         fl.Plane(fl.ground(), (0, 0, 1)),
     )
     scene.add(fl.Contact(pile, floor, law, ignore_initial=True))
     result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.3, step=1e-3, progress=False)
-    back, falls = (result.position(ball.centre)[:, 2] for ball in balls)
+    back, falls = (result.position(ball.point("centre"))[:, 2] for ball in balls)
     assert back.max() > 0.1 and back[-1] > 0.09
     np.testing.assert_allclose(falls, 0.05 - GRAVITY * result.times**2 / 2, atol=1e-4)
 

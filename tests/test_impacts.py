@@ -66,8 +66,8 @@ def falls(restitution: float, times: np.ndarray) -> np.ndarray:
 def test_a_ball_bounces_as_the_closed_form(restitution, step, error):
     ball = fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), (0, 0, 1 + RADIUS))
     law = fl.Impact(restitution=restitution)
-    result = run(on_slope(0.0, ball, fl.Sphere(ball.centre, RADIUS), law), 2.0, step)
-    height = result.position(ball.centre)[:, 2] - RADIUS
+    result = run(on_slope(0.0, ball, fl.Sphere(ball.point("centre"), RADIUS), law), 2.0, step)
+    height = result.position(ball.point("centre"))[:, 2] - RADIUS
     np.testing.assert_allclose(height, falls(restitution, result.times), rtol=0, atol=error)
     # what impacts take, and what ground gives, is booked
     assert result.energy_error < 1e-13
@@ -105,14 +105,16 @@ def test_balls_that_meet_change_velocities():
     scene, balls = fl.Scene(), []
     for x, speed in ((0.0, 1.0), (0.5, 0.0), (1.0, 0.0)):
         balls.append(scene.add(fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), (x, 0, 0))))
-        balls[-1].move((speed, 0, 0))
-    surface = fl.Vertices([ball.centre for ball in balls], RADIUS)
+        balls[-1].add_velocity((speed, 0, 0))
+    surface = fl.Vertices([ball.point("centre") for ball in balls], RADIUS)
     scene.add(fl.Contact(surface, surface, fl.Impact(restitution=1.0)))
     result = run(scene, 1.0, 1e-2)
-    velocities = [result.velocity(ball.centre)[-1, 0] for ball in balls]
+    velocities = [result.velocity(ball.point("centre"))[-1, 0] for ball in balls]
     np.testing.assert_allclose(velocities, [0.0, 0.0, 1.0], atol=1e-13)
     # the last one is as far as if it had been one ball, less two diameters
-    assert result.position(balls[2].centre)[-1, 0] == pytest.approx(1.0 + 4 * RADIUS, abs=1e-13)
+    assert result.position(balls[2].point("centre"))[-1, 0] == pytest.approx(
+        1.0 + 4 * RADIUS, abs=1e-13
+    )
 
 
 # --- friction ---
@@ -121,11 +123,11 @@ def test_balls_that_meet_change_velocities():
 def slid(angle: float, size: float = 1.0, step: float = 1e-2, **options):
     edges = size * np.array([0.2, 0.2, 0.1])
     block = fl.RigidBody(1.0, cuboid(1.0, edges), (0, 0, edges[2] / 2))
-    block.move((options.get("speed", 0.0) * size, 0, 0))
+    block.add_velocity((options.get("speed", 0.0) * size, 0, 0))
     law = fl.Impact(friction=options.get("friction", 0.5))
-    scene = on_slope(np.radians(angle), block, fl.Box(block.centre, edges), law, size)
+    scene = on_slope(np.radians(angle), block, fl.Box(block.point("centre"), edges), law, size)
     result = run(scene, 1.0, step)
-    return result.position(block.centre) / size, result
+    return result.position(block.point("centre")) / size, result
 
 
 @pytest.mark.parametrize("angle", [20.0, 26.5, 26.56, 26.57, 30.0, 40.0])
@@ -159,13 +161,18 @@ def test_a_sphere_on_a_slope(friction):
     angle, r = np.radians(30.0), RADIUS
     sphere = fl.RigidBody(1.0, 0.4 * r * r * np.ones(3), (0, 0, r))
     law = fl.Impact(friction)
-    result = run(on_slope(angle, sphere, fl.Sphere(sphere.centre, r), law), 1.0, 1e-2)
+    result = run(on_slope(angle, sphere, fl.Sphere(sphere.point("centre"), r), law), 1.0, 1e-2)
     down, across = GRAVITY * np.sin(angle), GRAVITY * np.cos(angle)
     rolls = friction > 2 / 7 * np.tan(angle)
     acceleration = 5 / 7 * down if rolls else down - friction * across
     spin = 5 / 7 * down / r if rolls else 2.5 * friction * across / r
-    assert result.position(sphere.centre)[-1, 0] == pytest.approx(0.5 * acceleration, abs=1e-12)
-    turned = result.rotation(sphere.centre)[-1] @ result.velocity(sphere.centre)[-1, 3:]
+    assert result.position(sphere.point("centre"))[-1, 0] == pytest.approx(
+        0.5 * acceleration, abs=1e-12
+    )
+    turned = (
+        result.rotation(sphere.point("centre"))[-1]
+        @ result.velocity(sphere.point("centre"))[-1, 3:]
+    )
     assert turned[1] == pytest.approx(spin, abs=1e-11)
     assert result.energy_error < 1e-12
 
@@ -182,7 +189,7 @@ def ladder(step: float, duration: float) -> tuple[fl.Result, np.ndarray, np.ndar
     along = rod.frames[0, 3] / 2
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     scene.add(rod)
-    top, foot = rod.at(rod.frames[0, 0] + along), rod.at(rod.frames[0, 0] - along)
+    top, foot = rod.point(rod.frames[0, 0] + along), rod.point(rod.frames[0, 0] - along)
     wall, floor = (fl.Plane(fl.ground(), normal) for normal in ((1, 0, 0), (0, 0, 1)))
     scene.add(fl.Contact(fl.Vertices([top]), wall, fl.Impact()))
     scene.add(fl.Contact(fl.Vertices([foot]), floor, fl.Impact()))
@@ -227,10 +234,10 @@ def test_a_rocking_block_loses_what_housner_says():
     for step in (2e-3, 1e-3):
         edges = (2 * half, 0.2, 2 * tall)
         block = fl.RigidBody(1.0, cuboid(1.0, edges), -axes @ (half, 0, -tall), axes)
-        scene = on_slope(0.0, block, fl.Box(block.centre, edges), fl.Impact(1.0))
+        scene = on_slope(0.0, block, fl.Box(block.point("centre"), edges), fl.Impact(1.0))
         steps = int(np.ceil((time + 1.2 * step) / step))
         result = run(scene, steps * step, step)
-        rate = abs(result.velocity(block.centre)[-1, 4]) / np.sqrt(gained)
+        rate = abs(result.velocity(block.point("centre"))[-1, 4]) / np.sqrt(gained)
         errors.append(1 - 1.5 * np.sin(corner) ** 2 - rate)
     assert 0.0 < errors[1] < 0.016
     assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.3)
@@ -243,12 +250,12 @@ def test_restitution_adds_no_energy_in_a_box():
     balls = []
     for place in 0.25 * np.array(list(np.ndindex(4, 2, 2))):
         balls.append(scene.add(fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), place)))
-        balls[-1].move(rng.normal(size=3))
+        balls[-1].add_velocity(rng.normal(size=3))
     shell = scene.add(fl.RigidBody(30.0, 3.0 * np.ones(3), (0.375, 0.125, 0.125)))
-    surface = fl.Vertices([ball.centre for ball in balls], RADIUS)
+    surface = fl.Vertices([ball.point("centre") for ball in balls], RADIUS)
     law = fl.Impact(friction=0.3, restitution=0.7)
     scene.add(fl.Contact(surface, surface, law))
-    scene.add(fl.Contact(surface, fl.Box(shell.centre, (1.4, 1.4, 1.4), inside=True), law))
+    scene.add(fl.Contact(surface, fl.Box(shell.point("centre"), (1.4, 1.4, 1.4), inside=True), law))
     result = run(scene, 1.0, 1e-3)
     assert (result.contacts.contacts > 0).sum() > 10
     assert np.diff(result.kinetic).max() < 1e-4 * result.kinetic[0]
@@ -320,7 +327,9 @@ def test_many_contacts_settle():
     scene, balls = fl.Scene(gravity=(0, 0, -GRAVITY)), []
     for at in np.ndindex(5, 5, 4):
         place = 2.1 * radius * (np.array(at) + 0.5) + 0.02 * radius * rng.standard_normal(3)
-        balls.append(scene.add(fl.RigidBody(1.0, np.full(3, 0.4 * radius**2), place)).centre)
+        balls.append(
+            scene.add(fl.RigidBody(1.0, np.full(3, 0.4 * radius**2), place)).point("centre")
+        )
     heap = fl.Vertices(balls, radius)
     scene.add(fl.Contact(heap, heap, law))
     scene.add(fl.Contact(heap, FLOOR, law))
@@ -341,12 +350,12 @@ def in_a_groove(degrees: float) -> tuple[fl.Scene, fl.Point, float]:
     height = RADIUS / np.sin(angle)
     place = (0, 0, height + 0.1 * RADIUS)
     ball = scene.add(fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), place, name="ball"))
-    ball.move((3.0 * RADIUS, 0, -20.0 * RADIUS))
+    ball.add_velocity((3.0 * RADIUS, 0, -20.0 * RADIUS))
     for side in (1, -1):
         normal = (side * np.cos(angle), 0, np.sin(angle))
         wall = fl.Plane(fl.ground(), normal, (0, 0, 0))
-        scene.add(fl.Contact(fl.Sphere(ball.centre, RADIUS), wall, fl.Impact()))
-    return scene, ball.centre, height
+        scene.add(fl.Contact(fl.Sphere(ball.point("centre"), RADIUS), wall, fl.Impact()))
+    return scene, ball.point("centre"), height
 
 
 @pytest.mark.parametrize("degrees", [1.0, 0.3])
@@ -378,7 +387,7 @@ def test_bodies_that_cannot_be_parted_are_an_error():
 def impacted(law=None, **options) -> fl.Scene:
     ball = fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), (0, 0, 1))
     law = fl.Impact() if law is None else law
-    return on_slope(0.0, ball, fl.Sphere(ball.centre, RADIUS), law)
+    return on_slope(0.0, ball, fl.Sphere(ball.point("centre"), RADIUS), law)
 
 
 REFUSED = {
@@ -421,10 +430,10 @@ def rolling_pile(friction: float = 0.4) -> fl.Scene:
     law = fl.Impact(friction, 0.3)
     balls = [fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), tuple(place)) for place in places]
     for each in balls:
-        each.move(rng.normal(size=3))
-        each.turn(rng.normal(size=3), each.centre)
+        each.add_velocity(rng.normal(size=3))
+        each.add_velocity(omega=rng.normal(size=3), about=each.point("centre"))
         scene.add(each)
-    surface = fl.Vertices([each.centre for each in balls], RADIUS)
+    surface = fl.Vertices([each.point("centre") for each in balls], RADIUS)
     scene.add(fl.Contact(surface, surface, law))
     walls = fl.Box(fl.ground(), (0.8, 0.8, 0.8), inside=True)
     scene.add(fl.Contact(surface, walls, law))

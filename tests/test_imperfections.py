@@ -23,12 +23,12 @@ def column(cells: int, *, length: float = 1.0, far: bool = False):
             name="column",
         )
     )
-    scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 1, 0)))
-    scene.add(fl.InPlane(fl.ground(), beam.end, axis=(1, 0, 0)))
-    scene.add(fl.PointLoad(beam.end, force=(0, 0, -(np.pi**2))))
+    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.InPlane(fl.ground(), beam.point("end"), axis=(1, 0, 0)))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, -(np.pi**2))))
     if far:
         other = scene.add(fl.RigidBody(1.0, 3 * [length**2], position=(10 * length, 0, 0)))
-        scene.add(fl.Clamp(other.centre))
+        scene.add(fl.Clamp(other.point("centre")))
     return scene, beam
 
 
@@ -66,7 +66,7 @@ def plate(waves: int, cells: int) -> fl.Scene:
     for name in ("a=0", "a=1", "b=0", "b=1"):
         shell.held[[p.node for p in shell.points(name)], 2] = True
     shell.held[[p.node for p in shell.points("a=0")], 0] = True
-    shell.held[shell["00"].node, 1] = True
+    shell.held[shell.point("00").node, 1] = True
     scene = fl.Scene()
     scene.add(shell)
     bryan = 4 * np.pi**2 * t**3 / (12 * (1 - nu**2))
@@ -116,9 +116,9 @@ def kinked(up=(0, 1, 0)):
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, section, up=up, name="frame"))
     block = scene.add(fl.RigidBody(1.0, 3 * [0.01], position=(1.1, 0.2, 1.0), name="block"))
-    scene.add(fl.Clamp(beam.node(0)))
-    scene.add(fl.RigidLink(beam.node(12), block.centre))
-    scene.add(fl.PointLoad(beam.node(12), force=(0, 0, -1.0)))
+    scene.add(fl.Clamp(beam.point(0)))
+    scene.add(fl.RigidLink(beam.point(12), block.point("centre")))
+    scene.add(fl.PointLoad(beam.point(12), force=(0, 0, -1.0)))
     return scene, beam
 
 
@@ -161,8 +161,8 @@ def topheavy(length: float = 1.0):
         fl.Beam.straight((0, 0, 0), (length, 0, 0), section, cells=20, up=(0, 0, 1), name="shaft")
     )
     beam.held[:, 1:3] = True
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, force=(1.0, 0, 0)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(1.0, 0, 0)))
     return scene, beam
 
 
@@ -204,7 +204,7 @@ def test_amplitude_of_a_branch_is_the_displacement_on_the_nodes(far, unit):
     scene, beam = column(24, length=length, far=far)
     for node in (8, 16):
         scene.add(
-            fl.InPlane(fl.ground(), beam.node(node), at=beam.node(node).position, axis=(1, 0, 0))
+            fl.InPlane(fl.ground(), beam.point(node), at=beam.point(node).position, axis=(1, 0, 0))
         )
     point = fl.follow_path(scene, fl.PathEnds(9.5, critical_points=1)).critical[0]
     wanted = 2e-3 * length
@@ -226,7 +226,7 @@ def test_amplitude_of_a_branch_is_the_displacement_on_the_nodes(far, unit):
 def test_critical_points_know_where_points_are():
     """Nodes of the system are in another order than those of a body."""
     scene, beam = column(12)
-    points = [beam.start, beam.node(5), beam.end, "column.end"]
+    points = [beam.point("start"), beam.point(5), beam.point("end"), "column.end"]
     path = fl.follow_path(scene, fl.PathEnds(1.1, critical_points=1))
     (point,) = path.critical
     for where in points:
@@ -235,4 +235,4 @@ def test_critical_points_know_where_points_are():
             point.displacement(where), path.displacement(where)[point.index]
         )
         np.testing.assert_array_equal(point.rotation(where), path.rotation(where)[point.index])
-    assert point.position(beam.node(5))[2] == pytest.approx(5 / 12, abs=1e-4)
+    assert point.position(beam.point(5))[2] == pytest.approx(5 / 12, abs=1e-4)

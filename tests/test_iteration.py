@@ -86,9 +86,9 @@ def swinging(history):
     scene = fl.Scene(gravity=(0, 0, -9.81))
     upper = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), position=(0.5, 0, 0)))
     lower = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), position=(1.5, 0, 0)))
-    scene.add(fl.Spherical(upper.centre, fl.ground(), at=(0, 0, 0)))
-    scene.add(fl.Spherical(upper.centre, lower.centre, at=(1, 0, 0)))
-    scene.add(fl.PointLoad(lower.centre, force=(0, 0, 1.0), history=history))
+    scene.add(fl.Spherical(upper.point("centre"), fl.ground(), at=(0, 0, 0)))
+    scene.add(fl.Spherical(upper.point("centre"), lower.point("centre"), at=(1, 0, 0)))
+    scene.add(fl.PointLoad(lower.point("centre"), force=(0, 0, 1.0), history=history))
     return scene
 
 

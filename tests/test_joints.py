@@ -24,30 +24,34 @@ PLACE, AXIS, ACROSS = (0.3, -0.2, 0.5), (0.6, 0.0, 0.8), (-0.8, 0.0, 0.6)
 
 
 def joint_of(kind: type[fl.Joint], **options):
-    return lambda a, b: [kind(a.centre, b.centre, at=PLACE, axis=AXIS, **options)]
+    return lambda a, b: [kind(a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS, **options)]
 
 
 def spring(a, b):
-    pin = fl.Cylindrical(a.centre, b.centre, at=PLACE, axis=AXIS)
+    pin = fl.Cylindrical(a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS)
     return [
         fl.Spring(pin.angle, stiffness=3.0, damping=0.4, rest=0.2),
         fl.Spring(pin.displacement, stiffness=2.0, damping=0.3),
-        fl.Spring(fl.Distance(a.centre, b.centre, to=PLACE).length, stiffness=5.0, rest=0.7),
+        fl.Spring(
+            fl.Distance(a.point("centre"), b.point("centre"), to=PLACE).length,
+            stiffness=5.0,
+            rest=0.7,
+        ),
     ]
 
 
 def drives(a, b):
-    cross = fl.Universal(a.centre, b.centre, at=PLACE, axis=AXIS, second=ACROSS)
-    planar = fl.Planar(a.centre, b.centre, at=PLACE, axis=AXIS, second=ACROSS)
-    distance = fl.Distance(a.centre, b.centre, at=(0, 0, 1), to=PLACE)
+    cross = fl.Universal(a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS, second=ACROSS)
+    planar = fl.Planar(a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS, second=ACROSS)
+    distance = fl.Distance(a.point("centre"), b.point("centre"), at=(0, 0, 1), to=PLACE)
     coordinates = (cross.second_angle, cross.angle, planar.displacements[1], distance.length)
     return [fl.Drive(coordinate) for coordinate in coordinates]
 
 
 def gear(a, b):
     """On one carrier ``a``: both of its ties share a node."""
-    wheel = fl.Revolute(a.centre, b.centre, at=PLACE, axis=AXIS)
-    rack = fl.Prismatic(b.centre, a.centre, at=(1, 1, 0), axis=(0, 1, 0))
+    wheel = fl.Revolute(a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS)
+    rack = fl.Prismatic(b.point("centre"), a.point("centre"), at=(1, 1, 0), axis=(0, 1, 0))
     return [fl.Gear(wheel.angle, rack.displacement, -1.7)]
 
 
@@ -285,7 +289,7 @@ def closed_chain(last: type[fl.Joint]) -> fl.Scene:
     for a, b in pairwise(corners):
         centre = 0.5 * (np.array(a) + np.array(b))
         bars.append(scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), centre)))
-    points = [fl.ground()] + [bar.centre for bar in bars] + [fl.ground()]
+    points = [fl.ground()] + [bar.point("centre") for bar in bars] + [fl.ground()]
     for k, corner in enumerate(corners):
         kind = last if k == 3 else fl.Revolute
         name = "the last one" if k == 3 else f"joint {k}"
@@ -302,8 +306,8 @@ def test_redundant_constraints_are_counted_and_named():
 def test_joint_given_twice_is_redundant():
     scene = fl.Scene()
     bar = scene.add(rod((0, 0, 0), (1, 0, 0)))
-    scene.add(fl.Spherical(fl.ground(), bar.start, name="one"))
-    scene.add(fl.Spherical(fl.ground(), bar.start, name="two"))
+    scene.add(fl.Spherical(fl.ground(), bar.point("start"), name="one"))
+    scene.add(fl.Spherical(fl.ground(), bar.point("start"), name="two"))
     with pytest.raises(ValueError, match=r"3 of 6 constraints are redundant.*(one|two)"):
         System(scene, dynamics=True)
 
@@ -311,8 +315,8 @@ def test_joint_given_twice_is_redundant():
 def test_joint_to_a_clamped_point_is_redundant():
     scene = fl.Scene()
     bar = scene.add(rod((0, 0, 0), (1, 0, 0)))
-    scene.add(fl.Clamp(bar.start))
-    scene.add(fl.Spherical(fl.ground(), bar.start, name="useless"))
+    scene.add(fl.Clamp(bar.point("start")))
+    scene.add(fl.Spherical(fl.ground(), bar.point("start"), name="useless"))
     with pytest.raises(ValueError, match="useless"):
         System(scene, dynamics=True)
 
@@ -322,7 +326,7 @@ def held_twice(redundant: fl.Redundant) -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -10.0), redundant=redundant)
     body = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1), (0, 0, 0)))
     for x in (-1.0, 1.0):
-        scene.add(fl.Fixed(fl.ground(), body.centre, at=(x, 0, 0), name=f"at {x:+.0f}"))
+        scene.add(fl.Fixed(fl.ground(), body.point("centre"), at=(x, 0, 0), name=f"at {x:+.0f}"))
     return scene
 
 
@@ -350,10 +354,10 @@ def test_condition_of_matrix_does_not_depend_on_step(flexible):
         scene = fl.Scene(gravity=(0, 0, -9.81))
         if flexible:
             body = scene.add(rod((0, 0, 0), (1, 0, 0)))
-            scene.add(fl.Revolute(fl.ground(), body.start, axis=(0, 1, 0)))
+            scene.add(fl.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
         else:
             body = scene.add(fl.RigidBody(2.0, (0.1, 0.2, 0.2), (0.5, 0, 0)))
-            scene.add(fl.Revolute(fl.ground(), body.centre, at=(0, 0, 0), axis=(0, 1, 0)))
+            scene.add(fl.Revolute(fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 1, 0)))
         run = Run(fl.GeneralisedAlpha(), fl.extend.Equations(scene, dynamics=True), step)
         run.start()
         s = run.s
@@ -373,12 +377,12 @@ def test_a_gap_between_joined_points_is_closed_by_the_advice():
     first = scene.add(fl.Beam.straight((0, 0, 0), (1 / 3, 0, 0), section, cells=1))
     second = scene.add(fl.Beam.straight((0.3333333, 0, 0), (1, 0, 0), section, cells=1))
     with pytest.raises(ValueError, match="more than 1e-09 of the size") as caught:
-        scene.add(fl.Fixed(first.end, second.start))
+        scene.add(fl.Fixed(first.point("end"), second.point("start")))
     advised = re.search(r"at=\(([^)]*)\)", str(caught.value))
     assert advised is not None
     at = [float(x) for x in advised[1].split(",")]
     np.testing.assert_allclose(at, (1 / 3, 0, 0), atol=1e-7)
-    scene.add(fl.Fixed(first.end, second.start, at=at))
-    scene.add(fl.Clamp(first.start))
-    scene.add(fl.PointLoad(second.end, force=(0, 0, 1e-3)))
-    assert fl.statics(scene).position(second.end)[-1][2] > 0.0
+    scene.add(fl.Fixed(first.point("end"), second.point("start"), at=at))
+    scene.add(fl.Clamp(first.point("start")))
+    scene.add(fl.PointLoad(second.point("end"), force=(0, 0, 1e-3)))
+    assert fl.statics(scene).position(second.point("end"))[-1][2] > 0.0

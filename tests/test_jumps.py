@@ -25,7 +25,10 @@ def errors(scene, body, scheme, exact, at, step):
     result = SCHEMES[scheme].run(scene, duration=END, step=step)
     x, v = exact(result.times, at)
     assert np.abs(result.times - at).min() <= 1e-12, "a step ends at the jump"
-    gaps = result.position(body.centre)[:, 0] - x, result.velocity(body.centre)[:, 0] - v
+    gaps = (
+        result.position(body.point("centre"))[:, 0] - x,
+        result.velocity(body.point("centre"))[:, 0] - v,
+    )
     return np.array([np.abs(gap).max() for gap in gaps])
 
 
@@ -76,7 +79,7 @@ def test_a_velocity_of_a_drive_that_jumps(scheme):
 def test_what_jumps_is_in_the_balance(scheme):
     scene, body = oscillator(fl.Table((0, AT_END, AT_END), (0, 0, 1)))
     result = SCHEMES[scheme].run(scene, duration=END, step=5e-3)
-    work = 4.0 * result.position(body.centre)[-1, 0]
+    work = 4.0 * result.position(body.point("centre"))[-1, 0]
     np.testing.assert_allclose(result.balance[-1, 0], work, rtol=2e-3)
     assert result.balance_error <= (5e-3 if scheme == "generalised alpha" else 1e-11)
     assert result.momentum_error <= (5e-3 if scheme == "generalised alpha" else 1e-11)
@@ -95,13 +98,15 @@ def test_adaptive_steps_end_at_jumps_that_are_said():
 def test_free_bodies_feel_jumps_too():
     """m ẍ = F from the jump on: exact for a constant acceleration, if the step ends there."""
     scene = fl.Scene()
-    body = scene.add(fl.RigidBody(M, (0.1, 0.2, 0.3)).on(fl.Group.R3xSO3))
+    body = scene.add(fl.RigidBody(M, (0.1, 0.2, 0.3)).set_group(fl.Group.R3xSO3))
     scene.add(
-        fl.PointLoad(body.centre, force=(4.0, 0, 0), history=fl.Jumps(lambda t: t >= 0.31, (0.31,)))
+        fl.PointLoad(
+            body.point("centre"), force=(4.0, 0, 0), history=fl.Jumps(lambda t: t >= 0.31, (0.31,))
+        )
     )
     result = SCHEMES["generalised alpha"].run(scene, duration=END, step=0.05)
     s = np.maximum(result.times - 0.31, 0.0)
-    np.testing.assert_allclose(result.position(body.centre)[:, 0], s**2, atol=1e-9)
+    np.testing.assert_allclose(result.position(body.point("centre"))[:, 0], s**2, atol=1e-9)
 
 
 def test_tables_are_straight_between_times_and_take_the_side_after_a_jump():
@@ -115,7 +120,7 @@ def test_tables_are_straight_between_times_and_take_the_side_after_a_jump():
 
 def two(body):
     """A drive whose table jumps."""
-    slide = fl.Prismatic(fl.ground(), body.centre, axis=(1, 0, 0))
+    slide = fl.Prismatic(fl.ground(), body.point("centre"), axis=(1, 0, 0))
     return slide, fl.Drive(slide.displacement, fl.Table((0, 0.5, 0.5), (0, 0, 1)))
 
 

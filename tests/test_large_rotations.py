@@ -43,14 +43,14 @@ def test_turns_are_followed_that_a_few_samples_do_not_show():
 def test_turns_forward_and_back_end_where_they_began():
     scene, body = fl.Scene(), fl.Beam.straight((0, 0, 0), (4, 0, 0), SECTION, cells=8)
     scene.add(body)
-    held = scene.add(fl.Clamp(body.start))
-    start = body.end.frame.copy()
+    held = scene.add(fl.Clamp(body.point("start")))
+    start = body.point("end").frame.copy()
 
     def motion(t):
         angle = np.array([TURN * np.sin(np.pi * t), 0.0, 0.0])
         return np.vstack([start[:1], start[1:] @ lie.so3_exp(angle).T])
 
-    scene.add(fl.PrescribedMotion(body.end, motion))
+    scene.add(fl.PrescribedMotion(body.point("end"), motion))
     found = fl.statics(scene, levels=(0.5, 1.0))
     half = int(np.flatnonzero(found.factors == 0.5)[0])
     moments = found.reaction(held)[:, 3]
@@ -65,10 +65,10 @@ def lever(moment: float, stiffness: float = 2.0, rest: float | None = None):
     """A rigid lever on a torsion spring, its scene and the spring."""
     scene, body = fl.Scene(), fl.RigidBody(1.0, (1, 1, 1))
     scene.add(body)
-    hinge = scene.add(fl.Revolute(fl.ground(), body.centre))
+    hinge = scene.add(fl.Revolute(fl.ground(), body.point("centre")))
     spring = scene.add(fl.Spring(hinge.angle, stiffness=stiffness, rest=rest))
     if moment:
-        scene.add(fl.PointLoad(body.centre, moment=(0, 0, moment)))
+        scene.add(fl.PointLoad(body.point("centre"), moment=(0, 0, moment)))
     return scene, body, spring
 
 
@@ -78,8 +78,8 @@ def test_a_preload_of_whole_turns_on_an_elastic_shaft(rest):
     stiffness = SECTION.stiffness[3, 3] / 4
     scene = fl.Scene()
     shaft = scene.add(fl.Beam.straight((0, 0, 0), (4, 0, 0), SECTION, cells=16))
-    scene.add(fl.Clamp(shaft.start))
-    hinge = scene.add(fl.Revolute(fl.ground(), shaft.end, axis=(1, 0, 0)))
+    scene.add(fl.Clamp(shaft.point("start")))
+    hinge = scene.add(fl.Revolute(fl.ground(), shaft.point("end"), axis=(1, 0, 0)))
     spring = scene.add(fl.Spring(hinge.angle, stiffness=stiffness, rest=rest))
     moment = fl.statics(scene).joint_force(spring)[-1][5]
     assert abs(moment) == pytest.approx(stiffness * abs(rest) / 2, rel=1e-10)
@@ -93,7 +93,7 @@ def test_a_lever_on_a_torsion_spring(angle, solve):
     assert found.factors[-1] == 1.0
     assert found.joint_force(spring)[-1][5] == pytest.approx(2.0 * angle, rel=1e-9)
     expected = lie.so3_exp(np.array([0.0, 0.0, angle]))
-    np.testing.assert_allclose(found.rotation(body.centre)[-1], expected, atol=1e-8)
+    np.testing.assert_allclose(found.rotation(body.point("centre"))[-1], expected, atol=1e-8)
 
 
 def test_a_path_begins_with_the_preload():
@@ -101,7 +101,7 @@ def test_a_path_begins_with_the_preload():
     scene, _, first = lever(0.0, 2.0, rest=20.0)
     hinge = scene.joints[0]
     second = scene.add(fl.Spring(hinge.angle, stiffness=3.0, rest=-5.0, name="second"))
-    scene.add(fl.PointLoad(scene.bodies[0].centre, moment=(0, 0, 10.0)))
+    scene.add(fl.PointLoad(scene.bodies[0].point("centre"), moment=(0, 0, 10.0)))
     path = fl.follow_path(scene)
     # 2 (φ − 20) + 3 (φ + 5) = 10 λ
     angles = 5.0 + 2.0 * path.factors
@@ -120,7 +120,7 @@ def test_levels_have_the_whole_preload():
 def test_an_overshoot_ends_at_the_angle_that_is_connected_with_no_load():
     """``k φ = F ℓ cos φ`` has solutions on many turns; the first one is meant."""
     scene, body, spring = lever(0.0, 1.0)
-    scene.add(fl.PointLoad(body.at((1, 0, 0)), force=(0, 30.0, 0)))
+    scene.add(fl.PointLoad(body.point((1, 0, 0)), force=(0, 30.0, 0)))
     angle = 0.0
     for _ in range(200):
         angle -= (angle - 30.0 * np.cos(angle)) / (1.0 + 30.0 * np.sin(angle)) if angle else -1.0
@@ -135,14 +135,14 @@ def test_an_overshoot_ends_at_the_angle_that_is_connected_with_no_load():
 def test_a_screw_is_pushed_through_many_turns(turns):
     scene, body = fl.Scene(), fl.RigidBody(1.0, (1, 1, 1))
     scene.add(body)
-    screw = scene.add(fl.Screw(fl.ground(), body.centre, axis=(1, 0, 0), pitch=0.1))
+    screw = scene.add(fl.Screw(fl.ground(), body.point("centre"), axis=(1, 0, 0), pitch=0.1))
     scene.add(fl.Spring(screw.displacement, stiffness=10.0))
     twisted = scene.add(fl.Spring(screw.angle, stiffness=1e-3))
     # 10 · 0.1 turns and the moment of the other spring over the pitch
     force = turns + 1e-3 * TURN * turns * TURN / 0.1
-    scene.add(fl.PointLoad(body.centre, force=(force, 0, 0)))
+    scene.add(fl.PointLoad(body.point("centre"), force=(force, 0, 0)))
     found = fl.statics(scene)
-    assert found.position(body.centre)[-1][0] == pytest.approx(0.1 * turns, rel=1e-9)
+    assert found.position(body.point("centre"))[-1][0] == pytest.approx(0.1 * turns, rel=1e-9)
     assert found.joint_force(twisted)[-1][5] == pytest.approx(1e-3 * TURN * turns, rel=1e-9)
 
 
@@ -150,14 +150,14 @@ def test_a_screw_is_pushed_through_many_turns(turns):
 def test_a_gear_multiplies_turns(by):
     scene = fl.Scene()
     slow, fast = (scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(x, 0, 0))) for x in (0.0, 3.0))
-    first, second = (scene.add(fl.Revolute(fl.ground(), w.centre)) for w in (slow, fast))
+    first, second = (scene.add(fl.Revolute(fl.ground(), w.point("centre"))) for w in (slow, fast))
     scene.add(fl.Gear(first.angle, second.angle, ratio=0.1))
     spring = scene.add(fl.Spring(second.angle, stiffness=2.0))
     if by == "drive":
         scene.add(fl.Drive(first.angle, lambda t: 3.0 * t))
     else:
         # the slow wheel has ten times the moment of the spring
-        scene.add(fl.PointLoad(slow.centre, moment=(0, 0, 600.0)))
+        scene.add(fl.PointLoad(slow.point("centre"), moment=(0, 0, 600.0)))
     moment = fl.statics(scene).joint_force(spring)[-1][5]
     assert moment == pytest.approx(-60.0, rel=1e-9)
 
@@ -185,9 +185,9 @@ def test_an_arc_length_needs_translations():
 def test_displacement_control_across_the_load_is_refused():
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=4))
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, force=(0, 0, 1.0)))
-    control = fl.DisplacementControl(beam.end, (0, 1, 0), 0.1)
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 1.0)))
+    control = fl.DisplacementControl(beam.point("end"), (0, 1, 0), 0.1)
     with pytest.raises(ValueError, match="does not move the point in that direction"):
         fl.follow_path(scene, control=control)
 
@@ -207,7 +207,7 @@ def test_half_a_turn_across_the_axis_closes_a_joint_and_is_refused(joint):
     """What a joint binds of rotations is zero there, too."""
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (1.0, 1.2, 1.4), (0, 0, 0)))
-    scene.add(BOUND[joint](body.centre))
+    scene.add(BOUND[joint](body.point("centre")))
     system = System(scene, dynamics=False)
     (joints,) = system.connections.sets
     for axis, degrees, lost in (((0, 0, 1), 30, False), ((1, 0, 0), 180, True)):

@@ -45,11 +45,11 @@ def cantilever(u: UnitSystem, kind: int, bent: bool) -> np.ndarray:
     ends = u.length([0, 0, 0]), u.length([1, 0, 0])
     section, cells = bar(u, 0.01), 8 if bent else 1
     beam = scene.add(fl.Beam.straight(*ends, section, cells=cells, formulation=FORMULATIONS[kind]))
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     moment = u.moment([0, 0, np.pi * E * I if bent else 0.0])
     force = u.force([0, 0.0 if bent else 3e-6 * E * I, 0])
-    scene.add(fl.PointLoad(beam.end, force=force, moment=moment))
-    return u.inverse.length(fl.statics(scene).position(beam.end)[-1])
+    scene.add(fl.PointLoad(beam.point("end"), force=force, moment=moment))
+    return u.inverse.length(fl.statics(scene).position(beam.point("end"))[-1])
 
 
 @pytest.mark.parametrize("kind", range(4), ids=[str(f) for f in FORMULATIONS])
@@ -90,7 +90,7 @@ def pulled(u: UnitSystem, kind: str) -> np.ndarray:
     shell = scene.add(plate(u, kind, NU, (3, 2), 1.0))
     shell.symmetry("a=0", (1, 0, 0))
     shell.symmetry("b=0", (0, 1, 0))
-    shell.guide("00", (0, 0, 1))
+    shell.roller("00", (0, 0, 1))
     force = u.line_load([strain * E * 0.02, 0, 0])
     scene.add(fl.EdgeLoad(shell, "a=1", force=force))
     result = fl.statics(scene)
@@ -112,7 +112,7 @@ def rolled(u: UnitSystem, kind: str) -> np.ndarray:
     shell = scene.add(plate(u, kind, 0.0, (8, 1), 0.2))
     shell.clamp("a=0")
     scene.add(fl.EdgeLoad(shell, "a=1", moment=u.force([0, -moment, 0])))
-    return u.inverse.length(fl.statics(scene).position(shell["11"])[-1])
+    return u.inverse.length(fl.statics(scene).position(shell.point("11"))[-1])
 
 
 @pytest.mark.parametrize("kind", SHELLS)
@@ -148,9 +148,9 @@ def column(u: UnitSystem) -> tuple[fl.Scene, fl.Beam]:
     scene = fl.Scene()
     ends = u.length([0, 0, 0]), u.length([0, 0, 2])
     beam = scene.add(fl.Beam.straight(*ends, bar_of_column(u), cells=8, up=(1, 0, 0)))
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     euler = (np.pi / 4) ** 2 * E * 0.01 * 0.02**3 / 12
-    scene.add(fl.PointLoad(beam.end, force=u.force([0, 0, -euler])))
+    scene.add(fl.PointLoad(beam.point("end"), force=u.force([0, 0, -euler])))
     return scene, beam
 
 
@@ -180,11 +180,11 @@ def snap(u: UnitSystem) -> np.ndarray:
     foot, head = u.length([np.cos(0.2), 0, 0]), u.length([0, 0, np.sin(0.2)])
     left = scene.add(fl.Beam.straight(-foot, head, bar(u, 0.1), cells=1, up=(0, 1, 0)))
     right = scene.add(fl.Beam.straight(foot, head, bar(u, 0.1), cells=1, up=(0, 1, 0)))
-    for point in (left.start, right.start):
+    for point in (left.point("start"), right.point("start")):
         scene.add(fl.Revolute(fl.ground(), point, axis=(0, 1, 0)))
-    scene.add(fl.Revolute(left.end, right.end, axis=(0, 1, 0)))
+    scene.add(fl.Revolute(left.point("end"), right.point("end"), axis=(0, 1, 0)))
     load = u.force(E * 0.01 * 0.02)
-    scene.add(fl.PointLoad(left.end, force=(0, 0, -load)))
+    scene.add(fl.PointLoad(left.point("end"), force=(0, 0, -load)))
     return np.array([p.factor for p in fl.follow_path(scene, 1.0).limits]) * 0.02
 
 
@@ -204,7 +204,7 @@ def frequencies(u: UnitSystem) -> np.ndarray:
     rod, slab, free = fl.Scene(), fl.Scene(), fl.Scene()
     ends = u.length([0, 0, 0]), u.length([1, 0, 0])
     beam = rod.add(fl.Beam.straight(*ends, bar(u, 0.005), cells=8))
-    rod.add(fl.Clamp(beam.start))
+    rod.add(fl.Clamp(beam.point("start")))
     layer = fl.ShellSection.layer(u.length(0.005), steel(u))
     shell = slab.add(fl.Shell(fl.surface(lambda a, b: u.length([a, b, 0]), (8, 8)), layer))
     for edge in ("a=0", "a=1", "b=0", "b=1"):
@@ -232,7 +232,7 @@ def sliding_bar(u: UnitSystem, drag: float) -> fl.Modes:
     scene, ends = fl.Scene(), (u.length([0, 0, 0]), u.length([1, 0.3, 0.2]))
     damping = fl.Damping(u.rate(drag))
     beam = scene.add(fl.Beam.straight(*ends, bar(u, 0.05), cells=4, damping=damping))
-    scene.add(fl.Prismatic(fl.ground(), beam.start, at=ends[0], axis=(1, 0, 0)))
+    scene.add(fl.Prismatic(fl.ground(), beam.point("start"), at=ends[0], axis=(1, 0, 0)))
     return fl.vibrations(scene, 6)
 
 
@@ -309,8 +309,8 @@ def carried(u: UnitSystem) -> np.ndarray:
     scene = fl.Scene()
     ends = u.length([0, 0, 0]), u.length([1, 0, 0])
     beam = scene.add(fl.Beam.straight(*ends, bar(u, 0.02), cells=4))
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, force=u.force([100.0, 2.0, 3.0])))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=u.force([100.0, 2.0, 3.0])))
     found = fl.section_forces(fl.statics(scene), beam, scene)
     forces, moments = u.inverse.force(found.cut_forces), u.inverse.moment(found.cut_moments)
     return np.concatenate([forces.ravel(), moments.ravel()])

@@ -31,7 +31,7 @@ def cantilever(section: fl.Section, cells: int = 16, formulation: fl.Formulation
     )
     scene = fl.Scene()
     scene.add(beam)
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     return scene, beam
 
 
@@ -40,7 +40,7 @@ def cantilever(section: fl.Section, cells: int = 16, formulation: fl.Formulation
 
 def of_beam(load: float, formulation: fl.Formulation | None = None, cells: int = 6) -> fl.Scene:
     scene, beam = cantilever(rectangle(), cells, formulation)
-    scene.add(fl.PointLoad(beam.end, force=(-load, 0, 0)))
+    scene.add(fl.PointLoad(beam.point("end"), force=(-load, 0, 0)))
     return scene
 
 
@@ -48,17 +48,17 @@ def of_rod(load: float) -> fl.Scene:
     rod = fl.Rod(fl.straight((0, 0, 0), (1, 0, 0), 6), rectangle(), up=(0, 0, 1))
     scene = fl.Scene()
     scene.add(rod)
-    scene.add(fl.Clamp(rod.start))
-    scene.add(fl.PointLoad(rod.end, force=(-load, 0, 0)))
+    scene.add(fl.Clamp(rod.point("start")))
+    scene.add(fl.PointLoad(rod.point("end"), force=(-load, 0, 0)))
     return scene
 
 
 def of_ancf_beam(load: float) -> fl.Scene:
     beam = fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), rectangle(), cells=6, up=(0, 0, 1))
-    beam.clamp(beam.start)
+    beam.clamp(beam.point("start"))
     scene = fl.Scene()
     scene.add(beam)
-    scene.add(fl.PointLoad(beam.end, force=(-load, 0, 0)))
+    scene.add(fl.PointLoad(beam.point("end"), force=(-load, 0, 0)))
     return scene
 
 
@@ -95,13 +95,13 @@ def of_strut(load: float) -> fl.Scene:
     """A post on a spring along it, held at its top by a weaker spring across: ``P = k a``."""
     scene = fl.Scene()
     top = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1), (0, 0, 1.5)))
-    plane = scene.add(fl.Planar(fl.ground(), top.centre, axis=(0, 1, 0), second=(1, 0, 0)))
+    plane = scene.add(fl.Planar(fl.ground(), top.point("centre"), axis=(0, 1, 0), second=(1, 0, 0)))
     scene.add(fl.Spring(plane.angle, 1e9))
-    post = scene.add(fl.Distance(fl.ground(), top.centre, at=(0, 0, 0)))
+    post = scene.add(fl.Distance(fl.ground(), top.point("centre"), at=(0, 0, 0)))
     scene.add(fl.Spring(post.length, 1e6))
-    across = scene.add(fl.Distance(fl.ground(), top.centre, at=(1, 0, 1.5)))
+    across = scene.add(fl.Distance(fl.ground(), top.point("centre"), at=(1, 0, 1.5)))
     scene.add(fl.Spring(across.length, 30.0))
-    scene.add(fl.PointLoad(top.centre, force=(0, 0, -load)))
+    scene.add(fl.PointLoad(top.point("centre"), force=(0, 0, -load)))
     return scene
 
 
@@ -160,7 +160,7 @@ def test_a_tangent_that_is_not_linear_in_the_stress_is_differentiated(load):
     """``EI (1 + γ P) (π/2)² = P`` to first order in P: 10 % more than without γ."""
     euler = np.pi**2 / 4
     scene, beam = cantilever(stiff(strong=100.0, axial=1e6), 16, Yielding(1, gamma=0.1 / euler))
-    scene.add(fl.PointLoad(beam.end, force=(-load, 0, 0)))
+    scene.add(fl.PointLoad(beam.point("end"), force=(-load, 0, 0)))
     assert load * fl.buckling(scene, 1).factors[0] == pytest.approx(euler / 0.9, rel=5e-3)
 
 
@@ -183,15 +183,15 @@ def test_shells_under_rigid_bodies_buckle_as_beams_do():
     beam = fl.Beam.straight(
         (0, 0, 0), (0, 0, 1), section, cells=12, up=(0, 1, 0), formulation=fl.Director(2)
     )
-    for body, ends in ((strip, strip.points("a=1")), (beam, [beam.end])):
+    for body, ends in ((strip, strip.points("a=1")), (beam, [beam.point("end")])):
         scene = fl.Scene()
         scene.add(body)
         if body is beam:
-            scene.add(fl.Clamp(beam.start))
+            scene.add(fl.Clamp(beam.point("start")))
         top = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (0, 0, 1.3)))
         for end in ends:
-            scene.add(fl.RigidLink(top.centre, end))
-        scene.add(fl.PointLoad(top.centre, force=(0, 0, -1.0)))
+            scene.add(fl.RigidLink(top.point("centre"), end))
+        scene.add(fl.PointLoad(top.point("centre"), force=(0, 0, -1.0)))
         found.append(fl.buckling(scene, 1).factors[0])
     assert found[0] == pytest.approx(found[1], rel=3e-3)
 
@@ -214,18 +214,18 @@ def on_forks() -> tuple[fl.Scene, float]:
     )
     scene = fl.Scene()
     scene.add(beam)
-    scene.add(fl.Universal(fl.ground(), beam.start, axis=(0, 1, 0), second=(0, 0, 1)))
-    beam.held[beam.end.node, 1:4] = True
-    scene.add(fl.PointLoad(beam.start, moment=(0, 1, 0)))
-    scene.add(fl.PointLoad(beam.end, moment=(0, -1, 0)))
+    scene.add(fl.Universal(fl.ground(), beam.point("start"), axis=(0, 1, 0), second=(0, 0, 1)))
+    beam.held[beam.point("end").node, 1:4] = True
+    scene.add(fl.PointLoad(beam.point("start"), moment=(0, 1, 0)))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, -1, 0)))
     return scene, np.pi * np.sqrt(0.5)
 
 
 def with_guided_end() -> tuple[fl.Scene, float]:
     """A force that follows an end that does not turn: ``π² EI/L²``."""
     scene, beam = cantilever(stiff(strong=100.0, axial=1e8))
-    scene.add(fl.PointLoad(beam.end, force=(-1, 0, 0), following=True))
-    beam.held[beam.end.node, 3:] = True
+    scene.add(fl.PointLoad(beam.point("end"), force=(-1, 0, 0), following=True))
+    beam.held[beam.point("end").node, 3:] = True
     return scene, np.pi**2
 
 
@@ -258,7 +258,7 @@ def test_loads_have_a_potential_where_supports_give_them_one(name):
 
 def becks_column() -> fl.Scene:
     scene, beam = cantilever(stiff())
-    scene.add(fl.PointLoad(beam.end, force=(-1, 0, 0), following=True))
+    scene.add(fl.PointLoad(beam.point("end"), force=(-1, 0, 0), following=True))
     return scene
 
 
@@ -270,7 +270,7 @@ def leipholz_column() -> fl.Scene:
 
 def twisted_cantilever() -> fl.Scene:
     scene, beam = cantilever(stiff())
-    scene.add(fl.PointLoad(beam.end, moment=(1, 0, 0)))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(1, 0, 0)))
     return scene
 
 
@@ -278,10 +278,10 @@ def cardan_shaft() -> fl.Scene:
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), stiff(), cells=16, up=(0, 0, 1))
     scene = fl.Scene()
     scene.add(beam)
-    scene.add(fl.Universal(fl.ground(), beam.start, axis=(0, 1, 0), second=(0, 0, 1)))
+    scene.add(fl.Universal(fl.ground(), beam.point("start"), axis=(0, 1, 0), second=(0, 0, 1)))
     for axis in ((0, 1, 0), (0, 0, 1)):
-        scene.add(fl.InPlane(fl.ground(), beam.end, axis=axis))
-    scene.add(fl.PointLoad(beam.end, moment=(1, 0, 0)))
+        scene.add(fl.InPlane(fl.ground(), beam.point("end"), axis=axis))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(1, 0, 0)))
     return scene
 
 
@@ -319,18 +319,18 @@ def test_loads_without_a_potential_are_refused(name):
 def partly_following() -> fl.Scene:
     """Half a per cent of the load, by which the factor would be wrong by as much."""
     scene, beam = cantilever(stiff())
-    scene.add(fl.PointLoad(beam.end, force=(-0.995, 0, 0)))
-    scene.add(fl.PointLoad(beam.end, force=(-0.005, 0, 0), following=True))
+    scene.add(fl.PointLoad(beam.point("end"), force=(-0.995, 0, 0)))
+    scene.add(fl.PointLoad(beam.point("end"), force=(-0.005, 0, 0), following=True))
     return scene
 
 
 def beside_another_column() -> fl.Scene:
     """Of two columns the first one to buckle has a potential, and the other one has none."""
     scene, beam = cantilever(stiff())
-    scene.add(fl.PointLoad(beam.end, force=(-1, 0, 0)))
+    scene.add(fl.PointLoad(beam.point("end"), force=(-1, 0, 0)))
     other = scene.add(fl.Beam.straight((0, 5, 0), (1, 5, 0), stiff(), cells=16, up=(0, 0, 1)))
-    scene.add(fl.Clamp(other.start))
-    scene.add(fl.PointLoad(other.end, force=(-0.5, 0, 0), following=True))
+    scene.add(fl.Clamp(other.point("start")))
+    scene.add(fl.PointLoad(other.point("end"), force=(-0.5, 0, 0), following=True))
     return scene
 
 
@@ -361,8 +361,8 @@ def test_loads_that_change_no_stiffness_are_named():
     """A mass on a slide and a spring."""
     scene = fl.Scene()
     mass = scene.add(fl.RigidBody(1.0, (1, 1, 1)))
-    slide = scene.add(fl.Prismatic(fl.ground(), mass.centre, axis=(1, 0, 0)))
+    slide = scene.add(fl.Prismatic(fl.ground(), mass.point("centre"), axis=(1, 0, 0)))
     scene.add(fl.Spring(slide.displacement, 10.0))
-    scene.add(fl.PointLoad(mass.centre, force=(1, 0, 0)))
+    scene.add(fl.PointLoad(mass.point("centre"), force=(1, 0, 0)))
     with pytest.raises(fl.ConvergenceError, match="do not change its stiffness"):
         fl.buckling(scene, 1)

@@ -60,7 +60,7 @@ def test_a_beam_that_falls_on_a_plane_keeps_its_energy():
     """And a free pair that collides its momenta, too."""
     one = straight((-0.4, 0, 0.03), (0.4, 0, 0.03))
     other = straight((0.05, -0.4, 0), (-0.05, 0.4, 0))
-    one.move((0, 0, -0.5))
+    one.add_velocity((0, 0, -0.5))
     scene = fl.Scene()
     for item in (one, other):
         scene.add(item)
@@ -170,7 +170,7 @@ def test_is_refused(name):
 def test_soft_penalties_are_told_of(caplog):
     """With the name of the contact, how deep, and the stiffness; once."""
     one, other = straight((-1, 0, 0.03), (1, 0, 0.03)), straight((0, -1, 0), (0, 1, 0))
-    one.move((0, 0, -1))
+    one.add_velocity((0, 0, -1))
     scene = fl.Scene()
     scene.add(one)
     scene.add(other)

@@ -21,7 +21,7 @@ def cantilever(cells: int, section: fl.Section = SECTION, **options):
         (0, 0, 0), (LENGTH, 0, 0), section, cells=cells, up=(0, 0, 1), **options
     )
     scene.add(beam)
-    joint = scene.add(fl.Fixed(fl.ground(), beam.start))
+    joint = scene.add(fl.Fixed(fl.ground(), beam.point("start")))
     return scene, beam, joint
 
 
@@ -50,7 +50,7 @@ def branch(damping: fl.Damping | None = None) -> tuple[fl.Scene, fl.Beam]:
 
 def random_state(system: Assembled, seed: int):
     rng = np.random.default_rng(seed)
-    H = system.moved(system.start, 0.4 * rng.normal(size=(system.count, 6)))
+    H = system.moved(system.point("start"), 0.4 * rng.normal(size=(system.count, 6)))
     return H, rng.normal(size=(system.count, 6)), rng.normal(size=(system.count, 6))
 
 
@@ -59,10 +59,10 @@ def test_tangent_of_pressure_and_of_all_loads_on_nodes_that_follow(seed):
     """Central differences of all that acts, at random frames; no load has a symmetric tangent."""
     scene, beam = branch()
     block = scene.add(fl.RigidBody(0.4, (0.2, 0.3, 0.4), (1.6, 0.9, 0.3)))
-    scene.add(fl.RigidLink(block.centre, beam.node(2)))
+    scene.add(fl.RigidLink(block.point("centre"), beam.point(2)))
     scene.add(fl.PressureLoad(beam, 300.0, (0, 1, 2)))
-    scene.add(fl.PointLoad(beam.node(3), force=(30, 20, 10), moment=(10, 20, 30)))
-    scene.add(fl.PointLoad(block.centre, (30, 20, 10), (1, 2, 3), following=True))
+    scene.add(fl.PointLoad(beam.point(3), force=(30, 20, 10), moment=(10, 20, 30)))
+    scene.add(fl.PointLoad(block.point("centre"), (30, 20, 10), (1, 2, 3), following=True))
     scene.add(fl.LineLoad(beam, force=(10, 20, 30), moment=(3, 2, 1)))
     scene.add(fl.PreStress(beam, (10, 20, 30, 3, 2, 1)))
     system = Assembled(scene, dynamics=False)
@@ -131,7 +131,7 @@ def ring(cells: int, section: fl.Section, pressure: float):
     scene = fl.Scene()
     mesh = fl.LineMesh.from_cells(points, pairs, kink_angle=np.radians(40))
     beam = scene.add(fl.Beam(mesh, section, up=(0, 0, 1)))
-    scene.add(fl.Clamp(beam.node(0)))
+    scene.add(fl.Clamp(beam.point(0)))
     # e₂ = e₃ × e₁ points inward
     scene.add(fl.PressureLoad(beam, pressure, (0, 1, 0)))
     return scene, beam
@@ -162,7 +162,7 @@ def test_a_ring_buckles_at_its_critical_pressure():
         scene, _ = ring(48, section, factor * 3 * EI)
         result = fl.statics(scene)
         system = Assembled(scene, dynamics=False)
-        H = system.start.copy()
+        H = system.point("start").copy()
         H[: system.count] = result.frames[-1]
         free = ~system.held.ravel()
         K = system.matrix(H)[np.ix_(free, free)]
@@ -178,10 +178,10 @@ def test_moments_about_fixed_and_following_axes():
     moment = np.array([30.0, 40.0, 50.0])
     for following in (False, True):
         scene, beam, joint = cantilever(8)
-        scene.add(fl.PointLoad(beam.end, moment=moment, following=following))
+        scene.add(fl.PointLoad(beam.point("end"), moment=moment, following=following))
         result = fl.statics(scene, load_steps=6)
         force, felt = on_ground(result, joint)
-        R = result.rotation(beam.end)[-1]
+        R = result.rotation(beam.point("end"))[-1]
         assert np.linalg.norm(R - np.eye(3)) > 1
         np.testing.assert_allclose(felt, R @ moment if following else moment, atol=1e-7)
         np.testing.assert_allclose(force, 0.0, atol=1e-7)
@@ -214,7 +214,9 @@ def test_free_warming_makes_longer_and_no_stress():
     scene, beam, joint = cantilever(3)
     scene.add(fl.Temperature(beam, 50.0, 1e-3))
     result = fl.statics(scene)
-    np.testing.assert_allclose(result.position(beam.end)[-1], [1.05 * LENGTH, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(
+        result.position(beam.point("end"))[-1], [1.05 * LENGTH, 0, 0], atol=1e-12
+    )
     np.testing.assert_allclose(result.joint_force(joint)[-1], 0.0, atol=1e-9)
 
 
@@ -229,14 +231,14 @@ def test_a_gradient_of_temperature_bends_to_a_circle(axis):
         angle = curvature * LENGTH
         exact = np.zeros(3)
         exact[[0, 1 + axis]] = np.sin(angle) / curvature, (np.cos(angle) - 1) / curvature
-        np.testing.assert_allclose(result.position(beam.end)[-1], exact, atol=1e-9)
+        np.testing.assert_allclose(result.position(beam.point("end"))[-1], exact, atol=1e-9)
         np.testing.assert_allclose(result.joint_force(joint)[-1], 0.0, atol=1e-6)
 
 
 def test_warming_between_clamps_is_a_thrust():
     """``N = −EA α ΔT``, and of two loads and two groups of cells the sum of each."""
     scene, beam, joint = cantilever(4)
-    scene.add(fl.Clamp(beam.end))
+    scene.add(fl.Clamp(beam.point("end")))
     scene.add(fl.Temperature(beam, 20.0, 1e-4))
     scene.add(fl.Eigenstrain(beam, (1e-3, 0, 0, 0, 0, 0)))
     force, _ = on_ground(fl.statics(scene), joint)
@@ -249,7 +251,7 @@ def test_pre_stress_is_the_resultant_in_the_unloaded_configuration():
     for cells, formulation in ((1, fl.Geodesic()), (3, fl.Geodesic()), (2, fl.Geodesic(False))):
         scene, beam, joint = cantilever(cells, formulation=formulation)
         for k in range(1, cells + 1):
-            scene.add(fl.Clamp(beam.node(k)))
+            scene.add(fl.Clamp(beam.point(k)))
         scene.add(fl.PreStress(beam, given))
         force, moment = on_ground(fl.statics(scene), joint)
         np.testing.assert_allclose(force, given[:3], atol=1e-9)
@@ -266,9 +268,9 @@ def test_a_string_under_tension_gives_way_as_strings_do():
     exact = P / (4 * T) * (LENGTH - 4 / k * np.tanh(k * LENGTH / 4))
     for cells in (16, 32, 64):
         scene, beam, _ = cantilever(cells, stiff)
-        scene.add(fl.Clamp(beam.end))
+        scene.add(fl.Clamp(beam.point("end")))
         scene.add(fl.PreStress(beam, (T, 0, 0, 0, 0, 0)))
-        middle = beam.node(cells // 2)
+        middle = beam.point(cells // 2)
         scene.add(fl.PointLoad(middle, force=(0, 0, P)))
         errors.append(abs(fl.statics(scene).position(middle)[-1, 2] / exact - 1))
     assert max(errors) < 2e-4, errors
@@ -282,7 +284,7 @@ def bar_with_a_mass(damping: fl.Damping | None = None):
     light = fl.Section.from_stiffness(SECTION.stiffness, 1e-6 * MASS)
     scene, beam, _ = cantilever(1, light, damping=damping)
     block = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1), (LENGTH, 0, 0)))
-    scene.add(fl.RigidLink(beam.end, block.centre))
+    scene.add(fl.RigidLink(beam.point("end"), block.point("centre")))
     return scene, beam, np.sqrt(EA / LENGTH / 2.0)
 
 
@@ -295,18 +297,18 @@ def test_an_eigenstrain_with_a_history_drives_an_oscillator():
     """``ü + ω² (u − ε*(t) L) = 0`` with ``ε* = ε sin Ωt``, beside a constant one on other cells."""
     scene, beam, omega = bar_with_a_mass()
     other = scene.add(fl.Beam.straight((0, 1, 0), (1, 1, 0), SECTION, cells=2))
-    scene.add(fl.Clamp(other.start))
+    scene.add(fl.Clamp(other.point("start")))
     drive, strain = 0.4 * omega, 1e-3
     scene.add(fl.Eigenstrain(beam, (strain, 0, 0, 0, 0, 0), history=lambda t: np.sin(drive * t)))
     scene.add(fl.Eigenstrain(other, (0, 0, 0, 0, 0, 0)))
     errors = []
     for steps in (200, 400):
         result = run(scene, 4 * np.pi / omega, steps)
-        u = result.position(beam.end)[:, 0] - LENGTH
+        u = result.position(beam.point("end"))[:, 0] - LENGTH
         t = result.times
         exact = strain * LENGTH * (np.sin(drive * t) - 0.4 * np.sin(omega * t)) / (1 - 0.16)
         errors.append(np.abs(u - exact).max() / np.abs(exact).max())
-        assert np.abs(result.position(other.end)[:, 0] - 1).max() < 1e-12
+        assert np.abs(result.position(other.point("end"))[:, 0] - 1).max() < 1e-12
     assert errors[1] < 1e-3
     assert np.log2(errors[0] / errors[1]) > 1.9, errors
 
@@ -315,26 +317,30 @@ def test_histories_are_functions_of_time_and_of_the_load_factor():
     """In dynamics ``m ü = F cos Ωt + F₀``; in statics the factor's square, beside a plain load."""
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1)))
-    scene.add(fl.PointLoad(body.centre, (3.0, 0, 0), history=lambda t: np.cos(5 * t)))
-    scene.add(fl.PointLoad(body.centre, (0, 4.0, 0)))
-    scene.add(fl.PointLoad(body.centre, (0, 0, 1.0), following=True, history=lambda t: 6 * t))
+    scene.add(fl.PointLoad(body.point("centre"), (3.0, 0, 0), history=lambda t: np.cos(5 * t)))
+    scene.add(fl.PointLoad(body.point("centre"), (0, 4.0, 0)))
+    scene.add(
+        fl.PointLoad(body.point("centre"), (0, 0, 1.0), following=True, history=lambda t: 6 * t)
+    )
     result = run(scene, 1.0, 400)
     t = result.times
     exact = np.column_stack([3 / 2 / 25 * (1 - np.cos(5 * t)), t**2, t**3 / 2])
-    np.testing.assert_allclose(result.position(body.centre), exact, atol=2e-5)
+    np.testing.assert_allclose(result.position(body.point("centre")), exact, atol=2e-5)
 
     scene, beam, _ = cantilever(1)
-    scene.add(fl.PointLoad(beam.end, (8.0, 0, 0), history=lambda factor: factor**2))
-    scene.add(fl.PointLoad(beam.end, (2.0, 0, 0)))
+    scene.add(fl.PointLoad(beam.point("end"), (8.0, 0, 0), history=lambda factor: factor**2))
+    scene.add(fl.PointLoad(beam.point("end"), (2.0, 0, 0)))
     result = fl.statics(scene, load_steps=4)
-    stretch = result.position(beam.end)[:, 0] / LENGTH - 1
+    stretch = result.position(beam.point("end"))[:, 0] / LENGTH - 1
     np.testing.assert_allclose(stretch * EA, 8 * result.factors**2 + 2 * result.factors, atol=1e-8)
 
 
 def test_a_history_that_is_not_finite_is_named():
     scene, beam, _ = cantilever(1)
-    scene.add(fl.PointLoad(beam.end, (1.0, 0, 0)))
-    scene.add(fl.PointLoad(beam.end, (1.0, 0, 0), history=lambda t: np.inf if t > 0.4 else 1.0))
+    scene.add(fl.PointLoad(beam.point("end"), (1.0, 0, 0)))
+    scene.add(
+        fl.PointLoad(beam.point("end"), (1.0, 0, 0), history=lambda t: np.inf if t > 0.4 else 1.0)
+    )
     with pytest.raises(ValueError, match=r"history of load 2 is inf at time 0\.5"):
         fl.statics(scene, load_steps=2)
 
@@ -361,7 +367,7 @@ def test_kelvin_voigt_damps_an_oscillator(ratio):
         body.velocities[:, 0] = 0.01 * omega
     beam.velocities[0] = 0.0
     result = run(scene, 8 * np.pi / omega, 800)
-    u = result.position(beam.end)[:, 0] - LENGTH
+    u = result.position(beam.point("end"))[:, 0] - LENGTH
     assert damping_ratio(result, u) == pytest.approx(ratio, rel=1e-3)
 
 
@@ -388,7 +394,7 @@ def test_rayleigh_damps_the_first_bending_mode(damping):
     slope = root / LENGTH * (np.sinh(s) + np.sin(s) - sigma * (np.cosh(s) - np.cos(s)))
     beam.velocities[:, 2], beam.velocities[:, 4] = 1e-3 * shape, -1e-3 * slope
     result = run(scene, 6 * np.pi / omega, 400)
-    u = result.position(beam.end)[:, 2]
+    u = result.position(beam.point("end"))[:, 2]
     exact = 0.5 * (damping.mass / omega + damping.factors()[4] * omega)
     assert 0.01 < exact < 0.1
     # shear and the mesh change the frequency by less than a percent
@@ -399,8 +405,8 @@ def test_mass_damping_stops_a_free_body():
     """A free bar slows down as ``exp(−a t)``, in translation and in its spin about its axis."""
     scene = fl.Scene()
     beam = fl.Beam.straight((-1, 0, 0), (1, 0, 0), SECTION, cells=2, damping=fl.Damping(mass=3.0))
-    scene.add(beam).move((1.0, 2.0, -1.0))
-    beam.turn((5.0, 0, 0), about=(0, 0, 0))
+    scene.add(beam).add_velocity((1.0, 2.0, -1.0))
+    beam.add_velocity(omega=(5.0, 0, 0), about=(0, 0, 0))
     result = run(scene, 0.5, 500)
     slower = np.exp(-3.0 * result.times)[:, np.newaxis]
     # of the second order in a step of the rate: (3e-3)²/12 times what there is
@@ -414,8 +420,8 @@ def test_kelvin_voigt_does_not_slow_down_a_spin():
     """What vibrates comes to rest; momentum and angular momentum stay."""
     scene = fl.Scene()
     beam = fl.Beam.straight((-1, 0, 0), (1, 0, 0), SECTION, cells=4, damping=fl.Damping(0.0, 5e-3))
-    scene.add(beam).turn((0, 0, 3.0), about=(0, 0, 0))
-    beam.move((0, 0, 1.0))
+    scene.add(beam).add_velocity(omega=(0, 0, 3.0), about=(0, 0, 0))
+    beam.add_velocity((0, 0, 1.0))
     result = run(scene, 1.0, 1000)
     assert result.momentum_error < 1e-8 and result.angular_momentum_error < 1e-4
     # only the stretch that the spin needs has been damped: its share is ρL²ω²/EA ~ 1e-4

@@ -295,8 +295,8 @@ def test_a_corner_is_a_corner_at_any_angle(angle, cells):
     corners = [(0, 0, 0), (10, 0, 0), (10 + 10 * np.cos(turn), 10 * np.sin(turn), 0)]
     beam = fl.Beam.polyline(corners, SECTION, cells=cells)
     np.testing.assert_allclose(beam.lengths, 10 / cells, rtol=1e-13)
-    np.testing.assert_allclose(beam["corner 1"].position, corners[1], atol=1e-14)
-    np.testing.assert_allclose(beam.end.position, corners[2], atol=1e-14)
+    np.testing.assert_allclose(beam.point("corner 1").position, corners[1], atol=1e-14)
+    np.testing.assert_allclose(beam.point("end").position, corners[2], atol=1e-14)
     s = np.linspace(0, 1, cells + 1)[:, np.newaxis]
     points = np.concatenate(
         [(1 - s) * a + s * b for a, b in zip(*np.array([corners[:-1], corners[1:]]), strict=True)]
@@ -334,8 +334,8 @@ def test_a_bent_cantilever_is_two_straight_ones():
     EI, GJ = section.stiffness[4, 4], section.stiffness[3, 3]
     scene = fl.Scene()
     beam = scene.add(fl.Beam.polyline([(0, 0, 0), (a, 0, 0), (a, b, 0)], section, cells=(10, 7)))
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, (0, 0, force)))
-    tip = fl.statics(scene).position(beam.end)[-1, 2]
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), (0, 0, force)))
+    tip = fl.statics(scene).position(beam.point("end"))[-1, 2]
     exact = force * ((a**3 + b**3) / (3 * EI) + b**2 * a / GJ)
     assert tip == pytest.approx(exact, rel=2e-3)

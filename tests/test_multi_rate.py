@@ -21,15 +21,19 @@ def chain(joint=fl.Fixed) -> tuple[fl.Scene, fl.Beam]:
     )
     bob = scene.add(fl.RigidBody(0.2, (1e-4, 2e-4, 2e-4), position=(0.6, 0, 0)))
     for body in (one, two, bob):
-        body.turn((0.5, 1.0, -2.0), about=(0, 0, 0))
-    scene.add(fl.Spherical(fl.ground(), one.start))
-    scene.add(joint(one.end, two.start) if joint is not fl.Revolute else _hinge(one, two))
-    scene.add(fl.Fixed(two.end, bob.centre))
+        body.add_velocity(omega=(0.5, 1.0, -2.0), about=(0, 0, 0))
+    scene.add(fl.Spherical(fl.ground(), one.point("start")))
+    scene.add(
+        joint(one.point("end"), two.point("start"))
+        if joint is not fl.Revolute
+        else _hinge(one, two)
+    )
+    scene.add(fl.Fixed(two.point("end"), bob.point("centre")))
     return scene, two
 
 
 def _hinge(one: fl.Beam, two: fl.Beam) -> fl.Revolute:
-    return fl.Revolute(one.end, two.start, axis=(0.2, 1, 0))
+    return fl.Revolute(one.point("end"), two.point("start"), axis=(0.2, 1, 0))
 
 
 @pytest.mark.parametrize("joint", JOINTS.values(), ids=JOINTS)
@@ -47,9 +51,11 @@ def pushed() -> tuple[fl.Scene, fl.Beam]:
     """The chain under loads that change, on bodies of either size of steps."""
     scene, two = chain()
     one, _, bob = scene.bodies
-    scene.add(fl.PointLoad(bob.centre, (0, 5, 0), history=lambda t: np.sin(400 * t)))
+    scene.add(fl.PointLoad(bob.point("centre"), (0, 5, 0), history=lambda t: np.sin(400 * t)))
     scene.add(
-        fl.PointLoad(two.end, moment=(0.02, 0, 0.03), following=True, history=lambda t: 1 + 200 * t)
+        fl.PointLoad(
+            two.point("end"), moment=(0.02, 0, 0.03), following=True, history=lambda t: 1 + 200 * t
+        )
     )
     scene.add(fl.LineLoad(one, force=(0, 0, 10.0), history=lambda t: np.cos(300 * t)))
     return scene, two
@@ -69,7 +75,7 @@ def test_energy_of_contacts():
     scene, two = chain()
     bob = scene.bodies[2]
     floor = fl.Plane(fl.ground(), at=(0.6, 0, -0.052), normal=(0, 0, 1))
-    scene.add(fl.Contact(fl.Sphere(bob.centre, 0.05), floor, fl.Penalty(1e4)))
+    scene.add(fl.Contact(fl.Sphere(bob.point("centre"), 0.05), floor, fl.Penalty(1e4)))
     result = fl.MultiRate({two: 3}).run(scene, duration=0.02, step=5e-4)
     stored = result.elastic - result.elastic[0]
     assert stored.max() > 1e-2 * result.kinetic[0]
@@ -111,7 +117,9 @@ def test_resumed_to_the_last_bit(tmp_path, scene_of):
 
 def test_drives():
     scene, two = chain()
-    rod = scene.add(fl.Distance(fl.ground(), scene.bodies[2].centre, at=(0, 0, 1), to=None))
+    rod = scene.add(
+        fl.Distance(fl.ground(), scene.bodies[2].point("centre"), at=(0, 0, 1), to=None)
+    )
     scene.add(fl.Drive(rod.length, lambda t: np.sqrt(1.36) + t))
     with pytest.raises(ValueError, match=r"MultiRate does not support drives, prescribed motions"):
         fl.MultiRate({two: 2}).run(scene, duration=1e-3, step=1e-3)
@@ -127,6 +135,10 @@ def test_bad_input():
         fl.MultiRate({two: 0})
     with pytest.raises(ValueError, match="wanted EnergyMomentum"):
         fl.MultiRate({two: 2}, fl.EnergyDecaying())
-    scene.add(fl.Spring(fl.Distance(scene.bodies[0].start, two.end).length, stiffness=1.0))
+    scene.add(
+        fl.Spring(
+            fl.Distance(scene.bodies[0].point("start"), two.point("end")).length, stiffness=1.0
+        )
+    )
     with pytest.raises(ValueError, match="joints alone, got Spring between"):
         fl.MultiRate({two: 2}).run(scene, **span)

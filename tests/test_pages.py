@@ -30,8 +30,8 @@ def pendulum(size=1.0, cells=4):
     two = scene.add(
         fl.Beam.straight((size, 0, 0), (2 * size, 0, 0), strip, cells=cells, name="two")
     )
-    scene.add(fl.Spherical(fl.ground(), one.start))
-    scene.add(fl.Revolute(one.end, two.start, axis=(0, 1, 0)))
+    scene.add(fl.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(0, 1, 0)))
     return scene, one, two
 
 
@@ -87,8 +87,8 @@ def bent(size):
     section = fl.Section.rectangle(0.02 * size, 0.02 * size, fl.Material(2e11, 0.3, 7800.0))
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (size, 0, 0), section, cells=4, name="beam"))
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, force=(0, 0, 3 * section.stiffness[4, 4] / size**2)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 3 * section.stiffness[4, 4] / size**2)))
     return fl.statics(scene, load_steps=3)
 
 
@@ -148,8 +148,8 @@ def column():
     scene = fl.Scene()
     section = fl.Section.rectangle(0.01, 0.02, fl.Material(2e11, 0.3, 7800.0))
     beam = scene.add(fl.Beam.straight((0, 0, 0), (0, 0, 1), section, cells=4, name="column"))
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, force=(0, 0, -100.0)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, -100.0)))
     return scene
 
 

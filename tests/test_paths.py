@@ -20,12 +20,12 @@ def arch(elements: int, *, hinged: bool = True, force: float = 1000.0):
 
     scene = fl.Scene()
     beam = scene.add(fl.Beam.curve(place, section, cells=elements, up=(0, 0, 1), name="arch"))
-    scene.add(fl.Clamp(beam.end))
+    scene.add(fl.Clamp(beam.point("end")))
     if hinged:
-        scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 0, 1)))
+        scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
     else:
-        scene.add(fl.Clamp(beam.start))
-    crown = beam.node(elements // 2)
+        scene.add(fl.Clamp(beam.point("start")))
+    crown = beam.point(elements // 2)
     scene.add(fl.PointLoad(crown, force=(0, -force, 0)))
     return scene, crown
 
@@ -39,11 +39,11 @@ def column(ends: str, elements: int, factor: float = 1.0):
         fl.Beam.straight((0, 0, 0), (0, 0, 1), section, cells=elements, up=(1, 0, 0), name="column")
     )
     if ends == "fixed-free":
-        scene.add(fl.Clamp(beam.start))
+        scene.add(fl.Clamp(beam.point("start")))
     else:
-        scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 1, 0)))
-        scene.add(fl.InPlane(fl.ground(), beam.end, axis=(1, 0, 0)))
-    scene.add(fl.PointLoad(beam.end, force=(0, 0, -factor * euler)))
+        scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
+        scene.add(fl.InPlane(fl.ground(), beam.point("end"), axis=(1, 0, 0)))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, -factor * euler)))
     return scene, beam, euler
 
 
@@ -159,9 +159,9 @@ def test_thin_roof_snaps_back_with_one_negative_pivot():
     shell.hinge("a=1")
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.PointLoad(shell["00"], force=(0, 0, -750.0)))
+    scene.add(fl.PointLoad(shell.point("00"), force=(0, 0, -750.0)))
     path = fl.follow_path(scene)
-    down = -path.displacement(shell["00"])[:, 2]
+    down = -path.displacement(shell.point("00"))[:, 2]
     assert (np.diff(down) < 0).any() and (np.diff(path.factors) < 0).any()
     upper, lower = path.limits
     assert upper.factor == pytest.approx(0.19486, rel=0.05)
@@ -235,7 +235,7 @@ def test_bad_scenes_are_refused(deep):
     beam = free.add(
         fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.from_stiffness(np.ones(6)), cells=3)
     )
-    free.add(fl.PointLoad(beam.end, force=(1, 0, 0)))
+    free.add(fl.PointLoad(beam.point("end"), force=(1, 0, 0)))
     with pytest.raises(ValueError, match="singular"):
         fl.follow_path(free)
     with pytest.raises(ValueError, match="singular"):
@@ -244,9 +244,9 @@ def test_bad_scenes_are_refused(deep):
         fl.follow_path(arch(4)[0], start=deep[2].stations[0])
     linked, crown = arch(4)
     body = linked.add(fl.RigidBody(1.0, (1, 1, 1), (0, 110, 0)))
-    linked.add(fl.RigidLink(crown, body.centre))
+    linked.add(fl.RigidLink(crown, body.point("centre")))
     with pytest.raises(ValueError, match="follows another node"):
-        control = fl.DisplacementControl(body.centre, (0, 0, 1), to=1.0)
+        control = fl.DisplacementControl(body.point("centre"), (0, 0, 1), to=1.0)
         fl.follow_path(linked, control=control)
     with pytest.raises(ValueError, match="needs a point"):
         control = fl.DisplacementControl(fl.ground(), (0, 0, 1), to=1.0)

@@ -14,8 +14,8 @@ def cantilever(direction=(1.0, 0, 0)):
     scene = fl.Scene()
     section = fl.Section.rectangle(0.1, 0.06, fl.Material(1e6, 0.3, 1.0))
     beam = scene.add(fl.Beam.straight((0, 0, 0), direction, section, cells=6, name="bar"))
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, moment=(0, 4.0, 0)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 4.0, 0)))
     return scene, beam
 
 

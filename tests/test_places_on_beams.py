@@ -16,7 +16,7 @@ every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMEN
 def beam_of(element, cells: int) -> tuple[fl.Beam, fl.Point]:
     """With the place within an element."""
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=cells, formulation=element)
-    return beam, beam.at(PLACE)
+    return beam, beam.point((PLACE, 0, 0))
 
 
 def meshed(element, cells: int) -> tuple[fl.Beam, fl.Point]:
@@ -24,18 +24,18 @@ def meshed(element, cells: int) -> tuple[fl.Beam, fl.Point]:
     both = [round(cells * PLACE), round(cells * (1.0 - PLACE))]
     points = [(0, 0, 0), (PLACE, 0, 0), (1, 0, 0)]
     beam = fl.Beam.polyline(points, SECTION, cells=both, formulation=element)
-    return beam, beam["corner 1"]
+    return beam, beam.point("corner 1")
 
 
 def propped(beam: fl.Beam, place: fl.Point) -> tuple[np.ndarray, np.ndarray]:
     """Where the end of a clamped beam goes that is held at the place, and the force there."""
     scene = fl.Scene()
     scene.add(beam)
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     prop = scene.add(fl.Spherical(fl.ground(), place))
-    scene.add(fl.PointLoad(beam.end, (0, 0.03, -0.4)))
+    scene.add(fl.PointLoad(beam.point("end"), (0, 0.03, -0.4)))
     result = fl.statics(scene)
-    return result.position(beam.end)[-1], result.joint_force(prop)[-1]
+    return result.position(beam.point("end"))[-1], result.joint_force(prop)[-1]
 
 
 @every_element
@@ -56,12 +56,12 @@ def test_a_weight_hangs_where_it_is_fixed(element):
     scene = fl.Scene(gravity=(0, 0, -10))
     beam, place = beam_of(element, 2)
     scene.add(beam)
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     weight = scene.add(fl.RigidBody(0.03, (1e-5,) * 3, place.position))
-    hook = scene.add(fl.Fixed(place, weight.centre))
+    hook = scene.add(fl.Fixed(place, weight.point("centre")))
     result = fl.statics(scene)
-    assert result.position(beam.end)[-1, 2] < -0.05
-    axes = result.rotation(weight.centre)[-1] @ hook.frame()[1:].T
+    assert result.position(beam.point("end"))[-1, 2] < -0.05
+    axes = result.rotation(weight.point("centre"))[-1] @ hook.frame()[1:].T
     np.testing.assert_allclose(axes @ result.joint_force(hook)[-1, :3], (0, 0, -0.3), atol=1e-10)
 
 
@@ -72,10 +72,10 @@ def test_loads_at_a_place_are_those_at_a_node_there(element, following):
     for beam, place in (beam_of(element, 4), beam_of(element, 16), meshed(element, 40)):
         scene = fl.Scene()
         scene.add(beam)
-        scene.add(fl.Clamp(beam.start))
+        scene.add(fl.Clamp(beam.point("start")))
         scene.add(fl.PointLoad(place, (0.1, 0.2, -0.5), (0.02, 0, 0.03), following=following))
         result = fl.statics(scene)
-        ends.append(result.position(beam.end)[-1])
+        ends.append(result.position(beam.point("end"))[-1])
     coarse, fine = (np.linalg.norm(end - ends[-1]) for end in ends[:-1])
     # the moment is of first order
     assert fine < 0.01 * np.linalg.norm(ends[-1] - (1, 0, 0))
@@ -88,7 +88,7 @@ def test_a_load_at_a_place_does_the_work_that_is_booked(element):
     scene = fl.Scene()
     scene.add(beam)
     scene.add(fl.PointLoad(place, (0, 0.01, -0.03), (0.002, 0, 0.001)))
-    scene.add(fl.PointLoad(beam.at(0.8), (0, 0, 0.03), following=True, history=np.cos))
+    scene.add(fl.PointLoad(beam.point((0.8, 0, 0)), (0, 0, 0.03), following=True, history=np.cos))
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
     result = scheme.run(scene, duration=0.3, step=2e-3)
     assert result.balance[-1, 0] > 1e-4
@@ -104,7 +104,7 @@ def pendulum(beam, place, *, sprung: bool = False, scheme=None, step=1e-3, durat
     hinge = scene.add(fl.Revolute(fl.ground(), place, axis=(0, 1, 0), name="hinge"))
     if sprung:
         scene.add(fl.Spring(hinge.angle, stiffness=0.5, damping=0.05))
-        reach = scene.add(fl.Distance(place, beam.end, at=(PLACE, 0, 0.1)))
+        reach = scene.add(fl.Distance(place, beam.point("end"), at=(PLACE, 0, 0.1)))
         scene.add(fl.Spring(reach.length, stiffness=3.0))
     scheme = scheme or fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
     return scheme.run(scene, duration=duration, step=step)
@@ -153,7 +153,7 @@ def test_the_motion_is_the_same_by_any_matrix_and_on_any_group(options):
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10, **options)
     beam, place = beam_of(None, 3)
     if group is not None:
-        beam.on(group)
+        beam.set_group(group)
     result = pendulum(beam, place, sprung=True, scheme=scheme, duration=0.03)
     # stabilised and on another group it is another scheme of second order
     bound = 1e-9 if {"policy", "components"} & set(options) else 1e-4
@@ -179,10 +179,10 @@ def test_what_turns_with_all_does_not_change():
         ends = origin, origin + R[:, 0]
         beam = fl.Beam.straight(*ends, SECTION, cells=3, up=R[:, 2] if up is None else up)
         scene.add(beam)
-        scene.add(fl.Revolute(fl.ground(), beam.at(PLACE), axis=R[:, 1]))
+        scene.add(fl.Revolute(fl.ground(), beam.point(origin + PLACE * R[:, 0]), axis=R[:, 1]))
         scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-11)
         result = scheme.run(scene, duration=0.05, step=1e-3)
-        found.append((result.position(beam.end) - origin) @ R)
+        found.append((result.position(beam.point("end")) - origin) @ R)
     np.testing.assert_allclose(*found, atol=1e-9)
 
 
@@ -193,7 +193,7 @@ def test_vibrations_are_those_of_a_mesh_with_a_node_there(element):
         scene = fl.Scene()
         scene.add(beam)
         scene.add(fl.Revolute(fl.ground(), place, axis=(0, 1, 0)))
-        scene.add(fl.Clamp(beam.start))
+        scene.add(fl.Clamp(beam.point("start")))
         found.append(fl.vibrations(scene, 4).frequencies)
     coarse, fine = (np.abs(frequencies / found[-1] - 1.0).max() for frequencies in found[:-1])
     # a moment within an element bends it as if it acted at both ends: of first order
@@ -214,7 +214,7 @@ def test_a_place_that_is_moved_and_one_that_is_driven():
 
     motion = scene.add(fl.PrescribedMotion(place, turned))
     other = scene.add(fl.Beam.straight((1, -0.3, 0), (1, 0.5, 0), SECTION, cells=2))
-    hinge = scene.add(fl.Revolute(beam.end, other.at(0.3)))
+    hinge = scene.add(fl.Revolute(beam.point("end"), other.point((1, 0, 0))))
     scene.add(fl.Drive(hinge.angle, lambda t: 0.4 * t**3))
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-11)
     result = scheme.run(scene, duration=0.5, step=2e-3)
@@ -228,7 +228,9 @@ def test_checkpoints_know_where_places_are(tmp_path):
     def swinging(place: float) -> fl.Scene:
         scene = fl.Scene(gravity=(0, 0, -9.81))
         beam = scene.add(beam_of(None, 2)[0])
-        scene.add(fl.Revolute(fl.ground(), beam.at(place), at=(0.3, 0, 0), axis=(0, 1, 0)))
+        scene.add(
+            fl.Revolute(fl.ground(), beam.point((place, 0, 0)), at=(0.3, 0, 0), axis=(0, 1, 0))
+        )
         return scene
 
     scheme, file = fl.GeneralisedAlpha(), tmp_path / "run.h5"
@@ -245,7 +247,7 @@ def test_conserving_schemes_book_loads_on_places(following):
     scene = fl.Scene()
     beam, place = beam_of(None, 2)
     scene.add(beam)
-    beam.turn((1.0, 2.0, 3.0), about=(0, 0, 0))
+    beam.add_velocity(omega=(1.0, 2.0, 3.0), about=(0, 0, 0))
     load = {"force": (0, 0, 1), "moment": (0.1, 0, 0.2), "following": following}
     scene.add(fl.PointLoad(place, **load))
     result = fl.EnergyMomentum().run(scene, duration=0.05, step=1e-3)
@@ -254,38 +256,55 @@ def test_conserving_schemes_book_loads_on_places(following):
     assert result.angular_momentum_error <= 1e-12
 
 
-def test_places_are_nodes_where_there_are_nodes():
+def test_points_are_nodes_where_there_are_nodes():
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=4, formulation=fl.Director(2))
-    assert beam.at(0.0).grip is None
-    assert beam.at(0.5).grip is None
-    assert beam.at(1.0).node == beam.end.node
-    assert beam.at(0.125).grip is None  # the middle node of the first element
-    assert beam.at(0.3).same(beam.within(1, 0.2))
-    np.testing.assert_allclose(beam.at(0.3).position, (0.3, 0, 0), atol=1e-14)
+    assert beam.point((0, 0, 0)).grip is None
+    assert beam.point((0.5, 0, 0)).grip is None
+    assert beam.point((1, 0, 0)).node == beam.point("end").node
+    assert beam.point((0.125, 0, 0)).grip is None  # the middle node of the first element
+    assert beam.point((0.3, 0, 0)).same(beam.point_in_cell(1, 0.2))
+    np.testing.assert_allclose(beam.point((0.3, 0, 0)).position, (0.3, 0, 0), atol=1e-15)
 
 
-def test_places_on_an_arc():
+def test_the_closest_point_of_a_line_is_the_foot_of_the_perpendicular():
+    beam = fl.Beam.straight((0, 0, 0), (3, 4, 0), SECTION, cells=3)
+    foot, across = np.array([3, 4, 0]) * 0.37, np.array([-0.8, 0.6, 0])
+    point = beam.point(foot + 0.02 * across, tolerance=0.03)
+    np.testing.assert_allclose(point.position, foot, atol=1e-14)
+    with pytest.raises(ValueError, match=r"no point at .* 0\.02 away, and the tolerance is 0\.01"):
+        beam.point(foot + 0.02 * across, tolerance=0.01)
+
+
+def test_points_on_an_arc():
     angle = np.pi / 3
     arc = fl.Beam.curve(lambda s: (np.sin(angle * s), 0, 1 - np.cos(angle * s)), SECTION, cells=3)
-    point = arc.at(0.4 * angle)
-    np.testing.assert_allclose(
-        point.position, (np.sin(0.4 * angle), 0, 1 - np.cos(0.4 * angle)), atol=1e-9
-    )
+    position = (np.sin(0.4 * angle), 0, 1 - np.cos(0.4 * angle))
+    np.testing.assert_allclose(arc.point(position).position, position, atol=1e-9)
 
 
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        (lambda beam: beam.at(1.2), "arc lengths on Beam are 0 to 1, got 1.2"),
-        (lambda beam: beam.at("middle"), "the arc length on Beam must be a number"),
-        (lambda beam: beam.within(7, 0.5), "Beam has elements 0 … 1, got 7"),
-        (lambda beam: beam.within(0, 1.5), "a part of an element is 0 to 1, got 1.5"),
-        (lambda beam: fl.Scene().add(fl.Clamp(beam.at(0.3))), "a clamp needs a node"),
-        (lambda beam: fl.Scene().add(fl.RigidLink(beam.end, beam.at(0.3))), "link needs a node"),
-        (lambda beam: fl.Scene().add(fl.Fixed(beam.at(0.3), beam.at(0.3))), "to itself"),
+        (lambda beam: beam.point((1.2, 0, 0)), "the closest one, node 2, is at .* 0.2 away"),
+        (lambda beam: beam.point("middle"), "Beam has no point 'middle'; it has: end, start"),
+        (lambda beam: beam.point(7), "Beam has nodes 0 … 2, got 7"),
+        (lambda beam: beam.point(0.5), "a name, a node or the position of a point of Beam must be"),
+        (lambda beam: beam.point((0, 0)), "must be 3 finite numbers, got \\(0, 0\\)"),
+        (lambda beam: beam.points("top"), "no points or cells 'top'; it has: end, start"),
+        (lambda beam: beam.point_in_cell(7, 0.5), "Beam has elements 0 … 1, got 7"),
+        (lambda beam: beam.point_in_cell(0, 1.5), "a part of an element is 0 to 1, got 1.5"),
+        (lambda beam: fl.Scene().add(fl.Clamp(beam.point((0.3, 0, 0)))), "a clamp needs a node"),
+        (
+            lambda beam: fl.Scene().add(fl.RigidLink(beam.point("end"), beam.point((0.3, 0, 0)))),
+            "link needs a node",
+        ),
+        (
+            lambda beam: fl.Scene().add(fl.Fixed(*[beam.point((0.3, 0, 0)) for _ in range(2)])),
+            "to itself",
+        ),
     ],
 )
-def test_what_a_place_cannot_be(wrong, message):
+def test_what_a_point_cannot_be(wrong, message):
     beam, _ = beam_of(None, 2)
     with pytest.raises((ValueError, TypeError), match=message):
         wrong(beam)
@@ -296,7 +315,7 @@ def test_results_know_where_places_are_and_how_they_move(element):
     beam, place = beam_of(element, 2)
     result = pendulum(beam, place, duration=0.02)
     np.testing.assert_allclose(result.position(place), np.tile(place.position, (21, 1)), atol=1e-12)
-    other = beam.at(0.8)
+    other = beam.point((0.8, 0, 0))
     ahead = np.diff(result.position(other), axis=0) / 1e-3
     moves = np.einsum("tij,tj->ti", result.rotation(other), result.velocity(other)[:, :3])
     # differences of steps against means of rates

@@ -31,13 +31,13 @@ def test_a_load_beside_the_centre_is_one_on_a_body_that_is_linked_there(scheme, 
     for linked in (False, True):
         scene, body = fl.Scene(), stone()
         scene.add(body)
-        point = body.at(PLACE)
+        point = body.point(PLACE)
         if linked:
-            point = scene.add(plate()).centre
-            scene.add(fl.RigidLink(body.centre, point))
+            point = scene.add(plate()).point("centre")
+            scene.add(fl.RigidLink(body.point("centre"), point))
         scene.add(fl.PointLoad(point, FORCE, MOMENT, following=following))
         result = scheme.run(scene, duration=0.5, step=1e-2)
-        found.append(result.position(body.centre))
+        found.append(result.position(body.point("centre")))
         assert result.balance_error < 1e-3
     # what the second body weighs
     np.testing.assert_allclose(*found, atol=1e-8)
@@ -47,13 +47,13 @@ def test_a_load_beside_the_centre_is_one_on_a_body_that_is_linked_there(scheme, 
 def test_results_know_the_place():
     scene, body = fl.Scene(), stone()
     scene.add(body)
-    body.turn((0.3, 1.0, -0.6), about=(0, 0, 0))
-    place = body.at(PLACE)
+    body.add_velocity(omega=(0.3, 1.0, -0.6), about=(0, 0, 0))
+    place = body.point(PLACE)
     result = fl.GeneralisedAlpha(radius=1.0).run(scene, duration=0.2, step=1e-3)
     np.testing.assert_allclose(result.position(place)[0], PLACE, atol=1e-15)
-    away = np.linalg.norm(result.position(place) - result.position(body.centre), axis=1)
+    away = np.linalg.norm(result.position(place) - result.position(body.point("centre")), axis=1)
     np.testing.assert_allclose(away, np.linalg.norm(PLACE - CENTRE), rtol=1e-14)
-    np.testing.assert_array_equal(result.rotation(place), result.rotation(body.centre))
+    np.testing.assert_array_equal(result.rotation(place), result.rotation(body.point("centre")))
     velocity = np.einsum("tij,tj->ti", result.rotation(place), result.velocity(place)[:, :3])
     middle = (result.position(place)[2:] - result.position(place)[:-2]) / 2e-3
     np.testing.assert_allclose(velocity[1:-1], middle, atol=1e-6)
@@ -66,7 +66,7 @@ def test_joints_there_are_joints_of_the_body(scheme):
     for at in (None, PLACE):
         scene, body = fl.Scene(gravity=(0, 0, -9.81)), stone()
         scene.add(body)
-        point = body.centre if at is not None else body.at(PLACE)
+        point = body.point("centre") if at is not None else body.point(PLACE)
         scene.add(fl.Spherical(fl.ground(), point, at=at, name="hook"))
         result = scheme.run(scene, duration=0.2, step=5e-3)
         found.append((result.frames, result.joint_force("hook")))
@@ -78,13 +78,15 @@ def test_joints_there_are_joints_of_the_body(scheme):
 def test_a_clamp_there_holds_the_body_and_has_its_moment_there():
     scene, body = fl.Scene(), stone()
     scene.add(body)
-    clamp = scene.add(fl.Clamp(body.at(PLACE)))
-    scene.add(fl.PointLoad(body.centre, FORCE))
+    clamp = scene.add(fl.Clamp(body.point(PLACE)))
+    scene.add(fl.PointLoad(body.point("centre"), FORCE))
     reaction = fl.statics(scene).reaction(clamp)[-1]
     np.testing.assert_allclose(reaction[:3], -FORCE, atol=1e-12)
     np.testing.assert_allclose(reaction[3:], -np.cross(CENTRE - PLACE, FORCE), atol=1e-12)
 
 
-def test_a_place_is_three_numbers():
-    with pytest.raises(ValueError, match="a place on RigidBody must be 3 finite numbers"):
-        fl.RigidBody(1.0, (1, 1, 1)).at((1, 2))
+def test_a_position_is_three_numbers():
+    with pytest.raises(
+        ValueError, match="position of a point of RigidBody must be 3 finite numbers"
+    ):
+        fl.RigidBody(1.0, (1, 1, 1)).point((1, 2))

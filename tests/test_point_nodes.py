@@ -79,15 +79,17 @@ def test_two_strings_hang_on_each_other():
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     for cable in (upper, lower):
         scene.add(cable)
-    upper.pin(upper.start)
-    scene.add(fl.Spherical(upper.end, lower.start))
-    scene.add(fl.PointLoad(lower.end, (0, 0, -2.0)))
+    upper.pin(upper.point("start"))
+    scene.add(fl.Spherical(upper.point("end"), lower.point("start")))
+    scene.add(fl.PointLoad(lower.point("end"), (0, 0, -2.0)))
     found = fl.statics(scene)
     weight = MASS * 2.0 * GRAVITY
     middle = 2.0 + (1.5 * weight + 2.0) * 2.0 / EA
     end = middle + 2.0 + (0.5 * weight + 2.0) * 2.0 / EA
     for cable, depth in ((upper, middle), (lower, end)):
-        np.testing.assert_allclose(found.position(cable.end)[-1], (0, 0, -depth), atol=1e-9)
+        np.testing.assert_allclose(
+            found.position(cable.point("end"))[-1], (0, 0, -depth), atol=1e-9
+        )
     np.testing.assert_array_equal(found.frames[-1, :6, 1:], upper.frames[:, 1:])
 
 
@@ -97,7 +99,7 @@ def test_vibrations_of_a_taut_string():
     cable = string((1, 0, 0), cells, stretch)
     scene = fl.Scene()
     scene.add(cable)
-    cable.pin(cable.start, cable.end)
+    cable.pin(cable.point("start"), cable.point("end"))
     tension, h = EA * (stretch - 1), 2.0 / cells
     cosine = np.cos(np.pi * np.arange(1, 3) / cells)
     squares = 6 * tension / (MASS * stretch * h**2) * (1 - cosine) / (2 + cosine)
@@ -108,16 +110,16 @@ def test_vibrations_of_a_taut_string():
 @pytest.mark.parametrize("group", fl.Group)
 def test_flight_of_a_string(group):
     """The centre of mass falls along a parabola, and the energy stays."""
-    cable = string((0.6, 0, 0.8), cells=3).on(group)
-    cable.turn((1, 2, 0.5), cable.node(1))
-    cable.move((1, 0, 2))
+    cable = string((0.6, 0, 0.8), cells=3).set_group(group)
+    cable.add_velocity(omega=(1, 2, 0.5), about=cable.point(1))
+    cable.add_velocity((1, 0, 2))
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     scene.add(cable)
     result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=0.2, step=1e-3)
     weights = np.array([0.5, 1, 1, 0.5]) / 3
     centre = np.einsum("i,tij->tj", weights, result.frames[:, :, 0])
     start = np.einsum("i,ij->j", weights, cable.frames[:, 0])
-    v = np.array([1, 0, 2]) + np.cross((1, 2, 0.5), start - cable.node(1).position)
+    v = np.array([1, 0, 2]) + np.cross((1, 2, 0.5), start - cable.point(1).position)
     t = result.times[:, np.newaxis]
     expected = start + v * t + 0.5 * t**2 * np.array([0, 0, -GRAVITY])
     np.testing.assert_allclose(centre, expected, atol=1e-6)
@@ -140,7 +142,7 @@ def test_what_takes_hold_of_frames_is_refused():
     scene = fl.Scene()
     scene.add(cable)
     with pytest.raises(ValueError, match="have places:"):
-        scene.add(fl.RigidLink(cable.start, cable.end))
+        scene.add(fl.RigidLink(cable.point("start"), cable.point("end")))
 
 
 def test_parts_of_places_are_one():

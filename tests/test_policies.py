@@ -45,8 +45,8 @@ def arm(index: fl.Index = fl.Index.THREE, policy: fl.Policy | None = None, step:
     section = fl.Section.circle(0.005, MATERIAL)
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.4, 0, 0), section, cells=4))
     two = scene.add(fl.Beam.straight((0.4, 0, 0), (0.8, 0, 0), section, cells=4))
-    scene.add(fl.Revolute(fl.ground(), one.start, axis=(0, 1, 0)))
-    scene.add(fl.Revolute(one.end, two.start, axis=(0.3, 1, 0), name="elbow"))
+    scene.add(fl.Revolute(fl.ground(), one.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(0.3, 1, 0), name="elbow"))
     options = {} if policy is None else {"policy": policy}
     scheme = fl.GeneralisedAlpha(index=index, tolerance=1e-10, **options)
     return scheme.run(scene, duration=0.4, step=step), two
@@ -60,8 +60,8 @@ def full():
 @pytest.mark.parametrize("policy", [fl.Limit(4), fl.Automatic(refresh=5), fl.ConstraintsOnly(6)])
 def test_the_motion_does_not_depend_on_what_is_made_anew(full, policy):
     result, tip = arm(policy=policy)
-    place = result.position(tip.end)
-    np.testing.assert_allclose(place, full[0].position(full[1].end), atol=1e-8)
+    place = result.position(tip.point("end"))
+    np.testing.assert_allclose(place, full[0].position(full[1].point("end")), atol=1e-8)
     assert 1 <= result.k_updates < result.phi_updates == result.factorisations
     assert full[0].k_updates == full[0].phi_updates == full[0].iterations[-1]
     if isinstance(policy, fl.ConstraintsOnly):
@@ -81,11 +81,11 @@ def test_stabilised_velocities_satisfy_the_constraints_at_the_same_order(full):
     # round-off, where the iteration of the projection stagnates
     assert max(hinge_rates(result) for result, _ in runs) < 1e-9
     assert hinge_rates(full[0]) > 1e-8
-    ends = [result.position(tip.end)[-1] for result, tip in runs]
+    ends = [result.position(tip.point("end"))[-1] for result, tip in runs]
     gaps = [np.linalg.norm(a - b) for a, b in pairwise(ends)]
     assert 3.0 < gaps[0] / gaps[1] < 5.0
     exact, tip = arm(step=2.5e-4)
-    error = np.linalg.norm(ends[2] - exact.position(tip.end)[-1])
+    error = np.linalg.norm(ends[2] - exact.position(tip.point("end"))[-1])
     assert error < 1.5 * gaps[1]
     assert runs[2][0].energy_error < 2 * arm(step=5e-4)[0].energy_error
 
@@ -97,13 +97,15 @@ def test_stabilised_velocities_follow_drives_and_motions():
         scene = fl.Scene(gravity=(0, 0, -9.81))
         base = scene.add(fl.RigidBody(1.0, (0.1, 0.2, 0.3), (0, 0, 0)))
         arm_ = scene.add(fl.RigidBody(2.0, (0.3, 0.1, 0.3), (1, 0, 0)))
-        hinge = scene.add(fl.Revolute(base.centre, arm_.centre, at=(0, 0, 0), axis=(0, 1, 0)))
+        hinge = scene.add(
+            fl.Revolute(base.point("centre"), arm_.point("centre"), at=(0, 0, 0), axis=(0, 1, 0))
+        )
         scene.add(fl.Drive(hinge.angle, lambda t: 4.0 * t**2 - 3.0 * t**3))
-        scene.add(fl.PrescribedMotion(base.centre, rising))
+        scene.add(fl.PrescribedMotion(base.point("centre"), rising))
         result = fl.GeneralisedAlpha(index=index, tolerance=1e-11).run(
             scene, duration=0.5, step=5e-3
         )
-        spin = result.velocity(arm_.centre)[5:, 4]
+        spin = result.velocity(arm_.point("centre"))[5:, 4]
         times = result.times[5:]
         wanted = 8.0 * times - 9.0 * times**2
         errors.append(np.abs(spin - wanted).max())
@@ -124,9 +126,9 @@ def test_stabilised_velocities_keep_momenta():
     scene = fl.Scene()
     one = scene.add(fl.RigidBody(1.0, (0.1, 0.2, 0.3), (0, 0, 0)))
     two = scene.add(fl.RigidBody(2.0, (0.3, 0.1, 0.3), (1, 0, 0)))
-    scene.add(fl.Revolute(one.centre, two.centre, at=(0.5, 0, 0), axis=(0, 0, 1)))
-    one.turn((1, 0, 3.0), about=(0.5, 0, 0))
-    two.turn((1, 0, -2.0), about=(0.5, 0, 0))
+    scene.add(fl.Revolute(one.point("centre"), two.point("centre"), at=(0.5, 0, 0), axis=(0, 0, 1)))
+    one.add_velocity(omega=(1, 0, 3.0), about=(0.5, 0, 0))
+    two.add_velocity(omega=(1, 0, -2.0), about=(0.5, 0, 0))
     errors = []
     for index in fl.Index:
         result = fl.GeneralisedAlpha(radius=1.0, index=index, tolerance=1e-11).run(
@@ -152,8 +154,8 @@ def test_automatic_keeps_mass_and_stiffness_that_are_not_to_blame(full):
     assert asking.k_updates < deaf.k_updates / 4
     # what else there is to lose is less than was lost to make all anew
     assert asking.iterations[-1] < 1.2 * deaf.iterations[-1]
-    place = asking.position(tip.end)
-    np.testing.assert_allclose(place, full[0].position(full[1].end), atol=1e-8)
+    place = asking.position(tip.point("end"))
+    np.testing.assert_allclose(place, full[0].position(full[1].point("end")), atol=1e-8)
 
 
 def soft(policy: fl.Policy) -> fl.Result:
@@ -161,7 +163,7 @@ def soft(policy: fl.Policy) -> fl.Result:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     section = fl.Section.circle(0.005, fl.Material(1e7, 0.3, 1100.0))
     bar = scene.add(fl.Beam.straight((0, 0, 0), (0.4, 0, 0), section, cells=4))
-    scene.add(fl.Revolute(fl.ground(), bar.start, axis=(0, 1, 0)))
+    scene.add(fl.Revolute(fl.ground(), bar.point("start"), axis=(0, 1, 0)))
     return fl.GeneralisedAlpha(policy=policy).run(scene, duration=0.8, step=4e-3)
 
 
@@ -176,8 +178,8 @@ def test_staleness_is_the_rate_at_which_an_old_matrix_converges(group):
     """Without constraints twice the matrix leaves half of each correction, the same matrix none."""
     scene = fl.Scene()
     section = fl.Section.circle(0.005, MATERIAL)
-    bar = scene.add(fl.Beam.straight((0, 0, 0), (0.4, 0.3, 0), section, cells=4).on(group))
-    bar.turn((1, 2, 3), about=(0, 0, 0))
+    bar = scene.add(fl.Beam.straight((0, 0, 0), (0.4, 0.3, 0), section, cells=4).set_group(group))
+    bar.add_velocity(omega=(1, 2, 3), about=(0, 0, 0))
     equations = fl.extend.Equations(scene, dynamics=True)
     run = Run(fl.GeneralisedAlpha(), equations, 1e-3)
     run.start()
@@ -225,11 +227,11 @@ def ladder(rungs: int = 4) -> fl.Scene:
         for k in range(rungs):
             places = (0.2 * k, y, 0), (0.2 * (k + 1), y, 0)
             bar = scene.add(fl.Beam.straight(*places, section, cells=2))
-            scene.add(fl.Revolute(last, bar.start, axis=(0, 1, 0)))
-            last = bar.end
+            scene.add(fl.Revolute(last, bar.point("start"), axis=(0, 1, 0)))
+            last = bar.point("end")
             ends.append(last)
     for one, two in zip(ends[:-rungs], ends[rungs:], strict=True):
         rung = scene.add(fl.Beam.straight(one.position, two.position, section, cells=2))
-        scene.add(fl.Spherical(one, rung.start))
-        scene.add(fl.Spherical(two, rung.end))
+        scene.add(fl.Spherical(one, rung.point("start")))
+        scene.add(fl.Spherical(two, rung.point("end")))
     return scene

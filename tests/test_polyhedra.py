@@ -26,7 +26,7 @@ def cuboid(mass: float, edges) -> np.ndarray:
 def box_at(scene, position, edges=CUBE, rotation=None, mass=1.0):
     rotation = np.eye(3) if rotation is None else rotation
     body = fl.RigidBody(mass, cuboid(mass, edges), position=position, rotation=rotation)
-    return scene.add(body), fl.Box(body.centre, edges)
+    return scene.add(body), fl.Box(body.point("centre"), edges)
 
 
 def stack(count: int, law: fl.Impact, offset: float = 0.0) -> tuple[fl.Scene, list[fl.RigidBody]]:
@@ -42,7 +42,7 @@ def stack(count: int, law: fl.Impact, offset: float = 0.0) -> tuple[fl.Scene, li
 
 
 def moved(result, body) -> np.ndarray:
-    places = result.position(body.centre)
+    places = result.position(body.point("centre"))
     return places[-1] - places[0]
 
 
@@ -122,7 +122,7 @@ def test_crossed_bars_touch_with_their_edges():
     bounces = 2 * np.sqrt(2 * fall / GRAVITY)
     result = run(scene, 3 * bounces, bounces / 40)
     assert np.abs(moved(result, body)).max() < 1e-12
-    assert result.position(body.centre)[:, 2].min() < height - 0.99 * fall
+    assert result.position(body.point("centre"))[:, 2].min() < height - 0.99 * fall
     np.testing.assert_allclose(energy(result), energy(result)[0], rtol=1e-12)
 
 
@@ -174,9 +174,10 @@ def test_polyhedra_meet_when_a_linear_program_says(seed):
         scene.add(fl.RigidBody(mass, (0.1 * mass,) * 3, position=place))
         for mass, place in zip((1.0, 2.0), places, strict=True)
     ]
-    bodies[0].move(speed * direction)
+    bodies[0].add_velocity(speed * direction)
     surfaces = [
-        fl.ConvexPolyhedron(body.centre, of) for body, of in zip(bodies, corners, strict=True)
+        fl.ConvexPolyhedron(body.point("centre"), of)
+        for body, of in zip(bodies, corners, strict=True)
     ]
     scene.add(fl.Contact(*surfaces, fl.Impact(restitution=1.0)))
     way = way_to_meet(corners[0] + start, corners[1], direction)
@@ -224,12 +225,14 @@ def test_a_ball_meets_faces_edges_and_corners(aside, away):
     ball = scene.add(fl.RigidBody(1.0, (0.004,) * 3, position=place))
     scene.add(
         fl.Contact(
-            fl.Sphere(ball.centre, radius), fl.Box(fl.ground(), (1, 1, 1)), fl.Impact(restitution=1)
+            fl.Sphere(ball.point("centre"), radius),
+            fl.Box(fl.ground(), (1, 1, 1)),
+            fl.Impact(restitution=1),
         )
     )
     result = run(scene, 0.3, step)
     corners = half * np.array(list(product((-1, 1), repeat=3)))
-    places = result.position(ball.centre)
+    places = result.position(ball.point("centre"))
     if away is not None:
         assert not result.contacts.contacts.any()
         return
@@ -249,8 +252,8 @@ def test_a_ball_meets_faces_edges_and_corners(aside, away):
 def test_a_cube_in_a_joint_presses_on_a_stack():
     scene, bodies = stack(2, fl.Impact(friction=0.5))
     top, box = box_at(scene, (0, 0, 3.2 * EDGE))
-    scene.add(fl.Prismatic(fl.ground(), top.centre, axis=(0, 0, 1)))
-    scene.add(fl.Contact(fl.Box(bodies[-1].centre, CUBE), box, fl.Impact(friction=0.5)))
+    scene.add(fl.Prismatic(fl.ground(), top.point("centre"), axis=(0, 0, 1)))
+    scene.add(fl.Contact(fl.Box(bodies[-1].point("centre"), CUBE), box, fl.Impact(friction=0.5)))
     result = run(scene, 0.5, 2e-3)
     np.testing.assert_allclose(moved(result, top), (0, 0, -0.2 * EDGE), atol=1e-9)
     for body in bodies:
@@ -265,7 +268,7 @@ def tumbling() -> fl.Scene:
             scene, (0.02 * k, 0, 0.3 + 0.4 * k), rotation=lie.so3_exp(rng.normal(size=3))
         )
         surfaces.append(box)
-        body.turn(rng.normal(size=3), body.centre)
+        body.add_velocity(omega=rng.normal(size=3), about=body.point("centre"))
     floor = fl.Box(fl.ground(), (2, 2, 0.2))
     for k, box in enumerate(surfaces):
         for other in [floor, *surfaces[:k]]:
@@ -291,8 +294,8 @@ def test_a_run_goes_on_to_the_last_bit(tmp_path, every):
 def test_what_goes_through_is_an_error(ball):
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (0.01,) * 3, position=(0, 0, 1)))
-    body.move((0, 0, -200))
-    surface = fl.Sphere(body.centre, 0.1) if ball else fl.Box(body.centre, CUBE)
+    body.add_velocity((0, 0, -200))
+    surface = fl.Sphere(body.point("centre"), 0.1) if ball else fl.Box(body.point("centre"), CUBE)
     plate = fl.Box(fl.ground(), (1, 1, 0.1))
     scene.add(fl.Contact(surface, plate, fl.Impact()))
     with pytest.raises(fl.ConvergenceError, match="one side went through the other"):
@@ -309,7 +312,7 @@ def two(first, second, law=None, apart=1.0):
 
 
 def cube(body):
-    return fl.Box(body.centre, CUBE)
+    return fl.Box(body.point("centre"), CUBE)
 
 
 REFUSED = {
@@ -324,12 +327,12 @@ REFUSED = {
         r"at least four finite points, shape \(n, 3\), got shape \(3, 3\)",
     ),
     "itself": (
-        lambda: two(cube, lambda body: fl.Box(body.centre, CUBE)).check()
+        lambda: two(cube, lambda body: fl.Box(body.point("centre"), CUBE)).check()
         or fl.Scene().add(fl.Contact(*2 * [fl.Box(fl.ground(), CUBE)], fl.Impact())),
         "never move against each other",
     ),
     "points": (
-        lambda: two(cube, lambda body: fl.Vertices([body.centre])),
+        lambda: two(cube, lambda body: fl.Vertices([body.point("centre")])),
         "points do not touch polyhedra",
     ),
 }

@@ -47,7 +47,7 @@ def test_a_beam_under_pressure_on_some_of_its_cells():
     beam = fl.Beam(mesh, SECTION, up=(0, 0, 1))
     found = pushes(scene_with(beam, fl.PressureLoad(beam, 6.0, (0, 1, 0), cells="far")))
     np.testing.assert_allclose(
-        found, np.outer([0, 3.0, 4.5, 1.5], beam.node(0).frame[2]), atol=1e-13
+        found, np.outer([0, 3.0, 4.5, 1.5], beam.point(0).frame[2]), atol=1e-13
     )
 
 

@@ -22,8 +22,8 @@ def cantilever(force=(0, 0, 10.0), lines=None):
     if lines is None:
         lines = fl.straight((0, 0, 0), (1, 0, 0), 2)
     beam = scene.add(fl.Beam(lines, section))
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, force=force))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=force))
     return scene
 
 

@@ -18,15 +18,15 @@ def cantilever(*, joint: bool = False, gravity=(0, 0, -9.81)):
         fl.Beam.straight((0.4, 0.1, 0), (0.4 + LENGTH, 0.1, 0), section, cells=8, name="bar")
     )
     if joint:
-        return scene, beam, scene.add(fl.Fixed(fl.ground(), beam.start, name="weld"))
-    return scene, beam, scene.add(fl.Clamp(beam.start))
+        return scene, beam, scene.add(fl.Fixed(fl.ground(), beam.point("start"), name="weld"))
+    return scene, beam, scene.add(fl.Clamp(beam.point("start")))
 
 
 def bent(**options):
     """Under forces and a moment that bend it far."""
     scene, beam, held = cantilever(**options)
-    scene.add(fl.PointLoad(beam.end, force=(-3e3, 4e3, 6e3), moment=(50.0, 0, 80.0)))
-    scene.add(fl.PointLoad(beam.node(4), force=(0, 900.0, 0), following=True))
+    scene.add(fl.PointLoad(beam.point("end"), force=(-3e3, 4e3, 6e3), moment=(50.0, 0, 80.0)))
+    scene.add(fl.PointLoad(beam.point(4), force=(0, 900.0, 0), following=True))
     return scene, beam, held
 
 
@@ -46,9 +46,9 @@ def test_static_reactions_balance_all_loads(way):
     found = result.reaction(clamp)
     assert found.shape == (len(result.factors), 6)
     for k, factor in enumerate(result.factors):
-        x, R = (f(beam.end)[k] for f in (result.position, result.rotation))
-        middle = result.position(beam.node(4))[k]
-        tip, push = np.array([-3e3, 4e3, 6e3]), result.rotation(beam.node(4))[k] @ [0, 900.0, 0]
+        x, R = (f(beam.point("end"))[k] for f in (result.position, result.rotation))
+        middle = result.position(beam.point(4))[k]
+        tip, push = np.array([-3e3, 4e3, 6e3]), result.rotation(beam.point(4))[k] @ [0, 900.0, 0]
         nodes = result.frames[k, result.info.body("bar").nodes]
         share = np.full(9, MASS / 8)
         share[[0, -1]] /= 2
@@ -67,7 +67,7 @@ def test_static_reactions_balance_all_loads(way):
 def on_bar(result: fl.Result | fl.StaticResult) -> np.ndarray:
     """Force of the joint on the bar: the joint's axes on the ground are its own, e₃ along z."""
     force = -result.joint_force("weld").reshape(-1, 2, 3)
-    axes = fl.Fixed(fl.ground(), cantilever()[1].start).frame()[1:]
+    axes = fl.Fixed(fl.ground(), cantilever()[1].point("start")).frame()[1:]
     return np.einsum("ij,tki->tkj", axes, force).reshape(-1, 6)
 
 
@@ -90,7 +90,9 @@ SCHEMES = {
 def swinging(**options):
     """Let go under its weight, with a push that comes and goes."""
     scene, beam, held = cantilever(**options)
-    scene.add(fl.PointLoad(beam.end, force=(0, 40.0, 0), history=lambda t: np.sin(60.0 * t) ** 2))
+    scene.add(
+        fl.PointLoad(beam.point("end"), force=(0, 40.0, 0), history=lambda t: np.sin(60.0 * t) ** 2)
+    )
     return scene, beam, held
 
 
@@ -134,7 +136,9 @@ def test_conserving_schemes_have_the_reactions_of_generalised_alpha(scheme, kept
     """At the ends of steps, of second order, whatever is kept."""
     scene, beam, clamp = cantilever(gravity=(0, 0, 0))
     # gently, or waves that no step resolves go on in the scheme that loses nothing
-    scene.add(fl.PointLoad(beam.end, force=(0, 0, 30.0), history=lambda t: np.sin(40 * t) ** 6))
+    scene.add(
+        fl.PointLoad(beam.point("end"), force=(0, 0, 30.0), history=lambda t: np.sin(40 * t) ** 6)
+    )
     exact = fl.GeneralisedAlpha().run(scene, duration=0.08, step=5e-5)
     gaps = []
     for h in (4e-4, 2e-4):
@@ -154,11 +158,13 @@ def test_reactions_on_both_sides_of_a_jump(scheme):
     """A clamped body beside one that swings: the load that jumps goes straight to the clamp."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     block = scene.add(fl.RigidBody(2.0, 3 * [0.1], name="block"))
-    clamp = scene.add(fl.Clamp(block.centre))
+    clamp = scene.add(fl.Clamp(block.point("centre")))
     other = scene.add(fl.RigidBody(1.0, 3 * [0.1], position=(1.0, 0, 0), name="other"))
-    scene.add(fl.Revolute(fl.ground(), other.centre, at=(0.5, 0, 0), axis=(0, 1, 0)))
+    scene.add(fl.Revolute(fl.ground(), other.point("centre"), at=(0.5, 0, 0), axis=(0, 1, 0)))
     scene.add(
-        fl.PointLoad(block.centre, force=(7.0, 0, 0), history=lambda t: 1.0 if t > 0.05 else 0.0)
+        fl.PointLoad(
+            block.point("centre"), force=(7.0, 0, 0), history=lambda t: 1.0 if t > 0.05 else 0.0
+        )
     )
     steps = fl.AdaptiveStep(1e-3, events=(0.05,))
     result = SCHEMES[scheme]().run(scene, duration=0.1, step=steps)
@@ -178,8 +184,8 @@ def test_a_prescribed_motion_has_the_force_that_drives_it():
         spin = lie.so3_exp(np.array([0, 0, 2.0 * t]))
         return lie.frame(np.array([np.cos(2 * t), np.sin(2 * t), 0.3 * t**2]), spin)
 
-    body.turn((0, 0, 2.0), (0, 0, 0))
-    held = scene.add(fl.PrescribedMotion(body.centre, motion))
+    body.add_velocity(omega=(0, 0, 2.0), about=(0, 0, 0))
+    held = scene.add(fl.PrescribedMotion(body.point("centre"), motion))
     result = fl.GeneralisedAlpha().run(scene, duration=0.5, step=1e-3)
     t = result.times
     expected = np.zeros((len(t), 6))
@@ -202,7 +208,7 @@ def test_guides_and_edges_of_a_shell_carry_what_loads_it(drills):
     )
     shell.symmetry("a=0", (1, 0, 0))
     shell.symmetry("b=0", (0, 1, 0))
-    edge = shell.guide("a=1", (0, 0, 3.0))
+    edge = shell.roller("a=1", (0, 0, 3.0))
     scene = fl.Scene()
     scene.add(shell)
     load = 4e3
@@ -221,15 +227,15 @@ def test_a_clamp_of_what_follows_rigidly_is_about_its_own_place():
     scene, beam, _ = cantilever()
     scene.clamps.clear()
     block = scene.add(fl.RigidBody(1.0, 3 * [1e-3], position=(0.4, 0.1, -0.5), name="block"))
-    scene.add(fl.RigidLink(beam.start, block.centre))
-    clamp = scene.add(fl.Clamp(block.centre))
+    scene.add(fl.RigidLink(beam.point("start"), block.point("centre")))
+    clamp = scene.add(fl.Clamp(block.point("centre")))
     result = fl.statics(scene)
     found = result.reaction(clamp)[-1]
     weight = 9.81 * np.array([MASS, 1.0])
     np.testing.assert_allclose(found[:3], [0, 0, weight.sum()], rtol=1e-6, atol=1e-6)
     assert found[4] == pytest.approx(-weight[0] * LENGTH / 2, rel=1e-3)
     # named together they count once
-    np.testing.assert_array_equal(result.reaction(clamp, beam.start)[-1], found)
+    np.testing.assert_array_equal(result.reaction(clamp, beam.point("start"))[-1], found)
 
 
 def test_reactions_are_saved_and_named_when_there_is_none(tmp_path):
@@ -239,10 +245,12 @@ def test_reactions_are_saved_and_named_when_there_is_none(tmp_path):
     again = fl.Result.load(tmp_path / "r.h5")
     np.testing.assert_array_equal(again.reaction(clamp), result.reaction("bar.start"))
     with pytest.raises(ValueError, match=r"bar\.end is not held; 1 nodes are.*bar\.start"):
-        result.reaction(beam.end)
+        result.reaction(beam.point("end"))
     with pytest.raises(ValueError, match="at least one"):
         result.reaction()
     with pytest.raises(ValueError, match="ground"):
         result.reaction(fl.ground())
     with pytest.raises(ValueError, match=r"motion of bar\.start"):
-        result.reaction(fl.PrescribedMotion(beam.start, lambda t: beam.start.frame))
+        result.reaction(
+            fl.PrescribedMotion(beam.point("start"), lambda t: beam.point("start").frame)
+        )

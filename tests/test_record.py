@@ -43,8 +43,12 @@ def clamped() -> fl.Scene:
     section = fl.Section.from_stiffness([1e4, 1e4, 1e4, 10.0, 10.0, 10.0], mass=1.0)
     scene = fl.Scene(gravity=(0, 0, -9.81))
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2))
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.Spring(fl.Distance(beam.start, beam.end).length, stiffness=20.0, rest=0.5))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(
+        fl.Spring(
+            fl.Distance(beam.point("start"), beam.point("end")).length, stiffness=20.0, rest=0.5
+        )
+    )
     return scene
 
 
@@ -103,7 +107,7 @@ def test_free_bodies_and_their_impacts():
         built = top(jointed=False)
         for k, body in enumerate(built.bodies):
             floor = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -0.1 - k))
-            built.add(fl.Contact(fl.Sphere(body.centre, 0.1), floor, fl.Impact()))
+            built.add(fl.Contact(fl.Sphere(body.point("centre"), 0.1), floor, fl.Impact()))
         return built
 
     for made in (lambda: top(jointed=False), scene):

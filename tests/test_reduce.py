@@ -19,7 +19,7 @@ def rod(cells=8, *, clamped=True, end=(1.0, 0.0, 0.0)):
     section = fl.Section.rectangle(0.02, 0.03, STEEL)
     body = scene.add(fl.Beam.straight((0, 0, 0), end, section, cells=cells, name="rod"))
     if clamped:
-        scene.add(fl.Clamp(body.start))
+        scene.add(fl.Clamp(body.point("start")))
     return scene, body
 
 
@@ -72,7 +72,7 @@ def test_axes_of_shells_do_not_feel_turns_about_third_directors(rng):
 
 def test_projection_finds_coordinates_in_any_posture(rng):
     scene, body = rod(clamped=False)
-    basis = fl.craig_bampton(scene, [body.start], 5)
+    basis = fl.craig_bampton(scene, [body.point("start")], 5)
     basis = fl.Basis(body, basis.shapes[6:])  # those that leave the start where it is
     η = 1e-2 * rng.uniform(-1.0, 1.0, (3, 5))
     G = motions(rng, 3)
@@ -103,7 +103,7 @@ def test_shapes_of_a_motion_serve_another_posture_and_show_what_they_miss(rng):
 
 def test_interface_modes_are_those_of_statics_and_normal_modes_vibrations():
     scene, body = rod(clamped=False)
-    basis = fl.craig_bampton(scene, [body.start, body.end], 4)
+    basis = fl.craig_bampton(scene, [body.point("start"), body.point("end")], 4)
     shapes = basis.shapes
     unit = shapes[:12][:, [0, -1]].reshape(12, 12)
     np.testing.assert_allclose(unit / np.diag(unit), np.eye(12), atol=1e-14)
@@ -111,7 +111,7 @@ def test_interface_modes_are_those_of_statics_and_normal_modes_vibrations():
     stretched = shapes[6, :, 0] / shapes[6, -1, 0]
     np.testing.assert_allclose(stretched, np.linspace(0.0, 1.0, 9), atol=1e-10)
     held, same = rod()
-    held.add(fl.Clamp(same.end))
+    held.add(fl.Clamp(same.point("end")))
     full = fl.vibrations(held, 4).frequencies
     normal = fl.Basis(same, shapes[12:])
     np.testing.assert_allclose(fl.reduced_frequencies(held, normal, 4), full, rtol=1e-8)
@@ -122,7 +122,7 @@ def test_vibrations_of_few_unknowns_are_found_though_they_come_in_pairs():
     rubber = fl.Material(E=5e6, nu=0.3, density=1100.0)
     scene, section = fl.Scene(), fl.Section.rectangle(0.05, 0.05, rubber)
     body = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=8))
-    basis = fl.craig_bampton(scene, [body.node(4), body.start, body.end], 6)
+    basis = fl.craig_bampton(scene, [body.point(4), body.point("start"), body.point("end")], 6)
     rest = BesideRest(scene, None)
     X = rest.vectors(basis.shapes[18:])
     np.testing.assert_allclose(X @ rest.pencil.M @ X.T, np.eye(6), atol=1e-10)
@@ -132,7 +132,7 @@ def test_vibrations_of_few_unknowns_are_found_though_they_come_in_pairs():
 
 def test_reduced_frequencies_of_a_free_body():
     scene, body = rod(clamped=False)
-    basis = fl.craig_bampton(scene, [body.start, body.end], 8)
+    basis = fl.craig_bampton(scene, [body.point("start"), body.point("end")], 8)
     found, full = fl.reduced_frequencies(scene, basis, 9), fl.vibrations(scene, 9).frequencies
     assert found[:6].max() < 1e-3 * full[6]
     np.testing.assert_allclose(found[6:], full[6:], rtol=1e-3)
@@ -141,7 +141,7 @@ def test_reduced_frequencies_of_a_free_body():
 def test_shells_have_shapes_too():
     scene, body = square()
     for corner in ("00", "10"):
-        scene.add(fl.Clamp(body[corner]))
+        scene.add(fl.Clamp(body.point(corner)))
     basis = fl.craig_bampton(scene, [], 5)
     full = fl.vibrations(scene, 4).frequencies
     np.testing.assert_allclose(fl.reduced_frequencies(scene, basis, 4), full, rtol=1e-8)
@@ -180,11 +180,11 @@ def test_what_cannot_be_reduced_is_said():
     scene, body = rod()
     free, loose = rod(clamped=False)
     with pytest.raises(ValueError, match="is held"):
-        fl.craig_bampton(scene, [body.start], 2)
+        fl.craig_bampton(scene, [body.point("start")], 2)
     with pytest.raises(ValueError, match="twice"):
-        fl.craig_bampton(scene, [body.end, body.end], 2)
+        fl.craig_bampton(scene, [body.point("end"), body.point("end")], 2)
     with pytest.raises(ValueError, match="no node of rod"):
-        fl.craig_bampton(scene, [loose.end], 2)
+        fl.craig_bampton(scene, [loose.point("end")], 2)
     with pytest.raises(ValueError, match="no node of rod"):
         fl.craig_bampton(scene, [fl.ground()], 2)
     with pytest.raises(ValueError, match="fewer than the 48"):
@@ -199,17 +199,17 @@ def test_what_cannot_be_reduced_is_said():
     with pytest.raises(ValueError, match="shapes are 1 … 2, got 3"):
         basis.picture("shape.png", 3)
     jointed, body_in_joint = rod(clamped=False)
-    jointed.add(fl.Revolute(fl.ground(), body_in_joint.start, axis=(0, 1, 0)))
+    jointed.add(fl.Revolute(fl.ground(), body_in_joint.point("start"), axis=(0, 1, 0)))
     with pytest.raises(ValueError, match="joints do not belong into its scene"):
         fl.craig_bampton(jointed, [], 2)
-    ends = fl.craig_bampton(free, [loose.start], 2)
+    ends = fl.craig_bampton(free, [loose.point("start")], 2)
     with pytest.raises(ValueError, match="that are held"):
         fl.reduced_frequencies(scene, fl.Basis(body, ends.shapes), 2)
     with pytest.raises(ValueError, match="shapes of rod"):
         fl.Basis(body, basis.shapes[:, :-1])
     with pytest.raises(ValueError, match="another mesh"):
         fl.Basis(rod(9)[1], np.ones((1, 10, 6))).project(fl.statics(scene))
-    scene.add(fl.PointLoad(body.end, force=(0, 0, 1e3)))
+    scene.add(fl.PointLoad(body.point("end"), force=(0, 0, 1e3)))
     with pytest.raises(ValueError, match="not at rest"):
         fl.craig_bampton(scene, [], 2)
     scene.add(square()[1])
@@ -222,7 +222,7 @@ def bent(force):
     scene, body = rod()
     basis = fl.craig_bampton(scene, [], 4)
     both = fl.with_derivatives(scene, basis)
-    scene.add(fl.PointLoad(body.end, force=force * np.array([0.0, 1.0, 1.5])))
+    scene.add(fl.PointLoad(body.point("end"), force=force * np.array([0.0, 1.0, 1.5])))
     return scene, basis, both, fl.statics(scene).frames[-1]
 
 
@@ -246,7 +246,7 @@ def test_all_shapes_are_the_full_model():
     shapes = np.zeros((12, 3, 6))
     shapes[:, body.frames[:, 0, 0] > 0.0] = np.eye(12).reshape(12, 2, 6)
     basis = fl.Basis(body, shapes)
-    scene.add(fl.PointLoad(body.end, force=(50.0, 400.0, 600.0)))
+    scene.add(fl.PointLoad(body.point("end"), force=(50.0, 400.0, 600.0)))
     found = fl.reduced_statics(scene, basis)
     np.testing.assert_allclose(found.frames, fl.statics(scene).frames[-1], atol=1e-8)
     assert found.error < 1e-8
@@ -268,7 +268,7 @@ def test_krylov_shapes_match_moments_of_the_answer():
     """Where the load acts, twice as many as there are shapes."""
     scene, body = rod()
     wrench = (0.0, 1.0, 2.0, 0.1, 0.0, 0.0)
-    basis = fl.krylov(scene, [(body.end, wrench)], 2)
+    basis = fl.krylov(scene, [(body.point("end"), wrench)], 2)
     assert len(basis) == 2
     rest = BesideRest(scene, None)
     load = np.zeros((1, 9, 6))
@@ -295,20 +295,20 @@ def test_krylov_shapes_of_nothing_are_refused():
     with pytest.raises(ValueError, match="that move"):
         fl.krylov(scene, [], 2)
     with pytest.raises(ValueError, match="that move"):
-        fl.krylov(scene, [(body.start, np.ones(6))], 2)
+        fl.krylov(scene, [(body.point("start"), np.ones(6))], 2)
     with pytest.raises(ValueError, match="no node of rod"):
         fl.krylov(scene, [(fl.ground(), np.ones(6))], 2)
     free, loose = rod(clamped=False)
     with pytest.raises(ValueError, match="can move rigidly"):
-        fl.krylov(free, [(loose.end, np.ones(6))], 2)
-    twice = fl.krylov(scene, [(body.end, np.ones(6))] * 2, 2)
+        fl.krylov(free, [(loose.point("end"), np.ones(6))], 2)
+    twice = fl.krylov(scene, [(body.point("end"), np.ones(6))] * 2, 2)
     assert len(twice) == 2
 
 
 def test_expanded_states_have_section_forces_and_shapes_pictures(tmp_path):
     scene, body = rod()
     basis = fl.craig_bampton(scene, [], 20)
-    scene.add(fl.PointLoad(body.end, force=(0.0, 0.0, 10.0)))
+    scene.add(fl.PointLoad(body.point("end"), force=(0.0, 0.0, 10.0)))
     full = fl.statics(scene)
     states = basis.project(full, axes=fl.NodeAxes(0))
     shown = states.within(full)

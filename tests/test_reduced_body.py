@@ -26,7 +26,9 @@ def part(cells=8, bow=0.0, G=AT_HOME):
 
 def reduced(modes=4, bow=0.1, cells=8, stretching=True):
     scene, beam = part(cells, bow)
-    return fl.reduced_body(scene, [beam.start, beam.end], modes, stretching=stretching), beam
+    return fl.reduced_body(
+        scene, [beam.point("start"), beam.point("end")], modes, stretching=stretching
+    ), beam
 
 
 class Anywhere:
@@ -112,8 +114,8 @@ def test_a_rigid_motion_strains_nothing_and_moves_as_the_body_does():
     body, full = reduced()
     scene = fl.Scene()
     scene.add(body)
-    body.turn((1.0, 2.0, 3.0), about=(0.3, 0.1, -0.2))
-    full.turn((1.0, 2.0, 3.0), about=(0.3, 0.1, -0.2))
+    body.add_velocity(omega=(1.0, 2.0, 3.0), about=(0.3, 0.1, -0.2))
+    full.add_velocity(omega=(1.0, 2.0, 3.0), about=(0.3, 0.1, -0.2))
     whole = fl.Scene()
     whole.add(full)
     found, wanted = (fl.GeneralisedAlpha().run(s, duration=1e-3, step=1e-3) for s in (scene, whole))
@@ -131,7 +133,7 @@ def flight(step):
     body, _ = reduced()
     scene = fl.Scene()
     scene.add(body)
-    body.turn((0.0, 5.0, 20.0), about=(0.5, 0.0, 0.0))
+    body.add_velocity(omega=(0.0, 5.0, 20.0), about=(0.5, 0.0, 0.0))
     body.velocities[1, 1] += 2.0
     scheme = fl.GeneralisedAlpha(radius=1.0, tolerance=1e-10)
     return fl.GeneralisedAlpha.run(scheme, scene, duration=0.02, step=step)
@@ -155,8 +157,8 @@ def test_a_free_body_keeps_energy_and_momenta_as_the_scheme_does():
 def swing(body, record=fl.Record.ALL):
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(body)
-    scene.add(fl.Revolute(fl.ground(), body["start"], axis=(0, 1, 0)))
-    scene.add(fl.PointLoad(body["end"], force=(0, 20.0, 0)))
+    scene.add(fl.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.PointLoad(body.point("end"), force=(0, 20.0, 0)))
     return fl.GeneralisedAlpha(radius=0.9).run(scene, duration=0.3, step=1e-3, record=record)
 
 
@@ -179,8 +181,8 @@ def test_inertial_shapes_carry_weight_as_all_unknowns_do():
     for body in (reduced(0)[0], part(8, 0.1)[1]):
         scene = fl.Scene(gravity=(0.1, -0.2, 0.3))
         scene.add(body)
-        scene.add(fl.Clamp(body["start"]))
-        scene.add(fl.Clamp(body["end"]))
+        scene.add(fl.Clamp(body.point("start")))
+        scene.add(fl.Clamp(body.point("end")))
         frames = fl.statics(scene).frames[-1]
         places.append(body.expand(frames[np.newaxis])[0] if len(places) == 0 else frames)
     found, wanted = (frames[:, 0] - reduced()[1].frames[:, 0] for frames in places)
@@ -190,7 +192,9 @@ def test_inertial_shapes_carry_weight_as_all_unknowns_do():
 @pytest.mark.parametrize("spinning", [False, True])
 def test_inertial_shapes_have_unit_mass_and_are_in_the_order_of_stiffness(spinning):
     scene, beam = part(8, 0.1)
-    basis = fl.inertial_shapes(scene, [beam.start, beam.end], 4, spinning=spinning)
+    basis = fl.inertial_shapes(
+        scene, [beam.point("start"), beam.point("end")], 4, spinning=spinning
+    )
     rest = BesideRest(scene, None)
     V = rest.vectors(basis.shapes)
     M, K = (V @ (A @ V.T) for A in (rest.pencil.M, rest.pencil.K))
@@ -216,14 +220,14 @@ def test_interfaces_come_in_any_order(first):
     beam = fl.Beam.straight((0, 0, 0), (0.3, 0, 0), rubber, cells=16, name="rod")
     part = fl.Scene()
     part.add(beam)
-    ends = [beam.start, beam.end]
+    ends = [beam.point("start"), beam.point("end")]
     few = fl.reduced_body(part, ends if first == 0 else ends[::-1], 4)
     places = []
     for body in (few, beam):
         scene = fl.Scene()
         scene.add(body)
-        scene.add(fl.Clamp(body["start"]))
-        scene.add(fl.PointLoad(body["end"], force=(0, 0, 1.07)))
+        scene.add(fl.Clamp(body.point("start")))
+        scene.add(fl.PointLoad(body.point("end"), force=(0, 0, 1.07)))
         places.append(np.ravel(fl.statics(scene).displacement("rod.end"))[-3:])
     found, wanted = places
     assert wanted[2] > 0.045 * 0.3
@@ -236,8 +240,8 @@ def test_bending_draws_ends_together():
     for body in (reduced(6, 0.0)[0], reduced(6, 0.0, stretching=False)[0], part(8)[1]):
         scene = fl.Scene()
         scene.add(body)
-        scene.add(fl.Clamp(body["start"]))
-        scene.add(fl.PointLoad(body["end"], force=(0, 0, 600.0)))
+        scene.add(fl.Clamp(body.point("start")))
+        scene.add(fl.PointLoad(body.point("end"), force=(0, 0, 600.0)))
         ends.append(np.ravel(fl.statics(scene).displacement("rod.end"))[-3:])
     found, constant, wanted = ends
     assert wanted[2] > 0.02 and wanted[0] < -2e-4
@@ -265,12 +269,12 @@ def test_joints_supports_and_points_stay_where_they_are_in_full_fields():
     """Behind another body, with interfaces whose numbers are others."""
     body, scene = reduced(2)[0], fl.Scene(gravity=(0, 0, -9.81))
     for name in ("ball", "bob"):
-        scene.add(fl.RigidBody(1.0, 0.1 * np.eye(3), body["end"].position, name=name))
+        scene.add(fl.RigidBody(1.0, 0.1 * np.eye(3), body.point("end").position, name=name))
     ball, bob = scene.bodies
     scene.add(body)
-    scene.add(fl.Spherical(ball.centre, body["end"]))
-    scene.add(fl.Spherical(body["end"], bob.centre))
-    scene.add(fl.Clamp(body["start"]))
+    scene.add(fl.Spherical(ball.point("centre"), body.point("end")))
+    scene.add(fl.Spherical(body.point("end"), bob.point("centre")))
+    scene.add(fl.Clamp(body.point("start")))
     result = fl.GeneralisedAlpha().run(scene, duration=2e-3, step=1e-3)
     found = fl.expand(result, body)
     pairs = [(j.node, k.node) for j, k in zip(result.info.joints, found.info.joints, strict=True)]
@@ -302,8 +306,8 @@ def test_statics_and_vibrations_take_it():
     for each in (body, full):
         scene = fl.Scene()
         scene.add(each)
-        scene.add(fl.Clamp(each["start"]))
-        scene.add(fl.PointLoad(each["end"], force=(0, 1.0, 2.0)))
+        scene.add(fl.Clamp(each.point("start")))
+        scene.add(fl.PointLoad(each.point("end"), force=(0, 1.0, 2.0)))
         scenes.append(scene)
     states = (fl.statics(scene) for scene in scenes)
     found, wanted = (np.ravel(result.displacement("rod.end"))[-3:] for result in states)
@@ -326,12 +330,12 @@ def test_bad_input():
     with pytest.raises(ValueError, match="an interface or more"):
         fl.reduced_body(scene, [], 3)
     strange, rod = part()
-    other = fl.craig_bampton(strange, [rod.start], 2)
+    other = fl.craig_bampton(strange, [rod.point("start")], 2)
     with pytest.raises(ValueError, match="not the body"):
-        fl.reduced_body(scene, [beam.start], other)
-    body = fl.reduced_body(scene, [beam.start, beam.end], 3)
+        fl.reduced_body(scene, [beam.point("start")], other)
+    body = fl.reduced_body(scene, [beam.point("start"), beam.point("end")], 3)
     with pytest.raises(ValueError, match="interfaces 0 … 1"):
-        body.node(2)
+        body.point(2)
     matrices = body.interfaces, body.stiffness, body.density, body.shapes, beam
     with pytest.raises(ValueError, match="quadratic must have shape"):
         fl.ReducedBody(*matrices, points={}, quadratic=np.zeros((2, 2, 2)))
@@ -349,19 +353,19 @@ def test_bad_input():
         with pytest.raises(ValueError, match=message):
             fl.ReducedBody(*wrong, points={})
     with pytest.raises(ValueError, match="no point 'middle'"):
-        body["middle"]
+        body.point("middle")
     damped, section = fl.Scene(), fl.Section.rectangle(0.02, 0.03, STEEL)
     rod = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2, damping=fl.Damping(mass=1.0))
     damped.add(rod)
     with pytest.raises(ValueError, match="has damping"):
-        fl.reduced_body(damped, [rod.start], 2)
+        fl.reduced_body(damped, [rod.point("start")], 2)
     solid = fl.Scene()
     brick = solid.add(fl.Solid.brick((1, 1, 2), fl.NeoHooke(1e6, 0.3, 1000.0), cells=(1, 1, 2)))
     with pytest.raises(ValueError, match="shapes are those of nodal frames, and nodes of"):
-        fl.reduced_body(solid, [brick.node(0)], 2)
-    scene.add(fl.Clamp(beam.end))
+        fl.reduced_body(solid, [brick.point(0)], 2)
+    scene.add(fl.Clamp(beam.point("end")))
     with pytest.raises(ValueError, match="held"):
-        fl.reduced_body(scene, [beam.start], 3)
+        fl.reduced_body(scene, [beam.point("start")], 3)
     with pytest.raises(ValueError, match="no body"):
         fl.expand(swing(part()[1]), replace_name(body))
 
@@ -381,7 +385,7 @@ def test_a_part_is_used_elsewhere(tmp_path):
     for each, turn in ((body, np.eye(3)), (again, G[1:].T)):
         scene = fl.Scene(gravity=turn @ (0.0, 0.0, -9.81))
         scene.add(each)
-        scene.add(fl.Revolute(fl.ground(), each["start"], axis=turn @ (0.0, 1.0, 0.0)))
+        scene.add(fl.Revolute(fl.ground(), each.point("start"), axis=turn @ (0.0, 1.0, 0.0)))
         result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=0.1, step=1e-3)
         states.append(fl.expand(result, each).frames[-1])
     np.testing.assert_allclose(states[1], lie.se3_compose(G, states[0]), atol=1e-9)

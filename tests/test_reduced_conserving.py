@@ -26,14 +26,14 @@ def bowed(name="rod", at=(0.0, 0.0, 0.0)):
 
 def reduced(modes=4, name="rod", at=(0.0, 0.0, 0.0)):
     scene, beam = bowed(name, at)
-    return fl.reduced_body(scene, [beam.start, beam.end], modes, name=name)
+    return fl.reduced_body(scene, [beam.point("start"), beam.point("end")], modes, name=name)
 
 
 def free(modes=4):
     """It turns, and one end of it moves away from the other."""
     scene = fl.Scene()
     body = scene.add(reduced(modes))
-    body.turn((0.0, 2.0, 8.0), about=(0.5, 0.0, 0.0))
+    body.add_velocity(omega=(0.0, 2.0, 8.0), about=(0.5, 0.0, 0.0))
     body.velocities[1, 1] += 1.0
     return scene, body
 
@@ -41,7 +41,7 @@ def free(modes=4):
 def hanging(body):
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(body)
-    scene.add(fl.Revolute(fl.ground(), body["start"], axis=(0, 1, 0)))
+    scene.add(fl.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
     return scene
 
 
@@ -85,7 +85,9 @@ def test_variational_steps_with_dampers_and_joints():
     errors = []
     for step in (1e-3, 5e-4):
         scene = chain()
-        link = scene.add(fl.Distance(fl.ground(), scene.bodies[0]["end"], at=(1.0, 0.0, -1.0)))
+        link = scene.add(
+            fl.Distance(fl.ground(), scene.bodies[0].point("end"), at=(1.0, 0.0, -1.0))
+        )
         scene.add(fl.Spring(link.length, 50.0, damping=5.0))
         result = fl.Variational().run(scene, duration=0.1, step=step)
         assert np.abs(result.joint_violations).max() < 1e-13
@@ -97,7 +99,7 @@ def test_a_free_body_far_from_the_origin_keeps_them_too():
     """Its coordinates are differences of positions, which there have four digits less."""
     scene = fl.Scene()
     body = scene.add(reduced(4, at=(1e4, 0.0, 0.0)))
-    body.turn((0.0, 2.0, 8.0), about=(1e4 + 0.5, 0.0, 0.0))
+    body.add_velocity(omega=(0.0, 2.0, 8.0), about=(1e4 + 0.5, 0.0, 0.0))
     result = fl.EnergyMomentum().run(scene, duration=0.05, step=1e-3)
     assert result.elastic.max() > 1e-4 * result.kinetic[0]
     assert change(result.total_energy) < 1e-12
@@ -136,9 +138,9 @@ def chain():
     first, second = reduced(3, "a"), reduced(2, "b", at=(1.0, 0.0, 0.1))
     scene = hanging(first)
     scene.add(second)
-    scene.add(fl.Spherical(first["end"], second["start"]))
-    bob = scene.add(fl.RigidBody(0.5, (1e-3, 2e-3, 3e-3), second["end"].position, name="bob"))
-    scene.add(fl.Fixed(second["end"], bob.centre))
+    scene.add(fl.Spherical(first.point("end"), second.point("start")))
+    bob = scene.add(fl.RigidBody(0.5, (1e-3, 2e-3, 3e-3), second.point("end").position, name="bob"))
+    scene.add(fl.Fixed(second.point("end"), bob.point("centre")))
     return scene
 
 
@@ -179,7 +181,7 @@ def test_loads_at_an_interface(name, load, history):
     body = reduced(3)
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(body)
-    scene.add(load(body["end"], history))
+    scene.add(load(body.point("end"), history))
     result = SCHEMES[name].run(scene, duration=0.04, step=2e-4)
     assert np.abs(result.balance[-1]).max() > 1e-3 or load is LOADS["force"]
     assert result.balance_error < 1e-12
@@ -192,7 +194,7 @@ def test_loads_at_an_interface(name, load, history):
 def test_dampers_at_an_interface():
     body = reduced(3)
     scene = hanging(body)
-    link = scene.add(fl.Distance(fl.ground(), body["end"], at=(1.0, 0.0, -1.0)))
+    link = scene.add(fl.Distance(fl.ground(), body.point("end"), at=(1.0, 0.0, -1.0)))
     scene.add(fl.Spring(link.length, 50.0, damping=5.0))
     result = fl.EnergyMomentum().run(scene, duration=0.2, step=1e-3)
     assert result.balance[-1, 1] > 0.1
@@ -204,7 +206,7 @@ def test_clamps_have_reactions():
     body = reduced(2)
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(body)
-    scene.add(fl.Clamp(body["start"]))
+    scene.add(fl.Clamp(body.point("start")))
     result = fl.EnergyMomentum().run(scene, duration=0.1, step=1e-3)
     assert result.balance_error < 1e-12
     assert result.momentum_error < 1e-11
@@ -219,11 +221,11 @@ def test_beside_cables():
     """A rope on its end, whose nodes are no frames."""
     body = reduced(3)
     scene = hanging(body)
-    end = np.asarray(body["end"].position)
+    end = np.asarray(body.point("end").position)
     section = fl.Section.circle(0.004, RUBBER)
     rope = fl.Cable(fl.curve(lambda s: (end[0] + 0.5 * s, end[1], end[2]), 4), section, name="rope")
     scene.add(rope)
-    scene.add(fl.Spherical(body["end"], rope.start))
+    scene.add(fl.Spherical(body.point("end"), rope.point("start")))
     result = fl.EnergyMomentum().run(scene, duration=0.05, step=1e-3)
     assert result.balance_error < 1e-11
     assert np.abs(result.joint_violations).max() < 1e-12
@@ -235,9 +237,9 @@ def test_a_drive_that_stops():
     scene = fl.Scene()
     scene.add(body)
     angle = fl.Table([0.0, 0.05, 0.1], [0.0, 0.02, 0.02])
-    hinge = scene.add(fl.Revolute(fl.ground(), body["start"], axis=(0, 0, 1)))
+    hinge = scene.add(fl.Revolute(fl.ground(), body.point("start"), axis=(0, 0, 1)))
     scene.add(fl.Drive(hinge.angle, angle))
-    body.turn((0.0, 0.0, 0.4), about=(0.0, 0.0, 0.0))
+    body.add_velocity(omega=(0.0, 0.0, 0.4), about=(0.0, 0.0, 0.0))
     choice = fl.AdaptiveStep(1e-3, events=(0.05,))
     result = fl.EnergyMomentum().run(scene, duration=0.1, step=choice)
     assert abs(result.balance[-1, 0]) > 1e-5 * result.kinetic[0]

@@ -17,11 +17,11 @@ def rod(force=0.0, cells=8):
     damping = fl.Damping(stiffness=0.02)
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=cells, damping=damping, name="rod")
     scene.add(beam)
-    beam.turn((0.5, 2.0, 1.0), about=(0.5, 0, 0))
-    beam.move((0.1, 0.2, 0.3))
+    beam.add_velocity(omega=(0.5, 2.0, 1.0), about=(0.5, 0, 0))
+    beam.add_velocity((0.1, 0.2, 0.3))
     if force:
         pulse = lambda t: np.sin(np.pi * (t - 0.1) / 0.02) * (0.1 < t < 0.12)  # noqa: E731
-        scene.add(fl.PointLoad(beam.end, force=(0, 0, force), history=pulse))
+        scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, force), history=pulse))
     return scene
 
 
@@ -138,7 +138,7 @@ def test_what_stirs_at_the_first_look_is_made_again():
     def build():
         scene = rod()
         blow = lambda t: np.sin(np.pi * (t - 0.083) / 0.02) * (0.083 < t < 0.103)  # noqa: E731
-        scene.add(fl.PointLoad(scene.bodies[0].end, force=(0, 0, 20.0), history=blow))
+        scene.add(fl.PointLoad(scene.bodies[0].point("end"), force=(0, 0, 20.0), history=blow))
         return scene
 
     found = fl.merged_motion(build, duration=0.14, step=2e-3, every=0.01, tolerance=1e-4)
@@ -162,7 +162,7 @@ def test_the_net_of_the_benchmark():
 def test_what_cannot_be_merged_is_said():
     def with_joint():
         scene = rod()
-        scene.add(fl.Spherical(fl.ground(), scene.bodies[0].start))
+        scene.add(fl.Spherical(fl.ground(), scene.bodies[0].point("start")))
         return scene
 
     options = {"duration": 0.1, "step": 1e-3, "every": 0.01, "tolerance": 1e-3}

@@ -52,8 +52,8 @@ def test_a_rejected_step_leaves_the_state_as_it_was(monkeypatch, scheme):
     monkeypatch.setattr(stepper, "take_back", watched)
     scene, _ = plate("Hellinger-Reissner")
     wheel = scene.add(fl.RigidBody(1.0, (0.1, 0.2, 0.1), (0, 0, 3)))
-    wheel.turn((0, 0, 40.0), about=wheel.centre)
-    scene.add(fl.Revolute(fl.ground(), wheel.centre, axis=(0, 0, 1)))
+    wheel.add_velocity(omega=(0, 0, 40.0), about=wheel.point("centre"))
+    scene.add(fl.Revolute(fl.ground(), wheel.point("centre"), axis=(0, 0, 1)))
     steps = fl.AdaptiveStep(0.3, first=1e-2, largest=1e-2)
     result = SCHEMES[scheme].run(scene, duration=0.05, step=steps, progress=False)
     assert len(result.steps.rejected) >= 1

@@ -33,7 +33,7 @@ def plate(cells):
 def reduced():
     scene = fl.Scene()
     full = scene.add(fl.Beam(fl.curve(arc, 4), bar(), up=(0, 0, 1), name="full"))
-    return fl.reduced_body(scene, [full.start, full.end], 3, name="body")
+    return fl.reduced_body(scene, [full.point("start"), full.point("end")], 3, name="body")
 
 
 def solid():
@@ -69,7 +69,7 @@ BODIES = {
 def scene_of(name: str) -> fl.Scene:
     """A stiff body that turns freely about a point near it: it hardly deforms."""
     scene = fl.Scene()
-    scene.add(BODIES[name]()).turn(tuple(SPIN), about=tuple(CENTRE))
+    scene.add(BODIES[name]()).add_velocity(omega=tuple(SPIN), about=tuple(CENTRE))
     return scene
 
 
@@ -199,8 +199,8 @@ def test_at_a_jump_the_later_side_counts_and_before_it_the_earlier_one():
     def scene() -> fl.Scene:
         scene = fl.Scene()
         body = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1), name="body"))
-        scene.add(fl.Clamp(body.centre))
-        scene.add(fl.PointLoad(body.centre, (1.0, 0, 0), history=force))
+        scene.add(fl.Clamp(body.point("centre")))
+        scene.add(fl.PointLoad(body.point("centre"), (1.0, 0, 0), history=force))
         return scene
 
     choice, jump = fl.ConstantStep(0.02, events=(0.05,)), 0.05

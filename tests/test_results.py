@@ -87,7 +87,7 @@ def test_points_are_found_by_name_number_and_object(rod):
     for point in ("rod.end", "rod.node 4", 4, np.int64(4)):
         np.testing.assert_allclose(rod.position(point), exact, atol=1e-15)
     body = fl.RigidBody(1.0, [1, 1, 1], name="tip")
-    np.testing.assert_allclose(rod.position(body.centre), 1.25 * exact, atol=1e-15)
+    np.testing.assert_allclose(rod.position(body.point("centre")), 1.25 * exact, atol=1e-15)
 
 
 def test_rotation_and_velocity_belong_together(rod):
@@ -111,7 +111,7 @@ def test_joint_forces_are_the_joints_own(rod):
         (lambda r: r.position(6), r"nodes are 0 … 5, got 6"),
         (lambda r: r.position(fl.ground()), "ground does not move"),
         (
-            lambda r: r.position(fl.RigidBody(1, [1, 1, 1], name="top").centre),
+            lambda r: r.position(fl.RigidBody(1, [1, 1, 1], name="top").point("centre")),
             "no body 'top'.*'rod'",
         ),
         (lambda r: r.joint_force("motor"), "no joint 'motor'; there are: 'hinge', 'weld'"),
@@ -351,7 +351,7 @@ def test_tapered_and_twisted_beams_are_drawn_so():
         tolerance = 1e-4 if twist is None else 0.025
         assert _surface(scene).volume == pytest.approx(0.15 * 0.1, rel=tolerance)
         if twist is not None:
-            frame = scene.bodies[0].end.frame
+            frame = scene.bodies[0].point("end").frame
             np.testing.assert_allclose(frame[1:], [[1, 0, 0], [0, 0, 1], [0, -1, 0]], atol=1e-15)
 
 

@@ -47,31 +47,33 @@ class Case:
         section = fl.Section.circle(0.01, fl.Material(self.young, 0.3, self.density))
         options = {"formulation": self.formulation, "damping": self.damping}
         beam = fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=2, **options)
-        scene.add(beam.on(self.group))
+        scene.add(beam.set_group(self.group))
         body = scene.add(fl.RigidBody(0.1, self.inertia, (1.0, 0.5, 0)))
-        body.move((0, self.velocity, 0))
+        body.add_velocity((0, self.velocity, 0))
         carrier = scene.add(fl.RigidBody(0.1, 0.1 * np.ones(3), (0, -1.0, 0)))
-        hinge = scene.add(fl.Revolute(fl.ground(), beam.start, axis=self.axis))
-        rope = scene.add(fl.Distance(beam.end, body.centre))
+        hinge = scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=self.axis))
+        rope = scene.add(fl.Distance(beam.point("end"), body.point("centre")))
         scene.add(fl.Drive(hinge.angle, self.drive))
         k, c, rest = self.spring
         scene.add(fl.Spring(rope.length, k, c, rest))
         scene.add(
-            fl.PointLoad(beam.end, self.force, following=self.following, history=self.history)
+            fl.PointLoad(
+                beam.point("end"), self.force, following=self.following, history=self.history
+            )
         )
         scene.add(fl.PressureLoad(beam, self.pressure, history=self.pressed))
         scene.add(fl.Eigenstrain(beam, (0, 0, 0, 0, self.strain, 0)))
-        place = carrier.centre.frame
+        place = carrier.point("centre").frame
 
         def moved(t: float) -> np.ndarray:
             frame = place.copy()
             frame[0, 0] += self.motion(t)
             return frame
 
-        scene.add(fl.PrescribedMotion(carrier.centre, moved))
+        scene.add(fl.PrescribedMotion(carrier.point("centre"), moved))
         post = scene.add(fl.Beam.straight((0, 2, 0), (0, 2, 0.5), section, cells=1))
         if self.held:
-            scene.add(fl.Clamp(post.start))
+            scene.add(fl.Clamp(post.point("start")))
         return scene
 
 
@@ -207,10 +209,10 @@ def slowing() -> fl.Scene:
     options = {"cells": 2, "damping": fl.Damping(mass=120.0)}
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.3, 0, 0), section, **options))
     two = scene.add(fl.Beam.straight((0.3, 0, 0), (0.3, 0.5, 0), section, **options))
-    scene.add(fl.Spherical(fl.ground(), one.start))
-    scene.add(fl.Revolute(one.end, two.start, axis=(1, 0, 0.2)))
+    scene.add(fl.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0.2)))
     for bar in (one, two):
-        bar.turn((3, 1, -8), about=(0, 0, 0))
+        bar.add_velocity(omega=(3, 1, -8), about=(0, 0, 0))
     return scene
 
 
@@ -267,7 +269,7 @@ def jerked() -> fl.Scene:
     """The same, with a push that begins and ends in between."""
     scene = slowing()
     push = fl.Jumps(lambda t: 5.0 if 0.011 <= t < 0.014 else 0.0, (0.011, 0.014))
-    scene.add(fl.PointLoad(scene.bodies[1].end, force=(0, 0, 1.0), history=push))
+    scene.add(fl.PointLoad(scene.bodies[1].point("end"), force=(0, 0, 1.0), history=push))
     return scene
 
 

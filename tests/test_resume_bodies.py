@@ -12,7 +12,7 @@ LAW = fl.NeoHooke(2e5, 0.3, 1000.0)
 def free_brick() -> fl.Scene:
     """Whose axes have turned far when it goes on."""
     body = fl.Solid.brick((0.2, 0.1, 0.1), LAW, cells=(2, 1, 1), name="brick")
-    body.turn((3.0, 2.0, 30.0), (0, 0, 0))
+    body.add_velocity(omega=(3.0, 2.0, 30.0), about=(0, 0, 0))
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(body)
     return scene
@@ -22,7 +22,7 @@ def driven_brick() -> fl.Scene:
     """By a grip in the mean, which a drive turns."""
     scene = fl.Scene()
     body = scene.add(fl.Solid.brick((0.2, 0.1, 0.1), LAW, cells=(2, 1, 1), name="brick"))
-    hinge = scene.add(fl.Revolute(fl.ground(), body.grip("a=0"), axis=(0, 0, 1)))
+    hinge = scene.add(fl.Revolute(fl.ground(), body.point("a=0"), axis=(0, 0, 1)))
     scene.add(fl.Drive(hinge.angle, lambda t: 400.0 * t**2))
     return scene
 
@@ -35,8 +35,8 @@ def mass_on_a_block() -> fl.Scene:
     for node in block.points("c=0"):
         scene.add(fl.Clamp(node))
     mass = scene.add(fl.RigidBody(1.0, (1e-3,) * 3, position=(0.05, 0.05, 0.1)))
-    scene.add(fl.Fixed(block.grip("c=1"), mass.centre, at=(0.05, 0.05, 0.05)))
-    scene.add(fl.PointLoad(mass.centre, force=(150.0, 0.0, -50.0), moment=(0.0, 0.0, 2.0)))
+    scene.add(fl.Fixed(block.point("c=1"), mass.point("centre"), at=(0.05, 0.05, 0.05)))
+    scene.add(fl.PointLoad(mass.point("centre"), force=(150.0, 0.0, -50.0), moment=(0.0, 0.0, 2.0)))
     return scene
 
 
@@ -48,7 +48,7 @@ def sheet(**options) -> fl.ThinShell:
 
 def free_sheet() -> fl.Scene:
     scene, body = fl.Scene(), sheet()
-    body.turn((3.0, 30.0, 5.0), (0.1, 0.1, 0))
+    body.add_velocity(omega=(3.0, 30.0, 5.0), about=(0.1, 0.1, 0))
     scene.add(body)
     return scene
 
@@ -57,7 +57,7 @@ def driven_sheet() -> fl.Scene:
     """By a grip within a cell."""
     scene = fl.Scene()
     body = scene.add(sheet())
-    hinge = scene.add(fl.Revolute(fl.ground(), body.within(0, 0.2, 0.4), axis=(0, 1, 0)))
+    hinge = scene.add(fl.Revolute(fl.ground(), body.point_in_cell(0, 0.2, 0.4), axis=(0, 1, 0)))
     scene.add(fl.Drive(hinge.angle, lambda t: 400.0 * t**2))
     return scene
 

@@ -84,10 +84,10 @@ def taut(friction: float, weight: float = 1.0) -> tuple[fl.Scene, fl.RigidBody]:
     """A bead on a straight rope under tension, between pins."""
     scene = fl.Scene(gravity=(0, 0, -9.81 * weight))
     cable = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), THREAD, cells=20, length=0.9))
-    cable.pin(cable.start, cable.end)
+    cable.pin(cable.point("start"), cable.point("end"))
     bead = scene.add(fl.RigidBody(0.02, 1e-6 * np.eye(3), (0.31, 0, 0)))
-    bead.move((1.0, 0, 0))
-    rings = fl.Rings([bead.centre])
+    bead.add_velocity((1.0, 0, 0))
+    rings = fl.Rings([bead.point("centre")])
     scene.add(fl.Contact(fl.Rope(cable), rings, fl.Penalty(1e5, friction=friction)))
     return scene, bead
 
@@ -148,7 +148,7 @@ def test_bad_input():
     with pytest.raises(ValueError, match=r"ring 0 is 0\..* off the rope"):
         refused(fl.Rope(rope("net")), fl.Rings([fl.ground()], at=[(0.5, 0.5, 0)]))
     with pytest.raises(ValueError, match="fixed to a node of its rope"):
-        refused(fl.Rope(thread), fl.Rings([thread.node(10)]))
+        refused(fl.Rope(thread), fl.Rings([thread.point(10)]))
     with pytest.raises(ValueError, match="by Penalty without damping"):
         refused(fl.Rope(rope("net")), ground, fl.Penalty(1e4, damping=1.0))
     with pytest.raises(ValueError, match="nodes 2 and 5 follow each other"):
@@ -157,7 +157,7 @@ def test_bad_input():
         with pytest.raises(ValueError, match="three nodes or more"):
             refused(fl.Rope(rope("net"), few), ground)
     with pytest.raises(ValueError, match="is what there is of both"):
-        ball = fl.Sphere(fl.RigidBody(1.0, np.eye(3), (0, 0, 1)).centre, 0.1)
+        ball = fl.Sphere(fl.RigidBody(1.0, np.eye(3), (0, 0, 1)).point("centre"), 0.1)
         fl.Contact(fl.Rope(thread), ball, fl.Penalty(1e4)).check()
     with pytest.raises(ValueError, match="ignore_initial is for"):
         fl.Contact(fl.Rope(thread), ground, fl.Penalty(1e4), ignore_initial=True).check()
@@ -167,6 +167,6 @@ def test_bad_input():
         fl.Rings([])
     with pytest.raises(ValueError, match=r"a ring beside its node needs nodes with frames"):
         other = fl.Net([at, (0.5, 0, 1)], [[0, 1]], THREAD)
-        refused(fl.Rope(rope("net")), fl.Rings([other.node(1)], at=[at]))
+        refused(fl.Rope(rope("net")), fl.Rings([other.point(1)], at=[at]))
     with pytest.raises(ValueError, match="at must be 1 places"):
         fl.Rings([fl.ground()], at=[(0, 0, 0), (1, 0, 0)])

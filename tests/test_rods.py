@@ -26,7 +26,7 @@ def cantilever(name: str, cells: int, own: fl.Section) -> tuple[fl.Scene, fl.Rod
     scene = fl.Scene()
     ends = (0, 0, 0), (LENGTH, 0, 0)
     rod = scene.add(fl.Rod.straight(*ends, own, cells=cells, formulation=KINDS[name]))
-    scene.add(fl.Clamp(rod.start))
+    scene.add(fl.Clamp(rod.point("start")))
     return scene, rod
 
 
@@ -38,9 +38,9 @@ def iterations(result: fl.StaticResult) -> float:
 def rolled_up(name: str, cells: int, slenderness: float) -> tuple[float, float]:
     """Distance of the tip from the root over the length, and iterations per step."""
     scene, rod = cantilever(name, cells, section(slenderness))
-    scene.add(fl.PointLoad(rod.end, moment=(0, 0, 2 * np.pi * BENDING / LENGTH)))
+    scene.add(fl.PointLoad(rod.point("end"), moment=(0, 0, 2 * np.pi * BENDING / LENGTH)))
     result = fl.statics(scene, load_steps=10)
-    return float(np.linalg.norm(result.position(rod.end)[-1])) / LENGTH, iterations(result)
+    return float(np.linalg.norm(result.position(rod.point("end"))[-1])) / LENGTH, iterations(result)
 
 
 @pytest.mark.parametrize("slenderness", SLENDER)
@@ -61,9 +61,9 @@ def test_full_circle_of_edges(slenderness):
 def test_elastica(name, bound, slenderness):
     """Thick ones stretch: by about the square of the slenderness less."""
     scene, rod = cantilever(name, 16, section(slenderness))
-    scene.add(fl.PointLoad(rod.end, (0, 0, FORCE)))
+    scene.add(fl.PointLoad(rod.point("end"), (0, 0, FORCE)))
     result = fl.statics(scene, load_steps=10)
-    moved = result.position(rod.end)[-1] - (LENGTH, 0, 0)
+    moved = result.position(rod.point("end"))[-1] - (LENGTH, 0, 0)
     stretched = 3.0 / (12 * slenderness**2) * FORCE * LENGTH**2 / BENDING
     assert np.linalg.norm(moved - elastica(FORCE)) / LENGTH <= bound + stretched
     assert iterations(result) <= 5
@@ -103,9 +103,9 @@ def quarter(cells: int) -> float:
     own = fl.Section.from_stiffness([1e6, 1e6, 1e6, 0.5, 1.0, 1.0])
     scene = fl.Scene()
     rod = scene.add(fl.Rod(fl.Spline.checked(u, circle, along).mesh(), own))
-    scene.add(fl.Clamp(rod.start))
-    scene.add(fl.PointLoad(rod.end, (0, 0, 1e-4)))
-    found = fl.statics(scene).position(rod.end)[-1, 2]
+    scene.add(fl.Clamp(rod.point("start")))
+    scene.add(fl.PointLoad(rod.point("end"), (0, 0, 1e-4)))
+    found = fl.statics(scene).position(rod.point("end"))[-1, 2]
     exact = 1e-4 * (np.pi / 4 + (3 * np.pi / 4 - 2) / 0.5)
     return float(abs(found / exact - 1))
 
@@ -176,9 +176,9 @@ def swung(formulation: fl.Formulation, cells: int) -> np.ndarray:
         lambda s: (np.sin(s), 0, 1 - np.cos(s)), own, cells=cells, formulation=formulation
     )
     rod = scene.add(arc)
-    scene.add(fl.Clamp(rod.start))
+    scene.add(fl.Clamp(rod.point("start")))
     result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=0.15, step=1e-3)
-    return result.position(rod.end)[-1]
+    return result.position(rod.point("end"))[-1]
 
 
 def test_edges_swing_as_the_cubic_does():
@@ -193,9 +193,9 @@ def test_edges_that_are_turned_go_round():
     scene, own = fl.Scene(), fl.Section.rectangle(0.02, 0.02, fl.Material(1e8, 0.3, 1000.0))
     ends, edges = ((-0.5, 0, 0), (0.5, 0, 0)), fl.DiscreteRod()
     rod = scene.add(fl.Rod.straight(*ends, own, cells=8, formulation=edges))
-    rod.turn((0, 0, 0.5 * np.pi), (0.0, 0, 0))
+    rod.add_velocity(omega=(0, 0, 0.5 * np.pi), about=(0.0, 0, 0))
     result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=1.0, step=1e-2)
-    np.testing.assert_allclose(result.position(rod.end)[-1], (0, 0.5, 0), atol=2e-4)
+    np.testing.assert_allclose(result.position(rod.point("end"))[-1], (0, 0.5, 0), atol=2e-4)
 
 
 def test_rigid_motion_changes_no_forces_or_matrix_of_edges():
@@ -243,8 +243,8 @@ def held_off(off: tuple[float, float], cells: int, gravity=(0.0, 0.0, 0.0)):
     options = {"cells": cells, "up": (0, 0, 1)}
     rod = scene.add(fl.Rod.straight(*ends, SOLID.offset(*off), **options))
     body = scene.add(fl.RigidBody(2.0, (2e-3, 1e-3, 1e-3), position=(1, 0, 0)))
-    scene.add(fl.Clamp(rod.start))
-    scene.add(fl.RigidLink(rod.end, body.centre))
+    scene.add(fl.Clamp(rod.point("start")))
+    scene.add(fl.RigidLink(rod.point("end"), body.point("centre")))
     return scene, body, SOLID.stiffness[4, 4]
 
 
@@ -252,7 +252,7 @@ def loaded_off(off: tuple[float, float], cells: int, across: float) -> np.ndarra
     """Where the body is, far from the start, under loads that pull and bend it, and twist it."""
     scene, body, EI = held_off(off, cells, (0.0, -9.81, 30.0 * across))
     force, moment = (EI, 2 * EI, 3 * EI * across), (0.4 * EI * across, 0, 0)
-    scene.add(fl.PointLoad(body.centre, force, moment=moment))
+    scene.add(fl.PointLoad(body.point("centre"), force, moment=moment))
     return fl.statics(scene, load_steps=8).frames[-1, -1]
 
 
@@ -285,10 +285,10 @@ def test_curved_and_twisted_axes_off_the_centroid_are_those_of_beams(bent, twist
         scene = fl.Scene()
         line = (lambda s: (np.sin(s), 1 - np.cos(s), 0)) if bent else (lambda s: (s, 0, 0))
         rod = scene.add(kind.curve(line, own, cells=cells, up=fl.Twisted(lambda s: twisted * s)))
-        scene.add(fl.Clamp(rod.start))
-        scene.add(fl.PointLoad(rod.end, (100.0, 2.0, 3.0), moment=(10, 0, 0)))
+        scene.add(fl.Clamp(rod.point("start")))
+        scene.add(fl.PointLoad(rod.point("end"), (100.0, 2.0, 3.0), moment=(10, 0, 0)))
         result = fl.statics(scene)
-        return result.position(rod.end)[-1] - rod.end.position
+        return result.position(rod.point("end"))[-1] - rod.point("end").position
 
     exact = tip(fl.Beam, 64)
     coarse, fine = (np.linalg.norm(tip(fl.Rod, n) - exact) for n in (8, 16))
@@ -297,7 +297,7 @@ def test_curved_and_twisted_axes_off_the_centroid_are_those_of_beams(bent, twist
 
 def test_a_rod_off_its_axis_that_tumbles_keeps_energy_and_momentum():
     rod = fl.Rod.straight((0, 0, 0), (0.5, 0, 0), SOLID.offset(0.03, 0.02), cells=3)
-    rod.turn((3.0, 40.0, 20.0), (0.1, 0, 0))
+    rod.add_velocity(omega=(3.0, 40.0, 20.0), about=(0.1, 0, 0))
     scene = fl.Scene()
     scene.add(rod)
     result = fl.EnergyMomentum().run(scene, duration=0.05, step=1e-3)
@@ -330,7 +330,7 @@ def test_edges_that_tumble_keep_energy_and_momentum():
     own = fl.Section.from_stiffness([1e4] * 3 + [1.0] * 3, mass=1.0, polar=1e-4)
     line, edges = (lambda s: (s, 0.2 * s**3, 0.5 * s * s)), fl.DiscreteRod()
     rod = fl.Rod.curve(line, own, cells=10, formulation=edges)
-    rod.turn((3.0, 4.0, 2.0), rod.node(5))
+    rod.add_velocity(omega=(3.0, 4.0, 2.0), about=rod.point(5))
     scene = fl.Scene()
     scene.add(rod)
     result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=1.0, step=1e-3)

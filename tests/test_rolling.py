@@ -25,7 +25,7 @@ def connections_of(name: str) -> Connections:
     scene = fl.Scene()
     a = scene.add(fl.RigidBody(1.0, (1, 1, 1)))
     b = scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(0.3, 0.5, 0.8)))
-    scene.add(JOINTS[name](a.centre, b.centre))
+    scene.add(JOINTS[name](a.point("centre"), b.point("centre")))
     numbering = Numbering(scene.bodies)
     frames = np.concatenate([numbering.frames, [lie.frame(np.zeros(3), np.eye(3))]])
     return Connections(scene, numbering, frames, np.zeros((2, 6), dtype=bool))
@@ -92,17 +92,19 @@ def sledge(step: float) -> tuple[float, fl.Result, fl.KnifeEdge]:
     ahead, inertia, mass, v0, w0 = 0.3, 0.05, 1.5, -0.5, 2.0
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(mass, (inertia,) * 3, name="sledge"))
-    scene.add(fl.Planar(fl.ground(), body.centre))
-    blade = scene.add(fl.KnifeEdge(fl.ground(), body.centre, at=(-ahead, 0, 0), axis=(0, 1, 0)))
-    body.turn((0, 0, w0), about=(-ahead, 0, 0))
-    body.move((v0, 0, 0))
+    scene.add(fl.Planar(fl.ground(), body.point("centre")))
+    blade = scene.add(
+        fl.KnifeEdge(fl.ground(), body.point("centre"), at=(-ahead, 0, 0), axis=(0, 1, 0))
+    )
+    body.add_velocity(omega=(0, 0, w0), about=(-ahead, 0, 0))
+    body.add_velocity((v0, 0, 0))
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
     result = scheme.run(scene, duration=2.0, step=step)
     # dv/dt = a ω², v² + b² ω² = E²
     b = np.sqrt(inertia / mass + ahead**2)
     E = np.hypot(v0, b * w0)
     phase = ahead * E / b**2 * result.times + np.arctanh(v0 / E)
-    velocity = result.velocity(body.centre)
+    velocity = result.velocity(body.point("centre"))
     errors = velocity[:, 0] - E * np.tanh(phase), velocity[:, 5] - E / b / np.cosh(phase)
     return float(np.abs(errors).max()), result, blade
 
@@ -135,8 +137,8 @@ def test_blade_pushes_the_ground_as_the_sledge_is_pushed():
 def test_velocities_that_slip_are_refused():
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (1, 1, 1)))
-    scene.add(fl.KnifeEdge(fl.ground(), body.centre, axis=(0, 1, 0), name="blade"))
-    body.move((0, 1, 0))
+    scene.add(fl.KnifeEdge(fl.ground(), body.point("centre"), axis=(0, 1, 0), name="blade"))
+    body.add_velocity((0, 1, 0))
     with pytest.raises(ValueError, match="velocities break blade"):
         fl.GeneralisedAlpha().run(scene, duration=1.0, step=0.1)
     with pytest.raises(ValueError, match="for dynamics"):

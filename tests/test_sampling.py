@@ -16,9 +16,9 @@ def rod(force, cells=40, **options):
     section = fl.Section.rectangle(0.01, 0.015, RUBBER)
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=cells, name="rod", **options)
     scene.add(beam)
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     if force:
-        scene.add(fl.PointLoad(beam.end, force=force * np.array([0.0, 1.0, 1.5])))
+        scene.add(fl.PointLoad(beam.point("end"), force=force * np.array([0.0, 1.0, 1.5])))
     return scene, beam
 
 
@@ -28,7 +28,7 @@ def plate(force, cells=6):
     shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.01, RUBBER), name="plate"))
     shell.clamp("a=0")
     if force:
-        scene.add(fl.PointLoad(shell["11"], force=(0, 0, force)))
+        scene.add(fl.PointLoad(shell.point("11"), force=(0, 0, force)))
     return scene, shell
 
 
@@ -134,8 +134,8 @@ def test_all_cells_in_all_shapes_are_the_full_model(make, wide):
 def test_weight_and_turning_loads_act_as_on_all_cells():
     scene, basis, _ = trained("beam", 3, force=0.0)
     beam = basis.body
-    scene.add(fl.PointLoad(beam.end, force=(0.0, 5e-4, 1e-3), following=True))
-    scene.add(fl.PointLoad(beam.node(20), moment=(0.0, 2e-5, 1e-5)))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0.0, 5e-4, 1e-3), following=True))
+    scene.add(fl.PointLoad(beam.point(20), moment=(0.0, 2e-5, 1e-5)))
     every = fl.CellSample(basis, np.arange(40), np.ones(40), 0.0)
     found = fl.sampled_statics(scene, every)
     wanted = fl.reduced_statics(scene, basis, load_steps=2)

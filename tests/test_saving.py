@@ -24,9 +24,9 @@ def top(*, jointed: bool = True, history=None) -> fl.Scene:
     one = scene.add(fl.RigidBody(1.0, (0.2, 0.2, 0.3), (0.5, 0, 0)))
     two = scene.add(fl.RigidBody(2.0, (0.1, 0.2, 0.3), (0, 2.0, 0)))
     if jointed:
-        scene.add(fl.Revolute(fl.ground(), one.centre, at=(0, 0, 0), axis=(0, 1, 0.2)))
-    two.turn((1.0, 4.0, 0.2), about=two.centre)
-    scene.add(fl.PointLoad(two.centre, moment=(0, 0, 0.5), history=history))
+        scene.add(fl.Revolute(fl.ground(), one.point("centre"), at=(0, 0, 0), axis=(0, 1, 0.2)))
+    two.add_velocity(omega=(1.0, 4.0, 0.2), about=two.point("centre"))
+    scene.add(fl.PointLoad(two.point("centre"), moment=(0, 0, 0.5), history=history))
     return scene
 
 

@@ -31,7 +31,7 @@ def test_a_shell_has_five_parameters_in_one_scene_and_six_in_another():
     plain.add(shell)
     first = Assembled(plain, dynamics=True)
     jointed.add(shell)
-    jointed.add(fl.Revolute(shell["00"], fl.ground()))
+    jointed.add(fl.Revolute(shell.point("00"), fl.ground()))
     again = Assembled(plain, dynamics=True)
     other = Assembled(jointed, dynamics=True)
     assert not plain.drills(shell) and jointed.drills(shell)
@@ -42,7 +42,7 @@ def test_a_shell_has_five_parameters_in_one_scene_and_six_in_another():
 def test_two_shells_of_one_kind_may_differ_in_parameters():
     scene = fl.Scene()
     five, six = scene.add(plate()), scene.add(fl.Shell(plate().mesh, LAYER, name="other"))
-    scene.add(fl.PointLoad(six["11"], moment=(0, 0, 1)))
+    scene.add(fl.PointLoad(six.point("11"), moment=(0, 0, 1)))
     unknowns = fl.extend.Equations(scene, dynamics=True).unknowns
     held = unknowns.held[:, 5]
     assert held[unknowns.bodies[five]].all()
@@ -62,7 +62,7 @@ def test_two_shells_of_one_kind_may_differ_in_parameters():
 )
 def test_what_acts_along_a_joint_needs_it_in_the_scene(item):
     scene, a, b = two_bodies()
-    joint = fl.Revolute(a.centre, b.centre, at=(0, 0, 0), name="hinge")
+    joint = fl.Revolute(a.point("centre"), b.point("centre"), at=(0, 0, 0), name="hinge")
     with pytest.raises(ValueError, match="angle of hinge, which is not in the scene; add"):
         scene.add(item(joint))
     scene.add(joint)
@@ -72,14 +72,17 @@ def test_what_acts_along_a_joint_needs_it_in_the_scene(item):
 
 def test_a_distance_binds_nothing_and_need_not_be_in_the_scene():
     scene, a, b = two_bodies()
-    scene.add(fl.Spring(fl.Distance(a.centre, b.centre).length, stiffness=1.0))
+    scene.add(fl.Spring(fl.Distance(a.point("centre"), b.point("centre")).length, stiffness=1.0))
     assert not scene.joints
 
 
 def test_a_gear_wants_two_coordinates():
     scene, a, b = two_bodies()
-    pin = scene.add(fl.Cylindrical(a.centre, b.centre, at=(0, 0, 0)))
-    rod, back = fl.Distance(a.centre, b.centre), fl.Distance(b.centre, a.centre)
+    pin = scene.add(fl.Cylindrical(a.point("centre"), b.point("centre"), at=(0, 0, 0)))
+    rod, back = (
+        fl.Distance(a.point("centre"), b.point("centre")),
+        fl.Distance(b.point("centre"), a.point("centre")),
+    )
     for first, second in ((pin.angle, pin.angle), (rod.length, back.length)):
         with pytest.raises(ValueError, match="same coordinate"):
             scene.add(fl.Gear(first, second, ratio=2.0))
@@ -118,7 +121,7 @@ FAULTS = {
 def test_a_motion_that_ends_to_be_one_is_refused_at_that_time(fault, message, run):
     scene = fl.Scene()
     bar = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2))
-    start = bar.start.frame.copy()
+    start = bar.point("start").frame.copy()
 
     def motion(time):
         frame = lie.se3_retract(start, 0.1 * time**2 * np.array([0, 0, 1, 0, 1, 0]))
@@ -126,7 +129,7 @@ def test_a_motion_that_ends_to_be_one_is_refused_at_that_time(fault, message, ru
             fault(frame)
         return frame
 
-    scene.add(fl.PrescribedMotion(bar.start, motion))
+    scene.add(fl.PrescribedMotion(bar.point("start"), motion))
     # statics samples the motion within its steps
     when = "0.6" if run == "dynamics" else r"0\.5\d*"
     with pytest.raises(ValueError, match=f"(?s)beam 1.start must be.*{message}.*at time {when}"):
@@ -139,9 +142,9 @@ def test_a_motion_that_ends_to_be_one_is_refused_at_that_time(fault, message, ru
 def test_a_motion_of_another_shape_is_refused():
     scene = fl.Scene()
     bar = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2))
-    start = bar.start.frame.copy()
+    start = bar.point("start").frame.copy()
     motion = scene.add(
-        fl.PrescribedMotion(bar.start, lambda t: start if t == 0 else start.reshape(3, 4))
+        fl.PrescribedMotion(bar.point("start"), lambda t: start if t == 0 else start.reshape(3, 4))
     )
     with pytest.raises(ValueError, match=r"shape \(4, 3\).*time 0.5"):
         motion.frame(0.5)
@@ -189,7 +192,7 @@ def no_gravity(scene, bar):
 def test_what_is_set_by_hand_is_seen_before_anything_is_computed(spoil, message, solve):
     scene = fl.Scene()
     bar = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2, name="bar"))
-    scene.add(fl.Clamp(bar.start))
+    scene.add(fl.Clamp(bar.point("start")))
     with pytest.raises(ValueError, match=f"(?s){message}"):
         spoil(scene, bar)
         fl.extend.Equations(scene, dynamics=solve == "dynamics")

@@ -101,7 +101,7 @@ def slackening() -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     own = fl.DiscreteCable(slack=1e-3)
     net = scene.add(fl.Net(points, threads, section, formulation=own))
-    net.pin(*(net.node(k) for k in (0, 4, 20)))
+    net.pin(*(net.point(k) for k in (0, 4, 20)))
     return scene
 
 

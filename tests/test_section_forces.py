@@ -31,7 +31,7 @@ def cantilever(cells: int, section: fl.Section = SECTION, formulation=None, **op
             **options,
         )
     )
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     return scene, beam
 
 
@@ -85,7 +85,7 @@ def test_each_section_carries_what_acts_beyond_it(formulation):
     """A tip force and moment that bend and twist by more than a radian: all cuts, in space."""
     scene, beam = cantilever(6, formulation=formulation)
     force, moment = np.array([0.0, -20.0, 40.0]), np.array([30.0, 10.0, -20.0])
-    scene.add(fl.PointLoad(beam.end, force=force, moment=moment))
+    scene.add(fl.PointLoad(beam.point("end"), force=force, moment=moment))
     result = fl.statics(scene, load_steps=2)
     found = fl.section_forces(result, beam, scene)
     assert found.times.tolist() == result.factors.tolist()
@@ -108,13 +108,13 @@ def test_each_section_carries_what_acts_beyond_it(formulation):
         )
         local = np.einsum("mij,amj->mai", middle[:, 1:], expected).reshape(-1, 6)
         np.testing.assert_allclose(found.middle[k], local, atol=1e-6)
-    assert np.arccos(result.rotation(beam.end)[-1, 0, 0]) > 0.8
+    assert np.arccos(result.rotation(beam.point("end"))[-1, 0, 0]) > 0.8
     # components are along the directors
-    axes = result.rotation(beam.end)[-1]
+    axes = result.rotation(beam.point("end"))[-1]
     np.testing.assert_allclose(found.ends[-1, -1, 1, :3], force @ axes, atol=1e-6)
     for i, name in enumerate(("N", "Vy", "Vz", "T", "My", "Mz")):
         np.testing.assert_array_equal(found.raw(name), found.ends[..., i])
-    np.testing.assert_allclose(found.at(beam.end, "T")[-1], moment @ axes[:, 0], atol=1e-6)
+    np.testing.assert_allclose(found.at(beam.point("end"), "T")[-1], moment @ axes[:, 0], atol=1e-6)
     # nothing acts between the ends: nothing jumps
     np.testing.assert_allclose(found.smooth_ends, found.ends, atol=1e-6)
 
@@ -123,9 +123,9 @@ def test_signs():
     """N pulls, a force to +z at the tip pulls at the top of the root where z < 0, and so on."""
     small = np.array([3.0, 2.0, 1.0]) * 1e-6
     scene, beam = cantilever(2)
-    scene.add(fl.PointLoad(beam.end, force=small, moment=(4e-6, 0, 0)))
+    scene.add(fl.PointLoad(beam.point("end"), force=small, moment=(4e-6, 0, 0)))
     found = fl.section_forces(fl.statics(scene), beam, scene)
-    root = [found.at(beam.start, name)[-1] for name in ("N", "Vy", "Vz", "T", "My", "Mz")]
+    root = [found.at(beam.point("start"), name)[-1] for name in ("N", "Vy", "Vz", "T", "My", "Mz")]
     expected = [*small, 4e-6, -small[2] * LENGTH, small[1] * LENGTH]
     np.testing.assert_allclose(root, expected, rtol=0, atol=1e-11)
     square = fl.Section.rectangle(1.0, 1.0, STEEL)
@@ -165,26 +165,26 @@ def test_what_meets_at_a_node_is_the_residual_of_the_scene(seed):
 def test_equilibrium_of_a_frame_with_a_branch():
     """Both arms of a branch hang on its stem, and a body on a link."""
     scene, beam = branch()
-    scene.add(fl.Clamp(beam.node(0)))
+    scene.add(fl.Clamp(beam.point(0)))
     weight = scene.add(fl.RigidBody(1.0, (1, 1, 1), (1.2, 1.0, 0.3)))
-    scene.add(fl.RigidLink(beam.node(2), weight.centre))
+    scene.add(fl.RigidLink(beam.point(2), weight.point("centre")))
     loads = {3: np.array([0.0, 4.0, -3.0]), 4: np.array([2.0, 0.0, 1.0])}
     for node, force in loads.items():
-        scene.add(fl.PointLoad(beam.node(node), force=force))
-    scene.add(fl.PointLoad(weight.centre, force=(1.0, 0.0, -2.0)))
+        scene.add(fl.PointLoad(beam.point(node), force=force))
+    scene.add(fl.PointLoad(weight.point("centre"), force=(1.0, 0.0, -2.0)))
     result = fl.statics(scene)
     found = fl.section_forces(result, beam, scene)
     total = np.array([3.0, 4.0, -4.0])
     np.testing.assert_allclose(found.cut_forces[-1, 0], [total, total], atol=1e-7)
     root = beam.frames[0, 0]
-    about = np.cross(result.position(weight.centre)[-1] - root, [1.0, 0.0, -2.0])
-    about += sum(np.cross(result.position(beam.node(n))[-1] - root, f) for n, f in loads.items())
+    about = np.cross(result.position(weight.point("centre"))[-1] - root, [1.0, 0.0, -2.0])
+    about += sum(np.cross(result.position(beam.point(n))[-1] - root, f) for n, f in loads.items())
     np.testing.assert_allclose(found.cut_moments[-1, 0, 0], about, atol=1e-7)
     np.testing.assert_allclose(found.cut_forces[-1, 1, 0], [1.0, 0.0, -2.0], atol=1e-7)
     # the stem and the arm that goes straight on share a frame, but values jump there
     np.testing.assert_array_equal(found.smooth_ends, found.ends)
     with pytest.raises(ValueError, match="belong to 2 ends of elements"):
-        found.at(beam.node(1), "N")
+        found.at(beam.point(1), "N")
 
 
 def test_little_weight_carries_the_force_of_the_joint_at_all_times():
@@ -193,17 +193,17 @@ def test_little_weight_carries_the_force_of_the_joint_at_all_times():
     light = fl.Section.from_stiffness([EA, GA, GA, GJ, EI2, EI3], mass=1e-7, polar=2e-11)
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), light, cells=2))
     body = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (1, 0, 0)))
-    scene.add(fl.Spherical(fl.ground(), beam.start))
-    joint = scene.add(fl.Fixed(beam.end, body.centre))
+    scene.add(fl.Spherical(fl.ground(), beam.point("start")))
+    joint = scene.add(fl.Fixed(beam.point("end"), body.point("centre")))
     result = fl.GeneralisedAlpha(radius=0.5).run(scene, duration=0.2, step=0.01)
     found = fl.section_forces(result, beam, scene)
-    axes = joint.frame()[1:] @ beam.end.frame[1:].T  # of the joint in the node's frame
+    axes = joint.frame()[1:] @ beam.point("end").frame[1:].T  # of the joint in the node's frame
     wrench = result.joint_force(joint).reshape(-1, 2, 3) @ axes
     assert np.abs(wrench).max() > 4.0
     for i, name in enumerate(("N", "Vy", "Vz", "T", "My", "Mz")):
         expected = wrench[:, i // 3, i % 3]
         # at the start the joint feels the load and the beam nothing yet
-        np.testing.assert_allclose(found.at(beam.end, name)[1:], expected[1:], atol=1e-5)
+        np.testing.assert_allclose(found.at(beam.point("end"), name)[1:], expected[1:], atol=1e-5)
 
 
 # --- what the element is --------------------------------------------------------------------------
@@ -313,22 +313,22 @@ def test_a_single_force_stays_a_jump():
     mesh = fl.LineMesh.from_cells(np.outer(s, [1, 0, 0]), [(i, i + 1) for i in range(5)])
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, SECTION, up=(0, 0, 1)))
-    scene.add(fl.Clamp(beam.node(0)))
+    scene.add(fl.Clamp(beam.point(0)))
     scene.add(fl.LineLoad(beam, force=(0, 0, q)))
-    scene.add(fl.PointLoad(beam.node(3), force=(0, 0, single)))
+    scene.add(fl.PointLoad(beam.point(3), force=(0, 0, single)))
     found = fl.section_forces(fl.statics(scene), beam, scene)
     expected = q * (LENGTH - found.arc) + single * (np.arange(5) < 3)[:, np.newaxis]
     np.testing.assert_allclose(found.smooth("Vz")[-1], expected, atol=1e-6 * q)
     with pytest.raises(ValueError, match="belong to 2 ends"):
-        found.at(beam.node(3), "Vz")
-    np.testing.assert_allclose(found.at(beam.node(1), "Vz")[-1], expected[0, 1], atol=1e-6 * q)
+        found.at(beam.point(3), "Vz")
+    np.testing.assert_allclose(found.at(beam.point(1), "Vz")[-1], expected[0, 1], atol=1e-6 * q)
 
 
 def test_nothing_is_smooth_where_something_slides():
     """Its force is on the nodes of the element where it is."""
     scene, beam = cantilever(4)
     body = scene.add(fl.RigidBody(1.0, (1, 1, 1), (0.6 * LENGTH, 0, 0)))
-    scene.add(fl.Sliding(beam, body.centre))
+    scene.add(fl.Sliding(beam, body.point("centre")))
     found = in_frames(scene, beam, lie.se3_retract(beam.frames, 0.1 * np.ones((5, 6))))
     np.testing.assert_array_equal(found.smooth_ends, found.ends)
     assert set(found.single) == set(range(5))
@@ -360,8 +360,8 @@ def test_spin_up_in_time():
     scene = fl.Scene()
     section = fl.Section.rectangle(0.02, 0.04, STEEL)
     beam = scene.add(fl.Beam.straight((0, 0, 0), (LENGTH, 0, 0), section, cells=8, up=(0, 0, 1)))
-    scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 0, 1)))
-    beam.turn((0, 0, spin), about=beam.start)
+    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
+    beam.add_velocity(omega=(0, 0, spin), about=beam.point("start"))
     # large steps damp the axial vibration that starts with the load
     result = fl.GeneralisedAlpha(radius=0.0).run(scene, duration=0.5, step=0.01)
     found = fl.section_forces(result, beam, scene)
@@ -378,7 +378,7 @@ def test_pure_bending_to_a_circle():
     """The moment is the same everywhere, and there is no force."""
     scene, beam = cantilever(8)
     moment = 2 * np.pi * EI3 / LENGTH
-    scene.add(fl.PointLoad(beam.end, moment=(0, 0, moment)))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, moment)))
     found = fl.section_forces(fl.statics(scene, load_steps=6), beam, scene)
     np.testing.assert_allclose(found.middle[-1, :, 5], moment, rtol=1e-9)
     np.testing.assert_allclose(found.middle[-1, :, :5], 0.0, atol=1e-6)
@@ -393,11 +393,11 @@ def test_elastica():
     for cells in (8, 16):
         scene = fl.Scene()
         beam = scene.add(fl.Beam.straight((0, 0, 0), (length, 0, 0), section, cells=cells))
-        scene.add(fl.Clamp(beam.start))
-        scene.add(fl.PointLoad(beam.end, force=(0, 0, force)))
+        scene.add(fl.Clamp(beam.point("start")))
+        scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, force)))
         found = fl.section_forces(fl.statics(scene, load_steps=4), beam, scene)
         exact = -force * (length + elastica(force)[0])
-        errors.append(abs(found.at(beam.start, "My")[-1] / exact - 1))
+        errors.append(abs(found.at(beam.point("start"), "My")[-1] / exact - 1))
     assert max(errors) < 2e-6  # what is left with EA L²/EI = 1e6 is stretch and shear
 
 
@@ -407,7 +407,7 @@ def test_elastica():
 def test_warming_between_clamps_and_histories():
     """``N = −EA α ΔT`` at each load factor; a history goes with the factor, too."""
     scene, beam = cantilever(3)
-    scene.add(fl.Clamp(beam.end))
+    scene.add(fl.Clamp(beam.point("end")))
     scene.add(fl.Temperature(beam, 20.0, 1e-4))
     scene.add(fl.Eigenstrain(beam, (1e-3, 0, 0, 0, 0, 0), history=lambda t: t**2))
     found = fl.section_forces(fl.statics(scene, load_steps=2), beam, scene)
@@ -420,7 +420,7 @@ def test_constant_strains_act_from_the_start_in_dynamics():
     given = np.array([100.0, 20, -30, 4, 5, -6])
     scene, beam = cantilever(2)
     for k in (1, 2):
-        scene.add(fl.Clamp(beam.node(k)))
+        scene.add(fl.Clamp(beam.point(k)))
     scene.add(fl.PreStress(beam, given))
     result = fl.GeneralisedAlpha().run(scene, duration=2e-3, step=1e-3)
     found = fl.section_forces(result, beam, scene)
@@ -448,7 +448,7 @@ def test_largest_stress_of_a_bent_and_pulled_bar():
     """``N/A ± M_y/W``, at both ends and in the middle."""
     b, h, force = 0.02, 0.04, 1e-3
     scene, beam = cantilever(2, fl.Section.rectangle(b, h, STEEL))
-    scene.add(fl.PointLoad(beam.end, force=(5 * force, 0, force)))
+    scene.add(fl.PointLoad(beam.point("end"), force=(5 * force, 0, force)))
     found = fl.section_forces(fl.statics(scene), beam, scene)
     bending = force * (LENGTH - found.arc) * 6 / (b * h**2)
     pull = 5 * force / (b * h)
@@ -467,7 +467,7 @@ def test_files_hold_the_values(tmp_path):
     pyvista = pytest.importorskip("pyvista")
     scene, beam = cantilever(3, formulation=fl.Director(2))
     scene.add(fl.RigidBody(1.0, (1, 1, 1), (5, 0, 0)))
-    scene.add(fl.PointLoad(beam.end, force=(1.0, 2.0, 30.0)))
+    scene.add(fl.PointLoad(beam.point("end"), force=(1.0, 2.0, 30.0)))
     result = fl.GeneralisedAlpha().run(scene, duration=0.02, step=0.01)
     found = fl.section_forces(result, beam, scene)
     found.write_vtk(tmp_path / "forces.pvd")
@@ -493,8 +493,8 @@ def test_files_hold_the_values(tmp_path):
 def test_diagram(tmp_path):
     """A line for each piece and each state, from end to end."""
     scene, beam = branch()
-    scene.add(fl.Clamp(beam.node(0)))
-    scene.add(fl.PointLoad(beam.node(2), force=(1.0, 2.0, 3.0)))
+    scene.add(fl.Clamp(beam.point(0)))
+    scene.add(fl.PointLoad(beam.point(2), force=(1.0, 2.0, 3.0)))
     found = fl.section_forces(fl.statics(scene, load_steps=2), beam, scene)
     units = fl.Units(length="m", force="kN")
     figure = found.plot("N", "My", steps=(0, 1), path=tmp_path / "N.png", units=units)
@@ -509,7 +509,7 @@ def test_diagram(tmp_path):
 
 def test_bad_input_is_named():
     scene, beam = cantilever(2)
-    scene.add(fl.PointLoad(beam.end, force=(0, 0, 1.0)))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 1.0)))
     result = fl.statics(scene)
     other = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=3, name="other")
     with pytest.raises(ValueError, match="other is not in the scene"):
@@ -527,7 +527,7 @@ def test_bad_input_is_named():
     with pytest.raises(ValueError, match="axial stress needs a section that knows"):
         found.raw("stress max")
     with pytest.raises(ValueError, match=r"other\.end is not a point of beam 1"):
-        found.at(other.end, "N")
+        found.at(other.point("end"), "N")
     with pytest.raises(ValueError, match="no outline"):
         section = fl.Section.rectangle(1, 1, STEEL)
         replace(section, outline=None).axial_stress()

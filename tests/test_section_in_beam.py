@@ -13,15 +13,15 @@ def tip_of(section: fl.Section, load_at=None) -> tuple[float, float]:
     length, force = 2.0, 1.0
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (length, 0, 0), section, cells=4, up=(0, 0, 1)))
-    scene.add(fl.Clamp(beam.start))
-    point = beam.end
+    scene.add(fl.Clamp(beam.point("start")))
+    point = beam.point("end")
     if load_at is not None:
         plate = scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0), (length, *load_at)))
-        scene.add(fl.RigidLink(beam.end, plate.centre))
-        point = plate.centre
+        scene.add(fl.RigidLink(beam.point("end"), plate.point("centre")))
+        point = plate.point("centre")
     scene.add(fl.PointLoad(point, force=(0, 0, force)))
     result = fl.statics(scene)
-    R, moved = result.rotation(beam.end)[-1], result.position(point)[-1]
+    R, moved = result.rotation(beam.point("end"))[-1], result.position(point)[-1]
     return R[2, 1], moved[2] - point.position[2]
 
 

@@ -63,7 +63,7 @@ def box(cell: str, degree: int, count: int = 2) -> fl.Shell:
 
 def deformed(system: Assembled, seed: int = 1, size: float = 0.2) -> np.ndarray:
     """Random places and directors of what is free."""
-    H, rng = system.start, np.random.default_rng(seed)
+    H, rng = system.point("start"), np.random.default_rng(seed)
     h = np.where(system.held, 0.0, size * rng.normal(size=(system.count, 6)))
     system.equations.supports.turn_back(H, h)
     return system.tilted(H, h)
@@ -156,7 +156,7 @@ def test_pressure_pushes_to_the_side_of_the_directors():
         place = square if director[2] > 0 else lambda a, b: square(1 - a, b)
         shell = fl.Shell(fl.surface(place, (2, 2)), LAYER, director=lambda x, d=director: d)
         system = Assembled(scene_with(shell, fl.SurfacePressure(shell, 3.0)), dynamics=False)
-        total = pushes(system, system.start).sum(axis=0)
+        total = pushes(system, system.point("start")).sum(axis=0)
         np.testing.assert_allclose(total, 6.0 * np.array(director), atol=1e-12)
 
 
@@ -177,11 +177,11 @@ def open_case(name: str) -> fl.Scene:
             shell.hinge("a=1")
             shell.hinge("b=1")
         case "guided plane":
-            shell.guide("a=0", (1, 0, 0))
+            shell.roller("a=0", (1, 0, 0))
             for side in ("a=1", "b=0", "b=1"):
                 shell.hinge(side)
         case "guided askew":
-            shell.guide("a=0", (0, 1, 0))
+            shell.roller("a=0", (0, 1, 0))
             for side in ("a=1", "b=0", "b=1"):
                 shell.hinge(side)
     return scene_with(shell, fl.SurfacePressure(shell, pressure))
@@ -313,8 +313,8 @@ def test_pressures_have_histories_of_their_own():
     )
     system = Assembled(scene, dynamics=False)
     system.equations.prescribed(0.5).act(factor=0.1)
-    local = -system.residual(system.start)[: 6 * system.count].reshape(-1, 6)
-    total = np.einsum("ni,nij->j", local[:, :3], system.start[: system.count, 1:])
+    local = -system.residual(system.point("start"))[: 6 * system.count].reshape(-1, 6)
+    total = np.einsum("ni,nij->j", local[:, :3], system.point("start")[: system.count, 1:])
     np.testing.assert_allclose(total, [0, 0, 2.0 * (0.3 + 1.25)], atol=1e-13)
     with pytest.raises(ValueError, match=r"SurfacePressure on .* with a history"):
         fl.follow_loads(scene)
@@ -324,9 +324,9 @@ def test_a_beam_under_pressure_by_the_arc_length():
     """As by load steps; the load stiffness grows with the load."""
     section = fl.Section.from_stiffness([1e4, 5e3, 5e3, 1.0, 1.0, 1.0], mass=1.0)
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=8, up=(0, 0, 1))
-    scene = scene_with(beam, fl.Clamp(beam.start), fl.PressureLoad(beam, 8.0, (0, 1, 1)))
+    scene = scene_with(beam, fl.Clamp(beam.point("start")), fl.PressureLoad(beam, 8.0, (0, 1, 1)))
     stepped, followed = fl.statics(scene, load_steps=4), fl.follow_loads(scene, [0.5, 1.0])
-    found, expected = followed.position(beam.end), stepped.position(beam.end)
+    found, expected = followed.position(beam.point("end")), stepped.position(beam.point("end"))
     np.testing.assert_allclose(found, expected[[1, 3]], atol=1e-7)
     assert np.abs(found[-1] - found[0]).max() > 0.1
 
@@ -375,7 +375,7 @@ def test_loads_on_a_group_of_cells():
     assert not area[shell.frames[:, 0, 0] < 0.9].any()
     pressure = fl.SurfacePressure(shell, 1.0, cells="half")
     system = Assembled(scene_with(shell, pressure), dynamics=False)
-    np.testing.assert_allclose(pushes(system, system.start), area[:, :3], atol=1e-14)
+    np.testing.assert_allclose(pushes(system, system.point("start")), area[:, :3], atol=1e-14)
 
 
 # --- edges ---
@@ -425,9 +425,9 @@ def test_following_edge_forces_are_those_of_a_beam(direction):
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=16, up=(0, 0, 1))
     # the beam's axes: along, then those of its section
     axes = beam.frames[-1, 1:]
-    push = fl.PointLoad(beam.end, axes @ [force[1], 0, force[2]], following=True)
-    reference = fl.statics(scene_with(beam, fl.Clamp(beam.start), push), load_steps=4)
-    expected = reference.position(beam.end)[-1]
+    push = fl.PointLoad(beam.point("end"), axes @ [force[1], 0, force[2]], following=True)
+    reference = fl.statics(scene_with(beam, fl.Clamp(beam.point("start")), push), load_steps=4)
+    expected = reference.position(beam.point("end"))[-1]
     assert expected[2] > 0.05
     found = result.position("strip.10")[-1]
     np.testing.assert_allclose(found[[0, 2]], expected[[0, 2]], atol=5e-3)

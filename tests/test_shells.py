@@ -159,7 +159,7 @@ def test_tangent_is_symmetric_and_the_derivative_of_the_residual():
     """In equilibrium; supports along fixed axes included."""
     scene = loaded()
     shell = scene.bodies[0]
-    shell.guide("10", (1.0, 0.0, 1.0))
+    shell.roller("10", (1.0, 0.0, 1.0))
     model = SceneEquilibrium(scene, "")
     fl.ArcLength().follow(model)
     model.factorise(1.0)
@@ -200,7 +200,7 @@ def test_half_a_shell_with_a_plane_of_symmetry_is_half_of_the_whole():
         if not whole:
             shell.symmetry("b=0", (0, 1, 0))
         for name in ("10", "11") if whole else ("11",):
-            scene.add(fl.PointLoad(shell[name], force=(0.01, 0, -0.02)))
+            scene.add(fl.PointLoad(shell.point(name), force=(0.01, 0, -0.02)))
         result = fl.follow_loads(scene)
         return result.position("arch.11")[-1]
 
@@ -212,9 +212,9 @@ def test_guide_holds_a_direction_in_space_as_a_joint_does():
         scene = loaded()
         shell = scene.bodies[0]
         if guided:
-            shell.guide("11", (1, 0, 1))
+            shell.roller("11", (1, 0, 1))
         else:
-            scene.add(fl.InPlane(fl.ground(), shell["11"], axis=(1, 0, 1)))
+            scene.add(fl.InPlane(fl.ground(), shell.point("11"), axis=(1, 0, 1)))
         return places(fl.follow_loads(scene))
 
     held, joined = state(True), state(False)
@@ -260,9 +260,9 @@ def test_free_shell_tumbles_with_its_momentum(formulation, group):
     It starts without the stretch that its spin makes; those vibrations, 2 % of its energy, are too
     fast for the steps and damped by the scheme.
     """
-    shell = arch_shell((4, 2), formulation=formulation).on(group)
-    shell.turn((0.2, 0.1, 0.3), (0, 0, 0))
-    shell.move((0.1, 0, 0))
+    shell = arch_shell((4, 2), formulation=formulation).set_group(group)
+    shell.add_velocity(omega=(0.2, 0.1, 0.3), about=(0, 0, 0))
+    shell.add_velocity((0.1, 0, 0))
     result = fl.GeneralisedAlpha(radius=0.9).run(scene_with(shell), duration=2.0, step=0.05)
     # exact on R³×SO(3) up to the iteration; of second order in the step on SE(3)
     assert result.momentum_error <= (1e-4 if group == fl.Group.SE3 else 1e-7)
@@ -295,7 +295,9 @@ def test_stretched_strip_vibrates_as_a_stretched_beam():
     shell.clamp("a=0")
     strip = scene_with(shell, fl.EdgeLoad(shell, "a=1", force=(tension / 0.1, 0, 0)))
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.rectangle(0.1, 0.01, steel), cells=20)
-    rod = scene_with(beam, fl.Clamp(beam.start), fl.PointLoad(beam.end, force=(tension, 0, 0)))
+    rod = scene_with(
+        beam, fl.Clamp(beam.point("start")), fl.PointLoad(beam.point("end"), force=(tension, 0, 0))
+    )
     found, wanted = (np.abs(fl.vibrations(scene, count=2).eigenvalues) for scene in (strip, rod))
     np.testing.assert_allclose(found, wanted, rtol=0.01)
 
@@ -334,7 +336,7 @@ def beside_beam(item):
         (1, 1, 0), (1, 2, 0), fl.Section.circle(0.1, fl.Material(1.0, 0.3, 1.0)), cells=1
     )
     shell = arch_shell(**FIVE)
-    return scene_with(shell, beam, item(shell["00"], beam.start))
+    return scene_with(shell, beam, item(shell.point("00"), beam.point("start")))
 
 
 CASES = {
@@ -398,7 +400,7 @@ CASES = {
         lambda: joined(lambda shell: fl.EdgeLoad(shell, "c")),
         "no curve 'c'",
     ),
-    "unknown point": (lambda: arch_shell()["c"], "no point 'c'"),
+    "unknown point": (lambda: arch_shell().point("c"), "no point 'c'"),
     "section of an unknown group": (
         lambda: fl.Shell(fl.surface(square, (1, 1)), {"skin": LAYER}),
         "no group of cells 'skin'",
@@ -408,7 +410,7 @@ CASES = {
         "not on a plane of symmetry",
     ),
     "guided along nothing": (
-        lambda: arch_shell().guide("00", (0, 0, 0)),
+        lambda: arch_shell().roller("00", (0, 0, 0)),
         "direction of guide '00' must not be zero",
     ),
     "triangles of degree 2 in a mixed element": (
@@ -423,17 +425,17 @@ CASES = {
     "fixed joint on five parameters": (lambda: beside_beam(fl.Fixed), "Parameters.FIVE"),
     "moving support on five parameters": (
         lambda: joined(
-            lambda shell: fl.PrescribedMotion(shell["00"], lambda t: shell.frames[0]), **FIVE
+            lambda shell: fl.PrescribedMotion(shell.point("00"), lambda t: shell.frames[0]), **FIVE
         ),
         "PrescribedMotion needs nodes that turn",
     ),
     "moment about the normal": (
-        lambda: joined(lambda shell: fl.PointLoad(shell["00"], moment=(1, 1, 1)), **FIVE),
+        lambda: joined(lambda shell: fl.PointLoad(shell.point("00"), moment=(1, 1, 1)), **FIVE),
         "the moment at .*00 needs nodes",
     ),
     "following moment about the normal": (
         lambda: joined(
-            lambda shell: fl.PointLoad(shell["00"], moment=(0, 0, 1), following=True), **FIVE
+            lambda shell: fl.PointLoad(shell.point("00"), moment=(0, 0, 1), following=True), **FIVE
         ),
         "the moment at .*00 needs nodes",
     ),

@@ -12,21 +12,21 @@ AXIS = np.array([0.6, 0.0, 0.8])
 
 def spinning(guided: bool, group: fl.Group, *, joint: bool = False) -> tuple[fl.Scene, fl.Shell]:
     """A plate that turns about z; one corner, which moves along y, is held along x and z."""
-    shell = fl.Shell(fl.surface(lambda a, b: (1.0 + a, b, 0.0), (3, 3)), LAYER, name="plate").on(
-        group
-    )
+    shell = fl.Shell(
+        fl.surface(lambda a, b: (1.0 + a, b, 0.0), (3, 3)), LAYER, name="plate"
+    ).set_group(group)
     scene = fl.Scene(gravity=(0.0, 0.0, -0.1))
     scene.add(shell)
-    shell.turn((0, 0, 0.5), (0, 0, 0))
+    shell.add_velocity(omega=(0, 0, 0.5), about=(0, 0, 0))
     for axis in (AXIS, np.cross(AXIS, [0, 1, 0])):
         if guided:
-            shell.guide("00", axis)
+            shell.roller("00", axis)
         else:
-            scene.add(fl.InPlane(fl.ground(), shell["00"], axis=axis))
+            scene.add(fl.InPlane(fl.ground(), shell.point("00"), axis=axis))
     if joint:
-        block = scene.add(fl.RigidBody(0.5, (0.1, 0.1, 0.1), shell["11"].position))
-        block.turn((0, 0, 0.5), (0, 0, 0))
-        scene.add(fl.Spherical(block.centre, shell["11"]))
+        block = scene.add(fl.RigidBody(0.5, (0.1, 0.1, 0.1), shell.point("11").position))
+        block.add_velocity(omega=(0, 0, 0.5), about=(0, 0, 0))
+        scene.add(fl.Spherical(block.point("centre"), shell.point("11")))
     return scene, shell
 
 
@@ -76,15 +76,15 @@ def test_vibrations_of_guided_shells():
         scene = fl.Scene()
         scene.add(shell)
         if guided:
-            shell.guide("10", AXIS)
+            shell.roller("10", AXIS)
         else:
-            scene.add(fl.InPlane(fl.ground(), shell["10"], axis=AXIS))
+            scene.add(fl.InPlane(fl.ground(), shell.point("10"), axis=AXIS))
         if loaded:
             scene.add(fl.AreaLoad(shell, (0, 0, -0.01)))
         modes = fl.vibrations(scene, 4)
         # the part of the guided corner along the axis
-        corner = modes.shapes[:, modes.info.node(shell["10"])]
-        frame = modes.frames[modes.info.node(shell["10"]), 1:]
+        corner = modes.shapes[:, modes.info.node(shell.point("10"))]
+        frame = modes.frames[modes.info.node(shell.point("10")), 1:]
         assert np.abs(corner[:, :3] @ frame @ AXIS).max() <= 1e-9
         return np.abs(modes.eigenvalues)
 
@@ -102,12 +102,12 @@ def test_inertial_components_know_no_fixed_axes():
 def test_velocities_of_what_is_held_are_refused():
     shell = fl.Shell(fl.surface(lambda a, b: (a, b, 0.0), (2, 2)), LAYER, name="plate")
     shell.clamp("a=0")
-    shell.move((0, 0, 1.0))
+    shell.add_velocity((0, 0, 1.0))
     scene = fl.Scene()
     scene.add(shell)
     with pytest.raises(ValueError, match="node 0 of plate is held"):
         run(scene)
     guided, shell = spinning(True, fl.Group.SE3)
-    shell.move((0.1, 0, 0))
+    shell.add_velocity((0.1, 0, 0))
     with pytest.raises(ValueError, match="node 0 of plate is held"):
         run(guided)

@@ -38,7 +38,7 @@ def scene_with(*items) -> fl.Scene:
 
 
 def nearest(shell: fl.Shell, place) -> fl.Point:
-    return shell.node(int(np.linalg.norm(shell.mesh.points - place, axis=1).argmin()))
+    return shell.point(int(np.linalg.norm(shell.mesh.points - place, axis=1).argmin()))
 
 
 def machine(*, clamped: bool, links: bool = True, loaded: bool = False) -> fl.Scene:
@@ -51,16 +51,16 @@ def machine(*, clamped: bool, links: bool = True, loaded: bool = False) -> fl.Sc
     scene = scene_with(shell, beam, ball)
     middle = nearest(shell, [0.5, 0.5, 0])
     if links:
-        scene.add(fl.RigidLink(beam.start, middle))  # the beam leads
-        scene.add(fl.RigidLink(shell["10"], ball["centre"]))
+        scene.add(fl.RigidLink(beam.point("start"), middle))  # the beam leads
+        scene.add(fl.RigidLink(shell.point("10"), ball.point("centre")))
     else:
-        scene.add(fl.Fixed(beam.start, middle))
-        scene.add(fl.Fixed(shell["10"], ball["centre"], at=(1.2, 0, 0.6)))
+        scene.add(fl.Fixed(beam.point("start"), middle))
+        scene.add(fl.Fixed(shell.point("10"), ball.point("centre"), at=(1.2, 0, 0.6)))
     if clamped:
         shell.clamp("a=0")
     if loaded:
-        scene.add(fl.PointLoad(beam.end, (0.002, 0.001, -0.001), (2e-4, 2e-4, 5e-4)))
-        scene.add(fl.PointLoad(shell["11"], (0.002, 0.001, -0.001), (1e-3, 2e-3, 1e-3)))
+        scene.add(fl.PointLoad(beam.point("end"), (0.002, 0.001, -0.001), (2e-4, 2e-4, 5e-4)))
+        scene.add(fl.PointLoad(shell.point("11"), (0.002, 0.001, -0.001), (1e-3, 2e-3, 1e-3)))
     return scene
 
 
@@ -121,15 +121,17 @@ def test_automatic_is_five_until_something_takes_hold_of_a_rotation():
         shell = fl.Shell(fl.surface(flat, (2, 1)), LAYER, **options)
         return scene_with(shell, item_of_shell(shell)).drills(shell)
 
-    assert not drills(lambda s: fl.PointLoad(s["00"], force=(1, 2, 3)))
-    assert not drills(lambda s: fl.Spherical(s["00"], fl.ground()))
-    assert not drills(lambda s: fl.InPlane(fl.ground(), s["00"]))
-    assert not drills(lambda s: fl.PointLoad(s["00"], moment=(1, 2, 0)), parameters=Parameters.FIVE)
-    assert drills(lambda s: fl.PointLoad(s["00"], moment=(1, 2, 0)))
-    assert drills(lambda s: fl.InPlane(s["00"], fl.ground()))  # its axis turns with the node
-    assert drills(lambda s: fl.Spherical(s["00"], fl.ground(), at=(1, 1, 1)))
-    assert drills(lambda s: fl.Revolute(s["00"], fl.ground()))
-    assert drills(lambda s: fl.PointLoad(s["00"], force=(1, 2, 3)), parameters=Parameters.SIX)
+    assert not drills(lambda s: fl.PointLoad(s.point("00"), force=(1, 2, 3)))
+    assert not drills(lambda s: fl.Spherical(s.point("00"), fl.ground()))
+    assert not drills(lambda s: fl.InPlane(fl.ground(), s.point("00")))
+    assert not drills(
+        lambda s: fl.PointLoad(s.point("00"), moment=(1, 2, 0)), parameters=Parameters.FIVE
+    )
+    assert drills(lambda s: fl.PointLoad(s.point("00"), moment=(1, 2, 0)))
+    assert drills(lambda s: fl.InPlane(s.point("00"), fl.ground()))  # its axis turns with the node
+    assert drills(lambda s: fl.Spherical(s.point("00"), fl.ground(), at=(1, 1, 1)))
+    assert drills(lambda s: fl.Revolute(s.point("00"), fl.ground()))
+    assert drills(lambda s: fl.PointLoad(s.point("00"), force=(1, 2, 3)), parameters=Parameters.SIX)
 
 
 # --- equations ---
@@ -211,7 +213,7 @@ def derivative_error(system: System, H, weights, *, along_motion: bool) -> float
 @pytest.mark.parametrize("links", [True, False])
 def test_matrix_is_the_derivative_of_the_residual(links):
     scene = machine(clamped=True, links=links, loaded=True)
-    scene.add(fl.Revolute(scene.bodies[0]["11"], fl.ground(), axis=(1, 2, 3)))
+    scene.add(fl.Revolute(scene.bodies[0].point("11"), fl.ground(), axis=(1, 2, 3)))
     rng, system = np.random.default_rng(4), System(scene, dynamics=False)
     assert system.uncoupled.sum() >= 15
     system.set_time(1.0, 1.0)
@@ -282,10 +284,10 @@ def hemisphere(parameters, *, scale=1.0, cell="quadrilateral", degree=1, cells=1
     shell.drilling_stiffness = lambda holds: scale * default(holds)
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (1, 0, 0))
-    shell.guide("00", (0, 0, 1))
+    shell.roller("00", (0, 0, 1))
     loads = [
-        fl.PointLoad(shell["00"], force=(200, 0, 0)),
-        fl.PointLoad(shell["10"], force=(0, -200, 0)),
+        fl.PointLoad(shell.point("00"), force=(200, 0, 0)),
+        fl.PointLoad(shell.point("10"), force=(0, -200, 0)),
     ]
     result = fl.follow_loads(scene_with(shell, *loads))
     assert result.iterations.sum() + result.failed_iterations <= 18
@@ -373,7 +375,7 @@ def test_one_mesh_is_its_parts_with_rigid_links(mesh):
     force = (0.01, 0.02, 0.005)
     scene = scene_with(whole, fl.PointLoad(far, force=force))
     for p in clamped:
-        scene.add(fl.Clamp(whole.node(p)))
+        scene.add(fl.Clamp(whole.point(p)))
     one = fl.follow_loads(scene).position(far)[-1]
 
     parts = parts_of(mesh, [np.flatnonzero(~upright), np.flatnonzero(upright)])
@@ -381,10 +383,10 @@ def test_one_mesh_is_its_parts_with_rigid_links(mesh):
     for i, x in enumerate(parts[0].frames[:, 0]):
         gap = np.linalg.norm(parts[1].frames[:, 0] - x, axis=1)
         if gap.min() < 1e-9:
-            scene.add(fl.RigidLink(parts[0].node(i), parts[1].node(int(gap.argmin()))))
+            scene.add(fl.RigidLink(parts[0].point(i), parts[1].point(int(gap.argmin()))))
     for part in parts:
         for i in np.flatnonzero(part.frames[:, 0, 1] < 1e-9):
-            scene.add(fl.Clamp(part.node(int(i))))
+            scene.add(fl.Clamp(part.point(int(i))))
     point = nearest(parts[1], far.position)
     # where one thing holds many nodes there is no patch about each
     for part in parts:
@@ -423,7 +425,9 @@ def test_bent_frame_of_plates_is_that_of_beams(cell):
     )
     up = {"x": (0, 0, 1), "z": (-1, 0, 0)}
     beam = fl.Beam(lines, fl.Section.rectangle(b, t, steel), up=up, name="beam")
-    frame = scene_with(beam, fl.Clamp(beam["root"]), fl.PointLoad(beam["tip"], force=(0.1, 0, 0)))
+    frame = scene_with(
+        beam, fl.Clamp(beam.point("root")), fl.PointLoad(beam.point("tip"), force=(0.1, 0, 0))
+    )
     wanted = fl.follow_loads(frame).position("beam.tip")[-1] - [1, 0, 1]
     assert wanted[0] == pytest.approx(0.0159, rel=0.01)
     # triangles are not symmetric across the strip
@@ -443,11 +447,13 @@ def test_strip_goes_on_as_a_beam():
     )
     shell.clamp("a=0")
     beam = fl.Beam.straight((1, 0, 0), (2, 0, 0), section, up=(0, 0, 1), cells=5, name="beam")
-    scene = scene_with(shell, beam, fl.PointLoad(beam.end, force=(0, 0.3, 0.1)))
+    scene = scene_with(shell, beam, fl.PointLoad(beam.point("end"), force=(0, 0.3, 0.1)))
     for point in shell.points("a=1"):
-        scene.add(fl.RigidLink(beam.start, point))
+        scene.add(fl.RigidLink(beam.point("start"), point))
     whole = fl.Beam.straight((0, 0, 0), (2, 0, 0), section, up=(0, 0, 1), cells=20, name="whole")
-    alone = scene_with(whole, fl.Clamp(whole.start), fl.PointLoad(whole.end, force=(0, 0.3, 0.1)))
+    alone = scene_with(
+        whole, fl.Clamp(whole.point("start")), fl.PointLoad(whole.point("end"), force=(0, 0.3, 0.1))
+    )
     found = fl.follow_loads(scene).position("beam.end")[-1] - [2, 0, 0]
     wanted = fl.follow_loads(alone).position("whole.end")[-1] - [2, 0, 0]
     assert abs(wanted[2]) > 0.03
@@ -466,7 +472,7 @@ def test_supports_hold_all_sides_of_a_kink():
         if not whole:
             shell.symmetry("b=1", (0, 1, 0))
         for name in ("10", "11") if whole else ("10",):
-            scene.add(fl.PointLoad(shell[name], force=(0.005, 0, -0.01)))
+            scene.add(fl.PointLoad(shell.point(name), force=(0.005, 0, -0.01)))
         return fl.follow_loads(scene).position("fold.10")[-1]
 
     assert np.linalg.norm(tip(True) - [1, 0, 0.5]) > 0.05
@@ -502,13 +508,13 @@ def test_supports_of_a_node_that_follows_are_those_of_its_leader():
     shell = folded()
     shell.clamp("a=0")
     beam = fl.Beam.straight((0, 0, 0), (0, 0, 1), BAR, cells=1)
-    scene = scene_with(beam, shell, fl.RigidLink(beam.start, shell["00"]))
+    scene = scene_with(beam, shell, fl.RigidLink(beam.point("start"), shell.point("00")))
     system = System(scene, dynamics=False)
-    assert system.held[system.numbering.node(beam.start)].all()
+    assert system.held[system.numbering.node(beam.point("start"))].all()
     hinged = folded()
     hinged.hinge("a=0")
     aside = fl.Beam.straight((0, 0, 1), (0, 0, 2), BAR, cells=1)
-    scene = scene_with(aside, hinged, fl.RigidLink(aside.start, hinged["00"]))
+    scene = scene_with(aside, hinged, fl.RigidLink(aside.point("start"), hinged.point("00")))
     with pytest.raises(ValueError, match="supports and follows another node by a rigid link"):
         System(scene, dynamics=False)
 
@@ -520,8 +526,8 @@ def test_supports_of_a_node_that_follows_are_those_of_its_leader():
 def test_free_flight_of_shell_beam_and_body_keeps_momentum(links):
     scene = machine(clamped=False, links=links)
     for body in scene.bodies:
-        body.turn((0.2, 0.1, 0.3), (0, 0, 0))
-        body.move((0.1, 0, 0))
+        body.add_velocity(omega=(0.2, 0.1, 0.3), about=(0, 0, 0))
+        body.add_velocity((0.1, 0, 0))
     result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=2.0, step=0.02)
     # of second order in the step, as on beams; a third of a turn
     assert result.momentum_error <= 1e-5
@@ -542,7 +548,7 @@ def test_frames_that_follow_the_spin_keep_the_matrix(parameters):
             parameters=parameters,
             name="plate",
         )
-        shell.turn((20.0, 3.0, 10.0), (0, 0, 0))
+        shell.add_velocity(omega=(20.0, 3.0, 10.0), about=(0, 0, 0))
         scheme = fl.GeneralisedAlpha(radius=0.9)
         return scheme.run(scene_with(shell), duration=0.5, step=0.002)
 

@@ -83,7 +83,7 @@ def test_a_ball_feels_no_edges_of_cells():
         out = np.array([np.sin(φ), 0.03, np.cos(φ)])
         across = out * np.array([1, 0, 1])
         ball = fl.RigidBody(1.0, np.eye(3), 1.0 * across + 0.1249 * across + [0, 0.03, 0])
-        touch = fl.Contact(fl.Sphere(ball.centre, 0.1), fl.Skin(shell), fl.Penalty(K))
+        touch = fl.Contact(fl.Sphere(ball.point("centre"), 0.1), fl.Skin(shell), fl.Penalty(K))
         H, forces = forces_of(touch)
         F, _ = resultants(H, forces)
         push = -F[0] if len(H) == 1 else -F[: 1 if touch.bodies[0] is ball else None].sum(axis=0)
@@ -119,7 +119,7 @@ def test_a_bilinear_skin_turns_no_node():
     shell = arch(3)
     ball = fl.RigidBody(1.0, np.eye(3), (0.03, 0.02, 1.1))
     skin = fl.Skin(shell, smooth=False)
-    H, out = forces_of(fl.Contact(fl.Sphere(ball.centre, 0.1), skin, fl.Penalty(K)))
+    H, out = forces_of(fl.Contact(fl.Sphere(ball.point("centre"), 0.1), skin, fl.Penalty(K)))
     F, M = resultants(H, out)
     size = np.abs(F).max()
     assert size > 0.0
@@ -133,7 +133,7 @@ def test_a_ball_beside_a_straight_edge_is_pushed_off_its_foot(cell):
     shell = plate(0, (1, 1), cell=cell)
     ball = fl.RigidBody(1.0, np.eye(3), (1.1, 0.3, 0))
     skin = fl.Skin(shell, smooth=False)
-    H, out = forces_of(fl.Contact(fl.Sphere(ball.centre, 0.1), skin, fl.Penalty(K)))
+    H, out = forces_of(fl.Contact(fl.Sphere(ball.point("centre"), 0.1), skin, fl.Penalty(K)))
     F, M = resultants(H, out)
     wanted = K * 0.5 * THICK
     np.testing.assert_allclose(F[0], [-wanted, 0, 0], atol=1e-9 * wanted)
@@ -158,8 +158,18 @@ def test_what_skins_refuse():
         (skin, fl.Skin(two), fl.Impact(), "touch by Penalty, not by Impact"),
         (skin, fl.Line(beam, 0.01), law, "touch skins, balls and planes, not lines"),
         (skin, fl.Skin(one), law, "touches itself by one skin, given twice"),
-        (skin, fl.Box(ball.centre, (0.1, 0.1, 0.1)), law, "corners of a box do not touch skins"),
-        (skin, fl.Sphere(ball.centre, 3.0, hollow=True), law, "do not touch what is around"),
+        (
+            skin,
+            fl.Box(ball.point("centre"), (0.1, 0.1, 0.1)),
+            law,
+            "corners of a box do not touch skins",
+        ),
+        (
+            skin,
+            fl.Sphere(ball.point("centre"), 3.0, hollow=True),
+            law,
+            "do not touch what is around",
+        ),
         (skin, fl.Skin(two, 1.2 * THICK), law, "they overlap by 0.005"),
     ):
         with pytest.raises(ValueError, match=message):
@@ -168,7 +178,7 @@ def test_what_skins_refuse():
     scene = fl.Scene()
     scene.add(five)
     scene.add(ball)
-    round_one = fl.Sphere(ball.centre, 0.1)
+    round_one = fl.Sphere(ball.point("centre"), 0.1)
     for how in (
         fl.Contact(fl.Skin(five), round_one, law),
         fl.Contact(fl.Skin(five, smooth=False), round_one, fl.Penalty(K, friction=0.2)),
@@ -186,7 +196,7 @@ def rubbing(start: float, drop: float = -1e-4 * THICK, friction: float = 0.2) ->
     lower, upper = plate(0, (4, 3)), plate(THICK + drop, (2, 2), 0.21, 0.4)
     lower.clamp("a=0")
     lower.clamp("a=1")
-    upper.move((start, 0.2 * start, 0))
+    upper.add_velocity((start, 0.2 * start, 0))
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(lower)
     scene.add(upper)
@@ -251,11 +261,11 @@ def shot(speed: float) -> tuple[fl.Scene, fl.RigidBody]:
     sheet.clamp("a=0")
     sheet.clamp("a=1")
     ball = fl.RigidBody(1.0, 1e-2 * np.eye(3), (0.43, 0.52, 0.3), name="ball")
-    ball.move((0, 0, -speed))
+    ball.add_velocity((0, 0, -speed))
     scene = fl.Scene()
     scene.add(sheet)
     scene.add(ball)
-    scene.add(fl.Contact(fl.Sphere(ball.centre, 0.05), fl.Skin(sheet), fl.Penalty(1e6)))
+    scene.add(fl.Contact(fl.Sphere(ball.point("centre"), 0.05), fl.Skin(sheet), fl.Penalty(1e6)))
     return scene, ball
 
 
@@ -269,7 +279,7 @@ def test_a_ball_that_goes_through_a_sheet_fails_the_step(step):
 
 def test_a_sheet_that_goes_through_a_sheet_fails_the_step():
     lower, upper = plate(0, (4, 3)), plate(0.2, (2, 2), 0.21, 0.4)
-    upper.move((30, 0, -100))
+    upper.add_velocity((30, 0, -100))
     scene = fl.Scene()
     scene.add(lower)
     scene.add(upper)
@@ -281,8 +291,8 @@ def test_a_sheet_that_goes_through_a_sheet_fails_the_step():
 def test_fast_sheets_that_do_not_meet_are_let_go():
     """One goes past the edge of the other, which moves with it."""
     lower, upper = plate(0, (4, 3)), plate(0.2, (2, 2), 1.1, 0.4)
-    lower.move((100, 0, 0))
-    upper.move((100, 0, -100))
+    lower.add_velocity((100, 0, 0))
+    upper.add_velocity((100, 0, -100))
     scene = fl.Scene()
     scene.add(lower)
     scene.add(upper)
@@ -297,7 +307,7 @@ def test_adaptive_steps_shrink_before_a_ball_goes_through():
     scheme = fl.GeneralisedAlpha(radius=0.8)
     result = scheme.run(scene, duration=0.16, step=choice, progress=False)
     assert result.steps.rejected[0] == pytest.approx(0.16)
-    assert result.position(ball.centre)[:, 2].min() > 0.05
+    assert result.position(ball.point("centre"))[:, 2].min() > 0.05
 
 
 def test_statics_divide_a_step_that_goes_through():
@@ -309,9 +319,9 @@ def test_statics_divide_a_step_that_goes_through():
     scene = fl.Scene()
     scene.add(sheet)
     scene.add(ball)
-    rail = scene.add(fl.Prismatic(fl.ground(), ball.centre, axis=(0, 0, 1)))
+    rail = scene.add(fl.Prismatic(fl.ground(), ball.point("centre"), axis=(0, 0, 1)))
     scene.add(fl.Drive(rail.displacement, lambda t: -0.22 * t))
-    scene.add(fl.Contact(fl.Sphere(ball.centre, 0.05), fl.Skin(sheet), fl.Penalty(1e6)))
+    scene.add(fl.Contact(fl.Sphere(ball.point("centre"), 0.05), fl.Skin(sheet), fl.Penalty(1e6)))
     result = fl.statics(scene, load_steps=1)
     assert len(result.factors) > 1
     assert fl.contact_forces(result, scene.contacts[0]).total[-1, 2] > 1e3

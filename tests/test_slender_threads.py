@@ -42,13 +42,13 @@ def rolled_up(make, cells: int, slenderness: float) -> tuple[float, float]:
     tip.held[0, 3] = True  # about the tangent
     for body in (cable, tip):
         scene.add(body)
-    scene.add(fl.Clamp(cable.start))
-    scene.add(fl.Revolute(tip.centre, cable.end, axis=(1, 0, 0)))
-    scene.add(fl.PointLoad(tip.centre, moment=(0, 0, 2 * np.pi * BENDING / LENGTH)))
+    scene.add(fl.Clamp(cable.point("start")))
+    scene.add(fl.Revolute(tip.point("centre"), cable.point("end"), axis=(1, 0, 0)))
+    scene.add(fl.PointLoad(tip.point("centre"), moment=(0, 0, 2 * np.pi * BENDING / LENGTH)))
     # what has no torsion turns out of its plane under a moment fixed in space, if it is let
     with pytest.warns(fl.UnstableEquilibriumWarning):
         result = fl.statics(scene, load_steps=10)
-    gap = np.linalg.norm(result.position(cable.end)[-1]) / LENGTH
+    gap = np.linalg.norm(result.position(cable.point("end"))[-1]) / LENGTH
     return float(gap), float(result.iterations.mean()) + result.failed_iterations
 
 
@@ -64,10 +64,10 @@ def pushed(make, cells: int, slenderness: float) -> tuple[np.ndarray, float]:
     """Displacement of the tip over the length, and iterations per step."""
     cable, scene = make(cells, slenderness), fl.Scene()
     scene.add(cable)
-    cable.clamp(cable.start)
-    scene.add(fl.PointLoad(cable.end, (0, 0, FORCE)))
+    cable.clamp(cable.point("start"))
+    scene.add(fl.PointLoad(cable.point("end"), (0, 0, FORCE)))
     result = fl.statics(scene, load_steps=10)
-    moved = result.position(cable.end)[-1] - (LENGTH, 0, 0)
+    moved = result.position(cable.point("end"))[-1] - (LENGTH, 0, 0)
     return moved / LENGTH, float(result.iterations.mean()) + result.failed_iterations
 
 

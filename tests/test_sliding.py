@@ -27,7 +27,7 @@ def system_of(kind: type[fl.Sliding]) -> System:
     scene = fl.Scene()
     beam = scene.add(rail())
     body = scene.add(fl.RigidBody(1.0, (1, 1, 1), (0.4, 0.3, 0)))
-    scene.add(kind(beam, body.centre, at=(0.35, 0, 0), travel=lambda t: 0.35))
+    scene.add(kind(beam, body.point("centre"), at=(0.35, 0, 0), travel=lambda t: 0.35))
     return System(scene, dynamics=True)
 
 
@@ -118,9 +118,9 @@ def bead(kind: type[fl.Sliding], step: float, cells: int = 5) -> tuple[fl.Result
     beam = scene.add(rail(cells))
     ball = scene.add(fl.RigidBody(0.2, (2e-4,) * 3, (0.2, 0, 0), name="ball"))
     for body in (beam, ball):
-        body.turn((0, 0, 1.0), about=(0.5, 0, 0))
-    ball.move((0.5, 0, 0))
-    joint = scene.add(kind(beam, ball.centre, name="ring"))
+        body.add_velocity(omega=(0, 0, 1.0), about=(0.5, 0, 0))
+    ball.add_velocity((0.5, 0, 0))
+    joint = scene.add(kind(beam, ball.point("centre"), name="ring"))
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-9)
     return scheme.run(scene, duration=1.0, step=step), joint
 
@@ -155,10 +155,10 @@ def test_bead_on_a_driven_rod():
     rod = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), stiff, cells=6))
     ball = scene.add(fl.RigidBody(1e-3, (1e-7,) * 3, (0.2, 0, 0)))
     for body in (rod, ball):
-        body.turn((0, 0, speed), about=(0, 0, 0))
-    hinge = scene.add(fl.Revolute(fl.ground(), rod.start, axis=(0, 0, 1)))
+        body.add_velocity(omega=(0, 0, speed), about=(0, 0, 0))
+    hinge = scene.add(fl.Revolute(fl.ground(), rod.point("start"), axis=(0, 0, 1)))
     scene.add(fl.Drive(hinge.angle, lambda t: speed * t))
-    joint = scene.add(fl.Sliding(rod, ball.centre))
+    joint = scene.add(fl.Sliding(rod, ball.point("centre")))
     errors = []
     for step in (4e-3, 2e-3):
         scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-9)
@@ -178,23 +178,23 @@ def test_moments_turn_what_the_joint_leaves_free(kind, free):
     scene = fl.Scene()
     stiff = fl.Section.circle(0.05, fl.Material(2e11, 0.3, 8000.0))
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), stiff, cells=2))
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     ball = scene.add(fl.RigidBody(1.0, (0.01,) * 3, (0.6, 0, 0)))
-    scene.add(kind(beam, ball.centre))
+    scene.add(kind(beam, ball.point("centre")))
     moment = np.array([0.02, 0.03, -0.01])
-    scene.add(fl.PointLoad(ball.centre, moment=moment))
+    scene.add(fl.PointLoad(ball.point("centre"), moment=moment))
     result = fl.GeneralisedAlpha(tolerance=1e-9).run(scene, duration=1.0, step=1e-2)
     # constant moments about fixed axes turn a ball by M t²/2J
-    turned = lie.so3_log(result.rotation(ball.centre)[-1])
+    turned = lie.so3_log(result.rotation(ball.point("centre"))[-1])
     np.testing.assert_allclose(turned, np.where(np.arange(3) < free, 50 * moment, 0), atol=1e-5)
 
 
 def test_travel_is_driven_and_the_end_is_an_error():
     scene = fl.Scene()
     beam = scene.add(rail())
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     ball = scene.add(fl.RigidBody(0.05, (1e-5,) * 3, (0.3, 0, 0)))
-    joint = scene.add(fl.Sleeve(beam, ball.centre, travel=lambda t: 0.3 + 0.5 * t**3))
+    joint = scene.add(fl.Sleeve(beam, ball.point("centre"), travel=lambda t: 0.3 + 0.5 * t**3))
     result = fl.GeneralisedAlpha().run(scene, duration=1.0, step=5e-3)
     np.testing.assert_allclose(
         result.coordinate(joint), 0.3 + 0.5 * result.times**3, rtol=0, atol=1e-9
@@ -213,7 +213,7 @@ def test_every_place_on_a_beam_is_found(along, seed):
     twist = lie.se3_relative(beam.frames[a], beam.frames[b])
     place = lie.se3_retract(beam.frames[a], along * twist)[0]
     bead = fl.RigidBody(1.0, (1.0, 1.0, 1.0), place)
-    tie = fl.Sliding(beam, bead.centre).sliding_tie()
+    tie = fl.Sliding(beam, bead.point("centre")).sliding_tie()
     assert tie.arclength == pytest.approx(beam.lengths[:k].sum() + along * beam.lengths[k])
 
 
@@ -224,11 +224,11 @@ def test_bad_places_and_beams_are_refused():
     other = scene.add(fl.Beam.straight(*ends, SECTION, cells=2, formulation=fl.Director(1)))
     ball = scene.add(fl.RigidBody(1.0, (1, 1, 1), (0.5, 0.2, 0)))
     with pytest.raises(ValueError, match=r"0\.2 off the beam's axis.*at=\("):
-        scene.add(fl.Sliding(beam, ball.centre))
+        scene.add(fl.Sliding(beam, ball.point("centre")))
     with pytest.raises(ValueError, match="geodesic"):
-        scene.add(fl.Sliding(other, ball.centre, at=(0.5, 1, 0)))
+        scene.add(fl.Sliding(other, ball.point("centre"), at=(0.5, 1, 0)))
     with pytest.raises(ValueError, match=r"start at arclength 0\.5, got 0\.1"):
-        scene.add(fl.Sliding(beam, ball.centre, at=(0.5, 0, 0), travel=lambda t: 0.1))
+        scene.add(fl.Sliding(beam, ball.point("centre"), at=(0.5, 0, 0), travel=lambda t: 0.1))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -239,9 +239,9 @@ def test_a_place_just_off_the_axis_pulls_at_nothing(kind, driven):
     def forces(off: float) -> np.ndarray:
         scene = fl.Scene(gravity=(0, 0, -9.81))
         beam, bead = scene.add(rail()), scene.add(fl.RigidBody(0.1, [1e-4] * 3, (0.4, 0, 0.05)))
-        scene.add(fl.Clamp(beam.start))
+        scene.add(fl.Clamp(beam.point("start")))
         travel = (lambda t: 0.4 + off) if driven else None
-        joint = scene.add(kind(beam, bead.centre, at=(0.4, 0.3 * off, off), travel=travel))
+        joint = scene.add(kind(beam, bead.point("centre"), at=(0.4, 0.3 * off, off), travel=travel))
         run = fl.GeneralisedAlpha().run(scene, duration=1e-2, step=1e-3, progress=False)
         return run.joint_force(joint)
 

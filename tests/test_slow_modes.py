@@ -26,7 +26,7 @@ SPRINGS += [(400, k, METRES) for k in (10.0, 1e-3)]
 def test_a_rod_on_a_soft_spring_swings(cells, k, u):
     """It slides along its axis: √(k/m), however stiff its elements are."""
     scene, beam = rod(u, cells)
-    slide = scene.add(fl.Prismatic(fl.ground(), beam.start, axis=X))
+    slide = scene.add(fl.Prismatic(fl.ground(), beam.point("start"), axis=X))
     scene.add(fl.Spring(slide.displacement, stiffness=u.stiffness(k)))
     found = u.inverse.rate(fl.vibrations(scene, 2).frequencies)
     assert found[0] == pytest.approx(np.sqrt(k / 0.78), rel=1e-6)
@@ -50,7 +50,7 @@ def test_slow_modes_beside_zeros():
     """Two springs of different softness on a rod that is free otherwise: four zeros beside."""
     k = 1e-4
     scene, beam = rod(METRES, 20)
-    for end, factor in ((beam.start, 1.0), (beam.end, 4.0)):
+    for end, factor in ((beam.point("start"), 1.0), (beam.point("end"), 4.0)):
         far = end.position + np.array([0.0, 1.0, 0.0])
         joint = fl.Distance(fl.ground(), end, at=far)
         scene.add(fl.Spring(joint.length, stiffness=factor * k))
@@ -68,7 +68,7 @@ def test_a_damped_slow_mode():
     """``m ẍ + c ẋ + k x``: eigenvalue and damping ratio."""
     k, c, m = 1e-3, 2e-3, 0.78
     scene, beam = rod(METRES, 10)
-    slide = scene.add(fl.Prismatic(fl.ground(), beam.start, axis=X))
+    slide = scene.add(fl.Prismatic(fl.ground(), beam.point("start"), axis=X))
     scene.add(fl.Spring(slide.displacement, stiffness=k, damping=c))
     modes = fl.vibrations(scene, 2)
     expected = -c / (2 * m) + 1j * np.sqrt(k / m - (c / (2 * m)) ** 2)
@@ -81,8 +81,8 @@ def test_what_is_left_free_is_counted(u):
     for joint, message in ((None, "6 motions of bodies"), (fl.Revolute, "1 motion of bodies")):
         scene, beam = rod(u, 4)
         if joint is not None:
-            scene.add(joint(fl.ground(), beam.start, axis=(0, 0, 1)))
-        scene.add(fl.PointLoad(beam.end, force=u.force([1.0, 0, 0])))
+            scene.add(joint(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
+        scene.add(fl.PointLoad(beam.point("end"), force=u.force([1.0, 0, 0])))
         with pytest.raises(ValueError, match=f"singular: {message} left free"):
             fl.follow_path(scene)
 

@@ -175,8 +175,8 @@ def test_mass_and_moments_of_inertia(element):
         degree=degree,
         formulation=formulation,
     )
-    body.turn((0.3, 0.5, -0.2), (0.5, 1.0, 1.5))
-    body.move((1.0, 2.0, 3.0))
+    body.add_velocity(omega=(0.3, 0.5, -0.2), about=(0.5, 1.0, 1.5))
+    body.add_velocity((1.0, 2.0, 3.0))
     system, found = system_of(body), np.zeros(7)
     system.report(system.frames, system.velocities[: system.count], found)
     mass = 2.0 * 6.0

@@ -94,8 +94,8 @@ def test_weight_is_that_of_the_curve():
         cable = fl.SplineCable.of(gentle, stiff, cells=4)
         scene = fl.Scene(gravity=(0, 0, 0) if load else (0, 0, -2.0))
         scene.add(cable)
-        scene.add(fl.Clamp(cable.start))
-        cable.pin(cable.end)
+        scene.add(fl.Clamp(cable.point("start")))
+        cable.pin(cable.point("end"))
         if load:
             scene.add(fl.LineLoad(cable, (0, 0, -1.0)))
         scenes.append(fl.statics(scene).frames[-1])
@@ -114,8 +114,8 @@ def test_straight_cable_of_uneven_speed_sags_as_an_even_one():
         cable = fl.SplineCable(u, places, rates, stiff)
         scene = fl.Scene(gravity=(0, 0, -9.81))
         scene.add(cable)
-        scene.add(fl.Clamp(cable.start))
-        cable.pin(cable.end)
+        scene.add(fl.Clamp(cable.point("start")))
+        cable.pin(cable.point("end"))
         found.append(fl.statics(scene).reactions[-1])
     np.testing.assert_allclose(*found, rtol=1e-3, atol=1e-3)
 

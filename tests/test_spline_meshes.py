@@ -370,7 +370,7 @@ def test_names_stay_and_patches_are_cut_across_their_edge():
     one, other = ([p.node for p in shell.points(name)] for name in ("left.a=1", "right.a=0"))
     assert one == other
     assert (finer.surface().hanging > 0).any()
-    assert shell["right.11"].position == pytest.approx([2.0, 1.0, 0.0])
+    assert shell.point("right.11").position == pytest.approx([2.0, 1.0, 0.0])
 
 
 def test_what_cannot_be_is_refused():

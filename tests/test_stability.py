@@ -81,7 +81,7 @@ def test_branches_of_a_column_are_the_elastica_on_both_sides():
         start = fl.branch(scene, point, side=side)
         path = fl.follow_path(scene, 1.2, start=start)
         assert path.complete and path.stable.all()
-        tips.append(path.position(beam.end)[-1])
+        tips.append(path.position(beam.point("end"))[-1])
     np.testing.assert_allclose(tips[0] * [-1, 1, 1], tips[1], atol=1e-7)
     m = _modulus(path.factors[-1] / point.factor)
     assert abs(tips[0][0]) == pytest.approx(2 * np.sqrt(m) / ellipk(m), rel=1e-4)
@@ -120,7 +120,7 @@ def test_flat_plate_buckles_at_the_load_of_a_column_and_of_bryan():
     for name in ("a=0", "a=1", "b=0", "b=1"):
         z[[p.node for p in plate.points(name)], 2] = True
     z[[p.node for p in plate.points("a=0")], 0] = True
-    z[plate["00"].node, 1] = True
+    z[plate.point("00").node, 1] = True
     scene = fl.Scene()
     scene.add(plate)
     bryan = 4 * np.pi**2 * t**3 / (12 * (1 - nu**2))
@@ -202,7 +202,7 @@ def test_rigid_bodies_buckle():
     """A post of length l on a hinge with the spring k, under its weight: ``m g l = k``."""
     scene = fl.Scene((0, 0, -9.81))
     post = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1), (0, 0, 0.7)))
-    hinge = scene.add(fl.Revolute(fl.ground(), post.centre, axis=(0, 1, 0), at=(0, 0, 0)))
+    hinge = scene.add(fl.Revolute(fl.ground(), post.point("centre"), axis=(0, 1, 0), at=(0, 0, 0)))
     scene.add(fl.Spring(hinge.angle, 30.0))
     found = fl.buckling(scene, 1).factors
     np.testing.assert_allclose(found, 30.0 / (2.0 * 9.81 * 0.7), rtol=1e-10)
@@ -226,7 +226,7 @@ def test_elements_that_carry_no_stress_are_no_structure_to_buckle_linearly():
     for name, formulation in (("bar", fl.Director(1)), ("own", Plain(1))):
         scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4, formulation=formulation))
         scene.bodies[-1].name = name
-        scene.add(fl.Clamp(scene.bodies[-1].start))
-        scene.add(fl.PointLoad(scene.bodies[-1].end, force=(-1, 0, 0)))
+        scene.add(fl.Clamp(scene.bodies[-1].point("start")))
+        scene.add(fl.PointLoad(scene.bodies[-1].point("end"), force=(-1, 0, 0)))
     with pytest.raises(ValueError, match="the elements of own carry no stress"):
         fl.buckling(scene, 1)

@@ -18,7 +18,7 @@ def results():
     section = fl.Section.rectangle(0.1, 0.06, fl.Material(1e6, 0.3, 1.0))
     moving = fl.Scene(gravity=(0, 0, -9.81))
     beam = moving.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4, name="column"))
-    moving.add(fl.Clamp(beam.start))
+    moving.add(fl.Clamp(beam.point("start")))
     return {
         "statics": fl.statics(moving, load_steps=9),
         "loads": fl.follow_loads(moving, [0.5, 1.0]),

@@ -24,7 +24,7 @@ def cantilever(section: fl.Section, length: float, cells: int, formulation=None,
         (0, 0, 0), (length, 0, 0), section, cells=cells, formulation=formulation
     )
     beam = scene.add(line)
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     return scene, beam
 
 
@@ -35,8 +35,8 @@ def test_one_element_is_timoshenko(slenderness, formulation):
     L, EA, GA, EI = slenderness, 1.0, 5 / 12, 1 / 12  # section of height 1
     scene, beam = cantilever(stiffness(EA, GA, EI), L, 1, formulation)
     P = 1e-6 * EI / L**2
-    scene.add(fl.PointLoad(beam.end, force=(0, P, 0)))
-    tip = fl.statics(scene).position(beam.end)[-1]
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, P, 0)))
+    tip = fl.statics(scene).position(beam.point("end"))[-1]
     exact = P * L**3 / (3 * EI) + P * L / GA
     # the load bends by 1e-6 of a radian: nonlinear terms are its square
     assert abs(tip[1] / exact - 1) < 1e-6
@@ -51,12 +51,12 @@ def test_roll_up_to_a_circle(case, slender):
     if case == "by a joint":
         scene = fl.Scene()
         beam = scene.add(fl.Beam.straight((0, 0, 0), (L, 0, 0), section, cells=8))
-        scene.add(fl.Fixed(fl.ground(), beam.start))
+        scene.add(fl.Fixed(fl.ground(), beam.point("start")))
     else:
         scene, beam = cantilever(section, L, 8)
     moment = (0, 0, 2 * np.pi * EI / L)
     if case == "prescribed rotation":
-        start = beam.end.frame
+        start = beam.point("end").frame
 
         def motion(factor: float) -> np.ndarray:
             angle = 2 * np.pi * factor
@@ -64,12 +64,12 @@ def test_roll_up_to_a_circle(case, slender):
             x = np.array([np.sin(angle), 1 - np.cos(angle), 0]) / curvature if factor else start[0]
             return lie.frame(x, lie.so3_exp([0, 0, angle]))
 
-        scene.add(fl.PrescribedMotion(beam.end, motion))
+        scene.add(fl.PrescribedMotion(beam.point("end"), motion))
     else:
         following = case == "following load"
-        scene.add(fl.PointLoad(beam.end, moment=moment, following=following))
+        scene.add(fl.PointLoad(beam.point("end"), moment=moment, following=following))
     result = fl.statics(scene, load_steps=6)
-    assert np.linalg.norm(result.position(beam.end)[-1]) < 1e-9 * L
+    assert np.linalg.norm(result.position(beam.point("end"))[-1]) < 1e-9 * L
     # a prescribed end also moves against the axial stiffness in each step: more iterations
     assert result.iterations.mean() <= (9 if case == "prescribed rotation" else 4.5)
     if case == "prescribed rotation":
@@ -90,9 +90,9 @@ def test_roll_up_by_directors(formulation, cells, bound, slender):
     L, EI = 10.0, 100.0
     section = stiffness(slender * EI / L**2, slender * EI / L**2 / 2, EI)
     scene, beam = cantilever(section, L, cells, formulation)
-    scene.add(fl.PointLoad(beam.end, moment=(0, 0, 2 * np.pi * EI / L)))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, 2 * np.pi * EI / L)))
     result = fl.statics(scene, load_steps=6)
-    assert np.linalg.norm(result.position(beam.end)[-1]) < bound * L
+    assert np.linalg.norm(result.position(beam.point("end"))[-1]) < bound * L
     assert result.iterations.mean() <= 4.5
 
 
@@ -115,9 +115,9 @@ def test_observed_order(formulation, order):
             formulation=formulation,
         )
         scene.add(arc)
-        scene.add(fl.Clamp(arc.start))
-        scene.add(fl.PointLoad(arc.end, force=(0, 0, 600)))
-        tip = fl.statics(scene, load_steps=3).position(arc.end)[-1]
+        scene.add(fl.Clamp(arc.point("start")))
+        scene.add(fl.PointLoad(arc.point("end"), force=(0, 0, 600)))
+        tip = fl.statics(scene, load_steps=3).position(arc.point("end"))[-1]
         errors.append(np.linalg.norm(tip - reference))
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert orders.min() > order - 0.1, orders
@@ -194,7 +194,7 @@ def test_eigenstrain_bends_to_a_circle(formulation):
     scene, beam = cantilever(stiffness(), L, cells, formulation)
     scene.add(fl.Eigenstrain(beam, (0, 0, 0, 0, 0, curvature)))
     result = fl.statics(scene, load_steps=2)
-    tip, R = result.position(beam.end)[-1], result.rotation(beam.end)[-1]
+    tip, R = result.position(beam.point("end"))[-1], result.rotation(beam.point("end"))[-1]
     angle = curvature * L
     exact = np.array([np.sin(angle), 1 - np.cos(angle), 0]) / curvature
     turned = np.arctan2(R[1, 0], R[0, 0])
@@ -210,7 +210,7 @@ def test_line_load_in_consistent_shares(formulation):
     L, cells, w = 10.0, 4, 1e-6
     scene, beam = cantilever(stiffness(), L, cells, formulation)
     scene.add(fl.LineLoad(beam, force=(0, w, 0)))
-    tip = fl.statics(scene).position(beam.end)[-1]
+    tip = fl.statics(scene).position(beam.point("end"))[-1]
     exact = w * L**4 / 800 + w * L**2 / 2e4
     # shares of two nodes without end moments: (1/cells)²/3; with them, or of three, it is exact
     exact_at_nodes = formulation.bows or formulation.degree == 2
@@ -229,7 +229,7 @@ def test_own_weight_and_line_load():
         scene, beam = cantilever(SECTION, L, cells, gravity=(0, 0, -gravity))
         if line:
             scene.add(fl.LineLoad(beam, force=(0, 0, line)))
-        tips.append(fl.statics(scene).position(beam.end)[-1, 2])
+        tips.append(fl.statics(scene).position(beam.point("end"))[-1, 2])
     # both come with the axis of the inertia, a parabola
     assert abs(-tips[0] / exact - 1) < 1e-6
     assert abs(-tips[1] / exact - 1) < 1e-6
@@ -242,9 +242,9 @@ def test_following_force_against_dead_force():
     tips = {}
     for following in (False, True):
         scene, beam = cantilever(stiffness(), 10.0, 16)
-        scene.add(fl.PointLoad(beam.end, force=(0, 8.0, 0), following=following))
+        scene.add(fl.PointLoad(beam.point("end"), force=(0, 8.0, 0), following=following))
         result = fl.statics(scene, load_steps=4)
-        tips[following] = result.position(beam.end)[-1]
+        tips[following] = result.position(beam.point("end"))[-1]
     assert tips[True][0] < tips[False][0]
 
 
@@ -256,7 +256,7 @@ def test_line_loads_following_and_dead_agree_while_little_turns(kind):
         scene, beam = cantilever(stiffness(), 10.0, 8)
         load = {kind: (0, 0, 1e-6) if kind == "force" else (0, 1e-6, 0)}
         scene.add(fl.LineLoad(beam, following=following, **load))
-        ends.append(fl.statics(scene).position(beam.end)[-1])
+        ends.append(fl.statics(scene).position(beam.point("end"))[-1])
     # rotations are 1e-6: they change the load by their square in the tip's direction
     assert np.abs(ends[1] - ends[0]).max() < 1e-5 * abs(ends[0][2])
     if kind == "moment":  # m per length: w = m L³/3EI
@@ -273,7 +273,7 @@ def test_load_on_a_group_of_cells():
     )
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, stiffness()))
-    joint = scene.add(fl.Fixed(fl.ground(), beam["root"]))
+    joint = scene.add(fl.Fixed(fl.ground(), beam.point("root")))
     scene.add(fl.LineLoad(beam, force=(0, 0, -0.5), cells="outer"))
     force = fl.statics(scene).joint_force(joint)[-1]
     # the joint's e₃ is global z: 0.5 per length on two lengths, pulling ground down; lever 3
@@ -286,11 +286,11 @@ def test_rigid_body_hangs_on_a_beam():
     L, mass = 1.0, 0.5
     scene, beam = cantilever(stiffness(1e8, 1e8, 1e4), L, 2)
     weight = scene.add(fl.RigidBody(mass, (1e-3, 1e-3, 1e-3), (L, 0, 0)))
-    joint = scene.add(fl.Fixed(beam.end, weight.centre))
-    scene.add(fl.PointLoad(weight.centre, force=(0, 0, -mass * 10)))
+    joint = scene.add(fl.Fixed(beam.point("end"), weight.point("centre")))
+    scene.add(fl.PointLoad(weight.point("centre"), force=(0, 0, -mass * 10)))
     result = fl.statics(scene)
     exact = mass * 10 * (L**3 / (3 * 1e4) + L / 1e8)
-    assert abs(-result.position(beam.end)[-1, 2] / exact - 1) < 1e-6
+    assert abs(-result.position(beam.point("end"))[-1, 2] / exact - 1) < 1e-6
     force = result.joint_force(joint)[-1]
     assert abs(np.linalg.norm(force[:3]) - mass * 10) < 1e-9
 
@@ -299,10 +299,10 @@ def test_plain_newton_and_carried_stress_agree():
     ends = []
     for carried in (True, False):
         scene, beam = cantilever(stiffness(), 10.0, 8)
-        scene.add(fl.PointLoad(beam.end, force=(0, 5.0, 2.0)))
+        scene.add(fl.PointLoad(beam.point("end"), force=(0, 5.0, 2.0)))
         ends.append(
             fl.statics(scene, load_steps=4, newton=fl.Newton(carried_stress=carried)).position(
-                beam.end
+                beam.point("end")
             )[-1]
         )
     assert np.abs(ends[0] - ends[1]).max() < 1e-8
@@ -311,16 +311,16 @@ def test_plain_newton_and_carried_stress_agree():
 def test_cut_back_recovers_and_says_so():
     """One step of plain Newton is too much for the roll-up; halved steps arrive all the same."""
     scene, beam = cantilever(stiffness(), 10.0, 8)
-    scene.add(fl.PointLoad(beam.end, moment=(0, 0, 20 * np.pi)))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, 20 * np.pi)))
     result = fl.statics(scene, load_steps=2, newton=fl.Newton(carried_stress=False))
     assert result.failed_iterations > 0
     assert result.factors[-1] == 1.0
-    assert np.linalg.norm(result.position(beam.end)[-1]) < 1e-8
+    assert np.linalg.norm(result.position(beam.point("end"))[-1]) < 1e-8
 
 
 def test_failure_names_step_residual_and_remedy():
     scene, beam = cantilever(stiffness(1e6, 1e6), 10.0, 8)
-    scene.add(fl.PointLoad(beam.end, moment=(0, 0, 20 * np.pi)))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, 20 * np.pi)))
     with pytest.raises(fl.ConvergenceError, match=r"load factor 0 to .*residual.*carried_stress"):
         fl.statics(scene, newton=fl.Newton(carried_stress=False, smallest_step=0.5))
 
@@ -328,12 +328,14 @@ def test_failure_names_step_residual_and_remedy():
 def test_failure_keeps_the_states_before():
     """A load that becomes absurd at half its factor: the way up to there is not lost."""
     scene, beam = cantilever(stiffness(), 10.0, 4)
-    scene.add(fl.PointLoad(beam.end, force=(0, 1, 0), history=lambda f: f if f <= 0.5 else 1e12))
+    scene.add(
+        fl.PointLoad(beam.point("end"), force=(0, 1, 0), history=lambda f: f if f <= 0.5 else 1e12)
+    )
     with pytest.raises(fl.ConvergenceError, match=r"load factor 0\.5") as info:
         fl.statics(scene, load_steps=4, newton=fl.Newton(smallest_step=0.05))
     result = info.value.result
     assert result.factors.tolist() == [0.25, 0.5]
-    assert result.position(beam.end).shape == (2, 3)
+    assert result.position(beam.point("end")).shape == (2, 3)
     assert result.failed_iterations > 0
 
 
@@ -351,8 +353,8 @@ def test_increment_that_is_nan_anywhere_is_seen():
 def test_singular_structure_is_reported():
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), stiffness(), cells=2))
-    scene.add(fl.Spherical(fl.ground(), beam.start))
-    scene.add(fl.PointLoad(beam.end, force=(0, 1, 0)))
+    scene.add(fl.Spherical(fl.ground(), beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 1, 0)))
     with pytest.raises(fl.ConvergenceError, match=r"held by clamps or joints|singular"):
         fl.statics(scene)
 
@@ -381,14 +383,14 @@ def test_statics_without_gravity_needs_no_density(name):
         scene = fl.Scene()
         scene.add(body)
         if name == "ancf":
-            body.clamp(body.start)
-            tip = body.end
+            body.clamp(body.point("start"))
+            tip = body.point("end")
         elif name in ("shell", "solid"):
             body.clamp("a=0")
-            tip = body["11"] if name == "shell" else body["111"]
+            tip = body.point("11") if name == "shell" else body.point("111")
         else:
-            scene.add(fl.Clamp(body.start))
-            tip = body.end
+            scene.add(fl.Clamp(body.point("start")))
+            tip = body.point("end")
         scene.add(fl.PointLoad(tip, force=(0, 0, 1e-2)))
         found.append(fl.statics(scene).position(tip)[-1])
         if density == 0.0:

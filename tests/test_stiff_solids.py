@@ -71,11 +71,11 @@ def spun(law: fl.SolidMaterial, held: str, **mesh: object) -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, 0) if held == "free" else (0, 0, -9.81))
     scene.add(body)
     if held == "free":
-        body.turn((1, 2, 3), about=(0.5, 0.1, 0.1))
+        body.add_velocity(omega=(1, 2, 3), about=(0.5, 0.1, 0.1))
     elif held == "clamped":
         body.clamp("a=0")
     else:
-        scene.add(fl.Spherical(fl.ground(), body.grip("a=0")))
+        scene.add(fl.Spherical(fl.ground(), body.point("a=0")))
     return scene
 
 

@@ -20,15 +20,15 @@ def beams() -> tuple[fl.Scene, fl.Beam, fl.Drive]:
     damping = fl.Damping(mass=1.0, stiffness=1e-3)
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.3, 0, 0), section, cells=2, damping=damping))
     two = scene.add(fl.Beam.straight((0.3, 0, 0), (0.3, 0.5, 0), section, cells=2))
-    hinge = scene.add(fl.Revolute(fl.ground(), one.start, axis=(0, 1, 0)))
-    scene.add(fl.Fixed(one.end, two.start))
+    hinge = scene.add(fl.Revolute(fl.ground(), one.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.Fixed(one.point("end"), two.point("start")))
     drive = scene.add(fl.Drive(hinge.angle, lambda t: t * t))
     return scene, two, drive
 
 
 def loads(two: fl.Beam, k: float) -> list[fl.extend.Load]:
     return [
-        fl.PointLoad(two.end, (k, 0, 0.5), following=True, history=lambda t: 1.0 + k * t),
+        fl.PointLoad(two.point("end"), (k, 0, 0.5), following=True, history=lambda t: 1.0 + k * t),
         fl.PressureLoad(two, 0.1 * k),
         fl.Eigenstrain(two, (0, 0, 0, 0, 0.01 * k, 0), history=lambda t: t),
     ]
@@ -41,7 +41,7 @@ def shells(cells: int = 2, formulation=None) -> tuple[fl.Scene, fl.Shell]:
     mesh = fl.surface(lambda u, v: (u, v, 0.02 * u * v), (cells, cells))
     plate = scene.add(fl.Shell(mesh, section, formulation=formulation))
     for node in np.flatnonzero(plate.frames[:, 0, 0] == 0.0):
-        scene.add(fl.Clamp(plate.node(int(node))))
+        scene.add(fl.Clamp(plate.point(int(node))))
     return scene, plate
 
 
@@ -94,31 +94,31 @@ def test_shells_forget_the_load_before(formulation):
     base, plate = shells(formulation=formulation)
     for solve in (fl.statics, lambda s: fl.GeneralisedAlpha().run(s, duration=0.1, step=0.01)):
         swept = [
-            solve(base.with_loads(fl.PointLoad(plate.node(-1), (0, 0, f)))) for f in (0.02, 1e-3)
+            solve(base.with_loads(fl.PointLoad(plate.point(-1), (0, 0, f)))) for f in (0.02, 1e-3)
         ]
         for f, result in zip((0.02, 1e-3), swept, strict=True):
             scene, own = shells(formulation=formulation)
-            scene.add(fl.PointLoad(own.node(-1), (0, 0, f)))
+            scene.add(fl.PointLoad(own.point(-1), (0, 0, f)))
             same(result, solve(scene))
     assert base.family.setup.made == 1
 
 
 def test_a_moment_makes_a_shell_drill_in_its_own_scene_only():
     base, plate = shells()
-    turned = base.with_loads(fl.PointLoad(plate.node(-1), moment=(0, 0, 1e-4)))
-    pushed = base.with_loads(fl.PointLoad(plate.node(-1), (0, 0, 1e-3)))
+    turned = base.with_loads(fl.PointLoad(plate.point(-1), moment=(0, 0, 1e-4)))
+    pushed = base.with_loads(fl.PointLoad(plate.point(-1), (0, 0, 1e-3)))
     assert turned.drills(plate) and not pushed.drills(plate)
     results = [fl.statics(scene) for scene in (turned, pushed, turned)]
     assert base.family.setup.made == 3
     same(results[2], results[0])
     scene, own = shells()
-    scene.add(fl.PointLoad(own.node(-1), (0, 0, 1e-3)))
+    scene.add(fl.PointLoad(own.point(-1), (0, 0, 1e-3)))
     same(results[1], fl.statics(scene))
 
 
 def test_drives_change_alone():
     base, two, drive = beams()
-    base.add(fl.PointLoad(two.end, (0.1, 0, 0)))
+    base.add(fl.PointLoad(two.point("end"), (0.1, 0, 0)))
     scheme = fl.GeneralisedAlpha()
     for rate in (1.0, 3.0):
         scene = base.with_drives({drive: lambda t, rate=rate: rate * t * t})
@@ -126,7 +126,7 @@ def test_drives_change_alone():
         assert result.coordinate(drive)[-1] == pytest.approx(rate * 4e-4, abs=1e-9)
     assert base.family.setup.made == 1 and drive.function(1.0) == 1.0
     new, two, other = beams()
-    new.add(fl.PointLoad(two.end, (0.1, 0, 0)))
+    new.add(fl.PointLoad(two.point("end"), (0.1, 0, 0)))
     new.connections[new.connections.index(other)] = fl.Drive(
         other.coordinate, lambda t: 3.0 * t * t
     )
@@ -138,7 +138,7 @@ def test_bodies_that_change_are_set_up_anew():
     section = fl.Section.rectangle(0.02, 0.02, SOFT)
     bar = base.add(fl.Beam.straight((0, 0, 0), (0.3, 0, 0), section, cells=2))
     first = fl.GeneralisedAlpha().run(base.with_loads(), duration=2e-3, step=1e-3)
-    bar.move((0.0, 0.0, 0.3))
+    bar.add_velocity((0.0, 0.0, 0.3))
     second = fl.GeneralisedAlpha().run(base.with_loads(), duration=2e-3, step=1e-3)
     assert base.family.setup.made == 2
     assert np.abs(first.velocities - second.velocities).max() > 0.1
@@ -148,7 +148,7 @@ def test_bad_sweeps_are_named():
     base, two, drive = beams()
     _, strange, other = beams()
     with pytest.raises(ValueError, match="not in the scene"):
-        base.with_loads(fl.PointLoad(strange.end, (1, 0, 0)))
+        base.with_loads(fl.PointLoad(strange.point("end"), (1, 0, 0)))
     with pytest.raises(ValueError, match="not in the scene"):
         base.with_drives({other: None})
     with pytest.raises(ValueError, match="must start at"):

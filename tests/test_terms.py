@@ -107,9 +107,11 @@ def sprung() -> fl.Scene:
     one = fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0, 0, 0))
     two = fl.RigidBody(1.0, np.diag([0.2, 0.1, 0.3]), (1.0, 0.2, -0.3))
     scene = scene_with(one, two)
-    hinge = scene.add(fl.Revolute(one.centre, two.centre, at=(0.5, 0.1, 0.2), axis=(1, 2, 3)))
-    slide = scene.add(fl.Prismatic(fl.ground(), one.centre, at=(0, 1, 0), axis=(3, 1, 2)))
-    rope = scene.add(fl.Distance(fl.ground(), two.centre))
+    hinge = scene.add(
+        fl.Revolute(one.point("centre"), two.point("centre"), at=(0.5, 0.1, 0.2), axis=(1, 2, 3))
+    )
+    slide = scene.add(fl.Prismatic(fl.ground(), one.point("centre"), at=(0, 1, 0), axis=(3, 1, 2)))
+    rope = scene.add(fl.Distance(fl.ground(), two.point("centre")))
     for coordinate, rest in ((hinge.angle, 0.2), (slide.displacement, -0.3), (rope.length, 0.7)):
         scene.add(fl.Spring(coordinate, stiffness=5.0, damping=0.7, rest=rest))
     return scene
@@ -117,7 +119,7 @@ def sprung() -> fl.Scene:
 
 def held(scene: fl.Scene, **options) -> fl.Scene:
     """Force and moment on a place that is no node."""
-    place = scene.bodies[0].within(1, 0.3)
+    place = scene.bodies[0].point_in_cell(1, 0.3)
     scene.add(fl.PointLoad(place, (1.0, -2.0, 3.0), (0.4, 0.7, -0.2), **options))
     return scene
 
@@ -143,10 +145,10 @@ def sewn() -> fl.Scene:
 def sprung_within() -> fl.Scene:
     """Springs and dampers of a hinge within an element and of the distance to another place."""
     scene = beam()
-    place, other = scene.bodies[0].within(0, 0.4), scene.bodies[0].within(1, 0.7)
+    place, other = scene.bodies[0].point_in_cell(0, 0.4), scene.bodies[0].point_in_cell(1, 0.7)
     body = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.3, 0.4, 0)))
-    hinge = scene.add(fl.Revolute(place, body.centre, at=(0.4, 0.2, 0), axis=(1, 2, 3)))
-    rope = scene.add(fl.Distance(other, body.centre))
+    hinge = scene.add(fl.Revolute(place, body.point("centre"), at=(0.4, 0.2, 0), axis=(1, 2, 3)))
+    rope = scene.add(fl.Distance(other, body.point("centre")))
     for coordinate, rest in ((hinge.angle, 0.2), (rope.length, 0.7)):
         scene.add(fl.Spring(coordinate, stiffness=5.0, damping=0.7, rest=rest))
     return scene
@@ -170,24 +172,26 @@ def in_contact(a, b, **law) -> fl.Scene:
 
 def corners_on_plane(**law) -> fl.Scene:
     return in_contact(
-        lambda one, two, line: fl.Box(one.centre, (0.3, 0.4, 0.5)),
-        lambda one, two, line: fl.Plane(two.at((0.6, 0.1, 0.1)), (-1, 0.1, 0.05), at=(0.16, 0, 0)),
+        lambda one, two, line: fl.Box(one.point("centre"), (0.3, 0.4, 0.5)),
+        lambda one, two, line: fl.Plane(
+            two.point((0.6, 0.1, 0.1)), (-1, 0.1, 0.05), at=(0.16, 0, 0)
+        ),
         **law,
     )
 
 
 def balls_on_balls(**law) -> fl.Scene:
     return in_contact(
-        lambda one, two, line: fl.Vertices([one.centre, line.start], 0.62),
-        lambda one, two, line: fl.Vertices([two.at((0.85, 0.45, 0.1)), line.end], 0.37),
+        lambda one, two, line: fl.Vertices([one.point("centre"), line.point("start")], 0.62),
+        lambda one, two, line: fl.Vertices([two.point((0.85, 0.45, 0.1)), line.point("end")], 0.37),
         **law,
     )
 
 
 def ball_in_hollow(**law) -> fl.Scene:
     return in_contact(
-        lambda one, two, line: fl.Sphere(one.at((0.3, 0.2, 0)), 0.4),
-        lambda one, two, line: fl.Sphere(two.at((0.7, 0.4, 0.2)), 0.88, hollow=True),
+        lambda one, two, line: fl.Sphere(one.point((0.3, 0.2, 0)), 0.4),
+        lambda one, two, line: fl.Sphere(two.point((0.7, 0.4, 0.2)), 0.88, hollow=True),
         **law,
     )
 
@@ -203,7 +207,7 @@ def balls_in_quartic(**law) -> fl.Scene:
 
 def ends_in_quartic(**law) -> fl.Scene:
     return in_contact(
-        lambda one, two, line: fl.Vertices([line.start, two.centre], 0.2),
+        lambda one, two, line: fl.Vertices([line.point("start"), two.point("centre")], 0.2),
         lambda one, two, line: Quartic(fl.ground(), size=2.6),
         **law,
     )
@@ -211,7 +215,9 @@ def ends_in_quartic(**law) -> fl.Scene:
 
 def ends_on_ground(**law) -> fl.Scene:
     return in_contact(
-        lambda one, two, line: fl.Vertices([line.start, line.end, two.centre], 0.2),
+        lambda one, two, line: fl.Vertices(
+            [line.point("start"), line.point("end"), two.point("centre")], 0.2
+        ),
         lambda one, two, line: fl.Plane(fl.ground(), (0, 0.3, 1), at=(0, 0, -0.45)),
         **law,
     )
@@ -221,7 +227,7 @@ def line_on_bar(**law) -> fl.Scene:
     """An element, all of which is within a bar that moves, with ends far off."""
     return in_contact(
         lambda one, two, line: fl.Line(line, 0.4),
-        lambda one, two, line: fl.Cylinder(two.at((0.5, 1.27, 0.42)), (4, 0.25, 0.43), 0.45),
+        lambda one, two, line: fl.Cylinder(two.point((0.5, 1.27, 0.42)), (4, 0.25, 0.43), 0.45),
         **law,
     )
 
@@ -270,7 +276,7 @@ def ball_on_skin(smooth: bool = True) -> fl.Scene:
     ball = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.2, 0.1, 1.0)))
     wide = sheet("triangle", lambda a, b: np.array([5 * a - 2.2, 5 * b - 2.1, 0.05 * a]))
     lower = scene.add(wide)
-    balls = fl.Vertices([ball.centre, ball.at((0.5, 0.4, 1.05))], 0.5)
+    balls = fl.Vertices([ball.point("centre"), ball.point((0.5, 0.4, 1.05))], 0.5)
     scene.add(fl.Contact(fl.Skin(lower, 0.9, smooth=smooth), balls, fl.Penalty(50.0)))
     return scene
 
@@ -280,7 +286,7 @@ def skin_on_plane(**law) -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, 0))
     body = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.2, 0.1, -0.5)))
     upper = scene.add(sheet("quadrilateral", lambda a, b: np.array([a, b, 0.1 * a * b])))
-    plane = fl.Plane(body.centre, (0.1, 0, 1))
+    plane = fl.Plane(body.point("centre"), (0.1, 0, 1))
     scene.add(fl.Contact(plane, fl.Skin(upper, 1.0), fl.Penalty(50.0, **law)))
     return scene
 
@@ -289,7 +295,7 @@ def line_on_plane(**law) -> fl.Scene:
     """An element, all of which is behind a plane."""
     return in_contact(
         lambda one, two, line: fl.Line(line, 0.4),
-        lambda one, two, line: fl.Plane(two.at((0.5, 1.65, 0.2)), (0.02, 0.87, -0.5)),
+        lambda one, two, line: fl.Plane(two.point((0.5, 1.65, 0.2)), (0.02, 0.87, -0.5)),
         **law,
     )
 
@@ -299,7 +305,7 @@ def few_shapes() -> fl.Scene:
     full = fl.Scene()
     line = fl.curve(lambda s: (2 * s, 0.3 * np.sin(np.pi * s), 0.2 * s**2), 6)
     bow = full.add(fl.Beam(line, SECTION))
-    return scene_with(fl.reduced_body(full, [bow.start, bow.end], 4))
+    return scene_with(fl.reduced_body(full, [bow.point("start"), bow.point("end")], 4))
 
 
 def rope_in_rings() -> fl.Scene:
@@ -307,7 +313,7 @@ def rope_in_rings() -> fl.Scene:
     scene = fl.Scene()
     rope = scene.add(fl.Beam.straight((0, 0, 0), (4, 0, 0), SECTION, cells=4))
     body = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (1.4, 0, -0.5)))
-    rings = fl.Rings([body.centre, fl.ground()], at=[(1.4, 0, 0), (2.7, 0, 0)])
+    rings = fl.Rings([body.point("centre"), fl.ground()], at=[(1.4, 0, 0), (2.7, 0, 0)])
     scene.add(fl.Contact(fl.Rope(rope), rings, fl.Penalty(50.0)))
     return scene
 

@@ -151,7 +151,7 @@ def test_elastica(thickness):
     scene.add(body)
     load = 4 * 1.2e6 * thickness**3 / 12 / 100
     for point in ("10", "11"):
-        scene.add(fl.PointLoad(body[point], force=(0, 0, load / 2)))
+        scene.add(fl.PointLoad(body.point(point), force=(0, 0, load / 2)))
     end = fl.statics(scene).position("strip.10")[-1]
     # Bisshopp & Drucker (1945)
     assert end[2] / 10 == pytest.approx(0.66996, rel=2e-3)
@@ -170,11 +170,11 @@ def hemisphere(cells, thickness, load):
     body = fl.ThinShell(fl.smooth_patch(place, (cells, cells)), section, name="hemisphere")
     body.symmetry("a=0", (0, 1, 0))
     body.symmetry("a=1", (1, 0, 0))
-    body.guide("00", (0, 0, 1))
+    body.roller("00", (0, 0, 1))
     scene = fl.Scene()
     scene.add(body)
-    scene.add(fl.PointLoad(body["00"], force=(load / 2, 0, 0)))
-    scene.add(fl.PointLoad(body["10"], force=(0, -load / 2, 0)))
+    scene.add(fl.PointLoad(body.point("00"), force=(load / 2, 0, 0)))
+    scene.add(fl.PointLoad(body.point("10"), force=(0, -load / 2, 0)))
     return scene
 
 
@@ -223,7 +223,7 @@ def test_patches_joined_are_one_surface():
                 body.clamp(name)
         scene = fl.Scene()
         scene.add(body)
-        scene.add(fl.PointLoad(body[corner], force=(0.0, 0.05, 0.0)))
+        scene.add(fl.PointLoad(body.point(corner), force=(0.0, 0.05, 0.0)))
         return fl.statics(scene).position(f"half.{corner}")[-1]
 
     two = {
@@ -263,7 +263,7 @@ def test_edge_load_bends_as_two_forces_at_corners_do():
             scene.add(fl.EdgeLoad(body, "a=1", force=(0, 0, 0.4)))
         else:
             for point in ("10", "11"):
-                scene.add(fl.PointLoad(body[point], force=(0, 0, 0.2)))
+                scene.add(fl.PointLoad(body.point(point), force=(0, 0, 0.2)))
         result = fl.statics(scene)
         tips.append(result.position("strip.10")[-1][2])
         held = sum(result.reaction(point)[-1][2] for point in body.points("a=0"))
@@ -303,14 +303,14 @@ def test_pressure_on_a_closed_cylinder():
 
     section = fl.ShellSection.layer(0.01, fl.Material(1e4, 0.0, 1.0))
     body = fl.ThinShell(fl.smooth_patch(round_, (16, 2)), section, joined=True, name="tube")
-    body.guide("b=0", (0, 0, 1))
-    body.guide("00", (0, 1, 0))
-    body.guide("10", (1, 0, 0))
+    body.roller("b=0", (0, 0, 1))
+    body.roller("00", (0, 1, 0))
+    body.roller("10", (1, 0, 0))
     scene = fl.Scene()
     scene.add(body)
     # nor does it turn about the corner
     across = np.abs(body.frames[: body.points_count, 0] - (-1.0, 0.0, 0.0)).sum(axis=1).argmin()
-    scene.add(fl.InPlane(fl.ground(), body.node(int(across)), axis=(0, 1, 0)))
+    scene.add(fl.InPlane(fl.ground(), body.point(int(across)), axis=(0, 1, 0)))
     scene.add(fl.SurfacePressure(body, 1.0))
     places = fl.statics(scene).frames[-1][: body.points_count, 0]
     middle = places[:, :2].mean(axis=0)
@@ -360,7 +360,7 @@ def test_a_joint_holds_the_surface():
     body, scene = strip(4, 0.1), fl.Scene()
     body.held[:] = False
     scene.add(body)
-    at = body.within(0, 0.3, 0.5)
+    at = body.point_in_cell(0, 0.3, 0.5)
     joint = scene.add(fl.Fixed(at, fl.ground(), name="hold"))
     scene.add(fl.EdgeLoad(body, "a=1", force=(0, 0, 0.1)))
     result = fl.statics(scene)
@@ -403,9 +403,9 @@ def test_bad_input(make, message):
 
 def test_directions_that_cannot_be_held_together():
     body = Shell(flat).body
-    body.guide("00", (1, 1, 0))
+    body.roller("00", (1, 1, 0))
     with pytest.raises(ValueError, match="neither along nor across"):
-        body.guide("00", (1, 0, 0))
+        body.roller("00", (1, 0, 0))
 
 
 def loaded_point(load, *, on_body: bool):
@@ -416,8 +416,8 @@ def loaded_point(load, *, on_body: bool):
     if on_body:
         other = fl.RigidBody(1.0, (1, 1, 1), at.position, at.frame[1:].T)
         scene.add(other)
-        scene.add(fl.Fixed(at, other.centre))
-        at = other.centre
+        scene.add(fl.Fixed(at, other.point("centre")))
+        at = other.point("centre")
     scene.add(fl.PointLoad(at, **load))
     return fl.statics(scene).frames[-1][: body.points_count, 0]
 
@@ -442,7 +442,7 @@ def test_clamps_of_single_points_are_refused():
     body, scene = strip(2, 0.1), fl.Scene()
     scene.add(body)
     with pytest.raises(ValueError, match="ThinShell"):
-        scene.add(fl.Clamp(body["00"]))
+        scene.add(fl.Clamp(body.point("00")))
 
 
 PLATE = 1.0, 0.7, 0.01
@@ -475,9 +475,9 @@ def test_frequencies_of_a_hinged_plate():
 def pushed_plate(cells):
     body, scene = plate(cells), fl.Scene()
     for name in ("a=0", "a=1", "b=0", "b=1"):
-        body.guide(name, (0, 0, 1))
-    body.guide("a=0", (1, 0, 0))
-    body.guide("b=0", (0, 1, 0))
+        body.roller(name, (0, 0, 1))
+    body.roller("a=0", (1, 0, 0))
+    body.roller("b=0", (0, 1, 0))
     scene.add(body)
     a, b, thickness = PLATE
     D = 2e11 * thickness**3 / 12 / (1 - 0.3**2)
@@ -504,7 +504,7 @@ def tumbling(cls, steps):
     """A sheet thrown with a turn about its diagonal, without gravity."""
     patch = fl.smooth_patch(lambda a, b: [0.3 * a - 0.15, 0.15 * b - 0.075, 0.0], (3, 2))
     body = cls(patch, fl.ShellSection.layer(1e-3, fl.Material(3e9, 0.3, 1200.0)), name="sheet")
-    body.turn((3.0, 30.0, 5.0), (0, 0, 0))
+    body.add_velocity(omega=(3.0, 30.0, 5.0), about=(0, 0, 0))
     scene = fl.Scene()
     scene.add(body)
     scheme = fl.GeneralisedAlpha(radius=0.8, policy=fl.Automatic())
@@ -530,7 +530,7 @@ def test_damping_with_mass_slows_a_sheet_down():
     for k, rate in enumerate((2.0, 0.0)):
         patch = fl.smooth_patch(lambda a, b, k=k: [a, b, float(k)], (2, 1))
         sheets.append(fl.ThinShell(patch, section, damping=fl.Damping(mass=rate), name=f"{k}"))
-        sheets[k].move((1.0, 0.0, 0.0))
+        sheets[k].add_velocity((1.0, 0.0, 0.0))
         scene.add(sheets[k])
     found = fl.GeneralisedAlpha().run(scene, duration=0.5, step=1e-2)
     gone = [found.position(f"{k}.00")[-1, 0] for k in range(2)]

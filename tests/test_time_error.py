@@ -22,13 +22,18 @@ KINDS = [(group, parametrisation) for group in fl.Group for parametrisation in f
 def tumbling(group: fl.Group = fl.Group.R3xSO3) -> fl.Scene:
     """A free body under smooth loads."""
     scene = fl.Scene()
-    body = scene.add(fl.RigidBody(2.0, (1.0, 2.0, 2.5), (0.3, 0, 0), name="body").on(group))
-    body.move((1.0, -2.0, 0.5))
-    body.turn((3.0, 2.0, -1.0), about=body.centre)
-    scene.add(fl.PointLoad(body.centre, force=(9, 5, -7), history=lambda t: math.sin(4 * t + 1)))
+    body = scene.add(fl.RigidBody(2.0, (1.0, 2.0, 2.5), (0.3, 0, 0), name="body").set_group(group))
+    body.add_velocity((1.0, -2.0, 0.5))
+    body.add_velocity(omega=(3.0, 2.0, -1.0), about=body.point("centre"))
+    scene.add(
+        fl.PointLoad(body.point("centre"), force=(9, 5, -7), history=lambda t: math.sin(4 * t + 1))
+    )
     scene.add(
         fl.PointLoad(
-            body.centre, moment=(3, -2, 5), following=True, history=lambda t: math.cos(3 * t)
+            body.point("centre"),
+            moment=(3, -2, 5),
+            following=True,
+            history=lambda t: math.cos(3 * t),
         )
     )
     return scene
@@ -38,7 +43,7 @@ def with_joints(group: fl.Group) -> fl.Scene:
     """The double pendulum, turning about all axes."""
     scene = rigid_pendulum(group)
     for body in scene.bodies:
-        body.turn((5.0, 1.0, 4.0), about=(0, 0, 0))
+        body.add_velocity(omega=(5.0, 1.0, 4.0), about=(0, 0, 0))
     return scene
 
 
@@ -82,7 +87,7 @@ def test_flight_has_no_error():
     """On R³×SO(3) the parabola is exact, and the estimate says so."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     body = scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0), name="body"))
-    body.move((1, 0, 5))
+    body.add_velocity((1, 0, 5))
     steps = run(scene, fl.ConstantStep(0.01), 0.2, tolerance=1e-12).steps
     assert steps.translation.max() < 1e-13
     assert steps.rotation.max() < 1e-13
@@ -189,8 +194,8 @@ def spinning_top() -> fl.Scene:
     """On a spherical joint; R. Brüls & A. Cardona's."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     top = scene.add(fl.RigidBody(15.0, (0.234375, 0.234375, 0.46875), (0, 1, 0), name="top"))
-    scene.add(fl.Spherical(top.centre, fl.ground(), at=(0, 0, 0)))
-    top.turn((0.0, 150.0, 0.0), about=(0, 0, 0))
+    scene.add(fl.Spherical(top.point("centre"), fl.ground(), at=(0, 0, 0)))
+    top.add_velocity(omega=(0.0, 150.0, 0.0), about=(0, 0, 0))
     return scene
 
 
@@ -230,7 +235,7 @@ def test_stiff_waves_do_not_stop_the_steps():
 def pushed(history) -> fl.Scene:
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(2.0, (1.0, 1.0, 1.0), name="ball"))
-    scene.add(fl.PointLoad(body.centre, force=(6.0, 0, 0), history=history))
+    scene.add(fl.PointLoad(body.point("centre"), force=(6.0, 0, 0), history=history))
     return scene
 
 
@@ -260,15 +265,15 @@ def arm_that_stops() -> fl.Scene:
     """An arm that is driven to turn by 2 rad/s, and stopped at once at 0.4 s."""
     scene = fl.Scene()
     arm = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (0.5, 0, 0), name="arm"))
-    arm.turn((0, 0, 2.0), about=(0.5, 0, 0))
-    frame = arm.centre.frame.copy()
+    arm.add_velocity(omega=(0, 0, 2.0), about=(0.5, 0, 0))
+    frame = arm.point("centre").frame.copy()
 
     def drive(t: float) -> np.ndarray:
         turned = frame.copy()
         turned[1:] = frame[1:] @ lie.so3_exp(np.array([0, 0, 2.0 * min(t, 0.4)])).T
         return turned
 
-    scene.add(fl.PrescribedMotion(arm.centre, drive))
+    scene.add(fl.PrescribedMotion(arm.point("centre"), drive))
     return scene
 
 
@@ -365,8 +370,8 @@ def test_resampled_meets_what_was_kept_and_screws_exactly():
     np.testing.assert_array_equal(same.kinetic, result.kinetic)
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0), name="ball"))
-    body.turn((0, 0, 2.0), about=body.centre)
-    body.move((0, 0, 1.0))
+    body.add_velocity(omega=(0, 0, 2.0), about=body.point("centre"))
+    body.add_velocity((0, 0, 1.0))
     times = np.array([0.123, 0.77])
     found = run(scene, 0.25).resampled(times)
     np.testing.assert_allclose(found.position(0)[:, 2], times, atol=1e-12)

@@ -19,9 +19,9 @@ def free(mesh, formulation=None, kind=fl.Beam):
     """A free beam, thrown, spinning and pushed across at one end."""
     scene = fl.Scene()
     beam = scene.add(kind(mesh, SECTION, formulation=formulation, name="beam"))
-    beam.turn((3.0, -2.0, 5.0), about=(0.2, 0.1, 0.0))
-    beam.move((1.0, 2.0, -3.0))
-    scene.add(fl.PointLoad(beam["end"], force=(0, 40.0, 0)))
+    beam.add_velocity(omega=(3.0, -2.0, 5.0), about=(0.2, 0.1, 0.0))
+    beam.add_velocity((1.0, 2.0, -3.0))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 40.0, 0)))
     return scene
 
 
@@ -124,9 +124,11 @@ def swinging(mesh):
     """On a hinge, with a spring that counts turns, under a load with a history."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     beam = scene.add(fl.Beam(mesh, SECTION, name="beam"))
-    scene.add(fl.Revolute(fl.ground(), beam["start"], axis=(0, 1, 0), name="hinge"))
-    beam.turn((0, 40.0, 0), about=(0, 0, 0))
-    scene.add(fl.PointLoad(beam["end"], force=(0, 0, 5.0), history=lambda t: np.sin(30.0 * t)))
+    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0), name="hinge"))
+    beam.add_velocity(omega=(0, 40.0, 0), about=(0, 0, 0))
+    scene.add(
+        fl.PointLoad(beam.point("end"), force=(0, 0, 5.0), history=lambda t: np.sin(30.0 * t))
+    )
     return scene
 
 
@@ -147,8 +149,8 @@ def test_dynamics_goes_on():
 def cantilever(mesh):
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, SECTION, name="beam"))
-    scene.add(fl.Clamp(beam["start"]))
-    scene.add(fl.PointLoad(beam["end"], force=(0, 0, 500.0)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 500.0)))
     return scene
 
 
@@ -217,8 +219,8 @@ def plate(mesh):
     """A free plate, thrown and turned, pushed at a corner."""
     scene = fl.Scene()
     shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.01, STEEL), name="plate"))
-    shell.turn((3.0, -2.0, 5.0), about=(0.2, 0.1, 0.0))
-    shell.move((1.0, 2.0, -3.0))
+    shell.add_velocity(omega=(3.0, -2.0, 5.0), about=(0.2, 0.1, 0.0))
+    shell.add_velocity((1.0, 2.0, -3.0))
     return scene
 
 
@@ -236,8 +238,8 @@ def spun(u: UnitSystem, cells: int) -> fl.Scene:
     steel, scene = fl.Material(u.stress(2.1e11), 0.3, u.density(7800.0)), fl.Scene()
     mesh = fl.curve(lambda s: u.length([np.sin(2 * s), 0.1 * s, 1 - np.cos(2 * s)]), cells)
     wire = scene.add(fl.Beam(mesh, fl.Section.circle(u.length(1e-3), steel), name="wire"))
-    wire.turn(u.rate([3.0, -2.0, 5.0]), about=u.length([0.2, 0.1, 0.0]))
-    wire.move(u.velocity([1.0, 2.0, -3.0]))
+    wire.add_velocity(omega=u.rate([3.0, -2.0, 5.0]), about=u.length([0.2, 0.1, 0.0]))
+    wire.add_velocity(u.velocity([1.0, 2.0, -3.0]))
     return scene
 
 
@@ -263,9 +265,9 @@ def pinned(u: UnitSystem, cells: int, node: int | None) -> tuple[fl.Scene, fl.Be
     section = fl.Section.rectangle(*u.length([0.01, 0.01]), steel)
     scene = fl.Scene()
     beam = scene.add(fl.Beam(fl.straight((0, 0, 0), u.length([1, 0, 0]), cells), section))
-    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.point("start")))
     if node is not None:
-        scene.add(fl.Spherical(fl.ground(), beam.node(node), name="pin"))
+        scene.add(fl.Spherical(fl.ground(), beam.point(node), name="pin"))
     return scene, beam
 
 
@@ -275,7 +277,7 @@ def test_a_torn_joint_is_refused_in_all_units(deflection, torn, u):
     """The pin is where its node was before a load moved it: by a millionth of the beam or more."""
     scene, beam = pinned(u, 4, None)
     force = u.force([0, 0, 3 * 2.1e11 * 0.01**4 / 12 * deflection])
-    scene.add(fl.PointLoad(beam.end, force=force))
+    scene.add(fl.PointLoad(beam.point("end"), force=force))
     result = fl.statics(scene)
     finer, _ = pinned(u, 8, 4)
     if torn:
@@ -293,10 +295,10 @@ def test_a_drive_is_added_to_a_hinge_that_has_made_turns(place):
     def wound(cells):
         scene = fl.Scene()
         beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=cells, name="beam"))
-        point = beam.start if place == "node" else beam.at(0.3)
+        point = beam.point("start") if place == "node" else beam.point((0.3, 0, 0))
         hinge = scene.add(fl.Revolute(fl.ground(), point, name="hinge"))
         spring = scene.add(fl.Spring(hinge.angle, stiffness, name="spring"))
-        scene.add(fl.PointLoad(beam.end, moment=(0, 0, moment)))
+        scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, moment)))
         return scene, hinge, spring
 
     (coarse, _, before), (fine, hinge, spring) = wound(2), wound(4)

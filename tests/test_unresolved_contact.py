@@ -19,11 +19,14 @@ def balls(stiffness, unit=1.0, offset=0.0, law=fl.Penalty, others=()) -> fl.Scen
     inertia = (1e-4 * unit**2,) * 3
     left = fl.RigidBody(1.0, inertia, position=(-0.275 * unit, offset * unit, 0), name="left")
     right = fl.RigidBody(1.0, inertia, name="right")
-    left.move((100.0 * unit, 0, 0))
+    left.add_velocity((100.0 * unit, 0, 0))
     scene = fl.Scene()
     for body in (left, right, *others):
         scene.add(body)
-    given = fl.Sphere(left.centre, 0.01 * unit), fl.Sphere(right.centre, 0.01 * unit)
+    given = (
+        fl.Sphere(left.point("centre"), 0.01 * unit),
+        fl.Sphere(right.point("centre"), 0.01 * unit),
+    )
     scene.add(fl.Contact(*given, law(stiffness) if law is fl.Penalty else law(restitution=1.0)))
     return scene
 
@@ -34,7 +37,7 @@ def bars(angle, speed, offset=0.0) -> fl.Scene:
     lower = fl.Beam.straight((-0.5, 0, 0), (0.5, 0, 0), section, cells=4)
     ends = (-0.5 * c, offset - 0.5 * s, 0.13), (0.5 * c, offset + 0.5 * s, 0.13)
     upper = fl.Beam.straight(*ends, section, cells=4)
-    upper.move((0, 0, -speed))
+    upper.add_velocity((0, 0, -speed))
     scene = fl.Scene()
     scene.add(lower)
     scene.add(upper)
@@ -45,11 +48,11 @@ def bars(angle, speed, offset=0.0) -> fl.Scene:
 def floor(speed, gap, stiffness=1e6, **law) -> tuple[fl.Scene, fl.RigidBody]:
     """A ball of 1 kg that comes down on a plane: in contact for π ms with 1e6 N/m."""
     ball = fl.RigidBody(1.0, (1e-2,) * 3, position=(0, 0, 0.1 + gap), name="ball")
-    ball.move((0, 0, -speed))
+    ball.add_velocity((0, 0, -speed))
     scene = fl.Scene()
     scene.add(ball)
     plane, given = fl.Plane(fl.ground(), (0, 0, 1)), fl.Penalty(stiffness, **law)
-    scene.add(fl.Contact(fl.Sphere(ball.centre, 0.1), plane, given))
+    scene.add(fl.Contact(fl.Sphere(ball.point("centre"), 0.1), plane, given))
     return scene, ball
 
 
@@ -109,7 +112,7 @@ def test_a_contact_that_is_too_soft_for_the_impact_says_so(scheme):
 def test_impacts_beside_joints_see_what_goes_through():
     far = fl.RigidBody(1.0, (1.0, 1.0, 1.0), position=(5, 0, 0))
     scene = balls(0.0, law=fl.Impact, others=(far,))
-    scene.add(fl.Revolute(fl.ground(), far.centre, axis=(0, 0, 1)))
+    scene.add(fl.Revolute(fl.ground(), far.point("centre"), axis=(0, 0, 1)))
     scheme = fl.GeneralisedAlpha(radius=0.8)
     with pytest.raises(
         fl.ConvergenceError, match=r"left and right: one side went through .* smaller"
@@ -152,7 +155,7 @@ def test_energy_that_a_contact_of_few_steps_changes_is_warned_of(scheme, unit):
     with pytest.warns(fl.UnresolvedContactWarning, match="steps of 0.001 do not resolve") as found:
         result = run(scheme, scene, 12 * step, step)
     (message,) = [str(each.message) for each in found]
-    changed = (result.velocity(ball.centre)[-1, 2] / speed) ** 2 - 1.0
+    changed = (result.velocity(ball.point("centre"))[-1, 2] / speed) ** 2 - 1.0
     assert abs(changed) > 0.05
     assert np.sign(changed) == (1.0 if "bodies by +" in message else -1.0)
     assert "higher" not in message
@@ -161,23 +164,27 @@ def test_energy_that_a_contact_of_few_steps_changes_is_warned_of(scheme, unit):
     softer = float(message.split("a stiffness of ")[1].split(" ")[0])
     fine, ball = floor(speed, 2.02 * step * speed)
     result = run(scheme, fine, round(12 * step / advised) * advised, advised)
-    assert (result.velocity(ball.centre)[-1, 2] / speed) ** 2 == pytest.approx(1.0, abs=0.02)
+    assert (result.velocity(ball.point("centre"))[-1, 2] / speed) ** 2 == pytest.approx(
+        1.0, abs=0.02
+    )
     soft, ball = floor(speed, 2.02 * step * speed, softer)
     result = run(scheme, soft, 24 * step, step)
-    assert (result.velocity(ball.centre)[-1, 2] / speed) ** 2 == pytest.approx(1.0, abs=0.02)
+    assert (result.velocity(ball.point("centre"))[-1, 2] / speed) ** 2 == pytest.approx(
+        1.0, abs=0.02
+    )
 
 
 def test_conserving_steps_give_back_what_they_took():
     step = 1.04e-3
     scene, ball = floor(100.0, 202.0 * step)
     result = run(fl.EnergyMomentum(), scene, 12 * step, step)
-    assert result.velocity(ball.centre)[-1, 2] == pytest.approx(100.0, rel=1e-10)
+    assert result.velocity(ball.point("centre"))[-1, 2] == pytest.approx(100.0, rel=1e-10)
 
 
 def test_damping_takes_energy_without_a_warning():
     scene, ball = floor(1.0, 1e-3, damping=600.0)
     result = run(fl.GeneralisedAlpha(radius=0.8), scene, 1.2e-2, 3e-4)
-    assert 0.0 < result.velocity(ball.centre)[-1, 2] < 0.6
+    assert 0.0 < result.velocity(ball.point("centre"))[-1, 2] < 0.6
 
 
 def test_what_is_known_of_a_contact_goes_on_from_a_checkpoint(tmp_path):

@@ -22,8 +22,8 @@ def test_an_unstable_equilibrium_says_so():
     )
     scene, euler = fl.Scene(), np.pi**2 / 4 * column.stiffness[0, 4, 4]
     scene.add(column)
-    scene.add(fl.Clamp(column.start))
-    scene.add(fl.PointLoad(column.end, (0, 0, -2 * euler)))
+    scene.add(fl.Clamp(column.point("start")))
+    scene.add(fl.PointLoad(column.point("end"), (0, 0, -2 * euler)))
     with pytest.warns(fl.UnstableEquilibriumWarning, match="unstable at load factor 1") as caught:
         result = fl.statics(scene)
     assert len(caught) == 1
@@ -106,7 +106,7 @@ def test_moments_about_fixed_axes_make_no_bifurcations():
 def test_critical_points_without_potential_are_marked_and_have_the_modes_of_the_whole_tangent():
     """Euler's column with a little torque about a fixed axis: by the determinant, the same load."""
     scene, beam, _ = column("pinned-pinned", 16)
-    scene.add(fl.PointLoad(beam.start, moment=(0, 0, 1e-3)))
+    scene.add(fl.PointLoad(beam.point("start"), moment=(0, 0, 1e-3)))
     path = fl.follow_path(scene, 1.1)
     (point,) = path.critical
     assert not point.has_potential and "by the determinant" in str(point)

@@ -40,11 +40,11 @@ def tip(body: fl.Beam | fl.Cable | fl.Shell) -> np.ndarray:
     scene.add(body)
     for node in np.flatnonzero(x == x.min()):
         if isinstance(body, fl.Cable):
-            body.clamp(body.node(int(node)))
+            body.clamp(body.point(int(node)))
         else:
-            scene.add(fl.Clamp(body.node(int(node))))
+            scene.add(fl.Clamp(body.point(int(node))))
     for node in np.flatnonzero(x == x.max()):
-        scene.add(fl.PointLoad(body.node(int(node)), force=(0.0, 0.0, 0.02)))
+        scene.add(fl.PointLoad(body.point(int(node)), force=(0.0, 0.0, 0.02)))
     frames = fl.statics(scene).frames[-1]
     return frames[:, 0]
 

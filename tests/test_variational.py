@@ -90,9 +90,9 @@ def damped() -> fl.Scene:
     """A body on a spring with a damper, pushed by a force that follows it."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     arm = scene.add(fl.RigidBody(1.0, (2e-3, 5e-3, 6e-3), position=(0.2, 0, 0)))
-    hinge = scene.add(fl.Revolute(fl.ground(), arm.centre, at=(0, 0, 0), axis=(0, 1, 0)))
+    hinge = scene.add(fl.Revolute(fl.ground(), arm.point("centre"), at=(0, 0, 0), axis=(0, 1, 0)))
     scene.add(fl.Spring(hinge.angle, stiffness=20.0, damping=0.2))
-    scene.add(fl.PointLoad(arm.centre, force=(0, 0, 3.0), following=True))
+    scene.add(fl.PointLoad(arm.point("centre"), force=(0, 0, 3.0), following=True))
     return scene
 
 
@@ -178,7 +178,7 @@ def test_a_discrete_rod_that_turns_over():
         scene = fl.Scene()
         line = fl.curve(lambda s: (s, 0.1 * np.sin(3 * s), 0), 4)
         rod = fl.Rod(line, section, up=(0, 0, 1), formulation=fl.DiscreteRod())
-        scene.add(rod).turn((0.5, 2.0, 12.0), about=(0.5, 0, 0))
+        scene.add(rod).add_velocity(omega=(0.5, 2.0, 12.0), about=(0.5, 0, 0))
         ends.append(scheme.run(scene, duration=0.4, step=1e-3, save_every=100))
     here, there = ends
     np.testing.assert_allclose(here.frames[-1][:, 0], there.frames[-1][:, 0], atol=3e-4)
@@ -221,7 +221,7 @@ def test_steps_that_change():
 def test_jumps():
     scene, one, _ = bars()
     late = fl.Jumps(lambda t: float(t > 0.05), (0.05,))
-    scene.add(fl.PointLoad(one.end, force=(0, 0, 1), history=late))
+    scene.add(fl.PointLoad(one.point("end"), force=(0, 0, 1), history=late))
     with pytest.raises(ValueError, match=r"jumps at the times \[0.05\]"):
         SCHEME.run(scene, duration=0.1, step=1e-2)
 

@@ -29,7 +29,7 @@ def beam(length=1.0, width=0.02, height=0.04, cells=16, clamped=True, **options)
     section = fl.Section.rectangle(width, height, STEEL)
     body = scene.add(fl.Beam.straight((0, 0, 0), (length, 0, 0), section, cells=cells, **options))
     if clamped:
-        scene.add(fl.Clamp(body.start))
+        scene.add(fl.Clamp(body.point("start")))
     return scene, body
 
 
@@ -101,7 +101,7 @@ def test_orders_of_bending():
     errors = []
     for cells in (4, 8):
         scene, body = beam(20.0, cells=cells, clamped=False)
-        for point in (body.start, body.end):
+        for point in (body.point("start"), body.point("end")):
             scene.add(fl.Revolute(point, fl.ground(), axis=(0, 1, 0)))
         pinned = fl.vibrations(scene, 4).frequencies
         section = fl.Section.rectangle(0.02, 0.04, STEEL)
@@ -123,8 +123,8 @@ def test_inertia_of_the_beam_element_is_that_of_the_rod():
     scene, place, axis = fl.Scene(), np.array([1.0, 2, 0]), np.array([2.0, -1, 1])
     body = scene.add(fl.Beam.straight(place, place + axis, section, cells=3))
     omega, shift = np.array([1.0, 2, 3]), np.array([0.3, -0.2, 0.5])
-    body.turn(omega, about=(0, 0, 0))
-    body.move(shift)
+    body.add_velocity(omega=omega, about=(0, 0, 0))
+    body.add_velocity(shift)
     system = System(scene, dynamics=True)
     work = np.empty((2, system.count, 4, 3))
     energy, *momenta = inertia.invariants(
@@ -172,7 +172,7 @@ def test_steady_rotation_stretches():
     spin = 300.0
     k = spin * np.sqrt(RHO / E)
     result = fl.statics(scene, spin=(0, 0, spin))
-    extension = result.position(body.end)[-1, 0] - 1.0
+    extension = result.position(body.point("end"))[-1, 0] - 1.0
     assert extension == pytest.approx(np.tan(k) / k - 1.0, rel=1e-6)
 
 
@@ -183,18 +183,18 @@ def test_steady_rotation_converges_quadratically():
         scene = fl.Scene(gravity=(0, 0, -G))
         section = fl.Section.rectangle(0.005, 0.01, STEEL)
         body = scene.add(fl.Beam.straight((0.1, 0, 0), (1.0, 0.3, 0.5), section, cells=8))
-        scene.add(fl.Clamp(body.start))
+        scene.add(fl.Clamp(body.point("start")))
         result = fl.statics(
             scene, spin=(0, 0, 10), load_steps=2, newton=fl.Newton(carried_stress=carried)
         )
         assert result.iterations.max() <= 6
-        tips.append(result.position(body.end)[-1])
+        tips.append(result.position(body.point("end"))[-1])
     np.testing.assert_allclose(*tips, rtol=0, atol=1e-9)
 
 
 def test_stiffness_of_steady_motion_is_the_derivative_of_the_residual():
     scene, body = beam(cells=3, damping=fl.Damping(mass=2.0))
-    scene.add(fl.Spherical(fl.ground(), body.end))
+    scene.add(fl.Spherical(fl.ground(), body.point("end")))
     system = System(scene, dynamics=True)
     rng = np.random.default_rng(3)
     H, weights = system.frames.copy(), rng.normal(size=system.m)
@@ -231,7 +231,7 @@ def test_stiffness_of_steady_motion_is_the_derivative_of_the_residual():
 def test_axial_force(load):
     """Pinned beam-column to string: ``ω_k² = ω_k0² (1 + N/(k² P_cr))``."""
     scene, body = beam(20.0, clamped=False)
-    for point in (body.start, body.end):
+    for point in (body.point("start"), body.point("end")):
         scene.add(fl.Revolute(point, fl.ground(), axis=(0, 1, 0)))
     EI, mass = body.stiffness[0, 4, 4], body.density[0, 0, 0]
     wave = np.pi * np.arange(1, 4) / 20.0
@@ -247,7 +247,7 @@ def test_axial_force(load):
 def test_buckled_column_is_unstable(caplog):
     scene, body = beam(20.0)
     critical = body.stiffness[0, 5, 5] * (np.pi / 40) ** 2
-    scene.add(fl.PointLoad(body.end, force=(-1.1 * critical, 0, 0)))
+    scene.add(fl.PointLoad(body.point("end"), force=(-1.1 * critical, 0, 0)))
     with pytest.warns(fl.UnstableEquilibriumWarning):
         modes = fl.vibrations(scene, 2)
     assert modes.unstable.tolist() == [True, False] or modes.unstable.tolist() == [False, True]
@@ -280,16 +280,16 @@ def test_cantilever_of_two_bodies_is_the_cantilever_of_one():
             scene.add(fl.Beam.straight((x, 0, 0), (x + 0.5, 0, 0), section, cells=4))
             for x in (0.0, 0.5)
         ]
-        scene.add(fl.Clamp(parts[0].start))
+        scene.add(fl.Clamp(parts[0].point("start")))
         join = fl.RigidLink if link else fl.Fixed
-        scene.add(join(parts[0].end, parts[1].start))
+        scene.add(join(parts[0].point("end"), parts[1].point("start")))
         modes = fl.vibrations(scene, 6)
         np.testing.assert_allclose(modes.frequencies, expected.frequencies, rtol=1e-7)
         info, single = modes.info, expected.info
         for name, other in (("beam 1.end", "beam 1.node 4"), ("beam 2.end", "beam 1.end")):
             found = np.abs(modes.shapes[:, info.node(name)])
             np.testing.assert_allclose(
-                found, np.abs(expected.shapes[:, single.node(other)]), atol=1e-5
+                found, np.abs(expected.shapes[:, single.point(other)]), atol=1e-5
             )
     assert np.abs(expected.shapes[0, :, :3]).max() == pytest.approx(body.size)
 
@@ -299,7 +299,7 @@ def test_pendulum():
     mass, arm, J = 2.0, 0.3, np.array([1.0, 1.2, 0.5])
     scene = fl.Scene(gravity=(0, 0, -G))
     body = scene.add(fl.RigidBody(mass, J, (0, 0, -arm)))
-    scene.add(fl.Spherical(fl.ground(), body.centre, at=(0, 0, 0)))
+    scene.add(fl.Spherical(fl.ground(), body.point("centre"), at=(0, 0, 0)))
     expected = np.sqrt(mass * G * arm / (J[:2] + mass * arm**2))
     modes = fl.vibrations(scene, 3)
     np.testing.assert_allclose(modes.frequencies, [0.0, *np.sort(expected)], atol=1e-9)
@@ -314,7 +314,7 @@ def test_sleeping_top(spin, caplog):
     mass, arm, J, J3 = 2.0, 0.3, 1.0, 1.5
     scene = fl.Scene(gravity=(0, 0, -G))
     body = scene.add(fl.RigidBody(mass, (J, J, J3), (0, 0, arm)))
-    scene.add(fl.Spherical(fl.ground(), body.centre, at=(0, 0, 0)))
+    scene.add(fl.Spherical(fl.ground(), body.point("centre"), at=(0, 0, 0)))
     modes = fl.vibrations(scene, 3, spin=(0, 0, spin))
     nu = np.roots([J + mass * arm**2, -J3 * spin, mass * G * arm])
     s = 1j * (nu - spin)
@@ -344,7 +344,7 @@ def test_becks_column(load, flutters):
     """A following force makes the stiffness asymmetric: flutter at 20.05 EI/L² (Beck 1952)."""
     scene, body = beam(10.0)
     force = load * body.stiffness[0, 5, 5] / 100
-    scene.add(fl.PointLoad(body.end, force=(-force, 0, 0), following=True))
+    scene.add(fl.PointLoad(body.point("end"), force=(-force, 0, 0), following=True))
     modes = fl.vibrations(scene, 4)
     assert modes.unstable.any() == flutters
     assert (modes.frequencies[modes.unstable] > 0).all()
@@ -373,13 +373,13 @@ def test_time_integration_swings_with_the_frequency():
     """A column under half its critical load starts with the velocity of its slowest mode."""
     scene, body = beam(1.0, 0.002, 0.004, cells=6)
     critical = body.stiffness[0, 5, 5] * (np.pi / 2) ** 2
-    scene.add(fl.PointLoad(body.end, force=(-0.5 * critical, 0, 0)))
+    scene.add(fl.PointLoad(body.point("end"), force=(-0.5 * critical, 0, 0)))
     modes = fl.vibrations(scene, 1)
     shape, omega = modes.shapes[0].real, modes.frequencies[0]
     body.velocities[:] = 1e-3 * omega * shape[modes.info.body("beam 1").nodes]
     step = 2 * np.pi / omega / 100
     result = fl.GeneralisedAlpha(radius=1.0).run(scene, duration=110 * step, step=step)
-    tip, times = result.position(body.end)[:, 1], result.times
+    tip, times = result.position(body.point("end"))[:, 1], result.times
     before = np.flatnonzero(np.diff(np.sign(tip[1:])) != 0) + 1
     crossings = times[before] - tip[before] * step / (tip[before + 1] - tip[before])
     # the trapezoidal rule slows waves down by (ωh)²/12 = 3.3e-4
@@ -401,7 +401,7 @@ def test_at_takes_an_equilibrium():
         fl.vibrations(other, at=result)
     with pytest.raises(ValueError, match=r"the rotation comes with at=\.\.\."):
         fl.vibrations(scene, at=result, spin=(0, 0, 1))
-    scene.add(fl.PointLoad(body.end, force=(0, 0, 3.0)))
+    scene.add(fl.PointLoad(body.point("end"), force=(0, 0, 3.0)))
     with pytest.raises(ValueError, match="no equilibrium of this scene under its full loads"):
         fl.vibrations(scene, at=result)
 
@@ -420,8 +420,8 @@ def test_loads_that_no_joint_takes_are_balanced_by_the_beam(formulation, cells):
 
     options = {"up": (0, 0, 1), "formulation": formulation}
     body = scene.add(fl.Beam.curve(arc, section, cells=cells, **options))
-    scene.add(fl.Clamp(body.start))
-    scene.add(fl.PointLoad(body.end, force=(-3, 20, 5)))
+    scene.add(fl.Clamp(body.point("start")))
+    scene.add(fl.PointLoad(body.point("end"), force=(-3, 20, 5)))
     found = fl.vibrations(scene, 2)
     exact = fl.vibrations(
         scene, 2, at=fl.statics(scene, load_steps=4, newton=fl.Newton(tolerance=1e-13))
@@ -429,8 +429,8 @@ def test_loads_that_no_joint_takes_are_balanced_by_the_beam(formulation, cells):
     np.testing.assert_allclose(found.frequencies, exact.frequencies, rtol=1e-7)
     other = fl.Scene(gravity=(0, G, -2))
     body = other.add(fl.Beam.curve(arc, section, cells=cells, **options))
-    other.add(fl.Clamp(body.start))
-    other.add(fl.PointLoad(body.end, force=(-3, 20, 5.01)))
+    other.add(fl.Clamp(body.point("start")))
+    other.add(fl.PointLoad(body.point("end"), force=(-3, 20, 5.01)))
     with pytest.raises(ValueError, match="no equilibrium"):
         fl.vibrations(scene, 2, at=fl.statics(other))
 
@@ -452,7 +452,7 @@ def test_bad_input():
     assert len(fl.vibrations(scene, 6)) == 6
     with pytest.raises(ValueError, match="spin must be 3 finite numbers"):
         fl.statics(scene, spin=(1, 2))
-    scene.add(fl.PointLoad(body.end, force=(0, 0, 1)))
+    scene.add(fl.PointLoad(body.point("end"), force=(0, 0, 1)))
     with pytest.raises(ValueError, match="load 1, on beam 1, is fixed in space and must be para"):
         fl.statics(scene, spin=(1, 0, 0))
     fl.statics(scene, spin=(0, 0, 1))

@@ -23,7 +23,7 @@ def scene_of(scheme: str, name: str, held: bool) -> tuple[fl.Scene, float]:
     if held:
         body.clamp("a=0")
     else:
-        body.turn((1.0, 2.0, 3.0), about=(0.5, 0.1, 0))
+        body.add_velocity(omega=(1.0, 2.0, 3.0), about=(0.5, 0.1, 0))
     return scene, step
 
 
@@ -70,7 +70,7 @@ def changed(scheme: str, name: str, choice: str, **kept: object) -> fl.Result:
     scene, h = scene_of(scheme, name, False)
     (body,) = scene.bodies
     history = fl.Table((0, 2.4 * h, 2.4 * h, 6 * h, 6 * h), (1, 1, -2, -2, 3))
-    scene.add(fl.PointLoad(body.node(1), force=(3.0, 5.0, 20.0), history=history))
+    scene.add(fl.PointLoad(body.point(1), force=(3.0, 5.0, 20.0), history=history))
     options = {"progress": False} | kept
     return TAKES[scheme][0].run(scene, duration=10 * h, step=CHANGING[choice](h), **options)
 

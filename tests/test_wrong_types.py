@@ -18,9 +18,10 @@ SURFACE = fl.surface(lambda a, b: (a, b, 0.0), (2, 2))
 
 BEAM = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2, name="bar")
 BODY = fl.RigidBody(1.0, (1, 1, 1), (1, 0, 0), name="mass")
+START, END, CENTRE = BEAM.point("start"), BEAM.point("end"), BODY.point("centre")
 SHELL = fl.Shell(SURFACE, LAYER, name="plate")
-JOINT = fl.Revolute(BEAM.end, BODY.centre, name="hinge")
-PIN = fl.Cylindrical(BEAM.start, fl.ground(), name="pin")
+JOINT = fl.Revolute(END, CENTRE, name="hinge")
+PIN = fl.Cylindrical(START, fl.ground(), name="pin")
 
 
 def scene() -> fl.Scene:
@@ -32,9 +33,9 @@ def scene() -> fl.Scene:
 
 WRONG = {
     "point": [(0, 0, 1), np.zeros(3), "tip", None, 3, BEAM, JOINT.angle],
-    "coordinate": [JOINT, "angle", None, 3, BEAM.end],
-    "beam": [BEAM.end, "bar", None, BODY, SHELL],
-    "shell": [SHELL["00"], "plate", None, BODY, BEAM],
+    "coordinate": [JOINT, "angle", None, 3, END],
+    "beam": [END, "bar", None, BODY, SHELL],
+    "shell": [SHELL.point("00"), "plate", None, BODY, BEAM],
     "number": ["three", None, (1, 2), object(), NAN, INF, 1j],
     "optional number": ["three", (1, 2), object(), NAN, INF, 1j],
     "optional whole": [1.5, "two", 0, -1, (1, 2), 2**63],
@@ -63,13 +64,13 @@ WRONG = {
 }
 HELD = fl.Scene()
 HELD.add(SHORT := fl.Beam.straight((0, 0, 0), (0, 0, 1), SECTION, cells=2, name="short"))
-HELD.add(fl.Clamp(SHORT.start))
-HELD.add(fl.PointLoad(SHORT.end, (0, 0, -1e-6)))
+HELD.add(fl.Clamp(SHORT.point("start")))
+HELD.add(fl.PointLoad(SHORT.point("end"), (0, 0, -1e-6)))
 BENT = fl.statics(HELD)
 MODES = fl.buckling(HELD, 1)
 FIELD = fl.FieldImperfection(lambda x: 0 * x)
 F = lambda t: t  # noqa: E731
-STILL = BEAM.start.frame.copy()
+STILL = START.frame.copy()
 
 CASES: dict[str, tuple] = {
     "Material": (fl.Material, dict(E=(1.0, "number"), nu=(0.3, "number"), density=(1.0, "number"))),
@@ -151,33 +152,33 @@ CASES: dict[str, tuple] = {
     "Revolute": (
         fl.Revolute,
         dict(
-            a=(BEAM.end, "point"), b=(BODY.centre, "point"), at=((1, 0, 0), "vector"),
+            a=(END, "point"), b=(CENTRE, "point"), at=((1, 0, 0), "vector"),
             axis=((0, 0, 1), "vector"), name=("a", "name"),
         ),
     ),
     "Screw": (
-        fl.Screw, dict(a=(BEAM.end, "point"), b=(BODY.centre, "point"), pitch=(1.0, "number"))
+        fl.Screw, dict(a=(END, "point"), b=(CENTRE, "point"), pitch=(1.0, "number"))
     ),
     "Universal": (
         fl.Universal,
-        dict(a=(BEAM.end, "point"), b=(BODY.centre, "point"), second=((1, 0, 0), "vector")),
+        dict(a=(END, "point"), b=(CENTRE, "point"), second=((1, 0, 0), "vector")),
     ),
     "Distance": (
         fl.Distance,
-        dict(a=(BEAM.start, "point"), b=(BODY.centre, "point"), to=((1, 1, 1), "vector")),
+        dict(a=(START, "point"), b=(CENTRE, "point"), to=((1, 1, 1), "vector")),
     ),
     "RollingDisc": (
         fl.RollingDisc,
         dict(
-            a=(fl.ground(), "point"), b=(BODY.centre, "point"), radius=(1.0, "number"),
+            a=(fl.ground(), "point"), b=(CENTRE, "point"), radius=(1.0, "number"),
             axis=((0, 1, 0), "vector"), normal=((0, 0, 1), "vector"),
         ),
     ),
-    "RigidLink": (fl.RigidLink, dict(a=(BEAM.end, "point"), b=(BODY.centre, "point"))),
+    "RigidLink": (fl.RigidLink, dict(a=(END, "point"), b=(CENTRE, "point"))),
     "Collar": (
         fl.Collar,
         dict(
-            beam=(BEAM, "beam"), b=(BODY.centre, "point"), at=((0.5, 0, 0), "vector"),
+            beam=(BEAM, "beam"), b=(CENTRE, "point"), at=((0.5, 0, 0), "vector"),
             travel=(None, "function or nothing"), name=("a", "name"),
         ),
     ),
@@ -205,7 +206,7 @@ CASES: dict[str, tuple] = {
     "PointLoad": (
         fl.PointLoad,
         dict(
-            point=(BEAM.end, "point"), force=((0, 0, 1), "vector"), moment=((0, 0, 1), "vector"),
+            point=(END, "point"), force=((0, 0, 1), "vector"), moment=((0, 0, 1), "vector"),
             following=(True, "flag"), history=(F, "function or nothing"),
         ),
     ),
@@ -257,8 +258,8 @@ CASES: dict[str, tuple] = {
             spin=((0, 0, 0), "vector"),
         ),
     ),
-    "Body.on": (
-        lambda group: fl.RigidBody(1.0, (1, 1, 1)).on(group),
+    "set_group": (
+        lambda group: fl.RigidBody(1.0, (1, 1, 1)).set_group(group),
         dict(group=(fl.Group.SE3, "group of motions")),
     ),
     "Newton": (
@@ -300,10 +301,10 @@ CASES: dict[str, tuple] = {
         dict(amplitude=(0.1, "number"), wavelength=(1.0, "number")),
     ),
     "imperfect": (lambda scene: fl.imperfect(scene, FIELD), dict(scene=(HELD, "scene"))),
-    "Clamp": (fl.Clamp, dict(point=(BEAM.start, "point"))),
+    "Clamp": (fl.Clamp, dict(point=(START, "point"))),
     "PrescribedMotion": (
         fl.PrescribedMotion,
-        dict(point=(BEAM.start, "point"), motion=(lambda t: STILL, "function")),
+        dict(point=(START, "point"), motion=(lambda t: STILL, "function")),
     ),
     "GeneralisedAlpha": (
         fl.GeneralisedAlpha,
@@ -316,13 +317,18 @@ CASES: dict[str, tuple] = {
     "AdaptiveStep": (fl.AdaptiveStep, dict(tolerance=(1e-3, "number"))),
     "DisplacementControl": (
         fl.DisplacementControl,
-        dict(point=(BEAM.end, "point"), direction=((0, 0, 1), "vector"), to=(1.0, "number")),
+        dict(point=(END, "point"), direction=((0, 0, 1), "vector"), to=(1.0, "number")),
     ),
-    "turn": (BODY.turn, dict(omega=((0, 0, 1), "vector"), about=((0, 0, 1), "vector"))),
-    "move": (BODY.move, dict(velocity=((0, 0, 1), "vector"))),
-    "node": (BEAM.node, dict(index=(1, "whole"))),
-    "point by name": (BEAM.__getitem__, dict(name=("end", "group"))),
-    "Spherical": (fl.Spherical, dict(a=(BEAM.end, "point"), b=(BODY.centre, "point"))),
+    "add_velocity": (
+        BODY.add_velocity,
+        dict(
+            velocity=((0, 0, 1), "vector"), omega=((0, 0, 1), "vector"),
+            about=((0, 0, 1), "vector"),
+        ),
+    ),
+    "point": (BEAM.point, dict(where=(1, "whole"), tolerance=(1.0, "number"))),
+    "points": (BEAM.points, dict(where=("end", "group"))),
+    "Spherical": (fl.Spherical, dict(a=(END, "point"), b=(CENTRE, "point"))),
 }  # fmt: skip
 
 
@@ -339,7 +345,9 @@ def _is_fine(name: str, argument: str, wrong: object) -> bool:
     """What this argument takes though others of its kind do not."""
     if argument in ("at", "to", "up", "along", "rotation", "director") and wrong is None:
         return True
-    if (name, argument) == ("node", "index") and wrong in (0, -1):
+    if (name, argument) in (("point", "tolerance"), ("add_velocity", "about")) and wrong is None:
+        return True
+    if (name, argument) == ("point", "where") and wrong in (0, -1):
         return True
     return (name, argument) == ("Beam", "up") and isinstance(wrong, dict)
 

@@ -17,10 +17,10 @@ def beam() -> None:
     scene = fl.Scene()
     section = fl.Section.rectangle(0.01, 0.01, STEEL)
     rod = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4))
-    scene.add(fl.Clamp(rod.start))
-    scene.add(fl.PointLoad(rod.end, force=(0, 0, 100.0)))
+    scene.add(fl.Clamp(rod.point("start")))
+    scene.add(fl.PointLoad(rod.point("end"), force=(0, 0, 100.0)))
     found = fl.statics(scene)
-    assert 0 < found.position(rod.end)[-1, 2] < 1
+    assert 0 < found.position(rod.point("end"))[-1, 2] < 1
 
 
 def shell() -> None:
@@ -30,7 +30,7 @@ def shell() -> None:
     plate = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.01, STEEL)))
     plate.clamp("a=0")
     found = fl.statics(scene)
-    assert -1 < found.position(plate["11"])[-1, 2] < 0
+    assert -1 < found.position(plate.point("11"))[-1, 2] < 0
 
 
 def two_beams() -> fl.Scene:
@@ -39,9 +39,9 @@ def two_beams() -> fl.Scene:
     section = fl.Section.rectangle(0.01, 0.01, STEEL)
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=4))
     two = scene.add(fl.Beam.straight((0.5, 0, 0), (0.5, 0.5, 0), section, cells=4))
-    scene.add(fl.Spherical(fl.ground(), one.start))
-    scene.add(fl.Spherical(one.end, two.start))
-    two.turn((1, 0, -2), about=two.start)
+    scene.add(fl.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.Spherical(one.point("end"), two.point("start")))
+    two.add_velocity(omega=(1, 0, -2), about=two.point("start"))
     return scene
 
 

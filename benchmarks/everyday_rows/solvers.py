@@ -66,7 +66,7 @@ def pantograph(across: int = 48, along: int = 24, pitch: float = 0.01) -> fl.Sce
                 beam = fl.Beam.straight(*ends, section, cells=cells, up=(0, 0, 1))
                 scene.add(beam)
                 for k, place in enumerate(fibre):
-                    at.setdefault(place, []).append(beam.node(2 * k))
+                    at.setdefault(place, []).append(beam.point(2 * k))
     for nodes in at.values():
         if len(nodes) == 2:
             scene.add(fl.Revolute(*nodes, axis=(0, 0, 1)))
@@ -76,8 +76,8 @@ def pantograph(across: int = 48, along: int = 24, pitch: float = 0.01) -> fl.Sce
         if i == 0:
             scene.add(fl.Clamp(nodes[0]))
         if i == across:
-            scene.add(fl.RigidLink(bar.centre, nodes[0]))
-    scene.add(fl.PointLoad(bar.centre, force=(5.0, 0, 0)))
+            scene.add(fl.RigidLink(bar.point("centre"), nodes[0]))
+    scene.add(fl.PointLoad(bar.point("centre"), force=(5.0, 0, 0)))
     return scene
 
 
@@ -126,8 +126,8 @@ def mount(*, attached: bool) -> fl.Scene:
     force, area = np.array((50.0, 0.0, -100.0)), math.pi * (20.0**2 - 5.0**2)
     if attached:
         mass = scene.add(fl.RigidBody(1e-3, (0.1,) * 3, position=(0, 0, 50)))
-        scene.add(fl.Fixed(rubber.grip("top"), mass.centre, at=(0, 0, 30)))
-        scene.add(fl.PointLoad(mass.centre, force=tuple(force)))
+        scene.add(fl.Fixed(rubber.point("top"), mass.point("centre"), at=(0, 0, 30)))
+        scene.add(fl.PointLoad(mass.point("centre"), force=tuple(force)))
     else:
         scene.add(fl.FaceLoad(rubber, "top", tuple(force / area)))
     return scene
@@ -142,7 +142,7 @@ def pendulum_alone_or_not(*, cable: bool) -> fl.Scene:
     if cable:
         section = fl.Section.circle(0.002, fl.Material(E=70e9, nu=0.3, density=2700.0))
         resting = scene.add(fl.Cable.straight((5, 0, 0), (6, 0, 0), section, cells=2))
-        resting.clamp(resting.start)
+        resting.clamp(resting.point("start"))
     return scene
 
 

@@ -106,7 +106,7 @@ def unknowns(scene: fl.Scene) -> int:
 
 def double_pendulum(request: Request) -> Motion:
     scene, _, two = pendulum(request["case"], request["elements"])
-    return Motion(scene, lambda result: result.position(two.end)[-1])
+    return Motion(scene, lambda result: result.position(two.point("end"))[-1])
 
 
 def rigid_chain(request: Request) -> Motion:
@@ -153,21 +153,21 @@ def arc(elements: int, formulation: fl.Formulation) -> tuple[fl.Scene, fl.Beam]:
     section = fl.Section.from_stiffness([EA, GA, GA, EI, EI, EI])
     scene = fl.Scene()
     beam = scene.add(fl.Beam.curve(place, section, cells=elements, formulation=formulation))
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, force=(0, 0, FORCE)))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, FORCE)))
     return scene, beam
 
 
 def bend(request: Request) -> tuple[Array, fl.StaticResult, int]:
     scene, beam = arc(request["elements"], BEAMS[request["way"]])
     result = fl.statics(scene, load_steps=request["load_steps"])
-    return result.position(beam.end)[-1], result, 6 * len(beam.frames)
+    return result.position(beam.point("end"))[-1], result, 6 * len(beam.frames)
 
 
 def rollup(request: Request) -> tuple[Array, fl.StaticResult, int]:
     scene, beam = cantilever(request["elements"], request["stiffness_ratio"])
     result = fl.statics(scene, load_steps=request["load_steps"])
-    return result.position(beam.end)[-1], result, 6 * len(beam.frames)
+    return result.position(beam.point("end"))[-1], result, 6 * len(beam.frames)
 
 
 def hemisphere(request: Request) -> tuple[Array, fl.PathResult, int]:

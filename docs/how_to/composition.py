@@ -30,12 +30,12 @@ class SevenParts(fl.Composition):
 def end(steps: int) -> np.ndarray:
     """How a tumbling body has turned after one second."""
     body = fl.RigidBody(1.0, (0.1, 0.2, 0.28), name="body")
-    body.turn((2.0, 3.0, 1.0), about=body.centre)
+    body.add_velocity(omega=(2.0, 3.0, 1.0), about=body.point("centre"))
     scene = fl.Scene()
     scene.add(body)
     scheme = fl.Composed(composition=SevenParts())
     result = scheme.run(scene, duration=1.0, step=1.0 / steps)
-    return result.rotation(body.centre)[-1]
+    return result.rotation(body.point("centre"))[-1]
 
 
 coarse, middle, fine = (end(steps) for steps in (10, 20, 40))

@@ -71,9 +71,11 @@ def bead(angle: float, speed: float) -> tuple[fl.Scene, fl.RigidBody]:
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     place = (RING + LENGTH * math.sin(angle), 0.0, -LENGTH * math.cos(angle))
     body = scene.add(fl.RigidBody(MASS, 1e-4 * np.eye(3), place))
-    body.move((0, speed, 0))
+    body.add_velocity((0, speed, 0))
     law = fl.Penalty(MASS * GRAVITY / DEPTH)
-    scene.add(fl.Contact(fl.Sphere(body.centre, BEAD), Torus(fl.ground(), RING, TUBE), law))
+    scene.add(
+        fl.Contact(fl.Sphere(body.point("centre"), BEAD), Torus(fl.ground(), RING, TUBE), law)
+    )
     return scene, body
 
 
@@ -81,7 +83,7 @@ def frequency(scheme: fl.GeneralisedAlpha | fl.EnergyMomentum) -> float:
     """Of small oscillations across the tube, from the times at which the bead is at the bottom."""
     scene, body = bead(ANGLE, speed=0.0)
     result = scheme.run(scene, duration=3.0, step=2e-3, progress=False)
-    across, t = result.position(body.centre)[:, 0] - RING, result.times
+    across, t = result.position(body.point("centre"))[:, 0] - RING, result.times
     k = np.flatnonzero(across[1:] * across[:-1] < 0.0)
     zeros = t[k] - across[k] * (t[k + 1] - t[k]) / (across[k + 1] - across[k])
     return float(np.pi / np.diff(zeros).mean())
@@ -91,7 +93,7 @@ def conserved() -> tuple[float, float]:
     """Relative errors of energy and of the moment of momentum about the axis, in an orbit."""
     scene, body = bead(0.3, speed=2.0)
     result = fl.EnergyMomentum().run(scene, duration=2.0, step=2e-3, progress=False)
-    x = result.position(body.centre)
+    x = result.position(body.point("centre"))
     # of the means of steps, which are what conserving schemes move nodes by
     middle, velocity = 0.5 * (x[1:] + x[:-1]), np.diff(x, axis=0) / 2e-3
     moment = np.cross(middle, velocity)[:, 2]

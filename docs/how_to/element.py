@@ -47,9 +47,9 @@ def tip(cells: int) -> np.ndarray:
     moment = np.pi / 2 * section.stiffness[5, 5]
     scene = fl.Scene()
     scene.add(beam)
-    scene.add(fl.Clamp(beam.start))
-    scene.add(fl.PointLoad(beam.end, moment=(0, 0, moment)))
-    return fl.statics(scene, load_steps=3).position(beam.end)[-1]
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, moment)))
+    return fl.statics(scene, load_steps=3).position(beam.point("end"))[-1]
 
 
 exact = 2 / np.pi * np.array([1, 1, 0])

@@ -124,9 +124,9 @@ def tip(count: int) -> np.ndarray:
     """End of a cantilever that a moment bends by a quarter of a circle."""
     scene, EI = fl.Scene(), 1.0
     body = scene.add(cable(count, EA=1e4, EI=EI, mass=1.0))
-    body.clamp(body["start"])
-    scene.add(fl.PointLoad(body["end"], moment=(0, 0, 0.5 * np.pi * EI)))
-    return fl.statics(scene, load_steps=3).position(body["end"])[-1]
+    body.clamp(body.point("start"))
+    scene.add(fl.PointLoad(body.point("end"), moment=(0, 0, 0.5 * np.pi * EI)))
+    return fl.statics(scene, load_steps=3).position(body.point("end"))[-1]
 
 
 exact = 2 / np.pi * np.array([1, 1, 0])

@@ -23,10 +23,10 @@ slope, duration = pi / 6, 0.5
 bead = fl.RigidBody(0.1, (1e-5, 1e-5, 1e-5))
 scene = fl.Scene(gravity=(0, 0, -9.81))
 scene.add(bead)
-scene.add(OnLine(fl.ground(), bead.centre, axis=(cos(slope), 0, -sin(slope))))
+scene.add(OnLine(fl.ground(), bead.point("centre"), axis=(cos(slope), 0, -sin(slope))))
 result = fl.GeneralisedAlpha().run(scene, duration=duration, step=1e-3)
 
-way = result.position(bead.centre)[-1] @ (cos(slope), 0, -sin(slope))
+way = result.position(bead.point("centre"))[-1] @ (cos(slope), 0, -sin(slope))
 exact = 0.5 * 9.81 * sin(slope) * duration**2
 error = abs(way / exact - 1)
 print(f"way {way:.6f} m, exact {exact:.6f} m")

@@ -205,8 +205,8 @@ def pendulum() -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(beam)
     scene.add(weight)
-    scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 1, 0)))
-    scene.add(fl.Fixed(beam.end, weight.centre))
+    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.Fixed(beam.point("end"), weight.point("centre")))
     return scene
 
 

@@ -15,10 +15,11 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Indices, choice, instance, text, vector
+from fem_lie._arrays import Array, Indices, choice, instance, number, text, vector
 from fem_lie.bodies.held import HeldRotation
 from fem_lie.bodies.nodes import Nodes
 from fem_lie.grips.grip import Grip
+from fem_lie.lie.kinds import NodeKind
 from fem_lie.lie.motions import Group
 
 if TYPE_CHECKING:
@@ -30,6 +31,12 @@ Holds: TypeAlias = Mapping["Body", Sequence[HeldRotation]]
 """What takes hold of the rotations of each body's nodes in a scene; bodies may be missing."""
 
 NO_HOLDS: Holds = MappingProxyType({})
+
+Where: TypeAlias = str | int | npt.ArrayLike
+"""Where a point of a body is: its name, the number of a node, or a position, shape (3,)."""
+
+_NEAR = 1e-6
+"""Of the size of a body: how far a position may be from the point that is taken for it."""
 
 
 AnyBody = TypeVar("AnyBody", bound="Body")
@@ -44,7 +51,7 @@ class Body(Nodes):
             (m, k, 2), nan where there is none; or ``None``: for drawing.
         box: Edges of a box about a rigid body's frame, shape (3,), or ``None``: for drawing.
         size: A length of the body, for tolerances.
-        group: On which its nodes move in time integration, see :meth:`on`.
+        group: On which its nodes move in time integration, see :meth:`set_group`.
         faces: Corners of cells that are surfaces, for drawing, shape (m, 3 or 4).
         thickness: Of those, shape (m,), for drawing.
         source: DOLFINx's own mesh, if it was made of one.
@@ -75,11 +82,11 @@ class Body(Nodes):
         self.thickness: Array = np.empty(0)
         self._points = points
 
-    def on(self: AnyBody, group: Group) -> AnyBody:
-        """Let its nodes move on a group in time integration: ``Beam.straight(...).on(Group.SE3)``.
+    def set_group(self: AnyBody, group: Group) -> AnyBody:
+        """Choose the group on which the nodes move in time integration, and return the body.
 
         Raises:
-            TypeError: It is no group.
+            ValueError: It is no group.
         """
         self.group = choice(group, Group, f"{type(self).__name__}: group")
         return self
@@ -122,18 +129,66 @@ class Body(Nodes):
             "nodes are frames"
         )
 
-    def __getitem__(self, name: str) -> Point:
-        """The point with this name.
+    def point(self, where: Where, *, tolerance: float | None = None) -> Point:
+        """The point at a name, a node or a position: what joints, loads and results take.
+
+        Args:
+            where: Name of a point such as "end"; or the number of a node; or a position in the
+                reference configuration, shape (3,), which the closest material point is taken for.
+            tolerance: Largest distance from a position, a length; default: 1e-6 of :attr:`size`.
 
         Raises:
-            ValueError: There is none; the message lists those that exist.
+            ValueError: There is no such point; the message lists those that exist, or says how far
+                the closest one is away.
+            TypeError: It is neither a name, nor a whole number, nor a position.
+        """
+        limit = _NEAR * self.size if tolerance is None else number(tolerance, "point: tolerance")
+        if isinstance(where, str):
+            return self._named(where)
+        if isinstance(where, int | np.integer):
+            return self._numbered(int(where))
+        position = vector(where, 3, f"a name, a node or the position of a point of {self.label}")
+        found = self._closest(position)
+        away = float(np.linalg.norm(found.position - position))
+        if away > limit:
+            raise ValueError(
+                f"{self.label} has no point at {position}: the closest one, {found.name}, is at "
+                f"{found.position}, {away:.3g} away, and the tolerance is {limit:.3g}"
+            )
+        return found
+
+    def points(self, where: str) -> list[Point]:
+        """All points of a named set: a point, curve, face or group of cells.
+
+        Raises:
+            ValueError: There is nothing of this name; the message lists what exists.
             TypeError: It is no name.
         """
-        text(name, f"the name of a point of {self.label}")
+        return [self._numbered(int(node)) for node in self.nodes(where)]
+
+    def _named(self, name: str) -> Point:
+        """The point with a name; errors as of :meth:`point`."""
         if name not in self._points:
             known = ", ".join(sorted(self._points)) or "none"
             raise ValueError(f"{self.label} has no point {name!r}; it has: {known}")
         return Point(self, self._points[name], name)
+
+    def _numbered(self, node: int) -> Point:
+        """The point at a node; errors as of :meth:`point`."""
+        if not -len(self.frames) <= node < len(self.frames):
+            raise ValueError(f"{self.label} has nodes 0 … {len(self.frames) - 1}, got {node}")
+        return Point(self, node % len(self.frames), f"node {node}")
+
+    def _closest(self, position: Array) -> Point:
+        """The material point closest to a position, of those that can be attached to: nodes."""
+        nodes = np.flatnonzero(self.node_kinds < NodeKind.CROSSING)
+        away = np.linalg.norm(self.frames[nodes, 0] - position, axis=1)
+        return self._numbered(int(nodes[away.argmin()]))
+
+    def nodes(self, where: str) -> Indices:
+        """Numbers of the nodes of a named set; arguments and errors as of :meth:`points`."""
+        text(where, f"the name of a set of points of {self.label}")
+        return np.array([self._named(where).node])
 
     @property
     def label(self) -> str:
@@ -145,33 +200,31 @@ class Body(Nodes):
         """Named points and their nodes."""
         return dict(self._points)
 
-    def node(self, index: int) -> Point:
-        """Point at a node.
-
-        Raises:
-            ValueError: There is no such node.
-            TypeError: It is no whole number.
-        """
-        instance(index, int | np.integer, f"the number of a node of {self.label}", "whole")
-        if not -len(self.frames) <= index < len(self.frames):
-            raise ValueError(f"{self.label} has nodes 0 … {len(self.frames) - 1}, got {index}")
-        return Point(self, index % len(self.frames), f"node {index}")
-
-    def turn(self, omega: npt.ArrayLike, about: Point | npt.ArrayLike) -> None:
-        """Add a rigid rotation to the initial velocities.
+    def add_velocity(
+        self,
+        velocity: npt.ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        omega: npt.ArrayLike = (0.0, 0.0, 0.0),
+        about: Point | npt.ArrayLike | None = None,
+    ) -> None:
+        """Add a rigid motion to the initial velocities.
 
         Args:
-            omega: Angular velocity, global components, rad per time.
-            about: A point of a body, or a place, that stays at rest in this rotation.
-        """
-        centre = about.position if isinstance(about, Point) else vector(about, 3, "about")
-        spin = vector(omega, 3, "omega")
-        self.add_velocity(np.zeros(3), spin, centre)
+            velocity: Of translation, global components, shape (3,), length per time.
+            omega: Angular velocity, global components, shape (3,), rad per time.
+            about: A point of a body, or a position, that the rotation leaves at rest.
 
-    def move(self, velocity: npt.ArrayLike) -> None:
-        """Add a translation, global components, to the initial velocities."""
-        given = vector(velocity, 3, "velocity")
-        self.add_velocity(given, np.zeros(3), np.zeros(3))
+        Raises:
+            ValueError: There is an angular velocity, but nothing that it is about.
+        """
+        translation, spin = vector(velocity, 3, "velocity"), vector(omega, 3, "omega")
+        if about is None and np.any(spin):
+            raise ValueError(
+                f"add_velocity: expected about=..., a point or a position that omega = {spin} "
+                "leaves at rest"
+            )
+        centre = np.zeros(3) if about is None else _position_of(about)
+        self.add_rigid_motion(translation, spin, centre)
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,3 +306,7 @@ class Point:
     def label(self) -> str:
         """For messages and results."""
         return "ground" if self.body is None else f"{self.body.label}.{self.name}"
+
+
+def _position_of(about: Point | npt.ArrayLike) -> Array:
+    return about.position if isinstance(about, Point) else vector(about, 3, "about")

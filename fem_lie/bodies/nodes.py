@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
@@ -9,7 +10,6 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.held import HeldRotation
-from fem_lie.bodies.loadable import Loadable
 from fem_lie.bodies.node_checks import check_nodes
 from fem_lie.grips.grip import Grip
 from fem_lie.lie.kinds import TRAITS, NodeKind, rigid_motions
@@ -23,7 +23,7 @@ Follower: TypeAlias = Callable[[Array], None]
 :func:`fem_lie.lie.kinds.set_axes`; it may set rows that nothing depends on, too."""
 
 
-class Nodes(Loadable):
+class Nodes(ABC):
     """Nodes that move, and what differs between those of bodies.
 
     Attributes:
@@ -52,6 +52,35 @@ class Nodes(Loadable):
         self.held: Flags = np.zeros((count, 6), dtype=bool)
         self.supports = np.full((count, 3, 3), np.nan)
         self.begins_at: Array | None = None
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """For messages."""
+
+    def cells_of(self, group: str | None = None) -> Indices:
+        """Elements of a named group (default: all).
+
+        Raises:
+            ValueError: The body has no elements, or no such group.
+        """
+        raise ValueError(f"{self.label} has no cells to put a load on")
+
+    def consistent_shares(self) -> tuple[Indices, Array]:
+        """Nodes of each element, shape (m, k), and the length that each of them carries, (m, k).
+
+        Raises:
+            ValueError: The body has no elements.
+        """
+        raise ValueError(f"{self.label} has no cells to put a load on")
+
+    def consistent_levers(self) -> Array:
+        """What a unit line force on each element does on the directors of its nodes, (m, k, 3).
+
+        Raises:
+            ValueError: The body has no elements.
+        """
+        raise ValueError(f"{self.label} has no cells to put a load on")
 
     @property
     def node_kind(self) -> NodeKind:
@@ -164,7 +193,7 @@ class Nodes(Loadable):
         """How far its elements may turn from end to end, or ``None`` if it has none."""
         return None
 
-    def add_velocity(self, translation: Array, spin: Array, about: Array) -> None:
+    def add_rigid_motion(self, translation: Array, spin: Array, about: Array) -> None:
         """Add a rigid motion to the initial velocities, global components; ``about`` at rest."""
         self.velocities += rigid_motions(self.node_kinds, self.frames, about) @ [
             *translation,

@@ -16,7 +16,7 @@ def require_point(value: object, what: str) -> None:
     Raises:
         TypeError: It is something else.
     """
-    instance(value, Point, what, "a point such as beam.end, body['tip'], body.node(3) or ground()")
+    instance(value, Point, what, "a point such as body.point('end'), body.point(3) or ground()")
 
 
 def require_node(point: Point, what: str) -> None:

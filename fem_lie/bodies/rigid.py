@@ -29,12 +29,15 @@ class RigidBody(Body):
     On R³×SO(3), where it moves if nothing else is said, it flies and spins more accurately; on
     SE(3) it turns more accurately about a fixed axis (docs/groups.md).
 
+    ``point("centre")`` is the centre of mass, ``point((x, y, z))`` the material point at a
+    position, with the axes of the body.
+
     Attributes:
         gram: Constant inertia matrix of (x, d₁, d₂, d₃), shape (4, 4).
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> wheel.turn((0, 0, 3), about=(0, 0, 0))
+        >>> wheel.add_velocity(omega=(0, 0, 3), about=(0, 0, 0))
         >>> wheel.velocities.round(12)
         array([[0., 3., 0., 0., 0., 3.]])
     """
@@ -80,21 +83,11 @@ class RigidBody(Body):
             name=name,
         )
 
-    @property
-    def centre(self) -> Point:
-        """The centre of mass; joints elsewhere on the body take it with ``at=...``."""
-        return self["centre"]
-
-    def at(self, place: npt.ArrayLike) -> Point:
-        """The point of the body that is at a place, global components, in the beginning.
-
-        Its axes are those of the body. Joints, loads, supports and results take it as they take the
-        centre.
-        """
-        x = vector(place, 3, f"a place on {self.label}")
+    def _closest(self, position: Array) -> Point:
+        """The material point at any position; its axes are those of the body."""
         H = self.frames[0]
-        offset = np.vstack([H[1:] @ (x - H[0]), np.eye(3)])
-        name = ", ".join(f"{component:g}" for component in x)
+        offset = np.vstack([H[1:] @ (position - H[0]), np.eye(3)])
+        name = ", ".join(f"{component:g}" for component in position)
         return Point(self, 0, f"at ({name})", following(0, offset))
 
 

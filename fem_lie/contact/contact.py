@@ -40,7 +40,7 @@ class Contact:
         >>> ball = fl.RigidBody(1.0, (0.1, 0.1, 0.1), position=(0, 0, 1))
         >>> scene = fl.Scene(gravity=(0, 0, -9.81))
         >>> _ = scene.add(ball)
-        >>> floor, skin = fl.Plane(fl.ground(), (0, 0, 1)), fl.Sphere(ball.centre, 0.2)
+        >>> floor, skin = fl.Plane(fl.ground(), (0, 0, 1)), fl.Sphere(ball.point("centre"), 0.2)
         >>> _ = scene.add(fl.Contact(skin, floor, fl.Impact(restitution=0.5)))
         >>> len(scene.contacts)
         1

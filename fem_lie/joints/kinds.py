@@ -45,7 +45,7 @@ class Fixed(Joint):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.Fixed(fl.ground(), wheel.centre)
+        >>> joint = fl.Fixed(fl.ground(), wheel.point("centre"))
         >>> joint.selection.shape[0]
         6
     """
@@ -59,7 +59,7 @@ class Spherical(Joint):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.Spherical(fl.ground(), wheel.centre, at=(0, 0, 0))
+        >>> joint = fl.Spherical(fl.ground(), wheel.point("centre"), at=(0, 0, 0))
         >>> joint.selection.shape[0]
         3
     """
@@ -76,7 +76,7 @@ class InPlane(Joint):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.InPlane(fl.ground(), wheel.centre, axis=(0, 0, 1))
+        >>> joint = fl.InPlane(fl.ground(), wheel.point("centre"), axis=(0, 0, 1))
         >>> joint.selection.shape[0]
         1
     """
@@ -91,7 +91,7 @@ class Revolute(_Turning):
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
         >>> scene = fl.Scene()
         >>> _ = scene.add(wheel)
-        >>> joint = scene.add(fl.Revolute(fl.ground(), wheel.centre, axis=(0, 0, 1)))
+        >>> joint = scene.add(fl.Revolute(fl.ground(), wheel.point("centre"), axis=(0, 0, 1)))
         >>> _ = scene.add(fl.Drive(joint.angle, lambda t: 2.0 * t))
         >>> len(scene.joints), len(scene.connections)
         (1, 1)
@@ -110,7 +110,7 @@ class Prismatic(_Gliding):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.Prismatic(fl.ground(), wheel.centre, axis=(1, 0, 0))
+        >>> joint = fl.Prismatic(fl.ground(), wheel.point("centre"), axis=(1, 0, 0))
         >>> len(joint.coordinates())
         1
     """
@@ -128,7 +128,7 @@ class Cylindrical(_Turning, _Gliding):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.Cylindrical(fl.ground(), wheel.centre, axis=(1, 0, 0))
+        >>> joint = fl.Cylindrical(fl.ground(), wheel.point("centre"), axis=(1, 0, 0))
         >>> len(joint.coordinates())
         2
     """
@@ -150,7 +150,7 @@ class Screw(_Turning, _Gliding):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.Screw(fl.ground(), wheel.centre, axis=(1, 0, 0), pitch=0.01)
+        >>> joint = fl.Screw(fl.ground(), wheel.point("centre"), axis=(1, 0, 0), pitch=0.01)
         >>> joint.pitch
         0.01
     """
@@ -213,7 +213,7 @@ class Planar(_WithSecondAxis, _Turning):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.Planar(fl.ground(), wheel.centre, second=(1, 0, 0))
+        >>> joint = fl.Planar(fl.ground(), wheel.point("centre"), second=(1, 0, 0))
         >>> joint.selection.shape[0]
         3
     """
@@ -248,7 +248,7 @@ class Universal(_WithSecondAxis):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.Universal(fl.ground(), wheel.centre, second=(1, 0, 0))
+        >>> joint = fl.Universal(fl.ground(), wheel.point("centre"), second=(1, 0, 0))
         >>> joint.selection.shape[0]
         4
     """
@@ -289,7 +289,7 @@ class Distance(Joint):
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
         >>> scene = fl.Scene()
         >>> _ = scene.add(wheel)
-        >>> joint = scene.add(fl.Distance(fl.ground(), wheel.centre, at=(0, 0, 0)))
+        >>> joint = scene.add(fl.Distance(fl.ground(), wheel.point("centre"), at=(0, 0, 0)))
         >>> _ = scene.add(fl.Drive(joint.length))  # a massless rod
         >>> len(scene.connections)
         1

@@ -23,7 +23,7 @@ class KnifeEdge(Joint):
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
         >>> scene = fl.Scene()
         >>> _ = scene.add(wheel)
-        >>> joint = scene.add(fl.KnifeEdge(fl.ground(), wheel.centre, axis=(0, 1, 0)))
+        >>> joint = scene.add(fl.KnifeEdge(fl.ground(), wheel.point("centre"), axis=(0, 1, 0)))
         >>> len(scene.joints)
         1
     """
@@ -54,7 +54,8 @@ class RollingDisc(Joint):
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
         >>> scene = fl.Scene()
         >>> _ = scene.add(wheel)
-        >>> joint = scene.add(fl.RollingDisc(fl.ground(), wheel.centre, axis=(0, 1, 0), radius=0.3))
+        >>> disc = wheel.point("centre")
+        >>> joint = scene.add(fl.RollingDisc(fl.ground(), disc, axis=(0, 1, 0), radius=0.3))
         >>> len(scene.joints)
         1
     """

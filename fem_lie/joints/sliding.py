@@ -43,7 +43,7 @@ class Sliding(Connection):
         >>> for body in (beam, bead):
         ...     _ = scene.add(body)
         ...
-        >>> _ = scene.add(fl.Sliding(beam, bead.centre))
+        >>> _ = scene.add(fl.Sliding(beam, bead.point("centre")))
         >>> len(scene.connections)
         1
     """
@@ -154,7 +154,7 @@ class Collar(Sliding):
         >>> for body in (beam, bead):
         ...     _ = scene.add(body)
         ...
-        >>> _ = scene.add(fl.Collar(beam, bead.centre))
+        >>> _ = scene.add(fl.Collar(beam, bead.point("centre")))
         >>> len(scene.connections)
         1
     """
@@ -174,7 +174,7 @@ class Sleeve(Sliding):
         >>> for body in (beam, bead):
         ...     _ = scene.add(body)
         ...
-        >>> _ = scene.add(fl.Sleeve(beam, bead.centre))
+        >>> _ = scene.add(fl.Sleeve(beam, bead.point("centre")))
         >>> len(scene.connections)
         1
     """

@@ -24,7 +24,7 @@ class Spring(Connection):
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
         >>> scene = fl.Scene()
         >>> _ = scene.add(wheel)
-        >>> joint = scene.add(fl.Prismatic(fl.ground(), wheel.centre, axis=(1, 0, 0)))
+        >>> joint = scene.add(fl.Prismatic(fl.ground(), wheel.point("centre"), axis=(1, 0, 0)))
         >>> _ = scene.add(fl.Spring(joint.displacement, stiffness=1e3, damping=5.0))
         >>> len(scene.connections)
         1
@@ -93,7 +93,7 @@ class Drive(Connection):
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
         >>> scene = fl.Scene()
         >>> _ = scene.add(wheel)
-        >>> joint = scene.add(fl.Revolute(fl.ground(), wheel.centre))
+        >>> joint = scene.add(fl.Revolute(fl.ground(), wheel.point("centre")))
         >>> motor = scene.add(fl.Drive(joint.angle, lambda t: 2.0 * t))
         >>> len(scene.connections)
         1
@@ -164,7 +164,7 @@ class Gear(Connection):
         >>> for wheel in wheels:
         ...     _ = scene.add(wheel)
         ...
-        >>> first, second = (scene.add(fl.Revolute(fl.ground(), w.centre)) for w in wheels)
+        >>> first, second = (scene.add(fl.Revolute(fl.ground(), w.point("centre"))) for w in wheels)
         >>> _ = scene.add(fl.Gear(first.angle, second.angle, ratio=2.0))
         >>> len(scene.connections)
         1

@@ -79,7 +79,7 @@ class NodeAxes:
                 f"nodes of {body.label} need not turn about their third directors, and have no "
                 "axes for the whole body: take MeanAxes()"
             )
-        start = body.node(self.node).frame
+        start = body.point(self.node).frame
         return np.asarray(lie.se3_compose(frames[:, self.node], lie.se3_inverse(start)))
 
 

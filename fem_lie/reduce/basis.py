@@ -78,10 +78,10 @@ class Basis:
         >>> steel = fl.Material(E=2e11, nu=0.3, density=7800.0)
         >>> scene, square = fl.Scene(), fl.Section.rectangle(0.02, 0.02, steel)
         >>> beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), square, cells=8))
-        >>> clamp = scene.add(fl.Clamp(beam.start))
+        >>> clamp = scene.add(fl.Clamp(beam.point("start")))
         >>> basis = fl.craig_bampton(scene, interfaces=[], modes=4)
-        >>> load = scene.add(fl.PointLoad(beam.end, force=(0, 0, 100)))
-        >>> reduced = basis.project(fl.statics(scene), axes=fl.NodeAxes(beam.start.node))
+        >>> load = scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 100)))
+        >>> reduced = basis.project(fl.statics(scene), axes=fl.NodeAxes(beam.point("start").node))
         >>> reduced.expand().shape, bool(reduced.errors[0] < 1e-4)
         ((1, 9, 4, 3), True)
 

@@ -105,7 +105,7 @@ class StateSeries(Located, ABC):
 
         Args:
             supports: :class:`~fem_lie.Clamp`, :class:`~fem_lie.PrescribedMotion`, or points (or
-                their names) at which a body is held, as by ``Shell.guide``. What holds the same
+                their names) at which a body is held, as by ``Shell.roller``. What holds the same
                 node counts once.
 
         Returns:

@@ -45,9 +45,9 @@ class PointLoad(NodalLoad):
         >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
         >>> scene = fl.Scene()
         >>> _ = scene.add(beam)
-        >>> _ = scene.add(fl.Clamp(beam.start))
-        >>> _ = scene.add(fl.PointLoad(beam.end, force=(0, 0, 1.0)))
-        >>> tip = fl.statics(scene).displacement(beam.end)[-1]
+        >>> _ = scene.add(fl.Clamp(beam.point("start")))
+        >>> _ = scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 1.0)))
+        >>> tip = fl.statics(scene).displacement(beam.point("end"))[-1]
         >>> bool(abs(tip[2] / (1 / 3 / tube.stiffness[4, 4]) - 1) < 1e-3)
         True
     """

@@ -24,7 +24,7 @@ class Clamp:
         >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
         >>> scene = fl.Scene()
         >>> _ = scene.add(beam)
-        >>> _ = scene.add(fl.Clamp(beam.start))
+        >>> _ = scene.add(fl.Clamp(beam.point("start")))
         >>> len(scene.clamps)
         1
     """
@@ -69,7 +69,7 @@ class PrescribedMotion:
         ...
         >>> scene = fl.Scene()
         >>> _ = scene.add(beam)
-        >>> _ = scene.add(fl.PrescribedMotion(beam.start, lifted))
+        >>> _ = scene.add(fl.PrescribedMotion(beam.point("start"), lifted))
         >>> len(scene.motions)
         1
     """

@@ -140,8 +140,8 @@ def adapt_loads(
         ...     steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
         ...     scene = fl.Scene()
         ...     beam = scene.add(fl.Beam(mesh, fl.Section.circle(0.01, steel), name="beam"))
-        ...     _ = scene.add(fl.Clamp(beam["start"]))
-        ...     _ = scene.add(fl.PointLoad(beam["end"], force=(0, 0, 500.0)))
+        ...     _ = scene.add(fl.Clamp(beam.point("start")))
+        ...     _ = scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 500.0)))
         ...     return scene
         >>> line = fl.straight((0, 0, 0), (1, 0, 0), 2)
         >>> found = fl.adapt_loads(build, line, [0.5, 1.0], tolerance=0.05)

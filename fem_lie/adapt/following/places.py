@@ -135,7 +135,7 @@ def _on_lines(old: Beam, frames: Array) -> tuple[Indices, list[Grip]]:
     _check_near(old, frames, away[rows, best])
     nodes, grips = np.full(len(frames), -1), []
     for i, (element, at) in enumerate(zip(near[rows, best], part[rows, best], strict=True)):
-        point = old.within(int(element), float(at))
+        point = old.point_in_cell(int(element), float(at))
         if point.grip is None:
             nodes[i] = point.node
         else:

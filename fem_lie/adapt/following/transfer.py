@@ -100,7 +100,7 @@ def transfer(
         >>> def build(mesh):
         ...     scene = fl.Scene()
         ...     beam = scene.add(fl.Beam(mesh, fl.Section.circle(0.01, steel), name="beam"))
-        ...     beam.turn((0, 0, 1), about=(0, 0, 0))
+        ...     beam.add_velocity(omega=(0, 0, 1), about=(0, 0, 0))
         ...     return scene
         >>> mesh = fl.straight((0, 0, 0), (1, 0, 0), 4)
         >>> coarse, fine = build(mesh), build(fl.refine(mesh, range(4)))

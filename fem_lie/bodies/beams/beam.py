@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array, flag, instance, number
+from fem_lie._arrays import Array, flag, instance
 from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.beams.given_sections import (
     Sections,
@@ -59,7 +59,7 @@ class Beam(LineBody):
         >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
         >>> beam.frames.shape
         (5, 4, 3)
-        >>> beam.end.position
+        >>> beam.point("end").position
         array([1., 0., 0.])
     """
 
@@ -203,29 +203,8 @@ class Beam(LineBody):
             name=name,
         )
 
-    def at(self, arclength: float) -> Point:
-        """The place at an arc length from the start, unloaded: a node, or within an element.
-
-        Joints, springs, drives, prescribed motions and loads take it as they take a node. With a
-        :class:`~fem_lie.Director` of three nodes it is the place at that part of its element.
-
-        Raises:
-            ValueError: It is not on the beam, or that has kinks or branches; see :meth:`within`.
-        """
-        s = number(arclength, f"the arc length on {self.label}")
-        self.chains.require_one("a place")
-        arc = self.chains.arc
-        if not arc.min() <= s <= arc.max():
-            raise ValueError(
-                f"arc lengths on {self.label} are {arc.min():g} to {arc.max():g}, got {s:g}"
-            )
-        order = self.chains.order
-        cell = int(order[min(int(np.searchsorted(arc[order, 1], s)), len(order) - 1)])
-        start, end = arc[cell]
-        return self.within(cell, min((s - start) / (end - start), 1.0))
-
-    def within(self, element: int, part: float) -> Point:
-        """The place within an element: a node, or between nodes as the element has it.
+    def point_in_cell(self, element: int, part: float) -> Point:
+        """The point within an element: a node, or between nodes as the element has it.
 
         Args:
             element: Its number.
@@ -238,7 +217,7 @@ class Beam(LineBody):
         nodes = self.elements[element]
         for node, at in zip(nodes, (0.0, 1.0, 0.5), strict=False):
             if abs(part - at) < _AT_NODE:
-                return self.node(int(node))
+                return self.point(int(node))
         grip = self.formulation.place(nodes, float(part))
         return Point(self, int(nodes[0]), f"element {element} at {part:g}", grip)
 

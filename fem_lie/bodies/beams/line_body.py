@@ -72,7 +72,7 @@ class LineBody(Sectioned):
         self.slopes: Array = np.zeros((len(placed.elements), 2))
         self.formulation = formulation
         self.damping = Damping() if damping is None else damping
-        self._take(sections, mesh.groups)
+        self._take(sections, mesh)
         named = {key: int(nodes[0]) for key, nodes in mesh.named_points.items() if len(nodes) == 1}
         super().__init__(
             placed.frames,

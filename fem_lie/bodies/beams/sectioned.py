@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, instance, number, text
 from fem_lie.bodies.body import Body, Point
+from fem_lie.bodies.closest import AT_NODE, closest_on_lines
+from fem_lie.mesh.lines import LineMesh
 from fem_lie.sections.section import Section
 
 
@@ -26,9 +28,10 @@ class Sectioned(Body):
     elements: Indices
     lengths: Array
 
-    def _take(self, sections: Sequence[Section], groups: Mapping[str, Indices]) -> None:
-        """Sections of all elements, and elements by the names of groups."""
-        self.sections, self._groups = sections, dict(groups)
+    def _take(self, sections: Sequence[Section], mesh: LineMesh) -> None:
+        """Sections of all elements, and the named sets of the mesh."""
+        self.sections, self._groups = sections, dict(mesh.groups)
+        self._sets = dict(mesh.named_points)
         # many elements have few sections: of one alone there is one matrix
         known = list({id(section): section for section in sections}.values())
         self.has_mass = all(section.inertia is not None for section in known)
@@ -44,16 +47,6 @@ class Sectioned(Body):
             which = [number[id(section)] for section in sections]
             self.stiffness, self.density = stiffness[which], density[which]
 
-    @property
-    def start(self) -> Point:
-        """The point named "start"."""
-        return self["start"]
-
-    @property
-    def end(self) -> Point:
-        """The point named "end"."""
-        return self["end"]
-
     def cells_of(self, group: str | None = None) -> Indices:
         """Elements of a named group (default: all).
 
@@ -67,6 +60,40 @@ class Sectioned(Body):
             known = ", ".join(sorted(self._groups)) or "none"
             raise ValueError(f"{self.label} has no group of cells {group!r}; it has: {known}")
         return self._groups[group]
+
+    def nodes(self, where: str) -> Indices:
+        """Numbers of the nodes of a named point, or of a group of cells."""
+        text(where, f"the name of a set of points of {self.label}")
+        if where in self._groups:
+            return np.unique(self.elements[self._groups[where], :2])
+        if where not in self._sets:
+            known = ", ".join(sorted({*self._sets, *self._groups})) or "none"
+            raise ValueError(f"{self.label} has no points or cells {where!r}; it has: {known}")
+        return self._sets[where]
+
+    def point_in_cell(self, element: int, part: float) -> Point:
+        """The point within an element; bodies whose elements have none between nodes refuse.
+
+        Args:
+            element: Its number.
+            part: Arc length from its first end over its length, unloaded, 0 to 1.
+
+        Raises:
+            ValueError: There is no such element, or the part is not one of it, or points of the
+                elements cannot be attached to.
+        """
+        raise ValueError(f"{self.label} is attached to at its nodes, and not between them")
+
+    def _closest(self, position: Array) -> Point:
+        """The closest point of the line: a node, or a point within an element."""
+        node = super()._closest(position)
+        if np.linalg.norm(node.position - position) <= AT_NODE * self.size:
+            return node
+        ends = self.frames[self.elements[:, :2], 0]
+        return self.point_in_cell(*closest_on_lines(position, ends, self._position_in))
+
+    def _position_in(self, element: int, part: float) -> Array:
+        return self.point_in_cell(element, part).position
 
     def _check_place(self, element: int, part: float) -> None:
         """Raise ``ValueError`` if there is no such element, or the part is not one of it."""

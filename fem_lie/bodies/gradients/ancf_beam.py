@@ -119,7 +119,7 @@ class AncfBeam(SectionPoints):
         self.ends, self.unloaded = own[corners], np.concatenate([own, second_nodes(own)])
         self.warping = None if warping is None else positive(warping, "AncfBeam: warping")
         self.chains, ratio = chains, self.formulation.poisson
-        self._take(section_per_cell(mesh, chains, section), mesh.groups)
+        self._take(section_per_cell(mesh, chains, section), mesh)
         self.poisson = np.array([_poisson(each, ratio) for each in self.sections])
         named = {key: int(nodes[0]) for key, nodes in mesh.named_points.items() if len(nodes) == 1}
         laid = np.concatenate([frames, second_nodes(frames)])
@@ -230,8 +230,8 @@ class AncfBeam(SectionPoints):
         own = self.unloaded, self.elements[:, 2:], self.lengths, self.warping
         return [WarpingSprings.between(*own, held)]
 
-    def within(self, element: int, part: float) -> Point:
-        """The place within an element, to which joints, springs and loads may be attached.
+    def point_in_cell(self, element: int, part: float) -> Point:
+        """The point within an element, to which joints, springs and loads may be attached.
 
         Args:
             element: Its number.

@@ -51,24 +51,14 @@ class SectionPoints(Sectioned):
         lengths[self.node_kinds == CROSSING] = False
         return lengths
 
-    def __getitem__(self, name: str) -> Point:
-        """The point with this name, by its section.
+    def _named(self, name: str) -> Point:
+        """The point with a name, by its section."""
+        node = super()._named(name).node
+        return Point(self, node, name, self.grip_of(node))
 
-        Raises:
-            ValueError: There is none; the message lists those that exist.
-            TypeError: It is no name.
-        """
-        point = super().__getitem__(name)
-        return Point(self, point.node, name, self.grip_of(point.node))
-
-    def node(self, index: int) -> Point:
-        """A point by its number, by its section.
-
-        Raises:
-            ValueError: There is no such point.
-            TypeError: It is no whole number.
-        """
-        point = super().node(index)
+    def _numbered(self, node: int) -> Point:
+        """A point by its number, by its section."""
+        point = super()._numbered(node)
         return Point(self, point.node, point.name, self.grip_of(point.node))
 
     def grip_of(self, node: int) -> Grip:

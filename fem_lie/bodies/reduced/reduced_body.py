@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Flags, Indices, instance, numbers
+from fem_lie._arrays import Array, Flags, Indices, numbers
 from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.reduced.assembly import ReducedAssembly
 from fem_lie.forms.body_term import BodyTerm
@@ -45,13 +45,13 @@ class ReducedBody(Body):
         >>> section = fl.Section.circle(0.02, fl.Material(E=2e11, nu=0.3, density=7800.0))
         >>> full = fl.Scene()
         >>> beam = full.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=8))
-        >>> rod = fl.reduced_body(full, [beam.start, beam.end], 4)
+        >>> rod = fl.reduced_body(full, [beam.point("start"), beam.point("end")], 4)
         >>> scene = fl.Scene(gravity=(0, 0, -9.81))
         >>> rod = scene.add(rod)
-        >>> hinge = scene.add(fl.Revolute(fl.ground(), rod["start"], axis=(0, 1, 0)))
+        >>> hinge = scene.add(fl.Revolute(fl.ground(), rod.point("start"), axis=(0, 1, 0)))
         >>> scheme = fl.GeneralisedAlpha(radius=0.8)
         >>> result = scheme.run(scene, duration=0.2, step=2e-3, progress=False)
-        >>> bool(result.position(rod["end"])[-1, 2] < -0.2)
+        >>> bool(result.position(rod.point("end"))[-1, 2] < -0.2)
         True
     """
 
@@ -113,20 +113,14 @@ class ReducedBody(Body):
             name=name,
         )
 
-    def node(self, index: int) -> Point:
-        """Point at an interface, counted from 0.
-
-        Raises:
-            ValueError: There is no such interface; amplitudes are no points.
-            TypeError: It is no whole number.
-        """
-        instance(index, int | np.integer, f"the number of an interface of {self.label}", "whole")
-        if not 0 <= index <= len(self.within):
+    def _numbered(self, node: int) -> Point:
+        """The point at an interface; nodes of modal amplitudes have none."""
+        if not 0 <= node <= len(self.within):
             raise ValueError(
-                f"{self.label} has interfaces 0 … {len(self.within)}, got {index}: what is held or "
+                f"{self.label} has interfaces 0 … {len(self.within)}, got {node}: what is held or "
                 "loaded has to be an interface of the reduced body"
             )
-        return Point(self, int(index), f"interface {index}")
+        return Point(self, node, f"interface {node}")
 
     @property
     def node_kinds(self) -> Indices:

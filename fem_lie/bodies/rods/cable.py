@@ -43,7 +43,7 @@ class Cable(Threads):
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
         >>> tube = fl.Section.circle(0.01, steel)
         >>> rope = fl.Cable.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
-        >>> rope.pin(rope.start, rope.end)
+        >>> rope.pin(rope.point("start"), rope.point("end"))
         >>> len(rope.frames)
         5
     """

@@ -21,14 +21,14 @@ class Net(Threads):
     """Threads from point to point, knotted where they share one.
 
     Each bends over its points; knots are hinges between threads. Nodes are the points, in their
-    order: :meth:`node`. What holds and loads them is as for :class:`~fem_lie.Cable`.
+    order: :meth:`point`. What holds and loads them is as for :class:`~fem_lie.Cable`.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
         >>> tube = fl.Section.circle(0.01, steel)
         >>> points = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (1, 1, 0)]
         >>> net = fl.Net(points, [[0, 1, 2], [1, 3]], tube)
-        >>> net.pin(net.node(0), net.node(2))
+        >>> net.pin(net.point(0), net.point(2))
         >>> len(net.frames)
         4
     """

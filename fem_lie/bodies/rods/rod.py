@@ -145,9 +145,9 @@ class Rod(Beam):
 
         return turn
 
-    def add_velocity(self, translation: Array, spin: Array, about: Array) -> None:
+    def add_rigid_motion(self, translation: Array, spin: Array, about: Array) -> None:
         """As of all bodies; places between the ends turn about their edges alone."""
-        super().add_velocity(translation, spin, about)
+        super().add_rigid_motion(translation, spin, about)
         if self._corners is not None:
             self.velocities[self.elements[1:, 0], 4:] = 0.0
 

@@ -10,7 +10,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices, instance
 from fem_lie.bodies.beams.assembly import BeamAssembly, Damping
 from fem_lie.bodies.beams.line_body import LineBody, Placed
-from fem_lie.bodies.body import NO_HOLDS, Holds, Point
+from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.held import HeldRotation
 from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.points import require_point
@@ -127,6 +127,10 @@ class Threads(LineBody):
             )
         self._follows = True
         return self
+
+    def _closest(self, position: Array) -> Point:
+        """The closest node: between nodes nothing is attached."""
+        return Body._closest(self, position)
 
     def follower(self) -> Follower | None:
         """As :meth:`follow` says."""

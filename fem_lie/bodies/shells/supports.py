@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, direction
+from fem_lie._arrays import Array, Indices, direction
 from fem_lie.bodies.body import Body, Point
 from fem_lie.mesh.surfaces import SurfaceMesh
 
@@ -23,16 +23,13 @@ class SupportedSurface(Body):
 
     mesh: SurfaceMesh
 
-    def points(self, name: str) -> list[Point]:
-        """All places of a named curve, group of cells or group of points.
+    def nodes(self, where: str) -> Indices:
+        """Numbers of the nodes of a named curve, group of cells or group of points.
 
-        Where the surface has a kink or branches, one point stands for all nodes of a place: the
-        others follow it.
-
-        Raises:
-            ValueError: There is nothing of this name; the message lists what exists.
+        Where the surface has a kink or branches, one node stands for all at a position: the others
+        are rigidly attached to it.
         """
-        return [self.node(int(i)) for i in self.mesh.nodes(name)]
+        return self.mesh.nodes(where)
 
     def clamp(self, name: str) -> list[Point]:
         """Hold places and directors of a named curve, group of cells or group of points.
@@ -43,7 +40,7 @@ class SupportedSurface(Body):
         Raises:
             ValueError: There is nothing of this name; the message lists what exists.
         """
-        self.held[self.mesh.nodes(name)] = True
+        self.held[self.nodes(name)] = True
         return self.points(name)
 
     def hinge(self, name: str) -> list[Point]:
@@ -55,7 +52,7 @@ class SupportedSurface(Body):
         Raises:
             ValueError: There is nothing of this name; the message lists what exists.
         """
-        self.held[self.mesh.nodes(name), :3] = True
+        self.held[self.nodes(name), :3] = True
         return self.points(name)
 
     def symmetry(self, name: str, normal: npt.ArrayLike) -> list[Point]:
@@ -77,7 +74,7 @@ class SupportedSurface(Body):
                 normal, a director is not in that plane, or a node is on planes that are not
                 perpendicular to each other.
         """
-        nodes, n = self.mesh.nodes(name), direction(normal, f"the normal of symmetry {name!r}")
+        nodes, n = self.nodes(name), direction(normal, f"the normal of symmetry {name!r}")
         all_sides = np.isin(self.leaders, nodes)
         heights, tilts = self.frames[nodes, 0] @ n, self.frames[all_sides, 3] @ n
         if np.ptp(heights) > 1e-6 * self.size or np.abs(tilts).max() > 1e-6:
@@ -90,10 +87,10 @@ class SupportedSurface(Body):
             self._bind(int(node), n)
         return self.points(name)
 
-    def guide(self, name: str, normal: npt.ArrayLike) -> list[Point]:
+    def roller(self, name: str, normal: npt.ArrayLike) -> list[Point]:
         """Hold displacements along a direction fixed in space; directors stay free.
 
-        Two guides along the same nodes are a diaphragm. What is held already stays so.
+        Two rollers along the same nodes are a diaphragm. What is held already stays so.
 
         Args:
             name: A named point, curve or group.
@@ -105,7 +102,7 @@ class SupportedSurface(Body):
         Raises:
             ValueError: There is nothing of this name, or the direction is zero.
         """
-        nodes, n = self.mesh.nodes(name), direction(normal, f"the direction of guide {name!r}")
+        nodes, n = self.nodes(name), direction(normal, f"the direction of roller {name!r}")
         for node in nodes:
             self._hold_along(int(node), n)
         return self.points(name)

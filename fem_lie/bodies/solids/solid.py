@@ -20,11 +20,10 @@ from fem_lie._arrays import (
     log_coincident,
     numbers,
     text,
-    vector,
     whole,
 )
 from fem_lie.bodies.beams.assembly import Damping, mass_only
-from fem_lie.bodies.body import NO_HOLDS, Holds, Point
+from fem_lie.bodies.body import NO_HOLDS, Holds, Point, Where
 from fem_lie.bodies.per_cell import of_groups
 from fem_lie.bodies.solids.assembly import SolidAssembly
 from fem_lie.bodies.solids.faces import Faces, faces_of, nodes_on
@@ -51,7 +50,7 @@ class Solid(SupportedSolid):
     changes nothing but the components in which equations are written: a body that tumbles keeps its
     matrix. Axes along which places are held, or to which joints are bound, stay as they are.
 
-    Joints, springs, drives and moments hold on to a patch of nodes by :meth:`grip`; forces and
+    Joints, springs, drives and moments hold on to a patch of nodes by :meth:`point`; forces and
     supports act on nodes, too.
 
     Attributes:
@@ -124,7 +123,7 @@ class Solid(SupportedSolid):
             cells=np.empty((0, 2), dtype=np.int64),
             outline=None,
             size=diameter(places),
-            points=self._named(),
+            points=self._points_by_name(),
             name=name,
         )
         log_coincident(self.label, places)
@@ -195,9 +194,9 @@ class Solid(SupportedSolid):
         self.density = np.array([0.0 if of.density is None else of.density for of in each])
         return list({id(of): of for of in each}.values())
 
-    def _named(self) -> dict[str, int]:
+    def _points_by_name(self) -> dict[str, int]:
         """Nodes of points that are one node each."""
-        named = {key: self.nodes_of(key) for key in self.mesh.named_points}
+        named = {key: nodes_on(self._space, *self.mesh.part(key)) for key in self.mesh.named_points}
         return {key: int(nodes[0]) for key, nodes in named.items() if len(nodes) == 1}
 
     @cached_property
@@ -234,14 +233,10 @@ class Solid(SupportedSolid):
         """Unloaded."""
         return float(self.rule.volumes.sum())
 
-    def nodes_of(self, name: str) -> Indices:
-        """Nodes of a named face, curve, point or group of cells.
-
-        Raises:
-            ValueError: There is nothing of this name; the message lists what exists.
-        """
-        text(name, "the name of a part of a solid")
-        return nodes_on(self._space, *self.mesh.part(name))
+    def nodes(self, where: str) -> Indices:
+        """Numbers of the nodes of a named face, curve, point or group of cells."""
+        text(where, f"the name of a set of points of {self.label}")
+        return nodes_on(self._space, *self.mesh.part(where))
 
     def facets(self, name: str) -> Faces:
         """A named face, as surface cells.
@@ -251,28 +246,46 @@ class Solid(SupportedSolid):
         """
         return faces_of(self._space, self.mesh.face(name), self.degree)
 
-    def grip(self, name: str, axes: npt.ArrayLike | None = None) -> Point:
-        """A frame in the mean of a named part, for joints, springs, drives, motions and loads.
+    def point(
+        self,
+        where: Where,
+        *,
+        tolerance: float | None = None,
+        axes: npt.ArrayLike | None = None,
+    ) -> Point:
+        """The point at a name, a node or a position; of a named set the frame in its mean.
 
-        Its place is the mean of those of the nodes, on a face by the areas that they carry; it
-        turns by the mean rotation of the part, which may deform. What acts on it is spread over
-        the nodes with these weights.
+        That frame is for joints, springs, drives, motions and loads. Its position is the mean of
+        those of the nodes, on a face by the areas that they carry; it rotates by the mean rotation
+        of the set, which may deform. What acts on it is spread over the nodes with these weights.
 
         Args:
-            name: A face, curve, group of cells, or several points of one name.
-            axes: Of the frame, unloaded, as rows, shape (3, 3); default: global ones.
+            where: As of any body; or the name of a face, curve, group of cells, or several points.
+            tolerance: As of any body, to the closest node.
+            axes: Of the frame of a set, unloaded, as rows, shape (3, 3); default: global ones.
 
         Raises:
-            ValueError: There is nothing of this name, its nodes are on a line, or the axes are not
-                right-handed and orthonormal.
+            ValueError: As of any body, or the nodes of a set are on a line, or the axes are not
+                right-handed and orthonormal, or those of a single node.
+            TypeError: As of any body.
         """
-        nodes = self.nodes_of(name)
+        if not isinstance(where, str):
+            if axes is not None:
+                raise ValueError(f"axes are those of a named set of {self.label}, got {where!r}")
+            return super().point(where, tolerance=tolerance)
+        nodes = self.nodes(where)
+        if len(nodes) == 1 and axes is None:
+            return Point(self, int(nodes[0]), where)
+        return self._mean(where, nodes, np.eye(3) if axes is None else axes)
+
+    def _mean(self, name: str, nodes: Indices, axes: npt.ArrayLike) -> Point:
+        """The frame in the mean of a named set."""
         weights: Array = np.ones(len(nodes))
         if name in self.mesh.faces:
             faces, total = self.facets(name), np.zeros(len(self.frames))
             np.add.at(total, faces.nodes, faces.shares(self.places))
             weights = total[nodes]
-        chosen: Array = np.eye(3) if axes is None else numbers(axes, f"axes of {self.label}.{name}")
+        chosen = numbers(axes, f"axes of {self.label}.{name}")
         if chosen.shape != (3, 3) or not _is_rotation(chosen):
             raise ValueError(
                 f"axes of {self.label}.{name} must be three unit vectors as rows, each across the "
@@ -280,11 +293,6 @@ class Solid(SupportedSolid):
             )
         grip = in_the_mean([int(node) for node in nodes], self.places[nodes], weights, chosen)
         return Point(self, int(nodes[0]), name, grip)
-
-    def nearest(self, place: npt.ArrayLike) -> Point:
-        """The node that is nearest to a place, unloaded, shape (3,)."""
-        away = self.places - vector(place, 3, "place")
-        return self.node(int(np.linalg.norm(away, axis=1).argmin()))
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Cells of a named group (default: all).

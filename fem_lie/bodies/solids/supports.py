@@ -17,16 +17,8 @@ class SupportedSolid(Body):
     """A body whose nodes are places."""
 
     @abstractmethod
-    def nodes_of(self, name: str) -> Indices:
-        """Nodes of a named part."""
-
-    def points(self, name: str) -> list[Point]:
-        """All nodes of a named face, curve, point or group of cells.
-
-        Raises:
-            ValueError: There is nothing of this name; the message lists what exists.
-        """
-        return [self.node(int(i)) for i in self.nodes_of(name)]
+    def nodes(self, where: str) -> Indices:
+        """Numbers of the nodes of a named part."""
 
     def clamp(self, name: str) -> list[Point]:
         """Hold all nodes of a named face, curve, point or group of cells.
@@ -37,10 +29,10 @@ class SupportedSolid(Body):
         Raises:
             ValueError: There is nothing of this name; the message lists what exists.
         """
-        self.held[self.nodes_of(name), :3] = True
+        self.held[self.nodes(name), :3] = True
         return self.points(name)
 
-    def guide(self, name: str, normal: npt.ArrayLike) -> list[Point]:
+    def roller(self, name: str, normal: npt.ArrayLike) -> list[Point]:
         """Hold displacements along a direction fixed in space, as on a plane of symmetry.
 
         The nodes' axes are turned so that one is that direction, and stay so. What is held already
@@ -56,8 +48,8 @@ class SupportedSolid(Body):
         Raises:
             ValueError: There is nothing of this name, or the direction is zero.
         """
-        n = direction(normal, f"the direction of guide {name!r}")
-        for node in self.nodes_of(name):
+        n = direction(normal, f"the direction of roller {name!r}")
+        for node in self.nodes(name):
             self._hold_along(int(node), n)
         return self.points(name)
 

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, Flags, Indices, direction, number, text
 from fem_lie.bodies.beams.assembly import Damping, mass_only
 from fem_lie.bodies.body import Point
+from fem_lie.bodies.closest import AT_NODE, closest_on_surface
 from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.thin_shells.axes import follow_surface
 from fem_lie.bodies.thin_shells.given_sections import ThinSections, section_per_cell
@@ -159,8 +160,8 @@ class SmoothSurface(HeldSurface):
             )
         return on_surface((node, node + self.points_count), _AT_A_POINT)
 
-    def within(self, cell: int, ξ: float, η: float) -> Point:
-        """A place within a cell, to which joints, springs and loads may be attached.
+    def point_in_cell(self, cell: int, ξ: float, η: float) -> Point:
+        """The point within a cell, to which joints, springs and loads may be attached.
 
         Args:
             cell: Its number.
@@ -172,14 +173,34 @@ class SmoothSurface(HeldSurface):
         """
         if not 0 <= cell < len(self.connectivity):
             raise ValueError(f"{self.label} has cells 0 … {len(self.connectivity) - 1}, got {cell}")
-        if not (0.0 <= number(ξ, "within: ξ") <= 1.0 and 0.0 <= number(η, "within: η") <= 1.0):
-            raise ValueError(f"within: ξ and η must lie between 0 and 1, got {ξ!r} and {η!r}")
+        if not (
+            0.0 <= number(ξ, "point_in_cell: ξ") <= 1.0
+            and 0.0 <= number(η, "point_in_cell: η") <= 1.0
+        ):
+            raise ValueError(
+                f"point_in_cell: ξ and η must lie between 0 and 1, got {ξ!r} and {η!r}"
+            )
         shapes = type(self).table(np.array([[ξ, η]]))[0, : hermite.ACROSS + 1]
         shares = np.zeros((NODES, 2, 3))
         shares[_NODE, _HALF] = (shapes @ self.extraction()[cell]).T
         nodes = self.connectivity[cell]
         place = f"({ξ:g}, {η:g}) in cell {cell}"
         return Point(self, int(nodes[0]), place, on_surface(nodes, shares))
+
+    def _closest(self, position: Array) -> Point:
+        """The closest point of the surface: a node, or a point within a cell."""
+        node = super()._closest(position)
+        if np.linalg.norm(node.position - position) <= AT_NODE * self.size:
+            return node
+        vectors = self.vectors()
+
+        def surface(cell: int, at: Array) -> Array:
+            return np.asarray(
+                type(self).table(at[np.newaxis])[0, : hermite.ACROSS + 1] @ vectors[cell]
+            )
+
+        cell, (ξ, η) = closest_on_surface(position, vectors[:, ::4], surface)
+        return self.point_in_cell(cell, float(ξ), float(η))
 
     def follower(self) -> Follower:
         """Axes follow the surface, but where components along them are held."""

@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Flags, direction
+from fem_lie._arrays import Array, Flags, Indices, direction
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.thin_shells.seams import Edge
 from fem_lie.lie.kinds import NodeKind, set_all_axes
@@ -55,13 +55,9 @@ class HeldSurface(Body):
         known = ", ".join([*self._edges, *self._points])
         raise ValueError(f"{self.label} has no edge or corner {name!r}; it has: {known}")
 
-    def points(self, name: str) -> list[Point]:
-        """All points of an edge.
-
-        Raises:
-            ValueError: There is nothing of this name; the message lists what exists.
-        """
-        return [self.node(int(i)) for i in self.edge(name).points]
+    def nodes(self, where: str) -> Indices:
+        """Numbers of the points of an edge or corner."""
+        return self.edge(where).points
 
     def clamp(self, name: str) -> list[Point]:
         """Hold places and normals of an edge or corner; strains across the edge stay free.
@@ -103,10 +99,10 @@ class HeldSurface(Body):
                 self._held(point, ALONG_A + edge.along)[:] = True
         return self.points(name)
 
-    def guide(self, name: str, normal: npt.ArrayLike) -> list[Point]:
+    def roller(self, name: str, normal: npt.ArrayLike) -> list[Point]:
         """Hold displacements of an edge or corner along a direction fixed in space.
 
-        Two guides along the same edge are a diaphragm.
+        Two rollers along the same edge are a diaphragm.
 
         Args:
             name: Of the edge or corner.
@@ -119,7 +115,7 @@ class HeldSurface(Body):
             ValueError: There is nothing of this name, the direction is zero, or a point is held
                 along others that are neither this one nor across it.
         """
-        edge, n = self.edge(name), direction(normal, f"the direction of guide {name!r}")
+        edge, n = self.edge(name), direction(normal, f"the direction of roller {name!r}")
         for point in edge.points:
             axis = self._axis_along(int(point), n, name)
             self._held(point, PLACE)[axis] = True

@@ -44,7 +44,7 @@ class Rope(Surface):
         >>> for body in (rope, bead):
         ...     _ = scene.add(body)
         ...
-        >>> rings, law = fl.Rings([bead.centre]), fl.Penalty(1e5, friction=0.2)
+        >>> rings, law = fl.Rings([bead.point("centre")]), fl.Penalty(1e5, friction=0.2)
         >>> _ = scene.add(fl.Contact(fl.Rope(rope), rings, law))
         >>> len(scene.contacts)
         1
@@ -161,7 +161,7 @@ class Rings(Surface):
 
     Example:
         >>> hook = fl.RigidBody(0.1, (1e-4, 1e-4, 1e-4))
-        >>> rings = fl.Rings([hook.centre, fl.ground()], at=[(0, 0, 0.1), (1, 0, 0)])
+        >>> rings = fl.Rings([hook.point("centre"), fl.ground()], at=[(0, 0, 0.1), (1, 0, 0)])
         >>> len(rings.places)
         2
     """

@@ -46,7 +46,7 @@ def inertial_shapes(
         >>> steel = fl.Material(E=2e11, nu=0.3, density=7800.0)
         >>> part, square = fl.Scene(), fl.Section.rectangle(0.02, 0.02, steel)
         >>> beam = part.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), square, cells=8, name="arm"))
-        >>> ends = [beam.start, beam.end]
+        >>> ends = [beam.point("start"), beam.point("end")]
         >>> inner = fl.inertial_shapes(part, ends, modes=4)
         >>> len(inner), len(fl.reduced_body(part, ends, inner).stiffness)
         (10, 16)

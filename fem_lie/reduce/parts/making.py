@@ -53,11 +53,12 @@ def reduced_body(
         >>> steel = fl.Material(E=2e11, nu=0.3, density=7800.0)
         >>> part, square = fl.Scene(), fl.Section.rectangle(0.02, 0.02, steel)
         >>> beam = part.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), square, cells=8, name="arm"))
-        >>> arm = fl.reduced_body(part, [beam.start, beam.end], modes=6)
+        >>> arm = fl.reduced_body(part, [beam.point("start"), beam.point("end")], modes=6)
         >>> scene = fl.Scene(gravity=(0, 0, -9.81))
-        >>> _ = scene.add(arm), scene.add(fl.Revolute(fl.ground(), arm["start"], axis=(0, 1, 0)))
+        >>> hinge = fl.Revolute(fl.ground(), arm.point("start"), axis=(0, 1, 0))
+        >>> _ = scene.add(arm), scene.add(hinge)
         >>> result = fl.GeneralisedAlpha().run(scene, duration=0.1, step=0.01)
-        >>> fl.expand(result, arm).position(beam.node(4)).shape
+        >>> fl.expand(result, arm).position(beam.point(4)).shape
         (11, 3)
     """
     if not len(interfaces):

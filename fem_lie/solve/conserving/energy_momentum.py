@@ -72,7 +72,7 @@ class EnergyMomentum(Integrator):
 
     Example:
         >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
-        >>> top.turn((0, 0, 2), about=top.centre)
+        >>> top.add_velocity(omega=(0, 0, 2), about=top.point("centre"))
         >>> scene = fl.Scene()
         >>> _ = scene.add(top)
         >>> result = fl.EnergyMomentum().run(scene, duration=1.0, step=0.01)
@@ -139,7 +139,7 @@ class EnergyDecaying(EnergyMomentum):
 
     Example:
         >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
-        >>> top.turn((0, 0, 2), about=top.centre)
+        >>> top.add_velocity(omega=(0, 0, 2), about=top.point("centre"))
         >>> scene = fl.Scene()
         >>> _ = scene.add(top)
         >>> result = fl.EnergyDecaying(radius=0.8).run(scene, duration=1.0, step=0.01)

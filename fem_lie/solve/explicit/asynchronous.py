@@ -57,7 +57,7 @@ class Asynchronous(Integrator):
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
         >>> tube = fl.Section.circle(0.01, steel)
         >>> net = fl.Net([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [[0, 1, 2]], tube)
-        >>> net.pin(net.node(0), net.node(2))
+        >>> net.pin(net.point(0), net.point(2))
         >>> scene = fl.Scene(gravity=(0, 0, -9.81))
         >>> _ = scene.add(net)
         >>> result = fl.Asynchronous().run(scene, duration=1e-2, step=1e-3)

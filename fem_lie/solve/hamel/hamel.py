@@ -47,10 +47,11 @@ class Hamel(Integrator):
 
     Example:
         >>> sledge = fl.RigidBody(1.5, (0.05, 0.05, 0.05))
-        >>> sledge.turn((0, 0, 2.0), about=(-0.3, 0, 0))
+        >>> sledge.add_velocity(omega=(0, 0, 2.0), about=(-0.3, 0, 0))
         >>> scene = fl.Scene()
         >>> _ = scene.add(sledge)
-        >>> blade = fl.KnifeEdge(fl.ground(), sledge.centre, at=(-0.3, 0, 0), axis=(0, 1, 0))
+        >>> centre = sledge.point("centre")
+        >>> blade = fl.KnifeEdge(fl.ground(), centre, at=(-0.3, 0, 0), axis=(0, 1, 0))
         >>> _ = scene.add(blade)
         >>> result = fl.Hamel().run(scene, duration=1.0, step=0.01)
         >>> bool(result.energy_error < 1e-13)

@@ -65,7 +65,7 @@ def estimate_error(
 
     Example:
         >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
-        >>> top.turn((0, 0.1, 2), about=top.centre)
+        >>> top.add_velocity(omega=(0, 0.1, 2), about=top.point("centre"))
         >>> scene = fl.Scene()
         >>> _ = scene.add(top)
         >>> error = fl.estimate_error(fl.Explicit(), scene, duration=1.0, step=0.05)
