@@ -92,11 +92,11 @@ def test_momenta_of_free_balls_stay(hollow):
     if hollow:
         two = ball((0.1, 0, 0), mass=3.0)
         one = ball((0.3, 0.1, 0), (1.0, 0.3, -0.2))
-        surface = fl.Sphere(two.at((0.15, 0, 0)), 0.5, hollow=True)
+        surface = fl.Sphere(two.point((0.15, 0, 0)), 0.5, hollow=True)
     else:
         two = ball((0.5, 0.05, 0.02), mass=3.0)
         one = ball((0, 0, 0), (1.0, 0, 0))
-        surface = fl.Sphere(two.at((0.5, 0.1, 0.0)), 2 * RADIUS)
+        surface = fl.Sphere(two.point((0.5, 0.1, 0.0)), 2 * RADIUS)
     touch = fl.Contact(surface, fl.Sphere(one.point("centre"), RADIUS), fl.Penalty(200.0))
     result = run(scene_with(one, two, touch, gravity=(0, 0, 0)), 2.0, 2e-3)
     found = fl.contact_forces(result, touch)
@@ -267,7 +267,7 @@ REFUSED = {
     "same body": (
         lambda: one_body(
             lambda body: fl.Contact(
-                fl.Sphere(body.at((0, 0, 3)), 0.1), fl.Plane(body.point("centre"), (0, 0, 1)), LAW
+                fl.Sphere(body.point((0, 0, 3)), 0.1), fl.Plane(body.point("centre"), (0, 0, 1)), LAW
             )
         ),
         "never move against each other",

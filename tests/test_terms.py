@@ -199,8 +199,8 @@ def ball_in_hollow(**law) -> fl.Scene:
 def balls_in_quartic(**law) -> fl.Scene:
     """Inside a surface with a gap function, beside the node that it is fixed to."""
     return in_contact(
-        lambda one, two, line: fl.Sphere(one.at((0.3, 0.2, 0)), 0.4),
-        lambda one, two, line: Quartic(two.at((0.7, 0.4, 0.2)), size=1.01),
+        lambda one, two, line: fl.Sphere(one.point((0.3, 0.2, 0)), 0.4),
+        lambda one, two, line: Quartic(two.point((0.7, 0.4, 0.2)), size=1.01),
         **law,
     )
 
