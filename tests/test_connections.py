@@ -5,7 +5,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.system import System
+from tests.assembled import Assembled
 
 Z = (0, 0, 1)
 SCHEME = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
@@ -76,18 +76,12 @@ def test_a_gear_is_measured_by_its_first_coordinate():
     wheel = scene.add(fl.Revolute(fl.ground(), one.point("centre"), axis=Z))
     guide = scene.add(fl.Prismatic(fl.ground(), two.point("centre"), axis=Z))
     scene.add(fl.Screw(fl.ground(), three.point("centre"), axis=Z, pitch=0.1))
-    turns = scene.add(fl.Gear(wheel.angle, guide.displacement, ratio=3e6))
-    connections = System(scene, dynamics=True).connections
-    of = {
-        item: connections.angular[connections.owner == k].tolist()
-        for k, item in enumerate(connections.items)
-    }
-    assert of[wheel] == [False] * 3 + [True] * 2
-    assert of[guide] == [False] * 2 + [True] * 3
-    assert of[scene.joints[2]] == [False] * 2 + [True] * 2 + [False]
-    assert of[turns] == [True]
+    scene.add(fl.Gear(wheel.angle, guide.displacement, ratio=3e6))
+    angular = fl.extend.Equations(scene, dynamics=True).unknowns.angular
+    of_wheel, of_guide, of_screw = [0, 0, 0, 1, 1], [0, 0, 1, 1, 1], [0, 0, 1, 1, 0]
+    assert angular.tolist() == [bool(k) for k in (*of_wheel, *of_guide, *of_screw, 1)]
     scene.connections[:] = [fl.Gear(guide.displacement, wheel.angle, ratio=3e-6)]
-    assert not System(scene, dynamics=True).connections.angular[-1]
+    assert not fl.extend.Equations(scene, dynamics=True).unknowns.angular[-1]
 
 
 def test_full_turns_are_part_of_the_memory():
@@ -96,22 +90,22 @@ def test_full_turns_are_part_of_the_memory():
     wheel = body(scene)
     hinge = scene.add(fl.Revolute(fl.ground(), wheel.point("centre"), axis=Z))
     scene.add(fl.Spring(hinge.angle, stiffness=2.0))
-    system = System(scene, dynamics=True)
-    connections, none = system.connections, np.zeros((system.count, 6))
+    system = Assembled(scene, dynamics=True)
+    equations = system.equations
+    H = equations.start.frames.copy()
 
     def turn_to(*angles: float) -> None:
         for angle in angles:
-            system.frames[0, 1:] = lie.so3_exp(np.array([0, 0, angle])).T
-            connections.accept(system.frames)
+            H[0, 1:] = lie.so3_exp(np.array([0, 0, angle])).T
+            equations.memory.accept(H)
 
     turn_to(2.0, 4.0, 6.0)
-    memory = connections.memory.copy()
+    memory = equations.memory.memory()
     turn_to(8.0, 10.0, 12.0)
-    connections.memory = memory
+    equations.memory.restore(memory)
     turn_to(7.0)
-    coordinates = connections.report(system.frames, none, np.zeros(system.m))[1]
-    np.testing.assert_allclose(coordinates, 7.0, rtol=1e-12)
-    assert system.terms.energy(system.frames) == pytest.approx(7.0**2, rel=1e-12)
+    np.testing.assert_allclose(equations.report(H).joints.coordinates, 7.0, rtol=1e-12)
+    assert system.residual(H)[5] == pytest.approx(2.0 * 7.0, rel=1e-12)
 
 
 @pytest.mark.parametrize("index", fl.Index)

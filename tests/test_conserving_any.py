@@ -8,7 +8,6 @@ import pytest
 import fem_lie as fl
 from benchmarks.conserving_any import JOINED, FixedAxes
 from benchmarks.conserving_any import SCENES as TURNING
-from fem_lie.solve.conserving.step import corrections
 from tests.test_composed import resumed_as_whole
 
 SCHEME = fl.EnergyMomentum()
@@ -285,22 +284,6 @@ def test_steps_without_a_solution_are_made_in_parts(caplog):
     small = SCHEME.run(flying("cable")[0], duration=1.2, step=4e-3, save_every=300)
     middle = [each.frames[-1, :, 0].mean(axis=0) for each in (result, small)]
     np.testing.assert_allclose(*middle, rtol=0, atol=0.05)
-
-
-def test_increments_that_fall_slowly_are_no_noise():
-    """Forces left over do work: taken for noise they raised the energy by 1e-12 in one step."""
-
-    def ends(increments: list[float], window: int) -> list[bool]:
-        numbers, found = np.zeros(corrections.NUMBERS), []
-        numbers[corrections.RECENT :] = np.inf
-        for increment in increments:
-            found.append(bool(corrections.stalls(numbers, increment, window)))
-        return found
-
-    for window in (corrections.WINDOW, corrections.LEARNING):
-        assert not any(ends(list(1e-13 * 0.7 ** np.arange(12.0)), window))
-        constant = ends([2.5e-16] * (window + 1), window)
-        assert constant == [False] * window + [True]
 
 
 @pytest.mark.parametrize("name", TURNING)

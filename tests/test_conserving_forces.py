@@ -7,7 +7,6 @@ import pytest
 
 import fem_lie as fl
 from benchmarks.conserving_joints import JOINTS, two_bodies
-from fem_lie.solve.conserving.between.end_forces import at_end
 from tests.test_energy_momentum import bars
 
 END = 0.16
@@ -82,13 +81,3 @@ def test_forces_of_joints_between_beams_are_of_second_order():
         return result.joint_force(scene.joints[1])[1:]
 
     assert order(*(run(step) for step in (5e-4, 2.5e-4, 1.25e-4))) > 1.8
-
-
-@pytest.mark.parametrize("sizes", [(1.0, 1.0, 1.0), (0.5, 1.0, 2.0), (2.0, 0.3, 0.7)], ids=str)
-def test_the_end_of_a_line_that_alternates(sizes):
-    """Exact for a straight line and an alternating part of constant impulse."""
-    h = np.array(sizes)
-    middles = -(np.cumsum(h) - 0.5 * h)
-    values = 3.0 + 2.0 * middles + 0.4 * np.array([1.0, -1.0, 1.0]) / h
-    last, *earlier = values[:, np.newaxis]
-    assert at_end(last, np.array(earlier), h) == pytest.approx([3.0], abs=1e-13)

@@ -7,8 +7,6 @@ from PIL import Image
 import fem_lie as fl
 from benchmarks import pressed_cap, pressed_cylinder
 from fem_lie import extend
-from fem_lie.contact.sides.detection import near
-from fem_lie.system import System
 from tests.own_surface import Quartic
 
 GRAVITY, RADIUS = 9.81, 0.1
@@ -151,23 +149,6 @@ def test_a_ball_presses_a_cap_of_shell_until_it_has_snapped():
 # --- who is near whom ---
 
 
-@pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("shape", [(1, 1, 1), (100, 1, 0), (0, 0, 0), (1e9, 1, 1)])
-def test_pairs_are_those_of_all_pairs(seed, shape):
-    """Whatever the cells, in increasing order, and in any order of the places."""
-    rng = np.random.default_rng(seed)
-    X = rng.uniform(size=(300, 3)) * shape + [5.0, -3.0, 0.0]
-    reach = rng.uniform(0.02, 0.06, size=300)
-    i, j = np.triu_indices(300, 1)
-    distance = np.linalg.norm(X[i] - X[j], axis=1)
-    close = distance < reach[i] + reach[j]
-    expected = np.transpose([i[close], j[close]])
-    np.testing.assert_array_equal(near(X, reach), expected)
-    order = rng.permutation(300)
-    found = np.sort(order[near(X[order], reach[order])], axis=1)
-    np.testing.assert_array_equal(found[np.lexsort((found[:, 1], found[:, 0]))], expected)
-
-
 def pile() -> tuple[fl.Scene, list[fl.RigidBody]]:
     """Balls that fly through each other in a box without gravity."""
     rng = np.random.default_rng(5)
@@ -187,16 +168,15 @@ def pile() -> tuple[fl.Scene, list[fl.RigidBody]]:
 def test_a_list_with_a_skin_has_all_that_touch():
     """Forces along a run are those of a list that is made anew."""
     scene, _ = pile()
-    system = System(scene, dynamics=True)
+    nodes = fl.extend.Equations(scene, dynamics=True).unknowns.bodies
     result = run(scene, 0.2, 2e-3)
-    term = next(t for t in system.terms if t.label == "contacts by penalty")
+    term = scene.contacts[0].term(nodes.__getitem__)
     versions, touched = set(), 0
     for frames in result.frames:
-        out, fresh = np.zeros((2, system.count, 6))
+        out, fresh = np.zeros((2, len(frames), 6))
         term.add_forces(frames, out)
         versions.add(term.version)
-        (other,) = [t for t in System(scene, dynamics=True).terms if t.label == term.label][:1]
-        other.add_forces(frames, fresh)
+        scene.contacts[0].term(nodes.__getitem__).add_forces(frames, fresh)
         np.testing.assert_array_equal(out, fresh)
         touched += bool(out.any())
     assert len(versions) > 3

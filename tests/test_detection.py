@@ -93,3 +93,20 @@ def test_parallel_chords_that_touch_are_not_apart():
             for part, wanted in ((1.0 - 1e-9, True), (1.0 + 1e-9, False)):
                 other = Opposite(j, j, shift, shift, part * 0.2)
                 assert are_apart(strands, 0, strands, other) == wanted
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("shape", [(1, 1, 1), (100, 1, 0), (0, 0, 0), (1e9, 1, 1)])
+def test_pairs_are_those_of_all_pairs(seed, shape):
+    """Whatever the cells, in increasing order, and in any order of the places."""
+    rng = np.random.default_rng(seed)
+    X = rng.uniform(size=(300, 3)) * shape + [5.0, -3.0, 0.0]
+    reach = rng.uniform(0.02, 0.06, size=300)
+    i, j = np.triu_indices(300, 1)
+    distance = np.linalg.norm(X[i] - X[j], axis=1)
+    close = distance < reach[i] + reach[j]
+    expected = np.transpose([i[close], j[close]])
+    np.testing.assert_array_equal(near(X, reach), expected)
+    order = rng.permutation(300)
+    found = np.sort(order[near(X[order], reach[order])], axis=1)
+    np.testing.assert_array_equal(found[np.lexsort((found[:, 1], found[:, 0]))], expected)

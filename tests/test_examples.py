@@ -6,14 +6,13 @@ import inspect
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.joints.connection import Connection
 
-LOAD = next(base for base in fl.PointLoad.__mro__ if base.__name__ == "Load")
+CONNECTION = next(base for base in fl.Joint.__mro__ if base.__name__ == "Connection")
 PUT_IN = (
     fl.Body,
-    Connection,
+    CONNECTION,
     fl.RigidLink,
-    LOAD,
+    fl.extend.Load,
     fl.Clamp,
     fl.PrescribedMotion,
     fl.Contact,

@@ -5,8 +5,7 @@ import pytest
 
 import fem_lie as fl
 from benchmarks import conserving_contact
-from fem_lie.lie.motions import retract
-from fem_lie.solve.conserving.between.pushes import _part_of_earlier
+from fem_lie import lie
 
 GRAVITY, SIZE = 9.81, 0.1
 FLOOR = fl.Plane(fl.ground(), (0, 0, 1))
@@ -132,17 +131,16 @@ def test_derivatives(make, friction):
     numbers = {b: np.arange(len(b.frames)) + k for b, k in zip(bodies, first, strict=False)}
     term = fl.Contact(*surfaces, law).term(numbers.__getitem__)
     H = np.concatenate([b.frames for b in bodies])
-    retract(H, 1e-3 * np.random.default_rng(1).normal(size=(len(H), 6)))
+    H = lie.se3_retract(H, 1e-3 * np.random.default_rng(1).normal(size=(len(H), 6)))
     wanted, found = np.zeros((2, 6 * len(H), 6 * len(H)))
     for block, i, j in zip(term.tangent(H, term.room()), *term.pairs, strict=True):
         found[6 * i : 6 * i + 6, 6 * j : 6 * j + 6] += block
     for q in range(6 * len(H)):
         ends = []
         for sign in (1, -1):
-            h, moved = np.zeros(6 * len(H)), H.copy()
-            h[q] = sign * 1e-7
-            retract(moved, h.reshape(-1, 6))
-            ends.append(forces_of(term, moved))
+            h = np.zeros((len(H), 6))
+            h.flat[q] = sign * 1e-7
+            ends.append(forces_of(term, lie.se3_retract(H, h)))
         wanted[:, q] = (ends[0] - ends[1]) / 2e-7
     assert np.abs(wanted).max() > 1.0
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-8 * np.abs(wanted).max())
@@ -210,15 +208,6 @@ def test_steps_that_stick_and_slip_in_turns_are_made_in_full():
     assert result.divided == 0
     assert np.diff(result.balance[:, 1]).min() >= 0.0
     assert result.balance_error < 1e-12
-
-
-def test_energy_of_earlier_steps_waits_for_work():
-    """Forces that do hardly any do not jump with its sign."""
-    left, work = 1e-12, np.linspace(-2e-6, 2e-6, 4001)
-    parts = np.array([_part_of_earlier(left, each, 1e-6) for each in work])
-    np.testing.assert_allclose(parts, -parts[::-1])
-    assert np.abs(np.diff(parts)).max() < 1.01 * left / 1e-6 * 1e-3
-    assert parts[-1] * work[-1] == pytest.approx(left)
 
 
 def test_a_ball_slides_then_rolls_in_conserving_steps():

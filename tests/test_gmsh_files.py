@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.mesh.gmsh_session import model as gmsh_model
-from fem_lie.mesh.gmsh_session import session as gmsh_session
+from tests.drawn import empty_model
 
 READERS = {
     "read_gmsh": fl.read_gmsh,
@@ -53,7 +52,7 @@ def test_a_script_after_the_beginning_of_a_mesh_does_not_run(tmp_path):
 
 def line_in(file):
     """A line of length 1 in a file, whose ending says the format."""
-    with gmsh_session() as session, gmsh_model(session):
+    with empty_model() as session:
         ends = [session.model.occ.addPoint(x, 0, 0) for x in (0, 1)]
         session.model.occ.addLine(*ends)
         session.model.occ.synchronize()
@@ -85,7 +84,7 @@ def test_cad_is_known_by_its_content(tmp_path, ending, name):
 
 
 def test_iges_is_known_by_its_content(tmp_path):
-    with gmsh_session() as session, gmsh_model(session):
+    with empty_model() as session:
         session.model.occ.addRectangle(0, 0, 0, 2, 1)
         session.model.occ.synchronize()
         session.write(str(tmp_path / "face.iges"))

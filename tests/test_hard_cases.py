@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import fem_lie as fl
-from fem_lie.solve.division import Division
+from tests.interruption import interrupted
 
 # with the errors that interpolation leaves over the length, on a circle that closes and on an arc;
 # that of degree 1 is a polygon whose sides have the length of their arcs
@@ -290,22 +290,14 @@ def test_a_long_chain_arrives(options, caplog):
         fl.GeneralisedAlpha(policy=fl.Never()).run(scene, duration=0.7, step=1e-3, progress=False)
 
 
-def test_a_run_goes_on_between_parts_of_steps(tmp_path, monkeypatch):
+def test_a_run_goes_on_between_parts_of_steps(tmp_path):
     """Resumed where steps are made in parts, to the last bit."""
     options = {"duration": 0.7, "step": 1e-3, "progress": False, "save_every": 10}
     whole = fl.GeneralisedAlpha().run(chain(100)[0], **options)
     scene, file = chain(100)[0], tmp_path / "chain.h5"
-    real = Division.cover
-
-    def stop(division, steps, start, *rest):
-        if start > 0.6605:
-            raise KeyboardInterrupt
-        return real(division, steps, start, *rest)
-
-    monkeypatch.setattr(Division, "cover", stop)
-    with pytest.raises(KeyboardInterrupt):
+    # after step 660, in the middle of those that are made in parts
+    with interrupted(33):
         fl.GeneralisedAlpha().run(scene, file=file, checkpoint_every=20, **options)
-    monkeypatch.undo()
     again = fl.GeneralisedAlpha().resume(scene, file, progress=False)
     assert again.divided == whole.divided > 0
     assert np.array_equal(again.frames, whole.frames)

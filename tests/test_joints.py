@@ -15,7 +15,6 @@ from fem_lie import lie
 from fem_lie.joints.equations import functions, terms
 from fem_lie.joints.equations.relative_motion import relative_motion
 from fem_lie.solve.alpha.run import Run
-from fem_lie.system import System
 from fem_lie.system.constraints import Connections
 from fem_lie.system.nodes.numbering import Numbering
 
@@ -300,7 +299,7 @@ def closed_chain(last: type[fl.Joint]) -> fl.Scene:
 def test_redundant_constraints_are_counted_and_named():
     """A planar loop of four revolutes has three constraints too many (Grübler)."""
     with pytest.raises(ValueError, match=r"3 of 20 constraints are redundant.*(joint|last)"):
-        System(closed_chain(fl.Revolute), dynamics=True)
+        fl.extend.Equations(closed_chain(fl.Revolute), dynamics=True)
 
 
 def test_joint_given_twice_is_redundant():
@@ -309,7 +308,7 @@ def test_joint_given_twice_is_redundant():
     scene.add(fl.Spherical(fl.ground(), bar.point("start"), name="one"))
     scene.add(fl.Spherical(fl.ground(), bar.point("start"), name="two"))
     with pytest.raises(ValueError, match=r"3 of 6 constraints are redundant.*(one|two)"):
-        System(scene, dynamics=True)
+        fl.extend.Equations(scene, dynamics=True)
 
 
 def test_joint_to_a_clamped_point_is_redundant():
@@ -318,7 +317,7 @@ def test_joint_to_a_clamped_point_is_redundant():
     scene.add(fl.Clamp(bar.point("start")))
     scene.add(fl.Spherical(fl.ground(), bar.point("start"), name="useless"))
     with pytest.raises(ValueError, match="useless"):
-        System(scene, dynamics=True)
+        fl.extend.Equations(scene, dynamics=True)
 
 
 def held_twice(redundant: fl.Redundant) -> fl.Scene:

@@ -5,7 +5,6 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.scene.pressure import Pressure
 from tests.assembled import Assembled
 
 EA, GA, GJ, EI2, EI3 = 1e4, 5e3, 50.0, 100.0, 70.0
@@ -114,11 +113,16 @@ def test_pressure_on_any_plane_line_is_that_on_its_chord():
     turns = np.pad(rng.normal(size=(6, 1)), [(0, 0), (2, 0)])
     x = np.pad(rng.normal(size=(6, 2)), [(0, 0), (0, 1)])
     H = np.array([lie.frame(xi, lie.so3_exp(t)) for xi, t in zip(x, turns, strict=True)])
-    pairs = np.column_stack([np.arange(5), np.arange(1, 6)])
-    pressure = Pressure(pairs, np.array([0, 0, 3.0]))
-    forces = np.zeros((6, 6))
-    pressure.add_forces(H, forces)
-    spatial = np.einsum("ni,nij->nj", -forces[:, :3], H[:, 1:])
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=5, up=(0, 0, 1))
+    scene = fl.Scene()
+    scene.add(beam)
+    # e₁ × e₃ = −e₂
+    scene.add(fl.PressureLoad(beam, 3.0, (0, -1, 0)))
+    equations = fl.extend.Equations(scene, dynamics=False)
+    rows, nodes = equations.start.frames.copy(), equations.unknowns.bodies[beam]
+    rows[nodes] = H
+    forces = equations.prescribed(0.0).loads(rows).reshape(-1, 6)[nodes]
+    spatial = np.einsum("ni,nij->nj", forces[:, :3], H[:, 1:])
     np.testing.assert_allclose(spatial.sum(axis=0), np.cross(x[-1] - x[0], (0, 0, 3)), atol=1e-13)
     assert not forces[:, 3:].any()
 

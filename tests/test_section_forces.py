@@ -8,7 +8,7 @@ import pytest
 import fem_lie as fl
 from demos.elastica import elastica
 from fem_lie import lie
-from fem_lie.system import System
+from tests.assembled import Assembled
 
 EA, GA, GJ, EI2, EI3 = 1e4, 5e3, 50.0, 100.0, 70.0
 SECTION = fl.Section.from_stiffness([EA, GA, GA, GJ, EI2, EI3], mass=0.5, rotary=(2e-4, 1e-4))
@@ -138,27 +138,25 @@ def test_signs():
 def test_what_meets_at_a_node_is_the_residual_of_the_scene(seed):
     """Far from equilibrium, at a kink and a branch, with damping."""
     scene, beam = branch(fl.Damping(stiffness=0.1))
-    system = System(scene, dynamics=True)
+    damped, free = (Assembled(each, dynamics=True) for each in (scene, branch(fl.Damping())[0]))
     rng = np.random.default_rng(seed)
-    H = system.frames.copy()
-    H[: system.count] = lie.se3_retract(H[: system.count], 0.4 * rng.normal(size=(system.count, 6)))
-    v = rng.normal(size=(system.count, 6))
-    r = np.zeros(system.size)
-    system.elastic.add_forces(H[: system.count], r)
-    system.elastic.add_viscous_forces(H[: system.count], v, r)
-    attachment = system.numbering.attachment
+    H = damped.moved(damped.start, 0.4 * rng.normal(size=(damped.count, 6)))
+    v = rng.normal(size=(damped.count, 6))
+    # without the forces of inertia that velocities have
+    r = damped.residual(H) + damped.residual(H, v) - free.residual(H, v)
+    report, tables = damped.equations.report(H, v), damped.equations.tables
     motion = fl.GeneralisedAlpha().run(scene, duration=1e-3, step=1e-3)
     motion = replace(
         motion,
-        frames=np.tile(attachment.frames(H), (2, 1, 1, 1)),
-        velocities=np.tile(attachment.twists(v), (2, 1, 1)),
+        frames=np.tile(report.frames, (2, 1, 1, 1)),
+        velocities=np.tile(report.twists, (2, 1, 1)),
     )
     found = fl.section_forces(motion, beam, scene, steps=[-1])
-    total, numbers = np.zeros((system.count, 6)), motion.info.body(beam.name).nodes
+    total, numbers = np.zeros((damped.count, 6)), motion.info.body(beam.name).nodes
     for (start, end), (first, second) in zip(numbers[beam.elements], found.ends[0], strict=True):
         for node, wrench in ((start, -first), (end, second)):
-            turn = lie.se3_adjoint(lie.se3_inverse(attachment.offset[node]))
-            total[attachment.leader[node]] += turn.T @ wrench
+            turn = lie.se3_adjoint(lie.se3_inverse(tables.offset[node]))
+            total[tables.leader[node]] += turn.T @ wrench
     np.testing.assert_allclose(total.ravel(), r, atol=1e-11 * np.abs(r).max())
 
 

@@ -5,8 +5,7 @@ import pytest
 from scipy.interpolate import BSpline
 
 import fem_lie as fl
-from fem_lie.mesh.gmsh_session import model as gmsh_model
-from fem_lie.mesh.gmsh_session import session as gmsh_session
+from tests.drawn import empty_model
 
 SECTION = fl.Section.from_stiffness([1e4, 1e4, 1e4, 2.0, 2.0, 2.0], mass=0.5)
 KNOTS = np.array([0, 0, 0, 0, 1, 1, 3, 3, 4, 4, 4, 4.0])
@@ -160,7 +159,7 @@ def test_refused(case):
 def half_circles(folder, ending, count=1):
     """Rational cubics in a file: exact half circles about the z axis."""
     file = folder / f"half.{ending}"
-    with gmsh_session() as gmsh, gmsh_model(gmsh):
+    with empty_model() as gmsh:
         for height in range(count):
             corners = [(1, 0), (1, 2), (-1, 2), (-1, 0)]
             tags = [gmsh.model.occ.addPoint(x, y, height) for x, y in corners]

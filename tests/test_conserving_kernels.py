@@ -1,4 +1,8 @@
-"""Where constraints touch few unknowns, a small dense matrix stands for solutions with factors."""
+"""Kernels of the conserving schemes.
+
+Where constraints touch few unknowns, a small dense matrix stands for solutions with factors; when
+iterations stop at round-off; forces at the end of a run; energy that earlier steps have left.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +12,9 @@ import pytest
 import fem_lie as fl
 from demos.double_pendulum import pendulum
 from fem_lie.solve.conserving import memory
+from fem_lie.solve.conserving.between.end_forces import at_end
+from fem_lie.solve.conserving.between.pushes import _part_of_earlier
+from fem_lie.solve.conserving.step import corrections
 from fem_lie.solve.conserving.step.records import Legs
 
 STEPS, SIZE = 1500, 1e-4
@@ -53,3 +60,38 @@ def test_whole_columns_are_kept_where_they_are_few_numbers():
 def test_many_legs_have_no_dense_matrix():
     legs = Legs(np.arange(20), np.arange(20))
     assert memory.ends_of(legs, 20, 140).inverse.size == 0
+
+
+def test_energy_of_earlier_steps_waits_for_work():
+    """Forces that do hardly any do not jump with its sign."""
+    left, work = 1e-12, np.linspace(-2e-6, 2e-6, 4001)
+    parts = np.array([_part_of_earlier(left, each, 1e-6) for each in work])
+    np.testing.assert_allclose(parts, -parts[::-1])
+    assert np.abs(np.diff(parts)).max() < 1.01 * left / 1e-6 * 1e-3
+    assert parts[-1] * work[-1] == pytest.approx(left)
+
+
+@pytest.mark.parametrize("sizes", [(1.0, 1.0, 1.0), (0.5, 1.0, 2.0), (2.0, 0.3, 0.7)], ids=str)
+def test_the_end_of_a_line_that_alternates(sizes):
+    """Exact for a straight line and an alternating part of constant impulse."""
+    h = np.array(sizes)
+    middles = -(np.cumsum(h) - 0.5 * h)
+    values = 3.0 + 2.0 * middles + 0.4 * np.array([1.0, -1.0, 1.0]) / h
+    last, *earlier = values[:, np.newaxis]
+    assert at_end(last, np.array(earlier), h) == pytest.approx([3.0], abs=1e-13)
+
+
+def test_increments_that_fall_slowly_are_no_noise():
+    """Forces left over do work: taken for noise they raised the energy by 1e-12 in one step."""
+
+    def ends(increments: list[float], window: int) -> list[bool]:
+        numbers, found = np.zeros(corrections.NUMBERS), []
+        numbers[corrections.RECENT :] = np.inf
+        for increment in increments:
+            found.append(bool(corrections.stalls(numbers, increment, window)))
+        return found
+
+    for window in (corrections.WINDOW, corrections.LEARNING):
+        assert not any(ends(list(1e-13 * 0.7 ** np.arange(12.0)), window))
+        constant = ends([2.5e-16] * (window + 1), window)
+        assert constant == [False] * window + [True]
