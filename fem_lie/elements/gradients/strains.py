@@ -33,7 +33,7 @@ from fem_lie.forms.small_energy.cell import (
     add_tangent_at_stress,
     update_stress,
 )
-from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element, sums_of_products
+from fem_lie.forms.small_energy.element import CELL_SIGNATURE, data_at_rest, element
 from fem_lie.lie.kinds.kind import NodeKind
 
 NODES, VECTORS = 4, 8
@@ -96,10 +96,8 @@ def data(rows: Array, lengths: Array, C: Array) -> Array:
         lengths: Of the cells, shape (m,).
         C: Of the cells, shape (m, 18, 18).
     """
-    T, of = _tables(lengths), ELEMENT.cells
-    unloaded = sums_of_products(of, T[:, 0] @ rows[:, of.coordinates[:, 0], of.coordinates[:, 1]])
-    parameters = np.hstack([unloaded, C.reshape(len(C), -1)])
-    return cell_data(ELEMENT, T, parameters[:, np.newaxis])
+    T, (node, number) = _tables(lengths), ELEMENT.cells.coordinates.T[:2]
+    return data_at_rest(ELEMENT, T, T @ rows[:, np.newaxis, node, number], C[:, np.newaxis])
 
 
 @callback(CELL_SIGNATURE)

@@ -13,6 +13,7 @@ is ``μ = S₁ (e₁ + f₁)/X + S₂ ∂z₂ + S₃ ∂z₃``, ``S = B (z − z
 
     ∂W/∂x = (μ × t − (μ·t)/(1 + D·t) D × t)/|x|,    and the frame as    (μ·t)/(1 + D·t) (D + t)
 
+The small-energy kernel has no version of it: its 24 scalar products would be as many variables.
 The matrix has the derivative of these forces at a stress ``S`` that is carried from iterate to
 iterate, by complex steps, which is exact. (Bergou, Wardetzky,
 Robinson, Audoly & Grinspun, *ACM Trans. Graph.* 27 (2008) 63; Jawed, Novelia & O'Reilly, *A Primer

@@ -14,7 +14,9 @@ and bend of the cubic at Gauss' points ``σ = ± 1/√12`` are::
     τ = (θ₁ + p₂ θ₂ + p₃ θ₃)/ℓ + (p₃ B₂ − p₂ B₃)/n.
 
 What is derived here is what UFL derives of :func:`~fem_lie.elements.rods.kirchhoff.rod_strains` in
-four times the time. Gradients are named as what they belong to, with a bar.
+three times the time for forces, and twice the time for forces and energy. Gradients are named as
+what they belong to, with a bar.
+
 The cubic joins points at ``r_A`` and ``r_B`` from the nodes, on the line of tension centres.
 """
 

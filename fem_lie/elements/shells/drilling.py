@@ -24,7 +24,7 @@ from fem_lie.forms.small_energy.cell import (
     add_tangent_at_stress,
     update_stress,
 )
-from fem_lie.forms.small_energy.element import Element, cell_data, element
+from fem_lie.forms.small_energy.element import Element, data_at_rest, element
 from fem_lie.forms.small_energy.packed import PACKED_SIGNATURE, packed, unpacked
 from fem_lie.lie.kinds.kind import NodeKind
 from fem_lie.mesh.shapes import rule, tabulated
@@ -152,10 +152,9 @@ class DrillingAssembly(ElementCells):
         A = np.einsum("mbj,mkdj->mkbd", axes[:, -1], frames[cells, 1:])
         T[:, :, _A1 : _A2 + 1, :, 1:] = np.einsum("gk,mkbd->mgbkd", N, A)
         weight = w * np.linalg.norm(normal[:, :-1], axis=-1) * stiffness[:, np.newaxis]
-        a1, a2, x1, x2 = np.einsum("mgvkc,mkcj->vmgj", T, frames[cells])
-        unloaded = np.einsum("mgj,mgj->mg", a1, x2) - np.einsum("mgj,mgj->mg", a2, x1)
-        of = _element(k, g)
-        data = cell_data(of, T.reshape(m, g, 4, 4 * k), np.stack([unloaded, weight], axis=2))
+        vectors, of = np.einsum("mgvkc,mkcj->mgvj", T, frames[cells]), _element(k, g)
+        C = weight[..., np.newaxis, np.newaxis]
+        data = data_at_rest(of, T.reshape(m, g, 4, 4 * k), vectors, C)
         nodes = cells.astype(np.int64)
         functions = CellFunctions(energy_of_cell, forces_of_cell, tangent_of_cell, stress_of_cell)
         self._pattern = Pattern.of(nodes, len(frames))

@@ -6,7 +6,8 @@ With covariant strains ``ε = (E₁₁, E₂₂, 2 E₁₂, κ₁₁, κ₂₂, 
 there themselves may be mixed in. Curvatures are those at the points. Weights, areas and the
 transformation to the section's axes are in ``D``.
 
-The matrix has the geometric part of a stress that is carried from iterate to iterate.
+The matrix has the geometric part of a linearised stress. The small-energy kernel has no version of
+this element: it has no strains that are sampled at points of their own and interpolated to others.
 """
 
 from __future__ import annotations

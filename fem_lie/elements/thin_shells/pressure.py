@@ -1,4 +1,7 @@
-"""Pressure on thin shells: normal to the surface, per current area, with its load stiffness."""
+"""Pressure on thin shells: normal to the surface, per current area, with its load stiffness.
+
+It has no energy in general, so that the small-energy kernel does not apply.
+"""
 
 from __future__ import annotations
 

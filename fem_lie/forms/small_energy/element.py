@@ -256,10 +256,18 @@ def cell_data(
     return np.hstack(parts)
 
 
-def sums_of_products(of: Cells, z: Array) -> Array:
-    """Strains that are sums of products, or all products, of vectors (m, vectors, 3), (m, any)."""
-    found = np.zeros((len(z), int(of.terms[:, 0].max()) + 1))
-    sums, first, second = of.terms.T
-    products = of.factors * np.einsum("mtj,mtj->mt", z[:, first], z[:, second])
-    np.add.at(found.T, sums, products.T)
-    return found
+def data_at_rest(of: Element, tables: Array, vectors: Array, C: Array) -> Array:
+    """Data of cells with a quadratic law whose energy is zero at given vectors.
+
+    Args:
+        of: An element whose strains are sums of products of linear vectors.
+        tables: ``T``, see :func:`cell_data`.
+        vectors: Those of the unloaded cells, shape (m, points, vectors, 3).
+        C: Moduli with the weights of the points, shape (m, points, strains, strains).
+    """
+    sums, first, second = of.cells.terms.T
+    products = np.einsum("mptj,mptj->mpt", vectors[:, :, first], vectors[:, :, second])
+    unloaded = np.zeros((*tables.shape[:2], of.cells.strains))
+    np.add.at(unloaded.T, sums, (of.cells.factors * products).T)
+    moduli = C.reshape(*C.shape[:2], -1)
+    return cell_data(of, tables, np.concatenate([unloaded, moduli], axis=2))
