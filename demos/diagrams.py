@@ -9,7 +9,7 @@ from typing import Any
 from command_line import in_results
 from matplotlib.figure import Figure
 
-from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.extend import COLOURS
 
 __all__ = ["COLOURS", "diagram"]
 

@@ -33,7 +33,6 @@ from double_pendulum import pendulum
 from soft_bars import flying_beam, soft_pendulum
 
 import fem_lie as fl
-from fem_lie.solve import stopwatch
 
 ERROR = 1e-7
 ALPHA, COMPOSED = [1600 * 2**k for k in range(6)], [80, 160, 320, 640]
@@ -99,17 +98,26 @@ def main(
 
 def costs(plan: Case, how: fl.Composition, repeats: int) -> list[np.ndarray]:
     """Errors of places over the length, and least seconds, of both schemes by numbers of steps."""
-    stopwatch.perf_counter = process_time  # of the processor, beside whatever else runs
     end = ends(fl.Composed(), plan.timed, plan.long, [2560])[0].frames[-1, :, 0]
     alpha = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-10)
     both = (alpha, ALPHA), (fl.Composed(fl.EnergyMomentum(tolerance=ERROR), how), COMPOSED)
-    turns = [[ends(s, plan.timed, plan.long, n) for s, n in both] for _ in range(repeats)]
+    turns = [[timed(s, plan, numbers) for s, numbers in both] for _ in range(repeats)]
     curves = []
-    for k, runs in enumerate(turns[0]):
+    for k, (runs, _) in enumerate(turns[0]):
         gaps = [np.linalg.norm(made.frames[-1, :, 0] - end, axis=1).max() for made in runs]
-        seconds = np.min([[made.seconds for made in turn[k]] for turn in turns], axis=0)
+        seconds = np.min([turn[k][1] for turn in turns], axis=0)
         curves.append(np.array([np.array(gaps) / plan.length, seconds]))
     return curves
+
+
+def timed(scheme: Any, plan: Case, numbers: list[int]) -> tuple[list[fl.Result], list[float]]:
+    """Runs as of :func:`ends`, and seconds of the processor, beside whatever else runs."""
+    results, seconds = [], []
+    for number in numbers:
+        begin = process_time()
+        results += ends(scheme, plan.timed, plan.long, [number])
+        seconds.append(process_time() - begin)
+    return results, seconds
 
 
 def draw(curves: list[np.ndarray]) -> None:

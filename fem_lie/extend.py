@@ -26,6 +26,7 @@ scene is made of stands in :mod:`fem_lie` itself; here is what scenes do not sho
   convergence
   (:func:`unknown_scaling`, :func:`estimate`, :func:`failure`); consistent initial accelerations
   (:func:`accelerations`, :func:`check_velocities`).
+* **Diagrams** beside those of results: :data:`COLOURS`, in which these draw their curves.
 """
 
 from fem_lie._arrays import Array, Indices
@@ -57,6 +58,7 @@ from fem_lie.lie.kinds import NodeKind, move_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.packages import Method
+from fem_lie.pictures.diagrams import COLOURS
 from fem_lie.scene.load import Load, Sum
 from fem_lie.solve.convergence import (
     DIVERGED,
@@ -76,6 +78,7 @@ from fem_lie.system.equations import Equations, Instant, Plan
 
 __all__ = [
     "CELL_SIGNATURE",
+    "COLOURS",
     "DIVERGED",
     "GAP_SIGNATURE",
     "KEPT",

@@ -85,7 +85,7 @@ def draw(rows: list[tuple[str, float, float, float, float]]) -> None:
     """Leave a table and two diagrams."""
     from matplotlib.figure import Figure
 
-    from fem_lie.pictures.diagrams import COLOURS
+    from fem_lie.extend import COLOURS
 
     RESULTS.mkdir(exist_ok=True)
     with (RESULTS / "conservation_against_time.csv").open("w", newline="") as file:

@@ -32,7 +32,7 @@ from demos.command_line import RESULTS, run
 from demos.compressed_cylinder import cell, outward
 from demos.diagrams import diagram
 from demos.reference.compressed_cylinder import KOITER, koiter
-from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.extend import COLOURS
 
 AMPLITUDES = (0.1, 0.5, 1.0)
 SLIMNESS = (0.85, 1.0, 1.15)  # times that of the formula

@@ -43,7 +43,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import fem_lie as fl
-from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.extend import COLOURS
 from fem_lie.system import System
 
 RESULTS = Path(__file__).parents[1] / "results"

@@ -165,7 +165,7 @@ def errors(result: fl.Result, path: Path, case: int) -> None:
     """Relative errors of energy and angular momentum over time."""
     from matplotlib.figure import Figure
 
-    from fem_lie.pictures.diagrams import COLOURS
+    from fem_lie.extend import COLOURS
 
     energy = np.abs(result.total_energy - result.total_energy[0]) / result.total_energy[0]
     L = result.angular_momentum

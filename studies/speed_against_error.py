@@ -31,7 +31,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import fem_lie as fl
-from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.extend import COLOURS
 
 RESULTS = Path(__file__).parents[1] / "results"
 STIFFNESS = [2.5e10, 8.2604167e9, 8.2604167e9, 1.41872656e8, 5.20833e8, 1.30208333e8]

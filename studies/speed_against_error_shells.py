@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 
 import fem_lie as fl
 from fem_lie.elements.shells.strains import shear
-from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.extend import COLOURS
 
 try:  # as a script, or as a part of the package of demos
     from hemisphere import CASES, RADIUS, pinched, place

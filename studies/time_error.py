@@ -46,7 +46,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import fem_lie as fl
-from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.extend import COLOURS
 
 RESULTS = Path(__file__).parents[1] / "results"
 TIP = np.array([-0.58577183066, 0.0, -0.01018573161])  # Pinocchio, at 1 s

@@ -28,7 +28,7 @@ from matplotlib.figure import Figure
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.extend import COLOURS
 
 RESULTS = Path(__file__).parents[1] / "results"
 A, B, C, D = (0.0, 0.0, 0.0), (0.0, 0.0, 0.12), (0.24, 0.0, 0.12), (0.24, 0.0, 0.0)

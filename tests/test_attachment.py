@@ -5,7 +5,6 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.system.nodes.attachment import Attachment
 
 MATERIAL = fl.Material(2.1e9, 0.3, 2000.0)
 SECTION = fl.Section.rectangle(0.03, 0.05, MATERIAL)
@@ -272,25 +271,3 @@ def test_a_joint_between_linked_points_is_redundant():
     scene.add(fl.Revolute(b.point("start"), a.point("end"), axis=(1, 1, 3), name="useless"))
     with pytest.raises(ValueError, match=r"5 of 5 constraints are redundant.*useless"):
         fl.extend.Equations(scene, dynamics=True)
-
-
-def test_forces_are_the_transposed_of_twists():
-    """Power is the same on all nodes and on the leaders; ``q = W q_leader``."""
-    rng = np.random.default_rng(1)
-    H = lie.se3_exp(rng.normal(size=(6, 6)))
-    attachment = Attachment(H, [(4, 1), (5, 4), (3, 0)])
-    assert attachment.leaders.tolist() == [2, 3, 5]
-    assert attachment.leader.tolist() == [1, 2, 0, 1, 2, 2]
-    moved = lie.se3_retract(H[attachment.leaders], rng.normal(size=(3, 6)))
-    frames, v, f = attachment.frames(moved), rng.normal(size=(3, 6)), rng.normal(size=(6, 6))
-    W = attachment.linear()
-    np.testing.assert_allclose(
-        np.einsum("nab,nbj->naj", W, moved[attachment.leader]), frames, atol=1e-14
-    )
-    collected = np.zeros((3, 6))
-    attachment.collect(f, collected)
-    assert np.sum(f * attachment.twists(v)) == pytest.approx(np.sum(collected * v), rel=1e-13)
-    step = 1e-6
-    ahead, behind = (attachment.frames(lie.se3_retract(moved, s * v)) for s in (step, -step))
-    numeric = lie.se3_relative(behind, ahead) / (2 * step)
-    np.testing.assert_allclose(attachment.twists(v), numeric, atol=1e-8)

@@ -247,7 +247,9 @@ REFUSED = {
     "same body": (
         lambda: one_body(
             lambda body: fl.Contact(
-                fl.Sphere(body.point((0, 0, 3)), 0.1), fl.Plane(body.point("centre"), (0, 0, 1)), LAW
+                fl.Sphere(body.point((0, 0, 3)), 0.1),
+                fl.Plane(body.point("centre"), (0, 0, 1)),
+                LAW,
             )
         ),
         "never move against each other",

@@ -15,6 +15,7 @@ from fem_lie.grips.interpolated import interpolated
 from fem_lie.grips.patch import in_the_mean
 from fem_lie.grips.surface import on_surface
 from fem_lie.grips.tangent import along_tangent
+from fem_lie.system.nodes.attachment import Attachment
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -235,3 +236,28 @@ def test_a_patch_on_a_line_is_refused():
     places = np.outer([0.0, 1.0, 2.5], [1.0, 2.0, 3.0])
     with pytest.raises(ValueError, match="not on a line"):
         in_the_mean(range(3), places, np.ones(3), np.eye(3))
+
+
+# --- rigid attachments ---
+
+
+def test_forces_on_rigid_attachments_are_the_transposed_of_their_twists():
+    """Power is the same on all nodes and on the leaders; ``q = W q_leader``."""
+    rng = np.random.default_rng(1)
+    H = lie.se3_exp(rng.normal(size=(6, 6)))
+    attachment = Attachment(H, [(4, 1), (5, 4), (3, 0)])
+    assert attachment.leaders.tolist() == [2, 3, 5]
+    assert attachment.leader.tolist() == [1, 2, 0, 1, 2, 2]
+    moved = lie.se3_retract(H[attachment.leaders], rng.normal(size=(3, 6)))
+    frames, v, f = attachment.frames(moved), rng.normal(size=(3, 6)), rng.normal(size=(6, 6))
+    W = attachment.linear()
+    np.testing.assert_allclose(
+        np.einsum("nab,nbj->naj", W, moved[attachment.leader]), frames, atol=1e-14
+    )
+    collected = np.zeros((3, 6))
+    attachment.collect(f, collected)
+    assert np.sum(f * attachment.twists(v)) == pytest.approx(np.sum(collected * v), rel=1e-13)
+    step = 1e-6
+    ahead, behind = (attachment.frames(lie.se3_retract(moved, s * v)) for s in (step, -step))
+    numeric = lie.se3_relative(behind, ahead) / (2 * step)
+    np.testing.assert_allclose(attachment.twists(v), numeric, atol=1e-8)

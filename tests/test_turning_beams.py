@@ -9,9 +9,6 @@ import pytest
 
 import fem_lie as fl
 from demos.spin_up import angle
-from fem_lie import lie
-from fem_lie.solve.conserving.between import mean_forces
-from fem_lie.solve.conserving.between.cayley import span
 from tests.random_scenes import CONSERVING, STEP, random_scene
 from tests.scene_builder import build
 
@@ -19,52 +16,6 @@ STEEL = fl.Material(E=2.1e11, nu=0.3, density=7850.0)
 SLENDER = fl.Section.from_stiffness(
     [2.8e7, 1e7, 1e7, 1.4e4, 1.4e4, 1.4e4], mass=1.2, rotary=(6e-4, 6e-4)
 )
-
-
-# --- the mean of nodal forces ---
-
-
-def cayley(ψ: np.ndarray) -> np.ndarray:
-    """Rotation vector of the Cayley map's ``ψ``."""
-    return 2.0 * np.arctan(0.5 * np.linalg.norm(ψ)) * ψ / max(np.linalg.norm(ψ), 1e-300)
-
-
-def turned(H: np.ndarray, change: np.ndarray, ω: np.ndarray) -> np.ndarray:
-    """Local changes of frames, then a turn of all by ``cay(ω)``, as spatial steps (n, 6)."""
-    ends = lie.se3_retract(H, change) @ lie.so3_exp(cayley(ω)).T
-    R = ends[:, 1:].transpose(0, 2, 1) @ H[:, 1:]
-    θ = lie.so3_log(R)
-    size = np.maximum(np.linalg.norm(θ, axis=1, keepdims=True), 1e-300)
-    return np.hstack([ends[:, 0] - H[:, 0], 2.0 * np.tan(0.5 * size) * θ / size])
-
-
-def work(H: np.ndarray, step: np.ndarray, F: np.ndarray, director: bool) -> float:
-    """Of forces (n, 6) that are constant in the frames, on the step, by their mean."""
-    rows = np.zeros((4, len(H), 4, 3))
-    delta, mean, end, middle = rows
-    span(H, step, delta, mean, end, middle)
-    nodes = np.arange(len(H))
-    f, s, Ms = np.empty((3, len(H), 6))
-    path = mean_forces.Path(mean, delta, step)
-    fit = mean_forces.metric_and_fit(nodes, director, path)
-    ends = mean_forces.Ends(H, end, F, F)
-    mean_forces.mean_forces(nodes, director, ends, mean, fit, f)
-    mean_forces.deformation(nodes, director, path, fit, s, Ms)
-    return float(np.sum(f * s))
-
-
-@pytest.mark.parametrize("director", [False, True], ids=["frames", "directors"])
-@pytest.mark.parametrize("kind", ["stretched", "bent", "twisted"])
-@pytest.mark.parametrize("ω", [(0, 0, 0.0), (0, 0, 0.5), (0.7, -1.5, 1.0)], ids=str)
-def test_mean_forces_do_their_work_however_far_an_element_turns(kind, ω, director):
-    """Two nodes, a small deformation: the work is force times elongation, moment times angle."""
-    small, axis = 1e-6, {"stretched": 0, "bent": 4, "twisted": 3}[kind]
-    H = np.zeros((2, 4, 3))
-    H[:, 1:], H[1, 0, 0] = np.eye(3), 0.8
-    F, change = np.zeros((2, 6)), np.zeros((2, 6))
-    F[:, axis], change[:, axis] = (-3.0, 3.0), (-0.5 * small, 0.5 * small)
-    found = work(H, turned(H, change, np.array(ω)), F, director)
-    assert found == pytest.approx(3.0 * small, rel=1e-6)
 
 
 # --- beams ---
