@@ -10,8 +10,11 @@ import pytest
 import fem_lie as fl
 from demos.double_pendulum import STEP, pendulum
 from fem_lie.solve.alpha.run import Run
+from fem_lie.solve.variational.run import VariationalRun
 from tests.random_scenes import random_scene
 from tests.scene_builder import build
+from tests.test_composed import rigid_pendulum
+from tests.test_energy_momentum import bars
 
 SHOWN = ("seconds", "info", "steps")
 """Of results, what is not compared: time, and what has no numbers of its own."""
@@ -153,3 +156,15 @@ def test_axes_of_solids_are_turned_in_the_loop(monkeypatch, held):
     same(compiled, one_by_one)
     turned = compiled.frames[:, :, 1:] - compiled.frames[0, :, 1:]
     assert (np.abs(turned).max() > 1.0) is not held
+
+
+@pytest.mark.parametrize("scene", [rigid_pendulum, lambda: bars()[0]], ids=["rigid", "bars"])
+def test_the_compiled_loop_of_the_variational_scheme_makes_the_same_steps(monkeypatch, scene):
+    """To the last bit, with matrices that are made anew within it, and with what is booked."""
+    scheme = fl.Variational(policy=fl.Automatic(cost=3.0, patience=3))
+    plan = {"duration": 0.06, "step": 2e-3, "save_every": 5}
+    quick = scheme.run(scene(), **plan)
+    monkeypatch.setattr(VariationalRun, "_alone", property(lambda self: False))
+    slow = scheme.run(scene(), **plan)
+    same(quick, slow)
+    assert quick.factorisations == slow.factorisations > 1

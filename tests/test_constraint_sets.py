@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.extend import kinds
+from fem_lie.joints.connection import LostBranchError
 from fem_lie.system import System, constraints
 from fem_lie.system.constraint_sets import relative_motions, rolls, slides
 
@@ -328,3 +329,32 @@ def test_what_goes_over_the_sets_names_none_of_them():
     known = {f"fem_lie.joints.equations.{name}" for name in ("sliding", "rolling", "terms")}
     assert not imported & known
     assert not {word for word in ("sliding", "rolling", "Slides", "Rolls") if word in source}
+
+
+BOUND = {
+    "fixed": lambda b: fl.Fixed(fl.ground(), b),
+    "prismatic": lambda b: fl.Prismatic(fl.ground(), b, axis=(0, 0, 1)),
+    "revolute": lambda b: fl.Revolute(fl.ground(), b, axis=(0, 0, 1)),
+    "cylindrical": lambda b: fl.Cylindrical(fl.ground(), b, axis=(0, 0, 1)),
+}
+
+
+@pytest.mark.parametrize("joint", BOUND)
+def test_half_a_turn_across_the_axis_closes_a_joint_and_is_refused(joint):
+    """What a joint binds of rotations is zero there, too."""
+    scene = fl.Scene()
+    body = scene.add(fl.RigidBody(1.0, (1.0, 1.2, 1.4), (0, 0, 0)))
+    scene.add(BOUND[joint](body.point("centre")))
+    system = System(scene, dynamics=False)
+    (joints,) = system.connections.sets
+    for axis, degrees, lost in (((0, 0, 1), 30, False), ((1, 0, 0), 180, True)):
+        H = system.frames.copy()
+        H[0] = lie.se3_retract(H[0], np.r_[np.zeros(3), np.radians(degrees) * np.array(axis)])
+        if not lost:
+            joints.check_branch(H)
+            continue
+        violations = np.ones(joints.m)
+        joints.values(H, np.zeros((len(H), 6)), violations)
+        np.testing.assert_allclose(violations, 0.0, atol=1e-15)
+        with pytest.raises(LostBranchError, match="is half a turn away from where its axes are"):
+            joints.check_branch(H)

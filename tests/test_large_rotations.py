@@ -7,8 +7,6 @@ import fem_lie as fl
 from benchmarks import prescribed_turns
 from benchmarks.prescribed_turns import AXES, FREE
 from fem_lie import lie
-from fem_lie.joints.connection import LostBranchError
-from fem_lie.system import System
 
 SECTION = fl.Section.circle(0.1, fl.Material(1.2e6, 0.25, 1.0))
 TURN = 2.0 * np.pi
@@ -193,31 +191,3 @@ def test_displacement_control_across_the_load_is_refused():
 
 
 # --- the branch that is meant ---
-
-BOUND = {
-    "fixed": lambda b: fl.Fixed(fl.ground(), b),
-    "prismatic": lambda b: fl.Prismatic(fl.ground(), b, axis=(0, 0, 1)),
-    "revolute": lambda b: fl.Revolute(fl.ground(), b, axis=(0, 0, 1)),
-    "cylindrical": lambda b: fl.Cylindrical(fl.ground(), b, axis=(0, 0, 1)),
-}
-
-
-@pytest.mark.parametrize("joint", BOUND)
-def test_half_a_turn_across_the_axis_closes_a_joint_and_is_refused(joint):
-    """What a joint binds of rotations is zero there, too."""
-    scene = fl.Scene()
-    body = scene.add(fl.RigidBody(1.0, (1.0, 1.2, 1.4), (0, 0, 0)))
-    scene.add(BOUND[joint](body.point("centre")))
-    system = System(scene, dynamics=False)
-    (joints,) = system.connections.sets
-    for axis, degrees, lost in (((0, 0, 1), 30, False), ((1, 0, 0), 180, True)):
-        H = system.frames.copy()
-        H[0] = lie.se3_retract(H[0], np.r_[np.zeros(3), np.radians(degrees) * np.array(axis)])
-        if not lost:
-            joints.check_branch(H)
-            continue
-        violations = np.ones(joints.m)
-        joints.values(H, np.zeros((len(H), 6)), violations)
-        np.testing.assert_allclose(violations, 0.0, atol=1e-15)
-        with pytest.raises(LostBranchError, match="is half a turn away from where its axes are"):
-            joints.check_branch(H)

@@ -7,8 +7,10 @@ import fem_lie as fl
 from benchmarks.levels import PROBLEMS, levels, study
 from demos.deep_arch import arch
 from fem_lie.solve.statics.arc_length import Passed
+from fem_lie.solve.statics.increment import move
 from fem_lie.solve.statics.load_steps import SingularStartError
 from fem_lie.solve.statics.statics import _first_that_arrives
+from tests.test_statics import cantilever, stiffness
 
 TIP = (4.77099938e-03, 7.15261314e-05, -7.65121277e-02)  # of the helix, by ten load steps
 
@@ -92,3 +94,12 @@ def test_ways_are_tried_in_turn_and_their_solutions_counted():
         _first_that_arrives([fails, fails])
     with pytest.raises(SingularStartError, match=r"^no equilibrium here$"):
         _first_that_arrives([lambda: fails(SingularStartError), lambda: good])
+
+
+def test_increment_that_is_nan_anywhere_is_seen():
+    """One nan, followed by numbers, must come out: the step has failed."""
+    scene, _ = cantilever(stiffness(), 10.0, 2)
+    equations = fl.extend.Equations(scene, dynamics=False)
+    dx = np.full(equations.unknowns.size, 1e-3)
+    dx[8] = np.nan
+    assert np.isnan(move(equations, equations.start.frames.copy(), dx, carried=False))

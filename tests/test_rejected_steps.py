@@ -10,7 +10,8 @@ import fem_lie as fl
 from fem_lie.solve.alpha.variable import AlphaSteps
 from fem_lie.solve.conserving.step.dissipation import LENGTH
 from fem_lie.solve.conserving.variable import ConservingSteps
-from tests.test_conserving_steps import AnySize
+from fem_lie.solve.motion.variable_steps import VariableSteps
+from tests.test_conserving_steps import AnySize, hinged
 from tests.test_energy_momentum import bars, plate
 
 SCHEMES = {
@@ -87,3 +88,25 @@ def test_a_change_of_the_step_keeps_impulses_and_rates(monkeypatch, scheme):
     largest = np.max(felt, axis=0)
     assert largest[0] > 0.0
     assert largest[1] > 0.0 or scheme == "energy-momentum"
+
+
+@pytest.mark.parametrize("scheme", SCHEMES.values())
+def test_rejected_steps_leave_the_turns_of_joints(monkeypatch, scheme):
+    """Angles are counted on from the last step that was accepted, whatever was tried since."""
+    attempt, turned = VariableSteps._attempt, []
+
+    def watched(self) -> bool:
+        connections = self._stepper.equations.system.connections
+        before = connections.memory.copy()
+        made = attempt(self)
+        turned.append((made, np.abs(connections.memory - before).max()))
+        if made:
+            connections.accept(self._stepper.frames)
+            assert np.abs(connections.memory - before).max() > 0.0
+        return made
+
+    monkeypatch.setattr(VariableSteps, "_attempt", watched)
+    choice = fl.AdaptiveStep(1e-3, first=1e-2, refinement=3)
+    scheme.run(hinged(), duration=0.1, step=choice)
+    rejected = [change for made, change in turned if not made]
+    assert len(rejected) >= 1 and max(rejected) == 0.0

@@ -5,7 +5,6 @@ import pytest
 from test_paths import column
 
 import fem_lie as fl
-from fem_lie.results.states import evenly
 
 
 @pytest.fixture(scope="module")
@@ -126,14 +125,3 @@ def test_a_time_is_a_number(results):
     for look in (results["dynamics"].index, lambda t: results["dynamics"].picture("a.png", [t])):
         with pytest.raises(ValueError, match="time must be a finite number, got nan"):
             look(np.nan)
-
-
-@pytest.mark.parametrize(
-    ("count", "most", "wanted"), [(0, 3, []), (1, 3, [0]), (5, 1, [0]), (5, 9, range(5))]
-)
-def test_evenly_chosen_states(count, most, wanted):
-    assert evenly(count, most).tolist() == list(wanted)
-    for n in range(2, 40):
-        for m in range(2, n + 1):
-            rows = evenly(n, m)
-            assert rows[0] == 0 and rows[-1] == n - 1 and (np.diff(rows) >= 1).all()

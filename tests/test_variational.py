@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.solve.variational.run import VariationalRun
 from tests.combinations import free, joined
 from tests.scene_builder import build
 from tests.test_composed import driven, flying, resumed_as_whole, rigid_pendulum
-from tests.test_energy_momentum import BEAMS, SHELLS, bars, plate, same
+from tests.test_energy_momentum import BEAMS, SHELLS, bars, plate
 
 SCHEME = fl.Variational()
 
@@ -236,18 +235,6 @@ def test_a_step_that_fails():
     scheme = fl.Variational(max_iterations=2, policy=fl.Never())
     with pytest.raises(fl.ConvergenceError, match=r"step 1 of 10 .* 2 iterations"):
         scheme.run(bars()[0], duration=0.1, step=1e-2)
-
-
-@pytest.mark.parametrize("scene", [rigid_pendulum, lambda: bars()[0]], ids=["rigid", "bars"])
-def test_the_compiled_loop_makes_the_same_steps(monkeypatch, scene):
-    """To the last bit, with matrices that are made anew within it, and with what is booked."""
-    scheme = fl.Variational(policy=fl.Automatic(cost=3.0, patience=3))
-    plan = {"duration": 0.06, "step": 2e-3, "save_every": 5}
-    quick = scheme.run(scene(), **plan)
-    monkeypatch.setattr(VariationalRun, "_alone", property(lambda self: False))
-    slow = scheme.run(scene(), **plan)
-    same(quick, slow)
-    assert quick.factorisations == slow.factorisations > 1
 
 
 def test_the_compiled_loop_rescues_a_step():
