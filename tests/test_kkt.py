@@ -9,6 +9,7 @@ import scipy.sparse as sp
 import fem_lie as fl
 from demos.hemisphere import pinched, quarter
 from fem_lie.solve.statics.follow import SceneEquilibrium
+from tests.test_shells import loaded
 
 SYMMETRIC = fl.extend.Method("cholesky", "cholmod"), fl.extend.Method("cholesky", "mumps")
 INDEFINITE = SYMMETRIC[1:]
@@ -104,3 +105,32 @@ def test_forces_that_are_known_make_the_same_matrix(load):
     system.fill_matrix(now, forces, fl.extend.Plan(zero, state[4]))
     anew = stored(model)
     assert abs(found - anew).max() <= 1e-12 * abs(anew).max()
+
+
+def test_tangent_of_a_shell_is_symmetric_and_the_derivative_of_the_residual():
+    """In equilibrium; supports along fixed axes included."""
+    scene = loaded()
+    shell = scene.bodies[0]
+    shell.roller("10", (1.0, 0.0, 1.0))
+    model = SceneEquilibrium(scene, "")
+    fl.ArcLength().follow(model)
+    model.factorise(1.0)
+    matrix = model.equations.system.kkt.matrix[:, :]
+    np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * np.abs(matrix).max())
+    rng = np.random.default_rng(1)
+    state, step = model.state(), 1e-5
+    # an increment of free unknowns, by way of the solution
+    held = model.equations.unknowns.held.ravel()
+    dx = model.solve(np.where(held, 0.0, rng.normal(size=model.equations.unknowns.size)))
+    dx /= np.abs(dx).max()
+    residuals = []
+    for sign in (1, -1):
+        model.restore(state)
+        model.move(sign * step * dx)
+        internal, load = model.forces()
+        residuals.append(internal - load)
+    model.restore(state)
+    w = dx.copy()
+    model.equations.system.supports.turn(model.state().frames, w.reshape(-1, 6))
+    derivative = (residuals[0] - residuals[1]) / (2 * step)
+    np.testing.assert_allclose(matrix @ w * ~held, derivative, atol=2e-6)

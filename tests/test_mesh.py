@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fem_lie as fl
-from fem_lie import _compat, lie
+from fem_lie import lie
 
 BEND = Path(__file__).parents[1] / "meshes" / "bend45.geo"
 SPACE_FRAME = BEND.with_name("frame.geo")
@@ -269,30 +269,6 @@ def test_the_current_model_of_the_user_is_read_and_left_alone(frame_file):
 
 
 # --- DOLFINx -------------------------------------------------------------------------------------
-
-
-def test_a_dolfinx_mesh_keeps_its_numbers_and_tags():
-    point, _ = _circle(2.0)
-    s = np.linspace(0, 1, 7)
-    cells = np.column_stack([np.arange(6), np.arange(1, 7)]).astype(np.int64)
-    mesh = _compat.create_line_mesh(MPI.COMM_SELF, np.array([point(si) for si in s]), cells)
-    middle = dolfinx.mesh.compute_midpoints(mesh, 1, np.arange(6, dtype=np.int32))
-    tags = dolfinx.mesh.meshtags(mesh, 1, np.array([4, 5], np.int32), np.array([3, 3], np.int32))
-    tip = dolfinx.mesh.locate_entities(
-        mesh, 0, lambda x: np.linalg.norm(x.T - point(1), axis=1) < 1e-9
-    )
-    vertex_tags = dolfinx.mesh.meshtags(mesh, 0, tip, np.array([1], np.int32))
-    lines = fl.from_dolfinx(mesh, tags, vertex_tags, groups={"end": 3}, named_points={"tip": 1})
-    np.testing.assert_allclose(lines.points[lines.cells].mean(axis=1), middle, atol=1e-15)
-    np.testing.assert_array_equal(lines.group("end"), [4, 5])
-    np.testing.assert_allclose(lines.points[lines.named("tip")], [point(1)], atol=1e-15)
-    assert set(fl.from_dolfinx(mesh, tags).groups) == {"3"}
-    radius = np.linalg.norm(lines.points - _circle_centre(), axis=1)
-    np.testing.assert_allclose(radius, 1, rtol=1e-14)
-    with pytest.raises(ValueError, match=r"no tag 9 \(for 'x'\); it has: \[3\]"):
-        fl.from_dolfinx(mesh, tags, groups={"x": 9})
-    with pytest.raises(ValueError, match=r"\['x'\] need vertex_tags"):
-        fl.from_dolfinx(mesh, tags, named_points={"x": 9})
 
 
 def test_a_mesh_of_triangles_is_refused():

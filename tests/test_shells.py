@@ -8,7 +8,6 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.solve.statics.follow import SceneEquilibrium
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, SOFT)
@@ -103,26 +102,6 @@ def test_gmsh_surface_has_names_and_the_normals_of_the_cad(tmp_path, command, ce
     np.testing.assert_allclose(side * directors, exact, atol=1e-7)  # gmsh's own digits
 
 
-def test_dolfinx_mesh_with_tags_is_the_same_mesh():
-    plane = dolfinx.mesh.create_rectangle(
-        MPI.COMM_SELF, [(0, 0), (2, 1)], [3, 2], dolfinx.mesh.CellType.quadrilateral
-    )
-    with pytest.raises(ValueError, match="gdim 2"):
-        fl.surface_from_dolfinx(plane)
-    given = fl.surface(square, (3, 2))
-    from fem_lie._compat import create_surface_mesh
-
-    mesh = create_surface_mesh(given.points, given.cells, "quadrilateral", 1)
-    mesh.topology.create_connectivity(1, 2)
-    facets = dolfinx.mesh.locate_entities_boundary(mesh, 1, lambda x: x[0] < 1e-9)
-    tags = dolfinx.mesh.meshtags(mesh, 1, facets, np.full(len(facets), 7, dtype=np.int32))
-    found = fl.surface_from_dolfinx(mesh, facet_tags=tags, curves={"left": 7})
-    np.testing.assert_array_equal(found.points[found.nodes("left"), 0], 0.0)
-    assert len(found.curve("left")) == 2
-    with pytest.raises(ValueError, match=r"no tag 8 .*it has: \[7\]"):
-        fl.surface_from_dolfinx(mesh, facet_tags=tags, curves={"left": 8})
-
-
 # --- equilibrium ---
 
 
@@ -153,35 +132,6 @@ def test_states_between_are_those_of_the_load_that_they_belong_to():
     half = fl.follow_loads(loaded(), [0.5])
     np.testing.assert_allclose(both.factors, [0.5, 1.0])
     np.testing.assert_allclose(places(both, 0), places(half), atol=1e-7)
-
-
-def test_tangent_is_symmetric_and_the_derivative_of_the_residual():
-    """In equilibrium; supports along fixed axes included."""
-    scene = loaded()
-    shell = scene.bodies[0]
-    shell.roller("10", (1.0, 0.0, 1.0))
-    model = SceneEquilibrium(scene, "")
-    fl.ArcLength().follow(model)
-    model.factorise(1.0)
-    matrix = model.equations.system.kkt.matrix[:, :]
-    np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * np.abs(matrix).max())
-    rng = np.random.default_rng(1)
-    state, step = model.state(), 1e-5
-    # an increment of free unknowns, by way of the solution
-    held = model.equations.unknowns.held.ravel()
-    dx = model.solve(np.where(held, 0.0, rng.normal(size=model.equations.unknowns.size)))
-    dx /= np.abs(dx).max()
-    residuals = []
-    for sign in (1, -1):
-        model.restore(state)
-        model.move(sign * step * dx)
-        internal, load = model.forces()
-        residuals.append(internal - load)
-    model.restore(state)
-    w = dx.copy()
-    model.equations.system.supports.turn(model.state().frames, w.reshape(-1, 6))
-    derivative = (residuals[0] - residuals[1]) / (2 * step)
-    np.testing.assert_allclose(matrix @ w * ~held, derivative, atol=2e-6)
 
 
 def test_half_a_shell_with_a_plane_of_symmetry_is_half_of_the_whole():

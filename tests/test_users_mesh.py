@@ -10,6 +10,8 @@ import fem_lie as fl
 from fem_lie import _compat
 from fem_lie.mesh.sides import turn, turned_round
 from fem_lie.system import System
+from tests.test_mesh import _circle, _circle_centre
+from tests.test_shells import square
 
 MATERIAL = fl.Material(1e7, 0.3, 1e3)
 LAYER = fl.ShellSection.layer(0.02, MATERIAL)
@@ -142,3 +144,45 @@ def test_cells_with_two_common_edges_are_turned_once():
             at = around.index(1)
             ways.append(around[(at + 1) % 4] == 4)
         assert sorted(ways) == [False, True] and not turned[0]
+
+
+def test_a_dolfinx_mesh_keeps_its_numbers_and_tags():
+    point, _ = _circle(2.0)
+    s = np.linspace(0, 1, 7)
+    cells = np.column_stack([np.arange(6), np.arange(1, 7)]).astype(np.int64)
+    mesh = _compat.create_line_mesh(MPI.COMM_SELF, np.array([point(si) for si in s]), cells)
+    middle = dolfinx.mesh.compute_midpoints(mesh, 1, np.arange(6, dtype=np.int32))
+    tags = dolfinx.mesh.meshtags(mesh, 1, np.array([4, 5], np.int32), np.array([3, 3], np.int32))
+    tip = dolfinx.mesh.locate_entities(
+        mesh, 0, lambda x: np.linalg.norm(x.T - point(1), axis=1) < 1e-9
+    )
+    vertex_tags = dolfinx.mesh.meshtags(mesh, 0, tip, np.array([1], np.int32))
+    lines = fl.from_dolfinx(mesh, tags, vertex_tags, groups={"end": 3}, named_points={"tip": 1})
+    np.testing.assert_allclose(lines.points[lines.cells].mean(axis=1), middle, atol=1e-15)
+    np.testing.assert_array_equal(lines.group("end"), [4, 5])
+    np.testing.assert_allclose(lines.points[lines.named("tip")], [point(1)], atol=1e-15)
+    assert set(fl.from_dolfinx(mesh, tags).groups) == {"3"}
+    radius = np.linalg.norm(lines.points - _circle_centre(), axis=1)
+    np.testing.assert_allclose(radius, 1, rtol=1e-14)
+    with pytest.raises(ValueError, match=r"no tag 9 \(for 'x'\); it has: \[3\]"):
+        fl.from_dolfinx(mesh, tags, groups={"x": 9})
+    with pytest.raises(ValueError, match=r"\['x'\] need vertex_tags"):
+        fl.from_dolfinx(mesh, tags, named_points={"x": 9})
+
+
+def test_dolfinx_mesh_with_tags_is_the_same_mesh():
+    plane = dolfinx.mesh.create_rectangle(
+        MPI.COMM_SELF, [(0, 0), (2, 1)], [3, 2], dolfinx.mesh.CellType.quadrilateral
+    )
+    with pytest.raises(ValueError, match="gdim 2"):
+        fl.surface_from_dolfinx(plane)
+    given = fl.surface(square, (3, 2))
+    mesh = _compat.create_surface_mesh(given.points, given.cells, "quadrilateral", 1)
+    mesh.topology.create_connectivity(1, 2)
+    facets = dolfinx.mesh.locate_entities_boundary(mesh, 1, lambda x: x[0] < 1e-9)
+    tags = dolfinx.mesh.meshtags(mesh, 1, facets, np.full(len(facets), 7, dtype=np.int32))
+    found = fl.surface_from_dolfinx(mesh, facet_tags=tags, curves={"left": 7})
+    np.testing.assert_array_equal(found.points[found.nodes("left"), 0], 0.0)
+    assert len(found.curve("left")) == 2
+    with pytest.raises(ValueError, match=r"no tag 8 .*it has: \[7\]"):
+        fl.surface_from_dolfinx(mesh, facet_tags=tags, curves={"left": 8})
