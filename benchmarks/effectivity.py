@@ -19,8 +19,7 @@ import numpy as np
 
 import fem_lie as fl
 from demos import hemisphere, pulled_cylinder
-from fem_lie.adapt.estimates.recovery import fields_of
-from fem_lie.adapt.estimates.stress_fields import StressFields
+from fem_lie.adapt.estimates.recovery import StressFields, fields_of
 from fem_lie.results.stresses.nodal_values import CellPoints
 from fem_lie.results.stresses.shell_stress import integration
 from studies import linear_shells

@@ -16,10 +16,9 @@ import numpy as np
 import fem_lie as fl
 from benchmarks.everyday_rows.solvers import cube, mount, pantograph
 from benchmarks.scale import chain, weave
-from fem_lie.linear.choice import Solutions, choose
+from fem_lie.linear.choice import DISSECTION, MINIMUM_DEGREE, Graph, Solutions, choose
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.linear.fill import DISSECTION, MINIMUM_DEGREE, Graph
 from fem_lie.linear.packages import Method
 from fem_lie.system.equations import Equations, Instant, Plan
 

@@ -21,8 +21,8 @@ import scipy.sparse.linalg
 import fem_lie as fl
 from demos.rotating_beam import HEIGHT, LENGTH, STEEL, WIDTH, blade
 from fem_lie import lie
+from fem_lie.reduce.axes import expanded, local_motion
 from fem_lie.reduce.beside_rest import BesideRest
-from fem_lie.reduce.local_motions import expanded, local_motion
 
 RUBBER = fl.Material(E=5e6, nu=0.3, density=1100.0)
 FAST = 10.0

@@ -16,7 +16,7 @@ import numpy as np
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.reduce.local_motions import expanded, local_motion
+from fem_lie.reduce.axes import expanded, local_motion
 
 PLASTIC = fl.Material(E=2e9, nu=0.3, density=1100.0)
 STRUCK, LASTS = 0.5, 0.02

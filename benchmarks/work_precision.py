@@ -29,7 +29,7 @@ from matplotlib.figure import Figure
 
 import fem_lie as fl
 from demos.soft_bars import SOFT, soft_pendulum
-from fem_lie.solve import stopwatch
+from fem_lie.solve import progress_bars
 from fem_lie.solve.motion.integrator import Integrator
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -148,7 +148,7 @@ def references() -> dict[str, np.ndarray]:
 
 def measure(repeats: int) -> list[Row]:
     """All runs, in turns; those that fail are said and left out."""
-    stopwatch.perf_counter = process_time  # of the processor, beside whatever else runs
+    progress_bars.perf_counter = process_time  # of the processor, beside whatever else runs
     exact, best = references(), dict[tuple[str, str, float, int], Row]()
     plans = [
         (problem, method, tolerance, steps)

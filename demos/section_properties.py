@@ -7,7 +7,7 @@ warp, u = kappa_1 omega(y, z), and equilibrium along the axis gives Laplace's eq
     G J = integral G (grad omega + t) . t dA;
 
 a shear force makes it warp, too, and the mean of that is the shear strain of the beam. The theory
-stands in fem_lie/sections/warping_fields.py; shear factors are those of G. R. Cowper, J. Appl.
+stands in fem_lie/sections/warping.py; shear factors are those of G. R. Cowper, J. Appl.
 Mech. 33 (1966) 335.
 
 The table compares shapes with closed forms: Saint-Venant's torsion of rectangle, triangle, ellipse

@@ -114,32 +114,24 @@ from fem_lie.joints.histories import Jumps, Table
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.mesh.curves import Spline, curve, polyline, straight
-from fem_lie.mesh.gmsh_lines import read_curve
+from fem_lie.mesh.gmsh_cells import read_curve
 from fem_lie.mesh.gmsh_session import run_gmsh_script
-from fem_lie.mesh.grids import surface
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.reading import from_dolfinx, read_gmsh, read_gmsh_surface, surface_from_dolfinx
-from fem_lie.mesh.surfaces import SurfaceMesh
-from fem_lie.mesh.volumes.blocks import block, brick
-from fem_lie.mesh.volumes.reading import read_gmsh_volume, volume_from_dolfinx
-from fem_lie.mesh.volumes.volume_mesh import VolumeMesh
+from fem_lie.mesh.surfaces import SurfaceMesh, surface
+from fem_lie.mesh.volume_reading import read_gmsh_volume, volume_from_dolfinx
+from fem_lie.mesh.volumes import VolumeMesh, block, brick
 from fem_lie.pictures.page.colours import NodalColours
 from fem_lie.pictures.page.page import Page
-from fem_lie.pictures.units import Units
+from fem_lie.pictures.stage import Units
 from fem_lie.pictures.vtk import write_resultants
 from fem_lie.ranks.together import end_together
 from fem_lie.reduce.axes import FixedAxes, MeanAxes, NodeAxes
+from fem_lie.reduce.bases import craig_bampton, krylov, pod, with_derivatives
 from fem_lie.reduce.basis import Basis, Reduced, load_basis
-from fem_lie.reduce.craig_bampton import craig_bampton
-from fem_lie.reduce.derivatives import with_derivatives
-from fem_lie.reduce.frequencies import reduced_frequencies
-from fem_lie.reduce.krylov import krylov
-from fem_lie.reduce.parts.expansion import expand
-from fem_lie.reduce.parts.files import load_reduced, save_reduced
-from fem_lie.reduce.parts.inertial import inertial_shapes
-from fem_lie.reduce.parts.making import reduced_body
-from fem_lie.reduce.pod import pod
-from fem_lie.reduce.reduced_statics import ReducedEquilibrium, reduced_statics
+from fem_lie.reduce.parts.files import expand, load_reduced, save_reduced
+from fem_lie.reduce.parts.making import inertial_shapes, reduced_body
+from fem_lie.reduce.reduced_statics import ReducedEquilibrium, reduced_frequencies, reduced_statics
 from fem_lie.reduce.regions.merging import merged_motion
 from fem_lie.reduce.regions.motion import MergedMotion, RegionStretch
 from fem_lie.reduce.sampling.ecsw import CellSample, ecsw
@@ -148,8 +140,7 @@ from fem_lie.results.equilibrium import PathResult, StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.mode_shapes import BucklingModes
 from fem_lie.results.path import Critical, CriticalPoint, EquilibriumPath, PathState
-from fem_lie.results.record import Record
-from fem_lie.results.steps import StepHistory
+from fem_lie.results.record import Record, StepHistory
 from fem_lie.results.stresses.contacts import ContactForces, contact_forces
 from fem_lie.results.stresses.section_forces import SectionForces, section_forces
 from fem_lie.results.stresses.shell_resultants import (
@@ -179,7 +170,7 @@ from fem_lie.sections.warping import Warping
 from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
 from fem_lie.solve.alpha.options import Components, Index
 from fem_lie.solve.composed.composed import Composed
-from fem_lie.solve.composed.compositions import Composition, FiveStages, NineStages, TripleJump
+from fem_lie.solve.composed.parts import Composition, FiveStages, NineStages, TripleJump
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
 from fem_lie.solve.explicit.asynchronous import Asynchronous
 from fem_lie.solve.explicit.explicit import Explicit
@@ -197,7 +188,6 @@ from fem_lie.solve.motion.policies import (
 from fem_lie.solve.motion.richardson import ErrorInTime, estimate_error
 from fem_lie.solve.multirate.multi_rate import MultiRate
 from fem_lie.solve.stability.branches import branch
-from fem_lie.solve.stability.controls import DisplacementControl, LoadControl
 from fem_lie.solve.stability.imperfections import (
     FieldImperfection,
     Imperfection,
@@ -205,13 +195,18 @@ from fem_lie.solve.stability.imperfections import (
     RandomImperfection,
     imperfect,
 )
-from fem_lie.solve.stability.linear_buckling.buckling import buckling
+from fem_lie.solve.stability.linear_buckling import buckling
 from fem_lie.solve.stability.path import follow_path
-from fem_lie.solve.stability.path_options import PathEnds, PathOptions
+from fem_lie.solve.stability.path_options import (
+    DisplacementControl,
+    LoadControl,
+    PathEnds,
+    PathOptions,
+)
 from fem_lie.solve.stability.vibrations import vibrations
 from fem_lie.solve.statics.arc_length import ArcLength
 from fem_lie.solve.statics.follow import follow_loads
-from fem_lie.solve.statics.newton import Newton
+from fem_lie.solve.statics.load_steps import Newton
 from fem_lie.solve.statics.statics import statics
 from fem_lie.solve.statics.unstable import UnstableEquilibriumWarning
 from fem_lie.solve.step_control import AdaptiveStep, ConstantStep

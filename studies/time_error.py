@@ -9,7 +9,7 @@ and that minus the increment of the scheme is its local error, if nothing holds 
 bracket ad(v) dv/dt is what a Lie group adds: without it the error of the translation is wrong by
 half. Joints and stiffness are accounted for by one solution with the matrix of Newton's method,
 which is factorised anyway: what is across a joint is no error of the position. (The docstring of
-fem_lie/solve/alpha/time_error.py derives it.) Here the estimate is held against the true local
+fem_lie/solve/alpha/variable.py derives it.) Here the estimate is held against the true local
 error: each step is done once more, from the same state, in ten parts.
 
 --case body. The free rigid body of the paper: J = (3783.42, 3776.16, 2630.94) with products of

@@ -379,8 +379,8 @@ class _Growth:
             return [_Port(PointRef(body.name, "a=1"), middle + body.a, body)]
         if isinstance(body, BeamData | SlenderData | ReducedData):
             return [
-                _Port(PointRef(body.name, "start"), body.point("start"), body),
-                _Port(PointRef(body.name, "end"), body.point("end"), body),
+                _Port(PointRef(body.name, "start"), body.start, body),
+                _Port(PointRef(body.name, "end"), body.end, body),
             ]
         if isinstance(body, RigidData):
             place = body.position + self._vector(self._between(0.1, 0.4))
@@ -547,7 +547,7 @@ class _Growth:
     def _close(self) -> None:
         """A loop: the end of a flexible body is tied to another body or to ground."""
         ends = [
-            _Port(PointRef(body.name, "end"), body.point("end"), body)
+            _Port(PointRef(body.name, "end"), body.end, body)
             for body in self.bodies
             if isinstance(body, BeamData)
         ]
@@ -575,9 +575,7 @@ class _Growth:
         if not rails:
             return
         rail = self._one(rails)
-        at = rail.point("start") + self._between(0.2, 0.8) * (
-            rail.point("end") - rail.point("start")
-        )
+        at = rail.start + self._between(0.2, 0.8) * (rail.end - rail.start)
         body, port = self._rigid(f"body {len(self.bodies)}", at)
         self.bodies.append(body)
         kind = self._one(("Sliding", "Collar", "Sleeve"))

@@ -7,8 +7,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.solve.conserving.rows.cells import Nodes, energies_at
-from fem_lie.solve.conserving.rows.energies import Energies
+from fem_lie.solve.conserving.rows.cells import Energies, Nodes, energies_at
 from fem_lie.solve.conserving.rows.places import add_of_places
 from fem_lie.solve.conserving.run import Run
 

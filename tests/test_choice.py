@@ -11,8 +11,7 @@ import scipy.sparse as sp
 import fem_lie as fl
 from fem_lie.linear import direct
 from fem_lie.linear.bordered import Border
-from fem_lie.linear.choice import Solutions, choose
-from fem_lie.linear.fill import DISSECTION, MINIMUM_DEGREE, Graph, _ordering
+from fem_lie.linear.choice import DISSECTION, MINIMUM_DEGREE, Graph, Solutions, _ordering, choose
 from fem_lie.solve.statics.follow import SceneEquilibrium
 
 STEEL = fl.Material(2.1e11, 0.3, 7850.0)

@@ -15,8 +15,7 @@ from fem_lie import lie
 from fem_lie.solve.conserving import memory
 from fem_lie.solve.conserving.between import mean_forces
 from fem_lie.solve.conserving.between.cayley import span
-from fem_lie.solve.conserving.between.end_forces import at_end
-from fem_lie.solve.conserving.between.pushes import _part_of_earlier
+from fem_lie.solve.conserving.between.end_forces import _part_of_earlier, at_end
 from fem_lie.solve.conserving.step import corrections
 from fem_lie.solve.conserving.step.records import Legs
 

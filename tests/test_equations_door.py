@@ -11,10 +11,9 @@ import pytest
 
 import fem_lie
 import fem_lie as fl
-from fem_lie.system.equations.constraints_at import ConstraintsAt
 from fem_lie.system.equations.memory import Memory
 from fem_lie.system.equations.prescribed import Prescribed
-from fem_lie.system.equations.report import Report
+from fem_lie.system.equations.report import ConstraintsAt, Report
 
 SOLVE = Path(fem_lie.__file__).parent / "solve"
 
@@ -69,11 +68,11 @@ VIEWS = {
 IMPORTED = {f"equations.{name}" for name in ("Equations", "Instant", "LinearState", "Plan")}
 
 COMPILED = {
-    "nodes.attachment.expand_motion",
+    "nodes.numbering.expand_motion",
     "nodes.element_turns.most_strained",
     "nodes.element_turns.nearest",
     "nodes.fixed_axes.wrenches",
-    "nodes.loads.Loads",
+    "nodes.masses.Loads",
     "nodes.sums.report_rates",
     "nodes.sums.residual",
     "outer_forces.look_and_sum_up",

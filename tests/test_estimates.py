@@ -9,8 +9,7 @@ import fem_lie as fl
 from benchmarks import effectivity
 from demos import hemisphere
 from fem_lie import lie
-from fem_lie.adapt.estimates.cut.cut_shells import Cut
-from fem_lie.adapt.estimates.cut.patches import Patches
+from fem_lie.adapt.estimates.cut import Cut, Patches
 
 SECTION = fl.Section.from_stiffness([1e7, 5e6, 5e6, 1e6, 2e6, 1e6])
 MATERIAL = fl.Material(1e6, 0.3, 1.0)

@@ -8,12 +8,11 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.lie.motions import move
-from fem_lie.solve.alpha import free_bodies, free_scene
+from fem_lie.solve.alpha import free_bodies, free_impacts
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.step import free_body, node
-from fem_lie.solve.alpha.step.free_records import Body
-from fem_lie.solve.recording.plan import EqualSteps
-from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.alpha.step.free_body import Body
+from fem_lie.solve.recording.plan import EqualSteps, Saving
 
 HISTORIES = ("times", "frames", "velocities", "kinetic", "potential", "elastic", "momentum")
 FULL = np.array([[2.0, 0.3, -0.2], [0.3, 2.5, 0.1], [-0.2, 0.1, 1.5]])
@@ -126,16 +125,16 @@ def test_which_scenes_take_the_compiled_loop(caplog):
     beams = fl.Scene()
     beams.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2))
     automatic = fl.Automatic()
-    assert free_scene.applies(loaded(2), automatic)
-    assert not free_scene.applies(loaded(2), Mine())
-    assert not free_scene.applies(fl.Scene(), automatic)
-    assert not free_scene.applies(beams, automatic)
+    assert free_impacts.applies(loaded(2), automatic)
+    assert not free_impacts.applies(loaded(2), Mine())
+    assert not free_impacts.applies(fl.Scene(), automatic)
+    assert not free_impacts.applies(beams, automatic)
     for item in (
         fl.Clamp,
         lambda point: fl.Spherical(fl.ground(), point),
         lambda point: fl.PrescribedMotion(point, lambda t: point.frame),
     ):
-        assert not free_scene.applies(held(item), automatic)
+        assert not free_impacts.applies(held(item), automatic)
     with caplog.at_level(logging.INFO, logger="fem_lie"):
         fl.GeneralisedAlpha(policy=Mine()).run(loaded(), duration=0.01, step=0.01)
         assert not any("free rigid bodies" in message for message in caplog.messages)

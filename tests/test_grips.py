@@ -15,7 +15,7 @@ from fem_lie.grips.interpolated import interpolated
 from fem_lie.grips.patch import in_the_mean
 from fem_lie.grips.surface import on_surface
 from fem_lie.grips.tangent import along_tangent
-from fem_lie.system.nodes.attachment import Attachment
+from fem_lie.system.nodes.numbering import Attachment
 
 seeds = st.integers(0, 2**32 - 1)
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.system.balance.acting import supported
-from fem_lie.system.balance.held_forces import HeldForces
+from fem_lie.system.balance import HeldForces, supported
 
 STEEL = fl.Material(E=2e11, nu=0.3, density=7800.0)
 SECTION = fl.Section.rectangle(0.02, 0.03, STEEL)

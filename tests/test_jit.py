@@ -17,7 +17,7 @@ import fem_lie._jit
 from fem_lie._jit import shipped
 from fem_lie._jit.checked_files import read_checked, unpickled, write_checked
 from fem_lie._jit.garbage import seldom_collected
-from fem_lie.solve.stopwatch import Stopwatch
+from fem_lie.solve.progress_bars import Stopwatch
 
 HELPER = """
 from {package}._jit import {decorator}

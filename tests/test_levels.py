@@ -7,8 +7,7 @@ import fem_lie as fl
 from benchmarks.levels import PROBLEMS, levels, study
 from demos.deep_arch import arch
 from fem_lie.solve.statics.arc_length import Passed
-from fem_lie.solve.statics.increment import move
-from fem_lie.solve.statics.load_steps import SingularStartError
+from fem_lie.solve.statics.load_steps import SingularStartError, move
 from fem_lie.solve.statics.statics import _first_that_arrives
 from tests.test_statics import cantilever, stiffness
 

@@ -100,7 +100,7 @@ def test_pivots_are_not_counted_without_memory(little_for_mumps):
 def test_eigenvalues_without_memory_say_so(little_for_mumps):
     from slepc4py import SLEPc
 
-    from fem_lie.linear.spectra.slepc import set_up, to_petsc
+    from fem_lie.linear.spectra.pencil import set_up, to_petsc
 
     eigen = SLEPc.EPS().create(PETSc.COMM_SELF)
     eigen.setOperators(to_petsc(laplacian(20)))

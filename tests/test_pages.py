@@ -14,8 +14,7 @@ import pytest
 import fem_lie as fl
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.page import page as page_module
-from fem_lie.pictures.page.content import _thinned
-from fem_lie.pictures.page.corners import Corners
+from fem_lie.pictures.page.content import Corners, _thinned
 from fem_lie.pictures.shapes import scene_size, shapes
 
 ROOT = Path(__file__).parent.parent

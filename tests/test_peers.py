@@ -22,7 +22,7 @@ from demos.hemisphere import pinched, quarter
 from demos.rollup import cantilever
 from fem_lie import _blas
 from fem_lie._jit import progress
-from fem_lie.solve import stopwatch
+from fem_lie.solve import progress_bars
 
 
 def assert_same_beam(given, beam, **tolerance):
@@ -146,10 +146,10 @@ def test_we_answer_as_the_demos_do(key, elements, error):
 
 
 def test_seconds_are_those_of_the_processor(monkeypatch):
-    for module in (stopwatch, progress):  # put back at the end
+    for module in (progress_bars, progress):  # put back at the end
         monkeypatch.setattr(module, "perf_counter", module.perf_counter)
     ours.use_processor_time()
-    watch = stopwatch.Stopwatch()
+    watch = progress_bars.Stopwatch()
     time.sleep(0.2)
     assert watch.seconds < 0.1
     end = time.process_time() + 0.05

@@ -8,8 +8,8 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
+from fem_lie.reduce.axes import expanded, local_motion
 from fem_lie.reduce.beside_rest import BesideRest
-from fem_lie.reduce.local_motions import expanded, local_motion
 
 STEEL = fl.Material(E=2e11, nu=0.3, density=7800.0)
 

@@ -15,8 +15,7 @@ import fem_lie as fl
 from fem_lie import _compat, lie
 from fem_lie.bodies.catalogue import BodyInfo, SceneInfo
 from fem_lie.results.stresses.nodal_values import planes, shared_values
-from fem_lie.results.stresses.shell_quantities import COMPONENTS, mises, principal, turned
-from fem_lie.results.stresses.shell_stress import ShellStress
+from fem_lie.results.stresses.shell_stress import COMPONENTS, ShellStress, mises, principal, turned
 from tests.unit_systems import METRES, OTHER_SYSTEMS, UnitSystem
 
 SOFT = fl.Material(100.0, 0.3, 2.0)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fem_lie import lie
-from fem_lie.system.equations.rotation_ahead import ANGLE_STEP, FRAME_STEP, RotationAhead
+from fem_lie.system.equations.prescribed import ANGLE_STEP, FRAME_STEP, RotationAhead
 
 TURN = 2.0 * np.pi
 

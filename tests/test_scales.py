@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from fem_lie.linear.bordered import Border
-from fem_lie.system.scales import Vectors
+from fem_lie.system.parts import Vectors
 
 TOUCHED = [{0, 1}, {0, 1}, {0, 1}, {1}, {0, 2}, {0, 2}]
 """Nodes of a vector of three constraints, of one that stands alone, and of a vector of two."""

@@ -8,7 +8,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import _compat
-from fem_lie.mesh.sides import turn, turned_round
+from fem_lie.mesh.shapes import turn, turned_round
 from fem_lie.system import System
 from tests.test_mesh import _circle, _circle_centre
 from tests.test_shells import square

@@ -15,7 +15,7 @@ from fem_lie.lie.kinds import inertia
 from fem_lie.linear.spectra.pencil import Pencil
 from fem_lie.linear.spectra.smallest import smallest
 from fem_lie.system import System
-from fem_lie.system.small_motions.steady import linearised
+from fem_lie.system.small_motions import linearised
 from tests.random_scenes import HELD, random_scene
 from tests.scene_builder import build
 

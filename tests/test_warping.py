@@ -11,8 +11,8 @@ import pytest
 from scipy.integrate import quad
 
 import fem_lie as fl
-from fem_lie.sections.closed_forms import rectangle_torsion_constant
-from fem_lie.sections.warping_fields import WarpingFields
+from fem_lie.sections.properties import rectangle_torsion_constant
+from fem_lie.sections.warping import WarpingFields
 
 NU = 0.3
 STEEL = fl.Material(E=210e9, nu=NU, density=7850.0)

@@ -26,7 +26,7 @@ from demos.free_rigid_body import SPIN, spinning
 from demos.hemisphere import FORMULATIONS, RADIUS, pinched, quarter
 from demos.rollup import cantilever
 from fem_lie._jit import progress
-from fem_lie.solve import stopwatch
+from fem_lie.solve import progress_bars
 from fem_lie.solve.motion.integrator import Integrator
 
 Request = dict[str, Any]
@@ -63,7 +63,7 @@ def main() -> None:
 
 def use_processor_time() -> None:
     """Time runs, and the compilation in them, which does not count, by the processor's clock."""
-    for module in (stopwatch, progress):
+    for module in (progress_bars, progress):
         module.perf_counter = process_time
 
 

@@ -15,13 +15,11 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices, instance
-from fem_lie.adapt.error_picture import draw_error
 from fem_lie.adapt.estimates.estimate import Estimated
-from fem_lie.adapt.estimates.recovery import fields_of
-from fem_lie.adapt.estimates.stress_fields import StressFields
-from fem_lie.adapt.space_error import worst
+from fem_lie.adapt.estimates.recovery import StressFields, fields_of
+from fem_lie.adapt.space_error import draw_error, worst
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
-from fem_lie.pictures.units import SI, Units
+from fem_lie.pictures.stage import SI, Units
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.states import nodes_in
 from fem_lie.scene import Scene

@@ -29,8 +29,7 @@ import numpy as np
 from fem_lie._arrays import Array, instance, positive, whole
 from fem_lie.adapt.estimates.estimate import ErrorEstimate, Estimated
 from fem_lie.adapt.goals import Goal, GoalError, goal_error
-from fem_lie.adapt.refinement import Onto, Refinable, check_refinable, refine
-from fem_lie.adapt.sizes import Sizes, order_of
+from fem_lie.adapt.refinement import Onto, Refinable, Sizes, check_refinable, order_of, refine
 from fem_lie.adapt.space_error import SpaceError, space_error
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body

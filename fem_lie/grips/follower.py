@@ -1,7 +1,7 @@
 """A place that is fixed to the frame of one node: the constant grip.
 
 Joints there hold on to the node, and forces fixed in space are forces on its place and directors.
-Nodes of elements follow so in :mod:`fem_lie.system.nodes.attachment`.
+Nodes of elements follow so in :mod:`fem_lie.system.nodes.numbering`.
 """
 
 from __future__ import annotations

@@ -26,8 +26,7 @@ import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
-from fem_lie.linear.domains.division import Division
-from fem_lie.linear.domains.part import Part
+from fem_lie.linear.domains.division import Division, Part
 from fem_lie.linear.low_rank import Beside, LowRank
 
 SOFTNESS = 1e-9

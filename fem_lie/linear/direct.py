@@ -30,8 +30,7 @@ from fem_lie.linear.packages import (
     Method,
     lacks_memory,
 )
-from fem_lie.ranks.shared_factors import SharedMatrix, shared
-from fem_lie.ranks.subdomains import Subdomains
+from fem_lie.ranks.shared_factors import SharedMatrix, Subdomains, shared
 
 if TYPE_CHECKING:
     from fem_lie.linear.bordered import KKT

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Indices, instance
 from fem_lie.mesh.gmsh_session import GmshScript
 from fem_lie.mesh.lines import CORNER_ANGLE, KINK_ANGLE, LineMesh, check_kink_angle
-from fem_lie.mesh.sides import turn, turned_round
+from fem_lie.mesh.shapes import turn, turned_round
 from fem_lie.mesh.surfaces import SurfaceMesh
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def read_gmsh(
         ValueError: The file is neither a mesh nor CAD, gmsh cannot read it, it has no lines,
             lines of higher order, or anything that the class refuses.
     """
-    from fem_lie.mesh.gmsh_lines import model_lines, read_lines
+    from fem_lie.mesh.gmsh_cells import model_lines, read_lines
 
     check_kink_angle(kink_angle)
     if path is None:
@@ -151,7 +151,7 @@ def read_gmsh_surface(
         ValueError: The file is neither a mesh nor CAD, gmsh cannot read it, it has no surface
             cells or those of several kinds, or anything that the class refuses.
     """
-    from fem_lie.mesh.gmsh_surfaces import model_shell, read_shell
+    from fem_lie.mesh.gmsh_cells import model_shell, read_shell
 
     raw = model_shell("the gmsh model") if path is None else read_shell(path)
     return SurfaceMesh.from_cells(

@@ -1,4 +1,9 @@
-"""Pictures of bodies in space: superposed instants, and animations. Works without a display."""
+"""Pictures of bodies in space: superposed states, animations, and surfaces coloured by a value.
+
+Pictures of deformed surfaces coloured by a value. Works without a display.
+
+Pictures of bodies in space: superposed instants, and animations. Works without a display.
+"""
 
 from __future__ import annotations
 
@@ -8,23 +13,132 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie import _compat
+from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.diagrams import COLOURS
 from fem_lie.pictures.shapes import Shape, joint_places, scene_size, shapes, with_sharp_edges
 from fem_lie.pictures.stage import INK, PLAIN, Canvas, add_frame, plotting, target_of
+from fem_lie.pictures.vtk import CellKind, surface_grid
+
+# of both signs: blue and red about zero; of one sign: from dark to bright
+_SIGNED, _PLAIN = "RdBu_r", "viridis"
+
+_COLOURS = 256
+
+_COLOUR_AMBIENT = 0.7  # so much that a colour is the same on all sides, nearly
+
+_SUBDIVISION = 2  # of cells of second degree
+
+_ONE_SIGN = 0.02  # of the largest; less of the other sign is none
+
+
+class DrawnSurface(NamedTuple):
+    """Cells of a surface.
+
+    Attributes:
+        mesh: What the cells are.
+        cells: Points of each cell in DOLFINx's order, shape (m, k).
+        unloaded: Places of the points, shape (p, 3).
+    """
+
+    mesh: CellKind
+    cells: Indices
+    unloaded: Array
+
+
+def draw_values(
+    path: str | os.PathLike[str],
+    surface: DrawnSurface,
+    points: Array,
+    values: Array,
+    label: str,
+    canvas: Canvas,
+) -> None:
+    """Draw a surface in colours, with their scale, and the outline of the unloaded one.
+
+    Args:
+        path: Name of the ``.png`` file.
+        surface: What is drawn.
+        points: Places to be drawn, shape (p, 3).
+        values: Values at the points, shape (p,).
+        label: What they are, and their unit.
+        canvas: What it is drawn on.
+
+    Raises:
+        ValueError: The name does not end in ``.png``.
+        RuntimeError: There is no display, and no Xvfb to stand in.
+    """
+    target = target_of(path, ".png")
+    mesh, cells, unloaded = surface
+    size, grid = canvas.size, surface_grid(points, cells, mesh)
+    grid.point_data[label] = values
+    drawn = _compat.drawn_surface(grid, _SUBDIVISION)
+    rim = _compat.drawn_surface(surface_grid(unloaded, cells, mesh), 1).extract_feature_edges()
+    with plotting((), canvas) as plotter:
+        plotter.add_mesh(
+            drawn,
+            scalars=label,
+            clim=_limits(values),
+            cmap=_SIGNED if _signed(values) else _PLAIN,
+            n_colors=_COLOURS,
+            smooth_shading=True,
+            split_sharp_edges=True,
+            ambient=_COLOUR_AMBIENT,
+            diffuse=1.0 - _COLOUR_AMBIENT,
+            scalar_bar_args={
+                "title": label + "\n",
+                "vertical": True,
+                "position_x": 0.9,
+                "position_y": 0.2,
+                "height": 0.6,
+                "width": 0.05,
+                "color": INK,
+                # what is beside the bar on its right is all the room that half a title has
+                "title_font_size": size[0] // max(60, round(3.4 * len(label))),
+                "label_font_size": size[0] // 70,
+                "fmt": "%.3g",
+            },
+        )
+        if rim.n_points:
+            plotter.add_mesh(rim, color=INK, line_width=size[0] / 800)
+        both = np.stack([unloaded, points])[:, :, np.newaxis]
+        add_frame(plotter, both, (), canvas)
+        plotter.screenshot(target)
+
+
+def _signed(values: Array) -> bool:
+    low, high = float(values.min()), float(values.max())
+    return min(-low, high) > _ONE_SIGN * max(-low, high)
+
+
+def _limits(values: Array) -> tuple[float, float]:
+    if not _signed(values):
+        return float(values.min()), float(values.max())
+    largest = float(np.abs(values).max())
+    return -largest, largest
+
 
 _PALEST = 0.25
+
 _AMBIENT = 0.45
+
 BALL = 0.008
+
 """Radius of a joint, part of the scene."""
+
 _THROUGH = 0.35  # opacity of bodies with nodal frames inside
+
 _BEFORE = 0.25  # opacity of earlier states of surfaces, which would hide the last one
+
 _TRIAD = 0.04  # length of a drawn director, part of the scene
+
 _TRIAD_COLOURS = {"e1": "#CC0000", "e2": "#008800", "e3": "#0000CC"}
 
 _LONGEST = 0.15
+
 """Length of the longest arrow of a force, part of the scene."""
+
 _FORCE_COLOUR = "#CC7700"
 
 
@@ -41,6 +155,7 @@ class Arrows(NamedTuple):
 
 
 PLAYED = Canvas(size=(800, 600))
+
 """Of pictures that move."""
 
 

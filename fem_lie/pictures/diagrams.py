@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_lie.pictures.units import SI
+from fem_lie.pictures.stage import SI
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from fem_lie._arrays import Array
-    from fem_lie.pictures.units import Units
+    from fem_lie.pictures.stage import Units
 
 # Okabe & Ito's colours, told apart by everyone
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")

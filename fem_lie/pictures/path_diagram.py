@@ -14,8 +14,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies
 from fem_lie.pictures.diagrams import COLOURS
-from fem_lie.pictures.stage import Canvas
-from fem_lie.pictures.units import Units
+from fem_lie.pictures.stage import Canvas, Units
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,20 +1,106 @@
-"""What is around the bodies of a picture: white ground, title, axes with round numbers, camera."""
+"""What is around the bodies of a picture: title, axes, units, camera, and a virtual display.
+
+Units on the axes of diagrams and pictures.
+
+An X server for VTK where there is no display.
+
+What is around the bodies of a picture: white ground, title, axes with round numbers, camera.
+"""
 
 from __future__ import annotations
 
 import os
+import select
+import shutil
+import subprocess
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.pictures.units import SI, Units
+
+
+@dataclass(frozen=True)
+class Units:
+    """What the user's numbers are measured in, for labels."""
+
+    length: str = "m"
+    time: str = "s"
+    energy: str = "J"
+    momentum: str = "kg m/s"
+    angular_momentum: str = "kg m²/s"
+    force: str = "N"
+
+
+SI = Units()
+
+_START_SECONDS = 20.0
+
+# If we are killed the server goes by itself, ten seconds after its last window.
+_OPTIONS = ("-screen", "0", "64x64x24", "-nolisten", "tcp", "-terminate", "10")
+
+
+@contextmanager
+def display() -> Iterator[None]:
+    """Run a virtual X server (Xvfb) for as long as this lasts, if ``DISPLAY`` is not set.
+
+    Every window must be closed before the end.
+
+    Raises:
+        RuntimeError: There is no display, and Xvfb is not installed or does not start.
+    """
+    if os.environ.get("DISPLAY"):
+        yield
+        return
+    server, number = _start()
+    os.environ["DISPLAY"] = f":{number}"
+    try:
+        yield
+    finally:
+        os.environ.pop("DISPLAY", None)
+        server.terminate()
+        server.wait()
+
+
+def _start() -> tuple[subprocess.Popen[bytes], str]:
+    """The server, and the number of the display that it chose."""
+    program = shutil.which("Xvfb")
+    if program is None:
+        raise RuntimeError(
+            "pictures need a display: DISPLAY is not set, and Xvfb, which would stand in, is not "
+            "installed (package xvfb)"
+        )
+    read, write = os.pipe()
+    try:
+        server = subprocess.Popen(
+            [program, "-displayfd", str(write), *_OPTIONS],
+            pass_fds=(write,),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            # Ctrl-C is for us alone: the server has to outlive our windows
+            start_new_session=True,
+        )
+    finally:
+        os.close(write)
+    with os.fdopen(read, "rb") as answer:
+        ready = select.select([answer], [], [], _START_SECONDS)[0]
+        number = answer.readline().decode().strip() if ready else ""
+    if not number:
+        server.kill()
+        server.wait()
+        raise RuntimeError(f"pictures need a display, and {program} does not start; try it by hand")
+    return server, number
+
 
 INK = "#333333"
+
 _MARGIN, _LINES = 0.045, 4.0  # part of the width and lines of text: room for titles of axes
+
 _PER_TEXT = 100  # widths of the picture in pixels per size of the text
 
 
@@ -35,6 +121,7 @@ class Canvas(NamedTuple):
 
 
 PLAIN = Canvas()
+
 """Without a title, in metres."""
 
 
@@ -49,8 +136,6 @@ def target_of(path: str | os.PathLike[str], suffix: str) -> str:
 def plotting(paths: Sequence[Array], canvas: Canvas) -> Iterator[Any]:
     """White scene with lines and a title."""
     title, size = canvas.title, canvas.size
-    from fem_lie.pictures.display import display
-
     with display():
         import pyvista
 

@@ -1,8 +1,14 @@
-"""Factors of one matrix on all ranks, each of which has the matrix and gives some rows of it."""
+"""Factors of one matrix on all ranks, and what the solution on subdomains took.
+
+What the solution on subdomains took.
+
+Factors of one matrix on all ranks, each of which has the matrix and gives some rows of it.
+"""
 
 from __future__ import annotations
 
 import logging
+from typing import NamedTuple
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -12,7 +18,32 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.ranks.together import first, meet, several
 
+
+class Subdomains(NamedTuple):
+    """Of a run or a search for equilibrium, one subdomain on each rank.
+
+    Attributes:
+        number: Of subdomains.
+        interface: Unknowns that several of them have.
+        made: How often matrix and preconditioner were made, also for a new border alone.
+        solutions: Systems of equations solved.
+        iterations: Of the Krylov method in all of these.
+    """
+
+    number: int
+    interface: int
+    made: int
+    solutions: int
+    iterations: int
+
+    @property
+    def per_solution(self) -> float:
+        """Iterations of a solution, in the mean."""
+        return self.iterations / max(self.solutions, 1)
+
+
 FROM = 20_000
+
 """Unknowns from which on factors are shared, unless PETSc's option ``shared_from`` says another."""
 
 _FROM = "shared_from"

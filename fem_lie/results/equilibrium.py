@@ -14,10 +14,9 @@ from fem_lie.bodies.body import Point
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies, diagrams
 from fem_lie.pictures.bodies import Arrows
-from fem_lie.pictures.page.curves import Diagram, along_a_load
-from fem_lie.pictures.stage import Canvas
-from fem_lie.pictures.units import SI, Units
-from fem_lie.ranks.subdomains import Subdomains
+from fem_lie.pictures.page.page import Diagram, along_a_load
+from fem_lie.pictures.stage import SI, Canvas, Units
+from fem_lie.ranks.shared_factors import Subdomains
 from fem_lie.results.states import Displaced, StateSeries, evenly, label_of, nearest
 from fem_lie.scene.rotation import Rotation
 

@@ -1,6 +1,6 @@
 """Results in an HDF5 file: one data set for each array, one group for each body and joint.
 
-From version 11 on all contents have checksums, see :mod:`fem_lie.results.storage.checksums`. Each
+From version 11 on all contents have checksums, see :mod:`fem_lie.results.storage`. Each
 version from 10 on can be read.
 """
 
@@ -19,16 +19,19 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo, SupportInfo
-from fem_lie.results.steps import ContactSteps, StepHistory
-from fem_lie.results.storage.checksums import (
+from fem_lie.results.record import ContactSteps, StepHistory
+from fem_lie.results.storage import (
+    CHECKSUMS,
+    COUNT,
     NAMES,
     DamagedError,
+    ResultRows,
     check,
     check_rows,
     row_checksums,
     seal,
+    write_all,
 )
-from fem_lie.results.storage.rows import CHECKSUMS, COUNT, ResultRows, write_all
 
 Record = TypeVar("Record", StepHistory, ContactSteps)
 
@@ -87,7 +90,7 @@ def write(path: str | os.PathLike[str], result: Stored) -> None:
 
 
 def create(path: Path, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], rows: int) -> None:
-    """Write a file with room for rows of arrays, see :mod:`fem_lie.results.storage.rows`.
+    """Write a file with room for rows of arrays, see :mod:`fem_lie.results.storage`.
 
     Args:
         path: Of the file.

@@ -15,16 +15,22 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies, diagrams
 from fem_lie.pictures.bodies import Arrows
-from fem_lie.pictures.page.curves import Diagram, energies
-from fem_lie.pictures.stage import Canvas
-from fem_lie.pictures.units import SI, Units
+from fem_lie.pictures.page.page import Diagram, energies
+from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.ranks.files import before_reading, write_once
-from fem_lie.ranks.subdomains import Subdomains
+from fem_lie.ranks.shared_factors import Subdomains
 from fem_lie.results.file import NUMBERS, Stored, read, write
-from fem_lie.results.record import RECORDED_BY, Balanced, Record, if_recorded, row_shapes
+from fem_lie.results.record import (
+    RECORDED_BY,
+    Balanced,
+    ContactSteps,
+    Record,
+    StepHistory,
+    if_recorded,
+    row_shapes,
+)
 from fem_lie.results.resampling import resampled
 from fem_lie.results.states import StateSeries, label_of, nearest
-from fem_lie.results.steps import ContactSteps, StepHistory
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

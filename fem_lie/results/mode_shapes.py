@@ -17,8 +17,7 @@ from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies
 from fem_lie.pictures.page.content import drawn
 from fem_lie.pictures.page.page import Page, Slider, page
-from fem_lie.pictures.stage import Canvas
-from fem_lie.pictures.units import SI, Units
+from fem_lie.pictures.stage import SI, Canvas, Units
 
 LARGEST_TURN = 0.5
 """Rad: pictures show no more unless they are told to."""

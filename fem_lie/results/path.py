@@ -13,7 +13,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices, number
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.path_diagram import PathCurve, plot_paths
-from fem_lie.pictures.units import SI, Units
+from fem_lie.pictures.stage import SI, Units
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.mode_shapes import ModeLook, ModeShapes, moved_along
 from fem_lie.results.states import Displaced

@@ -17,10 +17,8 @@ from fem_lie.joints import Connection
 from fem_lie.pictures import bodies
 from fem_lie.pictures.page.colours import NodalColours
 from fem_lie.pictures.page.content import drawn
-from fem_lie.pictures.page.curves import Diagram
-from fem_lie.pictures.page.page import Page, Slider, page
-from fem_lie.pictures.stage import Canvas
-from fem_lie.pictures.units import SI, Units
+from fem_lie.pictures.page.page import Diagram, Page, Slider, page
+from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.results.reactions import Support, reaction
 
 

@@ -18,8 +18,7 @@ from fem_lie.contact.contact import Contact
 from fem_lie.contact.laws.law import Impact
 from fem_lie.joints import Connection, Drive, Joint, RigidLink
 from fem_lie.pictures.bodies import draw
-from fem_lie.pictures.stage import Canvas
-from fem_lie.pictures.units import SI, Units
+from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.scene.choices import Choices, Redundant
 from fem_lie.scene.held_rotations import Holding, held_by, held_in
 from fem_lie.scene.load import Load

@@ -1,5 +1,11 @@
 """Beam sections: stiffness and inertia per length, from a shape and a material.
 
+Checks of matrices of stiffness and inertia.
+
+Inertia of a section per length, from what is known of it: mass, polar moment, both moments.
+
+Beam sections: stiffness and inertia per length, from a shape and a material.
+
 The section lies in the plane of e₂ and e₃, with coordinates y along e₂ and z along e₃; e₁ is the
 beam's axis. Stiffness acts on strains ``(Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃)``: stretch, two shears, twist, two
 curvatures. Inertia is the Gram matrix of ``q = (x, d₁, d₂, d₃)`` per length: a point of the section
@@ -21,13 +27,99 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, number, numbers, positive
-from fem_lie.sections import closed_forms
-from fem_lie.sections.inertia import section_gram
-from fem_lie.sections.matrices import definite, semidefinite
-from fem_lie.sections.properties import SectionProperties, rotation
+from fem_lie.sections.properties import SectionProperties, rectangle, ring, rotation
 
 if TYPE_CHECKING:
     from fem_lie.sections.material import Material
+
+_SYMMETRY = 1e-8  # tables of stiffness are given with at least as many digits
+
+
+def _symmetric(value: Array, size: int, what: str) -> Array:
+    matrix = numbers(value, what)
+    if matrix.shape != (size, size) or not np.isfinite(matrix).all():
+        raise ValueError(
+            f"{what} must be a finite matrix of shape ({size}, {size}), got\n{value!r}"
+        )
+    scale = np.sqrt(np.abs(np.diag(matrix)))
+    if (np.abs(matrix - matrix.T) > _SYMMETRY * np.outer(scale, scale)).any():
+        raise ValueError(f"{what} must be symmetric, got\n{matrix}")
+    return 0.5 * (matrix + matrix.T)
+
+
+def _scaled_eigenvalues(matrix: Array) -> Array:
+    """Eigenvalues after scaling the diagonal to one: entries differ in units."""
+    scale = np.sqrt(np.where(np.diag(matrix) > 0, np.diag(matrix), 1.0))
+    return np.asarray(np.linalg.eigvalsh(matrix / np.outer(scale, scale)), dtype=np.float64)
+
+
+def definite(value: Array, size: int, what: str) -> Array:
+    """A symmetric positive definite matrix, shape (size, size), that cannot be written to.
+
+    Raises:
+        ValueError: It has another shape, is not finite, not symmetric or not positive definite.
+        TypeError: It is no array of numbers.
+    """
+    matrix = _symmetric(value, size, what)
+    if not (np.diag(matrix) > 0).all() or not _scaled_eigenvalues(matrix)[0] > 1e-14:
+        raise ValueError(f"{what} must be positive definite, got\n{matrix}")
+    matrix.setflags(write=False)
+    return matrix
+
+
+def semidefinite(value: Array, size: int, what: str) -> Array:
+    """A symmetric positive semidefinite matrix of inertia; errors as of :func:`definite`."""
+    matrix = _symmetric(value, size, what)
+    if (np.diag(matrix) < 0).any() or not _scaled_eigenvalues(matrix)[0] > -1e-12:
+        raise ValueError(f"{what} must be positive semidefinite, got\n{matrix}")
+    matrix.setflags(write=False)
+    return matrix
+
+
+def section_gram(
+    gram: npt.ArrayLike | None,
+    mass: float | None,
+    polar: float | None,
+    rotary: npt.ArrayLike | None,
+) -> Array | None:
+    """Gram matrix of (x, d₁, d₂, d₃) per length, or ``None`` if nothing is given.
+
+    Args:
+        gram: The matrix itself, shape (4, 4).
+        mass: Mass per length.
+        polar: Moment of inertia per length about e₁, of which e₂ and e₃ have half each.
+        rotary: Moments of inertia per length about e₂ and e₃, shape (2,).
+
+    Raises:
+        ValueError: More than one of them, or moments without a mass; wrong shapes.
+    """
+    if gram is not None:
+        matrix = numbers(gram, "gram")
+        if mass is not None or polar is not None or rotary is not None:
+            raise ValueError("give the Gram matrix, or mass= with polar= or rotary=, not both")
+        if matrix.shape != (4, 4):
+            raise ValueError(
+                f"the Gram matrix of (x, d₁, d₂, d₃) must have shape (4, 4), got {matrix.shape}; a "
+                "section of which the mass and moments of inertia per length are known has mass=…, "
+                "polar=J₁ or mass=…, rotary=(J₂, J₃)"
+            )
+        return matrix
+    if mass is None:
+        if polar is not None or rotary is not None:
+            raise ValueError("polar= and rotary= need mass=, the mass per length, beside them")
+        return None
+    if polar is not None and rotary is not None:
+        raise ValueError("give polar= or rotary=; the polar moment is the sum of the other two")
+    about = (0.0 if polar is None else number(polar, "polar") / 2) * np.ones(2)
+    if rotary is not None:
+        about = numbers(rotary, "rotary")
+        if about.shape != (2,):
+            raise ValueError(
+                f"rotary must be the moments of inertia about e₂ and e₃, 2 numbers, got {rotary!r}"
+            )
+    # what turns about e₂ lies along e₃
+    return np.diag([number(mass, "mass"), 0.0, about[1], about[0]])
+
 
 _CIRCLE_POINTS = 32
 
@@ -82,7 +174,7 @@ class Section:
         Raises:
             ValueError: A size or factor is not positive.
         """
-        properties = closed_forms.rectangle(width, height, material, shear_factor, torsion_constant)
+        properties = rectangle(width, height, material, shear_factor, torsion_constant)
         y, z = 0.5 * width, 0.5 * height
         corners = np.array([[-y, -z], [y, -z], [y, z], [-y, z]])
         return _from_closed_form(properties, material.density, corners)
@@ -97,7 +189,7 @@ class Section:
             ValueError: The radius or factor is not positive.
         """
         positive(radius, "radius")
-        properties = closed_forms.ring(0.0, radius, material, shear_factor)
+        properties = ring(0.0, radius, material, shear_factor)
         return _from_closed_form(properties, material.density, _circle(radius))
 
     @classmethod
@@ -124,7 +216,7 @@ class Section:
                 f"inner_radius must be less than outer_radius, got {inner_radius!r} and "
                 f"{outer_radius!r}"
             )
-        properties = closed_forms.ring(inner_radius, outer_radius, material, shear_factor)
+        properties = ring(inner_radius, outer_radius, material, shear_factor)
         return _from_closed_form(properties, material.density, _circle(outer_radius))
 
     @classmethod

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie.sections.material import Material
-from fem_lie.sections.outlines.cell_sizes import CellSizes
+from fem_lie.sections.outlines.gmsh_outlines import CellSizes
 from fem_lie.sections.outlines.mesh import SectionMesh
 from fem_lie.sections.outlines.outline import Loop, Part
 from fem_lie.sections.section import Section

@@ -18,7 +18,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, instance, number, positive, positive_or_zero
 from fem_lie.sections.material import Material
-from fem_lie.sections.matrices import definite, semidefinite
+from fem_lie.sections.section import definite, semidefinite
 
 SHEAR_FACTOR = 5.0 / 6.0
 

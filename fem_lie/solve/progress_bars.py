@@ -1,15 +1,25 @@
-"""How far a solution is that is no motion, on terminals."""
+"""How far a solution is, on terminals, and how long it has taken.
+
+How far a solution is that is no motion, on terminals.
+
+Wall time of a run, without what it takes to compile.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from time import perf_counter
 from typing import Any, Protocol
 
 from tqdm import tqdm
 
+from fem_lie._jit import compiling
+
 _PERCENT = 100
+
 _DELAY = 1.0  # seconds, before which no bar is shown
+
 _INTERVAL = 0.1  # seconds between two pictures of it
 
 
@@ -67,3 +77,16 @@ def step_bar(name: str, unit: str, total: int | None = None) -> Iterator[Advance
             bar.update()
 
         yield advance
+
+
+class Stopwatch:
+    """Runs from when it is made; machine code that is made meanwhile does not count."""
+
+    def __init__(self, before: float = 0.0) -> None:
+        """Start, with seconds from ``before``."""
+        self._begin = perf_counter() - compiling.seconds - before
+
+    @property
+    def seconds(self) -> float:
+        """Up to now."""
+        return perf_counter() - compiling.seconds - self._begin

@@ -18,10 +18,14 @@ from fem_lie.lie.kinds import SLOPE
 from fem_lie.linear.bordered import Border
 from fem_lie.scene import Scene
 from fem_lie.system.constraint_sets.all_pairs import AllPairs, all_pairs
-from fem_lie.system.constraint_sets.constraint_set import ConstraintSet, MemoryKey, Numbered
+from fem_lie.system.constraint_sets.constraint_set import (
+    ConstraintSet,
+    MemoryKey,
+    Numbered,
+    SystemRows,
+    Targets,
+)
 from fem_lie.system.constraint_sets.kinds import sets_of
-from fem_lie.system.constraint_sets.rows import SystemRows
-from fem_lie.system.constraint_sets.targets import Targets
 from fem_lie.system.nodes.numbering import Numbering
 
 
@@ -211,7 +215,7 @@ class Connections:
         return np.concatenate([each.targets for each in self.sets])
 
     def targets(self, time: float) -> Array:
-        """See :meth:`~.constraint_sets.targets.Targets.at`."""
+        """See :meth:`~.constraint_sets.constraint_set.Targets.at`."""
         return self._targets.at(time)
 
     def set_time(self, time: float) -> None:
@@ -221,7 +225,7 @@ class Connections:
             each.targets[:] = values[each.own]
 
     def target_rates(self, time: float, step: float) -> tuple[Array, Array]:
-        """See :meth:`~.constraint_sets.targets.Targets.rates`."""
+        """See :meth:`~.constraint_sets.constraint_set.Targets.rates`."""
         return self._targets.rates(time, step)
 
     def follow(self, H: Array, h: Array) -> None:

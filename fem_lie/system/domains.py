@@ -15,8 +15,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.term import Pairs, Term
 from fem_lie.lie.kinds import POINT
 from fem_lie.linear.bordered import KKT
-from fem_lie.linear.domains.division import Division, Links, divided
-from fem_lie.linear.domains.part import Part
+from fem_lie.linear.domains.division import Division, Links, Part, divided
 from fem_lie.system.terms.all_terms import Terms
 from fem_lie.system.terms.followed import Followed
 

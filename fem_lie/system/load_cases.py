@@ -12,7 +12,7 @@ from fem_lie.bodies.body import Body
 from fem_lie.forms.term import Term
 from fem_lie.scene import Scene
 from fem_lie.scene.load import History, amplitudes, histories
-from fem_lie.system.nodes.loads import Loads
+from fem_lie.system.nodes.masses import Loads
 from fem_lie.system.nodes.numbering import Numbering
 
 Contents: TypeAlias = tuple[
@@ -25,7 +25,7 @@ Contents: TypeAlias = tuple[
 
 
 _SIZE = 21
-"""Numbers of a node in the arrays of :class:`~fem_lie.system.nodes.loads.Loads`."""
+"""Numbers of a node in the arrays of :class:`~fem_lie.system.nodes.masses.Loads`."""
 
 
 def _views(values: Array) -> tuple[Array, Array, Array]:
@@ -56,7 +56,7 @@ class _Case:
         self.terms: list[Term] = []
 
     def arrays(self) -> tuple[Array, Array, Array]:
-        """In the order of :class:`~fem_lie.system.nodes.loads.Loads`."""
+        """In the order of :class:`~fem_lie.system.nodes.masses.Loads`."""
         return self.dead, self.moment, self.following
 
     def nodes(self, body: Body) -> Indices:

@@ -24,7 +24,7 @@ from fem_lie.lie.kinds.floating import PlainFloating
 from fem_lie.lie.kinds.inertia import PlainInertia
 from fem_lie.lie.tuples import Vector, dot, load, load_row, plus, rotate, scaled
 from fem_lie.lie.wrenches import add_dead, add_wrench
-from fem_lie.system.nodes.loads import PlainLoads
+from fem_lie.system.nodes.masses import PlainLoads
 
 POWER, LOSS, LOADS, REACTIONS, SIZE = 0, 1, 2, 8, 14
 """Where they begin in a row, and how long that is."""
@@ -94,7 +94,7 @@ def add_loads(
         kinds: What the nodes are, (n,).
         H: Frames, shape (≥ n, 4, 3).
         v: Twists, shape (≥ n, 6).
-        loads: See :class:`~fem_lie.system.nodes.loads.Loads`.
+        loads: See :class:`~fem_lie.system.nodes.masses.Loads`.
         conservative: Part of the dead loads.
         work: Shape (≥ 1, n, 4, 3).
         out: Shape (14,), updated.
@@ -181,7 +181,7 @@ def sum_up(
         row: What acts there, see :func:`look`.
         wrenches: Of ground and prescribed frames there, see :func:`look`.
         start: See :class:`Seen`, overwritten.
-        total: See :class:`~fem_lie.system.balance.books.Books`, updated.
+        total: See :class:`~fem_lie.system.balance.Books`, updated.
     """
     H, v, weights, targets = end
     old_row, old_wrenches, old_H, old_v, old_weights, old_targets = start

@@ -21,18 +21,15 @@ from fem_lie.scene import Scene
 from fem_lie.scene.choices import Redundant
 from fem_lie.system.constraints import Connections
 from fem_lie.system.describe import refuse
-from fem_lie.system.frame_rows import FrameRows
-from fem_lie.system.instant import Forces, Instant, Plan
+from fem_lie.system.instant import Forces, FrameRows, Instant, Plan
 from fem_lie.system.load_cases import LoadCases
-from fem_lie.system.nodes.carried_axes import CarriedAxes, FollowingAxes
-from fem_lie.system.nodes.carried_drilling import CarriedDrilling
+from fem_lie.system.nodes.carried_axes import CarriedAxes, CarriedDrilling, FollowingAxes
 from fem_lie.system.nodes.element_turns import ElementTurns
-from fem_lie.system.nodes.loads import Loads
-from fem_lie.system.nodes.masses import floating_of, inertia_of, lumped, weight_of
-from fem_lie.system.nodes.shared_setup import numbering_for
+from fem_lie.system.nodes.masses import Loads, floating_of, inertia_of, lumped, weight_of
+from fem_lie.system.nodes.numbering import numbering_for
 from fem_lie.system.nodes.sums import add_joints, nodal_residual, report, residual
 from fem_lie.system.tangent import Tangent, every, whole
-from fem_lie.system.terms.of_scene import terms_of
+from fem_lie.system.terms.all_terms import terms_of
 
 _log = logging.getLogger(__name__)
 
@@ -185,7 +182,7 @@ class System:
             self.connections.set_time(time)
 
     def prescribed_frames(self, time: float) -> Array:
-        """See :meth:`~fem_lie.system.frame_rows.FrameRows.prescribed`."""
+        """See :meth:`~fem_lie.system.instant.FrameRows.prescribed`."""
         return self.rows.prescribed(time)
 
     # --- equations ---

@@ -26,8 +26,7 @@ from fem_lie.system.domains import Domain, division_of
 from fem_lie.system.instant import Instant, Plan
 from fem_lie.system.nodes.fixed_axes import Supports
 from fem_lie.system.nodes.sums import combine_rows, load_tangent, to_inertial
-from fem_lie.system.parts import Parts
-from fem_lie.system.scales import Vectors
+from fem_lie.system.parts import Parts, Vectors
 from fem_lie.system.terms.all_terms import Terms
 
 Wanted: TypeAlias = Callable[[Term], bool]
@@ -243,7 +242,7 @@ class Tangent:
 
         Bordered by ``σ B`` with these factors ``σ`` the matrix is about as well conditioned as
         ``S``: as ``S → M/(βh²)`` this is the index 3 scaling of Bottasso, Bauchau & Cardona.
-        ``spread``: see :meth:`~fem_lie.system.scales.Vectors.scales`, likewise the rest.
+        ``spread``: see :meth:`~fem_lie.system.parts.Vectors.scales`, likewise the rest.
         """
         if self._given is not None:
             return self._given

@@ -24,8 +24,7 @@ from fem_lie._arrays import Array, Indices, instance, positive, whole
 from fem_lie.adapt.estimates.estimate import ErrorEstimate
 from fem_lie.adapt.following.transfer import Transferred, transfer
 from fem_lie.adapt.loop import named_body
-from fem_lie.adapt.refinement import Followed, Onto, check_refinable
-from fem_lie.adapt.sizes import Sizes, order_of
+from fem_lie.adapt.refinement import Followed, Onto, Sizes, check_refinable, order_of
 from fem_lie.adapt.space_error import SpaceError, space_error
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.mesh.lines import LineMesh

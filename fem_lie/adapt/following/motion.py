@@ -26,8 +26,7 @@ from fem_lie.adapt.estimates.recovery import fields_of
 from fem_lie.adapt.following.stretches import AdaptedMotion, Stretch, steps_of
 from fem_lie.adapt.following.transfer import Transferred, transfer
 from fem_lie.adapt.loop import named_body
-from fem_lie.adapt.refinement import Followed, Onto, check_refinable
-from fem_lie.adapt.sizes import Sizes, order_of
+from fem_lie.adapt.refinement import Followed, Onto, Sizes, check_refinable, order_of
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.surfaces import SurfaceMesh

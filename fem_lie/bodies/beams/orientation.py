@@ -2,7 +2,7 @@
 
 Every *end of a cell* gets a frame. Ends that meet at a point share a node where their frames agree;
 at a kink, at a branch, or where the direction of the section changes they do not, and the other
-nodes of the point follow its first one rigidly (:mod:`fem_lie.system.nodes.attachment`).
+nodes of the point follow its first one rigidly (:mod:`fem_lie.system.nodes.numbering`).
 """
 
 from __future__ import annotations

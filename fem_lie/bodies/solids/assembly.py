@@ -13,8 +13,7 @@ from fem_lie.elements.solids.materials import SolidMaterial
 from fem_lie.forms.assembly import Assembly
 from fem_lie.forms.body_term import NodalInertia
 from fem_lie.forms.frames import NodalFrames
-from fem_lie.mesh.volumes.integrals import VolumeRule
-from fem_lie.mesh.volumes.volume_mesh import VolumeMesh
+from fem_lie.mesh.volumes import VolumeMesh, VolumeRule
 
 
 class SolidData(Protocol):

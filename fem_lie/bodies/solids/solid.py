@@ -32,9 +32,7 @@ from fem_lie.elements.solids.element import SolidFormulation, default_formulatio
 from fem_lie.elements.solids.materials import SolidMaterial
 from fem_lie.grips.patch import in_the_mean
 from fem_lie.lie.kinds import NodeKind
-from fem_lie.mesh.volumes.blocks import brick
-from fem_lie.mesh.volumes.integrals import VolumeRule
-from fem_lie.mesh.volumes.volume_mesh import VolumeMesh
+from fem_lie.mesh.volumes import VolumeMesh, VolumeRule, brick
 
 _log = logging.getLogger(__name__)
 

@@ -1,4 +1,13 @@
-"""Which rank has which cells, nodes and constraints.
+"""Which rank has which cells, nodes and constraints, and its part of the matrix.
+
+A rank's part of the matrix of a scene: what its own cells and constraints make of it.
+
+Weighted graphs in equal parts with few edges between them, by SCOTCH.
+
+petsc4py and DOLFINx offer no weights of vertices. SCOTCH is there with PETSc and is called by
+the addresses of its functions; structures are memory of a size that it tells.
+
+Which rank has which cells, nodes and constraints.
 
 What is joined stays together: cells at the nodes of a constraint, or of a pair that no cell has,
 are one vertex of the graph that is divided. So all nodes of a constraint are within one domain,
@@ -8,14 +17,124 @@ they have, edges between them what they share.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import ctypes
+from collections.abc import Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+from mpi4py import MPI
+from petsc4py import PETSc
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from fem_lie._arrays import Flags, Indices
-from fem_lie.linear.domains.scotch import parts_of
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.ranks.shared_factors import Subdomains
+
+
+class Part:
+    """Which unknowns a domain has, and the values of its matrix.
+
+    Attributes:
+        inside: Unknowns that no other domain has, multipliers included.
+        interface: The others.
+        interfaces: Those of all domains, ``size`` in number.
+        at: Place of this domain's among these.
+        held: Unknowns of the scene that are no unknowns.
+        values: In the pattern of the whole matrix; of unknowns of others they mean nothing.
+        motions: Rigid ones, each of all interfaces' unknowns.
+        made: How often it was factorised; ``solutions`` with it took ``iterations``.
+    """
+
+    def __init__(self, own: Flags, shared: Flags, multipliers: Flags, held: Flags) -> None:
+        """Find the numbers.
+
+        Args:
+            own: Which nodes the domain has, shape (n,).
+            shared: Which nodes several domains have.
+            multipliers: Which are the domain's, shape (m,).
+            held: Which unknowns of nodes are none, shape (n, 6).
+        """
+        free = ~held
+        inside = (own & ~shared)[:, np.newaxis] & free
+        of_nodes, of_constraints = inside.ravel(), multipliers
+        self.inside: Indices = np.flatnonzero(np.append(of_nodes, of_constraints))
+        self.interface: Indices = np.flatnonzero((own & shared)[:, np.newaxis] & free)
+        self.interfaces: Indices = np.flatnonzero(shared[:, np.newaxis] & free)
+        self.size = len(self.interfaces)
+        self.at: Indices = np.searchsorted(self.interfaces, self.interface)
+        self.held: Indices = np.flatnonzero(held)
+        self.values: Array = np.empty(0)
+        self.motions: Sequence[Array] = ()
+        self.made = self.solutions = self.iterations = 0
+
+    @property
+    def told(self) -> Subdomains:
+        """For results."""
+        counts = self.made, self.solutions, self.iterations
+        return Subdomains(MPI.COMM_WORLD.size, self.size, *counts)
+
+
+IMBALANCE = 0.05
+
+"""By which a part may be heavier than the mean, if cells are small enough."""
+
+_QUALITY, _SEED = 1, 1
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    """That which PETSc is linked with.
+
+    Raises:
+        RuntimeError: PETSc has none, or one with other integers.
+    """
+    found = ctypes.CDLL(PETSc.__file__)
+    if not hasattr(found, "SCOTCH_graphPart"):
+        raise RuntimeError("subdomains need a PETSc that is linked with SCOTCH, got one without")
+    if found.SCOTCH_numSizeof() != 4:
+        raise RuntimeError("subdomains need SCOTCH with integers of 32 bits, got another one")
+    return found
+
+
+def _done(error: int, what: str) -> None:
+    if error:
+        raise RuntimeError(f"SCOTCH could not {what}")
+
+
+def parts_of(edges: sp.csr_matrix, weights: Indices, count: int) -> Indices:
+    """Part of each vertex, shape (n,).
+
+    Args:
+        edges: Symmetric integers, without a diagonal, shape (n, n).
+        weights: Of the vertices, positive, shape (n,).
+        count: Of parts.
+    """
+    library, n = _library(), edges.shape[0]
+    pointers, columns, load, weight = (
+        np.ascontiguousarray(a, np.int32)
+        for a in (edges.indptr, edges.indices, edges.data, weights)
+    )
+    part = np.zeros(n, dtype=np.int32)
+
+    def at(array: Any, first: int = 0) -> ctypes.c_void_p:
+        return ctypes.c_void_p(array.ctypes.data + 4 * first)
+
+    graph = ctypes.create_string_buffer(library.SCOTCH_graphSizeof())
+    strategy = ctypes.create_string_buffer(library.SCOTCH_stratSizeof())
+    library.SCOTCH_randomSeed(_SEED)  # the same scene has the same parts in every run
+    library.SCOTCH_randomReset()
+    _done(library.SCOTCH_graphInit(graph), "make a graph")
+    _done(library.SCOTCH_stratInit(strategy), "make a strategy")
+    given = at(pointers), at(pointers, 1), at(weight), None, len(columns), at(columns), at(load)
+    _done(library.SCOTCH_graphBuild(graph, 0, n, *given), "take the graph of cells and joints")
+    balance = ctypes.c_double(IMBALANCE)
+    _done(library.SCOTCH_stratGraphMapBuild(strategy, _QUALITY, count, balance), "find a strategy")
+    _done(library.SCOTCH_graphPart(graph, count, strategy, at(part)), "divide the graph")
+    library.SCOTCH_graphExit(graph)
+    library.SCOTCH_stratExit(strategy)
+    return part.astype(np.int64)
 
 
 class Links(NamedTuple):

@@ -20,8 +20,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array
+from fem_lie.linear.domains.division import Part
 from fem_lie.linear.domains.dual import Dual
-from fem_lie.linear.domains.part import Part
 from fem_lie.ranks.together import meet
 
 SYMMETRIC = 1e-10

@@ -17,8 +17,7 @@ import numpy as np
 import scipy.sparse as sp
 from slepc4py import SLEPc
 
-from fem_lie.linear.spectra.pencil import SHIFT, Pencil
-from fem_lie.linear.spectra.slepc import Complex, padded, pairs_of, set_up, to_petsc
+from fem_lie.linear.spectra.pencil import SHIFT, Complex, Pencil, padded, pairs_of, set_up, to_petsc
 
 _TARGET = 0.1  # shift over the unit of s
 _FAR = 10.0  # how much larger than the unit of s eigenvalues may be

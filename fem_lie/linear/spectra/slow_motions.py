@@ -1,7 +1,7 @@
 """The slowest modes from the span of rigid motions and of their own vectors, by Ritz's method.
 
 Round-off of the stiffness of elements is larger than a soft spring, and makes numbers of zeros. In
-that span the stiffness is known without it (:mod:`fem_lie.linear.spectra.rigid_parts`). Motions
+that span the stiffness is known without it (:mod:`fem_lie.linear.spectra.pencil`). Motions
 ``Z`` that nothing resists, ``K Z = 0``, are eigenvectors with ``s = 0``. Of quadratic problems each
 of these zeros is a double one where nothing damps the motion, and round-off parts a double zero by
 its root; in terms of velocities of ``Z`` alone, instead of displacements, each zero is there once
@@ -16,9 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array
-from fem_lie.linear.spectra.pencil import SHIFT, Pencil
-from fem_lie.linear.spectra.rigid_parts import RigidParts
-from fem_lie.linear.spectra.slepc import Complex
+from fem_lie.linear.spectra.pencil import SHIFT, Complex, Pencil, RigidParts
 
 _WIDE = 1.01  # quotient of rates between which there is a gap
 _BESIDE = 1e-6  # of a vector that is rigid motion but for errors

@@ -1,23 +1,88 @@
-"""What a page's script draws: bodies, joints, traces and axes, in lengths of the scene."""
+"""What a page's script draws: bodies, joints, traces and axes, in lengths of the scene.
+
+Arrays as text: base64 of bytes, with few digits where they are looked at alone.
+
+Triangles of a body, with corners of their own on both sides of a sharp edge.
+
+What a page's script draws: bodies, joints, traces and axes, in lengths of the scene.
+"""
 
 from __future__ import annotations
 
+import base64
+import json
 from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.bodies import BALL
 from fem_lie.pictures.diagrams import COLOURS
 from fem_lie.pictures.page.colours import NodalColours, Scale
-from fem_lie.pictures.page.corners import Corners
-from fem_lie.pictures.page.packed import LARGEST, packed, unit_of, whole_places
-from fem_lie.pictures.shapes import Shape, joint_places, scene_size, shapes
-from fem_lie.pictures.stage import round_box
-from fem_lie.pictures.units import Units
+from fem_lie.pictures.shapes import Shape, joint_places, scene_size, shapes, with_sharp_edges
+from fem_lie.pictures.stage import Units, round_box
+
+Packed = dict[str, str]
+
+_KINDS = {"u1": "u1", "i2": "<i2", "u4": "<u4", "f4": "<f4"}
+
+LARGEST = 32767
+
+"""Of whole numbers of two bytes."""
+
+
+def packed(values: npt.NDArray[Any], kind: str) -> Packed:
+    """An array as the script takes it: kind (bytes of a number, as NumPy calls them) and data."""
+    data = np.ascontiguousarray(values, dtype=_KINDS[kind])
+    return {"kind": kind, "data": base64.b64encode(data.tobytes()).decode("ascii")}
+
+
+def whole_places(places: Array, middle: Array, unit: float) -> Packed:
+    """Places in whole units from a middle, in two bytes; what lies beyond is set to the rim."""
+    steps = np.rint((places - middle) / unit)
+    return packed(np.clip(steps, -LARGEST, LARGEST), "i2")
+
+
+def unit_of(places: list[Array]) -> tuple[Array, float]:
+    """Middle of the box about places (..., 3), and the unit in which two bytes reach its rim."""
+    low = np.min([x.reshape(-1, 3).min(axis=0) for x in places], axis=0)
+    high = np.max([x.reshape(-1, 3).max(axis=0) for x in places], axis=0)
+    return 0.5 * (low + high), float((high - low).max()) / (2 * LARGEST) or 1.0
+
+
+def json_text(content: object) -> str:
+    """As JSON that can stand in an element of a page."""
+    return json.dumps(content, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
+
+
+class Corners(NamedTuple):
+    """Corners of triangles.
+
+    Attributes:
+        points: Which of the shape's points each corner is, shape (c,).
+        triangles: Shape (t, 3).
+    """
+
+    points: Indices
+    triangles: Indices
+
+    @classmethod
+    def of(cls, shape: Shape, frames: Array) -> Corners:
+        """Those of a body; what is sharp and what coincides is so in the frames (N, 4, 3)."""
+        import pyvista
+
+        surface = pyvista.PolyData(shape.points(frames), shape.faces)
+        surface.point_data["point"] = np.arange(surface.n_points)
+        split = with_sharp_edges(surface).triangulate()
+        points = np.asarray(split.point_data["point"]).astype(np.int64)
+        return cls(points, split.faces.reshape(-1, 4)[:, 1:])
+
 
 Content = dict[str, object]
+
 _TRACE_STEP = 2e-3  # between points of a trace, part of the scene: two pixels or less
 
 

@@ -1,4 +1,9 @@
-"""The page: what is drawn, the script that draws it, and the numbers of the states."""
+"""The page: what is drawn, the script that draws it, diagrams, and the numbers of the states.
+
+Diagrams beside moving bodies.
+
+The page: what is drawn, the script that draws it, and the numbers of the states.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +15,111 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
-from fem_lie._arrays import Array
-from fem_lie.pictures.page.content import Content
-from fem_lie.pictures.page.curves import Diagram
-from fem_lie.pictures.page.packed import json_text
-from fem_lie.pictures.stage import target_of
+from fem_lie._arrays import Array, Indices
+from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.pictures.page.content import Content, json_text
+from fem_lie.pictures.stage import Units, target_of
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A line in a diagram: what it is, x and y, its colour."""
+
+    label: str
+    x: Array
+    y: Array
+    colour: str
+
+
+@dataclass(frozen=True, eq=False)
+class Diagram:
+    """Curves, and where in them a state is.
+
+    Attributes:
+        title: Above it.
+        x_label: What goes to the right, and its unit.
+        y_label: What goes up.
+        curves: The lines.
+        at_x: Where each of the k states is, shape (k,).
+        at_y: Likewise, if a state is a point of a curve; else it is a line through the diagram.
+    """
+
+    title: str
+    x_label: str
+    y_label: str
+    curves: Sequence[Curve]
+    at_x: Array
+    at_y: Array | None = None
+
+    def content(self) -> dict[str, object]:
+        """As the page's script takes it."""
+        return {
+            "title": self.title,
+            "x_label": self.x_label,
+            "y_label": self.y_label,
+            "curves": [
+                {
+                    "label": curve.label,
+                    "x": _short(curve.x),
+                    "y": _short(curve.y),
+                    "colour": curve.colour,
+                }
+                for curve in self.curves
+            ],
+            "at_x": _short(self.at_x),
+            "at_y": None if self.at_y is None else _short(self.at_y),
+        }
+
+
+def _short(values: Array) -> list[float]:
+    """Numbers of seven digits: more is not seen, and makes the page larger."""
+    return [float(f"{value:.7g}") for value in values]
+
+
+def energies(
+    times: Array, parts: dict[str, Array], rows: Indices, units: Units
+) -> tuple[Diagram, Diagram]:
+    """Energies over time, and the change of their sum.
+
+    Args:
+        times: Of all states, shape (T,).
+        parts: Kinds of energy, each of shape (T,).
+        rows: Which states the page has.
+        units: For the axes.
+    """
+    at, label = times[rows], f"time [{units.time}]"
+    drawn = _drawn(len(times))
+    total = sum(parts.values(), start=0.0 * times)
+    shown = {name: values for name, values in parts.items() if values.any()}
+    curves = [
+        Curve(name, times[drawn], values[drawn], colour)
+        for colour, (name, values) in zip(COLOURS, shown.items(), strict=False)
+    ]
+    sums = Curve("total", times[drawn], total[drawn], _TOTAL)
+    change = Curve("total − start", times[drawn], (total - total[0])[drawn], _TOTAL)
+    unit = f"[{units.energy}]"
+    return (
+        Diagram("Energy", label, f"energy {unit}", [*curves, sums], at),
+        Diagram("Change of the total energy", label, f"total − start {unit}", [change], at),
+    )
+
+
+def along_a_load(displaced: Array, factors: Array, name: str, rows: Indices, unit: str) -> Diagram:
+    """Load factor over the amount of a displacement, both of all states, shape (k,)."""
+    curve = Curve("path", displaced, factors, COLOURS[0])
+    at = displaced[rows], factors[rows]
+    label = f"displacement of {name} [{unit}]"
+    return Diagram("Equilibrium path", label, "load factor", [curve], *at)
+
+
+def _drawn(count: int) -> slice:
+    """At most some thousand of the states."""
+    return slice(None, None, max(1, count // _MOST))
+
+
+_TOTAL = "#333333"
+
+_MOST = 2000
 
 _HEIGHT = 640  # of a page within a notebook, pixels
 

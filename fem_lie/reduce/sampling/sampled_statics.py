@@ -12,8 +12,7 @@ from fem_lie._arrays import Array, instance, numbers
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.reduce.basis import Basis
 from fem_lie.reduce.beside_rest import equations_of
-from fem_lie.reduce.sampling.cells_in_shapes import CellsInShapes, NodesInShapes, summed
-from fem_lie.reduce.sampling.ecsw import CellSample
+from fem_lie.reduce.sampling.ecsw import CellSample, CellsInShapes, NodesInShapes, summed
 from fem_lie.scene import Scene
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import Iterated, iterate

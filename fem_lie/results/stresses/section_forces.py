@@ -1,5 +1,11 @@
 """Section forces of beams: axial and shear forces, torques and bending moments along them.
 
+What can be asked of section forces by name: components, amounts, axial stresses.
+
+Diagrams of section forces over arc length.
+
+Section forces of beams: axial and shear forces, torques and bending moments along them.
+
 In each state of a result, at both ends and in the middle of each element::
 
     found = fl.section_forces(result, beam, scene)
@@ -26,12 +32,12 @@ import numpy as np
 from fem_lie._arrays import Array, Indices, instance
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
+from fem_lie.pictures.diagrams import COLOURS, figure_of_rows, saved
 from fem_lie.pictures.page.colours import NodalColours, at_nodes
-from fem_lie.pictures.units import SI, Units
+from fem_lie.pictures.stage import SI, Units
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.states import nodes_in, require_states, state_number
-from fem_lie.results.stresses.beam_quantities import COMPONENTS, of_forces, unit
 from fem_lie.results.stresses.element_forces import (
     ElementForces,
     in_the_middle,
@@ -41,9 +47,106 @@ from fem_lie.results.stresses.element_forces import (
 from fem_lie.scene import Scene
 from fem_lie.scene.load import StrainLoad, amplitudes
 from fem_lie.scene.scene import require_scene
+from fem_lie.sections.section import Section
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+COMPONENTS = ("N", "Vy", "Vz", "T", "My", "Mz")
+
+QUANTITIES = (*COMPONENTS, "V", "M", "stress max", "stress min")
+
+
+def of_forces(name: str, values: Array, sections: Sequence[Section]) -> Array:
+    """A quantity, shape (T, m, e).
+
+    Args:
+        name: One of :data:`QUANTITIES`: "V" and "M" are the amounts of shear and of bending.
+        values: Force and moment at e places of each element, shape (T, m, e, 6).
+        sections: Of each element.
+
+    Raises:
+        ValueError: There is no such quantity, or no such stress.
+    """
+    if name not in QUANTITIES:
+        raise ValueError(f"there is no section force {name!r}; there are: {', '.join(QUANTITIES)}")
+    if name in COMPONENTS:
+        return values[..., COMPONENTS.index(name)]
+    if name in ("V", "M"):
+        first = 1 if name == "V" else 4
+        return np.hypot(values[..., first], values[..., first + 1])
+    return outer_stress(values, sections)[..., 0 if name == "stress max" else 1]
+
+
+def outer_stress(values: Array, sections: Sequence[Section]) -> Array:
+    """Largest and smallest axial stress at the corners of the outline, shape (T, m, e, 2).
+
+    Args:
+        values: As in :func:`of_forces`.
+        sections: Of each cell, m of them.
+
+    Raises:
+        ValueError: A section has no properties or no outline.
+    """
+    cells: dict[Section, list[int]] = {}
+    for cell, section in enumerate(sections):
+        cells.setdefault(section, []).append(cell)
+    found = np.empty((*values.shape[:-1], 2))
+    for section, which in cells.items():
+        stress = values[:, which][..., [0, 4, 5]] @ section.axial_stress().T
+        found[:, which] = np.stack([stress.max(axis=-1), stress.min(axis=-1)], axis=-1)
+    return found
+
+
+def unit(name: str, units: Units) -> str:
+    """Unit of a quantity."""
+    if name in ("N", "Vy", "Vz", "V"):
+        return units.force
+    if name.startswith("stress"):
+        return f"{units.force}/{units.length}²"
+    return f"{units.force} {units.length}"
+
+
+_PALEST = 0.25
+
+_HEIGHT = 1.5  # of a diagram, inches
+
+
+def diagrams(
+    beam: Beam,
+    quantities: Sequence[tuple[str, Array]],
+    steps: Sequence[int],
+    path: str | os.PathLike[str] | None,
+    units: Units,
+) -> Figure:
+    """One diagram for each quantity, one line for each smooth piece of the beam and each state.
+
+    Pieces of a beam with kinks or branches are drawn one after the other.
+
+    Args:
+        beam: The beam; m elements.
+        quantities: Name and values at both ends of each element, shape (T, m, 2), of each.
+        steps: Which of the T states, the later the darker.
+        path: Name of the picture; saved if there is one.
+        units: For the labels.
+    """
+    figure, axes = figure_of_rows(len(quantities), f"Section forces of {beam.label}", units)
+    figure.set_size_inches(8.0, 1.2 + _HEIGHT * len(quantities))
+    chains = beam.chains
+    pieces = np.split(chains.order, chains.first[1:])
+    strengths = np.linspace(_PALEST, 1.0, len(steps)) if len(steps) > 1 else [1.0]
+    for ax, (name, values) in zip(axes, quantities, strict=True):
+        ax.axhline(0.0, color="#777777", linewidth=0.8)
+        start = 0.0
+        for number, cells in enumerate(pieces):
+            colour = COLOURS[number % len(COLOURS)]
+            for step, strength in zip(steps, strengths, strict=True):
+                along = start + chains.arc[cells].ravel()
+                ax.plot(along, values[step, cells].ravel(), color=colour, alpha=strength)
+            start += float(chains.arc[cells].max())
+        ax.set_ylabel(f"{name} [{unit(name, units)}]")
+    axes[-1].set_xlabel(f"arc length [{units.length}]")
+    return saved(figure, path)
 
 
 def section_forces(
@@ -256,8 +359,6 @@ class SectionForces:
         Raises:
             ValueError: See :meth:`raw`.
         """
-        from fem_lie.results.stresses.force_diagram import diagrams
-
         values = self.smooth if smooth else self.raw
         found = [(name, values(name)) for name in names or COMPONENTS]
         return diagrams(self.beam, found, steps, path, units)

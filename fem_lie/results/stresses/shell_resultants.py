@@ -24,20 +24,25 @@ from fem_lie._arrays import Array, instance
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.mesh.surfaces import KINK_ANGLE
 from fem_lie.pictures.page.colours import NodalColours, at_nodes
-from fem_lie.pictures.stage import Canvas
-from fem_lie.pictures.units import SI, Units
+from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.results.states import States, nodes_in, require_states, state_number
-from fem_lie.results.stresses.cell_functions import (
+from fem_lie.results.stresses.nodal_values import (
     DISCONTINUOUS,
     LAGRANGE,
     ElementMaker,
     cells_function,
     dolfinx_surface,
     quadrature,
+    unit,
 )
-from fem_lie.results.stresses.nodal_values import unit
-from fem_lie.results.stresses.shell_quantities import COMPONENTS, QUANTITIES, quantity
-from fem_lie.results.stresses.shell_stress import Along, ShellStress, StressPlaces
+from fem_lie.results.stresses.shell_stress import (
+    COMPONENTS,
+    QUANTITIES,
+    Along,
+    ShellStress,
+    StressPlaces,
+    quantity,
+)
 from fem_lie.results.stresses.shell_values import LARGEST_JUMP, ResultantValues
 
 
@@ -200,7 +205,7 @@ class Resultants(ResultantValues):
         Raises:
             ValueError: The name does not end in ``.vtu``.
         """
-        from fem_lie.pictures.vtk_grids import write_surface
+        from fem_lie.pictures.vtk import write_surface
 
         node = self.places.patches.node
         turning = self.places.jump <= LARGEST_JUMP
@@ -257,7 +262,7 @@ class Resultants(ResultantValues):
         Raises:
             ValueError: The name does not end in ``.png``; or see :meth:`smooth`.
         """
-        from fem_lie.pictures.contours import DrawnSurface, draw_values
+        from fem_lie.pictures.bodies import DrawnSurface, draw_values
 
         node, X = self.places.patches.node, self.shell.own_mesh.points
         draw_values(

@@ -33,8 +33,15 @@ from fem_lie.results.stresses.nodal_values import (
     slopes_along,
     unit,
 )
-from fem_lie.results.stresses.shell_quantities import QUANTITIES, Quantity, quantity
-from fem_lie.results.stresses.shell_stress import ShellStress, StressPlaces, in_axes, integration
+from fem_lie.results.stresses.shell_stress import (
+    QUANTITIES,
+    Quantity,
+    ShellStress,
+    StressPlaces,
+    in_axes,
+    integration,
+    quantity,
+)
 
 LARGEST_JUMP = 0.5 * KINK_ANGLE  # of axes, from their mean
 

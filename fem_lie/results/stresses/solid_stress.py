@@ -15,8 +15,7 @@ from fem_lie.bodies.solids.solid import Solid
 from fem_lie.elements.solids.element import QUADRATURE, cellwise
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.mesh.shapes import nodes_of, rule, tabulated
-from fem_lie.pictures.stage import Canvas
-from fem_lie.pictures.units import SI, Units
+from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.results.states import Located, nodes_in, require_states, state_number
 
 _PARTS = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
@@ -109,7 +108,7 @@ class SolidStresses:
         Raises:
             ValueError: The name does not end in ``.vtu``.
         """
-        from fem_lie.pictures.vtk_grids import write_volume
+        from fem_lie.pictures.vtk import write_volume
 
         data = {
             "displacement": self.displacement,
@@ -138,7 +137,7 @@ class SolidStresses:
         Raises:
             ValueError: The name does not end in ``.png``, or there is no such quantity.
         """
-        from fem_lie.pictures.contours import DrawnSurface, draw_values
+        from fem_lie.pictures.bodies import DrawnSurface, draw_values
 
         skin = self.solid.skin
         draw_values(

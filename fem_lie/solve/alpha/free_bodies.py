@@ -25,12 +25,11 @@ from fem_lie.lie.kinds import all_from_local, move_all
 from fem_lie.results import Result
 from fem_lie.results.record import BOOKED, Record, with_others
 from fem_lie.scene.load import amplitudes
-from fem_lie.solve.alpha.free_impacts import FreeImpacts, Interval
-from fem_lie.solve.alpha.free_scene import packed_bodies, packed_loads
+from fem_lie.solve.alpha.free_impacts import FreeImpacts, Interval, packed_bodies, packed_loads
 from fem_lie.solve.alpha.options import DAMPED, Options
 from fem_lie.solve.alpha.step import free_steps
 from fem_lie.solve.alpha.step import node as scheme
-from fem_lie.solve.alpha.step.free_records import (
+from fem_lie.solve.alpha.step.free_body import (
     BEYOND,
     BODY,
     FEWEST,
@@ -40,7 +39,7 @@ from fem_lie.solve.alpha.step.free_records import (
     Plan,
     State,
 )
-from fem_lie.solve.alpha.step.free_records import Options as Iteration
+from fem_lie.solve.alpha.step.free_body import Options as Iteration
 from fem_lie.solve.convergence import failure
 from fem_lie.solve.motion.integration import Divided
 from fem_lie.solve.recording.checkpoints import Checkpoints

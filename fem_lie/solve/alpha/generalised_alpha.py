@@ -20,12 +20,12 @@ from typing import Any
 from fem_lie.lie.motions import Parametrisation
 from fem_lie.scene import Scene
 from fem_lie.solve.alpha import free_bodies
-from fem_lie.solve.alpha.free_scene import applies
+from fem_lie.solve.alpha.free_impacts import applies
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.variable import AlphaSteps
-from fem_lie.solve.impacts.refused import refuse_impacts
-from fem_lie.solve.motion.driver import Driver
+from fem_lie.solve.impacts.step_end import refuse_impacts
+from fem_lie.solve.motion.integration import Driver
 from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.motion.variable_steps import Stepper
 from fem_lie.solve.recording.plan import ChosenSteps

@@ -12,11 +12,18 @@ import numpy as np
 
 from fem_lie.lie.kinds import twists
 from fem_lie.solve.alpha.run_state import RunState
-from fem_lie.solve.alpha.step.loop import allowed, settled_ratio
+from fem_lie.solve.alpha.step.loop import (
+    INCREMENT,
+    ITERATION,
+    MOTION,
+    NOW,
+    RATIO,
+    allowed,
+    settled_ratio,
+)
 from fem_lie.solve.alpha.step.nodes import accept, change_velocities, correct, predict
-from fem_lie.solve.alpha.step.records import INCREMENT, ITERATION, MOTION, NOW, RATIO
 from fem_lie.solve.convergence import Verdict
-from fem_lie.solve.impacts.projection import project
+from fem_lie.solve.impacts.impulses import project
 from fem_lie.solve.impacts.step_end import StepEnd
 from fem_lie.solve.iteration import Iterated, LinearRate, iterate
 from fem_lie.solve.motion.policies import Decisions

@@ -30,7 +30,7 @@ class Index(IntEnum):
     """Which constraints hold at the end of each step, to the tolerance of the iteration.
 
     ``THREE``: those of positions; velocities satisfy them to second order. ``STABILISED_TWO``:
-    velocities, too, see :mod:`fem_lie.solve.impacts.projection`.
+    velocities, too, see :mod:`fem_lie.solve.impacts.impulses`.
     """
 
     THREE = 3

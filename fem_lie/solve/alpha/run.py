@@ -23,8 +23,7 @@ from fem_lie.results.record import with_others
 from fem_lie.solve.alpha.newton import Newton
 from fem_lie.solve.alpha.options import DAMPED, Options
 from fem_lie.solve.alpha.step import loop
-from fem_lie.solve.alpha.step.nodes import WRITTEN
-from fem_lie.solve.alpha.step.records import (
+from fem_lie.solve.alpha.step.loop import (
     BETWEEN,
     INCREMENT,
     ITERATION,
@@ -40,6 +39,7 @@ from fem_lie.solve.alpha.step.records import (
     PlainSteps,
     Steps,
 )
+from fem_lie.solve.alpha.step.nodes import WRITTEN
 from fem_lie.solve.convergence import failure
 from fem_lie.solve.impacts.settle import CoupledContacts
 from fem_lie.solve.impacts.step_end import Factors, Rule, StepEnd

@@ -16,9 +16,9 @@ from fem_lie.linear.low_rank import MOST
 from fem_lie.solve.alpha.options import DAMPED, Components, Index, Options
 from fem_lie.solve.alpha.staleness import back_to_local, staleness
 from fem_lie.solve.alpha.start import set_start
+from fem_lie.solve.alpha.step.loop import COUNTERS, INCREMENT, ITERATION, NUMBERS, RATIO, STEP
 from fem_lie.solve.alpha.step.node import parameters
 from fem_lie.solve.alpha.step.nodes import State, accept, correct, extrapolate, predict
-from fem_lie.solve.alpha.step.records import COUNTERS, INCREMENT, ITERATION, NUMBERS, RATIO, STEP
 from fem_lie.solve.convergence import (
     constraint_scaling,
     estimate,

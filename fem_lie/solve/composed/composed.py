@@ -1,7 +1,7 @@
 r"""A scheme of fourth order that conserves what the scheme in it conserves.
 
 Each step is made of steps of another scheme, some of which go back in time
-(:mod:`fem_lie.solve.composed.compositions`). What each of them keeps to round-off, energy, momentum
+(:mod:`fem_lie.solve.composed.parts`). What each of them keeps to round-off, energy, momentum
 and angular momentum, all of them keep, whatever their sizes and signs; joints hold at the end of
 each. Configurations and velocities are of fourth order, and so are joint forces and reactions,
 which are those of the equations of motion at the ends of steps; but what drives and prescribed
@@ -24,8 +24,8 @@ import numpy as np
 from fem_lie._arrays import instance
 from fem_lie.joints.equations.table import joint_table
 from fem_lie.scene import Scene
-from fem_lie.solve.composed.compositions import Composition, FiveStages
 from fem_lie.solve.composed.momentum_parts import MomentumRun
+from fem_lie.solve.composed.parts import Composition, FiveStages
 from fem_lie.solve.composed.run import ComposedRun
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
 from fem_lie.solve.motion.integration import Integration

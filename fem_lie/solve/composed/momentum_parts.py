@@ -1,8 +1,12 @@
-r"""Parts of composed steps of the variational scheme, and a run of them.
+"""Sub-steps of the variational scheme: one by one, and all in one compiled loop.
+
+All parts of composed steps in one compiled loop, as long as the kept matrices will do.
+
+Parts of composed steps of the variational scheme, and a run of them.
 
 Between parts there are frames and momenta. Of the latter only what constraints allow counts, and
 what a part makes of it is symmetric and near the identity, so that parts need not be halved as
-those of the conserving scheme (:mod:`.compositions`).
+those of the conserving scheme (:mod:`.parts`).
 """
 
 from __future__ import annotations
@@ -11,9 +15,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, linked
 from fem_lie._state import attributes, put_back, saved
+from fem_lie.linear.factors import PlainFactors
 from fem_lie.results import Result
+from fem_lie.solve.conserving.step import loop
+from fem_lie.solve.conserving.step.corrections import STEPS
+from fem_lie.solve.conserving.step.packing import PackedModel, state_of
 from fem_lie.solve.convergence import failure
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.recording.checkpoints import Checkpoints
@@ -24,7 +33,68 @@ from fem_lie.solve.variational.run import VariationalRun
 from fem_lie.solve.variational.run_state import Options
 from fem_lie.system.equations import Equations
 
+MADE, PART, SIZE = 0, 1, 2
+
+"""Of ``place``: whole steps made, parts of the present one, and the size for which the state is."""
+
+
+@compiled
+def resize(carry: Array, before: float, h: float) -> None:
+    """What round-off has left over is an impulse: as a force it depends on the size of the step."""
+    ratio = before / h
+    for i in range(carry.shape[0]):
+        for k in range(carry.shape[1]):
+            carry[i, k] *= ratio
+
+
+@linked
+def run(
+    models: tuple[PackedModel, PackedModel],
+    starts: Indices,
+    steps: Indices,
+    factors: tuple[PlainFactors, PlainFactors],
+    options: tuple[float, int, int, float, float],
+    counters: Indices,
+    numbers: Array,
+    sizes: tuple[Array, Indices],
+    place: Indices,
+    last: int,
+) -> int:
+    """Go on until step ``last``, or until a part wants a new matrix or fails.
+
+    Args:
+        models: Of each of the two sizes of parts, see
+            :class:`~fem_lie.solve.conserving.step.packing.Packed`.
+        starts: The state.
+        steps: The present part.
+        factors: Of the matrix of each size.
+        options: See :func:`fem_lie.solve.conserving.step.loop.run`.
+        counters: Of each size, (2, 8), updated.
+        numbers: Of each size, (2, 11), updated.
+        sizes: Both, and which of them each part has, (2,) and (parts,).
+        place: Where the run is, (3,), see :data:`MADE`; updated.
+        last: Whole steps to be made.
+    """
+    h, order = sizes
+    while place[MADE] < last:
+        while place[PART] < order.shape[0]:
+            k = order[place[PART]]
+            if place[SIZE] != k:
+                resize(state_of(starts).carry, h[place[SIZE]], h[k])
+                place[SIZE] = k
+            to = counters[k, STEPS] + 1
+            given = starts, steps, factors[k], options
+            code = loop.run(models[k], *given, counters[k], numbers[k], to)
+            if code != loop.DONE:
+                return code
+            place[PART] += 1
+        place[PART] = 0
+        place[MADE] += 1
+    return loop.DONE
+
+
 _SHARED = "H", "rest", "steps", "before", "gap", "books", "weights", "earlier"
+
 """The state of all parts."""
 
 
@@ -134,6 +204,7 @@ class MomentumPart(VariationalRun):
 
 
 _OWN = "_made", "twists", "rows"
+
 """What steps change of the part that makes them."""
 
 

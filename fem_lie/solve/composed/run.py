@@ -9,8 +9,8 @@ from fem_lie._state import attributes, put_back, saved
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.results import Result
 from fem_lie.results.record import Record
-from fem_lie.solve.composed import stages
-from fem_lie.solve.composed.part import Part
+from fem_lie.solve.composed import momentum_parts
+from fem_lie.solve.composed.parts import Part
 from fem_lie.solve.conserving.run_state import PREFIX, Options
 from fem_lie.solve.conserving.step import corrections, loop
 from fem_lie.solve.convergence import failure
@@ -80,7 +80,7 @@ class ComposedRun(DividedIntegration[History]):
     @property
     def index(self) -> int:
         """See the base class."""
-        return int(self._place[stages.MADE])
+        return int(self._place[momentum_parts.MADE])
 
     # --- steps ---
 
@@ -117,13 +117,13 @@ class ComposedRun(DividedIntegration[History]):
 
     def _what_is_left(self) -> tuple[int, float, float]:
         """The part that fails, counted from 1, its last increment and largest residual."""
-        part = self._parts[self._place[stages.SIZE]]
+        part = self._parts[self._place[momentum_parts.SIZE]]
         increment, left = part.numbers[corrections.INCREMENT], np.abs(part.this.r[0]).max()
-        return int(self._place[stages.PART]) + 1, float(increment), float(left)
+        return int(self._place[momentum_parts.PART]) + 1, float(increment), float(left)
 
     def attempt(self, start: float, end: float) -> bool:
         """See the base class."""
-        self._place[stages.MADE], self._start = self.begun, start
+        self._place[momentum_parts.MADE], self._start = self.begun, start
         return self._failed_at(self.begun + 1) is None
 
     def resize(self, time: float, size: float) -> None:
@@ -144,7 +144,7 @@ class ComposedRun(DividedIntegration[History]):
         """Go on to step ``last``, or to the end of a part that wants something."""
         first, other = self._parts
         assert first.factors is not None and other.factors is not None
-        code = stages.run(
+        code = momentum_parts.run(
             (first.compiled_model, other.compiled_model),
             *first.compiled_state,
             (first.factors, other.factors),
@@ -157,31 +157,31 @@ class ComposedRun(DividedIntegration[History]):
         )
         if code == loop.DONE:
             return True
-        part = self._parts[self._order[self._place[stages.PART]]]
+        part = self._parts[self._order[self._place[momentum_parts.PART]]]
         return self._passed(part.go_on(code, *self._span()))
 
     def _one_part(self) -> bool:
         """Make the next part; whether it is made."""
         place = self._place
-        k = int(self._order[place[stages.PART]])
-        part, before = self._parts[k], self._parts[place[stages.SIZE]]
-        if place[stages.SIZE] != k:
-            stages.resize(part.s.carry, before.h, part.h)
-            place[stages.SIZE] = k
+        k = int(self._order[place[momentum_parts.PART]])
+        part, before = self._parts[k], self._parts[place[momentum_parts.SIZE]]
+        if place[momentum_parts.SIZE] != k:
+            momentum_parts.resize(part.s.carry, before.h, part.h)
+            place[momentum_parts.SIZE] = k
         return self._passed(part.make(*self._span()))
 
     def _passed(self, made: bool) -> bool:
         place = self._place
         if made:
-            place[stages.PART] += 1
-            if place[stages.PART] == len(self._order):
-                place[stages.PART] = 0
-                place[stages.MADE] += 1
+            place[momentum_parts.PART] += 1
+            if place[momentum_parts.PART] == len(self._order):
+                place[momentum_parts.PART] = 0
+                place[momentum_parts.MADE] += 1
         return made
 
     def _span(self) -> tuple[float, float]:
         """Start and end of the present part."""
-        k = int(self._place[stages.PART])
+        k = int(self._place[momentum_parts.PART])
         ends = self._ends[k : k + 2]
         if self.division.level:
             start, end = self._start + ends * self.part_size

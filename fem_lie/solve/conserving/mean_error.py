@@ -1,7 +1,7 @@
 """How wrong one step of a conserving scheme is, from what the step itself has computed.
 
 In ``q = (x, d₁, d₂, d₃)`` these schemes are the trapezoidal rule. With the mean acceleration
-``A = (V₁ − V)/h`` and ``g`` what dissipation adds to the mean velocity (:mod:`.filtered`)::
+``A = (V₁ − V)/h`` and ``g`` what dissipation adds to the mean velocity::
 
     q(exact) − q₁ = h²/12 (q̈ − q̈₁) − h g + O(h⁴)
 
@@ -13,7 +13,7 @@ with ``A``, in one frame::
     M d̃ = h²/12 (ρ₁ − ρ) − h Lᵀ G g          ρ = Lᵀ G A − forces + Bᵀ λ
 
 with the joint forces λ of the step: what they lack is across the joints. Nothing of the step before
-is needed, and a load that jumps within the step is seen by it. As in :mod:`.time_error`, one
+is needed, and a load that jumps within the step is seen by it. As in generalised-α, one
 solution with the kept factors makes the error of the defect::
 
     S e + Bᵀ μ = m M d̃          B e = 0
@@ -36,7 +36,7 @@ from fem_lie.lie.kinds.kind import axes
 from fem_lie.lie.tuples import load, rotate, rotate_back
 from fem_lie.solve.conserving.between.floating import PackedBodies
 from fem_lie.solve.conserving.between.product_rows import accelerations, add_inertia
-from fem_lie.solve.motion.step_error import StepError, largest
+from fem_lie.solve.motion.step_log import StepError, largest
 from fem_lie.system.equations import Instant
 
 if TYPE_CHECKING:

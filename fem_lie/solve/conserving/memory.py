@@ -13,11 +13,11 @@ from fem_lie.forms.cell_forms import FormTable, each_cell, joined
 from fem_lie.forms.cells import Cells
 from fem_lie.forms.term import Term
 from fem_lie.lie.kinds import SLOPE
+from fem_lie.solve.conserving.between.end_forces import Pushes
 from fem_lie.solve.conserving.between.floating import packed_bodies
 from fem_lie.solve.conserving.between.product_rows import inertia_with_products, product_weights
-from fem_lie.solve.conserving.between.pushes import Pushes
+from fem_lie.solve.conserving.rows.changes import measure_cells
 from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
-from fem_lie.solve.conserving.rows.measure import measure_cells
 from fem_lie.solve.conserving.step.records import (
     OUTSIDE,
     Leaders,
@@ -33,7 +33,7 @@ from fem_lie.solve.conserving.step.records import (
 from fem_lie.solve.conserving.step.series import DENSE, WHOLE
 from fem_lie.solve.convergence import unknown_scaling
 from fem_lie.system.equations import Equations
-from fem_lie.system.nodes.loads import Loads
+from fem_lie.system.nodes.masses import Loads
 
 _LIGHT = 1e-12
 """Moment of inertia over the largest one of a node that is none."""

@@ -13,7 +13,7 @@ from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.results import Result
 from fem_lie.results.record import Record
-from fem_lie.solve.conserving import stretch
+from fem_lie.solve.conserving import steps
 from fem_lie.solve.conserving.between.any_node import twists
 from fem_lie.solve.conserving.between.end_forces import at_end, rates_at_end
 from fem_lie.solve.conserving.run_state import PREFIX
@@ -92,20 +92,20 @@ class Run(Steps):
             assert self._factors is not None
             kept = self._factors.plain, given, self.counters, self.numbers
             how = *kept, results, supports, place, last
-            code = stretch.run(packed.model, packed.state, packed.step, *how)
+            code = steps.run(packed.model, packed.state, packed.step, *how)
             self._outside.check()
             if code == loop.MATRIX and not self._renewed():
                 code = loop.FAILED
-        filled = int(place[stretch.WANTED])
+        filled = int(place[steps.WANTED])
         self._kept = int(wanted[filled - 1]) if filled else -1
-        history.row, history.turns_far = int(place[stretch.ROW]), bool(place[stretch.NEAR])
+        history.row, history.turns_far = int(place[steps.ROW]), bool(place[steps.NEAR])
         if code == loop.LOST:
             code = self._go_anew()
         if code == loop.DONE or (self._rescues and self._rescued()):
             return True
         return self.divides and self._divide()
 
-    def _supports(self, history: History) -> stretch.PlainSupports:
+    def _supports(self, history: History) -> steps.PlainSupports:
         """Supports whose reactions the compiled loop fills in."""
         unknowns, tables = self.equations.unknowns, self.equations.tables
         wanted = self._held and Record.FORCES in history.filled
@@ -113,7 +113,7 @@ class Run(Steps):
         table = np.empty((0, 5), dtype=np.int64) if self._table is None else self._table
         ones = np.ones(unknowns.m)
         held = unknowns.held, unknowns.supported
-        return (*stretch.Supports(table, tables.turning, *held, rows, ones),)
+        return (*steps.Supports(table, tables.turning, *held, rows, ones),)
 
     @property
     def _table(self) -> Indices | None:

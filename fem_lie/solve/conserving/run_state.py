@@ -18,9 +18,8 @@ from fem_lie.lie.kinds import SLOPE, follow_all, push_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.solve.conserving.between.any_node import span_from_python, spatial_rates, twists
+from fem_lie.solve.conserving.between.cayley import Turning, half_way
 from fem_lie.solve.conserving.between.product_rows import product_rates, stored_energies
-from fem_lie.solve.conserving.between.screws import half_way
-from fem_lie.solve.conserving.between.turning import Turning
 from fem_lie.solve.conserving.memory import (
     assemblies_of_frames,
     cells_of_rows,

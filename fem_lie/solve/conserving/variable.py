@@ -30,7 +30,7 @@ from fem_lie.solve.conserving.step import corrections
 from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
 from fem_lie.solve.motion.consistent import accelerations, allowed_velocities
 from fem_lie.solve.motion.growing import GrowingHistory
-from fem_lie.solve.motion.step_error import StepError
+from fem_lie.solve.motion.step_log import StepError
 from fem_lie.solve.motion.variable_steps import side
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import ChosenSteps

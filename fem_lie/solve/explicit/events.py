@@ -16,7 +16,7 @@ from fem_lie._jit import compiled, inlined
 from fem_lie._jit.stack import stack
 from fem_lie.forms.cell_forms import CELLS, FIRST, NODES
 from fem_lie.lie.tuples import combined, load, load_row, rotate, store_row
-from fem_lie.solve.explicit.single_cells import cell_forces, room_for
+from fem_lie.solve.explicit.loop import cell_forces, room_for
 
 
 class Flight(NamedTuple):

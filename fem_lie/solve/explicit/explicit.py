@@ -1,4 +1,8 @@
-r"""Explicit steps on the group: no equations are solved, and steps are as small as the cells ask.
+"""Explicit steps on the group with lumped inertia: the scheme, and a run of it.
+
+A run of explicit steps: the compiled loop, results, books and checkpoints.
+
+Explicit steps on the group: no equations are solved, and steps are as small as the cells ask.
 
 Inertia is lumped: each node has its own, and momenta are its own (:mod:`.nodes`). A step is::
 
@@ -20,18 +24,264 @@ back to Python.
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 
 import numpy as np
 
+from fem_lie._arrays import Array, Indices
+from fem_lie._state import attributes
+from fem_lie.forms.cell_forms import NO_ROWS
+from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.joints.equations.table import joint_table
+from fem_lie.lie.kinds import CROSSING, SURFACE
 from fem_lie.lie.motions import Group
+from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
-from fem_lie.solve.explicit.run import ExplicitRun, limit_of
-from fem_lie.solve.explicit.stable import masses_of, node_name, refuse_floating
+from fem_lie.solve.explicit import loop, nodes
+from fem_lie.solve.explicit.joints import Joints
+from fem_lie.solve.explicit.stable import (
+    StableStep,
+    damping_rates,
+    masses_of,
+    node_name,
+    refuse_floating,
+    stable_step,
+)
+from fem_lie.solve.motion.consistent import check_velocities
+from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.integrator import Integrator, refuse
-from fem_lie.system.equations import Equations
+from fem_lie.solve.motion.policies import Never
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.plan import EqualSteps
+from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.system.equations import Equations, Instant
+
+_log = logging.getLogger(__name__)
+
+_AT_A_TIME = 20_000_000
+
+"""Steps times unknowns, a second or so, after which the loop comes back to be interrupted."""
+
+_NOWHERE: Indices = np.empty((0, 5), dtype=np.int64)
+
+_CELLS = slice(10, 12)
+
+"""In the table of :func:`~fem_lie.system.nodes.sums.residual`: forms of cells, and their nodes."""
+
+
+class ExplicitRun(Integration[Recorder]):
+    """One integration.
+
+    Between steps there are frames and momenta, both at the same time, and the forces there.
+    """
+
+    STATE = attributes("H", "p", "v", "r", "reaction", "counters", "_joints", "books")
+
+    def __init__(
+        self, equations: Equations, step: float, masses: nodes.Masses, limit: StableStep
+    ) -> None:
+        """Allocate everything; nothing is computed yet.
+
+        Args:
+            equations: Of the scene, with lumped inertia.
+            step: Step size.
+            masses: Of its nodes.
+            limit: The largest stable step at the start.
+        """
+        super().__init__(Never(), equations, step)
+        self.carried = equations.memory
+        unknowns, known = equations.unknowns, equations.tables
+        n = unknowns.moving
+        self.masses, self.limit, self._n = masses, limit, n
+        self._changing = unknowns.time_dependent
+        self.H, self.p, self.v = equations.start.frames.copy(), np.zeros((n, 6)), np.zeros((n, 6))
+        m = unknowns.m
+        self._rest, self._none, self._one = np.zeros((n, 6)), np.zeros(m), np.ones(m)
+        self._decay = np.exp(-0.5 * step * damping_rates(equations, masses))
+        self._joints = Joints(equations, masses, self._decay) if m else None
+        self.r, self.reaction = np.zeros(unknowns.size), np.zeros(6)
+        self.books = equations.books()
+        self._forces = equations.residual(self._instant, self._one, self.r)
+        supports = np.flatnonzero(known.supported.any(axis=1))
+        books, table = self.books, self._forces.table
+        self._summed = known.in_one_sum and table is not None and not m
+        self._supported = len(supports) > 0
+        # points whose axes are those of what is around them; cables have the tangent for theirs
+        self._follows = bool(np.isin(masses.kinds, (SURFACE, CROSSING)).any())
+        self._remembers = any(term.passage or term.path for term in known.terms)
+        self.counters = np.zeros(2, dtype=np.int64)
+        others = _NOWHERE if table is None else table.copy()
+        # the loop sums cells by itself
+        others[_CELLS, 1] = 0
+        packed = loop.Packed(
+            masses,
+            self.H,
+            self.p,
+            self.v,
+            self._rest,
+            self._none,
+            self.r,
+            np.flatnonzero(unknowns.held),
+            (supports, known.supported[supports].astype(np.int64)),
+            self.reaction,
+            others,
+            books.table,
+            books.total,
+            self.counters,
+            self._decay,
+            NO_ROWS,
+            NO_ROWS[:, 0].copy(),
+        )
+        self._packed = FixedArrays(packed.arrays)
+        if table is not None:
+            self._packed.table[-2:] = table[_CELLS]
+
+    @property
+    def _booked(self) -> bool:
+        """Whether the compiled loop books all but what holds nodes."""
+        books = self.books
+        return not books.empty and books.compiled_but_held and self._summed
+
+    @property
+    def _how(self) -> loop.PlainSteps:
+        looks = self.books.looks
+        return (*loop.Steps(self.h, self._summed, self._booked, self._supported, *looks),)
+
+    @property
+    def _most(self) -> int:
+        """Steps at a time."""
+        return 1 if self._changing or self._looks else max(1, _AT_A_TIME // (6 * self._n))
+
+    @property
+    def _looks(self) -> bool:
+        """Whether books have to be asked after each step."""
+        return not self.books.empty and not self._booked
+
+    @property
+    def _instant(self) -> Instant:
+        """At rest: forces depend on places alone."""
+        return Instant(self.H, self._rest, self._rest, self._none)
+
+    def history(
+        self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
+    ) -> Recorder:
+        """See the base class."""
+        if not plan.saving.booked:
+            self.books.rest()
+        return Recorder(self.equations, plan, progress, store)
+
+    @property
+    def frames(self) -> Array:
+        """See the base class."""
+        return self.H
+
+    @property
+    def index(self) -> int:
+        """See the base class."""
+        return int(self.counters[loop.STEP])
+
+    def start(self) -> None:
+        """See the base class."""
+        if self._joints is not None:
+            check_velocities(self.equations, self.h)
+        nodes.momenta((*self.masses,), self.H, self.equations.start.velocities, self.p)
+        nodes.twists((*self.masses,), self.H, self.p, self.v)
+        self.books.open(0.0, *self._moving)
+        if self._booked:
+            # without what holds nodes, which is booked by itself
+            loop.look(self._packed.table, self._how, 0.0)
+        if self._how[1]:
+            loop.weigh(self._packed.table, self._booked)
+        else:
+            self.equations.residual(self._instant, self._one, self.r, self._forces)
+
+    @property
+    def _moving(self) -> Instant:
+        if self._joints is None:
+            return Instant(self.H, self.v, self._rest, self._none)
+        return Instant(self.H, self.v, *self._joints.forces(self.H, self.v))
+
+    # --- steps ---
+
+    def _advance(self, history: Recorder) -> bool:
+        index = self.index
+        last = min(history.next_stop(index), index + self._most)
+        if self._changing:
+            self.equations.prescribed((index + 1) * self.h).act()
+        if self._joints is not None:
+            return self._joined(self._joints)
+        how, start = self._how, self.H.copy()
+        while loop.run(self._packed.table, how, last) == loop.RESIDUAL:
+            self.equations.residual(self._instant, self._one, self.r, self._forces)
+            if self._remembers:
+                if not self._remembered(start):
+                    return False
+                start[:] = self.H
+        if not np.isfinite(self.p).all():
+            return False
+        self._look()
+        return True
+
+    def _look(self) -> None:
+        if self._looks:
+            nodes.twists((*self.masses,), self.H, self.p, self.v)
+            self.books.add(self.h, self.index * self.h, *self._moving)
+
+    def _joined(self, joints: Joints) -> bool:
+        """The next step, with joints; whether it is made."""
+        self.counters[loop.STEP] += 1
+        start = self.H.copy()
+        if not joints.step(self.h, self.H, self.p, self.r) or not self._remembered(start):
+            return False
+        self._look()
+        return True
+
+    def _failure(self, steps: int) -> str:
+        if self.reason:
+            return self._because("", steps, self.index)
+        if self._joints is not None and np.isfinite(self.p).all():
+            return (
+                f"step {self.index} of {steps} (h = {self.h:g}) failed: joints were left open by "
+                f"{self._joints.left:.2g} of the model; try a smaller step"
+            )
+        return (
+            f"step {self.index} of {steps} (h = {self.h:g}) failed: numbers are not finite. At the "
+            f"start steps up to {self.limit.step:.4g} were stable; a scene that becomes stiffer "
+            "wants smaller ones"
+        )
+
+    # --- results ---
+
+    def _record(self, history: Recorder) -> bool:
+        history.show_progress(self.index)
+        wanted = history.wants(self.index)
+        if wanted:
+            if self._follows:
+                self._turn_axes()
+            nodes.twists((*self.masses,), self.H, self.p, self.v)
+            history.count = self.index
+            history.fill(self.index * self.h, *self._moving, self.books.total)
+        return wanted
+
+    def _turn_axes(self) -> None:
+        """Let the axes of points follow them, and write forces along the new ones."""
+        before = self.H.copy()
+        self.equations.memory.turn_axes(self.H)
+        nodes.write_in_new_axes(self.masses.kinds, before, self.H, self.r)
+        if self._joints is not None:
+            self._joints.restart()
+
+    def _result(self, history: Recorder) -> Result:
+        return history.result(0, history.seconds)
+
+
+def limit_of(equations: Equations, masses: nodes.Masses) -> StableStep:
+    """The largest stable step at the start; it is logged."""
+    limit = stable_step(equations, masses, equations.start.frames)
+    _log.info("the largest stable step is %.4g", limit.step)
+    return limit
 
 
 @dataclass(frozen=True)

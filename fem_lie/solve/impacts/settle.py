@@ -14,7 +14,7 @@ that there is one dense matrix for all of them. What differs:
   without contacts.
 
 Restitution is by Newton's law at the times of impacts, and less where a step would gain energy by
-it (:mod:`.guard`); forces of closed contacts are along the mean of their rows at both ends.
+it (:mod:`.bounds`); forces of closed contacts are along the mean of their rows at both ends.
 """
 
 from __future__ import annotations
@@ -38,13 +38,10 @@ from fem_lie.contact.impact.records import (
 )
 from fem_lie.contact.impact.rows import choose_axes, set_ahead
 from fem_lie.forms.abilities import PassedThroughError
-from fem_lie.solve.impacts.bounds import Chosen, bounds_of
+from fem_lie.solve.impacts.bounds import Chosen, allowed_part, bounds_of
 from fem_lie.solve.impacts.delassus import Delassus
-from fem_lie.solve.impacts.guard import allowed_part
-from fem_lie.solve.impacts.history import ContactHistory, Last
-from fem_lie.solve.impacts.positions import Aims, Moved
-from fem_lie.solve.impacts.step_end import Changed, Factors, Rule, StepEnd
-from fem_lie.solve.impacts.velocities import CoupledVelocities
+from fem_lie.solve.impacts.end_state import Aims, CoupledVelocities, Moved
+from fem_lie.solve.impacts.step_end import Changed, ContactHistory, Factors, Last, Rule, StepEnd
 from fem_lie.system.equations import Equations, Instant
 
 _NOTHING = Last.nothing()

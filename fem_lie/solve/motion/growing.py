@@ -10,9 +10,8 @@ from tqdm import tqdm
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.solve.recording.checkpoints import Checkpoints
-from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps
+from fem_lie.solve.recording.plan import NEAR, ChosenSteps, EqualSteps
 from fem_lie.solve.recording.recorder import History, Recorder
-from fem_lie.solve.recording.saving import NEAR
 from fem_lie.system.equations import Equations
 
 _ROWS = 256

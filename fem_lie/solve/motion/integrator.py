@@ -20,13 +20,12 @@ from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
-from fem_lie.solve.motion.driver import Driver
+from fem_lie.solve.motion.integration import Driver
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.motion.variable_steps import ORDER, Stepper, VariableSteps, events
 from fem_lie.solve.recording.checkpoints import Checkpoints, require_files
 from fem_lie.solve.recording.fingerprint import Fingerprint
-from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan
-from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan, Saving
 from fem_lie.solve.step_control import ConstantStep, Control, StepChoice
 from fem_lie.system.equations import Equations
 

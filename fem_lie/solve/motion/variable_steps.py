@@ -18,10 +18,9 @@ from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.histories import declared
 from fem_lie.results import Result
 from fem_lie.scene import Scene
-from fem_lie.solve.motion.driver import Driver
 from fem_lie.solve.motion.growing import Growing
-from fem_lie.solve.motion.step_error import StepError, largest_gaps
-from fem_lie.solve.motion.step_log import StepLog
+from fem_lie.solve.motion.integration import Driver
+from fem_lie.solve.motion.step_log import StepError, StepLog, largest_gaps
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import ChosenSteps
 from fem_lie.solve.step_control import SAME, Control
@@ -103,7 +102,7 @@ class Stepper(Protocol[Kept]):
 
     @abstractmethod
     def recorder(self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None) -> Any:
-        """Where results go, a ``Kept``; see :class:`~fem_lie.solve.motion.driver.Driver`."""
+        """Where results go, a ``Kept``; see :class:`~fem_lie.solve.motion.integration.Driver`."""
 
     @abstractmethod
     def leave_books(self) -> None:

@@ -1,4 +1,9 @@
-"""Multipliers between bodies with steps of their own: found by trying whole steps."""
+"""Multipliers between bodies with steps of their own, by a fixed point that is accelerated.
+
+Next guesses of a fixed point from the last ones (Anderson, J. ACM 12 (1965) 547).
+
+Multipliers between bodies with steps of their own: found by trying whole steps.
+"""
 
 from __future__ import annotations
 
@@ -7,23 +12,62 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._state import Stateful, attributes
 from fem_lie.solve.convergence import constraint_scaling
-from fem_lie.solve.multirate.domain import Domain
-from fem_lie.solve.multirate.interface import joined
-from fem_lie.solve.multirate.mixing import Mixed
-from fem_lie.solve.multirate.split import rows_of
+from fem_lie.solve.multirate.domain import Domain, joined, rows_of
 from fem_lie.system.equations import Equations
 
+
+class Mixed:
+    """Guesses of ``x = F(x)``, and what ``F`` made of them."""
+
+    def __init__(self, depth: int) -> None:
+        """Nothing is known yet.
+
+        Args:
+            depth: How many of the last guesses count.
+        """
+        self._depth = depth
+        self._given: list[Array] = []
+        self._found: list[Array] = []
+
+    def next(self, given: Array, found: Array) -> Array:
+        """The guess after ``given``, of which ``found`` was made, both (k,).
+
+        It is that at which the changes from guess to guess, taken as linear, leave the least over.
+        """
+        self._given, self._found = (
+            [*kept, new][-self._depth - 1 :]
+            for kept, new in ((self._given, given), (self._found, found))
+        )
+        if len(self._given) < 2:
+            return found
+        left = found - given
+        made = np.diff(np.array(self._found), axis=0).T
+        change = made - np.diff(np.array(self._given), axis=0).T
+        share = np.linalg.lstsq(change, left, rcond=1e-12)[0]
+        return np.asarray(found - made @ share)
+
+
 _FIRST, _TRIED = 1e-10, 1e-8
+
 """Motion, over the model, by which the response to multipliers is found: of all of its mass at
 first, then that of the joints."""
+
 _SETTLED, _FALLS = 1e-12, 0.5
+
 """Violations, over the model, that are round-off if they do not fall by the second."""
+
 _FINE = 5e-15
+
 _DEPTH = 6
+
 """Tries from which the next one is made."""
+
 _RENEWED = 12
+
 """Tries of a step after which the response is found anew."""
+
 _IN_VAIN = 2 * _RENEWED
+
 """Tries in which violations do not halve, after which a step has failed."""
 
 

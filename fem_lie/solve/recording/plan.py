@@ -1,4 +1,9 @@
-"""What a run is to do: to which time, by which steps, and what is kept of it."""
+"""What a run is to do and to keep: end time, steps, states and quantities.
+
+Which states a run keeps, after every so many steps or at given times, and what of them.
+
+What a run is to do: to which time, by which steps, and what is kept of it.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +13,117 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from fem_lie._arrays import Array
-from fem_lie.results.record import Record
-from fem_lie.solve.recording.saving import Saving
+from fem_lie._arrays import MOST, Array, Indices, instance, whole
+from fem_lie.results.record import BOOKED, Record
 from fem_lie.solve.step_control import StepChoice, described, step_choice
 
+NEAR = 1e-9
+
+"""Part of a step within which two times are the same."""
+
+
+@dataclass(frozen=True, eq=False)
+class Saving:
+    """What is kept.
+
+    Attributes:
+        every: States after every so many steps, and the last one.
+        times: Times between steps at which it is kept instead, increasing, or ``None``.
+        record: What of each state.
+        also: What is filled in besides, and not kept.
+    """
+
+    every: int = 1
+    times: Array | None = None
+    record: Record = Record.ALL
+    also: Record = Record.FRAMES
+
+    @property
+    def filled(self) -> Record:
+        """What is filled in: states between others follow from velocities, too."""
+        between = Record.FRAMES if self.times is None else Record.VELOCITIES
+        return self.record | self.also | between
+
+    @property
+    def booked(self) -> bool:
+        """Whether anybody asks for what has acted from outside."""
+        return bool(self.record & BOOKED)
+
+    @classmethod
+    def chosen(
+        cls,
+        save_every: int,
+        save_at: float | npt.ArrayLike | None,
+        duration: float,
+        record: Record,
+    ) -> Saving:
+        """From the arguments of a run.
+
+        Args:
+            save_every: States after every so many steps.
+            save_at: An interval, or times, instead.
+            duration: Of the run.
+            record: What of each state.
+
+        Raises:
+            ValueError: They are bad, or both are given.
+            TypeError: ``record`` is none, or ``save_every`` no whole number.
+        """
+        instance(record, Record, "record", "a Record such as Record.VELOCITIES | Record.ENERGIES")
+        whole(save_every, "save_every")
+        if save_at is None:
+            return cls(int(save_every), record=record)
+        if save_every != 1:
+            raise ValueError(
+                f"give save_every or save_at, got save_every={save_every} and save_at={save_at}"
+            )
+        given: Array = np.asarray(save_at, dtype=np.float64)
+        times = _multiples(float(given), duration) if given.ndim == 0 else given
+        slack = NEAR * duration
+        if (
+            times.ndim != 1
+            or not len(times)
+            or not (times[0] >= -slack and times[-1] <= duration + slack)
+            or not (np.diff(times) > 0.0).all()
+        ):
+            raise ValueError(
+                f"save_at must be an interval, or increasing times within [0, {duration:g}], "
+                f"got {save_at}"
+            )
+        return cls(1, np.clip(times, 0.0, duration), record)
+
+    def steps(self, step: float, count: int) -> Indices | None:
+        """Those of ``count`` constant steps on whose ends the times lie or between which they do.
+
+        ``None``: there are no times.
+        """
+        if self.times is None:
+            return None
+        at = self.times / step
+        both = np.concatenate([np.floor(at + NEAR), np.ceil(at - NEAR)])
+        return np.unique(np.clip(both, 0, count).astype(np.int64))
+
+
+def _multiples(interval: float, duration: float) -> Array:
+    """Of an interval up to the end, and the end."""
+    if not (np.isfinite(interval) and 0.0 < interval <= (1.0 + NEAR) * duration):
+        raise ValueError(
+            f"save_at must be an interval within (0, {duration:g}] or times, got {interval}"
+        )
+    if duration / interval > MOST:
+        raise ValueError(
+            f"save_at must give at most {MOST} times, got {duration / interval:g} of them: "
+            f"{duration:g} by steps of {interval:g}"
+        )
+    times = interval * np.arange(int(duration / interval + NEAR) + 1)
+    ends = abs(times[-1] - duration) <= NEAR * interval
+    return np.append(times[:-1] if ends else times, duration)
+
+
 STEP_TIMES = "steps.times"
+
 """Ends of the steps in a checkpoint of steps whose size changes."""
 
 

@@ -12,8 +12,7 @@ from tqdm import tqdm
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.results import Result
-from fem_lie.results.record import Record
-from fem_lie.results.steps import ContactSteps, StepHistory
+from fem_lie.results.record import ContactSteps, Record, StepHistory
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.result_row import ResultRow

@@ -18,7 +18,7 @@ from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.results.record import BOOKED, INVARIANTS, Record, is_kept, row_shapes
 from fem_lie.results.resampling import between
 from fem_lie.solve.recording.checkpoints import Checkpoints
-from fem_lie.solve.recording.saving import NEAR, Saving
+from fem_lie.solve.recording.plan import NEAR, Saving
 
 ROOM = 2**26
 """Bytes of rows that pass through at a time."""

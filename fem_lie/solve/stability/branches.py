@@ -10,8 +10,8 @@ from fem_lie._arrays import Array, instance, number
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results.path import CriticalPoint, Station
 from fem_lie.scene import Scene
-from fem_lie.solve.stability.controls import Along, Arc
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
+from fem_lie.solve.stability.path_options import Along, Arc
 from fem_lie.solve.stability.path_step import LostError, Walker
 from fem_lie.solve.statics.arc_length import ArcLength
 from fem_lie.solve.statics.follow import check_proportion

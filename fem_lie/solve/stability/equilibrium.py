@@ -19,13 +19,12 @@ from fem_lie._arrays import Array, Flags
 from fem_lie.lie.kinds import SLOPE
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.pivots import inertia
-from fem_lie.linear.spectra.pencil import Pencil
-from fem_lie.linear.spectra.rigid_parts import RigidParts
+from fem_lie.linear.spectra.pencil import Pencil, RigidParts
 from fem_lie.linear.spectra.smallest import smallest
 from fem_lie.scene import Scene
-from fem_lie.solve.stability.mode_scaling import largest_elongation, node_lengths, scaled
+from fem_lie.solve.stability.vibrations import largest_elongation, node_lengths, scaled
 from fem_lie.solve.statics.follow import SceneEquilibrium
-from fem_lie.solve.statics.pivots import tangent_csr
+from fem_lie.solve.statics.unstable import tangent_csr
 from fem_lie.system.equations import LinearState, Plan
 
 _SEED, _REPEATS = 1, 30  # of the first vector of the inverse iteration, and its length

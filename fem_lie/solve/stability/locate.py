@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from fem_lie.results.path import Station
-from fem_lie.solve.stability.controls import Arc, Control
+from fem_lie.solve.stability.path_options import Arc, Control
 from fem_lie.solve.stability.path_step import LostError, Walker
 
 _TRIALS = 60

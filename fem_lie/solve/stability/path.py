@@ -17,14 +17,19 @@ from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results.path import Critical, CriticalPoint, EquilibriumPath, Station
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
-from fem_lie.solve.stability.controls import DisplacementControl, LoadControl
+from fem_lie.solve.progress_bars import Stopwatch
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from fem_lie.solve.stability.locate import Bracket
-from fem_lie.solve.stability.path_options import Observer, PathEnds, PathOptions
+from fem_lie.solve.stability.path_options import (
+    DisplacementControl,
+    LoadControl,
+    Observer,
+    PathEnds,
+    PathOptions,
+)
 from fem_lie.solve.stability.path_run import Pursuit
 from fem_lie.solve.stability.path_step import Walker
 from fem_lie.solve.statics.follow import check_proportion
-from fem_lie.solve.stopwatch import Stopwatch
 
 _MODES = 2
 

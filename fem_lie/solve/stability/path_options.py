@@ -1,14 +1,174 @@
-"""Where a path is to end, and how it is computed."""
+"""How a path is computed and where it ends, and what is held at a given value in a step along it.
+
+What is held at a given value during a step along a path: arc length, displacement or load.
+
+With ``Δu`` the displacements of the nodes in a step, ``Δλ`` the change of the load factor, each
+control is a distance ``g(Δu, Δλ)`` and its derivative. A step ends where the distance has the
+wanted length.
+
+Where a path is to end, and how it is computed.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import inf
+from math import inf, sqrt
+from typing import Protocol
 
-from fem_lie._arrays import flag, instance, number, text, whole
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, direction, flag, instance, number, positive, text, whole
+from fem_lie.bodies.body import Point
+from fem_lie.bodies.points import require_point
 from fem_lie.results.path import PathState, Station
 from fem_lie.solve.statics.arc_length import ArcLength
+
+_ACROSS = 1e-10  # component of a displacement over its largest: less is round-off
+
+
+class Control(Protocol):
+    """How far a step is."""
+
+    def rate(self, u: Array, sign: float) -> float:
+        """Change of the load factor per distance along the tangent ``(u, 1)``.
+
+        ``sign`` is the direction of the load factor, if the control has none of its own.
+        """
+        ...
+
+    def distance(self, moved: Array, change: float) -> float:
+        """Distance of displacements (n, 3) and a change of the load factor."""
+        ...
+
+    def slope(self, moved: Array, change: float, u: Array, d: float) -> float:
+        """Derivative of the distance along ``(u, d)``."""
+        ...
+
+
+@dataclass(frozen=True)
+class Arc:
+    """Length in the plane of displacement and load: ``√(rms(Δu)²/U² + Δλ²/Λ²)``.
+
+    Attributes:
+        length: ``U``.
+        load: ``Λ``.
+    """
+
+    length: float
+    load: float
+
+    def inner(self, u: Array, d: float, v: Array, e: float) -> float:
+        """Inner product of two directions."""
+        return float(np.sum(u * v)) / (len(u) * self.length**2) + d * e / self.load**2
+
+    def norm(self, u: Array, d: float) -> float:
+        """Length of a direction."""
+        return sqrt(self.inner(u, d, u, d))
+
+    def rate(self, u: Array, sign: float) -> float:
+        """Change of the load factor per length along the tangent ``(u, 1)``."""
+        return sign / self.norm(u, 1.0)
+
+    def distance(self, moved: Array, change: float) -> float:
+        """Length of displacements (n, 3) and a change of the load factor."""
+        return self.norm(moved, change)
+
+    def slope(self, moved: Array, change: float, u: Array, d: float) -> float:
+        """Derivative of the length along ``(u, d)``."""
+        length = self.norm(moved, change)
+        return self.inner(moved, change, u, d) / length if length else self.norm(u, d)
+
+
+@dataclass(frozen=True)
+class Along:
+    """Displacement along a fixed pattern: of one node, or the amplitude of a mode.
+
+    Attributes:
+        pattern: Shape (n, 3).
+        unit: Displacement of distance one.
+    """
+
+    pattern: Array
+    unit: float
+
+    def rate(self, u: Array, sign: float) -> float:
+        """Change of the load factor per displacement along the pattern; infinite across it."""
+        along = float(np.sum(self.pattern * u))
+        if abs(along) <= _ACROSS * float(np.abs(u).max(initial=0.0)):
+            return inf
+        return self.unit / along
+
+    def distance(self, moved: Array, change: float) -> float:
+        """Displacement along the pattern; the load does not matter."""
+        return float(np.sum(self.pattern * moved)) / self.unit
+
+    def slope(self, moved: Array, change: float, u: Array, d: float) -> float:
+        """Derivative of that displacement along ``u``."""
+        return self.distance(u, d)
+
+
+@dataclass(frozen=True)
+class Load:
+    """Change of the load factor.
+
+    Attributes:
+        load: That of distance one.
+    """
+
+    load: float
+
+    def rate(self, u: Array, sign: float) -> float:
+        """Change of the load factor that is distance one."""
+        return sign * self.load
+
+    def distance(self, moved: Array, change: float) -> float:
+        """Change of the load factor, whatever moved."""
+        return abs(change) / self.load
+
+    def slope(self, moved: Array, change: float, u: Array, d: float) -> float:
+        """Derivative of that change along ``d``."""
+        return float(np.copysign(d, change)) / self.load if change else d / self.load
+
+
+@dataclass(frozen=True)
+class DisplacementControl:
+    """Steps of equal displacement of a point, up to a given one.
+
+    Attributes:
+        point: Which.
+        direction: Along this direction, global components.
+        to: Displacement at which the path ends, in the direction; steps are parts of it.
+    """
+
+    point: Point
+    direction: npt.ArrayLike
+    to: float
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        require_point(self.point, "DisplacementControl: point")
+        number(self.to, "DisplacementControl: to")
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if the point is ground, or direction or displacement are zero."""
+        if self.point.is_ground:
+            raise ValueError("displacement control needs a point of a body, got ground")
+        direction(self.direction, f"direction of control at {self.point.label}")
+        positive(self.to, "displacement to go to under displacement control")
+
+    def along(self, count: int, node: int) -> Along:
+        """On the node of the point, of ``count`` nodes."""
+        pattern = np.zeros((count, 3))
+        pattern[node] = direction(self.direction, f"direction of control at {self.point.label}")
+        return Along(pattern, self.to)
+
+
+@dataclass(frozen=True)
+class LoadControl:
+    """Steps of equal load; they fail at limit points."""
+
 
 Observer = Callable[[PathState], float]
 

@@ -16,9 +16,15 @@ from fem_lie._arrays import Array
 from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.results.path import PathState, Station
 from fem_lie.solve.progress_bars import Advance, step_bar
-from fem_lie.solve.stability.controls import Arc, Control, DisplacementControl, Load, LoadControl
 from fem_lie.solve.stability.locate import Bracket, bisect, critical
-from fem_lie.solve.stability.path_options import PathEnds
+from fem_lie.solve.stability.path_options import (
+    Arc,
+    Control,
+    DisplacementControl,
+    Load,
+    LoadControl,
+    PathEnds,
+)
 from fem_lie.solve.stability.path_step import FoldedStepError, LostError, Walker
 
 _SCALE = 0.1  # of the diameter: displacements below are small, whatever the path has seen

@@ -19,8 +19,8 @@ from fem_lie.results.path import Station
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import Iterated, iterate
 from fem_lie.solve.renewal import Update
-from fem_lie.solve.stability.controls import Arc, Control
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
+from fem_lie.solve.stability.path_options import Arc, Control
 from fem_lie.solve.statics.arc_length import ArcLength
 
 _SIDEWAYS = 4.0  # lengths of the step: an iteration that goes farther is lost

@@ -13,7 +13,7 @@ from fem_lie.joints.connection import LostBranchError
 from fem_lie.lie.kinds import placed, turn_all
 from fem_lie.linear.choice import Solutions
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
-from fem_lie.ranks.subdomains import Subdomains
+from fem_lie.ranks.shared_factors import Subdomains
 from fem_lie.results.equilibrium import PathResult
 from fem_lie.scene import Scene
 from fem_lie.scene.load import StrainLoad
@@ -21,13 +21,18 @@ from fem_lie.scene.rotation import Rotation
 from fem_lie.scene.scene import require_scene
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import Iterated, iterate
+from fem_lie.solve.progress_bars import Stopwatch
 from fem_lie.solve.renewal import Update
 from fem_lie.solve.statics.arc_length import ArcLength, Path, increasing
-from fem_lie.solve.statics.free_motions import POLISHED, FreeMotions, SingularStartError
-from fem_lie.solve.statics.increment import move
-from fem_lie.solve.statics.pivots import negative_pivots
-from fem_lie.solve.statics.unstable import maxima, warn_if_unstable
-from fem_lie.solve.stopwatch import Stopwatch
+from fem_lie.solve.statics.load_steps import move
+from fem_lie.solve.statics.unstable import (
+    POLISHED,
+    FreeMotions,
+    SingularStartError,
+    maxima,
+    negative_pivots,
+    warn_if_unstable,
+)
 from fem_lie.system.equations import Equations, Instant, Plan
 
 

@@ -1,16 +1,26 @@
-"""Statics by load steps: Newton's method on the group with the stress as an iterate."""
+"""Statics by load steps: Newton's method on the group with the stress as an iterate.
+
+Moving the nodes in statics.
+
+Options of the iteration of load steps.
+
+Statics by load steps: Newton's method on the group with the stress as an iterate.
+"""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, flag, number, whole
 from fem_lie.bodies.turning import FoldedElementError
 from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
+from fem_lie.lie.kinds import advance
 from fem_lie.linear.choice import Solutions
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.results.equilibrium import StaticResult
@@ -18,16 +28,78 @@ from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import Criterion, Iterated, Polishing, QuadraticRate, iterate
-from fem_lie.solve.progress_bars import Reach, load_bar
+from fem_lie.solve.progress_bars import Reach, Stopwatch, load_bar
 from fem_lie.solve.renewal import Update
-from fem_lie.solve.statics.free_motions import POLISHED, FreeMotions, SingularStartError
-from fem_lie.solve.statics.increment import move
-from fem_lie.solve.statics.newton import Newton
-from fem_lie.solve.statics.pivots import negative_pivots
-from fem_lie.solve.stopwatch import Stopwatch
+from fem_lie.solve.statics.unstable import (
+    POLISHED,
+    FreeMotions,
+    SingularStartError,
+    negative_pivots,
+)
 from fem_lie.system.equations import Equations, Instant, Plan
 
+if TYPE_CHECKING:
+    from fem_lie.system.equations import Equations
+
+
+def move(equations: Equations, H: Array, x: Array, *, carried: bool) -> float:
+    """Move nodes by ``−x``.
+
+    Args:
+        equations: Of the scene.
+        H: Frames of all rows, changed.
+        x: Solution of the equations, in the nodes' frames, (≥ 6 n,).
+        carried: Whether the stress is carried along.
+
+    Returns:
+        The largest increment, over the unit of its unknown.
+    """
+    unknowns = equations.unknowns
+    equations.memory.follow(H, -x[: 6 * unknowns.moving])
+    if carried:
+        equations.memory.carry(H, -x[: 6 * unknowns.moving])
+    ways = unknowns.held, unknowns.uncoupled, unknowns.straight
+    advance(unknowns.kinds, H, x, *ways)
+    equations.memory.turn_axes(H)
+    return float(np.abs(x[: 6 * unknowns.moving] / unknowns.units).max(initial=0.0))
+
+
+@dataclass(frozen=True)
+class Newton:
+    """Newton's method from one load factor to the next.
+
+    Attributes:
+        tolerance: Predicted error of a step's end, in rotations and in translations over the size
+            of the model.
+        max_iterations: More in one step are its failure.
+        smallest_step: Smallest load step before giving up.
+        carried_stress: Carry the stress as an iterate (Magisano, Leonetti & Garcea 2017), which
+            converges in a few iterations at any slenderness; otherwise plain Newton.
+
+    Raises:
+        ValueError: A tolerance that is not positive, a step outside of (0, 1].
+    """
+
+    tolerance: float = 1e-10
+    max_iterations: int = 25
+    smallest_step: float = 1e-3
+    carried_stress: bool = True
+
+    def __post_init__(self) -> None:
+        """Refuse what is no option."""
+        number(self.tolerance, "Newton: tolerance")
+        number(self.smallest_step, "Newton: smallest_step")
+        whole(self.max_iterations, "Newton: max_iterations")
+        flag(self.carried_stress, "Newton: carried_stress")
+        if not self.tolerance > 0 or not 0 < self.smallest_step <= 1:
+            raise ValueError(
+                "Newton: wanted tolerance > 0 and 0 < smallest_step ≤ 1, got "
+                f"{self.tolerance} and {self.smallest_step}"
+            )
+
+
 _SMALLEST = 1e-3  # part of the preload that is given up
+
 _FARTHEST = 1e3  # increments over their units that have diverged
 
 _log = logging.getLogger(__name__)

@@ -16,10 +16,8 @@ from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.statics.arc_length import ArcLength
 from fem_lie.solve.statics.follow import beyond, followed, in_proportion
-from fem_lie.solve.statics.free_motions import SingularStartError
-from fem_lie.solve.statics.load_steps import LoadSteps
-from fem_lie.solve.statics.newton import Newton
-from fem_lie.solve.statics.unstable import warn_if_unstable
+from fem_lie.solve.statics.load_steps import LoadSteps, Newton
+from fem_lie.solve.statics.unstable import SingularStartError, warn_if_unstable
 
 _MANY = 10  # load steps where those to whole levels and the arc length fail
 

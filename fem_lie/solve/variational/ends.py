@@ -1,4 +1,11 @@
-"""Velocities, accelerations and multipliers at the ends of steps, where there are momenta."""
+"""Constraints, loads and momenta at the ends of steps of the variational scheme.
+
+Constraints of any kind over a step: their values at its end, and their forces at its start.
+
+Velocities, accelerations and multipliers at the ends of steps, where there are momenta.
+
+Loads, drives and prescribed motions of one step.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +18,48 @@ from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.variational import momenta
 from fem_lie.system.equations import Equations, Instant, Plan
 
+
+class Binding:
+    """Constraints that a table of pairs of frames does not have: on attachment frames and beams."""
+
+    def __init__(self, equations: Equations) -> None:
+        """No step has begun."""
+        self._equations = equations
+        self._ahead: Array = np.zeros(equations.unknowns.m)
+
+    def begin(self, H: Array, start: float, h: float) -> None:
+        """A step begins.
+
+        Args:
+            H: Rows of all nodes at its start, (N, 4, 3).
+            start: When that is.
+            h: Step size.
+        """
+        equations = self._equations
+        self._start, self._jacobian = H.copy(), equations.constraints(H).jacobian
+        if equations.unknowns.driven:
+            middle, end = (equations.prescribed(start + part * h) for part in (0.5, 1.0))
+            self._ahead = end.targets - middle.targets
+
+    def constrain(self, end: Array, weights: Array, gap: Array, out: tuple[Array, Array]) -> None:
+        """Increments of the constraints over the step, and their forces at its start.
+
+        Args:
+            end: Rows of all nodes at the end, (N, 4, 3).
+            weights: Multipliers, (m,).
+            gap: What constraints violate at the start, (m,).
+            out: The increments, (m,), and forces in global components, (n, 6); overwritten.
+        """
+        change, forces = out
+        change[:] = self._equations.constraints(end).values - self._ahead - gap
+        local = (self._jacobian.T @ weights).reshape(-1, 6)
+        momenta.to_space(self._equations.unknowns.kinds, self._start, local, forces)
+
+
 PREFIX = "fem_lie_dynamics_"
+
 _UNFILTERED = 1e-6
+
 """Size of steps, over the true one, whose matrix finds velocities from momenta."""
 
 
@@ -101,3 +148,37 @@ class Ends:
         rates[frames, :3] -= np.cross(twists[frames, 3:], twists[frames, :3])
         momenta.subtract_turning(kinds, H, twists, rates)
         return twists, rates
+
+
+def prescribe(
+    equations: Equations,
+    H: Array,
+    start: float,
+    h: float,
+    rows: tuple[Array, Array, Array, Array],
+    given: tuple[Array, Array],
+) -> None:
+    """Set loads of the middle of the step, drives and prescribed motions at its end, too.
+
+    Args:
+        equations: Of the scene; their time becomes that of the middle.
+        H: All rows at the start, shape (N, 4, 3).
+        start: When it begins.
+        h: Step size.
+        rows: Their change, mean, those at the end and half-way; prescribed ones are set.
+        given: By how much drives go on, shape (m,), and twists, shape (N, 6), whose prescribed ones
+            are set; results.
+    """
+    n, (driven, twists) = equations.unknowns.moving, given
+    end, between = start + h, equations.prescribed(start + 0.5 * h, h)
+    if equations.unknowns.driven:
+        at = [equations.prescribed(time).targets for time in (start, end)]
+        driven[:] = at[1] - at[0]
+    if len(H) > n + 1:
+        delta, mean, last, half_way = rows
+        after = equations.prescribed(end)
+        delta[n + 1 :] = after.frames - H[n + 1 :]
+        mean[n + 1 :] = 0.5 * (after.frames + H[n + 1 :])
+        last[n + 1 :], half_way[n + 1 :] = after.frames, between.frames
+        twists[n + 1 :] = between.velocities
+    between.act()

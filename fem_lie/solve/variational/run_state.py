@@ -26,8 +26,7 @@ from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.variational import momenta
-from fem_lie.solve.variational.binding import Binding
-from fem_lie.solve.variational.ends import Ends
+from fem_lie.solve.variational.ends import Binding, Ends
 from fem_lie.system.equations import Equations, Instant, Plan
 
 

@@ -43,7 +43,7 @@ from typing import ClassVar
 from fem_lie.lie.motions import Group
 from fem_lie.scene import Scene
 from fem_lie.solve.impacts.impulses import massless
-from fem_lie.solve.impacts.refused import refuse_impacts
+from fem_lie.solve.impacts.step_end import refuse_impacts
 from fem_lie.solve.motion.integrator import Integrator, check_until_round_off, refuse
 from fem_lie.solve.motion.policies import Automatic, Policy
 from fem_lie.solve.variational.run import VariationalRun

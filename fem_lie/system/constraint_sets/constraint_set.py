@@ -1,5 +1,11 @@
 """What a set of constraints does: all that equations know of joints.
 
+Rows of frames that constraints see: those of the system, or what stands for them.
+
+What constraints are to be, as a function of time.
+
+What a set of constraints does: all that equations know of joints.
+
 A set takes from the items of a scene (joints, springs, drives and so on) what is its own, numbers
 its constraints, and works on arrays of the whole system: rows of frames and twists, multipliers,
 legs of the border. A new sort of constraint is one file with such a class, and a line in
@@ -14,17 +20,141 @@ functions stay as they are.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from typing import NamedTuple, TypeAlias
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags, Indices
+from fem_lie import lie
+from fem_lie._arrays import Array, Flags, Indices, at_time
+from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.body import Point
 from fem_lie.joints import Connection
+from fem_lie.joints.histories import declared, until_next
 from fem_lie.linear.bordered import Border
-from fem_lie.system.constraint_sets.rows import Rows
+from fem_lie.system.nodes.numbering import Numbering
+
+
+class Rows(Protocol):
+    """Rows of frames: first those that move by themselves, then ground and prescribed motions.
+
+    Attributes:
+        count: Of those that move.
+        frames: At the start, shape (L, 4, 3).
+        still: Which of them nothing can move, shape (L,).
+    """
+
+    count: int
+    frames: Array
+    still: Flags
+
+    def of(self, point: Point) -> int:
+        """The row that a point is on."""
+
+    def ends(self, beam: Beam) -> tuple[Indices, Array]:
+        """Rows of both ends of a beam's elements (e, 2), and their frames there, (e, 2, 4, 3)."""
+
+
+class SystemRows:
+    """See :class:`Rows`: nodes that lead, ground, and prescribed motions.
+
+    Attributes:
+        numbering: Of the nodes.
+    """
+
+    def __init__(
+        self, numbering: Numbering, frames: Array, held: Flags, motions: Mapping[Point, int]
+    ) -> None:
+        """Of a system.
+
+        Args:
+            numbering: Of its nodes.
+            frames: Initial frames of all rows.
+            held: Which unknowns of the moving nodes are zero, shape (n, 6).
+            motions: Points that move as prescribed, and the row of each.
+        """
+        self.numbering, self.count, self.frames = numbering, numbering.count, frames
+        self.still = np.append(held.all(axis=1), [True] * (len(frames) - numbering.count))
+        self._motions = motions
+
+    def of(self, point: Point) -> int:
+        """See :class:`Rows`."""
+        row = self._motions.get(point)
+        return self.numbering.node(point) if row is None else row
+
+    def ends(self, beam: Beam) -> tuple[Indices, Array]:
+        """See :class:`Rows`."""
+        attachment = self.numbering.attachment
+        both = self.numbering.nodes[beam][beam.elements[:, :2]]
+        return attachment.leader[both], attachment.offset[both]
+
+
+def in_rows(rows: Rows, at: Indices, frames: Array) -> Array:
+    """Frames (…, 4, 3), given in space at the start, in those of the rows ``at`` (…)."""
+    return lie.se3_compose(lie.se3_inverse(rows.frames[at]), frames)
+
+
+_FORWARD = np.array(
+    [
+        [-137 / 60, 5, -5, 10 / 3, -5 / 4, 1 / 5],
+        [15 / 4, -77 / 6, 107 / 6, -13, 61 / 12, -5 / 6],
+    ]
+)
+
+"""First and second derivative of a polynomial of fifth degree from values at 0, 1, … 5."""
+
+
+class Targets:
+    """Of all constraints: those of drives change, those of gears and links stay.
+
+    Attributes:
+        driven: Whether any depends on time.
+    """
+
+    def __init__(self, items: Sequence[Connection], owner: Indices, base: Array) -> None:
+        """Collect the drives; of an item with a history the last constraint is driven.
+
+        Args:
+            items: All of them.
+            owner: Of each constraint, shape (m,).
+            base: Those that stay, shape (m,).
+        """
+        self._items, self._owner, self._base = items, owner, base
+        self._drives = [
+            (int(np.flatnonzero(owner == k)[-1]), item.history)
+            for k, item in enumerate(items)
+            if item.history is not None
+        ]
+        self._breaks = declared((history for _, history in self._drives), kinks=True)
+        self.driven = bool(self._drives)
+
+    def at(self, time: float) -> Array:
+        """What the constraints are to be at ``time``, shape (m,).
+
+        Raises:
+            ValueError: A drive is not finite then.
+        """
+        values = self._base.copy()
+        for row, history in self._drives:
+            label = self._items[self._owner[row]].label
+            values[row] = at_time(history, time, label)
+            if not np.isfinite(values[row]):
+                raise ValueError(f"{label} is {values[row]} at time {time:g}")
+        return values
+
+    def rates(self, time: float, step: float) -> tuple[Array, Array]:
+        """First and second rates of the targets, (m,), at ``time``, by five later times.
+
+        These lie before the next jump, and so may be nearer than ``step``.
+        """
+        step = min(step, until_next(self._breaks, time) / 5.0)
+        values = [self.at(time + k * step) for k in range(6)]
+        first, second = np.tensordot(_FORWARD, values, axes=1)
+        return first / step, second / step**2
+
 
 MemoryKey: TypeAlias = tuple[str, str]
+
 """Label of a joint, and name of its coordinate."""
 
 

@@ -7,11 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fem_lie.system.constraint_sets.constraint_set import ConstraintSet, Numbered, Start
+from fem_lie.system.constraint_sets.constraint_set import ConstraintSet, Numbered, Start, SystemRows
 from fem_lie.system.constraint_sets.on_grips import OnGrips, on_grips
 from fem_lie.system.constraint_sets.relative_motions import RelativeMotions
 from fem_lie.system.constraint_sets.rolls import Rolls
-from fem_lie.system.constraint_sets.rows import SystemRows
 from fem_lie.system.constraint_sets.slides import Slides
 
 KINDS: tuple[type[ConstraintSet], ...] = (RelativeMotions, Slides, Rolls)

@@ -14,10 +14,11 @@ from fem_lie.linear.bordered import Border
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
     Numbered,
+    Rows,
     Start,
+    in_rows,
     stacked,
 )
-from fem_lie.system.constraint_sets.rows import Rows, in_rows
 
 
 class Rolls(ConstraintSet):

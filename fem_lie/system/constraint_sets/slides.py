@@ -16,10 +16,11 @@ from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
     MemoryKey,
     Numbered,
+    Rows,
     Start,
+    in_rows,
     stacked,
 )
-from fem_lie.system.constraint_sets.rows import Rows, in_rows
 
 
 class Slides(ConstraintSet):

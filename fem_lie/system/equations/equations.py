@@ -1,5 +1,11 @@
 """The equations of a scene as solvers see them.
 
+The matrix that finds accelerations, and impulses in joints.
+
+Stress and forces of linear theory, while the nodes stay where they are.
+
+The equations of a scene as solvers see them.
+
 States are the solvers': frames ``H`` of all rows (moving nodes, ground, prescribed motions), local
 twists ``v`` and their rates ``a``, multipliers. Nobody else than these verbs changes what is behind
 them, and a solver may use nothing else.
@@ -18,20 +24,97 @@ from fem_lie.linear.bordered import KKT
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.system import describe
-from fem_lie.system.balance.books import Books
-from fem_lie.system.equations.at_rest import fill_at_rest
-from fem_lie.system.equations.constraints_at import ConstraintsAt
-from fem_lie.system.equations.contents import contents
-from fem_lie.system.equations.linear_state import LinearState
+from fem_lie.system.balance import Books
 from fem_lie.system.equations.memory import Memory
 from fem_lie.system.equations.prescribed import Prescribed
-from fem_lie.system.equations.report import Report
+from fem_lie.system.equations.report import ConstraintsAt, Report, contents
 from fem_lie.system.equations.unknowns import Start, Tables, Unknowns
 from fem_lie.system.instant import Forces, Instant, Plan
 from fem_lie.system.nodes.fixed_axes import Supports
-from fem_lie.system.small_motions.linear import SmallMotions
-from fem_lie.system.small_motions.steady import fill_steady
+from fem_lie.system.small_motions import SmallMotions, fill_steady
 from fem_lie.system.system import System
+
+
+def fill_at_rest(system: System, H: Array, step: float) -> Array:
+    """``M + h² K/4`` bordered by the constraints, into the KKT; returns their scale, (m,).
+
+    Modes that the step does not resolve would start with accelerations that mean nothing to it.
+
+    Args:
+        system: The equations; the stress that is carried becomes the true one.
+        H: Frames of all rows.
+        step: ``h``.
+    """
+    tangent = system.tangent
+    terms, still = system.terms, np.zeros((system.count, 6))
+    kept = terms.room()
+    terms.reset_stress(H)
+    terms.add_forces(H, np.zeros(system.size), kept)
+    # after the forces, which may find other pairs of nodes that touch
+    tangent.clear()
+    # both parts may be one: it is 4/h² times that until it is the sum
+    inverse = 4.0 / step**2
+    tangent.add_terms(H, kept)
+    tangent.add_viscosity(
+        H, still, 0.5 * step * inverse, lambda term, of: not (term.of_bodies or of.in_space)
+    )
+    tangent.add_mass(H, system.kinds, inverse)
+    tangent.parts.add_K()
+    tangent.A[:] /= inverse
+    scale = tangent.constraint_scale(H)
+    tangent.fill(tangent.A, H, scale)
+    return scale
+
+
+class LinearState:
+    """What increments of the nodes make of stress and forces, to first order.
+
+    At nodes whose translations do not turn with them the tangent stiffness has terms of the forces
+    of shells and of all forces on the node. Those of the present frames are none of linear theory.
+
+    Attributes:
+        multipliers: Of the constraints, in their units in the matrix, shape (m,).
+    """
+
+    def __init__(self, system: System, memory: Memory, H: Array, dx: Array, forces: Forces) -> None:
+        """Find the forces.
+
+        Args:
+            system: The equations.
+            memory: What carries stress.
+            H: Frames of all rows.
+            dx: Local increments of the moving nodes from there, and multipliers, shape (6 n + m,).
+            forces: That the residual has found there.
+        """
+        self._memory, self._H = memory, H
+        self._h, self.multipliers = np.split(dx.copy(), [6 * system.count])
+        memory.carry(H)
+        self._start = memory.memory()
+        nodal = self._h.reshape(-1, 6)
+        self._own = [
+            term.linear_forces(H, kept, nodal)
+            for term, kept in zip(system.terms, forces.own, strict=True)
+        ]
+        self._inner = np.zeros_like(nodal)
+        for term, kept in zip(system.terms, forces.own, strict=True):
+            if not term.within_joints:
+                rows, columns = term.pairs
+                pulled = np.einsum("pij,pj->pi", term.tangent(H, kept), nodal[columns])
+                np.add.at(self._inner, rows, pulled)
+
+    def carry(self, factor: float) -> None:
+        """Carry the stress of ``factor`` times the increments, and give springs their forces."""
+        h = factor * self._h
+        # cells' own unknowns are carried on from what they are
+        self._memory.restore(self._start)
+        self._memory.carry(self._H, h)
+        self._memory.stretch_springs(self._H, h)
+
+    def add_forces(self, factor: float, forces: Forces) -> None:
+        """Add the forces of ``factor`` times the increments to those at the frames."""
+        forces.inner += factor * self._inner
+        for kept, own in zip(forces.own, self._own, strict=True):
+            kept += factor * own
 
 
 class Equations:

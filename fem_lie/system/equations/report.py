@@ -1,11 +1,19 @@
-"""What is told of a state."""
+"""What is reported of a state, of its constraints, and of what equations depend on.
+
+All that equations depend on: what fingerprints are made of.
+
+Constraints at one place: their Jacobian, their rates, and whether they contradict each other.
+
+What is told of a state.
+"""
 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 
 from fem_lie._arrays import Array
 from fem_lie.lie.kinds import shown_all
@@ -13,8 +21,101 @@ from fem_lie.linear.redundancy import IdleMultipliers
 from fem_lie.scene.choices import Redundant
 from fem_lie.system.instant import Instant
 from fem_lie.system.nodes.fixed_axes import wrenches
+from fem_lie.system.small_motions import RigidMotions, rigid_motions
 from fem_lie.system.system import System
 from fem_lie.system.terms.all_terms import Terms
+
+
+def contents(system: System) -> list[tuple[str, Any, str]]:
+    """All that they depend on but functions of time: name, value, what errors call it."""
+    numbering = system.numbering
+    found: list[tuple[str, Any, str]] = []
+    pairs = zip(numbering.members, numbering.assemblies, strict=True)
+    for k, (members, (_, assembly)) in enumerate(pairs, start=1):
+        others = f" and {len(members) - 1} others" if len(members) > 1 else ""
+        shown = f"energy of the elements of {members[0].label}{others}"
+        found.append((f"energy of assembly {k}", assembly.contents, shown))
+    contacts = system.scene.contacts
+    groups = system.kinds, system.held, numbering.supports
+    sums = {
+        "inertia": tuple(system.inertia),
+        "damping of mass": system.terms.rates,
+        "loads": system.load_cases.contents,
+        "groups and supports": groups,
+        "contacts": [each.contents(numbering.nodes.__getitem__) for each in contacts],
+    }
+    if system.floating.integers[0]:
+        sums["inertia within frames"] = system.floating.contents
+    return found + [(name, value, name) for name, value in sums.items()]
+
+
+_INVOLVED = 1e-2  # of the largest part of what cannot be mended
+
+
+class ConstraintsAt:
+    """All constraints ``Φ`` at frames ``H``."""
+
+    def __init__(self, system: System, H: Array) -> None:
+        """Nothing is found yet.
+
+        Args:
+            system: The equations.
+            H: Frames of all rows.
+        """
+        self._system, self._H = system, H
+
+    @property
+    def jacobian(self) -> sp.csr_matrix:
+        """``B`` in the twists of the moving nodes without what is held, (m, 6 n)."""
+        return self._system.tangent.jacobian(self._H)
+
+    @property
+    def values(self) -> Array:
+        """What constraints of positions violate, at their present targets, (m,)."""
+        return self._system.connections.values(self._H)
+
+    def rates(self, v: Array) -> tuple[Array, Array]:
+        """``dΦ/dt`` and ``d²Φ/dt²`` at constant twists ``v`` of all rows, targets at rest, (m,)."""
+        return self._system.connections.rates(self._H, v)
+
+    def rigid_motions(self, weight: Array) -> list[RigidMotions]:
+        """Of pieces that elements connect, what is held leaves these.
+
+        See :func:`~fem_lie.system.small_motions.rigid_motions`.
+        """
+        return rigid_motions(self._system, self._H, weight)
+
+    def contradiction(self, values: Array, bound: float) -> str:
+        """What to say of joints that contradict each other: no motion can mend what is violated.
+
+        It is empty where motions can mend all but ``bound`` of it.
+
+        With redundant constraints the iteration leaves alone what multipliers without force would
+        have to meet. In a mechanism that can move there is nothing of that. In one that cannot, and
+        is driven all the same, increments end while the constraints stay violated.
+
+        Args:
+            values: Of the constraints.
+            bound: Over the length of the model, or rad.
+        """
+        system = self._system
+        connections = system.connections
+        units = np.asarray(system.units / system.length)
+        idle = IdleMultipliers.of(self.jacobian, units, system.kkt.measure)
+        # lengths over that of the model beside angles
+        left = idle.part(values)
+        sizes = np.abs(left) * np.where(connections.angular, 1.0, 1.0 / system.length)
+        if sizes.max(initial=0.0) <= bound:
+            return ""
+        owners = dict.fromkeys(connections.owner[sizes > _INVOLVED * sizes.max(initial=0.0)])
+        names = ", ".join(connections.items[int(k)].label for k in owners)
+        worst = int(sizes.argmax())
+        unit = "rad" if connections.angular[worst] else "length"
+        return (
+            f"{names} contradict each other: no motion can mend a violation of "
+            f"{abs(left[worst]):.2e} ({unit}). The mechanism cannot move as it is driven; check "
+            "the axes of its joints, or give it joints with fewer constraints"
+        )
 
 
 class Joints(NamedTuple):

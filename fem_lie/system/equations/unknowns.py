@@ -17,9 +17,9 @@ from fem_lie.lie.kinds.floating import Floating
 from fem_lie.lie.kinds.inertia import Inertia, turning_of
 from fem_lie.scene.choices import Redundant
 from fem_lie.system import describe
-from fem_lie.system.balance.acting import supported
+from fem_lie.system.balance import supported
 from fem_lie.system.constraint_sets.all_pairs import AllPairs
-from fem_lie.system.nodes.loads import Loads
+from fem_lie.system.nodes.masses import Loads
 from fem_lie.system.potential import has_potential
 from fem_lie.system.system import System
 

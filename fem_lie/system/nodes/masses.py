@@ -1,8 +1,14 @@
-"""Inertia of a scene and its damping, on the nodes that lead: constant, put together once."""
+"""Inertia, damping and nodal loads of a scene, on master nodes.
+
+Nodal loads at one time, as compiled sums take them.
+
+Inertia of a scene and its damping, on the nodes that lead: constant, put together once.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -14,6 +20,29 @@ from fem_lie.lie.kinds import AMPLITUDE, SLOPE, SURFACE
 from fem_lie.lie.kinds.floating import Floating, WithinFrame
 from fem_lie.lie.kinds.inertia import Inertia, multiply
 from fem_lie.system.nodes.numbering import Numbering
+
+PlainLoads: TypeAlias = tuple[Array, Array, Array]
+
+""":class:`Loads` at the door from Python: compiled functions are quicker to call so."""
+
+
+class Loads(NamedTuple):
+    """Nodal loads at one time.
+
+    Attributes:
+        dead: Force on (x, d₁, d₂, d₃) fixed in space, gravity included, shape (n, 4, 3).
+        moment: Moment fixed in space, shape (n, 3).
+        following: Force and moment in the nodes' frames, shape (n, 6).
+    """
+
+    dead: Array
+    moment: Array
+    following: Array
+
+    @property
+    def plain(self) -> PlainLoads:
+        """As compiled functions are quicker to call with."""
+        return (*self,)
 
 
 def inertia_of(

@@ -1,20 +1,144 @@
-"""Which node of the system is which: all bodies, kind by kind, and which of their nodes lead."""
+"""Which node of the equations is which: bodies, master nodes, and what scenes have in common.
+
+Nodes that follow others rigidly: kinks, branches and rigid links without any constraint.
+
+Each node of the bodies has the frame ``H = H_leader C`` with a constant ``C``; its twist is
+``Ad(C⁻¹)`` times that of its leader, a force on it ``Ad⁻ᵀ(C)`` times as much on the leader, and its
+``q = (x, d₁, d₂, d₃)`` a constant linear function of the leader's. Nothing is linearised.
+
+Which node of the system is which: all bodies, kind by kind, and which of their nodes lead.
+
+What scenes that differ in loads and drives alone have in common: set up once.
+
+The nodes' numbering, the assembled forms of all elements and their inertia do not depend on what
+acts. They are kept by the family of scenes and used by one set of equations after the other, reset
+to what they were when they were made.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import weakref
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._jit import compiled
 from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.catalogue import BodyInfo
 from fem_lie.bodies.points import require_node
+from fem_lie.bodies.told import Told, told_of_body
 from fem_lie.forms.body_term import BodyTerm
 from fem_lie.joints import RigidLink
 from fem_lie.lie.kinds import TRAITS, NodeKind
-from fem_lie.system.nodes.attachment import Attachment
+from fem_lie.scene import Scene
+
+
+@compiled
+def expand(H: Array, leader: Indices, C: Array, out: Array) -> None:
+    """Frames ``out`` of all nodes from those of their leaders."""
+    for i in range(leader.shape[0]):
+        lie.compose(H[leader[i]], C[i], out[i])
+
+
+@compiled
+def expand_twists(v: Array, leader: Indices, C: Array, out: Array) -> None:
+    """Likewise twists."""
+    for i in range(leader.shape[0]):
+        lie.apply_adjoint_inverse(C[i], v[leader[i]], out[i])
+
+
+@compiled
+def expand_motion(
+    H: Array, v: Array, leader: Indices, C: Array, frames: Array, twists: Array
+) -> None:
+    """Both, but no twists into an array without rows."""
+    expand(H, leader, C, frames)
+    if twists.shape[0] > 0:
+        expand_twists(v, leader, C, twists)
+
+
+@compiled
+def collect(f: Array, leader: Indices, C: Array, out: Array) -> None:
+    """Add forces on all nodes, in their frames, to those on their leaders, ``out``."""
+    moved = np.empty(6)
+    for i in range(leader.shape[0]):
+        lie.apply_adjoint_inverse_transposed(C[i], f[i], moved)
+        for k in range(6):
+            out[leader[i], k] += moved[k]
+
+
+class Attachment:
+    """Which node follows which.
+
+    Attributes:
+        trivial: Whether every node leads itself.
+        count: Number of leaders.
+        leader: Number of each node's leader among the leaders, shape (N,).
+        offset: Frame ``C`` of each node in its leader's frame, shape (N, 4, 3).
+        leaders: Nodes that lead, shape (count,).
+    """
+
+    def __init__(self, frames: Array, pairs: Iterable[tuple[int, int]]) -> None:
+        """Find the leaders.
+
+        Args:
+            frames: Initial frames of all nodes, shape (N, 4, 3).
+            pairs: Nodes that are tied to each other; the second follows what the first follows.
+        """
+        root = np.arange(len(frames))
+
+        def find(node: int) -> int:
+            while root[node] != node:
+                root[node] = root[root[node]]
+                node = int(root[node])
+            return node
+
+        tied = list(pairs)
+        for a, b in tied:
+            root[find(b)] = find(a)
+        roots: Indices = np.arange(len(frames), dtype=np.int64)
+        some = sorted({node for pair in tied for node in pair})
+        roots[some] = [find(node) for node in some]
+        self.leaders: Indices = np.flatnonzero(roots == np.arange(len(frames)))
+        self.leader: Indices = np.searchsorted(self.leaders, roots)
+        self.count = len(self.leaders)
+        self.trivial = self.count == len(frames)
+        self.offset = np.tile(lie.frame(np.zeros(3), np.eye(3)), (len(frames), 1, 1))
+        follows = roots != np.arange(len(frames))
+        inverse = lie.se3_inverse(frames[roots[follows]])
+        self.offset[follows] = lie.se3_compose(inverse, frames[follows])
+
+    def frames(self, H: Array) -> Array:
+        """Frames of all nodes from those of the leaders (first rows of ``H``), shape (N, 4, 3)."""
+        if self.trivial:
+            return H[: self.count]
+        out = np.empty((len(self.leader), 4, 3))
+        expand(H, self.leader, self.offset, out)
+        return out
+
+    def twists(self, v: Array) -> Array:
+        """Twists of all nodes from those of the leaders, shape (N, 6)."""
+        if self.trivial:
+            return v[: self.count]
+        out = np.empty((len(self.leader), 6))
+        expand_twists(v, self.leader, self.offset, out)
+        return out
+
+    def collect(self, forces: Array, out: Array) -> None:
+        """Add forces on all nodes (N, 6), in their frames, to those on the leaders, ``out``."""
+        collect(forces, self.leader, self.offset, out)
+
+    def linear(self) -> Array:
+        """``W`` with ``q = W q_leader`` for each node, shape (N, 4, 4)."""
+        W = np.zeros((len(self.leader), 4, 4))
+        W[:, 0, 0] = 1.0
+        W[:, :, 1:] = self.offset
+        return W
+
 
 _INDEPENDENT = 1e-9  # relative, as axes that are meant to agree
 
@@ -180,3 +304,78 @@ class Numbering:
     def bodies(self) -> tuple[BodyInfo, ...]:
         """What results must know of the bodies, in the numbering of all nodes."""
         return tuple(BodyInfo.of(body, nodes) for body, nodes in self.nodes.items())
+
+
+def numbering_for(scene: Scene, user: object) -> Numbering:
+    """The numbering of a scene's nodes, with the assembled forms of the elements, for ``user``.
+
+    It is shared with scenes that differ in loads and drives alone, if there are any.
+
+    Raises:
+        ValueError: Two bodies were given the same name after they were added.
+    """
+    if scene.family is None:
+        return numbered(scene)
+    if scene.family.setup is None:
+        scene.family.setup = SharedSetup()
+    found: SharedSetup = scene.family.setup
+    return found.numbering(scene, user)
+
+
+class SharedSetup:
+    """Of a family of scenes, which change nothing else between them.
+
+    Attributes:
+        made: How often all was set up.
+    """
+
+    def __init__(self) -> None:
+        """Nothing is set up yet."""
+        self.made = 0
+        self._numbering: Numbering | None = None
+        self._carried: list[Array] = []
+        self._mark = b""
+        self._user: weakref.ref[Any] | None = None
+
+    def numbering(self, scene: Scene, user: object) -> Numbering:
+        """That of a scene of the family, for ``user`` alone as long as it lives.
+
+        It is made anew where bodies or links have changed since, and for a second user beside one
+        that still lives.
+        """
+        mark, used = _mark(scene), self._user is not None and self._user() is not None
+        if used:
+            return numbered(scene)
+        if self._numbering is None or mark != self._mark:
+            self._numbering, self._mark = numbered(scene), mark
+            self._carried = [assembly.carried_stress for _, assembly in self._numbering.assemblies]
+            self.made += 1
+        else:
+            for (_, assembly), carried in zip(
+                self._numbering.assemblies, self._carried, strict=True
+            ):
+                assembly.reset(carried)
+        self._user = weakref.ref(user)
+        return self._numbering
+
+
+def numbered(scene: Scene) -> Numbering:
+    """The numbering of its nodes, with the assembled forms of the elements, made anew.
+
+    Raises:
+        ValueError: Two bodies were given the same name after they were added.
+    """
+    twice = [name for name, count in Counter(b.name for b in scene.bodies).items() if count > 1]
+    if twice:
+        raise ValueError(f"the scene has several bodies named {twice[0]!r}")
+    return Numbering(scene.bodies, scene.links, scene.held_rotations())
+
+
+def _mark(scene: Scene) -> bytes:
+    """All on which numbering and assemblies depend."""
+    told, holds = Told(scene.bodies), scene.held_rotations()
+    bodies = [
+        (type(body), told_of_body(body), body.drilling_told(holds.get(body, ())))
+        for body in scene.bodies
+    ]
+    return told.of((bodies, scene.links))

@@ -19,8 +19,8 @@ from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.lie.kinds import floating, inertia, pull_all, pull_derivative, push_all, tangent, turn
 from fem_lie.lie.kinds.floating import PlainFloating
 from fem_lie.lie.kinds.inertia import PlainInertia, PlainMotion
-from fem_lie.system.nodes.attachment import expand
-from fem_lie.system.nodes.loads import PlainLoads
+from fem_lie.system.nodes.masses import PlainLoads
+from fem_lie.system.nodes.numbering import expand
 
 PlainFollowing: TypeAlias = tuple[Indices, Array, Array, Array, Indices, Indices]
 """Leader and offset of each node of some cells, room for their frames and forces, and the table of

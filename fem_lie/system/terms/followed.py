@@ -19,7 +19,7 @@ from fem_lie.forms.abilities import (
 )
 from fem_lie.forms.cell_forms import FormTable, of_some_cells
 from fem_lie.forms.term import CellMatrices, FollowingTable, Pairs, PushedPieces, Term
-from fem_lie.system.nodes.attachment import Attachment
+from fem_lie.system.nodes.numbering import Attachment
 from fem_lie.system.terms.followed_abilities import (
     FollowedGround,
     FollowedLowRank,

@@ -7,7 +7,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie.forms.term import Pairs
-from fem_lie.system.nodes.attachment import Attachment, collect, expand, expand_twists
+from fem_lie.system.nodes.numbering import Attachment, collect, expand, expand_twists
 
 
 class FollowedNodes:

@@ -1,4 +1,8 @@
-"""Springs and dampers along the coordinates of joints.
+"""Springs and dampers along joint coordinates, and mass-proportional damping.
+
+Damping that goes with mass, of all bodies: it opposes their motion in space.
+
+Springs and dampers along the coordinates of joints.
 
 Their forces, and what becomes of these as coordinates turn, are summed with those of the joints, in
 one loop over one table (:mod:`fem_lie.system.constraint_sets`); here they stand by themselves.
@@ -8,10 +12,82 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled
 from fem_lie.forms.abilities import ViscousForces
 from fem_lie.forms.term import Pairs, Term
+from fem_lie.lie.kinds import at_rest, inertia, pull_derivative
+from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
+from fem_lie.system.nodes.sums import add_mass_damping
+
+
+@compiled
+def _add_turned(kinds: Indices, H: Array, f: Array, diagonal: Indices, blocks: Array) -> None:
+    """``blocks += ∂(Lᵀ f)/∂h`` of each node."""
+    for i in range(f.shape[0]):
+        if diagonal[i] >= 0:
+            pull_derivative(kinds[i], H[i], f[i], 1.0, blocks[diagonal[i]])
+
+
+class MassDamping(Term, ViscousForces):
+    """Forces ``Lᵀ D q̇`` with a constant matrix ``D`` of (x, d₁, d₂, d₃) of the leaders."""
+
+    label, in_space, conserved = "damping of mass", True, True
+
+    def __init__(self, D: Inertia, kinds: Indices) -> None:
+        """Keep the matrix, and what the nodes are."""
+        self._kinds = at_rest(kinds)
+        self._D, self._count = D, len(D.indptr) - 1
+        self._rows = np.repeat(np.arange(self._count), np.diff(D.indptr))
+        own = np.flatnonzero(self._rows == D.indices)
+        self._diagonal = np.full(self._count, -1)
+        self._diagonal[self._rows[own]] = own
+        self._place = np.arange(len(D.indices))
+        self._work = np.zeros((2, self._count, 4, 3))
+
+    @property
+    def viscosity(self) -> ViscousForces:
+        """All forces."""
+        return self
+
+    @property
+    def pairs(self) -> Pairs:
+        """Those of the matrix."""
+        return self._rows, self._D.indices
+
+    @property
+    def rates(self) -> tuple[Indices, Indices, Array]:
+        """The matrix."""
+        return self._D.plain
+
+    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
+        """There are none at rest."""
+
+    def tangent(self, H: Array, kept: Array) -> Array:
+        """Zero."""
+        return np.zeros((len(self._rows), 6, 6))
+
+    def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
+        """See the base class."""
+        self._forces(H, v, out)
+
+    def _forces(self, H: Array, v: Array, out: Array) -> Array:
+        """Adds them, and returns ``D q̇``, shape (n, 4, 3)."""
+        f = np.zeros((self._count, 4, 3))
+        add_mass_damping(self._kinds, H, v, self._D.plain, self._work, f, out.reshape(-1))
+        return f
+
+    def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
+        """``Lᵀ D L`` and ``∂(Lᵀ D L v)/∂h``."""
+        A, K = np.zeros((2, len(self._rows), 6, 6))
+        # L v is the acceleration v of a body at rest
+        motion = H, np.zeros((self._count, 6)), v[: self._count]
+        places = self._place, self._place
+        inertia.tangents(motion, self._kinds, self._D.plain, places, (1.0, 0.0), (A, K))
+        f = self._forces(H, v, np.zeros((self._count, 6)))
+        _add_turned(self._kinds, H, f, self._diagonal, K)
+        return A, K
 
 
 class _Along(Term):

@@ -21,8 +21,7 @@ from fem_lie.lie.tuples import (
     scaled,
     store,
 )
-from fem_lie.solve.alpha.step.free_body import inverse, make_step, residual
-from fem_lie.solve.alpha.step.free_records import (
+from fem_lie.solve.alpha.step.free_body import (
     BODY,
     INCREMENT,
     RESIDUAL,
@@ -35,6 +34,9 @@ from fem_lie.solve.alpha.step.free_records import (
     Plan,
     Start,
     State,
+    inverse,
+    make_step,
+    residual,
 )
 from fem_lie.solve.alpha.step.node import Scheme
 

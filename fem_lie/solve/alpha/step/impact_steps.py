@@ -18,8 +18,7 @@ from fem_lie.contact.impact.settle import settle
 from fem_lie.contact.impact.velocities import largest_speed
 from fem_lie.lie.motions import to_local
 from fem_lie.lie.tuples import load_row, negative, rotate_back, scaled, store
-from fem_lie.solve.alpha.step.free_body import make_step, residual
-from fem_lie.solve.alpha.step.free_records import (
+from fem_lie.solve.alpha.step.free_body import (
     BODY,
     INCREMENT,
     RESIDUAL,
@@ -32,6 +31,8 @@ from fem_lie.solve.alpha.step.free_records import (
     Plan,
     Start,
     State,
+    make_step,
+    residual,
 )
 from fem_lie.solve.alpha.step.free_steps import act, book, load_of
 from fem_lie.solve.alpha.step.node import Scheme

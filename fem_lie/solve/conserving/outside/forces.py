@@ -25,7 +25,7 @@ from fem_lie.lie.kinds.kind import axes
 from fem_lie.lie.tuples import dot, load, load_row, plus, rotate, rotate_back, scaled, store
 from fem_lie.lie.wrenches import add_wrench
 from fem_lie.solve.conserving.between.any_node import span_from_python
-from fem_lie.solve.conserving.between.pushes import BESIDE, LOSS, ON_GROUND, Pushes
+from fem_lie.solve.conserving.between.end_forces import BESIDE, LOSS, ON_GROUND, Pushes
 from fem_lie.solve.conserving.outside.joints import Joints
 from fem_lie.solve.conserving.outside.other_constraints import OtherConstraints
 from fem_lie.solve.conserving.step.dissipation import LEAK

@@ -14,8 +14,8 @@ from fem_lie.joints.equations.table import PackedJoints, joint_table, views
 from fem_lie.joints.equations.terms import spring_energy, unwrap, violations
 from fem_lie.lie.kinds import SLOPE
 from fem_lie.solve.conserving.outside.grips import GripSpan, Rows, give, set_grips, set_nodes
+from fem_lie.solve.conserving.rows.changes import weigh_cells
 from fem_lie.solve.conserving.rows.halves import CellTable
-from fem_lie.solve.conserving.rows.measure import weigh_cells
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.step.records import Model, Span, State, Step
 from fem_lie.system.equations import Equations

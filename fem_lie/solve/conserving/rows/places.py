@@ -28,8 +28,14 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 from fem_lie.solve.conserving.between.mean_forces import add_resistance, shrunk, unshrunk
-from fem_lie.solve.conserving.rows.cells import Nodes, Work, memory, solve_thin
-from fem_lie.solve.conserving.rows.energies import Energies, factor_beside
+from fem_lie.solve.conserving.rows.cells import (
+    Energies,
+    Nodes,
+    Work,
+    factor_beside,
+    memory,
+    solve_thin,
+)
 from fem_lie.solve.conserving.rows.halves import (
     ENERGY,
     FORCES,

@@ -30,9 +30,13 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 from fem_lie.lie.wrenches import add_dead, add_wrench
-from fem_lie.solve.conserving.between.any_node import keep_axes, rates_of
+from fem_lie.solve.conserving.between.any_node import (
+    go_along_edge,
+    keep_axes,
+    rates_of,
+    turned_with,
+)
 from fem_lie.solve.conserving.between.cayley import advance, left_moment, spin
-from fem_lie.solve.conserving.between.edges import go_along_edge, turned_with
 from fem_lie.solve.conserving.between.floating import STRESS
 from fem_lie.solve.conserving.step.dissipation import (
     ENERGY,
@@ -45,7 +49,7 @@ from fem_lie.solve.conserving.step.dissipation import (
 )
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
 from fem_lie.solve.conserving.step.records import Model, State, Step, solution_of, span_of
-from fem_lie.system.nodes.loads import Loads
+from fem_lie.system.nodes.masses import Loads
 
 
 @linked

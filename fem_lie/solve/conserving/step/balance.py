@@ -46,7 +46,7 @@ from fem_lie.solve.conserving.step.records import (
     solution_of,
     span_of,
 )
-from fem_lie.system.nodes.loads import Loads
+from fem_lie.system.nodes.masses import Loads
 
 
 @linked

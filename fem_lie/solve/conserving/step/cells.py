@@ -26,15 +26,15 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 from fem_lie.lie.wrenches import add_wrench
+from fem_lie.solve.conserving.between.any_node import pull_edges, turn_edges
 from fem_lie.solve.conserving.between.cayley import follow
 from fem_lie.solve.conserving.between.discrete_gradient import Energies, Filtered, add_elastic
-from fem_lie.solve.conserving.between.edges import pull_edges, turn_edges
 from fem_lie.solve.conserving.between.floating import add_elastic as add_of_bodies
 from fem_lie.solve.conserving.between.mean_forces import Ends, Path
+from fem_lie.solve.conserving.rows.cells import Energies as RowEnergies
 from fem_lie.solve.conserving.rows.cells import Nodes
 from fem_lie.solve.conserving.rows.cells import add_elastic as add_of_rows
 from fem_lie.solve.conserving.rows.changes import Lasting, add_changes
-from fem_lie.solve.conserving.rows.energies import Energies as RowEnergies
 from fem_lie.solve.conserving.rows.places import add_of_places
 from fem_lie.solve.conserving.step.dissipation import (
     ELASTIC,

@@ -56,7 +56,7 @@ from fem_lie.solve.conserving.step.corrections import (
     stalls,
 )
 from fem_lie.solve.conserving.step.dissipation import MEMORY
-from fem_lie.solve.conserving.step.nodes import begin, compare, correct, hold
+from fem_lie.solve.conserving.step.joints import begin, compare, correct, hold
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
 from fem_lie.solve.conserving.step.records import ERROR, LEARN, TOUCHES, solution_of
 from fem_lie.solve.conserving.step.series import (

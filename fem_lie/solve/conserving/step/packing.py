@@ -39,7 +39,7 @@ from fem_lie.solve.conserving.step.records import (
     State,
     Step,
 )
-from fem_lie.system.nodes.loads import Loads
+from fem_lie.system.nodes.masses import Loads
 
 PackedModel: TypeAlias = tuple[Indices, tuple[bool, bool], tuple[float, float, float]]
 """Table of the arrays of a :class:`Model`; whether all lead themselves, and ``viscous``; the

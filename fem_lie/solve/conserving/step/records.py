@@ -15,7 +15,7 @@ from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.solve.conserving.between.floating import PackedBodies
 from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
-from fem_lie.system.nodes.loads import Loads
+from fem_lie.system.nodes.masses import Loads
 
 FORCES, LEARN, JOINTS, ERROR, TOUCHES, OUTSIDE = 0, 1, 2, 3, 4, 5
 """Indices into :attr:`Model.outside`: the address of the function that adds forces from outside of
@@ -39,14 +39,14 @@ class Scheme(NamedTuple):
 
 
 class Leaders(NamedTuple):
-    """Which node follows which, see :class:`~fem_lie.system.nodes.attachment.Attachment`.
+    """Which node follows which, see :class:`~fem_lie.system.nodes.numbering.Attachment`.
 
     Attributes:
         leader: Of each node, (N,).
         offset: Frame of each node in that of its leader, (N, 4, 3).
         trivial: Whether all lead themselves, and none has a frame that turns with an edge.
         edges: Nodes with such frames, and the other nodes of these edges, (k, 2), see
-            :mod:`fem_lie.solve.conserving.between.edges`.
+            :mod:`fem_lie.solve.conserving.between.any_node`.
     """
 
     leader: Indices

@@ -1,1 +1,0 @@
-"""Shells with cells cut in four, what acts on the nodes that are new, and borders."""

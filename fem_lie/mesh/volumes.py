@@ -1,0 +1,320 @@
+"""Meshes of hexahedra and tetrahedra, integrals over their cells, and those from functions.
+
+Integrals over the cells of a mesh that fills a volume.
+
+Volumes of hexahedra or tetrahedra on meshes of DOLFINx, with names for their parts.
+
+Volume meshes from functions of three parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations, product
+
+import dolfinx
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie import _compat
+from fem_lie._arrays import Array, Indices, find_name, instance, points_of, whole_number
+from fem_lie.mesh.shapes import nodes_of, rule, tabulated
+
+_GEOMETRY = {4: 1, 10: 2, 8: 1, 27: 2}
+
+"""Degree of a cell's geometry by its number of nodes."""
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeRule:
+    """Points of integration in all cells.
+
+    Attributes:
+        values: Shape functions of the nodes, shape (g, k).
+        jacobian: Determinant of the cell's map, of one sign unless it is inside out, (m, g).
+        volumes: Weight times volume, shape (m, g).
+        places: Unloaded, shape (m, g, 3).
+        mean_slopes: Integrals of the shape functions' gradients, shape (m, k, 3).
+    """
+
+    values: Array
+    jacobian: Array
+    volumes: Array
+    places: Array
+    mean_slopes: Array
+
+    @classmethod
+    def of(cls, mesh: dolfinx.mesh.Mesh, degree: int, *, checked: bool = False) -> VolumeRule:
+        """Exact for products of two shape functions on cells with plane faces.
+
+        Args:
+            mesh: Of hexahedra or tetrahedra.
+            degree: Of the shape functions.
+            checked: Take the nodes of a cell, too, with weight one.
+        """
+        cell, nodes = mesh.topology.cell_name(), _compat.geometry_dofmap(mesh)
+        points, weights = rule(cell, 2 * degree + 1)
+        if checked:
+            corners = nodes_of(cell, degree)
+            points, weights = np.concatenate([points, corners]), np.ones(len(points) + len(corners))
+        own, shape = (tabulated(cell, p, points) for p in (degree, _GEOMETRY[nodes.shape[1]]))
+        x = mesh.geometry.x[nodes]
+        tangents = np.einsum("bgk,mka->mgab", shape[1:], x)
+        jacobian = np.linalg.det(tangents)
+        volumes, mean = weights * np.abs(jacobian), np.zeros((len(x), own.shape[2], 3))
+        if not checked:
+            inverse = np.linalg.inv(tangents)
+            mean = np.einsum("mg,mgba,bgk->mka", volumes, inverse, own[1:], optimize=True)
+        return cls(own[0], jacobian, volumes, np.einsum("gk,mka->mga", shape[0], x), mean)
+
+
+_KINDS = {"tetrahedron": (4, 10), "hexahedron": (8, 27)}
+
+"""Nodes of cells of degree 1 and 2."""
+
+_FLAT = 1e-12
+
+"""Volume over the third power of the longest edge, of cells that have none."""
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeMesh:
+    """A mesh of DOLFINx that fills a volume; see ``block``, ``read_gmsh_volume`` and others.
+
+    Attributes:
+        mesh: Hexahedra or tetrahedra of degree 1 or 2 in space, on one process.
+        groups: Cells of each named group.
+        faces: Facets of each named face.
+        curves: Edges of each named curve.
+        named_points: Vertices of each name.
+
+    Raises:
+        ValueError: The mesh is another one, or a cell is turned inside out or has no volume.
+        TypeError: It is no mesh of DOLFINx.
+    """
+
+    mesh: dolfinx.mesh.Mesh
+    groups: Mapping[str, Indices] = field(default_factory=dict)
+    faces: Mapping[str, Indices] = field(default_factory=dict)
+    curves: Mapping[str, Indices] = field(default_factory=dict)
+    named_points: Mapping[str, Indices] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """See the class."""
+        instance(self.mesh, dolfinx.mesh.Mesh, "VolumeMesh: mesh", "a mesh of DOLFINx")
+        if self.mesh.comm.size > 1:
+            raise ValueError(f"the mesh must be on one process, got one on {self.mesh.comm.size}")
+        kinds = _compat.kinds_of_cells(self.mesh)
+        nodes = _compat.geometry_dofmap(self.mesh).shape[1] if len(kinds) == 1 else 0
+        if len(kinds) != 1 or nodes not in _KINDS.get(kinds[0], ()):
+            raise ValueError(
+                "a solid needs tetrahedra or hexahedra of order 1 or 2, got "
+                f"{' and '.join(kinds)} cells of {nodes} nodes"
+            )
+        _refuse_inverted(self.mesh, self.degree)
+
+    @property
+    def cell(self) -> str:
+        """``"tetrahedron"`` or ``"hexahedron"``."""
+        return str(self.mesh.topology.cell_name())
+
+    @property
+    def degree(self) -> int:
+        """Of the cells' edges."""
+        return int(_KINDS[self.cell].index(_compat.geometry_dofmap(self.mesh).shape[1])) + 1
+
+    @property
+    def cells(self) -> int:
+        """How many there are."""
+        return int(self.mesh.topology.index_map(3).size_local)
+
+    def group(self, name: str) -> Indices:
+        """Cells of a named group.
+
+        Raises:
+            ValueError: There is none; the message lists those that exist.
+        """
+        return find_name(dict(self.groups), name, "group of cells")
+
+    def face(self, name: str) -> Indices:
+        """Facets of a named face.
+
+        Raises:
+            ValueError: There is none; the message lists those that exist.
+        """
+        return find_name(dict(self.faces), name, "face")
+
+    def part(self, name: str) -> tuple[int, Indices]:
+        """Dimension and entities of a face, curve, named point or group of cells.
+
+        Raises:
+            ValueError: There is none; the message lists those that exist.
+        """
+        parts = {2: self.faces, 1: self.curves, 0: self.named_points, 3: self.groups}
+        for dim, named in parts.items():
+            if name in named:
+                return dim, named[name]
+        known = {key: values for named in parts.values() for key, values in named.items()}
+        return 3, find_name(known, name, "face, curve, point or group")
+
+
+def entities_at(mesh: dolfinx.mesh.Mesh, dim: int, corners: Indices) -> Indices:
+    """Entities whose vertices are these nodes of the geometry, shape (k, corners).
+
+    Raises:
+        ValueError: There is no such entity.
+    """
+    mesh.topology.create_entities(dim)
+    mesh.topology.create_connectivity(dim, 0)
+    count = mesh.topology.index_map(dim).size_local
+    vertices: Indices = geometry_of_vertices(mesh)
+    own = vertices[mesh.topology.connectivity(dim, 0).array.reshape(count, -1)]
+    keys = np.sort(own, axis=1)
+    wanted = np.sort(corners.reshape(-1, keys.shape[1]), axis=1)
+    both, number = np.unique(np.concatenate([keys, wanted]), axis=0, return_inverse=True)
+    number = number.ravel()
+    at = np.full(len(both), -1)
+    at[number[:count]] = np.arange(count)
+    found = at[number[count:]]
+    if (found < 0).any():
+        raise ValueError(f"points {wanted[found < 0][0]} are no corners of one part of a cell")
+    return np.unique(found)
+
+
+def entities_on(mesh: dolfinx.mesh.Mesh, dim: int, nodes: Indices) -> Indices:
+    """Entities all of whose vertices are among these nodes of the geometry."""
+    mesh.topology.create_entities(dim)
+    mesh.topology.create_connectivity(dim, 0)
+    count = mesh.topology.index_map(dim).size_local
+    own = geometry_of_vertices(mesh)[mesh.topology.connectivity(dim, 0).array.reshape(count, -1)]
+    return np.flatnonzero(np.isin(own, nodes).all(axis=1))
+
+
+def geometry_of_vertices(mesh: dolfinx.mesh.Mesh) -> Indices:
+    """Node of the geometry of each vertex, shape (v,)."""
+    mesh.topology.create_connectivity(0, 3)
+    mesh.topology.create_connectivity(3, 0)
+    count = mesh.topology.index_map(0).size_local
+    every = np.arange(count, dtype=np.int32)
+    return dolfinx.mesh.entities_to_geometry(mesh, 0, every).ravel().astype(np.int64)
+
+
+def _refuse_inverted(mesh: dolfinx.mesh.Mesh, degree: int) -> None:
+    """Cells may be left-handed, as those of DOLFINx are, but of one sense everywhere."""
+    volumes: Array = VolumeRule.of(mesh, degree, checked=True).jacobian
+    edges = np.ptp(mesh.geometry.x[_compat.geometry_dofmap(mesh)], axis=1).max(axis=1)
+    turned = volumes * np.sign(volumes[:, :1]) <= _FLAT * edges[:, np.newaxis] ** 3
+    bad = np.flatnonzero(turned.any(axis=1))
+    if len(bad):
+        nodes = _compat.geometry_dofmap(mesh)[bad[0]]
+        raise ValueError(
+            f"{len(bad)} of {len(volumes)} cells are turned inside out or have no volume; the "
+            f"first is cell {bad[0]} with corners at\n{mesh.geometry.x[nodes]}"
+        )
+
+
+_PARAMETERS = "abc"
+
+_TETRAHEDRA = ((0, 1, 3, 7), (0, 1, 7, 5), (0, 5, 7, 4), (0, 3, 2, 7), (0, 6, 4, 7), (0, 2, 6, 7))
+
+"""Six of a hexahedron, about its diagonal."""
+
+
+def block(
+    function: Callable[[float, float, float], npt.ArrayLike],
+    cells: tuple[int, int, int],
+    *,
+    cell: str = "hexahedron",
+) -> VolumeMesh:
+    """Volume over the unit cube ``(a, b, c)``, cut at equal steps of the three parameters.
+
+    Its faces are "a=0", "a=1" and so on, its edges the curves "a=0,b=0" and so on, its corners the
+    points "000" to "111". Edges of cells are straight; a tetrahedral mesh has six cells for each
+    hexahedron.
+
+    Args:
+        function: Point at ``(a, b, c)``, shape (3,).
+        cells: Numbers along a, b and c.
+        cell: ``"hexahedron"`` or ``"tetrahedron"``.
+
+    Raises:
+        ValueError: A cell has no volume, or something is out of range.
+    """
+    if cell not in ("hexahedron", "tetrahedron"):
+        raise ValueError(f"wanted cells 'hexahedron' or 'tetrahedron', got {cell!r}")
+    instance(function, Callable, "a block", "a function of a, b and c from 0 to 1")
+    if not isinstance(cells, Sequence) or len(cells) != 3:
+        raise ValueError(f"cells must be three numbers, along a, b and c, got {cells!r}")
+    counts = [whole_number(count) for count in cells]
+    steps = [range(n + 1) for n in counts]
+    parameters = np.array(
+        [[i / n for i, n in zip(at, counts, strict=True)] for at in product(*steps)]
+    )
+    points = points_of([function(*(float(p) for p in at)) for at in parameters])
+    mesh = _compat.create_surface_mesh(points, _grid_cells(counts, cell), cell, 1)
+    return _named(mesh, parameters[mesh.geometry.input_global_indices])
+
+
+def brick(
+    lengths: npt.ArrayLike,
+    cells: tuple[int, int, int],
+    *,
+    origin: npt.ArrayLike = (0.0, 0.0, 0.0),
+    cell: str = "hexahedron",
+) -> VolumeMesh:
+    """Box of equal cells with a corner at ``origin``; a, b and c go along x, y and z.
+
+    Args:
+        lengths: Of its edges, shape (3,).
+        cells: Numbers along them.
+        origin: Corner with the smallest coordinates.
+        cell: See :func:`block`.
+
+    Raises:
+        ValueError: A length is not positive, or something is out of range.
+    """
+    edges, start = (points_of([value])[0] for value in (lengths, origin))
+    if not (edges > 0.0).all():
+        raise ValueError(f"a brick needs three positive lengths, got {lengths!r}")
+    return block(lambda a, b, c: start + edges * np.array([a, b, c]), cells, cell=cell)
+
+
+def _named(mesh: dolfinx.mesh.Mesh, parameters: Array) -> VolumeMesh:
+    """With the names of faces, edges and corners; parameters of each node, shape (n, 3)."""
+    sides = {
+        f"{name}={end}": np.flatnonzero(parameters[:, k] == end)
+        for k, name in enumerate(_PARAMETERS)
+        for end in (0, 1)
+    }
+    edges = {
+        f"{one},{other}": np.intersect1d(sides[one], sides[other])
+        for one, other in combinations(sides, 2)
+        if one[0] != other[0]
+    }
+    corners = {
+        "".join(map(str, at)): np.flatnonzero((parameters == at).all(axis=1))
+        for at in product((0, 1), repeat=3)
+    }
+    return VolumeMesh(
+        mesh,
+        faces={name: entities_on(mesh, 2, nodes) for name, nodes in sides.items()},
+        curves={name: entities_on(mesh, 1, nodes) for name, nodes in edges.items()},
+        named_points={name: entities_on(mesh, 0, nodes) for name, nodes in corners.items()},
+    )
+
+
+def _grid_cells(counts: Sequence[int], cell: str) -> Indices:
+    """Cells on a grid of points, in DOLFINx's order."""
+    number = np.arange(np.prod([n + 1 for n in counts])).reshape([n + 1 for n in counts])
+    ends = [number[i:n, j:m, k:p] for i, n, j, m, k, p in _corners(counts)]
+    hexahedra = np.stack([each.ravel() for each in ends], axis=1)
+    if cell == "hexahedron":
+        return hexahedra
+    return hexahedra[:, np.array(_TETRAHEDRA)].reshape(-1, 4)
+
+
+def _corners(counts: Sequence[int]) -> list[tuple[int, int, int, int, int, int]]:
+    """Slices of the grid that hold each corner of all cells, the first parameter fastest."""
+    n, m, p = counts
+    return [(i, n + i, j, m + j, k, p + k) for k in (0, 1) for j in (0, 1) for i in (0, 1)]

@@ -1,1 +1,0 @@
-"""Meshes that fill volumes."""

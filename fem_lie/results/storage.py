@@ -1,0 +1,202 @@
+"""Rows of a results file written while a run goes on, and checksums of its contents.
+
+Checksums of what is in a file of results, so that a flipped bit is an error.
+
+HDF5's own checksums (Fletcher-32) are of chunks: a process that ends while it fills a chunk leaves
+one whose checksum is wrong, and with it all rows of the chunk are lost. So each row of results has
+a CRC-32, which is written before the row is counted, and each group has one of all that is in it.
+
+Rows of the arrays of a results file, written while a run goes on.
+
+The structure of the file does not change meanwhile: a process that ends, in whatever way, leaves a
+file that can be read, with all rows that were counted. Writing goes by system calls that report a
+full disk, never through mapped memory, where that is the end of the process. A row's checksum is
+written before the row is counted, and the count stands there twice.
+"""
+
+from __future__ import annotations
+
+import os
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+CHECKSUM = "checksum"
+
+"""Attribute of a group with the checksum of what is in it."""
+
+NAMES = "contents"
+
+"""Group, and its attribute, with the names of all that is in the file."""
+
+_BLOCK = 2**20  # bytes of rows that are copied together for their checksums
+
+
+class DamagedError(Exception):
+    """Contents do not agree with their checksum."""
+
+
+def row_checksums(arrays: Mapping[str, npt.NDArray[Any]]) -> npt.NDArray[np.int64]:
+    """CRC-32 of each row of arrays, which follow each other by name; shape (n,).
+
+    Args:
+        arrays: The same number n of rows of each.
+    """
+    count = len(next(iter(arrays.values())))
+    parts = [
+        np.ascontiguousarray(arrays[name]).reshape(count, -1).view(np.uint8)
+        for name in sorted(arrays)
+        if arrays[name].size
+    ]
+    found = np.zeros(count, dtype=np.int64)
+    step = max(1, _BLOCK // max(1, sum(part.shape[1] for part in parts)))
+    for first in range(0, count if parts else 0, step):
+        block = np.concatenate([part[first : first + step] for part in parts], axis=1)
+        found[first : first + step] = [zlib.crc32(row) for row in block]
+    return found
+
+
+def check_rows(arrays: Mapping[str, npt.NDArray[Any]], checksums: npt.NDArray[np.int64]) -> None:
+    """Compare rows of arrays with their checksums, shape (n,).
+
+    Raises:
+        DamagedError: Rows do not agree; the first is named.
+    """
+    wrong = row_checksums(arrays) != checksums
+    if wrong.any():
+        raise DamagedError(
+            f"{wrong.sum()} of {len(wrong)} rows do not agree with their checksums, the first is "
+            f"row {np.argmax(wrong)}"
+        )
+
+
+def seal(file: Any) -> None:
+    """Give all groups of an HDF5 file checksums, and one of them the names of what is there."""
+    file[NAMES].attrs[NAMES] = _names(file)
+    for group in groups(file):
+        group.attrs[CHECKSUM] = _content(group)
+
+
+def check(file: Any) -> None:
+    """Compare what is in a file and its groups with names and checksums.
+
+    Raises:
+        DamagedError: Something is missing, or does not agree; the group is named.
+    """
+    if file[NAMES].attrs[NAMES] != _names(file):
+        raise DamagedError(f"it has {_names(file)}, but should have {file[NAMES].attrs[NAMES]}")
+    for group in groups(file):
+        if group.attrs[CHECKSUM] != _content(group):
+            raise DamagedError(f"group {group.name!r} does not agree with its checksum")
+
+
+def groups(file: Any) -> list[Any]:
+    """Groups of an HDF5 file."""
+    return [item for item in file.values() if hasattr(item, "items")]
+
+
+def _names(file: Any) -> str:
+    return ", ".join(sorted(file))
+
+
+def _content(group: Any) -> int:
+    """CRC-32 of attributes, data sets and groups in a group."""
+    found = 0
+    for name in sorted(set(group.attrs) - {CHECKSUM}):
+        found = zlib.crc32(_bytes(name, group.attrs[name]), found)
+    for name in sorted(group):
+        item = group[name]
+        value = item[()] if hasattr(item, "shape") else _content(item)
+        found = zlib.crc32(_bytes(name, value), found)
+    return found
+
+
+def _bytes(name: str, value: Any) -> bytes:
+    """Name, type, shape and contents of a value, strings of any length included."""
+    array = np.asarray(value)
+    contents = repr(array.tolist()).encode() if array.dtype.hasobject else array.tobytes()
+    return f"{name} {array.dtype.str} {array.shape} ".encode() + contents
+
+
+COUNT, CHECKSUMS = "rows", "checksums"
+
+"""Data sets of the number of rows, shape (2,), and of their checksums, shape (rows,)."""
+
+
+class _Place(NamedTuple):
+    """Where a data set is in the file; without an offset it has no values."""
+
+    offset: int | None
+    kind: np.dtype[Any]
+    shape: tuple[int, ...]
+
+
+class ResultRows:
+    """The data sets of a file made by :func:`fem_lie.results.file.create`."""
+
+    def __init__(self, path: Path) -> None:
+        """Find their places."""
+        import h5py
+
+        self._path = path
+        with h5py.File(path, "r") as file:
+            self._places = {
+                name: _Place(item.id.get_offset(), item.dtype, item.shape)
+                for name, item in file.items()
+                if isinstance(item, h5py.Dataset)
+            }
+
+    @property
+    def room(self) -> int:
+        """Rows that there can be."""
+        return self._places[CHECKSUMS].shape[0]
+
+    def write(self, first: int, rows: Mapping[str, npt.NDArray[Any]]) -> None:
+        """Write rows from ``first`` on, the same number of each array, and count them.
+
+        Raises:
+            OSError: The disk is full, or there is another reason.
+        """
+        stored = {
+            name: np.ascontiguousarray(values, dtype=self._places[name].kind)
+            for name, values in rows.items()
+        }
+        checksums = row_checksums(stored)
+        with self._path.open("r+b", buffering=0) as file:
+            for name, values in (*stored.items(), (CHECKSUMS, checksums)):
+                self._write(file.fileno(), name, values, first)
+            self._write(file.fileno(), COUNT, np.full(2, first + len(checksums)), 0)
+
+    def _write(self, descriptor: int, name: str, values: npt.NDArray[Any], first: int) -> None:
+        offset, kind, shape = self._places[name]
+        if offset is not None:
+            row = kind.itemsize * int(np.prod(shape[1:], dtype=np.int64))
+            write_all(descriptor, values.tobytes(), offset + first * row)
+
+    def sync(self) -> None:
+        """Wait until all that was written is on the disk."""
+        with self._path.open("r+b", buffering=0) as file:
+            os.fsync(file.fileno())
+
+    def read(self, count: int) -> dict[str, npt.NDArray[Any]]:
+        """The first rows of all arrays, mapped into memory: what is not looked at costs nothing."""
+        found: dict[str, npt.NDArray[Any]] = {}
+        for name, (offset, kind, shape) in self._places.items():
+            if offset is None:
+                found[name] = np.empty(shape, dtype=kind)[:count]
+            elif name not in (COUNT, CHECKSUMS):
+                mapped = np.memmap(self._path, dtype=kind, mode="r", offset=offset, shape=shape)
+                found[name] = mapped[:count]
+        return found
+
+
+def write_all(descriptor: int, data: bytes | memoryview, offset: int) -> None:
+    """Write all of ``data``, however many calls that takes."""
+    view = memoryview(data)
+    while len(view):
+        done = os.pwrite(descriptor, view, offset)
+        view, offset = view[done:], offset + done

@@ -1,0 +1,381 @@
+"""Linear buckling: load factors as eigenvalues of stiffness and geometric stiffness.
+
+Geometric stiffness: the derivative of the tangent stiffness in the load factor.
+
+With the stress, the Lagrange multipliers and the loads of linear theory at the load factor λ, in
+the unloaded configuration, the tangent stiffness is ``K(λ) = K₀ + λ K_g``. The difference of two of
+them loses the digits by which ``λ K_g`` is smaller than ``K₀``. The load factor ``s`` of the
+difference therefore makes both about equally large, whatever the size of the loads.
+
+Load factors of linear buckling: eigenvalues of a pencil of stiffness and geometric stiffness.
+
+Whether loads have a potential among the motions that supports and joints leave free.
+
+Linear buckling compares energies: its load factors are those of the symmetric part ``G`` of the
+geometric stiffness. Loads without a potential, such as forces that follow or moments about fixed
+axes, add a skew part ``S``, and then a mode φ of ``(K + λ G) φ = 0`` is none of the structure. What
+counts is how the loads act: a force that follows a guided end, end moments on forks and pressure on
+a ring in its plane do have a potential among the motions that are free.
+
+Where ``S φ = 0`` the load factor is right, and none is lower: real eigenvalues of ``−K⁻¹ (G + S)``
+are not above the largest of ``−K⁻¹ G`` (I. Bendixson, Acta Mathematica 25 (1902) 359). Flutter at a
+lower load takes an ``S`` that is not small beside ``G``.
+
+Linear buckling: the load factors at which a structure that hardly deforms before is unstable.
+
+The stress of linear theory under the full loads, carried in the unloaded configuration, makes the
+tangent ``K₀ + K_g``; at the load factor λ it is ``K₀ + λ K_g``, and singular at the factors that
+are sought. No geometric stiffness is derived for it: the tangent with a carried stress is what
+every iteration of statics uses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from petsc4py import PETSc
+
+import numpy as np
+import scipy.sparse as sp
+from slepc4py import SLEPc
+
+from fem_lie._arrays import Array, whole
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.linear.spectra.pencil import padded, solve_factorised, to_petsc
+from fem_lie.results.mode_shapes import BucklingModes
+from fem_lie.scene import Scene
+from fem_lie.solve.progress_bars import Stopwatch, step_bar
+from fem_lie.solve.stability.equilibrium import StableEquilibrium
+from fem_lie.solve.statics.follow import check_proportion
+from fem_lie.system.equations import Equations
+
+_ALIKE = 3.0  # powers of two by which the change and the stiffness may differ
+
+_ROUND_OFF = 2.0**-40  # of the stiffness: a smaller change is none
+
+_SCALINGS, _SHRINKINGS = 5, 10
+
+_PROPORTIONAL = 1e-9  # relative deviation of a change from a straight line
+
+_CONVERGED = 1e-5
+
+
+class GeometricStiffness(NamedTuple):
+    """``s K_g`` of the free unknowns in their units.
+
+    Attributes:
+        symmetric: Symmetric part, shape (n, n).
+        skew: The other part, of loads without a potential, shape (n, n).
+        factor: ``s``, a power of two.
+    """
+
+    symmetric: sp.csr_matrix
+    skew: sp.csr_matrix
+    factor: float
+
+    @classmethod
+    def of(cls, G: sp.csr_matrix, factor: float) -> GeometricStiffness:
+        """Split the matrix ``s K_g``."""
+        return cls((0.5 * (G + G.T)).tocsr(), (0.5 * (G - G.T)).tocsr(), factor)
+
+
+def geometric_stiffness(
+    model: StableEquilibrium, K: sp.csr_matrix, dx: Array
+) -> GeometricStiffness:
+    """That of the loads of a scene.
+
+    Args:
+        model: The scene in its unloaded configuration.
+        K: Its tangent stiffness there, shape (n, n).
+        dx: Displacements and multipliers of linear theory at load factor 1.
+
+    Raises:
+        ValueError: The tangent stiffness has no derivative in the load factor.
+    """
+    state = model.linear_state(dx)
+
+    def change(factor: float) -> sp.csr_matrix:
+        return (model.stressed(state, factor) - K).tocsr()
+
+    factor, D = _alike(change, abs(K).max(), model.largest(dx))
+    if not D.count_nonzero():
+        return GeometricStiffness.of(D, factor)
+    E = change(-0.5 * factor)
+    if abs(D + 2.0 * E).max() <= _PROPORTIONAL * abs(D).max():
+        return GeometricStiffness.of(D, factor)
+    return _extrapolated(change, D, E, factor)
+
+
+def _alike(
+    change: Callable[[float], sp.csr_matrix], stiffness: float, displacement: float
+) -> tuple[float, sp.csr_matrix]:
+    """A load factor at which the change is about as large as the stiffness, and the change.
+
+    The change is zero if there is none at any load factor.
+
+    The first one makes the displacements of linear theory as large as the model, or its rotations
+    about one radian; where nothing moves, any will do.
+    """
+    factor = 2.0 ** -np.round(np.log2(displacement)) if displacement else 1.0
+    D = change(factor)
+    for _ in range(_SCALINGS):
+        power = np.log2(max(abs(D).max() / stiffness, _ROUND_OFF))
+        if abs(power) <= _ALIKE:
+            return float(factor), D
+        factor *= 2.0 ** -np.round(power)
+        D = change(factor)
+    return float(factor), sp.csr_matrix(D.shape)
+
+
+def _extrapolated(
+    change: Callable[[float], sp.csr_matrix], D: sp.csr_matrix, E: sp.csr_matrix, factor: float
+) -> GeometricStiffness:
+    """From changes at ``s`` and ``−s/2`` for smaller and smaller s, with an error of third order.
+
+    Elements of the user's may have unknowns of their own on which the tangent stiffness depends in
+    any way.
+    """
+    first, least, best = factor, np.inf, D
+    before = sp.csr_matrix(D.shape)
+    for _ in range(_SHRINKINGS):
+        found = ((first / factor) * (D - 4.0 * E) / 3.0).tocsr()
+        error = abs(found - before).max() / abs(found).max()
+        if error > least and least <= _CONVERGED:
+            break  # round-off begins to grow
+        if error < least:
+            least, best = error, found
+        before, factor = found, factor / 16.0
+        D, E = change(factor), change(-0.5 * factor)
+    if least <= _CONVERGED:
+        return GeometricStiffness.of(best, first)
+    raise ValueError(
+        "the tangent stiffness has no derivative in the load factor, which linear buckling expects "
+        "of every element: follow the path by fl.follow_path"
+    )
+
+
+_TOLERANCE = 1e-10
+
+_TRUE = 1e-4  # relative difference of an eigenvalue from the quotient of its vector
+
+_TRIES = 4  # each asks for twice as many: those of round-off come with them
+
+
+def lowest_positive(
+    K: sp.csr_matrix, B: sp.csr_matrix, G: sp.csr_matrix, count: int, prefix: str
+) -> tuple[Array, Array]:
+    """Lowest positive λ with ``(K + λ G) φ + Bᵀ μ = 0``, ``B φ = 0``, and φ, (k, n).
+
+    There may be less of them than ``count``.
+    """
+    if not G.count_nonzero():
+        return np.empty(0), np.empty((0, K.shape[0]))
+    n = K.shape[0]
+    wanted, most = 2 * count + 4, n - B.shape[0]
+    inverse, vectors = _largest(K, B, G, min(wanted, most), prefix)
+    for _ in range(_TRIES):
+        if len(inverse) >= count or wanted >= most:
+            break
+        wanted *= 2
+        inverse, vectors = _largest(K, B, G, min(wanted, most), prefix)
+    order = np.argsort(-inverse)[:count]
+    return np.asarray(1.0 / inverse[order]), vectors[order]
+
+
+def _largest(
+    K: sp.csr_matrix, B: sp.csr_matrix, G: sp.csr_matrix, wanted: int, prefix: str
+) -> tuple[Array, Array]:
+    """Largest positive ``1/λ`` of ``−G φ = (1/λ) K φ``."""
+    n, solver = K.shape[0], SLEPc.EPS().create(PETSc.COMM_SELF)
+    size = float(np.mean(np.abs(K.diagonal())))
+    bordered = sp.bmat([[K, size * B.T], [size * B, None]], format="csr") if B.shape[0] else K
+    solver.setOperators(to_petsc(padded(-G, B)), to_petsc(bordered))
+    types = SLEPc.EPS.ProblemType
+    solver.setProblemType(types.GNHEP if B.shape[0] else types.GHEP)
+    solver.setOptionsPrefix(prefix)
+    # of the largest in size, members in tension would have all in a structure with many of them
+    solver.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_REAL)
+    solver.setDimensions(wanted)
+    solver.setTolerances(_TOLERANCE, 500)
+    solve_factorised(solver, prefix)
+    values, vectors = _pairs(solver, n, bordered.shape[0])
+    # constraints bring zeros that are defective, of which round-off makes numbers of either sign
+    energy = np.einsum("kn,kn->k", vectors, vectors @ K)
+    by_loads = -np.einsum("kn,kn->k", vectors, vectors @ G)
+    true = np.abs(by_loads - values * energy) <= _TRUE * values * energy
+    return values[true], vectors[true]
+
+
+def _pairs(solver: Any, n: int, size: int) -> tuple[Array, Array]:
+    """Converged pairs with a positive eigenvalue."""
+    real, imaginary = (PETSc.Vec().createSeq(size) for _ in range(2))
+    values, vectors = [], []
+    for k in range(solver.getConverged()):
+        values.append(solver.getEigenpair(k, real, imaginary).real)
+        vectors.append(real.array[:n].copy())
+    given = np.array(values)
+    kept = given > 1e-10 * np.abs(given).max(initial=0.0)
+    return given[kept], np.array(vectors).reshape(-1, n)[kept]
+
+
+_OF_MODES, _OF_ALL = 1e-6, 1e-2  # skew part over load stiffness that counts
+
+_TINY = 1e-300
+
+_SEED, _REPEATS, _SETTLED = 1, 12, 1e-3
+
+
+def check_potential(
+    model: StableEquilibrium, K: sp.csr_matrix, G: GeometricStiffness, found: tuple[Array, Array]
+) -> None:
+    """Raise ``ValueError`` if the skew part of the geometric stiffness counts.
+
+    Args:
+        model: The scene, whose tangent stiffness in the unloaded configuration is factorised.
+        K: That one of the free unknowns in their units, shape (n, n).
+        G: The geometric stiffness.
+        found: Load factors of its symmetric part, shape (k,), the lowest first, and their modes,
+            shape (k, n).
+    """
+    factors, modes = found
+    parts = [factors[k] * _response(model, K, G.skew, modes[k])[0] for k in range(len(factors))]
+    least = factors[0] if len(factors) else 1.0 / max(energy_radius(model, K, G.symmetric), _TINY)
+    of_all = float(least * energy_radius(model, K, G.skew))
+    if of_all > _OF_ALL or max(parts, default=0.0) > _OF_MODES:
+        raise ValueError(
+            "linear buckling expects loads that have a potential among the free motions, got an "
+            f"unsymmetric load stiffness, {max(of_all, *parts):.1e} of the symmetric one (forces "
+            "that follow, or moments about fixed axes): its load factors would be wrong. Follow "
+            "the path by fl.follow_path, which finds divergence by the determinant, and look for "
+            "flutter by fl.vibrations(scene, at=fl.statics(scene)) at increasing loads"
+        )
+
+
+def _response(
+    model: StableEquilibrium, K: sp.csr_matrix, A: sp.csr_matrix, x: Array
+) -> tuple[float, Array]:
+    """``‖y‖`` for x of length one, with ``y = K⁻¹ A x`` and ``‖y‖² = yᵀ K y``; and y."""
+    y = model.solve_free(A @ x)
+    squares = [max(float(z @ (K @ z)), 0.0) for z in (x, y)]
+    return float(np.sqrt(squares[1] / squares[0])) if squares[0] else 0.0, y
+
+
+def energy_radius(model: StableEquilibrium, K: sp.csr_matrix, A: sp.csr_matrix) -> float:
+    """Largest ``|xᵀ A y|`` of free motions with ``xᵀ K x = yᵀ K y = 1``, ``A`` symmetric or skew.
+
+    ``K⁻¹ A`` is normal in the product of ``K``, so that repeated products with it grow by that, the
+    modulus of its largest eigenvalues: of a symmetric ``A`` one over the load factor that is least,
+    of either sign.
+    """
+    if not A.count_nonzero():
+        return 0.0
+    # smooth, and allowed by constraints: what is sought is no motion of single nodes
+    x = model.solve_free(np.random.default_rng(_SEED).standard_normal(K.shape[0]))
+    value = 0.0
+    for _ in range(_REPEATS):
+        before, (value, x) = value, _response(model, K, A, x)
+        if abs(value - before) <= _SETTLED * value:
+            break
+    return value
+
+
+_STAGES = 5  # that the progress bar counts
+
+_OTHER_SIGN = 100.0  # times that factors of loads that pull are those of reversed loads, or more
+
+_STRAINED = 0.05  # largest strain at them, which linear theory knows nothing of
+
+
+def buckling(
+    scene: Scene, count: int = 4, *, petsc_options_prefix: str = "fem_lie_buckling_"
+) -> BucklingModes:
+    """Lowest positive load factors of linear buckling, and their modes.
+
+    Args:
+        scene: What there is, with its loads at factor 1.
+        count: Number of modes.
+        petsc_options_prefix: Prefix for the choice of SLEPc's solver.
+
+    Raises:
+        ValueError: Bad scene, no load, loads that are not in proportion to the load factor, a
+            structure that is not held, elements that carry no stress, loads that have no potential
+            among the motions that supports and joints leave free, or more modes than degrees of
+            freedom.
+        ConvergenceError: There are less positive load factors than were asked for, and its
+            ``result`` holds them; or there is none, as where the loads pull.
+    """
+    check_proportion(scene)
+    whole(count, "count")
+    model = StableEquilibrium(scene, petsc_options_prefix)
+    unknowns = model.equations.unknowns
+    _check_stress(model.equations)
+    free = int((~unknowns.held).sum()) - unknowns.m
+    if not 1 <= count <= free:
+        raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
+    watch = Stopwatch()
+    model.check_start(0.0)
+    with step_bar("buckling", "stage", _STAGES) as show:
+        _, load = model.forces()
+        model.factorise(0.0)
+        show("displacements")
+        K, B = model.pencil()
+        dx = model.solve_finely(load)
+        show("geometric stiffness")
+        G = geometric_stiffness(model, K, dx)
+        K = (0.5 * (K + K.T)).tocsr()
+        show("load factors and modes")
+        factors, vectors = lowest_positive(K, B, G.symmetric, count, petsc_options_prefix)
+        show("checks")
+        check_potential(model, K, G, (factors, vectors))
+        factors *= G.factor
+        radius = energy_radius(model, K, G.symmetric) / G.factor
+        show("")
+    if not len(factors) or (
+        factors[0] * radius > _OTHER_SIGN and factors[0] * model.largest_strain(dx) > _STRAINED
+    ):
+        raise ConvergenceError(_no_buckling(radius))
+    shapes = np.array([model.increments(vector) for vector in vectors])
+    equations = model.equations
+    shapes, turns_only = model.all_nodes(shapes.reshape(-1, unknowns.moving, 6))
+    modes = BucklingModes(
+        factors=factors,
+        shapes=shapes,
+        turns_only=turns_only,
+        frames=equations.report(equations.start.unloaded).frames.copy(),
+        size=model.diameter,
+        info=equations.info,
+        seconds=watch.seconds,
+    )
+    if len(factors) < count:
+        raise ConvergenceError(
+            f"SLEPc found {len(factors)} of {count} positive load factors: there may be no more; "
+            "those of reversed loads do not count",
+            modes,
+        )
+    return modes
+
+
+def _check_stress(equations: Equations) -> None:
+    """Raise ``ValueError`` if elements carry none: their stiffness would not know of it."""
+    for where, assembly in equations.tables.assemblies:
+        if not assembly.carried_stress.size:
+            bodies = equations.unknowns.bodies.items()
+            labels = [b.label for b, nodes in bodies if where.start <= nodes[0] < where.stop]
+            raise ValueError(
+                f"the elements of {', '.join(labels)} carry no stress, of which linear buckling is "
+                "made: write their energy as a StrainEnergy, not as a plain form, or follow the "
+                "path by fl.follow_path"
+            )
+
+
+def _no_buckling(radius: float) -> str:
+    """What to say where the loads do not make the scene unstable.
+
+    Args:
+        radius: One over the least load factor, which is of the other sign; 0 if there is none.
+    """
+    what = "these loads do not make the scene unstable at any positive load factor"
+    if not radius:
+        return f"{what}: they do not change its stiffness"
+    return f"{what}: they pull; reversed loads do at about {1.0 / radius:.3g} times their size"

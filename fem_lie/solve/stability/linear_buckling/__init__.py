@@ -1,1 +1,0 @@
-"""Linear buckling: geometric stiffness, its symmetry, load factors."""

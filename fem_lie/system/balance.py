@@ -1,0 +1,420 @@
+"""What acts on a scene from outside, and the energy and momentum balance of a run.
+
+Forces of what holds nodes from outside: what is left of the equations of motion of these nodes.
+
+Books want them after each step. Of a scene that is held at a few nodes only the cells, joints and
+masses around these are looked at.
+
+What acts on a scene at one time: loads, damping, reactions of ground, drives and supports.
+
+Books of a run of generalised-α: what loads, drives and supports did, and what damping took.
+
+What is booked is said in :mod:`fem_lie.bodies.balances`. Powers and forces are known at the ends
+of the steps and are summed up by the trapezoidal rule, of second order as the scheme; of drives and
+prescribed motions the increments are known exactly, and the mean of their forces does work on them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._jit import compiled
+from fem_lie._state import Stateful, attributes
+from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, TOTAL, WORK
+from fem_lie.forms.fixed_arrays import FixedArrays
+from fem_lie.joints.equations.table import PackedJoints, joint_table
+from fem_lie.joints.equations.terms import wrenches
+from fem_lie.lie.kinds import acceleration, pull
+from fem_lie.lie.kinds.inertia import Inertia, PlainInertia, PlainMotion, multiply_row
+from fem_lie.system import outer_forces
+from fem_lie.system.instant import Instant
+from fem_lie.system.nodes.masses import PlainLoads
+from fem_lie.system.nodes.sums import add_moments
+from fem_lie.system.outer_forces import (
+    LOADS,
+    LOSS,
+    POWER,
+    REACTIONS,
+    SIZE,
+    PlainScene,
+    Seen,
+    add_local,
+    look_and_sum_up,
+    sum_up,
+)
+from fem_lie.system.system import System
+from fem_lie.system.terms.near import NearTerms
+
+
+@compiled
+def _add_nodal(
+    kinds: Indices,
+    motion: PlainMotion,
+    mass: PlainInertia,
+    loads: PlainLoads,
+    places: tuple[Indices, Indices],
+    work: Array,
+    r: Array,
+) -> None:
+    """Add what is :func:`~fem_lie.system.nodes.sums.nodal_residual` at some nodes.
+
+    ``places`` are these nodes, and those whose accelerations they feel; ``r`` (n, 6).
+    """
+    (H, v, a), (indptr, indices, blocks), (nodes, felt) = motion, mass, places
+    dead, moment, following = loads
+    local = np.empty((4, 3))
+    for i in felt:
+        acceleration(kinds[i], H[i], v[i], a[i], local, work[0, i])
+    for i in nodes:
+        multiply_row(i, indptr, indices, blocks, work[0], work[1, i])
+        for k in range(4):
+            for j in range(3):
+                work[1, i, k, j] -= dead[i, k, j]
+        pull(kinds[i], H[i], work[1, i], 1.0, r[i])
+        add_moments(H[i], moment[i], following[i], r[i])
+
+
+@compiled
+def _add_joints(
+    H: Array,
+    v: Array,
+    joints: PackedJoints,
+    weights: Array,
+    ends: tuple[Indices, Indices],
+    forces: Array,
+    r: Array,
+) -> None:
+    """Add what joints do at some of their ends, pairs and sides, to ``r`` (n, 6)."""
+    (pairs, sides), table, moved = ends, joint_table(joints), np.empty(6)
+    wrenches(H, v, table, weights, pairs, sides, forces)
+    for e in range(len(pairs)):
+        pair, side = pairs[e], sides[e]
+        lie.apply_adjoint_inverse_transposed(table.frames[pair, side], forces[e], moved)
+        for k in range(6):
+            r[table.nodes[pair, side], k] -= moved[k]
+
+
+class HeldForces:
+    """Forces and moments of clamps and guides.
+
+    Attributes:
+        nodes: Where there are any, shape (s,).
+        near: Whether only what is near them is looked at.
+    """
+
+    def __init__(self, system: System, held: Flags) -> None:
+        """See what is around them.
+
+        Args:
+            system: All equations.
+            held: Which unknowns are held from outside, shape (n, 6).
+        """
+        self._system, self._held = system, held
+        chosen: Flags = np.asarray(held.any(axis=1))
+        self.nodes: Indices = np.flatnonzero(chosen)
+        self._values = np.zeros((system.count, 6))
+        alone = system.connections.of_joints_only and not system.terms.viscous
+        alone = alone and not system.floating.integers[0]
+        self._terms = system.terms.near(chosen) if alone else None
+        self.near = self._terms is not None
+        of, to = system.inertia.pairs
+        self._places = self.nodes, np.unique(to[chosen[of]])
+        table = system.table
+        outer = np.append(chosen, np.zeros(len(system.frames) - system.count, dtype=bool))
+        pairs, sides = np.nonzero(outer[table.nodes])
+        self._ends, self._of_ends = (pairs, sides), np.empty((len(pairs), 6))
+        self._work = np.zeros((2, system.count, 4, 3))
+
+    def find(self, H: Array, v: Array, a: Array, weights: Array) -> Array:
+        """They are in the axes of :attr:`nodes`, shape (s, 6).
+
+        Args:
+            H: Frames of all rows.
+            v: Twists, shape (≥ n, 6).
+            a: Their rates.
+            weights: Multipliers, shape (m,).
+        """
+        system, r = self._system, self._values
+        if self._terms is None:
+            every = np.empty(system.size)
+            system.terms.condense(H)
+            system.with_reactions(Instant(H, v, a, weights), np.ones(system.m), every)
+            r[:] = every[: 6 * system.count].reshape(-1, 6)
+        else:
+            self._look_near(self._terms, Instant(H, v, a, weights))
+        if not system.supports:
+            return np.where(self._held[self.nodes], r[self.nodes], 0.0)
+        found = np.where(self._held, r, 0.0)
+        system.supports.turn_back(H, found)
+        return np.asarray(found[self.nodes])
+
+    def _look_near(self, terms: NearTerms, state: Instant) -> None:
+        """All that acts on these nodes, and some of what acts on others."""
+        system, r, (H, v, a, weights) = self._system, self._values, state
+        r[:] = 0.0
+        mass, loads = system.inertia.plain, system.loads.plain
+        _add_nodal(system.kinds, (H, v, a), mass, loads, self._places, self._work, r)
+        if len(self._of_ends):
+            joints = system.connections.packed
+            _add_joints(H, v, joints, weights, self._ends, self._of_ends, r)
+        terms.add_forces(H, r)
+        if system.supports:
+            system.supports.turn(H, r)
+
+
+def supported(system: System) -> Flags:
+    """Which unknowns are held from outside, shape (n, 6).
+
+    What a shell of five parameters needs to have its drilling held is none: it is no support. Nor
+    are unknowns that a node has not.
+    """
+    held = system.held & ~system.numbering.absent
+    inner = system.uncoupled.copy()
+    inner[[system.numbering.node(clamp.point) for clamp in system.scene.clamps]] = False
+    held[inner, 5] = False
+    return held
+
+
+class Acting:
+    """What acts on the bodies of a scene, looked at as a whole; true if there is anything.
+
+    Attributes:
+        strained: Whether strains without stress change.
+        plain: Whether all is seen by :func:`~fem_lie.system.outer_forces.look`.
+        plain_but_held: Whether all but what holds nodes is.
+        looks: Whether that looks at loads, and whether at joints.
+        scene: What it looks at.
+    """
+
+    def __init__(self, system: System) -> None:
+        """See what there is."""
+        self._system, held = system, supported(system)
+        self._held = HeldForces(system, held) if held.any() else None
+        self.strained = system.load_cases.strains_change
+        connections = system.connections
+        self._loaded, rates = system.load_cases.any_nodal, system.terms.rates
+        joined = connections.outward
+        self._others = joined and not connections.of_joints_only
+        self._pushed = len(system.terms.loads) > 0
+        # of damping by a constant matrix and of dampers compiled looks know
+        self._viscous = system.terms.chosen(
+            lambda term: term.viscosity is None or term.viscosity.rates is None
+        )
+        apart = self._pushed or self._viscous.viscous
+        self._grounded = [term.ground for term in system.terms if term.ground is not None]
+        apart = apart or bool(self._grounded)
+        moved = self._others or apart or self.strained
+        special = moved or self._held is not None
+        self._any = special or self._loaded or joined or rates is not None or connections.driven
+        self.plain, self.plain_but_held = self._any and not special, not moved
+        damping = Inertia.none().plain if rates is None else rates
+        self.looks = self._loaded, joined and not self._others
+        constant = system.load_cases.constant, damping, connections.packed, system.floating.plain
+        loads = system.lasting_loads.plain
+        self.scene: PlainScene = (system.kinds, loads, *constant, *self.looks)
+
+    def __bool__(self) -> bool:
+        """Whether anything acts."""
+        return self._any
+
+    @property
+    def arrays(self) -> list[Any]:
+        """Those of :attr:`scene`, one after the other."""
+        kinds, loads, conservative, damping, joints, bodies, *_ = self.scene
+        return [kinds, *loads, conservative, *damping, *joints, *bodies]
+
+    def look(
+        self, H: Array, v: Array, a: Array, weights: Array, row: Array, wrenches: Array
+    ) -> None:
+        """See what acts at the present time of the equations.
+
+        Args:
+            H: Frames of all rows.
+            v: Twists, shape (n, 6).
+            a: Their rates.
+            weights: Multipliers, shape (m,).
+            row: Power, loss and forces, see :mod:`fem_lie.system.outer_forces`, shape (14,),
+                overwritten.
+            wrenches: What ground and prescribed frames do, in these frames, shape (p + 1, 6),
+                overwritten.
+        """
+        system, n = self._system, self._system.count
+        outer_forces.look(H, v, weights, self.scene, row, wrenches)
+        if self._pushed:
+            forces = system.terms.of_loads(H)
+            add_local(system.kinds, H, forces, LOADS, 1.0, row)
+            row[POWER] += np.sum(forces * v)
+        if self._viscous.viscous:
+            forces = np.zeros(6 * n)
+            self._viscous.add_viscous_forces(H, v, forces)
+            row[LOSS] += forces @ v.ravel()
+        for term in self._grounded:
+            forces = np.zeros((n, 6))
+            term.add_of_ground(H, v, forces)
+            add_local(system.kinds, H, forces, REACTIONS, -1.0, row)
+        if self._others:
+            wrenches[:], loss = system.connections.reactions(H, v, weights)
+            row[LOSS] += loss
+            fixed = np.zeros(len(wrenches), dtype=np.int64)  # frames, all of them
+            add_local(fixed, H[n:], wrenches, REACTIONS, 1.0, row)
+        if self._held is not None:
+            nodes, forces = self._held.nodes, self._held.find(H, v, a, weights)
+            add_local(system.kinds[nodes], H[nodes], forces, REACTIONS, 1.0, row)
+
+
+class Books(Stateful):
+    """What has been booked up to the present time.
+
+    Attributes:
+        total: Work, damping, numerical loss (unknown: 0), impulses of loads and of reactions,
+            shape (15,).
+        empty: Whether there is never anything to book, or nobody asks.
+        compiled: Whether :meth:`add` is :func:`~fem_lie.system.outer_forces.look_and_sum_up` alone.
+        compiled_but_held: Whether all of it but impulses of what holds nodes is.
+        looks: Whether that looks at loads, and whether at joints.
+        table: What it is given.
+    """
+
+    STATE = attributes("total", "_stored", "_time", "_seen")
+
+    def __init__(self, system: System) -> None:
+        """Empty books of the equations ``system``."""
+        self._system, self._acting = system, Acting(system)
+        self.total = np.zeros(TOTAL)
+        rows, z = len(system.frames) - system.count, np.zeros
+        self._seen = Seen(
+            row=z(SIZE),
+            wrenches=z((rows, 6)),
+            H=system.frames.copy(),
+            v=z((system.count, 6)),
+            weights=z(system.m),
+            targets=z(system.m),
+        )
+        self._start = self._seen.plain
+        self._fixed = FixedArrays([*self._acting.arrays, *self._seen, self.total])
+        self.empty, self.compiled = not self._acting, self._acting.plain
+        self._idle = False
+        self.compiled_but_held = self._acting.plain_but_held
+        self.looks, self.table = self._acting.looks, self._fixed.table
+        self._row, self._wrenches = z(SIZE), z((rows, 6))
+        self._undriven = z(system.m)
+        self._stored, self._time = z(1), z(1)
+
+    def rest(self) -> None:
+        """Book nothing, for nobody asks."""
+        self.empty = self._idle = True
+
+    def open(self, time: float, H: Array, v: Array, a: Array, weights: Array) -> None:
+        """Start anew with what acts at the present time of the equations.
+
+        Args:
+            time: That time, on the side of what comes if something jumps then.
+            H: Frames of all rows.
+            v: Twists, shape (n, 6).
+            a: Their rates.
+            weights: Multipliers, shape (m,).
+        """
+        self.total[:] = 0.0
+        self.look(time, H, v, a, weights)
+
+    def look(self, time: float, H: Array, v: Array, a: Array, weights: Array) -> None:
+        """See what acts at the present time of the equations."""
+        if self.empty:
+            return
+        seen = self._seen
+        self._acting.look(H, v, a, weights, seen.row, seen.wrenches)
+        seen.H[:], seen.v[:], seen.weights[:], seen.targets[:] = H, v, weights, self.targets
+        self._note(time, H)
+
+    def _note(self, time: float, H: Array) -> None:
+        self._time[0] = time
+        if self._acting.strained:
+            self._stored[0] = self._system.elastic.energy(H)
+
+    @property
+    def targets(self) -> Array:
+        """Of all constraints, shape (m,)."""
+        connections = self._system.connections
+        if not connections.driven:
+            return self._undriven
+        if connections.of_joints_only:
+            return connections.table.targets
+        return connections.present_targets
+
+    def add(self, h: float, time: float, H: Array, v: Array, a: Array, weights: Array) -> None:
+        """Book a step; the equations are at the time of its end, where the state is as given.
+
+        Args:
+            h: Size of the step.
+            time: Of its end, on the step's side of what jumps there.
+            H: Frames of all rows.
+            v: Twists, shape (n, 6).
+            a: Their rates.
+            weights: Multipliers, shape (m,).
+        """
+        acting, total = self._acting, self.total
+        if self.empty:
+            return
+        end = H, v, weights, self.targets
+        if self.compiled:
+            look_and_sum_up(h, end, *self.looks, self.table)
+            return
+        if acting.strained:
+            total[POWER] += self._strain_work(time, H)
+        acting.look(H, v, a, weights, self._row, self._wrenches)
+        sum_up(h, end, self._row, self._wrenches, self._start, total)
+        self._note(time, H)
+
+    def _strain_work(self, time: float, H: Array) -> float:
+        """Of strains without stress: energy that they change at each end, on the average."""
+        system, elastic = self._system, self._system.elastic
+        ahead = elastic.energy(self._seen.H) - self._stored[0]
+        behind = elastic.energy(H)
+        began = system.scene.began.time
+        system.set_time(began + float(self._time[0]))
+        behind -= elastic.energy(H)
+        system.set_time(began + time)
+        return float(0.5 * (ahead + behind))
+
+    def jump(self, time: float, H: Array, v: Array, a: Array, weights: Array) -> None:
+        """Book what an event has done at once: a change of velocities, and of strains.
+
+        Arguments are those of :meth:`open`.
+        """
+        if self._idle:
+            return
+        system, seen, before, after = self._system, self._seen, np.empty(7), np.empty(7)
+        system.report(seen.H, seen.v, before)
+        system.report(H, v, after)
+        stored = float(self._stored[0])
+        self.look(time, H, v, a, weights)
+        self.total[POWER] += after[0] - before[0] + float(self._stored[0]) - stored
+        self.total[BY_REACTIONS:] += after[1:] - before[1:]
+
+    def collide(self, time: float, before: Instant, after: Instant, work: float) -> float:
+        """Book what impacts have done at the end of a step that was made and booked without them.
+
+        Args:
+            time: The end of the step.
+            before: The state without them.
+            after: The state that there is now.
+            work: Of drives and prescribed motions by their impulses.
+
+        Returns:
+            Energy that they took, which is booked as damping's.
+        """
+        system, seen = self._system, (np.empty(7), np.empty(7))
+        energies = [
+            system.report(state.H, state.v, told) + system.terms.energy(state.H)
+            for state, told in zip((before, after), seen, strict=True)
+        ]
+        lost = float(seen[0][0] + energies[0] - seen[1][0] - energies[1]) + work
+        self.total[DAMPING] += lost
+        self.total[WORK] += work
+        self.total[BY_REACTIONS:] += seen[1][1:] - seen[0][1:]
+        self.look(time, *after)
+        return lost

@@ -1,1 +1,0 @@
-"""What acts on a scene, and the books of what it has done."""

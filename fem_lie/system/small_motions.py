@@ -1,0 +1,292 @@
+"""The equations linearised about rest or steady rotation, and rigid motions of a scene.
+
+Rigid motions of the connected pieces of a scene, and what stress makes of them.
+
+The equations of a scene linearised about a steady motion, of which rest is one.
+
+Small vibrations beside a state: the equations as matrices of the free unknowns.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+import scipy.sparse.linalg
+from scipy.sparse.csgraph import connected_components
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Indices
+from fem_lie.lie import kinds
+from fem_lie.lie.kinds import SLOPE, at_rest, shown_all
+from fem_lie.linear.spectra.pencil import FREE, Complex, Pencil, RigidParts, kernel
+from fem_lie.scene.rotation import Rotation
+from fem_lie.system.instant import Instant
+from fem_lie.system.system import System
+
+
+class RigidMotions(NamedTuple):
+    """Rigid motions of a piece that elements connect, of any types of nodes.
+
+    Attributes:
+        nodes: Of the piece, shape (n,).
+        unknowns: Their free unknowns among all free ones, shape (k,).
+        basis: Orthonormal rigid motions that what is held allows, shape (k, ≤ 6).
+    """
+
+    nodes: Indices
+    unknowns: Indices
+    basis: Array
+
+
+def rigid_motions(system: System, H: Array, weight: Array) -> list[RigidMotions]:
+    """Of all pieces in which there are any; unknowns are twists over ``weight``."""
+    count = system.count
+    # without elements each node is a piece of its own
+    none = np.zeros(0, dtype=np.int64)
+    pairs = (none, none), *system.elastic.pairs
+    rows, columns = (np.concatenate([p[k] for p in pairs]) for k in (0, 1))
+    graph = sp.coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(count, count))
+    pieces, label = connected_components(graph, directed=False)
+    number = np.cumsum(~system.held.ravel()) - 1
+    held = system.held.copy()
+    # shells of five parameters do not feel what is held of them
+    drills = held & system.numbering.held & system.uncoupled[:, np.newaxis]
+    drills[:, :5] = False
+    found = []
+    for piece in range(pieces):
+        nodes = np.flatnonzero(label == piece)
+        R = kinds.rigid_motions(system.kinds[nodes], H[nodes], H[nodes, 0].mean(axis=0))
+        R *= np.repeat([system.length, 1.0], 3)
+        for k in range(6):
+            every = np.zeros((count, 6))
+            every[nodes] = R[:, :, k]
+            system.supports.turn(H, every)
+            R[:, :, k] = every[nodes]
+        R = R.reshape(-1, 6) / weight.reshape(-1, 6)[nodes].reshape(-1, 1)
+        stuck = (held & ~drills)[nodes].ravel()
+        allowed = kernel(R[stuck])
+        free = ~held[nodes].ravel()
+        unknowns = (6 * nodes[:, np.newaxis] + np.arange(6)).ravel()[free]
+        basis = _orthonormal(R[free] @ allowed)
+        if basis.shape[1]:
+            found.append(RigidMotions(nodes, number[unknowns], basis))
+    return found
+
+
+def _orthonormal(motions: Array) -> Array:
+    """Basis of the columns, fewer where some move nothing, as a turn of a straight cable."""
+    Q, R = np.linalg.qr(motions)
+    sizes = np.abs(np.diagonal(R))
+    if (sizes > FREE * sizes.max(initial=0.0)).all() and len(sizes) == motions.shape[1]:
+        return np.asarray(Q)
+    return np.asarray(scipy.linalg.orth(motions, rcond=FREE)) if motions.any() else Q[:, :0]
+
+
+def stress_terms(forces: Array) -> Array:
+    """Blocks of ``P``, shape (n, 6, 6), for internal forces (n, 6): ``P ψ = ad(ψ)ᵀ f``."""
+    ad = lie.se3_ad(np.eye(6))
+    return np.asarray(np.einsum("kji,nj->nik", ad, forces))
+
+
+def linearised(
+    system: System, H: Array, v: Array, weights: Array, *, elements: bool = True
+) -> tuple[Array, Array, Array]:
+    """Mass, damping and stiffness of small motions about steady motion, blocks of ``kkt``.
+
+    All nodes move with constant local velocities ``v``, those of one rigid motion, and a little
+    aside: ``H exp(h)``. Then ``δv = ḣ + ad(v) h``, ``δv̇ = ḧ + ad(v) ḣ`` and
+
+        M ḧ + (C + M ad(v)) ḣ + (∂r/∂h + C ad(v)) h + Bᵀ δλ = 0,    M = ∂r/∂a, C = ∂r/∂v.
+
+    Viscous stress does not feel the rigid motion and enters with ``ḣ`` alone. Elastic stress is the
+    carried one: see ``terms.reset_stress``.
+
+    Args:
+        system: The equations.
+        H: Frames of all rows.
+        v: Local velocities of the moving nodes, shape (n, 6).
+        weights: Multipliers, shape (m,).
+        elements: Whether the stiffness of elements and pressure is taken in.
+
+    Returns:
+        Three arrays of shape (nnz, 6, 6).
+    """
+    tangent = system.tangent
+    scale, r, forces = np.ones(system.m), np.empty(system.size), system.room()
+    twists = at_rest(system.kinds)  # derivatives in the rates of twists, on any group
+    now = Instant(H, v, np.zeros_like(v), weights)
+    system.residual(now, scale, r, forces)
+    loads = forces.on_rows, system.loads.moment
+    tangent.keep_apart()
+    tangent.clear()
+    tangent.add_inertia(now, twists, loads, (1.0, 0.0))
+    M = tangent.A.copy()
+    tangent.clear()
+    tangent.add_inertia(now, twists, loads, (0.0, 1.0))
+    tangent.add_viscosity(H, v, 1.0, lambda _, viscosity: viscosity.in_space)
+    tangent.add_terms(H, forces.own, lambda term: elements or not term.of_bodies)
+    tangent.add_geometric(H, weights)
+    system.follow_motion(forces)
+    ad = lie.se3_ad(v)[tangent.kkt.indices]
+    K = tangent.parts.K + tangent.A @ ad
+    tangent.add_viscosity(H, v, 1.0, lambda _, viscosity: not viscosity.in_space)
+    return M, tangent.A + M @ ad, K
+
+
+def fill_steady(system: System, H: Array, v: Array, weights: Array, scale: Array) -> None:
+    """Stiffness of :func:`linearised`, bordered by the scaled constraints, into the KKT."""
+    _, _, K = linearised(system, H, v, weights)
+    system.tangent.fill(K, H, scale)
+
+
+_BALANCED = 1e-9
+
+_ULPS = 1e-15  # of the largest stiffness: forces that are round-off of the frames
+
+
+class SmallMotions:
+    """Linear equations of a scene in one state; translations are measured in its length.
+
+    Attributes:
+        rotation: The steady rotation about which motions are small.
+        rate: Its angular velocity.
+        H: Frames of all rows.
+    """
+
+    def __init__(self, system: System, rotation: Rotation) -> None:
+        """Beside the initial frames, under the loads of time 1."""
+        self._system, self.rotation = system, rotation
+        self.rate = float(np.linalg.norm(rotation.spin))
+        self.weight = system.units
+        system.set_time(1.0)
+        self.H = system.frames.copy()
+        self.H[system.count + 1 :] = system.prescribed_frames(1.0)
+        self._evaluate()
+
+    def move(self, frames: Array) -> None:
+        """Take over an equilibrium, frames of all nodes in its states, (k, N, 4, 3): the last one.
+
+        Raises:
+            ValueError: It is none of this scene.
+        """
+        system, attachment = self._system, self._system.numbering.attachment
+        last = frames[-1:]
+        if last.shape[1:] != (system.numbering.total, 4, 3):
+            raise ValueError(
+                f"at=... must be an equilibrium of this scene with {system.numbering.total} nodes, "
+                f"got frames of shape {frames.shape}"
+            )
+        self.H[: system.count] = last[0, attachment.leaders]
+        self._evaluate()
+        if not self.balanced(1e-5):
+            raise ValueError(
+                "at=... is no equilibrium of this scene under its full loads, or a rough one: "
+                "statics with newton=fl.Newton(tolerance=1e-13) finds a finer one"
+            )
+
+    def _evaluate(self) -> None:
+        """Joint forces that balance the rest as well as they can, and what is left."""
+        system = self._system
+        n = 6 * system.count
+        self.v = self.rotation.velocities(system.kinds, self.H)
+        none, r = np.zeros_like(self.v), np.empty(system.size)
+        now, ones = Instant(self.H, self.v, none, np.zeros(system.m)), np.ones(system.m)
+        system.terms.reset_stress(self.H)
+        system.applied(now, ones, r)
+        applied = self._largest(r)
+        system.residual(now, ones, r)
+        lengths = np.where(system.connections.angular, 1.0, system.length)
+        self.gap = float((np.abs(r[n:]) / lengths).max(initial=0.0))
+        self.B = system.tangent.jacobian(self.H) @ sp.diags(self.weight)
+        force = self.weight * r[:n]
+        self.multipliers: Array = np.zeros(system.m)
+        if system.m:
+            gram = scipy.sparse.linalg.splu((self.B @ self.B.T).tocsc())
+            self.multipliers = -gram.solve(self.B @ force)
+        # where no joint takes it, what is left is all of the sum
+        self.force = max(applied, float(np.abs(force).max(initial=0.0)))
+        self.left = float(np.abs(force + self.B.T @ self.multipliers).max(initial=0.0))
+        self.blocks = linearised(system, self.H, self.v, self.multipliers)
+        if self.force <= _ULPS * abs(self._matrix(self.blocks[2])).max():
+            # what round-off makes of strains would stiffen joints
+            self.multipliers[:] = 0.0
+            self.blocks = linearised(system, self.H, self.v, self.multipliers)
+
+    def _largest(self, r: Array) -> float:
+        """The largest of the forces ``r`` on what is free to move, in units of energy."""
+        system = self._system
+        forces = r[: 6 * system.count].reshape(-1, 6).copy()
+        if system.supports:
+            system.supports.turn(self.H, forces)
+        forces[system.held] = 0.0
+        return float(np.abs(self.weight * forces.ravel()).max(initial=0.0))
+
+    def balanced(self, tolerance: float = _BALANCED) -> bool:
+        """Whether joints can balance all other forces."""
+        M, _, K = (self._matrix(blocks) for blocks in self.blocks)
+        inertia = abs(M).max() * self.rate**2
+        # an iteration knows its state to a part of the model's size, and places to their digits
+        reach = float(np.abs(self.H[: self._system.count, 0]).max()) / self._system.length
+        stiffness = (1e-12 + 4.0 * np.finfo(np.float64).eps * reach) * abs(K).max()
+        return self.gap <= tolerance and self.left <= (
+            tolerance * max(self.force, inertia) + stiffness
+        )
+
+    def _matrix(self, blocks: Array) -> sp.csr_matrix:
+        """Of the free unknowns, in units of energy."""
+        kkt, held = self._system.kkt, self._system.held.ravel()
+        if self._system.supports:
+            blocks = blocks.copy()
+            self._system.supports.turn_blocks(self.H, blocks)
+        size = (len(held), len(held))
+        A = sp.bsr_matrix((blocks, kkt.indices, kkt.indptr), shape=size).tocsr()
+        weights = sp.diags(self.weight)
+        A = (weights @ A @ weights).tocsr()[~held][:, ~held]
+        A.eliminate_zeros()
+        return A
+
+    def pencil(self) -> Pencil:
+        """The eigenvalue problem."""
+        M, C, K = (self._matrix(blocks) for blocks in self.blocks)
+        free = ~self._system.held.ravel()
+        pencil = Pencil(M, C if C.nnz else None, K, self.B.tocsr()[:, free], self._parts(K))
+        return pencil if pencil.split_is_exact else replace(pencil, parts=None)
+
+    def stiffness(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+        """Tangent of the free unknowns in units of energy, and the Jacobian of constraints."""
+        return self._matrix(self.blocks[2]), self.B.tocsr()[:, ~self._system.held.ravel()]
+
+    def _parts(self, K: sp.csr_matrix) -> RigidParts:
+        """What elements do, and what else there is."""
+        system, kkt = self._system, self._system.kkt
+        state = system, self.H, self.v, self.multipliers
+        rest = self._matrix(linearised(*state, elements=False)[2])
+        forces, blocks = np.zeros(6 * system.count), np.zeros_like(self.blocks[2])
+        system.elastic.add_forces(self.H, forces)
+        nodes = np.arange(system.count)
+        blocks[kkt.place(nodes, nodes)] = stress_terms(forces.reshape(-1, 6))
+        # axes that do not turn about themselves feel that of a stressed piece
+        motions = [
+            (piece.unknowns, piece.basis)
+            for piece in rigid_motions(system, self.H, self.weight)
+            if (system.kinds[piece.nodes] < SLOPE).all()
+        ]
+        return RigidParts(rest, (K - rest).tocsr(), self._matrix(blocks), motions)
+
+    def twists(self, vector: Complex) -> Complex:
+        """Twists of all nodes, (N, 6), that a vector of free unknowns means."""
+        system = self._system
+        h = np.zeros((system.count, 6), dtype=np.complex128)
+        h[~system.held] = vector
+        h *= self.weight.reshape(-1, 6)
+        system.supports.turn_back(self.H, h.real)
+        system.supports.turn_back(self.H, h.imag)
+        twists = system.numbering.attachment.twists
+        shown = np.empty((2, *h.shape))
+        for part, out in zip((h.real, h.imag), shown, strict=True):
+            shown_all(system.kinds, self.H, np.ascontiguousarray(part), out)
+        return np.asarray(twists(shown[0]) + 1j * twists(shown[1]))

@@ -1,1 +1,0 @@
-"""The equations beside a state: small motions about rest and about steady rotation."""
