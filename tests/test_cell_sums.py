@@ -7,8 +7,12 @@ import numpy as np
 import pytest
 from numba import types
 
+import fem_lie as fl
+from demos.space_net import square_net
 from fem_lie.forms.cell_sums import CellSum, Pattern
 from fem_lie.forms.cells import VISCOUS, CellTable, viscous_forces
+from fem_lie.system.parts import Parts
+from tests.test_point_nodes import GRAVITY
 
 DOUBLES = types.CPointer(types.float64)
 UFCX = types.void(
@@ -138,3 +142,34 @@ def test_viscous_forces_have_room_for_all_nodes_of_a_cell():
     viscous_forces(table, H, v, F)
     factors = np.concatenate([2.0 * np.arange(1, n + 1) for n in NODES])
     np.testing.assert_array_equal(F, factors[:, np.newaxis] * v[nodes])
+
+
+def test_parts_of_places_are_one():
+    """To their columns A and K have the same blocks, and the sum is that of parts kept apart."""
+    scene = square_net(2, cells=3)
+    scene.gravity = (0, 0, -GRAVITY)
+    equations = fl.extend.Equations(scene, dynamics=True)
+    n, m, rng = equations.unknowns.moving, equations.unknowns.m, np.random.default_rng(3)
+    v, a = rng.normal(size=(2, n, 6))
+    state = fl.extend.Instant(equations.start.frames, v, a, rng.normal(size=m))
+    forces = equations.residual(state, np.ones(m), np.empty(equations.unknowns.size))
+    plans = (
+        fl.extend.Plan(0.1 * rng.normal(size=(n, 6)), np.ones(m), mass=3.0, damping=2.0),
+        fl.extend.Plan(np.zeros((n, 6)), np.ones(m), mass=3.0),
+        fl.extend.Plan(np.zeros((n, 6)), at_rest=0.5),
+    )
+    tangent, found = equations.system.tangent, []
+    for apart in (False, True):
+        if apart:
+            tangent.keep_apart()
+        assert tangent.parts.apart == apart
+        for plan in plans:
+            equations.fill(state, forces, plan)
+            found.append(equations.matrix.csr[0].copy())
+    for one, two in zip(found[:3], found[3:], strict=True):
+        np.testing.assert_allclose(one, two, rtol=0.0, atol=1e-13 * np.abs(two).max())
+    # all but the masses at the corners are places
+    pairs = len(equations.matrix.indices)
+    assert len(Parts(equations.unknowns.kinds, equations.matrix.indices, apart=False).blocks) < (
+        1.2 * pairs
+    )

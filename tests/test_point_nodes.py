@@ -13,9 +13,6 @@ import pytest
 import ufl
 
 import fem_lie as fl
-from demos.space_net import square_net
-from fem_lie.system import System
-from fem_lie.system.parts import Parts
 
 EA, MASS, GRAVITY = 50.0, 0.3, 9.81
 
@@ -130,9 +127,10 @@ def test_blocks_have_nothing_of_what_a_place_lacks():
     cable = string((1, 0, 0), cells=2)
     scene = fl.Scene()
     scene.add(cable)
-    system = System(scene, dynamics=True)
-    assert system.held[:, 3:].all() and not system.held[:, :3].any()
-    _, columns, pointers = system.kkt.csr
+    equations = fl.extend.Equations(scene, dynamics=True)
+    held = equations.unknowns.held
+    assert held[:, 3:].all() and not held[:, :3].any()
+    _, columns, pointers = equations.matrix.csr
     assert (np.diff(pointers).reshape(-1, 6)[:, 3:] == 1).all()
     assert (columns[columns % 6 >= 3]).size == 3 * 3
 
@@ -143,34 +141,3 @@ def test_what_takes_hold_of_frames_is_refused():
     scene.add(cable)
     with pytest.raises(ValueError, match="have places:"):
         scene.add(fl.RigidLink(cable.point("start"), cable.point("end")))
-
-
-def test_parts_of_places_are_one():
-    """To their columns A and K have the same blocks, and the sum is that of parts kept apart."""
-    scene = square_net(2, cells=3)
-    scene.gravity = (0, 0, -GRAVITY)
-    equations = fl.extend.Equations(scene, dynamics=True)
-    n, m, rng = equations.unknowns.moving, equations.unknowns.m, np.random.default_rng(3)
-    v, a = rng.normal(size=(2, n, 6))
-    state = fl.extend.Instant(equations.start.frames, v, a, rng.normal(size=m))
-    forces = equations.residual(state, np.ones(m), np.empty(equations.unknowns.size))
-    plans = (
-        fl.extend.Plan(0.1 * rng.normal(size=(n, 6)), np.ones(m), mass=3.0, damping=2.0),
-        fl.extend.Plan(np.zeros((n, 6)), np.ones(m), mass=3.0),
-        fl.extend.Plan(np.zeros((n, 6)), at_rest=0.5),
-    )
-    tangent, found = equations.system.tangent, []
-    for apart in (False, True):
-        if apart:
-            tangent.keep_apart()
-        assert tangent.parts.apart == apart
-        for plan in plans:
-            equations.fill(state, forces, plan)
-            found.append(equations.matrix.csr[0].copy())
-    for one, two in zip(found[:3], found[3:], strict=True):
-        np.testing.assert_allclose(one, two, rtol=0.0, atol=1e-13 * np.abs(two).max())
-    # all but the masses at the corners are places
-    pairs = len(equations.matrix.indices)
-    assert len(Parts(equations.unknowns.kinds, equations.matrix.indices, apart=False).blocks) < (
-        1.2 * pairs
-    )

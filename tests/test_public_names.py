@@ -91,7 +91,6 @@ OTHERS = {
     "tests/test_levels.py",
     "tests/test_pages.py",
     "tests/test_pictures.py",
-    "tests/test_point_nodes.py",
     "tests/test_policies.py",
     "tests/test_progress_bars.py",
     "tests/test_reduce.py",
@@ -105,7 +104,6 @@ OTHERS = {
     "tests/test_sampling.py",
     "tests/test_saving.py",
     "tests/test_six_parameters.py",
-    "tests/test_solid_elements.py",
     "tests/test_users_mesh.py",
     "tests/test_warping.py",
 }
