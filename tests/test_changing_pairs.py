@@ -117,7 +117,7 @@ def test_the_matrix_has_the_pairs_of_the_present_state():
     n, rng = system.count, np.random.default_rng(2)
     first = system.equations.matrix.version
     for places in ([[0, 0, 0], [0.8, 0.1, 0], [3, 0, 0]], [[0, 0, 0], [3, 0, 0], [0.7, 0.2, 0]]):
-        H = system.point("start").copy()
+        H = system.start.copy()
         H[:n, 0] = places
         H = system.moved(H, 0.01 * rng.normal(size=(n, 6)))
         A, h = system.matrix(H), rng.normal(size=(n, 6))

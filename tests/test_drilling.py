@@ -86,7 +86,7 @@ def test_an_unloaded_shell_of_warped_cells_has_no_drilling_stress():
     scene = fl.Scene()
     scene.add(shell)
     system = Assembled(scene, dynamics=False)
-    assert np.abs(system.residual(system.point("start"))).max() <= 1e-13 * SHEAR
+    assert np.abs(system.residual(system.start)).max() <= 1e-13 * SHEAR
 
 
 def test_frames_with_joints_are_not_carried_along():
@@ -97,7 +97,7 @@ def test_frames_with_joints_are_not_carried_along():
     system = Assembled(scene, dynamics=False)
     joint = system.equations.unknowns.bodies[shell][shell.point("00").node]
     motion = lie.se3_exp(np.array([0.1, 0.2, 0.3, 0.5, -0.4, 2.0]))
-    moved = lie.se3_compose(motion, system.point("start")[: system.count])
+    moved = lie.se3_compose(motion, system.start[: system.count])
     wrong = moved.copy()
     wrong[:, 1], wrong[:, 2] = moved[:, 2], -moved[:, 1]  # a quarter of a turn ahead
     before = wrong[joint].copy()

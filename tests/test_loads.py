@@ -49,7 +49,7 @@ def branch(damping: fl.Damping | None = None) -> tuple[fl.Scene, fl.Beam]:
 
 def random_state(system: Assembled, seed: int):
     rng = np.random.default_rng(seed)
-    H = system.moved(system.point("start"), 0.4 * rng.normal(size=(system.count, 6)))
+    H = system.moved(system.start, 0.4 * rng.normal(size=(system.count, 6)))
     return H, rng.normal(size=(system.count, 6)), rng.normal(size=(system.count, 6))
 
 
@@ -166,7 +166,7 @@ def test_a_ring_buckles_at_its_critical_pressure():
         scene, _ = ring(48, section, factor * 3 * EI)
         result = fl.statics(scene)
         system = Assembled(scene, dynamics=False)
-        H = system.point("start").copy()
+        H = system.start.copy()
         H[: system.count] = result.frames[-1]
         free = ~system.held.ravel()
         K = system.matrix(H)[np.ix_(free, free)]

@@ -43,7 +43,7 @@ def test_forces_are_the_derivative_of_the_energy(name):
     rng, step = np.random.default_rng(1), 1e-5
     first, second = rng.normal(size=(2, system.count, 5))
     increment, direction = (np.pad(h, [(0, 0), (0, 1)]) for h in (0.1 * first, second))
-    H = system.tilted(system.point("start"), increment)
+    H = system.tilted(system.start, increment)
     forces = system.residual(H)
     energies = [
         system.equations.report(system.tilted(H, sign * step * direction), carried=False).elastic

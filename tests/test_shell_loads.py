@@ -63,7 +63,7 @@ def box(cell: str, degree: int, count: int = 2) -> fl.Shell:
 
 def deformed(system: Assembled, seed: int = 1, size: float = 0.2) -> np.ndarray:
     """Random places and directors of what is free."""
-    H, rng = system.point("start"), np.random.default_rng(seed)
+    H, rng = system.start, np.random.default_rng(seed)
     h = np.where(system.held, 0.0, size * rng.normal(size=(system.count, 6)))
     system.equations.supports.turn_back(H, h)
     return system.tilted(H, h)
@@ -156,7 +156,7 @@ def test_pressure_pushes_to_the_side_of_the_directors():
         place = square if director[2] > 0 else lambda a, b: square(1 - a, b)
         shell = fl.Shell(fl.surface(place, (2, 2)), LAYER, director=lambda x, d=director: d)
         system = Assembled(scene_with(shell, fl.SurfacePressure(shell, 3.0)), dynamics=False)
-        total = pushes(system, system.point("start")).sum(axis=0)
+        total = pushes(system, system.start).sum(axis=0)
         np.testing.assert_allclose(total, 6.0 * np.array(director), atol=1e-12)
 
 
@@ -313,8 +313,8 @@ def test_pressures_have_histories_of_their_own():
     )
     system = Assembled(scene, dynamics=False)
     system.equations.prescribed(0.5).act(factor=0.1)
-    local = -system.residual(system.point("start"))[: 6 * system.count].reshape(-1, 6)
-    total = np.einsum("ni,nij->j", local[:, :3], system.point("start")[: system.count, 1:])
+    local = -system.residual(system.start)[: 6 * system.count].reshape(-1, 6)
+    total = np.einsum("ni,nij->j", local[:, :3], system.start[: system.count, 1:])
     np.testing.assert_allclose(total, [0, 0, 2.0 * (0.3 + 1.25)], atol=1e-13)
     with pytest.raises(ValueError, match=r"SurfacePressure on .* with a history"):
         fl.follow_loads(scene)
@@ -375,7 +375,7 @@ def test_loads_on_a_group_of_cells():
     assert not area[shell.frames[:, 0, 0] < 0.9].any()
     pressure = fl.SurfacePressure(shell, 1.0, cells="half")
     system = Assembled(scene_with(shell, pressure), dynamics=False)
-    np.testing.assert_allclose(pushes(system, system.point("start")), area[:, :3], atol=1e-14)
+    np.testing.assert_allclose(pushes(system, system.start), area[:, :3], atol=1e-14)
 
 
 # --- edges ---

@@ -41,6 +41,21 @@ def test_a_contact_surface_of_ones_own():
         fl.Contact(fl.Sphere(body.point("centre"), 0.05), torus, fl.Impact()).check()
 
 
+def test_a_load_of_ones_own():
+    """It converges, and its arguments are checked without a line of its own."""
+    found = runpy.run_path(str(DOCS / "how_to" / "load.py"))
+    assert found["errors"][1] <= 2e-3
+    assert 1.8 <= found["order"] <= 2.2
+    ramp, section = found["RampLoad"], fl.Section.circle(0.01, fl.Material(1e9, 0.3))
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2)
+    with pytest.raises(TypeError, match="RampLoad: beam must be a Beam, got 3"):
+        ramp(3, (0, 0, 1))
+    with pytest.raises(TypeError, match="RampLoad: history"):
+        ramp(beam, (0, 0, 1), history="slow")
+    with pytest.raises(ValueError, match="force of the RampLoad on Beam must be 3 finite numbers"):
+        ramp(beam, (0, 1)).check()
+
+
 def test_a_composition_of_ones_own():
     found = runpy.run_path(str(DOCS / "how_to" / "composition.py"))
     assert 3.9 <= found["order"] <= 4.1

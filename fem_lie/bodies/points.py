@@ -5,6 +5,9 @@ from __future__ import annotations
 from fem_lie._arrays import instance
 from fem_lie.bodies.body import Point
 
+A_POINT = "a point such as body.point('end'), body.point(3) or ground()"
+"""What a point is, for messages."""
+
 
 def require_point(value: object, what: str) -> None:
     """Refuse what is no point of a body and not ground.
@@ -16,7 +19,7 @@ def require_point(value: object, what: str) -> None:
     Raises:
         TypeError: It is something else.
     """
-    instance(value, Point, what, "a point such as body.point('end'), body.point(3) or ground()")
+    instance(value, Point, what, A_POINT)
 
 
 def require_node(point: Point, what: str) -> None:

@@ -12,12 +12,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Protocol, TypeAlias
+from types import MappingProxyType
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeAlias, cast
 
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices, at_time, flag, history, instance, vector
+from fem_lie._arrays import Array, Indices, at_time, flag, history, instance, text, vector
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.forms.term import Term
@@ -82,27 +83,65 @@ class Sum(Protocol):
         """What has a matrix."""
 
 
+class Carrier(NamedTuple):
+    """Which argument of a load is the body that carries it.
+
+    Attributes:
+        field: Name of the argument.
+        types: Classes of such bodies.
+        expected: These in words, for messages.
+    """
+
+    field: str
+    types: Any
+    expected: str
+
+
 class Load(ABC):
     """What all loads have in common; use one of the subclasses.
 
+    A subclass is a frozen dataclass that names the argument that is its body (:attr:`carrier`) and
+    its arguments of three or other numbers of components (:attr:`components`), and adds what it is
+    in the equations (:meth:`contribute`). Types, the time function, components and the group of
+    cells are checked here.
+
     Attributes:
+        carrier: The argument that is the body.
+        components: How many finite components each of these arguments has.
         history: Factor as a function of time, or ``None``.
+        cells: Name of the group of cells that are loaded; default: all, or none in particular.
     """
 
+    carrier: ClassVar[Carrier]
+    components: ClassVar[Mapping[str, int]] = MappingProxyType({})
     history: History | None
+    cells: str | None = None
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        """Raise ``TypeError`` if an argument is of another type than expected."""
         history(self.history, f"{type(self).__name__}: history")
+        field, types, expected = self.carrier
+        instance(getattr(self, field), types, f"{type(self).__name__}: {field}", expected)
+        if self.cells is not None:
+            text(self.cells, f"{type(self).__name__}: cells")
 
     @property
-    @abstractmethod
     def body(self) -> Body:
         """The body that carries the load."""
+        return cast(Body, getattr(self, self.carrier.field))
 
-    @abstractmethod
+    @property
+    def where(self) -> str:
+        """What is loaded, for messages."""
+        return self.body.label
+
     def check(self) -> None:
-        """Raise ``ValueError`` if the load is not finite or the body has no such cells."""
+        """Raise ``ValueError`` if components are not finite or the body has no such cells."""
+        for name, count in self.components.items():
+            what = f"{name} of the {type(self).__name__} on {self.where}"
+            vector(getattr(self, name), count, what)
+        if self.cells is not None:
+            self.body.cells_of(self.cells)
 
     @abstractmethod
     def contribute(self, to: Sum) -> None:
@@ -144,8 +183,8 @@ class StrainLoad(Load):
         cells: Name of a group of cells; default: all.
     """
 
+    carrier = Carrier("beam", Beam, "a Beam")
     beam: Beam
-    cells: str | None
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` if an argument is of another kind than wanted.
@@ -154,17 +193,11 @@ class StrainLoad(Load):
             ValueError: The beam's elements do not bend within.
         """
         super().__post_init__()
-        instance(self.beam, Beam, f"{type(self).__name__}: beam", "a Beam")
         self.beam.formulation.require_bends(f"a strain ({type(self).__name__})")
-
-    @property
-    def body(self) -> Beam:
-        """The body that carries the load."""
-        return self.beam
 
     def contribute(self, to: Sum) -> None:
         """A strain."""
-        to.add_strain(self.body, self.strains())
+        to.add_strain(self.beam, self.strains())
 
     @abstractmethod
     def strains(self) -> Array:

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, instance, vector
+from fem_lie._arrays import Array
 from fem_lie.bodies.beams.line_body import LineBody
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.gradients.ancf_beam import AncfBeam
-from fem_lie.bodies.points import require_point
+from fem_lie.bodies.points import A_POINT
 from fem_lie.grips.grip import Grip
 from fem_lie.grips.held_load import HeldLoad
-from fem_lie.scene.load import NodalLoad, Sum
+from fem_lie.scene.load import Carrier, NodalLoad, Sum
 
 if TYPE_CHECKING:
     from fem_lie.scene.load import History
@@ -52,23 +53,20 @@ class PointLoad(NodalLoad):
         True
     """
 
+    carrier = Carrier("point", Point, A_POINT)
+    components = MappingProxyType({"force": 3, "moment": 3})
+
     point: Point
     force: npt.ArrayLike = (0.0, 0.0, 0.0)
     moment: npt.ArrayLike = (0.0, 0.0, 0.0)
     following: bool = False
     history: History | None = None
 
-    def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
-        super().__post_init__()
-        require_point(self.point, "PointLoad: point")
-
     def check(self) -> None:
         """Raise ``ValueError`` if it is not finite or acts on ground."""
-        vector(self.force, 3, f"force at {self.point.label}")
-        vector(self.moment, 3, f"moment at {self.point.label}")
         if self.point.is_ground:
             raise ValueError("a load needs a point of a body, got ground")
+        super().check()
         grip = self.point.any_grip
         if self._rotates and grip is None:
             self.body.require_frames("a moment, or a load that follows,")
@@ -111,6 +109,11 @@ class PointLoad(NodalLoad):
         assert self.point.body is not None
         return self.point.body
 
+    @property
+    def where(self) -> str:
+        """The point, for messages."""
+        return self.point.label
+
     def nodal(self) -> Array:
         """Force and moment at each node of the body, shape (n, 6)."""
         values = np.zeros((len(self.body.frames), 6))
@@ -151,6 +154,9 @@ class LineLoad(NodalLoad):
         1
     """
 
+    carrier = Carrier("beam", LineBody | AncfBeam, "a Beam (on shells: EdgeLoad)")
+    components = MappingProxyType({"force": 3, "moment": 3})
+
     beam: Body
     force: npt.ArrayLike = (0.0, 0.0, 0.0)
     moment: npt.ArrayLike = (0.0, 0.0, 0.0)
@@ -158,23 +164,11 @@ class LineLoad(NodalLoad):
     following: bool = False
     history: History | None = None
 
-    def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
-        super().__post_init__()
-        instance(self.beam, LineBody | AncfBeam, "LineLoad: beam", "a Beam (on shells: EdgeLoad)")
-
     def check(self) -> None:
         """Raise ``ValueError`` if the load is not finite or the beam has no such cells."""
-        vector(self.force, 3, f"line force on {self.body.label}")
-        vector(self.moment, 3, f"line moment on {self.body.label}")
+        super().check()
         if self.following or np.any(self.moment):
             self.body.require_frames("a moment, or a load that follows,")
-        self.body.cells_of(self.cells)
-
-    @property
-    def body(self) -> Body:
-        """The body that carries the load."""
-        return self.beam
 
     def nodal(self) -> Array:
         """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, direction, instance, number, vector
+from fem_lie._arrays import Array, direction, number, vector
 from fem_lie.bodies.beams.beam import Beam
-from fem_lie.bodies.body import Body
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.thin_shells.smooth_surface import SmoothSurface
 from fem_lie.elements.thin_shells.pressure import ThinPushes
 from fem_lie.mesh.shapes import FaceRule
-from fem_lie.scene.load import History, Load, Sum
+from fem_lie.scene.load import Carrier, History, Load, Sum
 from fem_lie.scene.pressure import Pressure
-from fem_lie.scene.surface_loads import nodes_of, require_shell, sides_of
+from fem_lie.scene.surface_loads import SHELL, nodes_of, sides_of
 from fem_lie.scene.surface_pressure import SurfacePushes
 
 
@@ -46,19 +46,17 @@ class PressureLoad(Load):
         1
     """
 
+    carrier = Carrier("beam", Beam, "a Beam (on shells: SurfacePressure)")
+
     beam: Beam
     pressure: float
     direction: npt.ArrayLike = (0.0, 0.0, 1.0)
     cells: str | None = None
     history: History | None = None
 
-    def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
-        super().__post_init__()
-        instance(self.beam, Beam, "PressureLoad: beam", "a Beam (on shells: SurfacePressure)")
-
     def check(self) -> None:
         """Raise ``ValueError`` if it is not finite, or its direction is zero or along the axis."""
+        super().check()
         push = direction(self.direction, f"direction of the pressure on {self.beam.label}")
         number(self.pressure, f"pressure on {self.beam.label}")
         if abs(push[0]) > 1e-9:
@@ -66,12 +64,6 @@ class PressureLoad(Load):
                 f"the direction of the pressure on {self.beam.label} must be across the axis "
                 f"(0, y, z), got {self.direction}"
             )
-        self.beam.cells_of(self.cells)
-
-    @property
-    def body(self) -> Beam:
-        """The body that carries the load."""
-        return self.beam
 
     def contribute(self, to: Sum) -> None:
         """Forces on the pieces between successive nodes of the loaded elements."""
@@ -113,27 +105,19 @@ class SurfacePressure(Load):
         1
     """
 
+    carrier = SHELL
+    components = MappingProxyType({"gradient": 3})
+
     shell: Shell | SmoothSurface
     pressure: float | Callable[[Array], float]
     gradient: npt.ArrayLike = (0.0, 0.0, 0.0)
     cells: str | None = None
     history: History | None = None
 
-    def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
-        super().__post_init__()
-        require_shell(self, self.shell)
-
     def check(self) -> None:
         """Raise ``ValueError`` if it is not finite or the shell has no such cells."""
-        vector(self.gradient, 3, f"gradient of the pressure on {self.shell.label}")
-        self.shell.cells_of(self.cells)
+        super().check()
         self.on_cells()
-
-    @property
-    def body(self) -> Body:
-        """The body that carries the load."""
-        return self.shell
 
     def contribute(self, to: Sum) -> None:
         """Forces on the loaded cells."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,15 +38,12 @@ class Eigenstrain(StrainLoad):
         1
     """
 
+    components = MappingProxyType({"strain": 6})
+
     beam: Beam
     strain: npt.ArrayLike
     cells: str | None = None
     history: History | None = None
-
-    def check(self) -> None:
-        """Raise ``ValueError`` if the strain is not finite or the beam has no such cells."""
-        vector(self.strain, 6, f"eigenstrain of {self.beam.label}")
-        self.beam.cells_of(self.cells)
 
     def strains(self) -> Array:
         """Strain of each cell, shape (m, 6)."""
@@ -77,6 +75,8 @@ class Temperature(StrainLoad):
         1
     """
 
+    components = MappingProxyType({"gradient": 2})
+
     beam: Beam
     rise: float
     expansion: float
@@ -86,9 +86,8 @@ class Temperature(StrainLoad):
 
     def check(self) -> None:
         """Raise ``ValueError`` if something is not finite or the beam has no such cells."""
+        super().check()
         vector([self.rise, self.expansion], 2, f"rise and expansion of {self.beam.label}")
-        vector(self.gradient, 2, f"gradient of temperature of {self.beam.label}")
-        self.beam.cells_of(self.cells)
 
     def strains(self) -> Array:
         """Strain of each cell, shape (m, 6): ε = α ΔT(y, z) = Γ₁ + z κ₂ − y κ₃."""
@@ -118,15 +117,12 @@ class PreStress(StrainLoad):
         1
     """
 
+    components = MappingProxyType({"resultant": 6})
+
     beam: Beam
     resultant: npt.ArrayLike
     cells: str | None = None
     history: History | None = None
-
-    def check(self) -> None:
-        """Raise ``ValueError`` if the stress is not finite or the beam has no such cells."""
-        vector(self.resultant, 6, f"pre-stress of {self.beam.label}")
-        self.beam.cells_of(self.cells)
 
     def strains(self) -> Array:
         """Strain of each cell, shape (m, 6): −D⁻¹ times the resultant."""

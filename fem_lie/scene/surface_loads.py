@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices, instance, vector
-from fem_lie.bodies.body import Body
+from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.thin_shells.smooth_surface import SmoothSurface
 from fem_lie.mesh.shapes import FaceRule
-from fem_lie.scene.load import Field, History, Load, NodalLoad, at_places
+from fem_lie.scene.load import Carrier, Field, History, NodalLoad, at_places
+
+SHELL = Carrier("shell", Shell | SmoothSurface, "a Shell, ThinShell or AncfShell")
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +38,9 @@ class EdgeLoad(NodalLoad):
         >>> load = fl.EdgeLoad(plate, "a=1", force=(0, 0, 10.0))
     """
 
+    carrier = SHELL
+    components = MappingProxyType({"force": 3, "moment": 3})
+
     shell: Shell | SmoothSurface
     curve: str
     force: npt.ArrayLike = (0.0, 0.0, 0.0)
@@ -43,15 +48,9 @@ class EdgeLoad(NodalLoad):
     history: History | None = None
     following: bool = False
 
-    def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
-        super().__post_init__()
-        require_shell(self, self.shell)
-
     def check(self) -> None:
         """Raise ``ValueError`` if the load is not finite, or there is no such curve or outside."""
-        vector(self.force, 3, f"edge force on {self.shell.label}")
-        vector(self.moment, 3, f"edge moment on {self.shell.label}")
+        super().check()
         if isinstance(self.shell, SmoothSurface):
             self.shell.on_edge(self.curve)
             if self.following or np.any(self.moment):
@@ -63,11 +62,6 @@ class EdgeLoad(NodalLoad):
                 f"a following load needs edges of one cell each, those of {self.curve!r} of "
                 f"{self.shell.label} are between cells and have no outside"
             )
-
-    @property
-    def body(self) -> Body:
-        """The body that carries the load."""
-        return self.shell
 
     def nodal(self) -> Array:
         """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""
@@ -117,6 +111,8 @@ class SurfaceLoad(NodalLoad):
         history: Factor as a function of time.
     """
 
+    carrier = SHELL
+
     shell: Shell | SmoothSurface
     force: Field
     cells: str | None = None
@@ -124,20 +120,10 @@ class SurfaceLoad(NodalLoad):
 
     following = False
 
-    def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
-        super().__post_init__()
-        require_shell(self, self.shell)
-
     def check(self) -> None:
         """Raise ``ValueError`` if the load is not finite or the shell has no such cells."""
-        self.shell.cells_of(self.cells)
+        super().check()
         self.nodal()
-
-    @property
-    def body(self) -> Body:
-        """The body that carries the load."""
-        return self.shell
 
     def nodal(self) -> Array:
         """Consistent nodal forces of the interpolation, shape (n, 6)."""
@@ -255,16 +241,6 @@ class MassLoad(SurfaceLoad):
         levers = self._scaled(self.shell, self.shell.density[:, 0, 1])
         np.add.at(values[:, 2], nodes_of(self.shell)[chosen], levers)
         return values
-
-
-def require_shell(load: Load, shell: object) -> None:
-    """Raise ``TypeError`` if what carries a load is no shell."""
-    instance(
-        shell,
-        Shell | SmoothSurface,
-        f"{type(load).__name__}: shell",
-        "a Shell, ThinShell or AncfShell",
-    )
 
 
 def on_places(rows: Array) -> Array:

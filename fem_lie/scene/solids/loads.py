@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, instance, number, text, vector
-from fem_lie.bodies.body import Body
+from fem_lie._arrays import Array, number
 from fem_lie.bodies.solids.faces import Faces
 from fem_lie.bodies.solids.solid import Solid
-from fem_lie.scene.load import Field, History, Load, NodalLoad, Sum, at_places
+from fem_lie.scene.load import Carrier, Field, History, Load, NodalLoad, Sum, at_places
 from fem_lie.scene.surface_pressure import SurfacePushes
+
+SOLID = Carrier("solid", Solid, "a Solid")
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +37,8 @@ class FaceLoad(NodalLoad):
         1
     """
 
+    carrier = SOLID
+
     solid: Solid
     face: str
     force: Field
@@ -42,19 +46,10 @@ class FaceLoad(NodalLoad):
 
     following = False
 
-    def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
-        super().__post_init__()
-        _require_solid(self, self.solid)
-
     def check(self) -> None:
         """Raise ``ValueError`` if the load is not finite or the solid has no such face."""
+        super().check()
         self.nodal()
-
-    @property
-    def body(self) -> Body:
-        """The body that carries the load."""
-        return self.solid
 
     def nodal(self) -> Array:
         """Consistent nodal forces, shape (n, 6)."""
@@ -94,31 +89,24 @@ class FacePressure(Load):
         1
     """
 
+    carrier = SOLID
+    components = MappingProxyType({"gradient": 3})
+
     solid: Solid
     face: str
     pressure: float
     gradient: npt.ArrayLike = (0.0, 0.0, 0.0)
     history: History | None = None
 
-    def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
-        super().__post_init__()
-        _require_solid(self, self.solid)
-
     def check(self) -> None:
         """Raise ``ValueError`` if it is not finite, or there is no such face or it has no side."""
         number(self.pressure, f"pressure on {self.solid.label}")
-        vector(self.gradient, 3, f"gradient of the pressure on {self.solid.label}")
+        super().check()
         if not self._faces.outward.all():
             raise ValueError(
                 f"pressure needs a face on the outside, but {self.face!r} of {self.solid.label} "
                 "lies between cells"
             )
-
-    @property
-    def body(self) -> Body:
-        """The body that carries the load."""
-        return self.solid
 
     @property
     def _faces(self) -> Faces:
@@ -152,6 +140,8 @@ class BulkLoad(NodalLoad):
         1
     """
 
+    carrier = SOLID
+
     solid: Solid
     force: Field
     cells: str | None = None
@@ -159,21 +149,10 @@ class BulkLoad(NodalLoad):
 
     following = False
 
-    def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
-        super().__post_init__()
-        _require_solid(self, self.solid)
-        if self.cells is not None:
-            text(self.cells, "BulkLoad: cells")
-
     def check(self) -> None:
         """Raise ``ValueError`` if the load is not finite or the solid has no such cells."""
+        super().check()
         self.nodal()
-
-    @property
-    def body(self) -> Body:
-        """The body that carries the load."""
-        return self.solid
 
     def nodal(self) -> Array:
         """Consistent nodal forces, shape (n, 6)."""
@@ -183,7 +162,3 @@ class BulkLoad(NodalLoad):
         values = np.zeros((len(self.solid.frames), 6))
         np.add.at(values[:, :3], self.solid.connectivity[chosen], shares)
         return values
-
-
-def _require_solid(load: Load, solid: object) -> None:
-    instance(solid, Solid, f"{type(load).__name__}: solid", "a Solid")
