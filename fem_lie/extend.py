@@ -59,7 +59,7 @@ from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.packages import Method
 from fem_lie.pictures.diagrams import COLOURS
-from fem_lie.scene.load import Load, Sum
+from fem_lie.scene.load import Carrier, Load, NodalLoad, Sum
 from fem_lie.solve.convergence import (
     DIVERGED,
     ROUND_OFF,
@@ -86,6 +86,7 @@ __all__ = [
     "ROUND_OFF",
     "Array",
     "BallGapPair",
+    "Carrier",
     "CellData",
     "CellFunctions",
     "ContactPair",
@@ -106,6 +107,7 @@ __all__ = [
     "LocalFrameForms",
     "Method",
     "NodalFrames",
+    "NodalLoad",
     "NodeKind",
     "Pairs",
     "PenaltyPair",

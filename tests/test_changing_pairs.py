@@ -76,6 +76,7 @@ class Overlaps(fl.extend.Term):
 class SoftBalls(fl.extend.Load):
     """All bodies push each other off."""
 
+    carrier = fl.extend.Carrier("balls", tuple, "bodies")
     balls: tuple[fl.Body, ...]
     history: Callable[[float], float] | None = None
 
