@@ -46,7 +46,7 @@ def test_a_load_of_ones_own():
     found = runpy.run_path(str(DOCS / "how_to" / "load.py"))
     assert found["errors"][1] <= 2e-3
     assert 1.8 <= found["order"] <= 2.2
-    ramp, section = found["RampLoad"], fl.Section.circle(0.01, fl.Material(1e9, 0.3))
+    ramp, section = found["RampLoad"], fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1e3))
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2)
     with pytest.raises(TypeError, match="RampLoad: beam must be a Beam, got 3"):
         ramp(3, (0, 0, 1))
