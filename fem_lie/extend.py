@@ -10,6 +10,7 @@ scene is made of stands in :mod:`fem_lie` itself; here is what scenes do not sho
   :func:`cell_data`, :class:`CellFunctions`, :data:`CELL_SIGNATURE`, the functions of :mod:`cell`,
   :class:`NodeKind` and the compiled functions of all node types, the module :mod:`kinds`;
   vectors of three numbers in these, the module :mod:`tuples`; :func:`compiled`, :func:`callback`.
+* **Error estimates**: :class:`ElementErrors`, what an estimate returns for each state.
 * **Joints**: :func:`rows` selects entries of the relative motion.
 * **Contact surfaces**: :class:`PointSurface`, :class:`PlaneSurface`, :class:`LineSurface`,
   :class:`PolyhedralSurface`, or :class:`GapSurface` with a gap function (:func:`evaluate`,
@@ -43,6 +44,7 @@ from fem_lie.contact.sides.surfaces import (
     PointSurface,
     PolyhedralSurface,
 )
+from fem_lie.adapt.estimates.estimate import ElementErrors
 from fem_lie.elements.beams.element import CellData, cellwise, present_values
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
@@ -93,6 +95,7 @@ __all__ = [
     "Control",
     "DirectSolver",
     "DividedIntegration",
+    "ElementErrors",
     "Equations",
     "FrameMap",
     "GapSurface",

@@ -56,6 +56,13 @@ def test_a_load_of_ones_own():
         ramp(beam, (0, 1)).check()
 
 
+def test_an_error_estimate_of_ones_own():
+    found = runpy.run_path(str(DOCS / "how_to" / "estimate.py"))
+    assert abs(found["effectivity"] - 1.0) <= 1e-5
+    assert found["adapted"].relative[-1] <= 0.01
+    assert 50 <= len(found["adapted"].mesh.cells) <= 64
+
+
 def test_a_composition_of_ones_own():
     found = runpy.run_path(str(DOCS / "how_to" / "composition.py"))
     assert 3.9 <= found["order"] <= 4.1
