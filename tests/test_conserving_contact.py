@@ -52,7 +52,11 @@ def test_steps_in_contact_keep_their_matrix(name, count):
 def test_skins_that_conserving_steps_refuse():
     lower, upper = sheet(0, 1, 1), sheet(0.1, 1, 1)
     for smooth, law, message in (
-        (True, fl.Penalty(1e6), "contacts by penalty beside shells with six parameters"),
+        (
+            True,
+            fl.Penalty(1e6),
+            "by penalty that rotate nodes of shells with six parameters",
+        ),
         (False, fl.Penalty(1e6, friction=0.3), "contacts by penalty with friction"),
         (False, fl.Penalty(1e6, damping=1e3), "does not support contacts by penalty with damping"),
     ):

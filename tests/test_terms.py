@@ -213,6 +213,18 @@ def ends_in_quartic(**law) -> fl.Scene:
     )
 
 
+def vectors_on_plane(**law) -> fl.Scene:
+    """Nodes of positions and slopes, of lines and of a surface, whose axes are not their rows."""
+    scene = cable()
+    scene.add(fl.AncfBeam.straight((0, 1, 0), (2, 2, 0), SECTION, cells=1))
+    scene.add(plate().bodies[0])
+    ball = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.6, 0.3, 0.9)))
+    nodes = [fl.Point(body, k) for body in scene.bodies[:-1] for k in (0, 1)]
+    plane = fl.Plane(ball.centre, (0, 0, 1), at=(0, 0, -0.1))
+    scene.add(fl.Contact(fl.Vertices(nodes, 0.1), plane, fl.Penalty(50.0, **law)))
+    return scene
+
+
 def ends_on_ground(**law) -> fl.Scene:
     return in_contact(
         lambda one, two, line: fl.Vertices(
@@ -400,6 +412,8 @@ TERMS: dict[str, Case] = {
     "balls on balls": Case(balls_on_balls, TOUCH),
     "ball in a hollow": Case(ball_in_hollow, TOUCH),
     "ends on ground": Case(ends_on_ground, TOUCH),
+    "nodes of vectors on a plane": Case(vectors_on_plane, TOUCH),
+    "nodes of vectors that damp on a plane": Case(lambda: vectors_on_plane(damping=0.3), TOUCH),
     "balls within a quartic": Case(balls_in_quartic, TOUCH),
     "ends within a quartic on ground": Case(ends_in_quartic, TOUCH),
     "damped balls within a quartic": Case(lambda: balls_in_quartic(damping=3.0), TOUCH),

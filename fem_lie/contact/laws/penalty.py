@@ -12,6 +12,7 @@ from fem_lie.contact.energy.numbers import Numbers, damping
 from fem_lie.contact.energy.watch import EnergyWatch
 from fem_lie.contact.friction.forces import Friction
 from fem_lie.contact.laws.law import Penalty
+from fem_lie.contact.laws.node_axes import NodeAxes
 from fem_lie.contact.laws.over_steps import CHANGE, END, SLOPE, add_secants, mixed
 from fem_lie.contact.laws.tangents import normal_rows, speed_of, tangents
 from fem_lie.contact.laws.term import ContactTerm
@@ -104,6 +105,7 @@ class PenaltyForces(
         name: str = "a contact",
         friction: Friction | None = None,
         *,
+        axes: NodeAxes | None = None,
         parts: bool = False,
     ) -> None:
         """Keep both sides.
@@ -113,9 +115,11 @@ class PenaltyForces(
             law: Stiffness and damping; of lines per length.
             name: For messages.
             friction: Of the law; default: none.
+            axes: Of nodes with vector coordinates; default: all nodes are frames.
             parts: Whether some of its pairs are ignored until they part.
         """
         self._sides, self._name, self._allowed = sides, name, _DEEP * sides.radius
+        self._axes = NodeAxes(np.zeros(0, dtype=np.int64)) if axes is None else axes
         self._law = Numbers(float(law.k), float(law.damping), float(law.ramp))
         self._damped = law.damping > 0.0
         self._friction, self.friction = friction, friction is not None
@@ -209,6 +213,7 @@ class PenaltyForces(
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """See the base class."""
+        H = self._axes.frames(H)
         at, found = self._measured(H, out, viscous=False)
         _add(H, at, found[1], False, out)
         if self._friction is not None:
@@ -224,6 +229,7 @@ class PenaltyForces(
 
     def stiff_rows(self, H: Array) -> StiffRows:
         """See the base class: without how normals and forces turn."""
+        H = self._axes.frames(H)
         at = self._sides.meet(H)
         most = len(at.pairs)
         nodes = np.empty((most, SLOTS), dtype=np.int64)
@@ -233,6 +239,7 @@ class PenaltyForces(
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
         """See the base class."""
+        H = self._axes.frames(H)
         at, found = self._measured(H, v, viscous=True)
         _add(H, at, found[2], False, out)
 
@@ -242,11 +249,13 @@ class PenaltyForces(
         return by_twists, by_frames
 
     def _tangents(self, H: Array, v: Array, *, viscous: bool) -> tuple[Array, Array]:
-        at = self._sides.meet(H)
+        frames = self._axes.frames(H)
+        at = self._sides.meet(frames)
         count = len(self._sides.near.blocks[0])
         by_frames = np.zeros((count, 6, 6))
         by_twists = np.zeros((count if viscous else 0, 6, 6))
-        tangents(H, v, at, self._law, viscous, _NONE, by_frames, by_twists)
+        tangents(frames, v, at, self._law, viscous, _NONE, by_frames, by_twists)
+        self._axes.correct(H, v, self.pairs[1], by_frames, by_twists)
         return by_frames, by_twists
 
     # --- what friction carries ---
@@ -319,13 +328,15 @@ class PenaltyForces(
         """See the base class."""
         none, still = np.empty((0, 6, 6)), np.zeros((len(H), 6))
         blocks = np.zeros((len(self._sides.near.blocks[0]), 6, 6))
+        frames = self._axes.frames(H)
         # the list of pairs is that of the pattern of the matrix
         for at, secants, share in mixed(
             ends, self._sides.meet_ends(ends.start, ends.end, known=True)
         ):
-            tangents(H, still, at, self._law, False, share * secants, blocks, none)
+            tangents(frames, still, at, self._law, False, share * secants, blocks, none)
             if self._friction is not None:
                 self._friction.add_tangent_over_step(ends, at, H, blocks)
+        self._axes.correct(H, still, self.pairs[1], blocks, none)
         return blocks
 
     def overlaps(self, H: Array) -> bool:
@@ -337,6 +348,7 @@ class PenaltyForces(
 
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
         """See the base class."""
+        H = self._axes.frames(H)
         at, found = self._measured(H, v, viscous=self._damped)
         _add(H, at, found[1] + found[2], True, out)
         if self._friction is not None:
@@ -344,6 +356,7 @@ class PenaltyForces(
 
     def touching(self, H: Array, v: Array) -> tuple[Indices, Array, Array, Array]:
         """See the base class."""
+        H = self._axes.frames(H)
         at, found = self._measured(H, v, viscous=self._damped)
         X, F = np.empty((len(at.pairs), 3)), np.empty((len(at.pairs), 3))
         _show(H, at, found[1] + found[2], X, F)

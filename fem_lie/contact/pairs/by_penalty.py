@@ -8,6 +8,7 @@ import numpy as np
 
 from fem_lie.contact.friction.forces import Friction
 from fem_lie.contact.laws.law import Penalty
+from fem_lie.contact.laws.node_axes import NodeAxes
 from fem_lie.contact.laws.penalty import PenaltyForces
 from fem_lie.contact.pairs.pair import ContactPair
 from fem_lie.contact.sides.meeting import Sides
@@ -40,4 +41,5 @@ class PenaltyPair(ContactPair):
             sides.near.ignore(self.initial_frames(nodes))
         if law.friction > 0.0:
             friction = Friction(sides, law.coulomb, self.initial_frames(nodes))
-        return PenaltyForces(sides, law, self.label, friction, parts=self.ignore_initial)
+        axes, parts = NodeAxes(self.node_types(nodes)), self.ignore_initial
+        return PenaltyForces(sides, law, self.label, friction, axes=axes, parts=parts)

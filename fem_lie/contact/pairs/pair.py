@@ -14,7 +14,7 @@ from typing import ClassVar, TypeAlias
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.held import HeldRotation
 from fem_lie.contact.convex.table import PolyhedronPair
@@ -137,6 +137,14 @@ class ContactPair(ABC):
         """Bodies that forces act on."""
         return bodies_of(self.a, self.b)
 
+    @property
+    def rotated(self) -> list[Body]:
+        """Bodies on whose nodes forces have moments."""
+        found = [body for each in (self.a, self.b) for body in each.rotating(self.has_friction)]
+        owners = [owner for each in (self.a, self.b) for owner in each.moments(self.has_friction)]
+        found += [body for body, _ in owners if body is not None]
+        return list(dict.fromkeys(found))
+
     def check_friction(self) -> None:
         """Refuse friction on nodes that do not rotate, whose anchors would have a moment arm.
 
@@ -153,6 +161,14 @@ class ContactPair(ABC):
         for body, each in zip(self.bodies, numbers, strict=True):
             H[each] = body.frames
         return H
+
+    def node_types(self, nodes: Nodes) -> Indices:
+        """Types of the bodies' nodes, in the order of their numbers; of others frames."""
+        numbers = [nodes(body) for body in self.bodies]
+        found = np.zeros(1 + max(int(each.max()) for each in numbers), dtype=np.int64)
+        for body, each in zip(self.bodies, numbers, strict=True):
+            found[each] = body.node_kinds
+        return found
 
     def numbered(self) -> tuple[Nodes, Array]:
         """Numbers and initial frames of the nodes of these bodies alone."""

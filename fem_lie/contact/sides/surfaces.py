@@ -150,7 +150,7 @@ class Surface(ABC):
         """
         for point in self.points:
             require_node(point, self.label)
-            if point.body is not None and not (self.turns_alike and _is_place(point)):
+            if point.body is not None and not (self.turns_alike and _has_position(point)):
                 point.body.require_frames(self.label)
 
     @property
@@ -248,9 +248,12 @@ def _with_moments(balls: Sequence[Ball], friction: bool) -> list[Owner]:
     return [owner for ball in beside for owner in ball.owners]
 
 
-def _is_place(point: Point) -> bool:
-    """Whether a point is a node that has a place and nothing else."""
-    return point.body is not None and int(point.body.node_kinds[point.node]) == NodeKind.POINT
+_WITH_POSITION = (NodeKind.POINT, NodeKind.SLOPE, NodeKind.SURFACE)
+
+
+def _has_position(point: Point) -> bool:
+    """Whether a point is a node with vector coordinates, of which one is its position."""
+    return point.body is not None and int(point.body.node_kinds[point.node]) in _WITH_POSITION
 
 
 def _name(point: Point) -> str:

@@ -75,7 +75,9 @@ def refuse_scene(equations: Equations) -> None:
     """
     unknowns, known = equations.unknowns, equations.tables
     vectors, drilling = has_vector_nodes(equations), ", ".join(unknowns.drilling)
-    touched = bool(drilling) and any(term.over_step is not None for term in known.terms)
+    rotated = {body.label for each in equations.scene.contacts for body in each.pair.rotated}
+    forces = any(term.over_step is not None for term in known.terms)
+    touched = ", ".join(label for label in unknowns.drilling if forces and label in rotated)
     apart = [
         f"{term.label} with damping" if term.viscosity is not None else term.label
         for term in known.terms
@@ -90,7 +92,8 @@ def refuse_scene(equations: Equations) -> None:
         "velocity constraints (KnifeEdge, RollingDisc) beside shells with six parameters "
         f"({drilling}), whose drilling has no inertia": bool(drilling)
         and unknowns.of_velocities > 0,
-        f"contacts by penalty beside shells with six parameters ({drilling})": touched,
+        "contacts by penalty that rotate nodes of shells with six parameters "
+        f"({touched}), whose drilling has no inertia": bool(touched),
         ", ".join(dict.fromkeys(apart)): bool(apart),
     }
     refuse("a conserving scheme", reasons)

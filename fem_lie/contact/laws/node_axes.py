@@ -1,0 +1,70 @@
+"""Axes in which contact forces on nodes with vector coordinates are written."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.kinds.all_nodes import all_axes
+
+
+class NodeAxes:
+    """Frames of nodes of all types, as contact points at them see these.
+
+    A contact point at a position-gradient node acts on its position alone. Directors of such a
+    node are no unit vectors, so the node's axes stand in; those of a slope rotate with it.
+    """
+
+    def __init__(self, kinds: Indices) -> None:
+        """Find nodes whose directors are not their axes.
+
+        Args:
+            kinds: Type of each node by its number, :class:`~fem_lie.lie.kinds.NodeKind`, (n,).
+        """
+        others = (kinds == NodeKind.SLOPE) | (kinds == NodeKind.SURFACE)
+        self._nodes = np.flatnonzero(others)
+        self._kinds = np.ascontiguousarray(kinds[self._nodes])
+        self._is_other = others
+        self._is_slope = kinds == NodeKind.SLOPE
+
+    def frames(self, H: Array) -> Array:
+        """Position and axes of all nodes, shape (n, 4, 3).
+
+        Args:
+            H: Nodal coordinates, shape (n, 4, 3).
+        """
+        if not len(self._nodes):
+            return H
+        found = H.copy()
+        found[self._nodes, 1:] = all_axes(self._kinds, np.ascontiguousarray(H[self._nodes]))
+        return found
+
+    def correct(
+        self, H: Array, v: Array, columns: Indices, blocks: Array, by_twists: Array
+    ) -> None:
+        """Let axes rotate with the unknowns of the nodes instead of by themselves.
+
+        The axes of a slope x' have the angular velocity ``e₁ × Rᵀẋ'/|x'|``, all others none.
+        Velocities of these nodes stay as they are when axes rotate.
+
+        Args:
+            H: Nodal coordinates, shape (n, 4, 3).
+            v: Twists, shape (n, 6).
+            columns: Node of the columns of each block, shape (m,).
+            blocks: Derivatives with frames that rotate by themselves, overwritten, (m, 6, 6).
+            by_twists: Derivatives in twists, (m, 6, 6); of forces without any, (0, 6, 6).
+        """
+        if not len(self._nodes):
+            return
+        which = np.flatnonzero(self._is_other[columns])
+        by_rotation, nodes = blocks[which, :, 3:], columns[which]
+        if len(by_twists):
+            turned = np.cross(v[nodes, np.newaxis, :3], np.eye(3))
+            by_rotation = by_rotation - by_twists[which, :, :3] @ turned
+        rates = np.where(self._is_slope[nodes], 1.0 / np.linalg.norm(H[nodes, 1], axis=1), 0.0)[
+            :, np.newaxis
+        ]
+        blocks[which, :, 3] = 0.0
+        blocks[which, :, 4] = by_rotation[:, :, 2] * rates
+        blocks[which, :, 5] = -by_rotation[:, :, 1] * rates
