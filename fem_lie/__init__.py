@@ -35,13 +35,12 @@ from fem_lie.bodies.rods.spline import SplineCable
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.solids.solid import Solid
 from fem_lie.bodies.thin_shells.hierarchy import SplineMesh, spline_mesh
-from fem_lie.bodies.thin_shells.patch import SmoothPatch, smooth_patch
+from fem_lie.bodies.thin_shells.patch import SmoothPatch, bspline_patch, smooth_patch, spline_patch
 from fem_lie.bodies.thin_shells.seams import Seam
-from fem_lie.bodies.thin_shells.spline_patch import bspline_patch, spline_patch
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.convex.polyhedron import ConvexPolyhedron
-from fem_lie.contact.energy.watch import UnresolvedContactWarning
+from fem_lie.contact.laws.energy import UnresolvedContactWarning
 from fem_lie.contact.laws.law import Impact, Penalty
 from fem_lie.contact.pairs.lines import Cylinder, Line
 from fem_lie.contact.pairs.shapes import Box, Plane, Sphere, Vertices
@@ -80,12 +79,14 @@ from fem_lie.elements.solids.materials import (
     NeoHooke,
     SaintVenantKirchhoff,
     SolidMaterial,
+    det_minus_one,
+    expm1,
+    log1p,
 )
-from fem_lie.elements.solids.small_changes import det_minus_one, expm1, log1p
 from fem_lie.elements.thin_shells.bicubic import BicubicHermite
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
-from fem_lie.forms.kernels.frame_map import FrameMap
+from fem_lie.forms.kernels.addresses import FrameMap
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.joints import (
     Collar,
@@ -156,7 +157,7 @@ from fem_lie.scene.choices import Choices, Redundant
 from fem_lie.scene.nodal_loads import LineLoad, PointLoad
 from fem_lie.scene.pressure_loads import PressureLoad, SurfacePressure
 from fem_lie.scene.scene import Scene
-from fem_lie.scene.solids.loads import BulkLoad, FaceLoad, FacePressure
+from fem_lie.scene.solid_loads import BulkLoad, FaceLoad, FacePressure
 from fem_lie.scene.strain_loads import Eigenstrain, PreStress, Temperature
 from fem_lie.scene.supports import Clamp, PrescribedMotion
 from fem_lie.scene.surface_loads import AreaLoad, EdgeLoad, MassLoad, VolumeLoad

@@ -33,9 +33,9 @@ scene is made of stands in :mod:`fem_lie` itself; here is what scenes do not sho
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, compiled
 from fem_lie._state import attributes
+from fem_lie.adapt.estimates.estimate import ElementErrors
 from fem_lie.contact.pairs.balls import BallGapPair
-from fem_lie.contact.pairs.by_penalty import PenaltyPair
-from fem_lie.contact.pairs.pair import ContactPair, register_contact_pair
+from fem_lie.contact.pairs.pair import ContactPair, PenaltyPair, register_contact_pair
 from fem_lie.contact.sides.gap_functions import GAP_SIGNATURE, evaluate
 from fem_lie.contact.sides.surfaces import (
     GapSurface,
@@ -44,11 +44,10 @@ from fem_lie.contact.sides.surfaces import (
     PointSurface,
     PolyhedralSurface,
 )
-from fem_lie.adapt.estimates.estimate import ElementErrors
 from fem_lie.elements.beams.element import CellData, cellwise, present_values
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
-from fem_lie.forms.kernels.frame_map import FrameMap, frame_function
+from fem_lie.forms.kernels.addresses import FrameMap, frame_function
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.forms.small_energy import cell
 from fem_lie.forms.small_energy.assembly import CellFunctions
@@ -61,7 +60,7 @@ from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.packages import Method
 from fem_lie.pictures.diagrams import COLOURS
-from fem_lie.scene.load import Carrier, Load, NodalLoad, Sum
+from fem_lie.scene.load import Carrier, History, Load, NodalLoad, Sum
 from fem_lie.solve.convergence import (
     DIVERGED,
     ROUND_OFF,
@@ -99,6 +98,7 @@ __all__ = [
     "Equations",
     "FrameMap",
     "GapSurface",
+    "History",
     "Indices",
     "Instant",
     "Integration",

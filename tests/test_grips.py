@@ -7,14 +7,11 @@ from hypothesis import strategies as st
 
 from fem_lie import lie
 from fem_lie.extend import kinds
-from fem_lie.grips.cross_section import on_section
-from fem_lie.grips.follower import following
-from fem_lie.grips.geodesic import on_geodesic
+from fem_lie.grips.at_nodes import along_tangent, following, on_section
+from fem_lie.grips.between_frames import interpolated, on_geodesic
 from fem_lie.grips.grip import bend, changes, cores, locate, spread
-from fem_lie.grips.interpolated import interpolated
 from fem_lie.grips.patch import in_the_mean
 from fem_lie.grips.surface import on_surface
-from fem_lie.grips.tangent import along_tangent
 from fem_lie.system.nodes.numbering import Attachment
 
 seeds = st.integers(0, 2**32 - 1)

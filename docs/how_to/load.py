@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 import fem_lie as fl
-from fem_lie.scene.load import Carrier, History, NodalLoad
+from fem_lie.extend import Carrier, History, NodalLoad
 
 
 @dataclass(frozen=True, eq=False)

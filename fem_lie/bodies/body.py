@@ -16,8 +16,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices, choice, instance, number, text, vector
-from fem_lie.bodies.held import HeldRotation
-from fem_lie.bodies.nodes import Nodes
+from fem_lie.bodies.nodes import HeldRotation, Nodes
 from fem_lie.grips.grip import Grip
 from fem_lie.lie.kinds import NodeKind
 from fem_lie.lie.motions import Group
@@ -25,7 +24,7 @@ from fem_lie.lie.motions import Group
 if TYPE_CHECKING:
     import dolfinx
 
-    from fem_lie.forms.body_term import BodyTerm
+    from fem_lie.forms.assembly import BodyTerm
 
 Holds: TypeAlias = Mapping["Body", Sequence[HeldRotation]]
 """What takes hold of the rotations of each body's nodes in a scene; bodies may be missing."""

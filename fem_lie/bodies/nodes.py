@@ -1,24 +1,105 @@
-"""The nodes of a body: what they are, what holds them, and how they move at first."""
+"""The nodes of a body: what they are, what holds them, and how they move at first.
+
+What takes hold of rotations of nodes: told to bodies, which know nothing of joints.
+
+Along which nodes the elements of a body turn.
+
+Whether nodes of bodies are where nodes can be: what users have set is checked by.
+
+The nodes of a body: what they are, what holds them, and how they move at first.
+"""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, ClassVar, TypeAlias
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.bodies.held import HeldRotation
-from fem_lie.bodies.node_checks import check_nodes
 from fem_lie.grips.grip import Grip
-from fem_lie.lie.kinds import TRAITS, NodeKind, rigid_motions
+from fem_lie.lie.kinds import TRAITS, NodeKind, all_axes, rigid_motions
 from fem_lie.lie.kinds.floating import WithinFrame
 
-if TYPE_CHECKING:
-    from fem_lie.bodies.turning import Turning
+
+class HeldRotation(NamedTuple):
+    """Something that takes hold of the rotation of a node.
+
+    Attributes:
+        node: Which one.
+        other: What holds it, the same for all nodes that are held by the same rigid thing.
+        what: Its name for messages.
+        axis: The only axis of its moment, if there is but one, global components.
+        needed: Whether the node must rotate about all axes for it. A shell of five parameters
+            leaves out the moment of a contact about a director.
+    """
+
+    node: int
+    other: Hashable
+    what: str
+    axis: Array | None = None
+    needed: bool = True
+
+
+class FoldedElementError(ArithmeticError):
+    """An element turns farther than it may."""
+
+
+@dataclass(frozen=True, eq=False)
+class Turning:
+    """Along which nodes the elements of a body turn, and how far they may.
+
+    Attributes:
+        nodes: Nodes from end to end, shape (w, 2 or 3).
+        elements: Number of the element of each of these rows, shape (w,).
+        limit: Largest sum of the turns from node to node, rad.
+        whole: Whether whole frames turn, or third directors.
+        lengths: Unloaded arc length of each row, if its axial strain and shear are to be judged.
+    """
+
+    nodes: Indices
+    elements: Indices
+    limit: float
+    whole: bool
+    lengths: Array | None = None
+
+
+_ORTHONORMAL = 1e-8  # as of prescribed motions
+
+
+def check_nodes(label: str, kinds: Indices, frames: Array, velocities: Array) -> None:
+    """Refuse what is no node, and velocities that are none.
+
+    Args:
+        label: Of the body, for messages.
+        kinds: What its nodes are, shape (n,).
+        frames: Their rows, shape (n, 4, 3).
+        velocities: Wanted of shape (n, 6).
+
+    Raises:
+        ValueError: Axes are not right-handed and orthonormal, or numbers not finite.
+    """
+    shape, count = velocities.shape, len(frames)
+    if shape != (count, 6) or not np.isfinite(velocities).all():
+        raise ValueError(
+            f"velocities of {label} must be finite and of shape ({count}, 6), got\n{velocities}"
+        )
+    axes = all_axes(kinds, frames)
+    gap = np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+    right = np.linalg.det(axes) > 0.0
+    finite = np.isfinite(frames).all(axis=(1, 2))
+    bad = np.flatnonzero(~(finite & (gap <= _ORTHONORMAL) & right))
+    if len(bad):
+        raise ValueError(
+            f"frames of {label} must be a place and right-handed orthonormal axes; that of node "
+            f"{bad[0]} is\n{frames[bad[0]]}"
+        )
+
 
 Follower: TypeAlias = Callable[[Array], None]
+
 """Turns the axes of a body's nodes as they have moved, in their rows (n, 4, 3), with
 :func:`fem_lie.lie.kinds.set_axes`; it may set rows that nothing depends on, too."""
 

@@ -12,9 +12,8 @@ import numpy as np
 
 from fem_lie._arrays import flag, instance, text
 from fem_lie.bodies.body import Body
-from fem_lie.bodies.held import HeldRotation
-from fem_lie.contact.laws.law import Impact, Penalty
-from fem_lie.contact.laws.term import ContactTerm
+from fem_lie.bodies.nodes import HeldRotation
+from fem_lie.contact.laws.law import ContactTerm, Impact, Penalty
 from fem_lie.contact.pairs import known  # noqa: F401  (registers the pairs of the package)
 from fem_lie.contact.pairs.pair import ContactPair, Law, bodies_of, pair_class, pair_of
 from fem_lie.contact.sides.surfaces import Surface

@@ -20,8 +20,7 @@ from fem_lie import _compat
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, uncounted
 from fem_lie._jit.stack import stack, vector_at
-from fem_lie.forms.assembly import Assembly
-from fem_lie.forms.body_term import BodyTerm
+from fem_lie.forms.assembly import Assembly, BodyTerm
 from fem_lie.forms.cell_forms import CELLS, EXTENT, KERNEL, NODES, C, X, own_coefficients
 from fem_lie.forms.fixed_arrays import as_frames, as_sixes
 from fem_lie.forms.kernels import in_local_frames as kernels

@@ -14,8 +14,7 @@ from fem_lie import _compat, lie
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
 from fem_lie.forms.energy import StrainEnergy
-from fem_lie.forms.kernels.addresses import Pointer
-from fem_lie.forms.kernels.frame_map import FrameMap, frame_function
+from fem_lie.forms.kernels.addresses import FrameMap, Pointer, frame_function
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.lie import directors
 

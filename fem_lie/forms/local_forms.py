@@ -34,7 +34,7 @@ from fem_lie._arrays import Array
 from fem_lie._form_cache import compile_form
 from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.kernels import in_local_frames as kernels
-from fem_lie.forms.kernels.frame_map import FrameMap
+from fem_lie.forms.kernels.addresses import FrameMap
 from fem_lie.forms.wrapping import CompiledForm, Wrapping, packed_size
 
 

@@ -14,7 +14,7 @@ from dolfinx import fem
 from fem_lie import _compat
 from fem_lie._form_cache import compile_form
 from fem_lie.forms.kernels import in_local_frames as kernels
-from fem_lie.forms.kernels.frame_map import FrameMap
+from fem_lie.forms.kernels.addresses import FrameMap
 
 
 def packed_size(V: fem.FunctionSpace) -> int:

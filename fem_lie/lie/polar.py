@@ -1,13 +1,25 @@
-"""The rotation next to a matrix: the polar decomposition ``A = R U``, compiled."""
+"""The polar decomposition ``A = R U``, and convected axes by the mean deformation; compiled.
+
+The rotation next to a matrix: the polar decomposition ``A = R U``, compiled.
+
+Axes of places that turn by the rotation next to the mean deformation around them, compiled.
+
+The mean deformation around place i is ``F_i = Σ_k x_k ⊗ b_ik`` with constants ``b``; axes are those
+of the start turned by its rotation.
+"""
 
 from __future__ import annotations
 
+from typing import NamedTuple, TypeAlias
+
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
+from fem_lie._jit.copies import copy_matrix
 
 _MOST = 60  # iterations; six do for moderate strains
+
 _EXACT = 1e-15
 
 
@@ -52,3 +64,84 @@ def _cofactor(A: Array, out: Array) -> None:
         for a in range(3):
             b, c = (a + 1) % 3, (a + 2) % 3
             out[i, a] = A[j, b] * A[k, c] - A[j, c] * A[k, b]
+
+
+class Surroundings(NamedTuple):
+    """Of places whose axes turn.
+
+    Attributes:
+        nodes: Those that turn, shape (t,).
+        indptr: Rows of ``indices`` and ``b``, one for each place, shape (n + 1,).
+        indices: Places around each.
+        b: Factors of these, shape (nnz, 3).
+        axes: As they are before anything has turned, as rows, shape (n, 3, 3).
+    """
+
+    nodes: Indices
+    indptr: Indices
+    indices: Indices
+    b: Array
+    axes: Array
+
+
+PlainSurroundings: TypeAlias = tuple[Indices, Indices, Indices, Array, Array]
+
+"""A :class:`Surroundings` at the door from Python."""
+
+
+@compiled
+def _rotation(i: int, H: Array, around: Surroundings, R: Array) -> bool:
+    """The rotation around a place."""
+    F = np.zeros((3, 3))
+    for k in range(around.indptr[i], around.indptr[i + 1]):
+        for a in range(3):
+            for c in range(3):
+                F[a, c] += H[around.indices[k], 0, a] * around.b[k, c]
+    return polar_rotation(F, R)
+
+
+@compiled
+def find_unturned(H: Array, around: PlainSurroundings) -> None:
+    """Set the axes before anything has turned from rows ``H`` (≥ n, 4, 3)."""
+    known = Surroundings(*around)
+    R = np.empty((3, 3))
+    for i in range(known.axes.shape[0]):
+        known.axes[i] = H[i, 1:]
+        if known.indptr[i] < known.indptr[i + 1] and _rotation(i, H, known, R):
+            known.axes[i] = H[i, 1:] @ R
+
+
+@compiled
+def turn_axes(H: Array, around: PlainSurroundings, motion: Array, written: Indices) -> None:
+    """Turn the axes of ``H`` (≥ n, 4, 3), and what is written in them.
+
+    Args:
+        H: Rows of the nodes.
+        around: See :class:`Surroundings`.
+        motion: Velocities, accelerations and the like, shape (k, n, 6).
+        written: Which of them have components in the axes.
+    """
+    known = Surroundings(*around)
+    R, new, turn = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    own = np.empty(3)
+    for i in known.nodes:
+        if not _rotation(i, H, known, R):
+            continue
+        _multiply_transposed(known.axes[i], R, new)
+        _multiply_transposed(new, H[i, 1:], turn)
+        copy_matrix(new, H[i, 1:])
+        for k in written:
+            for at in (0, 3):
+                for a in range(3):
+                    own[a] = motion[k, i, at + a]
+                for a in range(3):
+                    moved = turn[a, 0] * own[0] + turn[a, 1] * own[1] + turn[a, 2] * own[2]
+                    motion[k, i, at + a] = moved
+
+
+@compiled
+def _multiply_transposed(A: Array, B: Array, out: Array) -> None:
+    """``out = A Bᵀ`` of matrices (3, 3)."""
+    for a in range(3):
+        for b in range(3):
+            out[a, b] = A[a, 0] * B[b, 0] + A[a, 1] * B[b, 1] + A[a, 2] * B[b, 2]

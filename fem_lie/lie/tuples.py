@@ -1,7 +1,11 @@
-"""Vectors and matrices as plain numbers, for compiled code.
+"""Vectors, matrices and wrenches as plain numbers, for compiled code.
+
+Vectors and matrices as plain numbers, for compiled code.
 
 Vectors are tuples of 3 numbers and matrices tuples of 9, row by row: they live in registers, so
 nothing here allocates. In a six-vector with a dual part, ``(A, dA)`` stands for a matrix (6, 6).
+
+Sums of forces at different places, with moments about the origin, in compiled code.
 """
 
 from __future__ import annotations
@@ -12,6 +16,7 @@ from fem_lie._arrays import Array
 from fem_lie._jit import inlined
 
 Vector: TypeAlias = tuple[float, float, float]
+
 Matrix: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
 
 ZERO: Matrix = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -170,3 +175,21 @@ def rotate(d1: Vector, d2: Vector, d3: Vector, v: Vector) -> Vector:
 def rotate_back(d1: Vector, d2: Vector, d3: Vector, v: Vector) -> Vector:
     """``Rᵀ v`` of the rotation with the directors ``d1, d2, d3``."""
     return dot(d1, v), dot(d2, v), dot(d3, v)
+
+
+@inlined
+def add_wrench(out: Array, at: int, x: Vector, force: Vector, moment: Vector) -> None:
+    """Add a force at ``x`` and a moment, global components, to six numbers of ``out``."""
+    store(out, at, plus(load(out, at), force))
+    store(out, at + 3, plus(load(out, at + 3), plus(moment, cross(x, force))))
+
+
+@inlined
+def add_dead(out: Array, at: int, sign: float, H: Array, f: Array) -> None:
+    """Add ``sign f``, forces on the rows (x, d₁, d₂, d₃) of ``H``, likewise."""
+    for k in range(4):
+        arm = cross(load_row(H, k), load_row(f, k))
+        for j in range(3):
+            if k == 0:
+                out[at + j] += sign * f[k, j]
+            out[at + 3 + j] += sign * arm[j]

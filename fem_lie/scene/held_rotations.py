@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 
 from fem_lie.bodies.body import Body, Holds, Point
-from fem_lie.bodies.held import HeldRotation
+from fem_lie.bodies.nodes import HeldRotation
 from fem_lie.bodies.points import ground
 from fem_lie.contact.contact import Contact
 from fem_lie.joints import Connection, RigidLink

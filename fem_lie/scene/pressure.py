@@ -1,7 +1,16 @@
-"""Pressure on beams: forces normal to the current axis, with their load stiffness.
+"""Pressure on beams and shells: forces normal to what they act on, with load stiffness.
+
+Pressure on beams: forces normal to the current axis, with their load stiffness.
 
 On the piece between nodes i and j acts ``f = (x_j − x_i) × ½ (R_i + R_j) w``, half on each node,
 with ``w`` the axis across the face, in the nodes' frames, times the pressure.
+
+Pressure on shells: forces normal to the current surface, with their load stiffness.
+
+At node i of a cell acts ``f_i = ∫ N_i p (x,₁ × x,₂) dξ`` with ``p = p₀ + g·x`` at the present
+place. It is the gradient of ``∫ p dV`` where the surface closes a volume, or ends on fixed lines or
+planes of symmetry; then the load stiffness is symmetric. (K. Schweizerhof & E. Ramm, Comput.
+Struct. 18 (1984) 1099.)
 """
 
 from __future__ import annotations
@@ -13,6 +22,7 @@ from fem_lie._jit import compiled, inlined
 from fem_lie.forms.term import Pairs, PushedPieces, Term
 from fem_lie.lie.motions import global_components, local_components
 from fem_lie.lie.tuples import Vector, cross, load, load_row, minus, negative, plus, scaled, store
+from fem_lie.mesh.shapes import FaceRule
 
 
 @inlined
@@ -106,4 +116,117 @@ class Pressure(Term):
     def tangent(self, H: Array, kept: Array) -> Array:
         """See the base class."""
         _tangent(H, self._pairs, self.amplitude * self._across, self._blocks)
+        return self._blocks.reshape(-1, 6, 6)
+
+
+@inlined
+def _sum(H: Array, nodes: Indices, factors: Array) -> Vector:
+    """``Σ factors_i x_i``."""
+    total = (0.0, 0.0, 0.0)
+    for i in range(nodes.shape[0]):
+        total = plus(total, scaled(factors[i], load_row(H[nodes[i]], 0)))
+    return total
+
+
+@inlined
+def _dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@compiled
+def _add_surface_forces(
+    H: Array, cells: Indices, N: Array, dN: Array, w: Array, p: Array, amplitude: float, out: Array
+) -> None:
+    """``out −= forces`` in the nodes' frames, shape (n, 6); ``p`` has p₀ and g of each cell."""
+    for c in range(cells.shape[0]):
+        nodes, gradient = cells[c], load(p[c], 1)
+        for q in range(w.shape[0]):
+            normal = cross(_sum(H, nodes, dN[0, q]), _sum(H, nodes, dN[1, q]))
+            pressure = p[c, 0] + _dot(gradient, _sum(H, nodes, N[q]))
+            push = scaled(amplitude * w[q] * pressure, normal)
+            for i in range(nodes.shape[0]):
+                f = scaled(N[q, i], local_components(H[nodes[i]], push))
+                store(out[nodes[i]], 0, minus(load(out[nodes[i]], 0), f))
+
+
+@compiled
+def _surface_tangent(
+    H: Array,
+    cells: Indices,
+    N: Array,
+    dN: Array,
+    w: Array,
+    p: Array,
+    amplitude: float,
+    blocks: Array,
+) -> None:
+    """``blocks[c, i, j]`` (6, 6): derivative of the forces on node i in twists of node j."""
+    blocks[:] = 0.0
+    for c in range(cells.shape[0]):
+        nodes, gradient = cells[c], load(p[c], 1)
+        for q in range(w.shape[0]):
+            g1, g2 = _sum(H, nodes, dN[0, q]), _sum(H, nodes, dN[1, q])
+            normal, factor = cross(g1, g2), -amplitude * w[q]
+            pressure = p[c, 0] + _dot(gradient, _sum(H, nodes, N[q]))
+            for i in range(nodes.shape[0]):
+                # the components turn with the frame: δ(Rᵀ f) = (Rᵀ f) × η
+                share = factor * pressure * N[q, i]
+                n0, n1, n2 = scaled(share, local_components(H[nodes[i]], normal))
+                block = blocks[c, i, i]
+                block[0, 4] -= n2
+                block[0, 5] += n1
+                block[1, 3] += n2
+                block[1, 5] -= n0
+                block[2, 3] -= n1
+                block[2, 4] += n0
+            for j in range(nodes.shape[0]):
+                # δ(x,₁ × x,₂) = δx × (N,₁ x,₂ − N,₂ x,₁)
+                b = minus(scaled(dN[0, q, j], g2), scaled(dN[1, q, j], g1))
+                for k in range(3):
+                    e = load_row(H[nodes[j]], 1 + k)
+                    turned = scaled(factor * pressure, cross(e, b))
+                    risen = scaled(factor * N[q, j] * _dot(gradient, e), normal)
+                    change = plus(turned, risen)
+                    for i in range(nodes.shape[0]):
+                        f = scaled(N[q, i], local_components(H[nodes[i]], change))
+                        for a in range(3):
+                            blocks[c, i, j, a, k] += f[a]
+
+
+class SurfacePushes(Term):
+    """The forces of one pressure on shells."""
+
+    label, load, of_bodies = "pressure on shells", True, True
+
+    def __init__(self, cells: Indices, rule: FaceRule, pressure: Array) -> None:
+        """Keep what does not change.
+
+        Args:
+            cells: Nodes of each cell, shape (m, k).
+            rule: Points of integration.
+            pressure: p₀ and g of each cell, shape (m, 4).
+        """
+        self._faces = cells, rule.values, rule.slopes, rule.weights, pressure
+        count = cells.shape[1]
+        rows, columns = np.repeat(cells, count, axis=1).ravel(), np.tile(cells, (1, count)).ravel()
+        self._coupled: Pairs = rows, columns
+        self._blocks = np.empty((len(cells), count, count, 6, 6))
+
+    @property
+    def pairs(self) -> Pairs:
+        """All nodes of each cell."""
+        return self._coupled
+
+    @property
+    def contents(self) -> tuple[Array | Indices, ...]:
+        """See the base class."""
+        return self._faces
+
+    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
+        """Subtract what pushes from ``out``."""
+        _add_surface_forces(H, *self._faces, self.amplitude, out)
+
+    def tangent(self, H: Array, kept: Array) -> Array:
+        """See the base class."""
+        _surface_tangent(H, *self._faces, self.amplitude, self._blocks)
         return self._blocks.reshape(-1, 6, 6)

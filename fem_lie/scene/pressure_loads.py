@@ -16,9 +16,8 @@ from fem_lie.bodies.thin_shells.smooth_surface import SmoothSurface
 from fem_lie.elements.thin_shells.pressure import ThinPushes
 from fem_lie.mesh.shapes import FaceRule
 from fem_lie.scene.load import Carrier, History, Load, Sum
-from fem_lie.scene.pressure import Pressure
+from fem_lie.scene.pressure import Pressure, SurfacePushes
 from fem_lie.scene.surface_loads import SHELL, nodes_of, sides_of
-from fem_lie.scene.surface_pressure import SurfacePushes
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,8 +22,17 @@ from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.lie.kinds import floating, inertia, push_all, wrench
 from fem_lie.lie.kinds.floating import PlainFloating
 from fem_lie.lie.kinds.inertia import PlainInertia
-from fem_lie.lie.tuples import Vector, dot, load, load_row, plus, rotate, scaled
-from fem_lie.lie.wrenches import add_dead, add_wrench
+from fem_lie.lie.tuples import (
+    Vector,
+    add_dead,
+    add_wrench,
+    dot,
+    load,
+    load_row,
+    plus,
+    rotate,
+    scaled,
+)
 from fem_lie.system.nodes.masses import PlainLoads
 
 POWER, LOSS, LOADS, REACTIONS, SIZE = 0, 1, 2, 8, 14

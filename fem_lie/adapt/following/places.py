@@ -17,8 +17,8 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.shells.shell import Shell
+from fem_lie.grips.between_frames import interpolated
 from fem_lie.grips.grip import Grip, GripKind, locate
-from fem_lie.grips.interpolated import interpolated
 from fem_lie.lie.kinds import NodeKind
 
 _NEAR = 4  # elements that are looked at

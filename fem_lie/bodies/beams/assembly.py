@@ -1,9 +1,14 @@
-"""All beams of one formulation, assembled together by DOLFINx; damping of beams."""
+"""All beams of one formulation, assembled together by DOLFINx; some elements alone; damping.
+
+All beams of one formulation, assembled together by DOLFINx; damping of beams.
+
+Some elements of a body along lines, each on nodes of its own, with weights.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 from mpi4py import MPI
@@ -13,8 +18,7 @@ import numpy as np
 from fem_lie import _compat
 from fem_lie._arrays import Array, Indices, instance, number, numbers
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
-from fem_lie.forms.assembly import Assembly
-from fem_lie.forms.body_term import NodalInertia
+from fem_lie.forms.assembly import Assembly, NodalInertia
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.lie.kinds import TRAITS
 
@@ -156,3 +160,34 @@ def _place(
         order[elements[permutation, k]] = dofs[:, k]
     nodal.frames[order] = frames
     return nodal, order, permutation
+
+
+@dataclass(eq=False)
+class ElementsApart:
+    """See :class:`~fem_lie.bodies.beams.assembly.BeamData`."""
+
+    frames: Array
+    elements: Indices
+    lengths: Array
+    slopes: Array
+    stiffness: Array
+    density: Array
+    formulation: Formulation
+    damping: Damping = field(default_factory=Damping)
+    has_mass: bool = False
+    source: dolfinx.mesh.Mesh | None = None
+
+
+def elements_apart(body: BeamData, elements: Indices, weights: Array) -> BeamAssembly:
+    """Some elements, their energy times weights (s,); see :meth:`~.body.Body.cells_apart`."""
+    nodes = body.elements[elements]
+    apart = ElementsApart(
+        frames=body.frames[nodes.ravel()],
+        elements=np.arange(nodes.size).reshape(nodes.shape),
+        lengths=body.lengths[elements],
+        slopes=body.slopes[elements],
+        stiffness=weights[:, np.newaxis, np.newaxis] * body.stiffness[elements],
+        density=body.density[elements],
+        formulation=body.formulation,
+    )
+    return BeamAssembly([apart])

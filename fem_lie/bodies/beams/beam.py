@@ -11,12 +11,6 @@ import numpy.typing as npt
 from fem_lie import lie
 from fem_lie._arrays import Array, flag, instance
 from fem_lie.bodies.beams.assembly import Damping
-from fem_lie.bodies.beams.given_sections import (
-    Sections,
-    log_open_profiles,
-    section_per_cell,
-    without_rotary_inertia,
-)
 from fem_lie.bodies.beams.line_body import LineBody, Placed
 from fem_lie.bodies.beams.orientation import (
     Chains,
@@ -26,8 +20,14 @@ from fem_lie.bodies.beams.orientation import (
     middle_frames,
     shared_nodes,
 )
+from fem_lie.bodies.beams.sectioned import (
+    Sections,
+    log_open_profiles,
+    section_per_cell,
+    without_rotary_inertia,
+)
 from fem_lie.bodies.body import Point
-from fem_lie.bodies.turning import Turning
+from fem_lie.bodies.nodes import Turning
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.beams.geodesic import Geodesic
 from fem_lie.lie.kinds import NodeKind

@@ -8,10 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, log_coincident
-from fem_lie.bodies.beams.assembly import BeamAssembly, Damping
-from fem_lie.bodies.beams.cells_apart import elements_apart
-from fem_lie.bodies.beams.given_sections import outline_of
-from fem_lie.bodies.beams.sectioned import Sectioned
+from fem_lie.bodies.beams.assembly import BeamAssembly, Damping, elements_apart
+from fem_lie.bodies.beams.sectioned import Sectioned, outline_of
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.forms.assembly import Assembly

@@ -9,7 +9,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.beams.assembly import Damping
-from fem_lie.forms.body_term import NodalInertia
+from fem_lie.forms.assembly import NodalInertia
 from fem_lie.forms.small_energy.assembly import (
     CellFunctions,
     ElementAssembly,

@@ -14,11 +14,11 @@ from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.cells.assembly import assemble_cells
 from fem_lie.bodies.points import require_point
-from fem_lie.forms.body_term import BodyTerm
+from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.small_energy.assembly import CellFunctions
 from fem_lie.forms.small_energy.element import Element
+from fem_lie.grips.at_nodes import along_tangent
 from fem_lie.grips.grip import Grip
-from fem_lie.grips.tangent import along_tangent
 from fem_lie.lie.kinds import TRAITS, NodeKind
 
 _NO_POINTS: Mapping[str, int] = MappingProxyType({})

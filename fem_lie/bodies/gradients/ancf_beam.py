@@ -11,16 +11,16 @@ import numpy.typing as npt
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices, instance, positive
 from fem_lie.bodies.beams.assembly import Damping
-from fem_lie.bodies.beams.given_sections import Sections, outline_of, section_per_cell
 from fem_lie.bodies.beams.orientation import Chains, Twisted, Up, cell_frames, shared_nodes
+from fem_lie.bodies.beams.sectioned import Sections, outline_of, section_per_cell
 from fem_lie.bodies.body import NO_HOLDS, Holds, Point
 from fem_lie.bodies.cells.assembly import assemble_cells
 from fem_lie.bodies.gradients.axes import second_nodes
 from fem_lie.bodies.gradients.section_points import SectionPoints
-from fem_lie.elements.gradients import strains
+from fem_lie.elements.gradients import ancf
 from fem_lie.elements.gradients.ancf import AncfElement, check_poisson
 from fem_lie.elements.gradients.warping import Warping, WarpingSprings
-from fem_lie.forms.body_term import BodyTerm
+from fem_lie.forms.assembly import BodyTerm
 from fem_lie.mesh.curves import curve, straight
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.reading import line_of
@@ -196,7 +196,7 @@ class AncfBeam(SectionPoints):
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
         """All of one :attr:`kind` together, with their springs of warping."""
-        assembly = assemble_cells(strains.ELEMENT, strains.FUNCTIONS, bodies)
+        assembly = assemble_cells(ancf.ELEMENT, ancf.FUNCTIONS, bodies)
         starts = np.cumsum([0, *(len(body.frames) for body in bodies)])
         found = [
             part._replace(nodes=part.nodes + start)
@@ -215,7 +215,7 @@ class AncfBeam(SectionPoints):
     def element_data(self) -> Array:
         """Data of the elements, whose unloaded strains are those of :attr:`unloaded`."""
         C = self.formulation.stiffness(self.stiffness, self.poisson, self.ends, self.lengths)
-        return strains.data(self.unloaded[self.elements], self.lengths, C)
+        return ancf.data(self.unloaded[self.elements], self.lengths, C)
 
     def element_inertia(self) -> Array:
         """Constant matrix of the rows of each element's nodes, shape (m, 4, 4, 4, 4)."""

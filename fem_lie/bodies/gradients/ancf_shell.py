@@ -13,12 +13,12 @@ from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.bodies.cells.assembly import assemble_cells
 from fem_lie.bodies.thin_shells.given_sections import ThinSections
-from fem_lie.bodies.thin_shells.joining import Joined
 from fem_lie.bodies.thin_shells.patch import SmoothPatch
+from fem_lie.bodies.thin_shells.seams import Joined
 from fem_lie.bodies.thin_shells.smooth_surface import Direction, SmoothSurface
-from fem_lie.elements.gradients import coons, plate_strains
+from fem_lie.elements.gradients import plate
 from fem_lie.elements.gradients.plate import AncfPlate
-from fem_lie.forms.body_term import BodyTerm
+from fem_lie.forms.assembly import BodyTerm
 
 
 class AncfShell(SmoothSurface):
@@ -40,7 +40,7 @@ class AncfShell(SmoothSurface):
         (18, 4, 3)
     """
 
-    table = staticmethod(coons.table)
+    table = staticmethod(plate.table)
     fourth_is_director = True
 
     def __init__(
@@ -99,7 +99,7 @@ class AncfShell(SmoothSurface):
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
         """All of one :attr:`kind` together."""
-        return assemble_cells(plate_strains.ELEMENT, plate_strains.FUNCTIONS, bodies)
+        return assemble_cells(plate.ELEMENT, plate.FUNCTIONS, bodies)
 
     @property
     def element_nodes(self) -> Indices:
@@ -110,7 +110,7 @@ class AncfShell(SmoothSurface):
         """Data of the cells, which are unloaded as they lie."""
         q = self.vectors()
         C = self.formulation.stiffness(q, self.axes, self.stiffness)
-        return plate_strains.data(q, self.extraction(), C)
+        return plate.data(q, self.extraction(), C)
 
     def element_inertia(self) -> Array:
         """Constant matrix of the rows of each cell's nodes, shape (m, 8, 4, 8, 4)."""

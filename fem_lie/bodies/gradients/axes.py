@@ -6,7 +6,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags
 from fem_lie._jit import compiled
-from fem_lie.bodies.thin_shells.axes import surface_axes
+from fem_lie.bodies.thin_shells.assembly import surface_axes
 from fem_lie.lie.kinds.kind import CROSSING, SURFACE, set_axes
 from fem_lie.lie.tuples import load_row, store_row
 

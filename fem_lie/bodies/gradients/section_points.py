@@ -12,7 +12,7 @@ from fem_lie.bodies.body import Point
 from fem_lie.bodies.gradients.axes import follow_sections
 from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.points import require_point
-from fem_lie.grips.cross_section import on_section
+from fem_lie.grips.at_nodes import on_section
 from fem_lie.grips.grip import Grip
 from fem_lie.lie.kinds import CROSSING, NodeKind
 

@@ -1,16 +1,147 @@
-"""Reduced bodies of the same numbers of nodes, assembled together."""
+"""Reduced-order bodies: their energy as cells, assembled together.
+
+Energy ``½ eᵀ K e`` of bodies that deform in few shapes, as cells: compiled.
+
+The cell is all nodes of the body; coordinates ``z`` are those of
+:mod:`fem_lie.lie.kinds.floating`, and ``e_a = z_a + ½ Q_abc z_b z_c``. Constants are the number of
+nodes, of other interfaces and of coordinates; data behind the rows of the nodes are places and
+directors of these interfaces, 12 each, ``K`` and ``Q``, the last number of it first. The
+small-energy kernel has no version of it: strains depend on as many products as there are modes.
+
+Reduced bodies of the same numbers of nodes, assembled together.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
+import numba
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.bodies.reduced import kernels
-from fem_lie.forms.body_term import BodyTerm, NodalInertia
+from fem_lie._jit import callback, compiled, uncounted
+from fem_lie._jit.stack import blocks_at, matrix_at, stack
+from fem_lie.forms.assembly import BodyTerm, NodalInertia
 from fem_lie.forms.cell_sums import CellSum, CellTerm
+from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer
+from fem_lie.lie.kinds.floating_coordinates import add_times, coordinates, spread, strains
+from fem_lie.lie.kinds.forces import pull, pull_derivative, push
+from fem_lie.lie.kinds.kind import AMPLITUDE
+
+_STEP = 1e-30
+
+
+class _Cell(NamedTuple):
+    """Rows of nodes (k, 4, 3), interfaces (i, 4, 3), ``K`` (m, m), ``Q_abc`` at ``[c, a, b]``."""
+
+    q: Array
+    interfaces: Array
+    K: Array
+    Q: Array
+
+
+@compiled
+def _cell(w: Pointer, c: Pointer) -> _Cell:
+    sizes = numba.carray(c, (3,))
+    k, others, m = int(sizes[0]), int(sizes[1]), int(sizes[2])
+    head = 12 * (k + others)
+    middle = head + m * m
+    data = numba.carray(w, (middle + m * m * m,))
+    q = data[: 12 * k].reshape((k, 4, 3))
+    interfaces = data[12 * k : head].reshape((others, 4, 3))
+    K, Q = data[head:middle].reshape((m, m)), data[middle:].reshape((m, m, m))
+    return _Cell(q, interfaces, K, Q)
+
+
+@uncounted
+def _strain(cell: _Cell, J: Array, some: Array) -> None:
+    """Set the derivative of strains ``J`` (m, m), and ``z``, ``e``, stresses ``K e`` (3, m)."""
+    coordinates(cell.q, cell.interfaces, some[0])
+    strains(cell.Q, some[0], J, some[1])
+    some[2, :] = 0.0
+    add_times(cell.K, some[1], some[2])
+
+
+@compiled
+def _stiffness(cell: _Cell, J: Array, s: Array) -> Array:
+    """Second derivative of the energy, ``Jᵀ K J + s_a Q_abc``."""
+    found = J.T @ (cell.K @ J)
+    for c in range(len(s)):
+        add_times(cell.Q[c], s, found[c])
+    return found
+
+
+@compiled
+def _kind(node: int, others: int) -> int:
+    """Of a node of the cell, whatever the group of frames."""
+    return 0 if node <= others else AMPLITUDE
+
+
+@callback(UFCX_SIGNATURE)
+def energy_kernel(
+    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
+) -> None:
+    """The energy."""
+    cell = _cell(w, c)
+    m, value = cell.K.shape[0], numba.carray(A, (1,))
+    some = matrix_at(stack(3 * m), 3, m)
+    _strain(cell, matrix_at(stack(m * m), m, m), some)
+    for a in range(m):
+        value[0] += 0.5 * some[1, a] * some[2, a]
+
+
+@callback(UFCX_SIGNATURE)
+def force_kernel(
+    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
+) -> None:
+    """Forces on the nodes, in their axes."""
+    cell = _cell(w, c)
+    q, interfaces = cell.q, cell.interfaces
+    k, m = q.shape[0], cell.K.shape[0]
+    J, some = matrix_at(stack(m * m), m, m), matrix_at(stack(4 * m), 4, m)
+    f, out = blocks_at(stack(12 * k), k, 4, 3), numba.carray(A, (k, 6))
+    _strain(cell, J, some[:3])
+    f[:], some[3] = 0.0, 0.0
+    add_times(J, some[2], some[3])
+    spread(some[3], q, interfaces, f)
+    for i in range(k):
+        pull(_kind(i, interfaces.shape[0]), q[i], f[i], 1.0, out[i])
+
+
+@callback(UFCX_SIGNATURE)
+def matrix_kernel(
+    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
+) -> None:
+    """Their derivative in the nodes' twists."""
+    cell = _cell(w, c)
+    q, interfaces = cell.q, cell.interfaces
+    k, others, m = q.shape[0], interfaces.shape[0], cell.K.shape[0]
+    J, some = np.empty((m, m)), np.zeros((4, m))
+    _strain(cell, J, some[:3])
+    g, H = some[3], _stiffness(cell, J, some[2])
+    add_times(J, some[2], g)
+    out = numba.carray(A, (k, 6, k, 6))
+    f, unit, pushed, own = np.zeros_like(q), np.empty(6), np.empty((4, 3)), np.empty(6)
+    spread(g, q, interfaces, f)
+    for i in range(k):
+        pull_derivative(_kind(i, others), q[i], f[i], 1.0, out[i, :, i])
+    moved, changed = q.astype(np.complex128), np.empty(q.shape, np.complex128)
+    z = np.zeros(m, np.complex128)
+    for j in range(k):
+        for column in range(6):
+            unit[:] = 0.0
+            unit[column] = 1.0
+            push(_kind(j, others), q[j], unit, pushed)
+            moved[j] = q[j] + 1j * _STEP * pushed
+            coordinates(moved, interfaces, z)
+            changed[:] = 0.0
+            spread(g + 1j * (H @ z.imag.copy()), moved, interfaces, changed)
+            for i in range(k):
+                own[:] = 0.0
+                pull(_kind(i, others), q[i], changed[i].imag / _STEP, 1.0, own)
+                out[i, :, j, column] += own
+        moved[j] = q[j]
 
 
 class ReducedData(Protocol):
@@ -40,7 +171,7 @@ class ReducedAssembly(CellTerm, BodyTerm):
         self._sizes, nowhere = np.array([k, others, m], dtype=np.float64), np.zeros((count, 1))
         self._energy, self._forces, self._matrix = (
             CellSum(cells, kernel.address, self._values, self._sizes, nowhere)
-            for kernel in (kernels.energy_kernel, kernels.force_kernel, kernels.matrix_kernel)
+            for kernel in (energy_kernel, force_kernel, matrix_kernel)
         )
         mass = np.zeros((count, k, 4, k, 4))
         mass[:, 0, :, 0] = [body.density[:4, :4] for body in bodies]

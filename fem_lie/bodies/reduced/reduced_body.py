@@ -11,7 +11,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices, numbers
 from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.reduced.assembly import ReducedAssembly
-from fem_lie.forms.body_term import BodyTerm
+from fem_lie.forms.assembly import BodyTerm
 from fem_lie.lie.kinds import NodeKind
 from fem_lie.lie.kinds.floating import WithinFrame
 from fem_lie.lie.kinds.floating_coordinates import all_coordinates, all_rates

@@ -12,15 +12,14 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.beams.assembly import BeamAssembly, Damping
 from fem_lie.bodies.beams.beam import Beam
-from fem_lie.bodies.beams.given_sections import Sections
 from fem_lie.bodies.beams.orientation import Twisted, Up
+from fem_lie.bodies.beams.sectioned import Sections
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.bodies.nodes import Follower
 from fem_lie.elements.beams.centres import torsion_about_centres
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.rods.corners import Corners, CornerSprings
-from fem_lie.elements.rods.discrete_rod import DiscreteRod, corners
-from fem_lie.elements.rods.edges import edge_axes
+from fem_lie.elements.rods.discrete_rod import DiscreteRod, corners, edge_axes
 from fem_lie.elements.rods.kirchhoff import Kirchhoff, speeds_of_cubics
 from fem_lie.forms.assembly import Assembly
 from fem_lie.mesh.lines import LineMesh

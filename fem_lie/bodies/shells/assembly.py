@@ -1,8 +1,14 @@
-"""All shells of one kind, assembled together by DOLFINx."""
+"""All shells of one kind, assembled together by DOLFINx, and some cells alone.
+
+All shells of one kind, assembled together by DOLFINx.
+
+Some cells of a shell, each on nodes of its own, with weights.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -14,8 +20,7 @@ from fem_lie.elements.shells.cells import ShellCells
 from fem_lie.elements.shells.drilling import DrillingAssembly
 from fem_lie.elements.shells.element import ShellFormulation
 from fem_lie.forms.abilities import LocalUnknowns
-from fem_lie.forms.assembly import Assembly
-from fem_lie.forms.body_term import NodalInertia
+from fem_lie.forms.assembly import Assembly, NodalInertia
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.lie.motions import add_turnings
 from fem_lie.mesh.surfaces import SurfaceMesh
@@ -24,6 +29,7 @@ if TYPE_CHECKING:
     import dolfinx
 
 _FIVE = 5
+
 _LOCAL_ITERATIONS, _SETTLED = 20, 1e-13
 
 
@@ -159,3 +165,35 @@ class ShellAssembly(Assembly, LocalUnknowns):
     def carry(self, H: Array, h: Array) -> None:
         """Carry stress, or mixed fields, on by an increment."""
         super().carry(H, h.reshape(-1, 6)[:, :_FIVE])
+
+
+@dataclass(eq=False)
+class SurfaceCellsApart:
+    """See :class:`~fem_lie.bodies.shells.assembly.ShellData`; the mesh tells the kind of cells."""
+
+    frames: Array
+    mesh: SurfaceMesh
+    connectivity: Indices
+    stiffness: Array
+    axes: Array
+    formulation: ShellFormulation
+    has_mass: bool = False
+    source: dolfinx.mesh.Mesh | None = None
+
+    def element_inertia(self) -> Array:
+        """None."""
+        return np.empty((0, 0, 4, 0, 4))
+
+
+def surface_cells_apart(body: ShellData, cells: Indices, weights: Array) -> ShellAssembly:
+    """Some cells, their energy times weights (s,); see :meth:`~.body.Body.cells_apart`."""
+    nodes = body.connectivity[cells]
+    apart = SurfaceCellsApart(
+        frames=body.frames[nodes.ravel()],
+        mesh=body.mesh,
+        connectivity=np.arange(nodes.size).reshape(nodes.shape),
+        stiffness=weights[:, np.newaxis, np.newaxis] * body.stiffness[cells],
+        axes=body.axes[cells],
+        formulation=body.formulation,
+    )
+    return ShellAssembly([apart])

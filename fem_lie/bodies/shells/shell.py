@@ -14,9 +14,8 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices, choice, instance, log_coincident, number
 from fem_lie.bodies.body import NO_HOLDS, Holds
-from fem_lie.bodies.held import HeldRotation
-from fem_lie.bodies.shells.assembly import ShellAssembly
-from fem_lie.bodies.shells.cells_apart import surface_cells_apart
+from fem_lie.bodies.nodes import HeldRotation, Turning
+from fem_lie.bodies.shells.assembly import ShellAssembly, surface_cells_apart
 from fem_lie.bodies.shells.placing import (
     Director,
     ShellSections,
@@ -27,7 +26,6 @@ from fem_lie.bodies.shells.placing import (
     section_per_cell,
 )
 from fem_lie.bodies.shells.supports import SupportedSurface
-from fem_lie.bodies.turning import Turning
 from fem_lie.elements.shells.drilling import Parameters, drilling_stiffness
 from fem_lie.elements.shells.element import HellingerReissner, ShellFormulation
 from fem_lie.lie.motions import Group

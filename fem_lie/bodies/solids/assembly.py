@@ -10,8 +10,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.elements.solids.element import SolidFormulation
 from fem_lie.elements.solids.materials import SolidMaterial
-from fem_lie.forms.assembly import Assembly
-from fem_lie.forms.body_term import NodalInertia
+from fem_lie.forms.assembly import Assembly, NodalInertia
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.mesh.volumes import VolumeMesh, VolumeRule
 

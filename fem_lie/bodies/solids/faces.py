@@ -1,19 +1,28 @@
-"""Nodes of the faces, curves and points of a solid."""
+"""Faces, curves and points of a solid: their nodes, and supports there.
+
+Nodes of the faces, curves and points of a solid.
+
+Supports of solids: faces, curves and points that are held, whole or along a direction.
+"""
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Any
 
 import basix
 import dolfinx
 import numpy as np
+import numpy.typing as npt
 from dolfinx import fem
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Indices, direction
+from fem_lie.bodies.body import Body, Point
 from fem_lie.mesh.shapes import FaceRule, nodes_of
 
 FACETS = {"tetrahedron": "triangle", "hexahedron": "quadrilateral"}
+
 """What faces of cells are."""
 
 _DRAWN = {
@@ -22,6 +31,7 @@ _DRAWN = {
     ("triangle", 2): ((0, 5, 4), (5, 1, 3), (4, 3, 2), (3, 4, 5)),
     ("quadrilateral", 2): ((0, 4, 8, 5), (4, 1, 6, 8), (5, 8, 7, 2), (8, 6, 3, 7)),
 }
+
 """Plane pieces of a face by its nodes, their corners one after the other."""
 
 
@@ -107,3 +117,74 @@ def _facet_nodes(cell: str, degree: int) -> Indices:
         gaps = np.abs(places[np.newaxis] - wanted[:, np.newaxis]).max(axis=2)
         found.append(gaps.argmin(axis=1))
     return np.array(found)
+
+
+_SAME = 1e-9  # sine, as of directions that are meant to be equal
+
+
+class SupportedSolid(Body):
+    """A body whose nodes are places."""
+
+    @abstractmethod
+    def nodes(self, where: str) -> Indices:
+        """Numbers of the nodes of a named part."""
+
+    def clamp(self, name: str) -> list[Point]:
+        """Hold all nodes of a named face, curve, point or group of cells.
+
+        Returns:
+            The points that are held, for :meth:`fem_lie.Result.reaction`.
+
+        Raises:
+            ValueError: There is nothing of this name; the message lists what exists.
+        """
+        self.held[self.nodes(name), :3] = True
+        return self.points(name)
+
+    def roller(self, name: str, normal: npt.ArrayLike) -> list[Point]:
+        """Hold displacements along a direction fixed in space, as on a plane of symmetry.
+
+        The nodes' axes are turned so that one is that direction, and stay so. What is held already
+        stays held.
+
+        Args:
+            name: A named face, curve, point or group of cells.
+            normal: The direction, global components.
+
+        Returns:
+            The points that are held, for :meth:`fem_lie.Result.reaction`.
+
+        Raises:
+            ValueError: There is nothing of this name, or the direction is zero.
+        """
+        n = direction(normal, f"the direction of roller {name!r}")
+        for node in self.nodes(name):
+            self._hold_along(int(node), n)
+        return self.points(name)
+
+    def _hold_along(self, node: int, along: Array) -> None:
+        held, axes = self.held[node, :3], self.frames[node, 1:]
+        before = axes[held]
+        rest = along - before.T @ (before @ along)
+        size = np.linalg.norm(rest)
+        if size <= _SAME:
+            return
+        rest /= size
+        free = axes[~held]
+        match = np.abs(free @ rest)
+        if match.max() < 1.0 - _SAME:
+            free = _beside(np.vstack([before, rest]))
+            known = np.vstack([before, rest])
+            turned = np.vstack([known, free])
+            turned[2] *= np.sign(np.linalg.det(turned))
+            velocity = axes.T @ self.velocities[node, :3]
+            self.frames[node, 1:] = turned
+            self.velocities[node, :3] = turned @ velocity
+            held[:] = np.arange(3) < len(known)
+            return
+        held[np.flatnonzero(~held)[match.argmax()]] = True
+
+
+def _beside(known: Array) -> Array:
+    """Unit vectors across some that are across each other, shape (3 − k, 3)."""
+    return np.asarray(np.linalg.svd(known)[2][len(known) :])

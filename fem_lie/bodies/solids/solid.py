@@ -26,8 +26,7 @@ from fem_lie.bodies.beams.assembly import Damping, mass_only
 from fem_lie.bodies.body import NO_HOLDS, Holds, Point, Where
 from fem_lie.bodies.per_cell import of_groups
 from fem_lie.bodies.solids.assembly import SolidAssembly
-from fem_lie.bodies.solids.faces import Faces, faces_of, nodes_on
-from fem_lie.bodies.solids.supports import SupportedSolid
+from fem_lie.bodies.solids.faces import Faces, SupportedSolid, faces_of, nodes_on
 from fem_lie.elements.solids.element import SolidFormulation, default_formulation
 from fem_lie.elements.solids.materials import SolidMaterial
 from fem_lie.grips.patch import in_the_mean

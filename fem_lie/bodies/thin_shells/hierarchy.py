@@ -21,10 +21,9 @@ from typing import TypeVar
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices, flag, instance, text
-from fem_lie.bodies.thin_shells.joining import Joined
-from fem_lie.bodies.thin_shells.joining import joined as put_together
 from fem_lie.bodies.thin_shells.patch import SmoothPatch
-from fem_lie.bodies.thin_shells.seams import Edge, Seam
+from fem_lie.bodies.thin_shells.seams import Edge, Joined, Seam
+from fem_lie.bodies.thin_shells.seams import joined as put_together
 from fem_lie.elements.thin_shells import hermite
 from fem_lie.elements.thin_shells.rows import hanging_code
 

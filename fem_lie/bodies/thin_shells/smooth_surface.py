@@ -15,13 +15,12 @@ from fem_lie.bodies.beams.assembly import Damping, mass_only
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.closest import AT_NODE, closest_on_surface
 from fem_lie.bodies.nodes import Follower
-from fem_lie.bodies.thin_shells.axes import follow_surface
+from fem_lie.bodies.thin_shells.assembly import follow_surface
 from fem_lie.bodies.thin_shells.given_sections import ThinSections, section_per_cell
 from fem_lie.bodies.thin_shells.hierarchy import SplineMesh, surface_of
 from fem_lie.bodies.thin_shells.integrals import Quadrature, along_edge, over_cells
-from fem_lie.bodies.thin_shells.joining import Joined, frames_of
 from fem_lie.bodies.thin_shells.patch import SmoothPatch
-from fem_lie.bodies.thin_shells.seams import Seam
+from fem_lie.bodies.thin_shells.seams import Joined, Seam, frames_of
 from fem_lie.bodies.thin_shells.supports import HeldSurface
 from fem_lie.elements.thin_shells import hermite
 from fem_lie.elements.thin_shells.rows import (

@@ -14,14 +14,13 @@ from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.bodies.thin_shells.assembly import ThinShellAssembly, mass_matrices
 from fem_lie.bodies.thin_shells.given_sections import ThinSections
 from fem_lie.bodies.thin_shells.hierarchy import SplineMesh
-from fem_lie.bodies.thin_shells.joining import Joined
 from fem_lie.bodies.thin_shells.patch import SmoothPatch
-from fem_lie.bodies.thin_shells.seams import Seam, seam_points
+from fem_lie.bodies.thin_shells.seams import Joined, Seam, seam_points
 from fem_lie.bodies.thin_shells.smooth_surface import Direction, SmoothSurface
 from fem_lie.elements.thin_shells import hermite
 from fem_lie.elements.thin_shells.bicubic import BicubicHermite
 from fem_lie.elements.thin_shells.seam import SeamPoints, SeamSprings
-from fem_lie.forms.body_term import BodyTerm
+from fem_lie.forms.assembly import BodyTerm
 
 
 class ThinShell(SmoothSurface):

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.contact.convex.hulls import Hull, hull_of
+from fem_lie.contact.convex.polyhedron import Hull, hull_of
 from fem_lie.contact.sides.surfaces import Ball, Face, Polyhedron
 from fem_lie.contact.sides.table import Nodes, Side, balls_side, planes_side
 

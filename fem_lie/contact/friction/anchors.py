@@ -1,4 +1,8 @@
-"""Anchors of friction by penalty, and their tractions: compiled.
+"""Coulomb's law as a return mapping, and the anchors of friction by penalty; compiled.
+
+Coulomb's law with springs that hold until they slip: the return mapping of all contacts.
+
+Anchors of friction by penalty, and their tractions: compiled.
 
 When a step is accepted, each pair of places that are near gets an anchor on both sides, material
 points at the place of contact, of which the second is short of it by what the spring is stretched.
@@ -18,7 +22,6 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted
-from fem_lie.contact.friction.coulomb import CoulombLaw, limit, returned
 from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.kinematics import SLOTS, gap, place
 from fem_lie.contact.sides.surfaces import MOST_NODES
@@ -35,6 +38,41 @@ from fem_lie.lie.tuples import (
     scaled,
     store_row,
 )
+
+
+class CoulombLaw(NamedTuple):
+    """Constants of a contact by penalty with friction, for a weight of one.
+
+    Attributes:
+        k: Normal stiffness.
+        μ: Coefficient of friction.
+        holding: Stiffness of the springs across the normal.
+    """
+
+    k: float
+    μ: float
+    holding: float
+
+
+@inlined_uncounted
+def limit(law: CoulombLaw, depth: float) -> float:
+    """The largest traction at an overlap."""
+    return law.μ * law.k * depth
+
+
+@inlined_uncounted
+def returned(law: CoulombLaw, stretch: float, most: float) -> tuple[float, bool]:
+    """Size of the traction of a spring, and whether it slips.
+
+    Args:
+        law: Constants.
+        stretch: Of the spring, not negative.
+        most: The :func:`limit`.
+    """
+    trial = law.holding * stretch
+    if trial <= most or stretch == 0.0:
+        return trial, False
+    return most, True
 
 
 class Anchors(NamedTuple):

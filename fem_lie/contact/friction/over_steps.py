@@ -16,8 +16,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted
-from fem_lie.contact.friction.anchors import Anchors, stretch_of, traction
-from fem_lie.contact.friction.coulomb import CoulombLaw
+from fem_lie.contact.friction.anchors import Anchors, CoulombLaw, stretch_of, traction
 from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.kinematics import SLOTS, gap
 from fem_lie.contact.sides.surfaces import MOST_NODES

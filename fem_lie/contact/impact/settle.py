@@ -22,7 +22,6 @@ from fem_lie._jit import uncounted
 from fem_lie.contact.convex.features import gap_of
 from fem_lie.contact.impact import cones
 from fem_lie.contact.impact.jacobian import along
-from fem_lie.contact.impact.observed import energy, note_ground, note_works
 from fem_lie.contact.impact.places import aim, moved, settle_places
 from fem_lie.contact.impact.records import (
     CONTACTS,
@@ -36,6 +35,7 @@ from fem_lie.contact.impact.records import (
     Work,
 )
 from fem_lie.contact.impact.sweeps import MOST_NEWTON
+from fem_lie.contact.impact.touching import energy, note_ground, note_works
 from fem_lie.contact.impact.velocities import choose, join, set_cones
 
 _PASSES, _MOST, _GROWING, _GUARDS = 2, 40, 6, 6

@@ -8,14 +8,12 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
-from fem_lie.contact.energy.numbers import Numbers, damping
-from fem_lie.contact.energy.watch import EnergyWatch
 from fem_lie.contact.friction.forces import Friction
-from fem_lie.contact.laws.law import Penalty
+from fem_lie.contact.laws.energy import EnergyWatch, Numbers, damping
+from fem_lie.contact.laws.law import ContactTerm, Penalty
 from fem_lie.contact.laws.node_axes import NodeAxes
 from fem_lie.contact.laws.over_steps import CHANGE, END, SLOPE, add_secants, mixed
 from fem_lie.contact.laws.tangents import normal_rows, speed_of, tangents
-from fem_lie.contact.laws.term import ContactTerm
 from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.kinematics import SLOTS, add_row, gap, slot
 from fem_lie.contact.sides.meeting import Sides, copied

@@ -6,7 +6,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
-from fem_lie.contact.energy.numbers import Numbers, damping
+from fem_lie.contact.laws.energy import Numbers, damping
 from fem_lie.contact.laws.over_steps import BY_GAP, SLOPE
 from fem_lie.contact.sides.gauss_points import Meeting, set_slide, slides
 from fem_lie.contact.sides.kinematics import SLOTS, bends, gap, place, rate, slot

@@ -6,8 +6,7 @@ from abc import abstractmethod
 
 import numpy as np
 
-from fem_lie.contact.pairs.by_penalty import PenaltyPair
-from fem_lie.contact.pairs.pair import ImpactPair
+from fem_lie.contact.pairs.pair import ImpactPair, PenaltyPair
 from fem_lie.contact.sides.kinematics import gaps
 from fem_lie.contact.sides.meeting import Balls, Sides
 from fem_lie.contact.sides.pairs import NearPairs

@@ -17,7 +17,7 @@ from fem_lie._arrays import Array, instance, positive, vector
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_point
-from fem_lie.contact.pairs.by_penalty import PenaltyPair
+from fem_lie.contact.pairs.pair import PenaltyPair
 from fem_lie.contact.sides.meeting import Lines
 from fem_lie.contact.sides.surfaces import (
     LineSurface,

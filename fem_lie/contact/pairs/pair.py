@@ -1,8 +1,12 @@
-"""Contact pairs: what two surfaces of given kinds do together, and which pairs there are.
+"""Contact pairs: what two surfaces of given kinds do together, and which pair is which.
+
+Contact pairs: what two surfaces of given kinds do together, and which pairs there are.
 
 Each pair of kinds is one class, which owns its checks, its initial overlap, its contents for
 fingerprints and its forces. Pairs are registered by the classes of both surfaces, in one order;
 the class of a surface or the closest of its bases counts, and so do pairs registered elsewhere.
+
+Contact pairs whose points meet where the gap is negative, and push each other by penalty.
 """
 
 from __future__ import annotations
@@ -16,16 +20,20 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
-from fem_lie.bodies.held import HeldRotation
+from fem_lie.bodies.nodes import HeldRotation
 from fem_lie.contact.convex.table import PolyhedronPair
-from fem_lie.contact.laws.law import Impact, Penalty
-from fem_lie.contact.laws.term import ContactTerm
+from fem_lie.contact.friction.forces import Friction
+from fem_lie.contact.laws.law import ContactTerm, Impact, Penalty
+from fem_lie.contact.laws.node_axes import NodeAxes
+from fem_lie.contact.laws.penalty import PenaltyForces
+from fem_lie.contact.sides.meeting import Sides
 from fem_lie.contact.sides.surfaces import Surface
 from fem_lie.contact.sides.table import BothSides, Nodes
 
 Law: TypeAlias = Penalty | Impact
 
 OVERLAP = 0.05
+
 """Fraction of a size by which surfaces may overlap at the start."""
 
 
@@ -223,6 +231,7 @@ class ContactPair(ABC):
 _Kinds: TypeAlias = tuple[type[Surface], type[Surface]]
 
 _PAIRS: dict[_Kinds, type[ContactPair] | str] = {}
+
 """Classes of pairs by both kinds of surfaces, or the reason why there is none."""
 
 
@@ -274,3 +283,33 @@ def pair_of(a: Surface, b: Surface, law: Law, label: str, ignore_initial: bool) 
     made, is_reversed = pair_class(a, b, label)
     first, second = (b, a) if is_reversed else (a, b)
     return made(first, second, law, label, ignore_initial)
+
+
+class PenaltyPair(ContactPair):
+    """Two surfaces that are said by where their points meet."""
+
+    @abstractmethod
+    def meeting(self, nodes: Nodes) -> Sides:
+        """Where points of both surfaces meet, for compiled code.
+
+        Args:
+            nodes: Numbers of a body's nodes.
+        """
+
+    def check(self) -> None:
+        """See the base class."""
+        self.check_friction()
+        nodes, H = self.numbered()
+        sides = self.meeting(nodes)
+        _, g, positions, _ = PenaltyForces(sides, Penalty(1.0)).touching(H, np.zeros((len(H), 6)))
+        self.refuse_overlap(g, positions, np.full(len(g), sides.radius))
+
+    def term(self, nodes: Nodes) -> PenaltyForces:
+        """See the base class."""
+        sides, friction, law = self.meeting(nodes), None, self.penalty
+        if self.ignore_initial:
+            sides.near.ignore(self.initial_frames(nodes))
+        if law.friction > 0.0:
+            friction = Friction(sides, law.coulomb, self.initial_frames(nodes))
+        axes, parts = NodeAxes(self.node_types(nodes)), self.ignore_initial
+        return PenaltyForces(sides, law, self.label, friction, axes=axes, parts=parts)

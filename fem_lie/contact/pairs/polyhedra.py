@@ -7,8 +7,7 @@ from collections.abc import Sequence
 
 from fem_lie.contact.convex.overlaps import overlap_of
 from fem_lie.contact.convex.table import PolyhedronPair, slots_of
-from fem_lie.contact.laws.law import Impact
-from fem_lie.contact.laws.term import ContactTerm
+from fem_lie.contact.laws.law import ContactTerm, Impact
 from fem_lie.contact.pairs.pair import OVERLAP, ContactPair, ImpactPair
 from fem_lie.contact.sides.surfaces import Ball, PointSurface, PolyhedralSurface
 from fem_lie.contact.sides.table import BothSides, Nodes, joined_sides

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie.contact.pairs.by_penalty import PenaltyPair
+from fem_lie.contact.pairs.pair import PenaltyPair
 from fem_lie.contact.pairs.patch_sides import Facing
 from fem_lie.contact.pairs.skins import Skin
 from fem_lie.contact.sides.meeting import Balls, Sides

@@ -19,8 +19,8 @@ from fem_lie import _compat, lie
 from fem_lie._arrays import Array
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.local_forms import LocalFrameForms
+from fem_lie.grips.between_frames import interpolated
 from fem_lie.grips.grip import Grip
-from fem_lie.grips.interpolated import interpolated
 from fem_lie.lie.kinds import TRAITS, NodeKind
 
 

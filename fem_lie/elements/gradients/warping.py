@@ -20,7 +20,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback
-from fem_lie.elements.rods.springs import Springs
+from fem_lie.elements.rods.bends import Springs
 from fem_lie.forms.kernels.addresses import Pointer
 from fem_lie.forms.small_energy.cell import add_energy, add_forces, add_tangent
 from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element

@@ -1,4 +1,8 @@
-"""Springs between successive edges of discrete rods: bending without frames or twist.
+"""Springs between successive edges of discrete rods: bending without frames.
+
+Springs between nodes of rods, three each, as a term of a system.
+
+Springs between successive edges of discrete rods: bending without frames or twist.
 
 Between edges ``e`` and ``f`` that turn by the angle ``φ`` the curvature over the length ``ℓ``, half
 of both edges, is that of ``κb = 2 e × f/(|e||f| + e·f)``, whose length is ``2 tan φ/2``::
@@ -14,19 +18,59 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, compiled
-from fem_lie.elements.rods.springs import Springs
+from fem_lie.forms.cell_sums import CellSum, CellTerm, Pattern
 from fem_lie.forms.kernels.addresses import Pointer
 from fem_lie.forms.small_energy.cell import add_energy, add_forces, add_tangent
 from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
 from fem_lie.lie.kinds.kind import NodeKind
 
+
+class _Data(Protocol):
+    @property
+    def nodes(self) -> Indices:
+        """Of each spring, shape (b, 3)."""
+
+
+class Springs(CellTerm):
+    """What kernels of energy, forces and matrix sum over nodes.
+
+    Attributes:
+        springs: What they are.
+    """
+
+    of_bodies = True
+
+    def __init__(self, kernels: Sequence[Any], values: Array, springs: _Data, count: int) -> None:
+        """Bind the kernels.
+
+        Args:
+            kernels: Compiled functions for energy, forces and matrix.
+            values: Of each spring, which come behind the rows of its nodes, shape (b, any).
+            springs: What they are.
+            count: Number of nodes of the assembly.
+        """
+        nodes, data = springs.nodes, np.ascontiguousarray(values, dtype=np.float64)
+        none = np.zeros(1), np.zeros((len(nodes), 1))
+        self._energy, self._forces, self._matrix = (
+            CellSum(nodes, kernel.address, data, *none, apart=True) for kernel in kernels
+        )
+        self._pattern = Pattern.of(nodes, count)
+        self.springs = springs
+
+    @property
+    def contents(self) -> _Data:
+        """The springs."""
+        return self.springs
+
+
 _STRAIGHT = 1e-12
+
 """Natural ``|κb|`` that is round-off of places along a straight line."""
 
 

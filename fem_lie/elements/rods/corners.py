@@ -30,7 +30,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import callback, compiled, inlined
 from fem_lie._jit.stack import stack
-from fem_lie.elements.rods.springs import Springs
+from fem_lie.elements.rods.bends import Springs
 from fem_lie.forms.cell_sums import CarryingCellTerm
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer
 from fem_lie.lie.tuples import (

@@ -22,7 +22,7 @@ from fem_lie.elements.rods.cable import pull_rows, push_rows
 from fem_lie.elements.rods.thread_law import check_section, stretch_energy
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames
-from fem_lie.forms.kernels.frame_map import FrameMap
+from fem_lie.forms.kernels.addresses import FrameMap
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.lie.kinds import NodeKind
 

@@ -1,4 +1,8 @@
-"""Discrete rod: places, and the turn of each edge about itself.
+"""Discrete rod: positions, and the rotation of each edge about itself.
+
+Axes of the edges of discrete rods.
+
+Discrete rod: places, and the turn of each edge about itself.
 
 With ``ε = |b − a|/ℓ − 1`` of an edge of unstretched length ``ℓ``::
 
@@ -20,13 +24,35 @@ import numpy as np
 import ufl
 
 from fem_lie._arrays import Array, Indices, vector
+from fem_lie._jit import compiled
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
 from fem_lie.elements.rods.corners import Corners
-from fem_lie.elements.rods.edges import edge_axes
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.grips.grip import Grip
+from fem_lie.lie.directors import turn_on_to
+from fem_lie.lie.tuples import load_row, minus
+
+
+@compiled
+def edge_axes(rows: Array, a: Indices, b: Indices) -> Array:
+    """Axes of edges from nodes to nodes, or of nodes themselves, shape (k, 3, 3): as rows.
+
+    Args:
+        rows: Of the nodes, shape (n, 4, 3).
+        a: First nodes, whose axes are turned on to the edges by the smallest rotation, shape (k,).
+        b: Second nodes; where one is the first, the axes of the node, shape (k,).
+    """
+    out = np.empty((a.shape[0], 3, 3))
+    for k in range(a.shape[0]):
+        own, way = rows[a[k]].copy(), load_row(rows[a[k]], 1)
+        if a[k] != b[k]:
+            way = minus(load_row(rows[b[k]], 0), load_row(own, 0))
+        turn_on_to(own, way)
+        out[k] = own[1:]
+    return out
+
 
 _CENTRED = 1e-9  # relative, as sections that are meant to be held at their centre
 

@@ -51,7 +51,7 @@ from fem_lie.elements.rods.kirchhoff_forces import force_kernel
 from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.local_forms import LocalFrameForms
-from fem_lie.grips.geodesic import on_geodesic
+from fem_lie.grips.between_frames import on_geodesic
 from fem_lie.grips.grip import Grip
 
 _TERMS = 9  # of the series below: 1e-14 up to a turn of π from end to end

@@ -16,7 +16,8 @@ from ufl.core.expr import Expr
 from fem_lie import _compat
 from fem_lie._arrays import Array
 from fem_lie._form_cache import compile_form
-from fem_lie.elements.shells import drilling_strain, strains
+from fem_lie.elements.shells import drilling as drilling_strain
+from fem_lie.elements.shells import strains
 from fem_lie.elements.shells.maps import FIVE, SIX
 from fem_lie.elements.shells.measures import MITC4, StrainMeasures
 from fem_lie.elements.shells.strains import ShapeFunctions, Surface
@@ -72,7 +73,7 @@ class ShellCells:
         Args:
             frames: Nodal frames of a surface mesh, the director third.
             measures: Strain measures.
-            drilling_stiffness: γ of :mod:`fem_lie.elements.shells.drilling_strain`, force per
+            drilling_stiffness: γ of :mod:`fem_lie.elements.shells.drilling`, force per
                 length, one or one for each cell, shape (cells,), for six parameters per node.
             directions: Vector of each cell, shape (cells, 3), whose projection onto the surface is
                 e₁ of strains and stresses; default: the first edge direction.

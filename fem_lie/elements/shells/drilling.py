@@ -1,4 +1,19 @@
-"""Drilling of six-parameter shells: how stiff, on which nodes, and as a term of its own.
+"""Drilling of six-parameter shells: the strain, how stiff, and as a term of a system.
+
+The drilling rotation of a six-parameter shell, tied to the rotation of its mid-surface.
+
+With orthonormal reference coordinates and tangents ``a_i = R A_i`` that nodes carry, ``R`` turns
+with the mid-surface, as the polar decomposition of its deformation says, exactly if
+``c = a₁·x,₂ − a₂·x,₁ = 0``. (Fox & Simo, CMAME 98 (1992) 329.) A stress τ with as
+many parameters in a cell as it has nodes makes it so weakly (perturbed Lagrangian ``τ c − τ²/2γ``;
+Hughes & Brezzi, CMAME 72 (1989) 105). Fewer leave drilling that alternates from node to node
+without energy. Elements without fields of their own have ``½ γ c²`` at the points of integration.
+
+The drilling is continuous and the rotation of the mid-surface is not; the energy of the difference
+is γ times its square. So γ belongs to the scale of bending, ``G t³/h²`` for cells of size h, or
+below: with the often recommended ``G t``, thin shells lock.
+
+Drilling of six-parameter shells: how stiff, on which nodes, and as a term of its own.
 
 The energy ``∫ ½ γ c²`` of ``c = a₁·x,₂ − a₂·x,₁`` (:mod:`.drilling_strain`), with tangents
 ``a = Σ Nᵢ Rᵢ Aᵢ`` that nodes carry, stands beside the forms of five parameters. Positions and
@@ -7,14 +22,17 @@ directors are in it as products of vectors, so that cells of any type and degree
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from enum import Enum, auto
 
 import basix
 import numpy as np
+import ufl
+from ufl.core.expr import Expr
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, inlined
+from fem_lie.elements.shells.strains import Point, Surface
 from fem_lie.forms.cell_sums import Pattern
 from fem_lie.forms.kernels.addresses import Pointer
 from fem_lie.forms.small_energy.assembly import CellFunctions, ElementCells
@@ -24,12 +42,64 @@ from fem_lie.forms.small_energy.cell import (
     add_tangent_at_stress,
     update_stress,
 )
-from fem_lie.forms.small_energy.element import Element, data_at_rest, element
-from fem_lie.forms.small_energy.packed import PACKED_SIGNATURE, packed, unpacked
+from fem_lie.forms.small_energy.element import (
+    PACKED_SIGNATURE,
+    Element,
+    data_at_rest,
+    element,
+    packed,
+    unpacked,
+)
 from fem_lie.lie.kinds.kind import NodeKind
 from fem_lie.mesh.shapes import rule, tabulated
 
+
+def stress_modes(cell: basix.CellType, p: Point) -> list[Expr]:
+    """Functions whose combinations are τ: linear on triangles, bilinear on quadrilaterals.
+
+    Args:
+        cell: Of first degree.
+        p: Point.
+    """
+    centre = 1 / 3 if cell == basix.CellType.triangle else 1 / 2
+    ξ, η = p[0] - centre, p[1] - centre
+    linear = [ufl.as_ufl(1.0), ξ, η]
+    return linear if cell == basix.CellType.triangle else [*linear, ξ * η]
+
+
+def drilling(
+    s: Surface, p: Point, inverse: Expr, first: Sequence[Expr], second: Sequence[Expr]
+) -> Expr:
+    """``c = a₁·x,₂ − a₂·x,₁``.
+
+    Args:
+        s: The cell.
+        p: Point.
+        inverse: ``J⁻¹`` there, see :func:`fem_lie.elements.shells.strains.local_jacobian`.
+        first: Tangents ``a₁`` that the nodes carry.
+        second: Tangents ``a₂``.
+    """
+    g = s.dx(0, p), s.dx(1, p)
+    x1, x2 = (inverse[i, 0] * g[0] + inverse[i, 1] * g[1] for i in (0, 1))
+    a1, a2 = s.shapes.combine(first, p), s.shapes.combine(second, p)
+    return ufl.dot(a1, x2) - ufl.dot(a2, x1)
+
+
+def perturbed_lagrangian(tau: Expr, modes: Sequence[Expr], c: Expr, stiffness: Expr) -> Expr:
+    """``τ c − τ²/2γ``.
+
+    Args:
+        tau: Parameters of a cell.
+        modes: See :func:`stress_modes`.
+        c: Drilling there.
+        stiffness: γ.
+    """
+    τ = sum(tau[i] * mode for i, mode in enumerate(modes))
+    return τ * c - τ**2 / (2 * stiffness)
+
+
 FRACTION = 0.01
+
 """γ over ``G t³/h²``; from 1 to 1e-8 nothing changes (docs/six_parameters.md)."""
 
 _SHEAR, _TWIST = 2, 5  # of the eight strains
@@ -69,6 +139,7 @@ def drilling_stiffness(
 
 
 _A1, _A2, _X1, _X2 = range(4)
+
 """Vectors at each point: tangents that nodes carry, and those of the surface."""
 
 

@@ -25,8 +25,7 @@ import numba
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
 from fem_lie.forms.frames import pull, push
-from fem_lie.forms.kernels.addresses import Pointer
-from fem_lie.forms.kernels.frame_map import FrameMap, frame_function
+from fem_lie.forms.kernels.addresses import FrameMap, Pointer, frame_function
 
 
 @compiled

@@ -19,7 +19,6 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, compiled
 from fem_lie._jit.stack import stack
 from fem_lie.elements.thin_shells.cell_tables import read_data, read_rule, read_tables
-from fem_lie.elements.thin_shells.curvature import geometric
 from fem_lie.elements.thin_shells.rows import (
     NODES,
     UNKNOWNS,
@@ -34,17 +33,16 @@ from fem_lie.elements.thin_shells.stiffness import (
     add_geometric_of_samples,
     add_material,
 )
-from fem_lie.elements.thin_shells.strain_changes import (
-    change_rows,
-    on_derivatives,
-    on_samples,
-    on_vectors,
-)
 from fem_lie.elements.thin_shells.strains import (
     at_point,
+    change_rows,
     differentiate,
     find_strains,
     find_stress,
+    geometric,
+    on_derivatives,
+    on_samples,
+    on_vectors,
     room,
     room_size,
 )

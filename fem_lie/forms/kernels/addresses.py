@@ -1,17 +1,26 @@
-"""What stands at an address, in compiled code: functions to be called, and numbers."""
+"""What stands at an address, in compiled code: functions to be called, numbers, maps of nodes.
+
+What stands at an address, in compiled code: functions to be called, and numbers.
+
+How flat coordinates of an element move with its nodes: a few functions, by their addresses.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
+from fem_lie._jit import callback
+
 double_pointer = types.CPointer(types.float64)
 
 Pointer: TypeAlias = Any
+
 """Where doubles stand; Python itself has no such thing."""
 
 UFCX_SIGNATURE = types.void(
@@ -22,11 +31,13 @@ UFCX_SIGNATURE = types.void(
     types.CPointer(types.int32),
     types.CPointer(types.uint8),
 )
+
 """Of kernels of DOLFINx (UFCx)."""
 
 MAP_SIGNATURE = types.void(
     double_pointer, double_pointer, double_pointer, double_pointer, types.intp
 )
+
 """Of the functions of a :class:`~fem_lie.forms.kernels.frame_map.FrameMap`."""
 
 
@@ -55,9 +66,13 @@ def _call_by_address(argument_types: Sequence[ir.Type]) -> Callable[..., None]:
 
 
 _double_p = ir.DoubleType().as_pointer()
+
 _byte_p = ir.IntType(8).as_pointer()
+
 _int_p = ir.IntType(32).as_pointer()
+
 _tabulate_code = _call_by_address([_double_p] * 4 + [_int_p, _byte_p, _byte_p])
+
 _map_code = _call_by_address([_double_p] * 4 + [ir.IntType(64)])
 
 
@@ -97,3 +112,31 @@ def call_kernel(typing_context, address, A, w, c, x):  # type: ignore[no-untyped
 def apply(typing_context, address, state, y, given, out, nodes):  # type: ignore[no-untyped-def]
     """Call the function of a frame map at ``address``."""
     return types.void(types.int64, *MAP_SIGNATURE.args), _map_code
+
+
+frame_function = callback(MAP_SIGNATURE)
+
+
+@dataclass(frozen=True)
+class FrameMap:
+    """How flat element coordinates ``y`` move with the local-frame twists ``h`` of the nodes.
+
+    Four compiled functions of signature :data:`MAP_SIGNATURE`, ``(state, y, given, out, nodes)``,
+    made with :func:`frame_function`. ``state`` is what the nodes store (``values`` doubles each).
+    They must live as long as the forms, as functions of a module do.
+
+    Attributes:
+        coordinates: ``y`` from the state; ``None`` if the state of the cell's nodes is ``y``.
+        pull: ``out += Lᵀ given``, a force on ``y`` as forces and moments in the nodal frames.
+        push: ``out = L given``, twists of the nodes as a variation of ``y``.
+        geometric: ``out += ∂(Lᵀ given)/∂h``, a row-major square matrix; ``None`` if zero.
+        values: Doubles stored per node.
+        unknowns: Local-frame unknowns per node.
+    """
+
+    coordinates: Any
+    pull: Any
+    push: Any
+    geometric: Any
+    values: int
+    unknowns: int

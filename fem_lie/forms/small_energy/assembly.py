@@ -10,7 +10,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.abilities import ViscousForces
-from fem_lie.forms.body_term import BodyTerm
+from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.cell_sums import CarryingCellTerm, CellSum
 from fem_lie.forms.kernels.addresses import call_kernel, pointer
 from fem_lie.forms.small_energy.element import Element

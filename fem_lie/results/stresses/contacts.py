@@ -9,8 +9,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices, instance
 from fem_lie.contact.contact import Contact
-from fem_lie.contact.laws.law import Impact
-from fem_lie.contact.laws.term import ContactTerm
+from fem_lie.contact.laws.law import ContactTerm, Impact
 from fem_lie.pictures.bodies import Arrows
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result

@@ -20,10 +20,9 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._state import Stateful, attributes
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
-from fem_lie.contact.impact.observed import WIDTH
 from fem_lie.contact.impact.records import CONTACTS, PENETRATION, RESIDUAL, TOLD, Masses
 from fem_lie.contact.impact.rows import set_gaps
-from fem_lie.contact.impact.touching import Touching
+from fem_lie.contact.impact.touching import WIDTH, Touching
 from fem_lie.contact.impact.velocities import largest_speed
 from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.lie.motions import Group

@@ -8,7 +8,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.balances import TOTAL
-from fem_lie.forms.body_term import BodyTerm
+from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.cell_forms import FormTable, each_cell, joined
 from fem_lie.forms.cells import Cells
 from fem_lie.forms.term import Term

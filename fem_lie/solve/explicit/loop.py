@@ -20,8 +20,7 @@ from fem_lie.forms.cell_forms import APART, CELLS, EXTENT, FIRST, KERNEL, NODES,
 from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
 from fem_lie.lie.kinds import wrench
-from fem_lie.lie.tuples import load_row
-from fem_lie.lie.wrenches import add_wrench
+from fem_lie.lie.tuples import add_wrench, load_row
 from fem_lie.solve.explicit.nodes import Masses, PlainMasses, decay, drift, kick, twists
 from fem_lie.system.nodes.sums import residual
 from fem_lie.system.outer_forces import look_and_sum_up

@@ -18,7 +18,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie.lie.edges import turn_on_to
+from fem_lie.lie.directors import turn_on_to
 from fem_lie.lie.kinds import POINT, follow, settle, turn, turn_back
 from fem_lie.lie.tuples import (
     Vector,

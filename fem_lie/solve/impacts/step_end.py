@@ -19,7 +19,6 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._state import Stateful, attributes
-from fem_lie.contact.impact.observed import GAP, IMPULSE, PAIR, POSITION, SLIP, STICKS, TIME, WIDTH
 from fem_lie.contact.impact.records import (
     CONTACTS,
     FRICTION,
@@ -30,7 +29,17 @@ from fem_lie.contact.impact.records import (
     TOLD,
 )
 from fem_lie.contact.impact.rows import show_places
-from fem_lie.contact.impact.touching import Touching
+from fem_lie.contact.impact.touching import (
+    GAP,
+    IMPULSE,
+    PAIR,
+    POSITION,
+    SLIP,
+    STICKS,
+    TIME,
+    WIDTH,
+    Touching,
+)
 from fem_lie.lie.kinds.kind import SLOPE
 from fem_lie.results.record import ContactSteps
 from fem_lie.system.equations import Equations

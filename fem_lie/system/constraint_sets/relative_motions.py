@@ -17,8 +17,8 @@ from fem_lie.joints import Connection, Joint, Tie
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.joints.equations import terms, turns
 from fem_lie.joints.equations.functions import ANGLE, DISTANCE
-from fem_lie.joints.equations.spring_changes import spring_changes
 from fem_lie.joints.equations.table import JointTable, PackedJoints, pack, views
+from fem_lie.joints.equations.turns import spring_changes
 from fem_lie.linear.bordered import Border
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,

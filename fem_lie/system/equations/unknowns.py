@@ -9,12 +9,12 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import Body
-from fem_lie.forms.body_term import BodyTerm
+from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.term import Term
 from fem_lie.joints.equations.table import PackedJoints
-from fem_lie.lie.carried_axes import PlainSurroundings
 from fem_lie.lie.kinds.floating import Floating
 from fem_lie.lie.kinds.inertia import Inertia, turning_of
+from fem_lie.lie.polar import PlainSurroundings
 from fem_lie.scene.choices import Redundant
 from fem_lie.system import describe
 from fem_lie.system.balance import supported

@@ -32,8 +32,8 @@ from fem_lie._jit import compiled
 from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.elements.shells.drilling import Parameters
-from fem_lie.lie.carried_axes import PlainSurroundings, Surroundings, find_unturned, turn_axes
 from fem_lie.lie.kinds import NodeKind, Written, write_in_new_axes
+from fem_lie.lie.polar import PlainSurroundings, Surroundings, find_unturned, turn_axes
 from fem_lie.mesh.shapes import nodes_of, tabulated
 from fem_lie.system.nodes.numbering import Numbering
 

@@ -25,7 +25,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
-from fem_lie.bodies.turning import FoldedElementError
+from fem_lie.bodies.nodes import FoldedElementError
 
 if TYPE_CHECKING:
     from fem_lie.system.nodes.numbering import Numbering

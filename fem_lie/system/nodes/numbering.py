@@ -31,7 +31,7 @@ from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.catalogue import BodyInfo
 from fem_lie.bodies.points import require_node
 from fem_lie.bodies.told import Told, told_of_body
-from fem_lie.forms.body_term import BodyTerm
+from fem_lie.forms.assembly import BodyTerm
 from fem_lie.joints import RigidLink
 from fem_lie.lie.kinds import TRAITS, NodeKind
 from fem_lie.scene import Scene

@@ -10,11 +10,11 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
 from fem_lie.contact.convex.table import Polyhedra
 from fem_lie.contact.impact import records
-from fem_lie.contact.impact.observed import show
 from fem_lie.contact.impact.places import deepest
 from fem_lie.contact.impact.records import FRICTION, GROUND, IMPACT, LARGEST, Masses, Touch, Work
 from fem_lie.contact.impact.rows import find_crossed, set_ahead
 from fem_lie.contact.impact.settle import settle
+from fem_lie.contact.impact.touching import show
 from fem_lie.contact.impact.velocities import largest_speed
 from fem_lie.lie.motions import to_local
 from fem_lie.lie.tuples import load_row, negative, rotate_back, scaled, store
@@ -57,7 +57,7 @@ class Contacts(NamedTuple):
         told: Of these steps, see :data:`fem_lie.contact.impact.records.TOLD`, shape (·, 13).
         booked: Work of contacts, and impulse of ground and its moment so far, shape (7,).
         done: These at the rows of these steps, shape (kept, 7).
-        room: For what results have of each contact, see :mod:`fem_lie.contact.impact.observed`.
+        room: For what results have of each contact, see :mod:`fem_lie.contact.impact.touching`.
         shown: How many rows of it are filled, shape (1,).
     """
 

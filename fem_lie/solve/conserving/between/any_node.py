@@ -35,7 +35,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, inlined_uncounted, uncounted
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.fixed_arrays import as_frames, as_sixes
-from fem_lie.lie.edges import turn_on_to
+from fem_lie.lie.directors import turn_on_to
 from fem_lie.lie.kinds import inertia
 from fem_lie.lie.kinds.kind import SLOPE, carry, first, straight
 from fem_lie.lie.kinds.motion import from_local, to_local

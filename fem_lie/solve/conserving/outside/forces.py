@@ -22,8 +22,17 @@ from fem_lie.forms.term import Term
 from fem_lie.lie.kinds import SLOPE
 from fem_lie.lie.kinds.forces import wrench
 from fem_lie.lie.kinds.kind import axes
-from fem_lie.lie.tuples import dot, load, load_row, plus, rotate, rotate_back, scaled, store
-from fem_lie.lie.wrenches import add_wrench
+from fem_lie.lie.tuples import (
+    add_wrench,
+    dot,
+    load,
+    load_row,
+    plus,
+    rotate,
+    rotate_back,
+    scaled,
+    store,
+)
 from fem_lie.solve.conserving.between.any_node import span_from_python
 from fem_lie.solve.conserving.between.end_forces import BESIDE, LOSS, ON_GROUND, Pushes
 from fem_lie.solve.conserving.outside.joints import Joints

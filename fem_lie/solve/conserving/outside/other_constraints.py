@@ -31,6 +31,7 @@ from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, WORK
 from fem_lie.joints.equations.table import PackedJoints, joint_table, views
 from fem_lie.joints.equations.terms import spring_energy
 from fem_lie.lie.tuples import (
+    add_wrench,
     combined,
     cross,
     dot,
@@ -42,7 +43,6 @@ from fem_lie.lie.tuples import (
     scaled,
     store,
 )
-from fem_lie.lie.wrenches import add_wrench
 from fem_lie.solve.conserving.between.any_node import twists
 from fem_lie.solve.conserving.between.discrete_gradient import KNOWN, ROUND_OFF, beyond, factor_of
 from fem_lie.solve.conserving.between.mean_forces import add_resistance, solve_symmetric

@@ -16,6 +16,8 @@ from fem_lie.lie.kinds import inertia
 from fem_lie.lie.kinds.forces import wrench
 from fem_lie.lie.kinds.kind import SLOPE, axes
 from fem_lie.lie.tuples import (
+    add_dead,
+    add_wrench,
     combined,
     cross,
     dot,
@@ -29,7 +31,6 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.lie.wrenches import add_dead, add_wrench
 from fem_lie.solve.conserving.between.any_node import (
     go_along_edge,
     keep_axes,

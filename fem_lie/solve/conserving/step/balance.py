@@ -15,6 +15,8 @@ from fem_lie.lie.kinds.forces import add_along_increments, wrench
 from fem_lie.lie.kinds.kind import SLOPE, axes
 from fem_lie.lie.tuples import (
     Vector,
+    add_dead,
+    add_wrench,
     load,
     load_row,
     minus,
@@ -24,7 +26,6 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.lie.wrenches import add_dead, add_wrench
 from fem_lie.solve.conserving.between.any_node import span_all
 from fem_lie.solve.conserving.between.cayley import left_moment
 from fem_lie.solve.conserving.between.floating import add_inertia, span_products

@@ -13,6 +13,7 @@ from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
 from fem_lie.forms import cells as elements
 from fem_lie.forms.cells import CellTable
 from fem_lie.lie.tuples import (
+    add_wrench,
     cross,
     dot,
     load,
@@ -25,7 +26,6 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.lie.wrenches import add_wrench
 from fem_lie.solve.conserving.between.any_node import pull_edges, turn_edges
 from fem_lie.solve.conserving.between.cayley import follow
 from fem_lie.solve.conserving.between.discrete_gradient import Energies, Filtered, add_elastic

@@ -29,6 +29,7 @@ from fem_lie.joints.equations.terms import jacobian
 from fem_lie.lie.kinds.kind import SLOPE, axes
 from fem_lie.lie.tuples import (
     Vector,
+    add_wrench,
     combined,
     cross,
     dot,
@@ -41,7 +42,6 @@ from fem_lie.lie.tuples import (
     scaled,
     store,
 )
-from fem_lie.lie.wrenches import add_wrench
 from fem_lie.solve.conserving.between.any_node import rates_of
 from fem_lie.solve.conserving.step.dissipation import REMEMBERS, set_turnings
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of

@@ -1,5 +1,9 @@
 """Energy that contacts by penalty gain or lose in steps that do not resolve them.
 
+The law of a contact by penalty as numbers, for compiled code.
+
+Energy that contacts by penalty gain or lose in steps that do not resolve them.
+
 A scheme that does not conserve energy moves bodies by forces at both ends of a step, or in its
 middle. Over a step these do the work ``½ (F₀ + F₁)·Δu`` or ``F̄·Δu``, while the penalty stores
 ``U₁ − U₀``. Both agree, but for what damping takes, as long as the force is linear in the gap. It
@@ -21,17 +25,44 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined_uncounted
-from fem_lie.contact.energy.numbers import Numbers, damping
 from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.kinematics import gap, place
 from fem_lie.contact.sides.table import GROUND
 from fem_lie.lie.motions import global_components, local_components
 from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus
 
+
+class Numbers(NamedTuple):
+    """Of a law, for a weight of one.
+
+    Attributes:
+        k: Stiffness.
+        c: Damping.
+        ramp: Overlap over which that grows.
+    """
+
+    k: float
+    c: float
+    ramp: float
+
+
+@inlined_uncounted
+def damping(law: Numbers, g: float, speed: float) -> tuple[float, float, float]:
+    """What damping adds to ``k g``, and how that changes with ``g`` and ``ġ``: nothing pulls."""
+    part, by_gap = 1.0, 0.0
+    if -g < law.ramp:
+        part, by_gap = -g / law.ramp, -1.0 / law.ramp
+    if law.k * g + part * law.c * speed >= 0.0:
+        return -law.k * g, -law.k, 0.0
+    return part * law.c * speed, by_gap * law.c * speed, part * law.c
+
+
 LARGEST = 0.05
+
 """Part of the largest energy that a contact has stored, by which it may change that of bodies."""
 
 _STEPS = 10
+
 """Steps in an impact that change its energy by less than 1 %."""
 
 

@@ -1,1 +1,0 @@
-"""Energy of contacts by penalty: their law as numbers, and its balance over a run."""
