@@ -70,6 +70,9 @@ def answer(folder: str) -> None:
 
     assert Path(fem_lie.__file__).is_relative_to(folder), fem_lie.__file__
     sys.path.insert(0, str(HERE))  # scenes are those of this checkout
+    from benchmarks.earlier_names import give_names
+
+    give_names(fem_lie)
     from benchmarks.short_runs import CASES
 
     logging.disable(logging.WARNING)

@@ -1,0 +1,41 @@
+"""Names of now for a package from before 91266dbc, so that scenes of now run with it, too."""
+
+from __future__ import annotations
+
+from types import ModuleType
+from typing import Any
+
+
+def give_names(fl: ModuleType) -> None:
+    """Add the names of :class:`fem_lie.Body` that a package does not have yet.
+
+    See ``CHANGELOG.md`` for the table of names.
+    """
+    if hasattr(fl.Body, "point"):
+        return
+    fl.Body.point = _point
+    fl.Body.add_velocity = _add_velocity
+    fl.Body.set_group = fl.Body.on
+    fl.Body.nodes = lambda body, where: body.nodes_of(where)
+    for cls in (fl.Shell, fl.Solid, fl.ThinShell):
+        cls.roller = cls.guide
+
+
+def _point(body: Any, where: Any, tolerance: float | None = None, **options: Any) -> Any:
+    """A point by its name, the number of its node, or its position."""
+    if isinstance(where, int):
+        return body.node(where)
+    if isinstance(where, str):
+        if options:
+            return body.grip(where, *options.values())
+        return getattr(body, where, None) or body[where]
+    return body.nearest(where) if hasattr(body, "nearest") else body.at(where)
+
+
+def _add_velocity(
+    body: Any, velocity: Any = (0.0, 0.0, 0.0), *, omega: Any = None, about: Any = None
+) -> None:
+    """Add a translation, a rotation about a point, or both."""
+    body.move(velocity)
+    if omega is not None:
+        body.turn(omega, about)
