@@ -19,8 +19,8 @@ from typing import NamedTuple
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.reduce.sampling.ecsw import CellsInShapes
-from fem_lie.reduce.sampling.sampled_statics import LoadsInShapes, equilibria, loads_of
+from fem_lie.reduce.ecsw import CellsInShapes
+from fem_lie.reduce.sampled_statics import LoadsInShapes, equilibria, loads_of
 
 RUBBER = fl.Material(E=5e6, nu=0.3, density=1100.0)
 LEVELS = np.linspace(0.125, 1.0, 8)

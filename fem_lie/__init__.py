@@ -130,13 +130,13 @@ from fem_lie.ranks.together import end_together
 from fem_lie.reduce.axes import FixedAxes, MeanAxes, NodeAxes
 from fem_lie.reduce.bases import craig_bampton, krylov, pod, with_derivatives
 from fem_lie.reduce.basis import Basis, Reduced, load_basis
-from fem_lie.reduce.parts.files import expand, load_reduced, save_reduced
-from fem_lie.reduce.parts.making import inertial_shapes, reduced_body
+from fem_lie.reduce.ecsw import CellSample, ecsw
+from fem_lie.reduce.making import inertial_shapes, reduced_body
+from fem_lie.reduce.merged_motion import MergedMotion, RegionStretch
+from fem_lie.reduce.merging import merged_motion
+from fem_lie.reduce.part_files import expand, load_reduced, save_reduced
 from fem_lie.reduce.reduced_statics import ReducedEquilibrium, reduced_frequencies, reduced_statics
-from fem_lie.reduce.regions.merging import merged_motion
-from fem_lie.reduce.regions.motion import MergedMotion, RegionStretch
-from fem_lie.reduce.sampling.ecsw import CellSample, ecsw
-from fem_lie.reduce.sampling.sampled_statics import SampledEquilibria, sampled_statics
+from fem_lie.reduce.sampled_statics import SampledEquilibria, sampled_statics
 from fem_lie.results.equilibrium import PathResult, StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.mode_shapes import BucklingModes
@@ -151,7 +151,7 @@ from fem_lie.results.stresses.shell_resultants import (
     resultants,
 )
 from fem_lie.results.stresses.solid_stress import SolidStresses, solid_stresses
-from fem_lie.results.thin_shells.resultants import ThinResultants, thin_resultants
+from fem_lie.results.stresses.thin_resultants import ThinResultants, thin_resultants
 from fem_lie.results.vibrations import Modes
 from fem_lie.scene.choices import Choices, Redundant
 from fem_lie.scene.nodal_loads import LineLoad, PointLoad
@@ -162,9 +162,9 @@ from fem_lie.scene.strain_loads import Eigenstrain, PreStress, Temperature
 from fem_lie.scene.supports import Clamp, PrescribedMotion
 from fem_lie.scene.surface_loads import AreaLoad, EdgeLoad, MassLoad, VolumeLoad
 from fem_lie.sections.material import Material
-from fem_lie.sections.outlines.mesh import SectionMesh
 from fem_lie.sections.properties import SectionProperties
 from fem_lie.sections.section import Section
+from fem_lie.sections.section_mesh import SectionMesh
 from fem_lie.sections.shape import SectionShape
 from fem_lie.sections.shell_section import Orthotropic, Ply, ShellSection
 from fem_lie.sections.warping import Warping

@@ -5,7 +5,7 @@ import pytest
 
 import fem_lie as fl
 from benchmarks import regions as net_benchmark
-from fem_lie.reduce.regions.merging import Looking
+from fem_lie.reduce.merging import Looking
 
 PLASTIC = fl.Material(E=2e9, nu=0.3, density=1100.0)
 

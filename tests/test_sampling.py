@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.reduce.sampling.ecsw import CellsInShapes, forces_of_training
+from fem_lie.reduce.ecsw import CellsInShapes, forces_of_training
 
 RUBBER = fl.Material(E=5e6, nu=0.3, density=1100.0)
 FIXED = fl.FixedAxes()

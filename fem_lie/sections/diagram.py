@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.sections.outlines.mesh import SectionMesh
 from fem_lie.sections.properties import SectionProperties
+from fem_lie.sections.section_mesh import SectionMesh
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

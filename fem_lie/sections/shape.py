@@ -8,11 +8,11 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie.sections.gmsh_outlines import CellSizes
 from fem_lie.sections.material import Material
-from fem_lie.sections.outlines.gmsh_outlines import CellSizes
-from fem_lie.sections.outlines.mesh import SectionMesh
-from fem_lie.sections.outlines.outline import Loop, Part
+from fem_lie.sections.outline import Loop, Part
 from fem_lie.sections.section import Section
+from fem_lie.sections.section_mesh import SectionMesh
 from fem_lie.sections.warping import Warping
 
 
@@ -218,7 +218,7 @@ class SectionShape:
         Raises:
             ValueError: Parts overlap, or the section is not connected.
         """
-        from fem_lie.sections.outlines.gmsh_outlines import mesh_parts
+        from fem_lie.sections.gmsh_outlines import mesh_parts
 
         points = np.concatenate([part.outer.chords() for part in self.parts.values()])
         low, high = points.min(axis=0), points.max(axis=0)

@@ -65,9 +65,9 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._compat import create_surface_mesh
 from fem_lie._form_cache import compile_form
 from fem_lie.sections.material import Material
-from fem_lie.sections.outlines.mesh import SectionMesh
 from fem_lie.sections.properties import SectionProperties
 from fem_lie.sections.section import Section
+from fem_lie.sections.section_mesh import SectionMesh
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -24,7 +24,9 @@ _EDGES = {
     "triangle": ((1, 2), (2, 0), (0, 1)),
     "quadrilateral": ((0, 1), (1, 3), (3, 2), (2, 0)),
 }
+
 _DEGREES = {("triangle", 3): 1, ("triangle", 6): 2, ("quadrilateral", 4): 1}
+
 _KEPT_TURN = 2.0 * np.pi / 48.0  # a circle is drawn with about 32 corners
 
 
@@ -83,7 +85,7 @@ class SectionMesh:
                 triangles of degree 1 or 2 or quadrilaterals of degree 1, they do not lie in such a
                 plane or are not connected.
         """
-        from fem_lie.sections.outlines.gmsh_outlines import read_surface
+        from fem_lie.sections.gmsh_outlines import read_surface
 
         raw = read_surface(path)
         return cls(raw.points, raw.cells, raw.regions, raw.names, raw.cell, raw.degree)

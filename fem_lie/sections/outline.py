@@ -11,6 +11,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array
 
 _ARC_PIECES = 8  # chords of an arc when loops are checked and walls measured
+
 TOUCH = 1e-9  # of the size of the outline
 
 

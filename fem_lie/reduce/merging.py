@@ -34,7 +34,7 @@ from fem_lie._arrays import Array, Flags, Indices, instance, positive
 from fem_lie.adapt.following.transfer import Transferred, mass_matrix
 from fem_lie.lie.kinds import NodeKind
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.reduce.regions.motion import MergedMotion, RegionStretch
+from fem_lie.reduce.merged_motion import MergedMotion, RegionStretch
 from fem_lie.results.history import Result
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import Began, require_scene

@@ -12,7 +12,7 @@ from fem_lie._arrays import Array, instance, numbers
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.reduce.basis import Basis
 from fem_lie.reduce.beside_rest import equations_of
-from fem_lie.reduce.sampling.ecsw import CellSample, CellsInShapes, NodesInShapes, summed
+from fem_lie.reduce.ecsw import CellSample, CellsInShapes, NodesInShapes, summed
 from fem_lie.scene import Scene
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import Iterated, iterate
@@ -21,7 +21,9 @@ from fem_lie.system.equations import Equations
 from fem_lie.system.nodes.sums import load_tangent, load_vector
 
 _MOST = 30
+
 _CONVERGED = 1e-7  # of the coordinates: how far the last solution may have moved them
+
 _HELD = 1e-6
 
 

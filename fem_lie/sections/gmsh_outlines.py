@@ -19,7 +19,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, Indices
 from fem_lie.mesh.gmsh_cells import cell_block, coordinates_of
 from fem_lie.mesh.gmsh_session import GmshScript, logged, model, opened, physical, session
-from fem_lie.sections.outlines.outline import TOUCH, Loop, Part, cross
+from fem_lie.sections.outline import TOUCH, Loop, Part, cross
 
 _WALL_CELL = 0.5  # size of cells in a wall over its thickness
 

@@ -1,1 +1,0 @@
-"""Reduced bodies for scenes in time: made, kept in files, and expanded to full fields."""

@@ -1,1 +1,0 @@
-"""Regions of bodies that move with one frame each, merged and split while a motion runs."""

@@ -1,1 +1,0 @@
-"""Forces and moments within thin shells."""

@@ -1,1 +1,0 @@
-"""Outlines of sections of beams, and their meshes."""
