@@ -45,7 +45,7 @@ def test_cells_where_a_node_alone_takes_a_moment_are_as_stiff_as_the_membrane(co
                 shell.point(corner), bodies[body].point("centre"), at=shell.point(corner).position
             )
         )
-    drills, found = shell.drilling_told(scene.held_rotations()[shell])
+    drills, found = shell.drilling_given(scene.held_rotations()[shell])
     assert drills
     membrane = np.isclose(found, SHEAR * 0.01, rtol=1e-12)
     assert membrane.sum() == stiff
@@ -64,7 +64,7 @@ def test_cells_resist_moments_of_friction_at_a_node(law, radius, friction, stiff
     floor = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -1))
     scene.add(fl.Contact(balls, floor, law(friction=friction)))
     for each in (scene, scene.without_impacts()):
-        drills, found = shell.drilling_told(each.held_rotations().get(shell, ()))
+        drills, found = shell.drilling_given(each.held_rotations().get(shell, ()))
         assert drills
         assert np.isclose(found, SHEAR * 0.01, rtol=1e-12).sum() == stiff
 

@@ -107,10 +107,10 @@ class Body(Nodes):
 
     @property
     def elastic_cells(self) -> Indices:
-        """Nodes of each cell that :meth:`cells_apart` knows, shape (m, k); default: none."""
+        """Nodes of each cell that :meth:`weighted_cells` knows, shape (m, k); default: none."""
         return np.empty((0, 0), dtype=np.int64)
 
-    def cells_apart(self, cells: Indices, weights: Array) -> BodyTerm:
+    def weighted_cells(self, cells: Indices, weights: Array) -> BodyTerm:
         """Some elastic cells, each on nodes of its own, that it shares with no other.
 
         Args:

@@ -1,6 +1,6 @@
 """The nodes of a body: what they are, what holds them, and how they move at first.
 
-What takes hold of rotations of nodes: told to bodies, which know nothing of joints.
+What holds rotations of nodes is passed to bodies, which know nothing of joints.
 
 Along which nodes the elements of a body turn.
 
@@ -234,7 +234,7 @@ class Nodes(ABC):
         """
         return True
 
-    def drilling_told(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
+    def drilling_given(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
         """Whether its nodes drill if these things hold them, and how stiff its cells are then."""
         return self.drills(holds), None
 

@@ -110,7 +110,7 @@ class CellsInShapes:
         Raises:
             ValueError: The body has no cells that can be taken one by one.
         """
-        self._term = basis.body.cells_apart(cells, weights)
+        self._term = basis.body.weighted_cells(cells, weights)
         self.count = len(cells)
         self.nodes = NodesInShapes(basis, basis.body.elastic_cells[cells].ravel())
         self._H = np.empty((self._term.count, 4, 3))

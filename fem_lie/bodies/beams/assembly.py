@@ -163,7 +163,7 @@ def _place(
 
 
 @dataclass(eq=False)
-class ElementsApart:
+class WeightedElements:
     """See :class:`~fem_lie.bodies.beams.assembly.BeamData`."""
 
     frames: Array
@@ -178,10 +178,10 @@ class ElementsApart:
     source: dolfinx.mesh.Mesh | None = None
 
 
-def elements_apart(body: BeamData, elements: Indices, weights: Array) -> BeamAssembly:
-    """Some elements, their energy times weights (s,); see :meth:`~.body.Body.cells_apart`."""
+def weighted_elements(body: BeamData, elements: Indices, weights: Array) -> BeamAssembly:
+    """Some elements, their energy times weights (s,); see :meth:`~.body.Body.weighted_cells`."""
     nodes = body.elements[elements]
-    apart = ElementsApart(
+    apart = WeightedElements(
         frames=body.frames[nodes.ravel()],
         elements=np.arange(nodes.size).reshape(nodes.shape),
         lengths=body.lengths[elements],

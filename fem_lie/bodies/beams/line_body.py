@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, log_coincident
-from fem_lie.bodies.beams.assembly import BeamAssembly, Damping, elements_apart
+from fem_lie.bodies.beams.assembly import BeamAssembly, Damping, weighted_elements
 from fem_lie.bodies.beams.sectioned import Sectioned, outline_of
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.elements.beams.element import Formulation
@@ -108,11 +108,11 @@ class LineBody(Sectioned):
         """The elements of nodes that are frames."""
         return self.elements if self.node_kind is NodeKind.FRAME else super().elastic_cells
 
-    def cells_apart(self, cells: Indices, weights: Array) -> Assembly:
+    def weighted_cells(self, cells: Indices, weights: Array) -> Assembly:
         """See the base class."""
         if self.node_kind is not NodeKind.FRAME:
-            super().cells_apart(cells, weights)
-        return elements_apart(self, cells, weights)
+            super().weighted_cells(cells, weights)
+        return weighted_elements(self, cells, weights)
 
     def grip_of(self, node: int) -> Grip | None:
         """As the element says."""

@@ -185,8 +185,8 @@ class SurfaceCellsApart:
         return np.empty((0, 0, 4, 0, 4))
 
 
-def surface_cells_apart(body: ShellData, cells: Indices, weights: Array) -> ShellAssembly:
-    """Some cells, their energy times weights (s,); see :meth:`~.body.Body.cells_apart`."""
+def weighted_surface_cells(body: ShellData, cells: Indices, weights: Array) -> ShellAssembly:
+    """Some cells, their energy times weights (s,); see :meth:`~.body.Body.weighted_cells`."""
     nodes = body.connectivity[cells]
     apart = SurfaceCellsApart(
         frames=body.frames[nodes.ravel()],

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, Indices, choice, instance, log_coincident, number
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.bodies.nodes import HeldRotation, Turning
-from fem_lie.bodies.shells.assembly import ShellAssembly, surface_cells_apart
+from fem_lie.bodies.shells.assembly import ShellAssembly, weighted_surface_cells
 from fem_lie.bodies.shells.placing import (
     Director,
     ShellSections,
@@ -162,7 +162,7 @@ class Shell(SupportedSurface):
             return False
         return self.parameters is Parameters.SIX or self._has_kinks or bool(needed)
 
-    def drilling_told(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
+    def drilling_given(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
         """Whether it has kinks or is held about a director, and how stiff the cells are then."""
         drills = self.drills(holds)
         return drills, self.drilling_stiffness(holds) if drills else None
@@ -223,9 +223,9 @@ class Shell(SupportedSurface):
         """See the base class."""
         return self.connectivity
 
-    def cells_apart(self, cells: Indices, weights: Array) -> ShellAssembly:
+    def weighted_cells(self, cells: Indices, weights: Array) -> ShellAssembly:
         """See the base class; cells do not drill."""
-        return surface_cells_apart(self, cells, weights)
+        return weighted_surface_cells(self, cells, weights)
 
     def edges(self, name: str) -> tuple[Indices, Array]:
         """Nodes of the edges of a named curve, and the length that each carries, both (e, 2 or 3).

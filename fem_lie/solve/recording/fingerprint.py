@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array
-from fem_lie.bodies.told import Told, attributes, told_of_body
+from fem_lie.bodies.canonical import CanonicalBytes, attributes, data_of_body
 from fem_lie.scene import Scene
 from fem_lie.system.equations import Equations
 
@@ -42,7 +42,7 @@ class Fingerprint:
         scene = equations.scene
         self.parts: dict[str, str] = {}
         self._shown: dict[str, str] = {}
-        self._told = Told(scene.bodies)
+        self._bytes = CanonicalBytes(scene.bodies)
         self._add("scheme", type(scheme))
         for name, value in vars(scheme).items():
             self._add(f"option {name}", value)
@@ -60,14 +60,14 @@ class Fingerprint:
         self._made = -1
 
     def _add(self, name: str, value: Any, shown: str = "") -> None:
-        self.parts[name] = _brief(self._told.of(value))
+        self.parts[name] = _brief(self._bytes.of(value))
         self._shown[name] = shown or name
 
     def _add_scene(self, scene: Scene) -> None:
         for name in ("gravity", "redundant", "choices"):
             self._add(name, getattr(scene, name))
         for k, body in enumerate(scene.bodies, start=1):
-            for name, value in told_of_body(body):
+            for name, value in data_of_body(body):
                 self._add(f"{name} of body {k}", value, f"{name} of {body.label}")
             self._add(f"drilling of body {k}", scene.drills(body), f"drilling of {body.label}")
         for k, item in enumerate((*scene.joints, *scene.connections), start=1):
@@ -98,8 +98,8 @@ class Fingerprint:
 
     def packed(self, ends: Array) -> npt.NDArray[np.uint8]:
         """All of it after steps with these ends, for a checkpoint."""
-        told = {"parts": self.parts, "functions": self.values(ends)}
-        return np.frombuffer(json.dumps(told).encode(), dtype=np.uint8)
+        contents = {"parts": self.parts, "functions": self.values(ends)}
+        return np.frombuffer(json.dumps(contents).encode(), dtype=np.uint8)
 
     def differences(self, packed: npt.NDArray[np.uint8], ends: Array) -> list[str]:
         """What is other than when :meth:`packed` was called after the same steps."""

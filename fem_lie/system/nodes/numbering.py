@@ -28,9 +28,9 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
+from fem_lie.bodies.canonical import CanonicalBytes, data_of_body
 from fem_lie.bodies.catalogue import BodyInfo
 from fem_lie.bodies.points import require_node
-from fem_lie.bodies.told import Told, told_of_body
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.joints import RigidLink
 from fem_lie.lie.kinds import TRAITS, NodeKind
@@ -373,9 +373,9 @@ def numbered(scene: Scene) -> Numbering:
 
 def _mark(scene: Scene) -> bytes:
     """All on which numbering and assemblies depend."""
-    told, holds = Told(scene.bodies), scene.held_rotations()
+    bytes_of, holds = CanonicalBytes(scene.bodies), scene.held_rotations()
     bodies = [
-        (type(body), told_of_body(body), body.drilling_told(holds.get(body, ())))
+        (type(body), data_of_body(body), body.drilling_given(holds.get(body, ())))
         for body in scene.bodies
     ]
-    return told.of((bodies, scene.links))
+    return bytes_of.of((bodies, scene.links))

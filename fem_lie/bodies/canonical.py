@@ -1,4 +1,4 @@
-"""What bodies, joints and loads are, in bytes that are the same in any process."""
+"""Bodies, joints and loads as bytes that are the same in any process: for fingerprints."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ _OF_A_BODY = (
 """Attributes, of those that a body has, on which equations depend."""
 
 
-class Told:
-    """Says in bytes what a thing is, the same in any process.
+class CanonicalBytes:
+    """Bytes of values, objects and arrays, the same in any process.
 
-    Of functions nothing is told: what they return is compared elsewhere.
+    Functions have none: their values are compared elsewhere.
     """
 
     def __init__(self, bodies: Iterable[Body]) -> None:
-        """Bodies are told by their numbers."""
+        """Bodies are written as their numbers, in this order."""
         self._number = {body: number for number, body in enumerate(bodies, start=1)}
 
     def of(self, value: Any) -> bytes:
@@ -83,6 +83,6 @@ def attributes(value: Any) -> list[tuple[str, Any]]:
     return [(name, getattr(value, name)) for name in names]
 
 
-def told_of_body(body: Body) -> list[tuple[str, Any]]:
-    """All on which equations depend, by name."""
+def data_of_body(body: Body) -> list[tuple[str, Any]]:
+    """Data of a body on which the equations depend, by name."""
     return [(name, getattr(body, name)) for name in _OF_A_BODY if hasattr(body, name)]
