@@ -125,24 +125,20 @@ class Antenna:
     def _bay(self, i: int) -> tuple[fl.Revolute, fl.Revolute]:
         """From vertical i to the next; returns the joints at both ends of the upper longeron."""
         one, two = self.uprights[i], self.uprights[(i + 1) % len(self.uprights)]
-        across = one.point("start").position + two.point("start").position
+        (foot1, foot2), (head1, head2) = (
+            [b.point(e) for b in (one, two)] for e in ("start", "end")
+        )
+        across = foot1.position + foot2.position
         across = across * [1.0, 1.0, 0.0]
 
         def hinge(a: fl.Point, b: fl.Point) -> fl.Revolute:
             return self.scene.add(fl.Revolute(a, b, axis=across))
 
-        low = self._bar(one.point("start").position, two.point("start").position, UP)
-        hinge(one.point("start"), low.point("start")), hinge(two.point("start"), low.point("end"))
-        top = self._bar(one.point("end").position, two.point("end").position, UP)
-        found = (
-            hinge(one.point("end"), top.point("start")),
-            hinge(two.point("end"), top.point("end")),
-        )
-        foot, head = (
-            (one.point("start"), two.point("end"))
-            if i % 2
-            else (two.point("start"), one.point("end"))
-        )
+        low = self._bar(foot1.position, foot2.position, UP)
+        hinge(foot1, low.point("start")), hinge(foot2, low.point("end"))
+        top = self._bar(head1.position, head2.position, UP)
+        found = hinge(head1, top.point("start")), hinge(head2, top.point("end"))
+        foot, head = (foot1, head2) if i % 2 else (foot2, head1)
         along = head.position - foot.position
         along = along / np.linalg.norm(along)
         lower = self._bar(foot.position, foot.position + self.tube_length * along, across)

@@ -48,25 +48,19 @@ def mechanism(angle: float = np.pi / 2, speed: float = 1.0, pins: bool = False) 
         foot = np.array([k, 0.0, 0.0])
         bar = scene.add(fl.RigidBody(1.0, INERTIA, foot + 0.5 * along, axes, name=f"bar {k}"))
         bar.add_velocity(omega=-speed * z, about=foot)
-        scene.add(fl.Revolute(fl.ground(), bar.point("centre"), at=foot, axis=z))
-        upright.append(bar)
+        upright.append(bar.point("centre"))
+        scene.add(fl.Revolute(fl.ground(), upright[k], at=foot, axis=z))
     for k in range(2):
         place = np.array([k + 0.5, 0.0, 0.0]) + along
         bar = scene.add(fl.RigidBody(1.0, INERTIA, place, name=f"top {k}"))
         bar.add_velocity(np.cross(-speed * z, along))
-        left, right = place - HALF, place + HALF
-        scene.add(fl.Revolute(upright[k].point("centre"), bar.point("centre"), at=left, axis=z))
+        left, right, top = place - HALF, place + HALF, bar.point("centre")
+        scene.add(fl.Revolute(upright[k], top, at=left, axis=z))
         if pins:
             for normal in np.eye(3)[:2]:
-                scene.add(
-                    fl.InPlane(
-                        upright[k + 1].point("centre"), bar.point("centre"), at=right, axis=normal
-                    )
-                )
+                scene.add(fl.InPlane(upright[k + 1], top, at=right, axis=normal))
         else:
-            scene.add(
-                fl.Revolute(bar.point("centre"), upright[k + 1].point("centre"), at=right, axis=z)
-            )
+            scene.add(fl.Revolute(top, upright[k + 1], at=right, axis=z))
     return scene
 
 

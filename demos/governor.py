@@ -38,7 +38,7 @@ FINER, TOLERANCE = 128, 0.1
 """First step over --step, and tolerance of the first milliseconds, m/s over --step."""
 
 
-def rod(scene: fl.Scene, side: float, axis: fl.RigidBody, slider: fl.RigidBody) -> None:
+def rod(scene: fl.Scene, side: float, axis: fl.Point, slider: fl.Point) -> None:
     """A rod with its mass, hinge and spring."""
     m, end, y = 0.3, 5.0, np.array([0, 1, 0])
     hinge, along = side * ASIDE * X, np.array([side * np.sin(START), 0, -np.cos(START)])
@@ -48,9 +48,9 @@ def rod(scene: fl.Scene, side: float, axis: fl.RigidBody, slider: fl.RigidBody) 
     axes = np.column_stack([along, y, np.cross(along, y)])
     body = fl.RigidBody(m + end, inertia, hinge + lever * along, axes, name=f"rod {side:+.0f}")
     scene.add(body)
-    scene.add(fl.Revolute(axis.point("centre"), body.point("centre"), at=hinge, axis=(0, -side, 0)))
-    middle, bottom = hinge + 0.5 * along, slider.point("centre").position + hinge
-    distance = fl.Distance(body.point("centre"), slider.point("centre"), at=middle, to=bottom)
+    scene.add(fl.Revolute(axis, body.point("centre"), at=hinge, axis=(0, -side, 0)))
+    middle, bottom = hinge + 0.5 * along, slider.position + hinge
+    distance = fl.Distance(body.point("centre"), slider, at=middle, to=bottom)
     scene.add(fl.Spring(distance.length, stiffness=8e5, damping=4e4, rest=0.5))
 
 
@@ -59,13 +59,11 @@ def governor(speed: float) -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     axis = scene.add(fl.RigidBody(0.3, (0.025, 0.025, 5e-6), (0, 0, 0), name="axis"))
     slider = scene.add(fl.RigidBody(3.0, (0.005, 0.005, 0.005), (0, 0, -0.5), name="slider"))
-    scene.add(fl.Revolute(fl.ground(), axis.point("centre"), axis=(0, 0, 1), name="bearing"))
-    low, up = (0, 0, -0.5), (0, 0, 1)
-    scene.add(
-        fl.Prismatic(axis.point("centre"), slider.point("centre"), at=low, axis=up, name="guide")
-    )
+    middle, bead = axis.point("centre"), slider.point("centre")
+    scene.add(fl.Revolute(fl.ground(), middle, axis=(0, 0, 1), name="bearing"))
+    scene.add(fl.Prismatic(middle, bead, at=(0, 0, -0.5), axis=(0, 0, 1), name="guide"))
     for side in (1.0, -1.0):
-        rod(scene, side, axis, slider)
+        rod(scene, side, middle, bead)
     for body in scene.bodies:
         body.add_velocity(omega=(0, 0, 2 * np.pi * speed), about=(0, 0, 0))
     return scene

@@ -101,23 +101,20 @@ def costs(plan: Case, how: fl.Composition, repeats: int) -> list[np.ndarray]:
     end = ends(fl.Composed(), plan.timed, plan.long, [2560])[0].frames[-1, :, 0]
     alpha = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-10)
     both = (alpha, ALPHA), (fl.Composed(fl.EnergyMomentum(tolerance=ERROR), how), COMPOSED)
-    turns = [[timed(s, plan, numbers) for s, numbers in both] for _ in range(repeats)]
+    turns = [[[timed(s, plan, n) for n in ns] for s, ns in both] for _ in range(repeats)]
     curves = []
-    for k, (runs, _) in enumerate(turns[0]):
-        gaps = [np.linalg.norm(made.frames[-1, :, 0] - end, axis=1).max() for made in runs]
-        seconds = np.min([turn[k][1] for turn in turns], axis=0)
-        curves.append(np.array([np.array(gaps) / plan.length, seconds]))
+    for k, made in enumerate(turns[0]):
+        gap = [
+            np.linalg.norm(r.frames[-1, :, 0] - end, axis=1).max() / plan.length for r, _ in made
+        ]
+        curves.append(np.array([gap, np.min([[t for _, t in turn[k]] for turn in turns], axis=0)]))
     return curves
 
 
-def timed(scheme: Any, plan: Case, numbers: list[int]) -> tuple[list[fl.Result], list[float]]:
-    """Runs as of :func:`ends`, and seconds of the processor, beside whatever else runs."""
-    results, seconds = [], []
-    for number in numbers:
-        begin = process_time()
-        results += ends(scheme, plan.timed, plan.long, [number])
-        seconds.append(process_time() - begin)
-    return results, seconds
+def timed(scheme: Any, plan: Case, number: int) -> tuple[fl.Result, float]:
+    """A run of so many steps, and its seconds of the processor, whatever else runs."""
+    begin, (result,) = process_time(), ends(scheme, plan.timed, plan.long, [number])
+    return result, process_time() - begin
 
 
 def draw(curves: list[np.ndarray]) -> None:

@@ -55,11 +55,9 @@ def test_a_step_without_an_end_is_made_in_parts(divided):
     assert np.allclose(divided.times, 2 * STEP * np.arange(7))
 
 
-def test_resumed_after_steps_in_parts_is_the_same_to_the_last_bit(
-    monkeypatch, tmp_path, caplog, divided
-):
+def test_resumed_after_steps_in_parts_is_the_same_to_the_last_bit(tmp_path, caplog, divided):
     file = tmp_path / "run.h5"
-    stopped(monkeypatch, CONSERVES, scene(4), file, 5, **PLAN)
+    stopped(CONSERVES, scene(4), file, 5, **PLAN)
     resumed = CONSERVES.resume(scene(4), file)
     same(resumed, divided)
     assert resumed.divided == fl.Result.load(file).divided == divided.divided

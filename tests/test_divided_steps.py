@@ -102,7 +102,7 @@ DIVIDED = {
 
 
 @pytest.mark.parametrize("name", DIVIDED)
-def test_steps_without_a_solution_are_divided(tmp_path, monkeypatch, name):
+def test_steps_without_a_solution_are_divided(tmp_path, name):
     """These runs had ended: forces change by their size within a step, or bodies turn far."""
     scheme_of, scene_of, h, steps, error = DIVIDED[name]
     scene, body = scene_of()
@@ -117,5 +117,5 @@ def test_steps_without_a_solution_are_divided(tmp_path, monkeypatch, name):
         assert result.contacts.penetration.max() <= 1e-11
         assert np.diff(result.total_energy).max() <= error * result.total_energy[0]
         assert result.contacts.impact_loss.sum() > 1e-3 * result.total_energy[0]
-    stopped(monkeypatch, scheme, scene, file, steps - 1, **plan)
+    stopped(scheme, scene, file, steps - 1, **plan)
     same(scheme.resume(scene, file), result)

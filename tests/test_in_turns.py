@@ -92,4 +92,4 @@ def test_the_table_lists_what_is_above_the_limit(capsys):
 def test_a_case_gives_the_same_end_again(case):
     one, other = case.run(), case.run()
     assert one.iterations == other.iterations > 0
-    np.testing.assert_array_equal(one.point("end"), other.point("end"))
+    np.testing.assert_array_equal(one.end, other.end)

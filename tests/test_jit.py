@@ -418,7 +418,7 @@ def test_a_scene_compiles_nothing_for_bodies_that_it_does_not_have():
         "steel = fl.Material(E=2e11, nu=0.3, density=7800.0)\n"
         "section = fl.Section.rectangle(0.01, 0.01, steel)\n"
         "beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2))\n"
-        "scene.add(fl.Clamp(beam.start))\n"
+        "scene.add(fl.Clamp(beam.point('start')))\n"
         "fl.statics(scene)\n"
         "from fem_lie._jit.decorators import Callback\n"
         "callbacks = [c for c in vars(floating).values() if isinstance(c, Callback)]\n"

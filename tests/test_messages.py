@@ -40,7 +40,7 @@ def arguments_of(callable_):
 
 def public_names():
     """Names of the package, members of its classes, arguments of all of them."""
-    found = {"fem_lie"}
+    found = {"fem_lie"} | set(fl.extend.__all__)
     for name in fl.__all__:
         thing = getattr(fl, name)
         found |= {name} | arguments_of(thing)

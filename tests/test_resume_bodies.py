@@ -67,12 +67,12 @@ SCENES = {make.__name__: make for make in MADE}
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_resumed_is_uninterrupted_to_the_last_bit(monkeypatch, tmp_path, name):
+def test_resumed_is_uninterrupted_to_the_last_bit(tmp_path, name):
     scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-8, policy=fl.Automatic(cost=2, refresh=8))
     plan = {"duration": 0.04, "step": 1e-3}
     whole = scheme.run(SCENES[name](), **plan)
     file = tmp_path / "run.h5"
-    stopped(monkeypatch, scheme, SCENES[name](), file, 27, **plan)
+    stopped(scheme, SCENES[name](), file, 27, **plan)
     again = scheme.resume(SCENES[name](), file)
     same(again, whole)
     np.testing.assert_array_equal(again.balance, whole.balance)

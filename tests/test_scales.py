@@ -47,7 +47,7 @@ def test_spread_is_what_scaled_multipliers_move():
     moved = given.dense() * scale
     for part in VECTORS:
         np.testing.assert_allclose(spread[part, part], moved[part, part], rtol=1e-13)
-        assert spread[part].any(axis=0).sum() == part.stop - part.point("start")
+        assert spread[part].any(axis=0).sum() == part.stop - part.start
     assert spread[3, 3] == pytest.approx(1.0, rel=1e-15)
 
 

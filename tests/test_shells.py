@@ -361,7 +361,7 @@ CASES = {
     ),
     "guided along nothing": (
         lambda: arch_shell().roller("00", (0, 0, 0)),
-        "direction of guide '00' must not be zero",
+        "direction of roller '00' must not be zero",
     ),
     "triangles of degree 2 in a mixed element": (
         lambda: fl.Shell(fl.surface(square, (1, 1), cell="triangle", degree=2), LAYER),

@@ -220,7 +220,7 @@ def vectors_on_plane(**law) -> fl.Scene:
     scene.add(plate().bodies[0])
     ball = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.6, 0.3, 0.9)))
     nodes = [fl.Point(body, k) for body in scene.bodies[:-1] for k in (0, 1)]
-    plane = fl.Plane(ball.centre, (0, 0, 1), at=(0, 0, -0.1))
+    plane = fl.Plane(ball.point("centre"), (0, 0, 1), at=(0, 0, -0.1))
     scene.add(fl.Contact(fl.Vertices(nodes, 0.1), plane, fl.Penalty(50.0, **law)))
     return scene
 

@@ -289,7 +289,7 @@ def test_cantilever_of_two_bodies_is_the_cantilever_of_one():
         for name, other in (("beam 1.end", "beam 1.node 4"), ("beam 2.end", "beam 1.end")):
             found = np.abs(modes.shapes[:, info.node(name)])
             np.testing.assert_allclose(
-                found, np.abs(expected.shapes[:, single.point(other)]), atol=1e-5
+                found, np.abs(expected.shapes[:, single.node(other)]), atol=1e-5
             )
     assert np.abs(expected.shapes[0, :, :3]).max() == pytest.approx(body.size)
 

@@ -13,8 +13,8 @@ material = fl.Material(2e11, 0.3, 7850.0)
 beam = fl.Beam.straight((0, 0, 0), (0, 0, 1), fl.Section.circle(0.01, material), cells=4)
 scene = fl.Scene()
 scene.add(beam)
-scene.add(fl.Clamp(beam.start))
-scene.add(fl.PointLoad(beam.end, (0, 0, -2e4)))  # twice Euler's load
+scene.add(fl.Clamp(beam.point("start")))
+scene.add(fl.PointLoad(beam.point("end"), (0, 0, -2e4)))  # twice Euler's load
 fl.statics(scene)
 """
 COARSE = """
@@ -23,9 +23,9 @@ section = fl.Section.circle(0.01, material)
 beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=3)
 scene = fl.Scene()
 scene.add(beam)
-scene.add(fl.Clamp(beam.start))
+scene.add(fl.Clamp(beam.point("start")))
 angle = 3 * 2.9  # 2.9 rad in each element
-scene.add(fl.PointLoad(beam.end, moment=(0, 0, angle * section.stiffness[5, 5])))
+scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, angle * section.stiffness[5, 5])))
 fl.statics(scene, load_steps=6)
 """
 SCENES = {"UnstableEquilibriumWarning": UNSTABLE, "CoarseElementsWarning": COARSE}

@@ -160,7 +160,7 @@ class CellTerm(Term):
         return (self._matrix,)
 
     @property
-    def tables(self) -> tuple[FormTable, FormTable]:
+    def tables(self) -> tuple[FormTable, FormTable] | None:
         """Of forces and of energy."""
         return self._forces.table, self._energy.table
 

@@ -39,15 +39,15 @@ class ElementBody(Body):
         has_mass: Whether cells have inertia.
 
     Example:
-        >>> from fem_lie.elements.gradients import strains
+        >>> from fem_lie.elements.gradients import ancf
         >>> tube = fl.Section.circle(0.01, fl.Material(E=2.1e11, nu=0.3, density=7800.0))
         >>> beam = fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), tube, cells=2)
         >>> own = fl.ElementBody(
         ...     beam.frames,
         ...     beam.node_kinds,
         ...     beam.elements,
-        ...     element=strains.ELEMENT,
-        ...     functions=strains.FUNCTIONS,
+        ...     element=ancf.ELEMENT,
+        ...     functions=ancf.FUNCTIONS,
         ...     data=beam.element_data(),
         ... )
         >>> own.element_nodes.shape

@@ -33,13 +33,14 @@ from ufl.core.expr import Expr
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, inlined
 from fem_lie.elements.shells.strains import Point, Surface
+from fem_lie.forms.cell_forms import FormTable
 from fem_lie.forms.cell_sums import Pattern
 from fem_lie.forms.kernels.addresses import Pointer
 from fem_lie.forms.small_energy.assembly import CellFunctions, ElementCells
 from fem_lie.forms.small_energy.cell import (
     add_energy,
     add_forces,
-    add_tangent_at_stress,
+    add_hessian_at_stress,
     update_stress,
 )
 from fem_lie.forms.small_energy.element import (
@@ -50,7 +51,9 @@ from fem_lie.forms.small_energy.element import (
     packed,
     unpacked,
 )
+from fem_lie.forms.term import add_at
 from fem_lie.lie.kinds.kind import NodeKind
+from fem_lie.lie.motions import add_turnings
 from fem_lie.mesh.shapes import rule, tabulated
 
 
@@ -169,8 +172,8 @@ def forces_of_cell(A: Pointer, w: Pointer, c: Pointer, h: Pointer) -> None:
 
 @callback(PACKED_SIGNATURE)
 def tangent_of_cell(A: Pointer, w: Pointer, c: Pointer, h: Pointer) -> None:
-    """Tangent stiffness of a cell."""
-    add_tangent_at_stress(_packed_element(c), A, w)
+    """Second derivative of the energy of a cell, with the linearised stress."""
+    add_hessian_at_stress(_packed_element(c), A, w)
 
 
 @callback(PACKED_SIGNATURE)
@@ -230,3 +233,41 @@ class DrillingAssembly(ElementCells):
         functions = CellFunctions(energy_of_cell, forces_of_cell, tangent_of_cell, stress_of_cell)
         self._pattern = Pattern.of(nodes, len(frames))
         self._bind(of, functions, nodes, data, packed(of.cells))
+        rows = np.repeat(np.arange(len(frames)), np.diff(self._pattern.indptr))
+        self._diagonal = np.flatnonzero(self._pattern.indices == rows)
+        self._all = np.ones(len(frames), dtype=bool)
+
+    @property
+    def tables(self) -> None:
+        """None: the tangent takes the forces that were kept, see :meth:`tangent`."""
+
+    @property
+    def over_cells(self) -> tuple[FormTable, FormTable]:
+        """Of forces and of energy."""
+        return self._forces.table, self._energy.table
+
+    def room(self) -> Array:
+        """For all forces, shape (n, 6)."""
+        return np.zeros((len(self._all), 6))
+
+    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
+        """Add the forces at frames ``H`` to ``out``, shape (n, 6)."""
+        forces = self.room() if kept is None else kept
+        forces[:] = 0.0
+        super().add_forces(H, forces)
+        out += forces.reshape(out.shape)
+
+    def tangent(self, H: Array, kept: Array) -> Array:
+        """Derivatives in twists with the linearised stress, shape (pairs, 6, 6), force per twist.
+
+        Of the kept forces, which are those of linear theory in :meth:`linear_forces`, the system
+        adds what they have of the rotation of frames.
+        """
+        blocks = super().tangent(H, kept)
+        forces = kept * self._matrix.share(len(self._all))
+        add_turnings(forces, -1.0, self._diagonal, self._all, blocks)
+        return blocks
+
+    def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
+        """See the base class."""
+        add_at(K, place, self.tangent(H, kept))

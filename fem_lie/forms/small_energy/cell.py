@@ -15,8 +15,7 @@ with ``s′`` and ``s″`` of products by those of vectors, derivatives of deriv
 in ``e`` in forward mode (:mod:`.jets`), and the last part of nodal axes that turn with the node.
 Strains do not change in a rigid motion if they are functions of scalar products of vectors that
 rotate with it. The linearised stress is that of ``e + e′ h``; where it is used, the tangent has it
-instead of ``N``, but for the rotation of frames, which the forces of ``N`` take part in (see
-:mod:`fem_lie.elements.shells.maps`). Nodes are of any types, each of its own.
+instead of ``N``. Nodes are of any types, each of its own.
 
 Every function here is of one cell, and is merged into a function of an element that passes its
 constants. The data of a cell are the coordinate vectors of its nodes, then those of
@@ -95,13 +94,27 @@ def add_forces(of: Element, A: Pointer, w: Pointer) -> None:
 @inlined
 def add_tangent(of: Element, A: Pointer, w: Pointer) -> None:
     """Tangent stiffness, added to ``A`` (k, 6, k, 6), at the stress of the strains."""
-    _tangent(of.cells, of.strain, of.law, of.derive, of.like, of.turning, None, None, second, A, w)
+    _tangent(
+        of.cells, of.strain, of.law, of.derive, of.like, of.turning, None, None, None, second, A, w
+    )
 
 
 @inlined
 def add_tangent_at_stress(of: Element, A: Pointer, w: Pointer) -> None:
     """Tangent stiffness, added to ``A`` (k, 6, k, 6), at the linearised stress."""
-    _tangent(of.cells, of.strain, of.law, of.derive, of.like, of.turning, 1, None, second, A, w)
+    _tangent(
+        of.cells, of.strain, of.law, of.derive, of.like, of.turning, None, 1, None, second, A, w
+    )
+
+
+@inlined
+def add_hessian_at_stress(of: Element, A: Pointer, w: Pointer) -> None:
+    """Second derivative along :func:`~fem_lie.lie.motions.retract` at the linearised stress.
+
+    It is symmetric. A term takes out of it what the forces of the present strains have of the
+    rotation of frames, which the system adds for all forces on a node.
+    """
+    _tangent(of.cells, of.strain, of.law, of.derive, of.like, of.turning, 1, 1, None, second, A, w)
 
 
 @inlined
@@ -123,7 +136,7 @@ def add_viscous_forces(of: Element, A: Pointer, w: Pointer, v: Pointer) -> None:
 @inlined
 def add_viscous_tangent(of: Element, A: Pointer, w: Pointer) -> None:
     """Their derivative in the twists, added to ``A`` (k, 6, k, 6)."""
-    _tangent(of.cells, of.strain, of.law, of.derive, of.like, None, None, 1, first, A, w)
+    _tangent(of.cells, of.strain, of.law, of.derive, of.like, None, None, None, 1, first, A, w)
 
 
 @inlined
@@ -238,6 +251,7 @@ def _tangent(
     derive: Function,
     like: Any,
     turning: int | None,
+    symmetric: int | None,
     linearised: int | None,
     viscous: int | None,
     order: CompiledFunction,
@@ -268,9 +282,7 @@ def _tangent(
         stack(3 * c * u),
         matrix_at(stack(3 * c * u), c, 3 * u),
     )
-    more, excess = matrix_at(stack(3 * r), r, 3), vector_at(stack(n), n)
     clear(f)
-    clear(more)
     clear(K)
     clear(G)
     find_directions(E, data.H, D)
@@ -287,7 +299,7 @@ def _tangent(
                     C[i, k] = data.viscosity[p, i, k]
         if linearised is not None:
             for i in range(n):
-                excess[i], N[i] = data.stress[p, i] - N[i], data.stress[p, i]
+                N[i] = data.stress[p, i]
         if strain is None:
             add_congruent(C, matrix_at(S_at, sums, 3 * u), MS, K)
         else:
@@ -306,15 +318,11 @@ def _tangent(
         if turning is not None:
             find_vector_forces(E, z, g, fz)
             add_pulled(E, derive, T, Y, fz, f)
-            if linearised is not None:
-                pull_strains(E, strain, excess, J, g)
-                find_vector_forces(E, z, g, fz)
-                add_pulled(E, derive, T, Y, fz, more)
     add_local_matrix(E, D, K, G, matrix_at(A, 6 * E.types.shape[0], 6 * E.types.shape[0]))
     if turning is not None:
         add_turning(E, data.H, f, A)
-        if linearised is not None:
-            add_turning_of_frames(E, data.H, more, A)
+        if symmetric is not None:
+            add_turning_of_frames(E, data.H, f, A)
 
 
 @inlined
