@@ -103,10 +103,8 @@ def costs(plan: Case, how: fl.Composition, repeats: int) -> list[np.ndarray]:
     both = (alpha, ALPHA), (fl.Composed(fl.EnergyMomentum(tolerance=ERROR), how), COMPOSED)
     turns = [[[timed(s, plan, n) for n in ns] for s, ns in both] for _ in range(repeats)]
     curves = []
-    for k, made in enumerate(turns[0]):
-        gap = [
-            np.linalg.norm(r.frames[-1, :, 0] - end, axis=1).max() / plan.length for r, _ in made
-        ]
+    for k, row in enumerate(turns[0]):
+        gap = [np.linalg.norm(r.frames[-1, :, 0] - end, axis=1).max() / plan.length for r, _ in row]
         curves.append(np.array([gap, np.min([[t for _, t in turn[k]] for turn in turns], axis=0)]))
     return curves
 
