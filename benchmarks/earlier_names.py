@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from importlib import import_module
 from types import ModuleType
 from typing import Any
 
@@ -13,6 +15,9 @@ def give_names(fl: ModuleType) -> None:
     """
     if hasattr(fl.Body, "point"):
         return
+    extend = ModuleType("fem_lie.extend")
+    extend.COLOURS = import_module("fem_lie.pictures.diagrams").COLOURS  # type: ignore[attr-defined]
+    sys.modules["fem_lie.extend"] = extend
     fl.Body.point = _point
     fl.Body.add_velocity = _add_velocity
     fl.Body.set_group = fl.Body.on
