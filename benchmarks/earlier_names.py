@@ -7,6 +7,8 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 
 def give_names(fl: ModuleType) -> None:
     """Add the names of :class:`fem_lie.Body` that a package does not have yet.
@@ -19,7 +21,15 @@ def give_names(fl: ModuleType) -> None:
     extend.COLOURS = import_module("fem_lie.pictures.diagrams").COLOURS  # type: ignore[attr-defined]
     sys.modules["fem_lie.extend"] = extend
     fl.Body.point = _point
-    fl.Body.add_velocity = _add_velocity
+    rigid = fl.Body.add_velocity
+
+    def add_velocity(
+        body: Any, linear: Any = (0, 0, 0), omega: Any = (0, 0, 0), about: Any = None
+    ) -> None:
+        centre = (0, 0, 0) if about is None else getattr(about, "position", about)
+        rigid(body, *(np.asarray(each, dtype=float) for each in (linear, omega, centre)))
+
+    fl.Body.add_velocity = add_velocity
     fl.Body.set_group = fl.Body.on
     fl.Body.nodes = lambda body, where: body.nodes_of(where)
     for cls in (fl.Shell, fl.Solid, fl.ThinShell):
@@ -35,12 +45,3 @@ def _point(body: Any, where: Any, tolerance: float | None = None, **options: Any
             return body.grip(where, *options.values())
         return getattr(body, where, None) or body[where]
     return body.nearest(where) if hasattr(body, "nearest") else body.at(where)
-
-
-def _add_velocity(
-    body: Any, velocity: Any = (0.0, 0.0, 0.0), *, omega: Any = None, about: Any = None
-) -> None:
-    """Add a translation, a rotation about a point, or both."""
-    body.move(velocity)
-    if omega is not None:
-        body.turn(omega, about)
