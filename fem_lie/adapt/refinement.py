@@ -1,9 +1,4 @@
-"""Meshes with some elements cut, and meshes whose elements are as large as a tolerance allows.
-
-Meshes with some elements cut in two or more; names stay with what they are names of.
-
-A mesh whose elements are as large as a tolerance allows, made from a coarse one.
-"""
+"""Meshes with some elements cut, and meshes whose elements are as large as a tolerance allows."""
 
 from __future__ import annotations
 
@@ -26,13 +21,9 @@ from fem_lie.mesh.shapes import cell_normals
 from fem_lie.mesh.surfaces import SurfaceMesh
 
 Refinable = TypeVar("Refinable", LineMesh, SurfaceMesh, SplineMesh)
-
 Followed = TypeVar("Followed", LineMesh, SurfaceMesh)
-
 """Those that states are carried to."""
-
 Onto = Callable[[Array], npt.ArrayLike]
-
 """From a place (3,) near the true line or surface to the place on it."""
 
 _SAME_PLACE = 1e-9  # of the length of the shortest edge
@@ -238,11 +229,8 @@ def _moved(places: Array, onto: Onto | None) -> Array:
 
 
 _LARGEST = 1.2  # of the wanted size is small enough
-
 _FINER, _COARSER = 0.125, 8.0  # what an estimate says beyond is not known
-
 _LEVELS = 40
-
 _OF_BICUBICS = 2  # curvatures
 
 

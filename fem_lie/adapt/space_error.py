@@ -1,9 +1,5 @@
 """Error in space of one state of a body, element by element, in the energy norm.
 
-Pictures of errors: densities over arc length, or in the colours of cells.
-
-Error in space of one state of a body, element by element, in the energy norm.
-
 Of a shell, say::
 
     found = fl.space_error(result, shell, scene)
@@ -52,7 +48,6 @@ class _Quadrilateral:
 
 
 _LEAST = 1e-6  # of the largest density
-
 _PIECES = 8  # of a cell of a thin shell, in either direction
 
 

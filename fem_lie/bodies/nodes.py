@@ -1,12 +1,6 @@
 """The nodes of a body: what they are, what holds them, and how they move at first.
 
 What holds rotations of nodes is passed to bodies, which know nothing of joints.
-
-Along which nodes the elements of a body turn.
-
-Whether nodes of bodies are where nodes can be: what users have set is checked by.
-
-The nodes of a body: what they are, what holds them, and how they move at first.
 """
 
 from __future__ import annotations
@@ -99,7 +93,6 @@ def check_nodes(label: str, kinds: Indices, frames: Array, velocities: Array) ->
 
 
 Follower: TypeAlias = Callable[[Array], None]
-
 """Turns the axes of a body's nodes as they have moved, in their rows (n, 4, 3), with
 :func:`fem_lie.lie.kinds.set_axes`; it may set rows that nothing depends on, too."""
 

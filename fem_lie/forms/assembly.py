@@ -1,9 +1,5 @@
 """All bodies of one kind as one term on their nodes, and those that DOLFINx assembles.
 
-All bodies of one kind as one term on their nodes, wherever its sums over cells come from.
-
-All bodies of one kind, assembled together by DOLFINx, seen as vectors and blocks on nodes.
-
 Whatever the number of bodies there is one mesh and one call per residual. Coefficients are packed
 once; only the nodal frames are written anew before each call, by one compiled loop.
 """

@@ -1,9 +1,5 @@
 """A frame as four vectors ``q = (x, d₁, d₂, d₃)``: how they move with its twist; compiled.
 
-Frames whose first axis is a given direction.
-
-A frame as four vectors ``q = (x, d₁, d₂, d₃)``: how they move with its twist; compiled.
-
 With ``v = (u, ω)`` in the frame's own components, ``q̇ = L v`` is ``ẋ = R u`` and
 ``ḋ_k = R (ω × e_k)``, and a force ``f`` on the four vectors is ``Lᵀ f`` on the frame: force
 ``Rᵀ f_x``, moment ``Σ e_k × Rᵀ f_k``.
@@ -18,7 +14,6 @@ from fem_lie._jit import inlined, uncounted
 from fem_lie.lie.tuples import Vector, combined, cross, dot, load_row, plus, scaled, store_rows
 
 _OPPOSITE = 1e-12
-
 """Of ``1 + cos``: there is no smallest rotation to the opposite direction."""
 
 

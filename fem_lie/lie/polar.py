@@ -1,7 +1,5 @@
 """The polar decomposition ``A = R U``, and convected axes by the mean deformation; compiled.
 
-The rotation next to a matrix: the polar decomposition ``A = R U``, compiled.
-
 Axes of places that turn by the rotation next to the mean deformation around them, compiled.
 
 The mean deformation around place i is ``F_i = Σ_k x_k ⊗ b_ik`` with constants ``b``; axes are those
@@ -19,7 +17,6 @@ from fem_lie._jit import compiled
 from fem_lie._jit.copies import copy_matrix
 
 _MOST = 60  # iterations; six do for moderate strains
-
 _EXACT = 1e-15
 
 
@@ -85,7 +82,6 @@ class Surroundings(NamedTuple):
 
 
 PlainSurroundings: TypeAlias = tuple[Indices, Indices, Indices, Array, Array]
-
 """A :class:`Surroundings` at the door from Python."""
 
 

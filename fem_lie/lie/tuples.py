@@ -1,11 +1,7 @@
 """Vectors, matrices and wrenches as plain numbers, for compiled code.
 
-Vectors and matrices as plain numbers, for compiled code.
-
 Vectors are tuples of 3 numbers and matrices tuples of 9, row by row: they live in registers, so
 nothing here allocates. In a six-vector with a dual part, ``(A, dA)`` stands for a matrix (6, 6).
-
-Sums of forces at different places, with moments about the origin, in compiled code.
 """
 
 from __future__ import annotations
@@ -16,7 +12,6 @@ from fem_lie._arrays import Array
 from fem_lie._jit import inlined
 
 Vector: TypeAlias = tuple[float, float, float]
-
 Matrix: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
 
 ZERO: Matrix = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -1,13 +1,5 @@
 """Which package factorises a matrix, by its graph, its fill and its values.
 
-What eliminating a matrix costs, from its graph alone: fill and operations of a Cholesky factor.
-
-Vertices are nodes, each with as many unknowns as it has free ones, and constraints. The columns of
-the factor are counted along the row subtrees of the elimination tree (J. W. H. Liu, SIAM J. Matrix
-Anal. Appl. 11 (1990) 134), for an ordering of minimum degree and one of nested dissection.
-
-Which package factorises a matrix, by its graph and its values: one table for all who ask.
-
 Measured with OpenBLAS on beams, nets, linkages, shells and solids of 18 to 50 000 unknowns
 (``benchmarks/packages.py``): KLU is the fastest for chains, trees and rings, CHOLMOD by two to
 three times where a matrix is symmetric and positive definite, but for a narrow border of
@@ -15,6 +7,12 @@ multipliers and frames, MUMPS for all else that is large.
 UMFPACK solves two to three times as fast as MUMPS, where many solutions count. KLU and UMFPACK
 leave their ordering for the zeros that constraints have on the diagonal: in meshes of many joints
 they fill far beyond it. No graph shows that for certain; the first factorisation's time does.
+
+What eliminating a matrix costs, from its graph alone: fill and operations of a Cholesky factor.
+
+Vertices are nodes, each with as many unknowns as it has free ones, and constraints. The columns of
+the factor are counted along the row subtrees of the elimination tree (J. W. H. Liu, SIAM J. Matrix
+Anal. Appl. 11 (1990) 134), for an ordering of minimum degree and one of nested dissection.
 """
 
 from __future__ import annotations
@@ -41,7 +39,6 @@ if TYPE_CHECKING:
     from fem_lie.linear.bordered import KKT
 
 MINIMUM_DEGREE, DISSECTION = "amd", PETSc.Mat.OrderingType.ND
-
 _WITHOUT_AMD = PETSc.Mat.OrderingType.QMD  # where PETSc was built without SuiteSparse
 
 
@@ -189,31 +186,21 @@ def _cost(columns: Array, sizes: Indices) -> Cost:
 
 
 LARGE = 20_000
-
 """Nodes of a scene whose chains are eliminated before a package has the rest."""
 
 CHAINS = ByChains("lu", "mumps"), Method("lu", "mumps"), Method("lu", "umfpack")
-
 """For large nets and trusses, most nodes of which are within threads and bars."""
 
 _FEW = 300  # unknowns of which no ordering is needed to know that KLU is the fastest
-
 _CHAIN = 2  # neighbours, at most, of a node of a chain, a tree or a ring when it is eliminated
-
 _FILLS = 1e9  # operations from which on several ranks factorise together
-
 _BORDERS = 2e7  # operations from which on a border costs less than factors that are not symmetric
-
 _COSTLY = 5e9  # operations from which on UMFPACK, which is slower, does not catch up
-
 _JOINTED, _LEAVES = 0.02, 2e7  # constraints over unknowns, and operations, UMFPACK minds both
-
 _WORSE = 2.0  # operations by minimum degree over those by dissection, UMFPACK's over MUMPS'
-
 _UNKNOWN, _OPERATION = 1e-6, 1.2e-9  # seconds for each, at most where the ordering is kept to
 
 _DOMAINS, _PACKAGE = "domains", "pc_factor_mat_solver_type"
-
 _KINDS = {"cholmod": ("cholesky",), "mumps": ("cholesky", "lu")}  # others have LU alone
 
 _log = logging.getLogger(__name__)

@@ -1,9 +1,4 @@
-"""Lines and surfaces of gmsh models: cells, tangents and normals of the CAD, named groups.
-
-Lines of gmsh models: first-order line cells, CAD tangents, named groups.
-
-Surfaces of gmsh models in space: cells, normals of the CAD, named groups of all dimensions.
-"""
+"""Lines and surfaces of gmsh models: cells, tangents and normals of the CAD, named groups."""
 
 from __future__ import annotations
 
@@ -30,7 +25,6 @@ from fem_lie.mesh.lines import circle_tangents, flipped
 _log = logging.getLogger(__name__)
 
 _STRAIGHT = 1e-6  # rad, as two tangents that agree
-
 _LINE_2 = 1  # gmsh's element type
 
 

@@ -1,9 +1,5 @@
 """Line meshes in space: points, cells with tangents at both ends, named groups and points.
 
-Topology and tangents of lines that are given by points and cells alone.
-
-Line meshes in space: points, cells with tangents at both ends, named groups and points.
-
 A mesh comes from a helper (:func:`straight`, :func:`polyline`, :func:`curve`), from gmsh or DOLFINx
 (:mod:`fem_lie.mesh.reading`), or from bare arrays (:meth:`LineMesh.from_cells`). A corner is a
 corner, unless points are said to lie on a curve.
@@ -142,11 +138,9 @@ def _meeting(cells: Indices, points: int) -> tuple[Indices, Indices]:
 
 
 CORNER_ANGLE = radians(1.0)
-
 """What turns by less is straight: coordinates have so many digits."""
 
 KINK_ANGLE = radians(40.0)
-
 """Of points on a curve: a circle of ten cells is still smooth, a corner of 45 degrees is not."""
 
 

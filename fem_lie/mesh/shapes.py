@@ -1,9 +1,4 @@
-"""Shapes of surface cells: normals, orientation, folded cells, points of integration.
-
-Which cells of a surface have to be turned round, so that all look to one side.
-
-Shapes of surface cells: normals, cells that fold over, points of integration on faces.
-"""
+"""Shapes of surface cells: normals, orientation, folded cells, points of integration."""
 
 from __future__ import annotations
 
@@ -136,15 +131,11 @@ class FaceRule:
 
 
 DEGREES = {"triangle": {3: 1, 6: 2}, "quadrilateral": {4: 1, 9: 2}}
-
 """Degree of each kind of cell by its number of points."""
 
 _AROUND = [0, 1, 3, 2]  # corners given one after the other, in DOLFINx's order
-
 _CROSSED = [0, 2, 3, 1]
-
 _NO_ANGLE = 1e-9  # sine, at a corner
-
 _FOLDED = 1e-6  # cosine; cells of a smooth surface are far from it
 
 

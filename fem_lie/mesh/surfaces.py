@@ -1,11 +1,7 @@
 """Surface meshes in space, and those from functions of two parameters.
 
-Surface meshes in space: points, cells with normals at their nodes, named groups, curves, points.
-
 A mesh comes from a helper (:func:`surface`), from gmsh or DOLFINx (:mod:`fem_lie.mesh.reading`),
 or from bare arrays (:meth:`SurfaceMesh.from_cells`).
-
-Surface meshes from functions of two parameters.
 """
 
 from __future__ import annotations
@@ -40,7 +36,6 @@ if TYPE_CHECKING:
 KINK_ANGLE = radians(40.0)
 
 _FAR_OFF = 0.5  # cosine: a smooth surface does not turn by twice 60° in one cell
-
 _ROUND = {"triangle": (0, 1, 2), "quadrilateral": (0, 1, 3, 2)}  # corners, one after the other
 
 

@@ -1,11 +1,4 @@
-"""Meshes of hexahedra and tetrahedra, integrals over their cells, and those from functions.
-
-Integrals over the cells of a mesh that fills a volume.
-
-Volumes of hexahedra or tetrahedra on meshes of DOLFINx, with names for their parts.
-
-Volume meshes from functions of three parameters.
-"""
+"""Meshes of hexahedra and tetrahedra, integrals over their cells, and those from functions."""
 
 from __future__ import annotations
 
@@ -22,7 +15,6 @@ from fem_lie._arrays import Array, Indices, find_name, instance, points_of, whol
 from fem_lie.mesh.shapes import nodes_of, rule, tabulated
 
 _GEOMETRY = {4: 1, 10: 2, 8: 1, 27: 2}
-
 """Degree of a cell's geometry by its number of nodes."""
 
 
@@ -70,11 +62,9 @@ class VolumeRule:
 
 
 _KINDS = {"tetrahedron": (4, 10), "hexahedron": (8, 27)}
-
 """Nodes of cells of degree 1 and 2."""
 
 _FLAT = 1e-12
-
 """Volume over the third power of the longest edge, of cells that have none."""
 
 
@@ -215,9 +205,7 @@ def _refuse_inverted(mesh: dolfinx.mesh.Mesh, degree: int) -> None:
 
 
 _PARAMETERS = "abc"
-
 _TETRAHEDRA = ((0, 1, 3, 7), (0, 1, 7, 5), (0, 5, 7, 4), (0, 3, 2, 7), (0, 6, 4, 7), (0, 2, 6, 7))
-
 """Six of a hexahedron, about its diagonal."""
 
 

@@ -1,9 +1,4 @@
-"""Pictures of bodies in space: superposed states, animations, and surfaces coloured by a value.
-
-Pictures of deformed surfaces coloured by a value. Works without a display.
-
-Pictures of bodies in space: superposed instants, and animations. Works without a display.
-"""
+"""Pictures of bodies in space: superposed states, animations, and surfaces coloured by a value."""
 
 from __future__ import annotations
 
@@ -23,13 +18,11 @@ from fem_lie.pictures.vtk import CellKind, surface_grid
 
 # of both signs: blue and red about zero; of one sign: from dark to bright
 _SIGNED, _PLAIN = "RdBu_r", "viridis"
-
 _COLOURS = 256
 
 _COLOUR_AMBIENT = 0.7  # so much that a colour is the same on all sides, nearly
 
 _SUBDIVISION = 2  # of cells of second degree
-
 _ONE_SIGN = 0.02  # of the largest; less of the other sign is none
 
 
@@ -120,25 +113,16 @@ def _limits(values: Array) -> tuple[float, float]:
 
 
 _PALEST = 0.25
-
 _AMBIENT = 0.45
-
 BALL = 0.008
-
 """Radius of a joint, part of the scene."""
-
 _THROUGH = 0.35  # opacity of bodies with nodal frames inside
-
 _BEFORE = 0.25  # opacity of earlier states of surfaces, which would hide the last one
-
 _TRIAD = 0.04  # length of a drawn director, part of the scene
-
 _TRIAD_COLOURS = {"e1": "#CC0000", "e2": "#008800", "e3": "#0000CC"}
 
 _LONGEST = 0.15
-
 """Length of the longest arrow of a force, part of the scene."""
-
 _FORCE_COLOUR = "#CC7700"
 
 
@@ -155,7 +139,6 @@ class Arrows(NamedTuple):
 
 
 PLAYED = Canvas(size=(800, 600))
-
 """Of pictures that move."""
 
 

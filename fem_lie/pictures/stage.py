@@ -1,11 +1,4 @@
-"""What is around the bodies of a picture: title, axes, units, camera, and a virtual display.
-
-Units on the axes of diagrams and pictures.
-
-An X server for VTK where there is no display.
-
-What is around the bodies of a picture: white ground, title, axes with round numbers, camera.
-"""
+"""What is around the bodies of a picture: title, axes, units, camera, and a virtual display."""
 
 from __future__ import annotations
 
@@ -98,9 +91,7 @@ def _start() -> tuple[subprocess.Popen[bytes], str]:
 
 
 INK = "#333333"
-
 _MARGIN, _LINES = 0.045, 4.0  # part of the width and lines of text: room for titles of axes
-
 _PER_TEXT = 100  # widths of the picture in pixels per size of the text
 
 
@@ -121,7 +112,6 @@ class Canvas(NamedTuple):
 
 
 PLAIN = Canvas()
-
 """Without a title, in metres."""
 
 

@@ -1,9 +1,4 @@
-"""Files for ParaView: time series of nodes and cells, and surfaces and volumes of one state.
-
-Files for ParaView of one state: surfaces and volumes with values at points and in cells.
-
-Files for ParaView: time series of nodes and cells with frames and velocities.
-"""
+"""Files for ParaView: time series of nodes and cells, and surfaces and volumes of one state."""
 
 from __future__ import annotations
 

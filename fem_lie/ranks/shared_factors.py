@@ -1,9 +1,4 @@
-"""Factors of one matrix on all ranks, and what the solution on subdomains took.
-
-What the solution on subdomains took.
-
-Factors of one matrix on all ranks, each of which has the matrix and gives some rows of it.
-"""
+"""Factors of one matrix on all ranks, and what the solution on subdomains took."""
 
 from __future__ import annotations
 
@@ -43,7 +38,6 @@ class Subdomains(NamedTuple):
 
 
 FROM = 20_000
-
 """Unknowns from which on factors are shared, unless PETSc's option ``shared_from`` says another."""
 
 _FROM = "shared_from"

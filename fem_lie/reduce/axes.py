@@ -1,9 +1,4 @@
-"""The frame of a body that deforms, and its motion without that of the frame.
-
-The frame of a body that deforms: which rigid motion is taken out of it.
-
-What is left of a motion when its rigid part is taken out, as increments in nodal frames.
-"""
+"""The frame of a body that deforms, and its motion without that of the frame."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
 """Bases of reduced-order bodies: POD, Krylov, Craig-Bampton, and modal derivatives.
 
-Proper orthogonal decomposition of local motion: the shapes that a motion had.
-
 Krylov shapes: how a body answers to loads at known places, slowly at first.
 
 With ``K⁻¹f, K⁻¹MK⁻¹f, …`` as shapes the answer to a load that swings has the first terms of its

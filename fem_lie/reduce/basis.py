@@ -1,9 +1,4 @@
-"""A basis of a body in its nodes' frames, states projected on it, and its file.
-
-The mesh of a body in files of what was made of it, and checks of both.
-
-Shapes of a body in its nodes' frames, states projected on them, and what that leaves out.
-"""
+"""A basis of a body in its nodes' frames, states projected on it, and its file."""
 
 from __future__ import annotations
 
@@ -29,7 +24,6 @@ if TYPE_CHECKING:
     import h5py
 
 VERSION = 2
-
 _SAME = 1e-9  # of the body's size
 
 

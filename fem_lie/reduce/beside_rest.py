@@ -1,9 +1,4 @@
-"""Matrices and forces of a single body in a basis, at rest and at large motion.
-
-Matrices of a single body beside a state, and shapes as vectors of its free unknowns.
-
-Forces of a body in few shapes at large motion: the equations of all nodes, pulled back.
-"""
+"""Matrices and forces of a single body in a basis, at rest and at large motion."""
 
 from __future__ import annotations
 

@@ -1,15 +1,5 @@
 """Energy-conserving sampling and weighting: few cells whose weighted forces are those of all.
 
-Energy, forces and matrix in few shapes that some cells of a body make, with weights.
-
-Nodes move as ``Hᵢ = Hᵢ⁰ exp dᵢ`` with ``dᵢ = Φᵢ η``, so that of forces ``f`` in their axes::
-
-    ∂W/∂η = Σ Φᵀ Tᵀ f          ∂²W/∂η² = Σ Φᵀ (Tᵀ K T + ∂(Tᵀ f)/∂d) Φ
-
-with ``T = T₆(d)`` and the cells' own matrix ``K``. That of all is symmetric in every state.
-
-Energy-conserving sampling and weighting: few cells whose weighted forces are those of all.
-
 What all cells do in the shapes, ``Σ_e Φᵀ Tᵀ f_e``, is wanted in some states of training from few
 of them, ``Σ_e ξ_e Φᵀ Tᵀ f_e`` with weights ``ξ ≥ 0``. Such forces are the gradient of the energy
 ``Σ_e ξ_e W_e``, so that the matrix stays symmetric. Forces are compared by the energy that they
@@ -19,6 +9,14 @@ allows, and as many cells at most have weights then.
 
 C. Farhat, P. Avery, T. Chapman & J. Cortial, Int. J. Numer. Meth. Engng 98 (2014) 625, by the
 singular vectors of J. A. Hernández, M. A. Caicedo & A. Ferrer, CMAME 313 (2017) 687.
+
+Energy, forces and matrix in few shapes that some cells of a body make, with weights.
+
+Nodes move as ``Hᵢ = Hᵢ⁰ exp dᵢ`` with ``dᵢ = Φᵢ η``, so that of forces ``f`` in their axes::
+
+    ∂W/∂η = Σ Φᵀ Tᵀ f          ∂²W/∂η² = Σ Φᵀ (Tᵀ K T + ∂(Tᵀ f)/∂d) Φ
+
+with ``T = T₆(d)`` and the cells' own matrix ``K``. That of all is symmetric in every state.
 """
 
 from __future__ import annotations

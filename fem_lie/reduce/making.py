@@ -20,8 +20,6 @@ Few normal modes have the motion right, and moments beside a held edge wrong: al
 those. What a body does under its own weight and at slow accelerations of its frame is right with
 one more shape for each, the answer to that load.
 (E. L. Wilson, M.-W. Yuan & J. M. Dickens, Earthq. Eng. Struct. Dyn. 10 (1982) 813.)
-
-Bodies in few shapes for scenes in time, made from full ones.
 """
 
 from __future__ import annotations
@@ -44,11 +42,8 @@ from fem_lie.scene import Scene
 from fem_lie.system.equations import Instant
 
 _STRAIGHT = 1e-3  # what displacements over the body's size count beside rotations
-
 _STEP = 4e-3  # of the body's size: how large shapes are in differences
-
 _WEIGHTS = {1.0: 4.0 / 3.0, 2.0: -1.0 / 12.0}
-
 """Of ``f(k s) + f(−k s)`` in the second derivative along ``s``, of fourth order where ``f(0) = 0``.
 
 Plain differences leave 1e-8 of it in round-off or in higher terms, whatever the step."""

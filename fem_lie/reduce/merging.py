@@ -1,5 +1,11 @@
 """A motion whose inactive regions move with one frame each until they become active.
 
+A region keeps the deformation that it has when it is merged, with the energy of that; its nodes
+follow one of them rigidly. Which nodes need frames of their own is asked now and then, see
+:class:`Looking`: a stretch counts up to where no merged node stirs, and the next one has those that
+do free. Merging projects velocities by mass, which keeps both momenta; what it would take of the
+kinetic energy is bounded, and nodes wait until they have been quiet for a while.
+
 What regions with one frame each would miss of the next moments of a motion.
 
 Within a time ``τ`` from twists ``v`` and forces ``r`` nodes move by ``d``, with matrices of small
@@ -9,14 +15,6 @@ motions beside the state, as if accelerations were constant::
 
 and with frames merged, so that twists are ``E w``, by ``E d_E`` with ``Eᵀ A E d_E = Eᵀ b``. What
 is missed is the difference: large where a wave comes, or where forces find no balance.
-
-A motion in which regions that are quiet move with one frame each, and are split when they stir.
-
-A region keeps the deformation that it has when it is merged, with the energy of that; its nodes
-follow one of them rigidly. Which nodes need frames of their own is asked now and then, see
-:class:`Looking`: a stretch counts up to where no merged node stirs, and the next one has those that
-do free. Merging projects velocities by mass, which keeps both momenta; what it would take of the
-kinetic energy is bounded, and nodes wait until they have been quiet for a while.
 """
 
 from __future__ import annotations
@@ -162,19 +160,12 @@ class Looking:
 
 
 _QUIET = 0.1  # of the tolerance: what splits a region is larger than what lets it merge again
-
 _AHEAD = 2.0  # stretches
-
 _INSTANTS = 5  # at which loads are asked for between two looks
-
 _LONGEST = 16  # of the shortest stretches, while nothing changes
-
 _WAITING = 5  # shortest stretches for which what is merged has been quiet
-
 _TRIES = 20  # for one stretch
-
 _PART = 0.1  # of what is left of that, for one merging
-
 _LOST = 1e-8  # of the kinetic energy: what all mergings together may take of it
 
 

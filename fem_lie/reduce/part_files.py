@@ -1,9 +1,4 @@
-"""Reduced-order bodies in files, and full fields of those that moved.
-
-Reduced bodies in files: a library of parts.
-
-Full fields of bodies that moved in few shapes.
-"""
+"""Reduced-order bodies in files, and full fields of those that moved."""
 
 from __future__ import annotations
 
@@ -21,7 +16,6 @@ from fem_lie.results.history import Result
 from fem_lie.results.record import Record, with_others
 
 _WHAT = "reduced body"
-
 _ARRAYS = ("interfaces", "stiffness", "density", "shapes", "quadratic")
 
 

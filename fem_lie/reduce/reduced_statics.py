@@ -1,9 +1,4 @@
-"""Equilibrium and small vibrations of a body in a reduced basis.
-
-Small vibrations of a body in a few shapes, beside rest or steady rotation.
-
-Equilibrium of a body in few shapes, with all of its large motion and strain.
-"""
+"""Equilibrium and small vibrations of a body in a reduced basis."""
 
 from __future__ import annotations
 
@@ -62,9 +57,7 @@ def reduced_frequencies(
 
 
 _MOST = 30
-
 _CONVERGED = 1e-9  # of the first residual
-
 _STEP = 1e-6  # of the body's size: differences that give the matrix
 
 

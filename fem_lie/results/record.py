@@ -1,10 +1,6 @@
 """What of each state a run keeps, and the steps that it made.
 
-What of each state a run keeps, and what becomes of quantities that nobody asked for.
-
 A step of a small scene takes thirty microseconds, and to say all of its end a third as long again.
-
-The steps that an integrator made: how wrong each of them was, and what contacts did in it.
 """
 
 from __future__ import annotations
@@ -26,7 +22,6 @@ INVARIANTS: dict[str, int | slice] = {
     "momentum": slice(1, 4),
     "angular_momentum": slice(4, 7),
 }
-
 """Where they are among the seven numbers that a run computes as one array."""
 
 
@@ -55,7 +50,6 @@ class Record(Flag):
 
 
 BOOKED = Record.ENERGIES | Record.MOMENTA
-
 """For any of these, what acts from outside is summed up in each step."""
 
 _BY = {
@@ -65,9 +59,7 @@ _BY = {
     Record.FORCES: ("joint_forces", "reactions"),
     Record.COORDINATES: ("joint_coordinates", "joint_violations"),
 }
-
 RECORDED_BY = {name: part for part, names in _BY.items() for name in names}
-
 """Part of each quantity that may be missing."""
 
 

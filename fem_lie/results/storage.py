@@ -26,11 +26,9 @@ import numpy as np
 import numpy.typing as npt
 
 CHECKSUM = "checksum"
-
 """Attribute of a group with the checksum of what is in it."""
 
 NAMES = "contents"
-
 """Group, and its attribute, with the names of all that is in the file."""
 
 _BLOCK = 2**20  # bytes of rows that are copied together for their checksums
@@ -123,7 +121,6 @@ def _bytes(name: str, value: Any) -> bytes:
 
 
 COUNT, CHECKSUMS = "rows", "checksums"
-
 """Data sets of the number of rows, shape (2,), and of their checksums, shape (rows,)."""
 
 

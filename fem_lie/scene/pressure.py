@@ -1,7 +1,5 @@
 """Pressure on beams and shells: forces normal to what they act on, with load stiffness.
 
-Pressure on beams: forces normal to the current axis, with their load stiffness.
-
 On the piece between nodes i and j acts ``f = (x_j − x_i) × ½ (R_i + R_j) w``, half on each node,
 with ``w`` the axis across the face, in the nodes' frames, times the pressure.
 

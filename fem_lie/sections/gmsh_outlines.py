@@ -1,9 +1,4 @@
-"""Meshes of outlines by gmsh: sizes of cells, and named groups of surfaces.
-
-Sizes of a section's cells, from its outlines.
-
-Surfaces of gmsh models: meshes of outlines, and of files with named groups of surfaces.
-"""
+"""Meshes of outlines by gmsh: sizes of cells, and named groups of surfaces."""
 
 from __future__ import annotations
 
@@ -22,19 +17,12 @@ from fem_lie.mesh.gmsh_session import GmshScript, logged, model, opened, physica
 from fem_lie.sections.outline import TOUCH, Loop, Part, cross
 
 _WALL_CELL = 0.5  # size of cells in a wall over its thickness
-
 _CORNER_CELL = 0.01  # the same at a re-entrant corner
-
 _LARGEST_CELL = 0.125  # size of cells over the diameter of the outline
-
 _MOST_CELLS = 100_000
-
 _SHARP = 0.3  # angle; more than chords of an arc turn by
-
 _CLOSE = 1e-6  # of the length of a chord
-
 _SIZE_STEP = 0.1  # sizes that differ by less are the same
-
 GROWTH = 0.35  # of the cell's size per distance
 
 
@@ -174,9 +162,7 @@ def _thickness(a: Array, d: Array) -> Array:
 
 
 _DELAUNAY = 5  # gmsh's number; follows sizes that vary strongly
-
 _FAR = 10.0  # outlines have a diameter of about 2
-
 _AREA = 1e-6  # relative; a common surface of two parts is larger
 
 

@@ -1,7 +1,5 @@
 """Area, moments and torsion constant of beam sections, by closed forms and by integrals.
 
-Area, moments, torsion constant and so on of beam sections, from their reference point.
-
 Properties of sections of which they are known in closed form, about their centroid.
 
 Shear factors: G. R. Cowper, J. Appl. Mech. 33 (1966) 335, doi:10.1115/1.3625046. Torsion of the
@@ -19,7 +17,6 @@ from fem_lie._arrays import Array, positive
 from fem_lie.sections.material import Material, require_material
 
 _ROUNDING = 1e-13
-
 _ISOTROPY = 1e-7  # of principal moments: between rounding and the errors of a mesh
 
 

@@ -1,11 +1,5 @@
 """Beam sections: stiffness and inertia per length, from a shape and a material.
 
-Checks of matrices of stiffness and inertia.
-
-Inertia of a section per length, from what is known of it: mass, polar moment, both moments.
-
-Beam sections: stiffness and inertia per length, from a shape and a material.
-
 The section lies in the plane of e₂ and e₃, with coordinates y along e₂ and z along e₃; e₁ is the
 beam's axis. Stiffness acts on strains ``(Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃)``: stretch, two shears, twist, two
 curvatures. Inertia is the Gram matrix of ``q = (x, d₁, d₂, d₃)`` per length: a point of the section

@@ -1,9 +1,4 @@
-"""How far a solution is, on terminals, and how long it has taken.
-
-How far a solution is that is no motion, on terminals.
-
-Wall time of a run, without what it takes to compile.
-"""
+"""How far a solution is, on terminals, and how long it has taken."""
 
 from __future__ import annotations
 
@@ -17,9 +12,7 @@ from tqdm import tqdm
 from fem_lie._jit import compiling
 
 _PERCENT = 100
-
 _DELAY = 1.0  # seconds, before which no bar is shown
-
 _INTERVAL = 0.1  # seconds between two pictures of it
 
 

@@ -5,8 +5,6 @@ Forces of what holds nodes from outside: what is left of the equations of motion
 Books want them after each step. Of a scene that is held at a few nodes only the cells, joints and
 masses around these are looked at.
 
-What acts on a scene at one time: loads, damping, reactions of ground, drives and supports.
-
 Books of a run of generalised-α: what loads, drives and supports did, and what damping took.
 
 What is booked is said in :mod:`fem_lie.bodies.balances`. Powers and forces are known at the ends

@@ -1,9 +1,4 @@
-"""What equations are given and what they find: frames, states, plans of matrices, forces.
-
-Rows of frames that all equations share: moving nodes, ground, prescribed motions.
-
-What the equations are given and what they find: instants, plans of matrices, forces.
-"""
+"""What equations are given and what they find: frames, states, plans of matrices, forces."""
 
 from __future__ import annotations
 
@@ -98,7 +93,6 @@ class FrameRows:
 
 
 ALL = Choices(gyroscopic=True, geometric=True)
-
 """Nothing is left out."""
 
 

@@ -1,9 +1,5 @@
 """The blocks of the matrix as arrays, and the scaling of constraints in it.
 
-By what constraints are scaled in the matrix, and what their scaled multipliers move.
-
-Both parts of the matrix in blocks, as one array: of forces, and of frames.
-
 ``A`` are derivatives in corrections of increments, ``K`` in twists. To the columns of nodes that
 are places alone both are the same, and have the same blocks; those of ``K`` that are apart stand
 behind all of ``A``.

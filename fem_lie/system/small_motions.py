@@ -1,11 +1,4 @@
-"""The equations linearised about rest or steady rotation, and rigid motions of a scene.
-
-Rigid motions of the connected pieces of a scene, and what stress makes of them.
-
-The equations of a scene linearised about a steady motion, of which rest is one.
-
-Small vibrations beside a state: the equations as matrices of the free unknowns.
-"""
+"""The equations linearised about rest or steady rotation, and rigid motions of a scene."""
 
 from __future__ import annotations
 
@@ -144,7 +137,6 @@ def fill_steady(system: System, H: Array, v: Array, weights: Array, scale: Array
 
 
 _BALANCED = 1e-9
-
 _ULPS = 1e-15  # of the largest stiffness: forces that are round-off of the frames
 
 

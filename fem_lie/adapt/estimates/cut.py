@@ -1,11 +1,4 @@
-"""Shells with each cell cut in four: new nodes, what acts on them, and small problems around cells.
-
-Borders of surfaces: what nodes carry of them, and where they go straight on.
-
-A shell with each cell cut in four, and what acts on the nodes that are new.
-
-Small problems: each cell with those that touch it, cut in four, with the nodes within free.
-"""
+"""Shells with each cell cut in four: the new nodes, and small problems around cells."""
 
 from __future__ import annotations
 

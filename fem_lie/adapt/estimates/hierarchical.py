@@ -1,9 +1,4 @@
-"""Errors by more unknowns: beams by elements in halves, shells by cells in four.
-
-Hierarchical errors of shells: cells in four of their kind, and their balance.
-
-Errors by more unknowns: beams by elements in halves, shells by cells in four; a cross-check.
-"""
+"""Errors by more unknowns: beams by elements in halves, shells by cells in four."""
 
 from __future__ import annotations
 
@@ -33,9 +28,7 @@ from fem_lie.results.stresses.shell_stress import ShellStress, integration
 from fem_lie.scene import Scene
 
 _FIVE = 5
-
 _STEP = 1e-6  # in differences, of the model and in rad
-
 _FINER = 4.0 / 3.0  # the square of the whole error, over the part that halved cells have less
 
 

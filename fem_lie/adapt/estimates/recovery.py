@@ -1,11 +1,5 @@
 """Errors by recovered stress: how far the stress of the elements is from a smoother one.
 
-Two stress fields on the elements of a body, and the energy of their difference.
-
-Recovered stress of beams: polynomials between ends that are in equilibrium.
-
-Recovered stress of shells: averaged over smooth patches of cells in one frame each.
-
 Recovered stress of thin shells: polynomials through the best stress of the cells around.
 
 Curvatures of bicubics are best, by an order, where Gauss' rule of two by two points has them (O. C.
@@ -14,8 +8,6 @@ point with it a polynomial of second degree in the tangent plane is fitted, the 
 else errors seem much too large where curvatures change within few cells. How much nearer was chosen
 by one problem, see docs/adaptivity.md. Components belong to the sections' axes, which move with the
 shell, so states may be turned at will; of neighbours they are turned to one frame first.
-
-Errors by recovered stress: how far the stress of the elements is from a smoother one.
 """
 
 from __future__ import annotations
@@ -154,17 +146,11 @@ def _shell_fields(found: Resultants, shapes: Array, compliance: Array) -> Stress
 
 
 _BEST, _POWERS = 2, ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
-
 _LEAST = 4
-
 """Cells that a polynomial is fitted to at least; where those around are fewer, the next ones."""
-
 _DETERMINED = 1e-10
-
 """Of the largest eigenvalue of normal equations: less is round-off of zero."""
-
 _NEAR = 4.0
-
 """How much less values count that are further off, as ``(1 + 4 d²)⁻⁴`` in sizes of cells."""
 
 

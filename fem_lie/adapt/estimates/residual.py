@@ -10,12 +10,6 @@ than that end with some ``M_ντ = m`` instead. What they miss is, per length of
     ∫ M²/B + Q²/S dx = m² λ / B
 
 (D. N. Arnold & R. S. Falk, SIAM J. Numer. Anal. 27 (1990) 281, on the layer.)
-
-Residual errors of beams: what is left of the balance of stress resultants in each element.
-
-Residual errors of shells: jumps of stress resultants across the edges of cells.
-
-Errors by residuals: how far the elements' stress is from balance, within them and between.
 """
 
 from __future__ import annotations
@@ -247,9 +241,7 @@ def along_the_line(found: SectionForces, k: int, degree: int) -> Array:
 
 
 _OPPOSITE = {"quadrilateral": (3, 2, 1, 0)}  # of the edges in the order of basix
-
 _SHARE = {"quadrilateral": 1 / 24, "triangle": 1 / 12}
-
 """Of area times square of the jump: exact where the stress that is missed is linear."""
 
 

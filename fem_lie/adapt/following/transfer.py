@@ -1,16 +1,5 @@
 """A state on other meshes of the same bodies, with its momenta, from which every solver restarts.
 
-Velocities that have given momenta: the nearest to given ones, by the consistent mass.
-
-::
-
-    ½ (v − v̂)ᵀ M (v − v̂) → min,    Zᵀ M v = (p, l),    B v = what joints allow
-
-``Z`` are the six rigid motions; the mass matrix ``M`` of twists is ``Lᵀ G L`` of the constant one
-of (x, d₁, d₂, d₃).
-
-A state on other meshes of the same bodies, from which every solver goes on.
-
 ::
 
     finer = build(fl.refine(mesh, error.worst()))
@@ -21,6 +10,15 @@ A state on other meshes of the same bodies, from which every solver goes on.
 Frames between nodes are those of the element there, of beams on the geodesic of SE(3). Velocities
 are those that the elements have there, changed by as little as gives the same momenta. Stress is
 that of the frames on the new mesh; accelerations and joint forces are solved anew by the solver.
+
+Velocities that have given momenta: the nearest to given ones, by the consistent mass.
+
+::
+
+    ½ (v − v̂)ᵀ M (v − v̂) → min,    Zᵀ M v = (p, l),    B v = what joints allow
+
+``Z`` are the six rigid motions; the mass matrix ``M`` of twists is ``Lᵀ G L`` of the constant one
+of (x, d₁, d₂, d₃).
 """
 
 from __future__ import annotations
@@ -46,11 +44,8 @@ from fem_lie.scene.scene import Began, require_scene
 from fem_lie.system.equations import Equations, Instant
 
 _SAME = 1e-15  # of the momenta
-
 _LOST = 1e-13  # of the largest of conditions that others say, too
-
 _NO_INERTIA = 1e-12
-
 _ROUNDS = 3
 
 
@@ -123,7 +118,6 @@ def mass_matrix(equations: Equations, H: Array) -> sp.csr_matrix:
 
 
 _ENOUGH = 4  # new nodes that take what momenta need all by themselves
-
 _VIOLATED = 1e-6  # of the length of the model, or rad
 
 

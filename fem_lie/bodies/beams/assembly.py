@@ -1,9 +1,4 @@
-"""All beams of one formulation, assembled together by DOLFINx; some elements alone; damping.
-
-All beams of one formulation, assembled together by DOLFINx; damping of beams.
-
-Some elements of a body along lines, each on nodes of its own, with weights.
-"""
+"""All beams of one formulation, assembled together by DOLFINx; some elements alone; damping."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""Bodies along lines whose elements have sections: how sections are given, and what follows.
-
-Sections of a beam as they are given: one, by groups of cells, or by arc length.
-
-Bodies along lines whose elements have sections, whatever nodes and elements are.
-"""
+"""Bodies along lines whose elements have sections: how sections are given, and what follows."""
 
 from __future__ import annotations
 
@@ -21,9 +16,7 @@ from fem_lie.mesh.lines import LineMesh
 from fem_lie.sections.section import Section
 
 _log = logging.getLogger(__name__)
-
 _OPEN = 2.0  # warping length over polar radius: of solid, closed and angle sections about 1 at most
-
 _FELT = 0.01  # of the length of a beam
 
 Sections = Section | Mapping[str, Section] | Callable[[float], Section]

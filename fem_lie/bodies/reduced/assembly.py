@@ -7,8 +7,6 @@ The cell is all nodes of the body; coordinates ``z`` are those of
 nodes, of other interfaces and of coordinates; data behind the rows of the nodes are places and
 directors of these interfaces, 12 each, ``K`` and ``Q``, the last number of it first. The
 small-energy kernel has no version of it: strains depend on as many products as there are modes.
-
-Reduced bodies of the same numbers of nodes, assembled together.
 """
 
 from __future__ import annotations

@@ -12,8 +12,6 @@ with edges ``e`` and tangents ``t``, ``E`` and ``T`` at the start; the first is 
 second of a place with the edges that it has. For small ``μ`` that is the smallest rotation of what
 ``Q`` leaves, without its singularity. A superposed rigid motion turns all axes alike, so that
 nothing is different in them. It depends on the state alone.
-
-What all cables and nets have: threads of places, or of places and slopes.
 """
 
 from __future__ import annotations
@@ -40,7 +38,6 @@ from fem_lie.mesh.lines import LineMesh
 from fem_lie.sections.section import Section
 
 _MEAN = 0.1
-
 """``μ``."""
 
 _STRAIGHT = 1e-6  # second singular value of A at the start over the first
@@ -114,7 +111,6 @@ def following(frames: Array, edges: Indices, slopes: bool) -> Follower | None:
 AnyThreads = TypeVar("AnyThreads", bound="Threads")
 
 _EI = 4
-
 """Where it is in a section's stiffness on (Γ, κ)."""
 
 

@@ -1,9 +1,4 @@
-"""All shells of one kind, assembled together by DOLFINx, and some cells alone.
-
-All shells of one kind, assembled together by DOLFINx.
-
-Some cells of a shell, each on nodes of its own, with weights.
-"""
+"""All shells of one kind, assembled together by DOLFINx, and some cells alone."""
 
 from __future__ import annotations
 
@@ -29,7 +24,6 @@ if TYPE_CHECKING:
     import dolfinx
 
 _FIVE = 5
-
 _LOCAL_ITERATIONS, _SETTLED = 20, 1e-13
 
 

@@ -1,9 +1,4 @@
-"""Faces, curves and points of a solid: their nodes, and supports there.
-
-Nodes of the faces, curves and points of a solid.
-
-Supports of solids: faces, curves and points that are held, whole or along a direction.
-"""
+"""Faces, curves and points of a solid: their nodes, and supports there."""
 
 from __future__ import annotations
 
@@ -22,7 +17,6 @@ from fem_lie.bodies.body import Body, Point
 from fem_lie.mesh.shapes import FaceRule, nodes_of
 
 FACETS = {"tetrahedron": "triangle", "hexahedron": "quadrilateral"}
-
 """What faces of cells are."""
 
 _DRAWN = {
@@ -31,7 +25,6 @@ _DRAWN = {
     ("triangle", 2): ((0, 5, 4), (5, 1, 3), (4, 3, 2), (3, 4, 5)),
     ("quadrilateral", 2): ((0, 4, 8, 5), (4, 1, 6, 8), (5, 8, 7, 2), (8, 6, 3, 7)),
 }
-
 """Plane pieces of a face by its nodes, their corners one after the other."""
 
 

@@ -1,9 +1,4 @@
-"""All thin shells of one element, assembled together, and the axes of their nodes.
-
-Axes of the nodes of a thin shell: those of the surface, which they follow.
-
-All thin shells of one element, assembled together.
-"""
+"""All thin shells of one element, assembled together, and the axes of their nodes."""
 
 from __future__ import annotations
 
@@ -70,7 +65,6 @@ def follow_surface(rows: Array, moves: Flags) -> None:
 
 
 MEMBRANE_AND_BENDING = slice(0, 6)
-
 """Of the eight strains of a section those that a shell without shear has."""
 
 

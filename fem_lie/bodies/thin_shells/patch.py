@@ -1,7 +1,5 @@
 """Smooth patches that thin shells lie on, also of bicubic splines.
 
-Smooth patches: what a thin shell lies on.
-
 Patches of bicubic splines: exactly what a thin shell interpolates, whatever their knots.
 
 Between its knots a bicubic spline is a bicubic; one whose inner knots are single or doubled has
@@ -23,11 +21,9 @@ from scipy.interpolate import BSpline, make_interp_spline
 from fem_lie._arrays import Array, instance, numbers, vector, whole
 
 Surface = Callable[[float, float], npt.ArrayLike]
-
 """A place (3,) for parameters (a, b) between 0 and 1, smooth."""
 
 _STEP, _STENCIL = 0.01, 9
-
 """Of differences, in the parameters: at the edges they look to the inside."""
 
 
@@ -139,9 +135,7 @@ def _check_slopes(rows: Array) -> None:
 
 
 _DEGREE = 3
-
 _SMOOTH = 2
-
 """Times that an inner knot may be there so that slopes are continuous."""
 
 

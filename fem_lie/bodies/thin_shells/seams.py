@@ -1,9 +1,4 @@
-"""Edges of patches, patches put together at corners, and coupled along edges.
-
-Edges of patches, and seams: edges that lie on each other with parameters that do not agree.
-
-Patches put together: which corners of cells are one point, and what lies along which edge.
-"""
+"""Edges of patches, patches put together at corners, and coupled along edges."""
 
 from __future__ import annotations
 
@@ -20,9 +15,7 @@ from fem_lie.elements.thin_shells import hermite
 from fem_lie.elements.thin_shells.seam import SeamPoints
 
 _PER_CELL = 2  # a cubic edge follows any other at two Gauss points per cell, and no further
-
 _SAMPLES, _PASSES = 9, 14
-
 _APART, _KINK = 0.05, radians(15.0)  # of a cell; between normals
 
 

@@ -1,9 +1,4 @@
-"""A convex polyhedron: faces and edges of its hull, and as a contact surface.
-
-A convex polyhedron from its corners: faces, edges, and which faces meet at an edge.
-
-A convex polyhedron as a surface that may touch.
-"""
+"""A convex polyhedron: faces and edges of its hull, and as a contact surface."""
 
 from __future__ import annotations
 
@@ -28,7 +23,6 @@ from fem_lie.contact.sides.surfaces import (
 )
 
 _FLAT = 1e-9
-
 """Difference of unit normals of triangles that lie in one face."""
 
 

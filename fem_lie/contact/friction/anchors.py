@@ -1,9 +1,5 @@
 """Coulomb's law as a return mapping, and the anchors of friction by penalty; compiled.
 
-Coulomb's law with springs that hold until they slip: the return mapping of all contacts.
-
-Anchors of friction by penalty, and their tractions: compiled.
-
 When a step is accepted, each pair of places that are near gets an anchor on both sides, material
 points at the place of contact, of which the second is short of it by what the spring is stretched.
 With ``u = P − Q`` of the anchors at any frames after that, linear in the rows of their nodes, and

@@ -1,9 +1,4 @@
-"""Friction of one contact by penalty: tractions from step to step, and their derivatives.
-
-Derivatives of forces of friction, compiled.
-
-Friction of one contact by penalty: what is carried from step to step, and the forces.
-"""
+"""Friction of one contact by penalty: tractions from step to step, and their derivatives."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""Sweeps over the contacts of a problem, each solved exactly by Coulomb's law.
-
-The exact solution of one contact by Coulomb's law: it takes off, sticks or slips.
-
-Sweeps over the contacts of a problem, and how far from Coulomb's law it is.
-"""
+"""Sweeps over the contacts of a problem, each solved exactly by Coulomb's law."""
 
 from __future__ import annotations
 
@@ -133,7 +128,6 @@ def _relaxed(A: Array, b: Vector, mu: float, r: Vector) -> Vector:
 
 
 MOST_NEWTON = 60
-
 """Contacts for which there is room for a dense matrix."""
 
 
@@ -170,7 +164,6 @@ def dense_of(m: int) -> Dense:
 
 
 PAST = 10
-
 """Sweeps that are known of many contacts."""
 
 

@@ -1,9 +1,4 @@
-"""All contacts of a scene by impacts: one table of pairs, and what they did in a step.
-
-What contacts did in a step: energy, work, the impulses of ground, and a row for each of them.
-
-All contacts of a scene by impacts: one table of pairs, made anew as balls come near others.
-"""
+"""All contacts of a scene by impacts: one table of pairs, and what they did in a step."""
 
 from __future__ import annotations
 
@@ -38,7 +33,6 @@ from fem_lie.lie.motions import global_components
 from fem_lie.lie.tuples import cross, dot, load, load_row, plus, rotate_back, scaled
 
 TIME, PAIR, GAP, POSITION, IMPULSE, SLIP, STICKS, WIDTH = 0, 1, 2, 3, 6, 9, 12, 13
-
 """Columns: end of the step, number of the pair, gap, place of the first side, impulse on it, its
 velocity across the normal, global components, and whether that is none."""
 

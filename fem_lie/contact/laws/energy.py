@@ -1,7 +1,5 @@
 """Energy that contacts by penalty gain or lose in steps that do not resolve them.
 
-The law of a contact by penalty as numbers, for compiled code.
-
 Energy that contacts by penalty gain or lose in steps that do not resolve them.
 
 A scheme that does not conserve energy moves bodies by forces at both ends of a step, or in its
@@ -58,11 +56,9 @@ def damping(law: Numbers, g: float, speed: float) -> tuple[float, float, float]:
 
 
 LARGEST = 0.05
-
 """Part of the largest energy that a contact has stored, by which it may change that of bodies."""
 
 _STEPS = 10
-
 """Steps in an impact that change its energy by less than 1 %."""
 
 

@@ -1,9 +1,4 @@
-"""Contact laws, and what every term of contact forces has.
-
-What every term of contact forces has, whatever surfaces it is of.
-
-Contact laws.
-"""
+"""Contact laws, and what every term of contact forces has."""
 
 from __future__ import annotations
 

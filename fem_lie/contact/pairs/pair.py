@@ -1,12 +1,8 @@
 """Contact pairs: what two surfaces of given kinds do together, and which pair is which.
 
-Contact pairs: what two surfaces of given kinds do together, and which pairs there are.
-
 Each pair of kinds is one class, which owns its checks, its initial overlap, its contents for
 fingerprints and its forces. Pairs are registered by the classes of both surfaces, in one order;
 the class of a surface or the closest of its bases counts, and so do pairs registered elsewhere.
-
-Contact pairs whose points meet where the gap is negative, and push each other by penalty.
 """
 
 from __future__ import annotations
@@ -33,7 +29,6 @@ from fem_lie.contact.sides.table import BothSides, Nodes
 Law: TypeAlias = Penalty | Impact
 
 OVERLAP = 0.05
-
 """Fraction of a size by which surfaces may overlap at the start."""
 
 
@@ -231,7 +226,6 @@ class ContactPair(ABC):
 _Kinds: TypeAlias = tuple[type[Surface], type[Surface]]
 
 _PAIRS: dict[_Kinds, type[ContactPair] | str] = {}
-
 """Classes of pairs by both kinds of surfaces, or the reason why there is none."""
 
 

@@ -1,5 +1,13 @@
 """Two-node beam along the geodesic of SE(3) that joins its nodal frames.
 
+Flat coordinate: the relative motion ``d = log(H_A⁻¹ H_B)``, shape ``(6,)``; strain
+``ε = (d − d₀)/ℓ``, constant along the element; nothing locks at any slenderness. The map to the
+nodes is ``δd = [−T₆⁻¹(−d), T₆⁻¹(d)] (h_A, h_B)``. (Sonneville, Cardona & Brüls, CMAME 268
+(2014) 451.)
+
+With the residual bending flexibility, mean shear is, for the most part, bending between the ends.
+:func:`geodesic_strain` adds the two terms of second order that this has.
+
 Forces and energy of the geodesic beam, by hand.
 
 With the strain ``ε(d) − ε*`` of :func:`~fem_lie.elements.beams.geodesic.geodesic_strain` and the
@@ -10,16 +18,6 @@ both nodes share one set of coefficients and one sum of even terms.
 UFL and the element's map derive the same, but compute coefficients twice, and coordinates once more
 for the energy: that takes 1.3 to 1.5 times as long for forces, and 2.2 times for forces and energy,
 which conserving schemes ask for together.
-
-Two-node beam along the geodesic of SE(3) that joins its nodal frames.
-
-Flat coordinate: the relative motion ``d = log(H_A⁻¹ H_B)``, shape ``(6,)``; strain
-``ε = (d − d₀)/ℓ``, constant along the element; nothing locks at any slenderness. The map to the
-nodes is ``δd = [−T₆⁻¹(−d), T₆⁻¹(d)] (h_A, h_B)``. (Sonneville, Cardona & Brüls, CMAME 268
-(2014) 451.)
-
-With the residual bending flexibility, mean shear is, for the most part, bending between the ends.
-:func:`geodesic_strain` adds the two terms of second order that this has.
 """
 
 from __future__ import annotations
@@ -58,11 +56,8 @@ from fem_lie.lie.series import inverse_coefficients
 from fem_lie.lie.tuples import Vector, combined, cross, dot, load, minus, plus, scaled, store
 
 _Y, _LENGTH, _D, _EIGENSTRAIN, _UNLOADED, _SHARE, _ENERGY = 24, 30, 31, 67, 73, 79, 83
-
 """Where numbers of a cell are, behind the rows of both nodes."""
-
 _SIZE = 84
-
 _ARC = 1 / 60  # see geodesic_strain
 
 
@@ -304,7 +299,6 @@ def smooth_inertia(density: Array, stiffness: Array, lengths: Array, slope: Arra
 
 
 _GAUSS = np.polynomial.legendre.leggauss(3)
-
 _POINTS, _WEIGHTS = 0.5 * (_GAUSS[0] + 1), 0.5 * _GAUSS[1]
 
 

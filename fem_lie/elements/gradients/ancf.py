@@ -1,5 +1,22 @@
 """Fully parametrised beam: positions and three position gradients, sections that deform.
 
+Of the strains of :mod:`.strains` those of the axis and the curvatures have the section's stiffness
+``D``. With ``b = (E₁₁, 2E₁₂, 2E₁₃, κ₁, κ₂, κ₃)``, its mean ``b̄`` by Simpson's rule over ends and
+middle, and ``D*`` the stiffness with the residual bending flexibility of MacNeal,
+:func:`~fem_lie.elements.beams.element.with_bending_flexibility`::
+
+    W = ½ ℓ b̄·D* b̄ + ½ ℓ Σ wₚ (bₚ − b̄)·D (bₚ − b̄) + ½ ½ℓ Σ_ends a·M a
+
+The mean stress so is that of forces at the ends for small deflections, which ``D`` would lock. The
+last part is that of the section, ``a = (E₂₂ + ν E₁₁, E₃₃ + ν E₁₁, 2E₂₃)``: with the elasticity of
+an isotropic solid the energy of ``(E₁₁, E₂₂, E₃₃)`` is just ``½ EA E₁₁²`` and ``½ a·M a``. A beam
+that is bent has ``E I`` without that, since the section may be curved across it; in a solid of
+linear ``r_y``, ``r_z`` it could not, and would be stiffer by ``(1 − ν)/((1 + ν)(1 − 2ν))``.
+
+Sources: J. Gerstmayr & A. A. Shabana, *Nonlinear Dyn.* 45 (2006) 109; K. Nachbagauer, A. S.
+Pechstein, H. Irschik & J. Gerstmayr, *Multibody Syst. Dyn.* 26 (2011) 245 (closed form, and why
+the solid locks); M. Patel & A. A. Shabana, *J. Sound Vib.* 432 (2018) 200 (the strain split).
+
 Strains of the beam of places and three slopes, and the compiled functions of its cells.
 
 A point of the section is ``r + y r_y + z r_z``, with ``r`` a cubic of places and slopes ``r_x`` of
@@ -19,25 +36,6 @@ middle. Integrated at Gauss points they lock.
 
 Less those of the unloaded cell they are what the energy is of. As they are quadratic in the
 vectors, the geometric matrix is constant for constant stress.
-
-Fully parametrised beam: places and all three slopes, sections that deform; its law and inertia.
-
-Of the strains of :mod:`.strains` those of the axis and the curvatures have the section's stiffness
-``D``. With ``b = (E₁₁, 2E₁₂, 2E₁₃, κ₁, κ₂, κ₃)``, its mean ``b̄`` by Simpson's rule over ends and
-middle, and ``D*`` the stiffness with the residual bending flexibility of MacNeal,
-:func:`~fem_lie.elements.beams.element.with_bending_flexibility`::
-
-    W = ½ ℓ b̄·D* b̄ + ½ ℓ Σ wₚ (bₚ − b̄)·D (bₚ − b̄) + ½ ½ℓ Σ_ends a·M a
-
-The mean stress so is that of forces at the ends for small deflections, which ``D`` would lock. The
-last part is that of the section, ``a = (E₂₂ + ν E₁₁, E₃₃ + ν E₁₁, 2E₂₃)``: with the elasticity of
-an isotropic solid the energy of ``(E₁₁, E₂₂, E₃₃)`` is just ``½ EA E₁₁²`` and ``½ a·M a``. A beam
-that is bent has ``E I`` without that, since the section may be curved across it; in a solid of
-linear ``r_y``, ``r_z`` it could not, and would be stiffer by ``(1 − ν)/((1 + ν)(1 − 2ν))``.
-
-Sources: J. Gerstmayr & A. A. Shabana, *Nonlinear Dyn.* 45 (2006) 109; K. Nachbagauer, A. S.
-Pechstein, H. Irschik & J. Gerstmayr, *Multibody Syst. Dyn.* 26 (2011) 245 (closed form, and why
-the solid locks); M. Patel & A. A. Shabana, *J. Sound Vib.* 432 (2018) 200 (the strain split).
 """
 
 from __future__ import annotations
@@ -65,18 +63,14 @@ from fem_lie.grips.grip import Grip
 from fem_lie.lie.kinds.kind import NodeKind
 
 NODES, VECTORS = 4, 8
-
 """A cell has the SURFACE nodes of its ends, with place and ``r_x``, then their CROSSING ones, with
 ``r_y`` and ``r_z``."""
 
 STRAINS, _POINT_VECTORS = 18, 11
-
 BEAM, CURVATURE, SECTION = 0, 9, 12
-
 """Where strains of the axis, curvatures, and those of the sections begin."""
 
 _X, _Y, _Z, _DY, _DZ = 0, 3, 6, 9, 10
-
 """Vectors: ``r_x``, ``r_y``, ``r_z`` at one end, the middle, the other end; ``r_y'``, ``r_z'``."""
 
 
@@ -159,13 +153,9 @@ def stress_of_cell(A: Pointer, w: Pointer, h: Pointer) -> None:
 FUNCTIONS = CellFunctions(energy_of_cell, forces_of_cell, tangent_of_cell, stress_of_cell)
 
 _SIMPSON = np.array([1.0, 4.0, 1.0]) / 6
-
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(4)
-
 _NODE = np.array([0, 0, 2, 2, 1, 1, 3, 3])
-
 _ROW = np.array([0, 1, 1, 2, 0, 1, 1, 2])
-
 """Where the vectors ``(r, r_x, r_y, r_z)`` of both ends are in the rows of a cell's nodes."""
 
 

@@ -1,20 +1,5 @@
 """Fully parametrised plate: positions and three position gradients at four corners.
 
-Interpolation of the plate of places and three slopes: surfaces between cubic edges.
-
-At each corner, (0, 0), (1, 0), (0, 1), (1, 1), are the place, its derivatives along ξ and η, and
-the slope across the thickness. Edges are cubics of places and slopes, what is between them is
-blended linearly (S. A. Coons 1967; the polynomials are those of A. Adini & R. W. Clough 1960), so
-that neighbours fit. The slope across the thickness is bilinear.
-
-Strains of the plate of places and three slopes, and the compiled functions of its cells.
-
-Strains are sums of products of vectors, the energy is ``½ ε·C ε`` of those less the strains of the
-unloaded cell, with the ``C`` of :mod:`.plate`. Nodes are those of thin shells, with the slope
-across the thickness where these have the mixed derivative.
-
-Fully parametrised plate: places and all three slopes at four corners; its law and inertia.
-
 A cell has 44 strains, two more than motions that are not rigid, all products of vectors at its
 corners, the middles of its edges and its own:
 
@@ -36,6 +21,19 @@ The section's stiffness (8, 8) is that of :class:`~fem_lie.ShellSection`, lamina
 stress across the thickness is nil, and ``E₃₃`` has a stiffness of its own (no Poisson locking). The
 mean shear of an edge has MacNeal's residual bending flexibility, ``1/G + h²/12D``, without which
 linear moments would need twice the cells.
+
+Interpolation of the plate of places and three slopes: surfaces between cubic edges.
+
+At each corner, (0, 0), (1, 0), (0, 1), (1, 1), are the place, its derivatives along ξ and η, and
+the slope across the thickness. Edges are cubics of places and slopes, what is between them is
+blended linearly (S. A. Coons 1967; the polynomials are those of A. Adini & R. W. Clough 1960), so
+that neighbours fit. The slope across the thickness is bilinear.
+
+Strains of the plate of places and three slopes, and the compiled functions of its cells.
+
+Strains are sums of products of vectors, the energy is ``½ ε·C ε`` of those less the strains of the
+unloaded cell, with the ``C`` of :mod:`.plate`. Nodes are those of thin shells, with the slope
+across the thickness where these have the mixed derivative.
 """
 
 from __future__ import annotations
@@ -61,13 +59,10 @@ from fem_lie.forms.small_energy.element import CELL_SIGNATURE, data_at_rest, ele
 from fem_lie.lie.kinds.kind import NodeKind
 
 VALUE, ALONG, ACROSS = range(3)
-
 """Derivatives in a table: none, ξ, η."""
 
 _H = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
-
 _L = np.array([[1.0, -1, 0, 0], [0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0]])
-
 """By powers: place and slope of the first end, then of the second; cubics, and lines."""
 
 
@@ -102,7 +97,6 @@ def _at(powers: Array, x: Array, order: int) -> Array:
 
 
 GRID = np.array([0.0, 0.5, 1.0])
-
 STRAINS = 44
 
 
@@ -117,13 +111,10 @@ class _Places(NamedTuple):
 
 
 E = _Places()
-
 K11, K22, K12, E33, MIDDLE = 33, 35, 37, 38, 42
 
 _R1, _R2, _D, _D1, _D2 = 0, 9, 18, 27, 36
-
 """Vectors at nine places, the second parameter runs first: slopes, director and its slopes."""
-
 _POINT_VECTORS = 45
 
 
@@ -163,7 +154,6 @@ def _terms() -> Array:
 
 
 _INTERPOLATION, _TERMS = _interpolation(), _terms()
-
 ELEMENT = element(
     [NodeKind.SURFACE] * CORNERS + [NodeKind.CROSSING] * CORNERS,
     _TERMS,
@@ -211,9 +201,7 @@ def stress_of_cell(A: Pointer, w: Pointer, h: Pointer) -> None:
 FUNCTIONS = CellFunctions(energy_of_cell, forces_of_cell, tangent_of_cell, stress_of_cell)
 
 _POINTS = 3
-
 _SIMPSON = np.array([1.0, 4.0, 1.0]) / 6
-
 _MEMBRANE, _BENDING, _SHEAR = slice(0, 3), slice(3, 6), slice(6, 8)
 
 

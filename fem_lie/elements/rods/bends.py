@@ -1,9 +1,5 @@
 """Springs between successive edges of discrete rods: bending without frames.
 
-Springs between nodes of rods, three each, as a term of a system.
-
-Springs between successive edges of discrete rods: bending without frames or twist.
-
 Between edges ``e`` and ``f`` that turn by the angle ``φ`` the curvature over the length ``ℓ``, half
 of both edges, is that of ``κb = 2 e × f/(|e||f| + e·f)``, whose length is ``2 tan φ/2``::
 
@@ -70,7 +66,6 @@ class Springs(CellTerm):
 
 
 _STRAIGHT = 1e-12
-
 """Natural ``|κb|`` that is round-off of places along a straight line."""
 
 

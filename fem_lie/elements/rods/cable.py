@@ -1,5 +1,19 @@
 """Cable in positions and slopes: two nodes, cubic Hermite interpolation, stretch and bending.
 
+With ``s`` the unstretched arc length, ``ε = |x′| − 1`` and ``κ = |x′ × x″|/|x′|²``, the rate at
+which the tangent turns per unstretched length; naturally straight, without shear or torsion::
+
+    W = ∫ ½ EA ε² ds + ∫ ½ EI κ² ds
+
+The first is integrated at the three Lobatto points, the second at three Gauss points. In a slender
+cable that bends without stretching ``|x′|`` of a cubic cannot be one everywhere: at the Lobatto
+points, of which two are the nodes, it can be, and nothing locks; at five Gauss points it does. A
+free end that carries no tension is kept from turning by its bending stiffness alone.
+Where it is pushed see :mod:`.thread_law`.
+
+(Gerstmayr & Irschik, *J. Sound Vib.* 318 (2008) 461: the strains; Gerstmayr &
+Shabana, *Nonlinear Dyn.* 45 (2006) 109: reduced integration of the stretch.)
+
 Forces of the cable of places and slopes, by hand: the gradient of its energy in closed form.
 
 With ``c`` the chord over the length, ``T = A + B`` and ``D = B − A`` of the end slopes ``A`` and
@@ -15,22 +29,6 @@ Gauss' points, ``½ β |f × g|²/|f|⁴`` each, whose gradients are with ``ρ =
 What is derived here is what UFL derives of :mod:`.cable` in six times the time. The small-energy
 kernel (``docs/how_to/gradient_element.py``) takes 2.15 times as long for forces, which is what an
 explicit step takes, 1.2 times for forces and energy, and half as long for forces and tangent.
-
-Cable in positions and slopes: two nodes, cubic Hermite interpolation, stretch and bending.
-
-With ``s`` the unstretched arc length, ``ε = |x′| − 1`` and ``κ = |x′ × x″|/|x′|²``, the rate at
-which the tangent turns per unstretched length; naturally straight, without shear or torsion::
-
-    W = ∫ ½ EA ε² ds + ∫ ½ EI κ² ds
-
-The first is integrated at the three Lobatto points, the second at three Gauss points. In a slender
-cable that bends without stretching ``|x′|`` of a cubic cannot be one everywhere: at the Lobatto
-points, of which two are the nodes, it can be, and nothing locks; at five Gauss points it does. A
-free end that carries no tension is kept from turning by its bending stiffness alone.
-Where it is pushed see :mod:`.thread_law`.
-
-(Gerstmayr & Irschik, *J. Sound Vib.* 318 (2008) 461: the strains; Gerstmayr &
-Shabana, *Nonlinear Dyn.* 45 (2006) 109: reduced integration of the stretch.)
 """
 
 from __future__ import annotations
@@ -159,11 +157,8 @@ def force_kernel(
 
 
 _STRETCH, _BENDING = 0, 4
-
 """Where they are in a section's stiffness on (Γ, κ)."""
-
 _THIN = 1e-12
-
 """Of the metric of rotations, about an axis along which all of a cell lies."""
 
 
@@ -201,7 +196,6 @@ _SLOPES = FrameMap(
     values=12,
     unknowns=6,
 )
-
 """Flat coordinates are position and slope of each node, the first two of its four rows."""
 
 
@@ -373,7 +367,6 @@ def _at_points(mesh: dolfinx.mesh.Mesh, points: Array, values: Array) -> fem.Fun
 _SQUARES = (
     np.array([[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420
 )
-
 """Integrals of products of the cubics of place and slope of one end, then of the other."""
 
 

@@ -1,9 +1,5 @@
 """Discrete rod: positions, and the rotation of each edge about itself.
 
-Axes of the edges of discrete rods.
-
-Discrete rod: places, and the turn of each edge about itself.
-
 With ``ε = |b − a|/ℓ − 1`` of an edge of unstretched length ``ℓ``::
 
     W = Σ ½ EA ε² ℓ + Σ ½ (z − z₀)·B (z − z₀)

@@ -1,5 +1,9 @@
 """Drilling of six-parameter shells: the strain, how stiff, and as a term of a system.
 
+The energy ``∫ ½ γ c²`` of ``c = a₁·x,₂ − a₂·x,₁`` (:mod:`.drilling_strain`), with tangents
+``a = Σ Nᵢ Rᵢ Aᵢ`` that nodes carry, stands beside the forms of five parameters. Positions and
+directors are in it as products of vectors, so that cells of any type and degree need no form.
+
 The drilling rotation of a six-parameter shell, tied to the rotation of its mid-surface.
 
 With orthonormal reference coordinates and tangents ``a_i = R A_i`` that nodes carry, ``R`` turns
@@ -12,12 +16,6 @@ without energy. Elements without fields of their own have ``½ γ c²`` at the p
 The drilling is continuous and the rotation of the mid-surface is not; the energy of the difference
 is γ times its square. So γ belongs to the scale of bending, ``G t³/h²`` for cells of size h, or
 below: with the often recommended ``G t``, thin shells lock.
-
-Drilling of six-parameter shells: how stiff, on which nodes, and as a term of its own.
-
-The energy ``∫ ½ γ c²`` of ``c = a₁·x,₂ − a₂·x,₁`` (:mod:`.drilling_strain`), with tangents
-``a = Σ Nᵢ Rᵢ Aᵢ`` that nodes carry, stands beside the forms of five parameters. Positions and
-directors are in it as products of vectors, so that cells of any type and degree need no form.
 """
 
 from __future__ import annotations
@@ -102,7 +100,6 @@ def perturbed_lagrangian(tau: Expr, modes: Sequence[Expr], c: Expr, stiffness: E
 
 
 FRACTION = 0.01
-
 """γ over ``G t³/h²``; from 1 to 1e-8 nothing changes (docs/six_parameters.md)."""
 
 _SHEAR, _TWIST = 2, 5  # of the eight strains
@@ -142,7 +139,6 @@ def drilling_stiffness(
 
 
 _A1, _A2, _X1, _X2 = range(4)
-
 """Vectors at each point: tangents that nodes carry, and those of the surface."""
 
 

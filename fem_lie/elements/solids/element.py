@@ -1,5 +1,11 @@
 """Elements of solids: strains of hexahedra and tetrahedra of degree 1 and 2.
 
+The strain is Green's, ``E = ½ (C − 1)``, in fixed axes of the unloaded body; stress is carried from
+iterate to iterate. Cells of degree 1 that follow their nodes' interpolation lock: hexahedra of
+nearly incompressible material do not with a mean dilatation, see :class:`MeanDilatation`. In
+bending degree 2 is what helps. (Simo, Taylor & Pister, CMAME 51 (1985) 177: the mean dilatation;
+Moran, Ortiz & Shih, IJNME 29 (1990) 483: of large deformations.)
+
 How places of nodes, and the volumes of cells, move with nodes of kind ``POINT``.
 
 Nodes store four rows, of which the first is the place and the others are axes ``R``; unknowns are
@@ -9,14 +15,6 @@ displacements along these, ``δx = R h``. Flat coordinates are the places, and f
     v = Σ_g w_g g₁·(g₂ × g₃),    g_b = Σ_i x_i ∂N_i/∂ξ_b
 
 which two points along each direction integrate exactly.
-
-Elements of solids: strains of hexahedra and tetrahedra of degree 1 and 2, in UFL.
-
-The strain is Green's, ``E = ½ (C − 1)``, in fixed axes of the unloaded body; stress is carried from
-iterate to iterate. Cells of degree 1 that follow their nodes' interpolation lock: hexahedra of
-nearly incompressible material do not with a mean dilatation, see :class:`MeanDilatation`. In
-bending degree 2 is what helps. (Simo, Taylor & Pister, CMAME 51 (1985) 177: the mean dilatation;
-Moran, Ortiz & Shih, IJNME 29 (1990) 483: of large deformations.)
 """
 
 from __future__ import annotations
@@ -203,13 +201,11 @@ def _bend_volume(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes
 
 
 PLACES = FrameMap(_places, _pull, _push, None, values=12, unknowns=6)
-
 """Flat coordinates are the places of the nodes, whatever cell and degree."""
 
 PLACES_AND_VOLUME = FrameMap(
     _with_volume, _pull_volume, _push_volume, _bend_volume, values=12, unknowns=6
 )
-
 """Places of the eight nodes of a cell, then its volume."""
 
 QUADRATURE = {
@@ -218,7 +214,6 @@ QUADRATURE = {
     ("hexahedron", 1): 3,
     ("hexahedron", 2): 5,
 }
-
 """Degree of integration of the energy: 1, 4, 8 and 27 points."""
 
 _MOST_INCOMPRESSIBLE = 20.0  # Poisson's ratio of 0.475: a third of a deflection is missing

@@ -1,16 +1,14 @@
 """Materials of solids: stored energy per unloaded volume, in UFL, without cancellation.
 
+It is a function of the right Cauchy-Green tensor ``C = FᵀF`` of the deformation gradient ``F``, so
+that it cannot depend on how a body has turned; stress is ``S = 2 ∂W/∂C``.
+
 Functions of small changes without cancellation, in UFL: for energies of solids.
 
 At small strains ``C`` is nearly one, and an energy that is a difference of numbers of order one,
 such as ``tr C − 3 − ln det C``, is round-off: at a strain of 1e-6 its error is 1e-4 of itself.
 Written in ``C − 1`` and with these functions it has all digits that strains have. UFL itself has
 neither ``log1p`` nor ``expm1``.
-
-Materials of solids: stored energy per unloaded volume, in UFL.
-
-It is a function of the right Cauchy-Green tensor ``C = FᵀF`` of the deformation gradient ``F``, so
-that it cannot depend on how a body has turned; stress is ``S = 2 ∂W/∂C``.
 """
 
 from __future__ import annotations
@@ -26,7 +24,6 @@ from ufl.core.expr import Expr
 from fem_lie._arrays import instance, number, positive, positive_or_zero
 
 _NEAR, _TERMS = 0.1, 6
-
 """Argument up to which the series is summed, and its terms: the next one is 2e-18 of the first."""
 
 

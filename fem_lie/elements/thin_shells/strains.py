@@ -1,5 +1,7 @@
 """Strains of one cell of a thin shell, with their derivatives; compiled.
 
+Numbers of all points stand side by side, so that loops run over points.
+
 Curvatures of a surface at a point, with their derivatives: compiled.
 
 Of ``z = (r₁, r₂, r₁₁, r₂₂, r₁₂)``, derivatives of the place, with the normal ``n = m/|m|``,
@@ -10,12 +12,6 @@ Of ``z = (r₁, r₂, r₁₁, r₂₂, r₁₂)``, derivatives of the place, wi
     d(M·κ)  = −M₁ n·dr₁₁ − M₂ n·dr₂₂ − 2 M₃ n·dr₁₂ − P·dm,    dm = dr₁ × r₂ + r₁ × dr₂
     d²(M·κ) = −2 dQ·dn − dm·B dm − 2 P·(dr₁ × dr₂),           dn = (dm − n n·dm)/|m|
     B       = −(P nᵀ + n Pᵀ)/|m| − n·Q (I − n nᵀ)/|m|²
-
-Strains of one cell of a thin shell, and the memory in which they are found.
-
-Numbers of all points stand side by side, so that loops run over points.
-
-First derivatives of a cell's strains, and by them what its stresses are on its vectors.
 """
 
 from __future__ import annotations
@@ -33,7 +29,6 @@ from fem_lie.forms.kernels.addresses import Pointer, shift
 from fem_lie.lie.tuples import Vector, combined, cross, dot, minus, plus, scaled
 
 Derivatives: TypeAlias = tuple[Vector, Vector, Vector, Vector, Vector]
-
 """``z``, or what belongs to it."""
 
 

@@ -1,9 +1,4 @@
-"""What stands at an address, in compiled code: functions to be called, numbers, maps of nodes.
-
-What stands at an address, in compiled code: functions to be called, and numbers.
-
-How flat coordinates of an element move with its nodes: a few functions, by their addresses.
-"""
+"""What stands at an address, in compiled code: functions to be called, numbers, maps of nodes."""
 
 from __future__ import annotations
 
@@ -20,7 +15,6 @@ from fem_lie._jit import callback
 double_pointer = types.CPointer(types.float64)
 
 Pointer: TypeAlias = Any
-
 """Where doubles stand; Python itself has no such thing."""
 
 UFCX_SIGNATURE = types.void(
@@ -31,13 +25,11 @@ UFCX_SIGNATURE = types.void(
     types.CPointer(types.int32),
     types.CPointer(types.uint8),
 )
-
 """Of kernels of DOLFINx (UFCx)."""
 
 MAP_SIGNATURE = types.void(
     double_pointer, double_pointer, double_pointer, double_pointer, types.intp
 )
-
 """Of the functions of a :class:`~fem_lie.forms.kernels.frame_map.FrameMap`."""
 
 
@@ -66,13 +58,9 @@ def _call_by_address(argument_types: Sequence[ir.Type]) -> Callable[..., None]:
 
 
 _double_p = ir.DoubleType().as_pointer()
-
 _byte_p = ir.IntType(8).as_pointer()
-
 _int_p = ir.IntType(32).as_pointer()
-
 _tabulate_code = _call_by_address([_double_p] * 4 + [_int_p, _byte_p, _byte_p])
-
 _map_code = _call_by_address([_double_p] * 4 + [ir.IntType(64)])
 
 

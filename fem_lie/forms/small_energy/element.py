@@ -1,7 +1,5 @@
 """What an element is for the small-energy kernel: nodes, vectors, strains, a law, constants.
 
-What an element is for the small-energy kernel: nodes, vectors, products, strains and a law.
-
 Constants of elements whose numbers of nodes and points are known at run time, for their kernels.
 
 Functions of such an element get the constants with each call, behind the data of the cell, as the
@@ -25,12 +23,10 @@ from fem_lie.forms.kernels.addresses import Pointer, double_pointer, shift
 from fem_lie.lie.kinds.kind import TRAITS, NodeKind
 
 CELL_SIGNATURE = types.void(double_pointer, double_pointer, double_pointer)
-
 """Of the functions of an element: what they add to, the data of a cell, and twists or increments of
 its nodes. Callers may pass more arguments, which are ignored."""
 
 CompiledFunction: TypeAlias = Any
-
 """A function made with :func:`fem_lie.compiled`."""
 
 
@@ -286,12 +282,10 @@ def data_at_rest(of: Element, tables: Array, vectors: Array, C: Array) -> Array:
 
 
 PACKED_SIGNATURE = types.void(double_pointer, double_pointer, double_pointer, double_pointer)
-
 """Of their functions: what they add to, the data of a cell, the constants, and twists or increments
 of its nodes."""
 
 _HEAD = 14
-
 """Numbers before the arrays."""
 
 

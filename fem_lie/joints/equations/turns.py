@@ -1,9 +1,5 @@
 """Angles of joints over more than half a turn, and changes of coordinates of springs; compiled.
 
-Changes of the coordinates of springs along small motions of nodes; compiled.
-
-Angles of joints over more than half a turn, and rotations on the wrong branch; compiled.
-
 An angle is known from frames up to whole turns, and what joints forbid of ``Q`` is zero not only
 where they hold: ``skew Q = 0`` also at half a turn about any axis, ``Q₁₃ = Q₂₃ = 0`` also where the
 axes e₃ point against each other. Iterations with large increments need the intended one given.
@@ -41,7 +37,6 @@ def spring_changes(H: Array, h: Array, table: JointTable, out: Array) -> None:
 
 
 _NEAR = 0.5 * np.pi
-
 """Angles that move less than this from the reference angle keep it."""
 
 

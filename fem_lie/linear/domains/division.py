@@ -1,18 +1,14 @@
 """Which rank has which cells, nodes and constraints, and its part of the matrix.
 
-A rank's part of the matrix of a scene: what its own cells and constraints make of it.
+What is joined stays together: cells at the nodes of a constraint, or of a pair that no cell has,
+are one vertex of the graph that is divided. So all nodes of a constraint are within one domain,
+whose own business its multiplier is, and domains meet within bodies. Vertices weigh what unknowns
+they have, edges between them what they share.
 
 Weighted graphs in equal parts with few edges between them, by SCOTCH.
 
 petsc4py and DOLFINx offer no weights of vertices. SCOTCH is there with PETSc and is called by
 the addresses of its functions; structures are memory of a size that it tells.
-
-Which rank has which cells, nodes and constraints.
-
-What is joined stays together: cells at the nodes of a constraint, or of a pair that no cell has,
-are one vertex of the graph that is divided. So all nodes of a constraint are within one domain,
-whose own business its multiplier is, and domains meet within bodies. Vertices weigh what unknowns
-they have, edges between them what they share.
 """
 
 from __future__ import annotations
@@ -77,7 +73,6 @@ class Part:
 
 
 IMBALANCE = 0.05
-
 """By which a part may be heavier than the mean, if cells are small enough."""
 
 _QUALITY, _SEED = 1, 1

@@ -1,6 +1,6 @@
 """The constrained quadratic eigenvalue problem of small vibrations, as SLEPc takes it.
 
-Eigenvalue problems as SLEPc takes them.
+``(s² M + s C + K) φ + Bᵀ μ = 0``, ``B φ = 0``.
 
 Products whose sums are carried in extended precision, where the machine has one.
 
@@ -17,10 +17,6 @@ store such a motion with round-off, of which the elements make far more than a s
 
 The last is of stress alone: the internal forces ``f`` of a piece have no resultant in any state,
 ``Rᵀ f = 0``, so that ``(R y)ᵀ K_e ψ = −(δR y)ᵀ f``, with ``δR = −ad(ψ) R``.
-
-The constrained quadratic eigenvalue problem of small vibrations.
-
-``(s² M + s C + K) φ + Bᵀ μ = 0``, ``B φ = 0``.
 """
 
 from __future__ import annotations
@@ -128,13 +124,9 @@ def product(A: sp.csr_matrix, vectors: Array | Extended) -> Extended:
 Real = TypeVar("Real", np.float64, np.longdouble)
 
 _KNOWN = 1e-7  # part of its size to which an eigenvector is known
-
 _ULPS = 1e-14
-
 _VANISHES = 1e-2  # of the largest stiffness, to a last bit
-
 _MOST = 1200  # rigid motions of all pieces, of which those that joints allow are looked for
-
 FREE = 1e-9  # rigid motions of a piece of size one that move what is held by less
 
 
@@ -225,9 +217,7 @@ class RigidParts:
 
 
 SHIFT = 1e-10  # over the largest ratio of stiffness to mass: rigid motion must not make it singular
-
 _ROUND_OFF = 1e-12  # of the largest ratio of stiffness to mass, and of the terms that cancel
-
 _SYMMETRIC = 1e-9
 
 

@@ -1,9 +1,5 @@
 """The smallest eigenvalues of a constrained quadratic problem, each checked by its residual.
 
-All eigenvalues of a small problem, from its scaled, shifted and inverted companion matrix.
-
-The smallest eigenvalues of a constrained quadratic problem, each checked by its residual.
-
 With ``P`` the quadratic at a shift of about the size of the eigenvalues, a step of inverse
 iteration changes an eigenvector ``φ`` by ``e = P⁻¹ Q(s) φ``. The length of ``e`` over that of
 ``φ``, both measured by the mass, depends on no unit. For symmetric problems it bounds the relative
@@ -26,7 +22,6 @@ from fem_lie.linear.spectra.pencil import SHIFT, Complex, Pencil
 from fem_lie.linear.spectra.slow_motions import without, without_round_off
 
 MOST = 600  # unknowns, less those that constraints eliminate: some seconds
-
 _INFINITE = 1e-14  # of the largest inverse: eigenvalues of unknowns without mass
 
 
@@ -106,11 +101,8 @@ def _quadratic(M: Array, C: Array, inverse: Array, rate: float) -> tuple[Complex
 
 
 _ACCEPTED = 1e-5  # largest residual; eigenvalues of symmetric problems are right to its square
-
 _NEAR = 1e-2  # residual below which a step of inverse iteration improves a mode
-
 _SLOWER = 0.99  # of a rate, those of clearly slower modes
-
 _SPLIT = 1e-7  # of a vector: parts that are round-off
 
 

@@ -1,11 +1,4 @@
-"""What a page's script draws: bodies, joints, traces and axes, in lengths of the scene.
-
-Arrays as text: base64 of bytes, with few digits where they are looked at alone.
-
-Triangles of a body, with corners of their own on both sides of a sharp edge.
-
-What a page's script draws: bodies, joints, traces and axes, in lengths of the scene.
-"""
+"""What a page's script draws: bodies, joints, traces and axes, in lengths of the scene."""
 
 from __future__ import annotations
 
@@ -28,9 +21,7 @@ from fem_lie.pictures.stage import Units, round_box
 Packed = dict[str, str]
 
 _KINDS = {"u1": "u1", "i2": "<i2", "u4": "<u4", "f4": "<f4"}
-
 LARGEST = 32767
-
 """Of whole numbers of two bytes."""
 
 
@@ -82,7 +73,6 @@ class Corners(NamedTuple):
 
 
 Content = dict[str, object]
-
 _TRACE_STEP = 2e-3  # between points of a trace, part of the scene: two pixels or less
 
 

@@ -1,9 +1,4 @@
-"""The page: what is drawn, the script that draws it, diagrams, and the numbers of the states.
-
-Diagrams beside moving bodies.
-
-The page: what is drawn, the script that draws it, and the numbers of the states.
-"""
+"""The page: what is drawn, the script that draws it, diagrams, and the numbers of the states."""
 
 from __future__ import annotations
 
@@ -118,7 +113,6 @@ def _drawn(count: int) -> slice:
 
 
 _TOTAL = "#333333"
-
 _MOST = 2000
 
 _HEIGHT = 640  # of a page within a notebook, pixels

@@ -1,9 +1,4 @@
-"""Values in the cells of a surface mesh: at nodes, which may share them, and as DOLFINx functions.
-
-Values in the cells of a surface mesh as DOLFINx functions.
-
-Places and axes in the cells of a surface mesh, and which of them may share a nodal value.
-"""
+"""Values in the cells of a surface mesh: nodal values, and as DOLFINx functions."""
 
 from __future__ import annotations
 
@@ -26,7 +21,6 @@ from fem_lie.mesh.shapes import nodes_of, tabulated
 from fem_lie.mesh.surfaces import SurfaceMesh
 
 ElementMaker = Callable[[str, int, tuple[int, ...]], Any]
-
 """From cell, degree and shape of the values to an element."""
 
 

@@ -1,11 +1,5 @@
 """Section forces of beams: axial and shear forces, torques and bending moments along them.
 
-What can be asked of section forces by name: components, amounts, axial stresses.
-
-Diagrams of section forces over arc length.
-
-Section forces of beams: axial and shear forces, torques and bending moments along them.
-
 In each state of a result, at both ends and in the middle of each element::
 
     found = fl.section_forces(result, beam, scene)
@@ -53,7 +47,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COMPONENTS = ("N", "Vy", "Vz", "T", "My", "Mz")
-
 QUANTITIES = (*COMPONENTS, "V", "M", "stress max", "stress min")
 
 
@@ -108,7 +101,6 @@ def unit(name: str, units: Units) -> str:
 
 
 _PALEST = 0.25
-
 _HEIGHT = 1.5  # of a diagram, inches
 
 

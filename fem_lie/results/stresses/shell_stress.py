@@ -1,9 +1,4 @@
-"""The stress resultants of a shell in given frames: where they are, and components by name.
-
-What can be asked of a shell's resultants by name: components, principal values, stresses.
-
-The stress resultants of a shell in given frames, and where they are: points, axes, patches.
-"""
+"""The stress resultants of a shell in given frames: where they are, and components by name."""
 
 from __future__ import annotations
 
@@ -91,7 +86,6 @@ _ALL = (
     _outer("mises top", 1.0),
     _outer("mises bottom", -1.0),
 )
-
 QUANTITIES = {each.name: each for each in _ALL}
 
 
@@ -150,9 +144,7 @@ def mises(stress: Array) -> Array:
 Along = npt.ArrayLike | Callable[[Array], npt.ArrayLike]
 
 _SECTION_JUMP = 0.2  # of the stiffness; more is not averaged across
-
 _SETTLED = 1e-9
-
 _MOST_ROUNDS = 25
 
 

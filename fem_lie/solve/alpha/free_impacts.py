@@ -1,9 +1,5 @@
 """Free rigid bodies of a scene and their impacts in a run of generalised-α.
 
-Free rigid bodies of a scene, and their loads, as compiled steps have them.
-
-Impacts of free rigid bodies in a run of generalised-α: pairs, compiled steps, what they did.
-
 The step of each body is made as without contacts, then these change its end
 (:mod:`fem_lie.contact.impact.settle`), all in one compiled loop that comes back for new lists of
 pairs.
@@ -105,11 +101,9 @@ def packed_loads(equations: Equations, mass: Array) -> tuple[Loads, dict[int, Lo
 
 
 _ROOM = 10_000
-
 """For so many contacts what results have of them is kept before it is taken."""
 
 _TOLERANCE = 1e-15
-
 """Residual of the cones that is tried for, so that nothing creeps that is at rest; what is left is
 reported, see :class:`ContactSteps`."""
 

@@ -1,5 +1,18 @@
 """Generalised-α with variable steps, and the local error of each step.
 
+What a step hands to the next belongs to its size: ``a`` stands for ``v̇`` at ``(α_f − α_m) h``
+before its end, and velocities carry what is of the order h² across the joints
+(:func:`fem_lie.solve.alpha.start.velocity_defect`). When h becomes ``r h``::
+
+    a ← v̇ + r (a − v̇)          v ← v − (1 − r²) N B v
+
+with ``N B v`` the part of the velocities across the joints. Without the first the scheme is of
+first order with variable steps (O. Brüls & M. Arnold, J. Comput. Nonlinear Dyn. 3 (2008) 041007).
+
+After a step that did not resolve fast waves ``v̇`` has their part of it, which means nothing. A
+much smaller step would feel it, have a large error, and be rejected for ever: when two steps in
+sequence are rejected, accelerations are made consistent anew, as at the start.
+
 How wrong one step of a Lie-group integrator is, from what the step itself has computed.
 
 The increment of the exact motion from the same start is, with ``v̇₁`` at the end of the step::
@@ -21,21 +34,6 @@ the constraints, and stiff bodies resist. With the iteration matrix ``S`` and it
 so one solution with the kept factors turns the defect into the error ``e``, of all schemes whose
 end of a step satisfies the equations of motion. Waves that a step does not resolve are filtered
 by it, as in stiff ordinary differential equations (Hairer & Wanner, Solving ODEs II, section IV.8).
-
-Generalised-α with a step that changes.
-
-What a step hands to the next belongs to its size: ``a`` stands for ``v̇`` at ``(α_f − α_m) h``
-before its end, and velocities carry what is of the order h² across the joints
-(:func:`fem_lie.solve.alpha.start.velocity_defect`). When h becomes ``r h``::
-
-    a ← v̇ + r (a − v̇)          v ← v − (1 − r²) N B v
-
-with ``N B v`` the part of the velocities across the joints. Without the first the scheme is of
-first order with variable steps (O. Brüls & M. Arnold, J. Comput. Nonlinear Dyn. 3 (2008) 041007).
-
-After a step that did not resolve fast waves ``v̇`` has their part of it, which means nothing. A
-much smaller step would feel it, have a large error, and be rejected for ever: when two steps in
-sequence are rejected, accelerations are made consistent anew, as at the start.
 """
 
 from __future__ import annotations
@@ -143,15 +141,12 @@ class TimeError:
 
 
 ITERATION = 0.01
-
 """Part of the tolerance that the iteration of a step may leave."""
 
 SWEEPS = 3
-
 """Iterations for the part of velocities across the joints."""
 
 _MOTION = ("s.H", "s.H1", "s.motion", "weights", "books")
-
 """What a step changes, by its names in the state of a run."""
 
 

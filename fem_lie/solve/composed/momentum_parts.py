@@ -1,9 +1,5 @@
 """Sub-steps of the variational scheme: one by one, and all in one compiled loop.
 
-All parts of composed steps in one compiled loop, as long as the kept matrices will do.
-
-Parts of composed steps of the variational scheme, and a run of them.
-
 Between parts there are frames and momenta. Of the latter only what constraints allow counts, and
 what a part makes of it is symmetric and near the identity, so that parts need not be halved as
 those of the conserving scheme (:mod:`.parts`).
@@ -34,7 +30,6 @@ from fem_lie.solve.variational.run_state import Options
 from fem_lie.system.equations import Equations
 
 MADE, PART, SIZE = 0, 1, 2
-
 """Of ``place``: whole steps made, parts of the present one, and the size for which the state is."""
 
 
@@ -94,7 +89,6 @@ def run(
 
 
 _SHARED = "H", "rest", "steps", "before", "gap", "books", "weights", "earlier"
-
 """The state of all parts."""
 
 
@@ -204,7 +198,6 @@ class MomentumPart(VariationalRun):
 
 
 _OWN = "_made", "twists", "rows"
-
 """What steps change of the part that makes them."""
 
 

@@ -13,8 +13,6 @@ So at least one of them goes back. (Yoshida, Phys. Lett. A 150 (1990) 262; Suzuk
 What a scheme for constraints gives is symmetric, but not near the identity: velocities, and rates
 of directors, that break what is constrained, by the order h², change their sign in each of its
 steps. Two steps are near the identity. So each part is made in two halves.
-
-Steps of one size, of which some are parts of each composed step.
 """
 
 from __future__ import annotations
@@ -35,7 +33,6 @@ from fem_lie.solve.conserving.step.packing import PackedModel
 from fem_lie.system.equations import Equations
 
 _TRIPLE = 1.0 / (2.0 - 2.0 ** (1.0 / 3.0))
-
 _FIVE = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))
 
 

@@ -1,9 +1,5 @@
 """Schemes that conserve energy, momentum and angular momentum to round-off, and what they refuse.
 
-What conserving schemes cannot do, said before any work.
-
-Energy, momentum and angular momentum to round-off, for scenes of bodies of all kinds.
-
 With ``q = (x, d₁, d₂, d₃)`` of the nodes, the constant matrix of inertia ``G``, velocities ``V``
 and increments ``Δq`` that come from a translation and a Cayley rotation of each node
 (:mod:`fem_lie.solve.conserving.between.cayley`)::
@@ -63,7 +59,6 @@ from fem_lie.system.equations import Equations
 _WITHOUT_FRAMES = (
     "nodes without frames (Cable, Net, ThinShell, AncfBeam, AncfShell, Solid, reduced-order bodies)"
 )
-
 """Bodies with nodes that have no rotation of their own."""
 
 

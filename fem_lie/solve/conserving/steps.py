@@ -1,9 +1,5 @@
 """Steps of a run of a conserving scheme: one by one, and many in one compiled loop.
 
-Many steps with their rows of results in one compiled loop, as long as a kept matrix will do.
-
-Steps of a run of a conserving scheme: their matrices, and what is done where one has no end.
-
 A step begins with a prediction, and ends when nothing but round-off changes. Where that fails with
 the matrix that is kept, new ones are made until it converges fast: first from no motion at all, for
 what is predicted has the waves that the step does not resolve as large as their velocities say, far
@@ -34,11 +30,9 @@ from fem_lie.system.nodes.fixed_axes import wrenches
 from fem_lie.system.nodes.sums import residual
 
 PlainSupports: TypeAlias = tuple[Indices, Array, Flags, Indices, Array, Array]
-
 """A :class:`Supports`, as compiled functions are quicker to call with."""
 
 ROW, WANTED, NEAR = 0, 1, 2
-
 """Of ``place``: next row of results, how many of the wanted ones there are, and whether an element
 turns nearly too far in the last one."""
 
@@ -154,29 +148,18 @@ def _fill_reactions(
 _log = logging.getLogger(__name__)
 
 _RESCUE = 1, 40.0
-
 """Patience, and the cost of a matrix in iterations, of a step that failed."""
-
 _SLOW = 4
-
 """Times as many iterations as else may be made with new matrices: they converge surely from no
 motion, and slowly where much energy is in waves that the step does not resolve."""
-
 _LONG, _SETTLED = 20, 1e-11
-
 """Iterations without progress after which increments of this size, in lengths, are round-off."""
-
 _UNPREDICTED = 8
-
 """Steps that begin without a prediction after one that had no end with it."""
-
 _LEARNT, _SPIRALS = 8, 10.0
-
 """Corrections that one learns from where the matrix alone fails, and the most that they may grow
 by."""
-
 _SHARE = 0.4
-
 """Of the cost of a matrix, what a step may go on for instead: the next steps gain by it, too."""
 
 

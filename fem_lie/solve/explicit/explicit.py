@@ -1,9 +1,5 @@
 """Explicit steps on the group with lumped inertia: the scheme, and a run of it.
 
-A run of explicit steps: the compiled loop, results, books and checkpoints.
-
-Explicit steps on the group: no equations are solved, and steps are as small as the cells ask.
-
 Inertia is lumped: each node has its own, and momenta are its own (:mod:`.nodes`). A step is::
 
     p ← p − ½ h f(H),    H ← H moved for h with the constant momenta p,    p ← p − ½ h f(H)
@@ -61,13 +57,10 @@ from fem_lie.system.equations import Equations, Instant
 _log = logging.getLogger(__name__)
 
 _AT_A_TIME = 20_000_000
-
 """Steps times unknowns, a second or so, after which the loop comes back to be interrupted."""
 
 _NOWHERE: Indices = np.empty((0, 5), dtype=np.int64)
-
 _CELLS = slice(10, 12)
-
 """In the table of :func:`~fem_lie.system.nodes.sums.residual`: forms of cells, and their nodes."""
 
 

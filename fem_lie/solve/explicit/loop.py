@@ -1,9 +1,4 @@
-"""Explicit steps in one compiled loop, and forces of single cells.
-
-Forces of cells that leave their data alone: of one by itself, and of all in a sum.
-
-Explicit steps, compiled: one loop that comes back for forces that are no single sum.
-"""
+"""Explicit steps in one compiled loop, and forces of single cells."""
 
 from __future__ import annotations
 
@@ -99,19 +94,14 @@ def add_all(H: Array, rows: Indices, nodes: Indices, r: Array) -> None:
 
 
 DONE, RESIDUAL = range(2)
-
 """Why the loop has come back: the last step is made; a residual is wanted."""
 
 STEP, PHASE = range(2)
-
 """What is counted: steps made, and where in one the loop is."""
-
 BETWEEN, MOVED, WEIGHED = range(3)
-
 """Between steps; where forces are wanted; where they are known."""
 
 PlainSteps: TypeAlias = tuple[float, bool, bool, bool, bool, bool]
-
 """A :class:`Steps` at the door from Python."""
 
 

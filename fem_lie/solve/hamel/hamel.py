@@ -1,9 +1,5 @@
 """Hamel's form: velocities in moving frames are the variables; the scheme, and a run of it.
 
-A run of Hamel's form: the compiled steps, results and checkpoints.
-
-Hamel's form: velocities in moving frames are the variables, and what binds them is bound there.
-
 Of a rigid body the variables are the velocities ``ξ = (V, W)`` of the mass centre along its axes.
 An edge binds a constant component of them, ``ξ = Z η``; what is left are the ``η``. Over a step
 with the means ``ξ̄ = ½ (ξ₀ + ξ₁) = Z η̄``, ``R₁ = R₀ cay(h W̄)`` and ``R̄ = ½ (R₀ + R₁)``::
@@ -53,13 +49,10 @@ from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.system.equations import Equations
 
 PREFIX = "fem_lie_dynamics_"
-
 _AT_A_TIME = 20_000
-
 """Steps times bodies after which the loop comes back to be interrupted."""
 
 _CHANGED = "H", "s", "impulses"
-
 """What a step changes."""
 
 

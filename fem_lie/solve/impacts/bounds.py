@@ -1,7 +1,5 @@
 """Bounds on gaps and velocities at the end of a step, and on the energy of restitution.
 
-When contacts meet within a step, and which velocities and gaps they are to have at its end.
-
 How much of the restitution a step may have without a gain of energy.
 
 Newton's law is for the normal velocity of one contact. Where several meet in a step, where normals
@@ -83,7 +81,6 @@ def bounds_of(h: float, chosen: Chosen, free: Array) -> Bounds:
 
 
 _TRIES, _ENOUGH = 8, 1e-3
-
 """Parts of the restitution that are tried beside all and none; loss of energy, over what all of it
 would gain, that is small enough."""
 

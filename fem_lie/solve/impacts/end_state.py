@@ -1,9 +1,4 @@
-"""Positions and velocities at the end of a step that satisfy the bounds of contacts.
-
-Places at the end of a step: forces that part what overlaps and hold what sticks.
-
-Velocities at the end of a step: impulses by the mass matrix and the joints.
-"""
+"""Positions and velocities at the end of a step that satisfy the bounds of contacts."""
 
 from __future__ import annotations
 
@@ -26,20 +21,16 @@ from fem_lie.solve.impacts.step_end import Factors, Rule
 from fem_lie.system.equations import Equations
 
 TOLERANCE, _ROUGH = 1e-9, 1e-6
-
 """Residual of the cones, and that with which positions begin."""
 
 _EXACT, _ITERATIONS, _ANEW = 1e-14, 30, 2
-
 """Part of the model's length by which places still change at the end; iterations at most, and in
 how many of the first ones rows of forces are taken anew."""
 
 _WITH_FRICTION = 6
-
 """Iterations of many contacts with friction, which is then held: cones of so many end with 1e-6."""
 
 _SMALL = 1e-12
-
 """Part of the model's length below which places are known to round-off alone."""
 
 
@@ -172,7 +163,6 @@ class CoupledPlaces(CoupledBodies):
 
 
 _TINY = 1e-6
-
 """Part of speeds below which they are known to round-off alone."""
 
 

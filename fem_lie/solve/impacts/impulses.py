@@ -1,7 +1,5 @@
 """Impulses by the bordered mass matrix, and velocities projected onto the constraints.
 
-What impulses do at once: the mass matrix, bordered by all constraints.
-
 Some directions have no inertia: the drilling rotation of a shell of six parameters, the rotation of
 a node whose section has no rotary inertia. An impulse there is balanced by nothing but elastic
 forces, within the step: the mass matrix is singular, and velocities would be round-off over zero.
@@ -38,20 +36,16 @@ from fem_lie.solve.impacts.step_end import StepEnd
 from fem_lie.system.equations import Equations, Instant, Plan
 
 _TINY = 1e-6
-
 """Part of a step within which stiffness does nothing."""
 
 _MASSLESS = 1e-10
-
 """Part of a node's largest moment of inertia that counts as none."""
 
 _SOFTNESS, _REFINED = 1e-9, 2
-
 """What joints yield, of what they do alone, for some follow from others; and times that solutions
 are refined, after which nothing is left of that."""
 
 _DENSE = 150
-
 """Unknowns up to which a dense matrix is factorised sooner."""
 
 
@@ -162,7 +156,6 @@ def _at_rest(equations: Equations, step: float) -> sp.csr_matrix:
 
 
 _ITERATIONS = 20
-
 _CONTRACTION = 1e-12  # of the violation, or what the round-off of velocities leaves
 
 

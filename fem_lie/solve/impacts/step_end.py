@@ -1,13 +1,7 @@
 """What impacts need of a scheme, which scenes cannot have them, and what they did in a run.
 
-What impulses need of a scheme: the end of a step, and how the end answers to forces.
-
 Nothing here knows a scheme. An implicit scheme gives the factors of its iteration matrix, how
 velocities and accelerations follow the increment of a step, and the end of each step it has made.
-
-Scenes that contacts by impacts cannot be in.
-
-What contacts by impacts did in the last step, and in all steps of a run.
 """
 
 from __future__ import annotations
@@ -126,7 +120,6 @@ def refuse_impacts(equations: Equations) -> None:
 
 
 _LARGEST = CONTACTS, RESIDUAL, PENETRATION
-
 """Columns that are of the worst of all sub-steps of a step; all others are sums."""
 
 

@@ -3,8 +3,6 @@
 The loop over the steps of any run: start, steps, rows of results, checkpoints.
 
 How a step is made, and how large it is, belongs to what is driven.
-
-What runs with constant steps have in common: policy, what elements remember, divided steps.
 """
 
 from __future__ import annotations

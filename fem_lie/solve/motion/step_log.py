@@ -1,9 +1,4 @@
-"""The steps of a run with variable steps, and the local error of each of them.
-
-The local error of one step, and where in the scene it is largest.
-
-Collects the steps of a run whose steps change.
-"""
+"""The steps of a run with variable steps, and the local error of each of them."""
 
 from __future__ import annotations
 

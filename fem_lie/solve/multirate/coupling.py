@@ -1,9 +1,4 @@
-"""Multipliers between bodies with steps of their own, by a fixed point that is accelerated.
-
-Next guesses of a fixed point from the last ones (Anderson, J. ACM 12 (1965) 547).
-
-Multipliers between bodies with steps of their own: found by trying whole steps.
-"""
+"""Multipliers between bodies with steps of their own, by a fixed point that is accelerated."""
 
 from __future__ import annotations
 
@@ -48,26 +43,16 @@ class Mixed:
 
 
 _FIRST, _TRIED = 1e-10, 1e-8
-
 """Motion, over the model, by which the response to multipliers is found: of all of its mass at
 first, then that of the joints."""
-
 _SETTLED, _FALLS = 1e-12, 0.5
-
 """Violations, over the model, that are round-off if they do not fall by the second."""
-
 _FINE = 5e-15
-
 _DEPTH = 6
-
 """Tries from which the next one is made."""
-
 _RENEWED = 12
-
 """Tries of a step after which the response is found anew."""
-
 _IN_VAIN = 2 * _RENEWED
-
 """Tries in which violations do not halve, after which a step has failed."""
 
 

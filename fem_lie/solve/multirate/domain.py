@@ -1,7 +1,5 @@
 """Scenes divided by sizes of steps: the parts, the joints between them, and steps of a part.
 
-A scene in parts: one for each size of steps, and what is between them.
-
 Joints between bodies with steps of their own: over a whole step, as over one of each.
 
 Constraints are bilinear in ``q = (x, d₁, d₂, d₃)`` of their nodes, so that with the means ``q̄`` and
@@ -13,8 +11,6 @@ with the force and the moment of ``Φ'(q̄)ᵀ λ``::
 
 The work of ``P`` in all steps of a body is ``P·Δq``, and that on all bodies ``λ·(Φ(q₁) − Φ(q₀))``,
 which is zero.
-
-Bodies whose steps have one size, over a whole step, under given forces of those around them.
 """
 
 from __future__ import annotations

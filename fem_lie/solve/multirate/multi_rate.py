@@ -1,9 +1,5 @@
 """Bodies with steps of their own: the scheme, and a run of it.
 
-A run of several sizes of steps: the domains, what is told at the ends of whole steps.
-
-Bodies with steps of their own, coupled by multipliers that take no energy.
-
 Stiff or fine bodies make several steps in a whole one, the others one; each is a step of
 energy-momentum by itself. Joints between them hold at the ends of whole steps, by multipliers that
 act over a whole step: their forces on ``q = (x, d₁, d₂, d₃)`` of the nodes stay the same in it, so

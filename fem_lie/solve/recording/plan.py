@@ -1,9 +1,4 @@
-"""What a run is to do and to keep: end time, steps, states and quantities.
-
-Which states a run keeps, after every so many steps or at given times, and what of them.
-
-What a run is to do: to which time, by which steps, and what is kept of it.
-"""
+"""What a run is to do and to keep: end time, steps, states and quantities."""
 
 from __future__ import annotations
 
@@ -20,7 +15,6 @@ from fem_lie.results.record import BOOKED, Record
 from fem_lie.solve.step_control import StepChoice, described, step_choice
 
 NEAR = 1e-9
-
 """Part of a step within which two times are the same."""
 
 
@@ -123,7 +117,6 @@ def _multiples(interval: float, duration: float) -> Array:
 
 
 STEP_TIMES = "steps.times"
-
 """Ends of the steps in a checkpoint of steps whose size changes."""
 
 

@@ -1,9 +1,5 @@
 """A row of results from the state of the equations, in one compiled call.
 
-What rows of results are made of, as compiled code reads it: tables of arrays that stay.
-
-A row of results from the state of the equations: all but elements' energy in one compiled call.
-
 A step of a small scene takes a hundred microseconds, and a call from Python a few.
 """
 

@@ -7,8 +7,6 @@ the unloaded configuration, the tangent stiffness is ``K(λ) = K₀ + λ K_g``. 
 them loses the digits by which ``λ K_g`` is smaller than ``K₀``. The load factor ``s`` of the
 difference therefore makes both about equally large, whatever the size of the loads.
 
-Load factors of linear buckling: eigenvalues of a pencil of stiffness and geometric stiffness.
-
 Whether loads have a potential among the motions that supports and joints leave free.
 
 Linear buckling compares energies: its load factors are those of the symmetric part ``G`` of the
@@ -51,13 +49,9 @@ from fem_lie.solve.statics.follow import check_proportion
 from fem_lie.system.equations import Equations
 
 _ALIKE = 3.0  # powers of two by which the change and the stiffness may differ
-
 _ROUND_OFF = 2.0**-40  # of the stiffness: a smaller change is none
-
 _SCALINGS, _SHRINKINGS = 5, 10
-
 _PROPORTIONAL = 1e-9  # relative deviation of a change from a straight line
-
 _CONVERGED = 1e-5
 
 
@@ -156,9 +150,7 @@ def _extrapolated(
 
 
 _TOLERANCE = 1e-10
-
 _TRUE = 1e-4  # relative difference of an eigenvalue from the quotient of its vector
-
 _TRIES = 4  # each asks for twice as many: those of round-off come with them
 
 
@@ -220,9 +212,7 @@ def _pairs(solver: Any, n: int, size: int) -> tuple[Array, Array]:
 
 
 _OF_MODES, _OF_ALL = 1e-6, 1e-2  # skew part over load stiffness that counts
-
 _TINY = 1e-300
-
 _SEED, _REPEATS, _SETTLED = 1, 12, 1e-3
 
 
@@ -281,9 +271,7 @@ def energy_radius(model: StableEquilibrium, K: sp.csr_matrix, A: sp.csr_matrix) 
 
 
 _STAGES = 5  # that the progress bar counts
-
 _OTHER_SIGN = 100.0  # times that factors of loads that pull are those of reversed loads, or more
-
 _STRAINED = 0.05  # largest strain at them, which linear theory knows nothing of
 
 

@@ -5,8 +5,6 @@ What is held at a given value during a step along a path: arc length, displaceme
 With ``Δu`` the displacements of the nodes in a step, ``Δλ`` the change of the load factor, each
 control is a distance ``g(Δu, Δλ)`` and its derivative. A step ends where the distance has the
 wanted length.
-
-Where a path is to end, and how it is computed.
 """
 
 from __future__ import annotations

@@ -1,13 +1,5 @@
 """Small vibrations about any equilibrium, and the scaling of modes.
 
-How modes are scaled: by their largest displacement, or by rotation where they only turn.
-
-Which of them only turn is decided node by node: a node that turns by θ, with cells of length l
-around it, moves by a good part of l θ in any wave that the mesh can show, be it as short as it may,
-and be the scene as large. What is left of a mode that only turns is round-off.
-
-Small vibrations about any equilibrium: unloaded, loaded, or in steady rotation.
-
 With ``H exp(h)`` beside the equilibrium ``H`` the linear equations are, without any further
 assumption on what is in the scene (:func:`fem_lie.system.small_motions.linearised`)::
 
@@ -15,6 +7,12 @@ assumption on what is in the scene (:func:`fem_lie.system.small_motions.linearis
 
 with ``v`` the local velocities of the steady rotation. The stiffness holds geometric stiffness of
 stress, loads and joints and centrifugal softening, the damping the Coriolis terms.
+
+How modes are scaled: by their largest displacement, or by rotation where they only turn.
+
+Which of them only turn is decided node by node: a node that turns by θ, with cells of length l
+around it, moves by a good part of l θ in any wave that the mesh can show, be it as short as it may,
+and be the scene as large. What is left of a mode that only turns is round-off.
 """
 
 from __future__ import annotations

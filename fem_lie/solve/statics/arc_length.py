@@ -1,9 +1,5 @@
 """Load-capped arc length: load control where a structure is stiff, arc length where it is soft.
 
-States that a path has passed: it must not come along them once more.
-
-Load-capped arc length: load control where a structure is stiff, arc length where it is soft.
-
 Unknown are the increment of a step and the load factor λ; a step ends on the wanted load, or at a
 distance Δs from its beginning, whichever comes first::
 
@@ -97,11 +93,8 @@ def rms(u: Array) -> float:
 
 
 _SHOWN = 1e-2  # translations over rotations × diameter that show how far rotations are
-
 _ON_THE_SPOT = 1e-9  # translations over rotations × diameter: less are round-off
-
 _FARTHEST = 4  # lengths of the step: an iteration that goes farther is lost
-
 _AHEAD = 0.4  # cosine between the twists of two steps: never less
 
 

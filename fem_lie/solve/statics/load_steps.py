@@ -1,11 +1,4 @@
-"""Statics by load steps: Newton's method on the group with the stress as an iterate.
-
-Moving the nodes in statics.
-
-Options of the iteration of load steps.
-
-Statics by load steps: Newton's method on the group with the stress as an iterate.
-"""
+"""Statics by load steps: Newton's method on the group with the stress as an iterate."""
 
 from __future__ import annotations
 
@@ -99,7 +92,6 @@ class Newton:
 
 
 _SMALLEST = 1e-3  # part of the preload that is given up
-
 _FARTHEST = 1e3  # increments over their units that have diverged
 
 _log = logging.getLogger(__name__)

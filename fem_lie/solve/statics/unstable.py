@@ -1,9 +1,5 @@
 """Whether an equilibrium is stable: free rigid motions, negative pivots, and the warning.
 
-How many negative pivots the tangent of a scene has, of what constraints leave free.
-
-Says of equilibrium that was found that it is not what a structure under growing loads does.
-
 Rigid motions of bodies that nothing resists, which factors of round-off do not show.
 
 Nodes without rotations store a rigid rotation with round-off, and so do the stiffness matrix and
@@ -34,7 +30,6 @@ if TYPE_CHECKING:
 _SOFT = 1e-6  # give of constraints, over that of the stiffest spring
 
 UNKNOWN = -1
-
 """Number of negative pivots of a matrix that cannot be factorised."""
 
 
@@ -122,9 +117,7 @@ def maxima(factors: list[float]) -> tuple[float, ...]:
 
 
 _ULPS = 1e-14  # of the sum without signs: less is round-off
-
 POLISHED = 3
-
 """Iterations more than an equilibrium needs, before what resists is asked."""
 
 _RESIDUAL = 10.0  # times the work of forces that are not in balance: less is the iteration's

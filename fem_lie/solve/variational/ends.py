@@ -1,11 +1,4 @@
-"""Constraints, loads and momenta at the ends of steps of the variational scheme.
-
-Constraints of any kind over a step: their values at its end, and their forces at its start.
-
-Velocities, accelerations and multipliers at the ends of steps, where there are momenta.
-
-Loads, drives and prescribed motions of one step.
-"""
+"""Constraints, loads and momenta at the ends of steps of the variational scheme."""
 
 from __future__ import annotations
 
@@ -57,9 +50,7 @@ class Binding:
 
 
 PREFIX = "fem_lie_dynamics_"
-
 _UNFILTERED = 1e-6
-
 """Size of steps, over the true one, whose matrix finds velocities from momenta."""
 
 

@@ -1,9 +1,4 @@
-"""Steps of the variational scheme in one compiled loop, and the table of addresses that it takes.
-
-The arrays of a run of the variational scheme, as a table of addresses for its compiled loop.
-
-Steps of the variational scheme in one compiled loop, which comes back where a matrix is due.
-"""
+"""Steps of the variational scheme in one compiled loop, and the table that it takes."""
 
 from __future__ import annotations
 
@@ -175,19 +170,14 @@ def packed(t: Indices) -> Packed:
 
 
 DONE, MATRIX, FAILED = range(3)
-
 """Why the loop has come back: all steps are made, a matrix is due, a step does not converge."""
 
 MADE, ITERATION, TOTAL = range(3)
-
 """What is counted: steps made, the present iteration, if one has begun, and those of all steps."""
-
 MOTION, PREVIOUS, RATIO, INCREMENT = range(4)
-
 """Numbers: the largest motion of the step, the increment before, the ratio of both, and it."""
 
 NOISE = 1e3 * float(np.finfo(np.float64).eps)
-
 """Increments below, over the model, that do not fall are round-off."""
 
 

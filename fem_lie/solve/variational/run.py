@@ -1,9 +1,4 @@
-"""A run of the variational scheme: steps, results and checkpoints.
-
-Steps of the variational scheme that are iterated from Python.
-
-A run of the variational scheme: its steps, results and checkpoints.
-"""
+"""A run of the variational scheme: steps, results and checkpoints."""
 
 from __future__ import annotations
 
@@ -100,11 +95,9 @@ class Newton(RunState, Iterated):
 _log = logging.getLogger(__name__)
 
 _CHANGED = "H", "rest", "steps", "before", "weights", "earlier", "gap", "_made"
-
 """What the acceptance of a step changes."""
 
 _AT_A_TIME = 20_000
-
 """Steps times unknowns, some milliseconds, after which the loop comes back to be interrupted."""
 
 

@@ -1,11 +1,5 @@
 """What a set of constraints does: all that equations know of joints.
 
-Rows of frames that constraints see: those of the system, or what stands for them.
-
-What constraints are to be, as a function of time.
-
-What a set of constraints does: all that equations know of joints.
-
 A set takes from the items of a scene (joints, springs, drives and so on) what is its own, numbers
 its constraints, and works on arrays of the whole system: rows of frames and twists, multipliers,
 legs of the border. A new sort of constraint is one file with such a class, and a line in
@@ -100,7 +94,6 @@ _FORWARD = np.array(
         [15 / 4, -77 / 6, 107 / 6, -13, 61 / 12, -5 / 6],
     ]
 )
-
 """First and second derivative of a polynomial of fifth degree from values at 0, 1, … 5."""
 
 
@@ -154,7 +147,6 @@ class Targets:
 
 
 MemoryKey: TypeAlias = tuple[str, str]
-
 """Label of a joint, and name of its coordinate."""
 
 

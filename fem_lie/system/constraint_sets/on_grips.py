@@ -1,9 +1,5 @@
 """Constraints of any sort on attachment frames.
 
-Rows of constraints that hold on to points that are no nodes.
-
-Constraints of any sort on points that are no nodes: a set on rows of its own.
-
 These rows are the nodes that its items hold on to by themselves, then a row for each grip, and then
 what does not move by itself. Frames and twists of grips are those of :mod:`fem_lie.grips`; what the
 set does in a grip's six components is pulled back to the nodes of the grip by its Jacobian. What

@@ -1,9 +1,4 @@
-"""Constraints, springs and dampers in the relative motion of two frames: most joints.
-
-Which of the rotations that frames may mean are meant: angles within a step, bound axes.
-
-Constraints, springs and dampers in the relative motion of two frames: most joints.
-"""
+"""Constraints, springs and dampers in the relative motion of two frames: most joints."""
 
 from __future__ import annotations
 
@@ -31,7 +26,6 @@ from fem_lie.system.constraint_sets.constraint_set import (
 )
 
 _QUARTER = 0.5 * np.pi * (1.0 + 1e-9)
-
 """Change of an angle in one step at most, rad: half of what frames tell apart."""
 
 

@@ -1,11 +1,5 @@
 """The equations of a scene as solvers see them.
 
-The matrix that finds accelerations, and impulses in joints.
-
-Stress and forces of linear theory, while the nodes stay where they are.
-
-The equations of a scene as solvers see them.
-
 States are the solvers': frames ``H`` of all rows (moving nodes, ground, prescribed motions), local
 twists ``v`` and their rates ``a``, multipliers. Nobody else than these verbs changes what is behind
 them, and a solver may use nothing else.

@@ -1,9 +1,4 @@
-"""What drives, prescribed motions and loads do at a time, and how far drives rotate in an interval.
-
-How far prescribed motions and drives rotate within an interval of time, whole turns included.
-
-What drives, prescribed motions and loads do at a time.
-"""
+"""Drives, prescribed motions and loads at a time, and how far drives rotate in an interval."""
 
 from __future__ import annotations
 
@@ -20,21 +15,15 @@ from fem_lie.system.nodes.sums import load_vector
 from fem_lie.system.system import System
 
 FRAME_STEP = 0.25 * np.pi
-
 """Rotation of a prescribed frame in one step, rad: Newton's first increment is its tangent."""
 
 ANGLE_STEP = 0.5 * np.pi
-
 """Change of an angle in one step, rad."""
 
 _PIECES = 16  # of an interval, to begin with
-
 _AT = 0.381966  # where a piece is divided: no simple fraction, so that whole turns are noticed
-
 _SMALL = 0.5  # rad: rotations between samples are less …
-
 _STRAIGHT = 0.05  # … and exceed the one from end to end by no more than this, rad
-
 _DEPTH = 12  # times that a piece is divided; what still rotates far jumps
 
 _Sample: TypeAlias = tuple[float, Array, Array]

@@ -1,11 +1,4 @@
-"""What is reported of a state, of its constraints, and of what equations depend on.
-
-All that equations depend on: what fingerprints are made of.
-
-Constraints at one place: their Jacobian, their rates, and whether they contradict each other.
-
-What is told of a state.
-"""
+"""What is reported of a state, of its constraints, and of what equations depend on."""
 
 from __future__ import annotations
 

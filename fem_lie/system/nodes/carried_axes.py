@@ -1,7 +1,5 @@
 """Convected axes of nodes: by the motion of what is around them, or of the mid-surface.
 
-Axes of nodes that follow the motion of what is around them, as states are accepted.
-
 Nothing depends on the axes of a place but the components in which its equations are written. If
 they turn as its neighbourhood does, forces and matrices do not see a rigid motion. The mean
 deformation around node i is ``F_i = Σ_k x_k ⊗ b_ik`` with constants that the elements give; the

@@ -1,9 +1,4 @@
-"""Inertia, damping and nodal loads of a scene, on master nodes.
-
-Nodal loads at one time, as compiled sums take them.
-
-Inertia of a scene and its damping, on the nodes that lead: constant, put together once.
-"""
+"""Inertia, damping and nodal loads of a scene, on master nodes."""
 
 from __future__ import annotations
 
@@ -22,7 +17,6 @@ from fem_lie.lie.kinds.inertia import Inertia, multiply
 from fem_lie.system.nodes.numbering import Numbering
 
 PlainLoads: TypeAlias = tuple[Array, Array, Array]
-
 """:class:`Loads` at the door from Python: compiled functions are quicker to call so."""
 
 

@@ -6,8 +6,6 @@ Each node of the bodies has the frame ``H = H_leader C`` with a constant ``C``; 
 ``Ad(C⁻¹)`` times that of its leader, a force on it ``Ad⁻ᵀ(C)`` times as much on the leader, and its
 ``q = (x, d₁, d₂, d₃)`` a constant linear function of the leader's. Nothing is linearised.
 
-Which node of the system is which: all bodies, kind by kind, and which of their nodes lead.
-
 What scenes that differ in loads and drives alone have in common: set up once.
 
 The nodes' numbering, the assembled forms of all elements and their inertia do not depend on what

@@ -1,9 +1,4 @@
-"""The terms of a scene, and their sum.
-
-The sum of terms.
-
-Which terms a scene has.
-"""
+"""The terms of a scene, and their sum."""
 
 from __future__ import annotations
 

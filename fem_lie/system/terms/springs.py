@@ -1,9 +1,5 @@
 """Springs and dampers along joint coordinates, and mass-proportional damping.
 
-Damping that goes with mass, of all bodies: it opposes their motion in space.
-
-Springs and dampers along the coordinates of joints.
-
 Their forces, and what becomes of these as coordinates turn, are summed with those of the joints, in
 one loop over one table (:mod:`fem_lie.system.constraint_sets`); here they stand by themselves.
 """

@@ -1,9 +1,5 @@
 """A step of a free rigid body, compiled, and the records it works on.
 
-What steps of free rigid bodies work on: ``n`` bodies, and one of them.
-
-A step of a free rigid body, compiled.
-
 The equations of a free body in its own frame at the centre of mass, with forces and moments
 ``f, m`` fixed in space and ``f', m'`` following::
 
@@ -79,7 +75,6 @@ class Loads(NamedTuple):
 
 
 RATIO, MOTION, FEWEST, BEYOND = 0, 1, 2, 3
-
 """Places in the memory of a body."""
 
 
@@ -219,7 +214,6 @@ class End(NamedTuple):
 
 
 BODY, INCREMENT, RESIDUAL = 0, 1, 2
-
 """Places in what is noted of a failure."""
 
 

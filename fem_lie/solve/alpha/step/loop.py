@@ -1,9 +1,5 @@
 """Steps of generalised-α in one compiled loop, and the records that it takes and changes.
 
-What the compiled loop of generalised-α takes and changes: counters, numbers, arrays, options.
-
-Steps of generalised-α, compiled: one loop that comes back to Python for what it has not.
-
 That is a new matrix, forces that are no single sum, a solution that takes more than kept factors, a
 question of the policy, a step that fails, and whatever is to be done after a step that was given.
 It is called again then, and goes on where it was.
@@ -32,18 +28,15 @@ from fem_lie.system.nodes.sums import residual
 from fem_lie.system.outer_forces import look_and_sum_up
 
 BETWEEN, OPEN, WEIGHED, SOLVED, CHECKED, LEARNED = range(6)
-
 """Phases: between steps; a residual is wanted; it is known; the correction is; the step has
 converged; what it cost has been learned."""
 
 STEP, ITERATION, PHASE, UPDATE, TOTAL, ROW, WANTED, NEAR, COUNTERS = range(9)
-
 """Counters: the step that is made or was made last, its iteration, the phase; what is made anew,
 see :class:`~fem_lie.solve.renewal.Update`; all iterations; the next row of results, how many of
 the wanted ones were filled in, and whether an element turns nearly too far in the last (1)."""
 
 RATIO, NOW, PREVIOUS, INCREMENT, MOTION, NUMBERS = range(6)
-
 """Numbers: ratio of increments that steps begin with and that of the present one, the increment
 before and the present one, and the largest motion in a step."""
 
@@ -191,11 +184,9 @@ class Steps(NamedTuple):
 PlainSteps: TypeAlias = tuple[
     float, float, int, float, bool, bool, bool, bool, bool, bool, bool, bool
 ]
-
 """A :class:`Steps` at the door from Python."""
 
 DONE, RESIDUAL, MATRIX, SOLUTION, CHECK, QUESTION, FAILED = range(7)
-
 """Why the loop has come back: the last step is made; a residual is wanted; a matrix is to be made
 anew and solved with; the equations are to be solved; a step has converged with constraints that may
 contradict each other; the policy asks how stale the matrix is; the step has failed."""

@@ -1,5 +1,9 @@
 """Mean and increment over a step of nodes of any type and of frames along edges; compiled.
 
+Frames turn by Cayley's map (:mod:`.cayley`); of other nodes the coordinates whose increments add
+move along a straight line. An increment of a node is six numbers along global axes: of a frame its
+translation and the vector of Cayley's map, of other nodes both coordinate vectors.
+
 Frames along the edges of discrete rods over a step; compiled.
 
 Such a frame has the tangent of the edge ``e = x_j − x_i`` from its node i to another node j, and a
@@ -17,12 +21,6 @@ rotation, of which no energy depends, and rates of its directors with it.
 The inertia of the frame is that of its rotation α about the tangent at the start of the step. What
 the tangent turns of its moment of momentum is left out of this inertia
 (:mod:`fem_lie.elements.rods.discrete_rod`).
-
-What lies between both ends of a step, of nodes of any type; compiled.
-
-Frames turn by Cayley's map (:mod:`.cayley`); of other nodes the coordinates whose increments add
-move along a straight line. An increment of a node is six numbers along global axes: of a frame its
-translation and the vector of Cayley's map, of other nodes both coordinate vectors.
 """
 
 from __future__ import annotations

@@ -1,9 +1,5 @@
 """Mean configuration, increments and rotations between the two levels of a step; compiled.
 
-Frames half-way between the ends of a step.
-
-What lies between the two levels of a step: mean configuration, increments, half-way frames.
-
 A node turns by the spatial vector ψ with the Cayley map, ``R₁ = cay(ψ) R``. Its directors' mean and
 increment are then, exactly,
 
@@ -159,7 +155,6 @@ def spin(H: Array, V: Array) -> Vector:
 _log = logging.getLogger(__name__)
 
 _FAR = radians(10.0)
-
 """Rotation in a step from which on it is reported."""
 
 

@@ -1,7 +1,5 @@
 """Forces over a step: of constraints at its ends, and of terms that Python is asked for.
 
-Forces of constraints at the ends of steps, from those that act over the steps.
-
 A multiplier λ of a conserving step is the force over that step: of second order in its middle, but
 for a part that changes its sign from step to step. Velocities that satisfy the constraints of each
 mean ``q̄`` miss those at the ends of steps by ``c h²`` once in two steps; the joint takes that
@@ -11,8 +9,6 @@ line through three of its past values and what alternates with an impulse of con
     λ(t₁) = Σ wₖ λₖ,      Σ wₖ = 1,   Σ wₖ (t₁ − tₖ) = 0,   Σ wₖ (−1)ᵏ/hₖ = 0,
 
 for constant steps ``λ₁ + ½ λ₂ − ½ λ₃``, the last one first.
-
-Forces over a step that Python asks terms for, and compiled steps add as they are given.
 """
 
 from __future__ import annotations
@@ -70,23 +66,15 @@ def rates_at_end(rates: Array, sizes: Array, out: Array) -> None:
 
 
 ON_GROUND, LOSS = 0, 1
-
 """Rows of pushes after those of the nodes: on ground, and what was lost, in its first number."""
-
 BESIDE = 2
-
 """How many these are."""
 
 _MOST = 0.5
-
 """Part by which forces may be changed to do the work that is wanted of them."""
-
 _DIGITS = 1e-11
-
 """Part of what is stored that is round-off, which may wait likewise."""
-
 _LITTLE = 1e-2
-
 """Part of what is stored: forces that do less work take back less of what earlier steps left."""
 
 

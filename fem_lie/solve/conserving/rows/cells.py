@@ -1,9 +1,5 @@
 """Elastic forces of a step on nodes with vector coordinates, whose work is the energy change.
 
-Energies of cells over a step, and what their forces lack to do the work of it; compiled.
-
-Elastic forces of a step on nodes that are no frames: the work is the change of energy, exactly.
-
 For *any* cell with an objective energy ``W``, known by its energy and its nodal forces alone. The
 rows of its nodes are vectors ``r`` that turn with a rigid motion, places from their centre. Of one
 step with means ``r̄`` and increments ``Δr``::
@@ -112,11 +108,8 @@ def factor_beside(
 
 
 _THIN = 1e-12
-
 """Of the metric of rotations, about an axis along which all of a cell lies."""
-
 _SWEEPS = 3
-
 """That make good for it about the others."""
 
 

@@ -1,16 +1,14 @@
 """Changes of elastic forces over a step, the metric of each cell and its round-off level; compiled.
 
-What is found of each cell once: its metric, what of space it sees, the round-off of its energy.
-
-Compiled.
-
-Changes of elastic forces over a step, on nodes that are no frames, and their memory; compiled.
-
 What :mod:`fem_lie.solve.conserving.step.dissipation` filters. Forces of a cell are known along
 global axes and turn with it: those of the start, and what is remembered, are turned by its rotation
 to the end of the step, where the change is told. What acts is turned back half-way and shrunk, as
 elastic forces are (:mod:`.cells`), and freed of the resultant and of the moment about the mean that
 this gives it.
+
+What is found of each cell once: its metric, what of space it sees, the round-off of its energy.
+
+Compiled.
 """
 
 from __future__ import annotations
@@ -61,16 +59,11 @@ from fem_lie.solve.conserving.rows.halves import (
 )
 
 _FEEL, _SEEN = 0.05, 1e-6
-
 """Motions, in lengths of a cell, by which it is seen whether forces balance, and to what."""
-
 _MIXED = (1 / 39) ** 2
-
 """Weight of a mixed derivative, times lengths, beside that of a place: of the squares of Hermite's
 cubic functions on an edge, slopes have 1/39 of what places have, and this is across both."""
-
 _NEXT, _SAMPLES, _USUAL = 1e-9, 6, 16.0
-
 """Motions, in lengths of a cell, whose work is compared with the change of its energy; how many;
 and how many times the round-off of a well-written energy the difference may be."""
 

@@ -1,7 +1,5 @@
 """How nodes move within a step, and the joints between them; compiled.
 
-Joints over a step: constraints by their increments, forces at the mean configuration.
-
 ``z = (Δ, Q)``, the relative motion of the joint's frames, is bilinear in positions and directors
 ``q`` of its nodes, so ``z₁ − z₀ = z'(q̄)(q₁ − q₀)`` with the mean ``q̄``, exactly. Forces
 ``z'(q̄)ᵀ p`` therefore do the work ``p·(z₁ − z₀)``, which is zero for ``p = Sᵀλ`` and ``S z = 0`` at
@@ -11,8 +9,6 @@ constraints are followed by their increments, with all digits. (Gonzalez, J. Non
 
 Of terms that are functions of ``z`` the gradient is replaced by a secant ``g`` in its direction at
 the mean, ``g·Δz = f(z₁) − f(z)``; springs take the mean of their force at both ends.
-
-How nodes move within a step: the prediction, and each correction of it.
 """
 
 from __future__ import annotations
