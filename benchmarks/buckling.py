@@ -5,7 +5,7 @@
 Load control: equal load steps of a twentieth, halved where they fail, until they are given up.
 Arc length: to the wanted load with states between that are left unpolished. Path: every state
 polished, critical points not located. Each with the stress carried as an iterate, and with plain
-Newton. The tables of docs/buckling.md are made here.
+Newton. The tables of docs/measured/buckling.md are made here.
 """
 
 from __future__ import annotations

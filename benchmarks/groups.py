@@ -3,7 +3,7 @@
 Every scene on SE(3) and on R3 x SO(3), with the exponential and the Cayley map. Errors of position
 and rotation are the largest over the run against a run with a sixteenth of the step; joint forces
 against those of the same run, relative to the largest. Where beams are in a scene they stay on
-SE(3), unless it says otherwise. The tables of docs/groups.md are made here.
+SE(3), unless it says otherwise. The tables of docs/measured/groups.md are made here.
 """
 
 from __future__ import annotations

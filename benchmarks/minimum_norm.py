@@ -1,4 +1,4 @@
-"""What joint forces of least norm cost: a table of docs/joints.md.
+"""What joint forces of least norm cost: a table of docs/measured/joints.md.
 
     python3 -m benchmarks.minimum_norm [bodies ...]
 

@@ -1,12 +1,12 @@
 """This library and others, the same scenes in turns: error, time and ratio.
 
-    tools/run python3 benchmarks/peers.py --json peers.json --plots docs
+    tools/run python3 benchmarks/peers.py --json peers.json --plots docs/measured
 
 Exudyn and Kratos come by pip into virtual environments in the cache folder, once; what cannot be
 had is left out, with a line that says so. Each code has a process of its own on one core, is asked
 by lines of JSON (``peer_scenes``), and answers with the seconds that its solver had the processor,
 without set-up and compilation. Runs of one resolution follow each other in turns, and the best of
-each counts. docs/peers.md has what came out, and what is fair.
+each counts. docs/measured/peers.md has what came out, and what is fair.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ in eight load steps, in linear modes, these with modal derivatives (the beam), P
 load at 12 ... 120 % of its size, and POD with few cells that have weights (ECSW). Beside it cells
 that interpolate forces (DEIM). Seconds are those of the iterations; what is done once is apart.
 
-Writes docs/sampling.csv and, with ``--plot``, docs/sampling.png.
+Writes docs/measured/sampling.csv and, with ``--plot``, docs/measured/sampling.png.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from fem_lie.reduce.sampled_statics import LoadsInShapes, equilibria, loads_of
 RUBBER = fl.Material(E=5e6, nu=0.3, density=1100.0)
 LEVELS = np.linspace(0.125, 1.0, 8)
 FIXED = fl.FixedAxes()
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[1] / "docs" / "measured"
 
 
 def cantilever(factor: float) -> tuple[fl.Scene, fl.Beam]:

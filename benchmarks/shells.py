@@ -1,4 +1,4 @@
-"""What shell elements can do, as the tables of docs/shells.md.
+"""What shell elements can do, as the tables of docs/measured/shells.md.
 
     python3 -m benchmarks.shells steps       hemispheres: largest load step, iterations, CPU seconds
     python3 -m benchmarks.shells thickness   quarter-circle strip: deflection over the exact one

@@ -1,4 +1,4 @@
-"""What solids cost in time, and what axes that follow them save, as the tables of docs/solids.md.
+"""What solids cost in time, and what axes that follow them save, as the tables of docs/measured/solids.md.
 
     python3 -m benchmarks.solids tumbling [--steps 10000]
     python3 -m benchmarks.solids residual

@@ -1,4 +1,4 @@
-"""What thin shells cost, and what they leave out, as the tables of docs/thin_shells.md.
+"""What thin shells cost, and what they leave out, as the tables of docs/measured/thin_shells.md.
 
     python3 -m benchmarks.thin_shells cost    residual, energy and matrix per cell
     python3 -m benchmarks.thin_shells shear   semi-cylinder: what shear is of the first deflection

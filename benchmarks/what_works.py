@@ -13,7 +13,7 @@ with each joint, and with each load. A combination
   more than :data:`VIOLATED`, or energy that is not accounted for within :data:`BALANCED`.
 
 A run that was interrupted is continued from the file of results. ``--write`` replaces the tables in
-docs/what_works.md. ``--short`` runs a short list alone: all bodies, all joints of a beam and of a
+docs/measured/what_works.md. ``--short`` runs a short list alone: all bodies, all joints of a beam and of a
 rigid body, and loads at the end of nine bodies with and without a history and damping.
 """
 
@@ -42,7 +42,7 @@ from tests.scene_builder import Built, build
 from tests.scene_data import SceneData
 
 PACKAGE = Path(fl.__file__).parent
-PAGE = Path(__file__).parents[1] / "docs" / "what_works.md"
+PAGE = Path(__file__).parents[1] / "docs" / "measured" / "what_works.md"
 GROUPS = ("body", "joint", "load")
 SHORT_JOINED = ("beam, geodesic", "rigid body")
 SHORT_LOADED = (

@@ -32,7 +32,7 @@ from demos.soft_bars import SOFT, soft_pendulum
 from fem_lie.solve import progress_bars
 from fem_lie.solve.motion.integrator import Integrator
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[1] / "docs" / "measured"
 REFERENCES = Path(__file__).parents[1] / "demos" / "reference" / "work_precision.csv"
 NUMBERS = DOCS / "work_precision.csv"
 TOLERANCES = (1e-6, 1e-7, 0.0)

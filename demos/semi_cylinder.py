@@ -19,7 +19,7 @@ directors of neighbours differ by more than 31 degrees; it is taken for this lam
 
 Thin shells (thin, or spline, on the smooth spline through the nodes) have bicubic patches and no
 shear: of what the force pushes in they miss the part that is sheared, which is 2 % of the first
-deflection, on any mesh (docs/thin_shells.md).
+deflection, on any mesh (docs/measured/thin_shells.md).
 
 The force is a point's, and the deflection under it has a term that grows with the logarithm of the
 mesh, 0.003 per factor e.

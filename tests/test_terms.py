@@ -19,7 +19,7 @@ from fem_lie.system.terms.all_terms import Terms
 from fem_lie.system.terms.followed import Followed
 from tests.own_elements import random_body
 from tests.own_surface import Quartic
-from tests.test_rooms import MODULES, imports_of
+from tests.test_packages import MODULES, imports_of
 
 MATERIAL = fl.Material(100.0, 0.3, 2.0)
 INERTIA = np.diag([0.5, 0.0, 0.01, 0.02])

@@ -2,7 +2,7 @@
 
 Parts of numba that it does not document are used where the documented ones cost more than they
 save. Each release may change them, so that the project's metadata admit only releases with which
-the tests have passed. ``docs/decisions.md`` has what was measured.
+the tests have passed. ``docs/measured/decisions.md`` has what was measured.
 
 - Functions that compiled functions call get no machine code of their own (:mod:`.libraries`
   exchanges the class of numba's libraries and ``set_env`` of its code generator for the time of a

@@ -27,7 +27,7 @@ class RigidBody(Body):
     """A rigid body whose frame is at its centre of mass.
 
     On R³×SO(3), where it moves if nothing else is said, it flies and spins more accurately; on
-    SE(3) it turns more accurately about a fixed axis (docs/groups.md).
+    SE(3) it turns more accurately about a fixed axis (docs/measured/groups.md).
 
     ``point("centre")`` is the centre of mass, ``point((x, y, z))`` the material point at a
     position, with the axes of the body.

@@ -58,4 +58,4 @@ class Choices:
 
 
 SPIN_PER_STEP = 0.01
-"""Turn in a step, rad, from which gyroscopic terms count in the matrix (docs/choices.md)."""
+"""Turn in a step, rad, from which gyroscopic terms count in the matrix (docs/measured/choices.md)."""

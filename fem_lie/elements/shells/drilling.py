@@ -100,7 +100,7 @@ def perturbed_lagrangian(tau: Expr, modes: Sequence[Expr], c: Expr, stiffness: E
 
 
 FRACTION = 0.01
-"""γ over ``G t³/h²``; from 1 to 1e-8 nothing changes (docs/six_parameters.md)."""
+"""γ over ``G t³/h²``; from 1 to 1e-8 nothing changes (docs/measured/six_parameters.md)."""
 
 _SHEAR, _TWIST = 2, 5  # of the eight strains
 

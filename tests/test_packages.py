@@ -1,6 +1,6 @@
-"""The house: which room may import which, and that nothing goes round in circles.
+"""Which package may import which, and that no imports are circular.
 
-Imports are read from the sources, those within functions and for type hints alone included.
+Imports are read from the sources, including those within functions and those for type hints only.
 """
 
 import ast
@@ -26,8 +26,8 @@ OUTSIDE = {
     "extend",
 }
 
-FLOOR = {"_arrays", "_blas", "_compat", "_ffcx_warnings", "_form_cache", "_jit", "_state"}
-"""What everybody may import."""
+COMMON = {"_arrays", "_blas", "_compat", "_ffcx_warnings", "_form_cache", "_jit", "_state"}
+"""Modules that every package may import."""
 
 MAY_IMPORT = {
     "lie": set(),
@@ -111,16 +111,16 @@ MAY_IMPORT = {
     "solve.multirate": {"solve.conserving"},
     "solve.hamel": {"solve.conserving.between"},
 }
-"""Rooms and what they may import besides; what those may is theirs, too."""
+"""Packages and what each may import directly; imports are transitive."""
 
 
 def modules():
-    """Files of the package by name; a room's front door is called as the room."""
+    """Source files by module name; an ``__init__`` has the name of its package."""
     found = {}
     for path in sorted(PACKAGE.rglob("*.py")):
         parts = path.relative_to(PACKAGE).with_suffix("").parts
         if parts in (("__main__",), ("_precompile",), ("extend",)):
-            continue  # programs and names for users, which no room imports
+            continue  # programs and names for users, which no package imports
         found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
     return found
 
@@ -128,19 +128,19 @@ def modules():
 MODULES = modules()
 
 
-def room_of(module):
-    """The room in which a file stands; a file at the entrance is a room of its own."""
+def package_of(module):
+    """Package of a module; a module at the top level is a package of its own."""
     return module if module in MAY_IMPORT else module.rpartition(".")[0] or module
 
 
 def imports_of(module):
-    """Files of the package that a file names, at import, within functions or for type hints."""
+    """Modules of ``fem_lie`` that a module imports, within functions and for type hints included."""
     found = set()
     for node in ast.walk(ast.parse(MODULES[module].read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{module}: wanted absolute imports"
+            assert node.level == 0, f"{module}: expected absolute imports"
             names = [f"{node.module}.{alias.name}" for alias in node.names]
         else:
             continue
@@ -154,9 +154,9 @@ def imports_of(module):
 IMPORTS = {module: imports_of(module) for module in MODULES}
 
 
-def allowed(room):
-    """All rooms that a room may import."""
-    found, left = {room} | FLOOR, [room]
+def allowed(package):
+    """All packages that a package may import, directly or not."""
+    found, left = {package} | COMMON, [package]
     while left:
         for lower in MAY_IMPORT[left.pop()] - found:
             found.add(lower)
@@ -164,31 +164,31 @@ def allowed(room):
     return found
 
 
-def test_all_rooms_are_in_the_table():
-    rooms = {room_of(module) for module in MODULES if module} - FLOOR
-    assert rooms == set(MAY_IMPORT)
+def test_all_packages_are_in_the_table():
+    packages = {package_of(module) for module in MODULES if module} - COMMON
+    assert packages == set(MAY_IMPORT)
 
 
-def test_what_stands_outside_of_rooms():
+def test_modules_at_the_top_level():
     assert {path.stem for path in PACKAGE.glob("*.py")} == OUTSIDE
 
 
-@pytest.mark.parametrize("room", MAY_IMPORT)
-def test_no_arrow_up(room):
+@pytest.mark.parametrize("package", MAY_IMPORT)
+def test_no_arrow_up(package):
     up = {
         f"{module} imports {other}"
         for module, others in IMPORTS.items()
         for other in others
-        if module and room_of(module) == room and room_of(other) not in allowed(room)
+        if module and package_of(module) == package and package_of(other) not in allowed(package)
     }
     assert not up
 
 
-@pytest.mark.parametrize("room", sorted(FLOOR))
-def test_the_floor_imports_nothing_but_itself(room):
-    inside = [module for module in MODULES if room_of(module) == room]
+@pytest.mark.parametrize("package", sorted(COMMON))
+def test_common_modules_import_only_each_other(package):
+    inside = [module for module in MODULES if package_of(module) == package]
     assert inside
-    assert {room_of(other) for module in inside for other in IMPORTS[module]} <= FLOOR
+    assert {package_of(other) for module in inside for other in IMPORTS[module]} <= COMMON
 
 
 def test_no_circle_of_files():
@@ -198,18 +198,18 @@ def test_no_circle_of_files():
         pytest.fail(" → ".join(reversed(error.args[1])))
 
 
-def test_no_circle_of_rooms():
-    rooms = {room: set() for room in MAY_IMPORT}
+def test_no_circle_of_packages():
+    packages = {package: set() for package in MAY_IMPORT}
     for module, others in IMPORTS.items():
-        if module and room_of(module) not in FLOOR:
-            rooms[room_of(module)] |= {room_of(other) for other in others} - {room_of(module)}
+        if module and package_of(module) not in COMMON:
+            packages[package_of(module)] |= {package_of(other) for other in others} - {package_of(module)}
     try:
-        TopologicalSorter(rooms).prepare()
+        TopologicalSorter(packages).prepare()
     except CycleError as error:
         pytest.fail(" → ".join(reversed(error.args[1])))
 
 
-@pytest.mark.parametrize("room", MAY_IMPORT)
-def test_rooms_are_small(room):
-    files = PACKAGE.joinpath(*room.split(".")).glob("*.py")
+@pytest.mark.parametrize("package", MAY_IMPORT)
+def test_packages_are_small(package):
+    files = PACKAGE.joinpath(*package.split(".")).glob("*.py")
     assert len([path for path in files if path.stem != "__init__"]) <= MOST_FILES
