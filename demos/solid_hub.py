@@ -2,10 +2,10 @@
 
 The hub is a block of hard rubber, 0.2 x 0.2 x 0.05, of quadratic bricks. Joints hold
 on to its faces in the mean: their frame has the place of the weighted nodes and the rotation next
-to the mean deformation (grips in the mean). A revolute joint holds its lower face to the ground,
-two beams of 0.5 are fixed to two sides, and a cable of 0.4 hangs on a third by a spherical joint,
-with a point mass at its end. All turn at 10 rad/s at the start, without stress, and nothing drives
-them.
+to the mean deformation (averaging attachments). A revolute joint holds its lower face to the
+ground, two beams of 0.5 are fixed to two sides, and a cable of 0.4 hangs on a third by a
+spherical joint, with a point mass at its end. All turn at 10 rad/s at the start, without stress,
+and nothing drives them.
 
 What the joints do to the hub has to be its change of momentum. Generalised-alpha has, with the
 forces F of the joints on the hub and its momentum P at successive steps 0, 1 and 2,

@@ -104,18 +104,18 @@ def edge_on_beam(scene):
 
 
 JOINTS, SLIDES, ROLLS = relative_motions.RelativeMotions.what, slides.Slides.what, rolls.Rolls.what
-ON_GRIPS = "{} on points that are not nodes".format
+ON_ATTACHMENTS = "{} on points that are not nodes".format
 SETS = {
     "joints": (joints, JOINTS),
-    "joints on geodesics": (joints_on(None), ON_GRIPS(JOINTS)),
-    "joints on two directors": (joints_on(fl.Director(1)), ON_GRIPS(JOINTS)),
-    "joints on three directors": (joints_on(fl.Director(2)), ON_GRIPS(JOINTS)),
-    "joints on branches": (joints_on_branch, ON_GRIPS(JOINTS)),
-    "joints on averages": (blocks_on_averages, ON_GRIPS(JOINTS)),
+    "joints on geodesics": (joints_on(None), ON_ATTACHMENTS(JOINTS)),
+    "joints on two directors": (joints_on(fl.Director(1)), ON_ATTACHMENTS(JOINTS)),
+    "joints on three directors": (joints_on(fl.Director(2)), ON_ATTACHMENTS(JOINTS)),
+    "joints on branches": (joints_on_branch, ON_ATTACHMENTS(JOINTS)),
+    "joints on averages": (blocks_on_averages, ON_ATTACHMENTS(JOINTS)),
     "slides": (sleeve, SLIDES),
-    "slides on a grip": (collar_on_beam, ON_GRIPS(SLIDES)),
+    "slides on an attachment": (collar_on_beam, ON_ATTACHMENTS(SLIDES)),
     "rolls": (disc, ROLLS),
-    "rolls on a grip": (edge_on_beam, ON_GRIPS(ROLLS)),
+    "rolls on an attachment": (edge_on_beam, ON_ATTACHMENTS(ROLLS)),
 }
 """Scenes and which of their sets is looked at: adding one here tests it."""
 

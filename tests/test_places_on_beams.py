@@ -258,10 +258,10 @@ def test_conserving_schemes_book_loads_on_places(following):
 
 def test_points_are_nodes_where_there_are_nodes():
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=4, formulation=fl.Director(2))
-    assert beam.point((0, 0, 0)).grip is None
-    assert beam.point((0.5, 0, 0)).grip is None
+    assert beam.point((0, 0, 0)).attachment is None
+    assert beam.point((0.5, 0, 0)).attachment is None
     assert beam.point((1, 0, 0)).node == beam.point("end").node
-    assert beam.point((0.125, 0, 0)).grip is None  # the middle node of the first element
+    assert beam.point((0.125, 0, 0)).attachment is None  # the middle node of the first element
     assert beam.point((0.3, 0, 0)).same(beam.point_in_cell(1, 0.2))
     np.testing.assert_allclose(beam.point((0.3, 0, 0)).position, (0.3, 0, 0), atol=1e-15)
 

@@ -57,7 +57,7 @@ KERNELS = {
     "tests/test_fixed_arrays.py",
     "tests/test_free_bodies.py",
     "tests/test_geodesic_forces.py",
-    "tests/test_grips.py",
+    "tests/test_attachment_frames.py",
     "tests/test_impacts.py",
     "tests/test_inertia.py",
     "tests/test_joints.py",

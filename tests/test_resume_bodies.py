@@ -1,4 +1,4 @@
-"""Interrupted runs of solids and thin shells go on to the last bit, driven by grips, too."""
+"""Interrupted runs of solids and thin shells go on to the last bit, driven by attachments, too."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def free_brick() -> fl.Scene:
 
 
 def driven_brick() -> fl.Scene:
-    """By a grip in the mean, which a drive turns."""
+    """By an attachment in the mean, which a drive turns."""
     scene = fl.Scene()
     body = scene.add(fl.Solid.brick((0.2, 0.1, 0.1), LAW, cells=(2, 1, 1), name="brick"))
     hinge = scene.add(fl.Revolute(fl.ground(), body.point("a=0"), axis=(0, 0, 1)))
@@ -54,7 +54,7 @@ def free_sheet() -> fl.Scene:
 
 
 def driven_sheet() -> fl.Scene:
-    """By a grip within a cell."""
+    """By an attachment within a cell."""
     scene = fl.Scene()
     body = scene.add(sheet())
     hinge = scene.add(fl.Revolute(fl.ground(), body.point_in_cell(0, 0.2, 0.4), axis=(0, 1, 0)))

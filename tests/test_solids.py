@@ -428,7 +428,7 @@ def test_bad_input():
         scene_of(body).add(fl.PointLoad(body.point("111"), moment=(1, 0, 0)))
 
 
-def test_loads_and_grips_refuse():
+def test_loads_and_attachments_refuse():
     body = brick((2, 1, 1))
     scene = scene_of(body)
     with pytest.raises(ValueError, match="no face 'a=2'; it has: a=0"):
@@ -441,7 +441,7 @@ def test_loads_and_grips_refuse():
     with pytest.raises(ValueError, match="lies between cells"):
         cut = fl.Solid(inside, RUBBER)
         scene_of(cut).add(fl.FacePressure(cut, "cut", 1.0))
-    with pytest.raises(ValueError, match="not on a line"):
+    with pytest.raises(ValueError, match="not collinear"):
         body.point("a=0,b=0")
     with pytest.raises(ValueError, match="right-handed"):
         body.point("a=0", axes=np.diag([1.0, 1.0, -1.0]))

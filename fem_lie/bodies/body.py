@@ -16,8 +16,8 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices, choice, instance, number, text, vector
+from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.bodies.nodes import HeldRotation, Nodes
-from fem_lie.grips.grip import Grip
 from fem_lie.lie.kinds import NodeKind
 from fem_lie.lie.motions import Group
 
@@ -230,24 +230,29 @@ class Body(Nodes):
 class Point:
     """A node of a body, or ground (``body`` is ``None``): where joints and loads are attached.
 
-    Or a place on a body that is no node: it has a grip, and all that holds on to it sees a frame
-    like any other.
+    Or a point of a body that is not a node: it has an attachment frame, on which joints and loads
+    act as on the frame of a node.
 
     Attributes:
         body: Whose it is.
-        node: Which of its nodes; of a grip the first of those that move it.
+        node: Which of its nodes; of an attachment the first of those that move it.
         name: For messages.
-        grip: How the frame follows from those of nodes, if it is none of them.
+        attachment: How the frame follows from those of nodes, if it is none of them.
     """
 
     body: Body | None
     node: int = 0
     name: str = ""
-    grip: Grip | None = None
+    attachment: AttachmentFrame | None = None
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` or ``TypeError`` if there is no such body or node."""
-        instance(self.grip, Grip | None, "Point: grip", "a grip, or None for a node")
+        instance(
+            self.attachment,
+            AttachmentFrame | None,
+            "Point: attachment",
+            "an attachment, or None for a node",
+        )
         instance(self.body, Body | None, "Point: body", "a body, or None for ground")
         instance(self.node, int | np.integer, "Point: node", "the number of a node")
         text(self.name, "Point: name")
@@ -270,31 +275,39 @@ class Point:
         """Initial frame, shape (4, 3)."""
         if self.body is None:
             return lie.frame(np.zeros(3), np.eye(3))
-        grip = self.any_grip
-        return self.body.frames[self.node] if grip is None else grip.frame(self.body.frames)
+        attachment = self.any_attachment
+        return (
+            self.body.frames[self.node]
+            if attachment is None
+            else attachment.frame(self.body.frames)
+        )
 
     @property
-    def any_grip(self) -> Grip | None:
+    def any_attachment(self) -> AttachmentFrame | None:
         """What says where it is, if not the frame of its node."""
-        return self.joint_grip if self.grip is None else self.grip
+        return self.joint_attachment if self.attachment is None else self.attachment
 
     @property
-    def joint_grip(self) -> Grip | None:
+    def joint_attachment(self) -> AttachmentFrame | None:
         """By what joints hold it, if not by the frame of its node.
 
-        That is its grip, or that of a node without a frame.
+        That is its attachment, or that of a node without a frame.
         """
         if self.body is None:
             return None
-        if self.grip is None:
-            return self.body.grip_of(self.node)
-        return None if self.grip.kind.rigid else self.grip
+        if self.attachment is None:
+            return self.body.attachment_of(self.node)
+        return None if self.attachment.kind.rigid else self.attachment
 
     def same(self, other: Point) -> bool:
         """Whether it is the same place."""
-        if self.body is not other.body or (self.grip is None) != (other.grip is None):
+        if self.body is not other.body or (self.attachment is None) != (other.attachment is None):
             return False
-        return self.node == other.node if self.grip is None else self.grip.same(other.grip)
+        return (
+            self.node == other.node
+            if self.attachment is None
+            else self.attachment.same(other.attachment)
+        )
 
     @property
     def size(self) -> float:

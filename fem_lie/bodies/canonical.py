@@ -53,7 +53,11 @@ class CanonicalBytes:
         if isinstance(value, Point):
             if value.body is None:
                 return b"ground"
-            place = value.node if value.grip is None else (value.grip.nodes, value.grip.data)
+            place = (
+                value.node
+                if value.attachment is None
+                else (value.attachment.nodes, value.attachment.data)
+            )
             return self.of((value.body, place))
         if isinstance(value, Enum):
             return str(value).encode()

@@ -228,18 +228,18 @@ class SceneInfo:
         Raises:
             ValueError: There is no such point.
         """
-        grip = None if isinstance(point, str | int | np.integer) else point.any_grip
-        if grip is None:
+        attachment = None if isinstance(point, str | int | np.integer) else point.any_attachment
+        if attachment is None:
             return frames[..., self.node(point), :, :]
-        return grip.frame(frames[..., self._nodes(point), :, :])
+        return attachment.frame(frames[..., self._nodes(point), :, :])
 
     def twist(self, point: Point | str | int, frames: Array, v: Array) -> Array:
         """Twists of a point, shape (…, 6), from those of all nodes; arguments as :meth:`frame`."""
-        grip = None if isinstance(point, str | int | np.integer) else point.any_grip
-        if grip is None:
+        attachment = None if isinstance(point, str | int | np.integer) else point.any_attachment
+        if attachment is None:
             return v[..., self.node(point), :]
         nodes = self._nodes(point)
-        return grip.twist(frames[..., nodes, :, :], v[..., nodes, :])
+        return attachment.twist(frames[..., nodes, :, :], v[..., nodes, :])
 
     def _nodes(self, point: Point | str | int) -> Indices:
         """Of the body of a point."""

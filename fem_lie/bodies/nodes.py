@@ -13,7 +13,7 @@ from typing import ClassVar, NamedTuple, TypeAlias
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.grips.grip import Grip
+from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.lie.kinds import TRAITS, NodeKind, all_axes, rigid_motions
 from fem_lie.lie.kinds.floating import WithinFrame
 
@@ -200,7 +200,7 @@ class Nodes(ABC):
         """What turns the axes of its nodes where a state is accepted, if they do not themselves."""
         return None
 
-    def grip_of(self, node: int) -> Grip | None:
+    def attachment_of(self, node: int) -> AttachmentFrame | None:
         """By what joints hold a node: ``None`` if it has a frame."""
         return None
 

@@ -32,7 +32,7 @@ def require_node(point: Point, what: str) -> None:
     Raises:
         ValueError: It is none.
     """
-    if point.grip is not None and not point.grip.kind.rigid:
+    if point.attachment is not None and not point.attachment.kind.rigid:
         raise ValueError(
             f"{what} needs a node, got {point.label}, which is none: hold it by a joint such as "
             "Fixed, or put a node of the mesh there"

@@ -7,8 +7,8 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, numbers, positive, vector
+from fem_lie.attachments.at_nodes import following
 from fem_lie.bodies.body import Body, Point
-from fem_lie.grips.at_nodes import following
 from fem_lie.lie.motions import Group
 
 _ORTHOGONAL = 1e-8

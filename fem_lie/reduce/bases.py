@@ -88,7 +88,7 @@ def krylov(scene: Scene, inputs: Sequence[tuple[Point, npt.ArrayLike]], moments:
     loads: Array = np.zeros((len(inputs), *found.free.shape))
     for number, (point, wrench) in enumerate(inputs):
         instance(point, Point, "an input's place", "a point of a body")
-        if point.body is not found.body or point.grip is not None:
+        if point.body is not found.body or point.attachment is not None:
             raise ValueError(f"{point.label} is no node of {found.body.label}: no load acts there")
         loads[number, found.place(point.node)] = vector(wrench, 6, f"the load at {point.label}")
     forces = (loads * found.weight)[:, found.free]
@@ -181,7 +181,7 @@ def _nodes(rest: BesideRest, interfaces: Sequence[Point]) -> list[int]:
     body, found = rest.body, list[int]()
     for point in interfaces:
         instance(point, Point, "an interface", "a point of a body")
-        if point.body is not body or point.grip is not None:
+        if point.body is not body or point.attachment is not None:
             raise ValueError(f"{point.label} is no node of {body.label}, and so no interface of it")
         place = rest.place(point.node)
         if place in found:

@@ -10,12 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array
+from fem_lie.attachments.attachment import AttachmentFrame
+from fem_lie.attachments.attachment_load import AttachmentLoad
 from fem_lie.bodies.beams.line_body import LineBody
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.gradients.ancf_beam import AncfBeam
 from fem_lie.bodies.points import A_POINT
-from fem_lie.grips.grip import Grip
-from fem_lie.grips.held_load import HeldLoad
 from fem_lie.scene.load import Carrier, NodalLoad, Sum
 
 if TYPE_CHECKING:
@@ -67,15 +67,18 @@ class PointLoad(NodalLoad):
         if self.point.is_ground:
             raise ValueError("a load needs a point of a body, got ground")
         super().check()
-        grip = self.point.any_grip
-        if self._rotates and grip is None:
+        attachment = self.point.any_attachment
+        if self._rotates and attachment is None:
             self.body.require_frames("a moment, or a load that follows,")
-        if grip is not None and np.any(self.moment):
-            self._check_rotation(grip)
+        if attachment is not None and np.any(self.moment):
+            self._check_rotation(attachment)
 
-    def _check_rotation(self, grip: Grip) -> None:
+    def _check_rotation(self, attachment: AttachmentFrame) -> None:
         """Raise ``ValueError`` if the point has no rotation about the moment."""
-        moment, spins = grip.frame(self.body.frames)[1:] @ self.axis(), grip.spins(self.body.frames)
+        moment, spins = (
+            attachment.frame(self.body.frames)[1:] @ self.axis(),
+            attachment.spins(self.body.frames),
+        )
         work = np.einsum("i,kij->kj", moment, spins)
         if np.abs(work).max() <= _NO_ROTATION * np.linalg.norm(moment) * np.abs(spins).max():
             raise ValueError(
@@ -90,13 +93,13 @@ class PointLoad(NodalLoad):
 
     def contribute(self, to: Sum) -> None:
         """On a node, or on those that move a place between them."""
-        grip = self.point.any_grip if self._rotates else self.point.grip
-        if grip is None or grip.kind.rigid:
+        attachment = self.point.any_attachment if self._rotates else self.point.attachment
+        if attachment is None or attachment.kind.rigid:
             super().contribute(to)
             return
-        nodes = to.nodes(self.body)[list(grip.nodes)]
+        nodes = to.nodes(self.body)[list(attachment.nodes)]
         wrench = self.nodal()[self.point.node]
-        to.add_term(HeldLoad(grip, nodes, wrench, following=self.following))
+        to.add_term(AttachmentLoad(attachment, nodes, wrench, following=self.following))
 
     def axis(self) -> Array:
         """Of the moment before anything moves, global components, shape (3,)."""
@@ -123,8 +126,8 @@ class PointLoad(NodalLoad):
 
     def on_directors(self) -> Array:
         """Of a force beside the node, shape (n, 3, 3)."""
-        values, grip = super().on_directors(), self.point.grip
-        if grip is not None and grip.kind.rigid:
+        values, attachment = super().on_directors(), self.point.attachment
+        if attachment is not None and attachment.kind.rigid:
             node = self.body.frames[self.point.node]
             arm = node[1:] @ (self.point.position - node[0])
             values[self.point.node] = np.outer(arm, np.asarray(self.force, dtype=np.float64))

@@ -162,7 +162,7 @@ class Scene:
         elif isinstance(item, Clamp | PrescribedMotion):
             item.check()
             self._check_points(type(item).__name__, item.point.body)
-            if isinstance(item, PrescribedMotion) and item.point.grip is None:
+            if isinstance(item, PrescribedMotion) and item.point.attachment is None:
                 self._check_frames(f"a prescribed motion of {item.point.label}", item.point.body)
             self._check_rotations(item)
             supports: list = self.clamps if isinstance(item, Clamp) else self.motions

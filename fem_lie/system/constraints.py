@@ -127,7 +127,7 @@ class Connections:
 
     @property
     def bound(self) -> Indices:
-        """Those of them whose own axes matter, as not to grips on places."""
+        """Those of them whose own axes matter, as not to attachments on places."""
         return np.unique(np.concatenate([each.bound for each in self.sets]))
 
     def all_pairs(self, frames: Array, kinds: Indices) -> AllPairs | None:

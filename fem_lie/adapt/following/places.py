@@ -14,11 +14,11 @@ from scipy.spatial import cKDTree
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.attachments.attachment import AttachmentFrame, AttachmentKind, locate
+from fem_lie.attachments.between_frames import interpolated
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.shells.shell import Shell
-from fem_lie.grips.between_frames import interpolated
-from fem_lie.grips.grip import Grip, GripKind, locate
 from fem_lie.lie.kinds import NodeKind
 
 _NEAR = 4  # elements that are looked at
@@ -34,12 +34,12 @@ class Places(NamedTuple):
 
     Attributes:
         nodes: Those on which a place is, −1 where it is between nodes, shape (n,).
-        grips: Of those between, in their order.
+        attachments: Of those between, in their order.
         offset: From the place to the node, shape (n, 4, 3).
     """
 
     nodes: Indices
-    grips: list[Grip]
+    attachments: list[AttachmentFrame]
     offset: Array
 
     @property
@@ -53,12 +53,12 @@ class Places(NamedTuple):
         at = ~self.between
         H[at], v[at] = frames[own[at]], velocities[own[at]]
         between = np.flatnonzero(self.between)
-        sorts: dict[tuple[GripKind, int], list[int]] = {}
-        for k, grip in enumerate(self.grips):
-            sorts.setdefault((grip.kind, len(grip.nodes)), []).append(k)
+        sorts: dict[tuple[AttachmentKind, int], list[int]] = {}
+        for k, attachment in enumerate(self.attachments):
+            sorts.setdefault((attachment.kind, len(attachment.nodes)), []).append(k)
         for (kind, _), members in sorts.items():
-            nodes = np.array([self.grips[k].nodes for k in members])
-            data = np.array([self.grips[k].data for k in members], dtype=np.float64)
+            nodes = np.array([self.attachments[k].nodes for k in members])
+            data = np.array([self.attachments[k].data for k in members], dtype=np.float64)
             found, J = locate(kind, np.ascontiguousarray(frames[nodes]), data)
             H[between[members]] = found
             v[between[members]] = np.einsum("gkij,gkj->gi", J, velocities[nodes])
@@ -78,19 +78,19 @@ def places(old: Body, new: Body) -> Places:
         )
     if _same(old, new):
         nodes: Indices = np.arange(len(new.frames))
-        grips: list[Grip] = []
+        attachments: list[AttachmentFrame] = []
     else:
         _require_frames(old, new)
         if isinstance(old, Beam):
-            nodes, grips = _on_lines(old, new.frames)
+            nodes, attachments = _on_lines(old, new.frames)
         elif isinstance(old, Shell):
-            nodes, grips = _on_triangles(old, new.frames)
+            nodes, attachments = _on_triangles(old, new.frames)
         else:
             raise ValueError(
                 f"Beams, Rods and Shells can get other meshes, {new.label} is a "
                 f"{type(new).__name__}"
             )
-    found = Places(nodes, grips, np.tile(np.eye(4, 3, -1), (len(nodes), 1, 1)))
+    found = Places(nodes, attachments, np.tile(np.eye(4, 3, -1), (len(nodes), 1, 1)))
     at, _ = found.motion(old.frames, np.zeros((len(old.frames), 6)))
     return found._replace(offset=lie.se3_compose(lie.se3_inverse(at), new.frames))
 
@@ -110,7 +110,7 @@ def _require_frames(*bodies: Body) -> None:
             )
 
 
-def _on_lines(old: Beam, frames: Array) -> tuple[Indices, list[Grip]]:
+def _on_lines(old: Beam, frames: Array) -> tuple[Indices, list[AttachmentFrame]]:
     """Next to each node, on the geodesics from end to end of all elements."""
     ends = old.frames[old.elements[:, :2]]
     d = lie.se3_relative(ends[:, 0], ends[:, 1])
@@ -133,14 +133,14 @@ def _on_lines(old: Beam, frames: Array) -> tuple[Indices, list[Grip]]:
     best = np.lexsort((turned, np.round(away, 9)), axis=1)[:, 0]
     rows = np.arange(len(frames))
     _check_near(old, frames, away[rows, best])
-    nodes, grips = np.full(len(frames), -1), []
+    nodes, attachments = np.full(len(frames), -1), []
     for i, (element, at) in enumerate(zip(near[rows, best], part[rows, best], strict=True)):
         point = old.point_in_cell(int(element), float(at))
-        if point.grip is None:
+        if point.attachment is None:
             nodes[i] = point.node
         else:
-            grips.append(point.grip)
-    return nodes, grips
+            attachments.append(point.attachment)
+    return nodes, attachments
 
 
 def _near_chords(ends: Array, x: Array) -> Indices:
@@ -156,7 +156,7 @@ def _near_chords(ends: Array, x: Array) -> Indices:
     return np.asarray(np.concatenate(found), dtype=np.int64)
 
 
-def _on_triangles(old: Shell, frames: Array) -> tuple[Indices, list[Grip]]:
+def _on_triangles(old: Shell, frames: Array) -> tuple[Indices, list[AttachmentFrame]]:
     """Next to each node, on triangles of first degree."""
     if old.mesh.cell != "triangle" or old.mesh.degree != 1:
         raise ValueError(
@@ -187,13 +187,13 @@ def _on_triangles(old: Shell, frames: Array) -> tuple[Indices, list[Grip]]:
     shares = np.clip(weights[rows, best], 0.0, 1.0)
     shares[shares < _AT_NODE] = 0.0
     shares /= shares.sum(axis=1, keepdims=True)
-    nodes, grips = np.full(len(x), -1), []
+    nodes, attachments = np.full(len(x), -1), []
     for i, (cell, share) in enumerate(zip(old.connectivity[near[rows, best]], shares, strict=True)):
         if share.max() > 1.0 - _AT_NODE:
             nodes[i] = cell[share.argmax()]
         else:
-            grips.append(interpolated([int(node) for node in cell], share))
-    return nodes, grips
+            attachments.append(interpolated([int(node) for node in cell], share))
+    return nodes, attachments
 
 
 def _check_near(old: Body, frames: Array, away: Array) -> None:

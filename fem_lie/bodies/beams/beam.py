@@ -218,8 +218,8 @@ class Beam(LineBody):
         for node, at in zip(nodes, (0.0, 1.0, 0.5), strict=False):
             if abs(part - at) < _AT_NODE:
                 return self.point(int(node))
-        grip = self.formulation.place(nodes, float(part))
-        return Point(self, int(nodes[0]), f"element {element} at {part:g}", grip)
+        attachment = self.formulation.place(nodes, float(part))
+        return Point(self, int(nodes[0]), f"element {element} at {part:g}", attachment)
 
     @property
     def element_stiffness(self) -> Array:

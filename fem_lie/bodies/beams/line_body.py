@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, log_coincident
+from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.bodies.beams.assembly import BeamAssembly, Damping, weighted_elements
 from fem_lie.bodies.beams.sectioned import Sectioned, outline_of
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.forms.assembly import Assembly
-from fem_lie.grips.grip import Grip
 from fem_lie.lie.kinds import NodeKind
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.sections.section import Section
@@ -114,9 +114,9 @@ class LineBody(Sectioned):
             super().weighted_cells(cells, weights)
         return weighted_elements(self, cells, weights)
 
-    def grip_of(self, node: int) -> Grip | None:
+    def attachment_of(self, node: int) -> AttachmentFrame | None:
         """As the element says."""
-        return self.formulation.grip(node)
+        return self.formulation.attachment(node)
 
     def consistent_shares(self) -> tuple[Indices, Array]:
         """Nodes of each element, and the length that each carries: integrals of their shapes."""

@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices, instance, numbers
+from fem_lie.attachments.at_nodes import along_tangent
+from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.cells.assembly import assemble_cells
@@ -17,8 +19,6 @@ from fem_lie.bodies.points import require_point
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.small_energy.assembly import CellFunctions
 from fem_lie.forms.small_energy.element import Element
-from fem_lie.grips.at_nodes import along_tangent
-from fem_lie.grips.grip import Grip
 from fem_lie.lie.kinds import TRAITS, NodeKind
 
 _NO_POINTS: Mapping[str, int] = MappingProxyType({})
@@ -168,7 +168,7 @@ class ElementBody(Body):
             raise ValueError(f"{self.label} has no inertia")
         return self._inertia
 
-    def grip_of(self, node: int) -> Grip | None:
+    def attachment_of(self, node: int) -> AttachmentFrame | None:
         """The tangent of a position-gradient node; other nodes have frames, or axes."""
         return along_tangent(node) if self._types[node] == NodeKind.SLOPE else None
 

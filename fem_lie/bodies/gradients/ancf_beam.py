@@ -242,8 +242,8 @@ class AncfBeam(SectionPoints):
         """
         self._check_place(element, part)
         nodes = self.elements[element].tolist()
-        grip = self.formulation.place(nodes, float(part), float(self.lengths[element]))
-        return Point(self, nodes[0], f"element {element} at {part:g}", grip)
+        attachment = self.formulation.place(nodes, float(part), float(self.lengths[element]))
+        return Point(self, nodes[0], f"element {element} at {part:g}", attachment)
 
     def consistent_shares(self) -> tuple[Indices, Array]:
         """Nodes of each element, and the length that each carries: integrals of their shapes."""

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.attachments.at_nodes import on_section
+from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.bodies.beams.sectioned import Sectioned
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.gradients.axes import follow_sections
 from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.points import require_point
-from fem_lie.grips.at_nodes import on_section
-from fem_lie.grips.grip import Grip
 from fem_lie.lie.kinds import CROSSING, NodeKind
 
 _PLACE = np.arange(3)
@@ -54,14 +54,14 @@ class SectionPoints(Sectioned):
     def _named(self, name: str) -> Point:
         """The point with a name, by its section."""
         node = super()._named(name).node
-        return Point(self, node, name, self.grip_of(node))
+        return Point(self, node, name, self.attachment_of(node))
 
     def _numbered(self, node: int) -> Point:
         """A point by its number, by its section."""
         point = super()._numbered(node)
-        return Point(self, point.node, point.name, self.grip_of(point.node))
+        return Point(self, point.node, point.name, self.attachment_of(point.node))
 
-    def grip_of(self, node: int) -> Grip:
+    def attachment_of(self, node: int) -> AttachmentFrame:
         """The frame of the section."""
         if node >= self.points_count:
             raise ValueError(
@@ -111,6 +111,8 @@ class SectionPoints(Sectioned):
     def _own(self, points: Sequence[Point], what: str) -> list[int]:
         for point in points:
             require_point(point, f"{type(self).__name__}.{what}: a point")
-            if point.body is not self or not self.grip_of(point.node).same(point.joint_grip):
+            if point.body is not self or not self.attachment_of(point.node).same(
+                point.joint_attachment
+            ):
                 raise ValueError(f"{self.label} cannot hold {point.label}: it is no node of it")
         return [point.node for point in points]

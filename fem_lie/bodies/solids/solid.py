@@ -22,6 +22,7 @@ from fem_lie._arrays import (
     text,
     whole,
 )
+from fem_lie.attachments.patch import in_the_mean
 from fem_lie.bodies.beams.assembly import Damping, mass_only
 from fem_lie.bodies.body import NO_HOLDS, Holds, Point, Where
 from fem_lie.bodies.per_cell import of_groups
@@ -29,7 +30,6 @@ from fem_lie.bodies.solids.assembly import SolidAssembly
 from fem_lie.bodies.solids.faces import Faces, SupportedSolid, faces_of, nodes_on
 from fem_lie.elements.solids.element import SolidFormulation, default_formulation
 from fem_lie.elements.solids.materials import SolidMaterial
-from fem_lie.grips.patch import in_the_mean
 from fem_lie.lie.kinds import NodeKind
 from fem_lie.mesh.volumes import VolumeMesh, VolumeRule, brick
 
@@ -288,8 +288,8 @@ class Solid(SupportedSolid):
                 f"axes of {self.label}.{name} must be three unit vectors as rows, each across the "
                 f"others, right-handed; got\n{chosen}"
             )
-        grip = in_the_mean([int(node) for node in nodes], self.places[nodes], weights, chosen)
-        return Point(self, int(nodes[0]), name, grip)
+        attachment = in_the_mean([int(node) for node in nodes], self.places[nodes], weights, chosen)
+        return Point(self, int(nodes[0]), name, attachment)
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Cells of a named group (default: all).

@@ -11,6 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, Flags, Indices, direction, number, text
+from fem_lie.attachments.attachment import AttachmentFrame
+from fem_lie.attachments.surface import on_surface
 from fem_lie.bodies.beams.assembly import Damping, mass_only
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.closest import AT_NODE, closest_on_surface
@@ -32,8 +34,6 @@ from fem_lie.elements.thin_shells.rows import (
     half_of,
     node_of,
 )
-from fem_lie.grips.grip import Grip
-from fem_lie.grips.surface import on_surface
 from fem_lie.lie.kinds import NodeKind
 
 # without the compiler, which takes longer than 16 calls
@@ -150,7 +150,7 @@ class SmoothSurface(HeldSurface):
         kinds = [int(NodeKind.SURFACE), int(NodeKind.CROSSING)]
         return np.repeat(kinds, self.points_count).astype(np.int64)
 
-    def grip_of(self, node: int) -> Grip:
+    def attachment_of(self, node: int) -> AttachmentFrame:
         """The frame of the surface: along a, and the normal."""
         if node >= self.points_count:
             raise ValueError(

@@ -17,10 +17,10 @@ from ufl.core.expr import Expr
 
 from fem_lie import _compat, lie
 from fem_lie._arrays import Array
+from fem_lie.attachments.attachment import AttachmentFrame
+from fem_lie.attachments.between_frames import interpolated
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.local_forms import LocalFrameForms
-from fem_lie.grips.between_frames import interpolated
-from fem_lie.grips.grip import Grip
 from fem_lie.lie.kinds import TRAITS, NodeKind
 
 
@@ -106,7 +106,7 @@ class Formulation(ABC):
         """
         return frames
 
-    def grip(self, node: int) -> Grip | None:
+    def attachment(self, node: int) -> AttachmentFrame | None:
         """By what joints hold a node: ``None`` for the frame of its rows."""
         return None
 
@@ -135,7 +135,7 @@ class Formulation(ABC):
             levers[:, 0], levers[:, 1] = along, -along
         return levers
 
-    def place(self, nodes: Sequence[int], ξ: float) -> Grip:
+    def place(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
         """The frame at ``0 ≤ ξ ≤ 1`` along an element, as it is interpolated.
 
         The default is that of positions and directors.

@@ -36,6 +36,8 @@ from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie._jit import callback, inlined
 from fem_lie._jit.stack import stack
+from fem_lie.attachments.attachment import AttachmentFrame
+from fem_lie.attachments.between_frames import on_geodesic
 from fem_lie.elements.beams.element import (
     S_SHAPE,
     CellData,
@@ -50,8 +52,6 @@ from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, FrameMap, Pointer, frame_function
 from fem_lie.forms.local_forms import LocalFrameForms
-from fem_lie.grips.between_frames import on_geodesic
-from fem_lie.grips.grip import Grip
 from fem_lie.lie.series import inverse_coefficients
 from fem_lie.lie.tuples import Vector, combined, cross, dot, load, minus, plus, scaled, store
 
@@ -202,7 +202,7 @@ class Geodesic(Formulation):
     degree: ClassVar[int] = 1  # type: ignore[misc]
     bows: ClassVar[bool] = True
 
-    def place(self, nodes: Sequence[int], ξ: float) -> Grip:
+    def place(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
         """On the geodesic from end to end."""
         a, b = nodes
         return on_geodesic(int(a), int(b), ξ)

@@ -48,6 +48,8 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, number
 from fem_lie._jit import callback
+from fem_lie.attachments.at_nodes import on_section
+from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.elements.beams.element import with_bending_flexibility
 from fem_lie.forms.kernels.addresses import Pointer
 from fem_lie.forms.small_energy.assembly import CellFunctions
@@ -58,8 +60,6 @@ from fem_lie.forms.small_energy.cell import (
     update_stress,
 )
 from fem_lie.forms.small_energy.element import CELL_SIGNATURE, data_at_rest, element
-from fem_lie.grips.at_nodes import on_section
-from fem_lie.grips.grip import Grip
 from fem_lie.lie.kinds.kind import NodeKind
 
 NODES, VECTORS = 4, 8
@@ -202,7 +202,7 @@ class AncfElement:
             C += 0.5 * np.einsum("mia,mij,mjb->mab", a, _across(D[:, 0, 0], poisson), a)
         return np.asarray(lengths[:, np.newaxis, np.newaxis] * C)
 
-    def place(self, nodes: Sequence[int], part: float, length: float) -> Grip:
+    def place(self, nodes: Sequence[int], part: float, length: float) -> AttachmentFrame:
         """The place and section within a cell.
 
         Args:

@@ -46,14 +46,14 @@ from ufl.core.expr import Expr
 
 from fem_lie._arrays import Array, Indices, positive
 from fem_lie._jit import callback, inlined
+from fem_lie.attachments.at_nodes import along_tangent
+from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
 from fem_lie.elements.rods.thread_law import check_section, stretch_energy
 from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, FrameMap, Pointer, frame_function
 from fem_lie.forms.local_forms import LocalFrameForms
-from fem_lie.grips.at_nodes import along_tangent
-from fem_lie.grips.grip import Grip
 from fem_lie.lie.kinds import SLOPE, NodeKind, axes, pull, pull_derivative, push
 from fem_lie.lie.tuples import (
     Vector,
@@ -236,7 +236,7 @@ class HermiteCable(Formulation):
         rows[:, 1] *= stretch
         return rows
 
-    def grip(self, node: int) -> Grip:
+    def attachment(self, node: int) -> AttachmentFrame:
         """Place and tangent, without a rotation about it."""
         return along_tangent(node)
 

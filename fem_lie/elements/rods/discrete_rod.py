@@ -21,12 +21,12 @@ import ufl
 
 from fem_lie._arrays import Array, Indices, vector
 from fem_lie._jit import compiled
+from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
 from fem_lie.elements.rods.corners import Corners
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
 from fem_lie.forms.local_forms import LocalFrameForms
-from fem_lie.grips.grip import Grip
 from fem_lie.lie.directors import turn_on_to
 from fem_lie.lie.tuples import load_row, minus
 
@@ -74,7 +74,7 @@ class DiscreteRod(Formulation):
         if self.natural is not None:
             vector(self.natural, 3, "DiscreteRod: natural curvature")
 
-    def place(self, nodes: Sequence[int], ξ: float) -> Grip:
+    def place(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
         """There is none: an edge has its frame from both of its ends.
 
         Raises:

@@ -44,6 +44,8 @@ from ufl.core.expr import Expr
 
 from fem_lie import lie
 from fem_lie._arrays import Array
+from fem_lie.attachments.attachment import AttachmentFrame
+from fem_lie.attachments.between_frames import on_geodesic
 from fem_lie.elements.beams.centres import centres_at_ends, tension_centres
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise, present_values
 from fem_lie.elements.beams.geodesic import GEODESIC, smooth_inertia
@@ -51,8 +53,6 @@ from fem_lie.elements.rods.kirchhoff_forces import force_kernel
 from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.local_forms import LocalFrameForms
-from fem_lie.grips.between_frames import on_geodesic
-from fem_lie.grips.grip import Grip
 
 _TERMS = 9  # of the series below: 1e-14 up to a turn of π from end to end
 _POINTS = 3  # degree to which two Gauss points are exact
@@ -104,7 +104,7 @@ class Kirchhoff(Formulation):
         """Less than π: the cubic of a tighter arc has a moment that falls."""
         return _FOLDS
 
-    def place(self, nodes: Sequence[int], ξ: float) -> Grip:
+    def place(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
         """On the geodesic from end to end."""
         a, b = nodes
         return on_geodesic(int(a), int(b), ξ)

@@ -126,7 +126,9 @@ def single_forces(scene: Scene, beam: Beam) -> Indices:
         points += [point for tie in connection.ties() for point in (tie.a, tie.b)]
         points += [point for tie in connection.velocity_ties() for point in (tie.a, tie.b)]
     own = [point for point in points if point.body is beam]
-    nodes = [n for point in own for n in (point.grip.nodes if point.grip else (point.node,))]
+    nodes = [
+        n for point in own for n in (point.attachment.nodes if point.attachment else (point.node,))
+    ]
     following = np.flatnonzero(beam.leaders != np.arange(len(beam.leaders)))
     return np.unique([*nodes, *following, *beam.leaders[following]]).astype(np.int64)
 

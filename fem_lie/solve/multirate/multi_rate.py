@@ -275,7 +275,7 @@ class MultiRate(Integrator):
             "joints between bodies with steps of their own on shells with six parameters "
             f"({drilling}), whose drilling has no inertia": bool(drilling and between.unknowns.m),
             "joints on points that are not nodes between bodies with steps of their own": (
-                pairs is not None and pairs.grips.count > 0
+                pairs is not None and pairs.attachments.count > 0
             ),
         }
         refuse("MultiRate", reasons, "EnergyMomentum")

@@ -1,7 +1,7 @@
-"""All relative motions of a scene, of nodes and of grips, in one table.
+"""All relative motions of a scene, of nodes and of attachments, in one table.
 
-For schemes that make forces over a step of what frames do in it: they want grips beside nodes, and
-who sees no more of these than places.
+For schemes that make forces over a step of what frames do in it: they want attachments beside
+nodes, and who sees no more of these than places.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from fem_lie.joints.equations.functions import DISTANCE
 from fem_lie.joints.equations.table import JointTable, PackedJoints, pack
 from fem_lie.lie.kinds import SLOPE
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
-from fem_lie.system.constraint_sets.on_grips import OnGrips
+from fem_lie.system.constraint_sets.on_attachments import OnAttachments
 from fem_lie.system.constraint_sets.relative_motions import RelativeMotions
-from fem_lie.system.nodes.held_grips import HeldGrips
+from fem_lie.system.nodes.held_attachments import HeldAttachments
 from fem_lie.system.nodes.numbering import Numbering
 
 _NO_LEVER = 1e-9
@@ -26,18 +26,18 @@ _NO_LEVER = 1e-9
 
 
 class AllPairs(NamedTuple):
-    """Pairs whose rows are the nodes that move, then grips, ground, and prescribed motions.
+    """Pairs whose rows are the nodes that move, then attachments, ground, and prescribed motions.
 
     Attributes:
         joints: The table; rows of which places alone are seen may turn in any way.
-        grips: The grips.
-        seen: Of which nodes and grips more is seen, shape (n + g,).
+        attachments: The attachments.
+        seen: Of which nodes and attachments more is seen, shape (n + g,).
         turns: Whether any angle is counted beyond a turn.
-        loose: Whether axes are seen that do not turn as their node or grip does.
+        loose: Whether axes are seen that do not turn as their node or attachment does.
     """
 
     joints: PackedJoints
-    grips: HeldGrips
+    attachments: HeldAttachments
     seen: Flags
     turns: bool
     loose: bool
@@ -46,7 +46,7 @@ class AllPairs(NamedTuple):
 def all_pairs(
     sets: Sequence[ConstraintSet], numbering: Numbering, frames: Array, kinds: Indices
 ) -> AllPairs | None:
-    """The pairs of all sets, or ``None`` if some have other constraints, or grips on frames.
+    """The pairs of all sets, or ``None`` if some have other constraints, or attachments on frames.
 
     Args:
         sets: Of a system; the first one is of nodes.
@@ -55,24 +55,24 @@ def all_pairs(
         kinds: Of the nodes.
     """
     first, *others = sets
-    gripped = [each for each in others if isinstance(each, OnGrips)]
-    parts = [first, *(each.inner for each in gripped)]
+    attached = [each for each in others if isinstance(each, OnAttachments)]
+    parts = [first, *(each.inner for each in attached)]
     tables = [each.table for each in parts if isinstance(each, RelativeMotions)]
-    if len(tables) < len(sets) or len(gripped) > 1:
+    if len(tables) < len(sets) or len(attached) > 1:
         return None
-    grips = gripped[0].rows.grips if gripped else HeldGrips([], numbering)
-    if not all(kind.summed for kind in grips.kinds):
+    attachments = attached[0].rows.attachments if attached else HeldAttachments([], numbering)
+    if not all(kind.summed for kind in attachments.kinds):
         return None
-    n, g = numbering.count, grips.count
+    n, g = numbering.count, attachments.count
     rows = [np.concatenate([np.arange(n), np.arange(n, len(frames)) + g])]
-    for each in gripped:
+    for each in attached:
         rows.append(np.concatenate([each.rows.moving, n + np.arange(g), each.rows.fixed + g]))
     table = _joined(tables, rows)
     seen = _seen(table, n + g, _NO_LEVER * float(np.ptp(frames[:, 0], axis=0).max(initial=0.0)))
     table.frames[:, :, 0][~np.append(seen, np.ones(len(frames) - n, dtype=bool))[table.nodes]] = 0.0
-    whole = np.append(kinds < SLOPE, [kind.turns for kind in grips.kinds]).astype(bool)
+    whole = np.append(kinds < SLOPE, [kind.turns for kind in attachments.kinds]).astype(bool)
     turns, loose = bool(table.functions.any()), bool((seen & ~whole).any())
-    return AllPairs(pack(table), grips, seen, turns, loose)
+    return AllPairs(pack(table), attachments, seen, turns, loose)
 
 
 def _joined(tables: Sequence[JointTable], rows: Sequence[Indices]) -> JointTable:

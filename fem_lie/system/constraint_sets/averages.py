@@ -15,7 +15,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.linear.low_rank import LowRank
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet, Means
-from fem_lie.system.nodes.held_grips import HeldGrips
+from fem_lie.system.nodes.held_attachments import HeldAttachments
 
 
 @compiled
@@ -40,28 +40,35 @@ class AveragedPairs:
         nodes: Rows and columns of pairs of nodes, shape (d,) each.
     """
 
-    def __init__(self, grips: HeldGrips, blocks: Indices, first: Indices, second: Indices) -> None:
+    def __init__(
+        self, attachments: HeldAttachments, blocks: Indices, first: Indices, second: Indices
+    ) -> None:
         """Find the pairs: of all entries of attachments that joints couple, and within each.
 
         Args:
-            grips: Of the set.
+            attachments: Of the set.
             blocks: Which of the blocks of the set are between two attachments, shape (q,).
             first: Number of the attachment of the rows of each, shape (q,).
             second: Likewise of its columns.
         """
-        self._grips, self._blocks, self._first, self._second = grips, blocks, first, second
-        of = grips.averaged[grips.of]
-        nodes, self._of = grips.nodes[of >= 0], of[of >= 0]
+        self._attachments, self._blocks, self._first, self._second = (
+            attachments,
+            blocks,
+            first,
+            second,
+        )
+        of = attachments.averaged[attachments.of]
+        nodes, self._of = attachments.nodes[of >= 0], of[of >= 0]
         joined = np.eye(int(of.max(initial=-1)) + 1, dtype=bool)
         joined[first, second] = True
         # all of one column and attachment follow each other
         self._right, self._left = np.nonzero(joined.T[self._of][:, self._of])
         self.nodes = nodes[self._left], nodes[self._right]
-        self.means = Means(nodes, self._of, grips.coordinates) if len(nodes) else None
+        self.means = Means(nodes, self._of, attachments.coordinates) if len(nodes) else None
 
     def core(self, H: Array, blocks: Array, forces: Array) -> Array:
-        """``C`` (w, r, w, r), from blocks of the set and its forces on all grips, (g, 6)."""
-        L, C = self._grips.cores(H, forces)
+        """``C`` (w, r, w, r), from blocks of the set and its forces on all attachments, (g, 6)."""
+        L, C = self._attachments.cores(H, forces)
         w, r = C.shape[:2]
         core, alone = np.zeros((w, r, w, r)), np.arange(w)
         by_pair = core.swapaxes(1, 2)
@@ -73,7 +80,7 @@ class AveragedPairs:
 
     def add(self, H: Array, core: Array, place: Indices, K: Array) -> None:
         """Add ``Sᵀ C S`` to blocks ``K`` at the places of :attr:`nodes`."""
-        _expand(core, self._grips.spread(H), self._of, self._left, self._right, place, K)
+        _expand(core, self._attachments.spread(H), self._of, self._left, self._right, place, K)
 
 
 class Averages:

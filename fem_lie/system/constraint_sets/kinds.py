@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet, Numbered, Start, SystemRows
-from fem_lie.system.constraint_sets.on_grips import OnGrips, on_grips
+from fem_lie.system.constraint_sets.on_attachments import OnAttachments, on_attachments
 from fem_lie.system.constraint_sets.relative_motions import RelativeMotions
 from fem_lie.system.constraint_sets.rolls import Rolls
 from fem_lie.system.constraint_sets.slides import Slides
@@ -19,20 +19,20 @@ KINDS: tuple[type[ConstraintSet], ...] = (RelativeMotions, Slides, Rolls)
 def sets_of(
     items: Sequence[Numbered], rows: SystemRows
 ) -> tuple[RelativeMotions, list[ConstraintSet]]:
-    """Sets, kind by kind: of what holds on to nodes alone, and of what holds on to grips.
+    """Sets, kind by kind: of what holds on to nodes alone, and of what holds on to attachments.
 
     Returns:
         The set that compiled sums over all nodes know, be it empty, and all others that are not.
     """
-    gripped = [item for item in items if on_grips(item)]
-    plain = [item for item in items if not on_grips(item)] if gripped else items
+    attached = [item for item in items if on_attachments(item)]
+    plain = [item for item in items if not on_attachments(item)] if attached else items
     first = RelativeMotions(plain, rows, Start())
     found: list[ConstraintSet] = [first]
     for kind in KINDS:
         if kind is not RelativeMotions:
             _add(kind(plain, rows, _after(found)), found)
-        if gripped:
-            _add(OnGrips(kind, gripped, rows, _after(found)), found)
+        if attached:
+            _add(OnAttachments(kind, attached, rows, _after(found)), found)
     return first, found[1:]
 
 

@@ -186,8 +186,8 @@ class Tables(NamedTuple):
             held.
         stored: Cells whose energy is all that bodies have, as two arrays, see
             :class:`~fem_lie.forms.cell_forms.FormTable`; ``None`` if there is more.
-        pairs_of_all: All relative motions of nodes and grips, where some nodes are no frames and
-            there are no other constraints; else ``None``.
+        pairs_of_all: All relative motions of nodes and attachments, where some nodes have no frame
+            and there are no other constraints; else ``None``.
         edges: Nodes with frames along the edge to another node, and those others, among all nodes,
             (k, 2).
         turns: Whether joints count their turns.

@@ -1,4 +1,4 @@
-"""Joints, springs and drives over steps of nodes of any kind: on nodes and on grips."""
+"""Joints, springs and drives over steps of nodes of any kind: on nodes and on attachments."""
 
 from __future__ import annotations
 
@@ -13,7 +13,13 @@ from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, WORK
 from fem_lie.joints.equations.table import PackedJoints, joint_table, views
 from fem_lie.joints.equations.terms import spring_energy, unwrap, violations
 from fem_lie.lie.kinds import SLOPE
-from fem_lie.solve.conserving.outside.grips import GripSpan, Rows, give, set_grips, set_nodes
+from fem_lie.solve.conserving.outside.attachments import (
+    AttachmentSpan,
+    Rows,
+    give,
+    set_attachments,
+    set_nodes,
+)
 from fem_lie.solve.conserving.rows.changes import weigh_cells
 from fem_lie.solve.conserving.rows.halves import CellTable
 from fem_lie.solve.conserving.step.joints import add_joints
@@ -25,12 +31,12 @@ _BACK = 1e-3
 
 
 class _Rows(NamedTuple):
-    """Nodes, grips, ground and prescribed motions over a step.
+    """Nodes, attachments, ground and prescribed motions over a step.
 
     Attributes:
         mean: Of positions and axes, (L, 4, 3).
         delta: Increments.
-        forces: And moments on nodes and grips, (n + g, 6).
+        forces: And moments on nodes and attachments, (n + g, 6).
     """
 
     mean: Array
@@ -72,7 +78,7 @@ class _Sums(NamedTuple):
 def _add_forces(
     kinds: Indices,
     joints: PackedJoints,
-    span: GripSpan,
+    span: AttachmentSpan,
     nodes: _Nodes,
     rows: _Rows,
     weights: Array,
@@ -85,7 +91,7 @@ def _add_forces(
     (mean, delta, forces), losses = rows, sums.losses
     set_nodes(kinds, nodes.moved, nodes.step, mean, delta)
     around = nodes.H, nodes.rest, nodes.moved.middle, nodes.step
-    set_grips(span, around, mean[n : n + g], delta[n : n + g])
+    set_attachments(span, around, mean[n : n + g], delta[n : n + g])
     forces[:] = 0.0
     work, loss = add_joints(
         mean,
@@ -123,61 +129,61 @@ class Joints:
     """All joints of a scene.
 
     Attributes:
-        needed: Whether any of them holds on to a grip or to a node that is no frame.
+        needed: Whether any of them holds on to an attachment or to a node that is no frame.
         reached: Values of the constraints at the start, and of increments of their targets, (m,).
     """
 
     def __init__(self, equations: Equations) -> None:
-        """Measure the grips at the start."""
+        """Measure the attachments at the start."""
         pairs = equations.tables.pairs_of_all
         assert pairs is not None, "refused before"
-        self._pairs, self._grips = pairs, pairs.grips
-        n, grips = equations.unknowns.moving, pairs.grips
+        self._pairs, self._attachments = pairs, pairs.attachments
+        n, attachments = equations.unknowns.moving, pairs.attachments
         self._n, self.kinds = n, equations.tables.kinds
         held = views(pairs.joints).nodes
-        straight = np.append(self.kinds >= SLOPE, np.ones(grips.count, dtype=bool))
+        straight = np.append(self.kinds >= SLOPE, np.ones(attachments.count, dtype=bool))
         self.needed = bool(straight[held[held < len(straight)]].any())
         frames = equations.start.frames
         fixed = frames[n:]
-        first = np.searchsorted(grips.of, np.arange(grips.count + 1))
+        first = np.searchsorted(attachments.of, np.arange(attachments.count + 1))
         cells = CellTable(
-            np.zeros((grips.count, 2, 4), dtype=np.int64),
+            np.zeros((attachments.count, 2, 4), dtype=np.int64),
             first,
-            grips.nodes,
-            self.kinds[grips.nodes],
-            np.zeros((len(grips.nodes), 2)),
-            np.zeros(grips.count, dtype=np.int64),
-            np.zeros(grips.count),
+            attachments.nodes,
+            self.kinds[attachments.nodes],
+            np.zeros((len(attachments.nodes), 2)),
+            np.zeros(attachments.count, dtype=np.int64),
+            np.zeros(attachments.count),
         )
         weigh_cells(cells, equations.unknowns.lengths, frames, np.zeros_like(frames))
-        located, J = grips.locate(frames)
-        entries = len(grips.nodes)
-        self._span = GripSpan(
+        located, J = attachments.locate(frames)
+        entries = len(attachments.nodes)
+        self._span = AttachmentSpan(
             cells,
             pairs.seen[n:],
             located,
             located.copy(),
             located.copy(),
             J,
-            np.zeros((grips.count, 3)),
+            np.zeros((attachments.count, 3)),
             np.zeros((entries, 2, 3)),
         )
         rows = np.concatenate([frames[:n], located, fixed])
-        on = np.zeros((n + grips.count, 6))
+        on = np.zeros((n + attachments.count, 6))
         self._rows = _Rows(rows, np.zeros_like(rows), on)
         self.reached = np.zeros(equations.unknowns.m)
         _violations(pairs.joints, rows, self.reached)
 
     def begin(self, H: Array) -> None:
         """A step from rows ``H``."""
-        self._span.start[:] = self._grips.locate(H)[0]
+        self._span.start[:] = self._attachments.locate(H)[0]
 
     def add_forces(self, model: Model, state: State, this: Step, h: float) -> None:
         """Add forces to ``this.outer``; increments of constraints, and balances."""
         span, rows, along, n = self._span, self._rows, Span(*this.rows), self._n
-        span.middle[:], span.J[:] = self._grips.locate(along.middle)
+        span.middle[:], span.J[:] = self._attachments.locate(along.middle)
         if span.turns.any():
-            span.end[:] = self._grips.locate(along.end)[0]
+            span.end[:] = self._attachments.locate(along.end)[0]
         fixed = slice(len(rows.forces), None)
         rows.mean[fixed], rows.delta[fixed] = along.mean[n:], along.delta[n:]
         moved = Rows(along.mean, along.delta, along.middle)
@@ -189,8 +195,9 @@ class Joints:
     def accept(self, H: Array, driven: Array, gap: Array) -> None:
         """Count turns at rows ``H``, and lead ``gap`` (m,) to what constraints miss there.
 
-        It is a sum of increments, whose round-off adds up where a grip's rotation has it each time.
-        What is seen at the rows has that of single states, so it counts a little each time.
+        It is a sum of increments, whose round-off adds up where an attachment's rotation has it
+        each time. What is seen at the rows has that of single states, so it counts a little each
+        time.
 
         Args:
             H: Rows at the end of a step.
@@ -209,8 +216,8 @@ class Joints:
         return _spring_energy(self._pairs.joints, self._all(H))
 
     def _all(self, H: Array) -> Array:
-        """Rows of nodes, grips, ground and prescribed motions."""
-        return np.concatenate([H[: self._n], self._grips.locate(H)[0], H[self._n :]])
+        """Rows of nodes, attachments, ground and prescribed motions."""
+        return np.concatenate([H[: self._n], self._attachments.locate(H)[0], H[self._n :]])
 
     def memory(self) -> dict[str, Array]:
         """What the next steps depend on: angles that are counted, and :attr:`reached`."""

@@ -1,15 +1,15 @@
-"""Frames that joints hold on to where nodes are no frames, over a step; compiled.
+"""Attachment frames of joints at nodes without frames, over a step; compiled.
 
-A grip's frame is a function of its nodes. Its place is a sum over their rows, so that it moves by
-``J_x Δr``, exactly. It turns by the vector ψ of Cayley's map that is between both ends, and
-``J_ω Δr``, with the Jacobian in the middle of the step, is that to second order. What is missing is
-made up as in :mod:`..rows.cells`: with the step ``s`` of the grip's nodes without their rigid part,
-in their metric ``M``, ::
+An attachment frame is a function of its nodes. Its position is a sum over their coordinates, so
+that it moves by ``J_x Δr``, exactly. It turns by the vector ψ of Cayley's map that is between both
+ends, and ``J_ω Δr``, with the Jacobian in the middle of the step, is that to second order. The
+difference is corrected as in :mod:`..rows.cells`: with the step ``s`` of the attachment's nodes
+without their rigid part, in their metric ``M``, ::
 
     ψ = D Δr,        D = J_ω + (ψ − J_ω Δr) ⊗ M s/|s|²
 
-A moment ``m`` on the grip is ``Dᵀ m`` on its nodes. Its work is that on ψ, exactly, and it has the
-resultant and the moment that it has: those of ``J_ωᵀ m``, for ``M s`` has none.
+A moment ``m`` on the attachment is ``Dᵀ m`` on its nodes. Its work is that on ψ, exactly, and it
+has the resultant and the moment that it has: those of ``J_ωᵀ m``, for ``M s`` has none.
 """
 
 from __future__ import annotations
@@ -68,8 +68,8 @@ class Rows(NamedTuple):
     middle: Array
 
 
-class GripSpan(NamedTuple):
-    """Grips over a step; each has an entry for each of its nodes.
+class AttachmentSpan(NamedTuple):
+    """Attachments over a step; each has an entry for each of its nodes.
 
     Attributes:
         cells: Their nodes and metric.
@@ -77,7 +77,7 @@ class GripSpan(NamedTuple):
         start: Frames, (g, 4, 3).
         middle: With the nodes in the middle of the step.
         end: At its end.
-        J: Twist of its grip by the motion of each entry along its axes, (e, 6, 6).
+        J: Twist of its attachment by the motion of each entry along its axes, (e, 6, 6).
         left: ``ψ − J_ω Δr``, global components, (g, 3).
         beside: ``M s/|s|²``, (e, 2, 3).
     """
@@ -113,16 +113,16 @@ def set_nodes(kinds: Indices, moved: Rows, step: Array, mean: Array, delta: Arra
 
 
 @compiled
-def set_grips(
-    span: GripSpan,
+def set_attachments(
+    span: AttachmentSpan,
     nodes: tuple[Array, Array, Array, Array],
     mean: Array,
     delta: Array,
 ) -> None:
-    """Means and increments (g, 4, 3) of grips, and how they turn.
+    """Means and increments (g, 4, 3) of attachments, and how they turn.
 
     Args:
-        span: The grips, of which ``left`` and ``beside`` are overwritten.
+        span: The attachments, of which ``left`` and ``beside`` are overwritten.
         nodes: Rows at the start of the step, digits that do not fit into them, rows in the middle,
             (≥ n, 4, 3), and increments of halves, (n, 6).
         mean: Overwritten.
@@ -171,7 +171,7 @@ def _turn(before: Array, after: Array, mean: Array, delta: Array) -> Vector:
 def _deform(
     cells: CellTable, g: int, H: Array, rest: Array, step: Array, work: Work, out: Array
 ) -> None:
-    """``M s/|s|²`` of one grip into its entries of ``out``, nothing where that is round-off."""
+    """``M s/|s|²`` of one attachment into its entries of ``out``, zero where it is round-off."""
     r, d, begin = work.r, work.d, cells.first[g]
     count = r.shape[0]
     mine, kinds = cells.nodes[begin : begin + count], cells.kinds[begin : begin + count]
@@ -197,12 +197,14 @@ def _deform(
 
 
 @compiled
-def give(kinds: Indices, span: GripSpan, middle: Array, on_rows: Array, forces: Array) -> None:
-    """Add forces and moments on nodes and grips, (n + g, 6), to ``forces`` (n, 6).
+def give(
+    kinds: Indices, span: AttachmentSpan, middle: Array, on_rows: Array, forces: Array
+) -> None:
+    """Add forces and moments on nodes and attachments, (n + g, 6), to ``forces`` (n, 6).
 
     Args:
         kinds: Of the nodes.
-        span: The grips.
+        span: The attachments.
         middle: Rows of the nodes in the middle of the step.
         on_rows: Forces and moments, global components.
         forces: Along increments, updated.

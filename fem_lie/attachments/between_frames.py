@@ -1,17 +1,15 @@
 """Attachment frames between nodal frames: on the geodesic, or interpolated.
 
-A place on the geodesic of SE(3) between two frames: the inside of geodesic beam elements.
-
-At ``0 ≤ ξ ≤ 1`` the frame is ``H_a exp(ξ d)``, ``d = log(H_a⁻¹ H_b)``. Its twist, and so the forces
-on both nodes, are (:mod:`fem_lie.joints.equations.sliding` has the same with a ξ that moves)::
+*On the geodesic* of SE(3) between two nodal frames, as inside geodesic beam elements. At ``0 ≤ ξ ≤
+1`` the frame is ``H_a exp(ξ d)``, ``d = log(H_a⁻¹ H_b)``. Its twist, and so the nodal forces,
+follow from the Jacobians (:mod:`fem_lie.joints.equations.sliding` has the case of a variable ξ)::
 
     J_a = Ad(exp(−ξ d)) − ξ T(ξ d) T⁻¹(−d),    J_b = ξ T(ξ d) T⁻¹(d)
 
-A place between frames whose positions and directors are interpolated as they are.
-
-With the values ``Nᵢ`` of the nodes' shape functions the origin is ``Σ Nᵢ xᵢ`` and the axes are the
-rotation ``R`` next to ``F = Σ Nᵢ Rᵢ``, ``F = R U`` (polar decomposition), which turns with the
-body. With ``Qᵢ = RᵀRᵢ``, ``U = Σ Nᵢ Qᵢ`` and ``Y = tr(U) 1 − U``::
+*Interpolated*: positions and directors are interpolated independently. With the values ``Nᵢ`` of
+the shape functions the origin is ``Σ Nᵢ xᵢ``, and the axes are the rotation ``R`` nearest to ``F =
+Σ Nᵢ Rᵢ``, from the polar decomposition ``F = R U``. With ``Qᵢ = RᵀRᵢ``, ``U = Σ Nᵢ Qᵢ`` and ``Y =
+tr(U) 1 − U``::
 
     u = Σ Nᵢ Qᵢ uᵢ,    ω = Y⁻¹ Σ Nᵢ (tr(Qᵢ) 1 − Qᵢᵀ) ωᵢ,    δQᵢ = −ω̂ Qᵢ + Qᵢ ω̂ᵢ
 """
@@ -25,7 +23,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
-from fem_lie.grips.grip import Grip, GripKind
+from fem_lie.attachments.attachment import AttachmentFrame, AttachmentKind
 
 
 @compiled
@@ -55,7 +53,7 @@ def _locate_on_geodesic_frame(X: Array, data: Array, H: Array, J: Array) -> None
 
 @compiled
 def _bend_on_geodesic_frame(X: Array, data: Array, f: Array, K: Array) -> None:
-    """``g = Tᵀ(ξ d) f`` changes by ``−ξ Tᵀ G(ξ d, g) δd``, and ``Ad(E⁻¹)ᵀ f`` with ``E``."""
+    """Geometric stiffness, from the variations of ``Tᵀ(ξ d) f`` and ``Ad(E⁻¹)ᵀ f``."""
     ξ, d, E, T = data[0], np.empty(6), np.empty((4, 3)), np.empty((6, 6))
     D, A, G, P = np.empty((2, 6, 6)), np.empty((6, 6)), np.empty((3, 6, 6)), np.empty((6, 6))
     _parts(X, data, d, E, T, D, A)
@@ -73,20 +71,20 @@ def _bend_on_geodesic_frame(X: Array, data: Array, f: Array, K: Array) -> None:
         K[1, :, side] = by_b @ D[side]
 
 
-GEODESIC = GripKind(_locate_on_geodesic_frame, _bend_on_geodesic_frame)
+GEODESIC = AttachmentKind(_locate_on_geodesic_frame, _bend_on_geodesic_frame)
 
 
-def on_geodesic(a: int, b: int, ξ: float) -> Grip:
-    """The frame at ξ between the nodes ``a`` (ξ = 0) and ``b`` (ξ = 1)."""
-    return Grip(GEODESIC, (a, b), (ξ,))
+def on_geodesic(a: int, b: int, ξ: float) -> AttachmentFrame:
+    """Frame at ξ on the geodesic from node ``a`` (ξ = 0) to node ``b`` (ξ = 1)."""
+    return AttachmentFrame(GEODESIC, (a, b), (ξ,))
 
 
-_MOST = 30  # iterations; four do for nodes that turn by half a right angle
+_MOST = 30  # iterations; four suffice for relative rotations of 45°
 
 
 @compiled
 def _nearest(F: Array, R: Array) -> None:
-    """Rotation next to ``F`` (3, 3), both with directors as rows, by ``R ← ½ (R + R⁻ᵀ)``."""
+    """Rotation nearest to ``F`` (3, 3), both with directors as rows, by ``R ← ½ (R + R⁻ᵀ)``."""
     R[:] = F
     for _ in range(_MOST):
         a, b, c = np.cross(R[1], R[2]), np.cross(R[2], R[0]), np.cross(R[0], R[1])
@@ -102,7 +100,7 @@ def _nearest(F: Array, R: Array) -> None:
 
 @compiled
 def _relative(X: Array, N: Array, H: Array, Q: Array) -> Array:
-    """Sets the frame ``H`` and ``Qᵢ``; returns ``Y⁻¹``."""
+    """Set the frame ``H`` and the relative rotations ``Qᵢ``; return ``Y⁻¹``."""
     H[:], U = 0.0, np.zeros((3, 3))
     for i in range(X.shape[0]):
         H += N[i] * X[i]
@@ -125,7 +123,7 @@ def _locate_on_interpolated(X: Array, data: Array, H: Array, J: Array) -> None:
 
 @compiled
 def _bend_on_interpolated(X: Array, data: Array, f: Array, K: Array) -> None:
-    """Column by column: a rotation of one node changes ``Q`` of all; positions change nothing."""
+    """Geometric stiffness, column by column; only rotations of nodes contribute."""
     k, one = X.shape[0], np.eye(3)
     Q, dQ, H = np.empty((k, 3, 3)), np.empty((k, 3, 3)), np.empty((4, 3))
     inverse = _relative(X, data, H, Q)
@@ -152,9 +150,9 @@ def _hat(a: Array) -> Array:
     return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
 
 
-INTERPOLATED = GripKind(_locate_on_interpolated, _bend_on_interpolated)
+INTERPOLATED = AttachmentKind(_locate_on_interpolated, _bend_on_interpolated)
 
 
-def interpolated(nodes: Sequence[int], values: Sequence[float]) -> Grip:
-    """The frame between ``nodes`` whose shape functions have these values, which sum up to one."""
-    return Grip(INTERPOLATED, tuple(map(int, nodes)), tuple(map(float, values)))
+def interpolated(nodes: Sequence[int], values: Sequence[float]) -> AttachmentFrame:
+    """Frame interpolated between ``nodes`` with shape function values that sum to one."""
+    return AttachmentFrame(INTERPOLATED, tuple(map(int, nodes)), tuple(map(float, values)))

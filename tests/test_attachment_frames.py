@@ -1,4 +1,4 @@
-"""Laws of grips: frames with a Jacobian, whatever they hold on to."""
+"""Laws of attachments: frames with a Jacobian, whatever they hold on to."""
 
 import numpy as np
 import pytest
@@ -6,12 +6,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fem_lie import lie
+from fem_lie.attachments.at_nodes import along_tangent, following, on_section
+from fem_lie.attachments.attachment import bend, changes, cores, locate, spread
+from fem_lie.attachments.between_frames import interpolated, on_geodesic
+from fem_lie.attachments.patch import in_the_mean
+from fem_lie.attachments.surface import on_surface
 from fem_lie.extend import kinds
-from fem_lie.grips.at_nodes import along_tangent, following, on_section
-from fem_lie.grips.between_frames import interpolated, on_geodesic
-from fem_lie.grips.grip import bend, changes, cores, locate, spread
-from fem_lie.grips.patch import in_the_mean
-from fem_lie.grips.surface import on_surface
 from fem_lie.system.nodes.numbering import Attachment
 
 seeds = st.integers(0, 2**32 - 1)
@@ -85,7 +85,7 @@ OF_PLACES = [[0.6, -1.0, 0.1], [0.4, 1.0, -0.1], [0.0, 0.1, 0.2], [0.1, -0.1, 0.
 OF_SLOPES = [[0.1, 0.6, 0.1], [-0.1, 0.4, 0.1], [0.1, 0.2, 0.6], [-0.1, 0.1, 0.5]]
 SHARES = np.stack([OF_PLACES, OF_SLOPES], axis=1)
 OFFSET = lie.se3_exp(np.array([0.3, -0.2, 0.5, 0.4, 0.1, -0.3]))
-GRIPS = {
+ATTACHMENTS = {
     "geodesic": (on_geodesic(0, 1, 0.3), moved_frames),
     "two directors": (interpolated((0, 1), (0.7, 0.3)), moved_frames),
     "three directors": (interpolated((0, 1, 2), (0.28, -0.12, 0.84)), moved_frames),
@@ -99,10 +99,10 @@ GRIPS = {
 
 
 def state(name: str, seed: int):
-    """A grip, rows of its nodes within half a right angle of each other, and a generator."""
+    """An attachment, rows of its nodes within half a right angle of each other, and a generator."""
     rng = np.random.default_rng(seed)
-    grip, move = GRIPS[name]
-    near = rng.normal(size=(len(grip.nodes), 6)) * [0.5, 0.5, 0.5, 0.25, 0.25, 0.25]
+    attachment, move = ATTACHMENTS[name]
+    near = rng.normal(size=(len(attachment.nodes), 6)) * [0.5, 0.5, 0.5, 0.25, 0.25, 0.25]
     if name in ON_SURFACES:
         near *= 0.1  # differences of places are slopes, which must not be along each other
     X = lie.se3_compose(lie.se3_exp(rng.normal(size=6)), lie.se3_exp(near))
@@ -110,26 +110,26 @@ def state(name: str, seed: int):
         X[:, 1] *= 0.5 + rng.random()
     if name in PATCHES:
         X = near_patch(PATCHES[name], rng)
-    return grip, np.array(grip.data), X, move, rng
+    return attachment, np.array(attachment.data), X, move, rng
 
 
-def one(grip, data, X):
-    H, J = locate(grip.kind, X[np.newaxis], data[np.newaxis])
+def one(attachment, data, X):
+    H, J = locate(attachment.kind, X[np.newaxis], data[np.newaxis])
     return H[0], J[0]
 
 
-def pulled(grip, data, X, f):
-    return np.einsum("kij,i->kj", one(grip, data, X)[1], f)
+def pulled(attachment, data, X, f):
+    return np.einsum("kij,i->kj", one(attachment, data, X)[1], f)
 
 
-@pytest.mark.parametrize("name", GRIPS)
+@pytest.mark.parametrize("name", ATTACHMENTS)
 @given(seed=seeds)
 @settings(max_examples=10, deadline=None)
 def test_the_jacobian_is_the_derivative_of_the_frame(name, seed):
-    grip, data, X, move, rng = state(name, seed)
-    _, J = one(grip, data, X)
+    attachment, data, X, move, rng = state(name, seed)
+    _, J = one(attachment, data, X)
     h = rng.normal(size=(len(X), 6))
-    ahead, behind = (one(grip, data, move(X, s * h))[0] for s in (1e-5, -1e-5))
+    ahead, behind = (one(attachment, data, move(X, s * h))[0] for s in (1e-5, -1e-5))
     twist = lie.se3_relative(behind, ahead) / 2e-5
     # differences: 1e-10 times third derivatives, and round-off over the step
     np.testing.assert_allclose(np.einsum("kij,kj->i", J, h), twist, atol=2e-8)
@@ -139,53 +139,53 @@ def test_the_jacobian_is_the_derivative_of_the_frame(name, seed):
 @given(seed=seeds)
 @settings(max_examples=10, deadline=None)
 def test_mean_coordinates_move_the_frame_and_couple_all_nodes(name, seed):
-    grip, data, X, _, rng = state(name, seed)
-    f, h, means = rng.normal(size=6), rng.normal(size=(len(X), 6)), grip.kind.means
+    attachment, data, X, _, rng = state(name, seed)
+    f, h, means = rng.normal(size=6), rng.normal(size=(len(X), 6)), attachment.kind.means
     given = X[np.newaxis], data[np.newaxis]
     (S,) = spread(means, *given)
     (L,), (C,) = cores(means, *given, f[np.newaxis])
-    _, J = one(grip, data, X)
+    _, J = one(attachment, data, X)
     rates = np.einsum("krj,kj->r", S, h)
     np.testing.assert_allclose(L @ rates, np.einsum("kij,kj->i", J, h), atol=1e-12)
-    (K,) = bend(grip.kind, *given, f[np.newaxis])
+    (K,) = bend(attachment.kind, *given, f[np.newaxis])
     coupled = np.einsum("krj,rs,s->kj", S, C, rates)
     np.testing.assert_allclose(coupled, np.einsum("kiaj,aj->ki", K, h), atol=1e-11)
 
 
-@pytest.mark.parametrize("name", GRIPS)
+@pytest.mark.parametrize("name", ATTACHMENTS)
 @given(seed=seeds)
 @settings(max_examples=10, deadline=None)
 def test_bending_is_the_derivative_of_the_pulled_force(name, seed):
-    grip, data, X, move, rng = state(name, seed)
+    attachment, data, X, move, rng = state(name, seed)
     f, h = rng.normal(size=6), rng.normal(size=(len(X), 6))
-    K = bend(grip.kind, X[np.newaxis], data[np.newaxis], f[np.newaxis])[0]
-    ahead, behind = (pulled(grip, data, move(X, s * h), f) for s in (1e-5, -1e-5))
+    K = bend(attachment.kind, X[np.newaxis], data[np.newaxis], f[np.newaxis])[0]
+    ahead, behind = (pulled(attachment, data, move(X, s * h), f) for s in (1e-5, -1e-5))
     numeric = (ahead - behind) / 2e-5
     np.testing.assert_allclose(np.einsum("aibj,bj->ai", K, h), numeric, atol=2e-8)
 
 
-@pytest.mark.parametrize("name", GRIPS)
+@pytest.mark.parametrize("name", ATTACHMENTS)
 @given(seed=seeds)
 @settings(max_examples=10, deadline=None)
 def test_changes_are_second_rates_of_the_frame(name, seed):
-    grip, data, X, move, rng = state(name, seed)
+    attachment, data, X, move, rng = state(name, seed)
     h = rng.normal(size=(len(X), 6))
-    rate = changes(grip.kind, X[np.newaxis], data[np.newaxis], h[np.newaxis])[0]
+    rate = changes(attachment.kind, X[np.newaxis], data[np.newaxis], h[np.newaxis])[0]
     # nodes that move along exp(t h) have constant twists
-    ahead, behind = (one(grip, data, move(X, s * h))[1] for s in (1e-5, -1e-5))
+    ahead, behind = (one(attachment, data, move(X, s * h))[1] for s in (1e-5, -1e-5))
     numeric = np.einsum("kij,kj->i", ahead - behind, h) / 2e-5
     np.testing.assert_allclose(rate, numeric, atol=1e-7)
 
 
-@pytest.mark.parametrize("name", GRIPS)
+@pytest.mark.parametrize("name", ATTACHMENTS)
 @given(seed=seeds)
 @settings(max_examples=10, deadline=None)
 def test_frames_are_frames_and_turn_with_the_body(name, seed):
-    grip, data, X, _, rng = state(name, seed)
-    H, J = one(grip, data, X)
+    attachment, data, X, _, rng = state(name, seed)
+    H, J = one(attachment, data, X)
     np.testing.assert_allclose(H[1:] @ H[1:].T, np.eye(3), atol=1e-14)
     motion = lie.se3_exp(rng.normal(size=6))
-    moved, same = one(grip, data, turned_with(motion, X, name))
+    moved, same = one(attachment, data, turned_with(motion, X, name))
     np.testing.assert_allclose(moved, lie.se3_compose(motion, H), atol=1e-13)
     np.testing.assert_allclose(same, J, atol=1e-13)
     if name == "tangent":
@@ -199,7 +199,7 @@ def test_frames_are_frames_and_turn_with_the_body(name, seed):
         wanted = lie.se3_adjoint(lie.se3_inverse(H)) @ twist
         np.testing.assert_allclose(np.einsum("kij,kj->i", J, own), wanted, atol=1e-12)
         return
-    # of a rigid motion the grip has the same as all nodes
+    # of a rigid motion the attachment has the same as all nodes
     twist = rng.normal(size=6)
     if name in ON_SURFACES:
         rigid = kinds.rigid_motions(SURFACES, X, np.zeros(3))
@@ -212,11 +212,11 @@ def test_frames_are_frames_and_turn_with_the_body(name, seed):
 
 
 def test_many_states_at_once():
-    grip, _, X, _, _ = state("geodesic", 1)
+    attachment, _, X, _, _ = state("geodesic", 1)
     many = np.stack([X, lie.se3_retract(X, np.full((2, 6), 0.1)), X])
-    found = grip.frame(many)
+    found = attachment.frame(many)
     assert found.shape == (3, 4, 3)
-    np.testing.assert_array_equal(found[1], grip.frame(many[1]))
+    np.testing.assert_array_equal(found[1], attachment.frame(many[1]))
 
 
 def test_an_unloaded_patch_is_where_it_was_with_its_axes():
@@ -231,7 +231,7 @@ def test_an_unloaded_patch_is_where_it_was_with_its_axes():
 
 def test_a_patch_on_a_line_is_refused():
     places = np.outer([0.0, 1.0, 2.5], [1.0, 2.0, 3.0])
-    with pytest.raises(ValueError, match="not on a line"):
+    with pytest.raises(ValueError, match="not collinear"):
         in_the_mean(range(3), places, np.ones(3), np.eye(3))
 
 

@@ -1,9 +1,10 @@
 """Constraints of any sort on attachment frames.
 
-These rows are the nodes that its items hold on to by themselves, then a row for each grip, and then
-what does not move by itself. Frames and twists of grips are those of :mod:`fem_lie.grips`; what the
-set does in a grip's six components is pulled back to the nodes of the grip by its Jacobian. What
-averaging attachments add to the matrix is made of their mean coordinates, see :mod:`.averages`.
+The rows of such a set are the nodes that its items act on directly, then one row for each
+attachment, and then the frames that are prescribed. Frames and twists of attachments are those of
+:mod:`fem_lie.attachments`; forces on the six components of an attachment are pulled back to its
+nodes by the Jacobian. What averaging attachments add to the matrix is made of their mean
+coordinates, see :mod:`.averages`.
 """
 
 from __future__ import annotations
@@ -27,14 +28,14 @@ from fem_lie.system.constraint_sets.constraint_set import (
     Start,
     SystemRows,
 )
-from fem_lie.system.nodes.held_grips import HeldGrips
+from fem_lie.system.nodes.held_attachments import HeldAttachments
 
 
-class GripRows:
+class AttachmentRows:
     """See :class:`~.rows.Rows`.
 
     Attributes:
-        grips: The grips.
+        attachments: The attachments.
         moving: Rows of the system that move and are held directly, shape (k,).
         fixed: Those that do not move by themselves, shape (f,).
     """
@@ -42,27 +43,29 @@ class GripRows:
     def __init__(self, items: Sequence[Numbered], rows: SystemRows) -> None:
         """Collect what the items hold on to."""
         points = [point for item in items for point in item.item.points]
-        self.grips = HeldGrips([p for p in points if p.joint_grip is not None], rows.numbering)
+        self.attachments = HeldAttachments(
+            [p for p in points if p.joint_attachment is not None], rows.numbering
+        )
         self._rows = rows
-        touched = {rows.of(point) for point in points if point.joint_grip is None}
+        touched = {rows.of(point) for point in points if point.joint_attachment is None}
         for item in items:
             if tie := item.item.sliding_tie():
                 touched.update(int(row) for row in rows.ends(tie.beam)[0].ravel())
         order = np.array(sorted(touched), dtype=np.int64)
         self.moving, self.fixed = order[order < rows.count], order[order >= rows.count]
-        self.count = len(self.moving) + self.grips.count
-        self.frames = self.seen(rows.frames, self.grips.locate(rows.frames)[0])
-        free = np.zeros(self.grips.count, dtype=bool)
+        self.count = len(self.moving) + self.attachments.count
+        self.frames = self.seen(rows.frames, self.attachments.locate(rows.frames)[0])
+        free = np.zeros(self.attachments.count, dtype=bool)
         self.still = np.concatenate([rows.still[self.moving], free, rows.still[self.fixed]])
 
-    def seen(self, H: Array, grips: Array) -> Array:
+    def seen(self, H: Array, attachments: Array) -> Array:
         """Frames of all of these rows."""
-        return np.concatenate([H[self.moving], grips, H[self.fixed]])
+        return np.concatenate([H[self.moving], attachments, H[self.fixed]])
 
     def of(self, point: Point) -> int:
         """See :class:`~.rows.Rows`."""
-        if point.joint_grip is not None:
-            return len(self.moving) + self.grips.number(point)
+        if point.joint_attachment is not None:
+            return len(self.moving) + self.attachments.number(point)
         return int(self._here(np.array(self._rows.of(point))))
 
     def ends(self, beam: Beam) -> tuple[Indices, Array]:
@@ -76,13 +79,13 @@ class GripRows:
         return np.where(rows < self._rows.count, found, beyond)
 
 
-def on_grips(item: Numbered) -> bool:
-    """Whether any point of an item is a grip."""
-    return any(point.joint_grip is not None for point in item.item.points)
+def on_attachments(item: Numbered) -> bool:
+    """Whether any point of an item is an attachment."""
+    return any(point.joint_attachment is not None for point in item.item.points)
 
 
-class OnGrips(ConstraintSet):
-    """A set of another sort, on grips.
+class OnAttachments(ConstraintSet):
+    """A set of another sort, on attachments.
 
     Attributes:
         inner: That set.
@@ -96,23 +99,23 @@ class OnGrips(ConstraintSet):
 
         Args:
             kind: Of the other set.
-            items: Those that hold on to grips.
+            items: Those that hold on to attachments.
             rows: Of the system.
             start: See the base class.
         """
-        self.start, self.rows = start, GripRows(items, rows)
-        self._system_count, self._grips = rows.count, self.rows.grips
+        self.start, self.rows = start, AttachmentRows(items, rows)
+        self._system_count, self._attachments = rows.count, self.rows.attachments
         local: Rows = self.rows
         self.inner = kind(items, local, Start())
         self.owner, self.angular = self.inner.owner, self.inner.angular
         self.targets = self.inner.targets
         self.what = f"{kind.what} on points that are not nodes"
         self.of_velocities = kind.of_velocities
-        k, g = len(self.rows.moving), self._grips.count
+        k, g = len(self.rows.moving), self._attachments.count
         self._by_itself = np.tile(np.eye(6), (k, 1, 1))
-        # each row of the set is moved by entries: itself, or the nodes of its grip
-        self._of = np.concatenate([np.arange(k), k + self._grips.of])
-        self._nodes = np.concatenate([self.rows.moving, self._grips.nodes])
+        # each row of the set is moved by entries: itself, or the nodes of its attachment
+        self._of = np.concatenate([np.arange(k), k + self._attachments.of])
+        self._nodes = np.concatenate([self.rows.moving, self._attachments.nodes])
         self._entries = np.split(
             np.arange(len(self._of)), np.searchsorted(self._of, range(1, k + g))
         )
@@ -133,13 +136,13 @@ class OnGrips(ConstraintSet):
         self._to_leg = self.start.leg + self.border.legs(rows, at[:, np.newaxis])[:, 0]
 
     def _pair(self) -> None:
-        """Pairs of nodes: of entries for each pair of rows, those within grips, averaged ones."""
+        """Pairs of nodes: of each pair of rows, within attachments, of averaging attachments."""
         rows, columns = self.inner.pairs
         moves = (rows < self.rows.count) & (columns < self.rows.count)
         self._inner_place = np.where(moves, np.cumsum(moves).reshape(moves.shape) - 1, -1)
         first, second = rows[moves], columns[moves]
         self._blocks = len(first)
-        averaged = np.append(np.full(len(self.rows.moving), -1), self._grips.averaged)
+        averaged = np.append(np.full(len(self.rows.moving), -1), self._attachments.averaged)
         both = (averaged[first] >= 0) & (averaged[second] >= 0)
         triples = [
             np.stack(np.broadcast_arrays(p, *np.ix_(self._entries[a], self._entries[b])))
@@ -150,10 +153,10 @@ class OnGrips(ConstraintSet):
         self._block, self._left, self._right = np.concatenate([none, *flat], axis=1)
         between = np.flatnonzero(both)
         ends = averaged[first[between]], averaged[second[between]]
-        self._averaged = AveragedPairs(self._grips, between, *ends)
+        self._averaged = AveragedPairs(self._attachments, between, *ends)
         self._sparse = (
-            np.concatenate([self._nodes[self._left], self._grips.rows]),
-            np.concatenate([self._nodes[self._right], self._grips.columns]),
+            np.concatenate([self._nodes[self._left], self._attachments.rows]),
+            np.concatenate([self._nodes[self._right], self._attachments.columns]),
         )
         rows, columns = (
             np.concatenate(each) for each in zip(self._sparse, self._averaged.nodes, strict=True)
@@ -172,7 +175,7 @@ class OnGrips(ConstraintSet):
 
     @property
     def bound(self) -> Indices:
-        """Those that it does not hold by grips."""
+        """Those that it does not hold by attachments."""
         return self.rows.moving
 
     @property
@@ -184,7 +187,7 @@ class OnGrips(ConstraintSet):
 
     def _seen(self, H: Array) -> tuple[Array, Array]:
         """Frames of its own rows, and how each entry moves its row, (e, 6, 6)."""
-        frames, J = self._grips.locate(H)
+        frames, J = self._attachments.locate(H)
         return self.rows.seen(H, frames), np.concatenate([self._by_itself, J])
 
     def _twists(self, J: Array, v: Array) -> Array:
@@ -250,16 +253,16 @@ class OnGrips(ConstraintSet):
         np.add.at(legs, self._to_leg, moved)
 
     def geometric(self, H: Array, weights: Array, place: Indices, K: Array) -> None:
-        """That of the set, and that of the grips under its forces."""
+        """That of the set, and that of the attachments under its forces."""
         _, J = self._seen(H)
         blocks, forces = self._bent(H, weights)
         self._add_pulled(J, blocks, place, K)
         within = place[len(self._left) : len(self._sparse[0])]
-        add_at(K, within, self._grips.bend(H, forces))
+        add_at(K, within, self._attachments.bend(H, forces))
         self._add_averaged(H, blocks, forces, place, K)
 
     def _bent(self, H: Array, weights: Array) -> tuple[Array, Array]:
-        """Geometric stiffness of the set between its rows, and its forces on grips."""
+        """Geometric stiffness of the set between its rows, and its forces on attachments."""
         frames, _ = self._seen(H)
         blocks, own = np.zeros((self._blocks, 6, 6)), weights[self.own]
         self.inner.geometric(frames, own, self._inner_place, blocks)
@@ -268,15 +271,15 @@ class OnGrips(ConstraintSet):
 
     def mean_stiffness(self, H: Array, weights: Array) -> tuple[Array, Array]:
         """See the base class."""
-        return self._grips.spread(H), self._averaged.core(H, *self._bent(H, weights))
+        return self._attachments.spread(H), self._averaged.core(H, *self._bent(H, weights))
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
-        """Twists of grips change while those of nodes are constant."""
+        """Twists of attachments change while those of nodes are constant."""
         frames, J = self._seen(H)
         found, (by_change, unused) = np.zeros((2, self.m)), np.zeros((2, self.m))
         self.inner.rates(frames, self._twists(J, v), *found)
         change = np.zeros((len(frames), 6))
-        change[len(self.rows.moving) : self.rows.count] = self._grips.changes(H, v)
+        change[len(self.rows.moving) : self.rows.count] = self._attachments.changes(H, v)
         self.inner.rates(frames, change, by_change, unused)
         first[self.own], second[self.own] = found[0], found[1] + by_change
 
@@ -297,7 +300,7 @@ class OnGrips(ConstraintSet):
         blocks = np.zeros((self._blocks, 6, 6))
         self.inner.stiffen(frames, self._inner_place, stiff, damp, blocks)
         self._add_pulled(J, blocks, place, K)
-        self._add_averaged(H, blocks, np.zeros((self._grips.count, 6)), place, K)
+        self._add_averaged(H, blocks, np.zeros((self._attachments.count, 6)), place, K)
 
     def stretch_springs(self, H: Array, h: Array) -> None:
         """See the base class."""
@@ -365,7 +368,7 @@ class OnGrips(ConstraintSet):
         self.inner.coordinates(self._seen(H)[0], out)
 
     def drawn(self) -> dict[int, tuple[int, Array]]:
-        """On a grip: at its nearest node, where it was from it at the start."""
+        """On an attachment: at its nearest node, where it was from it at the start."""
         rows, found = self.rows, {}
         for item, (row, place) in self.inner.drawn().items():
             if row >= rows.count:
@@ -374,7 +377,7 @@ class OnGrips(ConstraintSet):
                 found[item] = (int(rows.moving[row]), place)
             else:
                 spot = rows.frames[row, 0] + place @ rows.frames[row, 1:]
-                found[item] = self._grips.nearest(row - len(rows.moving), spot)
+                found[item] = self._attachments.nearest(row - len(rows.moving), spot)
         return found
 
     @property

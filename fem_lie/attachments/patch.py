@@ -1,17 +1,17 @@
-"""A frame in the mean of a patch of nodes that are places, such as a face of a solid.
+"""Averaging attachment frame: the mean of many nodes without rotations, such as a face of a solid.
 
-With weights ``w_k`` that sum up to one the origin is ``x̄ = Σ w_k x_k``, and the axes are the
-rotation ``R`` of ``A = Σ w_k (x_k − x̄) ⊗ ξ_k = R S``, by polar decomposition, where ``ξ_k`` is the
-place of a node against the mean in the frame of the unloaded patch. Nodes move along their own
-axes by ``δx_k = R_k h_k``; with ``Q_k = RᵀR_k`` and ``Y = tr(S) 1 − S`` the twist is::
+With weights ``w_k`` that sum to one the origin is ``x̄ = Σ w_k x_k``, and the axes are the rotation
+``R`` of the polar decomposition ``A = Σ w_k (x_k − x̄) ⊗ ξ_k = R S``. Here ``ξ_k`` is the position
+of a node relative to the mean, in the frame of the undeformed patch. Nodal variations are along the
+nodes' own axes, ``δx_k = R_k h_k``. With ``Q_k = RᵀR_k`` and ``Y = tr(S) 1 − S`` the twist is::
 
     u = Σ w_k Q_k h_k,    ω = Y⁻¹ Σ w_k ξ_k × Q_k h_k
 
-All of this is a function of twelve mean coordinates, ``x̄`` and ``A``, which are linear in the
-nodes: whatever acts on the frame couples the nodes by no more than these.
+The frame is a function of twelve mean coordinates, ``x̄`` and ``A``, which are linear in the nodal
+positions. Joints and loads on the frame couple the nodes through these coordinates only.
 
-A force and moment on the frame is spread over the nodes with these weights. The nodes may lie in a
-plane, where ``A`` has rank two, but not on a line.
+A force and moment on the frame is distributed over the nodes with these weights. The nodes may lie
+in a plane, where ``A`` has rank two, but not on a line.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
-from fem_lie.grips.grip import Grip, GripKind, MeanCoordinates
+from fem_lie.attachments.attachment import AttachmentFrame, AttachmentKind, MeanCoordinates
 from fem_lie.lie.polar import polar_rotation
 
-_ROUND_OFF = 1e-14  # of the largest coordinate of a place
-_LINE = 1e-6  # second extent of a patch over the first, of one that is a line
+_ROUND_OFF = 1e-14  # relative to the largest coordinate of a node
+_LINE = 1e-6  # ratio of the second extent to the first below which nodes count as collinear
 
 
 @compiled
@@ -38,7 +38,7 @@ def _cross(a: Array, b: Array) -> Array:
 
 @compiled
 def _relative(X: Array, data: Array, H: Array, Q: Array) -> tuple[Array, Array]:
-    """Sets the frame ``H`` and ``Q_k``; returns ``S`` and ``Y⁻¹``."""
+    """Set the frame ``H`` and the relative rotations ``Q_k``; return ``S`` and ``Y⁻¹``."""
     count = X.shape[0]
     A, R, mean = np.zeros((3, 3)), np.empty((3, 3)), np.zeros(3)
     for k in range(count):
@@ -72,7 +72,7 @@ def _locate(X: Array, data: Array, H: Array, J: Array) -> None:
 
 @compiled
 def _spread(X: Array, data: Array, S: Array) -> None:
-    """Rates of ``Rᵀ Σ w_k x_k`` and of the columns of ``Rᵀ A/ρ``, at a frame that stays."""
+    """Jacobian of ``Rᵀ Σ w_k x_k`` and of the columns of ``Rᵀ A/ρ``, at constant ``R``."""
     Q, H = np.empty((X.shape[0], 3, 3)), np.empty((4, 3))
     _relative(X, data, H, Q)
     size = _size(data)
@@ -88,7 +88,7 @@ def _spread(X: Array, data: Array, S: Array) -> None:
 
 @compiled
 def _core(X: Array, data: Array, f: Array, L: Array, C: Array) -> None:
-    """Column by column: a mean coordinate turns the frame, and with it what all nodes feel."""
+    """Twist and geometric stiffness in mean coordinates, column by column."""
     Q, H, one = np.empty((X.shape[0], 3, 3)), np.empty((4, 3)), np.eye(3)
     S, inverse = _relative(X, data, H, Q)
     size = _size(data)
@@ -114,7 +114,7 @@ def _core(X: Array, data: Array, f: Array, L: Array, C: Array) -> None:
 
 @compiled
 def _size(data: Array) -> float:
-    """Radius of gyration ``ρ`` of the unloaded patch, by which all mean coordinates are lengths."""
+    """Radius of gyration ``ρ`` of the undeformed patch, which scales ``A`` to a length."""
     square = 0.0
     for k in range(data.shape[0] // 4):
         for j in range(3):
@@ -134,29 +134,35 @@ def _bend(X: Array, data: Array, f: Array, K: Array) -> None:
             K[k, :, j, :] = left @ S[j]
 
 
-PATCH = GripKind(_locate, _bend, summed=True, turns=True, means=MeanCoordinates(12, _spread, _core))
+PATCH = AttachmentKind(
+    _locate, _bend, summed=True, turns=True, means=MeanCoordinates(12, _spread, _core)
+)
 
 
-def in_the_mean(nodes: Sequence[int], places: Array, weights: Array, axes: Array) -> Grip:
-    """The frame of some nodes.
+def in_the_mean(
+    nodes: Sequence[int], places: Array, weights: Array, axes: Array
+) -> AttachmentFrame:
+    """Averaging attachment frame of some nodes of a body.
 
     Args:
-        nodes: Of the body, k of them.
-        places: Unloaded, shape (k, 3).
-        weights: Of the nodes, such as the areas that they carry, shape (k,).
-        axes: Of the frame, unloaded, as rows, shape (3, 3).
+        nodes: Numbers of the k nodes.
+        places: Undeformed positions, shape (k, 3).
+        weights: Weights of the nodes, such as their tributary areas, shape (k,). They are
+            normalised.
+        axes: Axes of the undeformed frame as rows, shape (3, 3).
 
     Raises:
-        ValueError: The nodes are at one place or on a line.
+        ValueError: The nodes are on a line or coincide.
     """
     shares = weights / weights.sum()
     arms = (places - shares @ places) @ axes.T
-    # what is round-off would be one more mean coordinate of a plane patch
+    # round-off would give a plane patch a spurious mean coordinate
     arms[np.abs(arms) <= _ROUND_OFF * np.abs(places).max()] = 0.0
     extents = np.linalg.svd(arms, compute_uv=False)
     if len(extents) < 2 or extents[1] <= _LINE * extents[0]:
         raise ValueError(
-            f"a patch needs nodes that are not on a line, got {len(nodes)} at\n{places}"
+            f"expected nodes that are not collinear for an averaging attachment, "
+            f"got {len(nodes)} at\n{places}"
         )
     data = np.column_stack([shares, arms]).ravel()
-    return Grip(PATCH, tuple(map(int, nodes)), tuple(map(float, data)))
+    return AttachmentFrame(PATCH, tuple(map(int, nodes)), tuple(map(float, data)))

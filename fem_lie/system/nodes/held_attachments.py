@@ -1,4 +1,4 @@
-"""Grips of a scene on the nodes that lead: frames, Jacobians, and what forces on them do there."""
+"""Attachment frames of a scene on its independent nodes: frames, Jacobians and nodal forces."""
 
 from __future__ import annotations
 
@@ -9,13 +9,21 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
+from fem_lie.attachments.attachment import (
+    AttachmentFrame,
+    AttachmentKind,
+    bend,
+    changes,
+    cores,
+    locate,
+    spread,
+)
 from fem_lie.bodies.body import Body, Point
-from fem_lie.grips.grip import Grip, GripKind, bend, changes, cores, locate, spread
 from fem_lie.system.nodes.numbering import Numbering
 
 
 class _Alike(NamedTuple):
-    """Grips of one kind and number of nodes.
+    """Attachments of one kind and number of nodes.
 
     Attributes:
         kind: Theirs.
@@ -26,7 +34,7 @@ class _Alike(NamedTuple):
         lead: Whether all of their nodes lead themselves, so that nothing has to be turned.
     """
 
-    kind: GripKind
+    kind: AttachmentKind
     leaders: Indices
     offsets: Array
     turns: Array
@@ -51,38 +59,39 @@ class _Alike(NamedTuple):
         return (S if self.lead else S @ self.turns).reshape(-1, *S.shape[2:])
 
 
-class HeldGrips:
-    """Grips by number, kind by kind; each has an *entry* for each of its nodes.
+class HeldAttachments:
+    """Attachments by number, kind by kind; each has an *entry* for each of its nodes.
 
     Attributes:
-        count: Number of grips.
-        of: Grip of each entry, shape (e,).
+        count: Number of attachments.
+        of: Attachment of each entry, shape (e,).
         nodes: Leader of each entry, shape (e,).
-        rows: Leaders of pairs of entries of one grip without mean coordinates, shape (p,);
+        rows: Leaders of pairs of entries of one attachment without mean coordinates, shape (p,);
             ``columns`` likewise.
-        kinds: Of each grip.
-        averaged: Number of each grip among those with mean coordinates, −1 of others, shape (g,).
+        kinds: Of each attachment.
+        averaged: Number of each attachment among those with mean coordinates, −1 of others,
+            shape (g,).
     """
 
     def __init__(self, points: Sequence[Point], numbering: Numbering) -> None:
-        """Collect the grips of points; the same grip of several points is one.
+        """Collect the attachments of points; the same attachment of several points is one.
 
         Args:
-            points: All with a grip.
+            points: All with an attachment.
             numbering: Of the nodes.
         """
         self._frames = numbering.frames
-        sorts: dict[tuple[GripKind, int, int], dict[tuple[Body, Grip], None]] = {}
+        sorts: dict[tuple[AttachmentKind, int, int], dict[tuple[Body, AttachmentFrame], None]] = {}
         for point in points:
-            body, grip = _known(point)
-            sort = grip.kind, len(grip.nodes), len(grip.data)
-            sorts.setdefault(sort, {})[body, grip] = None
+            body, attachment = _known(point)
+            sort = attachment.kind, len(attachment.nodes), len(attachment.data)
+            sorts.setdefault(sort, {})[body, attachment] = None
         order = [key for keys in sorts.values() for key in keys]
         self._numbers = {key: number for number, key in enumerate(order)}
         self.count = len(order)
         self._sorts = [_alike(kind, list(keys), numbering) for (kind, _, _), keys in sorts.items()]
-        self.kinds = [grip.kind for _, grip in order]
-        sizes = np.array([len(grip.nodes) for _, grip in order], dtype=np.int64)
+        self.kinds = [attachment.kind for _, attachment in order]
+        sizes = np.array([len(attachment.nodes) for _, attachment in order], dtype=np.int64)
         self.of: Indices = np.repeat(np.arange(self.count), sizes)
         averaged = np.array([kind.means is not None for kind in self.kinds], dtype=bool)
         self.averaged: Indices = np.where(averaged, np.cumsum(averaged) - 1, -1)
@@ -96,15 +105,15 @@ class HeldGrips:
 
     @property
     def coordinates(self) -> int:
-        """Mean coordinates of each averaged grip."""
+        """Mean coordinates of each averaged attachment."""
         return max((k.means.size for k in self.kinds if k.means is not None), default=0)
 
     def number(self, point: Point) -> int:
-        """Of the grip of a point."""
+        """Of the attachment of a point."""
         return self._numbers[_known(point)]
 
     def locate(self, H: Array) -> tuple[Array, Array]:
-        """Frames (g, 4, 3), and the twist of its grip by the motion of each entry, (e, 6, 6)."""
+        """Frames (g, 4, 3), and Jacobian of the attachment of each entry, (e, 6, 6)."""
         frames: list[Array] = [np.empty((0, 4, 3))]
         moves: list[Array] = [np.empty((0, 6, 6))]
         for sort in self._sorts:
@@ -116,7 +125,7 @@ class HeldGrips:
     def bend(self, H: Array, forces: Array) -> Array:
         """Derivative of what ``forces`` (g, 6) are on the leaders, for each of ``rows``, (p, 6, 6).
 
-        The forces are constant in the frames of the grips.
+        The forces are constant in the frames of the attachments.
         """
         blocks: list[Array] = [np.empty((0, 6, 6))]
         first = 0
@@ -134,12 +143,12 @@ class HeldGrips:
         return np.concatenate(blocks)
 
     def spread(self, H: Array) -> Array:
-        """Rates of mean coordinates by motions of entries of averaged grips, (e, r, 6)."""
+        """Rates of mean coordinates by motions of entries of averaged attachments, (e, r, 6)."""
         found = [sort.spread(H) for sort in self._sorts if sort.averaged]
         return np.concatenate(found) if found else np.empty((0, 0, 6))
 
     def cores(self, H: Array, forces: Array) -> tuple[Array, Array]:
-        """``L`` and ``C`` of averaged grips, (w, 6, r) and (w, r, r), for forces on all, (g, 6)."""
+        """``L`` (w, 6, r), ``C`` (w, r, r) of averaging attachments, for forces (g, 6) on all."""
         of_means, of_forces, first = [], [], 0
         for sort in self._sorts:
             own = forces[first : first + len(sort.data)]
@@ -152,32 +161,34 @@ class HeldGrips:
         return np.concatenate(of_means), np.concatenate(of_forces)
 
     def changes(self, H: Array, v: Array) -> Array:
-        """How twists of grips change at constant twists ``v`` of the nodes, shape (g, 6)."""
+        """How twists of attachments change at constant twists ``v`` of the nodes, shape (g, 6)."""
         found: list[Array] = [np.empty((0, 6))]
         for sort in self._sorts:
             h = np.einsum("gkij,gkj->gki", sort.turns, v[sort.leaders])
             found.append(changes(sort.kind, sort.nodes(H), sort.data, h))
         return np.concatenate(found)
 
-    def nearest(self, grip: int, place: Array) -> tuple[int, Array]:
-        """Leader of a grip that is nearest to a place at the start, and the place in its frame."""
-        leaders = self.nodes[self.of == grip]
+    def nearest(self, attachment: int, place: Array) -> tuple[int, Array]:
+        """Node of an attachment nearest to a point at the start, and the point in its frame."""
+        leaders = self.nodes[self.of == attachment]
         away = place - self._frames[leaders, 0]
         k = int(np.linalg.norm(away, axis=1).argmin())
         return int(leaders[k]), np.asarray(self._frames[leaders[k], 1:] @ away[k])
 
 
-def _known(point: Point) -> tuple[Body, Grip]:
-    grip = point.joint_grip
-    assert point.body is not None and grip is not None
-    return point.body, grip
+def _known(point: Point) -> tuple[Body, AttachmentFrame]:
+    attachment = point.joint_attachment
+    assert point.body is not None and attachment is not None
+    return point.body, attachment
 
 
-def _alike(kind: GripKind, keys: Sequence[tuple[Body, Grip]], numbering: Numbering) -> _Alike:
-    attachment = numbering.attachment
-    nodes = np.array([numbering.nodes[body][list(grip.nodes)] for body, grip in keys])
-    data = np.array([grip.data for _, grip in keys], dtype=np.float64)
-    offsets = attachment.offset[nodes]
+def _alike(
+    kind: AttachmentKind, keys: Sequence[tuple[Body, AttachmentFrame]], numbering: Numbering
+) -> _Alike:
+    follows = numbering.attachment
+    nodes = np.array([numbering.nodes[body][list(attachment.nodes)] for body, attachment in keys])
+    data = np.array([attachment.data for _, attachment in keys], dtype=np.float64)
+    offsets = follows.offset[nodes]
     turns = lie.se3_adjoint(lie.se3_inverse(offsets))
-    lead = bool(np.isin(nodes, attachment.leaders).all())
-    return _Alike(kind, attachment.leader[nodes], offsets, turns, data, lead)
+    lead = bool(np.isin(nodes, follows.leaders).all())
+    return _Alike(kind, follows.leader[nodes], offsets, turns, data, lead)

@@ -1,13 +1,13 @@
-"""A place on a surface of places, slopes and mixed derivatives, as joints see it.
+"""Attachment frame at a point of a surface with position-gradient coordinates.
 
-The place and its derivatives along the two parameters are sums over the rows of nodes,
-``x = Σ c₀ row``, ``r₁ = Σ c₁ row``, ``r₂ = Σ c₂ row``. The frame's first axis is along ``r₁``, its
-third the normal. With ``r₁ = s d₁``, ``r₂ = p d₁ + q d₂`` and the rates ``a``, ``b`` of both along
-these axes it turns by::
+The position and its derivatives along the two surface parameters are linear combinations of the
+nodal coordinate vectors ``q``: ``x = Σ c₀ q``, ``r₁ = Σ c₁ q``, ``r₂ = Σ c₂ q``. The first axis of
+the frame is along ``r₁``; the third is the normal. With ``r₁ = s d₁``, ``r₂ = p d₁ + q d₂`` and the
+rates ``a``, ``b`` of ``r₁``, ``r₂`` along these axes, the angular velocity is::
 
     ω = (b₃/q − a₃ p/(s q), −a₃/s, a₂/s)
 
-so that moments are forces on ``r₁`` and ``r₂``: ``(0, f₆, −f₅ − f₄ p/q)/s`` and ``(0, 0, f₄/q)``.
+Moments are therefore forces on ``r₁`` and ``r₂``: ``(0, f₆, −f₅ − f₄ p/q)/s`` and ``(0, 0, f₄/q)``.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
-from fem_lie.grips.grip import Grip, GripKind
+from fem_lie.attachments.attachment import AttachmentFrame, AttachmentKind
 from fem_lie.lie.kinds import CROSSING, SURFACE, axes
 from fem_lie.lie.tuples import store
 
-# the first half of the nodes are places with slopes, the others what belongs to them
+# the first half of the nodes have position and r₁, the other half r₂ and the mixed derivative
 
 
 @compiled
@@ -32,7 +32,7 @@ def _row(i: int, half: int, nodes: int) -> int:
 
 @compiled
 def _frame(X: Array, c: Array, H: Array, Q: Array) -> tuple[float, float, float]:
-    """Sets the frame and ``Qᵢ``, its axes times those of the nodes; returns ``s, p, q``."""
+    """Set the frame and ``Qᵢ``, its axes times those of the nodes; return ``s, p, q``."""
     k, first, second = X.shape[0], np.zeros(3), np.zeros(3)
     H[:] = 0.0
     for i in range(k):
@@ -56,7 +56,7 @@ def _frame(X: Array, c: Array, H: Array, Q: Array) -> tuple[float, float, float]
 
 @compiled
 def locate_surface(X: Array, data: Array, H: Array, J: Array) -> None:
-    """See :class:`~fem_lie.grips.grip.GripKind`."""
+    """Frame and Jacobian, see :class:`~fem_lie.attachments.attachment.AttachmentKind`."""
     k = X.shape[0]
     c, Q = data.reshape((k, 2, 3)), np.empty((k, 3, 3))
     s, p, q = _frame(X, c, H, Q)
@@ -72,7 +72,7 @@ def locate_surface(X: Array, data: Array, H: Array, J: Array) -> None:
 
 @compiled
 def bend_surface(X: Array, data: Array, f: Array, K: Array) -> None:
-    """The frame turns with the force, and ``s``, ``p``, ``q`` change; axes of nodes stay."""
+    """Geometric stiffness: by the rotation of the frame and by ``s``, ``p``, ``q``."""
     k = X.shape[0]
     c, Q, H = data.reshape((k, 2, 3)), np.empty((k, 3, 3)), np.empty((4, 3))
     s, p, q = _frame(X, c, H, Q)
@@ -98,14 +98,15 @@ def bend_surface(X: Array, data: Array, f: Array, K: Array) -> None:
                         K[i, 3 * other : 3 * other + 3, j, 3 * half + m] = Q[i].T @ dg
 
 
-ON_SURFACE = GripKind(locate_surface, bend_surface, summed=True, turns=True)
+ON_SURFACE = AttachmentKind(locate_surface, bend_surface, summed=True, turns=True)
 
 
-def on_surface(nodes: Sequence[int], shares: Array) -> Grip:
-    """A place between nodes, those with places first.
+def on_surface(nodes: Sequence[int], shares: Array) -> AttachmentFrame:
+    """Frame at a point of a surface between nodes.
 
     Args:
-        nodes: SURFACE nodes, then as many CROSSING ones.
-        shares: Of their two straight rows in the place and its two derivatives, shape (k, 2, 3).
+        nodes: Surface-gradient nodes, then as many mixed-derivative nodes.
+        shares: Coefficients of the two coordinate vectors of each node in the position and its two
+            derivatives, shape (k, 2, 3).
     """
-    return Grip(ON_SURFACE, tuple(map(int, nodes)), tuple(map(float, shares.ravel())))
+    return AttachmentFrame(ON_SURFACE, tuple(map(int, nodes)), tuple(map(float, shares.ravel())))
