@@ -1,5 +1,5 @@
 # Every target sets the environment up first, where that is still to be done.
-.PHONY: help set-up environment demo test lint bench docs clean-environment
+.PHONY: help set-up environment demo test lint bench docs notebooks clean-environment
 
 # These take an hour or more, or want another version beside this one.
 STUDIES = compile everyday in_turns peers random_conserving random_scenes
@@ -10,6 +10,7 @@ help:
 	@echo 'make lint               ruff and mypy'
 	@echo 'make bench              the benchmarks, but for long studies'
 	@echo 'make docs               the documentation site, results/site/index.html'
+	@echo 'make notebooks          six lessons in JupyterLab (ARGS="--no-browser")'
 	@echo 'make clean-environment  remove the private Debian root and all else in its cache folder'
 	@echo 'tools/run CMD...        run any command in the environment'
 
@@ -33,6 +34,9 @@ bench: environment
 
 docs:
 	tools/docs
+
+notebooks:
+	tools/notebooks $(ARGS)
 
 clean-environment:
 	tools/setup --remove

@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Shared by tools/setup, tools/run and tools/lint: where things lie and which way was chosen.
+# Shared by tools/setup, tools/run, tools/lint, tools/docs and tools/notebooks: where things lie and which way was chosen.
 
 readonly SUITE=trixie   # Debian release of the private root: the first with DOLFINx 0.9
 readonly LAYOUT=1       # count up when the same package list has to make a new private root
@@ -73,4 +73,23 @@ take_lock() {
     [[ ! $cache/lock -ef /proc/self/fd/$lock ]] || return 0
     exec {lock}>&-
   done
+}
+
+# Installs the packages of the requirements file $2 by pip, once, into a virtual environment of the
+# cache that sees the environment's own packages. Sets `folder` to it; $1 is what it is for.
+virtual_environment() {
+  local list
+  list=$({ cat "$2" && echo "$key"; } | sha256sum)
+  folder=$cache/$1-${list:0:12}
+  [[ ! -e $folder/complete ]] || return 0
+  take_lock
+  if [[ ! -e $folder/complete ]]; then
+    say "installing $1 into $folder (once)"
+    rm --recursive --force "$folder"
+    "$tools/run" python3 -m venv --system-site-packages "$folder"
+    PIP_ROOT_USER_ACTION=ignore "$tools/run" "$folder/bin/python" -m pip install --quiet --requirement "$2" ||
+      die "pip could not install $1; give it an index to reach (pip config)"
+    : >"$folder/complete"
+  fi
+  exec {lock}>&-
 }

@@ -1,0 +1,52 @@
+"""What holds for all pages: links of the README, size, alternative texts of pictures."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+if sys.version_info >= (3, 11):
+    import tomllib
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+MOST_WORDS = 35_000
+LINK = re.compile(r"!?\[([^\]]*)\]\(([^)\s]+)\)")
+PICTURE = re.compile(r"!\[([^\]]*)\]\([^)\s]+\)")
+MADE = "gallery", "lessons", "reference", "scenes", "_pages"
+"""Folders whose pages are made with the site."""
+
+PAGES = sorted(
+    page
+    for page in [*DOCS.rglob("*.md"), ROOT / "README.md"]
+    if page.relative_to(ROOT).parts[1:2] == () or page.relative_to(DOCS).parts[0] not in MADE
+)
+
+
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="no tomllib")
+def test_links_of_the_readme_work_outside_of_the_repository():
+    """PyPI shows the README: all links are absolute, and lead to files that exist."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    address = project["urls"]["Repository"]
+    raw = address.replace("https://github.com", "https://raw.githubusercontent.com")
+    starts = re.compile(rf"(?:{re.escape(address)}/(?:blob|tree)|{re.escape(raw)})/main/([^#]*)")
+    links = [link for _, link in LINK.findall((ROOT / "README.md").read_text(encoding="utf-8"))]
+    assert links
+    for link in links:
+        match = starts.match(link)
+        assert match, f"{link}: expected an absolute address of {address}"
+        assert (ROOT / match.group(1)).exists(), f"{link}: no such file"
+
+
+def test_pages_for_users_are_short():
+    """The appendix of measurements does not count."""
+    kept = [page for page in PAGES if DOCS in page.parents and "measured" not in page.parts]
+    words = sum(len(page.read_text(encoding="utf-8").split()) for page in kept)
+    assert words <= MOST_WORDS
+
+
+@pytest.mark.parametrize("page", [pytest.param(p, id=str(p.relative_to(ROOT))) for p in PAGES])
+def test_pictures_have_alternative_texts(page):
+    texts = PICTURE.findall(page.read_text(encoding="utf-8"))
+    assert all(len(text.split()) >= 3 for text in texts), texts

@@ -1,0 +1,80 @@
+"""Docstrings of classes as the reference shows them: parameters first, examples last."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Sequence
+from dataclasses import is_dataclass
+from typing import Any
+
+SECTION = re.compile(r"^(Args|Attributes|Example|Examples|Note|Raises|Returns):\s*$")
+ENTRY = re.compile(r"^ {4}(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: \([^)]*\))?:")
+
+
+def sections(lines: Sequence[str]) -> list[list[str]]:
+    """Divide a docstring of Google style: each part begins with its heading.
+
+    Args:
+        lines: Lines of the docstring without common indentation.
+
+    Returns:
+        The parts in their order; text that belongs to no section has no heading.
+    """
+    parts: list[list[str]] = [[]]
+    inside = False
+    for line in lines:
+        begins = SECTION.match(line) is not None
+        ends = inside and line != "" and not line.startswith(" ")
+        if begins or ends:
+            parts.append([])
+        inside = begins or (inside and not ends)
+        parts[-1].append(line)
+    return [part for part in parts if part]
+
+
+def entries(lines: Sequence[str]) -> set[str]:
+    """Names that an ``Args`` or ``Attributes`` section documents."""
+    found: set[str] = set()
+    for line in lines:
+        if match := ENTRY.match(line):
+            found.update(name.lstrip("*") for name in match.group(1).split(", "))
+    return found
+
+
+def documented(docstring: str | None) -> set[str]:
+    """Names of all parameters and attributes that a docstring documents.
+
+    Args:
+        docstring: A docstring of Google style, or ``None``.
+    """
+    parts = sections(inspect.cleandoc(docstring or "").splitlines())
+    fitting = [part for part in parts if part[0].rstrip() in ("Args:", "Attributes:")]
+    return {name for part in fitting for name in entries(part)}
+
+
+def process(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
+    """Rearrange the docstring of a class, for Sphinx's ``autodoc-process-docstring``.
+
+    Fields of a data class are the parameters of its constructor, so they are shown as such.
+
+    Args:
+        app: The Sphinx application.
+        what: Kind of the object, such as ``"class"``.
+        name: Full name of the object.
+        obj: The object.
+        options: Options of the directive.
+        lines: Lines of the docstring, changed in place.
+    """
+    del app, name, options
+    if what != "class":
+        return
+    parts = sections(lines)
+    if is_dataclass(obj):
+        arguments = inspect.signature(obj).parameters
+        for part in parts:
+            if part[0].startswith("Attributes:") and entries(part) <= set(arguments):
+                part[0] = "Args:"
+    examples = [part for part in parts if part[0].startswith("Example")]
+    others = [part for part in parts if not part[0].startswith("Example")]
+    lines[:] = [line for part in others + examples for line in [*part, ""]]
