@@ -1,4 +1,4 @@
-"""What each choice of a scene saves, and what it costs in error: the table of docs/measured/choices.md.
+"""What each choice of matrix terms saves and costs: the table of docs/measured/choices.md.
 
 Every row runs the same scene with one thing chosen otherwise. The error is that of the position of
 one point at the end, over the length of the scene, against the same model with a step ten times

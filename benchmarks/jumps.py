@@ -1,4 +1,4 @@
-"""Errors where a load or the acceleration of a drive jumps: the table of docs/measured/time_error.md.
+"""Errors after jumps of a load or of a drive: the table of docs/measured/time_error.md.
 
     python3 -m benchmarks.jumps
 

@@ -1,4 +1,4 @@
-"""Whether statics arrives whatever the levels that are wanted: a table of docs/measured/decisions.md.
+"""Whether statics reaches any requested load levels: a table of docs/measured/decisions.md.
 
     python3 -m benchmarks.levels [sets of levels] [problem ...]
 

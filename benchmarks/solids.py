@@ -1,4 +1,4 @@
-"""What solids cost in time, and what axes that follow them save, as the tables of docs/measured/solids.md.
+"""Cost of solids, and savings by co-rotated nodal axes: the tables of docs/measured/solids.md.
 
     python3 -m benchmarks.solids tumbling [--steps 10000]
     python3 -m benchmarks.solids residual

@@ -12,9 +12,9 @@ with each joint, and with each load. A combination
   frames or joint forces that differ by more than :data:`TOLERANCES`, joints that are violated by
   more than :data:`VIOLATED`, or energy that is not accounted for within :data:`BALANCED`.
 
-A run that was interrupted is continued from the file of results. ``--write`` replaces the tables in
-docs/measured/what_works.md. ``--short`` runs a short list alone: all bodies, all joints of a beam and of a
-rigid body, and loads at the end of nine bodies with and without a history and damping.
+An interrupted run continues from the file of results. ``--write`` replaces the tables in
+docs/measured/what_works.md. ``--short`` runs a short list only: all bodies, all joints of a beam
+and of a rigid body, and loads at the end of nine bodies with and without a history and damping.
 """
 
 from __future__ import annotations

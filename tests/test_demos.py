@@ -289,7 +289,7 @@ def test_rotating_beam():
 
 
 def test_speed_against_error(tmp_path):
-    """Slopes are those of the theory; fewer resolutions than in docs/measured/speed_against_error.csv."""
+    """Orders are those of the theory; docs/measured/speed_against_error.csv has more meshes."""
     record = study("speed_against_error", coarsest=8, finest=64, smallest_step=1.25e-4, repeats=1)
     for key, expected in record.items():
         if key.startswith("expected_order_"):

@@ -134,7 +134,7 @@ def package_of(module):
 
 
 def imports_of(module):
-    """Modules of ``fem_lie`` that a module imports, within functions and for type hints included."""
+    """Modules of ``fem_lie`` that a module imports, also within functions and for type hints."""
     found = set()
     for node in ast.walk(ast.parse(MODULES[module].read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
@@ -202,7 +202,8 @@ def test_no_circle_of_packages():
     packages = {package: set() for package in MAY_IMPORT}
     for module, others in IMPORTS.items():
         if module and package_of(module) not in COMMON:
-            packages[package_of(module)] |= {package_of(other) for other in others} - {package_of(module)}
+            own = package_of(module)
+            packages[own] |= {package_of(other) for other in others} - {own}
     try:
         TopologicalSorter(packages).prepare()
     except CycleError as error:

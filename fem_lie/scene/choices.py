@@ -58,4 +58,7 @@ class Choices:
 
 
 SPIN_PER_STEP = 0.01
-"""Turn in a step, rad, from which gyroscopic terms count in the matrix (docs/measured/choices.md)."""
+"""Rotation per step, rad, above which gyroscopic terms are in the matrix.
+
+Measured in docs/measured/choices.md.
+"""

@@ -6,8 +6,9 @@ Curvatures of bicubics are best, by an order, where Gauss' rule of two by two po
 Zienkiewicz & J. Z. Zhu, IJNME 33 (1992) 1331). To these values in a cell and in those that share a
 point with it a polynomial of second degree in the tangent plane is fitted, the nearer the closer:
 else errors seem much too large where curvatures change within few cells. How much nearer was chosen
-by one problem, see docs/measured/adaptivity.md. Components belong to the sections' axes, which move with the
-shell, so states may be turned at will; of neighbours they are turned to one frame first.
+by one problem, see docs/measured/adaptivity.md. Components belong to the sections' axes, which
+move with the shell, so states may be rotated at will; those of neighbours are rotated to one frame
+first.
 """
 
 from __future__ import annotations
