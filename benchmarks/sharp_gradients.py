@@ -28,7 +28,7 @@ from demos import adaptive_splines
 from demos.adaptive_splines import EDGES, SECTION, square
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
-from fem_lie.elements.thin_shells import hermite
+from fem_lie.mesh.bicubic import hermite
 
 AMPLITUDE, POINTS = 1e-6, 8
 STIFFNESS = SECTION.stiffness[3:6, 3:6]

@@ -18,25 +18,20 @@ from fem_lie.adapt.loop import Adapted, adapt
 from fem_lie.adapt.point_displacement import PointDisplacement
 from fem_lie.adapt.refinement import refine
 from fem_lie.adapt.space_error import SpaceError, space_error
-from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.beams.beam import Beam
-from fem_lie.bodies.beams.orientation import Twisted
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.cells.element_body import ElementBody
 from fem_lie.bodies.gradients.ancf_beam import AncfBeam
 from fem_lie.bodies.gradients.ancf_shell import AncfShell
 from fem_lie.bodies.points import ground
 from fem_lie.bodies.reduced.reduced_body import ReducedBody
-from fem_lie.bodies.rigid import RigidBody, gram_from_rigid
+from fem_lie.bodies.rigid import RigidBody
 from fem_lie.bodies.rods.cable import Cable
 from fem_lie.bodies.rods.net import Net
 from fem_lie.bodies.rods.rod import Rod
 from fem_lie.bodies.rods.spline import SplineCable
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.solids.solid import Solid
-from fem_lie.bodies.thin_shells.hierarchy import SplineMesh, spline_mesh
-from fem_lie.bodies.thin_shells.patch import SmoothPatch, bspline_patch, smooth_patch, spline_patch
-from fem_lie.bodies.thin_shells.seams import Seam
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.convex.polyhedron import ConvexPolyhedron
@@ -74,15 +69,6 @@ from fem_lie.elements.shells.measures import (
     StrainMeasures,
 )
 from fem_lie.elements.solids.element import Isoparametric, MeanDilatation, SolidFormulation
-from fem_lie.elements.solids.materials import (
-    Hyperelastic,
-    NeoHooke,
-    SaintVenantKirchhoff,
-    SolidMaterial,
-    det_minus_one,
-    expm1,
-    log1p,
-)
 from fem_lie.elements.thin_shells.bicubic import BicubicHermite
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
@@ -112,8 +98,12 @@ from fem_lie.joints import (
     Universal,
 )
 from fem_lie.joints.histories import Jumps, Table
+from fem_lie.joints.redundant import Redundant
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.direct import ConvergenceError
+from fem_lie.mesh.bicubic.patch_coupling import Seam
+from fem_lie.mesh.bicubic.smooth_patch import SmoothPatch, bspline_patch, smooth_patch, spline_patch
+from fem_lie.mesh.bicubic.spline_mesh import SplineMesh, spline_mesh
 from fem_lie.mesh.curves import Spline, curve, polyline, straight
 from fem_lie.mesh.gmsh_cells import read_curve
 from fem_lie.mesh.gmsh_session import run_gmsh_script
@@ -153,7 +143,7 @@ from fem_lie.results.stresses.shell_resultants import (
 from fem_lie.results.stresses.solid_stress import SolidStresses, solid_stresses
 from fem_lie.results.stresses.thin_resultants import ThinResultants, thin_resultants
 from fem_lie.results.vibrations import Modes
-from fem_lie.scene.choices import Choices, Redundant
+from fem_lie.scene.choices import Choices
 from fem_lie.scene.nodal_loads import LineLoad, PointLoad
 from fem_lie.scene.pressure_loads import PressureLoad, SurfacePressure
 from fem_lie.scene.scene import Scene
@@ -161,12 +151,22 @@ from fem_lie.scene.solid_loads import BulkLoad, FaceLoad, FacePressure
 from fem_lie.scene.strain_loads import Eigenstrain, PreStress, Temperature
 from fem_lie.scene.supports import Clamp, PrescribedMotion
 from fem_lie.scene.surface_loads import AreaLoad, EdgeLoad, MassLoad, VolumeLoad
-from fem_lie.sections.material import Material
-from fem_lie.sections.properties import SectionProperties
+from fem_lie.sections.material import Damping, Material
+from fem_lie.sections.orientation import Twisted
+from fem_lie.sections.properties import SectionProperties, gram_from_rigid
 from fem_lie.sections.section import Section
 from fem_lie.sections.section_mesh import SectionMesh
 from fem_lie.sections.shape import SectionShape
 from fem_lie.sections.shell_section import Orthotropic, Ply, ShellSection
+from fem_lie.sections.solid_materials import (
+    Hyperelastic,
+    NeoHooke,
+    SaintVenantKirchhoff,
+    SolidMaterial,
+    det_minus_one,
+    expm1,
+    log1p,
+)
 from fem_lie.sections.warping import Warping
 from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
 from fem_lie.solve.alpha.options import Components, Index

@@ -8,8 +8,8 @@ import pytest
 import fem_lie as fl
 from benchmarks import sharp_gradients as sharp
 from fem_lie import lie
-from fem_lie.elements.thin_shells import hermite
 from fem_lie.elements.thin_shells.pressure import ThinPushes
+from fem_lie.mesh.bicubic import hermite
 from tests.body_alone import BodyAlone
 
 STEEL = fl.Material(1e3, 0.3, 2.0)

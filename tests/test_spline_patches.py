@@ -9,7 +9,7 @@ import pytest
 from scipy.interpolate import BSpline
 
 import fem_lie as fl
-from fem_lie.elements.thin_shells import hermite
+from fem_lie.mesh.bicubic import hermite
 
 SECTION = fl.ShellSection.layer(0.01, fl.Material(1e7, 0.3, 1e3))
 A = np.array([0, 0, 0, 0, 0.3, 0.3, 1, 1, 1, 1.0])

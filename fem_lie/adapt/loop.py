@@ -33,10 +33,10 @@ from fem_lie.adapt.refinement import Onto, Refinable, Sizes, check_refinable, or
 from fem_lie.adapt.space_error import SpaceError, space_error
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
-from fem_lie.bodies.thin_shells.hierarchy import SplineMesh
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.lie.kinds import TRAITS, NodeKind
 from fem_lie.linear.direct import ConvergenceError
+from fem_lie.mesh.bicubic.spline_mesh import SplineMesh
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.surfaces import SurfaceMesh
 from fem_lie.results.equilibrium import StaticResult

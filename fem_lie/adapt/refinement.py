@@ -14,8 +14,8 @@ from fem_lie._arrays import Array, Indices, indices_of, instance, vector
 from fem_lie.adapt.estimates.estimate import Estimated
 from fem_lie.adapt.quadrilaterals import cut_quadrilaterals
 from fem_lie.bodies.beams.beam import Beam
-from fem_lie.bodies.thin_shells.hierarchy import SplineMesh
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
+from fem_lie.mesh.bicubic.spline_mesh import SplineMesh
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.shapes import cell_normals
 from fem_lie.mesh.surfaces import SurfaceMesh

@@ -28,7 +28,7 @@ from fem_lie.adapt.estimates.recovery import Recovery
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
-from fem_lie.elements.thin_shells import hermite
+from fem_lie.mesh.bicubic import hermite
 from fem_lie.pictures.bodies import DrawnSurface, draw_values
 from fem_lie.pictures.diagrams import COLOURS, figure_of_rows, saved
 from fem_lie.pictures.stage import SI, Canvas, Units, target_of

@@ -17,9 +17,10 @@ from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.laws.law import Impact
 from fem_lie.joints import Connection, Drive, Joint, RigidLink
+from fem_lie.joints.redundant import Redundant
 from fem_lie.pictures.bodies import draw
 from fem_lie.pictures.stage import SI, Canvas, Units
-from fem_lie.scene.choices import Choices, Redundant
+from fem_lie.scene.choices import Choices
 from fem_lie.scene.held_rotations import Holding, held_by, held_in
 from fem_lie.scene.load import Load
 from fem_lie.scene.supports import Clamp, PrescribedMotion

@@ -1,10 +1,12 @@
-"""Materials of sections."""
+"""Isotropic elastic materials, and linear damping."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fem_lie._arrays import instance, number, positive, positive_or_zero
+import numpy as np
+
+from fem_lie._arrays import Array, instance, number, numbers, positive, positive_or_zero
 
 
 @dataclass(frozen=True)
@@ -39,3 +41,40 @@ class Material:
 def require_material(value: object) -> None:
     """Raise ``TypeError`` if it is no isotropic material."""
     instance(value, Material, "material", "a Material(E, nu, density)")
+
+
+@dataclass(frozen=True)
+class Damping:
+    """Linear damping of a beam; Rayleigh's is both parts.
+
+    Attributes:
+        mass: Force per momentum, 1/time: it opposes the motion in space, of low modes above all.
+        stiffness: Kelvin and Voigt: stress per strain rate over stress per strain, a time; one for
+            all strains, or six for (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃). Rigid motion is not damped.
+
+    Raises:
+        ValueError: A number is negative or not finite.
+    """
+
+    mass: float = 0.0
+    stiffness: float | tuple[float, ...] = 0.0
+
+    def __post_init__(self) -> None:
+        factors = self.factors()
+        number(self.mass, "mass damping")
+        if factors.shape != (6,) or not (np.isfinite(factors) & (factors >= 0)).all():
+            raise ValueError(
+                f"stiffness damping must be one or six times ≥ 0, got {self.stiffness!r}"
+            )
+        if not 0.0 <= self.mass < np.inf:
+            raise ValueError(f"mass damping must be a rate ≥ 0, got {self.mass!r}")
+
+    def factors(self) -> Array:
+        """Stiffness damping of each strain, shape (6,)."""
+        given = numbers(self.stiffness, "stiffness damping")
+        return np.full(6, given) if given.ndim == 0 else given
+
+    def viscosity(self, stiffness: Array) -> Array:
+        """Stress per strain rate, ``√(τᵢ τⱼ) D_ij``, shape (m, 6, 6)."""
+        root = np.sqrt(self.factors())
+        return np.asarray(stiffness * np.outer(root, root))

@@ -1,4 +1,4 @@
-"""Area, moments and torsion constant of beam sections, by closed forms and by integrals.
+"""Area, moments and torsion constant of beam sections; mass matrix of rigid ones.
 
 Properties of sections of which they are known in closed form, about their centroid.
 
@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 from math import cos, exp, pi, sin, sqrt
 
 import numpy as np
+import numpy.typing as npt
 
-from fem_lie._arrays import Array, positive
+from fem_lie._arrays import Array, numbers, positive
 from fem_lie.sections.material import Material, require_material
 
 _ROUNDING = 1e-13
@@ -221,3 +222,49 @@ def rectangle_torsion_constant(width: float, height: float) -> float:
     rest = sum(2.0 / (n**5 * (1.0 + exp(min(n * pi * a / b, 700.0)))) for n in range(1, 15, 2))
     series = 31.0 / 32.0 * _ZETA_5 - rest
     return a * b**3 / 3.0 * (1.0 - 192.0 * b / (pi**5 * a) * series)
+
+
+def gram_from_rigid(
+    mass: float, inertia: npt.ArrayLike, centre: npt.ArrayLike = (0.0, 0.0, 0.0)
+) -> Array:
+    """Gram matrix of (x, d₁, d₂, d₃) of a rigid body, or of a section (then all per length).
+
+    ``G_xx = m``, ``G_xk = m c_k``, ``G_kl = ½ tr(J) δ_kl − J_kl + m c_k c_l``, the second moments
+    of the mass distribution about the frame's origin.
+
+    Args:
+        mass: Mass.
+        inertia: Inertia tensor J about the centre of mass, in the body's axes, shape (3, 3), or its
+            diagonal, shape (3,).
+        centre: Centre of mass c relative to the frame's origin, in the body's axes.
+
+    Returns:
+        Symmetric positive semidefinite matrix, shape (4, 4).
+
+    Raises:
+        ValueError: The mass is not positive, or J is not symmetric positive definite, or one
+            principal value exceeds the sum of the others: no body has such a tensor.
+    """
+    J = numbers(inertia, "inertia")
+    J = np.diag(J) if J.shape == (3,) else J
+    c = numbers(centre, "centre")
+    positive(mass, "mass")
+    if c.shape != (3,) or not np.isfinite(c).all():
+        raise ValueError(f"centre must be 3 finite numbers, got {centre!r}")
+    if J.shape != (3, 3) or not np.isfinite(J).all() or np.abs(J - J.T).max() > 1e-8 * J.max():
+        raise ValueError(f"inertia must be a symmetric 3×3 tensor, got\n{inertia!r}")
+    principal = np.linalg.eigvalsh(J)
+    if principal[0] <= 0.0 or principal[2] > (principal[0] + principal[1]) * (1.0 + 1e-9):
+        raise ValueError(
+            "inertia must have positive principal values, none greater than the sum of the others, "
+            f"got {principal}"
+        )
+    G = np.empty((4, 4))
+    G[0, 0] = mass
+    G[0, 1:] = G[1:, 0] = mass * c
+    E = 0.5 * np.trace(J) * np.eye(3) - 0.5 * (J + J.T)
+    own, axes = np.linalg.eigh(E)
+    if own[0] < 0.0:  # that of a flat section is zero along its normal, or round-off
+        E = axes @ np.diag(own.clip(0.0)) @ axes.T
+    G[1:, 1:] = E + mass * np.outer(c, c)
+    return G

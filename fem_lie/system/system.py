@@ -15,10 +15,10 @@ import logging
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.joints.redundant import Redundant
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.redundancy import redundant_constraints
 from fem_lie.scene import Scene
-from fem_lie.scene.choices import Redundant
 from fem_lie.system.constraints import Connections
 from fem_lie.system.describe import refuse
 from fem_lie.system.instant import Forces, FrameRows, Instant, Plan

@@ -14,7 +14,6 @@ from fem_lie.adapt.estimates.cut import Cut, Patches, areas_of, on_all_nodes, sh
 from fem_lie.adapt.estimates.estimate import ElementErrors, ErrorEstimate, Way
 from fem_lie.adapt.estimates.residual import along_the_line
 from fem_lie.bodies.beams.beam import Beam
-from fem_lie.bodies.beams.orientation import middle_frames
 from fem_lie.bodies.shells.placing import frames_with
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.mesh.shapes import tabulated
@@ -26,6 +25,7 @@ from fem_lie.results.stresses.nodal_values import extrapolation, unit
 from fem_lie.results.stresses.section_forces import SectionForces, section_forces
 from fem_lie.results.stresses.shell_stress import ShellStress, integration
 from fem_lie.scene import Scene
+from fem_lie.sections.orientation import middle_frames
 
 _FIVE = 5
 _STEP = 1e-6  # in differences, of the model and in rad

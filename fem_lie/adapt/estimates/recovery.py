@@ -26,7 +26,7 @@ from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.thin_shells.assembly import MEMBRANE_AND_BENDING, ThinShellAssembly
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
-from fem_lie.elements.thin_shells import hermite
+from fem_lie.mesh.bicubic import hermite
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.states import nodes_in

@@ -10,16 +10,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, flag, instance
-from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.beams.line_body import LineBody, Placed
-from fem_lie.bodies.beams.orientation import (
-    Chains,
-    Twisted,
-    Up,
-    cell_frames,
-    middle_frames,
-    shared_nodes,
-)
 from fem_lie.bodies.beams.sectioned import (
     Sections,
     log_open_profiles,
@@ -34,6 +25,15 @@ from fem_lie.lie.kinds import NodeKind
 from fem_lie.mesh.curves import curve, polyline, straight
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.reading import line_of
+from fem_lie.sections.material import Damping
+from fem_lie.sections.orientation import (
+    Chains,
+    Twisted,
+    Up,
+    cell_frames,
+    middle_frames,
+    shared_nodes,
+)
 from fem_lie.sections.section import Section
 
 if TYPE_CHECKING:

@@ -9,13 +9,14 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices, log_coincident
 from fem_lie.attachments.attachment import AttachmentFrame
-from fem_lie.bodies.beams.assembly import BeamAssembly, Damping, weighted_elements
+from fem_lie.bodies.beams.assembly import BeamAssembly, weighted_elements
 from fem_lie.bodies.beams.sectioned import Sectioned, outline_of
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.forms.assembly import Assembly
 from fem_lie.lie.kinds import NodeKind
 from fem_lie.mesh.lines import LineMesh
+from fem_lie.sections.material import Damping
 from fem_lie.sections.section import Section
 
 

@@ -8,11 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, instance, number, text
-from fem_lie.bodies.beams.orientation import Chains
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.closest import AT_NODE, closest_on_lines
 from fem_lie.bodies.per_cell import of_groups
 from fem_lie.mesh.lines import LineMesh
+from fem_lie.sections.orientation import Chains
 from fem_lie.sections.section import Section
 
 _log = logging.getLogger(__name__)

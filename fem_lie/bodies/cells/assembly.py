@@ -8,7 +8,6 @@ from typing import Protocol
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.forms.assembly import NodalInertia
 from fem_lie.forms.small_energy.assembly import (
     CellFunctions,
@@ -16,6 +15,7 @@ from fem_lie.forms.small_energy.assembly import (
     ViscousElementAssembly,
 )
 from fem_lie.forms.small_energy.element import Element
+from fem_lie.sections.material import Damping
 
 
 class ElementCells(Protocol):

@@ -12,7 +12,6 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, Indices, instance, numbers
 from fem_lie.attachments.at_nodes import along_tangent
 from fem_lie.attachments.attachment import AttachmentFrame
-from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.cells.assembly import assemble_cells
 from fem_lie.bodies.points import require_point
@@ -20,6 +19,7 @@ from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.small_energy.assembly import CellFunctions
 from fem_lie.forms.small_energy.element import Element
 from fem_lie.lie.kinds import TRAITS, NodeKind
+from fem_lie.sections.material import Damping
 
 _NO_POINTS: Mapping[str, int] = MappingProxyType({})
 

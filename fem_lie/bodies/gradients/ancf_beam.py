@@ -10,8 +10,6 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices, instance, positive
-from fem_lie.bodies.beams.assembly import Damping
-from fem_lie.bodies.beams.orientation import Chains, Twisted, Up, cell_frames, shared_nodes
 from fem_lie.bodies.beams.sectioned import Sections, outline_of, section_per_cell
 from fem_lie.bodies.body import NO_HOLDS, Holds, Point
 from fem_lie.bodies.cells.assembly import assemble_cells
@@ -24,6 +22,8 @@ from fem_lie.forms.assembly import BodyTerm
 from fem_lie.mesh.curves import curve, straight
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.reading import line_of
+from fem_lie.sections.material import Damping
+from fem_lie.sections.orientation import Chains, Twisted, Up, cell_frames, shared_nodes
 from fem_lie.sections.section import Section
 
 if TYPE_CHECKING:

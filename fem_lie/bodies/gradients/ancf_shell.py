@@ -9,16 +9,16 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, Flags, Indices, instance
-from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.bodies.cells.assembly import assemble_cells
 from fem_lie.bodies.thin_shells.given_sections import ThinSections
-from fem_lie.bodies.thin_shells.patch import SmoothPatch
-from fem_lie.bodies.thin_shells.seams import Joined
 from fem_lie.bodies.thin_shells.smooth_surface import Direction, SmoothSurface
 from fem_lie.elements.gradients import plate
 from fem_lie.elements.gradients.plate import AncfPlate
 from fem_lie.forms.assembly import BodyTerm
+from fem_lie.mesh.bicubic.patch_coupling import Joined
+from fem_lie.mesh.bicubic.smooth_patch import SmoothPatch
+from fem_lie.sections.material import Damping
 
 
 class AncfShell(SmoothSurface):

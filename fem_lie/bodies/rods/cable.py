@@ -9,15 +9,15 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import instance, positive
-from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.beams.line_body import Placed
-from fem_lie.bodies.beams.orientation import Chains, cell_frames, shared_nodes
 from fem_lie.bodies.rods.threads import Threads, successive
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.rods.cable import HermiteCable
 from fem_lie.mesh.curves import curve, straight
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.reading import line_of
+from fem_lie.sections.material import Damping
+from fem_lie.sections.orientation import Chains, cell_frames, shared_nodes
 from fem_lie.sections.section import Section
 
 if TYPE_CHECKING:

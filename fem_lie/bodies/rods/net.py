@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices, indices_of, instance, numbers, points_of, positive
-from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.beams.line_body import Placed
 from fem_lie.bodies.rods.threads import Threads
 from fem_lie.elements.rods.bends import Successive
 from fem_lie.elements.rods.discrete import DiscreteCable
 from fem_lie.mesh.lines import LineMesh
+from fem_lie.sections.material import Damping
 from fem_lie.sections.section import Section
 
 

@@ -10,9 +10,8 @@ import dolfinx
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.bodies.beams.assembly import BeamAssembly, Damping
+from fem_lie.bodies.beams.assembly import BeamAssembly
 from fem_lie.bodies.beams.beam import Beam
-from fem_lie.bodies.beams.orientation import Twisted, Up
 from fem_lie.bodies.beams.sectioned import Sections
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.bodies.nodes import Follower
@@ -23,6 +22,8 @@ from fem_lie.elements.rods.discrete_rod import DiscreteRod, corners, edge_axes
 from fem_lie.elements.rods.kirchhoff import Kirchhoff, speeds_of_cubics
 from fem_lie.forms.assembly import Assembly
 from fem_lie.mesh.lines import LineMesh
+from fem_lie.sections.material import Damping
+from fem_lie.sections.orientation import Twisted, Up
 
 _log = logging.getLogger(__name__)
 _STIFFER = 0.01  # in torsion, which is worth a warning

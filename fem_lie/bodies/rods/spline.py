@@ -7,12 +7,12 @@ import numpy.typing as npt
 from scipy.interpolate import BSpline
 
 from fem_lie._arrays import instance
-from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.beams.line_body import Placed
-from fem_lie.bodies.beams.orientation import Chains, cell_frames, shared_nodes
 from fem_lie.bodies.rods.threads import Threads, successive
 from fem_lie.elements.rods.isogeometric import IsogeometricCable
 from fem_lie.mesh.curves import Spline
+from fem_lie.sections.material import Damping
+from fem_lie.sections.orientation import Chains, cell_frames, shared_nodes
 from fem_lie.sections.section import Section
 
 

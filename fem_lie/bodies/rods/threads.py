@@ -23,7 +23,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices, instance
 from fem_lie._jit import compiled
-from fem_lie.bodies.beams.assembly import BeamAssembly, Damping
+from fem_lie.bodies.beams.assembly import BeamAssembly
 from fem_lie.bodies.beams.line_body import LineBody, Placed
 from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.nodes import Follower, HeldRotation
@@ -35,6 +35,7 @@ from fem_lie.forms.assembly import Assembly
 from fem_lie.lie.kinds import TRAITS, NodeKind
 from fem_lie.lie.polar import polar_rotation
 from fem_lie.mesh.lines import LineMesh
+from fem_lie.sections.material import Damping
 from fem_lie.sections.section import Section
 
 _MEAN = 0.1

@@ -7,12 +7,12 @@ from typing import Protocol
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.elements.solids.element import SolidFormulation
-from fem_lie.elements.solids.materials import SolidMaterial
 from fem_lie.forms.assembly import Assembly, NodalInertia
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.mesh.volumes import VolumeMesh, VolumeRule
+from fem_lie.sections.material import Damping
+from fem_lie.sections.solid_materials import SolidMaterial
 
 
 class SolidData(Protocol):

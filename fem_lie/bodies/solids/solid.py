@@ -23,15 +23,16 @@ from fem_lie._arrays import (
     whole,
 )
 from fem_lie.attachments.patch import in_the_mean
-from fem_lie.bodies.beams.assembly import Damping, mass_only
+from fem_lie.bodies.beams.assembly import mass_only
 from fem_lie.bodies.body import NO_HOLDS, Holds, Point, Where
 from fem_lie.bodies.per_cell import of_groups
 from fem_lie.bodies.solids.assembly import SolidAssembly
 from fem_lie.bodies.solids.faces import Faces, SupportedSolid, faces_of, nodes_on
 from fem_lie.elements.solids.element import SolidFormulation, default_formulation
-from fem_lie.elements.solids.materials import SolidMaterial
 from fem_lie.lie.kinds import NodeKind
 from fem_lie.mesh.volumes import VolumeMesh, VolumeRule, brick
+from fem_lie.sections.material import Damping
+from fem_lie.sections.solid_materials import SolidMaterial
 
 _log = logging.getLogger(__name__)
 

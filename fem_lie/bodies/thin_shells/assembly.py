@@ -9,7 +9,6 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.elements.thin_shells import cells as kernels
 from fem_lie.elements.thin_shells.bicubic import BicubicHermite, to_axes, unloaded
 from fem_lie.elements.thin_shells.cell_tables import stress_at
@@ -28,6 +27,7 @@ from fem_lie.lie.tuples import (
     scaled,
     store_row,
 )
+from fem_lie.sections.material import Damping
 
 
 @inlined

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.bodies.thin_shells.seams import Edge
-from fem_lie.elements.thin_shells import hermite
+from fem_lie.mesh.bicubic import hermite
+from fem_lie.mesh.bicubic.patch_coupling import Edge
 
 _POINTS = 5
 """Of Gauss' rule: products of cubics on a surface of cubics."""

@@ -13,18 +13,14 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, Flags, Indices, direction, number, text
 from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.attachments.surface import on_surface
-from fem_lie.bodies.beams.assembly import Damping, mass_only
+from fem_lie.bodies.beams.assembly import mass_only
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.closest import AT_NODE, closest_on_surface
 from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.thin_shells.assembly import follow_surface
 from fem_lie.bodies.thin_shells.given_sections import ThinSections, section_per_cell
-from fem_lie.bodies.thin_shells.hierarchy import SplineMesh, surface_of
 from fem_lie.bodies.thin_shells.integrals import Quadrature, along_edge, over_cells
-from fem_lie.bodies.thin_shells.patch import SmoothPatch
-from fem_lie.bodies.thin_shells.seams import Joined, Seam, frames_of
 from fem_lie.bodies.thin_shells.supports import HeldSurface
-from fem_lie.elements.thin_shells import hermite
 from fem_lie.elements.thin_shells.rows import (
     CORNERS,
     NODES,
@@ -35,6 +31,11 @@ from fem_lie.elements.thin_shells.rows import (
     node_of,
 )
 from fem_lie.lie.kinds import NodeKind
+from fem_lie.mesh.bicubic import hermite
+from fem_lie.mesh.bicubic.patch_coupling import Joined, Seam, frames_of
+from fem_lie.mesh.bicubic.smooth_patch import SmoothPatch
+from fem_lie.mesh.bicubic.spline_mesh import SplineMesh, surface_of
+from fem_lie.sections.material import Damping
 
 # without the compiler, which takes longer than 16 calls
 _NODE = np.array([unwrap(node_of)(a) for a in range(VECTORS)])

@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, Flags, Indices, direction
 from fem_lie.bodies.body import Body, Point
-from fem_lie.bodies.thin_shells.seams import Edge
 from fem_lie.lie.kinds import NodeKind, set_all_axes
+from fem_lie.mesh.bicubic.patch_coupling import Edge
 
 _AGREE = 1e-9
 _ACROSS = 1e-6  # components of slopes that are meant to be normal to a plane

@@ -9,18 +9,18 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, instance
-from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.bodies.thin_shells.assembly import ThinShellAssembly, mass_matrices
 from fem_lie.bodies.thin_shells.given_sections import ThinSections
-from fem_lie.bodies.thin_shells.hierarchy import SplineMesh
-from fem_lie.bodies.thin_shells.patch import SmoothPatch
-from fem_lie.bodies.thin_shells.seams import Joined, Seam, seam_points
 from fem_lie.bodies.thin_shells.smooth_surface import Direction, SmoothSurface
-from fem_lie.elements.thin_shells import hermite
 from fem_lie.elements.thin_shells.bicubic import BicubicHermite
 from fem_lie.elements.thin_shells.seam import SeamPoints, SeamSprings
 from fem_lie.forms.assembly import BodyTerm
+from fem_lie.mesh.bicubic import hermite
+from fem_lie.mesh.bicubic.patch_coupling import Joined, Seam, seam_points
+from fem_lie.mesh.bicubic.smooth_patch import SmoothPatch
+from fem_lie.mesh.bicubic.spline_mesh import SplineMesh
+from fem_lie.sections.material import Damping
 
 
 class ThinShell(SmoothSurface):

@@ -45,7 +45,6 @@ import numpy as np
 
 from fem_lie._arrays import Array, number
 from fem_lie._jit import callback
-from fem_lie.elements.thin_shells import hermite
 from fem_lie.elements.thin_shells.rows import COORDINATES, CORNERS
 from fem_lie.forms.kernels.addresses import Pointer
 from fem_lie.forms.small_energy.assembly import CellFunctions
@@ -57,6 +56,7 @@ from fem_lie.forms.small_energy.cell import (
 )
 from fem_lie.forms.small_energy.element import CELL_SIGNATURE, data_at_rest, element
 from fem_lie.lie.kinds.kind import NodeKind
+from fem_lie.mesh.bicubic import hermite
 
 VALUE, ALONG, ACROSS = range(3)
 """Derivatives in a table: none, ξ, η."""

@@ -33,7 +33,6 @@ from ufl.core.expr import Expr
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
-from fem_lie.elements.solids.materials import SolidMaterial
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels.addresses import FrameMap, Pointer, frame_function
@@ -52,6 +51,7 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 from fem_lie.mesh.shapes import rule, tabulated
+from fem_lie.sections.solid_materials import SolidMaterial
 
 _NODES = 8
 

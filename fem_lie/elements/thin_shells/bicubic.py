@@ -24,8 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem_lie._arrays import Array, number
-from fem_lie.elements.thin_shells import hermite
 from fem_lie.elements.thin_shells.cell_tables import Rule
+from fem_lie.mesh.bicubic import hermite
 
 
 @dataclass(frozen=True)

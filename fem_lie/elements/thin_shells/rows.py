@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie.kinds.kind import CROSSING, SURFACE, axes
 from fem_lie.lie.tuples import load, load_row, rotate, rotate_back, scaled, store
@@ -51,11 +51,6 @@ def row_of(a: int) -> int:
 def scale_of(a: int, sizes: Array) -> float:
     """What the row is multiplied by; ``sizes`` (≥ 3,): of ∂ξ, ∂η and both."""
     return 1.0 if a % 4 == 0 else sizes[a % 4 - 1]
-
-
-def hanging_code(quarter: Indices, along: Flags, across: Flags) -> Array:
-    """The last of a cell's sizes: which quarter it is, and which corners beside its own hang."""
-    return np.where(along | across, quarter + 4 * along + 8 * across, 0).astype(np.float64)
 
 
 @inlined

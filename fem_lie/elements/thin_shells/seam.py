@@ -12,11 +12,10 @@ as it lies, nor by rigid motion. Parametrisations of the sides may be any.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array
 from fem_lie._jit import callback, compiled
 from fem_lie.elements.thin_shells.rows import COORDINATES, CORNERS, VECTORS
 from fem_lie.forms.cell_sums import Pattern
@@ -31,29 +30,7 @@ from fem_lie.forms.small_energy.cell import (
 from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
 from fem_lie.lie.kinds.kind import NodeKind
 from fem_lie.lie.tuples import Vector, cross, dot, scaled
-
-
-class SeamPoints(NamedTuple):
-    """Points along seams.
-
-    Attributes:
-        nodes: Of the cell on one side, then of that on the other, shape (b, 16).
-        sizes: Of both cells, see :mod:`.rows`, shape (b, 6).
-        shapes: Of ``r``, ``r₁``, ``r₂`` of one side, then of the other, shape (b, 6, 16).
-        taken: ``D`` and ``C``, shape (b, 6).
-        stiffness: ``w N`` and ``w M``, shape (b, 2).
-    """
-
-    nodes: Indices
-    sizes: Array
-    shapes: Array
-    taken: Array
-    stiffness: Array
-
-    @classmethod
-    def joined(cls, parts: list[SeamPoints]) -> SeamPoints:
-        """All of several."""
-        return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+from fem_lie.mesh.bicubic.patch_coupling import SeamPoints
 
 
 @compiled

@@ -25,12 +25,12 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices, instance, whole
 from fem_lie.bodies.body import Body
+from fem_lie.joints.redundant import Redundant
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.spectra.smallest import smallest
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.vibrations import Modes
 from fem_lie.scene import Scene
-from fem_lie.scene.choices import Redundant
 from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.statics.load_steps import Newton
 from fem_lie.solve.statics.statics import statics

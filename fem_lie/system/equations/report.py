@@ -9,9 +9,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array
+from fem_lie.joints.redundant import Redundant
 from fem_lie.lie.kinds import shown_all
 from fem_lie.linear.redundancy import IdleMultipliers
-from fem_lie.scene.choices import Redundant
 from fem_lie.system.instant import Instant
 from fem_lie.system.nodes.fixed_axes import wrenches
 from fem_lie.system.small_motions import RigidMotions, rigid_motions

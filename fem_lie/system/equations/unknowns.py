@@ -12,10 +12,10 @@ from fem_lie.bodies.body import Body
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.term import Term
 from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.joints.redundant import Redundant
 from fem_lie.lie.kinds.floating import Floating
 from fem_lie.lie.kinds.inertia import Inertia, turning_of
 from fem_lie.lie.polar import PlainSurroundings
-from fem_lie.scene.choices import Redundant
 from fem_lie.system import describe
 from fem_lie.system.balance import supported
 from fem_lie.system.constraint_sets.all_pairs import AllPairs

@@ -21,11 +21,10 @@ from typing import TypeVar
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices, flag, instance, text
-from fem_lie.bodies.thin_shells.patch import SmoothPatch
-from fem_lie.bodies.thin_shells.seams import Edge, Joined, Seam
-from fem_lie.bodies.thin_shells.seams import joined as put_together
-from fem_lie.elements.thin_shells import hermite
-from fem_lie.elements.thin_shells.rows import hanging_code
+from fem_lie.mesh.bicubic import hermite
+from fem_lie.mesh.bicubic.patch_coupling import Edge, Joined, Seam
+from fem_lie.mesh.bicubic.patch_coupling import joined as put_together
+from fem_lie.mesh.bicubic.smooth_patch import SmoothPatch
 
 _Numbers = TypeVar("_Numbers", Array, Indices)
 
@@ -282,3 +281,8 @@ def surface_of(
         instance(patch, SmoothPatch, f"{label}: patch {key!r}", "a SmoothPatch")
     one = len(given) > 1 if joined is None else joined
     return put_together(given, one=one, label=label, seams=seams)
+
+
+def hanging_code(quarter: Indices, along: Flags, across: Flags) -> Array:
+    """The last of a cell's sizes: which quarter it is, and which corners beside its own hang."""
+    return np.where(along | across, quarter + 4 * along + 8 * across, 0).astype(np.float64)

@@ -10,9 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, positive, text
-from fem_lie.bodies.thin_shells.patch import SmoothPatch
-from fem_lie.elements.thin_shells import hermite
-from fem_lie.elements.thin_shells.seam import SeamPoints
+from fem_lie.mesh.bicubic import hermite
+from fem_lie.mesh.bicubic.smooth_patch import SmoothPatch
 
 _PER_CELL = 2  # a cubic edge follows any other at two Gauss points per cell, and no further
 _SAMPLES, _PASSES = 9, 14
@@ -66,6 +65,29 @@ class Seam:
         text(self.first, "Seam: first")
         text(self.second, "Seam: second")
         positive(self.stiffness, "Seam: stiffness")
+
+
+class SeamPoints(NamedTuple):
+    """Points along seams.
+
+    Attributes:
+        nodes: Of the cell on one side, then of that on the other, shape (b, 16).
+        sizes: Of both cells, as :mod:`fem_lie.elements.thin_shells.rows` has them, shape (b, 6).
+        shapes: Of ``r``, ``r₁``, ``r₂`` of one side, then of the other, shape (b, 6, 16).
+        taken: ``D`` and ``C``, shape (b, 6).
+        stiffness: ``w N`` and ``w M``, shape (b, 2).
+    """
+
+    nodes: Indices
+    sizes: Array
+    shapes: Array
+    taken: Array
+    stiffness: Array
+
+    @classmethod
+    def joined(cls, parts: list[SeamPoints]) -> SeamPoints:
+        """All of several."""
+        return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 def seam_points(

@@ -1,0 +1,1 @@
+"""Meshes of thin shells: bicubic patches, their coupling, and hierarchical refinement."""
