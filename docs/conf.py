@@ -46,7 +46,7 @@ nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_execution_cache_path = str(HERE.parent / "results" / "lessons")
 
-autoclass_content = "both"
+autoclass_content = "class"  # tools/site/parameters.py adds the constructor
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_preserve_defaults = True

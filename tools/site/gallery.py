@@ -1,7 +1,7 @@
-"""A page for each demo and study: what it says of itself, picture, last run, code.
+"""A page for each demo and study: its docstring, pictures, last run and code.
 
-Nothing is run: pictures, what was printed and records are those of ``docs/gallery``, which
-``tools/run python3 -m tools.site.gallery [NAME…]`` makes anew with the options of
+No demo is run: pictures, output and records are those of ``docs/gallery``, which
+``tools/run python3 -m tools.site.gallery [NAME…]`` makes again with the options of
 ``tools/records.py``.
 """
 
@@ -21,7 +21,7 @@ from tools.records import HELPERS, SHORT
 ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "docs" / "gallery"
 WIDTH = 900
-"""Of a picture on a page, in its dots."""
+"""Largest width of a picture on a page, pixels."""
 
 GROUPS = {
     "Beams and rods at rest": (
@@ -63,19 +63,19 @@ def demos() -> list[str]:
 
 
 def script(name: str) -> Path:
-    """Where the code of a demo or study is, from the root."""
+    """Path of a demo or study, relative to the root."""
     demo = Path("demos") / f"{name}.py"
     return demo if (ROOT / demo).exists() else Path("studies") / f"{name}.py"
 
 
 def command(name: str) -> list[str]:
-    """What Python is given to run it."""
+    """Arguments of Python that run a demo."""
     file = script(name)
     return [str(file)] if file.parent.name == "demos" else ["-m", f"studies.{name}"]
 
 
 def grouped() -> dict[str, list[str]]:
-    """Names of all demos under their headings; what has none comes last."""
+    """Names of all demos by heading; those without one come last."""
     left = set(demos())
     groups = {}
     for heading, names in GROUPS.items():
@@ -85,7 +85,7 @@ def grouped() -> dict[str, list[str]]:
 
 
 def said(name: str) -> tuple[str, str]:
-    """First line and rest of what a demo says of itself."""
+    """First line and rest of the docstring of a demo."""
     source = (ROOT / script(name)).read_text(encoding="utf-8")
     text = ast.get_docstring(ast.parse(source)) or ""
     first, _, rest = text.partition("\n")
@@ -93,13 +93,13 @@ def said(name: str) -> tuple[str, str]:
 
 
 def title(name: str) -> str:
-    """Of a page."""
+    """Title of the page of a demo."""
     words = name.replace("_", " ")
     return words[0].upper() + words[1:]
 
 
 def page(name: str) -> str:
-    """A demo, in Markdown."""
+    """Page of a demo, in Markdown."""
     first, rest = said(name)
     given = " ".join([*command(name), *SHORT.get(name, "").split()])
     parts = [f"# {title(name)}", first, *_escaped(rest)]
@@ -115,12 +115,12 @@ def page(name: str) -> str:
 
 
 def _escaped(text: str) -> list[str]:
-    """Paragraphs of a docstring; what is indented in it is a command."""
+    """Paragraphs of a docstring, with Markdown's brackets escaped."""
     return [part.replace("<", "\\<").replace("[", "\\[") for part in text.split("\n\n") if part]
 
 
 def table(record: Path) -> str:
-    """Numbers of a record that stand alone."""
+    """Table of the single numbers of a record."""
     found = json.loads(record.read_text(encoding="utf-8"))
     alone = {key: value for key, value in found.items() if isinstance(value, int | float | str)}
     rows = [f"| `{key}` | {_shown(value)} |" for key, value in alone.items()]
@@ -133,7 +133,7 @@ def _shown(value: float | str) -> str:
 
 
 def pictures(name: str) -> list[Path]:
-    """That are kept of a demo, the first of which stands for it."""
+    """Pictures of a demo; the first one is that of its card."""
     others = set(demos()) - {name}
     found = [KEPT / f"{name}.png", *sorted(KEPT.glob(f"{name}_*.png"))]
     return [
@@ -145,13 +145,15 @@ def pictures(name: str) -> list[Path]:
 
 
 def write(docs: Path) -> None:
-    """All pages, and that which leads to them."""
+    """Write the pages of all demos, and the gallery that links to them."""
     parts = ["# Gallery", "Every demo: its code, its picture, and its last run."]
     for heading, names in grouped().items():
         cards = []
         for name in names:
             (docs / "gallery" / f"{name}.md").write_text(page(name), encoding="utf-8")
-            image = [f":img-top: {file.name}" for file in pictures(name)[:1]]
+            image = [
+                f":img-top: {file.name}\n:img-alt: {said(name)[0]}" for file in pictures(name)[:1]
+            ]
             lines = [f":::{{grid-item-card}} {title(name)}", f":link: {name}", ":link-type: doc"]
             cards.append("\n".join([*lines, *image, said(name)[0], ":::"]))
         parts += [f"## {heading}", "\n".join(["::::{grid} 2 3 3 3", ":gutter: 2", *cards, "::::"])]
@@ -161,20 +163,20 @@ def write(docs: Path) -> None:
 
 
 def make(name: str) -> None:
-    """Run a demo, and keep its record, what it prints and its pictures."""
+    """Run a demo and store its record, output and pictures."""
     start, results = time.time(), ROOT / "results"
     words = [sys.executable, *command(name), "--json", str(KEPT / f"{name}.json")]
     words += SHORT.get(name, "").split()
     done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
-    told = done.stdout.replace(f"{ROOT}/", "")
-    (KEPT / f"{name}.txt").write_text(told, encoding="utf-8")
+    output = done.stdout.replace(f"{ROOT}/", "")
+    (KEPT / f"{name}.txt").write_text(output, encoding="utf-8")
     for file in sorted(results.glob("*.png")):
         if file.stat().st_mtime >= start:
             keep(file)
 
 
 def keep(file: Path) -> None:
-    """A picture at the size of a page, in 128 colours."""
+    """Store a picture at most :data:`WIDTH` wide, in 128 colours."""
     picture = Image.open(file).convert("RGB")
     if picture.width > WIDTH:
         picture = picture.resize((WIDTH, round(picture.height * WIDTH / picture.width)))

@@ -1,4 +1,4 @@
-"""The lessons as notebooks, made of the plain scripts in ``notebooks`` by jupytext."""
+"""Lessons of the site: notebooks made by jupytext from the scripts in ``notebooks``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def write(docs: Path) -> None:
-    """A notebook for each script; Sphinx runs it."""
+    """Write a notebook for each script; Sphinx runs it."""
     folder = docs / "lessons"
     folder.mkdir(exist_ok=True)
     scripts = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
@@ -24,7 +24,7 @@ def write(docs: Path) -> None:
         jupytext.write(notebook, folder / f"{script.stem}.ipynb")
     head = (
         "# Lessons\n\nSix notebooks, each with exercises and their solutions. They are plain "
-        "scripts in `notebooks/`; `jupytext --to notebook` makes notebooks of them.\n"
+        "scripts in `notebooks/`; `make notebooks` opens them in JupyterLab.\n"
     )
     listed = "\n".join(script.stem for script in scripts)
     text = f"{head}\n```{{toctree}}\n:maxdepth: 1\n\n{listed}\n```\n"

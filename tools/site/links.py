@@ -1,7 +1,7 @@
-"""Whether all links of the site lead somewhere, without a network.
+"""Check that all links of the site have a target, without a network.
 
-Every ``href`` and ``src`` that is no address of the web must be a file of the site, and its part
-after ``#`` a name in that file. Nothing that a browser loads by itself may be of the web.
+Every ``href`` and ``src`` that is no address of the web must be a file of the site, and its
+fragment an ``id`` in that file. Nothing that a browser loads by itself may come from the web.
 
     python3 tools/site/links.py results/site
 """

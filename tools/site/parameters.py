@@ -8,7 +8,10 @@ from collections.abc import Sequence
 from dataclasses import is_dataclass
 from typing import Any
 
-SECTION = re.compile(r"^(Args|Attributes|Example|Examples|Note|Raises|Returns):\s*$")
+ORDER = "", "Args", "Attributes", "Returns", "Raises", "Note", "Example", "Examples"
+"""Sections in the order of the reference; text without a heading comes first."""
+
+SECTION = re.compile(rf"^({'|'.join(ORDER[1:])}):\s*$")
 ENTRY = re.compile(r"^ {4}(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: \([^)]*\))?:")
 
 
@@ -53,10 +56,32 @@ def documented(docstring: str | None) -> set[str]:
     return {name for part in fitting for name in entries(part)}
 
 
-def process(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
-    """Rearrange the docstring of a class, for Sphinx's ``autodoc-process-docstring``.
+def merged(obj: type, lines: Sequence[str]) -> list[str]:
+    """Docstring of a class with that of its constructor: text, parameters, attributes, examples.
 
     Fields of a data class are the parameters of its constructor, so they are shown as such.
+
+    Args:
+        obj: The class.
+        lines: Its docstring.
+    """
+    parts = sections(lines)
+    if is_dataclass(obj):
+        arguments = set(inspect.signature(obj).parameters)
+        for part in parts:
+            if part[0].startswith("Attributes:") and entries(part) <= arguments:
+                part[0] = "Args:"
+    elif inspect.isfunction(obj.__init__):
+        parts += sections(inspect.cleandoc(obj.__init__.__doc__ or "").splitlines())
+    found: dict[str, list[list[str]]] = {heading: [] for heading in ORDER}
+    for part in parts:
+        match = SECTION.match(part[0])
+        found[match.group(1) if match else ""].append(part)
+    return [line for group in found.values() for part in group for line in [*part, ""]]
+
+
+def process(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
+    """Rearrange the docstring of a class, for Sphinx's ``autodoc-process-docstring``.
 
     Args:
         app: The Sphinx application.
@@ -67,14 +92,5 @@ def process(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[
         lines: Lines of the docstring, changed in place.
     """
     del app, name, options
-    if what != "class":
-        return
-    parts = sections(lines)
-    if is_dataclass(obj):
-        arguments = inspect.signature(obj).parameters
-        for part in parts:
-            if part[0].startswith("Attributes:") and entries(part) <= set(arguments):
-                part[0] = "Args:"
-    examples = [part for part in parts if part[0].startswith("Example")]
-    others = [part for part in parts if not part[0].startswith("Example")]
-    lines[:] = [line for part in others + examples for line in [*part, ""]]
+    if what == "class":
+        lines[:] = merged(obj, lines)
