@@ -6,10 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import fem_lie
 import fem_lie as fl
 from tests.interruption import interrupted
-from tools.site import reference
 
 DOCS = Path(__file__).parents[1] / "docs"
 SCENES = sorted((DOCS / "scenes").glob("*.py"))
@@ -119,8 +117,3 @@ def test_scenes_of_the_first_page(scene, tmp_path, monkeypatch):
 
 def test_there_are_eight_scenes():
     assert len(SCENES) == 8
-
-
-@pytest.mark.parametrize("name", fem_lie.__all__)
-def test_every_public_name_stands_in_a_chapter(name):
-    assert reference.chapter(getattr(fem_lie, name)) in reference.CHAPTERS
