@@ -72,7 +72,19 @@ class Body(Nodes):
         leaders: npt.NDArray[np.int64] | None = None,
         name: str = "",
     ) -> None:
-        """Keep copies of the frames; velocities start at zero."""
+        """Keep copies of the frames; velocities start at zero.
+
+        Args:
+            frames: Nodal frames in the reference configuration, shape (n, 4, 3).
+            cells: Pairs of nodes, for drawing, shape (m, 2).
+            outline: Outline of the cross-section, see :attr:`outline`, or ``None``.
+            size: Characteristic length of the body, for tolerances.
+            points: Node of each named point.
+            box: Edges of a box about a rigid body's frame, shape (3,), or ``None``.
+            leaders: Master node of each node, its own number if it is independent, shape (n,);
+                default: all nodes are independent.
+            name: Name in messages and results.
+        """
         text(name, f"{type(self).__name__}: name")
         super().__init__(frames, leaders)
         self.cells, self.outline, self.box = cells, outline, box
@@ -83,6 +95,9 @@ class Body(Nodes):
 
     def set_group(self: AnyBody, group: Group) -> AnyBody:
         """Choose the group on which the nodes move in time integration, and return the body.
+
+        Args:
+            group: SE(3) or R³×SO(3).
 
         Raises:
             ValueError: It is no group.

@@ -175,6 +175,11 @@ def _divided(knots: Array, cells: int) -> Array:
 def straight(start: npt.ArrayLike, end: npt.ArrayLike, cells: int) -> LineMesh:
     """Straight line in equal cells; its ends are named "start" and "end".
 
+    Args:
+        start: First point, shape (3,).
+        end: Last point, shape (3,).
+        cells: Number of cells.
+
     Raises:
         ValueError: The ends coincide or are not points, or there is no cell.
     """

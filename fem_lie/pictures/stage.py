@@ -19,7 +19,16 @@ from fem_lie._arrays import Array, Indices
 
 @dataclass(frozen=True)
 class Units:
-    """What the user's numbers are measured in, for labels."""
+    """Names of the user's units, for labels of diagrams and pictures.
+
+    Attributes:
+        length: Unit of lengths.
+        time: Unit of times.
+        energy: Unit of energies.
+        momentum: Unit of momenta.
+        angular_momentum: Unit of angular momenta.
+        force: Unit of forces.
+    """
 
     length: str = "m"
     time: str = "s"

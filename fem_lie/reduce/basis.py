@@ -202,6 +202,10 @@ class Basis:
 def load_basis(path: str | os.PathLike[str], body: Body) -> Basis:
     """Shapes from a file of :meth:`Basis.save`, for a body with the same mesh anywhere in space.
 
+    Args:
+        path: The HDF5 file.
+        body: A body whose mesh is that of the file up to a rigid motion.
+
     Raises:
         ValueError: The file has no basis, one of another version, or of another mesh.
         OSError: It cannot be read.

@@ -22,6 +22,10 @@ _ARRAYS = ("interfaces", "stiffness", "density", "shapes", "quadratic")
 def save_reduced(body: ReducedBody, path: str | os.PathLike[str]) -> None:
     """Write an HDF5 file with a reduced body and the mesh that it was made of.
 
+    Args:
+        body: The reduced-order body.
+        path: The HDF5 file.
+
     Raises:
         OSError: It cannot be written.
     """

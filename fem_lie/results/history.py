@@ -70,8 +70,9 @@ class Result(Balanced, StateSeries):
         impulses: Of loads (gravity included) and of reactions, force before moment about the
             origin, up to these times, global components, shape (T, 2, 6).
         iterations: Newton iterations so far, shape (T,).
-        factorisations: Matrices that were factored in the whole run; in ``k_updates`` of them mass
-            and stiffness were new, and in all ``phi_updates`` the constraints' Jacobian.
+        factorisations: Number of factorisations in the whole run.
+        k_updates: Number of those in which mass and stiffness matrix were new.
+        phi_updates: Number of those in which the constraint Jacobian was new.
         divided: Steps of constant size that were made in parts, because no solution was found in
             full.
         seconds: Wall time of the time loop.

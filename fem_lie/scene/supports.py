@@ -16,7 +16,10 @@ _ORTHONORMAL = 1e-8  # rotations that are given with single precision are not
 
 @dataclass(frozen=True, eq=False)
 class Clamp:
-    """The point's frame does not move.
+    """A support that holds the position and the rotation of a point.
+
+    Attributes:
+        point: The point of a body.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)

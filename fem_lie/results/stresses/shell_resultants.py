@@ -83,7 +83,15 @@ def resultant_series(
     along: Along | None = None,
     kink_angle: float = KINK_ANGLE,
 ) -> list[Resultants]:
-    """Those of several states of a result, by default of all; see :func:`resultants`."""
+    """Stress resultants of a shell in several states of a result.
+
+    Args:
+        result: A result with states: of a motion, of load steps or of a path.
+        shell: A shell of the scene.
+        steps: Numbers of the states; default: all.
+        along: Direction of the first axis, see :func:`resultants`.
+        kink_angle: Angle between normals, rad, above which resultants are not averaged.
+    """
     require_states(result)
     count = len(result.frames)
     chosen = range(count) if steps is None else [state_number(step, count) for step in steps]
