@@ -60,8 +60,8 @@ def rows(name: str, size: int) -> None:
     equations = Equations(SCENES[name](size, False).scene, dynamics=True)
     kkt, tangent = equations.matrix, equations.system.tangent
     n, free = len(kkt.held), (~kkt.held).sum(axis=1)
-    border = kkt.legs
-    joints = Links(border.rows, border.nodes, len(border.ptr) - 1).matrix(n)
+    incidences = kkt.incidences
+    joints = Links(incidences.rows, incidences.nodes, len(incidences.ptr) - 1).matrix(n)
     cells = all_cells(sums_of(equations.system.terms), n).matrix(n)
     for count in (4, 8, 16, 32):
         ours = counted(tangent.division(count).cells, cells, joints, free)

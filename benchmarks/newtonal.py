@@ -23,7 +23,7 @@ import numpy as np
 import fem_lie as fl
 from demos import deep_arch, hinged_roof, pulled_cylinder
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
-from fem_lie.system.instant import Plan
+from fem_lie.system.time_state import Plan
 
 PROBLEMS: dict[str, Callable[[], fl.Scene]] = {
     "arch": lambda: deep_arch.arch(40, "stretchable")[0],

@@ -20,7 +20,7 @@ from fem_lie.linear.choice import DISSECTION, MINIMUM_DEGREE, Graph, Solutions, 
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.packages import Method
-from fem_lie.system.equations import Equations, Instant, Plan
+from fem_lie.system.equations import Equations, Plan, TimeState
 
 WAYS = [("cholesky", "cholmod"), ("cholesky", "mumps")]
 WAYS += [("lu", name) for name in ("mumps", "umfpack", "klu")]
@@ -71,9 +71,9 @@ def row(name: str, scene: fl.Scene, largest: float) -> str | None:
     unknowns, matrix = equations.unknowns, equations.matrix
     still = np.zeros((unknowns.moving, 6))
     frames, v = equations.start[:2]
-    now = Instant(frames.copy(), v.copy(), np.zeros_like(v), np.zeros(unknowns.m))
+    now = TimeState(frames.copy(), v.copy(), np.zeros_like(v), np.zeros(unknowns.m))
     equations.fill(now, None, Plan(still, np.ones(unknowns.m), mass=MASS, damping=DAMPING))
-    graph = Graph.of(matrix.indptr, matrix.indices, matrix.legs, matrix.held)
+    graph = Graph.of(matrix.indptr, matrix.indices, matrix.incidences, matrix.held)
     if graph.unknowns > largest:
         return None
     costs = [graph.cost(ordering) for ordering in (MINIMUM_DEGREE, DISSECTION)]

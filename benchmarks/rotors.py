@@ -138,10 +138,10 @@ def _newton(pencil: Pencil, s: complex) -> complex:
     M, K, B = pencil.M, pencil.K, pencil.B * np.abs(pencil.K.diagonal()).mean()
     C = sp.csr_matrix(M.shape) if pencil.C is None else pencil.C
     n, m = M.shape[0], B.shape[0]
-    bordered = [sp.bmat([[A, None], [None, sp.csr_matrix((m, m))]]) for A in (M, C)]
-    bordered.append(sp.bmat([[K, B.T], [B, None]]) if m else K)
+    saddle_point = [sp.bmat([[A, None], [None, sp.csr_matrix((m, m))]]) for A in (M, C)]
+    saddle_point.append(sp.bmat([[K, B.T], [B, None]]) if m else K)
     beside = s * (1.0 + BESIDE)
-    near = beside**2 * bordered[0] + beside * bordered[1] + bordered[2]
+    near = beside**2 * saddle_point[0] + beside * saddle_point[1] + saddle_point[2]
     factors, start = scipy.sparse.linalg.splu(near.tocsc()), np.zeros(n + m, dtype=np.complex128)
     start[:n] = np.random.default_rng(0).normal(size=n)
     for _ in range(2):
@@ -158,7 +158,7 @@ def _newton(pencil: Pencil, s: complex) -> complex:
         r = value * value * inertia + value * damping + stiff
         slope = np.asarray(2 * value * inertia + damping, dtype=np.complex128)
         z = complex(value)
-        Q = z * z * bordered[0] + z * bordered[1] + bordered[2]
+        Q = z * z * saddle_point[0] + z * saddle_point[1] + saddle_point[2]
         J = sp.bmat([[Q, slope[:, np.newaxis]], [w[np.newaxis], None]], format="csc")
         right = np.append(r, (w * x).sum() - 1.0).astype(np.complex128)
         change = scipy.sparse.linalg.splu(J).solve(right)

@@ -18,7 +18,7 @@ scene is made of stands in :mod:`fem_lie` itself; here is what scenes do not sho
   :class:`PenaltyPair`, :class:`BallGapPair`, :func:`register_contact_pair`.
 * **Forces and matrices of any other origin**: :class:`Term`, :class:`Pairs`; a :class:`Load`
   passes a term to the :class:`Sum` of all loads.
-* **Time schemes**: :class:`Equations` with :class:`Instant` and :class:`Plan`;
+* **Time schemes**: :class:`Equations` with :class:`TimeState` and :class:`Plan`;
   :class:`Integrator`, :class:`Integration`, :class:`DividedIntegration`, :class:`Recorder`;
   :class:`DirectSolver` by a :class:`Method` of a package, which raises
   :class:`SingularMatrixError`; the iteration with a frozen matrix (:func:`iterate`,
@@ -75,7 +75,7 @@ from fem_lie.solve.motion.integration import DividedIntegration, Integration
 from fem_lie.solve.motion.integrator import Integrator, check_kinds, refuse
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.step_control import Control, StepChoice
-from fem_lie.system.equations import Equations, Instant, Plan
+from fem_lie.system.equations import Equations, Plan, TimeState
 
 __all__ = [
     "CELL_SIGNATURE",
@@ -100,7 +100,6 @@ __all__ = [
     "GapSurface",
     "History",
     "Indices",
-    "Instant",
     "Integration",
     "Integrator",
     "Iterated",
@@ -125,6 +124,7 @@ __all__ = [
     "StrainEnergy",
     "Sum",
     "Term",
+    "TimeState",
     "Verdict",
     "accelerations",
     "attributes",

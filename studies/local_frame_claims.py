@@ -210,7 +210,7 @@ def asymmetry(scene: fl.Scene, result: fl.Result) -> float:
     """``|K - K^T| / |K|`` of the elastic tangent in local components, in the last state."""
     system = System(scene, dynamics=True)
     H = system.frames.copy()
-    H[: system.count] = result.frames[-1][system.numbering.attachment.leaders]
+    H[: system.count] = result.frames[-1][system.numbering.master_map.masters]
     system.elastic.reset_stress(H)
     elements = next(iter(system.elastic))
     (rows, columns), blocks = elements.pairs, elements.tangent(H, elements.room())

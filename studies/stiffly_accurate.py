@@ -90,7 +90,7 @@ class Stages:
                 theta = before + part * speed
             H = self.H.copy()
             H[: self.n] = lie.se3_retract(self.H[: self.n], theta)
-            change = self._correct(fl.extend.Instant(H, v_end, rate, self.weights), iteration)
+            change = self._correct(fl.extend.TimeState(H, v_end, rate, self.weights), iteration)
             rate = rate - change / part**2
             if np.abs(change).max() <= self.tolerance * max(np.abs(self.h * v_end).max(), 1e-12):
                 self.known = [*self.known[-2:], (time, rate, self.weights)]
@@ -106,7 +106,7 @@ class Stages:
             rate, weights = rate + share * known, weights + share * pulls
         return rate, weights
 
-    def _correct(self, at: fl.extend.Instant, iteration: int) -> fl.extend.Array:
+    def _correct(self, at: fl.extend.TimeState, iteration: int) -> fl.extend.Array:
         """Increments that are too large, and the multipliers."""
         equations, r, part = self.equations, self.solver.right_hand_side, GAMMA * self.h
         forces = equations.residual(at, np.ones_like(self.scale), r)
@@ -158,15 +158,15 @@ def measure(damping: float, duration: float, tolerance: float) -> dict[str, list
         found, run = staged(damping, duration, steps, tolerance)
         seconds, error = process_time() - start, float(np.abs(found - exact).max() / LENGTH)
         tables["stages"].append(Row(steps, error, run.iterations, run.matrices, seconds))
-    alpha, leaders = (
+    alpha, masters = (
         fl.GeneralisedAlpha(radius=0.8, tolerance=1e-9),
-        last.equations.unknowns.leaders,
+        last.equations.unknowns.masters,
     )
     for steps in STEPS_OF_ALPHA:
         start = process_time()
         made = alpha.run(scene(damping), duration=duration, step=duration / steps, save_every=steps)
         seconds = process_time() - start
-        error = float(np.abs(made.frames[-1, leaders, 0] - exact).max() / LENGTH)
+        error = float(np.abs(made.frames[-1, masters, 0] - exact).max() / LENGTH)
         counts = int(made.iterations[-1]), made.factorisations
         tables["generalised-alpha"].append(Row(steps, error, *counts, seconds))
     return tables

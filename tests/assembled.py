@@ -40,10 +40,10 @@ class Assembled:
         there[:n, 0] += np.einsum("nij,ni->nj", H[:n, 1:], h[:, :3])
         return there
 
-    def state(self, H, v=None, a=None, multipliers=None) -> fl.extend.Instant:
+    def state(self, H, v=None, a=None, multipliers=None) -> fl.extend.TimeState:
         """A state; at rest and without constraint forces by default."""
         none = np.zeros((self.count, 6))
-        return fl.extend.Instant(
+        return fl.extend.TimeState(
             H,
             none if v is None else v,
             none if a is None else a,

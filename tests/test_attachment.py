@@ -127,7 +127,7 @@ def test_clamp_joint_and_motion_on_a_node_that_follows():
         for support in ("clamp", "joint", "motion"):
             scene = fl.Scene()
             beam = scene.add(fl.Beam(mesh_of(BRANCH), SECTION, up=UP))
-            assert beam.leaders.tolist() == [0, 1, 2, 3, 4, 5, 2, 2]
+            assert beam.masters.tolist() == [0, 1, 2, 3, 4, 5, 2, 2]
             corner = beam.point(node)
             if support == "clamp":
                 scene.add(fl.Clamp(corner))
@@ -237,7 +237,7 @@ def test_momentum_of_a_beam_with_a_body_beside_it():
 
 
 def test_energy_of_a_dead_force_on_a_body_that_follows():
-    """Its work goes with the body's own place, not with that of its leader."""
+    """Its work goes with the body's own place, not with that of its master node."""
     scene = fl.Scene()
     beam = scene.add(rod((0, 0, 0), (1, 0, 0)))
     block = scene.add(fl.RigidBody(0.5, (0.02, 0.03, 0.04), (1.0, 0.4, 0.0)))

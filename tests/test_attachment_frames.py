@@ -12,7 +12,7 @@ from fem_lie.attachments.between_frames import interpolated, on_geodesic
 from fem_lie.attachments.patch import in_the_mean
 from fem_lie.attachments.surface import on_surface
 from fem_lie.extend import kinds
-from fem_lie.system.nodes.numbering import Attachment
+from fem_lie.system.nodes.numbering import MasterMap
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -239,22 +239,22 @@ def test_a_patch_on_a_line_is_refused():
 
 
 def test_forces_on_rigid_attachments_are_the_transposed_of_their_twists():
-    """Power is the same on all nodes and on the leaders; ``q = W q_leader``."""
+    """Power is the same on all nodes and on the master nodes; ``q = W q_master``."""
     rng = np.random.default_rng(1)
     H = lie.se3_exp(rng.normal(size=(6, 6)))
-    attachment = Attachment(H, [(4, 1), (5, 4), (3, 0)])
-    assert attachment.leaders.tolist() == [2, 3, 5]
-    assert attachment.leader.tolist() == [1, 2, 0, 1, 2, 2]
-    moved = lie.se3_retract(H[attachment.leaders], rng.normal(size=(3, 6)))
-    frames, v, f = attachment.frames(moved), rng.normal(size=(3, 6)), rng.normal(size=(6, 6))
-    W = attachment.linear()
+    master_map = MasterMap(H, [(4, 1), (5, 4), (3, 0)])
+    assert master_map.masters.tolist() == [2, 3, 5]
+    assert master_map.master.tolist() == [1, 2, 0, 1, 2, 2]
+    moved = lie.se3_retract(H[master_map.masters], rng.normal(size=(3, 6)))
+    frames, v, f = master_map.frames(moved), rng.normal(size=(3, 6)), rng.normal(size=(6, 6))
+    W = master_map.linear()
     np.testing.assert_allclose(
-        np.einsum("nab,nbj->naj", W, moved[attachment.leader]), frames, atol=1e-14
+        np.einsum("nab,nbj->naj", W, moved[master_map.master]), frames, atol=1e-14
     )
     collected = np.zeros((3, 6))
-    attachment.collect(f, collected)
-    assert np.sum(f * attachment.twists(v)) == pytest.approx(np.sum(collected * v), rel=1e-13)
+    master_map.collect(f, collected)
+    assert np.sum(f * master_map.twists(v)) == pytest.approx(np.sum(collected * v), rel=1e-13)
     step = 1e-6
-    ahead, behind = (attachment.frames(lie.se3_retract(moved, s * v)) for s in (step, -step))
+    ahead, behind = (master_map.frames(lie.se3_retract(moved, s * v)) for s in (step, -step))
     numeric = lie.se3_relative(behind, ahead) / (2 * step)
-    np.testing.assert_allclose(attachment.twists(v), numeric, atol=1e-8)
+    np.testing.assert_allclose(master_map.twists(v), numeric, atol=1e-8)

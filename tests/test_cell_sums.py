@@ -151,7 +151,7 @@ def test_parts_of_places_are_one():
     equations = fl.extend.Equations(scene, dynamics=True)
     n, m, rng = equations.unknowns.moving, equations.unknowns.m, np.random.default_rng(3)
     v, a = rng.normal(size=(2, n, 6))
-    state = fl.extend.Instant(equations.start.frames, v, a, rng.normal(size=m))
+    state = fl.extend.TimeState(equations.start.frames, v, a, rng.normal(size=m))
     forces = equations.residual(state, np.ones(m), np.empty(equations.unknowns.size))
     plans = (
         fl.extend.Plan(0.1 * rng.normal(size=(n, 6)), np.ones(m), mass=3.0, damping=2.0),

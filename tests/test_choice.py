@@ -10,8 +10,8 @@ import scipy.sparse as sp
 
 import fem_lie as fl
 from fem_lie.linear import direct
-from fem_lie.linear.bordered import Border
 from fem_lie.linear.choice import DISSECTION, MINIMUM_DEGREE, Graph, Solutions, _ordering, choose
+from fem_lie.linear.saddle_point import Incidences
 from fem_lie.solve.statics.follow import SceneEquilibrium
 
 STEEL = fl.Material(2.1e11, 0.3, 7850.0)
@@ -78,8 +78,8 @@ def test_cost_is_that_of_eliminating_one_unknown_after_the_other(rng, ordering, 
     held[:3] = True
     pairs = sp.random(n, n, 0.08, rng=rng) + sp.eye(n)
     pairs = (pairs + pairs.T).tocsr()
-    border = Border.of([set(rng.integers(0, n, 2).tolist()) for _ in range(constraints)], n)
-    graph = Graph.of(pairs.indptr, pairs.indices, border, held)
+    incidences = Incidences.of([set(rng.integers(0, n, 2).tolist()) for _ in range(constraints)], n)
+    graph = Graph.of(pairs.indptr, pairs.indices, incidences, held)
     order = _ordering(graph.adjacency, ordering)
     sizes = graph.sizes[order]
     full = graph.adjacency[order][:, order].toarray() != 0
@@ -110,9 +110,9 @@ def test_width_tells_chains_from_meshes(pairs, least, most):
     rows, columns = np.array(pairs).T
     n = int(columns.max()) + 1
     nodes = sp.csr_matrix((np.ones(len(rows)), (rows, columns)), shape=(n, n))
-    border = Border.of([{0, n - 1}], n)
+    incidences = Incidences.of([{0, n - 1}], n)
     free = np.zeros((n, 6), dtype=bool)
-    assert least <= Graph.of(nodes.indptr, nodes.indices, border, free).width <= most
+    assert least <= Graph.of(nodes.indptr, nodes.indices, incidences, free).width <= most
 
 
 def packages(scene: fl.Scene, solutions: Solutions, *, dynamics: bool) -> list[str]:

@@ -7,11 +7,11 @@ import scipy.sparse as sp
 import fem_lie as fl
 from demos.space_net import square_net
 from fem_lie.linear import choice
-from fem_lie.linear.bordered import KKT, Border
 from fem_lie.linear.choice import CHAINS, Solutions, choose
 from fem_lie.linear.condensed import preconditioner
 from fem_lie.linear.condensed.elimination import plan_of
 from fem_lie.linear.packages import Alone, ByChains
+from fem_lie.linear.saddle_point import KKT, Incidences
 
 
 def chain(count: int, reach: int) -> np.ndarray:
@@ -70,12 +70,12 @@ def random_matrix(pairs: np.ndarray, touched: tuple[int, ...], seed: int = 0) ->
     count = len(order)
     held = rng.random((count, 6)) < 0.4
     held[list(touched), :3] = False
-    border = Border.of([{int(node)} for node in touched for _ in range(3)], count)
+    incidences = Incidences.of([{int(node)} for node in touched for _ in range(3)], count)
     both = [(pairs[:, 0], pairs[:, 1]), (pairs[:, 1], pairs[:, 0])]
-    m = len(border.ptr) - 1
+    m = len(incidences.ptr) - 1
     angular = np.zeros(m, dtype=bool)
     units = np.tile(np.repeat([2.0, 1.0], 3), count)
-    kkt = KKT(both, border, held, units=units, length=2.0, angular=angular)
+    kkt = KKT(both, incidences, held, units=units, length=2.0, angular=angular)
     blocks = rng.normal(size=(len(kkt.indices), 6, 6))
     own = np.repeat(np.arange(count), np.diff(kkt.indptr)) == kkt.indices
     blocks[own] += 25.0 * np.eye(6)

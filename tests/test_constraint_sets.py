@@ -135,7 +135,7 @@ class Case:
     def __init__(self, name: str, seed: int) -> None:
         rng, system = np.random.default_rng(seed), system_of(name)
         (self.set,) = (each for each in system.connections.sets if each.what == SETS[name][1])
-        self.n, self.border = system.count, system.connections.border
+        self.n, self.incidences = system.count, system.connections.incidences
         self.start, self.m = self.set.start.row, system.m
         near = rng.normal(size=(self.n, 6)) * [0.02, 0.02, 0.02, 0.12, 0.12, 0.12]
         self.places = np.flatnonzero(system.kinds == kinds.POINT)  # their axes do not turn
@@ -163,10 +163,10 @@ class Case:
         return out[self.own]
 
     def jacobian(self):
-        legs = np.zeros((len(self.border.nodes), 6))
-        self.set.jacobian(self.H, legs)
+        blocks = np.zeros((len(self.incidences.nodes), 6))
+        self.set.jacobian(self.H, blocks)
         rows = np.zeros((self.m, self.n, 6))
-        rows[self.border.rows, self.border.nodes] = legs
+        rows[self.incidences.rows, self.incidences.nodes] = blocks
         return rows.reshape(self.m, -1)[self.own]
 
     def stiffness(self, fill):
@@ -313,7 +313,7 @@ def test_what_averages_couple_is_of_low_rank(seed):
 def test_owners_angles_and_pairs_are_of_its_constraints(name):
     case = Case(name, 1)
     assert len(case.set.owner) == len(case.set.angular) == len(case.set.targets) == case.set.m
-    assert len(case.set.border.ptr) == case.set.m + 1
+    assert len(case.set.incidences.ptr) == case.set.m + 1
     rows, columns = case.set.pairs
     assert rows.shape == columns.shape
 

@@ -102,5 +102,5 @@ def test_stiffly_accurate_stages():
     plan = {"duration": 0.1, "step": 0.1 / 1600, "save_every": 1600}
     made = fl.GeneralisedAlpha(radius=0.8).run(module.scene(1e-3), **plan)
     run = module.staged(1e-3, 0.1, 1, 1e-2)[1]
-    there = made.frames[-1, run.equations.unknowns.leaders, 0]
+    there = made.frames[-1, run.equations.unknowns.masters, 0]
     assert np.abs(places[-1] - there).max() <= 3e-6

@@ -74,7 +74,7 @@ def test_parts_sum_up_to_the_matrix(make, count, dynamics):
     d = 1e-2 * rng.standard_normal((n, 6))
     if not dynamics:
         v[:] = a[:] = d[:] = 0.0
-    state = fl.extend.Instant(H, v, a, rng.standard_normal(unknowns.m))
+    state = fl.extend.TimeState(H, v, a, rng.standard_normal(unknowns.m))
     mass, damping = (1e6, 1e3) if dynamics else (0.0, 0.0)
     plan = fl.extend.Plan(d, np.ones(unknowns.m), mass, damping)
     equations.residual(state, plan.scale, np.zeros(unknowns.size))

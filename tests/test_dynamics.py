@@ -233,12 +233,12 @@ def test_iteration_matrix_is_the_derivative_of_the_residual(group, parametrisati
         correct(tuple(run.p), state, dx.copy(), *run._sizes, weights)
         r = np.empty(size)
         H1, motion = state[1], state[2]
-        equations.residual(fl.extend.Instant(H1, motion[6], motion[7], weights), run.scale, r)
+        equations.residual(fl.extend.TimeState(H1, motion[6], motion[7], weights), run.scale, r)
         return r
 
     zero, weights = np.zeros(size), run.weights.copy()
     correct(tuple(run.p), tuple(s), zero.copy(), *run._sizes, weights)
-    now = fl.extend.Instant(s.H1, s.twist1, s.rate1, run.weights)
+    now = fl.extend.TimeState(s.H1, s.twist1, s.rate1, run.weights)
     equations.residual(now, run.scale, zero, run.forces)
     run._fill(s.H1, s.H1, run.scale, turned=False)
     matrix = equations.matrix.matrix.convert("dense").getDenseArray()

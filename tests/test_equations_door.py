@@ -65,7 +65,7 @@ VIEWS = {
 }
 """What can be asked of the constraints at a place, what is remembered, of a time, of a state."""
 
-IMPORTED = {f"equations.{name}" for name in ("Equations", "Instant", "LinearState", "Plan")}
+IMPORTED = {f"equations.{name}" for name in ("Equations", "TimeState", "LinearState", "Plan")}
 
 COMPILED = {
     "nodes.numbering.expand_motion",

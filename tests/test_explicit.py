@@ -272,7 +272,7 @@ def test_forces_in_the_loop_are_those_of_the_equations():
     run.start()
     n = equations.unknowns.moving
     rest, none, r = np.zeros((n, 6)), np.zeros(0), np.zeros(6 * n)
-    equations.residual(fl.extend.Instant(run.H, rest, rest, none), none, r)
+    equations.residual(fl.extend.TimeState(run.H, rest, rest, none), none, r)
     r[equations.unknowns.held.ravel()] = 0.0
     assert np.abs(r).max() > 0.0
     np.testing.assert_array_equal(run.r, r)

@@ -40,7 +40,7 @@ def test_residual_in_one_call_is_the_sum_of_its_parts(time):
     assert system.terms.all_in_tables
     system.set_time(time)
     r, parts = np.empty((2, system.size))
-    now, scale = fl.extend.Instant(*state[:4]), state[4]
+    now, scale = fl.extend.TimeState(*state[:4]), state[4]
     system.with_reactions(now, scale, r)
     system.applied(now, scale, parts)
     system.terms.add_forces(now.H, parts)
@@ -64,7 +64,7 @@ def test_cells_whose_nodes_follow_others_are_in_the_same_call():
     H = system.frames.copy()
     H[: system.count, 0] += 1e-3 * rng.normal(size=(system.count, 3))
     v, a = rng.normal(size=(2, system.count, 6))
-    now, scale = fl.extend.Instant(H, v, a, rng.normal(size=system.m)), np.ones(system.m)
+    now, scale = fl.extend.TimeState(H, v, a, rng.normal(size=system.m)), np.ones(system.m)
     r, parts = np.empty((2, system.size))
     system.with_reactions(now, scale, r)
     system.applied(now, scale, parts)

@@ -88,8 +88,8 @@ def test_a_closed_circle_closes_and_another_ring_has_one_step():
     bent = closed(lambda p: [np.cos(p), np.sin(p), 0.3 * np.sin(2 * p) + 0.2 * np.cos(3 * p)], 48)
     ring = fl.Beam(bent, SECTION)
     assert len(ring.frames) == 49
-    (follower,) = np.flatnonzero(ring.leaders != np.arange(49))
-    step = lie.se3_relative(ring.frames[ring.leaders[follower]], ring.frames[follower])
+    (follower,) = np.flatnonzero(ring.masters != np.arange(49))
+    step = lie.se3_relative(ring.frames[ring.masters[follower]], ring.frames[follower])
     # about the tangent alone, and by a real angle
     assert abs(step[3]) > 0.01 and np.abs(np.delete(step, 3)).max() < 1e-9
 
@@ -111,7 +111,7 @@ def test_up_is_nearest_to_e3_for_all_or_for_groups():
         np.testing.assert_allclose(frames[:, :, 2] @ direction, 0.0, atol=1e-14)
         assert (frames[:, :, 3] @ direction > 0).all()
     # two changes of direction at one tangent each: two nodes more
-    assert beam.leaders.tolist() == [*range(9), 3, 6]
+    assert beam.masters.tolist() == [*range(9), 3, 6]
     # the rest has no direction and does not twist
     np.testing.assert_allclose(successive(beam)[6:, 3], 0.0, atol=1e-12)
     with pytest.raises(ValueError, match=r"no group of cells 'third'; it has: first, second"):
@@ -256,10 +256,10 @@ def test_a_gmsh_frame_has_its_sections_points_and_nodes(tmp_path):
     beam = fl.Beam(mesh, sections, up={"outrigger": (0, 0, 1)})
     np.testing.assert_array_equal(mesh.branching_points, mesh.named("middle"))
     assert len(mesh.points) == 16 and len(beam.frames) == 19
-    followers = np.flatnonzero(beam.leaders != np.arange(19))
+    attached = np.flatnonzero(beam.masters != np.arange(19))
     places = [beam.point(name).node for name in ("left corner", "right corner", "middle")]
-    assert sorted(beam.leaders[followers]) == sorted(places)
-    np.testing.assert_array_equal(beam.frames[followers, 0], mesh.points[beam.leaders[followers]])
+    assert sorted(beam.masters[attached]) == sorted(places)
+    np.testing.assert_array_equal(beam.frames[attached, 0], mesh.points[beam.masters[attached]])
     for k, group in enumerate(sections):
         cells = beam.cells_of(group)
         assert len(cells) == (6, 6, 3)[k]

@@ -67,7 +67,7 @@ def test_forces_of_supports_need_only_what_is_near(scene):
     near = HeldForces(system, held)
     assert near.near
     r = np.empty(system.size)
-    system.with_reactions(fl.extend.Instant(*state), np.ones(system.m), r)
+    system.with_reactions(fl.extend.TimeState(*state), np.ones(system.m), r)
     wanted = np.where(held, r[: 6 * count].reshape(-1, 6), 0.0)
     assert (near.nodes == np.flatnonzero(wanted.any(axis=1))).all()
     for _ in range(2):

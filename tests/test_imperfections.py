@@ -130,16 +130,16 @@ def test_what_follows_an_imperfect_node_goes_with_it(imperfection):
     if imperfection == "mode":
         given = fl.ModeImperfection(fl.buckling(scene, 1), 1, 0.05)
     frames = fl.imperfect(scene, given).bodies[0].frames
-    (followers,) = np.nonzero(beam.leaders != np.arange(len(beam.frames)))
-    assert len(followers) == 1
-    leaders = beam.leaders[followers]
-    moved = np.linalg.norm(frames[leaders, 0] - beam.frames[leaders, 0])
+    (attached,) = np.nonzero(beam.masters != np.arange(len(beam.frames)))
+    assert len(attached) == 1
+    masters = beam.masters[attached]
+    moved = np.linalg.norm(frames[masters, 0] - beam.frames[masters, 0])
     assert moved > 0.02
     before, after = (
-        lie.se3_compose(lie.se3_inverse(H[leaders]), H[followers]) for H in (beam.frames, frames)
+        lie.se3_compose(lie.se3_inverse(H[masters]), H[attached]) for H in (beam.frames, frames)
     )
     np.testing.assert_allclose(after, before, atol=1e-14)
-    assert np.abs(frames[followers, 1:] - beam.frames[followers, 1:]).max() > 0.02
+    assert np.abs(frames[attached, 1:] - beam.frames[attached, 1:]).max() > 0.02
     if imperfection == "mode":
         return
     # the column leans as it rises

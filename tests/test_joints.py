@@ -121,10 +121,10 @@ class Case:
         return r
 
     def jacobian(self) -> np.ndarray:
-        border = self.connections.border
-        legs, rows = np.zeros((len(border.nodes), 6)), np.zeros((self.m, 2, 6))
-        terms.jacobian(self.H, self.table, legs)
-        rows[border.rows, border.nodes] = legs
+        incidences = self.connections.incidences
+        blocks, rows = np.zeros((len(incidences.nodes), 6)), np.zeros((self.m, 2, 6))
+        terms.jacobian(self.H, self.table, blocks)
+        rows[incidences.rows, incidences.nodes] = blocks
         return rows.reshape(self.m, 12)
 
     def blocks(self, fill) -> np.ndarray:
@@ -232,19 +232,19 @@ def test_internal_forces_balance_and_are_invariant(name, seed):
     assert np.abs(again - local).max() < bound
 
 
-def forbidden(tie, A: np.ndarray, B: np.ndarray) -> np.ndarray:
+def forbidden(definition, A: np.ndarray, B: np.ndarray) -> np.ndarray:
     """What the selection and functions of a tie make of two frames."""
     z, of_z = np.empty(12), np.empty(3)
     relative_motion(A, B, z)
-    functions.values(z, tie.angle, 0.0, of_z)
-    return tie.selection @ z + tie.functions @ of_z
+    functions.values(z, definition.angle, 0.0, of_z)
+    return definition.selection @ z + definition.functions @ of_z
 
 
-def allowed(tie, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def allowed(definition, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """Two frames, with some motion between them that the tie allows."""
     A = random_frames(rng, 1)[0]
     found = least_squares(
-        lambda twist: forbidden(tie, A, lie.se3_compose(A, lie.se3_exp(twist))),
+        lambda twist: forbidden(definition, A, lie.se3_compose(A, lie.se3_exp(twist))),
         rng.uniform(-0.5, 0.5, 6),
         xtol=1e-15,
         ftol=1e-15,
@@ -265,10 +265,10 @@ def test_reversible_joint_forbids_the_same_with_its_sides_exchanged(name, seed):
     kind = getattr(fl, name)
     assert kind.reversible == (kind in REVERSIBLE)
     a, b = fl.RigidBody(1.0, (1, 1, 1)), fl.RigidBody(1.0, (1, 1, 1))
-    (tie,) = CONNECTIONS[name](a, b)[0].ties()
-    A, B = allowed(tie, np.random.default_rng(seed))
-    assert np.abs(forbidden(tie, A, B)).max() < 1e-11
-    left = np.abs(forbidden(tie.exchanged(), B, A)).max()
+    (definition,) = CONNECTIONS[name](a, b)[0].definitions()
+    A, B = allowed(definition, np.random.default_rng(seed))
+    assert np.abs(forbidden(definition, A, B)).max() < 1e-11
+    left = np.abs(forbidden(definition.exchanged(), B, A)).max()
     if kind.reversible:
         assert left < 1e-11
     elif kind is not fl.Planar:  # what it forbids is the same, its displacements are not
@@ -360,7 +360,7 @@ def test_condition_of_matrix_does_not_depend_on_step(flexible):
         run = Run(fl.GeneralisedAlpha(), fl.extend.Equations(scene, dynamics=True), step)
         run.start()
         s = run.s
-        now = fl.extend.Instant(s.H, s.twist1, s.rate1, run.weights)
+        now = fl.extend.TimeState(s.H, s.twist1, s.rate1, run.weights)
         run.equations.residual(now, run.scale, run.r, run.forces)
         run._factorise(s.H)
         matrix = run.equations.matrix.matrix.convert("dense").getDenseArray()

@@ -100,7 +100,7 @@ def test_forces_that_are_known_make_the_same_matrix(load):
     found, system = stored(model), model.equations.system
     zero = np.zeros((system.count, 6))
     state = model._H, zero, zero, model._multipliers, model._scale
-    now, forces = fl.extend.Instant(*state[:4]), system.room()
+    now, forces = fl.extend.TimeState(*state[:4]), system.workspace()
     system.residual(now, state[4], np.empty(system.size), forces)
     system.fill_matrix(now, forces, fl.extend.Plan(zero, state[4]))
     anew = stored(model)

@@ -64,7 +64,7 @@ def test_what_is_beside_is_the_stiffness_of_the_contact(line):
     still = np.zeros((equations.unknowns.moving, 6))
     H = equations.start.frames.copy()
     H[:, 0, 2] -= 0.002 if line else 0.011 + 1e-6
-    state = fl.extend.Instant(H, still, still, np.empty(0))
+    state = fl.extend.TimeState(H, still, still, np.empty(0))
     r, none = np.empty(equations.unknowns.size), np.empty(0)
     forces = equations.residual(state, none, r)
     whole, apart = fl.extend.Plan(still, none), fl.extend.Plan(still, none, apart=True)

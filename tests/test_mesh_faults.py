@@ -307,7 +307,7 @@ def test_a_corner_is_a_corner_at_any_angle(angle, cells):
     np.testing.assert_allclose(bare.frames, beam.frames, atol=1e-13)
     # one node more on the other side of the corner, which follows
     assert len(beam.frames) == 2 * cells + 2
-    assert np.count_nonzero(beam.leaders != np.arange(len(beam.frames))) == 1
+    assert np.count_nonzero(beam.masters != np.arange(len(beam.frames))) == 1
     if cells == 4 and angle < 40.0:
         asked = fl.Beam(fl.LineMesh.from_cells(points, pairs, kink_angle=np.radians(40.0)), SECTION)
         assert asked.lengths.sum() > 20.0 + 1e-5

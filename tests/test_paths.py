@@ -81,10 +81,10 @@ def test_located_limit_loads_do_not_depend_on_the_steps(deep):
 def test_every_state_is_in_equilibrium(deep):
     scene, _, path = deep
     system = Assembled(scene, dynamics=False)
-    leaders, n = system.equations.unknowns.leaders, system.count
+    masters, n = system.equations.unknowns.masters, system.count
     for frames, factor in zip(path.frames, path.factors, strict=True):
         H = system.start.copy()
-        H[:n] = frames[leaders]
+        H[:n] = frames[masters]
         system.equations.prescribed(float(factor)).act(factor=float(factor))
         left = system.residual(H)[: 6 * n]
         B = system.equations.constraints(H).jacobian.toarray()

@@ -237,7 +237,7 @@ def test_checkpoints_know_where_places_are(tmp_path):
     run = scheme.run(swinging(0.3), duration=0.01, step=1e-3, file=file, checkpoint_every=5)
     again = scheme.resume(swinging(0.3), file)
     np.testing.assert_array_equal(again.frames, run.frames)
-    with pytest.raises(ValueError, match="ties of Revolute"):
+    with pytest.raises(ValueError, match="constraint definitions of Revolute"):
         scheme.resume(swinging(0.31), file)
 
 

@@ -184,7 +184,7 @@ def test_staleness_is_the_rate_at_which_an_old_matrix_converges(group):
     run = Run(fl.GeneralisedAlpha(), equations, 1e-3)
     run.start()
     s, rng = run.s, np.random.default_rng(3)
-    now = fl.extend.Instant(s.H1, s.twist1, s.rate1, run.weights)
+    now = fl.extend.TimeState(s.H1, s.twist1, s.rate1, run.weights)
     equations.residual(now, run.scale, run.r, run.forces)
     run._factorise(s.H1)
 

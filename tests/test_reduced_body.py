@@ -55,7 +55,7 @@ class Anywhere:
 
     def residual(self, H, v, a):
         r = np.empty(self.system.size)
-        self.system.residual(fl.extend.Instant(H, v, a, np.zeros(0)), np.ones(0), r)
+        self.system.residual(fl.extend.TimeState(H, v, a, np.zeros(0)), np.ones(0), r)
         return r
 
     def along(self, step, d, rates, seconds):
@@ -80,8 +80,8 @@ def test_the_matrix_is_the_derivative_of_the_equations(rng, group, factors):
     at = Anywhere(rng, group)
     system, (mass, damping) = at.system, factors
     n = system.count
-    forces, r = system.room(), np.empty(system.size)
-    state = fl.extend.Instant(at.H, at.v, at.a, np.zeros(0))
+    forces, r = system.workspace(), np.empty(system.size)
+    state = fl.extend.TimeState(at.H, at.v, at.a, np.zeros(0))
     system.residual(state, np.ones(0), r, forces)
     plan = fl.extend.Plan(np.zeros((n, 6)), mass=mass, damping=damping, scale=np.zeros(0))
     system.fill_matrix(state, forces, plan)

@@ -48,7 +48,7 @@ def test_what_is_missed_is_how_far_nodes_go_elsewhere():
         (body,) = scene.bodies
         body.begins_at = fl.lie.se3_retract(body.frames, bent)
         if merged:
-            body.leaders = one
+            body.masters = one
             body.velocities[:] = rigid_twists(bent)
         result = fl.GeneralisedAlpha().run(scene, duration=0.02, step=5e-4, progress=False)
         ends.append(result.frames[-1, :, 0])
@@ -102,7 +102,7 @@ def test_followers_keep_the_deformation_in_which_solvers_begin():
     body.begins_at = fl.lie.se3_retract(body.frames, bent)
     body.velocities[:] = 0.0
     free = fl.GeneralisedAlpha().run(scene, duration=1e-3, step=1e-3, progress=False)
-    body.leaders = np.zeros(9, dtype=int)
+    body.masters = np.zeros(9, dtype=int)
     tied = fl.GeneralisedAlpha().run(scene, duration=1e-2, step=1e-3, progress=False)
     assert free.elastic[0] > 0.0
     np.testing.assert_allclose(tied.elastic, free.elastic[0], rtol=1e-9)

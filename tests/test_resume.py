@@ -92,7 +92,7 @@ CHANGES = {
     "group": ({"group": fl.Group.R3xSO3}, "group of beam 1"),
     "velocity": ({"velocity": 0.3}, "velocities of rigidbody 1"),
     "gravity": ({"gravity": (0, 0, -9.0)}, r"gravity \(\[0.0, 0.0, -9.0\], was \[0.0, 0.0, -9.81"),
-    "joint": ({"axis": (0.1, 1, 0)}, "ties of Revolute"),
+    "joint": ({"axis": (0.1, 1, 0)}, "constraint definitions of Revolute"),
     "drive": ({"drive": lambda t: 0.2 * t * t}, "function of Drive.*up to time 0.012"),
     "no drive": ({"drive": None}, "function of connection 3"),
     "spring": ({"spring": (4.0, 0.1, 0.9)}, "stiffness, damping and rest of Spring"),

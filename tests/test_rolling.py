@@ -46,10 +46,10 @@ def bound(connections: Connections, H: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 def dense(connections: Connections, H: np.ndarray) -> np.ndarray:
     """Rows of the constraints of velocities."""
-    border = connections.border
-    legs, rows = np.zeros((len(border.nodes), 6)), np.zeros((connections.m, 2, 6))
-    connections.sets[1].jacobian(H, legs)
-    rows[border.rows, border.nodes] = legs
+    incidences = connections.incidences
+    blocks, rows = np.zeros((len(incidences.nodes), 6)), np.zeros((connections.m, 2, 6))
+    connections.sets[1].jacobian(H, blocks)
+    rows[incidences.rows, incidences.nodes] = blocks
     return rows.reshape(-1, 12)[len(connections.table.targets) :]
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from fem_lie.linear.bordered import Border
+from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.parts import Vectors
 
 TOUCHED = [{0, 1}, {0, 1}, {0, 1}, {1}, {0, 2}, {0, 2}]
@@ -18,22 +18,22 @@ class Constraints:
 
     def __init__(self, diagonal: np.ndarray | None = None) -> None:
         rng = np.random.default_rng(3)
-        self.border, self.vectors = Border.of(TOUCHED, 3), Vectors(JOINED)
-        self.rows = rng.normal(size=(len(self.border.nodes), 6))
+        self.incidences, self.vectors = Incidences.of(TOUCHED, 3), Vectors(JOINED)
+        self.rows = rng.normal(size=(len(self.incidences.nodes), 6))
         self.diagonal = rng.uniform(1.0, 3.0, (3, 6)) if diagonal is None else diagonal
         self.units = np.ones((3, 6))
 
     def dense(self) -> np.ndarray:
         """``B diag(S)⁻¹ Bᵀ``."""
         B = np.zeros((len(JOINED), 3, 6))
-        B[self.border.rows, self.border.nodes] = self.rows
+        B[self.incidences.rows, self.incidences.nodes] = self.rows
         return np.einsum("ank,nk,bnk->ab", B, 1.0 / self.diagonal, B)
 
     def scales(self) -> tuple[np.ndarray, np.ndarray]:
         """Of all, and what is spread within vectors as a square matrix."""
         spread = np.empty(self.vectors.others.shape)
         given = self.rows, self.diagonal, self.units
-        scale = self.vectors.scales(self.border, *given, spread)
+        scale = self.vectors.scales(self.incidences, *given, spread)
         square = np.zeros((len(JOINED), len(JOINED)))
         c, j = np.nonzero(self.vectors.there)
         square[c, self.vectors.others[c, j]] = spread[c, j]
@@ -57,8 +57,8 @@ def test_what_a_force_moves_does_not_depend_on_axes_of_its_vector():
     scale, spread = given.scales()
     turn = Rotation.from_rotvec([0.4, -1.1, 0.3]).as_matrix()
     turned = Constraints()
-    legs = given.rows[:6].reshape(3, 2, 6)
-    turned.rows[:6] = np.einsum("ab,bnk->ank", turn, legs).reshape(6, 6)
+    blocks = given.rows[:6].reshape(3, 2, 6)
+    turned.rows[:6] = np.einsum("ab,bnk->ank", turn, blocks).reshape(6, 6)
     other, found = turned.scales()
     np.testing.assert_allclose(other, scale, rtol=1e-13)
     moved, again = spread[:3, :3] @ force, found[:3, :3] @ (turn @ force)
@@ -89,7 +89,7 @@ def test_nodes_without_stiffness_count_alike_in_all_units(length):
     energy, plain, other = 1e-12, Constraints(), Constraints()
     plain.diagonal[1], plain.diagonal[2, 3:] = 0.0, 1e-30
     units = np.tile(np.repeat([length, 1.0], 3), (3, 1))
-    other.rows, other.units = plain.rows / units[other.border.nodes], units
+    other.rows, other.units = plain.rows / units[other.incidences.nodes], units
     other.diagonal = energy * plain.diagonal / units**2
     expected, found = plain.scales()[0], other.scales()[0]
     np.testing.assert_allclose(found / energy, expected, rtol=1e-12)

@@ -156,7 +156,7 @@ def test_what_meets_at_a_node_is_the_residual_of_the_scene(seed):
     for (start, end), (first, second) in zip(numbers[beam.elements], found.ends[0], strict=True):
         for node, wrench in ((start, -first), (end, second)):
             turn = lie.se3_adjoint(lie.se3_inverse(tables.offset[node]))
-            total[tables.leader[node]] += turn.T @ wrench
+            total[tables.master[node]] += turn.T @ wrench
     np.testing.assert_allclose(total.ravel(), r, atol=1e-11 * np.abs(r).max())
 
 

@@ -178,17 +178,19 @@ def derivative_error(system: System, H, weights, *, along_motion: bool) -> float
     """
     n, zero, ones = system.count, np.zeros((system.count, 6)), np.ones(system.m)
     rng, step = np.random.default_rng(3), 1e-5
-    room = system.room()
+    room = system.workspace()
 
     def residual(H, weights):
         r = np.empty(system.size)
         system.elastic.reset_stress(H)
-        system.residual(fl.extend.Instant(H, zero, zero, weights), ones, r, room)
+        system.residual(fl.extend.TimeState(H, zero, zero, weights), ones, r, room)
         return r
 
     residual(H, weights)
     forces = room.outer + room.inner
-    system.fill_matrix(fl.extend.Instant(H, zero, zero, weights), room, fl.extend.Plan(zero, ones))
+    system.fill_matrix(
+        fl.extend.TimeState(H, zero, zero, weights), room, fl.extend.Plan(zero, ones)
+    )
     A, free = dense(system), ~system.held
     if not along_motion:
         for i in np.flatnonzero(system.uncoupled):
@@ -504,7 +506,7 @@ def test_hinge_along_a_kink_lets_both_sides_turn_together():
     assert moved[flat_side].max() < 1e-12 and moved.max() > 1e-3
 
 
-def test_supports_of_a_node_that_follows_are_those_of_its_leader():
+def test_supports_of_a_node_that_follows_are_those_of_its_master():
     shell = folded()
     shell.clamp("a=0")
     beam = fl.Beam.straight((0, 0, 0), (0, 0, 1), BAR, cells=1)

@@ -51,10 +51,10 @@ class Case:
         return r
 
     def jacobian(self) -> np.ndarray:
-        border, rows = self.connections.border, np.zeros((self.m, self.n, 6))
-        legs = np.zeros((len(border.nodes), 6))
-        self.set.jacobian(self.H, legs)
-        rows[border.rows, border.nodes] = legs
+        incidences, rows = self.connections.incidences, np.zeros((self.m, self.n, 6))
+        blocks = np.zeros((len(incidences.nodes), 6))
+        self.set.jacobian(self.H, blocks)
+        rows[incidences.rows, incidences.nodes] = blocks
         return rows.reshape(self.m, -1)
 
     def differences(self, function) -> np.ndarray:
@@ -213,8 +213,8 @@ def test_every_place_on_a_beam_is_found(along, seed):
     twist = lie.se3_relative(beam.frames[a], beam.frames[b])
     place = lie.se3_retract(beam.frames[a], along * twist)[0]
     bead = fl.RigidBody(1.0, (1.0, 1.0, 1.0), place)
-    tie = fl.Sliding(beam, bead.point("centre")).sliding_tie()
-    assert tie.arclength == pytest.approx(beam.lengths[:k].sum() + along * beam.lengths[k])
+    definition = fl.Sliding(beam, bead.point("centre")).sliding_definition()
+    assert definition.arclength == pytest.approx(beam.lengths[:k].sum() + along * beam.lengths[k])
 
 
 def test_bad_places_and_beams_are_refused():

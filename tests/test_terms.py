@@ -16,7 +16,7 @@ from fem_lie import lie
 from fem_lie.forms import abilities
 from fem_lie.system import System
 from fem_lie.system.terms.all_terms import Terms
-from fem_lie.system.terms.followed import Followed
+from fem_lie.system.terms.attached import AttachedTerm
 from tests.own_elements import random_body
 from tests.own_surface import Quartic
 from tests.test_packages import MODULES, imports_of
@@ -665,13 +665,13 @@ def test_matrix_is_that_of_the_forces_it_is_given(scene, dynamics):
         H[:n] = lie.se3_retract(H[:n], h)
         frames.append(H)
     v, a = (rng.normal(size=(n, 6)) if dynamics else np.zeros((n, 6)) for _ in range(2))
-    here, there = (fl.extend.Instant(H, v, a, rng.normal(size=system.m)) for H in frames)
-    forces, r, found = system.room(), np.empty(system.size), []
+    here, there = (fl.extend.TimeState(H, v, a, rng.normal(size=system.m)) for H in frames)
+    forces, r, found = system.workspace(), np.empty(system.size), []
     for others in ([], [there]):
         system.terms.reset_stress(here.H)
         system.residual(here, plan.scale, r, forces)
         for other in others:
-            system.residual(other, plan.scale, r, system.room())
+            system.residual(other, plan.scale, r, system.workspace())
         system.terms.reset_stress(here.H)
         system.fill_matrix(here, forces, plan)
         found.append(system.kkt.csr[0].copy())
@@ -689,7 +689,7 @@ def test_all_terms_of_the_package_are_in_the_list():
     """But for those that are bases of others, or others seen from elsewhere."""
     listed = {type(getattr(model.term, "term", model.term)) for model in map(Model, TERMS)}
     kinds = {kind for kind in all_kinds() if kind.__module__.startswith("fem_lie.")}
-    assert {kind for kind in kinds if not kind.__subclasses__()} - {Followed} <= listed
+    assert {kind for kind in kinds if not kind.__subclasses__()} - {AttachedTerm} <= listed
 
 
 @pytest.mark.parametrize("module", ["system.system", "system.tangent", "system.load_cases"])

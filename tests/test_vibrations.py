@@ -207,7 +207,7 @@ def test_stiffness_of_steady_motion_is_the_derivative_of_the_residual():
         v[:, :3] = np.einsum("nij,nj->ni", H[:n, 1:], 1e3 * np.cross(spin, H[:n, 0] - about))
         v[:, 3:] = H[:n, 1:] @ (1e3 * spin)
         r = np.empty(system.size)
-        system.residual(fl.extend.Instant(H, v, np.zeros((n, 6)), weights), np.ones(system.m), r)
+        system.residual(fl.extend.TimeState(H, v, np.zeros((n, 6)), weights), np.ones(system.m), r)
         return r[: 6 * n], v
 
     _, v = residual(H)

@@ -25,11 +25,11 @@ from fem_lie.extend import (
     DirectSolver,
     DividedIntegration,
     Equations,
-    Instant,
     Integrator,
     NodeKind,
     Plan,
     Recorder,
+    TimeState,
     accelerations,
     attributes,
     check_kinds,
@@ -86,7 +86,10 @@ class NewmarkRun(DividedIntegration[Recorder]):
         self.H = equations.start.frames.copy()
         self.v, self.a = equations.start.velocities[:n].copy(), np.zeros((n, 6))
         self.forces, self.scale = np.zeros(m), np.ones(m)
-        self.solver, self.books = DirectSolver(equations.matrix, "newmark_"), equations.books()
+        self.solver, self.books = (
+            DirectSolver(equations.matrix, "newmark_"),
+            equations.energy_balance(),
+        )
         self.measure = unknown_scaling(equations.unknowns)
         self._made, self._count, self._stale, self._left = 0, 0, True, np.inf
 
@@ -101,9 +104,9 @@ class NewmarkRun(DividedIntegration[Recorder]):
         self.books.open(0.0, *self.now)
 
     @property
-    def now(self) -> Instant:
+    def now(self) -> TimeState:
         """The state, as equations take it."""
-        return Instant(self.H, self.v, self.a, self.forces)
+        return TimeState(self.H, self.v, self.a, self.forces)
 
     @property
     def frames(self) -> Array:

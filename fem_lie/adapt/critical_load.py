@@ -93,9 +93,9 @@ def _power(scene: Scene, point: CriticalPoint, twists: Array) -> float:
     """Of the loads at factor 1, along twists of all nodes (N, 6)."""
     equations = Equations(scene, dynamics=False)
     H = equations.start.frames.copy()
-    leaders = equations.unknowns.leaders
-    H[: len(leaders)] = point.frames[leaders]
+    masters = equations.unknowns.masters
+    H[: len(masters)] = point.frames[masters]
     forces = equations.prescribed(1.0).loads(H).reshape(-1, 6)
-    own = twists[leaders].copy()
+    own = twists[masters].copy()
     equations.supports.turn(H, own)
     return float((forces * own).sum())

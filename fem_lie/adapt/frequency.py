@@ -42,7 +42,7 @@ class Frequency(Goal):
 
     def check(self, scene: Scene) -> None:
         """Raise ``ValueError`` if joints bind velocities, or there is no inertia."""
-        if any(joint.velocity_ties() for joint in scene.joints):
+        if any(joint.velocity_definitions() for joint in scene.joints):
             raise ValueError("a frequency needs constraints of positions, got one of velocities")
         Equations(scene, dynamics=True)  # refuses what has none
 

@@ -220,7 +220,7 @@ def _unknowns(body: Body, *, drilling: bool) -> int:
     count = np.array([TRAITS[NodeKind(kind)].unknowns for kind in body.node_kinds])
     there = (np.arange(6) < count[:, np.newaxis]) & ~body.absent
     there[:, 5] &= drilling
-    leads = body.leaders == np.arange(len(body.frames))
+    leads = body.masters == np.arange(len(body.frames))
     return int(there[leads].sum())
 
 

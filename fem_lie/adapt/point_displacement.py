@@ -103,10 +103,10 @@ def dual_motion(scene: Scene, result: StaticResult, goal: PointDisplacement) -> 
     state.move(result.frames)
     node, wrench = goal.load(result)
     free = ~unknowns.held
-    leader = equations.tables.leader[node]
-    own = np.cumsum(free).reshape(free.shape)[leader] - 1
+    master = equations.tables.master[node]
+    own = np.cumsum(free).reshape(free.shape)[master] - 1
     j = np.zeros(int(free.sum()))
-    for i in own[free[leader]]:
+    for i in own[free[master]]:
         unit = np.zeros(len(j), dtype=np.complex128)
         unit[i] = 1.0
         j[i] = state.twists(unit)[node].real @ wrench

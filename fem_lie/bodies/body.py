@@ -69,7 +69,7 @@ class Body(Nodes):
         size: float,
         points: dict[str, int],
         box: Array | None = None,
-        leaders: npt.NDArray[np.int64] | None = None,
+        masters: npt.NDArray[np.int64] | None = None,
         name: str = "",
     ) -> None:
         """Keep copies of the frames; velocities start at zero.
@@ -86,7 +86,7 @@ class Body(Nodes):
             name: Name in messages and results.
         """
         text(name, f"{type(self).__name__}: name")
-        super().__init__(frames, leaders)
+        super().__init__(frames, masters)
         self.cells, self.outline, self.box = cells, outline, box
         self.size, self.name = size, name
         self.faces: npt.NDArray[np.int64] = np.empty((0, 4), dtype=np.int64)

@@ -15,7 +15,7 @@ _OF_A_BODY = (
     "frames",
     "begins_at",
     "velocities",
-    "leaders",
+    "masters",
     "elements",
     "connectivity",
     "lengths",

@@ -103,7 +103,7 @@ class Nodes(ABC):
     Attributes:
         frames: Initial frames of the nodes, shape (n, 4, 3), see :mod:`fem_lie.lie`.
         velocities: Initial local velocities (translation, rotation), shape (n, 6).
-        leaders: The node that each node follows rigidly, itself if it is free, shape (n,).
+        masters: The node that each node follows rigidly, itself if it is free, shape (n,).
         held: Which unknowns (translation, rotation) of the nodes are zero, shape (n, 6).
         supports: Axes fixed in space along which ``held`` translations are, nan where they are the
             node's own, shape (n, 3, 3).
@@ -117,12 +117,12 @@ class Nodes(ABC):
     uncoupled: ClassVar[bool] = False
     compound: ClassVar[bool] = False
 
-    def __init__(self, frames: Array, leaders: Indices | None) -> None:
+    def __init__(self, frames: Array, masters: Indices | None) -> None:
         """Keep copies of the frames; nothing is held, and velocities start at zero."""
         self.frames = np.array(frames, dtype=np.float64)
         count = len(self.frames)
         self.velocities = np.zeros((count, 6))
-        self.leaders: Indices = np.arange(count) if leaders is None else leaders
+        self.masters: Indices = np.arange(count) if masters is None else masters
         self.held: Flags = np.zeros((count, 6), dtype=bool)
         self.supports = np.full((count, 3, 3), np.nan)
         self.begins_at: Array | None = None

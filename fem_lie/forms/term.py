@@ -65,12 +65,12 @@ class FollowingTable(NamedTuple):
 
     Attributes:
         table: Of the cells.
-        leader: Of each node that the table numbers, shape (k,).
-        offset: Frames of these in their leaders' frames, shape (k, 4, 3).
+        master: Of each node that the table numbers, shape (k,).
+        offset: Frames of these in their master nodes' frames, shape (k, 4, 3).
     """
 
     table: FormTable
-    leader: Indices
+    master: Indices
     offset: Array
 
 

@@ -1,6 +1,12 @@
 """Joints between two frames of beams, shells, rigid bodies and ground, and what acts along them."""
 
-from fem_lie.joints.connection import Connection, Coordinate, SlidingTie, Tie, VelocityTie
+from fem_lie.joints.connection import (
+    Connection,
+    ConstraintDefinition,
+    Coordinate,
+    SlidingConstraintDefinition,
+    VelocityConstraintDefinition,
+)
 from fem_lie.joints.joint import Joint
 from fem_lie.joints.kinds import (
     Cylindrical,
@@ -22,6 +28,7 @@ from fem_lie.joints.springs import Drive, Gear, Spring
 __all__ = [
     "Collar",
     "Connection",
+    "ConstraintDefinition",
     "Coordinate",
     "Cylindrical",
     "Distance",
@@ -39,10 +46,9 @@ __all__ = [
     "Screw",
     "Sleeve",
     "Sliding",
-    "SlidingTie",
+    "SlidingConstraintDefinition",
     "Spherical",
     "Spring",
-    "Tie",
     "Universal",
-    "VelocityTie",
+    "VelocityConstraintDefinition",
 ]

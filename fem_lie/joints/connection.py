@@ -40,7 +40,7 @@ def rows(*entries: dict[int, float]) -> Array:
     return selection
 
 
-class Tie(NamedTuple):
+class ConstraintDefinition(NamedTuple):
     """A pair of frames, and terms in their relative motion.
 
     Attributes:
@@ -62,7 +62,7 @@ class Tie(NamedTuple):
     angle: Array = NO_ANGLE
     reversible: bool = False
 
-    def exchanged(self) -> Tie:
+    def exchanged(self) -> ConstraintDefinition:
         """The same with sides A and B exchanged.
 
         Of a reversible one, ``Δ`` along the axis changes its sign then and ``Q`` is transposed,
@@ -70,7 +70,7 @@ class Tie(NamedTuple):
         """
         selection = self.selection.copy()
         selection[:, :3] *= -1.0
-        return Tie(
+        return ConstraintDefinition(
             self.b,
             self.a,
             self.frames[::-1],
@@ -82,7 +82,7 @@ class Tie(NamedTuple):
         )
 
 
-class VelocityTie(NamedTuple):
+class VelocityConstraintDefinition(NamedTuple):
     """A pair of frames whose relative velocity is bound, see :mod:`~.equations.rolling`.
 
     Attributes:
@@ -115,7 +115,7 @@ class Connection(ABC):
         """Name for messages and results."""
 
     @abstractmethod
-    def ties(self) -> list[Tie]:
+    def definitions(self) -> list[ConstraintDefinition]:
         """Pairs of frames and terms; the force that results report is that of the first."""
 
     @property
@@ -123,7 +123,7 @@ class Connection(ABC):
         """Number of constraints of positions."""
         return 0
 
-    def velocity_ties(self) -> list[VelocityTie]:
+    def velocity_definitions(self) -> list[VelocityConstraintDefinition]:
         """Constraints of velocities."""
         return []
 
@@ -151,7 +151,7 @@ class Connection(ABC):
         """How results call the coordinates."""
         return tuple(coordinate.name for coordinate in self.coordinates())
 
-    def sliding_tie(self) -> SlidingTie | None:
+    def sliding_definition(self) -> SlidingConstraintDefinition | None:
         """What slides along a beam, if anything does."""
         return None
 
@@ -162,7 +162,9 @@ class Connection(ABC):
     @property
     def points(self) -> list[Point]:
         """What it is attached to."""
-        return [point for tie in self.ties() for point in (tie.a, tie.b)]
+        return [
+            point for definition in self.definitions() for point in (definition.a, definition.b)
+        ]
 
     @property
     def bodies(self) -> list[Body | None]:
@@ -172,14 +174,16 @@ class Connection(ABC):
     @property
     def turns(self) -> bool:
         """Whether it feels rotations of its points."""
-        for tie in self.ties():
+        for definition in self.definitions():
             by_place = any(
                 point.body is not None
                 and np.abs(frame[0] - point.position).max() > 1e-9 * point.size
-                for point, frame in zip((tie.a, tie.b), tie.frames, strict=True)
+                for point, frame in zip(
+                    (definition.a, definition.b), definition.frames, strict=True
+                )
             )
-            used = tie.functions[:, [joint_functions.ANGLE, joint_functions.TILT]].any()
-            if by_place or used or tie.selection[:, 3:].any():
+            used = definition.functions[:, [joint_functions.ANGLE, joint_functions.TILT]].any()
+            if by_place or used or definition.selection[:, 3:].any():
                 return True
         return False
 
@@ -188,12 +192,12 @@ class Coordinate(NamedTuple):
     """A relative coordinate of a joint: for springs, drives and gears, and in results.
 
     Attributes:
-        tie: Its pair of frames with the coordinate as the only term.
+        definition: Its pair of frames with the coordinate as the only term.
         name: What results call it: ``angle`` (rad, unwrapped), ``displacement``, ``length``.
         joint: Whose it is.
     """
 
-    tie: Tie
+    definition: ConstraintDefinition
     name: str
     joint: Connection
 
@@ -222,51 +226,61 @@ class Coordinate(NamedTuple):
     @property
     def angular(self) -> bool:
         """Whether it is an angle, and no length."""
-        tie = self.tie
-        return not (tie.selection[:, :3].any() or tie.functions[:, joint_functions.DISTANCE].any())
+        definition = self.definition
+        return not (
+            definition.selection[:, :3].any()
+            or definition.functions[:, joint_functions.DISTANCE].any()
+        )
 
     @property
     def size(self) -> float:
         """Of the bodies that it ties: a length beside which its own errors count."""
-        return max(point.size for point in (self.tie.a, self.tie.b) if not point.is_ground)
+        return max(
+            point.size for point in (self.definition.a, self.definition.b) if not point.is_ground
+        )
 
     @property
     def binds(self) -> bool:
         """Whether its joint forbids any motion: a :class:`Distance` does not."""
-        return self.joint.size > 0 or bool(self.joint.velocity_ties())
+        return self.joint.size > 0 or bool(self.joint.velocity_definitions())
 
     def same(self, other: Coordinate) -> bool:
         """Whether it is the same function of the motion as another, but for its sign."""
-        return any(self._equals(tie) for tie in (other.tie, other.tie.exchanged()))
+        return any(
+            self._equals(definition)
+            for definition in (other.definition, other.definition.exchanged())
+        )
 
-    def _equals(self, tie: Tie) -> bool:
-        mine = self.tie
-        if not (mine.a.same(tie.a) and mine.b.same(tie.b)):
+    def _equals(self, definition: ConstraintDefinition) -> bool:
+        mine = self.definition
+        if not (mine.a.same(definition.a) and mine.b.same(definition.b)):
             return False
         pairs = (
-            (mine.selection, tie.selection),
-            (mine.functions, tie.functions),
-            (mine.angle, tie.angle),
-            (np.array(mine.frames), np.array(tie.frames)),
+            (mine.selection, definition.selection),
+            (mine.functions, definition.functions),
+            (mine.angle, definition.angle),
+            (np.array(mine.frames), np.array(definition.frames)),
         )
         return all(np.array_equal(own, others) for own, others in pairs)
 
     def start(self) -> float:
         """Its value in the initial configuration."""
-        z, f, tie = np.empty(12), np.zeros(3), self.tie
-        relative_motion(*tie.frames, z)
-        joint_functions.values(z, tie.angle, 0.0, f)
-        return float(tie.selection[0] @ z + tie.functions[0] @ f)
+        z, f, definition = np.empty(12), np.zeros(3), self.definition
+        relative_motion(*definition.frames, z)
+        joint_functions.values(z, definition.angle, 0.0, f)
+        return float(definition.selection[0] @ z + definition.functions[0] @ f)
 
-    def as_row(self, row: int, factor: float = 1.0) -> Tie:
+    def as_row(self, row: int, factor: float = 1.0) -> ConstraintDefinition:
         """Its tie as a term of constraint ``row``, times ``factor``; −1: of a spring."""
-        tie = self.tie
-        return tie._replace(
-            selection=factor * tie.selection, functions=factor * tie.functions, rows=(row,)
+        definition = self.definition
+        return definition._replace(
+            selection=factor * definition.selection,
+            functions=factor * definition.functions,
+            rows=(row,),
         )
 
 
-class SlidingTie(NamedTuple):
+class SlidingConstraintDefinition(NamedTuple):
     """A frame that slides along the elements of a beam.
 
     Attributes:

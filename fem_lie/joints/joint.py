@@ -12,7 +12,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, direction, text, vector
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_point
-from fem_lie.joints.connection import NO_ANGLE, Connection, Coordinate, Tie, rows
+from fem_lie.joints.connection import NO_ANGLE, Connection, ConstraintDefinition, Coordinate, rows
 from fem_lie.joints.equations import functions as joint_functions
 
 _COINCIDENT = 1e-9
@@ -82,7 +82,7 @@ class Joint(Connection):
         """Both sides."""
         return [self.a, self.b]
 
-    def ties(self) -> list[Tie]:
+    def definitions(self) -> list[ConstraintDefinition]:
         """One pair of frames with all constraints."""
         return [self._tie(self.selection, self.functions, range(self.size), self.turn)]
 
@@ -113,14 +113,18 @@ class Joint(Connection):
     def _direction(self, given: npt.ArrayLike, what: str) -> Array:
         return direction(given, f"{self.label}: {what}")
 
-    def _tie(self, selection: Array, functions: Array, of: Sequence[int], angle: Array) -> Tie:
+    def _tie(
+        self, selection: Array, functions: Array, of: Sequence[int], angle: Array
+    ) -> ConstraintDefinition:
         pair = self.frames()
-        return Tie(self.a, self.b, pair, selection, functions, of, angle, self.reversible)
+        return ConstraintDefinition(
+            self.a, self.b, pair, selection, functions, of, angle, self.reversible
+        )
 
     def _linear(self, name: str, index: int) -> Coordinate:
         """A component of ``Δ``."""
-        tie = self._tie(rows({index: 1.0}), np.zeros((1, 3)), (0,), NO_ANGLE)
-        return Coordinate(tie, name, self)
+        definition = self._tie(rows({index: 1.0}), np.zeros((1, 3)), (0,), NO_ANGLE)
+        return Coordinate(definition, name, self)
 
     def _function(self, name: str, number: int, angle: Array = NO_ANGLE) -> Coordinate:
         """One of the functions."""

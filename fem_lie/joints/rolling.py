@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, positive
-from fem_lie.joints.connection import VelocityTie, rows
+from fem_lie.joints.connection import VelocityConstraintDefinition, rows
 from fem_lie.joints.equations import functions as joint_functions
 from fem_lie.joints.joint import Joint
 
@@ -30,11 +30,11 @@ class KnifeEdge(Joint):
 
     selection = rows()
 
-    def velocity_ties(self) -> list[VelocityTie]:
+    def velocity_definitions(self) -> list[VelocityConstraintDefinition]:
         """The component along e₃ of ``b``."""
         across = np.zeros((1, 6))
         across[0, 2] = 1.0
-        return [VelocityTie(self.a, self.b, self.frames(), across)]
+        return [VelocityConstraintDefinition(self.a, self.b, self.frames(), across)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,9 +96,13 @@ class RollingDisc(Joint):
         plane = np.array([contact, along, np.cross(normal, along), normal])
         return plane, np.array([centre, along, np.cross(axis, along), axis])
 
-    def velocity_ties(self) -> list[VelocityTie]:
+    def velocity_definitions(self) -> list[VelocityConstraintDefinition]:
         """Along and across the path."""
-        return [VelocityTie(self.a, self.b, self.frames(), np.zeros((2, 6)), float(self.radius))]
+        return [
+            VelocityConstraintDefinition(
+                self.a, self.b, self.frames(), np.zeros((2, 6)), float(self.radius)
+            )
+        ]
 
     def _place(self) -> Array:
         return self.b.position

@@ -14,7 +14,13 @@ from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.points import require_point
 from fem_lie.elements.beams.geodesic import Geodesic
-from fem_lie.joints.connection import Connection, History, SlidingTie, Tie, rows
+from fem_lie.joints.connection import (
+    Connection,
+    ConstraintDefinition,
+    History,
+    SlidingConstraintDefinition,
+    rows,
+)
 
 _ON_AXIS = 1e-6  # of the beam's size: places nearer to its axis are on it
 _ON_LINE = ({1: 1.0}, {2: 1.0})
@@ -71,9 +77,9 @@ class Sliding(Connection):
 
     def check(self) -> None:
         """Raise ``ValueError`` if the beam is none for it, or the place not on it."""
-        self.sliding_tie()
+        self.sliding_definition()
 
-    def ties(self) -> list[Tie]:
+    def definitions(self) -> list[ConstraintDefinition]:
         """None that is fixed to a node of the beam."""
         return []
 
@@ -102,7 +108,7 @@ class Sliding(Connection):
         """Where it is on the beam."""
         return ("arclength",)
 
-    def sliding_tie(self) -> SlidingTie:
+    def sliding_definition(self) -> SlidingConstraintDefinition:
         """Where it starts, and what is bound.
 
         Raises:
@@ -139,7 +145,7 @@ class Sliding(Connection):
         driven = int(self.travel is not None)
         selection = np.vstack([self.selection, np.zeros((driven, 12))])
         advance = np.append(np.zeros(len(self.selection)), np.ones(driven))
-        return SlidingTie(self.beam, starts, self.b, frame, selection, advance, s)
+        return SlidingConstraintDefinition(self.beam, starts, self.b, frame, selection, advance, s)
 
 
 class Collar(Sliding):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fem_lie import _arrays
-from fem_lie.joints.connection import Connection, Coordinate, History, Tie
+from fem_lie.joints.connection import Connection, ConstraintDefinition, Coordinate, History
 from fem_lie.joints.histories import Table
 
 
@@ -57,7 +57,7 @@ class Spring(Connection):
         if self.rest is not None:
             _arrays.number(self.rest, f"{self.label}: rest")
 
-    def ties(self) -> list[Tie]:
+    def definitions(self) -> list[ConstraintDefinition]:
         """That of the coordinate."""
         return [self.coordinate.as_row(-1)]
 
@@ -126,7 +126,7 @@ class Drive(Connection):
         if not abs(given - start) <= 1e-8 * max(unit, abs(start)):
             raise ValueError(f"{self.label} must start at {start:g}, got {given:g}")
 
-    def ties(self) -> list[Tie]:
+    def definitions(self) -> list[ConstraintDefinition]:
         """That of the coordinate."""
         return [self.coordinate.as_row(0)]
 
@@ -196,7 +196,7 @@ class Gear(Connection):
                 "free; give coordinates of two joints"
             )
 
-    def ties(self) -> list[Tie]:
+    def definitions(self) -> list[ConstraintDefinition]:
         """Those of the two coordinates."""
         return [self.first.as_row(0), self.second.as_row(0, self.ratio)]
 

@@ -28,15 +28,15 @@ import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
-from fem_lie.linear.bordered import Border
-from fem_lie.linear.condensed.border import MOST
 from fem_lie.linear.condensed.elimination import plan_of
+from fem_lie.linear.condensed.schur import MOST
 from fem_lie.linear.domains.interface import WAYS
-from fem_lie.linear.packages import Alone, ByBorder, ByChains, Domains, Method
+from fem_lie.linear.packages import Alone, ByChains, BySchurComplement, Domains, Method
+from fem_lie.linear.saddle_point import Incidences
 from fem_lie.ranks.together import several
 
 if TYPE_CHECKING:
-    from fem_lie.linear.bordered import KKT
+    from fem_lie.linear.saddle_point import KKT
 
 MINIMUM_DEGREE, DISSECTION = "amd", PETSc.Mat.OrderingType.ND
 _WITHOUT_AMD = PETSc.Mat.OrderingType.QMD  # where PETSc was built without SuiteSparse
@@ -68,12 +68,16 @@ class Graph(NamedTuple):
     constraints: int
 
     @classmethod
-    def of(cls, indptr: Indices, indices: Indices, border: Border, held: Flags) -> Graph:
+    def of(cls, indptr: Indices, indices: Indices, incidences: Incidences, held: Flags) -> Graph:
         """From pairs of nodes, from constraints and their nodes, and from what is held (n, 6)."""
-        n, m = len(held), len(border.ptr) - 1
+        n, m = len(held), len(incidences.ptr) - 1
         nodes = sp.csr_matrix((np.ones(len(indices)), indices, indptr), shape=(n, n))
-        legs = sp.csr_matrix((np.ones(len(border.nodes)), border.nodes, border.ptr), shape=(m, n))
-        whole = sp.bmat([[nodes + nodes.T + sp.eye(n), legs.T], [legs, sp.eye(m)]], format="csr")
+        touched = sp.csr_matrix(
+            (np.ones(len(incidences.nodes)), incidences.nodes, incidences.ptr), shape=(m, n)
+        )
+        whole = sp.bmat(
+            [[nodes + nodes.T + sp.eye(n), touched.T], [touched, sp.eye(m)]], format="csr"
+        )
         sizes = np.append((~held).sum(axis=1), np.ones(m, dtype=np.int64))
         moves = sizes > 0
         adjacency = whole[moves][:, moves].tocsr()
@@ -194,7 +198,7 @@ CHAINS = ByChains("lu", "mumps"), Method("lu", "mumps"), Method("lu", "umfpack")
 _FEW = 300  # unknowns of which no ordering is needed to know that KLU is the fastest
 _CHAIN = 2  # neighbours, at most, of a node of a chain, a tree or a ring when it is eliminated
 _FILLS = 1e9  # operations from which on several ranks factorise together
-_BORDERS = 2e7  # operations from which on a border costs less than factors that are not symmetric
+_SCHUR = 2e7  # operations from which on a border costs less than factors that are not symmetric
 _COSTLY = 5e9  # operations from which on UMFPACK, which is slower, does not catch up
 _JOINTED, _LEAVES = 0.02, 2e7  # constraints over unknowns, and operations, UMFPACK minds both
 _WORSE = 2.0  # operations by minimum degree over those by dissection, UMFPACK's over MUMPS'
@@ -249,7 +253,7 @@ def choose(kkt: KKT, prefix: str, solutions: Solutions) -> Choice:
 
 def _by_fill(kkt: KKT, solutions: Solutions) -> Choice:
     """By what an elimination costs."""
-    graph = Graph.of(kkt.indptr, kkt.indices, kkt.legs, kkt.held)
+    graph = Graph.of(kkt.indptr, kkt.indices, kkt.incidences, kkt.held)
     n, m = graph.unknowns, graph.constraints
     degree, dissection = graph.cost(MINIMUM_DEGREE), graph.cost(DISSECTION)
     least = min(degree, dissection, key=lambda cost: cost.operations)
@@ -265,8 +269,8 @@ def _by_fill(kkt: KKT, solutions: Solutions) -> Choice:
     symmetric: tuple[Method, ...] = (kind("cholesky", "mumps"),)
     if len(general) > 1 and m:
         symmetric = ()  # solutions count, and MUMPS' take longer
-    if m <= MOST and least.operations > _BORDERS:
-        symmetric = ByBorder("cholesky", "cholmod"), *symmetric
+    if m <= MOST and least.operations > _SCHUR:
+        symmetric = BySchurComplement("cholesky", "cholmod"), *symmetric
     if m == 0:
         symmetric = kind("cholesky", "cholmod"), *symmetric
     seconds = _UNKNOWN * n + _OPERATION * least.operations

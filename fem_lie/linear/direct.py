@@ -33,8 +33,8 @@ from fem_lie.linear.packages import (
 from fem_lie.ranks.shared_factors import SharedMatrix, Subdomains, shared
 
 if TYPE_CHECKING:
-    from fem_lie.linear.bordered import KKT
     from fem_lie.linear.redundancy import IdleMultipliers
+    from fem_lie.linear.saddle_point import KKT
 
 _log = logging.getLogger(__name__)
 

@@ -20,7 +20,7 @@ from fem_lie.linear.low_rank import Extended
 from fem_lie.linear.redundancy import IdleMultipliers
 
 if TYPE_CHECKING:
-    from fem_lie.linear.bordered import KKT
+    from fem_lie.linear.saddle_point import KKT
 
 ACCURATE = 1e-10
 """Residual of a solution over the size of what cancels in it, above which it is not accepted.

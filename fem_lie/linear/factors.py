@@ -33,7 +33,7 @@ from fem_lie.linear.equilibrated import (
 )
 
 if TYPE_CHECKING:
-    from fem_lie.linear.bordered import KKT
+    from fem_lie.linear.saddle_point import KKT
 
 _log = logging.getLogger(__name__)
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, ClassVar
 
 from petsc4py import PETSc
 
-from fem_lie.linear.condensed.border import FewLast, border_of
 from fem_lie.linear.condensed.preconditioner import Condensed
+from fem_lie.linear.condensed.schur import SchurComplement, dense_rows_of
 from fem_lie.linear.domains.interface import Interface
 from fem_lie.linear.equilibrated import ACCURATE, Equilibrated
 
 if TYPE_CHECKING:
-    from fem_lie.linear.bordered import KKT
+    from fem_lie.linear.saddle_point import KKT
 
 
 @dataclass(frozen=True)
@@ -83,15 +83,15 @@ class ByChains(Alone):
         return pc.getPythonContext().factorising
 
 
-class ByBorder(Alone):
-    """All but a narrow border is positive definite, see :mod:`fem_lie.linear.condensed.border`."""
+class BySchurComplement(Alone):
+    """All but a narrow border is positive definite, see :mod:`fem_lie.linear.condensed.schur`."""
 
     takes_low_rank: ClassVar[bool] = True
 
     def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
         """See the base class."""
         pc.setType(PETSc.PC.Type.PYTHON)
-        pc.setPythonContext(FewLast(kkt, own, self.package))
+        pc.setPythonContext(SchurComplement(kkt, own, self.package))
 
     @property
     def symmetric(self) -> bool:
@@ -100,7 +100,7 @@ class ByBorder(Alone):
 
     def fits(self, kkt: KKT, own: Equilibrated) -> bool:
         """See the base class."""
-        return border_of(own, 6 * (len(kkt.indptr) - 1)) is not None
+        return dense_rows_of(own, 6 * (len(kkt.indptr) - 1)) is not None
 
     def factorising(self, pc: PETSc.PC) -> PETSc.PC | None:
         """See the base class."""

@@ -14,7 +14,7 @@ from fem_lie.reduce.basis import Basis
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
-from fem_lie.system.equations import Equations, Instant
+from fem_lie.system.equations import Equations, TimeState
 
 _LOST = 1e-13  # of the largest pivot
 
@@ -28,7 +28,7 @@ class BesideRest:
         free: Which unknowns of the nodes that lead are free, (l, 6).
         weight: Units of these: lengths of the model and angles, (l, 6).
         pencil: Matrices of the free unknowns.
-        leader: Number among these of the one that each node of the body follows, itself if it
+        master: Number among these of the one that each node of the body follows, itself if it
             leads, (n,).
         leads: Which nodes of the body lead, in their order, (l,).
         inertia: Matrix of (x, d₁, d₂, d₃) of the nodes that lead.
@@ -55,10 +55,10 @@ class BesideRest:
         self.pencil: Pencil = state.pencil()
         tables, nodes = equations.tables, equations.unknowns.bodies[self.body]
         self.inertia = tables.inertia
-        self.leader: Indices = tables.leader[nodes]
+        self.master: Indices = tables.master[nodes]
         place = np.argsort(nodes)
-        self.leads: Indices = place[equations.unknowns.leaders]
-        # the twist of a node from that of its leader
+        self.leads: Indices = place[equations.unknowns.masters]
+        # the twist of a node from that of its master node
         self._turn = lie.se3_adjoint(lie.se3_inverse(tables.offset[nodes]))
 
     def factor(self, some: Indices | None = None) -> scipy.sparse.linalg.SuperLU:
@@ -82,7 +82,7 @@ class BesideRest:
         """Shapes (m, n, 6) of vectors (m, f) of the free unknowns."""
         found = np.zeros((len(vectors), *self.free.shape))
         found[:, self.free] = vectors
-        own = (found * self.weight)[:, self.leader]
+        own = (found * self.weight)[:, self.master]
         return np.asarray(np.einsum("nij,mnj->mni", self._turn, own))
 
     def place(self, node: int) -> int:
@@ -91,7 +91,7 @@ class BesideRest:
         Raises:
             ValueError: It follows another.
         """
-        found = int(self.leader[node])
+        found = int(self.master[node])
         if self.leads[found] != node:
             raise ValueError(f"node {node} of {self.body.label} follows another one: take that one")
         return found
@@ -165,7 +165,7 @@ class InShapes:
         """What is left of equilibrium at all nodes, dual to increments, (n, 6); held ones none."""
         H = self._equations.start.frames.copy()
         H[: len(self._free)] = self.frames(coordinates)
-        state = Instant(H, self._still, self._still, np.zeros(0))
+        state = TimeState(H, self._still, self._still, np.zeros(0))
         self._equations.residual(state, self._scale, self._r)
         forces = np.where(self._free, self._r.reshape(-1, 6), 0.0)
         T = lie.se3_tangent(self._increments(coordinates))

@@ -39,7 +39,7 @@ from fem_lie.reduce.bases import interface_modes
 from fem_lie.reduce.basis import Basis
 from fem_lie.reduce.beside_rest import BesideRest
 from fem_lie.scene import Scene
-from fem_lie.system.equations import Instant
+from fem_lie.system.equations import TimeState
 
 _STRAIGHT = 1e-3  # what displacements over the body's size count beside rotations
 _STEP = 4e-3  # of the body's size: how large shapes are in differences
@@ -100,7 +100,7 @@ class _Within:
         axes = H[:, 1:].copy()
         frames = self._equations.start.frames.copy()
         frames[: len(H)] = H
-        state = Instant(frames, self._still, self._still, np.zeros(0))
+        state = TimeState(frames, self._still, self._still, np.zeros(0))
         self._equations.residual(state, np.zeros(0), self._r)
         f = self._r.reshape(-1, 2, 3)
         force, moment = np.einsum("nki,nhk->hni", axes, f)

@@ -38,7 +38,7 @@ from fem_lie.scene import Scene
 from fem_lie.scene.scene import Began, require_scene
 from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
 from fem_lie.solve.motion.integrator import Integrator
-from fem_lie.system.equations import Equations, Instant
+from fem_lie.system.equations import Equations, TimeState
 from fem_lie.system.small_motions import linearised
 
 _ROUNDS = 20
@@ -69,12 +69,12 @@ class Looking:
         unknowns, system = equations.unknowns, equations.system
         self._held: Flags = np.asarray(unknowns.held.any(axis=1))
         self.H = equations.start.frames.copy()
-        self.H[: unknowns.moving] = frames[unknowns.leaders]
-        self.v = np.ascontiguousarray(twists[unknowns.leaders])
+        self.H[: unknowns.moving] = frames[unknowns.masters]
+        self.v = np.ascontiguousarray(twists[unknowns.masters])
         equations.prescribed(times[0]).act()
         system.terms.reset_stress(self.H)
         r = np.empty(unknowns.size)
-        state = Instant(self.H, self.v, np.zeros_like(self.v), np.zeros(0))
+        state = TimeState(self.H, self.v, np.zeros_like(self.v), np.zeros(0))
         equations.residual(state, np.zeros(0), r)
         M, C, K = (self._matrix(equations, b) for b in linearised(system, *state[:2], state[3]))
         self._free = ~unknowns.held.ravel()
@@ -231,8 +231,8 @@ class _Run:
     def until(self, duration: float) -> MergedMotion:
         """From the beginning."""
         whole, start = self._whole, self._whole.start
-        attachment = whole.system.numbering.attachment
-        frames, twists = attachment.frames(start.frames), attachment.twists(start.velocities)
+        master_map = whole.system.numbering.master_map
+        frames, twists = master_map.frames(start.frames), master_map.twists(start.velocities)
         look = self._looking(_State(whole.scene.began.time, frames, twists))
         end, span = look.state.time + duration, self._every
         active = look.active(self._tolerance)
@@ -294,13 +294,13 @@ class _Run:
     def _moved(self, look: _Look, root: Indices, span: float) -> Result:
         """From a state on, with merged frames."""
         scene, unknowns = self._build(), self._whole.unknowns
-        attachment = self._whole.system.numbering.attachment
-        twists = attachment.twists(look.projected(root)[0])
-        leaders = unknowns.leaders[root[attachment.leader]]
+        master_map = self._whole.system.numbering.master_map
+        twists = master_map.twists(look.projected(root)[0])
+        masters = unknowns.masters[root[master_map.master]]
         for body, nodes in zip(scene.bodies, unknowns.bodies.values(), strict=True):
             place = np.full(unknowns.total, -1)
             place[nodes] = np.arange(len(nodes))
-            body.leaders = place[leaders[nodes]]
+            body.masters = place[masters[nodes]]
             body.begins_at = look.state.frames[nodes]
             body.velocities[:] = twists[nodes]
         scene.began = Began(look.state.time)

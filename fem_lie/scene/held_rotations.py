@@ -54,13 +54,13 @@ def _by_connection(item: Connection) -> Iterator[tuple[Body, HeldRotation]]:
     if not any(body is not None and _asks(body) for body in item.bodies):
         return
     turns = item.turns
-    for tie in item.ties():
+    for definition in item.definitions():
         if turns:
-            yield from _by_each_other(item.label, tie.a, tie.b)
-        elif not tie.reversible:
+            yield from _by_each_other(item.label, definition.a, definition.b)
+        elif not definition.reversible:
             # its axes belong to the frame of a
-            yield from _by_each_other(item.label, tie.a, ground())
-    for rolling in item.velocity_ties():
+            yield from _by_each_other(item.label, definition.a, ground())
+    for rolling in item.velocity_definitions():
         yield from _by_each_other(item.label, rolling.a, rolling.b)
 
 

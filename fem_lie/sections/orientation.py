@@ -227,7 +227,7 @@ def shared_nodes(mesh: LineMesh, frames: Array) -> tuple[Array, Indices, Indices
     first = order[np.searchsorted(point[order], np.arange(n))]
     nodes = [frame for frame in ends[first]]
     node_of_end = point.copy()
-    leaders = list(range(n))
+    masters = list(range(n))
     others: dict[int, list[int]] = {}
     apart = np.linalg.norm(ends[:, 1:] - ends[first[point], 1:], axis=(1, 2))
     for end in np.flatnonzero(apart > _SAME_FRAME):
@@ -238,9 +238,9 @@ def shared_nodes(mesh: LineMesh, frames: Array) -> tuple[Array, Indices, Indices
             match = [len(nodes)]
             known.append(len(nodes))
             nodes.append(ends[end])
-            leaders.append(place)
+            masters.append(place)
         node_of_end[end] = match[0]
-    return np.array(nodes), node_of_end.reshape(-1, 2), np.array(leaders, dtype=np.int64)
+    return np.array(nodes), node_of_end.reshape(-1, 2), np.array(masters, dtype=np.int64)
 
 
 def middle_frames(a: Array, b: Array) -> Array:

@@ -29,7 +29,6 @@ from fem_lie.joints.equations.terms import wrenches
 from fem_lie.lie.kinds import acceleration, pull
 from fem_lie.lie.kinds.inertia import Inertia, PlainInertia, PlainMotion, multiply_row
 from fem_lie.system import outer_forces
-from fem_lie.system.instant import Instant
 from fem_lie.system.nodes.masses import PlainLoads
 from fem_lie.system.nodes.sums import add_moments
 from fem_lie.system.outer_forces import (
@@ -46,6 +45,7 @@ from fem_lie.system.outer_forces import (
 )
 from fem_lie.system.system import System
 from fem_lie.system.terms.near import NearTerms
+from fem_lie.system.time_state import TimeState
 
 
 @compiled
@@ -81,14 +81,14 @@ def _add_joints(
     H: Array,
     v: Array,
     joints: PackedJoints,
-    weights: Array,
+    multipliers: Array,
     ends: tuple[Indices, Indices],
     forces: Array,
     r: Array,
 ) -> None:
     """Add what joints do at some of their ends, pairs and sides, to ``r`` (n, 6)."""
     (pairs, sides), table, moved = ends, joint_table(joints), np.empty(6)
-    wrenches(H, v, table, weights, pairs, sides, forces)
+    wrenches(H, v, table, multipliers, pairs, sides, forces)
     for e in range(len(pairs)):
         pair, side = pairs[e], sides[e]
         lie.apply_adjoint_inverse_transposed(table.frames[pair, side], forces[e], moved)
@@ -127,38 +127,38 @@ class HeldForces:
         self._ends, self._of_ends = (pairs, sides), np.empty((len(pairs), 6))
         self._work = np.zeros((2, system.count, 4, 3))
 
-    def find(self, H: Array, v: Array, a: Array, weights: Array) -> Array:
+    def find(self, H: Array, v: Array, a: Array, multipliers: Array) -> Array:
         """They are in the axes of :attr:`nodes`, shape (s, 6).
 
         Args:
             H: Frames of all rows.
             v: Twists, shape (≥ n, 6).
             a: Their rates.
-            weights: Multipliers, shape (m,).
+            multipliers: Multipliers, shape (m,).
         """
         system, r = self._system, self._values
         if self._terms is None:
             every = np.empty(system.size)
             system.terms.condense(H)
-            system.with_reactions(Instant(H, v, a, weights), np.ones(system.m), every)
+            system.with_reactions(TimeState(H, v, a, multipliers), np.ones(system.m), every)
             r[:] = every[: 6 * system.count].reshape(-1, 6)
         else:
-            self._look_near(self._terms, Instant(H, v, a, weights))
+            self._look_near(self._terms, TimeState(H, v, a, multipliers))
         if not system.supports:
             return np.where(self._held[self.nodes], r[self.nodes], 0.0)
         found = np.where(self._held, r, 0.0)
         system.supports.turn_back(H, found)
         return np.asarray(found[self.nodes])
 
-    def _look_near(self, terms: NearTerms, state: Instant) -> None:
+    def _look_near(self, terms: NearTerms, state: TimeState) -> None:
         """All that acts on these nodes, and some of what acts on others."""
-        system, r, (H, v, a, weights) = self._system, self._values, state
+        system, r, (H, v, a, multipliers) = self._system, self._values, state
         r[:] = 0.0
         mass, loads = system.inertia.plain, system.loads.plain
         _add_nodal(system.kinds, (H, v, a), mass, loads, self._places, self._work, r)
         if len(self._of_ends):
             joints = system.connections.packed
-            _add_joints(H, v, joints, weights, self._ends, self._of_ends, r)
+            _add_joints(H, v, joints, multipliers, self._ends, self._of_ends, r)
         terms.add_forces(H, r)
         if system.supports:
             system.supports.turn(H, r)
@@ -226,7 +226,7 @@ class Acting:
         return [kinds, *loads, conservative, *damping, *joints, *bodies]
 
     def look(
-        self, H: Array, v: Array, a: Array, weights: Array, row: Array, wrenches: Array
+        self, H: Array, v: Array, a: Array, multipliers: Array, row: Array, wrenches: Array
     ) -> None:
         """See what acts at the present time of the equations.
 
@@ -234,14 +234,14 @@ class Acting:
             H: Frames of all rows.
             v: Twists, shape (n, 6).
             a: Their rates.
-            weights: Multipliers, shape (m,).
+            multipliers: Multipliers, shape (m,).
             row: Power, loss and forces, see :mod:`fem_lie.system.outer_forces`, shape (14,),
                 overwritten.
             wrenches: What ground and prescribed frames do, in these frames, shape (p + 1, 6),
                 overwritten.
         """
         system, n = self._system, self._system.count
-        outer_forces.look(H, v, weights, self.scene, row, wrenches)
+        outer_forces.look(H, v, multipliers, self.scene, row, wrenches)
         if self._pushed:
             forces = system.terms.of_loads(H)
             add_local(system.kinds, H, forces, LOADS, 1.0, row)
@@ -255,16 +255,16 @@ class Acting:
             term.add_of_ground(H, v, forces)
             add_local(system.kinds, H, forces, REACTIONS, -1.0, row)
         if self._others:
-            wrenches[:], loss = system.connections.reactions(H, v, weights)
+            wrenches[:], loss = system.connections.reactions(H, v, multipliers)
             row[LOSS] += loss
             fixed = np.zeros(len(wrenches), dtype=np.int64)  # frames, all of them
             add_local(fixed, H[n:], wrenches, REACTIONS, 1.0, row)
         if self._held is not None:
-            nodes, forces = self._held.nodes, self._held.find(H, v, a, weights)
+            nodes, forces = self._held.nodes, self._held.find(H, v, a, multipliers)
             add_local(system.kinds[nodes], H[nodes], forces, REACTIONS, 1.0, row)
 
 
-class Books(Stateful):
+class EnergyBalance(Stateful):
     """What has been booked up to the present time.
 
     Attributes:
@@ -289,7 +289,7 @@ class Books(Stateful):
             wrenches=z((rows, 6)),
             H=system.frames.copy(),
             v=z((system.count, 6)),
-            weights=z(system.m),
+            multipliers=z(system.m),
             targets=z(system.m),
         )
         self._start = self._seen.plain
@@ -306,7 +306,7 @@ class Books(Stateful):
         """Book nothing, for nobody asks."""
         self.empty = self._idle = True
 
-    def open(self, time: float, H: Array, v: Array, a: Array, weights: Array) -> None:
+    def open(self, time: float, H: Array, v: Array, a: Array, multipliers: Array) -> None:
         """Start anew with what acts at the present time of the equations.
 
         Args:
@@ -314,18 +314,18 @@ class Books(Stateful):
             H: Frames of all rows.
             v: Twists, shape (n, 6).
             a: Their rates.
-            weights: Multipliers, shape (m,).
+            multipliers: Multipliers, shape (m,).
         """
         self.total[:] = 0.0
-        self.look(time, H, v, a, weights)
+        self.look(time, H, v, a, multipliers)
 
-    def look(self, time: float, H: Array, v: Array, a: Array, weights: Array) -> None:
+    def look(self, time: float, H: Array, v: Array, a: Array, multipliers: Array) -> None:
         """See what acts at the present time of the equations."""
         if self.empty:
             return
         seen = self._seen
-        self._acting.look(H, v, a, weights, seen.row, seen.wrenches)
-        seen.H[:], seen.v[:], seen.weights[:], seen.targets[:] = H, v, weights, self.targets
+        self._acting.look(H, v, a, multipliers, seen.row, seen.wrenches)
+        seen.H[:], seen.v[:], seen.multipliers[:], seen.targets[:] = H, v, multipliers, self.targets
         self._note(time, H)
 
     def _note(self, time: float, H: Array) -> None:
@@ -343,7 +343,7 @@ class Books(Stateful):
             return connections.table.targets
         return connections.present_targets
 
-    def add(self, h: float, time: float, H: Array, v: Array, a: Array, weights: Array) -> None:
+    def add(self, h: float, time: float, H: Array, v: Array, a: Array, multipliers: Array) -> None:
         """Book a step; the equations are at the time of its end, where the state is as given.
 
         Args:
@@ -352,18 +352,18 @@ class Books(Stateful):
             H: Frames of all rows.
             v: Twists, shape (n, 6).
             a: Their rates.
-            weights: Multipliers, shape (m,).
+            multipliers: Multipliers, shape (m,).
         """
         acting, total = self._acting, self.total
         if self.empty:
             return
-        end = H, v, weights, self.targets
+        end = H, v, multipliers, self.targets
         if self.compiled:
             look_and_sum_up(h, end, *self.looks, self.table)
             return
         if acting.strained:
             total[POWER] += self._strain_work(time, H)
-        acting.look(H, v, a, weights, self._row, self._wrenches)
+        acting.look(H, v, a, multipliers, self._row, self._wrenches)
         sum_up(h, end, self._row, self._wrenches, self._start, total)
         self._note(time, H)
 
@@ -378,7 +378,7 @@ class Books(Stateful):
         system.set_time(began + time)
         return float(0.5 * (ahead + behind))
 
-    def jump(self, time: float, H: Array, v: Array, a: Array, weights: Array) -> None:
+    def jump(self, time: float, H: Array, v: Array, a: Array, multipliers: Array) -> None:
         """Book what an event has done at once: a change of velocities, and of strains.
 
         Arguments are those of :meth:`open`.
@@ -389,11 +389,11 @@ class Books(Stateful):
         system.report(seen.H, seen.v, before)
         system.report(H, v, after)
         stored = float(self._stored[0])
-        self.look(time, H, v, a, weights)
+        self.look(time, H, v, a, multipliers)
         self.total[POWER] += after[0] - before[0] + float(self._stored[0]) - stored
         self.total[BY_REACTIONS:] += after[1:] - before[1:]
 
-    def collide(self, time: float, before: Instant, after: Instant, work: float) -> float:
+    def collide(self, time: float, before: TimeState, after: TimeState, work: float) -> float:
         """Book what impacts have done at the end of a step that was made and booked without them.
 
         Args:

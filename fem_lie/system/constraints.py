@@ -15,7 +15,7 @@ from fem_lie.bodies.catalogue import JointInfo
 from fem_lie.joints import Connection, Fixed
 from fem_lie.joints.equations.table import JointTable, PackedJoints
 from fem_lie.lie.kinds import SLOPE
-from fem_lie.linear.bordered import Border
+from fem_lie.linear.saddle_point import Incidences
 from fem_lie.scene import Scene
 from fem_lie.system.constraint_sets.all_pairs import AllPairs, all_pairs
 from fem_lie.system.constraint_sets.constraint_set import (
@@ -44,7 +44,7 @@ class Connections:
         items: Joints, what acts along them, and prescribed motions as fixed joints.
         first: The set that compiled sums over all nodes know.
         sets: That one, and all others that are not empty.
-        border: Which nodes the constraints touch.
+        incidences: Which nodes the constraints touch.
         owner: The item of each constraint, shape (m,).
         angular: Which constraints are angles and not lengths, shape (m,).
         m: Number of all constraints, ``of_velocities`` at the end.
@@ -77,7 +77,7 @@ class Connections:
         self.sets: list[ConstraintSet] = [self.first, *others]
         self.owner: Indices = np.concatenate([each.owner for each in self.sets]).astype(np.int64)
         self.angular: Flags = np.concatenate([each.angular for each in self.sets]).astype(bool)
-        self.border = _joined([each.border for each in self.sets])
+        self.incidences = _joined([each.incidences for each in self.sets])
         self.m = len(self.owner)
         self.of_velocities = sum(each.m for each in self.sets if each.of_velocities)
         base = np.concatenate([each.initial(frames) for each in self.sets])
@@ -139,7 +139,7 @@ class Connections:
     # --- equations ---
 
     def add_others(
-        self, H: Array, v: Array, weights: Array, scale: Array, factor: float, r: Array
+        self, H: Array, v: Array, multipliers: Array, scale: Array, factor: float, r: Array
     ) -> None:
         """Forces and violations of all sets but the first, to the residual ``r``.
 
@@ -149,15 +149,15 @@ class Connections:
             scale = scale.copy()
             scale[self.m - self.of_velocities :] *= factor
         for each in self.sets[1:]:
-            each.evaluate(H, v, weights, scale, self._numbering.count, r)
+            each.evaluate(H, v, multipliers, scale, self._numbering.count, r)
 
-    def reactions(self, H: Array, v: Array, weights: Array) -> tuple[Array, float]:
+    def reactions(self, H: Array, v: Array, multipliers: Array) -> tuple[Array, float]:
         """What ground and prescribed frames do on the joints, and what dampers take.
 
         Args:
             H: Frames of all rows.
             v: Twists of the moving nodes, shape (n, 6).
-            weights: Multipliers, shape (m,).
+            multipliers: Multipliers, shape (m,).
 
         Returns:
             Forces and moments in the frames that do not move by themselves, shape (p + 1, 6), and
@@ -166,7 +166,7 @@ class Connections:
         rows, free = len(H), self._numbering.count
         r, scale = np.zeros(6 * rows + self.m), np.ones(self.m)
         for each in self.sets:
-            each.evaluate(H, v, weights, scale, rows, r)
+            each.evaluate(H, v, multipliers, scale, rows, r)
         loss = sum(each.damper_loss(H, v) for each in self.sets)
         return r[6 * free : 6 * rows].reshape(-1, 6), float(loss)
 
@@ -175,11 +175,11 @@ class Connections:
         """Whether there are dampers, or joints with what does not move by itself."""
         return any(each.outward for each in self.sets)
 
-    def jacobian(self, H: Array, legs: Array) -> None:
+    def jacobian(self, H: Array, rows: Array) -> None:
         """Derivative of all constraints, or of their rates, at the border's legs, (legs, 6)."""
-        legs[:] = 0.0
+        rows[:] = 0.0
         for each in self.sets:
-            each.jacobian(H, legs)
+            each.jacobian(H, rows)
 
     def values(self, H: Array) -> Array:
         """What constraints violate at present targets, at rest, (m,)."""
@@ -315,7 +315,7 @@ class Connections:
         """Pairs of the first set and their sides whose forces results report; all owners."""
         return *self.first.reported, self.owner
 
-    def report(self, H: Array, v: Array, weights: Array) -> tuple[Array, Array, Array]:
+    def report(self, H: Array, v: Array, multipliers: Array) -> tuple[Array, Array, Array]:
         """What results say of the items at twists ``v`` of the moving nodes.
 
         Returns:
@@ -326,7 +326,7 @@ class Connections:
         forces, coordinates = np.zeros((len(self.items), 6)), np.zeros(self._coordinates[-1])
         values, largest = np.zeros(self.m), np.zeros(len(self.items))
         for each in self.sets:
-            each.wrenches(H, v, weights, forces)
+            each.wrenches(H, v, multipliers, forces)
             each.coordinates(H, coordinates)
             each.values(H, v, values)
         np.maximum.at(largest, self.owner, np.abs(values))
@@ -341,20 +341,22 @@ class Connections:
 
     def _info(self, k: int, row: int, place: Array) -> JointInfo:
         """Of item k, drawn at a place in the frame of a row."""
-        item, leaders = self.items[k], self._numbering.attachment.leaders
-        moves = row < len(leaders)
+        item, masters = self.items[k], self._numbering.master_map.masters
+        moves = row < len(masters)
         return JointInfo(
             name=item.label,
             kind="PrescribedMotion" if isinstance(item, _Carried) else type(item).__name__,
-            node=int(leaders[row]) if moves else -1,
+            node=int(masters[row]) if moves else -1,
             offset=place if moves else np.zeros(3),
             coordinates=item.coordinate_names,
             first=int(self._coordinates[k]),
         )
 
 
-def _joined(borders: Sequence[Border]) -> Border:
+def _joined(parts: Sequence[Incidences]) -> Incidences:
     """Of constraints one after the other."""
-    lengths = [np.diff(border.ptr) for border in borders]
+    lengths = [np.diff(incidences.ptr) for incidences in parts]
     ptr = np.cumsum(np.concatenate([[0], *lengths]), dtype=np.int64)
-    return Border(ptr, np.concatenate([border.nodes for border in borders]).astype(np.int64))
+    return Incidences(
+        ptr, np.concatenate([incidences.nodes for incidences in parts]).astype(np.int64)
+    )

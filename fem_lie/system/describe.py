@@ -51,10 +51,10 @@ def catalogue(
         supported: Leaders that clamps and bodies hold.
         mass: Of all bodies.
     """
-    attachment = numbering.attachment
-    nodes: Indices = np.flatnonzero(np.isin(attachment.leader, supported))
-    rows = np.searchsorted(supported, attachment.leader[nodes])
-    supports = SupportInfo(attachment.leaders[supported], nodes, rows)
+    master_map = numbering.master_map
+    nodes: Indices = np.flatnonzero(np.isin(master_map.master, supported))
+    rows = np.searchsorted(supported, master_map.master[nodes])
+    supports = SupportInfo(master_map.masters[supported], nodes, rows)
     return SceneInfo(numbering.bodies(), joints, mass, supports)
 
 

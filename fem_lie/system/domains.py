@@ -14,10 +14,10 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.term import Pairs, Term
 from fem_lie.lie.kinds import POINT
-from fem_lie.linear.bordered import KKT
 from fem_lie.linear.domains.division import Division, Links, Part, divided
+from fem_lie.linear.saddle_point import KKT
 from fem_lie.system.terms.all_terms import Terms
-from fem_lie.system.terms.followed import Followed
+from fem_lie.system.terms.attached import AttachedTerm
 
 
 def division_of(kkt: KKT, terms: Terms, coupled: Sequence[Pairs], count: int) -> Division:
@@ -32,9 +32,9 @@ def division_of(kkt: KKT, terms: Terms, coupled: Sequence[Pairs], count: int) ->
     Raises:
         ValueError: It cannot be divided so often.
     """
-    n, border = len(kkt.held), kkt.legs
+    n, incidences = len(kkt.held), kkt.incidences
     cells = all_cells(sums_of(terms), n)
-    constraints = Links(border.rows, border.nodes, len(border.ptr) - 1)
+    constraints = Links(incidences.rows, incidences.nodes, len(incidences.ptr) - 1)
     rest = [term.pairs for term in terms if not _is_sum(term)]
     pairs = _apart([*rest, *coupled], cells, n)
     return divided(cells, constraints, pairs, (~kkt.held).sum(axis=1), count)
@@ -102,15 +102,15 @@ class Domain:
 
 
 def _is_sum(term: Term) -> bool:
-    return isinstance(term, Followed) and bool(term.matrices)
+    return isinstance(term, AttachedTerm) and bool(term.matrices)
 
 
-def sums_of(terms: Terms) -> list[Followed]:
+def sums_of(terms: Terms) -> list[AttachedTerm]:
     """Terms that are sums over cells."""
-    return [term for term in terms if isinstance(term, Followed) and term.matrices]
+    return [term for term in terms if isinstance(term, AttachedTerm) and term.matrices]
 
 
-def all_cells(terms: Sequence[Followed], n: int) -> Links:
+def all_cells(terms: Sequence[AttachedTerm], n: int) -> Links:
     """All cells of all terms, and each node without one as a cell of its own."""
     which, nodes, count = [np.empty(0, np.int64)], [np.empty(0, np.int64)], 0
     for cells in (term.cells for term in terms):

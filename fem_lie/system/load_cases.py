@@ -64,20 +64,20 @@ class _Case:
         return self._numbering.nodes[body]
 
     def add_nodal(self, body: Body, force: Array, levers: Array, *, following: bool) -> None:
-        """A force fixed in space is a force on ``q``, wherever its node follows its leader."""
-        attachment, nodes = self._numbering.attachment, self.nodes(body)
-        leaders = attachment.leader[nodes]
+        """A force fixed in space is a force on ``q``, wherever its node follows its master node."""
+        master_map, nodes = self._numbering.master_map, self.nodes(body)
+        masters = master_map.master[nodes]
         if following:
             # of forces fₖ on the directors: Σ eₖ × fₖ
             moment = force[:, 3:] + np.cross(np.eye(3), levers).sum(axis=1)
             values = np.concatenate([force[:, :3], moment], axis=1)
-            turn = lie.se3_adjoint(lie.se3_inverse(attachment.offset[nodes]))
-            np.add.at(self.following, leaders, np.einsum("nji,nj->ni", turn, values))
+            turn = lie.se3_adjoint(lie.se3_inverse(master_map.offset[nodes]))
+            np.add.at(self.following, masters, np.einsum("nji,nj->ni", turn, values))
         else:
             forces = np.concatenate([force[:, np.newaxis, :3], levers], axis=1)
-            moved = attachment.linear()[nodes].transpose(0, 2, 1) @ forces
-            np.add.at(self.dead, leaders, moved)
-            np.add.at(self.moment, leaders, force[:, 3:])
+            moved = master_map.linear()[nodes].transpose(0, 2, 1) @ forces
+            np.add.at(self.dead, masters, moved)
+            np.add.at(self.moment, masters, force[:, 3:])
 
     def add_strain(self, body: Body, strain: Array) -> None:
         """In all cells of the body's assembly."""

@@ -57,7 +57,7 @@ class Seen(NamedTuple):
         wrenches: Of ground and prescribed frames, see :func:`look`, shape (p + 1, 6).
         H: Frames of all rows.
         v: Twists, shape (n, 6).
-        weights: Multipliers, shape (m,).
+        multipliers: Multipliers, shape (m,).
         targets: Of the constraints, shape (m,); zero if none is driven.
     """
 
@@ -65,7 +65,7 @@ class Seen(NamedTuple):
     wrenches: Array
     H: Array
     v: Array
-    weights: Array
+    multipliers: Array
     targets: Array
 
     @property
@@ -142,14 +142,14 @@ def add_mass_damping(
 
 @compiled
 def look(
-    H: Array, v: Array, weights: Array, scene: PlainScene, row: Array, wrenches: Array
+    H: Array, v: Array, multipliers: Array, scene: PlainScene, row: Array, wrenches: Array
 ) -> None:
     """See what nodal loads, damping that goes with mass, and joints do.
 
     Args:
         H: Frames of all rows.
         v: Twists, shape (n, 6).
-        weights: Multipliers, shape (m,).
+        multipliers: Multipliers, shape (m,).
         scene: What there is.
         row: Shape (14,), overwritten.
         wrenches: What ground and prescribed frames do, in these frames, shape (p + 1, 6),
@@ -168,7 +168,7 @@ def look(
         add_mass_damping(kinds, H, v, damping, work, row)
     if joined:
         table = joint_table(joints)
-        terms.reactions(H, v, table, weights, wrenches)
+        terms.reactions(H, v, table, multipliers, wrenches)
         row[LOSS] += terms.damper_loss(H, v, table) if len(table.springs) > 0 else 0.0
         add_local(np.zeros(rows - n, dtype=np.int64), H[n:], wrenches, REACTIONS, 1.0, row)
 
@@ -190,14 +190,14 @@ def sum_up(
         row: What acts there, see :func:`look`.
         wrenches: Of ground and prescribed frames there, see :func:`look`.
         start: See :class:`Seen`, overwritten.
-        total: See :class:`~fem_lie.system.balance.Books`, updated.
+        total: See :class:`~fem_lie.system.balance.EnergyBalance`, updated.
     """
-    H, v, weights, targets = end
-    old_row, old_wrenches, old_H, old_v, old_weights, old_targets = start
+    H, v, multipliers, targets = end
+    old_row, old_wrenches, old_H, old_v, old_multipliers, old_targets = start
     for k in range(SIZE):
         total[k if k < LOADS else k + BY_LOADS - LOADS] += 0.5 * h * (old_row[k] + row[k])
     for c in range(targets.shape[0]):
-        total[POWER] -= 0.5 * (old_weights[c] + weights[c]) * (targets[c] - old_targets[c])
+        total[POWER] -= 0.5 * (old_multipliers[c] + multipliers[c]) * (targets[c] - old_targets[c])
     moved, first = np.empty(6), H.shape[0] - wrenches.shape[0]
     for p in range(1, wrenches.shape[0]):
         lie.relative(old_H[first + p], H[first + p], moved)
@@ -207,7 +207,7 @@ def sum_up(
     copy_matrix(wrenches, old_wrenches)
     copy_blocks(H, old_H)
     copy_matrix(v, old_v)
-    copy_vector(weights, old_weights)
+    copy_vector(multipliers, old_multipliers)
     copy_vector(targets, old_targets)
 
 
@@ -237,9 +237,9 @@ def look_and_sum_up(
     scene = integers1(table, 0), loads, numbers3(table, 4), damping, joints, bodies, loaded, joined
     old_row, old_wrenches = numbers1(table, at), numbers2(table, at + 1)
     old_H, old_v = numbers3(table, at + 2), numbers2(table, at + 3)
-    old_weights, old_targets = numbers1(table, at + 4), numbers1(table, at + 5)
-    start = old_row, old_wrenches, old_H, old_v, old_weights, old_targets
+    old_multipliers, old_targets = numbers1(table, at + 4), numbers1(table, at + 5)
+    start = old_row, old_wrenches, old_H, old_v, old_multipliers, old_targets
     row, wrenches = np.empty(SIZE), np.empty_like(old_wrenches)
-    H, v, weights, _ = end
-    look(H, v, weights, scene, row, wrenches)
+    H, v, multipliers, _ = end
+    look(H, v, multipliers, scene, row, wrenches)
     sum_up(h, end, row, wrenches, start, numbers1(table, at + 6))

@@ -15,7 +15,7 @@ from fem_lie.lie.kinds import tangent
 from fem_lie.lie.kinds.kind import POINT, SLOPE
 from fem_lie.lie.series import exponential
 from fem_lie.lie.tuples import load, rotate, store
-from fem_lie.linear.bordered import Border, flexibility
+from fem_lie.linear.saddle_point import Incidences, flexibility
 
 _ALIKE = 30.0  # largest over smallest of constraints that are one vector and scaled as one
 
@@ -43,7 +43,7 @@ class Vectors:
 
     def scales(
         self,
-        border: Border,
+        incidences: Incidences,
         rows: Array,
         diagonal: Array,
         units: Array,
@@ -55,7 +55,7 @@ class Vectors:
         differ much: one scale would leave the matrix as badly conditioned as they differ.
 
         Args:
-            border: Legs of the constraints.
+            incidences: Legs of the constraints.
             rows: ``B``, six of each leg, zero along what is held.
             diagonal: Of ``S``, shape (n, 6).
             units: Unit of each unknown, zero of those that are held, shape (n, 6).
@@ -64,7 +64,7 @@ class Vectors:
         """
         soft = flexibility(diagonal, units)
         moved = np.zeros(self.there.shape)
-        _move(border.ptr, border.nodes, rows, soft, self.others, self.there, moved)
+        _move(incidences.ptr, incidences.nodes, rows, soft, self.others, self.there, moved)
         own = self.there & (self.others == np.arange(len(self.own))[:, np.newaxis])
         total = moved[own]
         if len(self.own):
@@ -226,8 +226,8 @@ def _let_lag(
         if of_K[b] != b:
             for k in range(6):
                 _lagging(lag[bind[b]], blocks[of_K[b], k])
-    for leg in range(rows.shape[0]):
-        _lagging(lag[nodes[leg]], rows[leg])
+    for incidence in range(rows.shape[0]):
+        _lagging(lag[nodes[incidence]], rows[incidence])
 
 
 @inlined

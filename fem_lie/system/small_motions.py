@@ -17,8 +17,8 @@ from fem_lie.lie import kinds
 from fem_lie.lie.kinds import SLOPE, at_rest, shown_all
 from fem_lie.linear.spectra.pencil import FREE, Complex, Pencil, RigidParts, kernel
 from fem_lie.scene.rotation import Rotation
-from fem_lie.system.instant import Instant
 from fem_lie.system.system import System
+from fem_lie.system.time_state import TimeState
 
 
 class RigidMotions(NamedTuple):
@@ -86,7 +86,7 @@ def stress_terms(forces: Array) -> Array:
 
 
 def linearised(
-    system: System, H: Array, v: Array, weights: Array, *, elements: bool = True
+    system: System, H: Array, v: Array, multipliers: Array, *, elements: bool = True
 ) -> tuple[Array, Array, Array]:
     """Mass, damping and stiffness of small motions about steady motion, blocks of ``kkt``.
 
@@ -102,16 +102,16 @@ def linearised(
         system: The equations.
         H: Frames of all rows.
         v: Local velocities of the moving nodes, shape (n, 6).
-        weights: Multipliers, shape (m,).
+        multipliers: Multipliers, shape (m,).
         elements: Whether the stiffness of elements and pressure is taken in.
 
     Returns:
         Three arrays of shape (nnz, 6, 6).
     """
     tangent = system.tangent
-    scale, r, forces = np.ones(system.m), np.empty(system.size), system.room()
+    scale, r, forces = np.ones(system.m), np.empty(system.size), system.workspace()
     twists = at_rest(system.kinds)  # derivatives in the rates of twists, on any group
-    now = Instant(H, v, np.zeros_like(v), weights)
+    now = TimeState(H, v, np.zeros_like(v), multipliers)
     system.residual(now, scale, r, forces)
     loads = forces.on_rows, system.loads.moment
     tangent.keep_apart()
@@ -122,7 +122,7 @@ def linearised(
     tangent.add_inertia(now, twists, loads, (0.0, 1.0))
     tangent.add_viscosity(H, v, 1.0, lambda _, viscosity: viscosity.in_space)
     tangent.add_terms(H, forces.own, lambda term: elements or not term.of_bodies)
-    tangent.add_geometric(H, weights)
+    tangent.add_geometric(H, multipliers)
     system.follow_motion(forces)
     ad = lie.se3_ad(v)[tangent.kkt.indices]
     K = tangent.parts.K + tangent.A @ ad
@@ -130,9 +130,9 @@ def linearised(
     return M, tangent.A + M @ ad, K
 
 
-def fill_steady(system: System, H: Array, v: Array, weights: Array, scale: Array) -> None:
+def fill_steady(system: System, H: Array, v: Array, multipliers: Array, scale: Array) -> None:
     """Stiffness of :func:`linearised`, bordered by the scaled constraints, into the KKT."""
-    _, _, K = linearised(system, H, v, weights)
+    _, _, K = linearised(system, H, v, multipliers)
     system.tangent.fill(K, H, scale)
 
 
@@ -165,14 +165,14 @@ class SmallMotions:
         Raises:
             ValueError: It is none of this scene.
         """
-        system, attachment = self._system, self._system.numbering.attachment
+        system, master_map = self._system, self._system.numbering.master_map
         last = frames[-1:]
         if last.shape[1:] != (system.numbering.total, 4, 3):
             raise ValueError(
                 f"at=... must be an equilibrium of this scene with {system.numbering.total} nodes, "
                 f"got frames of shape {frames.shape}"
             )
-        self.H[: system.count] = last[0, attachment.leaders]
+        self.H[: system.count] = last[0, master_map.masters]
         self._evaluate()
         if not self.balanced(1e-5):
             raise ValueError(
@@ -186,7 +186,7 @@ class SmallMotions:
         n = 6 * system.count
         self.v = self.rotation.velocities(system.kinds, self.H)
         none, r = np.zeros_like(self.v), np.empty(system.size)
-        now, ones = Instant(self.H, self.v, none, np.zeros(system.m)), np.ones(system.m)
+        now, ones = TimeState(self.H, self.v, none, np.zeros(system.m)), np.ones(system.m)
         system.terms.reset_stress(self.H)
         system.applied(now, ones, r)
         applied = self._largest(r)
@@ -236,8 +236,8 @@ class SmallMotions:
             self._system.supports.turn_blocks(self.H, blocks)
         size = (len(held), len(held))
         A = sp.bsr_matrix((blocks, kkt.indices, kkt.indptr), shape=size).tocsr()
-        weights = sp.diags(self.weight)
-        A = (weights @ A @ weights).tocsr()[~held][:, ~held]
+        scale = sp.diags(self.weight)
+        A = (scale @ A @ scale).tocsr()[~held][:, ~held]
         A.eliminate_zeros()
         return A
 
@@ -277,7 +277,7 @@ class SmallMotions:
         h *= self.weight.reshape(-1, 6)
         system.supports.turn_back(self.H, h.real)
         system.supports.turn_back(self.H, h.imag)
-        twists = system.numbering.attachment.twists
+        twists = system.numbering.master_map.twists
         shown = np.empty((2, *h.shape))
         for part, out in zip((h.real, h.imag), shown, strict=True):
             shown_all(system.kinds, self.H, np.ascontiguousarray(part), out)

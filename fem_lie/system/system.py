@@ -21,7 +21,6 @@ from fem_lie.linear.redundancy import redundant_constraints
 from fem_lie.scene import Scene
 from fem_lie.system.constraints import Connections
 from fem_lie.system.describe import refuse
-from fem_lie.system.instant import Forces, FrameRows, Instant, Plan
 from fem_lie.system.load_cases import LoadCases
 from fem_lie.system.nodes.carried_axes import CarriedAxes, CarriedDrilling, FollowingAxes
 from fem_lie.system.nodes.element_turns import ElementTurns
@@ -30,6 +29,7 @@ from fem_lie.system.nodes.numbering import numbering_for
 from fem_lie.system.nodes.sums import add_joints, nodal_residual, report, residual
 from fem_lie.system.tangent import Tangent, every, whole
 from fem_lie.system.terms.all_terms import terms_of
+from fem_lie.system.time_state import Forces, FrameRows, Plan, TimeState
 
 _log = logging.getLogger(__name__)
 
@@ -149,7 +149,7 @@ class System:
         apart = self._others or self._any_uncoupled or self._some_apart
         settles = any(term.local is not None for term in self.terms)
         self.in_one_sum = not (apart or self._viscous or self._guided or settles)
-        self._found = self.room()
+        self._found = self.workspace()
         self._plain_inertia, self._plain_floating = self.inertia.plain, self.floating.plain
         self.set_time(scene.began.time, 1.0)
 
@@ -182,12 +182,12 @@ class System:
             self.connections.set_time(time)
 
     def prescribed_frames(self, time: float) -> Array:
-        """See :meth:`~fem_lie.system.instant.FrameRows.prescribed`."""
+        """See :meth:`~fem_lie.system.time_state.FrameRows.prescribed`."""
         return self.rows.prescribed(time)
 
     # --- equations ---
 
-    def room(self) -> Forces:
+    def workspace(self) -> Forces:
         """For what a residual finds."""
         constant = None
         if not self._others and not self._any_uncoupled:
@@ -199,7 +199,7 @@ class System:
 
     def residual(
         self,
-        state: Instant,
+        state: TimeState,
         scale: Array,
         r: Array,
         forces: Forces | None = None,
@@ -222,7 +222,7 @@ class System:
 
     def with_reactions(
         self,
-        state: Instant,
+        state: TimeState,
         scale: Array,
         r: Array,
         forces: Forces | None = None,
@@ -230,12 +230,12 @@ class System:
     ) -> None:
         """:meth:`residual`, with the forces that hold what is held."""
         found = self._found if forces is None else forces
-        H, v, a, weights = state
+        H, v, a, multipliers = state
         if found.table is None:
             self.applied(state, scale, r, found, per_increment)
             self.terms.add_forces(H, r, found.own)
         else:
-            residual(H, v, a, weights, scale, r, found.table)
+            residual(H, v, a, multipliers, scale, r, found.table)
             if self._some_apart:
                 self.terms.add_others(H, r, found.own)
         if self._viscous:
@@ -247,7 +247,7 @@ class System:
 
     def applied(
         self,
-        state: Instant,
+        state: TimeState,
         scale: Array,
         r: Array,
         forces: Forces | None = None,
@@ -258,13 +258,13 @@ class System:
         Of ``forces`` it leaves those as they are.
         """
         found = self._found if forces is None else forces
-        H, v, a, weights = state
+        H, v, a, multipliers = state
         mass, loads, joints = self._plain_inertia, self._plain_loads, self.connections.packed
         nodal_residual(self.kinds, (H, v, a), mass, self._plain_floating, loads, found.work, r)
         if self._joined:
-            add_joints(H, v, joints, weights, scale, self.count, r)
+            add_joints(H, v, joints, multipliers, scale, self.count, r)
         if self._others:
-            self.connections.add_others(H, v, weights, scale, per_increment, r)
+            self.connections.add_others(H, v, multipliers, scale, per_increment, r)
         if self._any_uncoupled:
             found.outer[:] = r[: 6 * self.count].reshape(-1, 6)
 
@@ -278,7 +278,7 @@ class System:
             total = np.where(self.rows.turning, forces.outer + forces.inner, 0.0)
             self.tangent.add_turnings(total, self.uncoupled)
 
-    def fill_matrix(self, state: Instant, forces: Forces, plan: Plan) -> Array:
+    def fill_matrix(self, state: TimeState, forces: Forces, plan: Plan) -> Array:
         """Derivative of :meth:`residual` in the increments that led to a state, into the KKT.
 
         Args:
@@ -289,7 +289,7 @@ class System:
         Returns:
             The scale of the constraints in it, (m,).
         """
-        H, v, _, weights = state
+        H, v, _, multipliers = state
         tangent, damping = self.tangent, plan.damping
         loads, factors = (forces.on_rows, self.loads.moment), (plan.mass, damping)
         if not plan.choices.gyroscopic:
@@ -300,7 +300,7 @@ class System:
         if damping != 0.0:
             tangent.add_viscosity(H, v, damping)
         if plan.choices.geometric:
-            tangent.add_geometric(H, weights)
+            tangent.add_geometric(H, multipliers)
         self.follow_motion(forces)
         return tangent.fill_increments(H, self.kinds, plan)
 

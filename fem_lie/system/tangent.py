@@ -16,18 +16,18 @@ from fem_lie.lie.kinds import floating_tangents, inertia
 from fem_lie.lie.kinds.floating import Floating
 from fem_lie.lie.kinds.inertia import Inertia, PlainMotion
 from fem_lie.lie.motions import add_turnings
-from fem_lie.linear.bordered import KKT, flexibility
 from fem_lie.linear.domains.division import Division
 from fem_lie.linear.low_rank import Beside, LowRank
+from fem_lie.linear.saddle_point import KKT, flexibility
 from fem_lie.system.constraint_sets.averages import Averages
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
 from fem_lie.system.constraints import Connections
 from fem_lie.system.domains import Domain, division_of
-from fem_lie.system.instant import Instant, Plan
 from fem_lie.system.nodes.fixed_axes import Supports
 from fem_lie.system.nodes.sums import combine_rows, load_tangent, to_inertial
 from fem_lie.system.parts import Parts, Vectors
 from fem_lie.system.terms.all_terms import Terms
+from fem_lie.system.time_state import Plan, TimeState
 
 Wanted: TypeAlias = Callable[[Term], bool]
 """Whether a term is taken in."""
@@ -85,7 +85,7 @@ class Tangent:
         """Find the pattern.
 
         Args:
-            mass: Inertia of the leaders.
+            mass: Inertia of the master nodes.
             bodies: That of bodies that deform within their frames, beyond it.
             terms: All that has a matrix besides.
             connections: All joints.
@@ -99,13 +99,13 @@ class Tangent:
         """
         self._mass, self._terms, self._connections = mass, terms, connections
         self._bodies = bodies
-        self._border, self.vectors = connections.border, Vectors(connections.joined)
+        self._incidences, self.vectors = connections.incidences, Vectors(connections.joined)
         self._held, self._count, self._kinds = held, len(held), kinds
         self._splits = self._averaged = any(each.means for each in connections.sets)
         pairs, angular = self._pairs(), connections.angular
         self.kkt = KKT(
             pairs,
-            self._border,
+            self._incidences,
             held,
             units=units,
             length=length,
@@ -113,7 +113,7 @@ class Tangent:
             redundant=redundant,
         )
         self.kkt.divisible = self
-        self.supports = Supports(axes, self._border.nodes)
+        self.supports = Supports(axes, self._incidences.nodes)
         self._settle()
 
     def _pairs(self) -> list[Pairs]:
@@ -147,9 +147,9 @@ class Tangent:
         sets = self._connections.sets
         self._sets = [(each, in_K(place(*self._pairs_of(each)))) for each in sets]
         self._averages = Averages(sets) if self._splits else Averages([])
-        self._nodes = np.concatenate([self._border.nodes, self._averages.nodes])
+        self._nodes = np.concatenate([self._incidences.nodes, self._averages.nodes])
         self._rows = np.zeros((len(self._nodes), 6))
-        self.supports.find_border(self._nodes)
+        self.supports.find_constraints(self._nodes)
         self.supports.find(self.kkt.indptr, self.kkt.indices)
         self._filled = False  # whether A is what the KKT has
 
@@ -168,14 +168,14 @@ class Tangent:
 
     def jacobian(self, H: Array) -> sp.csr_matrix:
         """``B = ∂Φ/∂h`` in the twists of the moving nodes, held ones left out; (m, 6 n)."""
-        rows, border, held = self._constraints(H), self._border, self._held
-        self.supports.turn_border(H, rows)
-        free = np.flatnonzero(~held[border.nodes].all(axis=1))
-        node = border.nodes[free]
+        rows, incidences, held = self._constraints(H), self._incidences, self._held
+        self.supports.rotate_constraints(H, rows)
+        free = np.flatnonzero(~held[incidences.nodes].all(axis=1))
+        node = incidences.nodes[free]
         columns = (6 * node[:, np.newaxis] + np.arange(6)).ravel()
         values = np.where(held[node], 0.0, rows[free]).ravel()
-        shape = (len(border.ptr) - 1, 6 * self._count)
-        return sp.csr_matrix((values, (np.repeat(border.rows[free], 6), columns)), shape=shape)
+        shape = (len(incidences.ptr) - 1, 6 * self._count)
+        return sp.csr_matrix((values, (np.repeat(incidences.rows[free], 6), columns)), shape=shape)
 
     def _constraints(self, H: Array) -> Array:
         """Derivatives of the constraints in twists, followed by zeros for mean coordinates."""
@@ -185,7 +185,7 @@ class Tangent:
 
     def _put_constraints(self, H: Array, rows: Array) -> None:
         """Set ``rows`` to these."""
-        n = len(self._border.nodes)
+        n = len(self._incidences.nodes)
         self._connections.jacobian(H, rows[:n])
         rows[n:] = 0.0
 
@@ -247,10 +247,10 @@ class Tangent:
         if self._given is not None:
             return self._given
         diagonal = np.abs(self.A[self._diagonal].diagonal(axis1=1, axis2=2))
-        rows, border = self._constraints(H), self._border
-        self.supports.turn_border(H, rows)
+        rows, incidences = self._constraints(H), self._incidences
+        self.supports.rotate_constraints(H, rows)
         rows[self._held[self._nodes]] = 0.0
-        return self.vectors.scales(border, rows, diagonal, self.kkt.free_units, spread)
+        return self.vectors.scales(incidences, rows, diagonal, self.kkt.free_units, spread)
 
     # --- parts ---
 
@@ -282,7 +282,7 @@ class Tangent:
 
     def add_inertia(
         self,
-        state: Instant,
+        state: TimeState,
         kinds: Indices,
         loads: tuple[Array, Array],
         factors: tuple[float, float],
@@ -350,14 +350,14 @@ class Tangent:
             self.kkt.beside = None
             return
         left = np.concatenate([f.rows[which] for f, which in zip(found, moves, strict=True)])
-        legs = np.concatenate([m[s].sum(axis=1) for m, s in zip(moves, some, strict=True)])
+        counts = np.concatenate([m[s].sum(axis=1) for m, s in zip(moves, some, strict=True)])
         k = np.concatenate([f.stiffness[s] for f, s in zip(found, some, strict=True)])
         right = left.copy()
         combine_rows(right, kinds, d, nodes)
         for rows in (left, right):
             rows[self._held[nodes]] = 0.0
         unknowns = (6 * nodes[:, np.newaxis] + np.arange(6)).ravel()
-        first = 6 * np.append(0, np.cumsum(legs))
+        first = 6 * np.append(0, np.cumsum(counts))
         self.kkt.beside = Beside(first, unknowns, left.ravel(), right.ravel(), k)
 
     def alone(self, H: Array, term: Term) -> sp.csr_matrix:
@@ -371,14 +371,14 @@ class Tangent:
         self.supports.turn_blocks(H, self.A)
         return sp.bsr_matrix((self.A, self.kkt.indices, self.kkt.indptr)).tocsr()
 
-    def add_geometric(self, H: Array, weights: Array) -> None:
-        """Geometric stiffness of joints with multipliers ``weights``, and of terms, to ``K``.
+    def add_geometric(self, H: Array, multipliers: Array) -> None:
+        """Geometric stiffness of joints with multipliers ``multipliers``, and of terms, to ``K``.
 
         That of joints has what acts along them.
         """
         for each, place in self._sets:
-            each.geometric(H, weights, place, self.parts.blocks)
-        self._averages.take(H, weights)
+            each.geometric(H, multipliers, place, self.parts.blocks)
+        self._averages.take(H, multipliers)
         for term, place, _ in self._of_terms:
             blocks = None if term.within_joints else term.geometric(H)
             if blocks is not None:
@@ -424,13 +424,13 @@ class Tangent:
         if self.supports:
             blocks = blocks.copy()
             self.supports.turn_blocks(H, blocks)
-            self.supports.turn_border(H, self._rows)
+            self.supports.rotate_constraints(H, self._rows)
         self._fill(blocks, self._rows, scale)
         self._filled = False
 
     def _fill(self, blocks: Array, columns: Array, scale: Array) -> None:
         """All of the KKT, with what is of low rank."""
-        n = len(self._border.nodes)
+        n = len(self._incidences.nodes)
         self.kkt.low_rank = self._low_rank(blocks, columns[n:], self._rows[n:])
         self.kkt.fill(blocks, columns[:n], self._rows[:n], scale)
 
@@ -442,7 +442,7 @@ class Tangent:
         soft = flexibility(diagonal, self.kkt.free_units)
         return self._averages.low_rank(left, right, soft, self._held)
 
-    def refill_border(self, H: Array, kinds: Indices, plan: Plan) -> Array:
+    def refill_constraints(self, H: Array, kinds: Indices, plan: Plan) -> Array:
         """What :meth:`fill_increments` filled, with the constraints anew."""
         ahead = H if plan.joint_frames is None else plan.joint_frames
         scale = self.constraint_scale(ahead, plan.spread) if plan.scale is None else plan.scale
@@ -450,9 +450,9 @@ class Tangent:
         columns = self._rows.copy()
         combine_rows(self._rows, kinds, plan.d, self._nodes)
         if self.supports:
-            self.supports.turn_border(ahead, columns)
-            self.supports.turn_border(ahead, self._rows)
-        n = len(self._border.nodes)
+            self.supports.rotate_constraints(ahead, columns)
+            self.supports.rotate_constraints(ahead, self._rows)
+        n = len(self._incidences.nodes)
         self.kkt.fill(self.A, columns[:n], self._rows[:n], scale, anew=not self._filled)
         self._filled = True
         return scale
@@ -484,8 +484,8 @@ class Tangent:
             self.parts.add_K()
         if self.supports:
             self.supports.turn_blocks(ahead, self.A)
-            self.supports.turn_border(ahead, columns)
-            self.supports.turn_border(ahead, self._rows)
+            self.supports.rotate_constraints(ahead, columns)
+            self.supports.rotate_constraints(ahead, self._rows)
         if plan.inertial:
             pattern = self.kkt.indptr, self.kkt.indices
             to_inertial(kinds, self.A, columns, self._rows, ahead, nodes, *pattern)

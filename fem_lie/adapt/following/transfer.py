@@ -41,7 +41,7 @@ from fem_lie.results.record import Record
 from fem_lie.results.states import require_states, state_number
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import Began, require_scene
-from fem_lie.system.equations import Equations, Instant
+from fem_lie.system.equations import Equations, TimeState
 
 _SAME = 1e-15  # of the momenta
 _LOST = 1e-13  # of the largest of conditions that others say, too
@@ -255,8 +255,8 @@ def _gathered(
         v = result.velocities[at, own] if isinstance(result, Result) else np.zeros((len(own), 6))
         frames[nodes], twists[nodes] = place.motion(result.frames[at, own], v)
     H, v = equations.start.frames.copy(), equations.start.velocities.copy()
-    H[: unknowns.moving] = frames[unknowns.leaders]
-    v[: unknowns.moving] = twists[unknowns.leaders]
+    H[: unknowns.moving] = frames[unknowns.masters]
+    v[: unknowns.moving] = twists[unknowns.masters]
     return H, v
 
 
@@ -270,10 +270,10 @@ def _kept(
     v: Array,
 ) -> Array:
     """Twists with the momenta of before, changed at new nodes alone if all others are there."""
-    unknowns, leader = equations.unknowns, equations.tables.leader
+    unknowns, master = equations.unknowns, equations.tables.master
     (new, changed), lost = np.zeros((2, unknowns.moving), dtype=bool), False
     for name, place in found.items():
-        nodes, count = leader[unknowns.bodies[after[name]]], len(result.info.body(name).nodes)
+        nodes, count = master[unknowns.bodies[after[name]]], len(result.info.body(name).nodes)
         new[nodes[place.between]] = True
         gone = len(np.unique(place.nodes[~place.between])) < count
         lost |= gone
@@ -291,7 +291,7 @@ def _check_joints(equations: Equations, H: Array) -> None:
     """Refuse joints that the change of meshes has torn, whatever the unit of length."""
     unknowns, r = equations.unknowns, np.empty(equations.unknowns.size)
     still = np.zeros((len(H), 6))
-    state = Instant(H, still, still[: unknowns.moving], np.zeros(unknowns.m))
+    state = TimeState(H, still, still[: unknowns.moving], np.zeros(unknowns.m))
     equations.residual(state, np.ones(unknowns.m), r)
     violations = np.abs(r[6 * unknowns.moving :])
     sizes = violations / np.where(unknowns.angular, 1.0, unknowns.length)
@@ -312,7 +312,7 @@ def _turned(
     equations = Equations(scene, dynamics=isinstance(result, Result))
     H = equations.start.frames.copy()
     for frames in result.frames[: at + 1]:
-        H[: equations.unknowns.moving] = frames[equations.unknowns.leaders]
+        H[: equations.unknowns.moving] = frames[equations.unknowns.masters]
         equations.memory.accept(H)
     return equations.system.connections.keyed_memory
 
@@ -330,7 +330,7 @@ def _told(
     if not isinstance(result, Result):
         old = Equations(scene, dynamics=False)
         rows = old.start.frames.copy()
-        rows[: old.unknowns.moving] = result.frames[at][old.unknowns.leaders]
+        rows[: old.unknowns.moving] = result.frames[at][old.unknowns.masters]
         return Transferred((0.0, 0.0), (_elastic(old, rows), elastic), *np.zeros((2, 2, 3)))
     kinetic, both = invariants_of(equations, H, v)
     momentum = np.array([result.momentum[at], both[:3]])

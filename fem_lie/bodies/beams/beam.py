@@ -110,7 +110,7 @@ class Beam(LineBody):
         self.chains = chains = Chains(mesh)
         twisted = up if isinstance(up, Twisted) else Twisted(None, up)
         ends = cell_frames(mesh, chains, twisted.up, twisted.angle)
-        frames, elements, leaders = shared_nodes(mesh, ends)
+        frames, elements, masters = shared_nodes(mesh, ends)
         # the geodesic of an arc with tangent frames is the arc itself
         a, b = frames[elements].transpose(1, 0, 2, 3)
         lengths = np.linalg.norm(lie.se3_relative(a, b)[:, :3], axis=1)
@@ -124,7 +124,7 @@ class Beam(LineBody):
             raise ValueError(
                 f"a Beam has elements that bend, {formulation} is one of rods: use Rod"
             )
-        placed = Placed(frames, elements, lengths, leaders, elements)
+        placed = Placed(frames, elements, lengths, masters, elements)
         sections = section_per_cell(mesh, chains, section)
         super().__init__(mesh, _refined(placed, formulation), sections, formulation, damping, name)
         if not rotary_inertia:
@@ -249,6 +249,6 @@ def _refined(placed: Placed, formulation: Formulation) -> Placed:
         np.concatenate([frames, middle_frames(frames[a], frames[b])]),
         np.column_stack([a, b, middle]),
         placed.lengths,
-        np.concatenate([placed.leaders, middle]),
+        np.concatenate([placed.masters, middle]),
         halves.reshape(-1, 2),
     )

@@ -27,14 +27,14 @@ class Placed(NamedTuple):
         frames: Rows of the nodes, shape (n, 4, 3).
         elements: Nodes of each element: its two ends, then those inside, shape (m, degree + 1).
         lengths: Arc length of each element, unloaded, shape (m,).
-        leaders: The node that each node follows, itself if it is free, shape (n,).
+        masters: The node that each node follows, itself if it is free, shape (n,).
         pairs: Nodes that lines are drawn between, shape (any, 2).
     """
 
     frames: Array
     elements: Indices
     lengths: Array
-    leaders: Indices
+    masters: Indices
     pairs: Indices
 
 
@@ -79,7 +79,7 @@ class LineBody(Sectioned):
             outline=outline_of(sections, len(placed.pairs) // len(sections)),
             size=float(self.lengths.sum()),
             points=named,
-            leaders=placed.leaders,
+            masters=placed.masters,
             name=name,
         )
         log_coincident(self.label, mesh.points)

@@ -85,7 +85,7 @@ class Cable(Threads):
         element = HermiteCable() if formulation is None else formulation
         chains = Chains(mesh)
         ends = cell_frames(mesh, chains, None, None)
-        frames, elements, leaders = shared_nodes(mesh, ends)
+        frames, elements, masters = shared_nodes(mesh, ends)
         if len(frames) != len(mesh.points) or np.bincount(mesh.cells.ravel()).max() > 2:
             raise ValueError(
                 "a Cable goes along smooth lines, but this one has corners or branches: make one "
@@ -95,7 +95,7 @@ class Cable(Threads):
         if length is not None:
             stretch = lengths.sum() / positive(length, "Cable: length")
             lengths = lengths / stretch
-        placed = Placed(element.placed(frames, stretch), elements, lengths, leaders, elements)
+        placed = Placed(element.placed(frames, stretch), elements, lengths, masters, elements)
         super().__init__(mesh, placed, successive(elements), section, element, damping, name)
 
     @classmethod

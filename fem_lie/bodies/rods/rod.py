@@ -171,7 +171,7 @@ class Rod(Beam):
         m = len(self.elements)
         order = self.chains.order
         one = len(self.chains.first) == 1 and len(self.frames) == m + 1
-        if not one or m < 2 or (self.leaders != np.arange(m + 1)).any():
+        if not one or m < 2 or (self.masters != np.arange(m + 1)).any():
             raise ValueError(
                 f"{self.label}: a DiscreteRod goes along one smooth line of two elements or more "
                 f"with two ends, got {len(self.chains.first)} pieces, {m} elements and "

@@ -62,7 +62,7 @@ class SplineCable(Threads):
         line = Spline.checked(knots, places, slopes)
         element = IsogeometricCable() if formulation is None else formulation
         mesh, (u, x, rates) = line.mesh(), line
-        frames, elements, leaders = shared_nodes(mesh, cell_frames(mesh, Chains(mesh), None, None))
+        frames, elements, masters = shared_nodes(mesh, cell_frames(mesh, Chains(mesh), None, None))
         ends = np.zeros((len(u) - 1, 2, 4, 3))
         ends[:, 0, :2], ends[:, 1, :2] = (
             np.stack([x[k], rates[k]], axis=1) for k in (slice(None, -1), slice(1, None))
@@ -70,7 +70,7 @@ class SplineCable(Threads):
         arc = element.shares(ends, np.diff(u)).sum()
         scale = arc / (u[-1] - u[0])
         frames[:, 1] = rates[: len(mesh.points)] / scale
-        placed = Placed(frames, elements, np.diff(u) * scale, leaders, elements)
+        placed = Placed(frames, elements, np.diff(u) * scale, masters, elements)
         super().__init__(mesh, placed, successive(elements), section, element, damping, name)
 
     @classmethod

@@ -135,7 +135,7 @@ class Shell(SupportedSurface):
             outline=None,
             size=float(np.linalg.norm(np.ptp(mesh.points, axis=0))),
             points={key: int(p[0]) for key, p in mesh.named_points.items() if len(p) == 1},
-            leaders=patches.places,
+            masters=patches.places,
             name=name,
         )
         self.own_mesh = own_mesh(mesh, patches)
@@ -175,7 +175,7 @@ class Shell(SupportedSurface):
         bound: dict[int, set[Hashable]] = {}
         for hold in holds:
             if not self._tilts(hold):
-                bound.setdefault(int(self.leaders[hold.node]), set()).add(hold.other)
+                bound.setdefault(int(self.masters[hold.node]), set()).add(hold.other)
         held_by = Counter(other for others in bound.values() for other in others)
         alone = [
             node for node, others in bound.items() if any(held_by[other] == 1 for other in others)

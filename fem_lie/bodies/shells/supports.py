@@ -75,7 +75,7 @@ class SupportedSurface(Body):
                 perpendicular to each other.
         """
         nodes, n = self.nodes(name), direction(normal, f"the normal of symmetry {name!r}")
-        all_sides = np.isin(self.leaders, nodes)
+        all_sides = np.isin(self.masters, nodes)
         heights, tilts = self.frames[nodes, 0] @ n, self.frames[all_sides, 3] @ n
         if np.ptp(heights) > 1e-6 * self.size or np.abs(tilts).max() > 1e-6:
             raise ValueError(

@@ -138,14 +138,14 @@ def _farthest(polyhedron: _Shape) -> Ball:
 
 
 def polyhedra_of(
-    pairs: Sequence[PolyhedronPair], nodes: Nodes, on_leaders: Callable[[Side], Side] | None
+    pairs: Sequence[PolyhedronPair], nodes: Nodes, on_masters: Callable[[Side], Side] | None
 ) -> Polyhedra:
     """All polyhedra of pairs, each once, and workspace for their contact manifolds.
 
     Args:
         pairs: Who may touch whom.
         nodes: Numbers of a body's nodes.
-        on_leaders: A side by the nodes that its nodes follow; default: none follows another.
+        on_masters: A side by the nodes that its nodes follow; default: none follows another.
     """
     found = {
         _key(each): _shape_of(each)
@@ -164,7 +164,7 @@ def polyhedra_of(
         planes_side([face for shape in shapes for face in shape.faces()], nodes),
         balls_side([shape.centre() for shape in shapes], nodes),
     ]
-    corners, faces, centres = sides if on_leaders is None else map(on_leaders, sides)
+    corners, faces, centres = sides if on_masters is None else map(on_masters, sides)
     counts = [_slots(*pair) for pair in pairs]
     of = [(-1 if isinstance(a, Ball) else number[_key(a)], number[_key(b)]) for a, b in pairs]
     most, whole = 2 * max((shape.longest for shape in shapes), default=0) + 2, np.int64

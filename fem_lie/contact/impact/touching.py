@@ -157,7 +157,7 @@ class Touching:
         nodes: Nodes,
         sizes: Array,
         H: Array,
-        on_leaders: Callable[[Side], Side] | None = None,
+        on_masters: Callable[[Side], Side] | None = None,
     ) -> None:
         """Join the contacts.
 
@@ -166,14 +166,14 @@ class Touching:
             nodes: Numbers of a body's nodes.
             sizes: Lengths of the bodies, shape (n,).
             H: Frames in the beginning, shape (n, 4, 3).
-            on_leaders: A side by the nodes that its nodes follow; default: none follows another.
+            on_masters: A side by the nodes that its nodes follow; default: none follows another.
         """
         # slots of polyhedra come last
         contacts = sorted(contacts, key=lambda contact: len(contact.pair.impact.manifolds) > 0)
         manifolds = [list(contact.pair.impact.manifolds) for contact in contacts]
         sides = [contact.pair.impact.sides(nodes) for contact in contacts]
-        if on_leaders is not None:
-            sides = [each._replace(a=on_leaders(each.a), b=on_leaders(each.b)) for each in sides]
+        if on_masters is not None:
+            sides = [each._replace(a=on_masters(each.a), b=on_masters(each.b)) for each in sides]
         self._a, self._b = (
             joined_sides(parts) for parts in zip(*((a, b) for a, b, _, _ in sides), strict=True)
         )
@@ -182,7 +182,7 @@ class Touching:
             for own, (a, b, flat, same) in zip(manifolds, sides, strict=True)
         ]
         self.polyhedra = polyhedra_of(
-            [pair for own in manifolds for pair in own], nodes, on_leaders
+            [pair for own in manifolds for pair in own], nodes, on_masters
         )
         self.arm = self._arm
         for contact, near in zip(contacts, self._near, strict=True):

@@ -141,13 +141,13 @@ def empty_side(n: int) -> Side:
     )
 
 
-def on_leaders(side: Side, leader: Indices, offset: Array) -> Side:
+def on_masters(side: Side, master: Indices, offset: Array) -> Side:
     """The same places, by the nodes that their nodes follow.
 
     Args:
         side: On all nodes.
-        leader: Of each node, shape (N,).
-        offset: Its frame in that of its leader, shape (N, 4, 3).
+        master: Of each node, shape (N,).
+        offset: Its frame in that of its master node, shape (N, 4, 3).
     """
     moved = side._replace(
         nodes=side.nodes.copy(), levers=side.levers.copy(), normals=side.normals.copy()
@@ -155,7 +155,7 @@ def on_leaders(side: Side, leader: Indices, offset: Array) -> Side:
     for i, k in np.argwhere(side.nodes >= 0):
         node = side.nodes[i, k]
         x, R = lie.position(offset[node]), lie.rotation(offset[node])
-        moved.nodes[i, k] = leader[node]
+        moved.nodes[i, k] = master[node]
         moved.levers[i, k] = side.weights[i, k] * x + R @ side.levers[i, k]
         if k == 0:
             moved.normals[i] = R @ side.normals[i]
@@ -176,4 +176,4 @@ def _frame_of(body: Body | None, node: int, nodes: Nodes) -> int:
     """The node that a node follows within its body."""
     if body is None:
         return GROUND
-    return int(nodes(body)[int(body.leaders[node])])
+    return int(nodes(body)[int(body.masters[node])])

@@ -17,11 +17,11 @@ from fem_lie.joints.equations import functions
 from fem_lie.joints.equations.relative_motion import relative_motion, variation
 from fem_lie.joints.equations.table import JointTable
 
-ROOM = 72
-"""Numbers that :func:`room` needs."""
+WORKSPACE = 72
+"""Numbers that :func:`workspace` needs."""
 
 
-class Room(NamedTuple):
+class Workspace(NamedTuple):
     """What is found of a pair, one after the other.
 
     Attributes:
@@ -46,10 +46,10 @@ class Room(NamedTuple):
 
 
 @inlined
-def room(work: Array) -> Room:
+def workspace(work: Array) -> Workspace:
     """In ``work`` (72,), which is overwritten by zeros."""
     work[:] = 0.0
-    return Room(
+    return Workspace(
         work[:12].reshape(4, 3),
         work[12:24].reshape(4, 3),
         work[24:36],
@@ -111,7 +111,7 @@ def rate_of_term(v: Array, table: JointTable, j: int, t: int, z: Array) -> float
 
 @inlined
 def load(
-    v: Array, table: JointTable, j: int, z: Array, f: Array, weights: Array, p: Array, c: Array
+    v: Array, table: JointTable, j: int, z: Array, f: Array, multipliers: Array, p: Array, c: Array
 ) -> None:
     """``p``: what pair j does on ``δz``; ``c``: its factors of the functions' gradients in that."""
     m = len(table.targets)
@@ -119,14 +119,14 @@ def load(
     for t in range(table.first[j], table.first[j + 1]):
         row = table.rows[t]
         if row < m:
-            weight = weights[row]
+            multiplier = multipliers[row]
         else:
             k, damping, rest = table.springs[row - m]
-            weight = k * (term(table, t, z, f) - rest)
+            multiplier = k * (term(table, t, z, f) - rest)
             if damping != 0.0:
-                weight += damping * rate_of_term(v, table, j, t, z)
+                multiplier += damping * rate_of_term(v, table, j, t, z)
         for k in range(12):
-            p[k] += weight * table.selection[t, k]
+            p[k] += multiplier * table.selection[t, k]
         for k in range(3):
-            c[k] += weight * table.functions[t, k]
+            c[k] += multiplier * table.functions[t, k]
     functions.add_gradients(z, table.angle[j], c, p)

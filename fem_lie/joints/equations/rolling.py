@@ -35,7 +35,8 @@ class RollingTable(NamedTuple):
         first: First constraint of each pair among these, and ``k`` at the end, shape (j + 1,).
         selection: ``W`` of edges, shape (k, 6).
         radius: Of discs, 0 for edges, shape (j,).
-        legs: Where in the border each constraint's sides are, −1 where they do not move, (k, 2).
+        incidences: Incidence of each constraint with the nodes of its sides A and B, −1: that side
+            does not move, shape (k, 2).
         start: Number of the first among all constraints, shape (1,).
     """
 
@@ -44,7 +45,7 @@ class RollingTable(NamedTuple):
     first: Indices
     selection: Array
     radius: Array
-    legs: Indices
+    incidences: Indices
     start: Indices
 
 
@@ -120,12 +121,12 @@ def evaluate(
     H: Array,
     v: Array,
     table: RollingTable,
-    weights: Array,
+    multipliers: Array,
     scale: Array,
     count: int,
     r: Array,
 ) -> None:
-    """Add ``Wᵀ weights`` to the nodes' rows of ``r``; set the constraints' to ``scale W V``.
+    """Add ``Wᵀ multipliers`` to the nodes' rows of ``r``; set the constraints' to ``scale W V``.
 
     Arguments as in :func:`fem_lie.joints.equations.terms.evaluate`.
     """
@@ -137,7 +138,7 @@ def evaluate(
         for i in range(table.first[j + 1] - table.first[j]):
             row = table.start[0] + table.first[j] + i
             r[6 * count + row] = scale[row] * (W[i] @ V)
-            force += weights[row] * W[i]
+            force += multipliers[row] * W[i]
         for side in range(2):
             node = table.nodes[j, side]
             if node < count:
@@ -155,11 +156,11 @@ def jacobian(H: Array, table: RollingTable, rows: Array) -> None:
         _rows(H, still, table, j, G, V, W, rate)
         for i in range(table.first[j + 1] - table.first[j]):
             for side in range(2):
-                leg = table.legs[table.first[j] + i, side]
-                if leg >= 0:
+                incidence = table.incidences[table.first[j] + i, side]
+                if incidence >= 0:
                     _side(table, j, side, G, W[i], moved)
                     for k in range(6):
-                        rows[leg, k] += moved[k]
+                        rows[incidence, k] += moved[k]
 
 
 @compiled
@@ -178,7 +179,7 @@ def rates(H: Array, v: Array, table: RollingTable, first: Array, second: Array) 
 
 
 @compiled
-def wrenches(H: Array, table: RollingTable, weights: Array, items: Indices, out: Array) -> None:
+def wrenches(H: Array, table: RollingTable, multipliers: Array, items: Indices, out: Array) -> None:
     """Add force and moment on frame A, in that frame, to the rows ``items`` (j,) of ``out``."""
     G, V, W, rate = np.empty((4, 3)), np.empty(6), np.empty((6, 6)), np.empty((6, 6))
     force, still = np.empty(6), np.zeros((0, 6))
@@ -186,6 +187,6 @@ def wrenches(H: Array, table: RollingTable, weights: Array, items: Indices, out:
         _rows(H, still, table, j, G, V, W, rate)
         force[:] = 0.0
         for i in range(table.first[j + 1] - table.first[j]):
-            force += weights[table.start[0] + table.first[j] + i] * W[i]
+            force += multipliers[table.start[0] + table.first[j] + i] * W[i]
         lie.apply_adjoint_inverse_transposed(G, force, force)
         out[items[j]] += force

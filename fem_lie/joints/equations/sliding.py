@@ -43,9 +43,9 @@ class SlidingTable(NamedTuple):
         selection: ``S``, shape (k, 12).
         advance: ``c``, shape (k,).
         targets: What they are to be, shape (k,).
-        legs: First leg of each constraint in the border, shape (k,).
-        slider_leg: Which of its legs is the sliding frame's node, −1: it does not move, (j,).
-        element_legs: Likewise of the ends of the elements, shape (e, 2).
+        incidences: First leg of each constraint in the border, shape (k,).
+        slider_incidence: Which of its legs is the sliding frame's node, −1: it does not move, (j,).
+        element_incidences: Likewise of the ends of the elements, shape (e, 2).
         arclength: At the last accepted state, shape (j,).
         start: Number of the first constraint among all, shape (1,).
     """
@@ -61,9 +61,9 @@ class SlidingTable(NamedTuple):
     selection: Array
     advance: Array
     targets: Array
-    legs: Indices
-    slider_leg: Indices
-    element_legs: Indices
+    incidences: Indices
+    slider_incidence: Indices
+    element_incidences: Indices
     arclength: Array
     start: Indices
 
@@ -159,26 +159,26 @@ def _nodal(
 
 @compiled
 def _forces(
-    H: Array, table: SlidingTable, j: int, stay: int, weights: Array, f: Array
+    H: Array, table: SlidingTable, j: int, stay: int, multipliers: Array, f: Array
 ) -> tuple[int, float]:
-    """Forces (3, 6) of frame j with multipliers ``weights``; returns the element and ξ."""
+    """Forces (3, 6) of frame j with multipliers ``multipliers``; returns the element and ξ."""
     d, X, z, p, q = np.empty(6), np.empty((4, 3)), np.empty(12), np.empty(12), np.zeros(12)
     e, ξ = _locate(H, table, j, stay, d, X, z)
     for c in range(table.first[j], table.first[j + 1]):
         _gradient(table, e, c, d, z, p)
-        q += weights[table.start[0] + c] * p
+        q += multipliers[table.start[0] + c] * p
     _nodal(table, j, e, (ξ, d, X), z, q, f)
     return e, ξ
 
 
 @compiled
 def evaluate(
-    H: Array, table: SlidingTable, weights: Array, scale: Array, count: int, r: Array
+    H: Array, table: SlidingTable, multipliers: Array, scale: Array, count: int, r: Array
 ) -> None:
     """As :func:`fem_lie.joints.equations.terms.evaluate`."""
     d, X, z, f = np.empty(6), np.empty((4, 3)), np.empty(12), np.empty((3, 6))
     for j in range(table.nodes.shape[0]):
-        e, ξ = _forces(H, table, j, -1, weights, f)
+        e, ξ = _forces(H, table, j, -1, multipliers, f)
         _locate(H, table, j, -1, d, X, z)
         s = table.starts[e] + ξ * table.lengths[e]
         for c in range(table.first[j], table.first[j + 1]):
@@ -201,10 +201,10 @@ def jacobian(H: Array, table: SlidingTable, rows: Array) -> None:
         for c in range(table.first[j], table.first[j + 1]):
             _gradient(table, e, c, d, z, p)
             _nodal(table, j, e, (ξ, d, X), z, p, f)
-            if table.slider_leg[j] >= 0:
-                rows[table.legs[c] + table.slider_leg[j]] += f[0]
+            if table.slider_incidence[j] >= 0:
+                rows[table.incidences[c] + table.slider_incidence[j]] += f[0]
             for end in range(2):
-                rows[table.legs[c] + table.element_legs[e, end]] += f[1 + end]
+                rows[table.incidences[c] + table.element_incidences[e, end]] += f[1 + end]
 
 
 @compiled
@@ -220,12 +220,12 @@ def state(H: Array, table: SlidingTable, arclength: Array, values: Array) -> Non
 
 
 @compiled
-def geometric(H: Array, table: SlidingTable, weights: Array, place: Indices, K: Array) -> None:
-    """Add ``∂(Bᵀ weights)/∂h`` by differences to blocks ``K``; ``place`` (e, 3, 3), −1: nowhere."""
+def geometric(H: Array, table: SlidingTable, multipliers: Array, place: Indices, K: Array) -> None:
+    """Add ``∂(Bᵀλ)/∂h``, by differences, to blocks ``K`` at ``place`` (e, 3, 3), −1: none."""
     f, ahead, behind = np.empty((3, 6)), np.empty((3, 6)), np.empty((3, 6))
     nodes, h, kept = np.empty(3, dtype=np.int64), np.zeros(6), np.empty((4, 3))
     for j in range(table.nodes.shape[0]):
-        e, _ = _forces(H, table, j, -1, weights, f)
+        e, _ = _forces(H, table, j, -1, multipliers, f)
         nodes[0], nodes[1], nodes[2] = table.nodes[j], table.ends[e, 0], table.ends[e, 1]
         for column in range(18):
             source, k = column // 6, column % 6
@@ -236,9 +236,9 @@ def geometric(H: Array, table: SlidingTable, weights: Array, place: Indices, K: 
             step = _STEP * table.lengths[e] if k < 3 else _STEP
             h[k] = step
             lie.retract(kept, h, H[nodes[source]])
-            _forces(H, table, j, e, weights, ahead)
+            _forces(H, table, j, e, multipliers, ahead)
             lie.retract(kept, -h, H[nodes[source]])
-            _forces(H, table, j, e, weights, behind)
+            _forces(H, table, j, e, multipliers, behind)
             H[nodes[source]] = kept
             for side in range(3):
                 at = place[e, side, source]
@@ -247,7 +247,7 @@ def geometric(H: Array, table: SlidingTable, weights: Array, place: Indices, K: 
 
 
 @compiled
-def wrenches(H: Array, table: SlidingTable, weights: Array, items: Indices, out: Array) -> None:
+def wrenches(H: Array, table: SlidingTable, multipliers: Array, items: Indices, out: Array) -> None:
     """Force and moment on the beam at the sliding frame, in its section's axes, rows of ``out``."""
     d, X, z, p, q = np.empty(6), np.empty((4, 3)), np.empty(12), np.empty(12), np.empty(12)
     sides = np.empty((2, 6))
@@ -256,6 +256,6 @@ def wrenches(H: Array, table: SlidingTable, weights: Array, items: Indices, out:
         q[:] = 0.0
         for c in range(table.first[j], table.first[j + 1]):
             _gradient(table, e, c, d, z, p)
-            q += weights[table.start[0] + c] * p
+            q += multipliers[table.start[0] + c] * p
         force(z, q, sides[0], sides[1])
         out[items[j]] = -sides[0]

@@ -29,8 +29,8 @@ class JointTable(NamedTuple):
         functions: Factors ``c`` of angle, distance and tilt, shape (t, 3).
         rows: The constraint that each term is a part of, or ``m`` plus the number of its spring,
             shape (t,).
-        legs: Where in the border of the matrix each term's sides A and B are, −1 where they do
-            not move or there is no constraint, shape (t, 2).
+        incidences: Incidence of each term's constraint with the nodes of its sides A and B, −1: the
+            side does not move, or the term is of a spring, shape (t, 2).
         angle: Sine and cosine of each pair's angle, shape (j, 2, 12).
         curved: 1 for pairs that have terms with functions, else 0, shape (j,).
         turned: That angle at the last accepted state, shape (j,).
@@ -44,7 +44,7 @@ class JointTable(NamedTuple):
     selection: Array
     functions: Array
     rows: Indices
-    legs: Indices
+    incidences: Indices
     angle: Array
     curved: Indices
     turned: Array
@@ -57,7 +57,7 @@ def pack(table: JointTable) -> PackedJoints:
     j, t, m, k = len(table.nodes), len(table.rows), len(table.targets), len(table.springs)
     shapes = (table.frames, table.selection, table.functions, table.angle)
     numbers = (*shapes, table.turned, table.targets, table.springs)
-    integers = (table.nodes, table.first, table.rows, table.legs, table.curved)
+    integers = (table.nodes, table.first, table.rows, table.incidences, table.curved)
     sizes = np.array([j, t, m, k], dtype=np.int64)
     return (
         np.concatenate([array.ravel() for array in numbers]),
@@ -76,16 +76,16 @@ def views(packed: PackedJoints) -> JointTable:
     springs = targets + m
     first = 4 + 2 * j
     rows = first + j + 1
-    legs = rows + t
-    curved = legs + 2 * t
+    incidences = rows + t
+    curved = incidences + 2 * t
     return JointTable(
         i[4:first].reshape(j, 2),
         x[:selection].reshape(j, 2, 4, 3),
         i[first:rows],
         x[selection:functions].reshape(t, 12),
         x[functions:angle].reshape(t, 3),
-        i[rows:legs],
-        i[legs:curved].reshape(t, 2),
+        i[rows:incidences],
+        i[incidences:curved].reshape(t, 2),
         x[angle:turned].reshape(j, 2, 12),
         i[curved : curved + j],
         x[turned:targets],

@@ -20,14 +20,14 @@ from fem_lie._jit import compiled, uncounted
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.joints.equations import functions
 from fem_lie.joints.equations.one_pair import (
-    ROOM,
+    WORKSPACE,
     gradient,
     load,
     locate,
     rate_of_term,
-    room,
     term,
     twists,
+    workspace,
 )
 from fem_lie.joints.equations.relative_motion import force, variation
 from fem_lie.joints.equations.table import JointTable, PackedJoints, joint_table
@@ -35,21 +35,21 @@ from fem_lie.joints.equations.table import JointTable, PackedJoints, joint_table
 
 @uncounted
 def evaluate(
-    H: Array, v: Array, table: JointTable, weights: Array, scale: Array, count: int, r: Array
+    H: Array, v: Array, table: JointTable, multipliers: Array, scale: Array, count: int, r: Array
 ) -> None:
-    """Add joint forces ``Bᵀ weights`` to the nodes' rows of ``r``; set its next rows ``scale · Φ``.
+    """Add joint forces ``Bᵀλ`` to the nodes' rows of ``r``; set its next rows to ``scale · Φ``.
 
     Args:
         H: Frames of all nodes, shape (≥ count, 4, 3).
         v: Twists of the nodes that move, for dampers, shape (n, 6).
         table: The joints.
-        weights: Multipliers in units of forces and moments, shape (≥ m,).
+        multipliers: Multipliers in units of forces and moments, shape (≥ m,).
         scale: Factor of each constraint, shape (≥ m,).
         count: Number of nodes that move.
         r: Residual, shape (≥ 6 count + m,), updated.
     """
-    work = vector_at(stack(ROOM), ROOM)
-    A, B, z, p, f, c, sides, moved = room(work)
+    work = vector_at(stack(WORKSPACE), WORKSPACE)
+    A, B, z, p, f, c, sides, moved = workspace(work)
     m = len(table.targets)
     for row in range(m):
         r[6 * count + row] = -scale[row] * table.targets[row]
@@ -59,7 +59,7 @@ def evaluate(
             row = table.rows[t]
             if row < m:
                 r[6 * count + row] += scale[row] * term(table, t, z, f)
-        load(v, table, j, z, f, weights, p, c)
+        load(v, table, j, z, f, multipliers, p, c)
         force(z, p, sides[0], sides[1])
         for side in range(2):
             node = table.nodes[j, side]
@@ -70,25 +70,25 @@ def evaluate(
 
 
 @uncounted
-def reactions(H: Array, v: Array, table: JointTable, weights: Array, out: Array) -> None:
+def reactions(H: Array, v: Array, table: JointTable, multipliers: Array, out: Array) -> None:
     """Forces on the frames that do not move by themselves, the last rows of ``H``.
 
     Args:
         H: Frames of all rows.
         v: See :func:`evaluate`.
         table: See there.
-        weights: See there.
+        multipliers: See there.
         out: One row of six for each of these frames, overwritten.
     """
-    work = vector_at(stack(ROOM), ROOM)
-    A, B, z, p, f, c, sides, moved = room(work)
+    work = vector_at(stack(WORKSPACE), WORKSPACE)
+    A, B, z, p, f, c, sides, moved = workspace(work)
     out[:] = 0.0
     count = H.shape[0] - out.shape[0]
     for j in range(table.nodes.shape[0]):
         if max(table.nodes[j, 0], table.nodes[j, 1]) < count:
             continue
         locate(H, table, j, A, B, z, f)
-        load(v, table, j, z, f, weights, p, c)
+        load(v, table, j, z, f, multipliers, p, c)
         force(z, p, sides[0], sides[1])
         for side in range(2):
             row = table.nodes[j, side] - count
@@ -101,8 +101,8 @@ def reactions(H: Array, v: Array, table: JointTable, weights: Array, out: Array)
 @uncounted
 def violations(H: Array, table: JointTable, out: Array) -> None:
     """``Φ``, shape (m,): the sum of terms minus the target of each constraint."""
-    work = vector_at(stack(ROOM), ROOM)
-    A, B, z, _, f, _, _, _ = room(work)
+    work = vector_at(stack(WORKSPACE), WORKSPACE)
+    A, B, z, _, f, _, _, _ = workspace(work)
     m = len(table.targets)
     for row in range(m):
         out[row] = -table.targets[row]
@@ -152,18 +152,24 @@ def damper_loss(H: Array, v: Array, table: JointTable) -> float:
 
 @uncounted
 def wrenches(
-    H: Array, v: Array, table: JointTable, weights: Array, pairs: Indices, side: Indices, out: Array
+    H: Array,
+    v: Array,
+    table: JointTable,
+    multipliers: Array,
+    pairs: Indices,
+    side: Indices,
+    out: Array,
 ) -> None:
     """Force and moment that chosen pairs exert on frame A or B (``side`` 0 or 1), in that frame.
 
     ``out`` has one row of six for each of ``pairs``.
     """
-    work = vector_at(stack(ROOM), ROOM)
-    A, B, z, p, f, c, sides, _ = room(work)
+    work = vector_at(stack(WORKSPACE), WORKSPACE)
+    A, B, z, p, f, c, sides, _ = workspace(work)
     for i in range(pairs.shape[0]):
         j = pairs[i]
         locate(H, table, j, A, B, z, f)
-        load(v, table, j, z, f, weights, p, c)
+        load(v, table, j, z, f, multipliers, p, c)
         force(z, p, sides[0], sides[1])
         for k in range(6):
             out[i, k] = -sides[side[i], k]
@@ -187,16 +193,16 @@ def jacobian(H: Array, table: JointTable, rows: Array) -> None:
             gradient(table, j, t, z, p)
             force(z, p, sides[0], sides[1])
             for side in range(2):
-                leg = table.legs[t, side]
-                if leg >= 0:
+                incidence = table.incidences[t, side]
+                if incidence >= 0:
                     lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], moved)
                     for k in range(6):
-                        rows[leg, k] += moved[k]
+                        rows[incidence, k] += moved[k]
 
 
 @compiled
-def geometric(H: Array, table: JointTable, weights: Array, place: Indices, K: Array) -> None:
-    """Add ``∂(Bᵀ weights)/∂h`` to blocks ``K``; ``place`` (j, 2, 2) says where, −1: nowhere.
+def geometric(H: Array, table: JointTable, multipliers: Array, place: Indices, K: Array) -> None:
+    """Add ``∂(Bᵀ multipliers)/∂h`` to blocks ``K``; ``place`` (j, 2, 2) says where, −1: nowhere.
 
     That of springs is in it with their present force, without their stiffness.
     """
@@ -207,7 +213,7 @@ def geometric(H: Array, table: JointTable, weights: Array, place: Indices, K: Ar
     moved = np.empty(6)
     for j in range(table.nodes.shape[0]):
         locate(H, table, j, A, B, z, f)
-        load(rest, table, j, z, f, weights, p, c)
+        load(rest, table, j, z, f, multipliers, p, c)
         for column in range(12):
             source = column // 6
             if place[j, 0, source] < 0 and place[j, 1, source] < 0:

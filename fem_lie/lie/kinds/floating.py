@@ -240,7 +240,7 @@ def _add_forces(
     numbers_at: Any,
     out_at: Any,
     count: int,
-    leaders: int,
+    masters: int,
     size: int,
     length: int,
 ) -> None:
@@ -248,11 +248,11 @@ def _add_forces(
     _add_all_forces(
         numba.carray(kinds_at, (count,)),
         numba.carray(H_at, (count, 4, 3)),
-        numba.carray(v_at, (leaders, 6)),
-        numba.carray(second_at, (leaders, 4, 3)),
+        numba.carray(v_at, (masters, 6)),
+        numba.carray(second_at, (masters, 4, 3)),
         numba.carray(integers_at, (size,)),
         numba.carray(numbers_at, (length,)),
-        numba.carray(out_at, (leaders, 4, 3)),
+        numba.carray(out_at, (masters, 4, 3)),
     )
 
 
@@ -341,7 +341,7 @@ def _add_invariants(
     potential_at: Any,
     count: int,
     rates: int,
-    leaders: int,
+    masters: int,
     size: int,
     length: int,
 ) -> None:
@@ -349,7 +349,7 @@ def _add_invariants(
     numba.carray(potential_at, (1,))[0] = _add_all_invariants(
         numba.carray(H_at, (count, 4, 3)),
         numba.carray(qdot_at, (rates, 4, 3)),
-        leaders,
+        masters,
         numba.carray(integers_at, (size,)),
         numba.carray(numbers_at, (length,)),
         numba.carray(invariants_at, (7,)),

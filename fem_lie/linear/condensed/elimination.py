@@ -19,7 +19,7 @@ _KNOWN = 8
 Numbers = npt.NDArray[np.int32]
 
 
-class Legs(Protocol):
+class ConstraintNodes(Protocol):
     """Nodes that constraints touch."""
 
     @property
@@ -28,7 +28,7 @@ class Legs(Protocol):
 
 
 class Pattern(Protocol):
-    """What is asked of a matrix, see :class:`~fem_lie.linear.bordered.KKT`."""
+    """What is asked of a matrix, see :class:`~fem_lie.linear.saddle_point.KKT`."""
 
     indptr: Indices
     indices: Indices
@@ -36,7 +36,7 @@ class Pattern(Protocol):
     filled: int
 
     @property
-    def legs(self) -> Legs:
+    def incidences(self) -> ConstraintNodes:
         """Of the constraints."""
 
 
@@ -90,11 +90,11 @@ def eliminate(pointers: Indices, indices: Indices, may: Flags) -> tuple[Numbers,
     n = may.shape[0]
     near, count = np.full((n, _KNOWN), -1, np.int32), np.zeros(n, np.int32)
     place, order, done = np.full(n, -1, np.int32), np.empty(n, np.int32), 0
-    followed, before = may.copy(), -1
+    open_, before = may.copy(), -1
     for v in range(n):
         if pointers[v + 1] - pointers[v] - 1 > _KNOWN:
-            followed[v] = False
-        if followed[v]:
+            open_[v] = False
+        if open_[v]:
             for p in range(pointers[v], pointers[v + 1]):
                 if indices[p] != v:
                     near[v, count[v]] = indices[p]
@@ -103,15 +103,15 @@ def eliminate(pointers: Indices, indices: Indices, may: Flags) -> tuple[Numbers,
     while done > before:
         before = done
         for v in range(n):
-            if not followed[v] or count[v] > MOST:
+            if not open_[v] or count[v] > MOST:
                 continue
             for s in range(count[v]):
                 i = near[v, s]
-                if followed[i]:
-                    followed[i] = _meet(near, count, i, v)
+                if open_[i]:
+                    open_[i] = _meet(near, count, i, v)
             place[v], order[done] = done, v
             done += 1
-            followed[v] = False
+            open_[v] = False
     return order[:done], place, near[order[:done], :MOST].copy()
 
 
@@ -143,7 +143,7 @@ def plan_of(kkt: Pattern) -> Plan:
     """What can be eliminated of a matrix: nodes without constraints that have few neighbours."""
     held = kkt.unit_rows[: 6 * (len(kkt.indptr) - 1)].reshape(-1, 6)
     may = np.asarray(~held.all(axis=1))
-    may[kkt.legs.nodes] = False
+    may[kkt.incidences.nodes] = False
     order, place, near = eliminate(kkt.indptr, kkt.indices, may)
     sizes = (~held).sum(axis=1).astype(np.int32)
     widths = np.where(near >= 0, sizes[near], 0)

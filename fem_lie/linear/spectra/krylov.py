@@ -74,7 +74,7 @@ class Krylov:
 
     def _linear(self, pencil: Pencil, count: int, shift: float) -> Approximation:
         """Eigenvalues ``−s²`` of ``K φ + Bᵀ μ = −s² M φ``."""
-        K, M = _bordered(pencil, pencil.K, shift), padded(pencil.M, pencil.B)
+        K, M = _saddle_point(pencil, pencil.K, shift), padded(pencil.M, pencil.B)
         solver = SLEPc.EPS().create(PETSc.COMM_SELF)
         solver.setOperators(to_petsc(K), to_petsc(M))
         types = SLEPc.EPS.ProblemType
@@ -91,7 +91,7 @@ class Krylov:
         # about one, too: what is very small has been found
         size = np.abs(pencil.K.diagonal()).max(initial=0.0) + rate**2 * pencil.M.diagonal().max()
         unit = 2.0 ** -np.round(np.log2(size))
-        K = unit * _bordered(pencil, pencil.K, rate**2)
+        K = unit * _saddle_point(pencil, pencil.K, rate**2)
         C, M = (
             padded(unit * rate**k * part, pencil.B) for k, part in ((1, pencil.C), (2, pencil.M))
         )
@@ -103,7 +103,7 @@ class Krylov:
         return Approximation(rate * s, vectors, _Factors(solver, unit))
 
 
-def _bordered(pencil: Pencil, K: sp.csr_matrix, shift: float) -> sp.csr_matrix:
+def _saddle_point(pencil: Pencil, K: sp.csr_matrix, shift: float) -> sp.csr_matrix:
     """``[[K, Bᵀ], [B, 0]]`` with constraints about as large as the stiffness."""
     B = pencil.B
     if not B.shape[0]:

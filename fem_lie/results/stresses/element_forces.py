@@ -123,14 +123,22 @@ def single_forces(scene: Scene, beam: Beam) -> Indices:
     for link in scene.links:
         points += [link.a, link.b]
     for connection in (*scene.joints, *scene.connections):
-        points += [point for tie in connection.ties() for point in (tie.a, tie.b)]
-        points += [point for tie in connection.velocity_ties() for point in (tie.a, tie.b)]
+        points += [
+            point
+            for definition in connection.definitions()
+            for point in (definition.a, definition.b)
+        ]
+        points += [
+            point
+            for definition in connection.velocity_definitions()
+            for point in (definition.a, definition.b)
+        ]
     own = [point for point in points if point.body is beam]
     nodes = [
         n for point in own for n in (point.attachment.nodes if point.attachment else (point.node,))
     ]
-    following = np.flatnonzero(beam.leaders != np.arange(len(beam.leaders)))
-    return np.unique([*nodes, *following, *beam.leaders[following]]).astype(np.int64)
+    following = np.flatnonzero(beam.masters != np.arange(len(beam.masters)))
+    return np.unique([*nodes, *following, *beam.masters[following]]).astype(np.int64)
 
 
 def without_jumps(beam: Beam, ends: Array, single: Indices) -> Array:

@@ -48,7 +48,7 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.renewal import Update
-from fem_lie.system.equations import Equations, Instant
+from fem_lie.system.equations import Equations, TimeState
 
 _log = logging.getLogger(__name__)
 
@@ -303,7 +303,7 @@ class Run(Newton):
         return count or self._rescued()
 
     def _turn(self) -> None:
-        self.equations.memory.turn_axes(self.s.H, self.s.motion, WRITTEN)
+        self.equations.memory.rotate_axes(self.s.H, self.s.motion, WRITTEN)
 
     def _rescued(self) -> int:
         """The step that has failed with the kept matrix; returns all its iterations, or 0.
@@ -344,12 +344,12 @@ class Run(Newton):
         return kept
 
     @property
-    def _recorded(self) -> Instant:
+    def _recorded(self) -> TimeState:
         """The present state as results have it: joints take what contacts push through them."""
         if self._contacts is None:
             return self._accepted
         weights = self.weights + self._contacts.reactions / self.p.h
-        return self._accepted._replace(weights=weights)
+        return self._accepted._replace(multipliers=weights)
 
     def _result(self, history: Recorder) -> Result:
         solver = self.solver

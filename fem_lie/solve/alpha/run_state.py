@@ -30,7 +30,7 @@ from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.renewal import Update
 from fem_lie.solve.secants import Secants
-from fem_lie.system.equations import Equations, Instant, Plan
+from fem_lie.system.equations import Equations, Plan, TimeState
 
 _LARGE = 20_000
 """Nodes beyond which a matrix for the sake of compilation takes longer than that is worth."""
@@ -97,7 +97,7 @@ class RunState(DividedIntegration[Recorder]):
         self.weights: Array = np.zeros(m)
         self.scale: Array = np.ones(m)
         self._first, s = np.zeros(m), self.s
-        self._accepted = Instant(s.H, s.twist1, s.rate1, self.weights)
+        self._accepted = TimeState(s.H, s.twist1, s.rate1, self.weights)
         self._end_instant = self._accepted._replace(H=s.H1)
         self.measure: Array = constraint_scaling(unknowns)
         joined: Indices = unknowns.joined.astype(np.int64)
@@ -115,7 +115,7 @@ class RunState(DividedIntegration[Recorder]):
         # matrices of rigid bodies cost less than what turns of normals, left out, do
         self._may_be_apart = unknowns.apart and self._sets_apart and not (whole or unknowns.rigid)
         self._apart, self._outgrown = self._may_be_apart, False
-        self.books = equations.books()
+        self.books = equations.energy_balance()
         self._secants: Secants | None = None
         if options.policy.secants > 0:
             sizes = np.append(np.repeat(scaling, 3), np.zeros(m))
@@ -161,7 +161,7 @@ class RunState(DividedIntegration[Recorder]):
             turn_all(s.kinds[:1], s.H, zero)
             turn_all_back(s.kinds[:1], s.H, zero)
         else:
-            again = plan._replace(joint_frames=self._ahead(), border_only=True)
+            again = plan._replace(joint_frames=self._ahead(), constraints_only=True)
             self.equations.fill(self._end_instant, self.forces, again)
 
     @abstractmethod
@@ -231,7 +231,7 @@ class RunState(DividedIntegration[Recorder]):
 
     # --- residual and matrices ---
 
-    def _find(self, state: Instant, *, carried: bool = False) -> None:
+    def _find(self, state: TimeState, *, carried: bool = False) -> None:
         """The residual; rows of constraints of velocities are like those of positions."""
         given, factor = (self.scale, self.r, self.forces), 1.0 / self.p.damping
         self.equations.residual(state, *given, carried=carried, per_increment=factor)
@@ -314,7 +314,7 @@ class RunState(DividedIntegration[Recorder]):
             self._factorise(self.s.H1)
             return
         frames = self._ahead_of_this()
-        plan = Plan(self.s.d, self.scale, joint_frames=frames, border_only=True)
+        plan = Plan(self.s.d, self.scale, joint_frames=frames, constraints_only=True)
         self.equations.fill(self._end_instant, self.forces, plan)
         self.solver.refresh()
 

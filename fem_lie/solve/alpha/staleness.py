@@ -16,7 +16,7 @@ from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step.node import PlainScheme
 from fem_lie.solve.alpha.step.nodes import State, correct
 from fem_lie.solve.convergence import node_scaling
-from fem_lie.system.equations import Equations, Instant
+from fem_lie.system.equations import Equations, TimeState
 
 PROBE = 1e-6
 """Size of the differences, see :func:`~.convergence.size_of`: far above round-off, and small."""
@@ -57,7 +57,7 @@ def staleness(
         there = state.copy()
         held, r = weights.copy(), np.empty_like(x)
         correct(scheme, there.plain, -factor * x, scale, spread, joined, held)
-        now = Instant(there.H1, there.twist1, there.rate1, held)
+        now = TimeState(there.H1, there.twist1, there.rate1, held)
         equations.residual(now, scale, r)
         return r
 

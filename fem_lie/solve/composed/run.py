@@ -20,7 +20,7 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.result_row import ResultRow
-from fem_lie.system.equations import Equations, Instant
+from fem_lie.system.equations import Equations, TimeState
 
 _COUNTED = "_counters", "_numbers", "_place"
 """What a step changes beside the state of its parts."""
@@ -249,6 +249,6 @@ class ComposedRun(DividedIntegration[History]):
             self._solver = DirectSolver(equations.matrix, PREFIX)
         still = np.zeros((equations.unknowns.moving, 6))
         # elements' own unknowns are those of the parts, and not yet known to the equations
-        equations.residual(Instant(s.H, v, still, s.weights), np.ones(len(s.weights)), self._r)
+        equations.residual(TimeState(s.H, v, still, s.weights), np.ones(len(s.weights)), self._r)
         time, size = self.index * self.h, min(abs(part.h) for part in self._parts)
         return accelerations(equations, self._solver, s.H, v, time, size, sweeps=2)

@@ -37,7 +37,7 @@ from fem_lie.lie.tuples import load, rotate, rotate_back
 from fem_lie.solve.conserving.between.floating import PackedBodies
 from fem_lie.solve.conserving.between.product_rows import accelerations, add_inertia
 from fem_lie.solve.motion.step_log import StepError, largest
-from fem_lie.system.equations import Instant
+from fem_lie.system.equations import TimeState
 
 if TYPE_CHECKING:
     from fem_lie.system.equations import Equations
@@ -74,7 +74,7 @@ class MeanError:
         self._q = np.zeros((len(mass.indptr) - 1, 4, 3))
         self._twist, self._still = np.zeros((2, n, 6))
         self._r, self._ones = np.zeros(unknowns.size), np.ones(unknowns.m)
-        start = Instant(equations.start.frames, self._twist, self._still, np.zeros(unknowns.m))
+        start = TimeState(equations.start.frames, self._twist, self._still, np.zeros(unknowns.m))
         self._found = equations.residual(start, self._ones, self._r)
 
     def load(
@@ -112,7 +112,7 @@ class MeanError:
         pull_all(self._kinds, at.H, at.V[:n], 1.0, twist.reshape(-1))
         # each director of a frame has its part of the rotation twice
         twist[self._kinds < SLOPE, 3:] *= 0.5
-        now = Instant(at.H, twist, self._still, weights)
+        now = TimeState(at.H, twist, self._still, weights)
         equations.residual(now, self._ones, self._r, self._found)
         accelerations(self._kinds, self._bodies, at.H, twist, self._q)
         self._q[:] = A - self._q

@@ -20,9 +20,9 @@ from fem_lie.solve.conserving.rows.changes import measure_cells
 from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
 from fem_lie.solve.conserving.step.records import (
     OUTSIDE,
-    Leaders,
     LegEnds,
     Legs,
+    Masters,
     Model,
     Pieces,
     Scheme,
@@ -132,7 +132,7 @@ def products_of(equations: Equations) -> tuple[int, int]:
 def assemblies_of_frames(equations: Equations) -> list[tuple[slice, BodyTerm]]:
     """Those of bodies whose nodes are frames with inertia of their own."""
     known = equations.tables
-    kinds = known.kinds[known.leader]
+    kinds = known.kinds[known.master]
     return [
         (at, term)
         for at, term in known.assemblies
@@ -168,12 +168,12 @@ def cells_of_rows(equations: Equations) -> RowCells:
 def pushes_of(equations: Equations) -> Pushes:
     """Of terms that have secants."""
     known = equations.tables
-    return Pushes(known.terms, known.leader, known.offset, equations.unknowns.moving)
+    return Pushes(known.terms, known.master, known.offset, equations.unknowns.moving)
 
 
 def legs_of(equations: Equations, follows: bool) -> Legs:
     """Of all constraints, or none if the constraints in the matrix are left as they are."""
-    border = equations.matrix.legs
+    border = equations.matrix.incidences
     nodes, rows = (border.nodes, border.rows) if follows else (border.nodes[:0], border.rows[:0])
     return Legs(nodes, rows.astype(np.int64))
 
@@ -192,8 +192,8 @@ def model_of(
         joints=known.joints,
         inertia=mass,
         damping=known.damping,
-        leaders=Leaders(
-            known.leader,
+        masters=Masters(
+            known.master,
             known.offset,
             n == unknowns.total and not len(known.edges),
             known.edges,
@@ -242,7 +242,7 @@ def _without_inertia(equations: Equations) -> Array:
 def _of_frames(equations: Equations) -> Array:
     """Weights of the unknowns of frames and of constraints between frames alone, else nil."""
     unknowns, vectors = equations.unknowns, equations.tables.kinds >= SLOPE
-    legs, touched = equations.matrix.legs, np.zeros(unknowns.m, dtype=bool)
+    legs, touched = equations.matrix.incidences, np.zeros(unknowns.m, dtype=bool)
     touched[legs.rows[vectors[legs.nodes]]] = True
     return np.where(np.append(np.repeat(vectors, 6), touched), 0.0, unknown_scaling(unknowns))
 

@@ -49,7 +49,7 @@ from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.solve.secants import Secants
-from fem_lie.system.equations import Equations, Instant, Plan
+from fem_lie.system.equations import Equations, Plan, TimeState
 
 PREFIX = "fem_lie_dynamics_"
 
@@ -122,7 +122,7 @@ class RunState(DividedIntegration[History]):
         self._held = len(equations.unknowns.supported) > 0
         kinds = equations.tables.kinds
         self._kinds, self._vectors = kinds, np.flatnonzero(kinds >= SLOPE)
-        of_all = kinds[equations.tables.leader] < SLOPE
+        of_all = kinds[equations.tables.master] < SLOPE
         # to take all is no copy
         self._framed = self._framed_rows = slice(None)
         if len(self._vectors):
@@ -158,7 +158,7 @@ class RunState(DividedIntegration[History]):
         self._lost = False  # whether each iteration of the present step has a matrix
         self._filled = ResultRow(equations)
         self._r, still = np.empty(equations.unknowns.size), np.zeros((self.moving, 6))
-        now = Instant(*equations.start[:2], still, self.s.weights)
+        now = TimeState(*equations.start[:2], still, self.s.weights)
         self._found = equations.residual(now, self.model.scale, self._r)
         self._end = 0.0
 
@@ -220,7 +220,7 @@ class RunState(DividedIntegration[History]):
         self._set_loads(0.0)
         s.account[:] = self._evaluate_start()
         self._pushes.at_rest(s.H)
-        now = Instant(s.H, v, vdot, s.weights)
+        now = TimeState(s.H, v, vdot, s.weights)
         equations.residual(now, np.ones(len(s.weights)), self._r, self._found)
         s.gap[:] = self._r[6 * n :]
         self.model.scale[:] = self._fill(s.H, v[:n], vdot, scale=None)
@@ -415,7 +415,7 @@ class RunState(DividedIntegration[History]):
         Constraints are to hold at the end of a step, ``joints_at``, by forces at its mean.
         """
         equations, n = self.equations, self.moving
-        now = Instant(H, np.zeros_like(equations.start.velocities), a, self.s.weights)
+        now = TimeState(H, np.zeros_like(equations.start.velocities), a, self.s.weights)
         now.v[:n] = v
         now.v[self._vectors] = 0.0
         equations.residual(now, self.model.scale, self._r, self._found)

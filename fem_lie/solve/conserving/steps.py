@@ -355,7 +355,7 @@ class Steps(RunState):
             outside.joints.accept(s.H, self.model.driven, s.gap)
         outside.accept()
         if len(self._vectors):
-            memory.turn_axes(s.H)
+            memory.rotate_axes(s.H)
 
     def _go_free(
         self, last: int, rule: tuple[int, float], limit: int, *, always: bool = False

@@ -33,7 +33,7 @@ from fem_lie.solve.motion.policies import Never
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.system.equations import Equations, Instant
+from fem_lie.system.equations import Equations, TimeState
 
 _log = logging.getLogger(__name__)
 
@@ -135,7 +135,7 @@ class AsynchronousRun(Integration[Recorder]):
         self.queue = events.Queue(self._rows, self._nodes, form, steps, zero, heap)
         told = len(steps), float(steps.min(initial=step)), float(steps.max(initial=0.0))
         _log.info("%d cells, steps from %.4g to %.4g", *told)
-        self.books, self._made, self._count = equations.books(), 0, 0
+        self.books, self._made, self._count = equations.energy_balance(), 0, 0
         self._still, self._none = np.zeros((n, 6)), np.zeros(0)
 
     def _own_steps(self, light: Array, courant: float) -> Array:
@@ -178,11 +178,11 @@ class AsynchronousRun(Integration[Recorder]):
         return self._made
 
     @property
-    def _now(self) -> Instant:
+    def _now(self) -> TimeState:
         H, n = self.shown.H, len(self._still)
         v = np.zeros((n, 6))
         v[:, :3] = np.einsum("nai,ni->na", H[:n, 1:], self.shown.v)
-        return Instant(H, v, self._still, self._none)
+        return TimeState(H, v, self._still, self._none)
 
     def _tell(self, time: float) -> None:
         if len(self.queue.steps):

@@ -52,7 +52,7 @@ from fem_lie.solve.motion.policies import Never
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.system.equations import Equations, Instant
+from fem_lie.system.equations import Equations, TimeState
 
 _log = logging.getLogger(__name__)
 
@@ -95,7 +95,7 @@ class ExplicitRun(Integration[Recorder]):
         self._decay = np.exp(-0.5 * step * damping_rates(equations, masses))
         self._joints = Joints(equations, masses, self._decay) if m else None
         self.r, self.reaction = np.zeros(unknowns.size), np.zeros(6)
-        self.books = equations.books()
+        self.books = equations.energy_balance()
         self._forces = equations.residual(self._instant, self._one, self.r)
         supports = np.flatnonzero(known.supported.any(axis=1))
         books, table = self.books, self._forces.table
@@ -153,9 +153,9 @@ class ExplicitRun(Integration[Recorder]):
         return not self.books.empty and not self._booked
 
     @property
-    def _instant(self) -> Instant:
+    def _instant(self) -> TimeState:
         """At rest: forces depend on places alone."""
-        return Instant(self.H, self._rest, self._rest, self._none)
+        return TimeState(self.H, self._rest, self._rest, self._none)
 
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
@@ -191,10 +191,10 @@ class ExplicitRun(Integration[Recorder]):
             self.equations.residual(self._instant, self._one, self.r, self._forces)
 
     @property
-    def _moving(self) -> Instant:
+    def _moving(self) -> TimeState:
         if self._joints is None:
-            return Instant(self.H, self.v, self._rest, self._none)
-        return Instant(self.H, self.v, *self._joints.forces(self.H, self.v))
+            return TimeState(self.H, self.v, self._rest, self._none)
+        return TimeState(self.H, self.v, *self._joints.forces(self.H, self.v))
 
     # --- steps ---
 
@@ -261,7 +261,7 @@ class ExplicitRun(Integration[Recorder]):
     def _turn_axes(self) -> None:
         """Let the axes of points follow them, and write forces along the new ones."""
         before = self.H.copy()
-        self.equations.memory.turn_axes(self.H)
+        self.equations.memory.rotate_axes(self.H)
         nodes.write_in_new_axes(self.masses.kinds, before, self.H, self.r)
         if self._joints is not None:
             self._joints.restart()

@@ -25,7 +25,7 @@ from fem_lie._state import Stateful, attributes
 from fem_lie.solve.convergence import constraint_scaling
 from fem_lie.solve.explicit import nodes
 from fem_lie.solve.explicit.stable import in_axes
-from fem_lie.system.equations import Equations, Instant
+from fem_lie.system.equations import Equations, TimeState
 
 _MOST = 50
 _FINE, _NOISE, _FALLS = 1e-15, 1e-11, 0.5
@@ -79,7 +79,7 @@ class Joints(Stateful):
 
     def _weigh(self, H: Array, v: Array) -> Array:
         """Forces and violations at frames ``H`` and twists ``v``, (6 n + m,)."""
-        state = Instant(H, v, self._rest, self._none)
+        state = TimeState(H, v, self._rest, self._none)
         self._equations.residual(state, self._one, self._r)
         return self._r
 

@@ -73,7 +73,7 @@ def masses_of(equations: Equations) -> Masses:
     ones = np.zeros((n, 2)) + np.where(ways[:, np.newaxis] == STILL, 1.0, weights)
     known = equations.tables
     first, second = known.edges.T
-    edges = np.ascontiguousarray(np.column_stack([known.leader[first], known.leader[second]]))
+    edges = np.ascontiguousarray(np.column_stack([known.master[first], known.master[second]]))
     ends = np.ascontiguousarray(known.offset[second, 0])
     centre = np.ascontiguousarray(centre)
     return Masses(kinds, ways.astype(np.int64), ones, centre, J, inverse, edges, ends)
@@ -144,7 +144,7 @@ def _check_masses(equations: Equations, ways: Array, weights: Array, J: Array) -
 
 def _told(equations: Equations, chosen: Flags) -> str:
     """The first of some nodes."""
-    node = int(equations.unknowns.leaders[int(np.flatnonzero(chosen)[0])])
+    node = int(equations.unknowns.masters[int(np.flatnonzero(chosen)[0])])
     return node_name(equations, node)
 
 
@@ -182,7 +182,7 @@ def stable_step(equations: Equations, masses: Masses, H: Array) -> StableStep:
     node = int(values.argmax())
     largest = float(values[node])
     step = 2.0 / np.sqrt(largest) if largest > 0.0 else np.inf
-    return StableStep(float(step), int(equations.unknowns.leaders[node]))
+    return StableStep(float(step), int(equations.unknowns.masters[node]))
 
 
 def in_axes(masses: Masses) -> Array:

@@ -12,13 +12,13 @@ from fem_lie.contact.contact import Contact
 from fem_lie.contact.impact.jacobian import BlockRows, empty_rows, twist_rates
 from fem_lie.contact.impact.rows import append_rows, set_gaps
 from fem_lie.contact.impact.touching import Touching
-from fem_lie.contact.sides.table import on_leaders
+from fem_lie.contact.sides.table import on_masters
 from fem_lie.lie.kinds import all_to_group, move_all
 from fem_lie.lie.kinds import to_local as twist_of
 from fem_lie.solve.impacts.delassus import islands_of
 from fem_lie.solve.impacts.impulses import Impulses
 from fem_lie.solve.impacts.step_end import Factors, Rule
-from fem_lie.system.equations import Equations, Instant
+from fem_lie.system.equations import Equations, TimeState
 
 
 class CoupledBodies:
@@ -54,7 +54,7 @@ class CoupledBodies:
             unknowns.bodies.__getitem__,
             np.full(self._rows, unknowns.length),
             start.frames,
-            partial(on_leaders, leader=tables.leader, offset=tables.offset),
+            partial(on_masters, master=tables.master, offset=tables.offset),
         )
         sides = self.near.touch.a, self.near.touch.b
         self._width = sum(int((side.nodes >= 0).sum(axis=1).max()) for side in sides)
@@ -62,7 +62,7 @@ class CoupledBodies:
         self._r = np.zeros(unknowns.size)
         none = self._still = np.zeros((self._n, 6))
         self._forces = equations.residual(
-            Instant(start.frames, none, none, np.zeros(self._m)), np.ones(self._m), self._r
+            TimeState(start.frames, none, none, np.zeros(self._m)), np.ones(self._m), self._r
         )
 
     def follow(self, rule: Rule) -> None:
@@ -125,7 +125,7 @@ class CoupledBodies:
 
     def _violations(self, H: Array) -> Array:
         """Of all constraints, shape (m,)."""
-        state = Instant(H, self._still, self._still, np.zeros(self._m))
+        state = TimeState(H, self._still, self._still, np.zeros(self._m))
         self._forces = self._equations.residual(state, np.ones(self._m), self._r, self._forces)
         return self._r[6 * self._n :]
 
@@ -164,7 +164,7 @@ class CoupledBodies:
     def _accelerations(self, H: Array, V: Array, time: float) -> tuple[Array, Array]:
         """Rates of twists (n, 6) and multipliers without contacts."""
         n = 6 * self._n
-        state = Instant(H, V[: self._n], self._still, np.zeros(self._m))
+        state = TimeState(H, V[: self._n], self._still, np.zeros(self._m))
         self._forces = self._equations.residual(state, np.ones(self._m), self._r, self._forces)
         second: Array = np.zeros(self._m)
         if self._m:

@@ -21,7 +21,7 @@ from fem_lie.contact.impact.jacobian import (
     take_local_velocities,
 )
 from fem_lie.contact.impact.sweeps import Cones, begin, cones_of
-from fem_lie.linear.bordered import KKT
+from fem_lie.linear.saddle_point import KKT
 
 _YIELD = 1e-10
 """Velocity by a unit impulse that contacts yield, over their own: joints hold some of them."""
@@ -34,12 +34,12 @@ def islands_of(matrix: KKT, whole: bool) -> tuple[Indices, Indices]:
         matrix: Iteration matrix of the nodes with the constraints.
         whole: Whether all is one island: something couples nodes beside that matrix.
     """
-    n, border, pointers = len(matrix.held), matrix.legs, matrix.indptr
-    m = len(border.ptr) - 1
+    n, incidences, pointers = len(matrix.held), matrix.incidences, matrix.indptr
+    m = len(incidences.ptr) - 1
     if whole or matrix.low_rank is not None or matrix.beside is not None:
         return np.zeros(n, dtype=np.int64), np.zeros(m, dtype=np.int64)
-    rows = np.concatenate([np.repeat(np.arange(n), np.diff(pointers)), n + border.rows])
-    columns = np.concatenate([matrix.indices, border.nodes])
+    rows = np.concatenate([np.repeat(np.arange(n), np.diff(pointers)), n + incidences.rows])
+    columns = np.concatenate([matrix.indices, incidences.nodes])
     graph = sp.coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(n + m, n + m))
     labels = connected_components(graph, directed=False)[1].astype(np.int64)
     return labels[:n], labels[n:]

@@ -33,7 +33,7 @@ from fem_lie._arrays import Array, Flags
 from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.impacts.step_end import StepEnd
-from fem_lie.system.equations import Equations, Instant, Plan
+from fem_lie.system.equations import Equations, Plan, TimeState
 
 _TINY = 1e-6
 """Part of a step within which stiffness does nothing."""
@@ -149,7 +149,7 @@ def _at_rest(equations: Equations, step: float) -> sp.csr_matrix:
     """``M + h² K/4`` at the start, for a step of size ``h``, shape (6 n, 6 n)."""
     unknowns = equations.unknowns
     none = np.zeros((unknowns.moving, 6))
-    still = Instant(equations.start.frames, none, none, np.zeros(unknowns.m))
+    still = TimeState(equations.start.frames, none, none, np.zeros(unknowns.m))
     equations.fill(still, None, Plan(none, at_rest=step))
     n = 6 * unknowns.moving
     return equations.matrix.whole[:n, :n]

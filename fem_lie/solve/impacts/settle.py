@@ -42,7 +42,7 @@ from fem_lie.solve.impacts.bounds import Chosen, allowed_part, bounds_of
 from fem_lie.solve.impacts.delassus import Delassus
 from fem_lie.solve.impacts.end_state import Aims, CoupledVelocities, Moved
 from fem_lie.solve.impacts.step_end import Changed, ContactHistory, Factors, Last, Rule, StepEnd
-from fem_lie.system.equations import Equations, Instant
+from fem_lie.system.equations import Equations, TimeState
 
 _NOTHING = Last.nothing()
 """Of a step without contacts."""
@@ -101,7 +101,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
     ) -> None:
         """As the base class."""
         super().__init__(contacts, equations, rule, kept)
-        self.history, self._energy = ContactHistory(), equations.books()
+        self.history, self._energy = ContactHistory(), equations.energy_balance()
         self._forget()
 
     def _forget(self) -> None:
@@ -210,10 +210,10 @@ class CoupledContacts(CoupledVelocities, Stateful):
     ) -> _Solved:
         """The end with as much of the restitution as adds no energy."""
         none = self._still, np.zeros(self._m)
-        before = Instant(step.frames, step.twists, *none)
+        before = TimeState(step.frames, step.twists, *none)
 
         def gained(end: _Solved) -> float:
-            after = Instant(end.H, end.v, *none)
+            after = TimeState(end.H, end.v, *none)
             return -self._energy.collide(step.time, before, after, self.work)
 
         most, allowed = gained(whole), _GAIN * self.exchanged
@@ -244,8 +244,8 @@ class CoupledContacts(CoupledVelocities, Stateful):
         if (found := self.near.passed(self._H0, frames)) is None:
             return ""
         pair, way = found
-        leader, own = self._equations.tables.leader, self._equations.unknowns.bodies.items()
-        who = self.near.names(pair, {body: leader[nodes] for body, nodes in own})
+        master, own = self._equations.tables.master, self._equations.unknowns.bodies.items()
+        who = self.near.names(pair, {body: master[nodes] for body, nodes in own})
         return str(PassedThroughError(" and ".join(who), *way))
 
     def _passes(

@@ -13,7 +13,7 @@ from fem_lie.linear.equilibrated import InaccurateSolutionError, SingularMatrixE
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import KEPT, Iterated, iterate
 from fem_lie.solve.renewal import Update
-from fem_lie.system.equations import Instant, Plan
+from fem_lie.system.equations import Plan, TimeState
 
 if TYPE_CHECKING:
     from fem_lie.linear.direct import DirectSolver
@@ -32,11 +32,11 @@ def check_velocities(equations: Equations, step: float) -> None:
     Raises:
         ValueError: They break a clamp or a joint; the message names it.
     """
-    unknowns, leader = equations.unknowns, equations.tables.leader
+    unknowns, master = equations.unknowns, equations.tables.master
     for clamp in equations.scene.clamps:
         body, node = clamp.point.body, clamp.point.node
         assert body is not None
-        v = equations.start.velocities[leader[unknowns.bodies[body][node]]]
+        v = equations.start.velocities[master[unknowns.bodies[body][node]]]
         if v.any():
             raise ValueError(
                 f"{clamp.point.label} is clamped, but has the initial velocity {v} (translation, "
@@ -81,7 +81,7 @@ def _check_held(equations: Equations, bound: float) -> None:
     wrong[:, 5] = False
     if wrong.any():
         node = int(np.flatnonzero(wrong.any(axis=1))[0])
-        which, bodies = int(unknowns.leaders[node]), unknowns.bodies.items()
+        which, bodies = int(unknowns.masters[node]), unknowns.bodies.items()
         body, own = next((b, np.flatnonzero(n == which)) for b, n in bodies if which in n)
         raise ValueError(
             f"node {own[0]} of {body.label} is held, but has the initial velocity {v[node]} "
@@ -178,7 +178,7 @@ class _AtStart(Iterated):
     def evaluate(self, iteration: int) -> bool:
         """Evaluate what is left of the equations; residuals do not end the iteration."""
         n, r = self._equations.unknowns.moving, self._solver.right_hand_side
-        now = Instant(self._H, self._v, self._rate[:n], self.weights)
+        now = TimeState(self._H, self._v, self._rate[:n], self.weights)
         self._equations.residual(now, np.ones(len(self.weights)), r, carried=True)
         drive, _ = self._constraints.rates(self._rate)
         r[6 * n :] = self._second + drive - self._targets
@@ -225,7 +225,7 @@ def _solvable() -> Iterator[None]:
 def _fill(equations: Equations, H: Array, step: float) -> Array:
     """The matrix for that, in which steps of a size do not feel what they do not resolve."""
     none = np.zeros((equations.unknowns.moving, 6))
-    still = Instant(H, none, none, np.zeros(equations.unknowns.m))
+    still = TimeState(H, none, none, np.zeros(equations.unknowns.m))
     return equations.fill(still, None, Plan(none, at_rest=step))
 
 

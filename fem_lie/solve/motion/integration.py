@@ -159,7 +159,7 @@ class Integration(Driver[Kept]):
         self.reason = ""
         spin = float(np.abs(equations.start.velocities[:, 3:]).max())
         self.choices = equations.scene.choices.resolve(spin * step)
-        told = equations.unknowns.told, self.choices, type(policy).__name__
+        told = equations.unknowns.summary, self.choices, type(policy).__name__
         _log.info("%s; %s; matrix: %s", *told)
 
     def _remembered(self, start: Array | None, middle: Array | None = None) -> bool:

@@ -133,13 +133,13 @@ class StepLog:
         """All of them."""
         known = self.memory()
         errors, measured = known["errors"], known["measured"]
-        leaders = self.equations.unknowns.leaders
+        masters = self.equations.unknowns.masters
         return StepHistory(
             times=known["times"],
             sizes=known["sizes"],
             translation=errors[:, 0],
             rotation=errors[:, 1],
-            nodes=leaders[errors[:, 2:].astype(np.int64)],
+            nodes=masters[errors[:, 2:].astype(np.int64)],
             measured_translation=measured[:, 0],
             measured_rotation=measured[:, 1],
             rejected=known["rejected"],
@@ -147,9 +147,9 @@ class StepLog:
 
     def body(self, node: int) -> str:
         """Label of the body of a moving node."""
-        leader = self.equations.tables.leader
+        master = self.equations.tables.master
         for body, nodes in self.equations.unknowns.bodies.items():
-            if node in leader[nodes]:
+            if node in master[nodes]:
                 return body.label
         raise AssertionError("a node without a body")
 

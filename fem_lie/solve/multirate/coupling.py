@@ -82,7 +82,7 @@ class Coupling(Stateful):
         pairs = between.tables.pairs_of_all
         self._joints = between.tables.joints if pairs is None else pairs.joints
         self._domains, self._kinds = domains, between.tables.kinds
-        self._length, joined_nodes = unknowns.length, np.unique(between.matrix.legs.nodes)
+        self._length, joined_nodes = unknowns.length, np.unique(between.matrix.incidences.nodes)
         self._at, self._ground = rows_of(between, whole), between.start.frames[n:]
         self._touched = self._at[joined_nodes]
         self.weights, self.gap = np.zeros((2, m)), np.zeros(m)

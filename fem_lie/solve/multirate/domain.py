@@ -93,8 +93,8 @@ def rows_of(part: Equations, whole: Equations) -> Indices:
     for body, own in part.unknowns.bodies.items():
         node[own] = whole.unknowns.bodies[body]
     place = np.full(whole.unknowns.total, -1, dtype=np.int64)
-    place[whole.unknowns.leaders] = np.arange(whole.unknowns.moving)
-    return np.asarray(place[node[part.unknowns.leaders]])
+    place[whole.unknowns.masters] = np.arange(whole.unknowns.moving)
+    return np.asarray(place[node[part.unknowns.masters]])
 
 
 @compiled

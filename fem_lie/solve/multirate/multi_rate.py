@@ -47,7 +47,7 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.result_row import ResultRow
-from fem_lie.system.equations import Equations, Instant
+from fem_lie.system.equations import Equations, TimeState
 
 
 class MultiRateRun(DividedIntegration[History]):
@@ -186,7 +186,7 @@ class MultiRateRun(DividedIntegration[History]):
         n, ones = equations.unknowns.moving, np.ones(equations.unknowns.m)
         still = np.zeros((n, 6))
         # elements' own unknowns are those of the domains, and not yet known to the equations
-        equations.residual(Instant(H, v, still, 0.0 * ones), ones, self._r)
+        equations.residual(TimeState(H, v, still, 0.0 * ones), ones, self._r)
         time, size = self.index * self.h, self.h / max(d.count for d in self._domains)
         return accelerations(equations, self._solver, H, v, time, size, sweeps=2)
 

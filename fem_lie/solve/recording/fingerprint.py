@@ -72,10 +72,10 @@ class Fingerprint:
             self._add(f"drilling of body {k}", scene.drills(body), f"drilling of {body.label}")
         for k, item in enumerate((*scene.joints, *scene.connections), start=1):
             for name, value in (
-                ("ties", (type(item), item.size, item.ties())),
+                ("constraint definitions", (type(item), item.size, item.definitions())),
                 ("stiffness, damping and rest", item.spring),
-                ("sliding", item.sliding_tie()),
-                ("rolling", item.velocity_ties()),
+                ("sliding", item.sliding_definition()),
+                ("rolling", item.velocity_definitions()),
             ):
                 self._add(f"{name} of connection {k}", value, f"{name} of {item.label}")
         for kind in ("links", "loads", "clamps", "motions"):

@@ -42,8 +42,8 @@ class Given(NamedTuple):
 
     Attributes:
         kinds: What the nodes that lead are, (n,).
-        leader: Of each node, (N,).
-        offset: Its frame in that of its leader, (N, 4, 3).
+        master: Of each node, (N,).
+        offset: Its frame in that of its master node, (N, 4, 3).
         inertia: Mass matrix.
         dead: Conservative loads on (x, d₁, d₂, d₃), (n, 4, 3).
         joints: Their table.
@@ -61,7 +61,7 @@ class Given(NamedTuple):
     """
 
     kinds: Indices
-    leader: Indices
+    master: Indices
     offset: Array
     inertia: inertia.Inertia
     dead: Array
@@ -160,7 +160,7 @@ class ResultRow:
     def __init__(self, equations: Equations) -> None:
         """Of equations."""
         known = equations.tables
-        nodes = known.kinds, known.leader, known.offset, *known.inertia, known.conservative
+        nodes = known.kinds, known.master, known.offset, *known.inertia, known.conservative
         joints = *known.joints, *known.probes, known.pairs, known.sides, known.owner
         self._equations, self._complete = equations, known.complete
         turns = known.limits, known.ends, known.whole, known.lengths, known.chords
@@ -217,7 +217,7 @@ class ResultRow:
             rows.potential[row], rows.elastic[row] = potential, springs
         if self._complete or not record & (Record.FORCES | Record.COORDINATES):
             return
-        told = self._equations.report(H, v, weights=weights).joints
+        told = self._equations.report(H, v, multipliers=weights).joints
         if Record.FORCES in record:
             rows.joint_forces[row] = told.forces
         if Record.COORDINATES in record:
@@ -363,14 +363,14 @@ def _fill_motion(H: Array, v: Array, given: Given, kept: Kept, row: int) -> None
     """Frames of all nodes, and their velocities if they are wanted."""
     moving, wanted = given.kinds.shape[0], _any(kept.velocities)
     velocities = kept.velocities[row] if wanted else np.empty((0, 6))
-    leads = given.leader.shape[0] == moving
+    leads = given.master.shape[0] == moving
     own = velocities if leads else np.empty_like(v)
     if wanted:
         shown_all(given.kinds, H, v, own)
     if leads:
         copy_blocks(H, kept.frames[row])
     else:
-        expand_motion(H, own, given.leader, given.offset, kept.frames[row], velocities)
+        expand_motion(H, own, given.master, given.offset, kept.frames[row], velocities)
 
 
 @compiled

@@ -69,7 +69,7 @@ def branch(
     shape = critical.displacing_shape(mode)
     model = StableEquilibrium(scene, petsc_options_prefix)
     station, unknowns = critical.station, model.equations.unknowns
-    leaders = unknowns.leaders
+    masters = unknowns.masters
     if len(critical.frames) != unknowns.total:
         raise ValueError(
             f"the bifurcation is one of a scene with {len(critical.frames)} nodes, this one has "
@@ -77,7 +77,7 @@ def branch(
         )
     model.restore(station.state)
     h: Array = np.zeros(unknowns.size)
-    h[: 6 * len(leaders)] = shape[leaders].ravel()
+    h[: 6 * len(masters)] = shape[masters].ravel()
     size = _first_amplitude(model, shape)
     if critical.crossed:
         h, size = _beside(model, station, h)

@@ -200,10 +200,10 @@ def _deform(body: Body, u: Array, theta: Array) -> None:
     turn = np.where(held[:, 3:], 0.0, np.einsum("nij,nj->ni", H[:, 1:], theta))
     turned = lie.se3_retract(H, np.hstack([np.zeros_like(turn), turn]))
     turned[:, 0] += u
-    follows = np.flatnonzero(body.leaders != np.arange(len(H)))
-    leaders = body.leaders[follows]
-    relative = lie.se3_compose(lie.se3_inverse(H[leaders]), H[follows])
-    turned[follows] = lie.se3_compose(turned[leaders], relative)
+    follows = np.flatnonzero(body.masters != np.arange(len(H)))
+    masters = body.masters[follows]
+    relative = lie.se3_compose(lie.se3_inverse(H[masters]), H[follows])
+    turned[follows] = lie.se3_compose(turned[masters], relative)
     body.frames[:] = turned
     if isinstance(body, Beam):
         a, b = turned[body.elements[:, 0]], turned[body.elements[:, 1]]

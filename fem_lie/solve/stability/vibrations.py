@@ -147,7 +147,7 @@ def vibrations(
     unknowns = equations.unknowns
     if scene.redundant is not Redundant.REFUSE:
         raise ValueError("vibrations need constraints of which none is redundant")
-    if any(joint.velocity_ties() for joint in scene.joints):
+    if any(joint.velocity_definitions() for joint in scene.joints):
         raise ValueError("vibrations need constraints of positions, got one of velocities")
     free = int((~unknowns.held).sum()) - unknowns.m
     if not 1 <= count <= free:

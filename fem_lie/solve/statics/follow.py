@@ -33,7 +33,7 @@ from fem_lie.solve.statics.unstable import (
     negative_pivots,
     warn_if_unstable,
 )
-from fem_lie.system.equations import Equations, Instant, Plan
+from fem_lie.system.equations import Equations, Plan, TimeState
 
 
 def follow_loads(
@@ -185,8 +185,8 @@ class SceneEquilibrium:
         return self._internal.copy(), self._load.copy()
 
     @property
-    def _now(self) -> Instant:
-        return Instant(self._H, self._zero, self._zero, self._multipliers)
+    def _now(self) -> TimeState:
+        return TimeState(self._H, self._zero, self._zero, self._multipliers)
 
     @property
     def factorisations(self) -> int:
@@ -280,7 +280,7 @@ class SceneEquilibrium:
 
     def joint_forces(self, state: _State) -> Array:
         """Force and moment of each joint on its point ``a``, in its axes, shape (j, 6)."""
-        return self.equations.report(state.frames, weights=state.multipliers).joints.forces
+        return self.equations.report(state.frames, multipliers=state.multipliers).joints.forces
 
     def positions(self) -> Array:
         """Of the nodes that have places, shape (n, 3)."""

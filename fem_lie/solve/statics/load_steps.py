@@ -29,7 +29,7 @@ from fem_lie.solve.statics.unstable import (
     SingularStartError,
     negative_pivots,
 )
-from fem_lie.system.equations import Equations, Instant, Plan
+from fem_lie.system.equations import Equations, Plan, TimeState
 
 if TYPE_CHECKING:
     from fem_lie.system.equations import Equations
@@ -53,7 +53,7 @@ def move(equations: Equations, H: Array, x: Array, *, carried: bool) -> float:
         equations.memory.carry(H, -x[: 6 * unknowns.moving])
     ways = unknowns.held, unknowns.uncoupled, unknowns.straight
     advance(unknowns.kinds, H, x, *ways)
-    equations.memory.turn_axes(H)
+    equations.memory.rotate_axes(H)
     return float(np.abs(x[: 6 * unknowns.moving] / unknowns.units).max(initial=0.0))
 
 
@@ -125,7 +125,7 @@ class LoadSteps(Iterated):
         self._lost, self._factor = "", 0.0
         self._criterion: Criterion = Polishing()
         equations.memory.carry(self.H)
-        now = Instant(self.H, self._zero, self._zero, self.multipliers)
+        now = TimeState(self.H, self._zero, self._zero, self.multipliers)
         self._scale = equations.fill(now, None, Plan(self._zero))
         self._found = equations.residual(now, self._scale, self._r, carried=True)
 
@@ -347,7 +347,7 @@ class LoadSteps(Iterated):
             equations.memory.carry(H)
         # centrifugal forces grow as the loads do
         v = self._rotation.velocities(equations.unknowns.kinds, H, np.sqrt(factor))
-        now = Instant(H, v, zero, self.multipliers)
+        now = TimeState(H, v, zero, self.multipliers)
         equations.residual(now, self._scale, self._r, self._found, carried=True)
         self.residual = float(np.abs(self._r).max(initial=0.0))
         plan = Plan(zero, self._scale, steady=bool(self._rotation))

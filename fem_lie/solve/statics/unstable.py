@@ -169,7 +169,7 @@ class FreeMotions:
         unknowns, count = self._equations.unknowns, len(motions)
         moves = np.zeros(6 * unknowns.moving)
         moves[self._free] = np.abs(motions).max(axis=0)
-        nodes = unknowns.leaders[moves.reshape(-1, 6).max(axis=1) > 1e-6 * moves.max()]
+        nodes = unknowns.masters[moves.reshape(-1, 6).max(axis=1) > 1e-6 * moves.max()]
         bodies = unknowns.bodies.items()
         names = ", ".join(body.label for body, own in bodies if np.isin(own, nodes).any())
         return (

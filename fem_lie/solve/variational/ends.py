@@ -9,7 +9,7 @@ from fem_lie.lie.kinds import SLOPE
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.variational import momenta
-from fem_lie.system.equations import Equations, Instant, Plan
+from fem_lie.system.equations import Equations, Plan, TimeState
 
 
 class Binding:
@@ -94,7 +94,7 @@ class Ends:
         held = equations.unknowns.held
         momenta.to_local(equations.unknowns.kinds, H, spatial, held, r[: 6 * n].reshape(n, 6))
         plan = Plan(self._still, at_rest=_UNFILTERED * self.h)
-        scale = equations.fill(Instant(H, self._still, self._still, self._none), None, plan)
+        scale = equations.fill(TimeState(H, self._still, self._still, self._none), None, plan)
         moved, _ = equations.constraints(H).rates(v)
         r[6 * n :] = scale * (given.target_rates[0] - moved)
         solver.factorise()
@@ -111,7 +111,7 @@ class Ends:
             time: When.
         """
         equations, n = self.equations, self._n
-        now = Instant(H, v[:n], self._still, self._none)
+        now = TimeState(H, v[:n], self._still, self._none)
         # elements' own unknowns are those half-way
         equations.residual(now, np.ones(len(self._none)), self._work)
         return accelerations(equations, self._solver, H, v, time, self.h, self._sweeps)

@@ -30,7 +30,7 @@ from fem_lie.solve.variational import loop, momenta
 from fem_lie.solve.variational.ends import prescribe
 from fem_lie.solve.variational.loop import Packed
 from fem_lie.solve.variational.run_state import RunState
-from fem_lie.system.equations import Instant
+from fem_lie.system.equations import TimeState
 
 
 class Newton(RunState, Iterated):
@@ -304,7 +304,7 @@ class VariationalRun(Newton):
             _, rates = self._ends.through(self.H, self.steps, time, self._changing)
             self.books.add(self.size, time, self.H, v, rates, ahead)
         if changed is not None:
-            was = Instant(self.H.copy(), v, changed.rates[0], ahead)
+            was = TimeState(self.H.copy(), v, changed.rates[0], ahead)
             change = self._momenta(changed.frames, changed.twists) - self._momenta(self.H, v)
             self.before += change
             self.H[:n], v = changed.frames[:n], changed.twists
@@ -312,7 +312,7 @@ class VariationalRun(Newton):
             self._set_steps(v, changed.rates[1])
             self.weights += changed.multipliers
             self.earlier[:] = self.weights
-            now = Instant(self.H, v, changed.rates[1], ahead + changed.multipliers)
+            now = TimeState(self.H, v, changed.rates[1], ahead + changed.multipliers)
             equations.residual(now, np.ones(len(self.weights)), self._work)
             self.gap[:] = self._work[6 * n :]
             lost = self.books.collide(time, was, now, contacts.work)
@@ -325,7 +325,7 @@ class VariationalRun(Newton):
     def _turn_axes(self) -> None:
         """Let axes follow the state that is accepted; spins about axes of frames go with these."""
         kinds, before = self.equations.unknowns.kinds, self.H.copy()
-        self.equations.memory.turn_axes(self.H)
+        self.equations.memory.rotate_axes(self.H)
         for spatial in (self.before, *self.steps):
             momenta.turn_with(kinds, before, self.H, spatial)
 

@@ -27,7 +27,7 @@ from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.variational import momenta
 from fem_lie.solve.variational.ends import Binding, Ends
-from fem_lie.system.equations import Equations, Instant, Plan
+from fem_lie.system.equations import Equations, Plan, TimeState
 
 
 @dataclass(frozen=True)
@@ -99,9 +99,9 @@ class RunState(DividedIntegration[Recorder]):
         self._work, self._q = z(unknowns.size), z(self._within.moved.shape)
         self.scale: Array = np.ones(m)
         self._measure = unknown_scaling(unknowns)
-        now = Instant(self.H, self.twists[:n], self._still, self._none)
+        now = TimeState(self.H, self.twists[:n], self._still, self._none)
         self._found = equations.residual(now, self.scale, self._work)
-        self.books = equations.books()
+        self.books = equations.energy_balance()
         self._factors: Factors | None = None
         self._made, self._factorisations, self._iterations = 0, 0, 0
         self._increment, self._born = np.inf, 0
@@ -137,7 +137,7 @@ class RunState(DividedIntegration[Recorder]):
         self._set_steps(v[:n])
         rates, self.weights[:] = self._ends.accelerations(self.H, v, 0.0)
         self.earlier[:] = self.weights
-        now = Instant(self.H, v[:n], rates, self.weights)
+        now = TimeState(self.H, v[:n], rates, self.weights)
         equations.residual(now, np.ones(len(self.weights)), self._work)
         self.gap[:] = self._work[6 * n :]
         self.books.open(0.0, *now)
@@ -208,7 +208,7 @@ class RunState(DividedIntegration[Recorder]):
         middle = rows[3]
         v = self.twists if self._viscous else np.zeros_like(self.twists)
         equations.residual(
-            Instant(middle, v, self._still, self._none), self.scale, self._work, self._found
+            TimeState(middle, v, self._still, self._none), self.scale, self._work, self._found
         )
         self._forces[:] = self._work[: 6 * n].reshape(n, 6)
         if self._viscous:
@@ -244,7 +244,7 @@ class RunState(DividedIntegration[Recorder]):
         equations, h, n = self.equations, self.size, self._n
         _, _, end, middle = self.rows
         v, H = self.twists.copy(), middle.copy()
-        now = Instant(H, v, np.zeros((n, 6)), self.weights)
+        now = TimeState(H, v, np.zeros((n, 6)), self.weights)
         ones = np.ones(len(self.weights)) if scale is None else scale
         equations.residual(now, ones, self._work, self._found)
         plan = Plan(self._still, scale, 4.0 / h**2, 2.0 / h, end.copy(), self.H)

@@ -95,7 +95,7 @@ def _joined(tables: Sequence[JointTable], rows: Sequence[Indices]) -> JointTable
         nodes=np.concatenate([numbers[table.nodes] for table, numbers in own]),
         first=np.concatenate(first),
         rows=np.concatenate(of_terms),
-        legs=np.full((terms, 2), -1, dtype=np.int64),
+        incidences=np.full((terms, 2), -1, dtype=np.int64),
         targets=np.zeros(m),
         **joined,
     )

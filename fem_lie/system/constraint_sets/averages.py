@@ -119,9 +119,9 @@ class Averages:
         self._spread: Array = np.zeros((len(self.nodes), 6))
         self._core: Array = np.zeros((self._count, self._count))
 
-    def take(self, H: Array, weights: Array) -> None:
-        """Have the geometric stiffness of joints with multipliers ``weights`` (m,)."""
-        found = [each.mean_stiffness(H, weights) for each in self._sets]
+    def take(self, H: Array, multipliers: Array) -> None:
+        """Have the geometric stiffness of joints with multipliers ``multipliers`` (m,)."""
+        found = [each.mean_stiffness(H, multipliers) for each in self._sets]
         if found:
             self._spread = np.concatenate([S.reshape(-1, 6) for S, _ in found])
             size = [C.shape[0] * C.shape[1] for _, C in found]
@@ -143,9 +143,9 @@ class Averages:
         """
         if not self._count:
             return None
-        leg, own = np.nonzero(~held[self.nodes])
-        node, coordinates = self.nodes[leg], self._coordinates[leg]
-        U, W = left[leg, own], right[leg, own]
+        incidence, own = np.nonzero(~held[self.nodes])
+        node, coordinates = self.nodes[incidence], self._coordinates[incidence]
+        U, W = left[incidence, own], right[incidence, own]
         # all coordinates of an attachment are lengths; some of a plane one are always zero
         alike = self._attachments
         yields = np.bincount(alike[coordinates], U**2 * soft[node, own], self._count)[alike]

@@ -25,7 +25,7 @@ from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
 from fem_lie.joints import Connection
 from fem_lie.joints.histories import declared, until_next
-from fem_lie.linear.bordered import Border
+from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.nodes.numbering import Numbering
 
 
@@ -78,9 +78,9 @@ class SystemRows:
 
     def ends(self, beam: Beam) -> tuple[Indices, Array]:
         """See :class:`Rows`."""
-        attachment = self.numbering.attachment
+        master_map = self.numbering.master_map
         both = self.numbering.nodes[beam][beam.elements[:, :2]]
-        return attachment.leader[both], attachment.offset[both]
+        return master_map.master[both], master_map.offset[both]
 
 
 def in_rows(rows: Rows, at: Indices, frames: Array) -> Array:
@@ -183,11 +183,11 @@ class Start(NamedTuple):
 
     Attributes:
         row: Number of its first constraint.
-        leg: Number of its first leg in the border.
+        incidence: Number of its first leg in the border.
     """
 
     row: int = 0
-    leg: int = 0
+    incidence: int = 0
 
 
 class ConstraintSet(ABC):
@@ -197,7 +197,7 @@ class ConstraintSet(ABC):
         what: For messages of schemes that do not know the set.
         of_velocities: Whether velocities are bound and not positions.
         start: Where its constraints and legs begin among all.
-        border: Legs of its own constraints alone.
+        incidences: Legs of its own constraints alone.
         owner: Number of the item of each, shape (m,).
         angular: Which are angles and not lengths, shape (m,).
         pairs: Rows and columns of the node pairs that its geometric stiffness couples, of any
@@ -208,7 +208,7 @@ class ConstraintSet(ABC):
     what: str
     of_velocities: bool = False
     start: Start
-    border: Border
+    incidences: Incidences
     owner: Indices
     angular: Flags
     pairs: tuple[Indices, Indices]
@@ -236,7 +236,7 @@ class ConstraintSet(ABC):
     @property
     def held(self) -> Indices:
         """Rows that it holds on to, each at least once."""
-        return np.concatenate([self.pairs[0].ravel(), self.border.nodes])
+        return np.concatenate([self.pairs[0].ravel(), self.incidences.nodes])
 
     @property
     def bound(self) -> Indices:
@@ -247,14 +247,14 @@ class ConstraintSet(ABC):
 
     @abstractmethod
     def evaluate(
-        self, H: Array, v: Array, weights: Array, scale: Array, count: int, r: Array
+        self, H: Array, v: Array, multipliers: Array, scale: Array, count: int, r: Array
     ) -> None:
-        """Add forces ``Bᵀ weights`` and those of springs to ``r``; set rows ``scale · Φ`` there.
+        """Add constraint forces ``Bᵀλ`` and spring forces to ``r``; set its rows ``scale · Φ``.
 
         Args:
             H: Frames of all rows.
             v: Twists, shape (≥ n, 6); rows beyond are at rest.
-            weights: Multipliers, shape (m of all,).
+            multipliers: Multipliers, shape (m of all,).
             scale: Factor of each constraint, likewise.
             count: Rows with forces; constraints begin at ``6 count`` in ``r``.
             r: Shape (6 count + m of all,), updated.
@@ -265,12 +265,12 @@ class ConstraintSet(ABC):
         """What the constraints violate, ``Φ`` or ``W V``, into its rows of ``out``."""
 
     @abstractmethod
-    def jacobian(self, H: Array, legs: Array) -> None:
+    def jacobian(self, H: Array, rows: Array) -> None:
         """Add the derivative of the constraints in twists to their legs, (all legs, 6)."""
 
     @abstractmethod
-    def geometric(self, H: Array, weights: Array, place: Indices, K: Array) -> None:
-        """Add ``∂(Bᵀ weights)/∂h`` to blocks ``K``, ``place`` of each of ``pairs``, −1: nowhere."""
+    def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
+        """Add ``∂(Bᵀλ)/∂h`` to blocks ``K``, at ``place`` of each of ``pairs``, −1: none."""
 
     @property
     def means(self) -> Means | None:
@@ -282,7 +282,7 @@ class ConstraintSet(ABC):
         """:attr:`pairs` without those that :attr:`means` couple; :meth:`geometric` takes either."""
         return self.pairs
 
-    def mean_stiffness(self, H: Array, weights: Array) -> tuple[Array, Array]:
+    def mean_stiffness(self, H: Array, multipliers: Array) -> tuple[Array, Array]:
         """``S`` (e, r, 6), and the core ``C`` (w, r, w, r) of ``Sᵀ C S``.
 
         That is what :meth:`geometric` adds to pairs that are not :attr:`sparse`.
@@ -388,7 +388,7 @@ class ConstraintSet(ABC):
     # --- results ---
 
     @abstractmethod
-    def wrenches(self, H: Array, v: Array, weights: Array, out: Array) -> None:
+    def wrenches(self, H: Array, v: Array, multipliers: Array, out: Array) -> None:
         """Add force and moment on the side A of items, in its axes there, to rows of items."""
 
     def coordinates(self, H: Array, out: Array) -> None:

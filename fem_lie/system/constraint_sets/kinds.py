@@ -43,4 +43,4 @@ def _add(one: ConstraintSet, found: list[ConstraintSet]) -> None:
 
 def _after(found: Sequence[ConstraintSet]) -> Start:
     """Where the next set begins."""
-    return Start(sum(each.m for each in found), sum(len(each.border.nodes) for each in found))
+    return Start(sum(each.m for each in found), sum(len(each.incidences.nodes) for each in found))

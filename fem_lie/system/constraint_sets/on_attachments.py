@@ -17,7 +17,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
 from fem_lie.forms.term import add_at
-from fem_lie.linear.bordered import Border
+from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.averages import AveragedPairs
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
@@ -49,8 +49,8 @@ class AttachmentRows:
         self._rows = rows
         touched = {rows.of(point) for point in points if point.joint_attachment is None}
         for item in items:
-            if tie := item.item.sliding_tie():
-                touched.update(int(row) for row in rows.ends(tie.beam)[0].ravel())
+            if definition := item.item.sliding_definition():
+                touched.update(int(row) for row in rows.ends(definition.beam)[0].ravel())
         order = np.array(sorted(touched), dtype=np.int64)
         self.moving, self.fixed = order[order < rows.count], order[order >= rows.count]
         self.count = len(self.moving) + self.attachments.count
@@ -124,16 +124,18 @@ class OnAttachments(ConstraintSet):
 
     def _connect(self) -> None:
         """The border of the system, and which legs of the set go to which of its legs."""
-        inner, nodes = self.inner.border, self._nodes
-        of_legs = [self._entries[row] for row in inner.nodes]
+        inner, nodes = self.inner.incidences, self._nodes
+        entries_of = [self._entries[row] for row in inner.nodes]
         touched: list[set[int]] = [set() for _ in range(self.m)]
-        for row, entries in zip(inner.rows, of_legs, strict=True):
+        for row, entries in zip(inner.rows, entries_of, strict=True):
             touched[row].update(int(node) for node in nodes[entries])
-        self.border = Border.of(touched, self._system_count)
-        self._leg = np.repeat(np.arange(len(inner.nodes)), [len(e) for e in of_legs])
-        self._leg_entry: Indices = np.concatenate([np.empty(0, dtype=np.int64), *of_legs])
-        rows, at = inner.rows[self._leg], nodes[self._leg_entry]
-        self._to_leg = self.start.leg + self.border.legs(rows, at[:, np.newaxis])[:, 0]
+        self.incidences = Incidences.of(touched, self._system_count)
+        self._inner_incidence = np.repeat(np.arange(len(inner.nodes)), [len(e) for e in entries_of])
+        self._incidence_entry: Indices = np.concatenate([np.empty(0, dtype=np.int64), *entries_of])
+        rows, at = inner.rows[self._inner_incidence], nodes[self._incidence_entry]
+        self._to_incidence = (
+            self.start.incidence + self.incidences.find(rows, at[:, np.newaxis])[:, 0]
+        )
 
     def _pair(self) -> None:
         """Pairs of nodes: of each pair of rows, within attachments, of averaging attachments."""
@@ -206,10 +208,10 @@ class OnAttachments(ConstraintSet):
         given = rows.fixed < count
         target[rows.fixed[given]] += forces[rows.count :][given]
 
-    def _forces(self, H: Array, v: Array, weights: Array, scale: Array) -> tuple[Array, Array]:
+    def _forces(self, H: Array, v: Array, multipliers: Array, scale: Array) -> tuple[Array, Array]:
         """Of the inner set: forces on its rows, and its constraints."""
         r = np.zeros(6 * len(H) + self.m)
-        self.inner.evaluate(H, v, weights, scale, len(H), r)
+        self.inner.evaluate(H, v, multipliers, scale, len(H), r)
         return r[: 6 * len(H)].reshape(-1, 6), r[6 * len(H) :]
 
     def _add_pulled(self, J: Array, blocks: Array, place: Indices, K: Array) -> None:
@@ -228,11 +230,11 @@ class OnAttachments(ConstraintSet):
     # --- equations ---
 
     def evaluate(
-        self, H: Array, v: Array, weights: Array, scale: Array, count: int, r: Array
+        self, H: Array, v: Array, multipliers: Array, scale: Array, count: int, r: Array
     ) -> None:
         """See the base class."""
         frames, J = self._seen(H)
-        given = weights[self.own], scale[self.own]
+        given = multipliers[self.own], scale[self.own]
         forces, values = self._forces(frames, self._twists(J, v), *given)
         self._give(J, forces, count, r)
         r[6 * count :][self.own] = values
@@ -244,34 +246,34 @@ class OnAttachments(ConstraintSet):
         self.inner.values(frames, self._twists(J, v), found)
         out[self.own] = found
 
-    def jacobian(self, H: Array, legs: Array) -> None:
+    def jacobian(self, H: Array, rows: Array) -> None:
         """See the base class."""
         frames, J = self._seen(H)
-        own = np.zeros((len(self.inner.border.nodes), 6))
+        own = np.zeros((len(self.inner.incidences.nodes), 6))
         self.inner.jacobian(frames, own)
-        moved = np.einsum("lij,li->lj", J[self._leg_entry], own[self._leg])
-        np.add.at(legs, self._to_leg, moved)
+        moved = np.einsum("lij,li->lj", J[self._incidence_entry], own[self._inner_incidence])
+        np.add.at(rows, self._to_incidence, moved)
 
-    def geometric(self, H: Array, weights: Array, place: Indices, K: Array) -> None:
+    def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
         """That of the set, and that of the attachments under its forces."""
         _, J = self._seen(H)
-        blocks, forces = self._bent(H, weights)
+        blocks, forces = self._bent(H, multipliers)
         self._add_pulled(J, blocks, place, K)
         within = place[len(self._left) : len(self._sparse[0])]
         add_at(K, within, self._attachments.bend(H, forces))
         self._add_averaged(H, blocks, forces, place, K)
 
-    def _bent(self, H: Array, weights: Array) -> tuple[Array, Array]:
+    def _bent(self, H: Array, multipliers: Array) -> tuple[Array, Array]:
         """Geometric stiffness of the set between its rows, and its forces on attachments."""
         frames, _ = self._seen(H)
-        blocks, own = np.zeros((self._blocks, 6, 6)), weights[self.own]
+        blocks, own = np.zeros((self._blocks, 6, 6)), multipliers[self.own]
         self.inner.geometric(frames, own, self._inner_place, blocks)
         forces, _ = self._forces(frames, np.zeros((0, 6)), own, np.ones(self.m))
         return blocks, forces[len(self.rows.moving) : self.rows.count]
 
-    def mean_stiffness(self, H: Array, weights: Array) -> tuple[Array, Array]:
+    def mean_stiffness(self, H: Array, multipliers: Array) -> tuple[Array, Array]:
         """See the base class."""
-        return self._attachments.spread(H), self._averaged.core(H, *self._bent(H, weights))
+        return self._attachments.spread(H), self._averaged.core(H, *self._bent(H, multipliers))
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
         """Twists of attachments change while those of nodes are constant."""
@@ -358,10 +360,10 @@ class OnAttachments(ConstraintSet):
 
     # --- results ---
 
-    def wrenches(self, H: Array, v: Array, weights: Array, out: Array) -> None:
+    def wrenches(self, H: Array, v: Array, multipliers: Array, out: Array) -> None:
         """See the base class."""
         frames, J = self._seen(H)
-        self.inner.wrenches(frames, self._twists(J, v), weights[self.own], out)
+        self.inner.wrenches(frames, self._twists(J, v), multipliers[self.own], out)
 
     def coordinates(self, H: Array, out: Array) -> None:
         """See the base class."""

@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.joints import Connection, Joint, Tie
+from fem_lie.joints import Connection, ConstraintDefinition, Joint
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.joints.equations import terms, turns
 from fem_lie.joints.equations.functions import ANGLE, DISTANCE
 from fem_lie.joints.equations.table import JointTable, PackedJoints, pack, views
 from fem_lie.joints.equations.turns import spring_changes
-from fem_lie.linear.bordered import Border
+from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
     MemoryKey,
@@ -91,13 +91,13 @@ class Pair(NamedTuple):
     """A tie between two rows, perhaps with its sides exchanged, and the rows of its terms.
 
     Attributes:
-        tie: What is tied.
+        definition: What is tied.
         nodes: Of its sides A and B.
         rows: Constraint of each term, −1 for that of a spring.
         exchanged: Whether the user's side A is B here.
     """
 
-    tie: Tie
+    definition: ConstraintDefinition
     nodes: tuple[int, int]
     rows: Sequence[int]
     exchanged: bool
@@ -125,7 +125,7 @@ class RelativeMotions(ConstraintSet):
         numbers = np.array([number for _, number, _ in items], dtype=np.int64)
         first = np.cumsum(sizes) - sizes
         groups = [
-            [_pair(rows, tie, int(row)) for tie in item.ties()]
+            [_pair(rows, definition, int(row)) for definition in item.definitions()]
             for (item, _, _), row in zip(items, first, strict=True)
         ]
         pairs = [pair for group in groups for pair in group]
@@ -135,9 +135,9 @@ class RelativeMotions(ConstraintSet):
                 if row >= 0:
                     touched[row].update(pair.nodes)
         self.owner = np.repeat(numbers, sizes)
-        self.border = Border.of(touched, rows.count)
+        self.incidences = Incidences.of(touched, rows.count)
         springs = [item.spring for item, _, _ in items if item.spring is not None]
-        self.packed = _packed(rows, pairs, self.m, springs, self.border, start.leg)
+        self.packed = _packed(rows, pairs, self.m, springs, self.incidences, start.incidence)
         self.table = views(self.packed)
         self.targets = self.table.targets
         self._rest = self.table.springs[:, 2].copy()
@@ -173,11 +173,15 @@ class RelativeMotions(ConstraintSet):
         self._rest, self._start = self.table.springs[:, 2].copy(), np.empty(0)
 
     def _probe(self, items: Sequence[Numbered], rows: Rows) -> None:
-        ties = [(c.tie, at + k) for item, _, at in items for k, c in enumerate(item.coordinates())]
-        probes = [_pair(rows, tie, row) for row, (tie, _) in enumerate(ties)]
+        definitions = [
+            (c.definition, at + k)
+            for item, _, at in items
+            for k, c in enumerate(item.coordinates())
+        ]
+        probes = [_pair(rows, definition, row) for row, (definition, _) in enumerate(definitions)]
         self.packed_probes: PackedJoints = _packed(rows, probes, len(probes), [], None, 0)
         self.probes = views(self.packed_probes)
-        self._place: Indices = np.array([at for _, at in ties], dtype=np.int64)
+        self._place: Indices = np.array([at for _, at in definitions], dtype=np.int64)
         self.turns = bool(self.table.functions.any() or self.probes.functions.any())
 
     def _angles(self) -> Flags:
@@ -194,26 +198,26 @@ class RelativeMotions(ConstraintSet):
         return len(self.table.nodes) == 0 and len(self.probes.nodes) == 0
 
     def evaluate(
-        self, H: Array, v: Array, weights: Array, scale: Array, count: int, r: Array
+        self, H: Array, v: Array, multipliers: Array, scale: Array, count: int, r: Array
     ) -> None:
         """See the base class."""
         if self._ties:
-            terms.evaluate(H, v, self.table, weights, scale, count, r)
+            terms.evaluate(H, v, self.table, multipliers, scale, count, r)
 
     def values(self, H: Array, v: Array, out: Array) -> None:
         """See the base class."""
         if self._ties:
             terms.violations(H, self.table, out)
 
-    def jacobian(self, H: Array, legs: Array) -> None:
+    def jacobian(self, H: Array, rows: Array) -> None:
         """See the base class."""
         if self._ties:
-            terms.jacobian(H, self.table, legs)
+            terms.jacobian(H, self.table, rows)
 
-    def geometric(self, H: Array, weights: Array, place: Indices, K: Array) -> None:
+    def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
         """See the base class."""
         if self._ties:
-            terms.geometric(H, self.table, weights, place, K)
+            terms.geometric(H, self.table, multipliers, place, K)
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
         """See the base class."""
@@ -305,12 +309,12 @@ class RelativeMotions(ConstraintSet):
         """See the base class."""
         return self._keys
 
-    def wrenches(self, H: Array, v: Array, weights: Array, out: Array) -> None:
+    def wrenches(self, H: Array, v: Array, multipliers: Array, out: Array) -> None:
         """See the base class."""
         if not self._ties:
             return
         found: Array = np.empty((len(self.tied), 6))
-        terms.wrenches(H, v, self.table, weights, *self.reported, found)
+        terms.wrenches(H, v, self.table, multipliers, *self.reported, found)
         out[self.tied] += found
 
     def coordinates(self, H: Array, out: Array) -> None:
@@ -341,18 +345,18 @@ def _keys(item: Connection, pairs: Sequence[Pair]) -> list[MemoryKey]:
     own = [(item.label, "angle")] * len(pairs)
     acts = [(c.joint.label, c.name) for c in coordinates]
     found = acts if len(acts) == len(pairs) else own
-    counted = [pair.tie.functions[:, ANGLE].any() for pair in pairs]
+    counted = [pair.definition.functions[:, ANGLE].any() for pair in pairs]
     # pairs without an angle have nothing to remember
     return [key if c else (item.label, "") for key, c in zip(found, counted, strict=True)]
 
 
-def _pair(rows: Rows, tie: Tie, first: int) -> Pair:
+def _pair(rows: Rows, definition: ConstraintDefinition, first: int) -> Pair:
     """With a side that moves as A: what touches ``Δ`` alone has a constant Jacobian there."""
-    nodes = rows.of(tie.a), rows.of(tie.b)
-    numbers = [first + row if row >= 0 else -1 for row in tie.rows]
-    if tie.reversible and rows.still[nodes[0]] and not rows.still[nodes[1]]:
-        return Pair(tie.exchanged(), nodes[::-1], numbers, True)
-    return Pair(tie, nodes, numbers, False)
+    nodes = rows.of(definition.a), rows.of(definition.b)
+    numbers = [first + row if row >= 0 else -1 for row in definition.rows]
+    if definition.reversible and rows.still[nodes[0]] and not rows.still[nodes[1]]:
+        return Pair(definition.exchanged(), nodes[::-1], numbers, True)
+    return Pair(definition, nodes, numbers, False)
 
 
 def _packed(
@@ -360,8 +364,8 @@ def _packed(
     pairs: Sequence[Pair],
     m: int,
     springs: Sequence[tuple[float, float, float]],
-    border: Border | None,
-    leg: int,
+    incidences: Incidences | None,
+    incidence: int,
 ) -> PackedJoints:
     """The table of ``m`` constraints; without a border there are no legs."""
     number = iter(range(m, m + len(springs)))
@@ -369,19 +373,19 @@ def _packed(
     of_terms = np.array(terms_of, dtype=np.int64)
     both = [pair.nodes for pair in pairs for _ in pair.rows]
     nodes = np.array(both, dtype=np.int64).reshape(-1, 2)
-    legs = np.full_like(nodes, -1) if border is None else border.legs(of_terms, nodes)
+    at = np.full_like(nodes, -1) if incidences is None else incidences.find(of_terms, nodes)
     of_pairs = np.array([pair.nodes for pair in pairs], dtype=np.int64).reshape(-1, 2)
-    frames = np.array([pair.tie.frames for pair in pairs]).reshape(-1, 2, 4, 3)
+    frames = np.array([pair.definition.frames for pair in pairs]).reshape(-1, 2, 4, 3)
     table = JointTable(
         nodes=of_pairs,
         frames=in_rows(rows, of_pairs, frames),
         first=np.cumsum([0] + [len(pair.rows) for pair in pairs], dtype=np.int64),
-        selection=stacked([pair.tie.selection for pair in pairs], 0, 12),
-        functions=stacked([pair.tie.functions for pair in pairs], 0, 3),
+        selection=stacked([pair.definition.selection for pair in pairs], 0, 12),
+        functions=stacked([pair.definition.functions for pair in pairs], 0, 3),
         rows=of_terms,
-        legs=np.where(legs >= 0, legs + leg, -1),
-        angle=np.array([pair.tie.angle for pair in pairs]).reshape(-1, 2, 12),
-        curved=np.array([pair.tie.functions.any() for pair in pairs], dtype=np.int64),
+        incidences=np.where(at >= 0, at + incidence, -1),
+        angle=np.array([pair.definition.angle for pair in pairs]).reshape(-1, 2, 12),
+        curved=np.array([pair.definition.functions.any() for pair in pairs], dtype=np.int64),
         turned=np.zeros(len(pairs)),
         targets=np.zeros(m),
         springs=np.array(springs, dtype=np.float64).reshape(-1, 3),

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.joints import VelocityTie
+from fem_lie.joints import VelocityConstraintDefinition
 from fem_lie.joints.equations import rolling
 from fem_lie.joints.equations.rolling import RollingTable
-from fem_lie.linear.bordered import Border
+from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
     Numbered,
@@ -33,14 +33,24 @@ class Rolls(ConstraintSet):
 
     def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
         """Table what rolls."""
-        found = [(given.number, tie) for given in items for tie in given.item.velocity_ties()]
+        found = [
+            (given.number, definition)
+            for given in items
+            for definition in given.item.velocity_definitions()
+        ]
         self.start, self._count = start, rows.count
         self._items: Indices = np.array([number for number, _ in found], dtype=np.int64)
-        ties = [tie for _, tie in found]
-        self.owner = np.repeat(self._items, [len(tie.selection) for tie in ties])
-        touched = [{rows.of(tie.a), rows.of(tie.b)} for tie in ties for _ in tie.selection]
-        self.border = Border.of(touched, rows.count)
-        self.table = _table(rows, ties, self.border, start)
+        definitions = [definition for _, definition in found]
+        self.owner = np.repeat(
+            self._items, [len(definition.selection) for definition in definitions]
+        )
+        touched = [
+            {rows.of(definition.a), rows.of(definition.b)}
+            for definition in definitions
+            for _ in definition.selection
+        ]
+        self.incidences = Incidences.of(touched, rows.count)
+        self.table = _table(rows, definitions, self.incidences, start)
         self.targets = np.zeros(self.m)
         # an edge binds a velocity of a place, a disc both
         self.angular = np.zeros(self.m, dtype=bool)
@@ -54,29 +64,29 @@ class Rolls(ConstraintSet):
         return self.m == 0
 
     def evaluate(
-        self, H: Array, v: Array, weights: Array, scale: Array, count: int, r: Array
+        self, H: Array, v: Array, multipliers: Array, scale: Array, count: int, r: Array
     ) -> None:
         """See the base class."""
-        rolling.evaluate(H, v, self.table, weights, scale, count, r)
+        rolling.evaluate(H, v, self.table, multipliers, scale, count, r)
 
     def values(self, H: Array, v: Array, out: Array) -> None:
         """See the base class."""
         rolling.rates(H, v, self.table, out, np.empty_like(out))
 
-    def jacobian(self, H: Array, legs: Array) -> None:
+    def jacobian(self, H: Array, rows: Array) -> None:
         """See the base class."""
-        rolling.jacobian(H, self.table, legs)
+        rolling.jacobian(H, self.table, rows)
 
-    def geometric(self, H: Array, weights: Array, place: Indices, K: Array) -> None:
+    def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
         """None is counted."""
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
         """See the base class."""
         rolling.rates(H, v, self.table, first, second)
 
-    def wrenches(self, H: Array, v: Array, weights: Array, out: Array) -> None:
+    def wrenches(self, H: Array, v: Array, multipliers: Array, out: Array) -> None:
         """See the base class."""
-        rolling.wrenches(H, self.table, weights, self._items, out)
+        rolling.wrenches(H, self.table, multipliers, self._items, out)
 
     def drawn(self) -> dict[int, tuple[int, Array]]:
         """On its side A, or on B if A is ground."""
@@ -94,19 +104,29 @@ class Rolls(ConstraintSet):
         return bool((self.table.nodes >= self._count).any())
 
 
-def _table(rows: Rows, ties: Sequence[VelocityTie], border: Border, start: Start) -> RollingTable:
-    nodes = np.array([(rows.of(tie.a), rows.of(tie.b)) for tie in ties], dtype=np.int64)
+def _table(
+    rows: Rows,
+    definitions: Sequence[VelocityConstraintDefinition],
+    incidences: Incidences,
+    start: Start,
+) -> RollingTable:
+    nodes = np.array(
+        [(rows.of(definition.a), rows.of(definition.b)) for definition in definitions],
+        dtype=np.int64,
+    )
     nodes = nodes.reshape(-1, 2)
-    frames = np.array([tie.frames for tie in ties]).reshape(-1, 2, 4, 3)
-    first = np.cumsum([0] + [len(tie.selection) for tie in ties], dtype=np.int64)
+    frames = np.array([definition.frames for definition in definitions]).reshape(-1, 2, 4, 3)
+    first = np.cumsum(
+        [0] + [len(definition.selection) for definition in definitions], dtype=np.int64
+    )
     of_rows = np.repeat(nodes, np.diff(first), axis=0)
-    legs = border.legs(np.arange(len(of_rows)), of_rows)
+    at = incidences.find(np.arange(len(of_rows)), of_rows)
     return RollingTable(
         nodes=nodes,
         frames=in_rows(rows, nodes, frames),
         first=first,
-        selection=stacked([tie.selection for tie in ties], 0, 6),
-        radius=np.array([tie.radius for tie in ties], dtype=np.float64),
-        legs=np.where(legs >= 0, legs + start.leg, -1),
+        selection=stacked([definition.selection for definition in definitions], 0, 6),
+        radius=np.array([definition.radius for definition in definitions], dtype=np.float64),
+        incidences=np.where(at >= 0, at + start.incidence, -1),
         start=np.array([start.row], dtype=np.int64),
     )

@@ -8,10 +8,10 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie.joints import SlidingTie
+from fem_lie.joints import SlidingConstraintDefinition
 from fem_lie.joints.equations import sliding
 from fem_lie.joints.equations.sliding import SlidingTable
-from fem_lie.linear.bordered import Border
+from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
     MemoryKey,
@@ -34,17 +34,23 @@ class Slides(ConstraintSet):
 
     def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
         """Table what slides."""
-        found = [(given, tie) for given in items if (tie := given.item.sliding_tie())]
+        found = [
+            (given, definition)
+            for given in items
+            if (definition := given.item.sliding_definition())
+        ]
         self.start, self._count = start, rows.count
         self._items: Indices = np.array([given.number for given, _ in found], dtype=np.int64)
         self._place: Indices = np.array([given.coordinate for given, _ in found], dtype=np.int64)
         self._labels = [given.item.label for given, _ in found]
-        ties = [tie for _, tie in found]
-        sizes = [len(tie.selection) for tie in ties]
+        definitions = [definition for _, definition in found]
+        sizes = [len(definition.selection) for definition in definitions]
         self.owner = np.repeat(self._items, sizes)
-        touched = [_touched(rows, tie) for tie in ties for _ in tie.selection]
-        self.border = Border.of(touched, rows.count)
-        self.table = _table(rows, ties, self.border, start)
+        touched = [
+            _touched(rows, definition) for definition in definitions for _ in definition.selection
+        ]
+        self.incidences = Incidences.of(touched, rows.count)
+        self.table = _table(rows, definitions, self.incidences, start)
         self.targets = self.table.targets
         table = self.table
         self.angular = ~(table.selection[:, :3].any(axis=1) | (table.advance != 0.0))
@@ -59,36 +65,36 @@ class Slides(ConstraintSet):
         return len(self.table.nodes) == 0
 
     def evaluate(
-        self, H: Array, v: Array, weights: Array, scale: Array, count: int, r: Array
+        self, H: Array, v: Array, multipliers: Array, scale: Array, count: int, r: Array
     ) -> None:
         """See the base class."""
-        sliding.evaluate(H, self.table, weights, scale, count, r)
+        sliding.evaluate(H, self.table, multipliers, scale, count, r)
 
     def values(self, H: Array, v: Array, out: Array) -> None:
         """See the base class."""
         sliding.state(H, self.table, np.empty(len(self._items)), out)
 
-    def jacobian(self, H: Array, legs: Array) -> None:
+    def jacobian(self, H: Array, rows: Array) -> None:
         """See the base class."""
-        sliding.jacobian(H, self.table, legs)
+        sliding.jacobian(H, self.table, rows)
 
-    def geometric(self, H: Array, weights: Array, place: Indices, K: Array) -> None:
+    def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
         """See the base class."""
-        sliding.geometric(H, self.table, weights, place, K)
+        sliding.geometric(H, self.table, multipliers, place, K)
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
         """The second by differences of the first along the motion."""
-        border, own = self.border, self.own
-        legs = np.zeros((self.start.leg + len(border.nodes), 6))
+        incidences, own = self.incidences, self.own
+        rows = np.zeros((self.start.incidence + len(incidences.nodes), 6))
         speeds = np.abs(v[:, 3:]).max(), np.abs(v[:, :3]).max() / self.table.lengths.min()
         time = 1e-5 / max(float(max(speeds)), 1e-300)
         for ahead in (0.0, time, -time):
             moved = H.copy()
             moved[: len(v)] = lie.se3_retract(H[: len(v)], ahead * v)
-            legs[:] = 0.0
-            sliding.jacobian(moved, self.table, legs)
-            work = np.einsum("lk,lk->l", legs[self.start.leg :], v[border.nodes])
-            rate = np.bincount(border.rows, work, minlength=self.m)
+            rows[:] = 0.0
+            sliding.jacobian(moved, self.table, rows)
+            work = np.einsum("lk,lk->l", rows[self.start.incidence :], v[incidences.nodes])
+            rate = np.bincount(incidences.rows, work, minlength=self.m)
             if ahead == 0.0:
                 first[own], second[own] = rate, 0.0
             else:
@@ -117,9 +123,9 @@ class Slides(ConstraintSet):
         """See the base class."""
         return ([(label, "arclength") for label in self._labels],)
 
-    def wrenches(self, H: Array, v: Array, weights: Array, out: Array) -> None:
+    def wrenches(self, H: Array, v: Array, multipliers: Array, out: Array) -> None:
         """See the base class."""
-        sliding.wrenches(H, self.table, weights, self._items, out)
+        sliding.wrenches(H, self.table, multipliers, self._items, out)
 
     def coordinates(self, H: Array, out: Array) -> None:
         """See the base class."""
@@ -138,47 +144,57 @@ class Slides(ConstraintSet):
         return bool((self.table.nodes >= self._count).any())
 
 
-def _touched(rows: Rows, tie: SlidingTie) -> set[int]:
+def _touched(rows: Rows, definition: SlidingConstraintDefinition) -> set[int]:
     """The frame and all ends of elements."""
-    return {rows.of(tie.b), *(int(row) for row in rows.ends(tie.beam)[0].ravel())}
+    return {rows.of(definition.b), *(int(row) for row in rows.ends(definition.beam)[0].ravel())}
 
 
-def _table(rows: Rows, ties: Sequence[SlidingTie], border: Border, start: Start) -> SlidingTable:
-    first = np.cumsum([0] + [len(tie.selection) for tie in ties], dtype=np.int64)
-    nodes = np.array([rows.of(tie.b) for tie in ties], dtype=np.int64)
-    frames = np.array([tie.frame for tie in ties]).reshape(-1, 4, 3)
-    ends = [rows.ends(tie.beam) for tie in ties]
+def _table(
+    rows: Rows,
+    definitions: Sequence[SlidingConstraintDefinition],
+    incidences: Incidences,
+    start: Start,
+) -> SlidingTable:
+    first = np.cumsum(
+        [0] + [len(definition.selection) for definition in definitions], dtype=np.int64
+    )
+    nodes = np.array([rows.of(definition.b) for definition in definitions], dtype=np.int64)
+    frames = np.array([definition.frame for definition in definitions]).reshape(-1, 4, 3)
+    ends = [rows.ends(definition.beam) for definition in definitions]
     # legs of one tie's constraints are alike: all are counted from the first leg of each
     slider = [
-        _from_first(border, int(row), [int(node)]) for row, node in zip(first, nodes, strict=False)
+        _from_first(incidences, int(row), [int(node)])
+        for row, node in zip(first, nodes, strict=False)
     ]
     of_elements = [
-        _from_first(border, int(row), both.ravel())
+        _from_first(incidences, int(row), both.ravel())
         for row, (both, _) in zip(first, ends, strict=False)
     ]
     return SlidingTable(
         nodes=nodes,
         frames=in_rows(rows, nodes, frames),
-        elements=np.cumsum([0] + [len(tie.starts) for tie in ties], dtype=np.int64),
+        elements=np.cumsum(
+            [0] + [len(definition.starts) for definition in definitions], dtype=np.int64
+        ),
         ends=np.concatenate([np.empty((0, 2), dtype=np.int64), *(both for both, _ in ends)]),
         offsets=stacked([offsets for _, offsets in ends], 0, 2, 4, 3),
-        starts=stacked([tie.starts for tie in ties], 0),
-        lengths=stacked([tie.beam.lengths for tie in ties], 0),
+        starts=stacked([definition.starts for definition in definitions], 0),
+        lengths=stacked([definition.beam.lengths for definition in definitions], 0),
         first=first,
-        selection=stacked([tie.selection for tie in ties], 0, 12),
-        advance=stacked([tie.advance for tie in ties], 0),
+        selection=stacked([definition.selection for definition in definitions], 0, 12),
+        advance=stacked([definition.advance for definition in definitions], 0),
         targets=np.zeros(first[-1]),
-        legs=border.ptr[:-1] + start.leg,
-        slider_leg=np.array(slider, dtype=np.int64).ravel(),
-        element_legs=np.array(
-            [leg for legs in of_elements for leg in legs], dtype=np.int64
+        incidences=incidences.ptr[:-1] + start.incidence,
+        slider_incidence=np.array(slider, dtype=np.int64).ravel(),
+        element_incidences=np.array(
+            [incidence for each in of_elements for incidence in each], dtype=np.int64
         ).reshape(-1, 2),
-        arclength=np.array([tie.arclength for tie in ties], dtype=np.float64),
+        arclength=np.array([definition.arclength for definition in definitions], dtype=np.float64),
         start=np.array([start.row], dtype=np.int64),
     )
 
 
-def _from_first(border: Border, row: int, nodes: Sequence[int] | Indices) -> list[int]:
+def _from_first(incidences: Incidences, row: int, nodes: Sequence[int] | Indices) -> list[int]:
     """Legs of a constraint at nodes, counted from its first one; −1 where there is none."""
-    legs = [border.leg(int(row), int(node)) for node in nodes]
-    return [leg - int(border.ptr[row]) if leg >= 0 else -1 for leg in legs]
+    found = [incidences.at(int(row), int(node)) for node in nodes]
+    return [incidence - int(incidences.ptr[row]) if incidence >= 0 else -1 for incidence in found]

@@ -14,19 +14,19 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.lie.motions import Group, Parametrisation
-from fem_lie.linear.bordered import KKT
+from fem_lie.linear.saddle_point import KKT
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.system import describe
-from fem_lie.system.balance import Books
+from fem_lie.system.balance import EnergyBalance
 from fem_lie.system.equations.memory import Memory
 from fem_lie.system.equations.prescribed import Prescribed
 from fem_lie.system.equations.report import ConstraintsAt, Report, contents
 from fem_lie.system.equations.unknowns import Start, Tables, Unknowns
-from fem_lie.system.instant import Forces, Instant, Plan
 from fem_lie.system.nodes.fixed_axes import Supports
 from fem_lie.system.small_motions import SmallMotions, fill_steady
 from fem_lie.system.system import System
+from fem_lie.system.time_state import Forces, Plan, TimeState
 
 
 def fill_at_rest(system: System, H: Array, step: float) -> Array:
@@ -190,7 +190,7 @@ class Equations:
 
     def residual(
         self,
-        state: Instant,
+        state: TimeState,
         scale: Array,
         r: Array,
         forces: Forces | None = None,
@@ -215,7 +215,7 @@ class Equations:
         Returns:
             What the derivative needs of the forces.
         """
-        found = self._system.room() if forces is None else forces
+        found = self._system.workspace() if forces is None else forces
         if known and not self._system.terms.loads:
             self._system.applied(state, scale, r, found)
             return found
@@ -228,7 +228,7 @@ class Equations:
         """Stress and forces of linear theory along ``dx`` (size,) from frames ``H``."""
         return LinearState(self._system, self.memory, H, dx, forces)
 
-    def fill(self, state: Instant, forces: Forces | None, plan: Plan) -> Array:
+    def fill(self, state: TimeState, forces: Forces | None, plan: Plan) -> Array:
         """Derivative of :meth:`residual`, into :attr:`matrix`; not factorised.
 
         If that is divided, what this rank's domain has of it goes into its ``part``, too.
@@ -248,21 +248,21 @@ class Equations:
                 self._fill(state, forces, plan._replace(scale=scale, spread=None))
         return scale
 
-    def _fill(self, state: Instant, forces: Forces | None, plan: Plan) -> Array:
+    def _fill(self, state: TimeState, forces: Forces | None, plan: Plan) -> Array:
         """:meth:`fill`, of all or of a domain."""
         system = self._system
         if plan.at_rest is not None:
             return fill_at_rest(system, state.H, plan.at_rest)
         if plan.steady:
             assert plan.scale is not None
-            fill_steady(system, state.H, state.v, state.weights, plan.scale)
+            fill_steady(system, state.H, state.v, state.multipliers, plan.scale)
             return plan.scale
         if plan.beside:
             assert plan.scale is not None
             system.tangent.put_beside(state.H, system.kinds, plan.d)
             return plan.scale
-        if plan.border_only:
-            return system.tangent.refill_border(state.H, system.kinds, plan)
+        if plan.constraints_only:
+            return system.tangent.refill_constraints(state.H, system.kinds, plan)
         if not plan.choices.geometric:
             self._terms.clear_stress()
         elif plan.stressed is not None:
@@ -270,7 +270,7 @@ class Equations:
         if forces is None:
             # which nodes touch is found with forces, and tangents want to know
             self._terms.add_forces(state.H, np.zeros(system.size))
-            forces = system.room()
+            forces = system.workspace()
         return system.fill_matrix(state, forces, plan)
 
     def constraints(self, H: Array) -> ConstraintsAt:
@@ -284,22 +284,22 @@ class Equations:
         H: Array,
         v: Array | None = None,
         a: Array | None = None,
-        weights: Array | None = None,
+        multipliers: Array | None = None,
         *,
         carried: bool = True,
     ) -> Report:
-        """What is told of the state of an :class:`Instant`, by default at rest and without forces.
+        """Report of a state, by default at rest and with all multipliers zero.
 
         ``carried``: see :meth:`residual`.
         """
-        none = np.zeros(self.unknowns.m) if weights is None else weights
+        none = np.zeros(self.unknowns.m) if multipliers is None else multipliers
         still = self._still
-        state = Instant(H, still if v is None else v, still if a is None else a, none)
+        state = TimeState(H, still if v is None else v, still if a is None else a, none)
         return Report(self._system, self._terms, state, carried=carried)
 
-    def books(self) -> Books:
+    def energy_balance(self) -> EnergyBalance:
         """Books of what loads, drives and supports do, empty."""
-        return Books(self._system)
+        return EnergyBalance(self._system)
 
     # --- what they are like ---
 

@@ -96,7 +96,7 @@ class Memory:
         """
         self._terms.watch(start, end, h, middle)
 
-    def turn_axes(
+    def rotate_axes(
         self, H: Array, motion: Array | None = None, written: Written | None = None
     ) -> None:
         """Turn axes that follow a mid-surface or what is around them, and what is written in them.

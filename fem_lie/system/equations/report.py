@@ -12,11 +12,11 @@ from fem_lie._arrays import Array
 from fem_lie.joints.redundant import Redundant
 from fem_lie.lie.kinds import shown_all
 from fem_lie.linear.redundancy import IdleMultipliers
-from fem_lie.system.instant import Instant
 from fem_lie.system.nodes.fixed_axes import wrenches
 from fem_lie.system.small_motions import RigidMotions, rigid_motions
 from fem_lie.system.system import System
 from fem_lie.system.terms.all_terms import Terms
+from fem_lie.system.time_state import TimeState
 
 
 def contents(system: System) -> list[tuple[str, Any, str]]:
@@ -131,7 +131,7 @@ class Report:
     Only what needs velocities, their rates or multipliers asks for these.
     """
 
-    def __init__(self, system: System, terms: Terms, state: Instant, *, carried: bool) -> None:
+    def __init__(self, system: System, terms: Terms, state: TimeState, *, carried: bool) -> None:
         """Nothing is found yet.
 
         Args:
@@ -145,7 +145,7 @@ class Report:
     @cached_property
     def frames(self) -> Array:
         """Frames of all nodes, those that follow others included, (N, 4, 3)."""
-        return self._system.numbering.attachment.frames(self._state.H)
+        return self._system.numbering.master_map.frames(self._state.H)
 
     @property
     def twists(self) -> Array:
@@ -153,7 +153,7 @@ class Report:
         H, v = self._state.H, self._state.v
         shown = np.empty_like(v)
         shown_all(self._system.kinds, H, np.ascontiguousarray(v), shown)
-        return self._system.numbering.attachment.twists(shown)
+        return self._system.numbering.master_map.twists(shown)
 
     @property
     def elastic(self) -> float:
@@ -166,13 +166,13 @@ class Report:
     @property
     def joints(self) -> Joints:
         """Of joints, and of what acts along them."""
-        system, (H, v, _, weights) = self._system, self._state
+        system, (H, v, _, multipliers) = self._system, self._state
         if system.scene.redundant is Redundant.MINIMUM_NORM and system.m:
             # of all multipliers that make the same motion the smallest
             B = system.tangent.jacobian(H)
             units = np.asarray(system.units / system.length)
-            weights = IdleMultipliers.of(B, units, system.kkt.measure).remove(weights)
-        return Joints(*system.connections.report(H, v, weights))
+            multipliers = IdleMultipliers.of(B, units, system.kkt.measure).remove(multipliers)
+        return Joints(*system.connections.report(H, v, multipliers))
 
     @property
     def reactions(self) -> Array:

@@ -44,7 +44,7 @@ class Unknowns(NamedTuple):
         vectors: The constraints of the vector of each, (m, w); beyond its end any.
         of_velocities: How many constraints, the last, bind velocities.
         connections: Number of joints and what else results tell the forces of.
-        leaders: The moving nodes among all, (n,).
+        masters: The moving nodes among all, (n,).
         total: All nodes, those that follow others included.
         bodies: Which of all nodes are whose.
         rigid: Whether there are no elements.
@@ -59,7 +59,7 @@ class Unknowns(NamedTuple):
         floating: Bodies that deform within their frames.
         has_potential: Whether all loads have one.
         apart: Whether some of the matrix may be beside it.
-        told: What there is, in one line for the log.
+        summary: What there is, in one line for the log.
     """
 
     moving: int
@@ -77,7 +77,7 @@ class Unknowns(NamedTuple):
     vectors: Indices
     of_velocities: int
     connections: int
-    leaders: Indices
+    masters: Indices
     total: int
     bodies: Mapping[Body, Indices]
     rigid: bool
@@ -92,7 +92,7 @@ class Unknowns(NamedTuple):
     floating: Sequence[str]
     has_potential: bool
     apart: bool
-    told: str
+    summary: str
 
     @property
     def units(self) -> Array:
@@ -121,7 +121,7 @@ class Unknowns(NamedTuple):
             vectors=system.tangent.vectors.others,
             of_velocities=connections.of_velocities,
             connections=len(connections.items),
-            leaders=numbering.attachment.leaders,
+            masters=numbering.master_map.masters,
             total=numbering.total,
             bodies=numbering.nodes,
             rigid=not numbering.assemblies,
@@ -136,7 +136,7 @@ class Unknowns(NamedTuple):
             floating=[b.label for b in numbering.nodes if b.within_frame() is not None],
             has_potential=potential,
             apart=any(term.low_rank is not None for term in system.terms),
-            told=describe.in_one_line(*shown, time_dependent=system.time_dependent),
+            summary=describe.in_one_line(*shown, time_dependent=system.time_dependent),
         )
 
 
@@ -159,8 +159,8 @@ class Tables(NamedTuple):
 
     Attributes:
         kinds: What each moving node is, (n,).
-        leader: Of each node, (N,).
-        offset: Its frame in that of its leader, (N, 4, 3).
+        master: Of each node, (N,).
+        offset: Its frame in that of its master node, (N, 4, 3).
         inertia: Mass matrix on (x, d₁, d₂, d₃).
         turning: Angular velocities of rates of directors, see
             :func:`~fem_lie.lie.kinds.inertia.turning_of`, (n, 3, 3, 3).
@@ -196,7 +196,7 @@ class Tables(NamedTuple):
     """
 
     kinds: Indices
-    leader: Indices
+    master: Indices
     offset: Array
     inertia: Inertia
     turning: Array
@@ -229,14 +229,14 @@ class Tables(NamedTuple):
     @classmethod
     def of(cls, system: System) -> Tables:
         """Those of a system."""
-        attachment, connections = system.numbering.attachment, system.connections
+        master_map, connections = system.numbering.master_map, system.connections
         limits, ends, whole, lengths, chords = system.turns.elements
         rates = system.terms.rates
         all_felt = system.scene.redundant is not Redundant.MINIMUM_NORM or not system.m
         return cls(
             system.kinds,
-            attachment.leader,
-            attachment.offset,
+            master_map.master,
+            master_map.offset,
             system.inertia,
             turning_of(system.inertia, system.held),
             system.floating,

@@ -50,18 +50,18 @@ class CarriedAxes:
 
         Args:
             numbering: Of all nodes.
-            held: Which unknowns of the leaders are zero, shape (n, 6); axes along which places are
-                held stay as they are.
+            held: Which unknowns of the master nodes are zero, shape (n, 6); axes along which places
+                are held stay as they are.
             joined: Leaders with joints, whose axes belong to them.
         """
-        leader, count = numbering.attachment.leader, numbering.count
+        master, count = numbering.master_map.master, numbering.count
         rows, columns = [np.empty(0, dtype=np.int64)], [np.empty(0, dtype=np.int64)]
         factors: list[Array] = [np.empty((0, 3))]
         for where, assembly in numbering.assemblies:
             if assembly.around is not None:
                 first, second = assembly.pairs
-                rows.append(leader[where.start + first])
-                columns.append(leader[where.start + second])
+                rows.append(master[where.start + first])
+                columns.append(master[where.start + second])
                 factors.append(assembly.around)
         r = np.concatenate(rows)
         order = np.argsort(r, kind="stable")
@@ -108,8 +108,8 @@ class _Part(NamedTuple):
         nodes: Leaders of its nodes, (k,).
         follower: Turns the axes.
         led: Which of them, by their places, follow another node rigidly.
-        offset: Frames of these in those of their leaders.
-        kept: Which leaders keep their axes, (k,).
+        offset: Frames of these in those of their master nodes.
+        kept: Which master nodes keep their axes, (k,).
     """
 
     nodes: Indices
@@ -138,17 +138,17 @@ class FollowingAxes:
             numbering: Of all nodes.
             joined: Leaders with joints, which have the axes of places and slopes for their frames.
         """
-        attachment = numbering.attachment
+        master_map = numbering.master_map
         self._parts: list[_Part] = []
         for body, nodes in numbering.nodes.items():
             follower = body.follower()
             if follower is not None:
-                leader = attachment.leader[nodes]
-                led = attachment.leaders[leader] != nodes
+                master = master_map.master[nodes]
+                led = master_map.masters[master] != nodes
                 seen = np.isin(body.node_kinds, (NodeKind.SLOPE, NodeKind.POINT))
-                kept = led | (seen & np.isin(leader, joined))
-                offset = attachment.offset[nodes[led]]
-                self._parts.append(_Part(leader, follower, np.flatnonzero(led), offset, kept))
+                kept = led | (seen & np.isin(master, joined))
+                offset = master_map.offset[nodes[led]]
+                self._parts.append(_Part(master, follower, np.flatnonzero(led), offset, kept))
 
     def __bool__(self) -> bool:
         """Whether there is anything to turn."""
@@ -225,8 +225,8 @@ class CarriedDrilling:
 
         Args:
             numbering: Of all nodes.
-            held: Which unknowns of the leaders are zero, shape (n, 6); frames in which a rotation
-                is held stay as they are.
+            held: Which unknowns of the master nodes are zero, shape (n, 6); frames in which a
+                rotation is held stay as they are.
             joined: Leaders with joints, whose axes belong to the frames.
         """
         chosen = [
@@ -234,9 +234,9 @@ class CarriedDrilling:
             for body in numbering.nodes
             if isinstance(body, Shell) and body.parameters is Parameters.FIVE_CARRIED
         ]
-        leader = numbering.attachment.leader
+        master = numbering.master_map.master
         self._parts = [
-            (leader[numbering.nodes[body][body.connectivity]], _slopes(body)) for body in chosen
+            (master[numbering.nodes[body][body.connectivity]], _slopes(body)) for body in chosen
         ]
         self._lag = np.zeros(numbering.count)
         self._moves: Flags = np.logical_not(held[:, 3:5].any(axis=1)).reshape(-1)

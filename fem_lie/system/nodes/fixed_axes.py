@@ -57,17 +57,17 @@ class Supports:
         self._axes = axes[self.nodes]
         self._number = np.full(len(axes), -1)
         self._number[self.nodes] = np.arange(len(self.nodes))
-        self.find_border(constrained)
+        self.find_constraints(constrained)
 
-    def find_border(self, constrained: Indices) -> None:
+    def find_constraints(self, constrained: Indices) -> None:
         """Find the supported nodes among those of constraints.
 
         Args:
             constrained: Node of each row of derivatives of the constraints.
         """
         of_nodes = self._number[constrained]
-        self._border: Indices = np.flatnonzero(of_nodes >= 0)
-        self._border_of = of_nodes[self._border]
+        self._constrained: Indices = np.flatnonzero(of_nodes >= 0)
+        self._constrained_of = of_nodes[self._constrained]
 
     def find(self, indptr: Indices, indices: Indices) -> None:
         """Find the blocks of the nodes in a pattern.
@@ -100,10 +100,10 @@ class Supports:
         blocks[rows, :3] = Q[self._row_of] @ blocks[rows, :3]
         blocks[columns, :, :3] = blocks[columns, :, :3] @ Q[self._column_of].transpose(0, 2, 1)
 
-    def turn_border(self, H: Array, rows: Array) -> None:
+    def rotate_constraints(self, H: Array, rows: Array) -> None:
         """Legs of constraints, shape (legs, 6)."""
-        Q = self._matrices(H)[self._border_of]
-        rows[self._border, :3] = np.einsum("kij,kj->ki", Q, rows[self._border, :3])
+        Q = self._matrices(H)[self._constrained_of]
+        rows[self._constrained, :3] = np.einsum("kij,kj->ki", Q, rows[self._constrained, :3])
 
     def _matrices(self, H: Array) -> Array:
         """``A R`` of the supported nodes, shape (k, 3, 3)."""

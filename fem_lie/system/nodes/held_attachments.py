@@ -27,15 +27,15 @@ class _Alike(NamedTuple):
 
     Attributes:
         kind: Theirs.
-        leaders: Of their nodes, shape (g, k).
-        offsets: Frames of the nodes in those of the leaders, (g, k, 4, 3).
-        turns: What makes motions of nodes of those of leaders, (g, k, 6, 6).
+        masters: Of their nodes, shape (g, k).
+        offsets: Frames of the nodes in those of the master nodes, (g, k, 4, 3).
+        turns: What makes motions of nodes of those of master nodes, (g, k, 6, 6).
         data: Of each, (g, d).
         lead: Whether all of their nodes lead themselves, so that nothing has to be turned.
     """
 
     kind: AttachmentKind
-    leaders: Indices
+    masters: Indices
     offsets: Array
     turns: Array
     data: Array
@@ -43,7 +43,7 @@ class _Alike(NamedTuple):
 
     def nodes(self, H: Array) -> Array:
         """Rows of their nodes, shape (g, k, 4, 3)."""
-        rows = H[self.leaders]
+        rows = H[self.masters]
         return rows if self.lead else lie.se3_compose(rows, self.offsets)
 
     @property
@@ -52,7 +52,7 @@ class _Alike(NamedTuple):
         return self.kind.means is not None
 
     def spread(self, H: Array) -> Array:
-        """Rates of mean coordinates by motions of the leaders, (g k, r, 6); of no others."""
+        """Rates of mean coordinates by motions of the master nodes, (g k, r, 6); of no others."""
         if self.kind.means is None:
             return np.empty((0, 0, 6))
         S = spread(self.kind.means, self.nodes(H), self.data)
@@ -96,9 +96,9 @@ class HeldAttachments:
         averaged = np.array([kind.means is not None for kind in self.kinds], dtype=bool)
         self.averaged: Indices = np.where(averaged, np.cumsum(averaged) - 1, -1)
         none = np.empty(0, dtype=np.int64)
-        self.nodes: Indices = np.concatenate([none, *(s.leaders.ravel() for s in self._sorts)])
-        leaders = [sort.leaders for sort in self._sorts if not sort.averaged]
-        square = [np.repeat(each[:, :, np.newaxis], each.shape[1], axis=2) for each in leaders]
+        self.nodes: Indices = np.concatenate([none, *(s.masters.ravel() for s in self._sorts)])
+        masters = [sort.masters for sort in self._sorts if not sort.averaged]
+        square = [np.repeat(each[:, :, np.newaxis], each.shape[1], axis=2) for each in masters]
         self.rows: Indices = np.concatenate([none, *(each.ravel() for each in square)])
         turned = [each.transpose(0, 2, 1).ravel() for each in square]
         self.columns: Indices = np.concatenate([none, *turned])
@@ -123,7 +123,7 @@ class HeldAttachments:
         return np.concatenate(frames), np.concatenate(moves)
 
     def bend(self, H: Array, forces: Array) -> Array:
-        """Derivative of what ``forces`` (g, 6) are on the leaders, for each of ``rows``, (p, 6, 6).
+        """Geometric stiffness of ``forces`` (g, 6) on the master nodes, for each of ``rows``, (p, 6, 6).
 
         The forces are constant in the frames of the attachments.
         """
@@ -164,16 +164,16 @@ class HeldAttachments:
         """How twists of attachments change at constant twists ``v`` of the nodes, shape (g, 6)."""
         found: list[Array] = [np.empty((0, 6))]
         for sort in self._sorts:
-            h = np.einsum("gkij,gkj->gki", sort.turns, v[sort.leaders])
+            h = np.einsum("gkij,gkj->gki", sort.turns, v[sort.masters])
             found.append(changes(sort.kind, sort.nodes(H), sort.data, h))
         return np.concatenate(found)
 
     def nearest(self, attachment: int, place: Array) -> tuple[int, Array]:
         """Node of an attachment nearest to a point at the start, and the point in its frame."""
-        leaders = self.nodes[self.of == attachment]
-        away = place - self._frames[leaders, 0]
+        masters = self.nodes[self.of == attachment]
+        away = place - self._frames[masters, 0]
         k = int(np.linalg.norm(away, axis=1).argmin())
-        return int(leaders[k]), np.asarray(self._frames[leaders[k], 1:] @ away[k])
+        return int(masters[k]), np.asarray(self._frames[masters[k], 1:] @ away[k])
 
 
 def _known(point: Point) -> tuple[Body, AttachmentFrame]:
@@ -185,10 +185,10 @@ def _known(point: Point) -> tuple[Body, AttachmentFrame]:
 def _alike(
     kind: AttachmentKind, keys: Sequence[tuple[Body, AttachmentFrame]], numbering: Numbering
 ) -> _Alike:
-    follows = numbering.attachment
+    follows = numbering.master_map
     nodes = np.array([numbering.nodes[body][list(attachment.nodes)] for body, attachment in keys])
     data = np.array([attachment.data for _, attachment in keys], dtype=np.float64)
     offsets = follows.offset[nodes]
     turns = lie.se3_adjoint(lie.se3_inverse(offsets))
-    lead = bool(np.isin(nodes, follows.leaders).all())
-    return _Alike(kind, follows.leader[nodes], offsets, turns, data, lead)
+    lead = bool(np.isin(nodes, follows.masters).all())
+    return _Alike(kind, follows.master[nodes], offsets, turns, data, lead)

@@ -42,7 +42,7 @@ class Loads(NamedTuple):
 def inertia_of(
     bodies: Iterable[Body], numbering: Numbering, *, required: bool
 ) -> tuple[Inertia, Inertia]:
-    """Matrices of (x, d₁, d₂, d₃) of the leaders: of inertia, and of damping that goes with it.
+    """Mass matrix and mass-proportional damping matrix on (x, d₁, d₂, d₃) of the master nodes.
 
     Args:
         bodies: Of the scene.
@@ -86,10 +86,10 @@ def inertia_of(
             if damps:
                 damping.append(np.zeros((1, 4, 4)))
     r, c = np.concatenate(rows), np.concatenate(columns)
-    inertia = _on_leaders(numbering, r, c, mass)
+    inertia = _on_masters(numbering, r, c, mass)
     if not damps:
         return inertia, Inertia.none()
-    return inertia, _on_leaders(numbering, r, c, damping)
+    return inertia, _on_masters(numbering, r, c, damping)
 
 
 def floating_of(numbering: Numbering) -> Floating:
@@ -99,21 +99,21 @@ def floating_of(numbering: Numbering) -> Floating:
         ValueError: Nodes of such a body follow others.
     """
     found: list[tuple[Indices, WithinFrame]] = []
-    attachment = numbering.attachment
+    master_map = numbering.master_map
     for body, nodes in numbering.nodes.items():
         inside = body.within_frame()
         if inside is not None:
-            if not np.isin(nodes, attachment.leaders).all():
+            if not np.isin(nodes, master_map.masters).all():
                 raise ValueError(
                     f"nodes of {body.label} cannot follow others: let the others follow them, or "
                     "take a Fixed joint"
                 )
-            found.append((attachment.leader[nodes], inside))
+            found.append((master_map.master[nodes], inside))
     return Floating.of(found)
 
 
 def weight_of(mass: Inertia, count: int, gravity: Array) -> Array:
-    """Force of gravity on (x, d₁, d₂, d₃) of the leaders, shape (count, 4, 3)."""
+    """Force of gravity on (x, d₁, d₂, d₃) of the master nodes, shape (count, 4, 3)."""
     q = np.zeros((count, 4, 3))
     q[:, 0] = gravity
     weight = np.zeros_like(q)
@@ -121,12 +121,12 @@ def weight_of(mass: Inertia, count: int, gravity: Array) -> Array:
     return weight
 
 
-def _on_leaders(numbering: Numbering, r: Indices, c: Indices, given: list[Array]) -> Inertia:
-    """Blocks of pairs of all nodes as blocks ``Wᵀ G W`` of pairs of leaders, sorted."""
-    attachment, count = numbering.attachment, numbering.count
-    leader = attachment.leader
-    W = None if attachment.trivial else attachment.linear()
-    key, place = np.unique(leader[r] * count + leader[c], return_inverse=True)
+def _on_masters(numbering: Numbering, r: Indices, c: Indices, given: list[Array]) -> Inertia:
+    """Blocks of pairs of all nodes as blocks ``Wᵀ G W`` of pairs of master nodes, sorted."""
+    master_map, count = numbering.master_map, numbering.count
+    master = master_map.master
+    W = None if master_map.trivial else master_map.linear()
+    key, place = np.unique(master[r] * count + master[c], return_inverse=True)
     G, first = np.zeros((len(key), 4, 4)), 0
     for blocks in given:
         own = slice(first, first + len(blocks))

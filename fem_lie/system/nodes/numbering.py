@@ -2,9 +2,10 @@
 
 Nodes that follow others rigidly: kinks, branches and rigid links without any constraint.
 
-Each node of the bodies has the frame ``H = H_leader C`` with a constant ``C``; its twist is
-``Ad(C⁻¹)`` times that of its leader, a force on it ``Ad⁻ᵀ(C)`` times as much on the leader, and its
-``q = (x, d₁, d₂, d₃)`` a constant linear function of the leader's. Nothing is linearised.
+Each node of the bodies has the frame ``H = H_master C`` with a constant ``C``; its twist is
+``Ad(C⁻¹)`` times that of its master node, a force on it ``Ad⁻ᵀ(C)`` times as much on the master
+node, and its ``q = (x, d₁, d₂, d₃)`` a constant linear function of the master node's. Nothing is
+linearised.
 
 What scenes that differ in loads and drives alone have in common: set up once.
 
@@ -36,52 +37,52 @@ from fem_lie.scene import Scene
 
 
 @compiled
-def expand(H: Array, leader: Indices, C: Array, out: Array) -> None:
-    """Frames ``out`` of all nodes from those of their leaders."""
-    for i in range(leader.shape[0]):
-        lie.compose(H[leader[i]], C[i], out[i])
+def expand(H: Array, master: Indices, C: Array, out: Array) -> None:
+    """Frames ``out`` of all nodes from those of their master nodes."""
+    for i in range(master.shape[0]):
+        lie.compose(H[master[i]], C[i], out[i])
 
 
 @compiled
-def expand_twists(v: Array, leader: Indices, C: Array, out: Array) -> None:
+def expand_twists(v: Array, master: Indices, C: Array, out: Array) -> None:
     """Likewise twists."""
-    for i in range(leader.shape[0]):
-        lie.apply_adjoint_inverse(C[i], v[leader[i]], out[i])
+    for i in range(master.shape[0]):
+        lie.apply_adjoint_inverse(C[i], v[master[i]], out[i])
 
 
 @compiled
 def expand_motion(
-    H: Array, v: Array, leader: Indices, C: Array, frames: Array, twists: Array
+    H: Array, v: Array, master: Indices, C: Array, frames: Array, twists: Array
 ) -> None:
     """Both, but no twists into an array without rows."""
-    expand(H, leader, C, frames)
+    expand(H, master, C, frames)
     if twists.shape[0] > 0:
-        expand_twists(v, leader, C, twists)
+        expand_twists(v, master, C, twists)
 
 
 @compiled
-def collect(f: Array, leader: Indices, C: Array, out: Array) -> None:
-    """Add forces on all nodes, in their frames, to those on their leaders, ``out``."""
+def collect(f: Array, master: Indices, C: Array, out: Array) -> None:
+    """Add forces on all nodes, in their frames, to those on their master nodes, ``out``."""
     moved = np.empty(6)
-    for i in range(leader.shape[0]):
+    for i in range(master.shape[0]):
         lie.apply_adjoint_inverse_transposed(C[i], f[i], moved)
         for k in range(6):
-            out[leader[i], k] += moved[k]
+            out[master[i], k] += moved[k]
 
 
-class Attachment:
+class MasterMap:
     """Which node follows which.
 
     Attributes:
         trivial: Whether every node leads itself.
-        count: Number of leaders.
-        leader: Number of each node's leader among the leaders, shape (N,).
-        offset: Frame ``C`` of each node in its leader's frame, shape (N, 4, 3).
-        leaders: Nodes that lead, shape (count,).
+        count: Number of master nodes.
+        master: Number of each node's master node among the master nodes, shape (N,).
+        offset: Frame ``C`` of each node in its master node's frame, shape (N, 4, 3).
+        masters: Nodes that lead, shape (count,).
     """
 
     def __init__(self, frames: Array, pairs: Iterable[tuple[int, int]]) -> None:
-        """Find the leaders.
+        """Find the master nodes.
 
         Args:
             frames: Initial frames of all nodes, shape (N, 4, 3).
@@ -101,9 +102,9 @@ class Attachment:
         roots: Indices = np.arange(len(frames), dtype=np.int64)
         some = sorted({node for pair in tied for node in pair})
         roots[some] = [find(node) for node in some]
-        self.leaders: Indices = np.flatnonzero(roots == np.arange(len(frames)))
-        self.leader: Indices = np.searchsorted(self.leaders, roots)
-        self.count = len(self.leaders)
+        self.masters: Indices = np.flatnonzero(roots == np.arange(len(frames)))
+        self.master: Indices = np.searchsorted(self.masters, roots)
+        self.count = len(self.masters)
         self.trivial = self.count == len(frames)
         self.offset = np.tile(lie.frame(np.zeros(3), np.eye(3)), (len(frames), 1, 1))
         follows = roots != np.arange(len(frames))
@@ -111,28 +112,28 @@ class Attachment:
         self.offset[follows] = lie.se3_compose(inverse, frames[follows])
 
     def frames(self, H: Array) -> Array:
-        """Frames of all nodes from those of the leaders (first rows of ``H``), shape (N, 4, 3)."""
+        """Frames of all nodes, (N, 4, 3), from those of the master nodes, the first rows of ``H``."""
         if self.trivial:
             return H[: self.count]
-        out = np.empty((len(self.leader), 4, 3))
-        expand(H, self.leader, self.offset, out)
+        out = np.empty((len(self.master), 4, 3))
+        expand(H, self.master, self.offset, out)
         return out
 
     def twists(self, v: Array) -> Array:
-        """Twists of all nodes from those of the leaders, shape (N, 6)."""
+        """Twists of all nodes from those of the master nodes, shape (N, 6)."""
         if self.trivial:
             return v[: self.count]
-        out = np.empty((len(self.leader), 6))
-        expand_twists(v, self.leader, self.offset, out)
+        out = np.empty((len(self.master), 6))
+        expand_twists(v, self.master, self.offset, out)
         return out
 
     def collect(self, forces: Array, out: Array) -> None:
-        """Add forces on all nodes (N, 6), in their frames, to those on the leaders, ``out``."""
-        collect(forces, self.leader, self.offset, out)
+        """Add forces on all nodes (N, 6), in their frames, to those on master nodes, ``out``."""
+        collect(forces, self.master, self.offset, out)
 
     def linear(self) -> Array:
-        """``W`` with ``q = W q_leader`` for each node, shape (N, 4, 4)."""
-        W = np.zeros((len(self.leader), 4, 4))
+        """``W`` with ``q = W q_master`` for each node, shape (N, 4, 4)."""
+        W = np.zeros((len(self.master), 4, 4))
         W[:, 0, 0] = 1.0
         W[:, :, 1:] = self.offset
         return W
@@ -150,19 +151,21 @@ class Numbering:
         assemblies: The nodes of each assembly, and the assembly.
         members: The bodies of each assembly, in its order.
         drills: Whether the nodes of each body turn about their third directors.
-        attachment: Which node follows which.
-        frames: Initial frames of the leaders, shape (count, 4, 3).
-        begins_at: Frames from which solvers go on, of the leaders; the initial ones but of bodies
-            that begin elsewhere.
-        velocities: Initial local velocities of the leaders, shape (count, 6).
-        groups: The group of each leader, shape (count,).
-        kinds: The :class:`~fem_lie.lie.kinds.NodeKind` of each leader, shape (count,).
-        clamped: What a clamp holds of each leader, shape (count, 6).
-        held: Which unknowns of the leaders their bodies hold, shape (count, 6).
+        master_map: Which node follows which.
+        frames: Initial frames of the master nodes, shape (count, 4, 3).
+        begins_at: Frames from which solvers go on, of the master nodes; the initial ones but of
+            bodies that begin elsewhere.
+        velocities: Initial local velocities of the master nodes, shape (count, 6).
+        groups: The group of each master node, shape (count,).
+        kinds: The :class:`~fem_lie.lie.kinds.NodeKind` of each master node, shape (count,).
+        clamped: What a clamp holds of each master node, shape (count, 6).
+        held: Which unknowns of the master nodes their bodies hold, shape (count, 6).
         absent: Which of them are not there, of nodes with fewer; they are held, too.
         supported: Leaders that something holds but that they do not drill, in increasing order.
-        supports: Axes fixed in space of the leaders' translations, nan if local, (count, 3, 3).
-        uncoupled: Which leaders move by ``x + R u`` in statics, tilted and then drilled, (count,).
+        supports: Axes fixed in space of the master nodes' translations, nan if local, (count, 3,
+            3).
+        uncoupled: Which master nodes move by ``x + R u`` in statics, tilted and then drilled,
+            (count,).
         straight: Which of the others do, turned at once, shape (count,).
     """
 
@@ -224,49 +227,49 @@ class Numbering:
             held[nodes, 5] |= not self.drills[body]
             absent[nodes] = body.absent
             supports[nodes] = body.supports
-            follows = np.flatnonzero(body.leaders != np.arange(len(nodes)))
-            leaders = body.leaders[follows]
-            pairs += [(int(nodes[a]), int(nodes[b])) for a, b in zip(leaders, follows, strict=True)]
+            follows = np.flatnonzero(body.masters != np.arange(len(nodes)))
+            masters = body.masters[follows]
+            pairs += [(int(nodes[a]), int(nodes[b])) for a, b in zip(masters, follows, strict=True)]
         # what follows does so from where solvers begin, perhaps deformed
-        self.attachment = Attachment(begins_at, pairs)
-        self.count = self.attachment.count
-        self.frames = frames[self.attachment.leaders]
-        self.begins_at = begins_at[self.attachment.leaders] if elsewhere else self.frames
+        self.master_map = MasterMap(begins_at, pairs)
+        self.count = self.master_map.count
+        self.frames = frames[self.master_map.masters]
+        self.begins_at = begins_at[self.master_map.masters] if elsewhere else self.frames
         # lengths beside rotations: of one node anything will do
         self._size = float(np.linalg.norm(np.ptp(frames[:, 0], axis=0))) or 1.0
-        self.velocities = velocities[self.attachment.leaders]
-        self.groups: Indices = groups[self.attachment.leaders]
-        self.kinds: Indices = kinds[self.attachment.leaders]
+        self.velocities = velocities[self.master_map.masters]
+        self.groups: Indices = groups[self.master_map.masters]
+        self.kinds: Indices = kinds[self.master_map.masters]
         known, which = np.unique(self.kinds, return_inverse=True)
         traits = [TRAITS[NodeKind(kind)] for kind in known]
         self.clamped: Flags = np.array([each.clamped for each in traits])[which]
-        self.held = held[self.attachment.leaders]
-        self.supported: Indices = np.unique(self.attachment.leader[own])
+        self.held = held[self.master_map.masters]
+        self.supported: Indices = np.unique(self.master_map.master[own])
         self.uncoupled = np.zeros(self.count, dtype=bool)
-        np.logical_or.at(self.uncoupled, self.attachment.leader, uncoupled)
-        self.straight: Flags = straight[self.attachment.leaders]
-        self.supports = supports[self.attachment.leaders]
-        self._hold_leaders(held, np.isfinite(supports[:, 0, 0]))
+        np.logical_or.at(self.uncoupled, self.master_map.master, uncoupled)
+        self.straight: Flags = straight[self.master_map.masters]
+        self.supports = supports[self.master_map.masters]
+        self._hold_masters(held, np.isfinite(supports[:, 0, 0]))
         # unknowns that a kind does not have couple with nothing in the matrix
         self.absent = np.arange(6) >= np.array([[each.unknowns] for each in traits])[which]
-        self.absent |= absent[self.attachment.leaders]
+        self.absent |= absent[self.master_map.masters]
         self.held |= self.absent
         self._check_velocities(velocities)
 
-    def _hold_leaders(self, held: Flags, fixed: Flags) -> None:
-        """Hold the unknowns of leaders that the supports of their followers hold."""
+    def _hold_masters(self, held: Flags, fixed: Flags) -> None:
+        """Hold the unknowns of master nodes that the supports of their followers hold."""
         follows = np.ones(self.total, dtype=bool)
-        follows[self.attachment.leaders] = False
+        follows[self.master_map.masters] = False
         for node in np.flatnonzero(follows & held.any(axis=1)):
-            leader, offset = self.attachment.leader[node], self.attachment.offset[node].copy()
+            master, offset = self.master_map.master[node], self.master_map.offset[node].copy()
             offset[0] /= self._size
-            # rows of zero motion in the leader's unknowns
+            # rows of zero motion in the master node's unknowns
             rows = np.vstack(
-                [np.eye(6)[self.held[leader]], lie.se3_adjoint(lie.se3_inverse(offset))[held[node]]]
+                [np.eye(6)[self.held[master]], lie.se3_adjoint(lie.se3_inverse(offset))[held[node]]]
             )
             reach = rows.T @ np.linalg.pinv(rows.T, rcond=_INDEPENDENT)
             whole = np.abs(np.diag(reach) - 1.0) < _INDEPENDENT
-            moved = fixed[node] or np.isfinite(self.supports[leader, 0, 0])
+            moved = fixed[node] or np.isfinite(self.supports[master, 0, 0])
             if round(np.trace(reach)) > whole.sum() or (moved and not whole.all()):
                 body = next(body for body, nodes in self.nodes.items() if node in nodes)
                 raise ValueError(
@@ -274,11 +277,11 @@ class Numbering:
                     "link, whose unknowns are along other axes: support that node instead, or link "
                     "the other way round"
                 )
-            self.held[leader] = whole
+            self.held[master] = whole
 
     def _check_velocities(self, given: Array) -> None:
         units = np.repeat([self._size, 1.0], 3)
-        away = np.abs(self.attachment.twists(self.velocities) - given) / units
+        away = np.abs(self.master_map.twists(self.velocities) - given) / units
         gap = away.max(axis=1, initial=0.0)
         if gap.max(initial=0.0) > 1e-9 * np.abs(given / units).max(initial=0.0):
             node = int(gap.argmax())
@@ -294,10 +297,10 @@ class Numbering:
         return int(self.nodes[point.body][point.node])
 
     def node(self, point: Point) -> int:
-        """Number of a point's leader; of ground it is ``count``."""
+        """Number of a point's master node; of ground it is ``count``."""
         if point.body is None:
             return self.count
-        return int(self.attachment.leader[self._of_all(point)])
+        return int(self.master_map.master[self._of_all(point)])
 
     def bodies(self) -> tuple[BodyInfo, ...]:
         """What results must know of the bodies, in the numbering of all nodes."""

@@ -22,7 +22,7 @@ from fem_lie.lie.kinds.inertia import PlainInertia, PlainMotion
 from fem_lie.system.nodes.masses import PlainLoads
 from fem_lie.system.nodes.numbering import expand
 
-PlainFollowing: TypeAlias = tuple[Indices, Array, Array, Array, Indices, Indices]
+PlainAttached: TypeAlias = tuple[Indices, Array, Array, Array, Indices, Indices]
 """Leader and offset of each node of some cells, room for their frames and forces, and the table of
 the cells, see :class:`~fem_lie.forms.cell_forms.FormTable`."""
 
@@ -110,32 +110,32 @@ def _nodal_forces(
 
 @compiled
 def add_joints(
-    H: Array, v: Array, joints: PackedJoints, weights: Array, scale: Array, count: int, r: Array
+    H: Array, v: Array, joints: PackedJoints, multipliers: Array, scale: Array, count: int, r: Array
 ) -> None:
-    """Add ``Bᵀ weights`` to ``r``, and set ``scale · Φ``; packed joints are cheaper to pass."""
-    terms.evaluate(H, v, joint_table(joints), weights, scale, count, r)
+    """Add ``Bᵀ multipliers`` to ``r``, and set ``scale · Φ``; packed joints are cheaper to pass."""
+    terms.evaluate(H, v, joint_table(joints), multipliers, scale, count, r)
 
 
 @uncounted
-def add_following(H: Array, following: PlainFollowing, r: Array) -> None:
-    """Add the forces of cells whose nodes follow others, to those of their leaders."""
-    leader, offset, frames, forces, rows, nodes = following
+def add_attached(H: Array, following: PlainAttached, r: Array) -> None:
+    """Add the forces of cells whose nodes follow others, to those of their master nodes."""
+    master, offset, frames, forces, rows, nodes = following
     moved = vector_at(stack(6), 6)
-    expand(H, leader, offset, frames)
-    for i in range(leader.shape[0]):
+    expand(H, master, offset, frames)
+    for i in range(master.shape[0]):
         for k in range(6):
             forces[i, k] = 0.0
     flat = vector_at(pointer(forces.ctypes.data), 6 * forces.shape[0])
     add_cells(frames, (rows, nodes), 6, flat)
-    for i in range(leader.shape[0]):
+    for i in range(master.shape[0]):
         lie.apply_adjoint_inverse_transposed(offset[i], forces[i], moved)
         for k in range(6):
-            r[6 * leader[i] + k] += moved[k]
+            r[6 * master[i] + k] += moved[k]
 
 
 @linked
 def residual(
-    H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array, table: Indices
+    H: Array, v: Array, a: Array, multipliers: Array, scale: Array, r: Array, table: Indices
 ) -> None:
     """:func:`nodal_residual`, joints, and forces of elements.
 
@@ -143,12 +143,12 @@ def residual(
         H: See there, and so on.
         v: See there.
         a: See there.
-        weights: See there.
+        multipliers: See there.
         scale: See there.
         r: See there.
         table: Of fixed arrays: kinds of the nodes, inertia, loads, joints, work, and a
-            :class:`~fem_lie.forms.cell_forms.FormTable`, both of these of leaders, the arrays of
-            :func:`add_following`, and floating bodies.
+            :class:`~fem_lie.forms.cell_forms.FormTable`, both of these of master nodes, the arrays
+            of :func:`add_following`, and floating bodies.
     """
     kinds = integers1(table, 0)
     mass = integers1(table, 1), integers1(table, 2), numbers3(table, 3)
@@ -157,12 +157,12 @@ def residual(
     work = numbers4(table, 9)
     bodies = integers1(table, 18), numbers1(table, 19)
     nodal_residual(kinds, (H, v, a), mass, bodies, loads, work, r)
-    terms.evaluate(H, v, joint_table(joints), weights, scale, work.shape[1], r)
+    terms.evaluate(H, v, joint_table(joints), multipliers, scale, work.shape[1], r)
     add_cells(H, (integers2(table, 10), integers1(table, 11)), 6, r)
-    leader, offset, frames = integers1(table, 12), numbers3(table, 13), numbers3(table, 14)
+    master, offset, frames = integers1(table, 12), numbers3(table, 13), numbers3(table, 14)
     cells = integers2(table, 16), integers1(table, 17)
-    if leader.shape[0] > 0:
-        add_following(H, (leader, offset, frames, numbers2(table, 15), *cells), r)
+    if master.shape[0] > 0:
+        add_attached(H, (master, offset, frames, numbers2(table, 15), *cells), r)
 
 
 @compiled
@@ -264,13 +264,13 @@ def load_vector(
 def combine_rows(rows: Array, kinds: Indices, d: Array, nodes: Indices) -> None:
     """``rows ← rows T(d)`` for those of constraints at ``nodes``, shape (legs, 6)."""
     T, row = np.empty((6, 6)), np.empty(6)
-    for leg in range(rows.shape[0]):
-        tangent(kinds[nodes[leg]], d[nodes[leg]], T)
+    for incidence in range(rows.shape[0]):
+        tangent(kinds[nodes[incidence]], d[nodes[incidence]], T)
         for n in range(6):
             row[n] = 0.0
             for k in range(6):
-                row[n] += rows[leg, k] * T[k, n]
-        copy_vector(row, rows[leg])
+                row[n] += rows[incidence, k] * T[k, n]
+        copy_vector(row, rows[incidence])
 
 
 @compiled
@@ -292,7 +292,7 @@ def to_inertial(
                 turn(kinds[i], H[i], A[b, :, n])
             for k in range(6):
                 turn(kinds[j], H[j], A[b, k])
-    for leg in range(rows.shape[0]):
-        node = nodes[leg]
-        turn(kinds[node], H[node], columns[leg])
-        turn(kinds[node], H[node], rows[leg])
+    for incidence in range(rows.shape[0]):
+        node = nodes[incidence]
+        turn(kinds[node], H[node], columns[incidence])
+        turn(kinds[node], H[node], rows[incidence])

@@ -14,8 +14,8 @@ from fem_lie.forms.term import FollowingTable, Pairs, Term
 from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
 from fem_lie.system.nodes.numbering import Numbering
-from fem_lie.system.terms.followed import Followed
-from fem_lie.system.terms.near import FollowingCells, NearTerms
+from fem_lie.system.terms.attached import AttachedTerm
+from fem_lie.system.terms.near import AttachedCells, NearTerms
 from fem_lie.system.terms.springs import Dampers, MassDamping, Springs
 
 
@@ -228,14 +228,14 @@ class Terms:
             each.reset_stress(H)
 
 
-def _following(parts: Sequence[FollowingTable | None]) -> FollowingCells:
+def _following(parts: Sequence[FollowingTable | None]) -> AttachedCells:
     """All in one."""
     some = [part for part in parts if part is not None]
-    first = [sum(len(part.leader) for part in some[:k]) for k in range(len(some))]
+    first = [sum(len(part.master) for part in some[:k]) for k in range(len(some))]
     table = FormTable(*joined([part.table for part in some], first))
-    leader: Indices = np.concatenate([np.empty(0, np.int64), *(part.leader for part in some)])
+    master: Indices = np.concatenate([np.empty(0, np.int64), *(part.master for part in some)])
     offset = np.concatenate([np.empty((0, 4, 3)), *(part.offset for part in some)])
-    return FollowingCells(table, leader, offset)
+    return AttachedCells(table, master, offset)
 
 
 def terms_of(
@@ -255,17 +255,17 @@ def terms_of(
         loads: On all nodes.
         contacts: Between bodies, and with ground.
         joints: Sets of constraints, with springs and dampers.
-        damping: That goes with mass, of the leaders.
+        damping: That goes with mass, of the master nodes.
         kinds: Of the nodes that lead.
         moving: Whether there are velocities.
     """
-    attachment, everywhere = numbering.attachment, slice(0, numbering.total)
+    master_map, everywhere = numbering.master_map, slice(0, numbering.total)
     found: list[Term] = []
     for where, assembly in numbering.assemblies:
-        found += [Followed(term, where, attachment) for term in (assembly, *assembly.beside)]
-    found += [Followed(term, everywhere, attachment) for term in loads]
+        found += [AttachedTerm(term, where, master_map) for term in (assembly, *assembly.beside)]
+    found += [AttachedTerm(term, everywhere, master_map) for term in loads]
     nodes = numbering.nodes.__getitem__
-    found += [Followed(each.term(nodes), everywhere, attachment) for each in contacts]
+    found += [AttachedTerm(each.term(nodes), everywhere, master_map) for each in contacts]
     of_all = numbering.count, sum(each.m for each in joints)
     found += [Springs(each, *of_all) for each in joints if each.springs[:, 0].any()]
     if moving:

@@ -27,7 +27,7 @@ def _add_turned(kinds: Indices, H: Array, f: Array, diagonal: Indices, blocks: A
 
 
 class MassDamping(Term, ViscousForces):
-    """Forces ``Lᵀ D q̇`` with a constant matrix ``D`` of (x, d₁, d₂, d₃) of the leaders."""
+    """Forces ``Lᵀ D q̇`` with a constant matrix ``D`` of (x, d₁, d₂, d₃) of the master nodes."""
 
     label, in_space, conserved = "damping of mass", True, True
 

@@ -100,24 +100,24 @@ def pull_edges(
     edges: Indices,
     start: Array,
     mean: Array,
-    leaders: tuple[Indices, Array],
+    masters: tuple[Indices, Array],
     on_all: Array,
     forces: Array,
 ) -> None:
-    """Replace moments on frames that turn with their edges, in the forces on the leaders.
+    """Replace moments on frames that turn with their edges, in the forces on the master nodes.
 
     Args:
         edges: As of :func:`turn_edges`.
         start: All nodes at the start of the step, (N, 4, 3).
         mean: Means of these.
-        leaders: Who leads each of them, (N,), and means of these, (≥ n, 4, 3).
+        masters: Who leads each of them, (N,), and means of these, (≥ n, 4, 3).
         on_all: Forces on all nodes, (N, 6).
-        forces: Sums of these on the leaders, (n, 6), updated.
+        forces: Sums of these on the master nodes, (n, 6), updated.
     """
-    leader, led = leaders
+    master, led = masters
     for k in range(edges.shape[0]):
         i, j = edges[k, 0], edges[k, 1]
-        edge, m, a, b = _edge(mean, i, j), load(on_all[i], 3), leader[i], leader[j]
+        edge, m, a, b = _edge(mean, i, j), load(on_all[i], 3), master[i], master[j]
         square = dot(edge, edge)
         couple = scaled(1.0 / square, cross(m, edge))
         torque = scaled(dot(m, edge) / sqrt(square), load_row(start[i], 1))

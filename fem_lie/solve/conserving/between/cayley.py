@@ -115,13 +115,13 @@ def span_one(H: Array, step: Array, delta: Array, mean: Array, end: Array, middl
 
 
 @compiled
-def follow(A: Array, leader: Indices, offset: Array, out: Array) -> None:
-    """Rows (x, d₁, d₂, d₃) of all nodes from those of their leaders: linear, so for increments too.
+def follow(A: Array, master: Indices, offset: Array, out: Array) -> None:
+    """Rows (x, d₁, d₂, d₃) of all nodes from their master nodes: linear, so for increments too.
 
     Shapes (≥ n, 4, 3), (N,), (N, 4, 3), (N, 4, 3); for increments the same.
     """
-    for i in range(leader.shape[0]):
-        L, C = A[leader[i]], offset[i]
+    for i in range(master.shape[0]):
+        L, C = A[master[i]], offset[i]
         for k in range(4):
             for j in range(3):
                 value = C[k, 0] * L[1, j] + C[k, 1] * L[2, j] + C[k, 2] * L[3, j]

@@ -91,22 +91,22 @@ class Pushes(Stateful):
 
     STATE = attributes("energy", "debt", "held")
 
-    def __init__(self, terms: Sequence[Term], leader: Indices, offset: Array, moving: int) -> None:
+    def __init__(self, terms: Sequence[Term], master: Indices, offset: Array, moving: int) -> None:
         """Choose the terms.
 
         Args:
             terms: All that add forces.
-            leader: Of each node, (N,).
-            offset: Frame of each in that of its leader, (N, 4, 3).
+            master: Of each node, (N,).
+            offset: Frame of each in that of its master node, (N, 4, 3).
             moving: Nodes that lead.
         """
         self._terms = [term for term in terms if term.over_step is not None]
-        self._leader, self._offset = leader, offset
+        self._master, self._offset = master, offset
         self.energy = self.ahead = self.held = self.debt = 0.0
         forces = [(term, term.over_step) for term in self._terms]
         self._pushing = [(term, of) for term, of in forces if of is not None and not of.steady]
         self._steady = [(term, of) for term, of in forces if of is not None and of.steady]
-        self._trivial, total = moving == len(leader), len(leader)
+        self._trivial, total = moving == len(master), len(master)
         self._held_ahead = 0.0
         self._on_all, self._ground = np.zeros((total, 6)), np.zeros(6)
         self.ends = Ends(*np.zeros((4, total, 4, 3)))
@@ -141,14 +141,14 @@ class Pushes(Stateful):
             if self._trivial:
                 own[:] = given[: len(own)]
             else:
-                follow(given, self._leader, self._offset, own)
+                follow(given, self._master, self._offset, own)
         work = self._add_all(out)
         self._lead(ends.mean, out)
         self._settle_debt(work, leak, out)
         self._add_steady(out, ends.mean)
 
     def _add_all(self, out: Array) -> float:
-        """Forces of what pushes on leaders and on ground; the work that is kept."""
+        """Forces of what pushes on master nodes and on ground; the work that is kept."""
         n = len(out) - BESIDE
         self._on_all[:] = self._ground[:] = out[:] = 0.0
         work, self.ahead = 0.0, 0.0
@@ -161,13 +161,13 @@ class Pushes(Stateful):
         return work - float(out[n + LOSS, 0])
 
     def _lead(self, mean: Array, out: Array) -> None:
-        """Add what was found to leaders, which have these means."""
+        """Add what was found to master nodes, which have these means."""
         if self._trivial:
             out[: len(self._on_all)] += self._on_all
         else:
-            np.add.at(out, self._leader, self._on_all)
-            arms = self.ends.mean[:, 0] - mean[self._leader, 0]
-            np.add.at(out[:, 3:], self._leader, np.cross(arms, self._on_all[:, :3]))
+            np.add.at(out, self._master, self._on_all)
+            arms = self.ends.mean[:, 0] - mean[self._master, 0]
+            np.add.at(out[:, 3:], self._master, np.cross(arms, self._on_all[:, :3]))
 
     def _add_steady(self, out: Array, mean: Array) -> None:
         """Add forces of steady terms."""

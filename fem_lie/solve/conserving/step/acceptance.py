@@ -139,9 +139,9 @@ def _calm(light: Array, H: Array, step: Array, h: float, V: Array) -> None:
 def _go_along_edges(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     """Turn frames on to their edges, and what is along their axes with them."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
-    edges, leader, before = model.leaders.edges, model.leaders.leader, span_of(this.rows).end
+    edges, master, before = model.masters.edges, model.masters.master, span_of(this.rows).end
     for k in range(edges.shape[0]):
-        i = leader[edges[k, 0]]
+        i = master[edges[k, 0]]
         after = state.H[i]
         go_along_edge(span_of(this.nodes).end, edges[k, 0], edges[k, 1], after)
         for r in range(1, 4):

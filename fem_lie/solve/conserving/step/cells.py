@@ -50,7 +50,7 @@ from fem_lie.solve.conserving.step.dissipation import (
     WORKS,
 )
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
-from fem_lie.solve.conserving.step.records import Leaders, Pieces, Step, span_of
+from fem_lie.solve.conserving.step.records import Masters, Pieces, Step, span_of
 
 
 class Motion(NamedTuple):
@@ -151,9 +151,9 @@ def _add_from_frames(
     anew: bool,
     known: tuple[float, float],
 ) -> None:
-    """Add the forces of cells of frames and of pressure, which are on all nodes, to the leaders."""
+    """Add forces of cells of frames and of pressure, given on all nodes, to the master nodes."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps_of)
-    leader, offset, trivial, edges = model.leaders
+    master, offset, trivial, edges = model.masters
     H, step, forces = state.H, this.step, this.forces
     rows, nodes, exact = span_of(this.rows), span_of(this.nodes), this.exact
     if model.cells.x.shape[0] == 0:  # nothing but rigid bodies
@@ -170,20 +170,20 @@ def _add_from_frames(
         for i in range(step.shape[0]):
             for k in range(4):
                 store_row(own[i], k, load_row(exact[i], k))
-        follow(H, leader, offset, this.start)
+        follow(H, master, offset, this.start)
         for k in range(4):
-            follow(this.rows[k], leader, offset, this.nodes[k])
-        follow(own, leader, offset, exact)
+            follow(this.rows[k], master, offset, this.nodes[k])
+        follow(own, master, offset, exact)
         motion = Motion(this.start, nodes.end, nodes.mean, nodes.middle, nodes.delta, exact, steps)
-    for i in range(leader.shape[0]):
+    for i in range(master.shape[0]):
         for k in range(3):
-            u, ψ = motion.delta[i, 0, k], step[leader[i], 3 + k]
+            u, ψ = motion.delta[i, 0, k], step[master[i], 3 + k]
             further[i, k], further[i, 3 + k] = u - steps[i, k], -steps[i, 3 + k]
             steps[i, k], steps[i, 3 + k] = u, ψ
     if edges.shape[0] > 0:
         moved = motion.delta, motion.mean, motion.end, motion.middle, exact
         turn_edges(edges, motion.start, moved, steps)
-    for i in range(leader.shape[0]):
+    for i in range(master.shape[0]):
         for k in range(3, 6):
             further[i, k] += steps[i, k]
     if anew or model.viscous or model.pressure.pairs.shape[0] > 0:
@@ -199,7 +199,7 @@ def _add_from_frames(
             for k in range(6):
                 forces[i, k] += on_all[i, k]
     else:
-        collect(model.leaders, this, on_all, forces)
+        collect(model.masters, this, on_all, forces)
 
 
 @uncounted
@@ -276,9 +276,9 @@ def _add_cells(
 
 @uncounted
 def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) -> None:
-    """Add forces of the changes of elastic forces less their memory, to the leaders."""
+    """Add forces of the changes of elastic forces less their memory, to the master nodes."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
-    leaders, scheme = model.leaders, model.scheme
+    masters, scheme = model.masters, model.scheme
     lag, given, losses = state.lag, this.filtered, this.losses
     a = 0.5 * scheme.loss * lag[REMEMBERS] * lag[ELASTIC]
     b = a * lag[MEMORY]
@@ -291,7 +291,7 @@ def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) ->
                 this.forces[i, k] += a * this.changes[0, i, k] - b * this.changes[1, i, k]
     if model.cells.x.shape[0] == 0:
         return
-    if leaders.trivial:
+    if masters.trivial:
         on_all = this.forces
     else:
         on_all = this.filtered[2]
@@ -301,8 +301,8 @@ def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) ->
     for i in range(on_all.shape[0]):
         for k in range(6):
             on_all[i, k] += a * given[0, i, k] - b * given[1, i, k]
-    if not leaders.trivial:
-        collect(leaders, this, on_all, this.forces)
+    if not masters.trivial:
+        collect(masters, this, on_all, this.forces)
 
 
 @inlined
@@ -353,14 +353,14 @@ def _add_pressure(pressure: Pieces, motion: Motion, out: Array, losses: Array) -
 
 
 @uncounted
-def collect(leaders: Leaders, this: Step, given: Array, forces: Array) -> None:
-    """Add forces and moments on all nodes, (N, 6), to those on their leaders, (n, 6)."""
-    leader, _, _, edges = leaders
+def collect(masters: Masters, this: Step, given: Array, forces: Array) -> None:
+    """Add forces and moments on all nodes, (N, 6), to those on their master nodes, (n, 6)."""
+    master, _, _, edges = masters
     all_means, mean = span_of(this.nodes).mean, span_of(this.rows).mean
     if edges.shape[0] > 0:
-        pull_edges(edges, this.start, all_means, (leader, mean), given, forces)
-    for i in range(leader.shape[0]):
-        to = leader[i]
+        pull_edges(edges, this.start, all_means, (master, mean), given, forces)
+    for i in range(master.shape[0]):
+        to = master[i]
         f, arm = load(given[i], 0), minus(load_row(all_means[i], 0), load_row(mean[to], 0))
         store(forces[to], 0, plus(load(forces[to], 0), f))
         moment = plus(load(given[i], 3), cross(arm, f))

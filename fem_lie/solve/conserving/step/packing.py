@@ -30,9 +30,9 @@ from fem_lie.forms.kernels.addresses import integer_pointer
 from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
 from fem_lie.solve.conserving.step.records import (
-    Leaders,
     LegEnds,
     Legs,
+    Masters,
     Model,
     Pieces,
     Scheme,
@@ -64,8 +64,8 @@ class Packed:
                     *model.joints,
                     *model.inertia,
                     *model.damping,
-                    model.leaders.leader,
-                    model.leaders.offset,
+                    model.masters.master,
+                    model.masters.offset,
                     model.measure,
                     model.scale,
                     *model.loads,
@@ -82,7 +82,7 @@ class Packed:
                     *model.rows,
                     model.of_frames,
                     model.outside,
-                    model.leaders.edges,
+                    model.masters.edges,
                     *model.bodies,
                     model.light,
                 )
@@ -94,7 +94,7 @@ class Packed:
         self.model = self._model(model)
 
     def _model(self, model: Model) -> PackedModel:
-        flags = model.leaders.trivial, model.viscous
+        flags = model.masters.trivial, model.viscous
         return self._fixed[0].table, flags, (*model.scheme,)
 
     def set_scheme(self, model: Model) -> None:
@@ -129,7 +129,7 @@ def model_of(packed: PackedModel) -> Model:
         (numbers1(table, 10), integers1(table, 11)),
         Inertia(integers1(table, 12), integers1(table, 13), numbers3(table, 14)),
         Inertia(integers1(table, 15), integers1(table, 16), numbers3(table, 17)),
-        Leaders(integers1(table, 18), frames(table, 19), trivial, integers2(table, 50)),
+        Masters(integers1(table, 18), frames(table, 19), trivial, integers2(table, 50)),
         integer_sixes(table, 33),
         numbers1(table, 20),
         numbers1(table, 21),

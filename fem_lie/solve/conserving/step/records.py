@@ -38,18 +38,18 @@ class Scheme(NamedTuple):
     learning: float
 
 
-class Leaders(NamedTuple):
-    """Which node follows which, see :class:`~fem_lie.system.nodes.numbering.Attachment`.
+class Masters(NamedTuple):
+    """Which node follows which, see :class:`~fem_lie.system.nodes.numbering.MasterMap`.
 
     Attributes:
-        leader: Of each node, (N,).
-        offset: Frame of each node in that of its leader, (N, 4, 3).
+        master: Of each node, (N,).
+        offset: Frame of each node in that of its master node, (N, 4, 3).
         trivial: Whether all lead themselves, and none has a frame that turns with an edge.
         edges: Nodes with such frames, and the other nodes of these edges, (k, 2), see
             :mod:`fem_lie.solve.conserving.between.any_node`.
     """
 
-    leader: Indices
+    master: Indices
     offset: Array
     trivial: bool
     edges: Indices
@@ -68,7 +68,7 @@ class Pieces(NamedTuple):
 
 
 class Legs(NamedTuple):
-    """Which nodes the constraints touch, see :class:`~fem_lie.linear.bordered.Border`.
+    """Which nodes the constraints touch, see :class:`~fem_lie.linear.saddle_point.Incidences`.
 
     Attributes:
         nodes: Of each leg.
@@ -106,7 +106,7 @@ class Model(NamedTuple):
         inertia: Mass matrix of the rows of nodes, and of products of reduced-order bodies, see
             :mod:`fem_lie.solve.conserving.between.floating`; n + p.
         damping: The same of damping that goes with mass; without rows there is none.
-        leaders: Who leads.
+        masters: Who leads.
         held: Which unknowns are zero, 0 or 1, (n, 6).
         measure: Size of each unknown and scaled multiplier, shape (6 n + m,).
         scale: Factor of each constraint, (m,).
@@ -134,7 +134,7 @@ class Model(NamedTuple):
     joints: PackedJoints
     inertia: Inertia
     damping: Inertia
-    leaders: Leaders
+    masters: Masters
     held: Indices
     measure: Array
     scale: Array
@@ -253,7 +253,7 @@ class Step(NamedTuple):
         steps: Translation and rotation of all nodes, (N, 6).
         twists: In half-way frames, (N, 6).
         on_nodes: Forces on all nodes, (N, 6).
-        forces: On the leaders, (n, 6).
+        forces: On the master nodes, (n, 6).
         q: For inertia, (2, n + p, 4, 3).
         F_viscous: Viscous forces of the cells, (places, 6).
         r: :class:`Solution` of the equations, (5, 6 n + m).

@@ -78,13 +78,13 @@ def _fill(
                             data[at] = blocks[b, k, n]
                             at += 1
             for entry in range(iptr[i], iptr[i + 1]):
-                c, leg = incident[entry, 0], incident[entry, 1]
-                data[at] = 0.0 if held[i, k] else columns[leg, k] * scale[c]
+                c, incidence = incident[entry, 0], incident[entry, 1]
+                data[at] = 0.0 if held[i, k] else columns[incidence, k] * scale[c]
                 at += 1
     for c in range(lptr.shape[0] - 1):
-        for leg in range(lptr[c], lptr[c + 1]):
+        for incidence in range(lptr[c], lptr[c + 1]):
             for n in range(6):
-                data[at] = rows[leg, n] * scale[c]
+                data[at] = rows[incidence, n] * scale[c]
                 at += 1
         if len(softness):
             data[at] = -softness[c]
@@ -93,10 +93,10 @@ def _fill(
 
 @compiled
 def _clear_held(rows: Array, nodes: Indices, held: Flags) -> None:
-    for leg in range(rows.shape[0]):
+    for incidence in range(rows.shape[0]):
         for k in range(6):
-            if held[nodes[leg], k]:
-                rows[leg, k] = 0.0
+            if held[nodes[incidence], k]:
+                rows[incidence, k] = 0.0
 
 
 _Pattern: TypeAlias = tuple[Indices, Indices, Indices, Indices]
@@ -200,7 +200,7 @@ class KKT:
     def __init__(
         self,
         pairs: list[tuple[Indices, Indices]],
-        border: Border,
+        incidences: Incidences,
         held: Flags,
         *,
         units: Array,
@@ -213,7 +213,7 @@ class KKT:
         Args:
             pairs: Rows and columns of coupled node pairs, of which those that do not move are left
                 out; the diagonal is added.
-            border: Which nodes the constraints touch.
+            incidences: Which nodes the constraints touch.
             held: Which unknowns of the nodes are zero, shape (n, 6).
             units: Unit of each unknown of the nodes, shape (6 n,): the length of the model, or 1.
             length: Of the model.
@@ -222,13 +222,13 @@ class KKT:
                 :data:`SOFTNESS`.
         """
         self.redundant = redundant
-        m = len(border.ptr) - 1
+        m = len(incidences.ptr) - 1
         each = np.append(np.where(held.ravel(), 1.0, units), np.where(angular, 1.0, length))
         self.units: Array = 2.0 ** np.round(np.log2(each))
         self.length = float(2.0 ** np.round(np.log2(length)))
         self.unit_rows = np.append(held, np.zeros(m, dtype=bool))
         self.measure = np.where(angular, 1.0 / length, 1.0)
-        self.legs, self.held, self._m, self.version, self.filled = border, held, m, 0, 0
+        self.incidences, self.held, self._m, self.version, self.filled = incidences, held, m, 0, 0
         self.couple(pairs)
 
     def couple(self, pairs: list[tuple[Indices, Indices]]) -> None:
@@ -247,7 +247,7 @@ class KKT:
         pattern = sp.csr_matrix((np.ones(len(r)), (r, c)), shape=(count, count))
         pattern.sort_indices()
         self.indptr, self.indices = pattern.indptr, pattern.indices
-        self._border(count, m)
+        self._touch(count, m)
         self._data: Array = np.zeros(self._size)
         shape = 6 * count + m
         self.matrix = PETSc.Mat().createAIJWithArrays(
@@ -282,21 +282,21 @@ class KKT:
             product = product if part is None else product + part.times(x)
         return product
 
-    def _border(self, count: int, m: int) -> None:
+    def _touch(self, count: int, m: int) -> None:
         """Which constraints touch which nodes, and the scalar pattern."""
-        border = self.legs
-        c, leg = border.rows, np.arange(len(border.nodes))
-        order = np.lexsort((c, border.nodes))
-        self._incident = np.stack([c, leg], axis=1)[order]
-        self._incident_ptr = np.searchsorted(border.nodes[order], np.arange(count + 1))
-        of_constraints: Indices = (6 * border.nodes[:, np.newaxis] + np.arange(6)).ravel()
-        ends = 6 * border.ptr[1:]
+        incidences = self.incidences
+        c, incidence = incidences.rows, np.arange(len(incidences.nodes))
+        order = np.lexsort((c, incidences.nodes))
+        self._incident = np.stack([c, incidence], axis=1)[order]
+        self._incident_ptr = np.searchsorted(incidences.nodes[order], np.arange(count + 1))
+        of_constraints: Indices = (6 * incidences.nodes[:, np.newaxis] + np.arange(6)).ravel()
+        ends = 6 * incidences.ptr[1:]
         if self.redundant:
             of_constraints = np.insert(of_constraints, ends, 6 * count + np.arange(m))
         own: Indices = np.empty(6 * count, dtype=np.int64)
         pattern = self.indptr, self.indices, self._incident_ptr, self._incident
         _count(pattern, self.held, own)
-        lengths = np.append(own, 6 * np.diff(border.ptr) + int(self.redundant))
+        lengths = np.append(own, 6 * np.diff(incidences.ptr) + int(self.redundant))
         self._row_pointers = np.append(0, np.cumsum(lengths)).astype(PETSc.IntType)
         self._columns = np.empty(self._row_pointers[-1], dtype=PETSc.IntType)
         _set_columns(pattern, self.held, self._columns)
@@ -347,11 +347,11 @@ class KKT:
             scale: ``σ``, shape (m,).
             anew: Whether the blocks are others than the last time.
         """
-        _clear_held(columns, self.legs.nodes, self.held)
-        _clear_held(rows, self.legs.nodes, self.held)
+        _clear_held(columns, self.incidences.nodes, self.held)
+        _clear_held(rows, self.incidences.nodes, self.held)
         softness = self._soften(blocks, columns, scale) if self.redundant else np.empty(0)
         incident = self._incident_ptr, self._incident
-        pattern = self.indptr, self.indices, *incident, self.legs.ptr
+        pattern = self.indptr, self.indices, *incident, self.incidences.ptr
         _fill(pattern, blocks, self.held, columns, rows, scale, softness, self._data)
         self.filled += int(anew)
         self._changed()
@@ -375,13 +375,13 @@ class KKT:
         """
         nodes, m = np.arange(len(self.held)), len(scale)
         S = np.abs(blocks[self.place(nodes, nodes)].diagonal(axis1=1, axis2=2))
-        legs = columns * np.sqrt(flexibility(S, self.free_units))[self.legs.nodes]
-        legs *= scale[self.legs.rows, np.newaxis]
-        total = np.bincount(self.legs.rows, (legs**2).sum(axis=1), minlength=m)
+        scaled = columns * np.sqrt(flexibility(S, self.free_units))[self.incidences.nodes]
+        scaled *= scale[self.incidences.rows, np.newaxis]
+        total = np.bincount(self.incidences.rows, (scaled**2).sum(axis=1), minlength=m)
         return np.asarray(SOFTNESS * np.where(total > 0.0, total, 1.0))
 
 
-class Border(NamedTuple):
+class Incidences(NamedTuple):
     """Which moving nodes each constraint touches: its legs, in the order of the nodes.
 
     Attributes:
@@ -398,20 +398,20 @@ class Border(NamedTuple):
         return np.repeat(np.arange(len(self.ptr) - 1), np.diff(self.ptr))
 
     @classmethod
-    def of(cls, touched: Sequence[set[int]], count: int) -> Border:
+    def of(cls, touched: Sequence[set[int]], count: int) -> Incidences:
         """From the nodes of each constraint; those from ``count`` on do not move."""
-        legs = [sorted(node for node in nodes if node < count) for nodes in touched]
-        ptr = np.concatenate([[0], np.cumsum([len(nodes) for nodes in legs], dtype=np.int64)])
-        nodes = np.array([node for group in legs for node in group], dtype=np.int64)
+        of_each = [sorted(node for node in nodes if node < count) for nodes in touched]
+        ptr = np.concatenate([[0], np.cumsum([len(nodes) for nodes in of_each], dtype=np.int64)])
+        nodes = np.array([node for group in of_each for node in group], dtype=np.int64)
         return cls(ptr.astype(np.int64), nodes)
 
-    def leg(self, row: int, node: int) -> int:
+    def at(self, row: int, node: int) -> int:
         """Of a constraint at a node, −1 if the node does not move."""
         nodes = self.nodes[self.ptr[row] : self.ptr[row + 1]]
         found = np.flatnonzero(nodes == node)
         return int(self.ptr[row] + found[0]) if len(found) else -1
 
-    def legs(self, rows: Indices, nodes: Indices) -> Indices:
+    def find(self, rows: Indices, nodes: Indices) -> Indices:
         """Of constraints (t,) at nodes (t, k), −1 where the node or the constraint has none."""
         if not len(self.nodes):
             return np.full_like(nodes, -1)

@@ -74,7 +74,7 @@ class FrameRows:
         lengths: Flags = np.zeros((numbering.total, 2), dtype=np.bool_)
         for body, nodes in numbering.nodes.items():
             lengths[nodes] = body.node_lengths
-        self.lengths: Flags = lengths[numbering.attachment.leaders]
+        self.lengths: Flags = lengths[numbering.master_map.masters]
         places = self.frames[: numbering.count, 0]
         self.length = max(diameter(places), *(body.size for body in scene.bodies))
 
@@ -96,20 +96,20 @@ ALL = Choices(gyroscopic=True, geometric=True)
 """Nothing is left out."""
 
 
-class Instant(NamedTuple):
+class TimeState(NamedTuple):
     """A scene at one time.
 
     Attributes:
         H: Frames of all rows.
         v: Local velocities of the moving nodes, shape (≥ n, 6).
         a: Their rates, shape (≥ n, 6).
-        weights: Multipliers (forces and moments), shape (m,).
+        multipliers: Multipliers (forces and moments), shape (m,).
     """
 
     H: Array
     v: Array
     a: Array
-    weights: Array
+    multipliers: Array
 
 
 class Plan(NamedTuple):
@@ -128,7 +128,7 @@ class Plan(NamedTuple):
         inertial: Whether components are along fixed axes, not along those of the nodes.
         stressed: Frames whose stress it has; default: the stress that is carried.
         choices: What is taken in, nothing left open.
-        border_only: Whether all but the constraints stays what it was made last.
+        constraints_only: Whether all but the constraints stays what it was made last.
         steady: Whether it is the stiffness in a frame in which all nodes move steadily; nothing of
             this plan counts then but the scale, which must be given.
         at_rest: Step size ``h`` of a matrix that finds accelerations, and impulses in joints:
@@ -153,7 +153,7 @@ class Plan(NamedTuple):
     inertial: bool = False
     stressed: Array | None = None
     choices: Choices = ALL
-    border_only: bool = False
+    constraints_only: bool = False
     steady: bool = False
     at_rest: float | None = None
     ends: Ends | None = None

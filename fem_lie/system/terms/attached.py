@@ -19,39 +19,39 @@ from fem_lie.forms.abilities import (
 )
 from fem_lie.forms.cell_forms import FormTable, of_some_cells
 from fem_lie.forms.term import CellMatrices, FollowingTable, Pairs, PushedPieces, Term
-from fem_lie.system.nodes.numbering import Attachment
-from fem_lie.system.terms.followed_abilities import (
-    FollowedGround,
-    FollowedLowRank,
-    FollowedPassage,
-    FollowedPath,
-    FollowedStepForces,
-    FollowedStress,
-    FollowedUnknowns,
-    FollowedViscosity,
+from fem_lie.system.nodes.numbering import MasterMap
+from fem_lie.system.terms.attached_abilities import (
+    AttachedGround,
+    AttachedLowRank,
+    AttachedPassage,
+    AttachedPath,
+    AttachedStepForces,
+    AttachedStress,
+    AttachedUnknowns,
+    AttachedViscosity,
 )
-from fem_lie.system.terms.followed_nodes import FollowedNodes
-from fem_lie.system.terms.near import FollowingCells
+from fem_lie.system.terms.attached_nodes import AttachedNodes
+from fem_lie.system.terms.near import AttachedCells
 
 
-class Followed(Term):
+class AttachedTerm(Term):
     """What a term on all nodes, or some, does on their master nodes.
 
     Attributes:
         term: On nodes of bodies.
     """
 
-    def __init__(self, term: Term, where: slice, attachment: Attachment) -> None:
+    def __init__(self, term: Term, where: slice, master_map: MasterMap) -> None:
         """Find the master nodes.
 
         Args:
             term: On nodes of bodies.
             where: Which of all nodes its nodes are.
-            attachment: Which node follows which.
+            master_map: Which node follows which.
         """
         self.term, self.label = term, term.label
         self.load, self.of_bodies, self.turning = term.load, term.of_bodies, term.turning
-        self.conserved, self._nodes = term.conserved, FollowedNodes(where, attachment)
+        self.conserved, self._nodes = term.conserved, AttachedNodes(where, master_map)
         self.within_frames = term.within_frames
 
     # --- what it has beside forces and a tangent ---
@@ -60,49 +60,49 @@ class Followed(Term):
     def viscosity(self) -> ViscousForces | None:
         """Those of the term."""
         of = self.term.viscosity
-        return None if of is None else FollowedViscosity(self.term, of, self._nodes)
+        return None if of is None else AttachedViscosity(self.term, of, self._nodes)
 
     @property
     def stress_update(self) -> LinearisedStress | None:
         """That of the term."""
         of = self.term.stress_update
-        return None if of is None else FollowedStress(of, self._nodes)
+        return None if of is None else AttachedStress(of, self._nodes)
 
     @property
     def local(self) -> LocalUnknowns | None:
         """Those of the term."""
         of = self.term.local
-        return None if of is None else FollowedUnknowns(of, self._nodes)
+        return None if of is None else AttachedUnknowns(of, self._nodes)
 
     @property
     def path(self) -> PathDependence | None:
         """That of the term."""
         of = self.term.path
-        return None if of is None else FollowedPath(of, self._nodes)
+        return None if of is None else AttachedPath(of, self._nodes)
 
     @property
     def passage(self) -> PassageCheck | None:
         """That of the term."""
         of = self.term.passage
-        return None if of is None else FollowedPassage(of, self._nodes)
+        return None if of is None else AttachedPassage(of, self._nodes)
 
     @property
     def over_step(self) -> StepForces | None:
         """Those of the term."""
         of = self.term.over_step
-        return None if of is None else FollowedStepForces(self.term, of, self._nodes)
+        return None if of is None else AttachedStepForces(self.term, of, self._nodes)
 
     @property
     def low_rank(self) -> LowRankTangent | None:
         """That of the term."""
         of = self.term.low_rank
-        return None if of is None else FollowedLowRank(of, self._nodes)
+        return None if of is None else AttachedLowRank(of, self._nodes)
 
     @property
     def ground(self) -> GroundForces | None:
         """Those of the term."""
         of = self.term.ground
-        return None if of is None else FollowedGround(of, self._nodes)
+        return None if of is None else AttachedGround(of, self._nodes)
 
     @property
     def version(self) -> int:  # type: ignore[override]
@@ -131,7 +131,7 @@ class Followed(Term):
     @property
     def cells(self) -> Indices:
         """Master nodes of the nodes of these, shape (m, k)."""
-        return np.asarray(self._nodes.leader[self.matrices[0].cells])
+        return np.asarray(self._nodes.master[self.matrices[0].cells])
 
     # --- forces ---
 
@@ -144,23 +144,23 @@ class Followed(Term):
         if self._nodes.direct:
             self.term.add_forces(H[self._nodes.where], out[self._nodes.where], kept)
             return
-        forces = np.zeros((len(self._nodes.leader), 6))
+        forces = np.zeros((len(self._nodes.master), 6))
         self.term.add_forces(self._nodes.frames(H), forces, kept)
         self._nodes.collect(forces, out)
 
-    def near(self, nodes: Flags) -> FollowingCells | None:
+    def near(self, nodes: Flags) -> AttachedCells | None:
         """See the base class."""
         if self.term.tables is None:
             return None
-        table = of_some_cells(self.term.tables[0], nodes[self._nodes.leader])
-        return FollowingCells(table, self._nodes.leader, self._nodes.offset)
+        table = of_some_cells(self.term.tables[0], nodes[self._nodes.master])
+        return AttachedCells(table, self._nodes.master, self._nodes.offset)
 
     @property
     def following(self) -> FollowingTable | None:
         """See the base class."""
         if self.term.tables is None or self._nodes.direct:
             return None
-        return FollowingTable(self.term.tables[0], self._nodes.leader, self._nodes.offset)
+        return FollowingTable(self.term.tables[0], self._nodes.master, self._nodes.offset)
 
     def linear_forces(self, H: Array, kept: Array, h: Array) -> Array:
         """See the base class; on the term's nodes."""

@@ -40,8 +40,8 @@ class Matrix(Protocol):
     rank: int
 
 
-class Bordered(Protocol):
-    """The matrix that is copied, see :class:`~fem_lie.linear.bordered.KKT`."""
+class SaddlePoint(Protocol):
+    """The matrix that is copied, see :class:`~fem_lie.linear.saddle_point.KKT`."""
 
     filled: int
     version: int
@@ -71,7 +71,7 @@ def _unsymmetric(
     return found
 
 
-def border_of(own: Matrix, count: int) -> Flags | None:
+def dense_rows_of(own: Matrix, count: int) -> Flags | None:
     """Rows of the border, shape (n,), or ``None`` if more than :data:`MOST` are wanted.
 
     Args:
@@ -85,23 +85,23 @@ def border_of(own: Matrix, count: int) -> Flags | None:
     found = _unsymmetric(*own.csr, count, pairs)
     if found > _MOST_PAIRS:
         return None
-    left, border = pairs[:found], np.zeros(n, dtype=np.bool_)
-    border[count:] = True
+    left, dense = pairs[:found], np.zeros(n, dtype=np.bool_)
+    dense[count:] = True
     while len(left):
         # the node that is in most of them: frames touch many others
         node = int(np.bincount(left.ravel()).argmax())
-        border[6 * node : 6 * node + 6] = True
-        if border.sum() > most:
+        dense[6 * node : 6 * node + 6] = True
+        if dense.sum() > most:
             return None
         left = left[(left != node).all(axis=1)]
-    return border
+    return dense
 
 
 class _Split(NamedTuple):
     """Where entries of the parts are among those of the matrix, and their patterns.
 
     Attributes:
-        border: Rows of the border, shape (n,).
+        incidences: Rows of the border, shape (n,).
         inside: Their numbers, and those of the others: ``last``.
         last: See there.
         of_K: Entries of ``K``, with its pattern ``K``; the other parts are dense.
@@ -109,7 +109,7 @@ class _Split(NamedTuple):
         rest: Row and column of each, (2, r).
     """
 
-    border: Flags
+    dense: Flags
     inside: Indices
     last: Indices
     of_K: Indices
@@ -118,28 +118,28 @@ class _Split(NamedTuple):
     rest: Indices
 
 
-def _split(own: Matrix, border: Flags) -> _Split:
+def _split(own: Matrix, dense: Flags) -> _Split:
     values, columns, pointers = own.csr
-    rows = np.repeat(np.arange(len(border)), np.diff(pointers))
-    inside, last = np.flatnonzero(~border), np.flatnonzero(border)
-    number = np.cumsum(~border) - 1
-    within = ~border[rows] & ~border[columns]
+    rows = np.repeat(np.arange(len(dense)), np.diff(pointers))
+    inside, last = np.flatnonzero(~dense), np.flatnonzero(dense)
+    number = np.cumsum(~dense) - 1
+    within = ~dense[rows] & ~dense[columns]
     of_K, of_rest = np.flatnonzero(within), np.flatnonzero(~within)
     lengths = np.bincount(number[rows[of_K]], minlength=len(inside))
     first = np.append(0, np.cumsum(lengths)).astype(PETSc.IntType)
     own_columns = number[columns[of_K]].astype(PETSc.IntType)
     K = sp.csr_matrix((values[of_K], own_columns, first), shape=(len(inside),) * 2)
     rest = np.stack([rows[of_rest], columns[of_rest]])
-    return _Split(border, inside, last, of_K, K, of_rest, rest)
+    return _Split(dense, inside, last, of_K, K, of_rest, rest)
 
 
-def _border_blocks(entries: Array, parts: _Split) -> tuple[sp.csr_matrix, sp.csr_matrix, Array]:
+def _dense_blocks(entries: Array, parts: _Split) -> tuple[sp.csr_matrix, sp.csr_matrix, Array]:
     """``C`` and ``B``, and ``D``, which is dense."""
-    number = np.empty(len(parts.border), dtype=np.int64)
+    number = np.empty(len(parts.dense), dtype=np.int64)
     k, q = len(parts.inside), len(parts.last)
     number[parts.inside], number[parts.last] = np.arange(k), np.arange(q)
     rows, columns = number[parts.rest]
-    in_row, in_column = parts.border[parts.rest]
+    in_row, in_column = parts.dense[parts.rest]
 
     def part(chosen: Flags, shape: tuple[int, int]) -> sp.csr_matrix:
         return sp.csr_matrix((entries[chosen], (rows[chosen], columns[chosen])), shape=shape)
@@ -170,10 +170,10 @@ def _independent(C: sp.csr_matrix) -> tuple[Indices, Array]:
     return columns, T * size / size[columns, np.newaxis]
 
 
-class FewLast:
+class SchurComplement:
     """A preconditioner of PETSc that solves exactly."""
 
-    def __init__(self, kkt: Bordered, own: Matrix, package: str) -> None:
+    def __init__(self, kkt: SaddlePoint, own: Matrix, package: str) -> None:
         """Keep the matrix; :meth:`setUp` comes later.
 
         Args:
@@ -193,16 +193,16 @@ class FewLast:
             ArithmeticError: The border is too wide, or the matrix singular.
         """
         own = self._own
-        border = border_of(own, 6 * (len(self._kkt.indptr) - 1))
-        if border is None:
+        dense = dense_rows_of(own, 6 * (len(self._kkt.indptr) - 1))
+        if dense is None:
             raise ArithmeticError(f"the border has more than {MOST} rows")
         version = self._kkt.version, 0.0
-        if self._parts is None or self._version != version or (self._parts.border != border).any():
-            self._parts, self._version, self._made = _split(own, border), version, (-1, 0.0)
-            self._room(self._parts, pc.getOptionsPrefix())
+        if self._parts is None or self._version != version or (self._parts.dense != dense).any():
+            self._parts, self._version, self._made = _split(own, dense), version, (-1, 0.0)
+            self._allocate(self._parts, pc.getOptionsPrefix())
         parts = self._parts
         self._factorise(parts)
-        C, self._B, D = _border_blocks(own.csr[0][parts.of_rest], parts)
+        C, self._B, D = _dense_blocks(own.csr[0][parts.of_rest], parts)
         columns, self._T = _independent(C)
         self._Z = self._solutions(C[:, columns].toarray())
         gap = (self._B - C.T).data
@@ -213,7 +213,7 @@ class FewLast:
         if not pivots.min(initial=np.inf) > _SINGULAR * np.abs(self._schur).max(initial=0.0):
             raise ArithmeticError("the Schur complement of the border is singular")
 
-    def _room(self, parts: _Split, prefix: str | None) -> None:
+    def _allocate(self, parts: _Split, prefix: str | None) -> None:
         """For the inside and its factors, with options of that prefix."""
         csr = parts.K.indptr, parts.K.indices, parts.K.data
         self._K = PETSc.Mat().createAIJWithArrays(parts.K.shape, csr, comm=PETSc.COMM_SELF)

@@ -19,13 +19,13 @@ from fem_lie.forms.abilities import (
     ViscousForces,
 )
 from fem_lie.forms.term import Term
-from fem_lie.system.terms.followed_nodes import FollowedNodes
+from fem_lie.system.terms.attached_nodes import AttachedNodes
 
 
-class FollowedViscosity(ViscousForces):
+class AttachedViscosity(ViscousForces):
     """Viscous forces of a term."""
 
-    def __init__(self, term: Term, of: ViscousForces, nodes: FollowedNodes) -> None:
+    def __init__(self, term: Term, of: ViscousForces, nodes: AttachedNodes) -> None:
         """Keep the term, its viscous forces and its nodes."""
         self._term, self._of, self._nodes, self.in_space = term, of, nodes, of.in_space
 
@@ -35,7 +35,7 @@ class FollowedViscosity(ViscousForces):
         if nodes.direct:
             self._of.add_viscous_forces(H[nodes.where], v[nodes.where], out[nodes.where])
             return
-        forces = np.zeros((len(nodes.leader), 6))
+        forces = np.zeros((len(nodes.master), 6))
         self._of.add_viscous_forces(nodes.frames(H), nodes.twists(v), forces)
         nodes.collect(forces, out)
 
@@ -52,10 +52,10 @@ class FollowedViscosity(ViscousForces):
         return None
 
 
-class FollowedStress(LinearisedStress):
+class AttachedStress(LinearisedStress):
     """Stress of a term."""
 
-    def __init__(self, of: LinearisedStress, nodes: FollowedNodes) -> None:
+    def __init__(self, of: LinearisedStress, nodes: AttachedNodes) -> None:
         """Keep the stress and its nodes."""
         self._of, self._nodes = of, nodes
 
@@ -81,10 +81,10 @@ class FollowedStress(LinearisedStress):
         self._of.clear_stress()
 
 
-class FollowedUnknowns(LocalUnknowns):
+class AttachedUnknowns(LocalUnknowns):
     """Unknowns of the cells of a term."""
 
-    def __init__(self, of: LocalUnknowns, nodes: FollowedNodes) -> None:
+    def __init__(self, of: LocalUnknowns, nodes: AttachedNodes) -> None:
         """Keep them and their nodes."""
         self._of, self._nodes = of, nodes
 
@@ -93,10 +93,10 @@ class FollowedUnknowns(LocalUnknowns):
         self._of.condense(self._nodes.frames(H))
 
 
-class FollowedPath(PathDependence):
+class AttachedPath(PathDependence):
     """What a term knows of accepted states."""
 
-    def __init__(self, of: PathDependence, nodes: FollowedNodes) -> None:
+    def __init__(self, of: PathDependence, nodes: AttachedNodes) -> None:
         """Keep it and its nodes."""
         self._of, self._nodes, self.friction = of, nodes, of.friction
 
@@ -105,10 +105,10 @@ class FollowedPath(PathDependence):
         self._of.accept(self._nodes.frames(H))
 
 
-class FollowedPassage(PassageCheck):
+class AttachedPassage(PassageCheck):
     """Checks of the steps of a term."""
 
-    def __init__(self, of: PassageCheck, nodes: FollowedNodes) -> None:
+    def __init__(self, of: PassageCheck, nodes: AttachedNodes) -> None:
         """Keep them and their nodes."""
         self._of, self._nodes = of, nodes
 
@@ -132,10 +132,10 @@ class FollowedPassage(PassageCheck):
         self._of.watch_again(watched)
 
 
-class FollowedStepForces(StepForces):
+class AttachedStepForces(StepForces):
     """Forces of a term over a step: on nodes of bodies; frames ``H`` are those of master nodes."""
 
-    def __init__(self, term: Term, of: StepForces, nodes: FollowedNodes) -> None:
+    def __init__(self, term: Term, of: StepForces, nodes: AttachedNodes) -> None:
         """Keep the term, its forces over a step and its nodes."""
         self._term, self._of, self._nodes, self.steady = term, of, nodes, of.steady
 
@@ -153,10 +153,10 @@ class FollowedStepForces(StepForces):
         return self._of.overlaps(self._nodes.frames(H))
 
 
-class FollowedLowRank(LowRankTangent):
+class AttachedLowRank(LowRankTangent):
     """Few rows of a term's tangent."""
 
-    def __init__(self, of: LowRankTangent, nodes: FollowedNodes) -> None:
+    def __init__(self, of: LowRankTangent, nodes: AttachedNodes) -> None:
         """Keep them and their nodes."""
         self._of, self._nodes = of, nodes
 
@@ -167,15 +167,15 @@ class FollowedLowRank(LowRankTangent):
         return StiffRows(nodes, rows, found.stiffness)
 
 
-class FollowedGround(GroundForces):
+class AttachedGround(GroundForces):
     """Forces of a term whose other side is ground."""
 
-    def __init__(self, of: GroundForces, nodes: FollowedNodes) -> None:
+    def __init__(self, of: GroundForces, nodes: AttachedNodes) -> None:
         """Keep them and their nodes."""
         self._of, self._nodes = of, nodes
 
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
         """See the base class."""
-        forces = np.zeros((len(self._nodes.leader), 6))
+        forces = np.zeros((len(self._nodes.master), 6))
         self._of.add_of_ground(self._nodes.frames(H), self._nodes.twists(v), forces)
         self._nodes.collect(forces, out)

@@ -7,59 +7,59 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie.forms.term import Pairs
-from fem_lie.system.nodes.numbering import Attachment, collect, expand, expand_twists
+from fem_lie.system.nodes.numbering import MasterMap, collect, expand, expand_twists
 
 
-class FollowedNodes:
+class AttachedNodes:
     """Some nodes of bodies, each rigidly attached to its master node or a master node itself.
 
     Attributes:
-        leader: Master node of each, shape (k,).
+        master: Master node of each, shape (k,).
         offset: Frame of each in that of its master node, shape (k, 4, 3).
         direct: Whether all are master nodes, numbered in succession.
         where: Which master nodes they are then.
     """
 
-    def __init__(self, where: slice, attachment: Attachment) -> None:
+    def __init__(self, where: slice, master_map: MasterMap) -> None:
         """Find the master nodes.
 
         Args:
             where: Which of all nodes these are.
-            attachment: Which node follows which.
+            master_map: Which node follows which.
         """
-        self.leader, self.offset = attachment.leader[where], attachment.offset[where]
-        numbers = np.arange(len(attachment.leader))[where]
-        self.direct = bool(np.isin(numbers, attachment.leaders).all())
+        self.master, self.offset = master_map.master[where], master_map.offset[where]
+        numbers = np.arange(len(master_map.master))[where]
+        self.direct = bool(np.isin(numbers, master_map.masters).all())
         if not self.direct:
             # Ad(C⁻¹): twist of a node from that of its master node
             self._turn = lie.se3_adjoint(lie.se3_inverse(self.offset))
-        first = int(self.leader[0]) if len(self.leader) else 0
-        self.where = slice(first, first + len(self.leader))
+        first = int(self.master[0]) if len(self.master) else 0
+        self.where = slice(first, first + len(self.master))
 
     def frames(self, H: Array) -> Array:
         """Their frames, (k, 4, 3), from those of all master nodes."""
         if self.direct:
             return H[self.where]
-        out = np.empty((len(self.leader), 4, 3))
-        expand(H, self.leader, self.offset, out)
+        out = np.empty((len(self.master), 4, 3))
+        expand(H, self.master, self.offset, out)
         return out
 
     def twists(self, v: Array) -> Array:
         """Their twists, (k, 6)."""
         if self.direct:
             return v[self.where]
-        out = np.empty((len(self.leader), 6))
-        expand_twists(v, self.leader, self.offset, out)
+        out = np.empty((len(self.master), 6))
+        expand_twists(v, self.master, self.offset, out)
         return out
 
     def collect(self, forces: Array, out: Array) -> None:
         """Add forces on these nodes, (k, 6), to those on master nodes."""
-        collect(forces, self.leader, self.offset, out)
+        collect(forces, self.master, self.offset, out)
 
     def masters(self, pairs: Pairs) -> Pairs:
         """Master nodes of pairs of these nodes."""
         rows, columns = pairs
-        return self.leader[rows], self.leader[columns]
+        return self.master[rows], self.master[columns]
 
     def blocks(self, blocks: Array, pairs: Pairs) -> Array:
         """Blocks of a matrix on these pairs in the twists of the master nodes."""
@@ -73,4 +73,4 @@ class FollowedNodes:
         if self.direct:
             return np.where(nodes >= 0, nodes + self.where.start, -1), rows
         turned = np.einsum("msk,mskl->msl", rows, self._turn[nodes])
-        return np.where(nodes >= 0, self.leader[nodes], -1), turned
+        return np.where(nodes >= 0, self.master[nodes], -1), turned

@@ -5,16 +5,16 @@ import pytest
 import scipy.sparse as sp
 
 import fem_lie as fl
-from fem_lie.linear.bordered import KKT, Border
 from fem_lie.linear.choice import Solutions
-from fem_lie.linear.condensed import border as module
-from fem_lie.linear.condensed.border import MOST, border_of
+from fem_lie.linear.condensed import schur
+from fem_lie.linear.condensed.schur import MOST, dense_rows_of
 from fem_lie.linear.equilibrated import Equilibrated
 from fem_lie.linear.low_rank import LowRank
-from fem_lie.linear.packages import ByBorder
+from fem_lie.linear.packages import BySchurComplement
 from fem_lie.linear.pivots import inertia
+from fem_lie.linear.saddle_point import KKT, Incidences
 
-BY_BORDER = ByBorder("cholesky", "cholmod")
+BY_SCHUR = BySchurComplement("cholesky", "cholmod")
 COUNT, M = 30, 5
 
 
@@ -25,9 +25,9 @@ def matrix(rng, *, frames=(), indefinite=False) -> tuple[KKT, np.ndarray]:
     touched = [set(rng.integers(0, COUNT, 8).tolist()) for _ in range(M)]
     held = np.zeros((COUNT, 6), dtype=bool)
     held[0], held[5, 3:] = True, True
-    border = Border.of(touched, COUNT)
+    incidences = Incidences.of(touched, COUNT)
     scales = {"units": np.ones(6 * COUNT), "length": 1.0, "angular": np.zeros(M, dtype=bool)}
-    kkt = KKT([pairs], border, held, **scales)
+    kkt = KKT([pairs], incidences, held, **scales)
     rows = np.repeat(nodes, np.diff(kkt.indptr))
     whole = rng.normal(size=(COUNT, 6, COUNT, 6))
     whole = 0.1 * (whole + whole.transpose(2, 3, 0, 1))
@@ -39,8 +39,8 @@ def matrix(rng, *, frames=(), indefinite=False) -> tuple[KKT, np.ndarray]:
     if indefinite:
         whole[7, :, 7] -= 20.0 * np.eye(6)
     blocks = np.array([whole[i, :, j] for i, j in zip(rows, kkt.indices, strict=True)])
-    legs = rng.normal(size=(len(border.nodes), 6))
-    kkt.fill(blocks, legs.copy(), legs.copy(), np.ones(M))
+    rows = rng.normal(size=(len(incidences.nodes), 6))
+    kkt.fill(blocks, rows.copy(), rows.copy(), np.ones(M))
     return kkt, sp.csr_matrix(kkt.csr).toarray()
 
 
@@ -55,38 +55,38 @@ def solved(kkt: KKT, methods) -> tuple[fl.extend.DirectSolver, np.ndarray]:
 @pytest.mark.parametrize("frames", [(), (4,), (4, 11)])
 def test_solutions_are_those_of_the_whole(rng, frames):
     kkt, A = matrix(rng, frames=frames)
-    solver, found = solved(kkt, [BY_BORDER])
+    solver, found = solved(kkt, [BY_SCHUR])
     wanted = np.linalg.solve(A, np.arange(1.0, len(A) + 1.0))
-    assert solver._methods == (BY_BORDER,)
+    assert solver._methods == (BY_SCHUR,)
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())
     own = Equilibrated(kkt)
     own.take()
-    border = border_of(own, 6 * COUNT)
-    nodes = np.flatnonzero(border[: 6 * COUNT].reshape(-1, 6).any(axis=1))
-    assert border[6 * COUNT :].all()
+    dense = dense_rows_of(own, 6 * COUNT)
+    nodes = np.flatnonzero(dense[: 6 * COUNT].reshape(-1, 6).any(axis=1))
+    assert dense[6 * COUNT :].all()
     assert set(nodes) == set(frames)
 
 
 def test_negative_pivots_are_those_of_the_whole(rng):
     kkt, A = matrix(rng)
-    solver, _ = solved(kkt, [BY_BORDER])
+    solver, _ = solved(kkt, [BY_SCHUR])
     assert solver.negative_pivots() == inertia(sp.csr_matrix(A))[0] == M
     kkt, A = matrix(rng, frames=(4,))
-    solver, _ = solved(kkt, [BY_BORDER])
+    solver, _ = solved(kkt, [BY_SCHUR])
     # rows and columns of the border are not the same: nobody knows
     assert solver.negative_pivots() is None
 
 
 def test_what_is_indefinite_inside_or_wide_goes_to_the_next(rng):
     kkt, A = matrix(rng, indefinite=True)
-    solver, found = solved(kkt, [BY_BORDER, fl.extend.Method("lu", "mumps")])
+    solver, found = solved(kkt, [BY_SCHUR, fl.extend.Method("lu", "mumps")])
     assert solver._methods == (fl.extend.Method("lu", "mumps"),)
     wanted = np.linalg.solve(A, np.arange(1.0, len(A) + 1.0))
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
     wide = range(0, COUNT - 1, 2)
     assert 6 * len(wide) + M > MOST
     kkt, A = matrix(rng, frames=wide)
-    solver, found = solved(kkt, [BY_BORDER, fl.extend.Method("lu", "mumps")])
+    solver, found = solved(kkt, [BY_SCHUR, fl.extend.Method("lu", "mumps")])
     assert solver._methods == (fl.extend.Method("lu", "mumps"),)
     wanted = np.linalg.solve(A, np.arange(1.0, len(A) + 1.0))
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
@@ -96,7 +96,7 @@ def test_a_method_that_reads_one_half_is_passed_over_where_the_border_fails(rng)
     """Frames make it unsymmetric, and what is inside is indefinite."""
     kkt, A = matrix(rng, frames=(4,), indefinite=True)
     half, last = fl.extend.Method("cholesky", "mumps"), fl.extend.Method("lu", "mumps")
-    solver, found = solved(kkt, [BY_BORDER, half, last])
+    solver, found = solved(kkt, [BY_SCHUR, half, last])
     assert solver._methods == (last,) and half not in solver._solvers
     wanted = np.linalg.solve(A, np.arange(1.0, len(A) + 1.0))
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
@@ -105,23 +105,23 @@ def test_a_method_that_reads_one_half_is_passed_over_where_the_border_fails(rng)
 def test_the_inside_keeps_its_factors_while_the_border_changes(rng, monkeypatch):
     kkt, _ = matrix(rng)
     blocks = np.zeros((len(kkt.indices), 6, 6))
-    solver, _ = solved(kkt, [BY_BORDER])
+    solver, _ = solved(kkt, [BY_SCHUR])
     made = []
-    factorise = module.FewLast._factorise
+    factorise = schur.SchurComplement._factorise
 
     def counted(self, parts):
         before = self._made
         factorise(self, parts)
         made.append(self._made != before)
 
-    monkeypatch.setattr(module.FewLast, "_factorise", counted)
+    monkeypatch.setattr(schur.SchurComplement, "_factorise", counted)
     A = sp.csr_matrix(kkt.csr).toarray()
     inside = A[: 6 * COUNT, : 6 * COUNT].reshape(COUNT, 6, COUNT, 6)
     rows = np.repeat(np.arange(COUNT), np.diff(kkt.indptr))
     blocks = np.ascontiguousarray(inside[rows, :, kkt.indices])
     for anew in (False, True):
-        legs = rng.normal(size=(len(kkt.legs.nodes), 6))
-        kkt.fill(blocks, legs.copy(), legs.copy(), np.ones(M), anew=anew)
+        rows = rng.normal(size=(len(kkt.incidences.nodes), 6))
+        kkt.fill(blocks, rows.copy(), rows.copy(), np.ones(M), anew=anew)
         solver.factorise()
         solver.right_hand_side[:] = 1.0
         solver.solve()
@@ -148,7 +148,7 @@ def with_sums(rng, kkt: KKT, *, symmetric: bool) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    "method", [BY_BORDER, fl.extend.Method("lu", "mumps"), fl.extend.Method("lu", "umfpack")]
+    "method", [BY_SCHUR, fl.extend.Method("lu", "mumps"), fl.extend.Method("lu", "umfpack")]
 )
 @pytest.mark.parametrize("symmetric", [True, False])
 def test_parts_of_low_rank_are_in_the_matrix(rng, method, symmetric):
@@ -162,7 +162,7 @@ def test_parts_of_low_rank_are_in_the_matrix(rng, method, symmetric):
     np.testing.assert_allclose(kkt.whole.toarray(), A, atol=1e-13 * np.abs(A).max())
     for product in (kkt.times(x), solver.times(x)):
         np.testing.assert_allclose(product, A @ x, atol=1e-12 * np.abs(A @ x).max())
-    if symmetric and method is BY_BORDER:
+    if symmetric and method is BY_SCHUR:
         assert solver.negative_pivots() == inertia(sp.csr_matrix(A))[0]
 
 
@@ -170,7 +170,7 @@ def test_columns_that_follow_from_others_are_not_solved_for(rng):
     C = sp.random(50, 3, 0.4, random_state=1).tocsr()
     sums = sp.csr_matrix(rng.normal(size=(3, 9)) * 10.0 ** np.arange(-4, 5))
     whole = sp.hstack([C @ sums, sp.csr_matrix((50, 2))], format="csr")
-    columns, T = module._independent(whole)
+    columns, T = schur._independent(whole)
     assert len(columns) == 3
     size = np.linalg.norm(whole.toarray(), axis=0)
     error = np.linalg.norm(whole[:, columns].toarray() @ T - whole.toarray(), axis=0)
