@@ -24,7 +24,7 @@ VERBS = {
     "time": {"prescribed"},
     "forces": {"residual"},
     "matrix": {"constraints", "fill", "linear_state"},
-    "what is told of a state": {"books", "report"},
+    "what is reported of a state": {"energy_balance", "report"},
     "what they are like": {"contents", "small_motions"},
 }
 
@@ -37,8 +37,8 @@ VIEWS = {
         "follow",
         "memory",
         "restore",
+        "rotate_axes",
         "stretch_springs",
-        "turn_axes",
         "unchanged",
         "watch",
         "with_matrix",

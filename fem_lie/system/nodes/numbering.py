@@ -112,7 +112,7 @@ class MasterMap:
         self.offset[follows] = lie.se3_compose(inverse, frames[follows])
 
     def frames(self, H: Array) -> Array:
-        """Frames of all nodes, (N, 4, 3), from those of the master nodes, the first rows of ``H``."""
+        """Frames of all nodes, (N, 4, 3), from those of the master nodes (``H``)."""
         if self.trivial:
             return H[: self.count]
         out = np.empty((len(self.master), 4, 3))
