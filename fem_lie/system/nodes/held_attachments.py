@@ -123,7 +123,7 @@ class HeldAttachments:
         return np.concatenate(frames), np.concatenate(moves)
 
     def bend(self, H: Array, forces: Array) -> Array:
-        """Geometric stiffness of ``forces`` (g, 6) on master nodes, for each of ``rows``, (p, 6, 6).
+        """Geometric stiffness of ``forces`` (g, 6), for each of ``rows``, (p, 6, 6).
 
         The forces are constant in the frames of the attachments.
         """
