@@ -2,7 +2,7 @@
 # # Rotations and SE(3)
 #
 # A frame `H = (R, x)` is stored as four rows: place and three directors. An increment
-# `d = (u, θ)` acts from the right, `H ← H exp(d)`: it is told along the frame's own axes.
+# `d = (u, θ)` acts from the right, `H ← H exp(d)`: its components are along the frame's own axes.
 
 # %%
 import numpy as np

@@ -1,9 +1,9 @@
-"""How large the pieces of the code are: modules, functions, and types that say nothing.
+"""Sizes of modules and functions, and counts of types without information.
 
-Printed are files, lines and lines of code (without docstrings, comments and blank lines) of the
-package and of its folders; and what the plan of the rooms bounds: modules with over 300 lines;
-functions that take over eight arguments by place, or any by name, too; ``tuple[Any, ...]``; ``type:
-ignore``; and the room with the most files.
+Prints files, lines and lines of code (without docstrings, comments and blank lines) of the package
+and of its folders. Then what ``docs/measured/packages.md`` bounds: modules with over 300 lines;
+functions with over eight positional arguments, or over eight of any kind; ``tuple[Any, ...]``;
+``type: ignore``; and the package with the most files.
 
     python3 tools/sizes.py [--names]
 """
@@ -44,21 +44,21 @@ _NO_CODE = {
 
 
 def size_of(text: str) -> Size:
-    """Of one file: a line of code has a token that is neither a comment nor in a docstring."""
+    """Size of one file: a line of code has a token that is neither a comment nor in a docstring."""
     nodes = ast.walk(ast.parse(text))
     # those of attributes stand alone, too
     alone = [node.value for node in nodes if isinstance(node, ast.Expr)]
     strings = [n for n in alone if isinstance(n, ast.Constant) and isinstance(n.value, str)]
-    told = {k for n in strings for k in range(n.lineno, (n.end_lineno or n.lineno) + 1)}
+    docstrings = {k for n in strings for k in range(n.lineno, (n.end_lineno or n.lineno) + 1)}
     code = set[int]()
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type not in _NO_CODE:
             code.update(range(token.start[0], token.end[0] + 1))
-    return Size(1, text.count("\n"), len(code - told))
+    return Size(1, text.count("\n"), len(code - docstrings))
 
 
 def print_sizes() -> None:
-    """Of the package, and of its folders."""
+    """Print the sizes of the package and of its folders."""
     sizes = defaultdict[str, Size](lambda: Size(0, 0, 0))
     for file in PACKAGE.rglob("*.py"):
         own = size_of(file.read_text(encoding="utf-8"))
@@ -132,10 +132,13 @@ def main() -> None:
         if named:
             for each in which:
                 print(f"    {each}")
-    rooms = {file.parent for file in PACKAGE.rglob("*.py")}
-    files = {room: len([f for f in room.glob("*.py") if f.stem != "__init__"]) for room in rooms}
-    largest = max(files, key=lambda room: files[room])
-    print(f"files in a room, at most: {files[largest]} ({largest.relative_to(PACKAGE.parent)})")
+    packages = {file.parent for file in PACKAGE.rglob("*.py")}
+    files = {
+        package: len([f for f in package.glob("*.py") if f.stem != "__init__"])
+        for package in packages
+    }
+    largest = max(files, key=lambda package: files[package])
+    print(f"files in a package, at most: {files[largest]} ({largest.relative_to(PACKAGE.parent)})")
 
 
 if __name__ == "__main__":
