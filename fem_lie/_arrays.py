@@ -1,4 +1,4 @@
-"""Types of arrays, and checks of what is given: numbers, names, kinds of arguments."""
+"""Types of arrays, and validation of arguments: numbers, arrays, names, classes."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ import numpy.typing as npt
 from scipy.spatial import KDTree
 
 Array: TypeAlias = npt.NDArray[np.float64]
-"""Numbers."""
+"""Array of floating point numbers."""
 
 Indices: TypeAlias = npt.NDArray[np.int64]
-"""Numbers of nodes, cells and so on."""
+"""Array of integers: numbers of nodes, cells and so on."""
 
 Flags: TypeAlias = npt.NDArray[np.bool_]
-"""Yes or no."""
+"""Array of booleans."""
 
 
 _log = logging.getLogger(__name__)
 
-_SAME_PLACE = 1e-9  # of the size of what the points are of
+_SAME_POINT = 1e-9  # distance of coincident points over the size of the body
 
 
 def log_coincident(what: str, points: Array) -> None:
-    """Say in the log where several points of a body are at one place: nothing joins them there."""
+    """Log a warning if points of a body coincide, as cells without a common point are not joined."""
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    pairs = KDTree(points).query_pairs(_SAME_PLACE * size, output_type="ndarray")
+    pairs = KDTree(points).query_pairs(_SAME_POINT * size, output_type="ndarray")
     if len(pairs):
         a, b = min(pairs.tolist())
         _log.warning(
@@ -41,9 +41,10 @@ def log_coincident(what: str, points: Array) -> None:
 
 
 def diameter(points: Array) -> float:
-    """The largest distance of two points, however they lie; shape (n, 3).
+    """Largest distance of two points, shape (n, 3), independent of the axes.
 
-    Found from point to farthest point, which may miss a little of it in clouds without corners.
+    It is found by going from point to farthest point, which may underestimate it a little for
+    clouds without corners.
     """
     start, found = points.mean(axis=0), -1.0
     while True:
@@ -58,7 +59,7 @@ MOST = 2**31 - 1
 
 
 def whole_number(cells: int) -> int:
-    """``cells`` as a number from 1 to :data:`MOST`, or ``ValueError``."""
+    """Validate a number of cells: an integer from 1 to :data:`MOST`, or ``ValueError``."""
     try:
         number = 0 if isinstance(cells, bool) else operator.index(cells)
     except TypeError:
@@ -71,7 +72,7 @@ def whole_number(cells: int) -> int:
 
 
 def points_of(value: npt.ArrayLike | Sequence[npt.ArrayLike]) -> Array:
-    """Finite coordinates, shape (n, 3), or ``ValueError``."""
+    """Validate finite coordinates of shape (n, 3), or ``ValueError``."""
     try:
         points = numbers(value, "points")
     except TypeError:
@@ -88,7 +89,7 @@ def points_of(value: npt.ArrayLike | Sequence[npt.ArrayLike]) -> Array:
 
 
 def indices_of(value: npt.ArrayLike, size: int, what: str) -> Indices:
-    """Whole numbers below ``size``, or ``ValueError``."""
+    """Validate integers from 0 to ``size − 1``, or ``ValueError``."""
     index = np.asarray(value)
     if index.size and index.dtype.kind not in "iu":
         raise ValueError(f"{what} must be whole numbers, got {index.dtype}")
@@ -98,7 +99,7 @@ def indices_of(value: npt.ArrayLike, size: int, what: str) -> Indices:
 
 
 def members_of(groups: Mapping[str, npt.ArrayLike], size: int, what: str) -> dict[str, Indices]:
-    """Sorted numbers of the members of each group, or ``ValueError``."""
+    """Sorted member numbers of each group, or ``ValueError``."""
     members = {
         name: np.unique(indices_of(index, size, f"{what} of {name!r}"))
         for name, index in groups.items()
@@ -110,7 +111,7 @@ def members_of(groups: Mapping[str, npt.ArrayLike], size: int, what: str) -> dic
 
 
 def find_name(groups: Mapping[str, Indices], name: str, what: str) -> Indices:
-    """The group of this name, or ``ValueError`` with those that exist."""
+    """The group of this name; ``ValueError`` with the existing names if there is none."""
     text(name, f"the name of a {what}")
     if name not in groups:
         known = ", ".join(sorted(groups)) or "none"
@@ -119,13 +120,13 @@ def find_name(groups: Mapping[str, Indices], name: str, what: str) -> Indices:
 
 
 LARGEST = 1e75
-"""Above, the fourth power of a length is no number any more."""
+"""Largest admissible magnitude: the fourth power of a larger length overflows."""
 
 Chosen = TypeVar("Chosen", bound=Enum)
 
 
 def shown(value: object) -> str:
-    """What a message says of a value: a number or word as it is, other things by class and name."""
+    """Text of a value for messages: numbers and words as they are, objects by class and label."""
     label = "" if isinstance(value, type) else getattr(value, "label", "")
     if isinstance(label, str) and label:
         return f"the {type(value).__name__} {label!r}"
@@ -133,28 +134,28 @@ def shown(value: object) -> str:
     return text if len(text) <= 100 else f"{text[:100]} … of {type(value).__name__}"
 
 
-def instance(value: object, kind: Any, what: str, wanted: str) -> None:
-    """Refuse what is not of a class, or of one of several.
+def instance(value: object, kind: Any, what: str, expected: str) -> None:
+    """Raise ``TypeError`` unless a value is an instance of a class.
 
     Args:
-        value: What was given.
-        kind: As for ``isinstance``.
-        what: For what, as "PointLoad: point".
-        wanted: What it is to be, in words.
+        value: The value.
+        kind: Class or classes, as for ``isinstance``.
+        what: Name of the argument, as "PointLoad: point".
+        expected: Description of the classes.
 
     Raises:
-        TypeError: It is something else.
+        TypeError: The value has another type.
     """
     if not isinstance(value, kind):
-        raise TypeError(f"{what} must be {wanted}, got {shown(value)}")
+        raise TypeError(f"{what} must be {expected}, got {shown(value)}")
 
 
 def number(value: object, what: str) -> float:
     """``value`` as a finite real number.
 
     Raises:
-        ValueError: It is not finite, or so large that its powers are not.
-        TypeError: It is no number.
+        ValueError: It is not finite, or its magnitude exceeds :data:`LARGEST`.
+        TypeError: It is not a number.
     """
     array = np.asarray(value)
     if array.ndim or array.dtype.kind not in "iufb":
@@ -168,10 +169,10 @@ def number(value: object, what: str) -> float:
 
 
 def numbers(value: object, what: str) -> npt.NDArray[np.float64]:
-    """A copy of ``value`` as an array of real numbers of any shape, finite or not.
+    """Copy of ``value`` as an array of real numbers of any shape, finite or not.
 
     Raises:
-        TypeError: It is no array of numbers.
+        TypeError: It is not an array of numbers.
     """
     try:
         array = np.array(value)
@@ -183,7 +184,7 @@ def numbers(value: object, what: str) -> npt.NDArray[np.float64]:
 
 
 def positive(value: object, what: str) -> float:
-    """``value`` as a finite number above zero; errors as for :func:`number`."""
+    """``value`` as a finite positive number; errors as for :func:`number`."""
     found = number(value, what)
     if not found > 0.0:
         raise ValueError(f"{what} must be a positive finite number, got {value!r}")
@@ -193,15 +194,15 @@ def positive(value: object, what: str) -> float:
 
 
 def positive_or_zero(value: object, what: str) -> float:
-    """Zero, or ``value`` as :func:`positive` has it, whose errors it raises."""
+    """Zero, or ``value`` as a positive number; errors as for :func:`positive`."""
     return 0.0 if number(value, what) == 0.0 else positive(value, what)
 
 
 def choice(value: object, kind: type[Chosen], what: str) -> Chosen:
-    """A member of an enumeration, given by itself or by its value.
+    """Member of an enumeration, from the member or its value.
 
     Raises:
-        ValueError: It is none.
+        ValueError: There is no such member.
     """
     try:
         return kind(value)
@@ -211,11 +212,11 @@ def choice(value: object, kind: type[Chosen], what: str) -> Chosen:
 
 
 def whole(value: object, what: str, least: int = 1) -> int:
-    """``value`` as a whole number from ``least`` to :data:`MOST`.
+    """``value`` as an integer from ``least`` to :data:`MOST`.
 
     Raises:
-        ValueError: It is less or more.
-        TypeError: It is no whole number.
+        ValueError: It is out of range.
+        TypeError: It is not an integer.
     """
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
         raise TypeError(f"{what} must be a whole number, got {shown(value)}")
@@ -227,25 +228,25 @@ def whole(value: object, what: str, least: int = 1) -> int:
 
 
 def history(value: object, what: str) -> None:
-    """Refuse what is neither a function of time nor ``None``.
+    """Raise ``TypeError`` unless ``value`` is a function of time or ``None``.
 
     Raises:
-        TypeError: It is something else.
+        TypeError: It is neither.
     """
     if value is not None and not callable(value):
         raise TypeError(f"{what} must be a function of time or None, got {shown(value)}")
 
 
 def at_time(function: Callable[[float], Any], time: float, what: str) -> float:
-    """What a function of time gives, finite or not.
+    """Value of a function of time, finite or not.
 
     Args:
         function: The function.
         time: The time.
-        what: Its name for messages.
+        what: Name of the function in messages.
 
     Raises:
-        TypeError: It gives no number.
+        TypeError: The value is not a number.
     """
     found = function(time)
     if isinstance(found, float):
@@ -257,19 +258,19 @@ def at_time(function: Callable[[float], Any], time: float, what: str) -> float:
 
 
 def flag(value: object, what: str) -> None:
-    """Refuse what is neither true nor false.
+    """Raise ``TypeError`` unless ``value`` is a boolean.
 
     Raises:
-        TypeError: It is something else.
+        TypeError: It is not a boolean.
     """
     instance(value, bool | np.bool_, what, "True or False")
 
 
 def text(value: object, what: str) -> None:
-    """Refuse what is no word.
+    """Raise ``TypeError`` unless ``value`` is a string.
 
     Raises:
-        TypeError: It is something else.
+        TypeError: It is not a string.
     """
     instance(value, str, what, "a word")
 
@@ -278,7 +279,7 @@ def vector(value: npt.ArrayLike, size: int, what: str) -> Array:
     """``value`` as finite numbers of shape ``(size,)``.
 
     Raises:
-        ValueError: It is something else; the message says what was given for what.
+        ValueError: It is not; the message names the argument.
     """
     try:
         array = numbers(value, what)
@@ -292,7 +293,7 @@ def vector(value: npt.ArrayLike, size: int, what: str) -> Array:
 
 
 def direction(value: npt.ArrayLike, what: str) -> Array:
-    """A unit vector along ``value``, shape (3,), however long that is.
+    """Unit vector along ``value``, shape (3,), for any length of ``value``.
 
     Raises:
         ValueError: It is zero, or not three finite numbers.
@@ -301,6 +302,6 @@ def direction(value: npt.ArrayLike, what: str) -> Array:
     largest = np.abs(given).max()
     if largest == 0.0:
         raise ValueError(f"{what} must not be zero, got {value!r}")
-    # squares of very small or large numbers are none
+    # squares of very small or large numbers under- or overflow
     scaled = given / largest
     return np.asarray(scaled / np.linalg.norm(scaled))

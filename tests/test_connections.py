@@ -229,7 +229,7 @@ def test_drive_in_statics_follows_the_load_factor():
         (lambda j: fl.Universal(j.a, j.b, axis=Z), r"expected second=\.\.\., a direction across"),
         (
             lambda j: fl.Spring(fl.Planar(j.a, j.b, axis=Z).displacements[0], 1.0),
-            r"expected second=\.\.\., .*, got none: directions of the two displacements",
+            r"expected second=\.\.\., .*, got none: the directions of the two displacements",
         ),
         (lambda j: fl.Distance(j.a, j.b), "a distance needs two"),
         (lambda j: fl.RollingDisc(j.a, j.b, axis=(1, 0, 0)), "radius must be a positive"),

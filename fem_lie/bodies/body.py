@@ -81,7 +81,7 @@ class Body(Nodes):
             size: Characteristic length of the body, for tolerances.
             points: Node of each named point.
             box: Edges of a box about a rigid body's frame, shape (3,), or ``None``.
-            leaders: Master node of each node, its own number if it is independent, shape (n,);
+            masters: Master node of each node, its own number if it is independent, shape (n,);
                 default: all nodes are independent.
             name: Name in messages and results.
         """

@@ -1,7 +1,7 @@
-"""What joints, springs, drives and gears have in common: terms in the relative motion of frames.
+"""Base class of joints, springs, drives and gears, and the records that define their constraints.
 
-See :mod:`fem_lie.joints.equations.terms` for the relative motion ``z = (Δ, Q)``, selections and
-functions.
+Constraints are terms in the relative motion ``z = (Δ, Q)`` of two frames, see
+:mod:`fem_lie.joints.equations.terms`.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ History = Callable[[float], float]
 
 
 class LostBranchError(ArithmeticError):
-    """A step rotates a joint so far that its angles or axes are not those that are meant."""
+    """A joint rotates so far in one step that its angle or its axes are ambiguous."""
 
 
 NO_ANGLE = np.zeros((2, 12))
-"""Of pairs of frames whose angle is not used."""
+"""Angle rows of a pair of frames without an angle."""
 
 _TRANSPOSED = np.array([0, 1, 2, 3, 6, 9, 4, 7, 10, 5, 8, 11])
 
 
 def rows(*entries: dict[int, float]) -> Array:
-    """Selection rows from {index in z = (Δ₁ Δ₂ Δ₃ Q₁₁ Q₁₂ … Q₃₃): factor}."""
+    """Selection rows (k, 12) from {index in z = (Δ₁ Δ₂ Δ₃ Q₁₁ Q₁₂ … Q₃₃): factor}."""
     selection = np.zeros((len(entries), 12))
     for row, entry in zip(selection, entries, strict=True):
         for index, factor in entry.items():
@@ -41,15 +41,17 @@ def rows(*entries: dict[int, float]) -> Array:
 
 
 class ConstraintDefinition(NamedTuple):
-    """A pair of frames, and terms in their relative motion.
+    """Definition of constraints: a pair of frames, and terms in their relative motion.
 
     Attributes:
-        a: Point that carries frame A; likewise ``b``.
-        frames: The two frames in the initial configuration, each (4, 3).
+        a: Point to which frame A is fixed.
+        b: Point to which frame B is fixed.
+        frames: Frames A and B in the initial configuration, each (4, 3).
         selection: Linear part of the terms, shape (t, 12).
-        functions: Factors of angle, distance and tilt in them, shape (t, 3).
-        rows: The constraint of the connection that each term is a part of; −1: it is its spring.
-        angle: Sine and cosine of the angle, shape (2, 12).
+        functions: Factors of angle, distance and tilt in the terms, shape (t, 3).
+        rows: Number of the constraint of the connection to which each term belongs; −1: spring
+            term.
+        angle: Rows of sine and cosine of the angle, shape (2, 12).
         reversible: Whether the sides may be exchanged, see :meth:`exchanged`.
     """
 
@@ -63,10 +65,10 @@ class ConstraintDefinition(NamedTuple):
     reversible: bool = False
 
     def exchanged(self) -> ConstraintDefinition:
-        """The same with sides A and B exchanged.
+        """The same constraints with frames A and B exchanged.
 
-        Of a reversible one, ``Δ`` along the axis changes its sign then and ``Q`` is transposed,
-        while what is selected of ``Q`` is zero on both sides or in neither.
+        For a reversible definition, ``Δ`` along the axis changes its sign and ``Q`` is transposed;
+        the selected components of ``Q`` vanish in both orders.
         """
         selection = self.selection.copy()
         selection[:, :3] *= -1.0
@@ -83,14 +85,15 @@ class ConstraintDefinition(NamedTuple):
 
 
 class VelocityConstraintDefinition(NamedTuple):
-    """A pair of frames whose relative velocity is bound, see :mod:`~.equations.rolling`.
+    """Definition of velocity constraints between two frames, see :mod:`~.equations.rolling`.
 
     Attributes:
-        a: Point that carries frame A.
-        b: Point that carries frame B.
-        frames: The two frames in the initial configuration, each (4, 3).
-        selection: Components of the twist of B against A in the axes of B, shape (k, 6).
-        radius: Of a disc about e₃ of B, whose two constraints turn with the point of contact.
+        a: Point to which frame A is fixed.
+        b: Point to which frame B is fixed.
+        frames: Frames A and B in the initial configuration, each (4, 3).
+        selection: Components of the twist of B relative to A, in the axes of B, shape (k, 6).
+        radius: Radius of a disc about e₃ of B, whose two constraints refer to the point of contact;
+            0: no disc.
     """
 
     a: Point
@@ -101,10 +104,10 @@ class VelocityConstraintDefinition(NamedTuple):
 
 
 class Connection(ABC):
-    """What ties frames of bodies to each other; use one of the subclasses.
+    """Base class of whatever connects frames of bodies.
 
     Attributes:
-        name: How errors and results call it.
+        name: Name in messages and results.
     """
 
     name: str
@@ -112,68 +115,68 @@ class Connection(ABC):
     @property
     @abstractmethod
     def label(self) -> str:
-        """Name for messages and results."""
+        """Name in messages and results."""
 
     @abstractmethod
     def definitions(self) -> list[ConstraintDefinition]:
-        """Pairs of frames and terms; the force that results report is that of the first."""
+        """Definitions of position constraints; results report the force of the first."""
 
     @property
     def size(self) -> int:
-        """Number of constraints of positions."""
+        """Number of position constraints."""
         return 0
 
     def velocity_definitions(self) -> list[VelocityConstraintDefinition]:
-        """Constraints of velocities."""
+        """Definitions of velocity constraints."""
         return []
 
     @property
     def history(self) -> History | None:
-        """What its only constraint is to be, as a function of time; ``None``: constant."""
+        """Prescribed value of the last constraint as a function of time; ``None``: constant."""
         return None
 
     @property
     def spring(self) -> tuple[float, float, float] | None:
-        """Stiffness, damping and rest value of the term without constraint."""
+        """Stiffness, damping and rest value of the spring term; ``None``: no spring."""
         return None
 
     @property
     def preloaded(self) -> bool:
-        """Whether its spring has a rest value that may differ from its value at the start."""
+        """Whether the spring has a rest value that may differ from its initial value."""
         return False
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Relative coordinates between two frames that results report."""
+        """Relative coordinates that results report."""
         return ()
 
     @property
     def coordinate_names(self) -> tuple[str, ...]:
-        """How results call the coordinates."""
+        """Names of the coordinates in results."""
         return tuple(coordinate.name for coordinate in self.coordinates())
 
     def sliding_definition(self) -> SlidingConstraintDefinition | None:
-        """What slides along a beam, if anything does."""
+        """Definition of a frame that slides along a beam, or ``None``."""
         return None
 
     @abstractmethod
     def check(self) -> None:
-        """Raise ``ValueError`` if it is bad in itself."""
+        """Raise ``ValueError`` if the connection is invalid."""
 
     @property
     def points(self) -> list[Point]:
-        """What it is attached to."""
+        """Points to which it is attached."""
         return [
             point for definition in self.definitions() for point in (definition.a, definition.b)
         ]
 
     @property
     def bodies(self) -> list[Body | None]:
-        """Those of its points, ``None`` for ground."""
+        """Bodies of its points; ``None`` for ground."""
         return [point.body for point in self.points]
 
     @property
     def turns(self) -> bool:
-        """Whether it feels rotations of its points."""
+        """Whether it depends on rotations of its points."""
         for definition in self.definitions():
             by_place = any(
                 point.body is not None
@@ -189,12 +192,12 @@ class Connection(ABC):
 
 
 class Coordinate(NamedTuple):
-    """A relative coordinate of a joint: for springs, drives and gears, and in results.
+    """Relative coordinate of a joint, for springs, drives, gears and results.
 
     Attributes:
-        definition: Its pair of frames with the coordinate as the only term.
-        name: What results call it: ``angle`` (rad, unwrapped), ``displacement``, ``length``.
-        joint: Whose it is.
+        definition: Pair of frames, with the coordinate as the only term.
+        name: Name in results: ``angle`` (rad, unwrapped), ``displacement``, ``length``.
+        joint: The joint.
     """
 
     definition: ConstraintDefinition
@@ -203,14 +206,14 @@ class Coordinate(NamedTuple):
 
     @staticmethod
     def require(value: object, what: str) -> None:
-        """Refuse what is no coordinate.
+        """Raise ``TypeError`` if ``value`` is not a coordinate.
 
         Args:
-            value: What was given.
-            what: For what, as "Drive: coordinate".
+            value: The argument.
+            what: Name of the argument, as "Drive: coordinate".
 
         Raises:
-            TypeError: It is something else.
+            TypeError: It is not a coordinate.
         """
         wanted = "a coordinate of a joint such as joint.angle"
         if isinstance(value, Connection):
@@ -220,12 +223,12 @@ class Coordinate(NamedTuple):
 
     @property
     def label(self) -> str:
-        """For messages."""
+        """Name in messages."""
         return f"{self.name} of {self.joint.label}"
 
     @property
     def angular(self) -> bool:
-        """Whether it is an angle, and no length."""
+        """Whether it is an angle; otherwise it is a length."""
         definition = self.definition
         return not (
             definition.selection[:, :3].any()
@@ -234,18 +237,18 @@ class Coordinate(NamedTuple):
 
     @property
     def size(self) -> float:
-        """Of the bodies that it ties: a length beside which its own errors count."""
+        """Size of the connected bodies: the length scale for tolerances of the coordinate."""
         return max(
             point.size for point in (self.definition.a, self.definition.b) if not point.is_ground
         )
 
     @property
     def binds(self) -> bool:
-        """Whether its joint forbids any motion: a :class:`Distance` does not."""
+        """Whether its joint has any constraint; :class:`Distance` has none."""
         return self.joint.size > 0 or bool(self.joint.velocity_definitions())
 
     def same(self, other: Coordinate) -> bool:
-        """Whether it is the same function of the motion as another, but for its sign."""
+        """Whether it is the same function of the motion as another coordinate, up to its sign."""
         return any(
             self._equals(definition)
             for definition in (other.definition, other.definition.exchanged())
@@ -264,14 +267,14 @@ class Coordinate(NamedTuple):
         return all(np.array_equal(own, others) for own, others in pairs)
 
     def start(self) -> float:
-        """Its value in the initial configuration."""
+        """Value in the initial configuration."""
         z, f, definition = np.empty(12), np.zeros(3), self.definition
         relative_motion(*definition.frames, z)
         joint_functions.values(z, definition.angle, 0.0, f)
         return float(definition.selection[0] @ z + definition.functions[0] @ f)
 
     def as_row(self, row: int, factor: float = 1.0) -> ConstraintDefinition:
-        """Its tie as a term of constraint ``row``, times ``factor``; −1: of a spring."""
+        """Definition of coordinate times ``factor`` as a term of constraint ``row``; −1: spring."""
         definition = self.definition
         return definition._replace(
             selection=factor * definition.selection,
@@ -281,16 +284,16 @@ class Coordinate(NamedTuple):
 
 
 class SlidingConstraintDefinition(NamedTuple):
-    """A frame that slides along the elements of a beam.
+    """Definition of a frame that slides along the elements of a beam.
 
     Attributes:
-        beam: Its elements follow each other; likewise ``starts`` of arclength at each.
-        starts: Arclength at the start of each element, shape (e,).
-        b: Point that carries the frame.
-        frame: In the initial configuration, that of the section it is at, shape (4, 3).
-        selection: Of the relative motion against that section, shape (k, 12).
-        advance: Factors of the arclength, shape (k,).
-        arclength: In the initial configuration.
+        beam: Beam whose elements form one line.
+        starts: Arc length at the start of each element, shape (e,).
+        b: Point to which the sliding frame is fixed.
+        frame: Sliding frame in the initial configuration, equal to the section frame there, (4, 3).
+        selection: Constrained components of the motion relative to the section, shape (k, 12).
+        advance: Factor of the arc length in each constraint, shape (k,).
+        arclength: Arc length of the frame in the initial configuration.
     """
 
     beam: Beam

@@ -1,8 +1,8 @@
-"""Histories that know when they jump: steps in time end there, and go on from the other side.
+"""Histories that declare their jumps: time steps end at a jump, and continue with the later value.
 
-A history is any function of time. One that has an attribute ``jumps``, times at which it is not
-continuous, tells the integrators; :class:`Jumps` gives it to a function, and :class:`Table` has it.
-At such a time a history has the value that it has afterwards.
+A history is any function of time. An attribute ``jumps`` declares the times of its discontinuities
+to the integrators; :class:`Jumps` adds it to a function, and :class:`Table` has it. At a jump the
+history has the later value.
 """
 
 from __future__ import annotations
@@ -19,49 +19,51 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True)
 class Jumps(Generic[Value]):
-    """A function of time, with the times at which it jumps.
+    """Function of time with declared discontinuities.
 
-    For a load these are jumps of its factor. Of a drive or a prescribed motion, which do not jump
-    themselves, they are jumps of the first or second derivative: of velocity or acceleration.
+    For a load these are jumps of its factor. Drives and prescribed motions must be continuous; for
+    them they are jumps of the first or second derivative, of velocity or acceleration.
 
     Attributes:
-        function: Of time, as it is without this.
-        jumps: The times; those outside of a run are no matter.
+        function: Function of time.
+        jumps: Times of the jumps; times outside of a run have no effect.
     """
 
     function: Callable[[float], Value]
     jumps: Sequence[float]
 
     def __post_init__(self) -> None:
-        """Check the times."""
+        """Validate the times."""
         object.__setattr__(self, "jumps", _checked(self.jumps, "jumps"))
 
     def __call__(self, time: float) -> Value:
-        """The function's value."""
+        """Value of the function."""
         return self.function(time)
 
 
 @dataclass(frozen=True)
 class Table:
-    """Values at given times and straight lines between them.
+    """Piecewise linear function of time.
 
-    A time that is given twice is a jump from the first of its values to the second. Before the
-    first time and after the last the value stays. A drive must not jump, but may have kinks, which
-    are jumps of its velocity; for a load a kink is no event.
+    A time that occurs twice is a jump from the first of its values to the second. Before the first
+    time and after the last one the value is constant. A drive must not jump; its kinks are jumps of
+    the velocity. Kinks of a load have no effect on time steps.
 
     Attributes:
-        times: Never falling; each at most twice.
-        values: Of the same number.
+        times: Times in ascending order, each at most twice.
+        values: Values at the times.
     """
 
     times: Sequence[float]
     values: Sequence[float]
 
     def __post_init__(self) -> None:
-        """Check the numbers."""
+        """Validate times and values."""
         times, values = _checked(self.times, "times"), tuple(map(float, self.values))
         if len(times) != len(values) or not times:
-            raise ValueError(f"wanted as many times as values, got {len(times)} and {len(values)}")
+            raise ValueError(
+                f"expected as many times as values, got {len(times)} and {len(values)}"
+            )
         if not all(map(isfinite, values)):
             raise ValueError(f"the values of a table must be finite, got {list(values)}")
         if any(b < a for a, b in pairwise(times)):
@@ -72,7 +74,7 @@ class Table:
         object.__setattr__(self, "values", values)
 
     def __call__(self, time: float) -> float:
-        """The value at a time, after the jump if there is one."""
+        """Value at a time; at a jump the later one."""
         right = bisect_right(self.times, time)
         if right in (0, len(self.times)):
             return self.values[min(right, len(self.times) - 1)]
@@ -82,7 +84,7 @@ class Table:
 
     @property
     def jumps(self) -> tuple[float, ...]:
-        """Times that are given twice."""
+        """Times that occur twice."""
         return tuple(a for a, b in pairwise(self.times) if a == b)
 
     @property
@@ -92,7 +94,7 @@ class Table:
 
 
 def declared(histories: Iterable[object], *, kinks: bool) -> tuple[float, ...]:
-    """Times at which histories say that they jump, and have kinks, in their order."""
+    """Sorted times of the jumps, and of the kinks if asked for, that histories declare."""
     found: set[float] = set()
     for history in histories:
         found |= set(getattr(history, "jumps", ()))
@@ -102,7 +104,7 @@ def declared(histories: Iterable[object], *, kinks: bool) -> tuple[float, ...]:
 
 
 def until_next(times: Sequence[float], time: float) -> float:
-    """How long it is from ``time`` to the next of ``times``, which are in their order."""
+    """Time from ``time`` to the next of the sorted ``times``; infinite if there is none."""
     return min((t - time for t in times if t > time * (1.0 + 1e-12)), default=inf)
 
 

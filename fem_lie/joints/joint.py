@@ -1,4 +1,4 @@
-"""The base of joints: two points, a place, an axis, and the selection of what is forbidden."""
+"""Base class of joints: two points, a position, an axis, and the constrained relative motion."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from fem_lie.joints.connection import NO_ANGLE, Connection, ConstraintDefinition
 from fem_lie.joints.equations import functions as joint_functions
 
 _COINCIDENT = 1e-9
-"""Distance of the two points over the size of their bodies, below which they are one place."""
+"""Largest distance of coincident points, over the size of their bodies."""
 
 TURN = rows({6: 1.0, 4: -1.0}, {3: 1.0, 7: 1.0})
 """Sine and cosine, times 1 + Q₃₃, of the rotation about the axis: Q₂₁ − Q₁₂, Q₁₁ + Q₂₂."""
@@ -24,20 +24,19 @@ TURN = rows({6: 1.0, 4: -1.0}, {3: 1.0, 7: 1.0})
 
 @dataclass(frozen=True, eq=False)
 class Joint(Connection):
-    """What all joints have in common; use one of the subclasses.
+    """Base class of joints between two points.
 
-    A subclass states its ``selection`` of ``(Δ, Q)``. If it says that it is ``reversible``, that
-    is, that it forbids the same with the two sides exchanged, a side that does not move by itself
-    becomes B, because the Jacobian on A's side of what touches ``Δ`` alone is constant in local
-    frames.
+    A subclass states its ``selection`` of ``(Δ, Q)``. A joint that imposes the same constraints
+    with its two sides exchanged is ``reversible``: a side that does not move then becomes B,
+    because terms of ``Δ`` alone have a constant Jacobian on side A in local frames.
 
     Attributes:
         a: A point of a body, or :func:`~fem_lie.bodies.points.ground`.
         b: A point of another body, or ground.
-        at: Where the joint is in the initial configuration (global, length); default: where the
-            two points coincide. Given, the points are joined to it by rigid links.
+        at: Position of the joint in the initial configuration (global, length); default: where the
+            two points coincide. If it is given, rigid links join the points to it.
         axis: Direction of the joint's e₃ in the initial configuration, global components.
-        name: How errors and results call it; default: class name and number.
+        name: Name in messages and results; default: class name and number.
     """
 
     a: Point
@@ -51,7 +50,7 @@ class Joint(Connection):
     turn: ClassVar[Array] = TURN
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if what it joins are no points."""
+        """Raise ``TypeError`` if an argument is not a point."""
         require_point(self.a, f"{type(self).__name__}: a")
         require_point(self.b, f"{type(self).__name__}: b")
         text(self.name, f"{type(self).__name__}: name")
@@ -68,18 +67,18 @@ class Joint(Connection):
 
     @property
     def label(self) -> str:
-        """Name for messages: the user's, or the class and what is joined."""
+        """Name in messages: that of the user, or the class and the points."""
         return self.name or f"{type(self).__name__}({self.a.label}, {self.b.label})"
 
     def check(self) -> None:
-        """Raise ``ValueError`` if place or axis are bad, or it joins a point to itself."""
+        """Raise ``ValueError`` if position or axis are invalid, or the points are the same."""
         self.frame()
         if self.a.same(self.b):
             raise ValueError(f"{self.label} joins a point to itself")
 
     @property
     def points(self) -> list[Point]:
-        """Both sides."""
+        """Points a and b."""
         return [self.a, self.b]
 
     def definitions(self) -> list[ConstraintDefinition]:
@@ -87,14 +86,14 @@ class Joint(Connection):
         return [self._tie(self.selection, self.functions, range(self.size), self.turn)]
 
     def frame(self) -> Array:
-        """The joint's frame in the initial configuration, shape (4, 3).
+        """Joint frame in the initial configuration, shape (4, 3).
 
         Raises:
             ValueError: The points do not coincide and ``at`` is not given, or the axis is zero.
         """
         e3 = self._direction(self.axis, "axis")
         e1 = self._first_axis(e3)
-        # one by one, as np.cross takes its time
+        # written out: np.cross is slow for single vectors
         (a, b, c), (x, y, z) = e3, e1
         return np.array([self._place(), e1, (b * z - c * y, c * x - a * z, a * y - b * x), e3])
 
@@ -104,7 +103,7 @@ class Joint(Connection):
         return frame, frame
 
     def _first_axis(self, e3: Array) -> Array:
-        """Some direction across the axis."""
+        """A direction perpendicular to the axis."""
         k = int(np.argmin(np.abs(e3)))
         i, j, e1 = (k + 1) % 3, (k + 2) % 3, np.zeros(3)
         e1[i], e1[j] = -e3[j], e3[i]
@@ -122,12 +121,12 @@ class Joint(Connection):
         )
 
     def _linear(self, name: str, index: int) -> Coordinate:
-        """A component of ``Δ``."""
+        """Coordinate that is a component of ``Δ``."""
         definition = self._tie(rows({index: 1.0}), np.zeros((1, 3)), (0,), NO_ANGLE)
         return Coordinate(definition, name, self)
 
     def _function(self, name: str, number: int, angle: Array = NO_ANGLE) -> Coordinate:
-        """One of the functions."""
+        """Coordinate that is one of the functions."""
         factors = np.zeros((1, 3))
         factors[0, number] = 1.0
         return Coordinate(self._tie(np.zeros((1, 12)), factors, (0,), angle), name, self)

@@ -1,6 +1,6 @@
-"""Kinds of joints: each is the selection of the relative motion ``(Δ, Q)`` that it forbids.
+"""Types of joints; each selects the components of the relative motion ``(Δ, Q)`` that vanish.
 
-A new joint of this kind is a new class with that selection; see
+A new joint of this kind is a new class with its selection; see
 :mod:`fem_lie.joints.equations.terms`.
 """
 
@@ -23,25 +23,25 @@ _ON_AXIS = ({0: 1.0}, {1: 1.0})
 
 
 class _Turning(Joint):
-    """Turns about its axis."""
+    """A joint with a free rotation about its axis."""
 
     @property
     def angle(self) -> Coordinate:
-        """Rotation of ``b`` against ``a`` about the axis, unwrapped, zero at the start, rad."""
+        """Rotation of ``b`` relative to ``a`` about the axis, rad, unwrapped, initially zero."""
         return self._angle("angle", TURN)
 
 
 class _Gliding(Joint):
-    """Glides along its axis."""
+    """A joint with a free displacement along its axis."""
 
     @property
     def displacement(self) -> Coordinate:
-        """Displacement of ``b`` against ``a`` along the axis, zero at the start."""
+        """Displacement of ``b`` relative to ``a`` along the axis, initially zero."""
         return self._linear("displacement", 2)
 
 
 class Fixed(Joint):
-    """No relative motion.
+    """Rigid connection: no relative displacement or rotation.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -55,7 +55,7 @@ class Fixed(Joint):
 
 
 class Spherical(Joint):
-    """Common point.
+    """Ball joint: the two points coincide, rotations are free.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -69,7 +69,7 @@ class Spherical(Joint):
 
 
 class InPlane(Joint):
-    """Point ``b`` stays in the plane through ``a`` with the normal ``axis`` fixed to ``a``.
+    """Point ``b`` stays in the plane through ``a`` whose normal ``axis`` is fixed to ``a``.
 
     Both coincide in the initial configuration. With ground as ``a``: no displacement of ``b`` along
     ``axis``.
@@ -85,7 +85,7 @@ class InPlane(Joint):
 
 
 class Revolute(_Turning):
-    """Common point and common axis e₃.
+    """Hinge: common point and common axis e₃, rotation about it is free.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -106,7 +106,7 @@ class Revolute(_Turning):
 
 
 class Prismatic(_Gliding):
-    """Displacement along the common axis e₃ alone.
+    """Slider: displacement along the common axis e₃ is free, rotations are locked.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -124,7 +124,7 @@ class Prismatic(_Gliding):
 
 
 class Cylindrical(_Turning, _Gliding):
-    """Displacement along and rotation about the common axis e₃, each free.
+    """Cylindrical joint: displacement along and rotation about the common axis e₃ are free.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -143,7 +143,7 @@ class Cylindrical(_Turning, _Gliding):
 
 @dataclass(frozen=True, eq=False)
 class Screw(_Turning, _Gliding):
-    """Displacement along the common axis e₃ in proportion to the rotation about it.
+    """Screw joint: displacement along the axis e₃ is proportional to the rotation about it.
 
     Attributes:
         pitch: Displacement of ``b`` per turn, positive for a right-handed thread.
@@ -162,13 +162,13 @@ class Screw(_Turning, _Gliding):
 
     @property
     def functions(self) -> Array:
-        """``Δ₃ − pitch φ/2π`` is the last constraint."""
+        """Factors of the last constraint, ``Δ₃ − pitch φ/2π = 0``."""
         factors = np.zeros((5, 3))
         factors[4, joint_functions.ANGLE] = -self.pitch / (2.0 * np.pi)
         return factors
 
     def check(self) -> None:
-        """Raise ``ValueError`` if the joint is bad, or its pitch no number other than zero."""
+        """Raise ``ValueError`` if the joint is invalid, or its pitch is zero or not finite."""
         super().check()
         if number(self.pitch, f"{self.label}: pitch") == 0.0:
             raise ValueError(
@@ -185,7 +185,7 @@ class _WithSecondAxis(Joint):
     second: npt.ArrayLike | None = None
 
     def _require_second(self, why: str) -> None:
-        """Raise ``ValueError`` if there is none: global axes must not decide."""
+        """Raise ``ValueError`` without a second axis: a default would depend on global axes."""
         if self.second is None:
             raise ValueError(
                 f"{self.label}: expected second=..., a direction across the axis {self.axis}, "
@@ -205,11 +205,11 @@ class _WithSecondAxis(Joint):
 
 
 class Planar(_WithSecondAxis, _Turning):
-    """Displacements in the plane across the common axis e₃ and rotation about it.
+    """Planar joint: displacements perpendicular to the axis e₃ and rotation about it are free.
 
     Attributes:
-        second: Direction of the first of the two displacements, fixed to ``a``; default: any, which
-            is enough where nothing acts along one of them.
+        second: Direction of the first displacement, fixed to ``a``; default: arbitrary, which
+            suffices unless a spring or drive acts along one of the displacements.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -222,12 +222,12 @@ class Planar(_WithSecondAxis, _Turning):
 
     @property
     def displacements(self) -> tuple[Coordinate, Coordinate]:
-        """Displacements of ``b`` along e₁ = ``second`` and e₂ of ``a``, zero at the start.
+        """Displacements of ``b`` along e₁ = ``second`` and e₂ of ``a``, initially zero.
 
         Raises:
-            ValueError: There is no second axis, without which they have no direction.
+            ValueError: There is no second axis, so the directions are undefined.
         """
-        self._require_second("directions of the two displacements are along it and across")
+        self._require_second("the directions of the two displacements are along and across it")
         return self._displacements()
 
     def _displacements(self) -> tuple[Coordinate, Coordinate]:
@@ -239,12 +239,12 @@ class Planar(_WithSecondAxis, _Turning):
 
 
 class Universal(_WithSecondAxis):
-    """Common point; ``axis`` fixed to ``a`` stays perpendicular to ``second`` fixed to ``b``.
+    """Cardan joint: common point; ``axis``, fixed to ``a``, stays perpendicular to ``second``.
 
-    At the start it holds the rotation about ``axis × second``, and no other.
+    Initially the joint constrains the rotation about ``axis × second`` only.
 
     Attributes:
-        second: Direction of the axis that is fixed to ``b``, across ``axis``; it must be given.
+        second: Direction of the axis fixed to ``b``, perpendicular to ``axis``; required.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -256,18 +256,18 @@ class Universal(_WithSecondAxis):
     selection = rows(*_COINCIDE, {9: 1.0})
 
     def check(self) -> None:
-        """Raise ``ValueError`` if the joint is bad, or has no second axis."""
+        """Raise ``ValueError`` if the joint is invalid or has no second axis."""
         super().check()
-        self._require_second("the joint holds the rotation about axis × second")
+        self._require_second("the joint constrains the rotation about axis × second")
 
     @property
     def angle(self) -> Coordinate:
-        """Rotation of the cross against ``a`` about ``axis``, unwrapped, zero at the start, rad."""
+        """Rotation of cross relative to ``a`` about ``axis``, rad, unwrapped, initially zero."""
         return self._angle("angle", rows({6: 1.0}, {3: 1.0}))
 
     @property
     def second_angle(self) -> Coordinate:
-        """Rotation of ``b`` against the cross about ``second``."""
+        """Rotation of ``b`` relative to the cross about ``second``, rad, initially zero."""
         return self._angle("second angle", rows({10: 1.0}, {11: 1.0}))
 
     def coordinates(self) -> tuple[Coordinate, ...]:
@@ -277,13 +277,13 @@ class Universal(_WithSecondAxis):
 
 @dataclass(frozen=True, eq=False)
 class Distance(Joint):
-    """Forbids nothing: the distance of two points, for springs, drives and results.
+    """Distance of two points as a coordinate for springs, drives and results; no constraint.
 
-    A :class:`~fem_lie.joints.Drive` of its length without history is a massless rod.
+    A :class:`~fem_lie.joints.Drive` of its length without a function is a massless rigid rod.
 
     Attributes:
-        at: Place on ``a``'s side in the initial configuration; default: the point itself.
-        to: Place on ``b``'s side; likewise.
+        at: Position of the end fixed to ``a`` in the initial configuration; default: point ``a``.
+        to: Position of the end fixed to ``b`` in the initial configuration; default: point ``b``.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -302,7 +302,7 @@ class Distance(Joint):
 
     @property
     def length(self) -> Coordinate:
-        """Distance of the two places."""
+        """Distance of the two ends."""
         return self._function("length", joint_functions.DISTANCE)
 
     def coordinates(self) -> tuple[Coordinate, ...]:
@@ -310,19 +310,19 @@ class Distance(Joint):
         return (self.length,)
 
     def frames(self) -> tuple[Array, Array]:
-        """At the two places, along global axes.
+        """Frames at the two ends, along global axes.
 
         Raises:
-            ValueError: They coincide.
+            ValueError: The ends coincide.
         """
         start = self.a.position if self.at is None else self._given_place(self.at, "at")
         end = self.b.position if self.to is None else self._given_place(self.to, "to")
         if not np.linalg.norm(end - start) > 1e-12 * max(self.a.size, self.b.size):
-            raise ValueError(f"{self.label}: both places are {start}; a distance needs two")
+            raise ValueError(f"{self.label}: both ends are at {start}; a distance needs two")
         return np.vstack([start, np.eye(3)]), np.vstack([end, np.eye(3)])
 
     def check(self) -> None:
-        """Raise ``ValueError`` if the places coincide or both points are ground."""
+        """Raise ``ValueError`` if the ends coincide or both points are ground."""
         if self.a.is_ground and self.b.is_ground:
             raise ValueError(f"{self.label}: both points are ground")
         self.frames()

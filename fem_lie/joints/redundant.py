@@ -1,14 +1,15 @@
-"""What to do with constraints that follow from others."""
+"""Treatment of redundant constraints."""
 
 from enum import Enum
 
 
 class Redundant(Enum):
-    """What to do with constraints that follow from others.
+    """Treatment of redundant constraints, which follow from other constraints.
 
-    ``REFUSE``: an error that names them. ``MINIMUM_NORM``: all are kept; of the joint forces that
-    make the same motion, results report those whose sum of squares is least, with moments over the
-    length of the model. What only elasticity can decide is decided by that, not by mechanics.
+    ``REFUSE``: an error that names them. ``MINIMUM_NORM``: the solver keeps all of them; results
+    report the joint forces with the least sum of squares, moments divided by the length of the
+    model, among all that cause the same motion. Rigid-body mechanics does not determine these
+    forces.
     """
 
     REFUSE = "refuse"

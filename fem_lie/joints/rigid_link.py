@@ -1,4 +1,4 @@
-"""Rigid links: points that move as if they were one rigid body."""
+"""Rigid links: points that move as one rigid body."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from fem_lie.bodies.points import require_node, require_point
 
 @dataclass(frozen=True, eq=False)
 class RigidLink:
-    """Point ``b`` follows point ``a`` as if both were one rigid body.
+    """Point ``b`` is rigidly attached to point ``a``.
 
-    There are no multipliers, no constraint equations and no reported force: the node of ``b`` loses
-    its unknowns. :class:`Fixed` is the same with a joint force.
+    The link eliminates the unknowns of the node of ``b`` (master–slave elimination): there are no
+    multipliers and results report no force. :class:`Fixed` is the same connection as a joint.
 
     Attributes:
         a: A point of a body.
@@ -37,12 +37,12 @@ class RigidLink:
     b: Point
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if what it joins are no points."""
+        """Raise ``TypeError`` if an argument is not a point."""
         require_point(self.a, "RigidLink: a")
         require_point(self.b, "RigidLink: b")
 
     def check(self) -> None:
-        """Raise ``ValueError`` if a point is ground, or both are the same."""
+        """Raise ``ValueError`` if a point is ground, or both points are the same."""
         if self.a.is_ground or self.b.is_ground:
             raise ValueError("a rigid link needs two points of bodies, got ground; use a Clamp")
         require_node(self.a, "a rigid link")
@@ -52,5 +52,5 @@ class RigidLink:
 
     @property
     def label(self) -> str:
-        """For messages."""
+        """Name in messages."""
         return f"RigidLink({self.a.label}, {self.b.label})"

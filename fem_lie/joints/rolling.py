@@ -1,4 +1,4 @@
-"""Constraints of velocities: what rolls without slip, and what does not move sideways."""
+"""Joints with velocity constraints: rolling without slip, and knife edges."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from fem_lie.joints.joint import Joint
 
 
 class KnifeEdge(Joint):
-    """A point of ``b`` has no velocity against ``a`` along ``axis``, which is fixed to ``b``.
+    """A point of ``b`` has no velocity relative to ``a`` along ``axis``, which is fixed to ``b``.
 
-    A skate, the blade of a sledge, a wheel far from its steering. In the frame of ``b`` it binds a
-    constant component of the velocity. The place may change for ever: no position is bound.
+    A skate, or an unsteered wheel. The constraint is nonholonomic: positions are not constrained.
+    In the frame of ``b`` the constrained component of the velocity is constant.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -31,7 +31,7 @@ class KnifeEdge(Joint):
     selection = rows()
 
     def velocity_definitions(self) -> list[VelocityConstraintDefinition]:
-        """The component along e₃ of ``b``."""
+        """The velocity component along e₃ of ``b``."""
         across = np.zeros((1, 6))
         across[0, 2] = 1.0
         return [VelocityConstraintDefinition(self.a, self.b, self.frames(), across)]
@@ -41,14 +41,14 @@ class KnifeEdge(Joint):
 class RollingDisc(Joint):
     """A thin disc on ``b`` rolls without slip on a plane that is fixed to ``a``.
 
-    Its edge stays on the plane, and where it touches it has the velocity of the plane. The force
-    that results report is that on ``a`` about the first point of contact.
+    The rim stays on the plane, and at the point of contact it has the velocity of the plane. The
+    force in results acts on ``a``, with moments about the initial point of contact.
 
     Attributes:
         at: Centre of the disc in the initial configuration; default: the point ``b``.
-        axis: Of the disc.
-        radius: Of the disc.
-        normal: Of the plane, towards the disc.
+        axis: Axis of the disc.
+        radius: Radius of the disc.
+        normal: Normal of the plane, towards the disc.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -67,19 +67,19 @@ class RollingDisc(Joint):
 
     @property
     def functions(self) -> Array:
-        """The height of the centre is ``radius`` times the sine of the disc's tilt."""
+        """Factors of the constraint: centre height = ``radius`` times the sine of the tilt."""
         factors = np.zeros((1, 3))
         factors[0, joint_functions.TILT] = -self.radius
         return factors
 
     def check(self) -> None:
-        """Raise ``ValueError`` if the joint is bad, or the disc lies in the plane."""
+        """Raise ``ValueError`` if the joint is invalid, or the disc lies in the plane."""
         positive(self.radius, f"{self.label}: the radius")
         super().check()
         self.frames()
 
     def frames(self) -> tuple[Array, Array]:
-        """At the point of contact with e₃ across the plane, and at the centre with e₃ = axis.
+        """Frame at the point of contact with e₃ along the normal, and at the centre with e₃ = axis.
 
         Raises:
             ValueError: The disc lies in the plane.
@@ -97,7 +97,7 @@ class RollingDisc(Joint):
         return plane, np.array([centre, along, np.cross(axis, along), axis])
 
     def velocity_definitions(self) -> list[VelocityConstraintDefinition]:
-        """Along and across the path."""
+        """Slip velocities along and across the path."""
         return [
             VelocityConstraintDefinition(
                 self.a, self.b, self.frames(), np.zeros((2, 6)), float(self.radius)

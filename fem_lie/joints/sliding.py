@@ -1,4 +1,4 @@
-"""What slides along flexible beams: see :mod:`fem_lie.joints.equations.sliding`."""
+"""Joints that slide along flexible beams, see :mod:`fem_lie.joints.equations.sliding`."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ from fem_lie.joints.connection import (
     rows,
 )
 
-_ON_AXIS = 1e-6  # of the beam's size: places nearer to its axis are on it
+_ON_AXIS = 1e-6  # largest distance from the axis over the size of the beam
 _ON_LINE = ({1: 1.0}, {2: 1.0})
 
 
 @dataclass(frozen=True, eq=False)
 class Sliding(Connection):
-    """A point slides along the axis of a beam without friction, over all of its elements.
+    """A point slides along the axis of a beam without friction, across all of its elements.
 
-    The place on the beam is where the point lies in the cross-section. It may leave the beam at
-    neither end. The force that results report is that on the beam, in the axes of its section.
+    The arc length on the beam is that of the section in whose plane the point lies. The point must
+    not leave the beam. The force in results acts on the beam, in the axes of the section.
 
     Attributes:
-        beam: One smooth line of geodesic elements.
+        beam: Beam that is one smooth line of geodesic elements.
         b: A point of another body, or ground.
-        at: Place of the joint in the initial configuration, on the axis; default: the point ``b``.
-        travel: Arclength from the beam's start as a function of time; default: free.
-        name: How errors and results call it; default: after what it joins.
+        at: Initial position of the joint, on the axis of the beam; default: the point ``b``.
+        travel: Prescribed arc length from the start of the beam, as a function of time; default: free.
+        name: Name in messages and results; default: class name, beam and point.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -63,7 +63,7 @@ class Sliding(Connection):
     selection: ClassVar[Array] = rows(*_ON_LINE)
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        """Raise ``TypeError`` if an argument has a wrong type."""
         kind = type(self).__name__
         instance(self.beam, Beam, f"{kind}: beam", "a Beam")
         require_point(self.b, f"{kind}: b")
@@ -72,48 +72,48 @@ class Sliding(Connection):
 
     @property
     def label(self) -> str:
-        """Name for messages and results."""
+        """Name in messages and results."""
         return self.name or f"{type(self).__name__}({self.beam.label}, {self.b.label})"
 
     def check(self) -> None:
-        """Raise ``ValueError`` if the beam is none for it, or the place not on it."""
+        """Raise ``ValueError`` if the beam is unsuitable, or the point is not on its axis."""
         self.sliding_definition()
 
     def definitions(self) -> list[ConstraintDefinition]:
-        """None that is fixed to a node of the beam."""
+        """No definitions between fixed frames."""
         return []
 
     @property
     def points(self) -> list[Point]:
-        """What slides."""
+        """The sliding point."""
         return [self.b]
 
     @property
     def bodies(self) -> list[Body | None]:
-        """The beam and the body."""
+        """The beam and the body of the point."""
         return [self.beam, self.b.body]
 
     @property
     def turns(self) -> bool:
-        """Yes: it is fixed to a frame."""
+        """Whether it depends on rotations: always."""
         return True
 
     @property
     def history(self) -> History | None:
-        """The travel."""
+        """Prescribed arc length as a function of time."""
         return self.travel
 
     @property
     def coordinate_names(self) -> tuple[str, ...]:
-        """Where it is on the beam."""
+        """Name of the coordinate: arc length on the beam."""
         return ("arclength",)
 
     def sliding_definition(self) -> SlidingConstraintDefinition:
-        """Where it starts, and what is bound.
+        """Definition with the initial arc length and the constrained components.
 
         Raises:
-            ValueError: The beam is no smooth line of geodesic elements, the place is not on its
-                axis, or the travel does not start there.
+            ValueError: The beam is not one smooth line of geodesic elements, the point is not on
+                its axis, or the travel does not start there.
         """
         elements, lengths = self.beam.elements, self.beam.lengths
         chained = (elements[1:, 0] == elements[:-1, 1]).all()
@@ -128,7 +128,7 @@ class Sliding(Connection):
         if gap > _ON_AXIS * self.beam.size:
             frame = _axis_frame(self.beam, elements, starts, s)
             raise ValueError(
-                f"{self.label}: the place {place} is {gap:g} off the beam's axis, more than "
+                f"{self.label}: the position {place} is {gap:g} off the beam's axis, more than "
                 f"{_ON_AXIS:g} of its size {self.beam.size:g}; give at=... on the axis, such as "
                 f"at=({', '.join(f'{x:.9g}' for x in frame[0])}), to which the point is joined by "
                 "a rigid link"
@@ -140,7 +140,7 @@ class Sliding(Connection):
                     f"{self.label}: travel must start at arclength {s:g}, got {begin:g}"
                 )
             s = begin
-        # on the axis, and where travel starts: a gap would be closed in the first step
+        # exactly on the axis and at the start of the travel: the first step would close a gap
         frame = _axis_frame(self.beam, elements, starts, s)
         driven = int(self.travel is not None)
         selection = np.vstack([self.selection, np.zeros((driven, 12))])
@@ -149,7 +149,7 @@ class Sliding(Connection):
 
 
 class Collar(Sliding):
-    """Slides along a beam and keeps its direction, free to spin about its axis.
+    """Slides along a beam with its axis tangent to that of the beam; the spin is free.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -169,7 +169,7 @@ class Collar(Sliding):
 
 
 class Sleeve(Sliding):
-    """Slides along a beam and turns with its section: a prismatic joint on the axis.
+    """Slides along a beam and rotates with the section: a prismatic joint on the axis.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -189,16 +189,16 @@ class Sleeve(Sliding):
 
 
 def _axis_frame(beam: Beam, elements: Indices, starts: Array, s: float) -> Array:
-    """Frame of the axis at an arclength, shape (4, 3)."""
+    """Frame of the beam at an arc length, shape (4, 3)."""
     e = max(int(np.searchsorted(starts, s, side="right")) - 1, 0)
     a, b = beam.frames[elements[e, :2]]
     return lie.se3_retract(a, (s - starts[e]) / beam.lengths[e] * lie.se3_relative(a, b))
 
 
 def _nearest(beam: Beam, elements: Indices, starts: Array, place: Array) -> tuple[float, float]:
-    """Arclength of the axis next to a place, and the distance.
+    """Arc length of the point of the axis closest to a position, and the distance.
 
-    Each element is searched: next to a node either side may be the nearer one.
+    Every element is searched, since the closest element is not known beforehand.
     """
     a, b = beam.frames[elements[:, 0]], beam.frames[elements[:, 1]]
     d = lie.se3_relative(a, b)
@@ -210,7 +210,7 @@ def _nearest(beam: Beam, elements: Indices, starts: Array, place: Array) -> tupl
         frames = lie.se3_retract(a, at[:, np.newaxis] * d)
         gap = np.einsum("eij,ej->ei", frames[:, 1:], place - frames[:, 0])
         slope = -d[:, 0] + np.cross(gap, d[:, 3:])[:, 0]
-        # where all of a far element is equally near there is no slope
+        # no slope: all points of a far element have the same distance
         step = np.divide(gap[:, 0], slope, out=np.zeros_like(at), where=slope != 0.0)
         at = np.clip(at - step, 0.0, 1.0)
     frames = lie.se3_retract(a, at[:, np.newaxis] * d)

@@ -1,4 +1,4 @@
-"""What acts along the relative coordinates of joints: springs, dampers, drives and gears."""
+"""Springs, dampers, drives and gears: elements that act along relative coordinates of joints."""
 
 from __future__ import annotations
 
@@ -14,11 +14,12 @@ class Spring(Connection):
     """Spring and damper along a coordinate ``q``: force or moment ``k (q − q₀) + c dq/dt``.
 
     Attributes:
-        coordinate: Of a joint: ``joint.angle``, ``joint.displacement``, ``Distance(…).length``.
+        coordinate: Coordinate of a joint: ``joint.angle``, ``joint.displacement``,
+            ``Distance(…).length``.
         stiffness: ``k``, moment per rad or force per length.
-        damping: ``c``, the same times time.
-        rest: ``q₀``; default: the value at the start.
-        name: How errors and results call it; default: after its coordinate.
+        damping: ``c``, moment per rad or force per length, times time.
+        rest: ``q₀``; default: the initial value of the coordinate.
+        name: Name in messages and results; default: from the coordinate.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -37,17 +38,17 @@ class Spring(Connection):
     name: str = ""
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        """Raise ``TypeError`` if an argument has a wrong type."""
         Coordinate.require(self.coordinate, "Spring: coordinate")
         _arrays.text(self.name, "Spring: name")
 
     @property
     def label(self) -> str:
-        """Name for messages and results."""
+        """Name in messages and results."""
         return self.name or f"Spring({self.coordinate.label})"
 
     def check(self) -> None:
-        """Raise ``ValueError`` if a number is not finite or negative, or both are zero."""
+        """Raise ``ValueError`` if a value is negative or not finite, or both are zero."""
         given = {"stiffness": self.stiffness, "damping": self.damping}
         numbers = [_arrays.number(value, f"{self.label}: {k}") for k, value in given.items()]
         if min(numbers) < 0.0 or max(numbers) == 0.0:
@@ -58,7 +59,7 @@ class Spring(Connection):
             _arrays.number(self.rest, f"{self.label}: rest")
 
     def definitions(self) -> list[ConstraintDefinition]:
-        """That of the coordinate."""
+        """Definition of the coordinate as a term without constraint."""
         return [self.coordinate.as_row(-1)]
 
     @property
@@ -73,21 +74,21 @@ class Spring(Connection):
         return self.rest is not None and float(self.stiffness) > 0.0
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """The coordinate."""
+        """The coordinate along which the spring acts."""
         return (self.coordinate,)
 
 
 @dataclass(frozen=True, eq=False)
 class Drive(Connection):
-    """A coordinate follows a given function of time.
+    """Rheonomic constraint: a coordinate follows a prescribed function of time.
 
     Attributes:
-        coordinate: Of a joint.
+        coordinate: Coordinate of a joint.
         function: Angle or displacement as a function of time (in statics: of the load factor),
             twice differentiable but for the times that :class:`~fem_lie.Jumps` or a
             :class:`~fem_lie.Table` says; at the start the coordinate's initial value. Default: that
             value.
-        name: How errors and results call it; default: after its coordinate.
+        name: Name in messages and results; default: from the coordinate.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -104,18 +105,18 @@ class Drive(Connection):
     name: str = ""
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        """Raise ``TypeError`` if an argument has a wrong type."""
         Coordinate.require(self.coordinate, "Drive: coordinate")
         _arrays.history(self.function, "Drive: function")
         _arrays.text(self.name, "Drive: name")
 
     @property
     def label(self) -> str:
-        """Name for messages and results."""
+        """Name in messages and results."""
         return self.name or f"Drive({self.coordinate.label})"
 
     def check(self) -> None:
-        """Raise ``ValueError`` if the function does not start at the coordinate's value."""
+        """Raise ``ValueError`` if the function does not start at the value of the coordinate."""
         if isinstance(self.function, Table) and self.function.jumps:
             raise ValueError(f"{self.label} jumps at the times {list(self.function.jumps)}")
         start = self.coordinate.start()
@@ -127,36 +128,36 @@ class Drive(Connection):
             raise ValueError(f"{self.label} must start at {start:g}, got {given:g}")
 
     def definitions(self) -> list[ConstraintDefinition]:
-        """That of the coordinate."""
+        """Definition of the coordinate as a constraint."""
         return [self.coordinate.as_row(0)]
 
     @property
     def size(self) -> int:
-        """One."""
+        """Number of constraints: 1."""
         return 1
 
     @property
     def history(self) -> History | None:
-        """The function."""
+        """Prescribed value as a function of time."""
         return self.function
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """The coordinate."""
+        """The driven coordinate."""
         return (self.coordinate,)
 
 
 @dataclass(frozen=True, eq=False)
 class Gear(Connection):
-    """``first + ratio · second`` stays what it is at the start.
+    """Constraint that keeps ``first + ratio · second`` at its initial value.
 
-    Two revolutes: a pair of spur gears of radii r₁, r₂ that turn against each other on one carrier
+    Two revolute joints: a pair of spur gears of radii r₁, r₂ in mesh on one carrier
     has the ratio r₂/r₁; a revolute and a prismatic joint: rack and pinion.
 
     Attributes:
         first: Coordinate of a joint.
         second: Coordinate of another joint.
         ratio: ``−d first / d second``.
-        name: How errors and results call it; default: after its coordinates.
+        name: Name in messages and results; default: from the coordinates.
 
     Example:
         >>> scene = fl.Scene()
@@ -176,18 +177,18 @@ class Gear(Connection):
     name: str = ""
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        """Raise ``TypeError`` if an argument has a wrong type."""
         Coordinate.require(self.first, "Gear: first")
         Coordinate.require(self.second, "Gear: second")
         _arrays.text(self.name, "Gear: name")
 
     @property
     def label(self) -> str:
-        """Name for messages and results."""
+        """Name in messages and results."""
         return self.name or f"Gear({self.first.label}, {self.second.label})"
 
     def check(self) -> None:
-        """Raise ``ValueError`` if the ratio is zero or not finite, or both coordinates are one."""
+        """Raise ``ValueError`` if the ratio is zero or infinite, or the coordinates are equal."""
         if _arrays.number(self.ratio, f"{self.label}: ratio") == 0.0:
             raise ValueError(f"{self.label}: ratio must be a number other than 0, got {self.ratio}")
         if self.first.same(self.second):
@@ -197,12 +198,12 @@ class Gear(Connection):
             )
 
     def definitions(self) -> list[ConstraintDefinition]:
-        """Those of the two coordinates."""
+        """Definitions of the two coordinates as terms of one constraint."""
         return [self.first.as_row(0), self.second.as_row(0, self.ratio)]
 
     @property
     def size(self) -> int:
-        """One."""
+        """Number of constraints: 1."""
         return 1
 
     def coordinates(self) -> tuple[Coordinate, ...]:

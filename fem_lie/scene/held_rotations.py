@@ -1,8 +1,8 @@
-"""Which nodes' rotations the items of a scene take hold of.
+"""Items of a scene that act on rotations of nodes.
 
-Such a node of a shell needs a rotation about its director, see
-:mod:`fem_lie.elements.shells.drilling`. That is a property of the scene, not of the body, which
-may be in others, too.
+A node of a shell on which such an item acts needs a drilling rotation, see
+:mod:`fem_lie.elements.shells.drilling`. This is a property of the scene and not of the body, which
+may be in several scenes.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Holding: TypeAlias = Connection | RigidLink | Load | Clamp | PrescribedMotion | 
 
 
 def held_by(item: Holding) -> Iterator[tuple[Body, HeldRotation]]:
-    """Bodies whose nodes an item holds, and how."""
+    """Bodies on whose nodal rotations an item acts, with the node and the item."""
     if isinstance(item, Connection):
         yield from _by_connection(item)
     elif isinstance(item, RigidLink):
@@ -41,7 +41,7 @@ def held_by(item: Holding) -> Iterator[tuple[Body, HeldRotation]]:
 
 
 def held_in(items: Iterable[Holding]) -> Holds:
-    """What takes hold of the rotations of each body's nodes, in the order of the items."""
+    """Items that act on the nodal rotations of each body, in the order of the items."""
     holds: dict[Body, list[HeldRotation]] = {}
     for item in items:
         for body, hold in held_by(item):
@@ -50,7 +50,7 @@ def held_in(items: Iterable[Holding]) -> Holds:
 
 
 def _by_connection(item: Connection) -> Iterator[tuple[Body, HeldRotation]]:
-    # only shells have the choice, and only places have none
+    # shells choose by it whether they drill; nodes of positions only have no rotation at all
     if not any(body is not None and _asks(body) for body in item.bodies):
         return
     turns = item.turns
@@ -58,7 +58,7 @@ def _by_connection(item: Connection) -> Iterator[tuple[Body, HeldRotation]]:
         if turns:
             yield from _by_each_other(item.label, definition.a, definition.b)
         elif not definition.reversible:
-            # its axes belong to the frame of a
+            # the axes of the joint are those of frame a
             yield from _by_each_other(item.label, definition.a, ground())
     for rolling in item.velocity_definitions():
         yield from _by_each_other(item.label, rolling.a, rolling.b)
@@ -69,7 +69,7 @@ def _asks(body: Body) -> bool:
 
 
 def _by_each_other(what: str, a: Point, b: Point) -> Iterator[tuple[Body, HeldRotation]]:
-    """Both points hold each other's rotation."""
+    """Each of the two points acts on the rotation of the other."""
     for point, other in ((a, b), (b, a)):
         if point.body is not None:
             yield point.body, HeldRotation(point.node, (other.body, other.node), what)

@@ -1,11 +1,12 @@
-"""Loads and supports: what a scene adds to points and bodies.
+"""Base classes of loads, and their histories.
 
-A load history is a function of time (in statics: of the load factor between 0 and 1). Without one a
-load is constant in dynamics and proportional to the load factor in statics. One that jumps should
-say so (:class:`~fem_lie.Table`, :class:`~fem_lie.Jumps`): steps in time then end there.
+A load history is a factor as a function of time (in statics: of the load factor between 0 and 1).
+Without a history a load is constant in dynamics and proportional to the load factor in statics. A
+history that jumps should declare its jumps (:class:`~fem_lie.Table`, :class:`~fem_lie.Jumps`): time
+steps then end at them.
 
-In local frames a following load is constant and has no load stiffness at all; a force fixed in
-space is a constant force on ``q = (x, d₁, d₂, d₃)``.
+In local frames a follower load is constant and has no load stiffness; a force fixed in space is a
+constant force on ``q = (x, d₁, d₂, d₃)``.
 """
 
 from __future__ import annotations
@@ -25,14 +26,14 @@ from fem_lie.forms.term import Term
 
 History = Callable[[float], float]
 Field: TypeAlias = npt.ArrayLike | Callable[[Array], npt.ArrayLike]
-"""Three components, or a function of the unloaded place, shape (3,), that gives them."""
+"""Three components, or a function of the position in the unloaded configuration, shape (3,)."""
 
 
 def amplitudes(histories: Mapping[int, History], times: npt.ArrayLike) -> Array:
-    """Factors at ``times`` (T,), shape (T, k), of k loads; keys are their numbers in the scene.
+    """Factors of k loads at ``times`` (T,), shape (T, k); keys are the numbers of the loads.
 
     Raises:
-        ValueError: One of them is not finite; the message names load and time.
+        ValueError: A factor is not finite; the message names the load and the time.
     """
     at: Array = np.asarray(times, dtype=np.float64).reshape(-1)
     if not histories:
@@ -49,10 +50,10 @@ def amplitudes(histories: Mapping[int, History], times: npt.ArrayLike) -> Array:
 
 
 def at_places(force: Field, places: Array, what: str) -> Array:
-    """A force per area or volume at unloaded places (m, g, 3), checked.
+    """Values of a force per area or volume at points of the unloaded configuration, both (m, g, 3).
 
     Raises:
-        ValueError: It has not three finite components.
+        ValueError: A value does not have three finite components.
     """
     if not callable(force):
         return np.broadcast_to(vector(force, 3, what), places.shape)
@@ -61,35 +62,35 @@ def at_places(force: Field, places: Array, what: str) -> Array:
 
 
 class Sum(Protocol):
-    """Of what loads contribute to the equations, at amplitude one."""
+    """Receives the contributions of loads to the equations, at amplitude one."""
 
     def nodes(self, body: Body) -> Indices:
-        """Numbers of a body's nodes, as a term of this sum takes them."""
+        """Numbers of a body's nodes in the numbering that terms of this sum use."""
 
     def add_nodal(self, body: Body, force: Array, levers: Array, *, following: bool) -> None:
-        """Forces on nodes.
+        """Add nodal forces.
 
         Args:
-            body: Whose.
+            body: The loaded body.
             force: Force and moment at each node, shape (n, 6).
-            levers: Force on the directors of each node beside, shape (n, 3, 3).
-            following: Whether components are those in the nodes' frames.
+            levers: Additional forces on the directors d₁, d₂, d₃ of each node, shape (n, 3, 3).
+            following: Whether components refer to the nodal frames instead of global axes.
         """
 
     def add_strain(self, body: Body, strain: Array) -> None:
-        """A strain (Γ, κ) without stress of each cell of a body, shape (m, 6)."""
+        """Add a stress-free strain (Γ, κ) of each cell of a body, shape (m, 6)."""
 
     def add_term(self, term: Term) -> None:
-        """What has a matrix."""
+        """Add a term that has a load stiffness."""
 
 
 class Carrier(NamedTuple):
-    """Which argument of a load is the body that carries it.
+    """The argument of a load that is the loaded body.
 
     Attributes:
         field: Name of the argument.
-        types: Classes of such bodies.
-        expected: These in words, for messages.
+        types: Admissible classes.
+        expected: Description of the classes, for messages.
     """
 
     field: str
@@ -98,18 +99,18 @@ class Carrier(NamedTuple):
 
 
 class Load(ABC):
-    """What all loads have in common; use one of the subclasses.
+    """Base class of all loads.
 
-    A subclass is a frozen dataclass that names the argument that is its body (:attr:`carrier`) and
-    its arguments of three or other numbers of components (:attr:`components`), and adds what it is
-    in the equations (:meth:`contribute`). Types, the time function, components and the group of
-    cells are checked here.
+    A subclass is a frozen dataclass. It names the argument that is its body (:attr:`carrier`) and
+    its vector arguments (:attr:`components`), and adds its contribution to the equations
+    (:meth:`contribute`). This class checks types, the history, the components and the group of
+    cells.
 
     Attributes:
-        carrier: The argument that is the body.
-        components: How many finite components each of these arguments has.
+        carrier: The argument that is the loaded body.
+        components: Number of finite components of each vector argument.
         history: Factor as a function of time, or ``None``.
-        cells: Name of the group of cells that are loaded; default: all, or none in particular.
+        cells: Name of the loaded group of cells; default: all cells.
     """
 
     carrier: ClassVar[Carrier]
@@ -132,11 +133,11 @@ class Load(ABC):
 
     @property
     def where(self) -> str:
-        """What is loaded, for messages."""
+        """Name of the loaded point or body, for messages."""
         return self.body.label
 
     def check(self) -> None:
-        """Raise ``ValueError`` if components are not finite or the body has no such cells."""
+        """Raise ``ValueError`` if a component is not finite or there is no such group of cells."""
         for name, count in self.components.items():
             what = f"{name} of the {type(self).__name__} on {self.where}"
             vector(getattr(self, name), count, what)
@@ -145,25 +146,25 @@ class Load(ABC):
 
     @abstractmethod
     def contribute(self, to: Sum) -> None:
-        """Add what it is in the equations."""
+        """Add the contribution of the load to the equations."""
 
 
 class NodalLoad(Load):
-    """Forces and moments on nodes.
+    """Base class of loads that are nodal forces and moments.
 
     Attributes:
-        following: Whether the load turns with the nodes' frames.
+        following: Whether the load rotates with the nodal frames (follower load).
     """
 
     following: bool
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        """Raise ``TypeError`` if an argument has a wrong type."""
         super().__post_init__()
         flag(self.following, f"{type(self).__name__}: following")
 
     def contribute(self, to: Sum) -> None:
-        """Forces on nodes."""
+        """Add the nodal forces."""
         to.add_nodal(self.body, self.nodal(), self.on_directors(), following=self.following)
 
     @abstractmethod
@@ -171,15 +172,15 @@ class NodalLoad(Load):
         """Force and moment at each node of the body, shape (n, 6)."""
 
     def on_directors(self) -> Array:
-        """Force on the directors of each node beside, as ``force`` and on d₁, d₂, d₃, (n, 3, 3)."""
+        """Additional forces on d₁, d₂, d₃ of each node, in the axes of the force, (n, 3, 3)."""
         return np.zeros((len(self.body.frames), 3, 3))
 
 
 class StrainLoad(Load):
-    """A strain that a beam would have without stress.
+    """Base class of loads that are a stress-free strain of a beam.
 
     Attributes:
-        beam: What is strained.
+        beam: The beam.
         cells: Name of a group of cells; default: all.
     """
 
@@ -187,24 +188,24 @@ class StrainLoad(Load):
     beam: Beam
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted.
+        """Raise ``TypeError`` if an argument has a wrong type.
 
         Raises:
-            ValueError: The beam's elements do not bend within.
+            ValueError: The elements of the beam have no bending strain.
         """
         super().__post_init__()
         self.beam.formulation.require_bends(f"a strain ({type(self).__name__})")
 
     def contribute(self, to: Sum) -> None:
-        """A strain."""
+        """Add the strain."""
         to.add_strain(self.beam, self.strains())
 
     @abstractmethod
     def strains(self) -> Array:
-        """Strain (Γ, κ) of each cell of the body, shape (m, 6)."""
+        """Stress-free strain (Γ, κ) of each cell of the body, shape (m, 6)."""
 
     def _in_cells(self, strain: npt.ArrayLike) -> Array:
-        """The strain, (6,) or (m, 6), in the loaded cells, zero elsewhere."""
+        """The strain, (6,) or (m, 6), in the loaded cells and zero in the others, shape (m, 6)."""
         values, cells = np.zeros((len(self.beam.stiffness), 6)), self.beam.cells_of(self.cells)
         given = np.asarray(strain, dtype=np.float64)
         values[cells] = np.broadcast_to(given, values.shape)[cells]
@@ -212,5 +213,5 @@ class StrainLoad(Load):
 
 
 def histories(loads: Sequence[Load]) -> dict[int, History]:
-    """Those of the loads that have one, by the loads' numbers."""
+    """Histories of the loads that have one, by the number of the load."""
     return {k: load.history for k, load in enumerate(loads) if load.history is not None}

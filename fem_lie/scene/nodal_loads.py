@@ -1,4 +1,4 @@
-"""Forces and moments on points and lines."""
+"""Forces and moments on points, and line loads on beams and cables."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class PointLoad(NodalLoad):
     """Force and moment at a point.
 
     At a node with vector coordinates (thin shells, ANCF bodies, Hermite cables) the frame is the
-    one that joints hold there: of the surface, of the section, or of the tangent. A cable has no
-    rotation about its tangent, so the component of a moment about the tangent does no work.
+    attachment frame of joints there: of the surface, of the section, or of the tangent. A cable has
+    no rotation about its tangent, so the component of a moment about the tangent does no work.
 
     Attributes:
-        point: Where.
+        point: The loaded point of a body.
         force: Three components: global if fixed in space, of the point's frame if following.
         moment: About axes fixed in space, or about those of the point's frame if following.
         following: Whether the load rotates with the point's frame.
@@ -63,13 +63,13 @@ class PointLoad(NodalLoad):
     history: History | None = None
 
     def check(self) -> None:
-        """Raise ``ValueError`` if it is not finite or acts on ground."""
+        """Raise ``ValueError`` if a component is not finite or the point is ground."""
         if self.point.is_ground:
             raise ValueError("a load needs a point of a body, got ground")
         super().check()
         attachment = self.point.any_attachment
         if self._rotates and attachment is None:
-            self.body.require_frames("a moment, or a load that follows,")
+            self.body.require_frames("a moment, or a follower load,")
         if attachment is not None and np.any(self.moment):
             self._check_rotation(attachment)
 
@@ -88,11 +88,11 @@ class PointLoad(NodalLoad):
 
     @property
     def _rotates(self) -> bool:
-        """Whether it needs a frame at the point."""
+        """Whether the load needs a frame at the point."""
         return self.following or bool(np.any(self.moment))
 
     def contribute(self, to: Sum) -> None:
-        """On a node, or on those that move a place between them."""
+        """Add the load at a node, or at the nodes on which a point between nodes depends."""
         attachment = self.point.any_attachment if self._rotates else self.point.attachment
         if attachment is None or attachment.kind.rigid:
             super().contribute(to)
@@ -102,7 +102,7 @@ class PointLoad(NodalLoad):
         to.add_term(AttachmentLoad(attachment, nodes, wrench, following=self.following))
 
     def axis(self) -> Array:
-        """Of the moment before anything moves, global components, shape (3,)."""
+        """Moment in the initial configuration, global components, shape (3,)."""
         moment = np.asarray(self.moment, dtype=np.float64)
         return moment @ self.point.frame[1:] if self.following else moment
 
@@ -114,7 +114,7 @@ class PointLoad(NodalLoad):
 
     @property
     def where(self) -> str:
-        """The point, for messages."""
+        """Name of the point, for messages."""
         return self.point.label
 
     def nodal(self) -> Array:
@@ -125,7 +125,7 @@ class PointLoad(NodalLoad):
         return values
 
     def on_directors(self) -> Array:
-        """Of a force beside the node, shape (n, 3, 3)."""
+        """Forces on directors of a point that is rigidly offset from its node, shape (n, 3, 3)."""
         values, attachment = super().on_directors(), self.point.attachment
         if attachment is not None and attachment.kind.rigid:
             node = self.body.frames[self.point.node]
@@ -139,11 +139,11 @@ class LineLoad(NodalLoad):
     """Force and moment per reference length on all of a beam or cable, or on some of its cells.
 
     Attributes:
-        beam: What carries it, a beam or a cable.
+        beam: The loaded beam or cable.
         force: Three components per length: global if fixed in space, local if following.
         moment: Three components per length, in the same axes.
         cells: Name of a group of cells; default: all.
-        following: Whether the load turns with the nodes' frames.
+        following: Whether the load rotates with the nodal frames.
         history: Factor as a function of time.
 
     Example:
@@ -171,7 +171,7 @@ class LineLoad(NodalLoad):
         """Raise ``ValueError`` if the load is not finite or the beam has no such cells."""
         super().check()
         if self.following or np.any(self.moment):
-            self.body.require_frames("a moment, or a load that follows,")
+            self.body.require_frames("a moment, or a follower load,")
 
     def nodal(self) -> Array:
         """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""
@@ -183,7 +183,7 @@ class LineLoad(NodalLoad):
         return values
 
     def on_directors(self) -> Array:
-        """What the bow of the axis carries to the ends, shape (n, 3, 3)."""
+        """Consistent forces on directors, from the curved interpolation of the axis, (n, 3, 3)."""
         values = np.zeros((len(self.body.frames), 3, 3))
         nodes, _ = self.body.consistent_shares()
         chosen, levers = self.body.cells_of(self.cells), self.body.consistent_levers()

@@ -1,14 +1,12 @@
-"""Pressure on beams and shells: forces normal to what they act on, with load stiffness.
+"""Pressure terms of beams and shells: follower forces normal to the current axis or surface.
 
-On the piece between nodes i and j acts ``f = (x_j − x_i) × ½ (R_i + R_j) w``, half on each node,
-with ``w`` the axis across the face, in the nodes' frames, times the pressure.
+Beams: on the segment between nodes i and j acts ``f = (x_j − x_i) × ½ (R_i + R_j) w``, half on each
+node. ``w`` is the axis across the loaded face, in the nodal frames, times the pressure.
 
-Pressure on shells: forces normal to the current surface, with their load stiffness.
-
-At node i of a cell acts ``f_i = ∫ N_i p (x,₁ × x,₂) dξ`` with ``p = p₀ + g·x`` at the present
-place. It is the gradient of ``∫ p dV`` where the surface closes a volume, or ends on fixed lines or
-planes of symmetry; then the load stiffness is symmetric. (K. Schweizerhof & E. Ramm, Comput.
-Struct. 18 (1984) 1099.)
+Shells and solids: on node i of a cell acts ``f_i = ∫ N_i p (x,₁ × x,₂) dξ`` with ``p = p₀ + g·x``
+at the current position. It is the gradient of ``∫ p dV`` if the surface closes a volume, or ends on
+fixed lines or planes of symmetry; then the load stiffness is symmetric (K. Schweizerhof & E. Ramm,
+Comput. Struct. 18 (1984) 1099).
 """
 
 from __future__ import annotations
@@ -37,7 +35,7 @@ def _across(H: Array, i: int, j: int, w: Vector) -> Vector:
 
 @compiled
 def _add_forces(H: Array, pairs: Indices, w: Array, out: Array) -> None:
-    """``out −= forces`` in the nodes' frames, shape (n, 6)."""
+    """Subtract the pressure forces, in the nodal frames, from ``out`` (n, 6)."""
     for e in range(pairs.shape[0]):
         i, j = pairs[e]
         half = scaled(0.5, cross(_chord(H, i, j), _across(H, i, j, load(w, 0))))
@@ -47,7 +45,7 @@ def _add_forces(H: Array, pairs: Indices, w: Array, out: Array) -> None:
 
 @compiled
 def _tangent(H: Array, pairs: Indices, w: Array, blocks: Array) -> None:
-    """``blocks[e, a, b]`` (6, 6): derivative of the forces on node a of piece e in twists of b."""
+    """``blocks[e, a, b]`` (6, 6): derivative of forces on node a of segment e in twists of b."""
     unit = np.eye(3)
     blocks[:] = 0.0
     for e in range(pairs.shape[0]):
@@ -67,7 +65,7 @@ def _tangent(H: Array, pairs: Indices, w: Array, blocks: Array) -> None:
                     column = negative(local_components(frame, turn))
                     block[0, 3 + k], block[1, 3 + k], block[2, 3 + k] = column
         for a in range(2):
-            # the force's components turn with the frame: δ(Rᵀ f) = (Rᵀ f) × η
+            # the components rotate with the frame: δ(Rᵀ f) = (Rᵀ f) × η
             n0, n1, n2 = local_components(H[pairs[e, a]], half)
             block = blocks[e, a, a]
             block[0, 4] += n2
@@ -79,12 +77,12 @@ def _tangent(H: Array, pairs: Indices, w: Array, blocks: Array) -> None:
 
 
 class Pressure(Term):
-    """The forces of one pressure on a beam."""
+    """Pressure on a beam, with its load stiffness."""
 
     label, load, of_bodies, conserved = "pressure on beams", True, True, True
 
     def __init__(self, pairs: Indices, across: Array) -> None:
-        """Keep the pieces, pairs of nodes (s, 2), and ``w``, shape (3,)."""
+        """Store the segments, pairs of nodes (s, 2), and ``w``, shape (3,)."""
         self._pairs, self._across = pairs, across
         rows, columns = np.repeat(pairs, 2, axis=1).ravel(), np.tile(pairs, (1, 2)).ravel()
         self._coupled: Pairs = rows, columns
@@ -92,34 +90,34 @@ class Pressure(Term):
 
     @property
     def pairs(self) -> Pairs:
-        """Both nodes of each piece."""
+        """Node pairs of all segments."""
         return self._coupled
 
     @property
     def contents(self) -> tuple[Array | Indices, ...]:
-        """See the base class."""
+        """Arrays on which the forces depend, for fingerprints."""
         return self._pairs, self._across
 
     @property
     def pieces(self) -> PushedPieces:
-        """See the base class."""
+        """Segments and ``w`` times the amplitude, for conserving schemes."""
         return PushedPieces(
             self._pairs, np.tile(self.amplitude * self._across, (len(self._pairs), 1))
         )
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """Subtract what pushes from ``out``."""
+        """Subtract the pressure forces from ``out``."""
         _add_forces(H, self._pairs, self.amplitude * self._across, out)
 
     def tangent(self, H: Array, kept: Array) -> Array:
-        """See the base class."""
+        """Load stiffness, one block per node pair, shape (4 s, 6, 6)."""
         _tangent(H, self._pairs, self.amplitude * self._across, self._blocks)
         return self._blocks.reshape(-1, 6, 6)
 
 
 @inlined
 def _sum(H: Array, nodes: Indices, factors: Array) -> Vector:
-    """``Σ factors_i x_i``."""
+    """Interpolated position or tangent ``Σ factors_i x_i``."""
     total = (0.0, 0.0, 0.0)
     for i in range(nodes.shape[0]):
         total = plus(total, scaled(factors[i], load_row(H[nodes[i]], 0)))
@@ -135,7 +133,7 @@ def _dot(a: Vector, b: Vector) -> float:
 def _add_surface_forces(
     H: Array, cells: Indices, N: Array, dN: Array, w: Array, p: Array, amplitude: float, out: Array
 ) -> None:
-    """``out −= forces`` in the nodes' frames, shape (n, 6); ``p`` has p₀ and g of each cell."""
+    """Subtract the pressure forces from ``out`` (n, 6); ``p`` (c, 4) has p₀ and g of each cell."""
     for c in range(cells.shape[0]):
         nodes, gradient = cells[c], load(p[c], 1)
         for q in range(w.shape[0]):
@@ -167,7 +165,7 @@ def _surface_tangent(
             normal, factor = cross(g1, g2), -amplitude * w[q]
             pressure = p[c, 0] + _dot(gradient, _sum(H, nodes, N[q]))
             for i in range(nodes.shape[0]):
-                # the components turn with the frame: δ(Rᵀ f) = (Rᵀ f) × η
+                # the components rotate with the frame: δ(Rᵀ f) = (Rᵀ f) × η
                 share = factor * pressure * N[q, i]
                 n0, n1, n2 = scaled(share, local_components(H[nodes[i]], normal))
                 block = blocks[c, i, i]
@@ -192,17 +190,17 @@ def _surface_tangent(
 
 
 class SurfacePushes(Term):
-    """The forces of one pressure on shells."""
+    """Pressure on a surface of shell cells or solid facets, with its load stiffness."""
 
     label, load, of_bodies = "pressure on shells", True, True
 
     def __init__(self, cells: Indices, rule: FaceRule, pressure: Array) -> None:
-        """Keep what does not change.
+        """Store the cells and the quadrature rule.
 
         Args:
             cells: Nodes of each cell, shape (m, k).
-            rule: Points of integration.
-            pressure: p₀ and g of each cell, shape (m, 4).
+            rule: Quadrature rule of a cell.
+            pressure: p₀ and gradient g of each cell, shape (m, 4).
         """
         self._faces = cells, rule.values, rule.slopes, rule.weights, pressure
         count = cells.shape[1]
@@ -212,19 +210,19 @@ class SurfacePushes(Term):
 
     @property
     def pairs(self) -> Pairs:
-        """All nodes of each cell."""
+        """Node pairs of all cells."""
         return self._coupled
 
     @property
     def contents(self) -> tuple[Array | Indices, ...]:
-        """See the base class."""
+        """Arrays on which the forces depend, for fingerprints."""
         return self._faces
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """Subtract what pushes from ``out``."""
+        """Subtract the pressure forces from ``out``."""
         _add_surface_forces(H, *self._faces, self.amplitude, out)
 
     def tangent(self, H: Array, kept: Array) -> Array:
-        """See the base class."""
+        """Load stiffness, one block per node pair, shape (m k², 6, 6)."""
         _surface_tangent(H, *self._faces, self.amplitude, self._blocks)
         return self._blocks.reshape(-1, 6, 6)

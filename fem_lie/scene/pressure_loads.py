@@ -1,4 +1,4 @@
-"""Pressure on beams and shells, which follows them."""
+"""Pressure loads on beams and shells, normal to the deformed configuration."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from fem_lie.scene.surface_loads import SHELL, nodes_of, sides_of
 
 @dataclass(frozen=True, eq=False)
 class PressureLoad(Load):
-    """Pressure on one face of a beam: always normal to the axis, per *current* length.
+    """Pressure on one face of a beam: normal to the deformed axis, per *current* length.
 
-    The force per length is ``p x' × w`` with ``w`` the axis across the face, which turns with the
+    The force per length is ``p x' × w``; ``w``, the axis across the face, rotates with the
     section; its load stiffness is in the matrix. It has no potential.
 
     Attributes:
-        beam: What carries it.
+        beam: The loaded beam.
         pressure: Force per current length (pressure times the width of the face).
-        direction: Local components of the push in the unloaded configuration, across the axis.
+        direction: Direction of the force in the unloaded section frame, across the axis.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
 
@@ -65,30 +65,30 @@ class PressureLoad(Load):
             )
 
     def contribute(self, to: Sum) -> None:
-        """Forces on the pieces between successive nodes of the loaded elements."""
+        """Add the pressure term on the segments between successive nodes of the loaded elements."""
         elements = self.beam.elements[self.beam.cells_of(self.cells)]
         along = elements[:, [0, *range(2, elements.shape[1]), 1]]
         pairs = np.stack([along[:, :-1], along[:, 1:]], axis=2).reshape(-1, 2)
         to.add_term(Pressure(to.nodes(self.beam)[pairs], self.across()))
 
     def across(self) -> Array:
-        """``w = m × e₁`` times the pressure, shape (3,)."""
+        """Axis ``w = m × e₁`` across the loaded face times the pressure, shape (3,)."""
         push = direction(self.direction, f"direction of the pressure on {self.beam.label}")
         return self.pressure * np.cross(push, [1.0, 0.0, 0.0])
 
 
 @dataclass(frozen=True, eq=False)
 class SurfacePressure(Load):
-    """Pressure on a shell: normal to its surface, per *current* area.
+    """Pressure on a shell: normal to the deformed surface, per *current* area.
 
-    A positive pressure pushes towards the side of the directors. Its load stiffness is in the
+    A positive pressure acts towards the side of the directors. The load stiffness is in the
     matrix, which is symmetric where the surface is closed or ends on fixed edges and planes of
     symmetry, the pressure does not jump between cells, and so there is a potential ``−∫ p dV``.
 
     Attributes:
-        shell: What carries it.
+        shell: The loaded shell.
         pressure: Force per area, or a function of the unloaded centre of a cell, shape (3,).
-        gradient: Increase of the pressure per length, at the current place, global components; with
+        gradient: Gradient of the pressure in space, at current positions, global components; with
             it the pressure is ``pressure + gradient · x``: hydrostatic pressure.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
@@ -114,12 +114,12 @@ class SurfacePressure(Load):
     history: History | None = None
 
     def check(self) -> None:
-        """Raise ``ValueError`` if it is not finite or the shell has no such cells."""
+        """Raise ``ValueError`` if it is not finite or the shell has no such group of cells."""
         super().check()
         self.on_cells()
 
     def contribute(self, to: Sum) -> None:
-        """Forces on the loaded cells."""
+        """Add the pressure term on the loaded cells."""
         shell, chosen = self.shell, self.shell.cells_of(self.cells)
         if isinstance(shell, SmoothSurface):
             cells, rule = shell.connectivity[chosen], shell.surface_rule()
@@ -130,11 +130,11 @@ class SurfacePressure(Load):
             to.add_term(SurfacePushes(cells, self.rule(shell), self.on_cells()))
 
     def rule(self, shell: Shell) -> FaceRule:
-        """Points of integration."""
+        """Quadrature rule of the cells."""
         return FaceRule.of(shell.mesh.cell, shell.mesh.degree)
 
     def on_cells(self) -> Array:
-        """Pressure and its gradient on the loaded cells, to the side of x,₁ × x,₂, shape (c, 4)."""
+        """Pressure and gradient of the loaded cells, towards the side of x,₁ × x,₂, (c, 4)."""
         shell, chosen = self.shell, self.shell.cells_of(self.cells)
         values = np.empty((len(chosen), 4))
         values[:, 1:] = self.gradient

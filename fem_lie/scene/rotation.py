@@ -1,4 +1,4 @@
-"""Steady rotation: what turns with a constant angular velocity is at rest in a turning frame."""
+"""Steady rotation: bodies that rotate at a constant rate are at rest in a rotating frame."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ _PARALLEL = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Rotation:
-    """A constant angular velocity about an axis that does not move.
+    """Constant angular velocity about an axis fixed in space.
 
     Attributes:
         spin: Angular velocity, global components, rad per time, shape (3,).
-        about: A place on the axis, shape (3,).
+        about: Point on the axis, shape (3,).
     """
 
     spin: Array
@@ -29,26 +29,27 @@ class Rotation:
 
     @classmethod
     def of(cls, spin: npt.ArrayLike, about: npt.ArrayLike) -> Rotation:
-        """From what a user gives.
+        """Rotation from the arguments of the user.
 
         Raises:
-            ValueError: It is not finite, or has another shape.
+            ValueError: An argument is not three finite numbers.
         """
         return cls(vector(spin, 3, "spin"), vector(about, 3, "about"))
 
     def __bool__(self) -> bool:
-        """Whether anything turns."""
+        """Whether the angular velocity is not zero."""
         return bool(self.spin.any())
 
     def velocities(self, kinds: Indices, H: Array, factor: float = 1.0) -> Array:
-        """Velocities of nodes that turn ``factor`` times as fast, in their axes, shape (n, 6)."""
+        """Nodal velocities at ``factor`` times the rate, in the nodal axes, shape (n, 6)."""
         turns = rigid_motions(kinds, H, self.about)[:, :, 3:]
         return np.asarray(turns @ (factor * self.spin))
 
     def check(self, scene: Scene) -> None:
-        """Raise ``ValueError`` if a load fixed in space turns as seen from the turning frame.
+        """Raise ``ValueError`` if a load fixed in space rotates in the rotating frame.
 
-        Or if nodes have no frames: their velocities along their own axes are not constant.
+        Nodes without frames are refused as well: the components of their velocities are not
+        constant.
         """
         require_scene(scene)
         if not self:
@@ -65,7 +66,7 @@ class Rotation:
         axis = self.spin / np.linalg.norm(self.spin)
         if (np.abs(np.cross(axis, vectors)) > _PARALLEL * np.abs(vectors).max()).any():
             raise ValueError(
-                f"{what} is fixed in space and must be parallel to the spin {self.spin}: seen from "
-                "the turning frame it turns otherwise, and there is no equilibrium. Loads of "
-                "points that turn, too, take following=True"
+                f"{what} is fixed in space and must be parallel to the spin {self.spin}: it "
+                "rotates in the rotating frame, so there is no equilibrium. For loads that "
+                "rotate with the bodies take following=True"
             )

@@ -1,4 +1,4 @@
-"""A scene: what there is, in the order in which it was added, with names."""
+"""A scene: bodies, joints, loads and supports in the order in which they were added, with names."""
 
 from __future__ import annotations
 
@@ -31,24 +31,26 @@ Item = TypeVar(
 
 
 class Family:
-    """Scenes that differ in loads and drives alone.
+    """Scenes that share bodies, joints and supports, and so their setup.
 
     Attributes:
-        setup: What equations have set up for all of them, if any have.
+        setup: Node numbering and assembled forms shared by the family; ``None`` until a solver
+            makes them.
     """
 
     def __init__(self) -> None:
-        """Nothing is set up yet."""
+        """Start without a shared setup."""
         self.setup: Any = None
 
 
 class Began(NamedTuple):
-    """From when on a scene goes on that was solved before, perhaps on other meshes.
+    """Time and state from which runs of the scene start, not zero if it continues a result.
 
     Attributes:
-        time: At which runs begin: histories are asked for times from there on.
-        factor: Load factor of the equilibrium in which bodies are.
-        turned: What frames do not tell of joints, such as full turns; default: nothing happened.
+        time: Scene time at which runs start; histories are evaluated from this time on.
+        factor: Load factor of the equilibrium in which the bodies are.
+        turned: Joint history variables that frames do not determine, such as full turns; default:
+            those of the initial configuration.
     """
 
     time: float = 0.0
@@ -57,27 +59,27 @@ class Began(NamedTuple):
 
 
 def require_scene(value: object) -> None:
-    """Raise ``TypeError`` if it is no scene."""
+    """Raise ``TypeError`` if ``value`` is not a :class:`Scene`."""
     instance(value, Scene, "what is solved", "a Scene")
 
 
 class Scene:
-    """Bodies, joints, loads and supports.
+    """A multibody system: bodies, joints, contacts, loads and supports.
 
     Attributes:
-        choices: What is forced into or out of the iteration matrix.
-        redundant: What to do with constraints that follow from others.
-        bodies: All bodies, in the order in which they were added, as in the following.
-        joints: What binds frames to each other, but for links.
+        choices: Terms of the iteration matrix that the user forces in or out.
+        redundant: Treatment of redundant constraints.
+        bodies: All bodies. This list and the following ones are in the order of addition.
+        joints: Joints, without rigid links.
         connections: Springs, drives and gears.
         links: Rigid links.
-        contacts: What may touch.
+        contacts: Contacts.
         impacts: Those contacts that :meth:`without_impacts` took out of ``contacts``.
-        loads: What acts from outside, but for gravity.
-        clamps: Points that are held.
-        motions: Points that are moved as prescribed.
-        began: From when on solvers go on; :func:`~fem_lie.transfer` sets it.
-        family: Of the scenes made from it by :meth:`with_loads` and :meth:`with_drives`, if any.
+        loads: Loads, without gravity.
+        clamps: Clamped points.
+        motions: Points with a prescribed motion.
+        began: Time and state from which runs start; :func:`~fem_lie.transfer` sets it.
+        family: Family of scenes made by :meth:`with_loads` and :meth:`with_drives`, or ``None``.
 
     Example:
         >>> wheel = fl.Scene(gravity=(0, 0, -9.81)).add(fl.RigidBody(2.0, (0.1, 0.1, 0.2)))
@@ -94,8 +96,8 @@ class Scene:
 
         Args:
             gravity: Acceleration of free fall, global components.
-            choices: What is forced into or out of the iteration matrix; default: nothing.
-            redundant: What to do with constraints that follow from others.
+            choices: Terms of the iteration matrix that are forced in or out; default: none.
+            redundant: Treatment of redundant constraints.
         """
         self._gravity = vector(gravity, 3, "gravity")
         instance(choices, Choices | None, "Scene: choices", "Choices or None")
@@ -126,12 +128,12 @@ class Scene:
         self._gravity = vector(value, 3, "gravity")
 
     def add(self, item: Item) -> Item:
-        """Add a body, joint, spring, drive, load, support and so on, and return it.
+        """Add a body, joint, spring, drive, gear, link, contact, load or support, and return it.
 
         Raises:
-            ValueError: It is bad in itself, or refers to a body that is not in the scene, or its
-                name is taken.
-            TypeError: It is none of these.
+            ValueError: The item is invalid, refers to a body that is not in the scene, or its name
+                is taken.
+            TypeError: The item is of no such type.
         """
         if isinstance(item, Body):
             self._add_body(item)
@@ -175,15 +177,15 @@ class Scene:
         return item
 
     def held_rotations(self) -> Holds:
-        """What takes hold of the rotations of each body's nodes."""
+        """Items that act on the rotations of nodes, for each body."""
         between: list[Holding] = [*self.joints, *self.connections, *self.links]
         touching = [*self.contacts, *self.impacts]
         return held_in([*between, *touching, *self.loads, *self.motions])
 
     def drills(self, body: Body) -> bool:
-        """Whether the nodes of a body turn about their third directors in this scene.
+        """Whether the nodes of a body have a drilling rotation in this scene.
 
-        Of a shell: whether it has six parameters here.
+        For a shell: whether it has six parameters per node here.
 
         Raises:
             ValueError: The body is not in the scene.
@@ -192,19 +194,19 @@ class Scene:
         return body.drills(self.held_rotations().get(body, ()))
 
     def with_loads(self, *loads: Load, gravity: npt.ArrayLike | None = None) -> Scene:
-        """The same scene under other loads, for sweeps: nothing else is set up anew.
+        """Copy of the scene with other loads, for parameter sweeps; it reuses the setup.
 
-        Bodies, joints, springs, supports and motions are those of this scene. The nodes' numbering,
-        the assembled forms of the elements and their inertia are shared by all scenes that were
-        made from one; results are to the last bit those of a scene that is built anew. Change
-        nothing of the bodies meanwhile: all would be set up anew.
+        Bodies, joints, springs, supports and motions are those of this scene. All scenes of the
+        family share the node numbering, the assembled forms of the elements and their inertia;
+        results are bitwise equal to those of a scene built from the start. Do not change the bodies
+        between the runs: the setup would be made again.
 
         Args:
             loads: All loads of the new scene; those of this one are left out.
             gravity: Acceleration of free fall, global components; default: that of this scene.
 
         Raises:
-            ValueError: A load is bad in itself, or on a body that is not in the scene.
+            ValueError: A load is invalid, or acts on a body that is not in the scene.
         """
         scene = self._copy(self.connections)
         if gravity is not None:
@@ -215,15 +217,17 @@ class Scene:
         return scene
 
     def with_drives(self, functions: Mapping[Drive, Callable[[float], float] | None]) -> Scene:
-        """The same scene and loads with other functions of drives, see :meth:`with_loads`.
+        """Copy of the scene with other functions of drives, see :meth:`with_loads`.
+
+        Loads are those of this scene.
 
         Args:
-            functions: The new function of each drive that changes; results may be asked for it by
-                the old drive.
+            functions: The new function of each drive that changes. Results accept the old drive as
+                a key.
 
         Raises:
-            ValueError: A drive is not in the scene, or its function does not start at the
-                coordinate's value.
+            ValueError: A drive is not in the scene, or its function does not start at the value of
+                the coordinate.
         """
         strange = [drive for drive in functions if drive not in self.connections]
         if strange:
@@ -241,7 +245,7 @@ class Scene:
         return scene
 
     def _copy(self, connections: Sequence[Connection]) -> Scene:
-        """The same without loads; what is set up is shared."""
+        """Copy without loads that shares the setup."""
         scene = Scene(self.gravity, choices=self.choices, redundant=self.redundant)
         scene.bodies, scene.joints = list(self.bodies), list(self.joints)
         scene._known, scene._names = set(self._known), set(self._names)
@@ -255,9 +259,9 @@ class Scene:
         return scene
 
     def without_impacts(self) -> Scene:
-        """The same scene and loads without contacts by impacts, which change ends of steps only.
+        """Copy of the scene without contacts by impacts, which act at ends of steps only.
 
-        Shells resist their moments as in this scene.
+        Nodes of shells keep their drilling rotations as in this scene.
         """
         if not any(isinstance(each.law, Impact) for each in self.contacts):
             return self
@@ -275,13 +279,13 @@ class Scene:
         title: str = "",
         units: Units = SI,
     ) -> None:
-        """Draw the bodies as they are before anything moves.
+        """Draw the bodies in the initial configuration.
 
         Args:
             path: Name of the ``.png`` file.
-            frames: Draw the nodal frames.
-            title: Above the picture.
-            units: For the axes.
+            frames: Whether to draw the nodal frames.
+            title: Title of the picture.
+            units: Units of the axes.
 
         Raises:
             ValueError: The scene has no body, or the name does not end in ``.png``.
@@ -314,7 +318,7 @@ class Scene:
                 body.require_frames(what)
 
     def _check_coordinates(self, item: Connection) -> None:
-        """Refuse what acts along a coordinate of a joint that holds nothing, as it is not here."""
+        """Refuse a spring, drive or gear whose joint is not in the scene."""
         if isinstance(item, Joint):
             return
         for coordinate in item.coordinates():

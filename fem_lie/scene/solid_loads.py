@@ -1,4 +1,4 @@
-"""Loads on solids: on faces, in space or as pressure that follows them, and in the volume."""
+"""Loads on solids: tractions and pressure on faces, body forces."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class FaceLoad(NodalLoad):
     """Force per unloaded area on a named face of a solid, fixed in space.
 
     Attributes:
-        solid: What carries it.
+        solid: The loaded solid.
         face: Name of the face.
-        force: Three components per area, global, or a function of the unloaded place.
+        force: Three global components per area, or a function of the unloaded position.
         history: Factor as a function of time.
 
     Example:
@@ -66,16 +66,16 @@ class FaceLoad(NodalLoad):
 
 @dataclass(frozen=True, eq=False)
 class FacePressure(Load):
-    """Pressure on a named face of a solid: against its outside, per *current* area.
+    """Pressure on a named face of a solid: against the outward normal, per *current* area.
 
     Its load stiffness is in the matrix, which is symmetric where the face is closed or ends on
-    places that are held.
+    supported edges.
 
     Attributes:
-        solid: What carries it.
+        solid: The loaded solid.
         face: Name of the face.
-        pressure: Force per area; positive ones push into the body.
-        gradient: Increase of the pressure per length, at the current place, global components; with
+        pressure: Force per area; a positive pressure acts into the body.
+        gradient: Gradient of the pressure in space, at current positions, global components; with
             it the pressure is ``pressure + gradient · x``: hydrostatic pressure.
         history: Factor as a function of time.
 
@@ -99,7 +99,7 @@ class FacePressure(Load):
     history: History | None = None
 
     def check(self) -> None:
-        """Raise ``ValueError`` if it is not finite, or there is no such face or it has no side."""
+        """Raise ``ValueError`` if it is not finite, there is no such face, or it is not outside."""
         number(self.pressure, f"pressure on {self.solid.label}")
         super().check()
         if not self._faces.outward.all():
@@ -113,7 +113,7 @@ class FacePressure(Load):
         return self.solid.facets(self.face)
 
     def contribute(self, to: Sum) -> None:
-        """Forces on the facets."""
+        """Add the pressure term on the facets."""
         faces = self._faces
         gradient = np.asarray(self.gradient, dtype=np.float64)
         values = -faces.outward[:, np.newaxis] * np.array([self.pressure, *gradient])
@@ -125,8 +125,8 @@ class BulkLoad(NodalLoad):
     """Force per unloaded volume in a solid or in some of its cells, fixed in space.
 
     Attributes:
-        solid: What carries it.
-        force: Three components per volume, global, or a function of the unloaded place.
+        solid: The loaded solid.
+        force: Three global components per volume, or a function of the unloaded position.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
 

@@ -1,4 +1,4 @@
-"""Loads by strains of beams: eigenstrain, temperature, prestress."""
+"""Strain loads on beams: eigenstrain, temperature, prestress."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Eigenstrain(StrainLoad):
-    """A strain without stress, such as that of growth or of an actuator.
+    """A stress-free strain of a beam, such as growth or an actuator.
 
     Attributes:
-        beam: What is strained.
-        strain: (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃).
+        beam: The loaded beam.
+        strain: (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃), curvatures in rad per length.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
 
@@ -46,19 +46,19 @@ class Eigenstrain(StrainLoad):
     history: History | None = None
 
     def strains(self) -> Array:
-        """Strain of each cell, shape (m, 6)."""
+        """Stress-free strain of each cell, shape (m, 6)."""
         return self._in_cells(self.strain)
 
 
 @dataclass(frozen=True, eq=False)
 class Temperature(StrainLoad):
-    """Change of temperature with a constant gradient over the section.
+    """Temperature change of a beam, linear over the section.
 
     A point (y, z) of the section is warmer by ``rise + gradient · (y, z)``.
 
     Attributes:
-        beam: What is warmed.
-        rise: At the axis.
+        beam: The loaded beam.
+        rise: Temperature change at the axis.
         expansion: Coefficient of thermal expansion, per temperature.
         gradient: Along e₂ and e₃, temperature per length.
         cells: Name of a group of cells; default: all.
@@ -85,12 +85,12 @@ class Temperature(StrainLoad):
     history: History | None = None
 
     def check(self) -> None:
-        """Raise ``ValueError`` if something is not finite or the beam has no such cells."""
+        """Raise ``ValueError`` if an argument is not finite or there is no such group of cells."""
         super().check()
         vector([self.rise, self.expansion], 2, f"rise and expansion of {self.beam.label}")
 
     def strains(self) -> Array:
-        """Strain of each cell, shape (m, 6): ε = α ΔT(y, z) = Γ₁ + z κ₂ − y κ₃."""
+        """Stress-free strain of each cell, shape (m, 6): ε = α ΔT(y, z) = Γ₁ + z κ₂ − y κ₃."""
         y, z = np.asarray(self.gradient, dtype=np.float64)
         strain = self.expansion * np.array([self.rise, 0, 0, 0, z, -y])
         return self._in_cells(strain)
@@ -98,10 +98,10 @@ class Temperature(StrainLoad):
 
 @dataclass(frozen=True, eq=False)
 class PreStress(StrainLoad):
-    """Force and moment that the section has in the unloaded configuration.
+    """Initial stress resultants of a beam: force and moment of the section in the unloaded state.
 
     Attributes:
-        beam: What is stressed.
+        beam: The loaded beam.
         resultant: (N₁, N₂, N₃, M₁, M₂, M₃) in the section's frame.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
@@ -125,7 +125,7 @@ class PreStress(StrainLoad):
     history: History | None = None
 
     def strains(self) -> Array:
-        """Strain of each cell, shape (m, 6): −D⁻¹ times the resultant."""
+        """Stress-free strain of each cell that causes the resultants, −D⁻¹ (N, M), shape (m, 6)."""
         resultant = np.asarray(self.resultant, dtype=np.float64)
         strain = np.linalg.solve(self.beam.element_stiffness, -resultant[:, np.newaxis])
         return self._in_cells(strain[..., 0])

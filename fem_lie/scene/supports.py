@@ -1,4 +1,4 @@
-"""Supports: what a scene holds or moves as prescribed."""
+"""Supports: clamps and prescribed motions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fem_lie._arrays import Array, instance, numbers
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_node, require_point
 
-_ORTHONORMAL = 1e-8  # rotations that are given with single precision are not
+_ORTHONORMAL = 1e-8  # single precision does not meet it
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class Clamp:
     point: Point
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if it is no point."""
+        """Raise ``TypeError`` if ``point`` is not a point."""
         require_point(self.point, "Clamp: point")
 
     def check(self) -> None:
@@ -55,13 +55,13 @@ class Clamp:
 
 @dataclass(frozen=True, eq=False)
 class PrescribedMotion:
-    """The point's frame follows a given motion.
+    """The frame of a point follows a prescribed function of time.
 
     Attributes:
-        point: What moves.
+        point: The point of a body.
         motion: Frame ``H(t)``, shape (4, 3) as in :mod:`fem_lie.lie`, twice differentiable; at the
             start it must be the point's initial frame. If its velocity or acceleration jumps,
-            :class:`~fem_lie.Jumps` says when.
+            declare the times by :class:`~fem_lie.Jumps`.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -81,12 +81,12 @@ class PrescribedMotion:
     motion: Callable[[float], Array]
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if it is no point, or the motion no function."""
+        """Raise ``TypeError`` if ``point`` is not a point or ``motion`` is not a function."""
         require_point(self.point, "PrescribedMotion: point")
         instance(self.motion, Callable, "PrescribedMotion: motion", "a function of time")
 
     def check(self) -> None:
-        """Raise ``ValueError`` if the motion does not start at the point's frame."""
+        """Raise ``ValueError`` if the motion does not start at the frame of the point."""
         if self.point.is_ground:
             raise ValueError("a prescribed motion needs a point of a body, got ground")
         start = numbers(self.motion(0.0), f"the motion of {self.point.label}")
@@ -102,11 +102,10 @@ class PrescribedMotion:
             )
 
     def frame(self, time: float) -> Array:
-        """Where the motion is at ``time``, shape (4, 3).
+        """Prescribed frame at ``time``, shape (4, 3).
 
         Raises:
-            ValueError: That is not a place and three unit vectors, each across the others, of a
-                right-handed system.
+            ValueError: The value is not a finite position and right-handed orthonormal axes.
         """
         frame = numbers(self.motion(time), f"the motion of {self.point.label}")
         if frame.shape != (4, 3) or not np.isfinite(frame).all():
@@ -117,7 +116,7 @@ class PrescribedMotion:
         axes = frame[1:]
         if np.abs(axes @ axes.T - np.eye(3)).max() > _ORTHONORMAL or np.linalg.det(axes) < 0.0:
             raise ValueError(
-                f"the motion of {self.point.label} must be a place and right-handed orthonormal "
+                f"the motion of {self.point.label} must be a position and right-handed orthonormal "
                 f"axes; at time {time:g} it is\n{frame}"
             )
         return frame

@@ -1,4 +1,4 @@
-"""Loads on shells: along named curves and over the surface, in space or with the shell."""
+"""Loads on shells: on named curves and over the surface, fixed in space or following."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ class EdgeLoad(NodalLoad):
     """Force and moment per reference length on a named curve of a shell.
 
     Attributes:
-        shell: What carries it; on an edge of a thin one forces fixed in space alone.
+        shell: The loaded shell; edges of thin shells take forces fixed in space only.
         curve: Name of the curve.
         force: Three components per length: global if fixed in space; if following, along the edge
             with the shell on its left, seen against the directors, outward across the edge, and
             along the director, all in the unloaded configuration.
-        moment: About these axes; five parameters do not feel what is along the director.
+        moment: About these axes; about the director it does no work on nodes of five parameters.
         history: Factor as a function of time.
-        following: Whether the load turns with the nodes' frames. Those of five parameters turn with
-            the directors and not about them.
+        following: Whether the load rotates with the nodal frames. Frames of five parameters follow
+            the directors and do not rotate about them.
 
     Example:
         >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
@@ -49,12 +49,12 @@ class EdgeLoad(NodalLoad):
     following: bool = False
 
     def check(self) -> None:
-        """Raise ``ValueError`` if the load is not finite, or there is no such curve or outside."""
+        """Raise ``ValueError`` if it is not finite, or there is no such curve or no outer side."""
         super().check()
         if isinstance(self.shell, SmoothSurface):
             self.shell.on_edge(self.curve)
             if self.following or np.any(self.moment):
-                self.shell.require_frames("a moment, or a load that follows,")
+                self.shell.require_frames("a moment, or a follower load,")
             return
         edges = self.shell.mesh.curve(self.curve)
         if self.following and not _senses(self.shell, edges).all():
@@ -71,7 +71,7 @@ class EdgeLoad(NodalLoad):
         density = np.concatenate([self.force, self.moment]).astype(np.float64).reshape(2, 3)
         at_nodes = np.broadcast_to(density, (*nodes.shape, 2, 3))
         if self.following:
-            # components in the nodes' frames, which carry the axes of the edge along
+            # components in the nodal frames, with which the axes of the edge rotate
             axes = self._axes(self.shell, nodes)
             local = np.einsum("eaij,ekaj->eaik", self.shell.frames[nodes, 1:], axes)
             at_nodes = np.einsum("eaik,hk->eahi", local, density)
@@ -81,7 +81,7 @@ class EdgeLoad(NodalLoad):
         return values
 
     def on_directors(self) -> Array:
-        """On slopes of a thin shell, shape (n, 3, 3)."""
+        """Consistent forces on position gradients of a thin shell, shape (n, 3, 3)."""
         if isinstance(self.shell, SmoothSurface):
             return self._on_rows(self.shell)[:, 1:]
         return super().on_directors()
@@ -92,7 +92,7 @@ class EdgeLoad(NodalLoad):
         return shell.consistent(at, np.broadcast_to(force, at.places.shape))
 
     def _axes(self, shell: Shell, edges: Indices) -> Array:
-        """Along, outward and director at the nodes of each edge, shape (e, 3, 2 or 3, 3)."""
+        """Tangent, outward normal and director at the nodes of each edge, (e, 3, 2 or 3, 3)."""
         director = shell.frames[edges, 3]
         chord = shell.frames[edges[:, 1], 0] - shell.frames[edges[:, 0], 0]
         chord = chord * _senses(shell, edges)[:, np.newaxis]
@@ -103,10 +103,12 @@ class EdgeLoad(NodalLoad):
 
 @dataclass(frozen=True, eq=False)
 class SurfaceLoad(NodalLoad):
-    """What forces that are spread over a shell have in common; use one of the subclasses.
+    """Base class of distributed forces on shells.
 
     Attributes:
-        shell: What carries it.
+        shell: The loaded shell.
+        force: Three global components per area, volume or mass, or a function of the unloaded
+            position.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
     """
@@ -121,7 +123,7 @@ class SurfaceLoad(NodalLoad):
     following = False
 
     def check(self) -> None:
-        """Raise ``ValueError`` if the load is not finite or the shell has no such cells."""
+        """Raise ``ValueError`` if it is not finite or the shell has no such group of cells."""
         super().check()
         self.nodal()
 
@@ -136,31 +138,31 @@ class SurfaceLoad(NodalLoad):
         return values
 
     def on_directors(self) -> Array:
-        """On slopes of a thin shell, shape (n, 3, 3)."""
+        """Consistent forces on position gradients of a thin shell, shape (n, 3, 3)."""
         if isinstance(self.shell, SmoothSurface):
             return self._on_rows(self.shell)[:, 1:]
         return super().on_directors()
 
     def _factors(self) -> Array:
-        """What a unit of the load is on each cell of the shell per area, shape (m,)."""
+        """Area density of a unit load on each cell of the shell, shape (m,)."""
         return np.ones(len(self.shell.cells_of()))
 
     def _on_rows(self, shell: SmoothSurface) -> Array:
-        """Forces on the rows of all nodes, shape (n, 4, 3)."""
+        """Consistent forces on the nodal coordinates (position and gradients), shape (n, 4, 3)."""
         at = shell.on_cells(self.cells)
         factors = self._factors()[at.cells, np.newaxis, np.newaxis]
         return shell.consistent(at, factors * self._density(at.places))
 
     def _density(self, places: Array) -> Array:
-        """The load at places (c, g, 3)."""
+        """Load at points of the unloaded surface (c, g, 3), same shape."""
         return at_places(self.force, places, f"{type(self).__name__} on {self.shell.label}")
 
     def _scaled(self, shell: Shell, factors: Array) -> Array:
-        """Shares of the nodes of the loaded cells, times a factor for each cell of the shell."""
+        """Consistent nodal forces of the loaded cells times a factor of each cell, (c, k, 3)."""
         return factors[shell.cells_of(self.cells), np.newaxis, np.newaxis] * self._shares(shell)
 
     def _shares(self, shell: Shell) -> Array:
-        """``∫ N_i f dA`` at the nodes of the loaded cells, shape (c, k, 3)."""
+        """Consistent nodal forces ``∫ N_i f dA`` of the loaded cells, shape (c, k, 3)."""
         rule = FaceRule.of(shell.mesh.cell, shell.mesh.degree)
         cells, x = nodes_of(shell)[shell.cells_of(self.cells)], shell.frames[:, 0]
         areas = np.linalg.norm(rule.normals(x, cells), axis=2)
@@ -172,8 +174,8 @@ class AreaLoad(SurfaceLoad):
     """Force per reference area on all of a shell or on some of its cells, fixed in space.
 
     Attributes:
-        shell: What carries it.
-        force: Three components per area, global, or a function of the unloaded place.
+        shell: The loaded shell.
+        force: Three global components per area, or a function of the unloaded position.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
 
@@ -189,8 +191,8 @@ class VolumeLoad(SurfaceLoad):
     """Force per reference volume, fixed in space; it acts at the reference surface.
 
     Attributes:
-        shell: What carries it.
-        force: Three components per volume, global, or a function of the unloaded place.
+        shell: The loaded shell.
+        force: Three global components per volume, or a function of the unloaded position.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
 
@@ -206,13 +208,13 @@ class VolumeLoad(SurfaceLoad):
 
 @dataclass(frozen=True, eq=False)
 class MassLoad(SurfaceLoad):
-    """Force per mass, fixed in space: gravity on a part, or in a frame that is accelerated.
+    """Force per mass, fixed in space: gravity on part of a shell, or inertia in a moving frame.
 
-    It is that of the whole thickness, with the lever of a centre of mass off the reference surface.
+    The force acts on the whole thickness, at the centre of mass of the section.
 
     Attributes:
-        shell: What carries it.
-        force: Three components per mass, global, or a function of the unloaded place.
+        shell: The loaded shell.
+        force: Three global components per mass, or a function of the unloaded position.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
 
@@ -233,7 +235,7 @@ class MassLoad(SurfaceLoad):
         return density if isinstance(self.shell, SmoothSurface) else density[:, 0, 0]
 
     def on_directors(self) -> Array:
-        """Force on d₃ of each node by the first moment of mass, shape (n, 3, 3)."""
+        """Forces on d₃ of each node from the first moment of mass, shape (n, 3, 3)."""
         if isinstance(self.shell, SmoothSurface):
             return super().on_directors()
         values = np.zeros((len(self.shell.frames), 3, 3))
@@ -244,7 +246,7 @@ class MassLoad(SurfaceLoad):
 
 
 def on_places(rows: Array) -> Array:
-    """Of forces on the rows of nodes (n, 4, 3) those on places, as nodal loads, (n, 6)."""
+    """Nodal loads (n, 6) from forces on nodal coordinates (n, 4, 3): the forces on positions."""
     return np.concatenate([rows[:, 0], np.zeros((len(rows), 3))], axis=1)
 
 
@@ -254,7 +256,7 @@ def nodes_of(shell: Shell) -> Indices:
 
 
 def sides_of(shell: Shell) -> Array:
-    """1 for cells whose x,₁ × x,₂ is on the directors' side, else -1, shape (m,)."""
+    """Sign of each cell: 1 if x,₁ × x,₂ points to the side of the directors, else −1, (m,)."""
     rule, cells = FaceRule.of(shell.mesh.cell, shell.mesh.degree), nodes_of(shell)
     normals = rule.normals(shell.frames[:, 0], cells).sum(axis=1)
     directors = shell.frames[cells, 3].sum(axis=1)
@@ -262,7 +264,7 @@ def sides_of(shell: Shell) -> Array:
 
 
 def _senses(shell: Shell, edges: Indices) -> Array:
-    """1 or -1 for edges that run with their cell on the left or right, 0 between cells, (e,)."""
+    """1 or −1 for edges with their cell on the left or right, 0 for edges between cells, (e,)."""
     round_, count = shell.mesh.corners, len(shell.frames)
     pairs = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2)
 
