@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.lie.kinds.kind import axes
+from fem_lie.lie.node_types.node_type import axes
 from fem_lie.linear.factors import solve
 from fem_lie.mesh.curves import straight
 from fem_lie.solve.conserving.run import Run

@@ -128,13 +128,13 @@ def least(call: Callable[[], Any]) -> float:
 
 def measured(name: str, derived: bool) -> list[float]:
     """Processor time per cell of forces, of forces and energy, and of tangent stiffness, µs."""
-    from fem_lie.lie import kinds
+    from fem_lie.lie import node_types
 
     body = bodies(derived)[name]()
     term, rng = term_of(name, body), np.random.default_rng(1)
     H, count = np.empty_like(body.frames), len(body.frames)
     scale = 0.05 * body.size / CELLS
-    kinds.follow_all(body.node_kinds, body.frames, scale * rng.normal(size=(count, 6)), H)
+    node_types.retract_all(body.node_types, body.frames, scale * rng.normal(size=(count, 6)), H)
     # older packages have other names for it
     if getattr(term, "stress_update", None) is not None:
         term.stress_update.reset_stress(H)

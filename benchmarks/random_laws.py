@@ -26,7 +26,7 @@ import numpy as np
 
 import fem_lie as fl
 from benchmarks.progress import Progress
-from fem_lie.lie.kinds import placed
+from fem_lie.lie.node_types import has_position
 from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from tests.random_scenes import MIXED, MIXED_CONSERVING, Wanted, random_scene
@@ -80,7 +80,7 @@ def run(scheme: Integrator, data: SceneData, parts: int = 1, **options: Any) -> 
 
 def last_positions(result: fl.Result) -> np.ndarray:
     """Those of all nodes that have one, at the end, shape (n, 3)."""
-    return result.frames[-1, placed(result.info.node_kinds), 0]
+    return result.frames[-1, has_position(result.info.node_types), 0]
 
 
 def order(known: Scheme, data: SceneData) -> str:

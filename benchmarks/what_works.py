@@ -34,7 +34,7 @@ import numpy as np
 import fem_lie as fl
 from benchmarks.progress import Progress
 from fem_lie.bodies.catalogue import SceneInfo
-from fem_lie.lie.kinds import NodeKind, placed
+from fem_lie.lie.node_types import NodeType, has_position
 from fem_lie.solve.motion.integrator import Integrator
 from tests.combinations import BODIES, JOINTS, free, joined
 from tests.combined_loads import AT_POINTS, CHANGING, LOADS, loaded, variants
@@ -192,23 +192,23 @@ def end(given: Combination, finer: int = 1) -> End:
             step=data.duration / data.steps / finer,
             progress=False,
         )
-    rows = _rows(result.frames[-1], result.info.node_kinds)
+    rows = _rows(result.frames[-1], result.info.node_types)
     violation = _largest(result.joint_violations)
     return End(rows, np.asarray(result.joint_forces[-1]), violation, float(result.balance_error))
 
 
 _VECTORS = {
-    NodeKind.FRAME: slice(1, 4),
-    NodeKind.SLOPE: slice(1, 2),
-    NodeKind.SURFACE: slice(1, 3),
-    NodeKind.CROSSING: slice(1, 3),
+    NodeType.FRAME: slice(1, 4),
+    NodeType.POSITION_GRADIENT: slice(1, 2),
+    NodeType.SURFACE_GRADIENT: slice(1, 3),
+    NodeType.MIXED_DERIVATIVE: slice(1, 3),
 }
 """Rows that are directors or slopes."""
 
 
 def _rows(H: np.ndarray, kinds: np.ndarray) -> np.ndarray:
     """Positions, directors and slopes of the nodes that have them, shape (n, 3)."""
-    found = [H[placed(kinds), 0]]
+    found = [H[has_position(kinds), 0]]
     found += [H[kinds == kind, rows].reshape(-1, 3) for kind, rows in _VECTORS.items()]
     return np.concatenate(found)
 
@@ -228,7 +228,7 @@ def reference(given: Combination) -> Reference:
     H = np.concatenate([body.frames for body in built.scene.bodies])
     rates = np.cross(data.spin, H - np.array([data.about, *np.zeros((3, 3))]))
     rates[:, 0] += data.velocity
-    flight = _rows(H + data.duration * rates, info.node_kinds)
+    flight = _rows(H + data.duration * rates, info.node_types)
     least = 0.5 * data.duration**2  # by an acceleration of 1, where what is held does not move
     return Reference(found, max(least, _largest(found.rows - flight)))
 

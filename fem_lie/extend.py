@@ -8,7 +8,7 @@ scene is made of stands in :mod:`fem_lie` itself; here is what scenes do not sho
   functions compiled by :func:`frame_function`, :class:`StrainEnergy`.
 * **Elements from vectors, strains and a law**, on nodes of any type: :func:`element`,
   :func:`cell_data`, :class:`CellFunctions`, :data:`CELL_SIGNATURE`, the functions of :mod:`cell`,
-  :class:`NodeKind` and the compiled functions of all node types, the module :mod:`kinds`;
+  :class:`NodeType` and the compiled functions of all node types, the module :mod:`node_types`;
   vectors of three numbers in these, the module :mod:`tuples`; :func:`compiled`, :func:`callback`.
 * **Error estimates**: :class:`ElementErrors`, what an estimate returns for each state.
 * **Joints**: :func:`rows` selects entries of the relative motion.
@@ -54,8 +54,8 @@ from fem_lie.forms.small_energy.assembly import CellFunctions
 from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
 from fem_lie.forms.term import Pairs, Term
 from fem_lie.joints.connection import rows
-from fem_lie.lie import kinds, tuples
-from fem_lie.lie.kinds import NodeKind, move_all
+from fem_lie.lie import node_types, tuples
+from fem_lie.lie.node_types import NodeType, move_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.packages import Method
@@ -110,7 +110,7 @@ __all__ = [
     "Method",
     "NodalFrames",
     "NodalLoad",
-    "NodeKind",
+    "NodeType",
     "Pairs",
     "PenaltyPair",
     "Plan",
@@ -141,9 +141,9 @@ __all__ = [
     "failure",
     "frame_function",
     "iterate",
-    "kinds",
     "local_frame_forms",
     "move_all",
+    "node_types",
     "present_values",
     "refuse",
     "register_contact_pair",

@@ -4,7 +4,7 @@ import numpy as np
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.extend import kinds
+from fem_lie.extend import node_types
 
 
 class Assembled:
@@ -27,8 +27,8 @@ class Assembled:
         """All frames with the moving ones displaced by local increments ``h``, (n, 6)."""
         there, n = np.array(H), self.count
         # on SE(3), whatever the group on which a frame moves in time
-        types = kinds.at_rest(self.kinds)
-        kinds.follow_all(types, np.ascontiguousarray(H[:n]), h, there[:n])
+        types = node_types.at_rest(self.kinds)
+        node_types.retract_all(types, np.ascontiguousarray(H[:n]), h, there[:n])
         return there
 
     def tilted(self, H: np.ndarray, h: np.ndarray) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fem_lie.extend import kinds
+from fem_lie.extend import node_types
 
 
 class BodyAlone:
@@ -15,13 +15,13 @@ class BodyAlone:
     size = 0.1
 
     def __init__(self, body, term):
-        self.body, self.term, self.kinds = body, term, body.node_kinds
+        self.body, self.term, self.kinds = body, term, body.node_types
         self.count = len(self.kinds)
         self.rng = np.random.default_rng(1)
 
     def follow(self, H, h):
         out = np.empty_like(H)
-        kinds.follow_all(self.kinds, H, h, out)
+        node_types.retract_all(self.kinds, H, h, out)
         return out
 
     def deformed(self):

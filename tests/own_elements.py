@@ -9,7 +9,7 @@ from fem_lie import lie
 from fem_lie.extend import (
     CELL_SIGNATURE,
     CellFunctions,
-    NodeKind,
+    NodeType,
     callback,
     cell,
     cell_data,
@@ -32,7 +32,7 @@ def stiffening(strains, parameters):
 
 
 SMOOTH = element(
-    [NodeKind.FRAME, NodeKind.SLOPE, NodeKind.POINT],
+    [NodeType.FRAME, NodeType.POSITION_GRADIENT, NodeType.POSITION],
     [(0, 0), (0, 1), (1, 2), (2, 2)],
     vectors=3,
     strains=2,
@@ -51,7 +51,7 @@ def unit_normal(slopes):
 
 
 NORMALS = element(
-    [NodeKind.FRAME, NodeKind.SLOPE, NodeKind.POINT],
+    [NodeType.FRAME, NodeType.POSITION_GRADIENT, NodeType.POSITION],
     [(0, 0), (2, 3), (3, 4), (1, 4)],
     vectors=3,
     strains=2,
@@ -64,7 +64,7 @@ NORMALS = element(
     viscous=True,
 )
 SUMS = element(
-    [NodeKind.SURFACE, NodeKind.CROSSING, NodeKind.AMPLITUDE, NodeKind.POINT],
+    [NodeType.SURFACE_GRADIENT, NodeType.MIXED_DERIVATIVE, NodeType.MODAL, NodeType.POSITION],
     [(0, 0, 0, 0.5), (1, 0, 1, 1.0), (1, 1, 1, -0.3), (2, 2, 2, 1.0)],
     vectors=3,
     strains=3,
@@ -203,8 +203,8 @@ ELEMENTS = {
 def random_body(name, count=3):
     """Cells of a chain of nodes, some of which they share, with vectors without translation."""
     of, functions = ELEMENTS[name]
-    kinds, rng = [NodeKind(kind) for kind in of.cells.types], np.random.default_rng(1)
-    k, active = len(kinds), [fl.extend.kinds.TRAITS[kind].rows for kind in kinds]
+    kinds, rng = [NodeType(kind) for kind in of.cells.types], np.random.default_rng(1)
+    k, active = len(kinds), [fl.extend.node_types.TRAITS[kind].rows for kind in kinds]
     # successive cells share a node of position
     types = [*kinds * count, kinds[0]] if name == "sums of products" else kinds * count
     cells = k * np.arange(count)[:, np.newaxis] + np.arange(k)
@@ -217,7 +217,7 @@ def random_body(name, count=3):
     places = np.array([row == 0 for _, row in owners])
     tables = rng.normal(size=(count, of.cells.points, 3, len(places)))
     tables[..., places] -= tables[..., places].mean(axis=-1, keepdims=True)
-    amplitudes = np.array([kind == NodeKind.AMPLITUDE for kind, _ in owners])
+    amplitudes = np.array([kind == NodeType.MODAL for kind, _ in owners])
     if amplitudes.any():
         # numbers that do not turn stand in the last vector alone
         tables[..., :2, amplitudes] = tables[..., 2:, ~amplitudes] = 0.0

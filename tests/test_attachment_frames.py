@@ -11,7 +11,7 @@ from fem_lie.attachments.attachment import bend, changes, cores, locate, spread
 from fem_lie.attachments.between_frames import interpolated, on_geodesic
 from fem_lie.attachments.patch import in_the_mean
 from fem_lie.attachments.surface import on_surface
-from fem_lie.extend import kinds
+from fem_lie.extend import node_types
 from fem_lie.system.nodes.numbering import MasterMap
 
 seeds = st.integers(0, 2**32 - 1)
@@ -62,13 +62,13 @@ def near_patch(places, rng):
 
 
 ON_SURFACES = {"surface", "cross-section"}
-SURFACES = np.repeat([kinds.SURFACE, kinds.CROSSING], 2)
+SURFACES = np.repeat([node_types.SURFACE_GRADIENT, node_types.MIXED_DERIVATIVE], 2)
 
 
 def moved_surface(X, h):
     """Two nodes of a point of a surface; their axes stay."""
     moved = np.empty_like(X)
-    kinds.follow_all(SURFACES, X, h, moved)
+    node_types.retract_all(SURFACES, X, h, moved)
     return moved
 
 
@@ -76,8 +76,8 @@ def turned_with(motion, X, name):
     """All nodes moved rigidly, axes that are no rows, too."""
     moved = lie.se3_compose(motion, X)
     if name in ON_SURFACES:
-        axes = kinds.all_axes(SURFACES, X) @ motion[1:]
-        kinds.set_all_axes(SURFACES, moved, axes)
+        axes = node_types.all_axes(SURFACES, X) @ motion[1:]
+        node_types.set_all_axes(SURFACES, moved, axes)
     return moved
 
 
@@ -202,7 +202,7 @@ def test_frames_are_frames_and_turn_with_the_body(name, seed):
     # of a rigid motion the attachment has the same as all nodes
     twist = rng.normal(size=6)
     if name in ON_SURFACES:
-        rigid = kinds.rigid_motions(SURFACES, X, np.zeros(3))
+        rigid = node_types.rigid_motions(SURFACES, X, np.zeros(3))
         shown = np.concatenate([H[1:] @ (twist[:3] + np.cross(twist[3:], H[0])), H[1:] @ twist[3:]])
         np.testing.assert_allclose(np.einsum("kij,kjl,l->i", J, rigid, twist), shown, atol=1e-13)
         return

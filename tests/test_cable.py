@@ -10,7 +10,7 @@ from scipy.special import jn_zeros
 import fem_lie as fl
 from benchmarks import swinging_cable
 from fem_lie import lie
-from fem_lie.extend import kinds
+from fem_lie.extend import node_types
 from tests.unit_systems import METRES, OTHER_SYSTEMS, UnitSystem
 
 GRAVITY = 9.81
@@ -318,7 +318,7 @@ class Bent:
         rng = np.random.default_rng(2)
         self.cable = fl.Cable.straight((0, 0, 0), (3, 1, 2), section(1e3, 10.0), cells=3)
         self.assembly = fl.Cable.assemble([self.cable])
-        self.kinds = np.full(4, fl.extend.kinds.SLOPE)
+        self.kinds = np.full(4, fl.extend.node_types.POSITION_GRADIENT)
         start = np.empty((4, 4, 3))
         start[self.assembly.order] = self.cable.frames
         self.H = self.moved(start, 0.2 * rng.normal(size=(4, 6)))
@@ -326,7 +326,7 @@ class Bent:
 
     def moved(self, H, h):
         out = np.empty_like(H)
-        kinds.follow_all(self.kinds, H, h, out)
+        node_types.retract_all(self.kinds, H, h, out)
         return out
 
     def forces(self, H):
@@ -371,14 +371,14 @@ def test_closed_forces_are_those_of_the_energy(name):
     assembly, n = type(cable).assemble([cable]), len(cable.frames)
     start, H = np.empty((2, n, 4, 3))
     start[assembly.order] = cable.frames
-    slopes = np.full(n, fl.extend.kinds.SLOPE)
-    kinds.follow_all(slopes, start, 0.2 * rng.normal(size=(n, 6)), H)
+    slopes = np.full(n, fl.extend.node_types.POSITION_GRADIENT)
+    node_types.retract_all(slopes, start, 0.2 * rng.normal(size=(n, 6)), H)
     forces, numeric, step, moved = np.zeros((n, 6)), np.zeros((n, 6)), 1e-5, np.empty_like(H)
     assembly.add_forces(H, forces)
     for i, j in np.ndindex(n, 6):
         for sign in (1, -1):
             h = sign * step * np.eye(1, 6 * n, 6 * i + j).reshape(n, 6)
-            kinds.follow_all(slopes, H, h, moved)
+            node_types.retract_all(slopes, H, h, moved)
             numeric[i, j] += sign * assembly.energy(moved) / (2 * step)
     np.testing.assert_allclose(forces, numeric, rtol=0, atol=1e-8 * np.abs(forces).max())
 
@@ -699,7 +699,7 @@ REFUSED = {
     "line moment": (added(lambda c: fl.LineLoad(c, moment=(1, 0, 0))), "moment"),
     "rigid link": (
         added(lambda c: fl.RigidLink(c.point("start"), c.point("end"))),
-        "places and slopes",
+        "positions and position gradients",
     ),
     "motion": (
         added(lambda c: fl.PrescribedMotion(c.point("end"), lambda t: c.point("end").frame)),
@@ -726,7 +726,7 @@ REFUSED = {
     "no strain": (lambda: fl.HermiteCable(slack="much"), "slack"),
     "element of beams": (
         lambda: fl.Cable(straight_line(), section(1, 1), formulation=fl.Director()),
-        "places and slopes",
+        "positions and position gradients",
     ),
     "element of cables": (
         lambda: fl.Beam(straight_line(), section(1, 1), formulation=fl.HermiteCable()),

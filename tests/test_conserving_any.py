@@ -22,8 +22,10 @@ def flung(body: fl.Body, spin=(0.3, 2.0, 3.0)) -> fl.Body:
     x = body.frames[:, 0]
     # waves that steps resolve, along all axes of the nodes
     waves = 0.5 * np.sin(2.0 * x[:, [1, 0, 0]] + [0.1, 0.4, 1.0])
-    body.velocities[:, :3] += waves * fl.extend.kinds.placed(body.node_kinds)[:, np.newaxis]
-    body.velocities[fl.extend.kinds.placed(body.node_kinds), 0] += 1.0
+    body.velocities[:, :3] += (
+        waves * fl.extend.node_types.has_position(body.node_types)[:, np.newaxis]
+    )
+    body.velocities[fl.extend.node_types.has_position(body.node_types), 0] += 1.0
     return body
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.extend import kinds
+from fem_lie.extend import node_types
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.system import System, constraints
 from fem_lie.system.constraint_sets import relative_motions, rolls, slides
@@ -138,7 +138,7 @@ class Case:
         self.n, self.incidences = system.count, system.connections.incidences
         self.start, self.m = self.set.start.row, system.m
         near = rng.normal(size=(self.n, 6)) * [0.02, 0.02, 0.02, 0.12, 0.12, 0.12]
-        self.places = np.flatnonzero(system.kinds == kinds.POINT)  # their axes do not turn
+        self.places = np.flatnonzero(system.kinds == node_types.POSITION)  # their axes do not turn
         near[self.places, 3:] = 0.0
         self.H = system.frames.copy()
         self.H[: self.n] = lie.se3_retract(self.H[: self.n], near)

@@ -10,13 +10,18 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.extend import NodeKind
+from fem_lie.extend import NodeType
 from tests.combinations import BODIES, REST, moving
 from tests.scene_builder import build
 from tests.scene_data import placed
 
 SCHEMES = {"generalised-α": fl.GeneralisedAlpha(radius=1.0), "conserving": fl.EnergyMomentum()}
-WITH_POSITION = (NodeKind.FRAME, NodeKind.POINT, NodeKind.SLOPE, NodeKind.SURFACE)
+WITH_POSITION = (
+    NodeType.FRAME,
+    NodeType.POSITION,
+    NodeType.POSITION_GRADIENT,
+    NodeType.SURFACE_GRADIENT,
+)
 STEP, STEPS, SPEED, RADIUS, APART, STIFFNESS = 1e-5, 10, 1.0, 0.05, 1e-5, 1e4
 AWAY = np.array([0.6, -0.64, 0.48])
 OTHER = "rigid body"
@@ -30,7 +35,7 @@ def body_of(name: str, label: str, shift: np.ndarray) -> fl.Body:
 
 def last_node(body: fl.Body) -> fl.Point:
     """The last one that has a position."""
-    number = np.flatnonzero(np.isin(body.node_kinds, WITH_POSITION))[-1]
+    number = np.flatnonzero(np.isin(body.node_types, WITH_POSITION))[-1]
     return fl.Point(body, int(number))
 
 

@@ -10,7 +10,7 @@ import fem_lie as fl
 from benchmarks import nets
 from demos.elastica import BENDING, FORCE, LENGTH, elastica
 from fem_lie import lie
-from fem_lie.extend import kinds
+from fem_lie.extend import node_types
 
 
 def section(EA: float, EI: float, mass: float = 1.0) -> fl.Section:
@@ -172,7 +172,7 @@ class Bent:
 
     def moved(self, H, h):
         out = np.empty_like(H)
-        kinds.follow_all(np.full(6, fl.extend.kinds.POINT), H, h, out)
+        node_types.retract_all(np.full(6, fl.extend.node_types.POSITION), H, h, out)
         return out
 
     def forces(self, H):

@@ -58,7 +58,7 @@ def bent(name: str) -> fl.Scene:
 
 FREE = {
     "net": lambda: net(pinned=False)[0],
-    "places and slopes": hermite,
+    "positions and position gradients": hermite,
     "beam": flying,
     "rigid body": spinning,
     "shell": lambda: plate("MITC4")[0],
@@ -123,7 +123,9 @@ def test_a_strip_of_points_vibrates_as_a_beam(name):
     np.testing.assert_allclose(ends[0], ends[1], atol=0.03 * moved)
 
 
-@pytest.mark.parametrize("name", ["net", "places and slopes", "beam", "thin shell", "ANCF beam"])
+@pytest.mark.parametrize(
+    "name", ["net", "positions and position gradients", "beam", "thin shell", "ANCF beam"]
+)
 def test_second_order(name):
     """In frames and velocities, by halved steps."""
     step = 0.2 * SCHEME.stable_step(FREE[name]())

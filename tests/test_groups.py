@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem_lie import lie
-from fem_lie.extend import kinds as nodes
+from fem_lie.extend import node_types as nodes
 
 H = lie.se3_exp([0.3, -2.0, 1.1, 0.4, 1.2, -0.9])
 D = np.array([0.5, -0.2, 0.3, 0.6, -0.7, 0.4])

@@ -11,7 +11,7 @@ from models import few
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.forms import frames
-from fem_lie.lie.kinds import inertia
+from fem_lie.lie.node_types import inertia
 from fem_lie.system import System
 
 seeds = st.integers(0, 2**32 - 1)
@@ -50,7 +50,7 @@ class Body:
         acceleration, load, r = np.empty_like(H), np.empty_like(H), np.zeros_like(v)
         inertia.accelerations(on_se3(H), H, v, a, acceleration)
         inertia.multiply(*self.pattern, acceleration, load)
-        frames.pull(H, load, 1.0, r)
+        frames.pull_back(H, load, 1.0, r)
         return r
 
 
@@ -75,7 +75,7 @@ def motion(H: np.ndarray, v: np.ndarray, a: np.ndarray, t: float) -> np.ndarray:
 def test_push_is_the_derivative_of_the_frames(seed):
     body, step = Body(seed), 1e-5
     pushed = np.empty_like(body.H)
-    frames.push(body.H, body.v, pushed)
+    frames.push_forward(body.H, body.v, pushed)
     zero = np.zeros_like(body.v)
     ahead, back = (motion(body.H, body.v, zero, t) for t in (step, -step))
     # step² of third derivatives
@@ -87,8 +87,8 @@ def test_push_is_the_derivative_of_the_frames(seed):
 def test_pull_is_the_transpose_of_push(seed):
     body = Body(seed)
     f, pushed, r = body.rng.normal(size=(3, 4, 3)), np.empty((3, 4, 3)), np.ones((3, 6))
-    frames.push(body.H, body.v, pushed)
-    frames.pull(body.H, f, -2.0, r)  # adds, with a factor
+    frames.push_forward(body.H, body.v, pushed)
+    frames.pull_back(body.H, f, -2.0, r)  # adds, with a factor
     assert np.vdot(r - 1, body.v) == pytest.approx(-2.0 * np.vdot(f, pushed), rel=1e-12, abs=1e-12)
 
 
@@ -97,11 +97,11 @@ def test_pull_is_the_transpose_of_push(seed):
 def test_pull_derivative(seed):
     body, step = Body(seed), 1e-5
     f, block = body.rng.normal(size=(1, 4, 3)), np.ones((6, 6))
-    frames.pull_derivative(body.H[0], f[0], -2.0, block)
+    frames.pull_back_derivative(body.H[0], f[0], -2.0, block)
     for j, h in enumerate(step * np.eye(6)):
         pulled = np.zeros((2, 1, 6))
         for k, sign in enumerate((1, -1)):
-            frames.pull(lie.se3_retract(body.H[:1], sign * h), f, 1.0, pulled[k])
+            frames.pull_back(lie.se3_retract(body.H[:1], sign * h), f, 1.0, pulled[k])
         column = (pulled[0, 0] - pulled[1, 0]) / (2 * step)
         np.testing.assert_allclose(block[:, j] - 1, -2.0 * column, atol=1e-8)
 
@@ -145,7 +145,7 @@ def test_one_block_is_a_rigid_body(seed):
     inertia.accelerations(on_se3(H), H, v, a, out)
     first = np.zeros(1, dtype=np.int32)
     inertia.multiply(np.array([0, 1], dtype=np.int32), first, G[np.newaxis], out, load)
-    frames.pull(H, load, 1.0, r)
+    frames.pull_back(H, load, 1.0, r)
     M = mass_matrix_6x6(G)
     expected = M @ a[0] - lie.se3_ad(v[0]).T @ M @ v[0]
     # sums of a few terms of this size
@@ -200,7 +200,9 @@ def test_tangents(seed):
         for target, blocks in zip(dense, (A, K), strict=True):
             target[6 * i : 6 * i + 6, 6 * j : 6 * j + 6] = blocks[p] - 1
     for i in range(3):
-        frames.pull_derivative(H[i], load[i], 1.0, dense[1, 6 * i : 6 * i + 6, 6 * i : 6 * i + 6])
+        frames.pull_back_derivative(
+            H[i], load[i], 1.0, dense[1, 6 * i : 6 * i + 6, 6 * i : 6 * i + 6]
+        )
 
     numeric = np.zeros((2, 18, 18))
     for j in range(18):

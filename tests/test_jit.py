@@ -413,7 +413,7 @@ def test_constants_are_compiled_for_once_and_not_for_each_value(run, tmp_path):
 def test_a_scene_compiles_nothing_for_bodies_that_it_does_not_have():
     code = (
         "import fem_lie as fl\n"
-        "from fem_lie.lie.kinds import floating\n"
+        "from fem_lie.lie.node_types import floating\n"
         "scene = fl.Scene(gravity=(0, 0, -9.81))\n"
         "steel = fl.Material(E=2e11, nu=0.3, density=7800.0)\n"
         "section = fl.Section.rectangle(0.01, 0.01, steel)\n"

@@ -31,7 +31,7 @@ COMMON = {"_arrays", "_blas", "_compat", "_ffcx_warnings", "_form_cache", "_jit"
 
 MAY_IMPORT = {
     "lie": set(),
-    "lie.kinds": {"lie"},
+    "lie.node_types": {"lie"},
     "ranks": set(),
     "linear.condensed": set(),
     "linear.domains": {"ranks"},
@@ -42,7 +42,7 @@ MAY_IMPORT = {
     "sections": {"mesh"},
     "attachments": {"forms"},
     "forms.kernels": set(),
-    "forms": {"forms.kernels", "lie.kinds"},
+    "forms": {"forms.kernels", "lie.node_types"},
     "forms.small_energy": {"forms"},
     "elements": set(),
     "elements.beams": {"forms", "attachments"},

@@ -22,7 +22,7 @@ def _pull(state, y, given, out, nodes):
     H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
     r = numba.carray(out, (nodes, 6))
     for i in range(nodes):
-        fl.extend.kinds.pull(fl.extend.kinds.POINT, H[i], f[i], 1.0, r[i])
+        fl.extend.node_types.pull_back(fl.extend.node_types.POSITION, H[i], f[i], 1.0, r[i])
 
 
 @fl.extend.frame_function
@@ -30,7 +30,7 @@ def _push(state, y, given, out, nodes):
     H, h = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 6))
     rates = numba.carray(out, (nodes, 4, 3))
     for i in range(nodes):
-        fl.extend.kinds.push(fl.extend.kinds.POINT, H[i], h[i], rates[i])
+        fl.extend.node_types.push_forward(fl.extend.node_types.POSITION, H[i], h[i], rates[i])
 
 
 @fl.extend.frame_function
@@ -38,7 +38,9 @@ def _geometric(state, y, given, out, nodes):
     H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
     A = numba.carray(out, (nodes, 6, nodes, 6))
     for i in range(nodes):
-        fl.extend.kinds.pull_derivative(fl.extend.kinds.POINT, H[i], f[i], 1.0, A[i, :, i])
+        fl.extend.node_types.pull_back_derivative(
+            fl.extend.node_types.POSITION, H[i], f[i], 1.0, A[i, :, i]
+        )
 
 
 PLACES = fl.FrameMap(None, _pull, _push, _geometric, values=12, unknowns=6)
@@ -48,7 +50,7 @@ PLACES = fl.FrameMap(None, _pull, _push, _geometric, values=12, unknowns=6)
 class String(fl.Formulation):
     """``½ EA (|b − a|/ℓ − 1)² ℓ`` between two places."""
 
-    node_kind = fl.extend.NodeKind.POINT
+    node_type = fl.extend.NodeType.POSITION
     viscous = False
     degree: int = 1
 
@@ -139,5 +141,5 @@ def test_what_takes_hold_of_frames_is_refused():
     cable = string((1, 0, 0), cells=2)
     scene = fl.Scene()
     scene.add(cable)
-    with pytest.raises(ValueError, match="have places:"):
+    with pytest.raises(ValueError, match="have positions:"):
         scene.add(fl.RigidLink(cable.point("start"), cable.point("end")))

@@ -62,7 +62,7 @@ KERNELS = {
     "tests/test_inertia.py",
     "tests/test_joints.py",
     "tests/test_kernel.py",
-    "tests/test_kinds.py",
+    "tests/test_node_types.py",
     "tests/test_lie.py",
     "tests/test_rates_of_directors.py",
     "tests/test_records.py",
@@ -147,13 +147,13 @@ def test_names_inside_are_noticed(tmp_path):
     file = tmp_path / "one.py"
     file.write_text(
         "import fem_lie as fl\nimport fem_lie.joints\nfrom fem_lie import lie, _jit, Beam\n"
-        "from fem_lie.lie import exp_se3\nfrom fem_lie.lie.kinds import move\n"
+        "from fem_lie.lie import exp_se3\nfrom fem_lie.lie.node_types import move\n"
         "x = fl.extend.Equations.system\n",
         encoding="utf-8",
     )
     assert sorted(inner_names(file)) == [
         "fem_lie._jit",
         "fem_lie.joints",
-        "fem_lie.lie.kinds.move",
+        "fem_lie.lie.node_types.move",
         "line 6: .system",
     ]

@@ -5,7 +5,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.lie.kinds.inertia import Inertia, local_twists, turning_of
+from fem_lie.lie.node_types.inertia import Inertia, local_twists, turning_of
 
 STEP = 2e-3
 SCHEMES = {"energy-momentum": fl.EnergyMomentum(), "energy-decaying": fl.EnergyDecaying(radius=0.8)}

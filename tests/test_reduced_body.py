@@ -5,7 +5,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.extend import kinds
+from fem_lie.extend import node_types
 from fem_lie.reduce.beside_rest import BesideRest
 from fem_lie.system import System
 
@@ -44,13 +44,13 @@ class Anywhere:
         self.v, self.a = 3.0 * rng.normal(size=(n, 6)), 10.0 * rng.normal(size=(n, 6))
         G = lie.se3_exp(rng.normal(size=6))
         H = self.system.frames.copy()
-        frames = kinds.placed(self.system.kinds)
+        frames = node_types.has_position(self.system.kinds)
         H[:n][frames] = lie.se3_compose(G, H[:n][frames])
         self.H = self.moved(H, self.h)
 
     def moved(self, H, h):
         out, n = H.copy(), self.system.count
-        kinds.follow_all(self.system.kinds, np.ascontiguousarray(H[:n]), h, out[:n])
+        node_types.retract_all(self.system.kinds, np.ascontiguousarray(H[:n]), h, out[:n])
         return out
 
     def residual(self, H, v, a):
@@ -62,15 +62,15 @@ class Anywhere:
         """Residual where frames have moved by ``d``, and velocities of the group by the rest."""
         s, n = self.system, self.system.count
         v, a = np.empty((2, n, 6))
-        kinds.all_from_local(s.kinds, self.H[:n], self.v, self.a, v, a)
+        node_types.all_from_local(s.kinds, self.H[:n], self.v, self.a, v, a)
         H = self.moved(self.H, step * d)
         shift = np.stack([rates, seconds])
         for x in shift:
-            kinds.all_to_group(s.kinds, self.H[:n], x)
+            node_types.all_to_group(s.kinds, self.H[:n], x)
         twist, rate = np.empty((2, n, 6))
         for i in range(n):
             moved = v[i] + step * shift[0, i], a[i] + step * shift[1, i]
-            kinds.to_local(s.kinds[i], H[i], *moved, twist[i], rate[i])
+            node_types.to_local(s.kinds[i], H[i], *moved, twist[i], rate[i])
         return self.residual(H, twist, rate)
 
 
@@ -104,7 +104,7 @@ def test_forces_know_no_place_and_no_posture(rng):
     at = Anywhere(rng, gravity=(0, 0, 0))
     n, G = at.system.count, lie.se3_exp(rng.normal(size=6))
     H = at.H.copy()
-    frames = kinds.placed(at.system.kinds)
+    frames = node_types.has_position(at.system.kinds)
     H[:n][frames] = lie.se3_compose(G, H[:n][frames])
     here, there = (at.residual(where, at.v, at.a) for where in (at.H, H))
     np.testing.assert_allclose(there, here, atol=1e-11 * np.abs(here).max())

@@ -127,17 +127,17 @@ def test_states_at_asked_times_are_those_between_all_steps(name, tmp_path):
 @pytest.mark.parametrize("name", ["thin shell", "gradient shell"])
 def test_both_nodes_of_a_surface_point_have_the_same_axes_between_states(name):
     result = fl.GeneralisedAlpha().run(scene_of(name), duration=0.06, step=STEP)
-    kinds, found = result.info.node_kinds, result.resampled([0.013, 0.055])
+    kinds, found = result.info.node_types, result.resampled([0.013, 0.055])
     for state in found.frames:
         of_points, of_others = np.split(
-            fl.extend.kinds.all_axes(kinds, np.ascontiguousarray(state)), 2
+            fl.extend.node_types.all_axes(kinds, np.ascontiguousarray(state)), 2
         )
         np.testing.assert_allclose(of_others, of_points, atol=1e-12)
 
 
 def test_a_file_that_does_not_say_what_nodes_are_is_read_but_not_interpolated(tmp_path):
     result = fl.GeneralisedAlpha().run(scene_of("rigid"), duration=0.02, step=STEP)
-    bodies = tuple(replace(body, node_kinds=None) for body in result.info.bodies)
+    bodies = tuple(replace(body, node_types=None) for body in result.info.bodies)
     replace(result, info=replace(result.info, bodies=bodies)).save(tmp_path / "old.h5")
     old = fl.Result.load(tmp_path / "old.h5")
     np.testing.assert_array_equal(old.frames, result.frames)
@@ -159,7 +159,7 @@ def test_rates_of_a_stretched_gradient_are_those_of_its_position():
         rates[k, 0, 0] /= length[k]
     rows = {"times": times, "frames": frames, "velocities": rates, "iterations": np.arange(3)}
     at = np.array([0.1, 0.25, 0.7, 1.2])
-    found = between(rows, np.array([fl.extend.kinds.SLOPE]), at)
+    found = between(rows, np.array([fl.extend.node_types.POSITION_GRADIENT]), at)
     stretch = np.linalg.norm(found["frames"][:, 0, 1], axis=-1)
     np.testing.assert_allclose(stretch, np.interp(at, times, length), rtol=1e-12)
     moved = np.einsum("ki,kij->kj", found["velocities"][:, 0, :3], found["frames"][:, 0, 1:])
@@ -184,7 +184,7 @@ def test_modal_coordinates_are_interpolated_by_cubics():
 
     at = np.array([0.2, 0.9, 1.7])
     found = between(
-        rows_of(times) | {"iterations": np.arange(3)}, np.array([fl.extend.kinds.AMPLITUDE]), at
+        rows_of(times) | {"iterations": np.arange(3)}, np.array([fl.extend.node_types.MODAL]), at
     )
     wanted = rows_of(at)
     for name in ("frames", "velocities"):

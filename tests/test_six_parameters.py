@@ -205,7 +205,7 @@ def derivative_error(system: System, H, weights, *, along_motion: bool) -> float
         ends = []
         for sign in (1, -1):
             moved = H.copy()
-            fl.extend.kinds.advance(system.kinds, moved, -sign * step * dx, *ways_of(system))
+            fl.extend.node_types.advance(system.kinds, moved, -sign * step * dx, *ways_of(system))
             ends.append(residual(moved, weights + sign * step * dx[6 * n :]))
         found = (ends[0] - ends[1]) / (2 * step)
         worst = max(worst, np.abs(A @ dx - found).max() / np.abs(found).max())
@@ -222,7 +222,7 @@ def test_matrix_is_the_derivative_of_the_residual(links):
     H, weights = system.frames.copy(), 0.1 * rng.normal(size=system.m)
     dx = 0.1 * rng.normal(size=system.size)
     dx[: 6 * system.count][system.held.ravel()] = 0.0
-    fl.extend.kinds.advance(system.kinds, H, dx, *ways_of(system))
+    fl.extend.node_types.advance(system.kinds, H, dx, *ways_of(system))
     assert derivative_error(system, H, weights, along_motion=False) <= 1e-7
 
     newton = LoadSteps(

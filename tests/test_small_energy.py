@@ -136,12 +136,15 @@ def test_rigid_motions_change_nothing(name):
     """Energy stays, and forces do no work in the six rigid motions."""
     alone = Alone(name)
     H = alone.deformed()
-    forces, motions = alone.forces(H), fl.extend.kinds.rigid_motions(alone.kinds, H, np.zeros(3))
+    forces, motions = (
+        alone.forces(H),
+        fl.extend.node_types.rigid_motions(alone.kinds, H, np.zeros(3)),
+    )
     work = np.einsum("na,nab->nb", forces, motions)
     assert np.abs(work.sum(axis=0)).max() < 1e-12 * np.abs(work).sum()
     turn = lie.so3_exp(np.array([[0.7, -1.2, 0.4]]))[0]
     moved = H.copy()
-    turned = alone.kinds != fl.extend.NodeKind.AMPLITUDE
+    turned = alone.kinds != fl.extend.NodeType.MODAL
     moved[turned] = H[turned] @ turn.T
     assert alone.term.energy(moved) == pytest.approx(alone.term.energy(H), rel=1e-13)
 
@@ -188,7 +191,9 @@ def test_viscous_forces_dissipate_and_leave_rigid_motions_free(name):
     matrix[rows, :, columns] = D
     close(np.einsum("iajb,jb->ia", matrix, v), forces, 1e-12)
     scale = np.abs(forces).max() / np.abs(v).max()
-    for motion in fl.extend.kinds.rigid_motions(alone.kinds, H, np.zeros(3)).transpose(2, 0, 1):
+    for motion in fl.extend.node_types.rigid_motions(alone.kinds, H, np.zeros(3)).transpose(
+        2, 0, 1
+    ):
         assert np.abs(alone.viscous(H, motion)).max() < 1e-11 * scale * np.abs(motion).max()
 
 
@@ -242,11 +247,11 @@ def test_the_element_of_the_page_is_that_of_the_package():
 def test_products_that_do_not_fit_are_refused(arguments, message):
     products = arguments.pop("products")
     with pytest.raises(ValueError, match=message):
-        fl.extend.element([fl.extend.NodeKind.POINT], products, vectors=2, **arguments)
+        fl.extend.element([fl.extend.NodeType.POSITION], products, vectors=2, **arguments)
 
 
 def test_data_of_another_shape_are_refused():
-    of = fl.extend.element([fl.extend.NodeKind.POINT] * 2, [(0, 0, 0, 0.5)], vectors=1)
+    of = fl.extend.element([fl.extend.NodeType.POSITION] * 2, [(0, 0, 0, 0.5)], vectors=1)
     with pytest.raises(ValueError, match=r"tables of cells must be of shape \(2, 1, 1, 2\)"):
         fl.extend.cell_data(of, np.zeros((2, 1, 1, 3)), np.zeros((2, 1, 2)))
     with pytest.raises(ValueError, match="offsets of cells must be none, got shape"):
@@ -270,7 +275,7 @@ def test_bodies_whose_parts_do_not_fit_are_refused(change, message):
     body = random_body("function of products, with a law")
     given = {
         "rows": body.frames,
-        "node_types": body.node_kinds,
+        "node_types": body.node_types,
         "cells": body.element_nodes,
         "element": body.element,
         "functions": body.functions,

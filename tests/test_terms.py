@@ -468,14 +468,14 @@ class Model:
 
     def moved(self, H: np.ndarray, h: np.ndarray, size: float) -> np.ndarray:
         there = H.copy()
-        fl.extend.kinds.follow_all(self.system.kinds, H, size * h, there)
+        fl.extend.node_types.retract_all(self.system.kinds, H, size * h, there)
         return there
 
     def as_fast(self, v: np.ndarray, there: np.ndarray) -> np.ndarray:
         """The velocity of the nodes' groups, twists of frames, that ``v`` is, elsewhere."""
-        moving, kinds = v.copy(), fl.extend.kinds.at_rest(self.system.kinds)
-        fl.extend.kinds.all_to_group(kinds, self.H, moving)
-        fl.extend.kinds.all_from_group(kinds, there, moving)
+        moving, kinds = v.copy(), fl.extend.node_types.at_rest(self.system.kinds)
+        fl.extend.node_types.all_to_group(kinds, self.H, moving)
+        fl.extend.node_types.all_from_group(kinds, there, moving)
         return moving
 
     def forces(self, H: np.ndarray, kept: np.ndarray | None = None) -> np.ndarray:

@@ -5,7 +5,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.extend import kinds
+from fem_lie.extend import node_types
 from tests.assembled import Assembled
 from tests.body_alone import BodyAlone
 
@@ -96,7 +96,7 @@ def test_only_rigid_motions_have_no_energy(element, function):
     stiffness = np.linalg.eigvalsh(K)
     assert np.abs(stiffness[:6]).max() < 1e-12 * stiffness[-1]
     assert stiffness[6] > 1e-8 * stiffness[-1]
-    rigid = kinds.rigid_motions(shell.kinds, shell.body.frames, np.zeros(3)).reshape(-1, 6)
+    rigid = node_types.rigid_motions(shell.kinds, shell.body.frames, np.zeros(3)).reshape(-1, 6)
     np.testing.assert_allclose(K @ rigid, 0.0, atol=1e-12 * stiffness[-1])
 
 

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 import fem_lie as fl
 from demos.rotating_beam import flapping
 from fem_lie import lie
-from fem_lie.lie.kinds import inertia
+from fem_lie.lie.node_types import inertia
 from fem_lie.linear.spectra.pencil import Pencil
 from fem_lie.linear.spectra.smallest import smallest
 from fem_lie.system import System

@@ -17,7 +17,7 @@ import fem_lie as fl
 from fem_lie.extend import (
     CELL_SIGNATURE,
     CellFunctions,
-    NodeKind,
+    NodeType,
     callback,
     cell,
     cell_data,
@@ -49,7 +49,7 @@ def energy_of(strains, parameters):
 
 
 ELEMENT = element(
-    [NodeKind.SLOPE, NodeKind.SLOPE],
+    [NodeType.POSITION_GRADIENT, NodeType.POSITION_GRADIENT],
     [(0, 0), (0, 1), (1, 1)],
     vectors=2,
     strains=2,
@@ -109,7 +109,7 @@ def cable(count: int, EA: float, EI: float, mass: float) -> fl.ElementBody:
     cells = np.stack([np.arange(count), np.arange(1, count + 1)], axis=1)
     return fl.ElementBody(
         rows,
-        [NodeKind.SLOPE] * (count + 1),
+        [NodeType.POSITION_GRADIENT] * (count + 1),
         cells,
         element=ELEMENT,
         functions=FUNCTIONS,

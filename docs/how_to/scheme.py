@@ -26,7 +26,7 @@ from fem_lie.extend import (
     DividedIntegration,
     Equations,
     Integrator,
-    NodeKind,
+    NodeType,
     Plan,
     Recorder,
     TimeState,
@@ -64,7 +64,7 @@ class Newmark(Integrator):
 
     def _equations(self, scene: fl.Scene) -> Equations:
         equations = Equations(scene, dynamics=True, group=fl.Group.SE3)
-        vectors = equations.unknowns.kinds >= NodeKind.SLOPE
+        vectors = equations.unknowns.kinds >= NodeType.POSITION_GRADIENT
         refuse("Newmark", {"nodes with vector coordinates": bool(vectors.any())})
         return equations
 

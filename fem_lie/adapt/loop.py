@@ -34,7 +34,7 @@ from fem_lie.adapt.space_error import SpaceError, space_error
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
-from fem_lie.lie.kinds import TRAITS, NodeKind
+from fem_lie.lie.node_types import TRAITS, NodeType
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.mesh.bicubic.spline_mesh import SplineMesh
 from fem_lie.mesh.lines import LineMesh
@@ -217,7 +217,7 @@ def adapt(
 
 def _unknowns(body: Body, *, drilling: bool) -> int:
     """How many unknowns the nodes of a body have in a scene, those that are held included."""
-    count = np.array([TRAITS[NodeKind(kind)].unknowns for kind in body.node_kinds])
+    count = np.array([TRAITS[NodeType(kind)].unknowns for kind in body.node_types])
     there = (np.arange(6) < count[:, np.newaxis]) & ~body.absent
     there[:, 5] &= drilling
     leads = body.masters == np.arange(len(body.frames))

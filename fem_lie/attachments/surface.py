@@ -19,7 +19,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
 from fem_lie.attachments.attachment import AttachmentFrame, AttachmentKind
-from fem_lie.lie.kinds import CROSSING, SURFACE, axes
+from fem_lie.lie.node_types import MIXED_DERIVATIVE, SURFACE_GRADIENT, axes
 from fem_lie.lie.tuples import store
 
 # the first half of the nodes have position and r₁, the other half r₂ and the mixed derivative
@@ -48,7 +48,7 @@ def _frame(X: Array, c: Array, H: Array, Q: Array) -> tuple[float, float, float]
     H[2] = np.cross(H[3], H[1])
     R = np.empty((3, 3))
     for i in range(k):
-        for a, axis in enumerate(axes(SURFACE if 2 * i < k else CROSSING, X[i])):
+        for a, axis in enumerate(axes(SURFACE_GRADIENT if 2 * i < k else MIXED_DERIVATIVE, X[i])):
             store(R[a], 0, axis)
         Q[i] = H[1:] @ R.T
     return s, np.dot(second, H[1]), np.dot(second, H[2])

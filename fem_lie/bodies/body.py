@@ -18,8 +18,8 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Indices, choice, instance, number, text, vector
 from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.bodies.nodes import HeldRotation, Nodes
-from fem_lie.lie.kinds import NodeKind
 from fem_lie.lie.motions import Group
+from fem_lie.lie.node_types import NodeType
 
 if TYPE_CHECKING:
     import dolfinx
@@ -195,7 +195,7 @@ class Body(Nodes):
 
     def _closest(self, position: Array) -> Point:
         """The material point closest to a position, of those that can be attached to: nodes."""
-        nodes = np.flatnonzero(self.node_kinds < NodeKind.CROSSING)
+        nodes = np.flatnonzero(self.node_types < NodeType.MIXED_DERIVATIVE)
         away = np.linalg.norm(self.frames[nodes, 0] - position, axis=1)
         return self._numbered(int(nodes[away.argmin()]))
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.points import require_node
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.node_types import NodeType
 
 if TYPE_CHECKING:
     from fem_lie.bodies.body import Body, Point
@@ -39,7 +39,7 @@ class BodyInfo:
         points: Node of each named point.
         faces: Corners of cells that are surfaces, shape (m, 3 or 4); none if there are none.
         thickness: Of those, shape (m,).
-        node_kinds: Node type of each node, see :mod:`fem_lie.lie.kinds`, shape (n,); a frame whose
+        node_types: Type of each node, see :mod:`fem_lie.lie.node_types`, shape (n,); a frame whose
             axes its body sets, as of an edge of a discrete rod, counts as a position. ``None`` if
             a file of results was written before these were recorded.
     """
@@ -53,7 +53,7 @@ class BodyInfo:
     points: Mapping[str, int] = field(default_factory=dict)
     faces: Indices = field(default_factory=lambda: np.empty((0, 4), dtype=np.int64))
     thickness: Array = field(default_factory=lambda: np.empty(0))
-    node_kinds: Indices | None = None
+    node_types: Indices | None = None
 
     @classmethod
     def of(cls, body: Body, nodes: Indices) -> BodyInfo:
@@ -68,17 +68,17 @@ class BodyInfo:
             points={key: int(nodes[node]) for key, node in body.point_names.items()},
             faces=nodes[body.faces],
             thickness=body.thickness,
-            node_kinds=_recorded_kinds(body),
+            node_types=_recorded_kinds(body),
         )
 
 
 def _recorded_kinds(body: Body) -> Indices:
     """Node types, of which frames are only those whose axes follow from their velocities."""
-    kinds = body.node_kinds
+    kinds = body.node_types
     if body.follower() is None:
         return kinds
-    set_by_body = (kinds == NodeKind.FRAME) & body.held[:, 3:].any(axis=1)
-    return np.where(set_by_body, int(NodeKind.POINT), kinds)
+    set_by_body = (kinds == NodeType.FRAME) & body.held[:, 3:].any(axis=1)
+    return np.where(set_by_body, int(NodeType.POSITION), kinds)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +147,7 @@ class SceneInfo:
         return cls(tuple(infos))
 
     @property
-    def node_kinds(self) -> Indices:
+    def node_types(self) -> Indices:
         """Node type of each node of the system, shape (N,).
 
         Raises:
@@ -155,12 +155,12 @@ class SceneInfo:
         """
         found = np.empty(sum(len(body.nodes) for body in self.bodies), dtype=np.int64)
         for body in self.bodies:
-            if body.node_kinds is None:
+            if body.node_types is None:
                 raise ValueError(
                     f"the node types of {body.kind} {body.name!r} are not recorded: its file of "
                     "results was written by an earlier version of fem_lie; run the scene again"
                 )
-            found[body.nodes] = body.node_kinds
+            found[body.nodes] = body.node_types
         return found
 
     def body(self, name: str) -> BodyInfo:

@@ -14,8 +14,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.attachments.attachment import AttachmentFrame
-from fem_lie.lie.kinds import TRAITS, NodeKind, all_axes, rigid_motions
-from fem_lie.lie.kinds.floating import WithinFrame
+from fem_lie.lie.node_types import TRAITS, NodeType, all_axes, rigid_motions
+from fem_lie.lie.node_types.floating import WithinFrame
 
 
 class HeldRotation(NamedTuple):
@@ -94,7 +94,7 @@ def check_nodes(label: str, kinds: Indices, frames: Array, velocities: Array) ->
 
 Follower: TypeAlias = Callable[[Array], None]
 """Turns the axes of a body's nodes as they have moved, in their rows (n, 4, 3), with
-:func:`fem_lie.lie.kinds.set_axes`; it may set rows that nothing depends on, too."""
+:func:`fem_lie.lie.node_types.set_axes`; it may set rows that nothing depends on, too."""
 
 
 class Nodes(ABC):
@@ -157,14 +157,14 @@ class Nodes(ABC):
         raise ValueError(f"{self.label} has no cells to put a load on")
 
     @property
-    def node_kind(self) -> NodeKind:
+    def node_type(self) -> NodeType:
         """What its nodes are."""
-        return NodeKind.FRAME
+        return NodeType.FRAME
 
     @property
-    def node_kinds(self) -> Indices:
+    def node_types(self) -> Indices:
         """What each of them is, shape (n,), where a point is several nodes; default: all alike."""
-        return np.full(len(self.frames), int(self.node_kind), dtype=np.int64)
+        return np.full(len(self.frames), int(self.node_type), dtype=np.int64)
 
     @property
     def node_lengths(self) -> Flags:
@@ -233,7 +233,7 @@ class Nodes(ABC):
 
     def check(self) -> None:
         """Raise ``ValueError`` if frames or velocities of nodes have been set to what is none."""
-        check_nodes(self.label, self.node_kinds, self.frames, self.velocities)
+        check_nodes(self.label, self.node_types, self.frames, self.velocities)
         if self.begins_at is None:
             return
         if self.begins_at.shape != self.frames.shape:
@@ -241,7 +241,7 @@ class Nodes(ABC):
                 f"{self.label} begins at frames of shape {self.begins_at.shape}, wanted "
                 f"{self.frames.shape}"
             )
-        check_nodes(self.label, self.node_kinds, self.begins_at, self.velocities)
+        check_nodes(self.label, self.node_types, self.begins_at, self.velocities)
 
     def require_frames(self, what: str) -> None:
         """Refuse what takes hold of frames if the nodes have none.
@@ -252,11 +252,11 @@ class Nodes(ABC):
         Raises:
             ValueError: They have none.
         """
-        if self.node_kind != NodeKind.FRAME:
+        if self.node_type != NodeType.FRAME:
             raise ValueError(
                 f"{what} needs nodes with frames, but those of {self.label} have "
-                f"{TRAITS[self.node_kind].what}: clamps and joints hold them, and forces fixed in "
-                "space act on them"
+                f"{TRAITS[self.node_type].description}: clamps and joints hold them, and forces "
+                "fixed in space act on them"
             )
 
     def require_direction(self, node: int) -> None:
@@ -269,7 +269,7 @@ class Nodes(ABC):
 
     def add_rigid_motion(self, translation: Array, spin: Array, about: Array) -> None:
         """Add a rigid motion to the initial velocities, global components; ``about`` at rest."""
-        self.velocities += rigid_motions(self.node_kinds, self.frames, about) @ [
+        self.velocities += rigid_motions(self.node_types, self.frames, about) @ [
             *translation,
             *spin,
         ]

@@ -96,7 +96,7 @@ class ViscousForces(ABC):
         """Their derivatives in the twists, and in those of frames if that is not left out.
 
         The second is at constant velocities of the nodes' groups, as
-        :func:`~fem_lie.lie.kinds.at_rest` has them.
+        :func:`~fem_lie.lie.node_types.at_rest` has them.
         """
 
     @property

@@ -22,35 +22,39 @@ VALUES, UNKNOWNS = 12, 6
 
 
 @compiled
-def push(H: Array, h: Array, out: Array) -> None:
+def push_forward(H: Array, h: Array, out: Array) -> None:
     """``L h``: ``δx = R u``, ``δd_k = R (η × e_k)``; shapes (n, 4, 3), (n, 6), (n, 4, 3)."""
     for i in range(h.shape[0]):
-        directors.push(H[i], h[i], out[i])
+        directors.push_forward(H[i], h[i], out[i])
 
 
 @compiled
-def pull(H: Array, f: Array, sign: float, r: Array) -> None:
+def pull_back(H: Array, f: Array, sign: float, r: Array) -> None:
     """``r += sign · Lᵀ f``: force ``Rᵀ f_x``, moment ``Σ e_k × Rᵀ f_k``; (n, 4, 3) to (n, 6)."""
     for i in range(f.shape[0]):
-        directors.pull(H[i], f[i], sign, r[i])
+        directors.pull_back(H[i], f[i], sign, r[i])
 
 
 @compiled
-def pull_derivative(H: Array, f: Array, sign: float, block: Array) -> None:
-    """``block += sign · ∂(Lᵀ f)/∂h`` of one node, see :func:`~.directors.pull_derivative`."""
-    directors.pull_derivative(H, f, sign, block)
+def pull_back_derivative(H: Array, f: Array, sign: float, block: Array) -> None:
+    """``block += sign · ∂(Lᵀ f)/∂h`` of one node, see :func:`~.directors.pull_back_derivative`."""
+    directors.pull_back_derivative(H, f, sign, block)
 
 
 @frame_function
 def _director_pull(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     shape = (nodes, 4, 3)
-    pull(numba.carray(state, shape), numba.carray(given, shape), 1.0, numba.carray(out, (nodes, 6)))
+    pull_back(
+        numba.carray(state, shape), numba.carray(given, shape), 1.0, numba.carray(out, (nodes, 6))
+    )
 
 
 @frame_function
 def _director_push(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     shape = (nodes, 4, 3)
-    push(numba.carray(state, shape), numba.carray(given, (nodes, 6)), numba.carray(out, shape))
+    push_forward(
+        numba.carray(state, shape), numba.carray(given, (nodes, 6)), numba.carray(out, shape)
+    )
 
 
 @frame_function
@@ -60,13 +64,13 @@ def _director_geometric(
     H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
     A = numba.carray(out, (nodes, 6, nodes, 6))
     for i in range(nodes):
-        pull_derivative(H[i], f[i], 1.0, A[i, :, i])
+        pull_back_derivative(H[i], f[i], 1.0, A[i, :, i])
 
 
 DIRECTORS = FrameMap(
     coordinates=None,
-    pull=_director_pull,
-    push=_director_push,
+    pull_back=_director_pull,
+    push_forward=_director_push,
     geometric=_director_geometric,
     values=VALUES,
     unknowns=UNKNOWNS,

@@ -135,8 +135,8 @@ class Wrapping:
         head = [0] * kernels.HEADER_SIZE
         for place, function in (
             (kernels.COORDINATES, self.frame_map.coordinates),
-            (kernels.PULL, self.frame_map.pull),
-            (kernels.PUSH, self.frame_map.push),
+            (kernels.PULL_BACK, self.frame_map.pull_back),
+            (kernels.PUSH_FORWARD, self.frame_map.push_forward),
             (kernels.GEOMETRIC, self.frame_map.geometric),
         ):
             head[place] = 0 if function is None else function.address

@@ -1,7 +1,7 @@
-"""A frame as four vectors ``q = (x, d₁, d₂, d₃)``: how they move with its twist; compiled.
+"""A frame as four vectors ``q = (x, d₁, d₂, d₃)``: their rates and accelerations; compiled.
 
-With ``v = (u, ω)`` in the frame's own components, ``q̇ = L v`` is ``ẋ = R u`` and
-``ḋ_k = R (ω × e_k)``, and a force ``f`` on the four vectors is ``Lᵀ f`` on the frame: force
+For a twist ``v = (u, ω)`` along the frame's own axes, ``q̇ = L v`` is ``ẋ = R u`` and ``ḋ_k = R (ω
+× e_k)``. Forces ``f`` on the four vectors are the generalised force ``Lᵀ f`` on the frame: force
 ``Rᵀ f_x``, moment ``Σ e_k × Rᵀ f_k``.
 """
 
@@ -14,22 +14,22 @@ from fem_lie._jit import inlined, uncounted
 from fem_lie.lie.tuples import Vector, combined, cross, dot, load_row, plus, scaled, store_rows
 
 _OPPOSITE = 1e-12
-"""Of ``1 + cos``: there is no smallest rotation to the opposite direction."""
+"""Least ``1 + cos``: there is no smallest rotation to the opposite direction."""
 
 
 @uncounted
-def turn_on_to(rows: Array, way: Vector) -> None:
-    """Turn the axes in ``rows`` (4, 3) by the smallest rotation; the first is along ``way``."""
-    D, beside = load_row(rows, 1), load_row(rows, 2)
+def rotate_onto(rows: Array, way: Vector) -> None:
+    """Rotate the axes in ``rows`` (4, 3) by the smallest rotation of the first onto ``way``."""
+    D, second_axis = load_row(rows, 1), load_row(rows, 2)
     t = scaled(1.0 / sqrt(dot(way, way)), way)
     near = max(1.0 + dot(D, t), _OPPOSITE)
-    second = combined(1.0, beside, -dot(beside, t) / near, plus(D, t))
+    second = combined(1.0, second_axis, -dot(second_axis, t) / near, plus(D, t))
     store_rows(rows, 1, t, second, cross(t, second))
 
 
 @inlined
-def push(H: Array, v: Array, out: Array) -> None:
-    """``L v``, shape (4, 3)."""
+def push_forward(H: Array, v: Array, out: Array) -> None:
+    """Rates ``q̇ = L v``, shape (4, 3)."""
     u0, u1, u2, w0, w1, w2 = v[0], v[1], v[2], v[3], v[4], v[5]
     for j in range(3):
         d1, d2, d3 = H[1, j], H[2, j], H[3, j]
@@ -46,8 +46,8 @@ def _along(H: Array, a: int, f: Array, k: int) -> float:
 
 
 @inlined
-def pull(H: Array, f: Array, sign: float, r: Array) -> None:
-    """``r += sign · Lᵀ f``, (4, 3) to (6,)."""
+def pull_back(H: Array, f: Array, sign: float, r: Array) -> None:
+    """Add the generalised force ``sign · Lᵀ f`` of forces ``f`` (4, 3) to ``r`` (6,)."""
     for a in range(3):
         r[a] += sign * _along(H, a, f, 0)
     r[3] += sign * (_along(H, 2, f, 2) - _along(H, 1, f, 3))
@@ -56,11 +56,11 @@ def pull(H: Array, f: Array, sign: float, r: Array) -> None:
 
 
 @inlined
-def pull_derivative(H: Array, f: Array, sign: float, block: Array) -> None:
-    """``block += sign · ∂(Lᵀ f)/∂h``.
+def pull_back_derivative(H: Array, f: Array, sign: float, block: Array) -> None:
+    """Add ``sign · ∂(Lᵀ f)/∂h`` to ``block`` (6, 6).
 
-    ``(Rᵀf_x)^`` in (force, rotation), ``Σ m_k e_kᵀ − (e_k·m_k) I`` with ``m_k = Rᵀ f_k`` in
-    (moment, rotation).
+    The blocks are ``(Rᵀf_x)^`` in (force, rotation) and ``Σ m_k e_kᵀ − (e_k·m_k) I`` with ``m_k =
+    Rᵀ f_k`` in (moment, rotation).
     """
     n0, n1, n2 = _along(H, 0, f, 0), _along(H, 1, f, 0), _along(H, 2, f, 0)
     block[0, 4] -= sign * n2
@@ -80,7 +80,7 @@ def pull_derivative(H: Array, f: Array, sign: float, block: Array) -> None:
 
 @inlined
 def local_acceleration(v: Array, a: Array, w: Array) -> None:
-    """Components of ``Rᵀ q̈``: rows ``u̇ + ω×u`` and ``(ω̇^ + ω^ω^) e_k`` of ``w`` (4, 3)."""
+    """Components ``w`` (4, 3) of ``Rᵀ q̈``: ``u̇ + ω×u`` and ``(ω̇^ + ω^ω^) e_k``."""
     u0, u1, u2, w0, w1, w2 = v[0], v[1], v[2], v[3], v[4], v[5]
     a0, a1, a2 = a[3], a[4], a[5]
     w[0, 0] = a[0] + w1 * u2 - w2 * u1
@@ -99,7 +99,7 @@ def local_acceleration(v: Array, a: Array, w: Array) -> None:
 
 @inlined
 def to_global(H: Array, w: Array, out: Array) -> None:
-    """Four local vectors ``w`` (4, 3) in global components."""
+    """Global components of four vectors with components ``w`` (4, 3) in the frame."""
     for k in range(4):
         for j in range(3):
             out[k, j] = H[1, j] * w[k, 0] + H[2, j] * w[k, 1] + H[3, j] * w[k, 2]
@@ -125,15 +125,15 @@ def acceleration_derivatives(
     right: tuple[Array, Array],
     work: tuple[Array, Array],
 ) -> None:
-    """Local derivatives of q̈: ``W[k]`` (4, 3, 6) in (a, v), ``X[k]`` (4, 3, 6) in h.
+    """Derivatives of q̈ in local components: ``W[k]`` in (a, v), ``X[k]`` in h, each (4, 3, 6).
 
-    ``W = mass ∂q̈/∂a + damping ∂q̈/∂v``; ``X`` is what turning the frame does to q̈, ``−ŵ_k``.
+    ``W = mass ∂q̈/∂a + damping ∂q̈/∂v``; ``X`` is the effect of a rotation of the frame, ``−ŵ_k``.
 
     Args:
-        translates: Whether ẍ itself is in ``a``, as on R³×SO(3): it feels neither ω nor the turning
-            frame.
+        translates: Whether ``a`` contains ẍ itself, as on R³×SO(3), where it depends neither on ω
+            nor on the rotation of the frame.
         v: Twist.
-        a: Its rate.
+        a: Rate of the twist.
         factors: ``mass`` and ``damping``.
         right: ``W`` and ``X``, overwritten.
         work: Arrays of shapes (3,) and (4, 3).

@@ -1,7 +1,7 @@
-r"""On which group a frame moves in time integration, and by which map: compiled, for one frame.
+r"""Groups on which a frame moves in time integration, and their maps: compiled, for one frame.
 
-Both groups move the same frames ``H = (R, x)``; what differs is what an increment ``d = (u, θ)``
-does and which vector stands for the velocity of the origin:
+Both groups move the same frames ``H = (R, x)``; they differ in the effect of an increment
+``d = (u, θ)`` and in the vector that represents the velocity of the origin:
 
 ===============  ===================================  ========================================
                  SE(3)                                R³×SO(3)
@@ -9,17 +9,17 @@ does and which vector stands for the velocity of the origin:
 new frame        ``(R E, x + R Tᵀ(θ) u)``             ``(R E, x + u)``, ``E = exp θ̂``
 velocity         ``(Rᵀẋ, ω)``                         ``(ẋ, ω)``
 acceleration     its rate ``(u̇, ω̇)``                  ``(ẍ, ω̇)``, ``ẍ = R (u̇ + ω × u)``
-inertia          constant; velocity terms in ``u``    constant; ``ẍ`` knows nothing of rotation
-joints           constant in a body's frame           turn with the rotation inside a step
+inertia          constant; velocity terms in ``u``    constant; ``ẍ`` independent of rotation
+joints           constant in a body's frame           rotate within a step
 ===============  ===================================  ========================================
 
 Forces, tangents and the unknowns of Newton's method stay in the node's own frame for both: the
-iteration matrix can be kept for both. In that frame the correction of an increment on R³×SO(3) is
+iteration matrix can be frozen for both. In that frame the correction of an increment on R³×SO(3) is
 ``x = (R₁ᵀ δu, δθ)``, so that the twist of the moved frame is ``blockdiag(I, T) x``.
 
-A frame's *kind* is ``group + 2 · parametrisation``; nodes that are no frames are in
-:mod:`fem_lie.lie.kinds`. (Brüls, Cardona & Arnold, Mech. Mach. Theory 48 (2012) 121, compare the
-two groups.)
+The type number of a frame is ``group + 2 · parametrisation``; other node types are in
+:mod:`fem_lie.lie.node_types`. (Brüls, Cardona & Arnold, Mech. Mach. Theory 48 (2012) 121,
+compare the two groups.)
 """
 
 from __future__ import annotations
@@ -47,12 +47,12 @@ from fem_lie.lie.tuples import (
 
 
 class Group(IntEnum):
-    """The group on which a body moves in time integration.
+    """Group on which a body moves in time integration.
 
-    ``SE3`` takes a step along a screw motion: exact for a body that turns steadily about any axis,
-    and joint constraints see nothing but relative motion. ``R3xSO3`` moves the origin along a
-    parabola and turns about it: exact for the flight of a centre of mass, and more accurate for a
-    fast spin about an axis that itself moves. On both everything is in the bodies' own frames.
+    ``SE3`` moves a body along a screw motion in each step: exact for steady rotation about any
+    axis, and joint constraints depend on relative motion only. ``R3xSO3`` moves the origin along a
+    parabola and rotates about it: exact for the flight of a centre of mass, and more accurate for a
+    fast spin about a moving axis. Unknowns are in the bodies' own frames for both.
     """
 
     SE3 = 0
@@ -60,7 +60,7 @@ class Group(IntEnum):
 
 
 class Parametrisation(IntEnum):
-    """The map from increments to rotations: the exponential, or the rational Cayley map."""
+    """Map from increments to rotations: the exponential, or the rational Cayley map."""
 
     EXPONENTIAL = 0
     CAYLEY = 1
@@ -68,7 +68,7 @@ class Parametrisation(IntEnum):
 
 @inlined
 def move(kind: int, H: Array, d: Array, out: Array) -> None:
-    """The frame ``H`` moved by ``d``: translation in the frame on SE(3), global on R³×SO(3)."""
+    """The frame ``H`` after an increment ``d``: translation local on SE(3), global on R³×SO(3)."""
     u, θ = load(d, 0), load(d, 3)
     p, r1, r2, r3 = cayley(u, θ) if kind >= 2 else exponential(u, θ)
     x, d1, d2, d3 = load_row(H, 0), load_row(H, 1), load_row(H, 2), load_row(H, 3)
@@ -80,7 +80,7 @@ def move(kind: int, H: Array, d: Array, out: Array) -> None:
 
 @compiled
 def tangent(kind: int, d: Array, out: Array) -> None:
-    """``T`` with the twist of the moved frame ``T x`` for a correction ``x`` of ``d``, (6, 6)."""
+    """``T`` (6, 6): a correction ``x`` of ``d`` moves the frame by the twist ``T x``."""
     if kind & 1:
         out[:] = 0.0
         for k in range(3):
@@ -120,23 +120,23 @@ def from_local(kind: int, H: Array, twist: Array, rate: Array, v: Array, vdot: A
 
 @inlined
 def global_components(H: Array, a: Vector) -> Vector:
-    """``R a``."""
+    """Global components ``R a`` of a vector with components ``a`` in the frame."""
     return rotate(load_row(H, 1), load_row(H, 2), load_row(H, 3), a)
 
 
 @inlined
 def local_components(H: Array, a: Vector) -> Vector:
-    """``Rᵀ a``."""
+    """Components ``Rᵀ a`` in the frame of a vector with global components ``a``."""
     return rotate_back(load_row(H, 1), load_row(H, 2), load_row(H, 3), a)
 
 
 @compiled
 def retract(H: Array, h: Array) -> None:
-    """``x ← x + R u``, ``R ← R exp(η₁, η₂, 0) exp(0, 0, η₃)`` at all nodes, in place.
+    """Move frames by ``x ← x + R u``, ``R ← R exp(η₁, η₂, 0) exp(0, 0, η₃)``, in place.
 
     Args:
         H: Frames, shape (n, 4, 3).
-        h: Increments, shape (n, 5) or (n, 6).
+        h: Increments, shape (n, 5) or (n, 6); without η₃ there is no drilling rotation.
     """
     tilt, drill = np.zeros(6), np.zeros(6)
     for i in range(H.shape[0]):
@@ -152,15 +152,15 @@ def retract(H: Array, h: Array) -> None:
 
 @compiled
 def add_turning(r: Array, factor: float, block: Array) -> None:
-    """Add ``factor`` times what the second derivative along :func:`retract` has beyond ``∂r/∂h``.
+    """Add ``factor`` times the second derivative along :func:`retract` less ``∂r/∂h`` to ``block``.
 
-    With ``r = (n, m)`` of a node: ``−n̂`` in (translation, rotation); of the rotations the skew part
-    ``−½ m̂``, and ``½ (m₁η₂ − m₂η₁) η₃`` because the drilling comes last.
+    With ``r = (n, m)`` of a node it is ``−n̂`` in (translation, rotation); in the rotations the
+    skew part ``−½ m̂``, and ``½ (m₁η₂ − m₂η₁) η₃``, because the drilling rotation is applied last.
 
     Args:
         r: Force and moment in the node's frame, shape (6,).
-        factor: 1 to add it, −1 to take it out.
-        block: Of the node's matrix, shape (6, 6).
+        factor: 1 to add the terms, −1 to subtract them.
+        block: Diagonal block of the node in the matrix, shape (6, 6).
     """
     n0, n1, n2 = factor * r[0], factor * r[1], factor * r[2]
     m0, m1, m2 = factor * r[3], factor * r[4], factor * r[5]

@@ -1,9 +1,7 @@
-"""The polar decomposition ``A = R U``, and convected axes by the mean deformation; compiled.
+"""Polar decomposition ``A = R U``, and nodal axes convected by the mean deformation; compiled.
 
-Axes of places that turn by the rotation next to the mean deformation around them, compiled.
-
-The mean deformation around place i is ``F_i = Σ_k x_k ⊗ b_ik`` with constants ``b``; axes are those
-of the start turned by its rotation.
+The mean deformation around point i is ``F_i = Σ_k x_k ⊗ b_ik`` with constants ``b``. The convected
+axes are the reference axes times the rotation of ``F_i``.
 """
 
 from __future__ import annotations
@@ -22,10 +20,10 @@ _EXACT = 1e-15
 
 @compiled
 def polar_rotation(A: Array, R: Array) -> bool:
-    """Set ``R`` (3, 3) to the rotation of ``A``; returns whether there is one.
+    """Set ``R`` (3, 3) to the rotation of ``A``; return whether there is one.
 
-    With the cofactor of ``A`` added, which turns alike, a matrix of rank two will do, such as that
-    of places on a plane. Then ``R ← ½ (R + R⁻ᵀ)``.
+    The cofactor of ``A``, which has the same rotation, is added, so that a matrix of rank two is
+    accepted, such as that of points in a plane. Then ``R ← ½ (R + R⁻ᵀ)`` is iterated.
 
     Args:
         A: Columns are images of axes, shape (3, 3).
@@ -64,14 +62,14 @@ def _cofactor(A: Array, out: Array) -> None:
 
 
 class Surroundings(NamedTuple):
-    """Of places whose axes turn.
+    """Points with convected axes, and the points around them.
 
     Attributes:
-        nodes: Those that turn, shape (t,).
-        indptr: Rows of ``indices`` and ``b``, one for each place, shape (n + 1,).
-        indices: Places around each.
-        b: Factors of these, shape (nnz, 3).
-        axes: As they are before anything has turned, as rows, shape (n, 3, 3).
+        nodes: Nodes whose axes rotate, shape (t,).
+        indptr: Start of each point in ``indices`` and ``b``, shape (n + 1,).
+        indices: Points around each point, shape (nnz,).
+        b: Factors of these points in the mean deformation, shape (nnz, 3), 1/m.
+        axes: Axes in the reference configuration as rows, shape (n, 3, 3).
     """
 
     nodes: Indices
@@ -82,12 +80,12 @@ class Surroundings(NamedTuple):
 
 
 PlainSurroundings: TypeAlias = tuple[Indices, Indices, Indices, Array, Array]
-"""A :class:`Surroundings` at the door from Python."""
+"""A :class:`Surroundings` as a plain tuple, which is faster to pass from Python."""
 
 
 @compiled
 def _rotation(i: int, H: Array, around: Surroundings, R: Array) -> bool:
-    """The rotation around a place."""
+    """Set ``R`` to the rotation of the mean deformation around point ``i``, if it exists."""
     F = np.zeros((3, 3))
     for k in range(around.indptr[i], around.indptr[i + 1]):
         for a in range(3):
@@ -97,8 +95,8 @@ def _rotation(i: int, H: Array, around: Surroundings, R: Array) -> bool:
 
 
 @compiled
-def find_unturned(H: Array, around: PlainSurroundings) -> None:
-    """Set the axes before anything has turned from rows ``H`` (≥ n, 4, 3)."""
+def find_reference_axes(H: Array, around: PlainSurroundings) -> None:
+    """Set the reference axes from coordinates ``H`` (≥ n, 4, 3): those of ``H`` rotated back."""
     known = Surroundings(*around)
     R = np.empty((3, 3))
     for i in range(known.axes.shape[0]):
@@ -108,14 +106,14 @@ def find_unturned(H: Array, around: PlainSurroundings) -> None:
 
 
 @compiled
-def turn_axes(H: Array, around: PlainSurroundings, motion: Array, written: Indices) -> None:
-    """Turn the axes of ``H`` (≥ n, 4, 3), and what is written in them.
+def convect_axes(H: Array, around: PlainSurroundings, motion: Array, written: Indices) -> None:
+    """Rotate the axes of ``H`` (≥ n, 4, 3), and fields stored in them, with the deformation.
 
     Args:
-        H: Rows of the nodes.
+        H: Nodal coordinates, changed in place.
         around: See :class:`Surroundings`.
-        motion: Velocities, accelerations and the like, shape (k, n, 6).
-        written: Which of them have components in the axes.
+        motion: Velocities, accelerations and similar fields, shape (k, n, 6).
+        written: Fields with components along the nodal axes.
     """
     known = Surroundings(*around)
     R, new, turn = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))

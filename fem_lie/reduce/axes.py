@@ -10,7 +10,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, instance, whole
 from fem_lie.bodies.body import Body
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.node_types import NodeType
 from fem_lie.results.states import StateSeries
 
 
@@ -111,7 +111,7 @@ def frames_of(result: StateSeries, body: Body) -> Array:
     """
     instance(result, StateSeries, "result", "states that an integrator or statics has found")
     instance(body, Body, "body", "a body of the scene")
-    if body.node_kind != NodeKind.FRAME:
+    if body.node_type != NodeType.FRAME:
         raise ValueError(f"local motion is that of frames, and nodes of {body.label} are none")
     nodes = result.info.body(body.name).nodes
     if len(nodes) != len(body.frames):

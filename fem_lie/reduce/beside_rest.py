@@ -8,7 +8,7 @@ import scipy.sparse.linalg
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices, instance
 from fem_lie.bodies.body import Body
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.node_types import NodeType
 from fem_lie.linear.spectra.pencil import Pencil
 from fem_lie.reduce.basis import Basis
 from fem_lie.results.equilibrium import StaticResult
@@ -114,7 +114,7 @@ def equations_of(scene: Scene) -> tuple[Body, Equations]:
     if len(scene.bodies) != 1:
         raise ValueError(f"a basis is that of one body, the scene has {len(scene.bodies)}")
     body: Body = scene.bodies[0]
-    if body.node_kind != NodeKind.FRAME:
+    if body.node_type != NodeType.FRAME:
         raise ValueError(f"shapes are those of nodal frames, and nodes of {body.label} are none")
     equations = Equations(scene, dynamics=True)
     if equations.unknowns.m:

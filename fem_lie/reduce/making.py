@@ -34,7 +34,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.reduced.reduced_body import ReducedBody
-from fem_lie.lie.kinds import rigid_motions
+from fem_lie.lie.node_types import rigid_motions
 from fem_lie.reduce.bases import interface_modes
 from fem_lie.reduce.basis import Basis
 from fem_lie.reduce.beside_rest import BesideRest
@@ -192,7 +192,7 @@ def answers_to_inertia(
 def _accelerations(body: Body, spinning: bool) -> Array:
     """Of all nodes in their axes, (6 or 12, n, 6): rigid ones, and towards axes of spin."""
     middle = body.frames[:, 0].mean(axis=0)
-    rigid = rigid_motions(body.node_kinds, body.frames, middle).transpose(2, 0, 1)
+    rigid = rigid_motions(body.node_types, body.frames, middle).transpose(2, 0, 1)
     if not spinning:
         return np.asarray(rigid)
     towards = np.zeros((6, len(body.frames), 6))

@@ -30,7 +30,7 @@ from scipy.sparse.linalg import splu
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices, instance, positive
 from fem_lie.adapt.following.transfer import Transferred, mass_matrix
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.node_types import NodeType
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.reduce.merged_motion import MergedMotion, RegionStretch
 from fem_lie.results.history import Result
@@ -360,7 +360,7 @@ def _whole(scene: Scene) -> Equations:
     unknowns = equations.unknowns
     if unknowns.m or scene.contacts or unknowns.floating:
         raise ValueError("frames are merged in scenes without joints, contacts and reduced bodies")
-    if any(body.node_kind is not NodeKind.FRAME for body in scene.bodies):
+    if any(body.node_type is not NodeType.FRAME for body in scene.bodies):
         raise ValueError("frames are merged, and nodes of some bodies are none")
     if equations.supports or scene.motions:
         raise ValueError("frames are merged in scenes without prescribed motions and turned axes")

@@ -312,7 +312,7 @@ def _write_body(group: Any, body: BodyInfo) -> None:
     group["faces"], group["thickness"] = body.faces, body.thickness
     group["point_names"] = list(body.points) or np.empty(0, dtype="S1")
     group["point_nodes"] = np.array(list(body.points.values()), dtype=np.int64)
-    for name in ("outline", "box", "node_kinds"):
+    for name in ("outline", "box", "node_types"):
         if getattr(body, name) is not None:
             group[name] = getattr(body, name)
 
@@ -328,7 +328,7 @@ def _read_body(group: Any) -> BodyInfo:
         thickness=group["thickness"][()],
         outline=group["outline"][()] if "outline" in group else None,
         box=group["box"][()] if "box" in group else None,
-        node_kinds=group["node_kinds"][()] if "node_kinds" in group else None,
+        node_types=group["node_types"][()] if "node_types" in group else None,
         points={n: int(i) for n, i in zip(names, group["point_nodes"][()], strict=True)},
     )
 

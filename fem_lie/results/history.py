@@ -175,7 +175,7 @@ class Result(Balanced, StateSeries):
             AttributeError: There are no velocities.
         """
         rows = self._kept | {"velocities": self.velocities}
-        return Result(**vars(self) | resampled(rows, self.info.node_kinds, times))
+        return Result(**vars(self) | resampled(rows, self.info.node_types, times))
 
     @property
     def _kept(self) -> dict[str, Array]:

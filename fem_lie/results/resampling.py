@@ -24,8 +24,8 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie.lie import kinds as node_kinds
-from fem_lie.lie.kinds import AMPLITUDE, SLOPE, placed
+from fem_lie.lie import node_types as node_types
+from fem_lie.lie.node_types import MODAL, POSITION_GRADIENT, has_position
 
 _OTHERWISE = ("times", "frames", "velocities", "iterations")
 
@@ -53,7 +53,7 @@ def between(rows: Mapping[str, Array], kinds: Indices, at: Array) -> dict[str, A
     Args:
         rows: Times, frames, velocities, iterations by these names, and others, which are taken
             linearly; two rows of one time are the sides of a jump, of which the later one counts.
-        kinds: Node type of each node, :class:`~fem_lie.lie.kinds.NodeKind`, shape (N,).
+        kinds: Node type of each node, :class:`~fem_lie.lie.node_types.NodeType`, shape (N,).
         at: Times; states that were kept at them are given as they are.
     """
     kept = rows["times"]
@@ -115,9 +115,9 @@ def _motion(
     found, rates = np.empty((len(row), *H.shape[1:])), np.empty((len(row), *v.shape[1:]))
     Δ, s = np.diff(rows["times"])[row, None, None], part[:, np.newaxis, np.newaxis]
     for own, way in (
-        (kinds <= SLOPE, _on_screws),
-        ((kinds > SLOPE) & (kinds != AMPLITUDE), _in_space),
-        (kinds == AMPLITUDE, _of_modes),
+        (kinds <= POSITION_GRADIENT, _on_screws),
+        ((kinds > POSITION_GRADIENT) & (kinds != MODAL), _in_space),
+        (kinds == MODAL, _of_modes),
     ):
         at, to = np.ix_(row, own), np.ix_(row + 1, own)
         if own.any():
@@ -159,7 +159,7 @@ def _in_space(given: _Interval, kinds: Indices) -> tuple[Array, Array]:
     R = lie.so3_exp(given.s * turned)
     now = np.einsum("knba,knbi->knai", R, axes)
     H = np.einsum("knra,knai->knri", given.linear(local, new), now)
-    own = placed(kinds)
+    own = has_position(kinds)
     u0, u1 = _in_global(H0[:, own], given.v0[:, own]), _in_global(H1[:, own], given.v1[:, own])
     moved, rate = given.cubic(H1[:, own, 0] - H0[:, own, 0], u0[..., 0, :], u1[..., 0, :])
     H[:, :, 0] = given.linear(H0[:, :, 0], H1[:, :, 0])
@@ -183,14 +183,14 @@ def _of_modes(given: _Interval, kinds: Indices) -> tuple[Array, Array]:
 def _axes(kinds: Indices, H: Array) -> Array:
     """Axes of nodes in K states as rows, shape (K, n, 3, 3)."""
     many = np.tile(kinds, len(H))
-    flat = node_kinds.all_axes(many, np.ascontiguousarray(H).reshape(-1, 4, 3))
+    flat = node_types.all_axes(many, np.ascontiguousarray(H).reshape(-1, 4, 3))
     return flat.reshape(*H.shape[:2], 3, 3)
 
 
 def _set_axes(kinds: Indices, H: Array, axes: Array) -> None:
     """Write axes, given as rows, into the nodal rows of K states."""
     for k in range(len(H)):
-        node_kinds.set_all_axes(kinds, H[k], np.ascontiguousarray(axes[k]))
+        node_types.set_all_axes(kinds, H[k], np.ascontiguousarray(axes[k]))
 
 
 def _in_global(H: Array, v: Array) -> Array:

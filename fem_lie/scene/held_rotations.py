@@ -17,7 +17,7 @@ from fem_lie.bodies.nodes import HeldRotation
 from fem_lie.bodies.points import ground
 from fem_lie.contact.contact import Contact
 from fem_lie.joints import Connection, RigidLink
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.node_types import NodeType
 from fem_lie.scene.load import Load
 from fem_lie.scene.nodal_loads import PointLoad
 from fem_lie.scene.supports import Clamp, PrescribedMotion
@@ -65,7 +65,7 @@ def _by_connection(item: Connection) -> Iterator[tuple[Body, HeldRotation]]:
 
 
 def _asks(body: Body) -> bool:
-    return body.uncoupled or body.node_kind == NodeKind.POINT
+    return body.uncoupled or body.node_type == NodeType.POSITION
 
 
 def _by_each_other(what: str, a: Point, b: Point) -> Iterator[tuple[Body, HeldRotation]]:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices, vector
-from fem_lie.lie.kinds import rigid_motions
+from fem_lie.lie.node_types import rigid_motions
 from fem_lie.scene.load import NodalLoad
 from fem_lie.scene.scene import Scene, require_scene
 

@@ -4,7 +4,7 @@ The section lies in the plane of e₂ and e₃, with coordinates y along e₂ an
 beam's axis. Stiffness acts on strains ``(Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃)``: stretch, two shears, twist, two
 curvatures. Inertia is the Gram matrix of ``q = (x, d₁, d₂, d₃)`` per length: a point of the section
 is ``x + y d₂ + z d₃``, so its kinetic energy is ``½ Σ G_ab q̇_a·q̇_b`` with
-``G = ∫ρ (1, 0, y, z) ⊗ (1, 0, y, z) dA`` (:mod:`fem_lie.lie.kinds.inertia`).
+``G = ∫ρ (1, 0, y, z) ⊗ (1, 0, y, z) dA`` (:mod:`fem_lie.lie.node_types.inertia`).
 
 The section's matrices belong to its reference point, where the beam's axis runs, and to its axes:
 :meth:`Section.offset` and :meth:`Section.rotated` change them by exact congruences. Sections of any

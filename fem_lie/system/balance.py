@@ -26,8 +26,8 @@ from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, TOTAL, WORK
 from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.joints.equations.terms import wrenches
-from fem_lie.lie.kinds import acceleration, pull
-from fem_lie.lie.kinds.inertia import Inertia, PlainInertia, PlainMotion, multiply_row
+from fem_lie.lie.node_types import acceleration, pull_back
+from fem_lie.lie.node_types.inertia import Inertia, PlainInertia, PlainMotion, multiply_row
 from fem_lie.system import outer_forces
 from fem_lie.system.nodes.masses import PlainLoads
 from fem_lie.system.nodes.sums import add_moments
@@ -72,7 +72,7 @@ def _add_nodal(
         for k in range(4):
             for j in range(3):
                 work[1, i, k, j] -= dead[i, k, j]
-        pull(kinds[i], H[i], work[1, i], 1.0, r[i])
+        pull_back(kinds[i], H[i], work[1, i], 1.0, r[i])
         add_moments(H[i], moment[i], following[i], r[i])
 
 

@@ -14,7 +14,7 @@ from fem_lie.bodies.body import Point
 from fem_lie.bodies.catalogue import JointInfo
 from fem_lie.joints import Connection, Fixed
 from fem_lie.joints.equations.table import JointTable, PackedJoints
-from fem_lie.lie.kinds import SLOPE
+from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.scene import Scene
 from fem_lie.system.constraint_sets.all_pairs import AllPairs, all_pairs
@@ -132,7 +132,7 @@ class Connections:
 
     def all_pairs(self, frames: Array, kinds: Indices) -> AllPairs | None:
         """See :func:`~.constraint_sets.all_pairs.all_pairs`; ``None`` if all nodes are frames."""
-        if (kinds < SLOPE).all():
+        if (kinds < POSITION_GRADIENT).all():
             return None
         return all_pairs(self.sets, self._numbering, frames, kinds)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from fem_lie._arrays import Indices
 from fem_lie.bodies.catalogue import JointInfo, SceneInfo, SupportInfo
-from fem_lie.lie.kinds import SLOPE, on_r3
+from fem_lie.lie.node_types import POSITION_GRADIENT, on_r3
 from fem_lie.system.constraints import Connections
 from fem_lie.system.nodes.numbering import Numbering
 from fem_lie.system.terms.all_terms import Terms
@@ -25,7 +25,7 @@ def in_one_line(
         time_dependent: Whether loads or motions are.
     """
     total, n = numbering.total, numbering.count
-    flat, others = int(on_r3(kinds).sum()), int((kinds >= SLOPE).sum())
+    flat, others = int(on_r3(kinds).sum()), int((kinds >= POSITION_GRADIENT).sum())
     shells = [(body, six) for body, six in numbering.drills.items() if body.uncoupled]
     parts = [
         f"{total} nodes, {total - n} of them follow others, {m} constraints",

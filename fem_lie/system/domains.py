@@ -13,7 +13,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.term import Pairs, Term
-from fem_lie.lie.kinds import POINT
+from fem_lie.lie.node_types import POSITION
 from fem_lie.linear.domains.division import Division, Links, Part, divided
 from fem_lie.linear.saddle_point import KKT
 from fem_lie.system.terms.all_terms import Terms
@@ -96,7 +96,7 @@ class Domain:
         for twist in np.eye(6):
             v = twist[:3] + np.cross(twist[3:], x)
             h = np.hstack([np.einsum("nij,nj->ni", axes, v), axes @ twist[3:]])
-            h[:, 3:][kinds == POINT] = 0.0
+            h[:, 3:][kinds == POSITION] = 0.0
             found.append(h.ravel()[self.part.interfaces])
         self.part.motions = found
 

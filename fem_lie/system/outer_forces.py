@@ -19,9 +19,9 @@ from fem_lie.bodies.balances import BY_LOADS
 from fem_lie.forms.fixed_arrays import integers1, numbers1, numbers2, numbers3
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
-from fem_lie.lie.kinds import floating, inertia, push_all, wrench
-from fem_lie.lie.kinds.floating import PlainFloating
-from fem_lie.lie.kinds.inertia import PlainInertia
+from fem_lie.lie.node_types import floating, inertia, push_all_forward, wrench
+from fem_lie.lie.node_types.floating import PlainFloating
+from fem_lie.lie.node_types.inertia import PlainInertia
 from fem_lie.lie.tuples import (
     Vector,
     add_dead,
@@ -110,7 +110,7 @@ def add_loads(
     """
     dead, moment, following = loads
     n = dead.shape[0]
-    push_all(kinds, H, v, work[0])
+    push_all_forward(kinds, H, v, work[0])
     for i in range(n):
         for k in range(4):
             for j in range(3):
@@ -131,7 +131,7 @@ def add_mass_damping(
 ) -> None:
     """Add damping ``D q̇`` that goes with mass; ``work`` (2, n, 4, 3)."""
     n = work.shape[1]
-    push_all(kinds, H, v, work[0])
+    push_all_forward(kinds, H, v, work[0])
     indptr, indices, blocks = D
     inertia.multiply(indptr, indices, blocks, work[0], work[1])
     for i in range(n):

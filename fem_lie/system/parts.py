@@ -11,8 +11,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie.lie.kinds import tangent
-from fem_lie.lie.kinds.kind import POINT, SLOPE
+from fem_lie.lie.node_types import tangent
+from fem_lie.lie.node_types.node_type import POSITION, POSITION_GRADIENT
 from fem_lie.lie.series import exponential
 from fem_lie.lie.tuples import load, rotate, store
 from fem_lie.linear.saddle_point import Incidences, flexibility
@@ -129,7 +129,7 @@ class Parts:
             apart: Whether all blocks of ``K`` are apart.
         """
         self._bind, count = bind, len(bind)
-        alone = np.full(count, True) if apart else kinds[bind] != POINT
+        alone = np.full(count, True) if apart else kinds[bind] != POSITION
         self.apart = bool(alone.all())
         self.of_K: Indices = np.arange(count)
         self.of_K[alone] = count + np.arange(alone.sum())
@@ -192,7 +192,7 @@ def _combine(blocks: Array, of_K: Indices, kinds: Indices, d: Array, bind: Indic
     number, turning = np.full(count, -1), 0
     for i in range(count):
         # what is no frame has T = 1
-        if kinds[i] < SLOPE:
+        if kinds[i] < POSITION_GRADIENT:
             number[i], turning = turning, turning + 1
     T = np.empty((turning, 6, 6))
     for i in range(count):

@@ -13,8 +13,8 @@ from scipy.sparse.csgraph import connected_components
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie.lie import kinds
-from fem_lie.lie.kinds import SLOPE, at_rest, shown_all
+from fem_lie.lie import node_types
+from fem_lie.lie.node_types import POSITION_GRADIENT, all_result_twists, at_rest
 from fem_lie.linear.spectra.pencil import FREE, Complex, Pencil, RigidParts, kernel
 from fem_lie.scene.rotation import Rotation
 from fem_lie.system.system import System
@@ -52,7 +52,7 @@ def rigid_motions(system: System, H: Array, weight: Array) -> list[RigidMotions]
     found = []
     for piece in range(pieces):
         nodes = np.flatnonzero(label == piece)
-        R = kinds.rigid_motions(system.kinds[nodes], H[nodes], H[nodes, 0].mean(axis=0))
+        R = node_types.rigid_motions(system.kinds[nodes], H[nodes], H[nodes, 0].mean(axis=0))
         R *= np.repeat([system.length, 1.0], 3)
         for k in range(6):
             every = np.zeros((count, 6))
@@ -265,7 +265,7 @@ class SmallMotions:
         motions = [
             (piece.unknowns, piece.basis)
             for piece in rigid_motions(system, self.H, self.weight)
-            if (system.kinds[piece.nodes] < SLOPE).all()
+            if (system.kinds[piece.nodes] < POSITION_GRADIENT).all()
         ]
         return RigidParts(rest, (K - rest).tocsr(), self._matrix(blocks), motions)
 
@@ -280,5 +280,5 @@ class SmallMotions:
         twists = system.numbering.master_map.twists
         shown = np.empty((2, *h.shape))
         for part, out in zip((h.real, h.imag), shown, strict=True):
-            shown_all(system.kinds, self.H, np.ascontiguousarray(part), out)
+            all_result_twists(system.kinds, self.H, np.ascontiguousarray(part), out)
         return np.asarray(twists(shown[0]) + 1j * twists(shown[1]))

@@ -42,7 +42,7 @@ class System:
         frames: Initial frames, shape (n + 1 + p, 4, 3): moving nodes, ground, prescribed motions.
         velocities: Initial local velocities, same rows, (…, 6).
         connections: All joints, and what acts along them; ``table`` is theirs.
-        kinds: What each moving node is, shape (n,), see :mod:`fem_lie.lie.kinds`.
+        kinds: What each moving node is, shape (n,), see :mod:`fem_lie.lie.node_types`.
         held: Which unknowns of the moving nodes are zero, shape (n, 6).
         supported: Moving nodes that clamps and bodies hold, shape (s,).
         uncoupled: Which of them move by ``x + R u`` in statics, shape (n,).

@@ -12,10 +12,10 @@ import scipy.sparse as sp
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.abilities import Ends, ViscousForces
 from fem_lie.forms.term import Pairs, Term, add_at
-from fem_lie.lie.kinds import floating_tangents, inertia
-from fem_lie.lie.kinds.floating import Floating
-from fem_lie.lie.kinds.inertia import Inertia, PlainMotion
 from fem_lie.lie.motions import add_turnings
+from fem_lie.lie.node_types import floating_tangents, inertia
+from fem_lie.lie.node_types.floating import Floating
+from fem_lie.lie.node_types.inertia import Inertia, PlainMotion
 from fem_lie.linear.domains.division import Division
 from fem_lie.linear.low_rank import Beside, LowRank
 from fem_lie.linear.saddle_point import KKT, flexibility

@@ -12,8 +12,8 @@ from fem_lie._arrays import Array, Flags, Indices, diameter
 from fem_lie.forms.abilities import Ends
 from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.joints.histories import declared, until_next
-from fem_lie.lie.kinds import kinds_of
 from fem_lie.lie.motions import Group, Parametrisation
+from fem_lie.lie.node_types import node_types_of
 from fem_lie.scene import Scene
 from fem_lie.scene.choices import Choices
 from fem_lie.system.nodes.numbering import Numbering
@@ -23,7 +23,7 @@ class FrameRows:
     """What is in which row at the start.
 
     Attributes:
-        kinds: What each moving node is, shape (n,), see :mod:`fem_lie.lie.kinds`.
+        kinds: What each moving node is, shape (n,), see :mod:`fem_lie.lie.node_types`.
         frames: Initial frames, shape (n + 1 + p, 4, 3).
         begins_at: Those from which solvers go on, at the scene's time.
         velocities: Initial local velocities, same rows, (…, 6).
@@ -63,7 +63,7 @@ class FrameRows:
         guided = np.isfinite(numbering.supports[:, 0, 0])
         groups = numbering.groups if group is None else np.full_like(numbering.groups, int(group))
         groups = np.where(guided, int(Group.R3xSO3), groups)
-        self.kinds: Indices = kinds_of(numbering.kinds, groups, parametrisation)
+        self.kinds: Indices = node_types_of(numbering.kinds, groups, parametrisation)
         self.held: Flags = numbering.held.copy()
         clamped = [numbering.node(clamp.point) for clamp in scene.clamps]
         self.held[clamped] |= numbering.clamped[clamped]

@@ -19,7 +19,7 @@ from fem_lie.attachments.between_frames import interpolated
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.shells.shell import Shell
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.node_types import NodeType
 
 _NEAR = 4  # elements that are looked at
 _AT_NODE = 1e-9  # of an element
@@ -104,7 +104,7 @@ def _same(old: Body, new: Body) -> bool:
 
 def _require_frames(*bodies: Body) -> None:
     for body in bodies:
-        if (body.node_kinds != NodeKind.FRAME).any():
+        if (body.node_types != NodeType.FRAME).any():
             raise ValueError(
                 f"meshes change of bodies whose nodes have frames; those of {body.label} are others"
             )

@@ -33,8 +33,8 @@ from scipy.sparse.linalg import splu
 from fem_lie._arrays import Array, Flags
 from fem_lie.adapt.following.places import Places, places
 from fem_lie.bodies.body import Body
-from fem_lie.lie.kinds import push_all, rigid_motions
-from fem_lie.lie.kinds.inertia import invariants
+from fem_lie.lie.node_types import push_all_forward, rigid_motions
+from fem_lie.lie.node_types.inertia import invariants
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.record import Record
@@ -111,7 +111,7 @@ def mass_matrix(equations: Equations, H: Array) -> sp.csr_matrix:
     indptr, indices, G = equations.tables.inertia
     L = np.empty((6, n, 4, 3))
     for k in range(6):
-        push_all(kinds, H, np.tile(np.eye(6)[k], (n, 1)), L[k])
+        push_all_forward(kinds, H, np.tile(np.eye(6)[k], (n, 1)), L[k])
     row = np.repeat(np.arange(n), np.diff(indptr))
     blocks = np.einsum("pzax,zab,qzbx->zpq", L[:, row], G, L[:, indices], optimize=True)
     return sp.bsr_matrix((blocks, indices, indptr), shape=(6 * n, 6 * n)).tocsr()

@@ -15,7 +15,7 @@ from fem_lie._arrays import Array, Indices, instance
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
 from fem_lie.forms.assembly import Assembly, NodalInertia
 from fem_lie.forms.frames import NodalFrames
-from fem_lie.lie.kinds import TRAITS
+from fem_lie.lie.node_types import TRAITS
 from fem_lie.sections.material import Damping
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ class BeamAssembly(Assembly):
         data = CellData(lengths, stiffness, density, eigenstrain, viscosity, slopes)
         forms = formulation.forms(nodal, data)
         super().__init__(nodal, forms, order, np.argsort(permutation), eigenstrain)
-        self._tangent.used = TRAITS[formulation.node_kind].unknowns
+        self._tangent.used = TRAITS[formulation.node_type].unknowns
         if all(body.has_mass for body in bodies):
             elements = formulation.inertia(nodal, data)
             rates = np.concatenate([np.full(len(b.lengths), b.damping.mass) for b in bodies])

@@ -21,7 +21,7 @@ from fem_lie.bodies.body import Point
 from fem_lie.bodies.nodes import Turning
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.beams.geodesic import Geodesic
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.node_types import NodeType
 from fem_lie.mesh.curves import curve, polyline, straight
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.reading import line_of
@@ -115,7 +115,7 @@ class Beam(LineBody):
         a, b = frames[elements].transpose(1, 0, 2, 3)
         lengths = np.linalg.norm(lie.se3_relative(a, b)[:, :3], axis=1)
         formulation = self.standard if formulation is None else formulation
-        if formulation.node_kind != NodeKind.FRAME:
+        if formulation.node_type != NodeType.FRAME:
             raise ValueError(
                 f"a Beam has nodes with frames, those of {formulation} have none: that is an "
                 "element of cables"

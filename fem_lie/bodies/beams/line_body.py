@@ -14,7 +14,7 @@ from fem_lie.bodies.beams.sectioned import Sectioned, outline_of
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.forms.assembly import Assembly
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.node_types import NodeType
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.sections.material import Damping
 from fem_lie.sections.section import Section
@@ -85,9 +85,9 @@ class LineBody(Sectioned):
         log_coincident(self.label, mesh.points)
 
     @property
-    def node_kind(self) -> NodeKind:
+    def node_type(self) -> NodeType:
         """What the element says."""
-        return self.formulation.node_kind
+        return self.formulation.node_type
 
     @property
     def kind(self) -> Hashable:
@@ -107,11 +107,11 @@ class LineBody(Sectioned):
     @property
     def elastic_cells(self) -> Indices:
         """The elements of nodes that are frames."""
-        return self.elements if self.node_kind is NodeKind.FRAME else super().elastic_cells
+        return self.elements if self.node_type is NodeType.FRAME else super().elastic_cells
 
     def weighted_cells(self, cells: Indices, weights: Array) -> Assembly:
         """See the base class."""
-        if self.node_kind is not NodeKind.FRAME:
+        if self.node_type is not NodeType.FRAME:
             super().weighted_cells(cells, weights)
         return weighted_elements(self, cells, weights)
 

@@ -18,7 +18,7 @@ from fem_lie.bodies.points import require_point
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.small_energy.assembly import CellFunctions
 from fem_lie.forms.small_energy.element import Element
-from fem_lie.lie.kinds import TRAITS, NodeKind
+from fem_lie.lie.node_types import TRAITS, NodeType
 from fem_lie.sections.material import Damping
 
 _NO_POINTS: Mapping[str, int] = MappingProxyType({})
@@ -44,7 +44,7 @@ class ElementBody(Body):
         >>> beam = fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), tube, cells=2)
         >>> own = fl.ElementBody(
         ...     beam.frames,
-        ...     beam.node_kinds,
+        ...     beam.node_types,
         ...     beam.elements,
         ...     element=ancf.ELEMENT,
         ...     functions=ancf.FUNCTIONS,
@@ -57,7 +57,7 @@ class ElementBody(Body):
     def __init__(
         self,
         rows: npt.ArrayLike,
-        node_types: Sequence[NodeKind],
+        node_types: Sequence[NodeType],
         cells: npt.ArrayLike,
         *,
         element: Element,
@@ -72,7 +72,7 @@ class ElementBody(Body):
         """Check the shapes.
 
         Args:
-            rows: Nodal coordinates, see :mod:`fem_lie.lie.kinds`, shape (n, 4, 3).
+            rows: Nodal coordinates, see :mod:`fem_lie.lie.node_types`, shape (n, 4, 3).
             node_types: Of the nodes.
             cells: Nodes of each cell, shape (m, k), of the types of the element.
             element: The element.
@@ -124,7 +124,7 @@ class ElementBody(Body):
             )
         self.element, self.functions, self.element_nodes = element, functions, nodes
         self._data, self._inertia, self.has_mass = data, inertia, inertia is not None
-        places = frames[[NodeKind(kind) < NodeKind.CROSSING for kind in self._types], 0]
+        places = frames[[NodeType(kind) < NodeType.MIXED_DERIVATIVE for kind in self._types], 0]
         super().__init__(
             frames,
             cells=np.asarray(lines, dtype=np.int64).reshape(-1, 2),
@@ -135,12 +135,12 @@ class ElementBody(Body):
         )
 
     @property
-    def node_kind(self) -> NodeKind:
+    def node_type(self) -> NodeType:
         """Type of the first node."""
-        return NodeKind(self._types[0])
+        return NodeType(self._types[0])
 
     @property
-    def node_kinds(self) -> Indices:
+    def node_types(self) -> Indices:
         """Type of each node, shape (n,)."""
         return self._types
 
@@ -170,7 +170,7 @@ class ElementBody(Body):
 
     def attachment_of(self, node: int) -> AttachmentFrame | None:
         """The tangent of a position-gradient node; other nodes have frames, or axes."""
-        return along_tangent(node) if self._types[node] == NodeKind.SLOPE else None
+        return along_tangent(node) if self._types[node] == NodeType.POSITION_GRADIENT else None
 
     def clamp(self, *points: Point) -> None:
         """Hold positions of points and, as far as their nodes have directions, these.
@@ -183,7 +183,7 @@ class ElementBody(Body):
             require_point(point, "ElementBody.clamp: a point")
             if point.body is not self:
                 raise ValueError(f"{self.label} cannot hold {point.label}: it is not its own")
-            held = TRAITS[NodeKind(self._types[point.node])].clamped
+            held = TRAITS[NodeType(self._types[point.node])].clamped
             self.held[point.node] |= np.array(held)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags
 from fem_lie._jit import compiled
 from fem_lie.bodies.thin_shells.assembly import surface_axes
-from fem_lie.lie.kinds.kind import CROSSING, SURFACE, set_axes
+from fem_lie.lie.node_types.node_type import MIXED_DERIVATIVE, SURFACE_GRADIENT, set_axes
 from fem_lie.lie.tuples import load_row, store_row
 
 
@@ -19,7 +19,7 @@ def follow_sections(rows: Array, moves: Flags) -> None:
     two slopes.
 
     Args:
-        rows: Of the SURFACE nodes, then of the CROSSING ones, shape (2 n, 4, 3).
+        rows: Of the SURFACE_GRADIENT nodes, then of the MIXED_DERIVATIVE ones, shape (2 n, 4, 3).
         moves: Points whose axes turn, shape (n,).
     """
     n = moves.shape[0]
@@ -27,12 +27,12 @@ def follow_sections(rows: Array, moves: Flags) -> None:
         store_row(rows[n + i], 0, load_row(rows[i], 0))
         if moves[i]:
             e2, e3, e1 = surface_axes(load_row(rows[n + i], 1), load_row(rows[n + i], 2))
-            set_axes(SURFACE, rows[i], e1, e2, e3)
-            set_axes(CROSSING, rows[n + i], e1, e2, e3)
+            set_axes(SURFACE_GRADIENT, rows[i], e1, e2, e3)
+            set_axes(MIXED_DERIVATIVE, rows[n + i], e1, e2, e3)
 
 
 def second_nodes(frames: Array) -> Array:
-    """Rows of the CROSSING nodes for frames of sections that are not deformed, (n, 4, 3)."""
+    """Coordinates of the MIXED_DERIVATIVE nodes of undeformed section frames, (n, 4, 3)."""
     rows = frames.copy()
     rows[:, 1], rows[:, 2], rows[:, 3] = frames[:, 2], frames[:, 3], 0.0
     both = np.concatenate([frames, rows])

@@ -14,7 +14,7 @@ from fem_lie.bodies.body import Point
 from fem_lie.bodies.gradients.axes import follow_sections
 from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.points import require_point
-from fem_lie.lie.kinds import CROSSING, NodeKind
+from fem_lie.lie.node_types import MIXED_DERIVATIVE, NodeType
 
 _PLACE = np.arange(3)
 _TURNED = np.array([0, 2, 3, 4])
@@ -34,21 +34,21 @@ class SectionPoints(Sectioned):
     points_count: int
 
     @property
-    def node_kind(self) -> NodeKind:
+    def node_type(self) -> NodeType:
         """Of the nodes that have places."""
-        return NodeKind.SURFACE
+        return NodeType.SURFACE_GRADIENT
 
     @property
-    def node_kinds(self) -> Indices:
+    def node_types(self) -> Indices:
         """See the base class."""
-        kinds = [int(NodeKind.SURFACE), int(NodeKind.CROSSING)]
+        kinds = [int(NodeType.SURFACE_GRADIENT), int(NodeType.MIXED_DERIVATIVE)]
         return np.repeat(kinds, self.points_count).astype(np.int64)
 
     @property
     def node_lengths(self) -> Flags:
         """No slope is a length, nor are those that others have instead of a place."""
         lengths = super().node_lengths
-        lengths[self.node_kinds == CROSSING] = False
+        lengths[self.node_types == MIXED_DERIVATIVE] = False
         return lengths
 
     def _named(self, name: str) -> Point:
@@ -96,7 +96,7 @@ class SectionPoints(Sectioned):
     def unwarped(self) -> Indices:
         """Nodes of slopes whose sections are clamped."""
         clamped = self.held[:, _TURNED].all(axis=1)
-        return np.flatnonzero(clamped & (self.node_kinds == CROSSING))
+        return np.flatnonzero(clamped & (self.node_types == MIXED_DERIVATIVE))
 
     def follower(self) -> Follower:
         """Axes follow the sections, but where components along them are held."""

@@ -3,7 +3,7 @@
 Energy ``½ eᵀ K e`` of bodies that deform in few shapes, as cells: compiled.
 
 The cell is all nodes of the body; coordinates ``z`` are those of
-:mod:`fem_lie.lie.kinds.floating`, and ``e_a = z_a + ½ Q_abc z_b z_c``. Constants are the number of
+:mod:`fem_lie.lie.node_types.floating`, and ``e_a = z_a + ½ Q_abc z_b z_c``. Constants: number of
 nodes, of other interfaces and of coordinates; data behind the rows of the nodes are places and
 directors of these interfaces, 12 each, ``K`` and ``Q``, the last number of it first. The
 small-energy kernel has no version of it: strains depend on as many products as there are modes.
@@ -23,9 +23,9 @@ from fem_lie._jit.stack import blocks_at, matrix_at, stack
 from fem_lie.forms.assembly import BodyTerm, NodalInertia
 from fem_lie.forms.cell_sums import CellSum, CellTerm
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer
-from fem_lie.lie.kinds.floating_coordinates import add_times, coordinates, spread, strains
-from fem_lie.lie.kinds.forces import pull, pull_derivative, push
-from fem_lie.lie.kinds.kind import AMPLITUDE
+from fem_lie.lie.node_types.floating_coordinates import add_times, coordinates, spread, strains
+from fem_lie.lie.node_types.forces import pull_back, pull_back_derivative, push_forward
+from fem_lie.lie.node_types.node_type import MODAL
 
 _STEP = 1e-30
 
@@ -73,7 +73,7 @@ def _stiffness(cell: _Cell, J: Array, s: Array) -> Array:
 @compiled
 def _kind(node: int, others: int) -> int:
     """Of a node of the cell, whatever the group of frames."""
-    return 0 if node <= others else AMPLITUDE
+    return 0 if node <= others else MODAL
 
 
 @callback(UFCX_SIGNATURE)
@@ -104,7 +104,7 @@ def force_kernel(
     add_times(J, some[2], some[3])
     spread(some[3], q, interfaces, f)
     for i in range(k):
-        pull(_kind(i, interfaces.shape[0]), q[i], f[i], 1.0, out[i])
+        pull_back(_kind(i, interfaces.shape[0]), q[i], f[i], 1.0, out[i])
 
 
 @callback(UFCX_SIGNATURE)
@@ -123,21 +123,21 @@ def matrix_kernel(
     f, unit, pushed, own = np.zeros_like(q), np.empty(6), np.empty((4, 3)), np.empty(6)
     spread(g, q, interfaces, f)
     for i in range(k):
-        pull_derivative(_kind(i, others), q[i], f[i], 1.0, out[i, :, i])
+        pull_back_derivative(_kind(i, others), q[i], f[i], 1.0, out[i, :, i])
     moved, changed = q.astype(np.complex128), np.empty(q.shape, np.complex128)
     z = np.zeros(m, np.complex128)
     for j in range(k):
         for column in range(6):
             unit[:] = 0.0
             unit[column] = 1.0
-            push(_kind(j, others), q[j], unit, pushed)
+            push_forward(_kind(j, others), q[j], unit, pushed)
             moved[j] = q[j] + 1j * _STEP * pushed
             coordinates(moved, interfaces, z)
             changed[:] = 0.0
             spread(g + 1j * (H @ z.imag.copy()), moved, interfaces, changed)
             for i in range(k):
                 own[:] = 0.0
-                pull(_kind(i, others), q[i], changed[i].imag / _STEP, 1.0, own)
+                pull_back(_kind(i, others), q[i], changed[i].imag / _STEP, 1.0, own)
                 out[i, :, j, column] += own
         moved[j] = q[j]
 

@@ -12,9 +12,9 @@ from fem_lie._arrays import Array, Flags, Indices, numbers
 from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.reduced.assembly import ReducedAssembly
 from fem_lie.forms.assembly import BodyTerm
-from fem_lie.lie.kinds import NodeKind
-from fem_lie.lie.kinds.floating import WithinFrame
-from fem_lie.lie.kinds.floating_coordinates import all_coordinates, all_rates
+from fem_lie.lie.node_types import NodeType
+from fem_lie.lie.node_types.floating import WithinFrame
+from fem_lie.lie.node_types.floating_coordinates import all_coordinates, all_rates
 
 
 class ReducedBody(Body):
@@ -35,7 +35,7 @@ class ReducedBody(Body):
         stiffness: Of the coordinates: displacement and rotation of each other interface in the
             frame, then amplitudes, shape (m, m).
         quadratic: ``Q``, symmetric in its last two, shape (m, m, m).
-        density: Matrix of ``(x, d_k, z_a d_k)``, see :mod:`fem_lie.lie.kinds.floating`, shape
+        density: Matrix of ``(x, d_k, z_a d_k)``, see :mod:`fem_lie.lie.node_types.floating`, shape
             (4 + 3 m, 4 + 3 m).
         full: The body that was reduced.
         shapes: Displacement and rotation of each of its nodes for each coordinate, components along
@@ -123,10 +123,10 @@ class ReducedBody(Body):
         return Point(self, node, f"interface {node}")
 
     @property
-    def node_kinds(self) -> Indices:
+    def node_types(self) -> Indices:
         """Frames, then amplitudes."""
-        kinds = np.full(len(self.frames), int(NodeKind.AMPLITUDE), dtype=np.int64)
-        kinds[: 1 + len(self.within)] = int(NodeKind.FRAME)
+        kinds = np.full(len(self.frames), int(NodeType.MODAL), dtype=np.int64)
+        kinds[: 1 + len(self.within)] = int(NodeType.FRAME)
         return kinds
 
     @property
@@ -169,7 +169,7 @@ class ReducedBody(Body):
             velocities: Twists, shape (s, n, 6).
         """
         states = np.ascontiguousarray(frames), np.ascontiguousarray(velocities)
-        kinds, size = self.node_kinds, len(self.stiffness)
+        kinds, size = self.node_types, len(self.stiffness)
         return np.asarray(all_rates(kinds, *states, self.within, size))
 
     def expand(self, frames: Array) -> Array:

@@ -32,7 +32,7 @@ from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.rods.bends import BendingSprings, Bends, Successive
 from fem_lie.elements.rods.discrete import DiscreteCable
 from fem_lie.forms.assembly import Assembly
-from fem_lie.lie.kinds import TRAITS, NodeKind
+from fem_lie.lie.node_types import TRAITS, NodeType
 from fem_lie.lie.polar import polar_rotation
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.sections.material import Damping
@@ -147,7 +147,7 @@ class Threads(LineBody):
         what = type(self).__name__
         instance(section, Section, f"{what}: section", "a Section")
         instance(damping, Damping | None, f"{what}: damping", "a Damping or None")
-        if formulation.node_kind == NodeKind.FRAME:
+        if formulation.node_type == NodeType.FRAME:
             raise ValueError(
                 f"a {what} has nodes of places and slopes, those of {formulation} are frames"
             )
@@ -223,7 +223,7 @@ class Threads(LineBody):
         return self._following() if self._follows else None
 
     def _following(self) -> Follower | None:
-        return following(self.frames, self.elements, self.node_kind == NodeKind.SLOPE)
+        return following(self.frames, self.elements, self.node_type == NodeType.POSITION_GRADIENT)
 
     def pin(self, *points: Point) -> None:
         """Hold the places of points of this body, and leave its directions there free.
@@ -248,7 +248,7 @@ class Threads(LineBody):
                 self._edge_at(node)
             self._clamped += [node for node in nodes if node not in self._clamped]
         for node in nodes:
-            self.held[node] |= np.array(TRAITS[self.node_kind].clamped)
+            self.held[node] |= np.array(TRAITS[self.node_type].clamped)
 
     def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
         """Whether its nodes turn: as all but those that are places.

@@ -29,7 +29,7 @@ from fem_lie.bodies.per_cell import of_groups
 from fem_lie.bodies.solids.assembly import SolidAssembly
 from fem_lie.bodies.solids.faces import Faces, SupportedSolid, faces_of, nodes_on
 from fem_lie.elements.solids.element import SolidFormulation, default_formulation
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.node_types import NodeType
 from fem_lie.mesh.volumes import VolumeMesh, VolumeRule, brick
 from fem_lie.sections.material import Damping
 from fem_lie.sections.solid_materials import SolidMaterial
@@ -206,9 +206,9 @@ class Solid(SupportedSolid):
         return faces_of(self._space, facets.astype(np.int64), self.degree)
 
     @property
-    def node_kind(self) -> NodeKind:
+    def node_type(self) -> NodeType:
         """Places."""
-        return NodeKind.POINT
+        return NodeType.POSITION
 
     @property
     def kind(self) -> Hashable:

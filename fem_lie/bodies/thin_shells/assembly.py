@@ -15,7 +15,7 @@ from fem_lie.elements.thin_shells.cell_tables import stress_at
 from fem_lie.elements.thin_shells.rows import NODES, VECTORS
 from fem_lie.forms.assembly import BodyTerm, NodalInertia
 from fem_lie.forms.cell_sums import CarryingCellTerm, CellSum
-from fem_lie.lie.kinds.kind import CROSSING, SURFACE, set_axes
+from fem_lie.lie.node_types.node_type import MIXED_DERIVATIVE, SURFACE_GRADIENT, set_axes
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -52,7 +52,7 @@ def follow_surface(rows: Array, moves: Flags) -> None:
     """Turn the axes of all points, and tell the second nodes where they are.
 
     Args:
-        rows: Of the SURFACE nodes, then of the CROSSING ones, shape (2 n, 4, 3).
+        rows: Of the SURFACE_GRADIENT nodes, then of the MIXED_DERIVATIVE ones, shape (2 n, 4, 3).
         moves: Points whose axes turn, shape (n,).
     """
     n = moves.shape[0]
@@ -60,8 +60,8 @@ def follow_surface(rows: Array, moves: Flags) -> None:
         store_row(rows[n + i], 0, load_row(rows[i], 0))
         if moves[i]:
             e1, e2, e3 = surface_axes(load_row(rows[i], 1), load_row(rows[n + i], 2))
-            set_axes(SURFACE, rows[i], e1, e2, e3)
-            set_axes(CROSSING, rows[n + i], e1, e2, e3)
+            set_axes(SURFACE_GRADIENT, rows[i], e1, e2, e3)
+            set_axes(MIXED_DERIVATIVE, rows[n + i], e1, e2, e3)
 
 
 MEMBRANE_AND_BENDING = slice(0, 6)

@@ -30,7 +30,7 @@ from fem_lie.elements.thin_shells.rows import (
     half_of,
     node_of,
 )
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.node_types import NodeType
 from fem_lie.mesh.bicubic import hermite
 from fem_lie.mesh.bicubic.patch_coupling import Joined, Seam, frames_of
 from fem_lie.mesh.bicubic.smooth_patch import SmoothPatch
@@ -141,14 +141,14 @@ class SmoothSurface(HeldSurface):
         """The fourth vector of each point (n, 3), and what it is multiplied by in cells (m,)."""
 
     @property
-    def node_kind(self) -> NodeKind:
+    def node_type(self) -> NodeType:
         """Of the nodes that have places."""
-        return NodeKind.SURFACE
+        return NodeType.SURFACE_GRADIENT
 
     @property
-    def node_kinds(self) -> Indices:
+    def node_types(self) -> Indices:
         """See the base class."""
-        kinds = [int(NodeKind.SURFACE), int(NodeKind.CROSSING)]
+        kinds = [int(NodeType.SURFACE_GRADIENT), int(NodeType.MIXED_DERIVATIVE)]
         return np.repeat(kinds, self.points_count).astype(np.int64)
 
     def attachment_of(self, node: int) -> AttachmentFrame:

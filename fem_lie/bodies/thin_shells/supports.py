@@ -13,13 +13,13 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, Flags, Indices, direction
 from fem_lie.bodies.body import Body, Point
-from fem_lie.lie.kinds import NodeKind, set_all_axes
+from fem_lie.lie.node_types import NodeType, set_all_axes
 from fem_lie.mesh.bicubic.patch_coupling import Edge
 
 _AGREE = 1e-9
 _ACROSS = 1e-6  # components of slopes that are meant to be normal to a plane
 
-_KINDS = np.array([int(NodeKind.SURFACE), int(NodeKind.CROSSING)])
+_KINDS = np.array([int(NodeType.SURFACE_GRADIENT), int(NodeType.MIXED_DERIVATIVE)])
 
 PLACE, ALONG_A, ALONG_B, MIXED = range(4)
 """Vectors of a point."""

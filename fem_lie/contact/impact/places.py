@@ -11,8 +11,8 @@ from fem_lie.contact.impact.jacobian import along, push
 from fem_lie.contact.impact.records import CLOSED, Masses, Touch, Work
 from fem_lie.contact.impact.rows import axis_of, set_push, set_rows
 from fem_lie.contact.impact.sweeps import MOST_NEWTON
-from fem_lie.lie.kinds import move
 from fem_lie.lie.motions import Group
+from fem_lie.lie.node_types import move
 
 _GROUP = int(Group.R3xSO3)
 

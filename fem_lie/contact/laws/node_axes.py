@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.lie.kinds import NodeKind
-from fem_lie.lie.kinds.all_nodes import all_axes
+from fem_lie.lie.node_types import NodeType
+from fem_lie.lie.node_types.all_nodes import all_axes
 
 
 class NodeAxes:
@@ -20,13 +20,13 @@ class NodeAxes:
         """Find nodes whose directors are not their axes.
 
         Args:
-            kinds: Type of each node by its number, :class:`~fem_lie.lie.kinds.NodeKind`, (n,).
+            kinds: Type of each node by its number, :class:`~fem_lie.lie.node_types.NodeType`, (n,).
         """
-        others = (kinds == NodeKind.SLOPE) | (kinds == NodeKind.SURFACE)
+        others = (kinds == NodeType.POSITION_GRADIENT) | (kinds == NodeType.SURFACE_GRADIENT)
         self._nodes = np.flatnonzero(others)
         self._kinds = np.ascontiguousarray(kinds[self._nodes])
         self._is_other = others
-        self._is_slope = kinds == NodeKind.SLOPE
+        self._is_slope = kinds == NodeType.POSITION_GRADIENT
 
     def frames(self, H: Array) -> Array:
         """Position and axes of all nodes, shape (n, 4, 3).

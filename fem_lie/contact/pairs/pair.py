@@ -170,7 +170,7 @@ class ContactPair(ABC):
         numbers = [nodes(body) for body in self.bodies]
         found = np.zeros(1 + max(int(each.max()) for each in numbers), dtype=np.int64)
         for body, each in zip(self.bodies, numbers, strict=True):
-            found[each] = body.node_kinds
+            found[each] = body.node_types
         return found
 
     def numbered(self) -> tuple[Nodes, Array]:

@@ -20,7 +20,7 @@ from fem_lie.forms.abilities import (
     StepForces,
 )
 from fem_lie.forms.term import Pairs
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.node_types import NodeType
 
 _BEYOND = 2
 """Nodes on both sides of those that a place depends on, that the matrix knows of."""
@@ -252,8 +252,8 @@ def _ropes_of(rope: Rope, rings: Rings, nodes: Nodes) -> Ropes:
     bodies = dict.fromkeys([rope.body, *(p.body for p in rings.of if p.body is not None)])
     kinds = np.zeros(1 + max(int(nodes(body).max()) for body in bodies), dtype=np.int64)
     for body in bodies:
-        own = body.node_kinds
-        kinds[nodes(body)] = np.where(own == NodeKind.FRAME, 0, own)
+        own = body.node_types
+        kinds[nodes(body)] = np.where(own == NodeType.FRAME, 0, own)
     starts = np.concatenate([[0.0], np.cumsum(rope.lengths)])
     return Ropes(slots, powers, starts, owners, rings.factors(), kinds)
 

@@ -24,7 +24,12 @@ from fem_lie.contact.rings.curves import (
     store_place,
 )
 from fem_lie.forms.abilities import Ends
-from fem_lie.lie.kinds.forces import add_along_increments, pull, pull_derivative, push
+from fem_lie.lie.node_types.forces import (
+    add_along_increments,
+    pull_back,
+    pull_back_derivative,
+    push_forward,
+)
 from fem_lie.lie.tuples import (
     cross,
     dot,
@@ -105,7 +110,7 @@ def add_forces(
             for row in range(4):
                 for j in range(3):
                     f[row, j] = law.k * G[1][a, row] * apart[j] - τ / s * m[a, row, j]
-            pull(ropes.kinds[node], H[node], f, 1.0, out[node])
+            pull_back(ropes.kinds[node], H[node], f, 1.0, out[node])
 
 
 @compiled
@@ -210,7 +215,7 @@ def tangents(
             for i in range(6):
                 unit[:] = 0.0
                 unit[i] = 1.0
-                push(ropes.kinds[node], H[node], unit, rates)
+                push_forward(ropes.kinds[node], H[node], unit, rates)
                 total, along = (0.0, 0.0, 0.0), 0.0
                 for row in range(4):
                     total = plus(total, scaled(G[1][a, row], load_row(rates, row)))
@@ -237,7 +242,7 @@ def tangents(
             if G[0][a] >= 0:
                 node = G[0][a]
                 block = blocks[(k * count + where[a]) * count + where[a]]
-                pull_derivative(ropes.kinds[node], H[node], F[a], 1.0, block)
+                pull_back_derivative(ropes.kinds[node], H[node], F[a], 1.0, block)
 
 
 @uncounted

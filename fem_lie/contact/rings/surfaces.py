@@ -19,7 +19,7 @@ from fem_lie.bodies.beams.line_body import LineBody
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_node, require_point
 from fem_lie.contact.sides.surfaces import Surface, initial_frame
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.node_types import NodeType
 
 _HERMITE = np.array(
     [[1.0, 0.0, -3.0, 2.0], [0.0, 0.0, 3.0, -2.0], [0.0, 1.0, -2.0, 1.0], [0.0, 0.0, -1.0, 1.0]]
@@ -98,13 +98,13 @@ class Rope(Surface):
         Raises:
             ValueError: It is none, or its nodes have no places and slopes along it.
         """
-        path, kinds = self.path, self.body.node_kinds[self.path]
+        path, kinds = self.path, self.body.node_types[self.path]
         if len(path) < 3 or len(np.unique(path)) < len(path) or (kinds != kinds[0]).any():
             raise ValueError(
                 f"{self.label}: a rope has three nodes or more of one kind, each once, got "
                 f"{len(path)}"
             )
-        if kinds[0] not in (NodeKind.FRAME, NodeKind.SLOPE, NodeKind.POINT):
+        if kinds[0] not in (NodeType.FRAME, NodeType.POSITION_GRADIENT, NodeType.POSITION):
             self.body.require_frames(self.label)
         _ = self.lengths
 
@@ -122,7 +122,7 @@ class Rope(Surface):
         """
         lengths, m = self.lengths, len(self.path) - 1
         slots, powers = np.full((m, 4), -1), np.zeros((m, 4, 2, 4))
-        by_places = self.body.node_kinds[self.path[0]] == NodeKind.POINT
+        by_places = self.body.node_types[self.path[0]] == NodeType.POSITION
         for k in range(m):
             first, count = (max(k - 1, 0), min(m, k + 2)) if by_places else (k, k + 1)
             slots[k, : count - first + 1] = range(first, count + 1)

@@ -17,7 +17,7 @@ from fem_lie._arrays import Array
 from fem_lie._jit.decorators import Callback
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.points import require_node
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.node_types import NodeType
 
 MOST_NODES = 4
 """Nodes in whose rows a place is linear."""
@@ -248,12 +248,12 @@ def _with_moments(balls: Sequence[Ball], friction: bool) -> list[Owner]:
     return [owner for ball in beside for owner in ball.owners]
 
 
-_WITH_POSITION = (NodeKind.POINT, NodeKind.SLOPE, NodeKind.SURFACE)
+_WITH_POSITION = (NodeType.POSITION, NodeType.POSITION_GRADIENT, NodeType.SURFACE_GRADIENT)
 
 
 def _has_position(point: Point) -> bool:
     """Whether a point is a node with vector coordinates, of which one is its position."""
-    return point.body is not None and int(point.body.node_kinds[point.node]) in _WITH_POSITION
+    return point.body is not None and int(point.body.node_types[point.node]) in _WITH_POSITION
 
 
 def _name(point: Point) -> str:

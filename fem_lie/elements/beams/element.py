@@ -21,7 +21,7 @@ from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.attachments.between_frames import interpolated
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.local_forms import LocalFrameForms
-from fem_lie.lie.kinds import TRAITS, NodeKind
+from fem_lie.lie.node_types import TRAITS, NodeType
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class Formulation(ABC):
     """An element along a line: subclass it in one file, as a frozen dataclass of its options.
 
     Attributes:
-        node_kind: What its nodes are.
+        node_type: What its nodes are.
         degree: Of the nodal interpolation; a cell has ``degree + 1`` nodes.
         bows: Whether the axis of a cell of two nodes is the parabola with their tangents, for
             inertia and line loads; otherwise it is the interpolated one.
@@ -57,7 +57,7 @@ class Formulation(ABC):
         bends: Whether it bends and twists by itself, and not against the next one.
     """
 
-    node_kind: ClassVar[NodeKind] = NodeKind.FRAME
+    node_type: ClassVar[NodeType] = NodeType.FRAME
     degree: int
     bows: ClassVar[bool] = False
     viscous: ClassVar[bool] = True
@@ -178,7 +178,7 @@ class Formulation(ABC):
             nodal: As for :meth:`forms`.
             cells: What the cells are made of.
         """
-        rows = TRAITS[self.node_kind].rows.stop
+        rows = TRAITS[self.node_type].rows.stop
         weighted = cells.lengths[:, np.newaxis, np.newaxis] * cells.density[:, :rows, :rows]
         return np.einsum("ij,eab->eiajb", _LAGRANGE[self.degree], weighted)
 

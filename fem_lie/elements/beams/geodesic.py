@@ -184,7 +184,12 @@ def _geometric(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: 
 
 
 GEODESIC = FrameMap(
-    coordinates=_coordinates, pull=_pull, push=_push, geometric=_geometric, values=12, unknowns=6
+    coordinates=_coordinates,
+    pull_back=_pull,
+    push_forward=_push,
+    geometric=_geometric,
+    values=12,
+    unknowns=6,
 )
 
 

@@ -60,15 +60,16 @@ from fem_lie.forms.small_energy.cell import (
     update_stress,
 )
 from fem_lie.forms.small_energy.element import CELL_SIGNATURE, data_at_rest, element
-from fem_lie.lie.kinds.kind import NodeKind
+from fem_lie.lie.node_types.node_type import NodeType
 
 NODES, VECTORS = 4, 8
-"""A cell has the SURFACE nodes of its ends, with place and ``r_x``, then their CROSSING ones, with
-``r_y`` and ``r_z``."""
+"""Nodes of a cell: the SURFACE_GRADIENT nodes of both ends, with position and ``r_x``, then their
+MIXED_DERIVATIVE nodes, with ``r_y`` and ``r_z``. Vectors: four at each end.
+"""
 
 STRAINS, _POINT_VECTORS = 18, 11
 BEAM, CURVATURE, SECTION = 0, 9, 12
-"""Where strains of the axis, curvatures, and those of the sections begin."""
+"""First index of the strains of the axis, of the curvatures, and of the strains of the sections."""
 
 _X, _Y, _Z, _DY, _DZ = 0, 3, 6, 9, 10
 """Vectors: ``r_x``, ``r_y``, ``r_z`` at one end, the middle, the other end; ``r_y'``, ``r_z'``."""
@@ -107,7 +108,7 @@ def _tables(lengths: Array) -> Array:
 
 
 ELEMENT = element(
-    [NodeKind.SURFACE] * 2 + [NodeKind.CROSSING] * 2,
+    [NodeType.SURFACE_GRADIENT] * 2 + [NodeType.MIXED_DERIVATIVE] * 2,
     _terms(),
     vectors=_POINT_VECTORS,
     strains=STRAINS,

@@ -55,7 +55,7 @@ from fem_lie.forms.small_energy.cell import (
     update_stress,
 )
 from fem_lie.forms.small_energy.element import CELL_SIGNATURE, data_at_rest, element
-from fem_lie.lie.kinds.kind import NodeKind
+from fem_lie.lie.node_types.node_type import NodeType
 from fem_lie.mesh.bicubic import hermite
 
 VALUE, ALONG, ACROSS = range(3)
@@ -155,7 +155,7 @@ def _terms() -> Array:
 
 _INTERPOLATION, _TERMS = _interpolation(), _terms()
 ELEMENT = element(
-    [NodeKind.SURFACE] * CORNERS + [NodeKind.CROSSING] * CORNERS,
+    [NodeType.SURFACE_GRADIENT] * CORNERS + [NodeType.MIXED_DERIVATIVE] * CORNERS,
     _TERMS,
     vectors=_POINT_VECTORS,
     strains=STRAINS,

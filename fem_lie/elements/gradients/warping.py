@@ -24,17 +24,18 @@ from fem_lie.elements.rods.bends import Springs
 from fem_lie.forms.kernels.addresses import Pointer
 from fem_lie.forms.small_energy.cell import add_energy, add_forces, add_tangent
 from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
-from fem_lie.lie.kinds.kind import NodeKind
+from fem_lie.lie.node_types.node_type import NodeType
 
 
 class WarpingSprings(NamedTuple):
-    """Changes of twist that cost energy.
+    """Springs against a change of twist between elements.
 
     Attributes:
-        nodes: CROSSING nodes in a row, shape (b, 3); at a held end the last two are the same.
-        shares: ``1/2ℓ`` of both elements, zero for the second one at a held end, shape (b, 2).
-        stiffness: ``EI_ω`` over the distance, shape (b,).
-        natural: Change of twist of the unloaded beam, shape (b,).
+        nodes: Three MIXED_DERIVATIVE nodes of each spring along the beam, shape (b, 3); at a held
+            end the last two are the same.
+        shares: ``1/2ℓ`` of both elements, zero for the second one at a held end, shape (b, 2), 1/m.
+        stiffness: ``EI_ω`` over the distance, shape (b,), N m³.
+        natural: Change of twist of the unloaded beam, shape (b,), 1/m.
     """
 
     nodes: Indices
@@ -50,10 +51,10 @@ class WarpingSprings(NamedTuple):
 
         Args:
             rows: Of all nodes, unloaded, shape (n, 4, 3).
-            ends: CROSSING nodes of both ends of the elements, shape (m, 2).
+            ends: MIXED_DERIVATIVE nodes of both ends of the elements, shape (m, 2).
             lengths: Of the elements, shape (m,).
             stiffness: ``EI_ω``.
-            held: CROSSING nodes where warping is held.
+            held: MIXED_DERIVATIVE nodes where warping is held.
         """
         first, second = np.nonzero(ends[:, 1, np.newaxis] == ends[np.newaxis, :, 0])
         last = np.flatnonzero(np.isin(ends, held).any(axis=1))
@@ -98,7 +99,7 @@ def _vectors(springs: WarpingSprings) -> Array:
     return tables
 
 
-ELEMENT = element([NodeKind.CROSSING] * 3, [(0, 2, 1, 1.0), (0, 0, 3, -1.0)], vectors=4)
+ELEMENT = element([NodeType.MIXED_DERIVATIVE] * 3, [(0, 2, 1, 1.0), (0, 0, 3, -1.0)], vectors=4)
 
 
 @callback(CELL_SIGNATURE)

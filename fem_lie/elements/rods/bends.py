@@ -24,7 +24,7 @@ from fem_lie.forms.cell_sums import CellSum, CellTerm, Pattern
 from fem_lie.forms.kernels.addresses import Pointer
 from fem_lie.forms.small_energy.cell import add_energy, add_forces, add_tangent
 from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
-from fem_lie.lie.kinds.kind import NodeKind
+from fem_lie.lie.node_types.node_type import NodeType
 
 
 class _Data(Protocol):
@@ -172,7 +172,7 @@ def _bending(strains: tuple[float, ...], parameters: tuple[float, ...]) -> float
 
 
 ELEMENT = element(
-    [NodeKind.POINT] * 3,
+    [NodeType.POSITION] * 3,
     [(0, 0), (0, 1), (1, 1)],
     vectors=2,
     parameters=2,

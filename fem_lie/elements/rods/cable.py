@@ -54,7 +54,14 @@ from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, FrameMap, Pointer, frame_function
 from fem_lie.forms.local_forms import LocalFrameForms
-from fem_lie.lie.kinds import SLOPE, NodeKind, axes, pull, pull_derivative, push
+from fem_lie.lie.node_types import (
+    POSITION_GRADIENT,
+    NodeType,
+    axes,
+    pull_back,
+    pull_back_derivative,
+    push_forward,
+)
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -150,7 +157,7 @@ def force_kernel(
     )
     forces = negative(force), force
     for i in range(2):
-        e1, e2, e3 = axes(SLOPE, H[i])
+        e1, e2, e3 = axes(POSITION_GRADIENT, H[i])
         for j in range(3):
             out[i, j] += rotate_back(e1, e2, e3, forces[i])[j]
             out[i, 3 + j] += rotate_back(e1, e2, e3, slopes[i])[j]
@@ -163,21 +170,23 @@ _THIN = 1e-12
 
 
 @frame_function
-def pull_rows(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
+def pull_back_vectors(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     """Forces on places and slopes, along the axes of their nodes."""
     H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
     r = numba.carray(out, (nodes, 6))
     for i in range(nodes):
-        pull(SLOPE, H[i], f[i], 1.0, r[i])
+        pull_back(POSITION_GRADIENT, H[i], f[i], 1.0, r[i])
 
 
 @frame_function
-def push_rows(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
+def push_forward_vectors(
+    state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int
+) -> None:
     """Increments along these axes as those of places and slopes."""
     H, h = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 6))
     rates = numba.carray(out, (nodes, 4, 3))
     for i in range(nodes):
-        push(SLOPE, H[i], h[i], rates[i])
+        push_forward(POSITION_GRADIENT, H[i], h[i], rates[i])
 
 
 @frame_function
@@ -185,13 +194,13 @@ def _geometric(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: 
     H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
     A = numba.carray(out, (nodes, 6, nodes, 6))
     for i in range(nodes):
-        pull_derivative(SLOPE, H[i], f[i], 1.0, A[i, :, i])
+        pull_back_derivative(POSITION_GRADIENT, H[i], f[i], 1.0, A[i, :, i])
 
 
 _SLOPES = FrameMap(
     coordinates=None,
-    pull=pull_rows,
-    push=push_rows,
+    pull_back=pull_back_vectors,
+    push_forward=push_forward_vectors,
     geometric=_geometric,
     values=12,
     unknowns=6,
@@ -212,7 +221,7 @@ class HermiteCable(Formulation):
         ValueError: The strain is not positive.
     """
 
-    node_kind = NodeKind.SLOPE
+    node_type = NodeType.POSITION_GRADIENT
     degree: int = 1
     slack: float | None = None
 

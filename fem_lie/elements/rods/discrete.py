@@ -18,16 +18,16 @@ import ufl
 
 from fem_lie._arrays import Array, positive
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
-from fem_lie.elements.rods.cable import pull_rows, push_rows
+from fem_lie.elements.rods.cable import pull_back_vectors, push_forward_vectors
 from fem_lie.elements.rods.thread_law import check_section, stretch_energy
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels.addresses import FrameMap
 from fem_lie.forms.local_forms import LocalFrameForms
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.node_types import NodeType
 
 # the rows of places are unit vectors, and forces and increments of theirs are nil
-_PLACES = FrameMap(None, pull_rows, push_rows, None, values=12, unknowns=6)
+_PLACES = FrameMap(None, pull_back_vectors, push_forward_vectors, None, values=12, unknowns=6)
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class DiscreteCable(Formulation):
         ValueError: The strain is not positive.
     """
 
-    node_kind = NodeKind.POINT
+    node_type = NodeType.POSITION
     viscous = False
     degree: int = 1
     natural: bool = False

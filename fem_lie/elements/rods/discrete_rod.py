@@ -27,7 +27,7 @@ from fem_lie.elements.rods.corners import Corners
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
 from fem_lie.forms.local_forms import LocalFrameForms
-from fem_lie.lie.directors import turn_on_to
+from fem_lie.lie.directors import rotate_onto
 from fem_lie.lie.tuples import load_row, minus
 
 
@@ -45,7 +45,7 @@ def edge_axes(rows: Array, a: Indices, b: Indices) -> Array:
         own, way = rows[a[k]].copy(), load_row(rows[a[k]], 1)
         if a[k] != b[k]:
             way = minus(load_row(rows[b[k]], 0), load_row(own, 0))
-        turn_on_to(own, way)
+        rotate_onto(own, way)
         out[k] = own[1:]
     return out
 

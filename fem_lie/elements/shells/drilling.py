@@ -50,8 +50,8 @@ from fem_lie.forms.small_energy.element import (
     unpacked,
 )
 from fem_lie.forms.term import add_at
-from fem_lie.lie.kinds.kind import NodeKind
 from fem_lie.lie.motions import add_turnings
+from fem_lie.lie.node_types.node_type import NodeType
 from fem_lie.mesh.shapes import rule, tabulated
 
 
@@ -145,7 +145,7 @@ _A1, _A2, _X1, _X2 = range(4)
 def _element(nodes: int, points: int) -> Element:
     """That of cells with so many nodes and points of integration."""
     products = [(0, _A1, _X2, 1.0), (0, _A2, _X1, -1.0)]
-    return element([NodeKind.FRAME] * nodes, products, vectors=4, points=points)
+    return element([NodeType.FRAME] * nodes, products, vectors=4, points=points)
 
 
 @inlined

@@ -24,7 +24,7 @@ import numba
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
-from fem_lie.forms.frames import pull, push
+from fem_lie.forms.frames import pull_back, push_forward
 from fem_lie.forms.kernels.addresses import FrameMap, Pointer, frame_function
 
 
@@ -86,13 +86,17 @@ def _six_coordinates(state: Pointer, y: Pointer, given: Pointer, out: Pointer, n
 @frame_function
 def _six_pull(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     shape = (nodes, 4, 3)
-    pull(numba.carray(state, shape), numba.carray(given, shape), 1.0, numba.carray(out, (nodes, 6)))
+    pull_back(
+        numba.carray(state, shape), numba.carray(given, shape), 1.0, numba.carray(out, (nodes, 6))
+    )
 
 
 @frame_function
 def _six_push(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     shape = (nodes, 4, 3)
-    push(numba.carray(state, shape), numba.carray(given, (nodes, 6)), numba.carray(out, shape))
+    push_forward(
+        numba.carray(state, shape), numba.carray(given, (nodes, 6)), numba.carray(out, shape)
+    )
 
 
 @frame_function
@@ -122,8 +126,8 @@ def _six_geometric(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nod
 
 FIVE = FrameMap(
     coordinates=_five_coordinates,
-    pull=_five_pull,
-    push=_five_push,
+    pull_back=_five_pull,
+    push_forward=_five_push,
     geometric=_five_geometric,
     values=12,
     unknowns=5,
@@ -132,8 +136,8 @@ FIVE = FrameMap(
 
 SIX = FrameMap(
     coordinates=_six_coordinates,
-    pull=_six_pull,
-    push=_six_push,
+    pull_back=_six_pull,
+    push_forward=_six_push,
     geometric=_six_geometric,
     values=12,
     unknowns=6,

@@ -6,7 +6,7 @@ nearly incompressible material do not with a mean dilatation, see :class:`MeanDi
 bending degree 2 is what helps. (Simo, Taylor & Pister, CMAME 51 (1985) 177: the mean dilatation;
 Moran, Ortiz & Shih, IJNME 29 (1990) 483: of large deformations.)
 
-How places of nodes, and the volumes of cells, move with nodes of kind ``POINT``.
+How places of nodes, and the volumes of cells, move with nodes of kind ``POSITION``.
 
 Nodes store four rows, of which the first is the place and the others are axes ``R``; unknowns are
 displacements along these, ``δx = R h``. Flat coordinates are the places, and for

@@ -1,14 +1,15 @@
-"""From the nodes of a cell to the vectors of its interpolation, and forces back: compiled.
+"""Hermite vectors of a thin-shell cell from its nodes, and forces back on the nodes: compiled.
 
-A corner of a cell is two nodes, a SURFACE and a CROSSING of :mod:`fem_lie.lie.kinds`; a cell has
-its four SURFACE nodes first, then their CROSSING ones. Vectors ``q`` (16, 3) are at each corner the
-place and its derivatives along ξ and η and both; what the nodes have is derivatives in the patch's
-own parameters, the mixed one times an area.
+A corner of a cell is two nodes, a SURFACE_GRADIENT and a MIXED_DERIVATIVE node of
+:mod:`fem_lie.lie.node_types`; a cell has its four SURFACE_GRADIENT nodes first, then their
+MIXED_DERIVATIVE nodes. The vectors ``q`` (16, 3) are, at each corner, the position and its
+derivatives along ξ, η and both. Nodes have derivatives in the parameters of the patch, the mixed
+one times an area.
 
-A cell that is a quarter of a larger one may have corners that hang in the middle of an edge of the
-larger cell beside. Such a corner is no node: in its stead the cell has the node at the end of that
-edge, and the vectors of the corner are those that the cubic edge has in its middle. So each cell
-has four points, whatever is beside it, and kernels know nothing of it.
+A corner of a refined cell may be a hanging node: the midpoint of an edge of the larger neighbour.
+It has no unknowns. The cell uses the node at the far end of that edge instead, and the vectors of
+the corner are those of the cubic edge at its midpoint. So each cell has four points, whatever its
+neighbours, and kernels do not distinguish the cases.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie.lie.kinds.kind import CROSSING, SURFACE, axes
+from fem_lie.lie.node_types.node_type import MIXED_DERIVATIVE, SURFACE_GRADIENT, axes
 from fem_lie.lie.tuples import load, load_row, rotate, rotate_back, scaled, store
 
 CORNERS, VECTORS, NODES, UNKNOWNS = 4, 16, 8, 48
@@ -101,7 +102,7 @@ def pull_hanging(code: int, f: Array) -> None:
 
 @inlined
 def _kind(node: int) -> int:
-    return SURFACE if node < CORNERS else CROSSING
+    return SURFACE_GRADIENT if node < CORNERS else MIXED_DERIVATIVE
 
 
 @compiled

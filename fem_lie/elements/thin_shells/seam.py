@@ -28,7 +28,7 @@ from fem_lie.forms.small_energy.cell import (
     update_stress,
 )
 from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
-from fem_lie.lie.kinds.kind import NodeKind
+from fem_lie.lie.node_types.node_type import NodeType
 from fem_lie.lie.tuples import Vector, cross, dot, scaled
 from fem_lie.mesh.bicubic.patch_coupling import SeamPoints
 
@@ -59,7 +59,7 @@ def _products() -> list[tuple[int, int, int, float]]:
 
 
 ELEMENT = element(
-    ([NodeKind.SURFACE] * CORNERS + [NodeKind.CROSSING] * CORNERS) * 2,
+    ([NodeType.SURFACE_GRADIENT] * CORNERS + [NodeType.MIXED_DERIVATIVE] * CORNERS) * 2,
     _products(),
     vectors=_LINEAR,
     constants=_CONSTANT,

@@ -115,16 +115,16 @@ class FrameMap:
 
     Attributes:
         coordinates: ``y`` from the state; ``None`` if the state of the cell's nodes is ``y``.
-        pull: ``out += Lᵀ given``, a force on ``y`` as forces and moments in the nodal frames.
-        push: ``out = L given``, twists of the nodes as a variation of ``y``.
+        pull_back: ``out += Lᵀ given``, a force on ``y`` as forces and moments in the nodal frames.
+        push_forward: ``out = L given``, twists of the nodes as a variation of ``y``.
         geometric: ``out += ∂(Lᵀ given)/∂h``, a row-major square matrix; ``None`` if zero.
         values: Doubles stored per node.
         unknowns: Local-frame unknowns per node.
     """
 
     coordinates: Any
-    pull: Any
-    push: Any
+    pull_back: Any
+    push_forward: Any
     geometric: Any
     values: int
     unknowns: int

@@ -26,7 +26,7 @@ from fem_lie.forms.kernels.addresses import (
 
 # --- the header: 64-bit integers in the form's constants ------------------------------------------
 
-COORDINATES, PULL, PUSH, GEOMETRIC = 0, 1, 2, 3  # addresses of the map's functions
+COORDINATES, PULL_BACK, PUSH_FORWARD, GEOMETRIC = 0, 1, 2, 3  # addresses of the map's functions
 N_Y, N_S, N_H, NODES = 4, 5, 6, 7  # sizes: coordinates, local fields, unknowns, nodes
 AT_STATE, AT_Y, AT_H, AT_DY = 8, 9, 10, 11  # offsets into the packed coefficients w
 FIRST, SECOND, THIRD, FOURTH = 12, 13, 14, 15  # where the descriptions of FFCx's functions begin
@@ -178,7 +178,7 @@ def residual_kernel(
     f = stack(n_y)
     _clear(f, n_y)
     _inner(head, head[FIRST], f, w, c, x, entity, permutation)
-    apply(head[PULL], state, y, f, A, head[NODES])
+    apply(head[PULL_BACK], state, y, f, A, head[NODES])
 
 
 @callback(UFCX_SIGNATURE)
@@ -210,7 +210,7 @@ def tangent_kernel(
     KL = stack(n_y * n_h)
     _clear(KL, n_y * n_h)
     for i in range(n_y):
-        apply(head[PULL], state, y, shift(K, i * n_y), shift(KL, i * n_h), nodes)
+        apply(head[PULL_BACK], state, y, shift(K, i * n_y), shift(KL, i * n_h), nodes)
     columns = numba.carray(KL, (n_y, n_h))
     column, pulled = stack(n_y), stack(n_h)
     column_values, pulled_values = numba.carray(column, (n_y,)), numba.carray(pulled, (n_h,))
@@ -219,7 +219,7 @@ def tangent_kernel(
         for i in range(n_y):
             column_values[i] = columns[i, j]
         _clear(pulled, n_h)
-        apply(head[PULL], state, y, column, pulled, nodes)
+        apply(head[PULL_BACK], state, y, column, pulled, nodes)
         for i in range(n_h):
             out[i, j] += pulled_values[i]
 
@@ -232,9 +232,9 @@ def viscous_kernel(
     head, state, y = _prepare(w, c)
     f = stack(head[N_Y])
     _clear(f, head[N_Y])
-    apply(head[PUSH], state, y, shift(w, head[AT_H]), shift(w, head[AT_DY]), head[NODES])
+    apply(head[PUSH_FORWARD], state, y, shift(w, head[AT_H]), shift(w, head[AT_DY]), head[NODES])
     _inner(head, head[FIRST], f, w, c, x, entity, permutation)
-    apply(head[PULL], state, y, f, A, head[NODES])
+    apply(head[PULL_BACK], state, y, f, A, head[NODES])
 
 
 @callback(UFCX_SIGNATURE)
@@ -244,7 +244,7 @@ def stress_kernel(
     """Rank 1: the new carried stress, ``σ(ε) + C ε'(y) L h``, times the quadrature weights."""
     head, state, y = _prepare(w, c)
     dy = shift(w, head[AT_DY])
-    apply(head[PUSH], state, y, shift(w, head[AT_H]), dy, head[NODES])
+    apply(head[PUSH_FORWARD], state, y, shift(w, head[AT_H]), dy, head[NODES])
     _inner(head, head[FIRST], A, w, c, x, entity, permutation)
 
 
@@ -261,7 +261,7 @@ def local_kernel(
     f, M = stack(n_s), stack(n_s * n_s)
     _clear(f, n_s)
     _clear(M, n_s * n_s)
-    apply(head[PUSH], state, y, shift(w, head[AT_H]), dy, head[NODES])
+    apply(head[PUSH_FORWARD], state, y, shift(w, head[AT_H]), dy, head[NODES])
     _inner(head, head[FIRST], f, w, c, x, entity, permutation)
     _inner(head, head[SECOND], M, w, c, x, entity, permutation)
     z = numba.carray(f, (n_s, 1))

@@ -20,7 +20,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined
 from fem_lie._jit.stack import vector_at
 from fem_lie.forms.kernels.addresses import Pointer, double_pointer, shift
-from fem_lie.lie.kinds.kind import TRAITS, NodeKind
+from fem_lie.lie.node_types.node_type import TRAITS, NodeType
 
 CELL_SIGNATURE = types.void(double_pointer, double_pointer, double_pointer)
 """Of the functions of an element: what they add to, the data of a cell, and twists or increments of
@@ -95,7 +95,7 @@ class Element(NamedTuple):
 
 
 def element(
-    node_types: Sequence[NodeKind],
+    node_types: Sequence[NodeType],
     products: npt.ArrayLike,
     *,
     vectors: int,
@@ -180,7 +180,7 @@ def element(
         (0.0,) * (0 if law is None else count),
         (0.0,) * (3 * derived.shape[1]),
     )
-    turning = 1 if any(kind <= NodeKind.SLOPE for kind in node_types) else None
+    turning = 1 if any(kind <= NodeType.POSITION_GRADIENT for kind in node_types) else None
     return Element(cells, strain, law, derive, like, turning)
 
 
@@ -206,7 +206,7 @@ def _curved(pairs: Indices, inputs: Indices, vectors: int, every: int) -> int:
     return 1 + int(max(touched, default=-1))
 
 
-def _coordinates(node_types: Sequence[NodeKind]) -> tuple[Indices, Indices]:
+def _coordinates(node_types: Sequence[NodeType]) -> tuple[Indices, Indices]:
     """Coordinate vectors and groups of unknowns of a cell's nodes."""
     rows: list[tuple[int, int, int, int]] = []
     groups: list[int] = []
@@ -215,7 +215,7 @@ def _coordinates(node_types: Sequence[NodeKind]) -> tuple[Indices, Indices]:
             first = 6 * node + 3 * min(number, 1)
             if first not in groups:
                 groups.append(first)
-            rows.append((node, row, groups.index(first), row if kind == NodeKind.FRAME else 0))
+            rows.append((node, row, groups.index(first), row if kind == NodeType.FRAME else 0))
     return np.array(rows, dtype=np.int64), np.array(groups, dtype=np.int64)
 
 

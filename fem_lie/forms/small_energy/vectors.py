@@ -20,9 +20,9 @@ from fem_lie.forms.small_energy.derived import (
     pull_derived,
 )
 from fem_lie.forms.small_energy.element import Cells, CompiledFunction
-from fem_lie.lie.kinds.forces import pull_derivative
-from fem_lie.lie.kinds.kind import SLOPE, axes
 from fem_lie.lie.motions import add_turning as add_symmetric_part
+from fem_lie.lie.node_types.forces import pull_back_derivative
+from fem_lie.lie.node_types.node_type import POSITION_GRADIENT, axes
 from fem_lie.lie.tuples import Vector, combined, load_row, negative, plus, scaled, store
 
 
@@ -353,12 +353,12 @@ def add_turning(E: Cells, H: Array, f: Array, A: Pointer) -> None:
     k = E.types.shape[0]
     out, own = numba.carray(A, (k, 6, k, 6)), matrix_at(stack(12), 4, 3)
     for node in range(k):
-        if E.types[node] <= SLOPE:
+        if E.types[node] <= POSITION_GRADIENT:
             clear(own)
             for r in range(E.starts.shape[0]):
                 if E.coordinates[r, 0] == node:
                     store(own[E.coordinates[r, 1]], 0, load_row(f, r))
-            pull_derivative(E.types[node], H[node], own, 1.0, out[node, :, node])
+            pull_back_derivative(E.types[node], H[node], own, 1.0, out[node, :, node])
 
 
 @inlined
@@ -370,5 +370,5 @@ def add_turning_of_frames(E: Cells, H: Array, f: Array, A: Pointer) -> None:
     clear(local)
     add_local(E, H, f, numba.carray(local_at, (6 * k,)))
     for node in range(k):
-        if E.types[node] < SLOPE:
+        if E.types[node] < POSITION_GRADIENT:
             add_symmetric_part(local[node], 1.0, out[node, :, node])

@@ -21,7 +21,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._state import attributes
-from fem_lie.lie.kinds import all_from_local, move_all
+from fem_lie.lie.node_types import all_from_local, move_all
 from fem_lie.results import Result
 from fem_lie.results.record import BOOKED, Record, with_others
 from fem_lie.scene.load import amplitudes

@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from fem_lie.lie.kinds import twists
+from fem_lie.lie.node_types import twists
 from fem_lie.solve.alpha.run_state import RunState
 from fem_lie.solve.alpha.step.loop import (
     INCREMENT,

@@ -10,7 +10,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._state import attributes
-from fem_lie.lie.kinds import follow_all, turn_all, turn_all_back
+from fem_lie.lie.node_types import all_to_global_components, all_to_nodal_components, retract_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.low_rank import MOST
 from fem_lie.solve.alpha.options import DAMPED, Components, Index, Options
@@ -158,8 +158,8 @@ class RunState(DividedIntegration[Recorder]):
         plan = plan._replace(inertial=turned, choices=self.choices)
         self.equations.fill(self._end_instant, self.forces, plan)
         if turned:
-            turn_all(s.kinds[:1], s.H, zero)
-            turn_all_back(s.kinds[:1], s.H, zero)
+            all_to_global_components(s.kinds[:1], s.H, zero)
+            all_to_nodal_components(s.kinds[:1], s.H, zero)
         else:
             again = plan._replace(joint_frames=self._ahead(), constraints_only=True)
             self.equations.fill(self._end_instant, self.forces, again)
@@ -273,10 +273,10 @@ class RunState(DividedIntegration[Recorder]):
         """Solve; the residual and the solution are in local components."""
         H1, kinds = self.s.H1, self.s.kinds
         if self._turned:
-            turn_all(kinds, H1, self.r)
+            all_to_global_components(kinds, H1, self.r)
         self.solver.solve()
         if self._turned:
-            turn_all_back(kinds, H1, self.dx)
+            all_to_nodal_components(kinds, H1, self.dx)
         if self._guided:
             nodes = self.dx[: 6 * self._moving].reshape(-1, 6)
             self.equations.supports.turn_back(H1, nodes)
@@ -343,7 +343,7 @@ class RunState(DividedIntegration[Recorder]):
         steps = (self.index - self._born) // 2
         s, frames = self.s, self.s.H1.copy()
         # along a screw motion on either group: joints stay closed
-        follow_all(s.kinds, s.H1, steps * self.p.h * s.twist1, frames)
+        retract_all(s.kinds, s.H1, steps * self.p.h * s.twist1, frames)
         return frames
 
     def _ahead_of_this(self) -> Array:

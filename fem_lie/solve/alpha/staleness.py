@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.lie.kinds import all_from_group
+from fem_lie.lie.node_types import all_from_group
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step.node import PlainScheme
 from fem_lie.solve.alpha.step.nodes import State, correct

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.lie.kinds import all_from_group, all_from_local, all_to_group, bend_all
+from fem_lie.lie.node_types import all_cubic_terms, all_from_group, all_from_local, all_to_group
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step.node import Scheme
 from fem_lie.solve.alpha.step.nodes import State, extrapolate
@@ -79,7 +79,7 @@ def velocity_defect(
     """
     n, h = equations.unknowns.moving, scheme.h
     defect, local = np.empty((n, 6)), jerk.copy()
-    bend_all(s.kinds, s.v, s.vdot, defect)
+    all_cubic_terms(s.kinds, s.v, s.vdot, defect)
     all_from_group(s.kinds, s.H, local)
     c = 1 / 6 - scheme.beta + 0.5 * (scheme.af - scheme.am)
     left = h**2 * (c * local + defect / 12)

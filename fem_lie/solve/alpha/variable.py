@@ -47,7 +47,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie._state import arrays_of, attributes
-from fem_lie.lie.kinds import all_to_group, bend, from_group, push_all
+from fem_lie.lie.node_types import all_to_group, cubic_term, from_group, push_all_forward
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.levels import KeptFactors
 from fem_lie.solve.alpha.options import Options
@@ -89,7 +89,7 @@ def defects(
         for k in range(6):
             jump = vdot1[i, k] - vdot[k]
             out[i, k] = h * v[k] + h * h * (0.5 * vdot[k] + jump / 6.0) - d[i, k]
-        bend(kinds[i], v, vdot, bent)
+        cubic_term(kinds[i], v, vdot, bent)
         for k in range(6):
             out[i, k] += h * h * h / 12.0 * bent[k]
         from_group(kinds[i], H1[i], out[i])
@@ -126,7 +126,7 @@ class TimeError:
         """
         n = len(self.defect)
         defects(h, self._kinds, H1, before, d, vdot1, self.defect)
-        push_all(self._kinds, H1, self.defect, self._q)
+        push_all_forward(self._kinds, H1, self.defect, self._q)
         r[:] = 0.0
         forces = r[: 6 * n].reshape(n, 6)
         add_inertia_forces(self._equations, H1, self._q, mass, forces)

@@ -41,8 +41,8 @@ from typing import Any
 
 from fem_lie._arrays import Indices, number
 from fem_lie.forms.term import Term
-from fem_lie.lie.kinds import SLOPE
 from fem_lie.lie.motions import Group
+from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.scene import Scene
 from fem_lie.solve.conserving.memory import has_vector_nodes
 from fem_lie.solve.conserving.outside.forces import acts_in_the_middle
@@ -117,11 +117,11 @@ def _has_forces_over_steps(term: Term, kinds: Indices) -> bool:
         return True
     if term.within_frames:
         return True
-    if (kinds[term.pairs[0]] < SLOPE).all():
+    if (kinds[term.pairs[0]] < POSITION_GRADIENT).all():
         return term.conserved
     if term.tables is None or term.local is not None:
         return False
-    return bool((kinds[term.tables[0].nodes] >= SLOPE).all())
+    return bool((kinds[term.tables[0].nodes] >= POSITION_GRADIENT).all())
 
 
 @dataclass(frozen=True)

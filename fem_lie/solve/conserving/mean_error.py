@@ -30,9 +30,9 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie.lie.kinds import SLOPE, pull_all
-from fem_lie.lie.kinds.inertia import Inertia
-from fem_lie.lie.kinds.kind import axes
+from fem_lie.lie.node_types import POSITION_GRADIENT, pull_all_back
+from fem_lie.lie.node_types.inertia import Inertia
+from fem_lie.lie.node_types.node_type import axes
 from fem_lie.lie.tuples import load, rotate, rotate_back
 from fem_lie.solve.conserving.between.floating import PackedBodies
 from fem_lie.solve.conserving.between.product_rows import accelerations, add_inertia
@@ -109,9 +109,9 @@ class MeanError:
         if equations.unknowns.time_dependent:
             equations.prescribed(at.time).act()
         twist[:] = 0.0
-        pull_all(self._kinds, at.H, at.V[:n], 1.0, twist.reshape(-1))
+        pull_all_back(self._kinds, at.H, at.V[:n], 1.0, twist.reshape(-1))
         # each director of a frame has its part of the rotation twice
-        twist[self._kinds < SLOPE, 3:] *= 0.5
+        twist[self._kinds < POSITION_GRADIENT, 3:] *= 0.5
         now = TimeState(at.H, twist, self._still, weights)
         equations.residual(now, self._ones, self._r, self._found)
         accelerations(self._kinds, self._bodies, at.H, twist, self._q)
@@ -138,7 +138,7 @@ def _compare(kinds: Indices, H: Array, H1: Array, before: Array, factor: float, 
         b1, b2, b3 = axes(kinds[i], H1[i])
         for at in (0, 3):
             f = load(before[i], at)
-            if at == 0 or kinds[i] >= SLOPE:
+            if at == 0 or kinds[i] >= POSITION_GRADIENT:
                 f = rotate_back(b1, b2, b3, rotate(a1, a2, a3, f))
             for k in range(3):
                 r[i, at + k] = factor * (r[i, at + k] - f[k])

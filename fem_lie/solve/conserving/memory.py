@@ -12,7 +12,7 @@ from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.cell_forms import FormTable, each_cell, joined
 from fem_lie.forms.cells import Cells
 from fem_lie.forms.term import Term
-from fem_lie.lie.kinds import SLOPE
+from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.solve.conserving.between.end_forces import Pushes
 from fem_lie.solve.conserving.between.floating import packed_bodies
 from fem_lie.solve.conserving.between.product_rows import inertia_with_products, product_weights
@@ -120,7 +120,7 @@ def room_for_step(
 
 def has_vector_nodes(equations: Equations) -> bool:
     """Whether there are nodes that are no frames."""
-    return bool((equations.unknowns.kinds >= SLOPE).any())
+    return bool((equations.unknowns.kinds >= POSITION_GRADIENT).any())
 
 
 def products_of(equations: Equations) -> tuple[int, int]:
@@ -136,7 +136,7 @@ def assemblies_of_frames(equations: Equations) -> list[tuple[slice, BodyTerm]]:
     return [
         (at, term)
         for at, term in known.assemblies
-        if kinds[at.start] < SLOPE and not term.within_frames
+        if kinds[at.start] < POSITION_GRADIENT and not term.within_frames
     ]
 
 
@@ -145,7 +145,7 @@ def cells_of_rows(equations: Equations) -> RowCells:
     kinds = equations.tables.kinds
     tables = [term.tables for term in equations.tables.terms if not term.load]
     parts = [both for both in tables if both is not None]
-    parts = [both for both in parts if (kinds[both[0].nodes] >= SLOPE).all()]
+    parts = [both for both in parts if (kinds[both[0].nodes] >= POSITION_GRADIENT).all()]
     forces, energy = (
         each_cell(FormTable(*joined([both[k] for both in parts], [0] * len(parts))))
         for k in range(2)
@@ -225,11 +225,11 @@ def _without_inertia(equations: Equations) -> Array:
     """Projectors on the rotations of frames that have no inertia, (n, 3, 3), or (0, 3, 3)."""
     unknowns, mass = equations.unknowns, equations.tables.inertia
     rows = np.repeat(np.arange(unknowns.moving), np.diff(mass.indptr[: unknowns.moving + 1]))
-    own = (rows == mass.indices[: len(rows)]) & (unknowns.kinds[rows] < SLOPE)
+    own = (rows == mass.indices[: len(rows)]) & (unknowns.kinds[rows] < POSITION_GRADIENT)
     E = np.zeros((unknowns.moving, 3, 3))
     E[rows[own]] = mass.blocks[: len(rows)][own, 1:, 1:]
     J = np.trace(E, axis1=1, axis2=2)[:, np.newaxis, np.newaxis] * np.eye(3) - E
-    held = unknowns.held[:, 3:] | (unknowns.kinds >= SLOPE)[:, np.newaxis]
+    held = unknowns.held[:, 3:] | (unknowns.kinds >= POSITION_GRADIENT)[:, np.newaxis]
     # what is held counts as heavy
     size = np.maximum(np.abs(J).max(axis=(1, 2)), 1.0 * ~J.any(axis=(1, 2)))
     J[:, np.arange(3), np.arange(3)] += size[:, np.newaxis] * held
@@ -241,7 +241,7 @@ def _without_inertia(equations: Equations) -> Array:
 
 def _of_frames(equations: Equations) -> Array:
     """Weights of the unknowns of frames and of constraints between frames alone, else nil."""
-    unknowns, vectors = equations.unknowns, equations.tables.kinds >= SLOPE
+    unknowns, vectors = equations.unknowns, equations.tables.kinds >= POSITION_GRADIENT
     legs, touched = equations.matrix.incidences, np.zeros(unknowns.m, dtype=bool)
     touched[legs.rows[vectors[legs.nodes]]] = True
     return np.where(np.append(np.repeat(vectors, 6), touched), 0.0, unknown_scaling(unknowns))

@@ -14,7 +14,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._state import arrays_of, attributes, put_back, saved
 from fem_lie.bodies.balances import WORK
 from fem_lie.forms.cells import Cells, evaluate
-from fem_lie.lie.kinds import SLOPE, follow_all, push_all
+from fem_lie.lie.node_types import POSITION_GRADIENT, push_all_forward, retract_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.solve.conserving.between.any_node import span_from_python, spatial_rates, twists
@@ -121,12 +121,14 @@ class RunState(DividedIntegration[History]):
         self.moving, self._changing = equations.unknowns.moving, equations.unknowns.time_dependent
         self._held = len(equations.unknowns.supported) > 0
         kinds = equations.tables.kinds
-        self._kinds, self._vectors = kinds, np.flatnonzero(kinds >= SLOPE)
-        of_all = kinds[equations.tables.master] < SLOPE
+        self._kinds, self._vectors = kinds, np.flatnonzero(kinds >= POSITION_GRADIENT)
+        of_all = kinds[equations.tables.master] < POSITION_GRADIENT
         # to take all is no copy
         self._framed = self._framed_rows = slice(None)
         if len(self._vectors):
-            self._framed, self._framed_rows = (np.flatnonzero(k) for k in (kinds < SLOPE, of_all))
+            self._framed, self._framed_rows = (
+                np.flatnonzero(k) for k in (kinds < POSITION_GRADIENT, of_all)
+            )
         self.cells: Cells = (
             Cells(assemblies_of_frames(equations)) if shared is None else shared.cells
         )
@@ -212,7 +214,7 @@ class RunState(DividedIntegration[History]):
         equations, s, n = self.equations, self.s, self.moving
         frames, v = equations.start[:2]
         check_velocities(equations, self.size)
-        push_all(self._kinds, frames[:n], np.ascontiguousarray(v[:n]), s.V[:n])
+        push_all_forward(self._kinds, frames[:n], np.ascontiguousarray(v[:n]), s.V[:n])
         self._push_products(s.H, s.V)
         solver = DirectSolver(equations.matrix, PREFIX)
         vdot, s.weights[:] = accelerations(equations, solver, s.H, v, 0.0, self.size)
@@ -396,7 +398,7 @@ class RunState(DividedIntegration[History]):
         ahead[:n] = lie.se3_retract(H[:n], steps * self.size * v)
         if len(own):
             moved = np.empty((len(own), 4, 3))
-            follow_all(self._kinds[own], H[own], steps * self.size * v[own], moved)
+            retract_all(self._kinds[own], H[own], steps * self.size * v[own], moved)
             ahead[own] = moved
         return ahead
 

@@ -42,7 +42,7 @@ class Supports(NamedTuple):
 
     Attributes:
         table: For the sum of all forces, see :func:`fem_lie.system.nodes.sums.residual`.
-        turning: Of directors, see :func:`~fem_lie.lie.kinds.inertia.turning_of`.
+        turning: Of directors, see :func:`~fem_lie.lie.node_types.inertia.turning_of`.
         held: Which unknowns are zero, (n, 6).
         nodes: Those that are held from outside, (s,).
         rows: Reactions of all rows, (rows, s, 6); no rows if nobody asks for them.

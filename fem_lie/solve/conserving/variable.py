@@ -18,7 +18,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._state import saved
 from fem_lie.bodies.balances import BY_REACTIONS, WORK
-from fem_lie.lie.kinds import inertia, push_all
+from fem_lie.lie.node_types import inertia, push_all_forward
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, solve
 from fem_lie.linear.levels import Levels
@@ -128,7 +128,7 @@ class ConservingSteps(Run):
         v[:n] = self.local(s.V[:n], s.H)
         solver = DirectSolver(equations.matrix, PREFIX)
         after = allowed_velocities(equations, solver, s.H, v, time, self.size)
-        push_all(self._kinds, s.H, np.ascontiguousarray(after[:n] - v[:n]), change[:n])
+        push_all_forward(self._kinds, s.H, np.ascontiguousarray(after[:n] - v[:n]), change[:n])
         self._push_products(s.H, change)
         before = self._invariants()
         s.V[:] += change

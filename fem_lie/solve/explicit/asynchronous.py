@@ -23,7 +23,7 @@ from fem_lie._arrays import Array, Indices, number
 from fem_lie._state import attributes
 from fem_lie.forms.cell_forms import CELLS, FIRST, NO_ROWS, NODES
 from fem_lie.joints.equations.table import joint_table
-from fem_lie.lie.kinds import POINT
+from fem_lie.lie.node_types import POSITION
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.explicit import events
@@ -226,7 +226,7 @@ def _refuse(equations: Equations) -> None:
     viscous = mass_damping or any(term.viscosity is not None for term in tables.terms)
     massless = bool((tables.inertia.blocks[:, 0, 0] <= 0.0).any())
     reasons = {
-        "nodes with other unknowns than positions": bool((unknowns.kinds != POINT).any()),
+        "nodes with other unknowns than positions": bool((unknowns.kinds != POSITION).any()),
         "joints": unknowns.m > 0,
         "springs between bodies": len(joint_table(tables.joints).springs) > 0,
         "damping": viscous,

@@ -30,8 +30,8 @@ from fem_lie._state import attributes
 from fem_lie.forms.cell_forms import NO_ROWS
 from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.joints.equations.table import joint_table
-from fem_lie.lie.kinds import CROSSING, SURFACE
 from fem_lie.lie.motions import Group
+from fem_lie.lie.node_types import MIXED_DERIVATIVE, SURFACE_GRADIENT
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
@@ -102,7 +102,7 @@ class ExplicitRun(Integration[Recorder]):
         self._summed = known.in_one_sum and table is not None and not m
         self._supported = len(supports) > 0
         # points whose axes are those of what is around them; cables have the tangent for theirs
-        self._follows = bool(np.isin(masses.kinds, (SURFACE, CROSSING)).any())
+        self._follows = bool(np.isin(masses.kinds, (SURFACE_GRADIENT, MIXED_DERIVATIVE)).any())
         self._remembers = any(term.passage or term.path for term in known.terms)
         self.counters = np.zeros(2, dtype=np.int64)
         others = _NOWHERE if table is None else table.copy()

@@ -14,7 +14,7 @@ from fem_lie.bodies.balances import BY_REACTIONS
 from fem_lie.forms.cell_forms import APART, CELLS, EXTENT, FIRST, KERNEL, NODES, WIDTH, C, W, X
 from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
-from fem_lie.lie.kinds import wrench
+from fem_lie.lie.node_types import wrench
 from fem_lie.lie.tuples import add_wrench, load_row
 from fem_lie.solve.explicit.nodes import Masses, PlainMasses, decay, drift, kick, twists
 from fem_lie.system.nodes.sums import residual

@@ -18,8 +18,14 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie.lie.directors import turn_on_to
-from fem_lie.lie.kinds import POINT, follow, settle, turn, turn_back
+from fem_lie.lie.directors import rotate_onto
+from fem_lie.lie.node_types import (
+    POSITION,
+    reorthonormalise,
+    retract,
+    to_global_components,
+    to_nodal_components,
+)
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -96,7 +102,7 @@ def kick(masses: PlainMasses, H: Array, r: Array, size: float, p: Array) -> None
         if way == STRAIGHT:
             store(f, 0, load(r, 6 * i))
             store(f, 3, load(r, 6 * i + 3))
-            turn(kinds[i], H[i], f)
+            to_global_components(kinds[i], H[i], f)
             for at in (0, 3):
                 store(p[i], at, combined(1.0, load(p[i], at), -size, load(f, at)))
             continue
@@ -120,8 +126,8 @@ def write_in_new_axes(kinds: Indices, before: Array, after: Array, r: Array) -> 
     f = np.empty(6)
     for i in range(kinds.shape[0]):
         f[:] = r[6 * i : 6 * i + 6]
-        turn(kinds[i], before[i], f)
-        turn_back(kinds[i], after[i], f)
+        to_global_components(kinds[i], before[i], f)
+        to_nodal_components(kinds[i], after[i], f)
         r[6 * i : 6 * i + 6] = f
 
 
@@ -211,7 +217,7 @@ def _drift_frame(
             else:
                 e = _by_cayley(ψ, e)
             store_row(H, 1 + k, rotate(d1, d2, d3, e))
-        settle(0, H)
+        reorthonormalise(0, H)
         d1, d2, d3 = _axes(H)
     store_row(H, 0, minus(place, rotate(d1, d2, d3, c)))
 
@@ -227,13 +233,13 @@ def drift(masses: PlainMasses, p: Array, h: float, H: Array) -> None:
             continue
         first = h / weight[i, 0]
         if way == STRAIGHT:
-            if kinds[i] == POINT:
+            if kinds[i] == POSITION:
                 store_row(H[i], 0, combined(1.0, load_row(H[i], 0), first, load(p[i], 0)))
             else:
                 store(d, 0, scaled(first, load(p[i], 0)))
                 store(d, 3, scaled(h / weight[i, 1], load(p[i], 3)))
-                turn_back(kinds[i], H[i], d)
-                follow(kinds[i], H[i], d, H[i])
+                to_nodal_components(kinds[i], H[i], d)
+                retract(kinds[i], H[i], d, H[i])
             continue
         spin = load(p[i], 3)
         if way == DIRECTOR:
@@ -254,7 +260,7 @@ def _go_along_edges(edges: Indices, ends: Array, p: Array, H: Array) -> None:
         d1, d2, d3 = _axes(H[j])
         end = plus(load_row(H[j], 0), rotate(d1, d2, d3, load_row(ends, k)))
         spin = dot(load(p[i], 3), load_row(H[i], 1))
-        turn_on_to(H[i], minus(end, load_row(H[i], 0)))
+        rotate_onto(H[i], minus(end, load_row(H[i], 0)))
         store(p[i], 3, scaled(spin, load_row(H[i], 1)))
 
 
@@ -266,7 +272,7 @@ def momenta(masses: PlainMasses, H: Array, v: Array, p: Array) -> None:
         p[i] = 0.0
         if ways[i] == STRAIGHT:
             p[i] = v[i]
-            turn(kinds[i], H[i], p[i])
+            to_global_components(kinds[i], H[i], p[i])
             store(p[i], 0, scaled(weight[i, 0], load(p[i], 0)))
             store(p[i], 3, scaled(weight[i, 1], load(p[i], 3)))
         elif ways[i] != STILL:
@@ -286,7 +292,7 @@ def twists(masses: PlainMasses, H: Array, p: Array, v: Array) -> None:
         if ways[i] == STRAIGHT:
             store(v[i], 0, scaled(1.0 / weight[i, 0], load(p[i], 0)))
             store(v[i], 3, scaled(1.0 / weight[i, 1], load(p[i], 3)))
-            turn_back(kinds[i], H[i], v[i])
+            to_nodal_components(kinds[i], H[i], v[i])
         elif ways[i] != STILL:
             d1, d2, d3 = _axes(H[i])
             ω = _times(inverse[i], rotate_back(d1, d2, d3, load(p[i], 3)))

@@ -18,7 +18,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.term import Term
-from fem_lie.lie.kinds import CROSSING, POINT, SLOPE
+from fem_lie.lie.node_types import MIXED_DERIVATIVE, POSITION, POSITION_GRADIENT
 from fem_lie.solve.explicit.nodes import AXIAL, DIRECTOR, FRAME, STILL, STRAIGHT, Masses
 from fem_lie.solve.motion.integrator import refuse
 from fem_lie.system.equations import Equations
@@ -50,9 +50,9 @@ def masses_of(equations: Equations) -> Masses:
     G = equations.tables.inertia.blocks
     n = len(kinds)
     m, s, E = G[:, 0, 0], G[:, 0, 1:], G[:, 1:, 1:]
-    straight, still = kinds >= SLOPE, held.all(axis=1)
+    straight, still = kinds >= POSITION_GRADIENT, held.all(axis=1)
     weights = np.where(straight[:, np.newaxis], _of_vectors(kinds, G), 1.0)
-    weights[~straight, 0], weights[kinds == POINT, 1] = m[~straight], 1.0
+    weights[~straight, 0], weights[kinds == POSITION, 1] = m[~straight], 1.0
     centre = np.where(straight[:, np.newaxis], 0.0, s / np.where(m > 0, m, 1.0)[:, np.newaxis])
     about = E - np.einsum("n,na,nb->nab", m, centre, centre)
     J = np.trace(about, axis1=1, axis2=2)[:, np.newaxis, np.newaxis] * np.eye(3) - about
@@ -82,7 +82,7 @@ def masses_of(equations: Equations) -> Masses:
 def _of_vectors(kinds: Indices, G: Array) -> Array:
     """Diagonal of blocks (n, 4, 4) in the rows of both coordinate vectors, (n, 2)."""
     diagonal = G.diagonal(axis1=1, axis2=2)
-    return np.where((kinds == CROSSING)[:, np.newaxis], diagonal[:, 1:3], diagonal[:, :2])
+    return np.where((kinds == MIXED_DERIVATIVE)[:, np.newaxis], diagonal[:, 1:3], diagonal[:, :2])
 
 
 def damping_rates(equations: Equations, masses: Masses) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie.lie.kinds import settle
+from fem_lie.lie.node_types import reorthonormalise
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -100,7 +100,7 @@ def _end(H: Array, place: Vector, ψ: Vector) -> None:
     store_row(H, 0, place)
     for k in range(1, 4):
         store_row(H, k, turned(ψ, load_row(H, k)))
-    settle(0, H)
+    reorthonormalise(0, H)
 
 
 @compiled

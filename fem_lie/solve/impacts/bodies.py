@@ -13,8 +13,8 @@ from fem_lie.contact.impact.jacobian import BlockRows, empty_rows, twist_rates
 from fem_lie.contact.impact.rows import append_rows, set_gaps
 from fem_lie.contact.impact.touching import Touching
 from fem_lie.contact.sides.table import on_masters
-from fem_lie.lie.kinds import all_to_group, move_all
-from fem_lie.lie.kinds import to_local as twist_of
+from fem_lie.lie.node_types import all_to_group, move_all
+from fem_lie.lie.node_types import to_local as twist_of
 from fem_lie.solve.impacts.delassus import islands_of
 from fem_lie.solve.impacts.impulses import Impulses
 from fem_lie.solve.impacts.step_end import Factors, Rule

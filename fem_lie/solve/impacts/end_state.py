@@ -14,7 +14,7 @@ from fem_lie.contact.impact.jacobian import BlockRows, slides
 from fem_lie.contact.impact.records import FRICTION, RESIDUAL, SWEEPS
 from fem_lie.contact.impact.records import TOLD as SIZE
 from fem_lie.contact.impact.sweeps import MOST_NEWTON, products
-from fem_lie.lie.kinds import all_from_local, all_to_group
+from fem_lie.lie.node_types import all_from_local, all_to_group
 from fem_lie.solve.impacts.bodies import CoupledBodies, to_twists
 from fem_lie.solve.impacts.bounds import Chosen, bounds_of
 from fem_lie.solve.impacts.step_end import Factors, Rule

@@ -30,7 +30,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from fem_lie._arrays import Array, Flags
-from fem_lie.lie.kinds.inertia import Inertia
+from fem_lie.lie.node_types.inertia import Inertia
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.impacts.step_end import StepEnd
 from fem_lie.system.equations import Equations, Plan, TimeState

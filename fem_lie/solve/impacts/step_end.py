@@ -34,7 +34,7 @@ from fem_lie.contact.impact.touching import (
     WIDTH,
     Touching,
 )
-from fem_lie.lie.kinds.kind import SLOPE
+from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
 from fem_lie.results.record import ContactSteps
 from fem_lie.system.equations import Equations
 
@@ -108,7 +108,7 @@ def refuse_impacts(equations: Equations) -> None:
     """
     unknowns = equations.unknowns
     wanted = "Impact is for rigid bodies, beams and shells whose nodes are frames"
-    if (unknowns.kinds >= SLOPE).any():
+    if (unknowns.kinds >= POSITION_GRADIENT).any():
         raise ValueError(
             f"{wanted}, not for cables, nets, solids, thin shells and bodies in few shapes; give "
             "Penalty"

@@ -11,7 +11,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
-from fem_lie.lie.kinds import floating, inertia, pull_all
+from fem_lie.lie.node_types import floating, inertia, pull_all_back
 from fem_lie.lie.tuples import dot, load
 from fem_lie.results.record import StepHistory
 from fem_lie.solve.step_control import Control
@@ -69,7 +69,7 @@ def add_inertia_forces(
     bodies, numbers = equations.tables.floating
     if bodies[0]:
         _add_floating(kinds, H, q, bodies, numbers, work)
-    pull_all(kinds, H, work, factor, forces.reshape(-1))
+    pull_all_back(kinds, H, work, factor, forces.reshape(-1))
 
 
 @compiled

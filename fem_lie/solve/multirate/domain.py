@@ -26,7 +26,7 @@ from fem_lie._state import attributes
 from fem_lie.bodies.body import Body
 from fem_lie.joints import Joint
 from fem_lie.joints.equations.table import PackedJoints
-from fem_lie.lie.kinds import SLOPE
+from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.lie.tuples import Vector, combined, cross, dot, load, load_row, plus, scaled, store_row
 from fem_lie.linear.factors import Factors
 from fem_lie.scene import Scene
@@ -120,7 +120,7 @@ def joined(
     n = moved.shape[0]
     delta, mean = np.zeros_like(H), H.copy()
     for i in range(n):
-        for k in range(4 if kinds[i] < SLOPE else 1):
+        for k in range(4 if kinds[i] < POSITION_GRADIENT else 1):
             for j in range(3):
                 delta[i, k, j] = moved[i, k, j]
                 mean[i, k, j] += 0.5 * moved[i, k, j]
@@ -131,7 +131,7 @@ def joined(
         store_row(forces[i], 0, scaled(-1.0, load(acting[i], 0)))
         for k in range(1, 4):
             store_row(forces[i], k, (0.0, 0.0, 0.0))
-        if kinds[i] >= SLOPE:
+        if kinds[i] >= POSITION_GRADIENT:
             continue
         a = _turning(mean[i], scaled(-1.0, load(acting[i], 3)))
         for k in range(1, 4):

@@ -25,8 +25,8 @@ from fem_lie.forms.fixed_arrays import (
 )
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
-from fem_lie.lie.kinds import inertia, push_all, shown_all
-from fem_lie.lie.kinds.floating import PlainFloating
+from fem_lie.lie.node_types import all_result_twists, inertia, push_all_forward
+from fem_lie.lie.node_types.floating import PlainFloating
 from fem_lie.results.record import Record
 from fem_lie.system.nodes.element_turns import most_strained, nearest
 from fem_lie.system.nodes.numbering import expand_motion
@@ -253,7 +253,7 @@ def fill_by_twists(
     """
     q = np.empty((v.shape[0], 4, 3))
     if _any(kept_of(rows).invariants):
-        push_all(given_of(scene).kinds, H, v, q)
+        push_all_forward(given_of(scene).kinds, H, v, q)
     return _fill(H, v, q, weights, booked, scene, rows, row)
 
 
@@ -366,7 +366,7 @@ def _fill_motion(H: Array, v: Array, given: Given, kept: Kept, row: int) -> None
     leads = given.master.shape[0] == moving
     own = velocities if leads else np.empty_like(v)
     if wanted:
-        shown_all(given.kinds, H, v, own)
+        all_result_twists(given.kinds, H, v, own)
     if leads:
         copy_blocks(H, kept.frames[row])
     else:

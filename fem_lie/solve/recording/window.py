@@ -59,7 +59,7 @@ class Window:
         shapes = {name: shape for name, shape in shapes.items() if name not in INVARIANTS}
         self.filled, self._kept, self._wanted, self._store = filled, (*kept,), wanted, store
         self._passes = wanted is not None or store is not None
-        self._kinds = info.node_kinds
+        self._kinds = info.node_types
         if store is not None:
             store.open(info, kept, rows if wanted is None else len(wanted))
         used = {name: shape for name, shape in shapes.items() if is_kept(name, filled)}

@@ -16,7 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags
-from fem_lie.lie.kinds import SLOPE
+from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.pivots import inertia
 from fem_lie.linear.spectra.pencil import Pencil, RigidParts
@@ -91,7 +91,7 @@ class StableEquilibrium(SceneEquilibrium):
         motions = [
             (piece.unknowns, piece.basis)
             for piece in self.equations.constraints(self._H).rigid_motions(self.weight)
-            if (kinds[piece.nodes] < SLOPE).all()
+            if (kinds[piece.nodes] < POSITION_GRADIENT).all()
         ]
         Z = RigidParts(K, K, K, motions).mechanisms(B)
         if not len(Z):

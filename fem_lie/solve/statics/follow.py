@@ -10,7 +10,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.bodies.nodes import FoldedElementError
 from fem_lie.joints.connection import LostBranchError
-from fem_lie.lie.kinds import placed, turn_all
+from fem_lie.lie.node_types import all_to_global_components, has_position
 from fem_lie.linear.choice import Solutions
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.ranks.shared_factors import Subdomains
@@ -158,7 +158,7 @@ class SceneEquilibrium:
         self.equations = equations = Equations(scene, dynamics=False)
         unknowns = equations.unknowns
         self.diameter, self._moving = unknowns.length, unknowns.moving
-        self.placed = placed(unknowns.kinds)
+        self.placed = has_position(unknowns.kinds)
         self._H, self._multipliers = equations.start.frames.copy(), np.zeros(unknowns.m)
         self._zero = np.zeros((unknowns.moving, 6))
         self._scale: Array = np.ones(unknowns.m)
@@ -289,7 +289,7 @@ class SceneEquilibrium:
     def translations(self, dx: Array) -> Array:
         """Velocities of these that ``dx`` means, shape (n, 3), components in space."""
         moved = dx[: 6 * self._moving].copy()
-        turn_all(self.equations.unknowns.kinds, self._H, moved)
+        all_to_global_components(self.equations.unknowns.kinds, self._H, moved)
         return moved.reshape(-1, 6)[self.placed, :3]
 
     def twists(self, dx: Array) -> Array:

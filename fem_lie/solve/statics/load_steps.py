@@ -13,7 +13,7 @@ from fem_lie._arrays import Array, flag, number, whole
 from fem_lie.bodies.nodes import FoldedElementError
 from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
-from fem_lie.lie.kinds import advance
+from fem_lie.lie.node_types import advance
 from fem_lie.linear.choice import Solutions
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.results.equilibrium import StaticResult

@@ -17,7 +17,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array
-from fem_lie.lie.kinds import SLOPE
+from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.pivots import inertia, negative_determinant
@@ -133,7 +133,7 @@ class FreeMotions:
     def __init__(self, equations: Equations) -> None:
         """Of equations."""
         self._equations, unknowns = equations, equations.unknowns
-        self.possible: bool = bool((unknowns.kinds >= SLOPE).any())
+        self.possible: bool = bool((unknowns.kinds >= POSITION_GRADIENT).any())
         self._weight = unknowns.units
         self._free = np.flatnonzero(~unknowns.held.ravel())
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.lie.kinds import SLOPE
+from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.variational import momenta
@@ -135,7 +135,7 @@ class Ends:
         rates = np.empty((n, 6))
         change = (steps[0] - steps[1]) / h**2
         momenta.to_local(kinds, H, change, held, rates)
-        frames = np.flatnonzero(kinds < SLOPE)
+        frames = np.flatnonzero(kinds < POSITION_GRADIENT)
         rates[frames, :3] -= np.cross(twists[frames, 3:], twists[frames, :3])
         momenta.subtract_turning(kinds, H, twists, rates)
         return twists, rates

@@ -9,7 +9,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
 from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3
-from fem_lie.lie.kinds import inertia
+from fem_lie.lie.node_types import inertia
 from fem_lie.linear.factors import PlainFactors, solve
 from fem_lie.solve.conserving.between.cayley import advance
 from fem_lie.solve.convergence import DIVERGES, GOES_ON, STAGNANT, estimate, judged

@@ -16,9 +16,16 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie.forms.fixed_arrays import put
 from fem_lie.joints.equations.table import PackedJoints
-from fem_lie.lie.kinds import inertia
-from fem_lie.lie.kinds.floating import Floating
-from fem_lie.lie.kinds.kind import SLOPE, axes, carry, first, straight, turning
+from fem_lie.lie.node_types import inertia
+from fem_lie.lie.node_types.floating import Floating
+from fem_lie.lie.node_types.node_type import (
+    POSITION_GRADIENT,
+    add_increment,
+    axes,
+    axes_spin,
+    first_vector,
+    vector_count,
+)
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -97,9 +104,11 @@ def of_rates(
 @inlined
 def _momentum(kind: int, H: Array, p: Array, at: int) -> Vector:
     """One half of the momentum of a node, of momenta ``p`` (4, 3) of its rows."""
-    if kind >= SLOPE:
+    if kind >= POSITION_GRADIENT:
         half = at // 3
-        return load_row(p, first(kind) + half) if half < straight(kind) else (0.0, 0.0, 0.0)
+        return (
+            load_row(p, first_vector(kind) + half) if half < vector_count(kind) else (0.0, 0.0, 0.0)
+        )
     return load_row(p, 0) if at == 0 else _moment(H, p)
 
 
@@ -154,7 +163,7 @@ def between(
     delta, mean, end, middle = rows
     span(H, step, delta, mean, end, middle)
     for i in range(step.shape[0]):
-        if kinds[i] >= SLOPE:
+        if kinds[i] >= POSITION_GRADIENT:
             _span_vectors(kinds[i], H[i], step[i], (delta[i], mean[i], end[i], middle[i]))
         d1, d2, d3 = axes(kinds[i], middle[i])
         for at in (0, 3):
@@ -167,11 +176,11 @@ def _span_vectors(
 ) -> None:
     """Increments, mean, end and middle of one node with vector coordinates."""
     delta, mean, end, middle = rows
-    half, at = 0.5 * step, first(kind)
-    carry(kind, H, half, middle)
-    carry(kind, H, step, end)
+    half, at = 0.5 * step, first_vector(kind)
+    add_increment(kind, H, half, middle)
+    add_increment(kind, H, step, end)
     mean[:], delta[:] = middle, 0.0
-    for k in range(straight(kind)):
+    for k in range(vector_count(kind)):
         store_row(delta, at + k, load(step, 3 * k))
 
 
@@ -179,7 +188,7 @@ def _span_vectors(
 def keep_axes(kinds: Indices, end: Array, H: Array) -> None:
     """Give nodes ``H`` of positions and slopes the axes of ``end``, (≥ n, 4, 3)."""
     for i in range(kinds.shape[0]):
-        if kinds[i] == SLOPE:
+        if kinds[i] == POSITION_GRADIENT:
             store_row(H[i], 2, load_row(end[i], 2))
             store_row(H[i], 3, load_row(end[i], 3))
 
@@ -195,8 +204,8 @@ def subtract_turning(kinds: Indices, H: Array, twists: Array, rates: Array) -> N
         rates: Accelerations along them, (n, 6), updated.
     """
     for i in range(rates.shape[0]):
-        if kinds[i] >= SLOPE:
-            ψ = turning(kinds[i], H[i], load(twists[i], 3))
+        if kinds[i] >= POSITION_GRADIENT:
+            ψ = axes_spin(kinds[i], H[i], load(twists[i], 3))
             for at in (0, 3):
                 change = cross(ψ, load(twists[i], at))
                 store(rates[i], at, minus(load(rates[i], at), change))
@@ -213,7 +222,7 @@ def turn_with(kinds: Indices, before: Array, after: Array, spatial: Array) -> No
         spatial: In global components, updated.
     """
     for i in range(spatial.shape[0]):
-        if kinds[i] < SLOPE:
+        if kinds[i] < POSITION_GRADIENT:
             d1, d2, d3 = axes(kinds[i], before[i])
             own = rotate_back(d1, d2, d3, load(spatial[i], 3))
             d1, d2, d3 = axes(kinds[i], after[i])
@@ -335,7 +344,7 @@ def balance(
         f = scaled(0.5 * h, rotate(d1, d2, d3, load(forces[i], 0)))
         m = scaled(0.5 * h, rotate(d1, d2, d3, load(forces[i], 3)))
         early, last = m, m
-        if kind < SLOPE:
+        if kind < POSITION_GRADIENT:
             early, last = _shares(load(step[i], 3), m)
             if held[i, 5] and not held[i, 3]:
                 early, last = _shares_of_director(H[i], middle[i], end[i], m)

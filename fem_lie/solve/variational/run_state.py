@@ -9,7 +9,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._state import attributes
 from fem_lie.joints.equations.table import joint_table
-from fem_lie.lie.kinds import push_all
+from fem_lie.lie.node_types import push_all_forward
 from fem_lie.linear.factors import Factors, factorise, solve
 from fem_lie.solve.conserving.between.product_rows import (
     accelerations,
@@ -149,7 +149,7 @@ class RunState(DividedIntegration[Recorder]):
         n, kinds, bodies = self._n, self.equations.unknowns.kinds, self._within.bodies
         V, products = np.empty(self._q.shape), np.empty((2, *self._within.means.shape))
         found = np.empty((n, 6))
-        push_all(kinds, H[:n], v, V[:n])
+        push_all_forward(kinds, H[:n], v, V[:n])
         product_rates(*bodies, (H, V[:n], np.zeros_like(V[:n])), products)
         V[n:] = products[0]
         momenta.of_rates(kinds, H, V, self._mass, bodies, found)

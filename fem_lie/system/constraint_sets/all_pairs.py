@@ -14,7 +14,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.joints.equations.functions import DISTANCE
 from fem_lie.joints.equations.table import JointTable, PackedJoints, pack
-from fem_lie.lie.kinds import SLOPE
+from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
 from fem_lie.system.constraint_sets.on_attachments import OnAttachments
 from fem_lie.system.constraint_sets.relative_motions import RelativeMotions
@@ -70,7 +70,9 @@ def all_pairs(
     table = _joined(tables, rows)
     seen = _seen(table, n + g, _NO_LEVER * float(np.ptp(frames[:, 0], axis=0).max(initial=0.0)))
     table.frames[:, :, 0][~np.append(seen, np.ones(len(frames) - n, dtype=bool))[table.nodes]] = 0.0
-    whole = np.append(kinds < SLOPE, [kind.turns for kind in attachments.kinds]).astype(bool)
+    whole = np.append(kinds < POSITION_GRADIENT, [kind.turns for kind in attachments.kinds]).astype(
+        bool
+    )
     turns, loose = bool(table.functions.any()), bool((seen & ~whole).any())
     return AllPairs(pack(table), attachments, seen, turns, loose)
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.lie.kinds import Written
+from fem_lie.lie.node_types import Written
 from fem_lie.linear.low_rank import LowRank
 from fem_lie.system.system import System
 from fem_lie.system.terms.all_terms import Terms

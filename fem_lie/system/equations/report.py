@@ -10,7 +10,7 @@ import scipy.sparse as sp
 
 from fem_lie._arrays import Array
 from fem_lie.joints.redundant import Redundant
-from fem_lie.lie.kinds import shown_all
+from fem_lie.lie.node_types import all_result_twists
 from fem_lie.linear.redundancy import IdleMultipliers
 from fem_lie.system.nodes.fixed_axes import wrenches
 from fem_lie.system.small_motions import RigidMotions, rigid_motions
@@ -152,7 +152,7 @@ class Report:
         """Velocities as twists of all nodes along the rows of their frames, (N, 6)."""
         H, v = self._state.H, self._state.v
         shown = np.empty_like(v)
-        shown_all(self._system.kinds, H, np.ascontiguousarray(v), shown)
+        all_result_twists(self._system.kinds, H, np.ascontiguousarray(v), shown)
         return self._system.numbering.master_map.twists(shown)
 
     @property

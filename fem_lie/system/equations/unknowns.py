@@ -13,8 +13,8 @@ from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.term import Term
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.joints.redundant import Redundant
-from fem_lie.lie.kinds.floating import Floating
-from fem_lie.lie.kinds.inertia import Inertia, turning_of
+from fem_lie.lie.node_types.floating import Floating
+from fem_lie.lie.node_types.inertia import Inertia, turning_of
 from fem_lie.lie.polar import PlainSurroundings
 from fem_lie.system import describe
 from fem_lie.system.balance import supported
@@ -32,7 +32,7 @@ class Unknowns(NamedTuple):
         m: Constraints.
         size: All unknowns, ``6 n + m``.
         length: Of the model, that of tolerances.
-        kinds: What each node is, (n,), see :mod:`fem_lie.lie.kinds`.
+        kinds: What each node is, (n,), see :mod:`fem_lie.lie.node_types`.
         lengths: Which halves of the unknowns of the nodes are lengths, (n, 2); others have no
             dimension.
         held: Which unknowns of the nodes are zero, (n, 6).
@@ -163,7 +163,7 @@ class Tables(NamedTuple):
         offset: Its frame in that of its master node, (N, 4, 3).
         inertia: Mass matrix on (x, d₁, d₂, d₃).
         turning: Angular velocities of rates of directors, see
-            :func:`~fem_lie.lie.kinds.inertia.turning_of`, (n, 3, 3, 3).
+            :func:`~fem_lie.lie.node_types.inertia.turning_of`, (n, 3, 3, 3).
         floating: Inertia of bodies that deform within their frames, beyond that.
         damping: Damping that goes with mass, likewise; empty without.
         loads: At the time that was set last.

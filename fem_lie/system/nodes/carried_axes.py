@@ -30,8 +30,8 @@ from fem_lie._jit import compiled
 from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.elements.shells.drilling import Parameters
-from fem_lie.lie.kinds import NodeKind, Written, write_in_new_axes
-from fem_lie.lie.polar import PlainSurroundings, Surroundings, find_unturned, turn_axes
+from fem_lie.lie.node_types import NodeType, Written, change_axes
+from fem_lie.lie.polar import PlainSurroundings, Surroundings, convect_axes, find_reference_axes
 from fem_lie.mesh.shapes import nodes_of, tabulated
 from fem_lie.system.nodes.numbering import Numbering
 
@@ -78,7 +78,7 @@ class CarriedAxes:
             ),
         )
         if self:
-            find_unturned(numbering.frames, self.plain)
+            find_reference_axes(numbering.frames, self.plain)
 
     def __bool__(self) -> bool:
         """Whether there is anything to turn."""
@@ -86,7 +86,7 @@ class CarriedAxes:
 
     def turn(self, H: Array) -> None:
         """Turn the axes at the head of ``H`` (≥ n, 4, 3)."""
-        turn_axes(H, self.plain, _NO_MOTION, _NOTHING)
+        convect_axes(H, self.plain, _NO_MOTION, _NOTHING)
 
     def turn_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
         """Turn the axes and what is written in them.
@@ -98,7 +98,7 @@ class CarriedAxes:
             written: How ``motion`` is written; velocities of the nodes' groups have global
                 components.
         """
-        turn_axes(H, self.plain, motion, np.flatnonzero(written.local))
+        convect_axes(H, self.plain, motion, np.flatnonzero(written.local))
 
 
 class _Part(NamedTuple):
@@ -145,7 +145,7 @@ class FollowingAxes:
             if follower is not None:
                 master = master_map.master[nodes]
                 led = master_map.masters[master] != nodes
-                seen = np.isin(body.node_kinds, (NodeKind.SLOPE, NodeKind.POINT))
+                seen = np.isin(body.node_types, (NodeType.POSITION_GRADIENT, NodeType.POSITION))
                 kept = led | (seen & np.isin(master, joined))
                 offset = master_map.offset[nodes[led]]
                 self._parts.append(_Part(master, follower, np.flatnonzero(led), offset, kept))
@@ -164,7 +164,7 @@ class FollowingAxes:
         for part in self._parts:
             before = H[part.nodes]
             after = part.followed(before)
-            write_in_new_axes(kinds, part.nodes, before, after, written, motion)
+            change_axes(kinds, part.nodes, before, after, written, motion)
             H[part.nodes] = after
 
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie.lie.kinds import wrench
+from fem_lie.lie.node_types import wrench
 from fem_lie.lie.tuples import store
 
 

@@ -11,9 +11,9 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
 from fem_lie.forms.term import add_at
-from fem_lie.lie.kinds import AMPLITUDE, SLOPE, SURFACE
-from fem_lie.lie.kinds.floating import Floating, WithinFrame
-from fem_lie.lie.kinds.inertia import Inertia, multiply
+from fem_lie.lie.node_types import MODAL, POSITION_GRADIENT, SURFACE_GRADIENT
+from fem_lie.lie.node_types.floating import Floating, WithinFrame
+from fem_lie.lie.node_types.inertia import Inertia, multiply
 from fem_lie.system.nodes.numbering import Numbering
 
 PlainLoads: TypeAlias = tuple[Array, Array, Array]
@@ -158,9 +158,9 @@ def lumped(inertia: Inertia, kinds: Indices) -> Inertia:
     np.add.at(own, rows[rows == columns], inertia.blocks[rows == columns])
     sizes = np.zeros((count, 4))
     np.add.at(sizes, rows, np.abs(inertia.blocks.diagonal(axis1=1, axis2=2)))
-    points = (kinds >= SURFACE) & (kinds < AMPLITUDE)  # amplitudes have nothing of their own
+    points = (kinds >= SURFACE_GRADIENT) & (kinds < MODAL)  # amplitudes have nothing of their own
     whole[points] = sizes[points][:, :, np.newaxis] * np.eye(4)
-    sloped = (kinds >= SLOPE) & (kinds < SURFACE)
+    sloped = (kinds >= POSITION_GRADIENT) & (kinds < SURFACE_GRADIENT)
     mass = own[sloped, 0, 0]
     gained = np.divide(whole[sloped, 0, 0], mass, out=np.zeros_like(mass), where=mass > 0.0)
     diagonal = gained[:, np.newaxis] * own[sloped].diagonal(axis1=1, axis2=2)

@@ -32,7 +32,7 @@ from fem_lie.bodies.catalogue import BodyInfo
 from fem_lie.bodies.points import require_node
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.joints import RigidLink
-from fem_lie.lie.kinds import TRAITS, NodeKind
+from fem_lie.lie.node_types import TRAITS, NodeType
 from fem_lie.scene import Scene
 
 
@@ -157,7 +157,7 @@ class Numbering:
             bodies that begin elsewhere.
         velocities: Initial local velocities of the master nodes, shape (count, 6).
         groups: The group of each master node, shape (count,).
-        kinds: The :class:`~fem_lie.lie.kinds.NodeKind` of each master node, shape (count,).
+        kinds: The :class:`~fem_lie.lie.node_types.NodeType` of each master node, shape (count,).
         clamped: What a clamp holds of each master node, shape (count, 6).
         held: Which unknowns of the master nodes their bodies hold, shape (count, 6).
         absent: Which of them are not there, of nodes with fewer; they are held, too.
@@ -221,7 +221,7 @@ class Numbering:
         for body, nodes in self.nodes.items():
             frames[nodes], velocities[nodes] = body.frames, body.velocities
             begins_at[nodes] = body.frames if body.begins_at is None else body.begins_at
-            groups[nodes], kinds[nodes] = body.group, body.node_kinds
+            groups[nodes], kinds[nodes] = body.group, body.node_types
             held[nodes], uncoupled[nodes] = body.held, body.uncoupled
             own[nodes], straight[nodes] = body.held.any(axis=1), body.goes_straight
             held[nodes, 5] |= not self.drills[body]
@@ -241,7 +241,7 @@ class Numbering:
         self.groups: Indices = groups[self.master_map.masters]
         self.kinds: Indices = kinds[self.master_map.masters]
         known, which = np.unique(self.kinds, return_inverse=True)
-        traits = [TRAITS[NodeKind(kind)] for kind in known]
+        traits = [TRAITS[NodeType(kind)] for kind in known]
         self.clamped: Flags = np.array([each.clamped for each in traits])[which]
         self.held = held[self.master_map.masters]
         self.supported: Indices = np.unique(self.master_map.master[own])

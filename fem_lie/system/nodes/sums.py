@@ -16,9 +16,17 @@ from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2,
 from fem_lie.forms.kernels.addresses import pointer
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
-from fem_lie.lie.kinds import floating, inertia, pull_all, pull_derivative, push_all, tangent, turn
-from fem_lie.lie.kinds.floating import PlainFloating
-from fem_lie.lie.kinds.inertia import PlainInertia, PlainMotion
+from fem_lie.lie.node_types import (
+    floating,
+    inertia,
+    pull_all_back,
+    pull_back_derivative,
+    push_all_forward,
+    tangent,
+    to_global_components,
+)
+from fem_lie.lie.node_types.floating import PlainFloating
+from fem_lie.lie.node_types.inertia import PlainInertia, PlainMotion
 from fem_lie.system.nodes.masses import PlainLoads
 from fem_lie.system.nodes.numbering import expand
 
@@ -81,7 +89,7 @@ def nodal_residual(
     if integers[0] > 0:
         floating.add_forces(kinds, motion[0], motion[1], work[0], integers, numbers, work[1])
     _, moment, following = loads
-    pull_all(kinds, motion[0], work[1], 1.0, r)
+    pull_all_back(kinds, motion[0], work[1], 1.0, r)
     _add_moments(motion[0], moment, following, r)
 
 
@@ -189,7 +197,7 @@ def report_rates(
     """Set kinetic energy and momenta (7,), and return the potential; ``work`` (1, n, 4, 3).
 
     ``qdot``: rates of (x, d₁, d₂, d₃), and perhaps of products of floating bodies, see
-    :func:`~fem_lie.lie.kinds.floating.add_invariants`, (≥ n, 4, 3).
+    :func:`~fem_lie.lie.node_types.floating.add_invariants`, (≥ n, 4, 3).
     """
     (indptr, indices, blocks), count = mass, dead.shape[0]
     rates = qdot[:count]
@@ -214,7 +222,7 @@ def report(
     invariants: Array,
 ) -> float:
     """:func:`report_rates` of velocities ``v``; ``work`` (2, n, 4, 3)."""
-    push_all(kinds, H, v, work[0])
+    push_all_forward(kinds, H, v, work[0])
     return report_rates(H, work[0], mass, bodies, dead, work[1:], invariants)
 
 
@@ -224,10 +232,10 @@ def add_mass_damping(
 ) -> None:
     """``f += D q̇``, ``r += Lᵀ D q̇`` with the block-sparse matrix ``D``; ``work`` (2, n, 4, 3)."""
     indptr, indices, blocks = D
-    push_all(kinds, H, v, work[0])
+    push_all_forward(kinds, H, v, work[0])
     inertia.multiply(indptr, indices, blocks, work[0], work[1])
     f += work[1]
-    pull_all(kinds, H, work[1], 1.0, r)
+    pull_all_back(kinds, H, work[1], 1.0, r)
 
 
 @compiled
@@ -245,7 +253,7 @@ def load_tangent(
         K: Blocks, updated.
     """
     for i in range(moment.shape[0]):
-        pull_derivative(kinds[i], H[i], forces[i], 1.0, K[diagonal[i]])
+        pull_back_derivative(kinds[i], H[i], forces[i], 1.0, K[diagonal[i]])
     _add_moment_stiffness(H, moment, diagonal, K)
 
 
@@ -257,7 +265,7 @@ def load_vector(
     r[:] = 0.0
     _add_moments(H, moment, following, r.reshape(-1))
     r *= -1.0
-    pull_all(kinds, H, dead, 1.0, r.reshape(-1))
+    pull_all_back(kinds, H, dead, 1.0, r.reshape(-1))
 
 
 @compiled
@@ -289,10 +297,10 @@ def to_inertial(
         for b in range(indptr[i], indptr[i + 1]):
             j = bind[b]
             for n in range(6):
-                turn(kinds[i], H[i], A[b, :, n])
+                to_global_components(kinds[i], H[i], A[b, :, n])
             for k in range(6):
-                turn(kinds[j], H[j], A[b, k])
+                to_global_components(kinds[j], H[j], A[b, k])
     for incidence in range(rows.shape[0]):
         node = nodes[incidence]
-        turn(kinds[node], H[node], columns[incidence])
-        turn(kinds[node], H[node], rows[incidence])
+        to_global_components(kinds[node], H[node], columns[incidence])
+        to_global_components(kinds[node], H[node], rows[incidence])

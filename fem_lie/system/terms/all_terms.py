@@ -11,7 +11,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.contact.contact import Contact
 from fem_lie.forms.cell_forms import FormTable, add_cells, joined, of_some_cells
 from fem_lie.forms.term import FollowingTable, Pairs, Term
-from fem_lie.lie.kinds.inertia import Inertia
+from fem_lie.lie.node_types.inertia import Inertia
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
 from fem_lie.system.nodes.numbering import Numbering
 from fem_lie.system.terms.attached import AttachedTerm

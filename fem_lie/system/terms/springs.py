@@ -12,8 +12,8 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie.forms.abilities import ViscousForces
 from fem_lie.forms.term import Pairs, Term
-from fem_lie.lie.kinds import at_rest, inertia, pull_derivative
-from fem_lie.lie.kinds.inertia import Inertia
+from fem_lie.lie.node_types import at_rest, inertia, pull_back_derivative
+from fem_lie.lie.node_types.inertia import Inertia
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
 from fem_lie.system.nodes.sums import add_mass_damping
 
@@ -23,7 +23,7 @@ def _add_turned(kinds: Indices, H: Array, f: Array, diagonal: Indices, blocks: A
     """``blocks += ∂(Lᵀ f)/∂h`` of each node."""
     for i in range(f.shape[0]):
         if diagonal[i] >= 0:
-            pull_derivative(kinds[i], H[i], f[i], 1.0, blocks[diagonal[i]])
+            pull_back_derivative(kinds[i], H[i], f[i], 1.0, blocks[diagonal[i]])
 
 
 class MassDamping(Term, ViscousForces):

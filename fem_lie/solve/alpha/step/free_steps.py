@@ -6,8 +6,8 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
-from fem_lie.lie.kinds import inertia
 from fem_lie.lie.motions import to_local
+from fem_lie.lie.node_types import inertia
 from fem_lie.lie.tuples import (
     cross,
     dot,

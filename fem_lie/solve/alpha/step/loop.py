@@ -17,7 +17,7 @@ from fem_lie._jit.copies import copy_vector
 from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.joints.equations.terms import unwrap_both
-from fem_lie.lie.polar import PlainSurroundings, turn_axes
+from fem_lie.lie.polar import PlainSurroundings, convect_axes
 from fem_lie.linear.factors import PlainSolution, solve_by_call
 from fem_lie.solve.alpha.step.node import PlainScheme
 from fem_lie.solve.alpha.step.nodes import TWISTS, PlainState, accept, correct, predict
@@ -267,7 +267,7 @@ def settled_ratio(ratio: float, iteration: int) -> float:
 def _end(table: Indices, h: float, steps: PlainSteps) -> None:
     """Turn axes, count turns and book the step that was accepted."""
     this, how = packed(table), Steps(*steps)
-    turn_axes(this.H, this.around, this.motion, TWISTS)
+    convect_axes(this.H, this.around, this.motion, TWISTS)
     if how.turns:
         joints, probes = this.joints
         unwrap_both(this.H, joints, probes)

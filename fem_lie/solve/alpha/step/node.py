@@ -1,8 +1,8 @@
 """Generalised-α at one node: parameters, prediction, correction and acceptance of a step.
 
 Formulas in :mod:`fem_lie.solve.alpha.generalised_alpha`. Velocities, accelerations and increments
-are those of the node's group, see :mod:`fem_lie.lie.kinds`: of a frame translations are along its
-axes on SE(3) and in global components on R³×SO(3).
+are those of the node's group, see :mod:`fem_lie.lie.node_types`: translations of a frame are along
+its axes on SE(3) and in global components on R³×SO(3).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeAlias
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined
-from fem_lie.lie.kinds import move, settle
+from fem_lie.lie.node_types import move, reorthonormalise
 from fem_lie.solve.convergence import size_of
 
 AHEAD = 0.1
@@ -133,4 +133,4 @@ def accept(
         a[k] = (rate - am * a[k]) / (1.0 - am)
         v[k] = v1[k]
         vdot[k] = vdot1[k]
-    settle(kind, H1)
+    reorthonormalise(kind, H1)

@@ -1,6 +1,6 @@
 """One step of generalised-α on all nodes: prediction, correction, acceptance, compiled.
 
-Each node moves on its own group, see :mod:`fem_lie.lie.kinds`. Velocities and accelerations are
+Each node moves on its own group, see :mod:`fem_lie.lie.node_types`. Velocities, accelerations are
 those of the group; their twists in the nodes' frames, which the equations of motion want, follow
 them.
 """
@@ -13,7 +13,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, uncounted
-from fem_lie.lie.kinds import Written, all_from_local, move, to_group, to_local
+from fem_lie.lie.node_types import Written, all_from_local, move, to_group, to_local
 from fem_lie.solve.alpha.step import node
 from fem_lie.solve.alpha.step.node import PlainScheme, Scheme
 
@@ -64,7 +64,7 @@ class State(NamedTuple):
         H1: Those of the end.
         motion: :class:`Motion`, shape (8, n, 6); one array, because a compiled function takes the
             longer to call the more there are.
-        kinds: What each node is, see :mod:`fem_lie.lie.kinds`, shape (n,).
+        kinds: What each node is, see :mod:`fem_lie.lie.node_types`, shape (n,).
         scaling: Weights in the size of increments, see :func:`~.convergence.node_scaling`, (n, 2).
     """
 

@@ -33,10 +33,15 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, inlined_uncounted, uncounted
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.fixed_arrays import as_frames, as_sixes
-from fem_lie.lie.directors import turn_on_to
-from fem_lie.lie.kinds import inertia
-from fem_lie.lie.kinds.kind import SLOPE, carry, first, straight
-from fem_lie.lie.kinds.motion import from_local, to_local
+from fem_lie.lie.directors import rotate_onto
+from fem_lie.lie.node_types import inertia
+from fem_lie.lie.node_types.motion import from_local, to_local
+from fem_lie.lie.node_types.node_type import (
+    POSITION_GRADIENT,
+    add_increment,
+    first_vector,
+    vector_count,
+)
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -133,7 +138,7 @@ def go_along_edge(rows: Array, i: int, j: int, out: Array) -> None:
     """Axes of node ``i``, turned on to its edge by the smallest rotation, into ``out`` (4, 3)."""
     for r in range(1, 4):
         store_row(out, r, load_row(rows[i], r))
-    turn_on_to(out, _edge(rows, i, j))
+    rotate_onto(out, _edge(rows, i, j))
 
 
 @inlined
@@ -146,23 +151,23 @@ def turned_with(before: Array, after: Array, a: Vector) -> Vector:
 @inlined_uncounted
 def as_rows(kind: int, coordinates: Array, out: Array) -> None:
     """Both coordinate vectors (6,) of a node that is no frame as rows (4, 3); others are zero."""
-    at = first(kind)
+    at = first_vector(kind)
     for k in range(4):
         store_row(out, k, (0.0, 0.0, 0.0))
-    for k in range(straight(kind)):
+    for k in range(vector_count(kind)):
         store_row(out, at + k, load(coordinates, 3 * k))
 
 
 @inlined_uncounted
 def rates_of(kind: int, H: Array, V: Array, out: Array) -> None:
     """Rates (6,) of increments, from those of the rows, (4, 3)."""
-    if kind < SLOPE:
+    if kind < POSITION_GRADIENT:
         store(out, 0, load_row(V, 0))
         store(out, 3, spin(H, V))
     else:
-        at = first(kind)
+        at = first_vector(kind)
         store(out, 3, (0.0, 0.0, 0.0))
-        for k in range(straight(kind)):
+        for k in range(vector_count(kind)):
             store(out, 3 * k, load_row(V, at + k))
 
 
@@ -184,13 +189,13 @@ def span_all(
     end, middle, half = as_frames(end), as_frames(middle), vector_at(stack(6), 6)
     for i in range(step.shape[0]):
         kind = kinds[i]
-        if kind < SLOPE:
+        if kind < POSITION_GRADIENT:
             span_one(H[i], step[i], delta[i], mean[i], end[i], middle[i])
         else:
             for k in range(6):
                 half[k] = 0.5 * step[i, k]
-            carry(kind, H[i], half, middle[i])
-            carry(kind, H[i], step[i], end[i])
+            add_increment(kind, H[i], half, middle[i])
+            add_increment(kind, H[i], step[i], end[i])
             for k in range(4):
                 store_row(mean[i], k, load_row(middle[i], k))
             as_rows(kind, step[i], delta[i])
@@ -208,7 +213,7 @@ def span_from_python(
 def keep_axes(kinds: Indices, end: Array, H: Array) -> None:
     """Give rows ``H`` the axes of ``end``, (≥ n, 4, 3), where those of a node follow its slope."""
     for i in range(kinds.shape[0]):
-        if kinds[i] == SLOPE:
+        if kinds[i] == POSITION_GRADIENT:
             store_row(H[i], 2, load_row(end[i], 2))
             store_row(H[i], 3, load_row(end[i], 3))
 
@@ -226,7 +231,7 @@ def twists(
 
     Args:
         kinds: Types of the nodes, (n,).
-        turning: Of directors, see :func:`~fem_lie.lie.kinds.inertia.turning_of`.
+        turning: Of directors, see :func:`~fem_lie.lie.node_types.inertia.turning_of`.
         H: Rows of the nodes.
         V: Rates of all rows, (n, 4, 3).
         rates: Of the rates of increments, (n, 6).
@@ -237,7 +242,7 @@ def twists(
     inertia.local_twists(H, V, turning, v)
     for i in range(v.shape[0]):
         kind = kinds[i]
-        if kind < SLOPE:
+        if kind < POSITION_GRADIENT:
             d1, d2, d3 = load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3)
             for at in (0, 3):
                 store(a[i], at, rotate_back(d1, d2, d3, load(rates[i], at)))
@@ -252,7 +257,7 @@ def spatial_rates(kinds: Indices, H: Array, v: Array, rates: Array, out: Array) 
     """Accelerations of increments (n, 6), from twists ``v`` and their ``rates`` along the axes."""
     own = np.empty(6)
     for i in range(out.shape[0]):
-        if kinds[i] < SLOPE:
+        if kinds[i] < POSITION_GRADIENT:
             moved = plus(load(rates[i], 0), cross(load(v[i], 3), load(v[i], 0)))
             store(out[i], 0, _turned(H[i], moved))
             store(out[i], 3, _turned(H[i], load(rates[i], 3)))

@@ -1,7 +1,7 @@
 r"""Reduced-order bodies over a step: kinetic and stored energy and all momenta exactly; compiled.
 
 Such a body has the frame ``(x, d_k)`` of its first node and coordinates ``z`` within it
-(:mod:`fem_lie.lie.kinds.floating_coordinates`). Its inertia is a constant matrix ``G`` of
+(:mod:`fem_lie.lie.node_types.floating_coordinates`). Its inertia is a constant matrix ``G`` of
 ``Q = (x, d_k, z_a d_k)``, so the *products* ``z_a d_k`` are further rows with a velocity ``U`` of
 their own, which the trapezoidal rule changes like that of any row: ``U₁ = 2 ΔQ/h − U``. Forces
 ``F = G (U₁ − U)/h`` do the work ``F·ΔQ = ½ U₁·G U₁ − ½ U·G U``. With means, increments, and the
@@ -35,8 +35,8 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, inlined, uncounted
 from fem_lie._jit.by_address import call_with_arrays
 from fem_lie._jit.stack import blocks_at, matrix_at, stack, vector_at
-from fem_lie.lie.kinds.floating import Floating, elastic_of, nodes_of, parts_of
-from fem_lie.lie.kinds.floating_coordinates import (
+from fem_lie.lie.node_types.floating import Floating, elastic_of, nodes_of, parts_of
+from fem_lie.lie.node_types.floating_coordinates import (
     add_amplitudes,
     add_products,
     add_times,
@@ -44,11 +44,11 @@ from fem_lie.lie.kinds.floating_coordinates import (
     spread,
     strains,
 )
-from fem_lie.lie.kinds.forces import add_along_increments
+from fem_lie.lie.node_types.forces import add_along_increments
 from fem_lie.lie.tuples import Vector, combined, cross, dot, load, load_row, plus, store
 
 PackedBodies: TypeAlias = tuple[Indices, Array]
-"""Integers and numbers of :class:`~fem_lie.lie.kinds.floating.Floating`, and at the end of the
+"""Integers and numbers of :class:`~fem_lie.lie.node_types.floating.Floating`, and at the end of the
 first the addresses of what is done with them here."""
 
 _SPAN, _ELASTIC, _INERTIA = -3, -2, -1

@@ -9,8 +9,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie.lie.kinds import inertia, pull_all, push_all
-from fem_lie.lie.kinds.floating import (
+from fem_lie.lie.node_types import inertia, pull_all_back, push_all_forward
+from fem_lie.lie.node_types.floating import (
     Floating,
     accelerate,
     elastic_of,
@@ -18,8 +18,8 @@ from fem_lie.lie.kinds.floating import (
     parts_of,
     spread_forces,
 )
-from fem_lie.lie.kinds.floating_coordinates import add_times, coordinates, strains
-from fem_lie.lie.kinds.inertia import Inertia, multiply
+from fem_lie.lie.node_types.floating_coordinates import add_times, coordinates, strains
+from fem_lie.lie.node_types.inertia import Inertia, multiply
 
 
 def inertia_with_products(mass: Inertia, bodies: Floating) -> Inertia:
@@ -92,7 +92,7 @@ def product_rates(
     """First and second rates (2, m, 4, 3) of the products.
 
     Args:
-        integers: See :class:`~fem_lie.lie.kinds.floating.Floating`.
+        integers: See :class:`~fem_lie.lie.node_types.floating.Floating`.
         numbers: Likewise.
         motion: Frames, and first and second rates of the rows of all nodes, (≥ n, 4, 3).
         out: Overwritten.
@@ -172,7 +172,7 @@ def accelerations(
     inertia.accelerations(kinds, H, twist, np.zeros_like(twist), out[:n])
     if len(out) > n:
         rates, found = np.empty((n, 4, 3)), np.empty((2, *out[n:].shape))
-        push_all(kinds, H, twist, rates)
+        push_all_forward(kinds, H, twist, rates)
         product_rates(*bodies, (H, rates, out[:n]), found)
         out[n:] = found[1]
 
@@ -190,4 +190,4 @@ def add_inertia(
     n, work = len(kinds), np.empty_like(q)
     multiply(*mass, q, work)
     add_on_rows(*bodies, H, work[n:], work[:n])
-    pull_all(kinds, H, work[:n], factor, forces.reshape(-1))
+    pull_all_back(kinds, H, work[:n], factor, forces.reshape(-1))

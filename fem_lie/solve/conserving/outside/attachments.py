@@ -20,7 +20,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie.lie.kinds.kind import SLOPE, axes
+from fem_lie.lie.node_types.node_type import POSITION_GRADIENT, axes
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -105,7 +105,7 @@ def set_nodes(kinds: Indices, moved: Rows, step: Array, mean: Array, delta: Arra
     """
     delta[: kinds.shape[0]] = 0.0
     for i in range(kinds.shape[0]):
-        if kinds[i] < SLOPE:
+        if kinds[i] < POSITION_GRADIENT:
             mean[i], delta[i] = moved.mean[i], moved.delta[i]
         elif has_place(kinds[i]):
             mean[i] = moved.middle[i]
@@ -212,7 +212,7 @@ def give(
     cells, n = span.cells, forces.shape[0]
     for i in range(n):
         store(forces[i], 0, plus(load(forces[i], 0), load(on_rows[i], 0)))
-        if kinds[i] < SLOPE:
+        if kinds[i] < POSITION_GRADIENT:
             store(forces[i], 3, plus(load(forces[i], 3), load(on_rows[i], 3)))
     own = np.empty(6)
     for g in range(span.turns.shape[0]):

@@ -19,9 +19,9 @@ from fem_lie._jit.call_back import CalledBack
 from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, DAMPING, WORK
 from fem_lie.forms.abilities import Ends, ViscousForces
 from fem_lie.forms.term import Term
-from fem_lie.lie.kinds import SLOPE
-from fem_lie.lie.kinds.forces import wrench
-from fem_lie.lie.kinds.kind import axes
+from fem_lie.lie.node_types import POSITION_GRADIENT
+from fem_lie.lie.node_types.forces import wrench
+from fem_lie.lie.node_types.node_type import axes
 from fem_lie.lie.tuples import (
     add_wrench,
     dot,
@@ -96,7 +96,7 @@ class Outside:
             shared: That of another run whose state is that of this one, too; default: none.
         """
         known, n = equations.tables, equations.unknowns.moving
-        self._run, self._kinds, vectors = run, known.kinds, known.kinds >= SLOPE
+        self._run, self._kinds, vectors = run, known.kinds, known.kinds >= POSITION_GRADIENT
         self.joints: Joints | OtherConstraints | None = (
             joints_of(equations) if shared is None else shared.joints
         )
@@ -204,7 +204,7 @@ class Outside:
 
 def joints_of(equations: Equations) -> Joints | OtherConstraints | None:
     """Those of a scene, if some are between more than two frames or with nodes without frames."""
-    if (equations.tables.kinds < SLOPE).all():
+    if (equations.tables.kinds < POSITION_GRADIENT).all():
         return OtherConstraints(equations) if equations.unknowns.other_constraints else None
     joints = Joints(equations)
     return joints if joints.needed else None

@@ -12,7 +12,7 @@ from fem_lie._jit import compiled
 from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, WORK
 from fem_lie.joints.equations.table import PackedJoints, joint_table, views
 from fem_lie.joints.equations.terms import spring_energy, unwrap, violations
-from fem_lie.lie.kinds import SLOPE
+from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.solve.conserving.outside.attachments import (
     AttachmentSpan,
     Rows,
@@ -141,7 +141,9 @@ class Joints:
         n, attachments = equations.unknowns.moving, pairs.attachments
         self._n, self.kinds = n, equations.tables.kinds
         held = views(pairs.joints).nodes
-        straight = np.append(self.kinds >= SLOPE, np.ones(attachments.count, dtype=bool))
+        straight = np.append(
+            self.kinds >= POSITION_GRADIENT, np.ones(attachments.count, dtype=bool)
+        )
         self.needed = bool(straight[held[held < len(straight)]].any())
         frames = equations.start.frames
         fixed = frames[n:]

@@ -1,7 +1,7 @@
 """Rows of nodes whose increments add, and those of a cell as its kernels take them; compiled.
 
-A node has up to two such rows, :func:`~fem_lie.lie.kinds.kind.straight` of them; here they are
-halves of six numbers, along global axes.
+A node has :func:`~fem_lie.lie.node_types.node_type.vector_count`, one or two, such vectors; here
+they are three numbers each of six, along global axes.
 """
 
 from __future__ import annotations
@@ -14,7 +14,13 @@ from fem_lie._jit import compiled, inlined, inlined_uncounted, uncounted
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.cell_forms import coefficients
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
-from fem_lie.lie.kinds.kind import SLOPE, axes, first, set_axes, straight
+from fem_lie.lie.node_types.node_type import (
+    POSITION_GRADIENT,
+    axes,
+    first_vector,
+    set_axes,
+    vector_count,
+)
 from fem_lie.lie.tuples import (
     cross,
     dot,
@@ -41,7 +47,7 @@ class CellTable(NamedTuple):
             shape (M, 2, 6).
         first: First place of each cell in ``nodes``, shape (M + 1,).
         nodes: Nodes of the cells.
-        kinds: What these are, see :mod:`fem_lie.lie.kinds`.
+        kinds: What these are, see :mod:`fem_lie.lie.node_types`.
         weights: Of both halves of each place where increments are measured, zero for what a node
             has not, shape (places, 2).
         sees: What of space the energy sees, shape (M,).
@@ -61,7 +67,7 @@ class CellTable(NamedTuple):
 @inlined
 def has_place(kind: int) -> bool:
     """Whether the first half of such a node is a place, which translations move."""
-    return first(kind) == 0
+    return first_vector(kind) == 0
 
 
 @inlined_uncounted
@@ -69,7 +75,7 @@ def are_places(cells: CellTable, e: int) -> bool:
     """Whether the nodes of a cell are places and nothing else."""
     alone = True
     for a in range(cells.first[e], cells.first[e + 1]):
-        alone = alone and has_place(cells.kinds[a]) and straight(cells.kinds[a]) == 1
+        alone = alone and has_place(cells.kinds[a]) and vector_count(cells.kinds[a]) == 1
     return alone
 
 
@@ -88,8 +94,8 @@ def gather(kinds: Indices, nodes: Indices, H: Array, rest: Array, out: Array) ->
     origin = nodes[0]
     for a in range(nodes.shape[0]):
         i, kind = nodes[a], kinds[a]
-        at = first(kind)
-        for k in range(straight(kind)):
+        at = first_vector(kind)
+        for k in range(vector_count(kind)):
             for j in range(3):
                 value, digits = H[i, at + k, j], rest[i, at + k, j]
                 if k == 0 and at == 0:
@@ -101,11 +107,11 @@ def gather(kinds: Indices, nodes: Indices, H: Array, rest: Array, out: Array) ->
 @inlined_uncounted
 def write_node(kind: int, H: Array, halves: Array, out: Array) -> None:
     """Rows (4, 3) of a node with these halves, and axes as simple as may be; ``H``: at present."""
-    at = first(kind)
+    at = first_vector(kind)
     out[:] = 0.0
-    for k in range(straight(kind)):
+    for k in range(vector_count(kind)):
         store_row(out, at + k, load_row(halves, k))
-    if kind == SLOPE:
+    if kind == POSITION_GRADIENT:
         along, beside = load_row(halves, 1), load_row(H, 2)
         along = scaled(1.0 / sqrt(dot(along, along)), along)
         beside = minus(beside, scaled(dot(along, beside), along))
@@ -162,25 +168,25 @@ def forces_of(cells: CellTable, e: int, H: Array, halves: Array, rows: Array, ou
     for a in range(count):
         kind = cells.kinds[begin + a]
         d1, d2, d3 = axes(kind, rows[a])
-        for k in range(straight(kind)):
+        for k in range(vector_count(kind)):
             store_row(out[a], k, rotate(d1, d2, d3, load(found, 6 * a + 3 * k)))
 
 
 @inlined
 def spread(kind: int, halves: Array, out: Array) -> None:
     """Halves (6,) as rows (4, 3); the others are zero."""
-    at = first(kind)
+    at = first_vector(kind)
     out[:] = 0.0
-    for k in range(straight(kind)):
+    for k in range(vector_count(kind)):
         store_row(out, at + k, load(halves, 3 * k))
 
 
 @inlined
 def gathered(kind: int, rows: Array, out: Array) -> None:
     """Inverse of :func:`spread`; halves that a node has not are zero."""
-    at = first(kind)
+    at = first_vector(kind)
     out[:] = 0.0
-    for k in range(straight(kind)):
+    for k in range(vector_count(kind)):
         store(out, 3 * k, load_row(rows, at + k))
 
 

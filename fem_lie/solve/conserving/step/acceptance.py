@@ -12,9 +12,9 @@ from fem_lie._jit.stack import stack, vector_at
 from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
 from fem_lie.joints.equations.table import joint_table
 from fem_lie.joints.equations.terms import unwrap
-from fem_lie.lie.kinds import inertia
-from fem_lie.lie.kinds.forces import wrench
-from fem_lie.lie.kinds.kind import SLOPE, axes
+from fem_lie.lie.node_types import inertia
+from fem_lie.lie.node_types.forces import wrench
+from fem_lie.lie.node_types.node_type import POSITION_GRADIENT, axes
 from fem_lie.lie.tuples import (
     add_dead,
     add_wrench,
@@ -216,7 +216,7 @@ def _keep_what_is_left(
         f = scaled(factor, rotate(d1, d2, d3, load(left, 0)))
         moment = scaled(factor, rotate(d1, d2, d3, load(left, 3)))
         before, earlier = load(carry[i], 0), load(carry[i], 3)
-        frame = kinds[i] < SLOPE
+        frame = kinds[i] < POSITION_GRADIENT
         if frame:
             earlier = left_moment(earlier, before, u)
         gain += dot(minus(f, before), u)
@@ -261,7 +261,7 @@ def _work_of_loads(
         f = rotate(d1, d2, d3, load(following[i], 0))
         m = plus(load(moment[i], 0), rotate(d1, d2, d3, load(following[i], 3)))
         work += dot(f, load(step[i], 0)) + dot(m, load(step[i], 3))
-        if kinds[i] < SLOPE:
+        if kinds[i] < POSITION_GRADIENT:
             add_wrench(losses, BY_LOADS, load_row(mean[i], 0), f, m)
         else:
             force, turning = wrench(kinds[i], middle[i], following[i])

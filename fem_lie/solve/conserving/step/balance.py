@@ -10,9 +10,9 @@ from fem_lie._jit import inlined, linked, uncounted
 from fem_lie._jit.call_back import call_back
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, DAMPING, NUMERICAL, WORK
-from fem_lie.lie.kinds import inertia
-from fem_lie.lie.kinds.forces import add_along_increments, wrench
-from fem_lie.lie.kinds.kind import SLOPE, axes
+from fem_lie.lie.node_types import inertia
+from fem_lie.lie.node_types.forces import add_along_increments, wrench
+from fem_lie.lie.node_types.node_type import POSITION_GRADIENT, axes
 from fem_lie.lie.tuples import (
     Vector,
     add_dead,
@@ -119,7 +119,7 @@ def _make_up(kinds: Indices, carry: Array, step: Array, forces: Array) -> None:
     """Begin with what the last step has left over: momenta are compensated sums."""
     for i in range(forces.shape[0]):
         f, moment = load(carry[i], 0), load(carry[i], 3)
-        if kinds[i] < SLOPE:
+        if kinds[i] < POSITION_GRADIENT:
             moment = left_moment(moment, f, load(step[i], 0))
         store(forces[i], 0, f)
         store(forces[i], 3, moment)

@@ -14,7 +14,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie.lie.kinds.kind import SLOPE
+from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
 from fem_lie.solve.convergence import DIVERGED, contraction, to_come
 
 _ALIKE, _SHARE = 0.2, 0.5
@@ -206,7 +206,7 @@ def size_of_vectors(kinds: Indices, measure: Array, x: Array) -> float:
     """Of the largest part of a correction ``x`` of nodes that are no frames; as :func:`size`."""
     largest = 0.0
     for i in range(kinds.shape[0]):
-        if kinds[i] >= SLOPE:
+        if kinds[i] >= POSITION_GRADIENT:
             part = size(measure[6 * i : 6 * i + 6], x[6 * i : 6 * i + 6])
             if part > largest or part != part:
                 largest = part

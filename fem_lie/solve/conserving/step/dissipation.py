@@ -41,8 +41,8 @@ from math import sqrt
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined, uncounted
 from fem_lie._jit.stack import blocks_at, matrix_at, stack, vector_at
-from fem_lie.lie.kinds.forces import add_along_increments
-from fem_lie.lie.kinds.kind import axes
+from fem_lie.lie.node_types.forces import add_along_increments
+from fem_lie.lie.node_types.node_type import axes
 from fem_lie.lie.tuples import (
     Vector,
     cross,

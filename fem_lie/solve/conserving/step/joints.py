@@ -22,7 +22,7 @@ from fem_lie.joints.equations.one_pair import term
 from fem_lie.joints.equations.relative_motion import relative_motion
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.joints.equations.terms import jacobian
-from fem_lie.lie.kinds.kind import SLOPE, axes
+from fem_lie.lie.node_types.node_type import POSITION_GRADIENT, axes
 from fem_lie.lie.tuples import (
     Vector,
     add_wrench,
@@ -206,7 +206,7 @@ def border_at(
         spatial = rotate(load_row(e, 1), load_row(e, 2), load_row(e, 3), load(row, 0))
         store(row, 0, rotate_back(load_row(a, 1), load_row(a, 2), load_row(a, 3), spatial))
         for k in range(6):
-            if held[i, k] or kinds[i] >= SLOPE:
+            if held[i, k] or kinds[i] >= POSITION_GRADIENT:
                 out[0, leg, k] = out[1, leg, k] = 0.0
 
 

@@ -14,7 +14,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import linked
 from fem_lie._jit.call_back import call_back
 from fem_lie.forms.fixed_arrays import put
-from fem_lie.lie.kinds.kind import SLOPE
+from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
 from fem_lie.lie.tuples import dot, load, load_row
 from fem_lie.linear.factors import PlainFactors
 from fem_lie.solve.conserving.rows.halves import has_place
@@ -119,7 +119,7 @@ def run(
     touches = outside[TOUCHES] != 0
     kinds, vectors, noise_level = model.kinds, False, _noise_level(packed, starts)
     for i in range(kinds.shape[0]):
-        vectors = vectors or kinds[i] >= SLOPE
+        vectors = vectors or kinds[i] >= POSITION_GRADIENT
     while counters[STEPS] < last:
         if counters[ITERATION] == 0:
             numbers[MOTION] = max(begin(packed, starts, steps), numbers[MOTION])
@@ -233,7 +233,7 @@ def _noise_level(packed: PackedModel, starts: Indices) -> float:
     """Largest increment that may be round-off: far from the origin positions are known to less."""
     model, H, far, vectors = model_of(packed), state_of(starts).H, 0.0, False
     for i in range(model.kinds.shape[0]):
-        vectors = vectors or model.kinds[i] >= SLOPE
+        vectors = vectors or model.kinds[i] >= POSITION_GRADIENT
         if has_place(model.kinds[i]):
             for j in range(3):
                 far = max(far, abs(H[i, 0, j]) * model.measure[6 * i])

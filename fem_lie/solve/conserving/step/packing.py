@@ -27,7 +27,7 @@ from fem_lie.forms.fixed_arrays import (
     sixes,
 )
 from fem_lie.forms.kernels.addresses import integer_pointer
-from fem_lie.lie.kinds.inertia import Inertia
+from fem_lie.lie.node_types.inertia import Inertia
 from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
 from fem_lie.solve.conserving.step.records import (
     LegEnds,

@@ -8,8 +8,8 @@ from __future__ import annotations
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined, uncounted
 from fem_lie._jit.stack import blocks_at, stack
-from fem_lie.lie.kinds import inertia
-from fem_lie.lie.kinds.inertia import Inertia
+from fem_lie.lie.node_types import inertia
+from fem_lie.lie.node_types.inertia import Inertia
 from fem_lie.lie.tuples import (
     Vector,
     dot,

@@ -12,7 +12,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined
 from fem_lie.forms.cells import CellTable
 from fem_lie.joints.equations.table import PackedJoints
-from fem_lie.lie.kinds.inertia import Inertia
+from fem_lie.lie.node_types.inertia import Inertia
 from fem_lie.solve.conserving.between.floating import PackedBodies
 from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
 from fem_lie.system.nodes.masses import Loads

@@ -1,9 +1,9 @@
-r"""Inertia of bodies that move with one frame and deform in few shapes within it: compiled.
+"""Inertia of reduced-order bodies: a floating frame and modal coordinates within it; compiled.
 
-Coordinates ``z`` are those of :mod:`.floating_coordinates`. Every point of a body has rows that are
-linear in ``Q = (x, d_k, z_a d_k)``, so that inertia is ``Q̈`` times a constant matrix, gyroscopic
-and centrifugal forces included; what of it is in ``(x, d_k)`` alone is inertia of the frame's node
-and none of this.
+The coordinates ``z`` are those of :mod:`.floating_coordinates`. Positions of all points of a body
+are linear in ``Q = (x, d_k, z_a d_k)``, so that inertia is a constant matrix times ``Q̈``,
+gyroscopic and centrifugal forces included. The part of the matrix in ``(x, d_k)`` only is inertia
+of the frame's node, and is not included here.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from fem_lie._jit import callback, compiled, inlined, inlined_uncounted, uncount
 from fem_lie._jit.by_address import call_with_arrays
 from fem_lie._jit.copies import copy_matrix
 from fem_lie._jit.stack import blocks_at, matrix_at, stack, vector_at
-from fem_lie.lie.kinds.floating_coordinates import (
+from fem_lie.lie.node_types.floating_coordinates import (
     Rows,
     add_amplitudes,
     add_products,
     coordinates,
     spread,
 )
-from fem_lie.lie.kinds.forces import push
+from fem_lie.lie.node_types.forces import push_forward
 from fem_lie.lie.tuples import Vector, cross, load, plus, scaled
 
 PlainFloating: TypeAlias = tuple[Indices, Array]
-"""A :class:`Floating` at the door from Python."""
+"""A :class:`Floating` as a plain tuple, which is faster to pass from Python."""
 
 _HEAD = 3  # of the numbers: gravity
 _FORCES, _INVARIANTS, _WEIGHTS = -3, -2, -1  # addresses, at the end of the integers
@@ -38,12 +38,12 @@ _OTHERS, _SIZE, _NUMBERS, _NODES = range(4)  # in the integers of a body; its no
 
 
 class WithinFrame(NamedTuple):
-    """A body that deforms within the frame of its first node.
+    """Mass and stiffness of a body that deforms within the frame of its first node.
 
     Attributes:
         interfaces: Positions and directors of the other interfaces in that frame, (i, 4, 3).
-        inertia: Matrix of ``Q``, z_a d_1, z_a d_2, z_a d_3 one amplitude after the other, without
-            what nodes have by themselves, (4 + 3 m, 4 + 3 m).
+        inertia: Mass matrix in ``Q``, with z_a d_1, z_a d_2, z_a d_3 for one coordinate after the
+            other, without that of the nodes themselves, (4 + 3 m, 4 + 3 m).
         stiffness: ``K`` of the energy ``½ eᵀ K e`` of the strains ``e``, (m, m).
         quadratic: ``Q_abc`` of the strains, (m, m, m).
     """
@@ -55,16 +55,16 @@ class WithinFrame(NamedTuple):
 
 
 class Floating(NamedTuple):
-    """Such bodies: inertia beyond that of their frames, and stored energy.
+    """All reduced-order bodies of a scene, packed: inertia beyond that of frames, and stiffness.
 
     Attributes:
-        integers: How many there are, where each begins in this array, and of each: other
-            interfaces, coordinates, where it begins in ``numbers``, and its nodes; then addresses
-            of the functions that compute with them, which no other scene compiles.
-        numbers: Acceleration of free fall, and of each body ``X`` and ``D`` of its other
-            interfaces, 12 each, the matrix of ``Q``, whose first four rows have nothing in the
-            first four columns, with rows of all amplitudes with one director together, the
-            stiffness, and ``Q_abc`` at ``[c, a, b]``.
+        integers: Number of bodies, start of each body in this array, and for each body: number of
+            other interfaces, number of coordinates, start in ``numbers``, and its nodes; then
+            addresses of the compiled functions, so that scenes without such bodies do not compile
+            them.
+        numbers: Acceleration of gravity (3,), and for each body ``X`` and ``D`` of its other
+            interfaces, 12 each; the matrix of ``Q``, sorted by directors, zero in the first four
+            rows and columns; the stiffness; and ``Q_abc`` at ``[c, a, b]``.
     """
 
     integers: Indices
@@ -72,7 +72,7 @@ class Floating(NamedTuple):
 
     @classmethod
     def of(cls, bodies: list[tuple[Indices, WithinFrame]]) -> Floating:
-        """Pack bodies with their nodes."""
+        """Pack bodies with the indices of their nodes."""
         own: list[int] = []
         starts, numbers = [], [np.zeros(_HEAD)]
         for nodes, (interfaces, matrix, stiffness, quadratic) in bodies:
@@ -90,17 +90,17 @@ class Floating(NamedTuple):
 
     @property
     def plain(self) -> PlainFloating:
-        """As compiled functions are quicker to call with."""
+        """The same as a plain tuple, which is faster to pass to compiled functions."""
         return (*self,)
 
     @property
     def contents(self) -> tuple[Indices, Array]:
-        """What is the same in all processes: without addresses, and without gravity."""
+        """Contents that are equal in all processes: without addresses, and without gravity."""
         return self.integers[: min(_FORCES, _INVARIANTS, _WEIGHTS)], self.numbers[_HEAD:]
 
     @property
     def sizes(self) -> Indices:
-        """How many coordinates each body has."""
+        """Number of coordinates of each body."""
         return self.integers[self.integers[1 : 1 + self.integers[0]] + _SIZE]
 
     @property
@@ -116,21 +116,21 @@ class Floating(NamedTuple):
 
 @compiled
 def nodes_of(integers: Indices, body: int) -> Indices:
-    """Nodes of a body."""
+    """Nodes of the body with index ``body``."""
     at = integers[1 + body]
     return integers[at + _NODES : at + _NODES + _count(integers, at)]
 
 
 @inlined_uncounted
 def _count(integers: Indices, at: int) -> int:
-    """How many nodes the body has that begins there."""
+    """Number of nodes of the body whose integers start at ``at``."""
     others, size = integers[at + _OTHERS], integers[at + _SIZE]
     return int(1 + others + (size - 6 * others + 5) // 6)
 
 
 @compiled
 def parts_of(integers: Indices, numbers: Array, body: int) -> tuple[Array, Array]:
-    """Interfaces (i, 4, 3) and matrix of a body."""
+    """Interfaces (i, 4, 3) and mass matrix (4 + 3 m, 4 + 3 m) of a body."""
     at = integers[1 + body]
     others, n = integers[at + _OTHERS], 4 + 3 * integers[at + _SIZE]
     first = integers[at + _NUMBERS]
@@ -153,7 +153,10 @@ def elastic_of(integers: Indices, numbers: Array, body: int) -> tuple[Array, Arr
 def accelerate(
     motion: tuple[Rows, Rows, Rows], gravity: Array, interfaces: Array, z: Rows, Q: Rows
 ) -> None:
-    """``Q̈`` less gravity, (3, 4 + 3 m), and ``z`` with both its rates, (3, m), which are zero."""
+    """Set ``Q̈`` less gravity, (3, 4 + 3 m), and ``z`` with its first and second rates, (3, m).
+
+    ``z`` must be zero at the call.
+    """
     q, rate, second = motion
     others, m = interfaces.shape[0], z.shape[1]
     coordinates(q, interfaces, z[0])
@@ -176,7 +179,7 @@ def accelerate(
 
 @uncounted
 def multiply(G: Array, Q: Rows, F: Rows) -> None:
-    """Add ``Q G`` to ``F``, both (3, 4 + 3 m): sums along rows of ``G``, which are vectorised."""
+    """Add ``Q G`` to ``F``, both (3, 4 + 3 m); sums along rows of ``G`` are vectorised."""
     F0, F1, F2 = F[0], F[1], F[2]
     for c in range(G.shape[0]):
         row, Q0, Q1, Q2 = G[c], Q[0, c], Q[1, c], Q[2, c]
@@ -188,7 +191,10 @@ def multiply(G: Array, Q: Rows, F: Rows) -> None:
 
 @uncounted
 def spread_forces(F: Rows, q: Rows, interfaces: Array, z: Rows, g: Rows, f: Rows) -> None:
-    """Add forces on ``Q`` as those on rows (k, 4, 3) to ``f``; ``g`` (m,) is zero at first."""
+    """Add forces ``F`` on ``Q`` as forces on nodal coordinates to ``f`` (k, 4, 3).
+
+    ``g`` (m,) must be zero at the call.
+    """
     m = z.shape[0]
     for j in range(3):
         f[0, 0, j] += F[j, 0]
@@ -203,7 +209,7 @@ def spread_forces(F: Rows, q: Rows, interfaces: Array, z: Rows, g: Rows, f: Rows
 
 @inlined
 def add_forces(
-    kinds: Indices,
+    node_types: Indices,
     H: Array,
     v: Array,
     second: Array,
@@ -211,18 +217,18 @@ def add_forces(
     numbers: Array,
     out: Array,
 ) -> None:
-    """Add inertia less weight of all bodies on rows of nodes.
+    """Add inertia forces less weight of all bodies to forces on nodal coordinates.
 
     Args:
-        kinds: Of all nodes, shape (n,).
-        H: Frames.
+        node_types: Type of each node, shape (n,).
+        H: Nodal coordinates.
         v: Twists.
-        second: Accelerations of all rows, shape (n, 4, 3).
+        second: Accelerations of all nodal coordinates, shape (n, 4, 3).
         integers: See :class:`Floating`.
-        numbers: Likewise.
+        numbers: See :class:`Floating`.
         out: Shape (n, 4, 3).
     """
-    arrays = kinds, H, v, second, integers, numbers, out
+    arrays = node_types, H, v, second, integers, numbers, out
     sizes = H.shape[0], second.shape[0], integers.shape[0], numbers.shape[0]
     call_with_arrays(integers[_FORCES], arrays, sizes)
 
@@ -244,7 +250,7 @@ def _add_forces(
     size: int,
     length: int,
 ) -> None:
-    """:func:`add_forces` of so many nodes, and of so many integers and numbers."""
+    """:func:`add_forces` with addresses and sizes of the arrays."""
     _add_all_forces(
         numba.carray(kinds_at, (count,)),
         numba.carray(H_at, (count, 4, 3)),
@@ -258,7 +264,7 @@ def _add_forces(
 
 @uncounted
 def _add_all_forces(
-    kinds: Indices,
+    node_types: Indices,
     H: Array,
     v: Array,
     second: Array,
@@ -274,19 +280,19 @@ def _add_all_forces(
         interfaces = numbers[first:middle].reshape((others, 4, 3))
         G = numbers[middle : middle + n * n].reshape((n, n))
         nodes = integers[at + _NODES : at + _NODES + _count(integers, at)]
-        _add_forces_of(kinds, (H, v, second), numbers[:_HEAD], nodes, (interfaces, G), out)
+        _add_forces_of(node_types, (H, v, second), numbers[:_HEAD], nodes, (interfaces, G), out)
 
 
 @uncounted
 def _add_forces_of(
-    kinds: Indices,
+    node_types: Indices,
     motion: tuple[Array, Array, Array],
     gravity: Array,
     nodes: Indices,
     parts: tuple[Array, Array],
     out: Array,
 ) -> None:
-    """Of one body; see :func:`add_forces` and :func:`parts_of`."""
+    """Add the forces of one body; see :func:`add_forces` and :func:`parts_of`."""
     (H, v, second), (interfaces, G) = motion, parts
     k, n, m = nodes.shape[0], G.shape[0], (G.shape[0] - 4) // 3
     q, rate = blocks_at(stack(12 * k), k, 4, 3), blocks_at(stack(12 * k), k, 4, 3)
@@ -299,7 +305,7 @@ def _add_forces_of(
         for row in range(4):
             for j in range(3):
                 q[i, row, j], acceleration[i, row, j] = H[node, row, j], second[node, row, j]
-        push(kinds[node], H[node], v[node], rate[i])
+        push_forward(node_types[node], H[node], v[node], rate[i])
     accelerate((q, rate, acceleration), gravity, interfaces, z, Q)
     multiply(G, Q, F)
     spread_forces(F, q, interfaces, z[0], z[3], f)

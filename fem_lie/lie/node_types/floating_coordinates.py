@@ -1,14 +1,14 @@
-r"""Coordinates within the frame of a body that deforms in few shapes: compiled.
+"""Modal coordinates within the frame of a reduced-order body: compiled.
 
-The nodes of such a body are its frame, frames of its other interfaces, and amplitudes (see
-:mod:`fem_lie.lie.kinds`), one after the other. Coordinates ``z`` within the frame ``(x, d_k)`` are
-for each other interface ``(x_i, d_in)``, with ``X`` and ``D_n`` its place and directors at the
-start as components along the frame::
+The nodes of such a body are its reference frame, the frames of its other interfaces, and modal
+nodes (see :mod:`fem_lie.lie.node_types`), in this order. For each other interface ``(x_i, d_in)``,
+with position ``X`` and directors ``D_n`` at the start in components along the frame ``(x, d_k)``,
+the coordinates ``z`` are::
 
     z_u = d_k·(x_i − x) − X_k,    z_θ = ½ Σ_n D_n × (d_k·d_in)
 
-and then the amplitudes. They are bilinear in the rows of nodes, so that their rates and forces on
-rows need no more than products. Strains are ``e_a = z_a + ½ Q_abc z_b z_c``.
+followed by the modal amplitudes. They are bilinear in nodal coordinates, so that their rates and
+forces are products. Strains are ``e_a = z_a + ½ Q_abc z_b z_c``.
 """
 
 from __future__ import annotations
@@ -20,15 +20,18 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, uncounted
-from fem_lie.lie.kinds.forces import push
+from fem_lie.lie.node_types.forces import push_forward
 
 Rows: TypeAlias = npt.NDArray[Any]
-"""Real, or complex for derivatives."""
+"""Nodal coordinates or their rates; complex for derivatives by a complex step."""
 
 
 @uncounted
 def add_products(d: Rows, q: Rows, interfaces: Array, factor: float, out: Rows) -> None:
-    """Add ``factor`` times the products in ``z`` of directors ``d`` (4, 3) and rows (k, 4, 3)."""
+    """Add ``factor`` times the bilinear part of ``z`` (m,) in directors and coordinates.
+
+    ``d`` are coordinates (4, 3) of the reference frame, ``q`` those (k, 4, 3) of all nodes.
+    """
     for i in range(interfaces.shape[0]):
         for k in range(3):
             for j in range(3):
@@ -45,7 +48,7 @@ def add_products(d: Rows, q: Rows, interfaces: Array, factor: float, out: Rows) 
 
 @uncounted
 def add_amplitudes(q: Rows, others: int, out: Rows) -> None:
-    """Add those in rows (k, 4, 3) of a body with so many other interfaces, to ``out`` (m,)."""
+    """Add the modal amplitudes of a body with ``others`` other interfaces to ``out`` (m,)."""
     first = 6 * others
     for a in range(out.shape[0] - first):
         out[first + a] += q[1 + others + a // 6, 1 + (a % 6) // 3, a % 3]
@@ -53,7 +56,7 @@ def add_amplitudes(q: Rows, others: int, out: Rows) -> None:
 
 @uncounted
 def coordinates(q: Rows, interfaces: Array, z: Rows) -> None:
-    """Set ``z`` (m,) at rows (k, 4, 3) of a body's nodes."""
+    """Set ``z`` (m,) from the coordinates ``q`` (k, 4, 3) of a body's nodes."""
     z[:] = 0.0
     add_products(q[0], q, interfaces, 1.0, z)
     for i in range(interfaces.shape[0]):
@@ -64,7 +67,10 @@ def coordinates(q: Rows, interfaces: Array, z: Rows) -> None:
 
 @uncounted
 def spread(g: Rows, q: Rows, interfaces: Array, f: Rows) -> None:
-    """Add what forces ``g`` (m,) on coordinates are on rows, to ``f`` (k, 4, 3)."""
+    """Add the forces on nodal coordinates of forces ``g`` (m,) on ``z`` to ``f``.
+
+    ``f`` and ``q`` have shape (k, 4, 3).
+    """
     others = interfaces.shape[0]
     for i in range(others):
         for j in range(3):
@@ -87,7 +93,10 @@ def spread(g: Rows, q: Rows, interfaces: Array, f: Rows) -> None:
 
 @uncounted
 def strains(Q: Array, z: Array, J: Array, e: Array) -> None:
-    """Set strains ``e`` (m,) and their derivative ``J`` (m, m); ``Q_abc`` is at ``[c, a, b]``."""
+    """Set strains ``e`` (m,) and their derivative ``J`` (m, m) in ``z``.
+
+    ``Q_abc`` is at ``[c, a, b]``.
+    """
     m = z.shape[0]
     J[:] = 0.0
     for c in range(m):
@@ -104,7 +113,7 @@ def strains(Q: Array, z: Array, J: Array, e: Array) -> None:
 
 @uncounted
 def add_times(A: Array, x: Array, out: Array) -> None:
-    """Add ``x A``, sums along rows, which are vectorised."""
+    """Add ``x A`` to ``out``; sums along rows are vectorised."""
     for a in range(A.shape[0]):
         row, amplitude = A[a], x[a]
         for b in range(A.shape[1]):
@@ -113,7 +122,7 @@ def add_times(A: Array, x: Array, out: Array) -> None:
 
 @compiled
 def all_coordinates(H: Array, interfaces: Array, size: int) -> Array:
-    """Coordinates (s, m) in states (s, k, 4, 3) of a body's nodes."""
+    """Coordinates ``z`` (s, m) of a body in s states of its nodes, ``H`` (s, k, 4, 3)."""
     z = np.zeros((H.shape[0], size))
     for s in range(H.shape[0]):
         coordinates(H[s], interfaces, z[s])
@@ -121,12 +130,12 @@ def all_coordinates(H: Array, interfaces: Array, size: int) -> Array:
 
 
 @compiled
-def all_rates(kinds: Indices, H: Array, v: Array, interfaces: Array, size: int) -> Array:
-    """Their rates, of twists (s, k, 6)."""
+def all_rates(node_types: Indices, H: Array, v: Array, interfaces: Array, size: int) -> Array:
+    """Rates of ``z`` (s, m) for twists ``v`` (s, k, 6) of the body's nodes."""
     dz, rate = np.zeros((H.shape[0], size)), np.empty(H.shape[1:])
     for s in range(H.shape[0]):
-        for i in range(kinds.shape[0]):
-            push(kinds[i], H[s, i], v[s, i], rate[i])
+        for i in range(node_types.shape[0]):
+            push_forward(node_types[i], H[s, i], v[s, i], rate[i])
         add_products(rate[0], H[s], interfaces, 1.0, dz[s])
         add_products(H[s, 0], rate, interfaces, 1.0, dz[s])
         add_amplitudes(rate, interfaces.shape[0], dz[s])

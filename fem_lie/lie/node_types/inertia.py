@@ -1,11 +1,11 @@
-"""Inertia in redundant coordinates: one constant matrix for all bodies, seen from nodal frames.
+"""Inertia in redundant coordinates: one constant matrix for all bodies, projected to nodal axes.
 
-Every node carries ``q = (x, d₁, d₂, d₃)`` and the kinetic energy is ``½ Σ G_ij[a, b] q̇_ia · q̇_jb``
-with a *constant* block-sparse matrix ``G`` (4×4 blocks): a beam's is the consistent mass matrix of
-linearly interpolated positions and directors, a rigid body's a single block. With local velocities
-``v`` and accelerations ``a``, ``q̇ = L v``, ``q̈ = L a + L̇ v`` and the inertia force is ``Lᵀ G q̈``:
-gyroscopic and centrifugal terms included, nothing else to derive. (Betsch & Leyendecker, IJNME 67
-(2006) 499, the discrete null space; conventions in :mod:`fem_lie.lie`.)
+Every node has coordinates ``q = (x, d₁, d₂, d₃)``, and the kinetic energy is ``½ Σ G_ij[a, b] q̇_ia
+· q̇_jb`` with a *constant* block-sparse matrix ``G`` (4×4 blocks). For a beam it is the consistent
+mass matrix of linearly interpolated positions and directors, for a rigid body a single block. With
+velocities ``v`` and accelerations ``a`` along nodal axes, ``q̇ = L v`` and ``q̈ = L a + L̇ v``, the
+inertia force is ``Lᵀ G q̈``, gyroscopic and centrifugal terms included. (Betsch & Leyendecker,
+IJNME 67 (2006) 499, the discrete null space; conventions in :mod:`fem_lie.lie`.)
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined, uncounted
 from fem_lie._jit.stack import matrix_at, stack
 from fem_lie.lie import directors
-from fem_lie.lie.kinds.all_nodes import push_all
-from fem_lie.lie.kinds.forces import acceleration, acceleration_derivatives, pull
-from fem_lie.lie.kinds.kind import SLOPE, axes, first, straight
+from fem_lie.lie.node_types.all_nodes import push_all_forward
+from fem_lie.lie.node_types.forces import acceleration, acceleration_derivatives, pull_back
+from fem_lie.lie.node_types.node_type import POSITION_GRADIENT, axes, first_vector, vector_count
 from fem_lie.lie.tuples import dot
 
 Invariants: TypeAlias = tuple[float, float, float, float, float, float, float]
 """Kinetic energy, momentum and angular momentum about the origin."""
 
 PlainInertia: TypeAlias = tuple[Indices, Indices, Array]
-"""An :class:`Inertia` at the door from Python: compiled functions are quicker to call so."""
+"""An :class:`Inertia` as a plain tuple, faster to pass from Python to compiled functions."""
 
 
 PlainMotion: TypeAlias = tuple[Array, Array, Array]
@@ -36,23 +36,23 @@ PlainMotion: TypeAlias = tuple[Array, Array, Array]
 
 
 @uncounted
-def accelerations(kinds: Indices, H: Array, v: Array, a: Array, out: Array) -> None:
+def accelerations(node_types: Indices, H: Array, v: Array, a: Array, out: Array) -> None:
     """``q̈ = L a + L̇ v``; shapes (n,), (n, 4, 3), (n, 6), (n, 6), (n, 4, 3)."""
     local = matrix_at(stack(12), 4, 3)
     for i in range(v.shape[0]):
-        acceleration(kinds[i], H[i], v[i], a[i], local, out[i])
+        acceleration(node_types[i], H[i], v[i], a[i], local, out[i])
 
 
 @inlined
 def multiply_row(i: int, indptr: Indices, indices: Indices, G: Array, q: Array, out: Array) -> None:
-    """The node ``i`` of :func:`multiply`, shape (4, 3)."""
+    """Node ``i`` of the product of :func:`multiply`, shape (4, 3)."""
     for a in range(4):
         s0 = s1 = s2 = 0.0
         for entry in range(indptr[i], indptr[i + 1]):
             j = indices[entry]
             for b in range(4):
                 g = G[entry, a, b]
-                if g != 0.0:  # of most bodies two thirds are zero
+                if g != 0.0:  # two thirds of the entries are zero for most bodies
                     s0 += g * q[j, b, 0]
                     s1 += g * q[j, b, 1]
                     s2 += g * q[j, b, 2]
@@ -69,7 +69,7 @@ def multiply(indptr: Indices, indices: Indices, G: Array, q: Array, out: Array) 
 @compiled
 def tangents(
     motion: PlainMotion,
-    kinds: Indices,
+    node_types: Indices,
     G: PlainInertia,
     places: tuple[Indices, Indices],
     factors: tuple[float, float],
@@ -80,15 +80,14 @@ def tangents(
     ``r = Lᵀ G q̈`` is the inertia force.
 
     Args:
-        motion: Frames, local velocities and their rates.
-        kinds: What the derivatives in accelerations and velocities are by, those of the group, see
-            :mod:`fem_lie.lie.kinds`.
+        motion: Coordinates (≥ n, 4, 3), local velocities (n, 6) and their rates (n, 6).
+        node_types: Type of each node, shape (n,); derivatives in accelerations and velocities are
+            in those of the group.
         G: The block-sparse matrix.
-        places: Position of each block of ``G`` among those of ``A`` and of ``K`` (blocks, 6, 6).
-        factors: Of the derivatives in the accelerations, ``mass``, and in the velocities,
-            ``damping``.
-        parts: ``A``, blocks of the derivative in (a, v), and ``K``, in local increments, both
-            updated, perhaps one array; the part of ``∂Lᵀ`` is in neither.
+        places: Index of each block of ``G`` among the blocks of ``A`` and of ``K``.
+        factors: ``mass``, of the derivative in accelerations, and ``damping``, in velocities.
+        parts: ``A``, blocks (b, 6, 6) of the derivative in (a, v), and ``K``, of that in local
+            increments, both updated; they may be one array. ``∂Lᵀ`` is in neither.
     """
     (H, v, a), (indptr, indices, blocks), (A, K) = motion, G, parts
     in_A, in_K = places
@@ -99,16 +98,18 @@ def tangents(
         for entry in range(indptr[i], indptr[i + 1]):
             j = indices[entry]
             of_rates, of_frames = A[in_A[entry]], K[in_K[entry]]
-            if kinds[i] >= SLOPE and kinds[j] >= SLOPE:
-                _add_straight((kinds[i], kinds[j]), H[i], H[j], blocks[entry], factors[0], of_rates)
+            if node_types[i] >= POSITION_GRADIENT and node_types[j] >= POSITION_GRADIENT:
+                _add_straight(
+                    (node_types[i], node_types[j]), H[i], H[j], blocks[entry], factors[0], of_rates
+                )
                 continue
-            if kinds[i] >= SLOPE or kinds[j] >= SLOPE:
-                acceleration_derivatives(kinds[j], H[j], v[j], a[j], factors, (W, X))
-                _add_pulled(kinds[i], H[i], blocks[entry], W, of_rates)
-                _add_pulled(kinds[i], H[i], blocks[entry], X, of_frames)
+            if node_types[i] >= POSITION_GRADIENT or node_types[j] >= POSITION_GRADIENT:
+                acceleration_derivatives(node_types[j], H[j], v[j], a[j], factors, (W, X))
+                _add_pulled(node_types[i], H[i], blocks[entry], W, of_rates)
+                _add_pulled(node_types[i], H[i], blocks[entry], X, of_frames)
                 continue
             directors.acceleration_derivatives(
-                kinds[j] & 1 == 1, v[j], a[j], factors, (W, X), (unit, vector)
+                node_types[j] & 1 == 1, v[j], a[j], factors, (W, X), (unit, vector)
             )
             for k in range(3):
                 for m in range(3):
@@ -127,21 +128,21 @@ def tangents(
 
 @inlined
 def _add_straight(
-    kinds: tuple[int, int], H: Array, other: Array, g: Array, mass: float, block: Array
+    node_types: tuple[int, int], H: Array, other: Array, g: Array, mass: float, block: Array
 ) -> None:
-    """``block += mass Lᵀ g L`` of two nodes that are no frames: their ``L`` does not change."""
-    left, right = axes(kinds[0], H), axes(kinds[1], other)
-    for k in range(straight(kinds[0])):
-        for m in range(straight(kinds[1])):
-            factor = mass * g[first(kinds[0]) + k, first(kinds[1]) + m]
+    """Add ``mass Lᵀ g L`` of two nodes that are not frames: their ``L`` is constant."""
+    left, right = axes(node_types[0], H), axes(node_types[1], other)
+    for k in range(vector_count(node_types[0])):
+        for m in range(vector_count(node_types[1])):
+            factor = mass * g[first_vector(node_types[0]) + k, first_vector(node_types[1]) + m]
             for i in range(3):
                 for j in range(3):
                     block[3 * k + i, 3 * m + j] += factor * dot(left[i], right[j])
 
 
 @compiled
-def _add_pulled(kind: int, H: Array, g: Array, right: Array, block: Array) -> None:
-    """``block += Lᵀ g right`` of a node of any kind, ``right`` (4, 3, 6) in global components."""
+def _add_pulled(node_type: int, H: Array, g: Array, right: Array, block: Array) -> None:
+    """Add ``Lᵀ g right`` of a node of any type; ``right`` (4, 3, 6) has global components."""
     force, r = np.empty((4, 3)), np.empty(6)
     for column in range(6):
         for k in range(4):
@@ -150,7 +151,7 @@ def _add_pulled(kind: int, H: Array, g: Array, right: Array, block: Array) -> No
                 for b in range(4):
                     force[k, j] += g[k, b] * right[b, j, column]
         r[:] = 0.0
-        pull(kind, H, force, 1.0, r)
+        pull_back(node_type, H, force, 1.0, r)
         for k in range(6):
             block[k, column] += r[k]
 
@@ -173,7 +174,7 @@ def _force_on_frame(g: Array, Q: Array, right: Array, column: int, out: Array) -
 
 @compiled
 def invariants(
-    kinds: Indices,
+    node_types: Indices,
     H: Array,
     v: Array,
     indptr: Indices,
@@ -182,8 +183,8 @@ def invariants(
     qdot: Array,
     p: Array,
 ) -> Invariants:
-    """Those of velocities ``v`` (n, 6); ``qdot`` and ``p`` are work arrays (n, 4, 3)."""
-    push_all(kinds, H, v, qdot)
+    """Invariants of velocities ``v`` (n, 6); ``qdot`` and ``p`` are work arrays (n, 4, 3)."""
+    push_all_forward(node_types, H, v, qdot)
     return invariants_of_rates(H, qdot, indptr, indices, G, p)
 
 
@@ -191,7 +192,7 @@ def invariants(
 def invariants_of_rates(
     H: Array, qdot: Array, indptr: Indices, indices: Indices, G: Array, p: Array
 ) -> Invariants:
-    """The same of rates ``qdot`` of (x, d₁, d₂, d₃), (n, 4, 3)."""
+    """Invariants of rates ``qdot`` of (x, d₁, d₂, d₃), shape (n, 4, 3); ``p`` is a work array."""
     multiply(indptr, indices, G, qdot, p)
     energy = 0.0
     p0 = p1 = p2 = l0 = l1 = l2 = 0.0
@@ -211,7 +212,7 @@ def invariants_of_rates(
 
 @uncounted
 def local_twists(H: Array, qdot: Array, turning: Array, out: Array) -> None:
-    """Twists (n, 6) in the frames of rates (n, 4, 3) of (x, d₁, d₂, d₃), without what deforms them.
+    """Twists (n, 6) in nodal axes of rates (n, 4, 3) of (x, d₁, d₂, d₃), strain rates removed.
 
     ``(Rᵀẋ, Σ turning_l Rᵀḋ_l)``, see :func:`turning_of`.
     """
@@ -232,25 +233,26 @@ def local_twists(H: Array, qdot: Array, turning: Array, out: Array) -> None:
 
 
 def turning_of(inertia: Inertia, held: Flags) -> Array:
-    """Angular velocity from rates of directors that need not be those of a turning frame.
+    """Linear map from rates of directors, not necessarily rigid, to an angular velocity.
 
-    It has the angular momentum of the rates, ``J ω = Σ E_kl e_k × Rᵀḋ_l`` with ``E`` of the node's
-    own inertia: rates of directors without inertia follow from no balance, and may be anything.
-    About axes without inertia it is the mean, ``½ Σ e_k × Rᵀḋ_k``, and nil where rotation is held.
+    ω has the angular momentum of the rates: ``J ω = Σ E_kl e_k × Rᵀḋ_l`` with the node's own
+    director inertia ``E``. Rates of directors without inertia follow from no balance and are
+    arbitrary. About axes without inertia ω is the mean ``½ Σ e_k × Rᵀḋ_k``; it is zero where
+    rotation is held.
 
     Args:
-        inertia: Of the nodes.
-        held: Which of their unknowns are zero, shape (n, 6).
+        inertia: Inertia of the nodes.
+        held: Mask of unknowns that are zero, shape (n, 6).
 
     Returns:
-        Shape (n, 3, 3, 3): ω's component, director, the component of its rate in the frame.
+        Shape (n, 3, 3, 3): component of ω, director, component of its rate in the frame.
     """
     count = len(held)
     E = np.zeros((count, 3, 3))
     rows = np.repeat(np.arange(len(inertia.indptr[1:])), np.diff(inertia.indptr))
     own = rows == inertia.indices
     E[rows[own]] = inertia.blocks[own, 1:, 1:]
-    # all nodes without inertia of their own have the same; places do not turn
+    # nodes without own inertia share one map; position nodes do not rotate
     some = E.any(axis=(1, 2)) & ~held[:, 3:].all(axis=1)
     found = np.repeat(_turning(np.zeros((1, 3, 3))), count, axis=0)
     found[some] = _turning(E[some])
@@ -259,7 +261,7 @@ def turning_of(inertia: Inertia, held: Flags) -> Array:
 
 
 def _turning(E: Array) -> Array:
-    """:func:`turning_of` of directors' inertia ``E`` (n, 3, 3), where nothing is held."""
+    """Map of :func:`turning_of` for directors' inertia ``E`` (n, 3, 3) where nothing is held."""
     J = np.trace(E, axis1=1, axis2=2)[:, np.newaxis, np.newaxis] * np.eye(3) - E
     moments, axes = np.linalg.eigh(J)
     felt = moments > _MASSLESS * moments[:, 2:]
@@ -274,12 +276,12 @@ _MASSLESS = 1e-10  # of a node's largest moment of inertia
 
 
 class Inertia(NamedTuple):
-    """Constant matrix of (x, d₁, d₂, d₃) of all nodes, sparse by blocks.
+    """Constant block-sparse mass matrix in the coordinates (x, d₁, d₂, d₃) of all nodes.
 
     Attributes:
-        indptr: First block of each row, shape (n + 1,), or empty if there is nothing.
+        indptr: First block of each row, shape (n + 1,); empty without inertia.
         indices: Column of each block, shape (nnz,).
-        blocks: Shape (nnz, 4, 4).
+        blocks: Shape (nnz, 4, 4), kg for positions, kg m and kg m² with directors.
     """
 
     indptr: Indices
@@ -288,7 +290,7 @@ class Inertia(NamedTuple):
 
     @classmethod
     def none(cls) -> Inertia:
-        """Without rows: for compiled functions where there is nothing."""
+        """Matrix without rows, for compiled functions where there is no inertia."""
         return cls(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros((0, 4, 4)))
 
     @property
@@ -298,5 +300,5 @@ class Inertia(NamedTuple):
 
     @property
     def plain(self) -> PlainInertia:
-        """As compiled functions are quicker to call with."""
+        """The same as a plain tuple, which is faster to pass to compiled functions."""
         return (*self,)

@@ -1,7 +1,7 @@
-"""Derivatives of the inertia of bodies that deform in few shapes within a frame: compiled.
+"""Derivatives of the inertia of reduced-order bodies in a floating frame: compiled.
 
-The functions of :mod:`.floating` are called with complex rows: the imaginary part of a polynomial
-at ``q + i ε δq`` is its derivative, to round-off.
+The functions of :mod:`.floating` are evaluated at complex coordinates: the imaginary part of a
+polynomial at ``q + i ε δq`` is its derivative, to round-off.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie.lie.kinds.floating import (
+from fem_lie.lie.node_types.floating import (
     PlainFloating,
     accelerate,
     multiply,
@@ -18,42 +18,47 @@ from fem_lie.lie.kinds.floating import (
     parts_of,
     spread_forces,
 )
-from fem_lie.lie.kinds.forces import acceleration, acceleration_derivatives, pull, push
-from fem_lie.lie.kinds.kind import SLOPE
+from fem_lie.lie.node_types.forces import (
+    acceleration,
+    acceleration_derivatives,
+    pull_back,
+    push_forward,
+)
+from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
 from fem_lie.lie.tuples import cross, load_row, store_row
 
 _STEP = 1e-30
 
 
 @compiled
-def _turned_rates(kind: int, H: Array, column: int, rate: Array, out: Array) -> None:
-    """Set what an increment does to the rates of rows at a constant velocity of the group."""
+def _turned_rates(node_type: int, H: Array, column: int, rate: Array, out: Array) -> None:
+    """Set the change of coordinate rates by an increment at constant group velocity."""
     out[:] = 0.0
-    if kind >= SLOPE or column < 3:
+    if node_type >= POSITION_GRADIENT or column < 3:
         return
     axis = load_row(H, column - 2)
-    for k in range(1 if kind & 1 else 0, 4):
+    for k in range(1 if node_type & 1 else 0, 4):
         store_row(out, k, cross(axis, load_row(rate, k)))
 
 
 @compiled
 def tangents(
     motion: tuple[Array, Array, Array],
-    kinds: Indices,
+    node_types: Indices,
     floating: PlainFloating,
     places: tuple[Indices, Indices],
     factors: tuple[float, float],
     parts: tuple[Array, Array],
 ) -> None:
-    """Add derivatives of forces of :mod:`.floating`, pulled back, as those of inertia's tangents.
+    """Add derivatives of the forces of :mod:`.floating`, pulled back, to those of inertia.
 
     Args:
-        motion: Frames, local velocities and their rates.
-        kinds: Of the nodes.
-        floating: See :class:`~fem_lie.lie.kinds.floating.Floating`.
-        places: Of each of its pairs among the blocks of derivatives in motion and in frames.
-        factors: Of the derivatives in the accelerations and in the velocities.
-        parts: Blocks of derivatives in these, and in frames.
+        motion: Nodal coordinates, local velocities and their rates.
+        node_types: Type of each node.
+        floating: See :class:`~fem_lie.lie.node_types.floating.Floating`.
+        places: Index of each of its pairs among the blocks of derivatives in motion and in frames.
+        factors: Of the derivatives in accelerations and in velocities.
+        parts: Blocks of the derivatives in accelerations and velocities, and in frames.
     """
     (H, v, a), (integers, numbers), (_, damping), (A, K) = motion, floating, factors, parts
     W, X, local = np.empty((4, 3, 6)), np.empty((4, 3, 6)), np.empty((4, 3))
@@ -65,9 +70,9 @@ def tangents(
         state = np.zeros((3, k, 4, 3), np.complex128)
         for i in range(k):
             node = nodes[i]
-            push(kinds[node], H[node], v[node], pushed)
+            push_forward(node_types[node], H[node], v[node], pushed)
             state[0, i], state[1, i] = H[node], pushed
-            acceleration(kinds[node], H[node], v[node], a[node], local, pushed)
+            acceleration(node_types[node], H[node], v[node], a[node], local, pushed)
             state[2, i] = pushed
         f, n = np.empty((k, 4, 3), np.complex128), G.shape[0]
         Q, F = np.empty((2, 3, n), np.complex128)
@@ -77,13 +82,13 @@ def tangents(
         multiply(G, Q.real.copy(), constant)
         for j in range(k):
             node = nodes[j]
-            acceleration_derivatives(kinds[node], H[node], v[node], a[node], factors, (W, X))
+            acceleration_derivatives(node_types[node], H[node], v[node], a[node], factors, (W, X))
             real = state[:, j].copy()
             for column in range(6):
                 unit[:] = 0.0
                 unit[column] = 1.0
-                push(kinds[node], H[node], unit, pushed)
-                _turned_rates(kinds[node], H[node], column, real[1].real.copy(), turned)
+                push_forward(node_types[node], H[node], unit, pushed)
+                _turned_rates(node_types[node], H[node], column, real[1].real.copy(), turned)
                 for of_frames in (False, True):
                     if of_frames:
                         state[0, j] = real[0] + 1j * _STEP * pushed
@@ -100,7 +105,7 @@ def tangents(
                     state[:, j] = real
                     for i in range(k):
                         own[:] = 0.0
-                        pull(kinds[nodes[i]], H[nodes[i]], f[i].imag / _STEP, 1.0, own)
+                        pull_back(node_types[nodes[i]], H[nodes[i]], f[i].imag / _STEP, 1.0, own)
                         at = pair + k * i + j
                         block = K[places[1][at]] if of_frames else A[places[0][at]]
                         for row in range(6):

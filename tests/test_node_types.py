@@ -5,8 +5,15 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.extend import kinds
-from fem_lie.lie.kinds import AMPLITUDE, POINT, SLOPE, SURFACE, TRAITS, inertia
+from fem_lie.extend import node_types
+from fem_lie.lie.node_types import (
+    MODAL,
+    POSITION,
+    POSITION_GRADIENT,
+    SURFACE_GRADIENT,
+    TRAITS,
+    inertia,
+)
 from fem_lie.system import System
 from fem_lie.system.nodes import numbering
 
@@ -14,7 +21,7 @@ KINDS = {
     f"{group.name}, {parametrisation.name}": group + 2 * parametrisation
     for group in fl.Group
     for parametrisation in fl.Parametrisation
-} | {kind.name: int(kind) for kind in fl.extend.NodeKind if kind >= SLOPE}
+} | {kind.name: int(kind) for kind in fl.extend.NodeType if kind >= POSITION_GRADIENT}
 STEP = 1e-5
 WEIGHTS = {-2: -1 / 12, -1: 4 / 3, 0: -5 / 2, 1: 4 / 3, 2: -1 / 12}
 
@@ -28,9 +35,11 @@ class Node:
         rng = np.random.default_rng(seed)
         self.kind, self.kinds = kind, np.array([kind])
         self.H = lie.se3_exp(rng.normal(size=(1, 6)))
-        rows = TRAITS[fl.extend.NodeKind.FRAME if kind < SLOPE else fl.extend.NodeKind(kind)].rows
+        rows = TRAITS[
+            fl.extend.NodeType.FRAME if kind < POSITION_GRADIENT else fl.extend.NodeType(kind)
+        ].rows
         self.rows, self.placed = slice(rows.start, rows.stop), rows.start == 0
-        if kind in (SLOPE, SURFACE):
+        if kind in (POSITION_GRADIENT, SURFACE_GRADIENT):
             self.H[:, 1] *= 1.3
         self.v, self.a, self.h = rng.normal(size=(3, 1, 6))
         self.f = np.zeros((1, 4, 3))
@@ -38,23 +47,23 @@ class Node:
 
     def follow(self, h):
         out = np.empty_like(self.H)
-        kinds.follow_all(self.kinds, self.H, h, out)
+        node_types.retract_all(self.kinds, self.H, h, out)
         return out
 
     def push(self, H, v):
         out = np.empty((1, 4, 3))
-        kinds.push_all(self.kinds, H, v, out)
+        node_types.push_all_forward(self.kinds, H, v, out)
         return out
 
     def pull(self, H, f):
         out = np.zeros(6)
-        kinds.pull_all(self.kinds, H, f, 1.0, out)
+        node_types.pull_all_back(self.kinds, H, f, 1.0, out)
         return out
 
     def group(self, H, twist, rate):
         """Velocity and acceleration of the group."""
         v, vdot = np.empty((2, 1, 6))
-        kinds.all_from_local(self.kinds, H, twist, rate, v, vdot)
+        node_types.all_from_local(self.kinds, H, twist, rate, v, vdot)
         return v, vdot
 
     def at(self, t):
@@ -62,10 +71,10 @@ class Node:
         v, vdot = self.group(self.H, self.v, self.a)
         H = np.empty_like(self.H)
         d, rate = v * t + 0.5 * vdot * t**2, v + vdot * t
-        kinds.move_all(self.kinds, self.H, d, H)
+        node_types.move_all(self.kinds, self.H, d, H)
         x, twist = rate.copy(), np.empty_like(rate)
-        kinds.all_from_group(self.kinds, H, x)
-        kinds.twists(self.kinds, d, x, twist)
+        node_types.all_from_group(self.kinds, H, x)
+        node_types.twists(self.kinds, d, x, twist)
         return H, twist
 
 
@@ -96,7 +105,7 @@ def test_pull_is_the_transpose_of_push(kind):
 @every_kind
 def test_derivative_of_pull(kind):
     node, block, numeric = Node(kind), np.zeros((6, 6)), np.empty((6, 6))
-    kinds.pull_derivative(kind, node.H[0], node.f[0], 1.0, block)
+    node_types.pull_back_derivative(kind, node.H[0], node.f[0], 1.0, block)
     for k, h in enumerate(STEP * np.eye(6)[:, np.newaxis]):
         ahead, behind = (node.pull(node.follow(s * h), node.f) for s in (1, -1))
         numeric[:, k] = (ahead - behind) / (2 * STEP)
@@ -135,11 +144,11 @@ def test_power_of_inertia_is_the_rate_of_kinetic_energy(kind):
 def test_velocities_and_accelerations_of_the_group_and_back(kind):
     node, back = Node(kind), np.empty((2, 6))
     v, vdot = node.group(node.H, node.v, node.a)
-    kinds.to_local(kind, node.H[0], v[0], vdot[0], back[0], back[1])
+    node_types.to_local(kind, node.H[0], v[0], vdot[0], back[0], back[1])
     np.testing.assert_allclose(back, (node.v[0], node.a[0]), atol=1e-14)
     x = node.h.copy()
-    kinds.all_to_group(node.kinds, node.H, x)
-    kinds.all_from_group(node.kinds, node.H, x)
+    node_types.all_to_group(node.kinds, node.H, x)
+    node_types.all_from_group(node.kinds, node.H, x)
     np.testing.assert_allclose(x, node.h, atol=1e-14)
 
 
@@ -149,18 +158,18 @@ def test_what_increments_lack_of_the_series_of_velocities(kind):
     node = Node(kind)
     v, vdot = node.group(node.H, node.v, node.a)
     bend = np.empty_like(v)
-    kinds.bend_all(node.kinds, v, vdot, bend)
+    node_types.all_cubic_terms(node.kinds, v, vdot, bend)
 
     def gap(h):
         """A motion with velocity v + v̇ t, in small steps, against the increment."""
         H, parts = node.H, 400
         for k in range(parts):
             d = h / parts * (v + vdot * (k + 0.5) * h / parts)
-            kinds.move_all(node.kinds, H, d, out := np.empty_like(H))
+            node_types.move_all(node.kinds, H, d, out := np.empty_like(H))
             H = out
         whole = np.empty_like(H)
         d = h * v + 0.5 * h**2 * vdot + h**3 / 12 * bend
-        kinds.move_all(node.kinds, node.H, d, whole)
+        node_types.move_all(node.kinds, node.H, d, whole)
         return np.abs(H - whole)[:, node.rows].max()
 
     assert gap(0.02) < 1e-13 or gap(0.04) / gap(0.02) > 12
@@ -170,9 +179,9 @@ def test_what_increments_lack_of_the_series_of_velocities(kind):
 def test_rigid_motions(kind):
     """Turning everything about a place moves all rows as their velocities say."""
     node, about = Node(kind), np.array([0.3, -2.0, 1.0])
-    motions = kinds.rigid_motions(node.kinds, node.H, about)[0]
+    motions = node_types.rigid_motions(node.kinds, node.H, about)[0]
     ξ = np.array([0.4, 1.0, -0.3, 0.7, -0.2, 0.5])
-    expected = np.cross(ξ[3:], node.H[0]) if kind != AMPLITUDE else np.zeros((4, 3))
+    expected = np.cross(ξ[3:], node.H[0]) if kind != MODAL else np.zeros((4, 3))
     if node.placed:
         expected[0] = ξ[:3] + np.cross(ξ[3:], node.H[0, 0] - about)
     found = node.push(node.H, (motions @ ξ)[np.newaxis])[0]
@@ -184,8 +193,8 @@ def test_forces_are_seen_as_resultants(kind):
     """Power of a force in rigid motion is that of its force and moment about the node."""
     node = Node(kind)
     r = node.pull(node.H, node.f)
-    force, moment = kinds.wrench(kind, node.H[0], r)
-    if kind == AMPLITUDE:
+    force, moment = node_types.wrench(kind, node.H[0], r)
+    if kind == MODAL:
         np.testing.assert_array_equal((force, moment), 0.0)
         return
     np.testing.assert_allclose(force, node.f[0, 0], atol=1e-14)
@@ -198,8 +207,8 @@ def test_forces_are_seen_as_resultants(kind):
 def test_shown_velocities_are_of_the_rows(kind):
     """The place moves by ``Σ uₖ rowₖ``, and where only rotation counts the rows turn by θ."""
     node, shown = Node(kind), np.empty((1, 6))
-    kinds.shown_all(node.kinds, node.H, node.v, shown)
-    if kind == AMPLITUDE:
+    node_types.all_result_twists(node.kinds, node.H, node.v, shown)
+    if kind == MODAL:
         np.testing.assert_array_equal(shown, node.v)
         return
     if not node.placed:
@@ -212,29 +221,29 @@ def test_shown_velocities_are_of_the_rows(kind):
     np.testing.assert_allclose(np.cross(spin, first), across, atol=1e-13)
 
 
-@pytest.mark.parametrize("kind", [kind for kind in fl.extend.NodeKind if POINT <= kind < AMPLITUDE])
+@pytest.mark.parametrize("kind", [kind for kind in fl.extend.NodeType if POSITION <= kind < MODAL])
 def test_axes_are_what_they_were_set_to(kind):
     """Straight rows stay, and so do the axes in any motion."""
     node, R = Node(kind), lie.se3_exp(np.random.default_rng(8).normal(size=(1, 6)))[:, 1:]
     H = node.H.copy()
-    kinds.set_all_axes(node.kinds, H, R)
+    node_types.set_all_axes(node.kinds, H, R)
     np.testing.assert_array_equal(H[:, node.rows], node.H[:, node.rows])
     moved = np.empty_like(H)
-    kinds.move_all(node.kinds, H, node.h, moved)
+    node_types.move_all(node.kinds, H, node.h, moved)
     for rows in (H, moved):
-        np.testing.assert_allclose(kinds.all_axes(node.kinds, rows), R, atol=1e-14)
+        np.testing.assert_allclose(node_types.all_axes(node.kinds, rows), R, atol=1e-14)
 
 
 def test_carried_axes_stay_unit_vectors_without_twist():
     """A slope goes round a closed path on the sphere: what is left is the solid angle."""
     H = np.array([[[0.0, 0, 0], [2.0, 0, 0], [0, 1, 0], [0, 0, 1]]])
-    corners, kind = 2.0 * np.eye(3), np.array([SLOPE])
+    corners, kind = 2.0 * np.eye(3), np.array([POSITION_GRADIENT])
     for to in (corners[1], corners[2], corners[0]):
         start = H[0, 1].copy()
         for angle in np.linspace(0.0, np.pi / 2, 6)[1:]:
             d = np.zeros((1, 6))
             d[0, 3:] = np.cos(angle) * start + np.sin(angle) * to - H[0, 1]
-            kinds.move_all(kind, H, d, out := np.empty_like(H))
+            node_types.move_all(kind, H, d, out := np.empty_like(H))
             H = out
     np.testing.assert_allclose(H[0, 1:] @ H[0, 1:].T, np.diag([4.0, 1, 1]), atol=1e-14)
     # the octant has the solid angle π/2
@@ -243,8 +252,8 @@ def test_carried_axes_stay_unit_vectors_without_twist():
 
 def test_clamps_hold_place_and_direction():
     """A clamped slope may still be stretched."""
-    node = Node(SLOPE)
-    h = np.where(TRAITS[fl.extend.NodeKind.SLOPE].clamped, 0.0, node.h)
+    node = Node(POSITION_GRADIENT)
+    h = np.where(TRAITS[fl.extend.NodeType.POSITION_GRADIENT].clamped, 0.0, node.h)
     moved = node.follow(h)
     np.testing.assert_array_equal(moved[0, 0], node.H[0, 0])
     assert np.abs(np.cross(moved[0, 1], node.H[0, 1])).max() < 1e-15
@@ -257,8 +266,10 @@ def test_unknowns_that_a_kind_does_not_have_are_none_of_the_matrix(monkeypatch):
     cable = fl.Cable.straight((0, 0, 0), (1, 0, 0), section, cells=2)
     scene = fl.Scene()
     scene.add(cable)
-    three = TRAITS[fl.extend.NodeKind.SLOPE]._replace(unknowns=3)
-    monkeypatch.setattr(numbering, "TRAITS", {**TRAITS, fl.extend.NodeKind.SLOPE: three})
+    three = TRAITS[fl.extend.NodeType.POSITION_GRADIENT]._replace(unknowns=3)
+    monkeypatch.setattr(
+        numbering, "TRAITS", {**TRAITS, fl.extend.NodeType.POSITION_GRADIENT: three}
+    )
     system = System(scene, dynamics=True)
     assert system.held[:, 3:].all() and not system.held[:, :3].any()
     _, columns, pointers = system.kkt.csr
