@@ -28,7 +28,7 @@ _SAME_POINT = 1e-9  # distance of coincident points over the size of the body
 
 
 def log_coincident(what: str, points: Array) -> None:
-    """Log a warning if points of a body coincide, as cells without a common point are not joined."""
+    """Log a warning if points of a body coincide: cells without a common point are not joined."""
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     pairs = KDTree(points).query_pairs(_SAME_POINT * size, output_type="ndarray")
     if len(pairs):

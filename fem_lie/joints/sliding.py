@@ -37,7 +37,7 @@ class Sliding(Connection):
         beam: Beam that is one smooth line of geodesic elements.
         b: A point of another body, or ground.
         at: Initial position of the joint, on the axis of the beam; default: the point ``b``.
-        travel: Prescribed arc length from the start of the beam, as a function of time; default: free.
+        travel: Arc length from the start of the beam as a function of time; default: free.
         name: Name in messages and results; default: class name, beam and point.
 
     Example:

@@ -1,4 +1,4 @@
-"""Model only what a scene needs: what is left out, by whose choice, and what it costs."""
+"""Terms of the iteration matrix that a scene needs, and those that may be left out."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ class Choices:
     geometric: bool | None = None
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if one of them is neither true nor false nor ``None``."""
+        """Raise ``TypeError`` if a choice is not true, false or ``None``."""
         for name in ("gyroscopic", "geometric"):
             if getattr(self, name) is not None:
                 flag(getattr(self, name), f"Choices: {name}")
 
     def __str__(self) -> str:
-        """In one line for the log."""
+        """Text in one line for the log."""
         names = "gyroscopic terms in the matrix", "geometric stiffness"
         chosen = zip(names, (self.gyroscopic, self.geometric), strict=True)
         return "; ".join(f"{name}: {'yes' if value else 'no'}" for name, value in chosen)
 
     def resolve(self, spin_per_step: float) -> Choices:
-        """The same with nothing left open, for the largest rotation in a step, rad."""
+        """Choices without ``None``, for the largest rotation in a step, rad."""
         gyroscopic, geometric = self.gyroscopic, self.geometric
         return Choices(
             spin_per_step > SPIN_PER_STEP if gyroscopic is None else gyroscopic,

@@ -1,4 +1,4 @@
-"""The equations of a scene: residual, matrix and invariants."""
+"""The equations of a scene: residual, tangent matrix and invariants."""
 
 from fem_lie.system.system import System
 

@@ -1,15 +1,13 @@
-"""What acts on a scene from outside, and the energy and momentum balance of a run.
+"""External actions on a scene, and the energy and momentum balance of a run.
 
-Forces of what holds nodes from outside: what is left of the equations of motion of these nodes.
+Support reactions are the residual of the equations of motion of supported nodes. The balance needs
+them after each step; for a scene supported at a few nodes only the cells, joints and masses around
+these are evaluated.
 
-Books want them after each step. Of a scene that is held at a few nodes only the cells, joints and
-masses around these are looked at.
-
-Books of a run of generalised-α: what loads, drives and supports did, and what damping took.
-
-What is booked is said in :mod:`fem_lie.bodies.balances`. Powers and forces are known at the ends
-of the steps and are summed up by the trapezoidal rule, of second order as the scheme; of drives and
-prescribed motions the increments are known exactly, and the mean of their forces does work on them.
+The balance of a run of generalised-α collects the work and impulses of loads, drives and supports,
+and the dissipation of damping, as defined in :mod:`fem_lie.bodies.balances`. Powers and forces at
+the ends of steps are integrated by the trapezoidal rule, of second order as is the scheme.
+Increments of drives and prescribed motions are exact; the mean of their forces does work on them.
 """
 
 from __future__ import annotations
@@ -58,9 +56,9 @@ def _add_nodal(
     work: Array,
     r: Array,
 ) -> None:
-    """Add what is :func:`~fem_lie.system.nodes.sums.nodal_residual` at some nodes.
+    """Add :func:`~fem_lie.system.nodes.sums.nodal_residual` of some nodes to ``r`` (n, 6).
 
-    ``places`` are these nodes, and those whose accelerations they feel; ``r`` (n, 6).
+    ``places`` are these nodes, and those whose accelerations are coupled with them.
     """
     (H, v, a), (indptr, indices, blocks), (nodes, felt) = motion, mass, places
     dead, moment, following = loads
@@ -86,7 +84,7 @@ def _add_joints(
     forces: Array,
     r: Array,
 ) -> None:
-    """Add what joints do at some of their ends, pairs and sides, to ``r`` (n, 6)."""
+    """Add joint forces of some ends, given by pairs and sides, to ``r`` (n, 6)."""
     (pairs, sides), table, moved = ends, joint_table(joints), np.empty(6)
     wrenches(H, v, table, multipliers, pairs, sides, forces)
     for e in range(len(pairs)):
@@ -97,19 +95,19 @@ def _add_joints(
 
 
 class HeldForces:
-    """Forces and moments of clamps and guides.
+    """Support reactions: forces and moments of clamps and sliding supports.
 
     Attributes:
-        nodes: Where there are any, shape (s,).
-        near: Whether only what is near them is looked at.
+        nodes: Supported nodes, shape (s,).
+        near: Whether only their neighbourhood is evaluated.
     """
 
     def __init__(self, system: System, held: Flags) -> None:
-        """See what is around them.
+        """Find the neighbourhood of the supported nodes.
 
         Args:
-            system: All equations.
-            held: Which unknowns are held from outside, shape (n, 6).
+            system: The equations.
+            held: Unknowns held from outside, shape (n, 6).
         """
         self._system, self._held = system, held
         chosen: Flags = np.asarray(held.any(axis=1))
@@ -128,13 +126,13 @@ class HeldForces:
         self._work = np.zeros((2, system.count, 4, 3))
 
     def find(self, H: Array, v: Array, a: Array, multipliers: Array) -> Array:
-        """They are in the axes of :attr:`nodes`, shape (s, 6).
+        """Reactions in the axes of :attr:`nodes`, shape (s, 6).
 
         Args:
             H: Frames of all rows.
             v: Twists, shape (≥ n, 6).
             a: Their rates.
-            multipliers: Multipliers, shape (m,).
+            multipliers: Lagrange multipliers, shape (m,).
         """
         system, r = self._system, self._values
         if self._terms is None:
@@ -151,7 +149,7 @@ class HeldForces:
         return np.asarray(found[self.nodes])
 
     def _look_near(self, terms: NearTerms, state: TimeState) -> None:
-        """All that acts on these nodes, and some of what acts on others."""
+        """Evaluate all forces on the supported nodes, and some forces on others."""
         system, r, (H, v, a, multipliers) = self._system, self._values, state
         r[:] = 0.0
         mass, loads = system.inertia.plain, system.loads.plain
@@ -165,10 +163,10 @@ class HeldForces:
 
 
 def supported(system: System) -> Flags:
-    """Which unknowns are held from outside, shape (n, 6).
+    """Unknowns held from outside, shape (n, 6).
 
-    What a shell of five parameters needs to have its drilling held is none: it is no support. Nor
-    are unknowns that a node has not.
+    The drilling rotations that a shell of five parameters holds are no supports, and neither are
+    absent unknowns.
     """
     held = system.held & ~system.numbering.absent
     inner = system.uncoupled.copy()
@@ -178,18 +176,18 @@ def supported(system: System) -> Flags:
 
 
 class Acting:
-    """What acts on the bodies of a scene, looked at as a whole; true if there is anything.
+    """External actions on the bodies of a scene; true if there are any.
 
     Attributes:
-        strained: Whether strains without stress change.
-        plain: Whether all is seen by :func:`~fem_lie.system.outer_forces.look`.
-        plain_but_held: Whether all but what holds nodes is.
-        looks: Whether that looks at loads, and whether at joints.
-        scene: What it looks at.
+        strained: Whether stress-free strains change.
+        plain: Whether :func:`~fem_lie.system.outer_forces.look` evaluates all of them.
+        plain_but_held: Whether it evaluates all but support reactions.
+        looks: Whether it evaluates loads, and whether joints.
+        scene: Its argument for the scene.
     """
 
     def __init__(self, system: System) -> None:
-        """See what there is."""
+        """Find the actions of a system."""
         self._system, held = system, supported(system)
         self._held = HeldForces(system, held) if held.any() else None
         self.strained = system.load_cases.strains_change
@@ -198,7 +196,7 @@ class Acting:
         joined = connections.outward
         self._others = joined and not connections.of_joints_only
         self._pushed = len(system.terms.loads) > 0
-        # of damping by a constant matrix and of dampers compiled looks know
+        # the compiled function includes damping by a constant matrix, and dampers
         self._viscous = system.terms.chosen(
             lambda term: term.viscosity is None or term.viscosity.rates is None
         )
@@ -216,29 +214,29 @@ class Acting:
         self.scene: PlainScene = (system.kinds, loads, *constant, *self.looks)
 
     def __bool__(self) -> bool:
-        """Whether anything acts."""
+        """Whether there are external actions."""
         return self._any
 
     @property
     def arrays(self) -> list[Any]:
-        """Those of :attr:`scene`, one after the other."""
+        """Arrays of :attr:`scene` in a list."""
         kinds, loads, conservative, damping, joints, bodies, *_ = self.scene
         return [kinds, *loads, conservative, *damping, *joints, *bodies]
 
     def look(
         self, H: Array, v: Array, a: Array, multipliers: Array, row: Array, wrenches: Array
     ) -> None:
-        """See what acts at the present time of the equations.
+        """Evaluate external actions at the current time of the equations.
 
         Args:
             H: Frames of all rows.
             v: Twists, shape (n, 6).
             a: Their rates.
-            multipliers: Multipliers, shape (m,).
-            row: Power, loss and forces, see :mod:`fem_lie.system.outer_forces`, shape (14,),
-                overwritten.
-            wrenches: What ground and prescribed frames do, in these frames, shape (p + 1, 6),
-                overwritten.
+            multipliers: Lagrange multipliers, shape (m,).
+            row: Power, dissipation and resultants, see :mod:`fem_lie.system.outer_forces`, shape
+                (14,), overwritten.
+            wrenches: Forces and moments of ground and prescribed frames, in these frames, shape (p
+                + 1, 6), overwritten.
         """
         system, n = self._system, self._system.count
         outer_forces.look(H, v, multipliers, self.scene, row, wrenches)
@@ -265,22 +263,22 @@ class Acting:
 
 
 class EnergyBalance(Stateful):
-    """What has been booked up to the present time.
+    """Energy and momentum balance up to the current time.
 
     Attributes:
-        total: Work, damping, numerical loss (unknown: 0), impulses of loads and of reactions,
-            shape (15,).
-        empty: Whether there is never anything to book, or nobody asks.
+        total: Work, damping, numerical dissipation (unknown: 0), impulses of loads and of
+            reactions, shape (15,).
+        empty: Whether there is nothing to account for, or nobody asks.
         compiled: Whether :meth:`add` is :func:`~fem_lie.system.outer_forces.look_and_sum_up` alone.
-        compiled_but_held: Whether all of it but impulses of what holds nodes is.
-        looks: Whether that looks at loads, and whether at joints.
-        table: What it is given.
+        compiled_but_held: Whether it is that function but for impulses of supports.
+        looks: Whether that function evaluates loads, and whether joints.
+        table: Arguments of that function.
     """
 
     STATE = attributes("total", "_stored", "_time", "_seen")
 
     def __init__(self, system: System) -> None:
-        """Empty books of the equations ``system``."""
+        """Start an empty balance of the equations ``system``."""
         self._system, self._acting = system, Acting(system)
         self.total = np.zeros(TOTAL)
         rows, z = len(system.frames) - system.count, np.zeros
@@ -303,24 +301,24 @@ class EnergyBalance(Stateful):
         self._stored, self._time = z(1), z(1)
 
     def rest(self) -> None:
-        """Book nothing, for nobody asks."""
+        """Switch the balance off, as no result asks for it."""
         self.empty = self._idle = True
 
     def open(self, time: float, H: Array, v: Array, a: Array, multipliers: Array) -> None:
-        """Start anew with what acts at the present time of the equations.
+        """Restart the balance with the actions at the current time of the equations.
 
         Args:
-            time: That time, on the side of what comes if something jumps then.
+            time: That time; at a jump the later side.
             H: Frames of all rows.
             v: Twists, shape (n, 6).
             a: Their rates.
-            multipliers: Multipliers, shape (m,).
+            multipliers: Lagrange multipliers, shape (m,).
         """
         self.total[:] = 0.0
         self.look(time, H, v, a, multipliers)
 
     def look(self, time: float, H: Array, v: Array, a: Array, multipliers: Array) -> None:
-        """See what acts at the present time of the equations."""
+        """Evaluate the actions at the current time of the equations."""
         if self.empty:
             return
         seen = self._seen
@@ -335,7 +333,7 @@ class EnergyBalance(Stateful):
 
     @property
     def targets(self) -> Array:
-        """Of all constraints, shape (m,)."""
+        """Targets of all constraints, shape (m,)."""
         connections = self._system.connections
         if not connections.driven:
             return self._undriven
@@ -344,15 +342,15 @@ class EnergyBalance(Stateful):
         return connections.present_targets
 
     def add(self, h: float, time: float, H: Array, v: Array, a: Array, multipliers: Array) -> None:
-        """Book a step; the equations are at the time of its end, where the state is as given.
+        """Add a step, whose end is the current time of the equations and the given state.
 
         Args:
-            h: Size of the step.
-            time: Of its end, on the step's side of what jumps there.
+            h: Step size.
+            time: Time of its end; at a jump the earlier side.
             H: Frames of all rows.
             v: Twists, shape (n, 6).
             a: Their rates.
-            multipliers: Multipliers, shape (m,).
+            multipliers: Lagrange multipliers, shape (m,).
         """
         acting, total = self._acting, self.total
         if self.empty:
@@ -368,7 +366,7 @@ class EnergyBalance(Stateful):
         self._note(time, H)
 
     def _strain_work(self, time: float, H: Array) -> float:
-        """Of strains without stress: energy that they change at each end, on the average."""
+        """Work of stress-free strains: their change of the energy at each end, on the average."""
         system, elastic = self._system, self._system.elastic
         ahead = elastic.energy(self._seen.H) - self._stored[0]
         behind = elastic.energy(H)
@@ -379,7 +377,7 @@ class EnergyBalance(Stateful):
         return float(0.5 * (ahead + behind))
 
     def jump(self, time: float, H: Array, v: Array, a: Array, multipliers: Array) -> None:
-        """Book what an event has done at once: a change of velocities, and of strains.
+        """Add an instantaneous event: a change of velocities and of strains.
 
         Arguments are those of :meth:`open`.
         """
@@ -394,21 +392,21 @@ class EnergyBalance(Stateful):
         self.total[BY_REACTIONS:] += after[1:] - before[1:]
 
     def collide(self, time: float, before: TimeState, after: TimeState, work: float) -> float:
-        """Book what impacts have done at the end of a step that was made and booked without them.
+        """Add impacts at the end of a step that was added without them.
 
         Args:
             time: The end of the step.
-            before: The state without them.
-            after: The state that there is now.
-            work: Of drives and prescribed motions by their impulses.
+            before: State without impacts.
+            after: Current state.
+            work: Work of drives and prescribed motions by their impulses.
 
         Returns:
-            Energy that they took, which is booked as damping's.
+            Energy dissipated by the impacts, which is part of that of damping.
         """
         system, seen = self._system, (np.empty(7), np.empty(7))
         energies = [
-            system.report(state.H, state.v, told) + system.terms.energy(state.H)
-            for state, told in zip((before, after), seen, strict=True)
+            system.report(state.H, state.v, invariants) + system.terms.energy(state.H)
+            for state, invariants in zip((before, after), seen, strict=True)
         ]
         lost = float(seen[0][0] + energies[0] - seen[1][0] - energies[1]) + work
         self.total[DAMPING] += lost

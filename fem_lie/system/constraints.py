@@ -1,6 +1,6 @@
-"""All joints, springs, drives, gears and prescribed motions of a scene: one object for the system.
+"""All joints, springs, drives, gears and prescribed motions of a scene, as sets of constraints.
 
-It numbers the constraints, set by set, and goes over the sets; what they are it does not know.
+The class here numbers the constraints set by set and loops over the sets.
 """
 
 from __future__ import annotations
@@ -30,34 +30,34 @@ from fem_lie.system.nodes.numbering import Numbering
 
 
 class _Carried(Fixed):
-    """To a prescribed motion; its axes are those of the node that is moved."""
+    """Rigid connection to a prescribed motion, with the axes of the moved node."""
 
     def frame(self) -> Array:
-        """That of the node that is moved."""
+        """Frame of the moved node."""
         return self.a.frame
 
 
 class Connections:
-    """Goes over the sets of constraints, and says what results report of them.
+    """All sets of constraints of a system.
 
     Attributes:
-        items: Joints, what acts along them, and prescribed motions as fixed joints.
-        first: The set that compiled sums over all nodes know.
-        sets: That one, and all others that are not empty.
-        incidences: Which nodes the constraints touch.
+        items: Joints, springs, drives and gears, and prescribed motions as fixed joints.
+        first: The set that the compiled sums over all nodes include.
+        sets: ``first``, and all other sets that are not empty.
+        incidences: Incidences of all constraints with nodes.
         owner: The item of each constraint, shape (m,).
-        angular: Which constraints are angles and not lengths, shape (m,).
-        m: Number of all constraints, ``of_velocities`` at the end.
+        angular: Whether a constraint is an angle instead of a length, shape (m,).
+        m: Number of all constraints; the last ``of_velocities`` of them constrain velocities.
     """
 
     def __init__(self, scene: Scene, numbering: Numbering, frames: Array, held: Flags) -> None:
-        """Make the sets.
+        """Build the sets.
 
         Args:
-            scene: What there is.
-            numbering: Of its nodes.
+            scene: The scene.
+            numbering: Numbering of its nodes.
             frames: Initial frames of all rows: moving nodes, ground, prescribed motions.
-            held: Which unknowns of the moving nodes are zero, shape (n, 6).
+            held: Unknowns of the moving nodes that are zero, shape (n, 6).
         """
         self._numbering = numbering
         motions = [
@@ -87,51 +87,54 @@ class Connections:
 
     @property
     def table(self) -> JointTable:
-        """Of the first set."""
+        """Table of the first set."""
         return self.first.table
 
     @property
     def packed(self) -> PackedJoints:
-        """The same for calls from Python."""
+        """Packed table of the first set, for calls from Python."""
         return self.first.packed
 
     @property
     def packed_probes(self) -> PackedJoints:
-        """A table of the first set whose constraints are coordinates that results report."""
+        """Packed table of the first set whose constraints are the coordinates in results."""
         return self.first.packed_probes
 
     @property
     def joined(self) -> Flags:
-        """Which constraints go on from the one before, shape (m,).
+        """Whether a constraint belongs to the same vector as the one before, shape (m,).
 
-        Those of one item along lengths are one vector, and those of its angles another, whose size
-        does not depend on the joint's axes.
+        Length constraints of one item are one vector, and its angular constraints another. The norm
+        of a vector does not depend on the axes of the joint.
         """
         same = np.diff(self.owner, prepend=-1) == 0
         return same & (np.diff(self.angular.astype(np.int8), prepend=-1) == 0)
 
     @property
     def of_joints_only(self) -> bool:
-        """Whether there is nothing but the first set."""
+        """Whether the first set is the only one."""
         return len(self.sets) == 1
 
     @property
     def others(self) -> list[str]:
-        """What the other sets are, for messages of schemes that know the first one alone."""
+        """Descriptions of the other sets, for messages of schemes that support the first only."""
         return [each.what for each in self.sets[1:]]
 
     @property
     def nodes(self) -> Indices:
-        """Rows that anything holds on to, in increasing order."""
+        """Rows on which any connection acts, in ascending order."""
         return np.unique(np.concatenate([each.held for each in self.sets]))
 
     @property
     def bound(self) -> Indices:
-        """Those of them whose own axes matter, as not to attachments on places."""
+        """Rows on which any connection acts and whose axes matter to it."""
         return np.unique(np.concatenate([each.bound for each in self.sets]))
 
     def all_pairs(self, frames: Array, kinds: Indices) -> AllPairs | None:
-        """See :func:`~.constraint_sets.all_pairs.all_pairs`; ``None`` if all nodes are frames."""
+        """Relative motions in one table, see :func:`~.constraint_sets.all_pairs.all_pairs`.
+
+        ``None`` if all nodes are frames.
+        """
         if (kinds < POSITION_GRADIENT).all():
             return None
         return all_pairs(self.sets, self._numbering, frames, kinds)
@@ -141,9 +144,9 @@ class Connections:
     def add_others(
         self, H: Array, v: Array, multipliers: Array, scale: Array, factor: float, r: Array
     ) -> None:
-        """Forces and violations of all sets but the first, to the residual ``r``.
+        """Add constraint forces and violations of all sets but the first to the residual ``r``.
 
-        Violations are times ``scale``, those of velocities times ``factor``, too.
+        Violations are times ``scale``, those of velocity constraints times ``factor`` as well.
         """
         if self.of_velocities:
             scale = scale.copy()
@@ -152,16 +155,16 @@ class Connections:
             each.evaluate(H, v, multipliers, scale, self._numbering.count, r)
 
     def reactions(self, H: Array, v: Array, multipliers: Array) -> tuple[Array, float]:
-        """What ground and prescribed frames do on the joints, and what dampers take.
+        """Forces of ground and prescribed frames on the joints, and the power of dampers.
 
         Args:
             H: Frames of all rows.
             v: Twists of the moving nodes, shape (n, 6).
-            multipliers: Multipliers, shape (m,).
+            multipliers: Lagrange multipliers, shape (m,).
 
         Returns:
             Forces and moments in the frames that do not move by themselves, shape (p + 1, 6), and
-            the power lost.
+            the dissipated power.
         """
         rows, free = len(H), self._numbering.count
         r, scale = np.zeros(6 * rows + self.m), np.ones(self.m)
@@ -172,26 +175,26 @@ class Connections:
 
     @property
     def outward(self) -> bool:
-        """Whether there are dampers, or joints with what does not move by itself."""
+        """Whether there are dampers, or connections to ground or prescribed motions."""
         return any(each.outward for each in self.sets)
 
     def jacobian(self, H: Array, rows: Array) -> None:
-        """Derivative of all constraints, or of their rates, at the border's legs, (legs, 6)."""
+        """Set the constraint Jacobian, one row of six per incidence, shape (incidences, 6)."""
         rows[:] = 0.0
         for each in self.sets:
             each.jacobian(H, rows)
 
     def values(self, H: Array) -> Array:
-        """What constraints violate at present targets, at rest, (m,)."""
+        """Violations of all constraints at the current targets, at rest, shape (m,)."""
         found, still = np.zeros(self.m), np.zeros((len(H), 6))
         for each in self.sets:
             each.values(H, still, found)
         return found
 
     def rates(self, H: Array, v: Array) -> tuple[Array, Array]:
-        """First and second rates of constraints of positions, (m,), at constant twists and targets.
+        """First and second rates of position constraints at constant twists and targets, (m,).
 
-        Of constraints of velocities: what is bound, and its first rate.
+        For velocity constraints: the constrained velocity and its first rate.
         """
         first, second = np.zeros(self.m), np.zeros(self.m)
         for each in self.sets:
@@ -199,7 +202,7 @@ class Connections:
         return first, second
 
     def other_spring_energy(self, H: Array) -> float:
-        """Of all springs that are not in the first set."""
+        """Energy of the springs that are not in the first set."""
         return sum(each.spring_energy(H) for each in self.sets[1:])
 
     # --- time ---
@@ -211,40 +214,40 @@ class Connections:
 
     @property
     def present_targets(self) -> Array:
-        """What the constraints are to be at the time that was set, shape (m,)."""
+        """Targets at the time that was set last, shape (m,)."""
         return np.concatenate([each.targets for each in self.sets])
 
     def targets(self, time: float) -> Array:
-        """See :meth:`~.constraint_sets.constraint_set.Targets.at`."""
+        """Targets at ``time``, see :meth:`~.constraint_sets.constraint_set.Targets.at`."""
         return self._targets.at(time)
 
     def set_time(self, time: float) -> None:
-        """Set the targets of ``time``; errors as for :meth:`targets`."""
+        """Set the targets at ``time``; errors as for :meth:`targets`."""
         values = self.targets(time)
         for each in self.sets:
             each.targets[:] = values[each.own]
 
     def target_rates(self, time: float, step: float) -> tuple[Array, Array]:
-        """See :meth:`~.constraint_sets.constraint_set.Targets.rates`."""
+        """Rates of targets, see :meth:`~.constraint_sets.constraint_set.Targets.rates`."""
         return self._targets.rates(time, step)
 
     def follow(self, H: Array, h: Array) -> None:
-        """See :meth:`~.constraint_sets.constraint_set.ConstraintSet.follow`."""
+        """Move reference angles along the increment ``h`` (n, 6) of nodes, made from ``H``."""
         for each in self.sets:
             each.follow(H, h)
 
     def check_branch(self, H: Array) -> None:
-        """See :meth:`~.constraint_sets.constraint_set.ConstraintSet.check_branch`."""
+        """Refuse a state on a wrong branch, see :meth:`~.ConstraintSet.check_branch`."""
         for each in self.sets:
             each.check_branch(H)
 
     @property
     def preloaded(self) -> bool:
-        """Whether there are springs with a rest value of their own."""
+        """Whether there are springs with a prescribed rest value."""
         return any(each.preloaded for each in self.sets)
 
     def preload(self, H: Array, part: float) -> None:
-        """See :meth:`~.constraint_sets.constraint_set.ConstraintSet.preload`."""
+        """Apply a fraction of the preload of springs with a prescribed rest value."""
         if part != self._preload:
             self._preload = part
             for each in self.sets:
@@ -252,7 +255,7 @@ class Connections:
                     each.preload(H, part)
 
     def accept(self, H: Array) -> None:
-        """Remember what frames do not tell of an accepted state: angles, places on beams.
+        """Update history variables at an accepted state: angles, arc lengths on beams.
 
         Raises:
             ValueError: Something slid off its beam.
@@ -262,7 +265,7 @@ class Connections:
 
     @property
     def memory(self) -> Array:
-        """What the frames do not tell of the last accepted state: full turns, places on beams."""
+        """History variables that frames do not determine: full turns, arc lengths on beams."""
         return np.concatenate(self._remembered())
 
     @memory.setter
@@ -276,28 +279,28 @@ class Connections:
             each.mark()
 
     def remember(self, values: Array | None) -> None:
-        """Set :attr:`memory` to that of a run that this one goes on from, if there is one.
+        """Set :attr:`memory` to that of the run that this one continues, if there is one.
 
         Raises:
-            ValueError: It is none of these joints.
+            ValueError: It has another number of joint angles.
         """
         if values is None:
             return
-        wanted = self.memory.shape
-        if values.shape != wanted:
+        expected = self.memory.shape
+        if values.shape != expected:
             raise ValueError(
-                f"a scene that goes on must have the joints of the one before: it remembers "
-                f"{values.shape} angles of joints, wanted {wanted}"
+                f"a scene that continues another must have the same joints: it has "
+                f"history variables of shape {values.shape}, expected {expected}"
             )
         self.memory = values
 
     @property
     def keyed_memory(self) -> dict[MemoryKey, float]:
-        """:attr:`memory` by what its entries belong to, for other scenes with the same joints."""
+        """:attr:`memory` by joint and coordinate, for other scenes with the same joints."""
         return dict(zip(self._memory_keys, map(float, self.memory), strict=True))
 
     def remembering(self, values: Mapping[MemoryKey, float]) -> Array:
-        """:attr:`memory` of another scene for this one; what that did not have stays as it is."""
+        """:attr:`memory` for this scene from that of another; entries without counterpart stay."""
         pairs = zip(self._memory_keys, map(float, self.memory), strict=True)
         return np.array([values.get(key, own) for key, own in pairs])
 
@@ -312,16 +315,16 @@ class Connections:
 
     @property
     def reported(self) -> tuple[Indices, Indices, Indices]:
-        """Pairs of the first set and their sides whose forces results report; all owners."""
+        """Pairs of the first set whose forces results report, their sides, and all owners."""
         return *self.first.reported, self.owner
 
     def report(self, H: Array, v: Array, multipliers: Array) -> tuple[Array, Array, Array]:
-        """What results say of the items at twists ``v`` of the moving nodes.
+        """Quantities of all items for results, at twists ``v`` of the moving nodes.
 
         Returns:
-            Force and moment of each on its point ``a``, in its axes there, shape (j, 6); relative
-            coordinates of all, one after the other, shape (c,); the largest violation of a
-            constraint of each, of position or velocity, shape (j,).
+            Force and moment of each item on its point ``a``, in its axes there, shape (j, 6);
+            relative coordinates of all items, shape (c,); the largest constraint violation of each
+            item, shape (j,).
         """
         forces, coordinates = np.zeros((len(self.items), 6)), np.zeros(self._coordinates[-1])
         values, largest = np.zeros(self.m), np.zeros(len(self.items))
@@ -333,14 +336,14 @@ class Connections:
         return forces, coordinates, largest
 
     def info(self) -> tuple[JointInfo, ...]:
-        """For results, in the numbering of all nodes."""
+        """Names, types and coordinates for results, in the numbering of all nodes."""
         drawn: dict[int, tuple[int, Array]] = {}
         for each in reversed(self.sets):
             drawn |= each.drawn()
         return tuple(self._info(k, *drawn[k]) for k in range(len(self.items)))
 
     def _info(self, k: int, row: int, place: Array) -> JointInfo:
-        """Of item k, drawn at a place in the frame of a row."""
+        """Record of item k, drawn at a position in the frame of a row."""
         item, masters = self.items[k], self._numbering.master_map.masters
         moves = row < len(masters)
         return JointInfo(
@@ -354,7 +357,7 @@ class Connections:
 
 
 def _joined(parts: Sequence[Incidences]) -> Incidences:
-    """Of constraints one after the other."""
+    """Concatenate the incidences of successive sets."""
     lengths = [np.diff(incidences.ptr) for incidences in parts]
     ptr = np.cumsum(np.concatenate([[0], *lengths]), dtype=np.int64)
     return Incidences(

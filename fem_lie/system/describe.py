@@ -1,4 +1,4 @@
-"""What a scene consists of, and what was chosen for it: for logs, results and errors."""
+"""Summary of a scene for logs, results and errors."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from fem_lie.system.terms.all_terms import Terms
 def in_one_line(
     numbering: Numbering, terms: Terms, kinds: Indices, m: int, *, time_dependent: bool
 ) -> str:
-    """For the log.
+    """Summary in one line for the log.
 
     Args:
-        numbering: Of the nodes.
-        terms: All of them.
-        kinds: Of the nodes that lead.
+        numbering: Numbering of the nodes.
+        terms: All terms.
+        kinds: Types of the master nodes.
         m: Number of constraints.
-        time_dependent: Whether loads or motions are.
+        time_dependent: Whether loads or motions depend on time.
     """
     total, n = numbering.total, numbering.count
     flat, others = int(on_r3(kinds).sum()), int((kinds >= POSITION_GRADIENT).sum())
     shells = [(body, six) for body, six in numbering.drills.items() if body.uncoupled]
     parts = [
-        f"{total} nodes, {total - n} of them follow others, {m} constraints",
+        f"{total} nodes, {total - n} of them rigidly attached, {m} constraints",
         f"{n - flat - others} nodes on SE(3), {flat} on R³×SO(3), all with three rotations; "
-        f"{others} that are no frames",
+        f"{others} with vector coordinates",
         f"shells with five parameters: {[b.label for b, six in shells if not six]}, with six: "
         f"{[b.label for b, six in shells if six]}",
         "terms: " + (", ".join(dict.fromkeys(term.label for term in terms)) or "none"),
@@ -46,10 +46,10 @@ def catalogue(
     """Bodies and joints in the numbering of all nodes, for results.
 
     Args:
-        numbering: Of the nodes.
-        joints: In the numbering of all nodes.
-        supported: Leaders that clamps and bodies hold.
-        mass: Of all bodies.
+        numbering: Numbering of the nodes.
+        joints: Joints in the numbering of all nodes.
+        supported: Master nodes that clamps and bodies support.
+        mass: Mass of all bodies.
     """
     master_map = numbering.master_map
     nodes: Indices = np.flatnonzero(np.isin(master_map.master, supported))
@@ -59,7 +59,7 @@ def catalogue(
 
 
 def refuse(redundant: Indices, connections: Connections) -> None:
-    """Raise ``ValueError`` that names the joints of redundant constraints if there are any."""
+    """Raise ``ValueError`` with the joints of redundant constraints if there are any."""
     if not len(redundant):
         return
     labels = [item.label for item in connections.items]
@@ -68,9 +68,9 @@ def refuse(redundant: Indices, connections: Connections) -> None:
         for owner in (connections.owner, connections.owner[redundant])
     )
     names = "; ".join(labels[int(k)] for k in dict.fromkeys(connections.owner[redundant]))
-    # of what binds nothing that is free no joint with fewer constraints would do
+    # a joint all of whose constraints are redundant can only be removed
     whole = [label for label, n, k in zip(labels, sizes, excess, strict=True) if 0 < n == k]
-    advice = [f"Remove {'; '.join(whole)}: the rest holds all that it holds"] if whole else []
+    advice = [f"Remove {'; '.join(whole)}: the others suffice"] if whole else []
     if ((excess > 0) & (excess < sizes)).any():
         advice.append(
             "Replace a joint by one with fewer constraints (e.g. Spherical instead of Revolute) or "

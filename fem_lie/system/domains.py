@@ -1,8 +1,8 @@
-"""Subdomains of a scene: cells and joints divided among ranks, and what a matrix has of them.
+"""Subdomains of a scene: cells and joints distributed among ranks, and the subdomain matrix.
 
-Every rank has the whole scene. Beside the matrix of all it fills that of its own cells. What is no
-sum over cells (inertia, damping of mass, turning loads) is divided between the domains that a pair
-of nodes has, as the cells are that it has there; of uniform cells that is what each has of it.
+Every rank has the whole scene. It fills the matrix of its own cells beside that of all cells.
+Contributions that are not sums over cells (inertia, mass-proportional damping, rotating loads) are
+distributed among the subdomains in proportion to the number of cells at a pair of nodes.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from fem_lie.system.terms.attached import AttachedTerm
 
 
 def division_of(kkt: KKT, terms: Terms, coupled: Sequence[Pairs], count: int) -> Division:
-    """Cells and joints in so many domains.
+    """Divide cells and joints into subdomains.
 
     Args:
-        kkt: The matrix.
-        terms: Of the scene.
-        coupled: Pairs of nodes that are coupled besides.
-        count: Of domains.
+        kkt: The saddle-point matrix.
+        terms: Terms of the scene.
+        coupled: Further coupled pairs of nodes.
+        count: Number of subdomains.
 
     Raises:
-        ValueError: It cannot be divided so often.
+        ValueError: The scene cannot be divided into so many.
     """
     n, incidences = len(kkt.held), kkt.incidences
     cells = all_cells(sums_of(terms), n)
@@ -41,21 +41,21 @@ def division_of(kkt: KKT, terms: Terms, coupled: Sequence[Pairs], count: int) ->
 
 
 class Domain:
-    """What one rank has.
+    """Subdomain of one rank.
 
     Attributes:
-        part: Of the matrix.
-        share: Of each pair of the matrix, (nnz, 1, 1), if it is of no cells.
+        part: Its part of the matrix.
+        share: Fraction of contributions without cells for each pair of the matrix, (nnz, 1, 1).
     """
 
     def __init__(self, kkt: KKT, terms: Terms, division: Division, rank: int) -> None:
-        """Find what it has.
+        """Select the cells, nodes and constraints of the subdomain.
 
         Args:
-            kkt: The matrix.
-            terms: Of the scene.
-            division: The same on all ranks.
-            rank: Number of the domain.
+            kkt: The saddle-point matrix.
+            terms: Terms of the scene.
+            division: Division, the same on all ranks.
+            rank: Number of the subdomain.
         """
         self._kkt, self._summed = kkt, sums_of(terms)
         cells, first = all_cells(self._summed, len(kkt.held)), 0
@@ -69,7 +69,7 @@ class Domain:
         self.share = self._share(cells, division.cells == rank)
 
     def _share(self, cells: Links, own: Flags) -> Array:
-        """What of the cells with both nodes of a pair are this domain's."""
+        """Fraction of the cells with both nodes of a pair that are in this subdomain."""
         kkt, n = self._kkt, len(self._kkt.held)
         C = cells.matrix(n)
         rows = np.repeat(np.arange(n), np.diff(kkt.indptr))
@@ -79,17 +79,17 @@ class Domain:
         return np.where(every > 0, mine / np.maximum(every, 1), 1.0)[:, np.newaxis, np.newaxis]
 
     def only_own(self, own: bool) -> None:
-        """Whether sums over cells are of the domain's alone."""
+        """Restrict sums over cells to the subdomain, or undo this."""
         for term in self._summed:
             for each in term.matrices:
                 each.own_only = own
 
     def has_cells(self, term: Term) -> bool:
-        """Whether the term is a sum over cells, of which it knows the domain's."""
+        """Whether the term is a sum over cells."""
         return term in self._summed
 
     def see(self, H: Array, kinds: Indices, *, inertial: bool) -> None:
-        """Rigid motions of the interface at frames ``H``, along the axes of the unknowns."""
+        """Evaluate rigid motions of interface at frames ``H``, along the axes of unknowns."""
         x, R = H[: len(kinds), 0], H[: len(kinds), 1:]
         axes = np.broadcast_to(np.eye(3), R.shape) if inertial else R
         found = []
@@ -111,7 +111,7 @@ def sums_of(terms: Terms) -> list[AttachedTerm]:
 
 
 def all_cells(terms: Sequence[AttachedTerm], n: int) -> Links:
-    """All cells of all terms, and each node without one as a cell of its own."""
+    """Cells of all terms, and each node without a cell as a cell of its own."""
     which, nodes, count = [np.empty(0, np.int64)], [np.empty(0, np.int64)], 0
     for cells in (term.cells for term in terms):
         which.append(count + np.repeat(np.arange(len(cells)), cells.shape[1]))
@@ -125,7 +125,7 @@ def all_cells(terms: Sequence[AttachedTerm], n: int) -> Links:
 
 
 def _apart(pairs: Sequence[Pairs], cells: Links, n: int) -> Links:
-    """Pairs of nodes that no cell has."""
+    """Pairs of nodes that are in no cell."""
     rows, columns = (np.concatenate([p[k].ravel() for p in pairs]) for k in range(2))
     moves = (rows < n) & (columns < n) & (rows != columns)
     rows, columns = rows[moves], columns[moves]

@@ -1,8 +1,8 @@
-"""What acts on a scene at one time: power, loss by damping, and forces from outside, compiled.
+"""External actions on a scene at one time, compiled: power, dissipation, forces from outside.
 
-Of each it is the sum over all nodes, with moments about the origin: one row
-``(power, loss, loads (6), reactions (6))``, in the order of :mod:`fem_lie.bodies.balances`. What
-acts between the bodies of the scene has no resultant and is not looked at.
+Each is the sum over all nodes, with moments about the origin, in one row ``(power, dissipation,
+loads (6), reactions (6))``, in the order of :mod:`fem_lie.bodies.balances`. Forces between the
+bodies of the scene have no resultant and are not evaluated.
 """
 
 from __future__ import annotations
@@ -36,29 +36,29 @@ from fem_lie.lie.tuples import (
 from fem_lie.system.nodes.masses import PlainLoads
 
 POWER, LOSS, LOADS, REACTIONS, SIZE = 0, 1, 2, 8, 14
-"""Where they begin in a row, and how long that is."""
+"""First index of each quantity in a row, and the size of a row."""
 
 PlainScene: TypeAlias = tuple[
     Indices, PlainLoads, Array, PlainInertia, PackedJoints, PlainFloating, bool, bool
 ]
-"""Kinds of the nodes, nodal loads, those of ``dead`` that have a potential, damping that goes with
-mass, the table of joints, bodies that deform within their frames, whether loads are looked at, and
-whether joints are."""
+"""Types of the nodes, nodal loads, dead loads with a potential, mass-proportional damping, table of
+joints, bodies that deform within their frames, whether to evaluate loads, and joints.
+"""
 
 PlainSeen: TypeAlias = tuple[Array, Array, Array, Array, Array, Array]
-"""A :class:`Seen` at the door from Python: compiled functions are quicker to call so."""
+""":class:`Seen` as a plain tuple, which makes calls of compiled functions faster."""
 
 
 class Seen(NamedTuple):
-    """What was seen at the start of a step.
+    """External actions at the start of a step.
 
     Attributes:
-        row: What acted, see :func:`look`, shape (14,).
-        wrenches: Of ground and prescribed frames, see :func:`look`, shape (p + 1, 6).
+        row: Power, dissipation and resultants, see :func:`look`, shape (14,).
+        wrenches: Forces of ground and prescribed frames, see :func:`look`, shape (p + 1, 6).
         H: Frames of all rows.
         v: Twists, shape (n, 6).
-        multipliers: Multipliers, shape (m,).
-        targets: Of the constraints, shape (m,); zero if none is driven.
+        multipliers: Lagrange multipliers, shape (m,).
+        targets: Targets of the constraints, shape (m,); zero if none is driven.
     """
 
     row: Array
@@ -70,7 +70,7 @@ class Seen(NamedTuple):
 
     @property
     def plain(self) -> PlainSeen:
-        """As compiled functions are quicker to call with."""
+        """Plain tuple of the fields, which makes calls of compiled functions faster."""
         return (*self,)
 
 
@@ -81,7 +81,7 @@ def _turned(H: Array, local: Vector) -> Vector:
 
 @uncounted
 def add_local(kinds: Indices, H: Array, forces: Array, at: int, sign: float, out: Array) -> None:
-    """Add forces of nodes (n, 6), in their axes, times ``sign``, to ``out`` at ``at``."""
+    """Add nodal forces (n, 6), in the nodal axes, times ``sign``, to ``out`` at ``at``."""
     for i in range(forces.shape[0]):
         f, m = wrench(kinds[i], H[i], forces[i])
         add_wrench(out, at, load_row(H[i], 0), scaled(sign, f), scaled(sign, m))
@@ -97,15 +97,15 @@ def add_loads(
     work: Array,
     out: Array,
 ) -> None:
-    """Add nodal loads; those in ``conservative`` (n, 4, 3) have a potential and no power here.
+    """Add nodal loads; those in ``conservative`` (n, 4, 3) have a potential and add no power.
 
     Args:
-        kinds: What the nodes are, (n,).
+        kinds: Types of the nodes, (n,).
         H: Frames, shape (≥ n, 4, 3).
         v: Twists, shape (≥ n, 6).
         loads: See :class:`~fem_lie.system.nodes.masses.Loads`.
         conservative: Part of the dead loads.
-        work: Shape (≥ 1, n, 4, 3).
+        work: Workspace, shape (≥ 1, n, 4, 3).
         out: Shape (14,), updated.
     """
     dead, moment, following = loads
@@ -129,7 +129,7 @@ def add_loads(
 def add_mass_damping(
     kinds: Indices, H: Array, v: Array, D: PlainInertia, work: Array, out: Array
 ) -> None:
-    """Add damping ``D q̇`` that goes with mass; ``work`` (2, n, 4, 3)."""
+    """Add mass-proportional damping ``D q̇``; ``work`` (2, n, 4, 3)."""
     n = work.shape[1]
     push_all_forward(kinds, H, v, work[0])
     indptr, indices, blocks = D
@@ -144,16 +144,16 @@ def add_mass_damping(
 def look(
     H: Array, v: Array, multipliers: Array, scene: PlainScene, row: Array, wrenches: Array
 ) -> None:
-    """See what nodal loads, damping that goes with mass, and joints do.
+    """Evaluate nodal loads, mass-proportional damping, and joints.
 
     Args:
         H: Frames of all rows.
         v: Twists, shape (n, 6).
-        multipliers: Multipliers, shape (m,).
-        scene: What there is.
+        multipliers: Lagrange multipliers, shape (m,).
+        scene: Arrays of the scene.
         row: Shape (14,), overwritten.
-        wrenches: What ground and prescribed frames do, in these frames, shape (p + 1, 6),
-            overwritten.
+        wrenches: Forces and moments of ground and prescribed frames, in these frames, shape (p + 1,
+            6), overwritten.
     """
     kinds, loads, conservative, damping, joints, bodies, loaded, joined = scene
     n, rows = conservative.shape[0], H.shape[0]
@@ -182,13 +182,13 @@ def sum_up(
     start: PlainSeen,
     total: Array,
 ) -> None:
-    """Book a step between two looks, and make its end the start of the next.
+    """Add a step to the balance, and make its end the start of the next step.
 
     Args:
-        h: Size of the step.
+        h: Step size.
         end: Frames, twists, multipliers and targets of the constraints at its end.
-        row: What acts there, see :func:`look`.
-        wrenches: Of ground and prescribed frames there, see :func:`look`.
+        row: Actions there, see :func:`look`.
+        wrenches: Forces of ground and prescribed frames there, see :func:`look`.
         start: See :class:`Seen`, overwritten.
         total: See :class:`~fem_lie.system.balance.EnergyBalance`, updated.
     """
@@ -219,16 +219,16 @@ def look_and_sum_up(
     joined: bool,
     table: Indices,
 ) -> None:
-    """:func:`look` at the end of a step, and :func:`sum_up`.
+    """:func:`look` at the end of a step, then :func:`sum_up`.
 
     Args:
-        h: Size of the step.
+        h: Step size.
         end: As for :func:`sum_up`.
-        loaded: Whether loads are looked at.
-        joined: Whether joints are.
-        table: Of fixed arrays: kinds of the nodes, loads, those with a potential, damping that
-            goes with mass, joints, bodies that deform within their frames, then what ``sum_up``
-            calls ``start`` and ``total``.
+        loaded: Whether to evaluate loads.
+        joined: Whether to evaluate joints.
+        table: Table of fixed arrays: types of the nodes, loads, loads with a potential,
+            mass-proportional damping, joints, bodies that deform within their frames, then
+            ``start`` and ``total`` of ``sum_up``.
     """
     loads = numbers3(table, 1), numbers2(table, 2), numbers2(table, 3)
     damping = integers1(table, 5), integers1(table, 6), numbers3(table, 7)

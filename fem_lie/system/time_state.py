@@ -1,4 +1,4 @@
-"""What equations are given and what they find: frames, states, plans of matrices, forces."""
+"""Arguments and results of the equations: frames, states, plans of matrices, forces."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from fem_lie.system.nodes.numbering import Numbering
 
 
 class FrameRows:
-    """What is in which row at the start.
+    """Frames of all rows at the start, and properties of the moving nodes.
 
     Attributes:
-        kinds: What each moving node is, shape (n,), see :mod:`fem_lie.lie.node_types`.
+        kinds: Type of each moving node, shape (n,), see :mod:`fem_lie.lie.node_types`.
         frames: Initial frames, shape (n + 1 + p, 4, 3).
-        begins_at: Those from which solvers go on, at the scene's time.
+        begins_at: Current frames at the start of a run, at the time of the scene.
         velocities: Initial local velocities, same rows, (…, 6).
-        held: Which unknowns of the moving nodes are zero, shape (n, 6).
-        lengths: Which halves of the unknowns of the moving nodes are lengths, shape (n, 2); others
-            have no dimension.
-        turning: Which unknowns have forces that turn with the node, as reactions of others do.
-        supported: Moving nodes that clamps and bodies hold, shape (s,).
-        length: Largest distance of two nodes, or a body's size.
+        held: Unknowns of the moving nodes that are zero, shape (n, 6).
+        lengths: Whether the first and the last three unknowns of the moving nodes are lengths,
+            shape (n, 2); others have no dimension.
+        turning: Unknowns whose forces rotate with the node, unlike reactions of supports.
+        supported: Moving nodes that clamps and bodies support, shape (s,).
+        length: Largest distance of two nodes, or size of a body.
     """
 
     def __init__(
@@ -42,13 +42,13 @@ class FrameRows:
         parametrisation: Parametrisation,
         group: Group | None,
     ) -> None:
-        """Put them together.
+        """Collect the rows.
 
         Args:
-            scene: What there is.
-            numbering: Of its nodes.
-            parametrisation: Of increments.
-            group: On which all frames move; ``None``: each on that of its body.
+            scene: The scene.
+            numbering: Numbering of its nodes.
+            parametrisation: Parametrisation of increments.
+            group: Group of all frames; ``None``: that of each body.
         """
         self._motions = scene.motions
         self._breaks = declared([motion.motion for motion in scene.motions], kinks=True)
@@ -59,7 +59,7 @@ class FrameRows:
             now = np.concatenate([fixed[:1], self.prescribed(scene.began.time)])
             self.begins_at = np.concatenate([numbering.begins_at, now])
         self.velocities = np.concatenate([numbering.velocities, np.zeros((len(fixed), 6))])
-        # what is held along fixed axes is held exactly where translations are along fixed axes
+        # supports along fixed axes are exact where translations are along fixed axes
         guided = np.isfinite(numbering.supports[:, 0, 0])
         groups = numbering.groups if group is None else np.full_like(numbering.groups, int(group))
         groups = np.where(guided, int(Group.R3xSO3), groups)
@@ -68,7 +68,7 @@ class FrameRows:
         clamped = [numbering.node(clamp.point) for clamp in scene.clamps]
         self.held[clamped] |= numbering.clamped[clamped]
         self.supported: Indices = np.union1d(numbering.supported, clamped).astype(np.int64)
-        # reactions of what is held in a node's own axes turn with them
+        # reactions of supports in a node's own axes rotate with them
         self.turning: Flags = ~self.held
         self.turning[guided, :3] = True
         lengths: Flags = np.zeros((numbering.total, 2), dtype=np.bool_)
@@ -82,28 +82,28 @@ class FrameRows:
         """Frames of the prescribed motions at ``time``, shape (p, 4, 3).
 
         Raises:
-            ValueError: One of them is not a frame then.
+            ValueError: The value of a motion is not a frame.
         """
         frames = [motion.frame(time) for motion in self._motions]
         return np.array(frames).reshape(-1, 4, 3)
 
     def until_break(self, time: float) -> float:
-        """How long it is to the next time at which a prescribed motion says that it jumps."""
+        """Time until the next declared jump of a prescribed motion."""
         return until_next(self._breaks, time)
 
 
 ALL = Choices(gyroscopic=True, geometric=True)
-"""Nothing is left out."""
+"""All terms of the matrix."""
 
 
 class TimeState(NamedTuple):
-    """A scene at one time.
+    """State of a scene at one time.
 
     Attributes:
         H: Frames of all rows.
         v: Local velocities of the moving nodes, shape (≥ n, 6).
         a: Their rates, shape (≥ n, 6).
-        multipliers: Multipliers (forces and moments), shape (m,).
+        multipliers: Lagrange multipliers (forces and moments), shape (m,).
     """
 
     H: Array
@@ -113,34 +113,32 @@ class TimeState(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """What a matrix is to be the derivative in, and where its constraints are taken.
+    """Which derivative of the residual a matrix is, and where the constraints are linearised.
 
     Attributes:
         d: Increments that led to the frames, shape (n, 6).
-        scale: Factor of each constraint, shape (m,); default: what suits the rest of the matrix
-            with the Jacobian that is taken.
+        scale: Scale factor of each constraint, shape (m,); default: one that fits the rest of the
+            matrix and the Jacobian.
         mass: ∂a/∂d.
         damping: ∂v/∂d.
-        joint_frames: Where the constraints' Jacobian is taken; default: at the state.
-        forces_at: Where it is for their forces; default: the same.
-        lag: Rotations by which the axes of the unknowns are behind those of the frames, along which
-            nodes are moved, rotation vectors (n, 3); default: none.
-        inertial: Whether components are along fixed axes, not along those of the nodes.
-        stressed: Frames whose stress it has; default: the stress that is carried.
-        choices: What is taken in, nothing left open.
-        constraints_only: Whether all but the constraints stays what it was made last.
-        steady: Whether it is the stiffness in a frame in which all nodes move steadily; nothing of
-            this plan counts then but the scale, which must be given.
-        at_rest: Step size ``h`` of a matrix that finds accelerations, and impulses in joints:
-            ``M + h² K/4``, at rest with the true stress, with a scale that suits it. Nothing else
-            of this plan counts then.
-        ends: Of a step, of all nodes, for terms whose forces are those over a step; default: none.
-        apart: Whether terms that may be apart are left out.
-        beside: Whether nothing is filled but what is then beside the matrix for them; the scale
-            must be given.
-        spread: Overwritten where a scale is found: by how much constraints that are one vector
-            change each with forces of the size of their scales, shape of ``vectors`` of the
-            unknowns; default: not asked for.
+        joint_frames: Frames of the constraint Jacobian; default: those of the state.
+        forces_at: Frames of the constraint forces; default: ``joint_frames``.
+        lag: Rotation vectors (n, 3) by which the axes of the unknowns lag behind the frames, along
+            which nodes move; default: none.
+        inertial: Whether components are along axes fixed in space instead of those of the nodes.
+        stressed: Frames whose stress the geometric stiffness has; default: the independent stress.
+        choices: Terms that are included, none of them undecided.
+        constraints_only: Whether all but the constraint Jacobian stays as it was filled last.
+        steady: Whether it is the stiffness in a frame in which all nodes move steadily. The plan
+            then needs ``scale``, and has no other effect.
+        at_rest: Step size ``h`` of a matrix for accelerations and impulses, ``M + h² K/4``, at rest
+            with the current stress and a fitting scale. The plan then has no other effect.
+        ends: Ends of a step, of all nodes, for terms with forces over a step; default: none.
+        apart: Whether terms that can be separate low-rank corrections are left out.
+        beside: Whether only the low-rank correction of these terms is filled; needs ``scale``.
+        spread: Overwritten where a scale is found: change of each constraint of a vector under
+            forces of the size of their scales, shape of ``vectors`` of the unknowns; default: not
+            needed.
     """
 
     d: Array
@@ -163,25 +161,27 @@ class Plan(NamedTuple):
 
 
 class Forces:
-    """What a residual has found of the forces, as its derivative needs it.
+    """Forces of a residual, as its derivative needs them.
 
     Attributes:
-        on_rows: On (x, d₁, d₂, d₃): ``G q̈`` and mass damping minus dead loads, shape (n, 4, 3).
-        outer: On the nodes in their axes: inertia, loads, joints and springs, shape (n, 6).
-        inner: The same of all other terms, shape (n, 6).
-        own: Of each term whose derivative takes its forces.
-        work: Two arrays of the shape of ``on_rows``, of which that is the second.
-        table: For compiled functions, where all forces are one sum.
+        on_rows: Forces on (x, d₁, d₂, d₃): ``G q̈`` and mass-proportional damping minus dead loads,
+            shape (n, 4, 3).
+        outer: Forces on the nodes in their axes from inertia, loads, joints and springs, shape (n,
+            6).
+        inner: Forces of all other terms, shape (n, 6).
+        own: Forces of each term whose derivative needs them.
+        work: Two arrays of the shape of ``on_rows``, which is the second.
+        table: Table for compiled functions, if all forces are one sum.
     """
 
     def __init__(self, count: int, own: Sequence[Array], constant: Sequence[Any] | None) -> None:
-        """Nothing is found yet.
+        """Allocate the arrays.
 
         Args:
-            count: Moving nodes ``n``.
-            own: Room for the forces of terms.
-            constant: Arrays that stay where they are, with ``None`` in the place of ``work``, for
-                forces that are one sum.
+            count: Number n of moving nodes.
+            own: Arrays for the forces of terms.
+            constant: Fixed arrays for forces that are one sum, with ``None`` in the place of
+                ``work``; ``None``: forces are not one sum.
         """
         self.work = np.zeros((2, count, 4, 3))
         self.on_rows = self.work[1]

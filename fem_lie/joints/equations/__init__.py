@@ -1,1 +1,1 @@
-"""Equations of joints, compiled: written in the relative motion of two frames."""
+"""Compiled constraint equations of joints, in the relative motion of two frames."""

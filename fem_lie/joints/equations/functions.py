@@ -1,13 +1,13 @@
-"""Functions of the relative motion ``z = (Δ, Q)`` of two frames that joints use beside ``S z``.
+"""Nonlinear functions of the relative motion ``z = (Δ, Q)`` of two frames.
 
 ::
 
-    φ = atan2(s·z, c·z)     an angle: two rows of each joint say which; unwrapped
+    φ = atan2(s·z, c·z)     an angle, with two rows s and c of each joint; unwrapped
     ℓ = |Δ|                 the distance of the two origins
     σ = |(Q₃₁, Q₃₂)|        sine of the angle between the axes e₃
 
-For the rotation of B about e₃ of A, ``s·z = Q₂₁ − Q₁₂`` and ``c·z = Q₁₁ + Q₂₂``, with
-``s² + c² = (1 + Q₃₃)²``: smooth as long as the axes do not point against each other.
+Joints use them beside linear terms ``S z``. For the rotation of B about e₃ of A, ``s·z = Q₂₁ −
+Q₁₂`` and ``c·z = Q₁₁ + Q₂₂``, with ``s² + c² = (1 + Q₃₃)²``: smooth unless the axes are opposite.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 
 ANGLE, DISTANCE, TILT = range(3)
-"""Their numbers."""
+"""Numbers of the functions."""
 
 
 @inlined
@@ -34,7 +34,7 @@ def _components(z: Array, angle: Array) -> tuple[float, float]:
 
 @inlined
 def values(z: Array, angle: Array, turned: float, out: Array) -> None:
-    """All three; the angle within half a turn of ``turned``."""
+    """Values of the three functions; the angle is the one within half a turn of ``turned``."""
     s, c = _components(z, angle)
     away = math.atan2(s, c) - turned
     out[ANGLE] = turned + away - 2.0 * np.pi * np.round(away / (2.0 * np.pi))
@@ -78,7 +78,7 @@ def add_gradient_changes(z: Array, dz: Array, angle: Array, factors: Array, dp: 
 
 @inlined
 def _add_norm_change(z: Array, dz: Array, at: int, count: int, factor: float, dp: Array) -> None:
-    """Of the length of the ``count`` components from ``at`` on."""
+    """``add_gradient_changes`` for the norm of ``count`` components from ``at`` on."""
     if factor != 0.0:
         square = along = 0.0
         for k in range(at, at + count):
@@ -91,9 +91,10 @@ def _add_norm_change(z: Array, dz: Array, at: int, count: int, factor: float, dp
 
 @compiled
 def add_secants(z: Array, dz: Array, angle: Array, factors: Array, g: Array) -> None:
-    """``g += Σ factorsₖ gₖ`` with ``gₖ·dz = fₖ(z + dz) − fₖ(z)`` to round-off, shape (12,).
+    """Add discrete gradients, ``g += Σ factorsₖ gₖ`` with ``gₖ·dz = fₖ(z + dz) − fₖ(z)``, (12,).
 
-    ``gₖ`` has the direction of the gradient at ``z + ½ dz``, and is it for small ``dz``.
+    The equality holds to round-off. ``gₖ`` has the direction of the gradient at ``z + ½ dz``, and
+    tends to it for small ``dz``.
     """
     if factors[ANGLE] != 0.0:
         s, c = _components(z, angle)
@@ -111,7 +112,7 @@ def add_secants(z: Array, dz: Array, angle: Array, factors: Array, g: Array) -> 
 
 @inlined
 def _add_norm_secant(z: Array, dz: Array, at: int, count: int, factor: float, g: Array) -> None:
-    """Of the length of the ``count`` components from ``at`` on."""
+    """``add_secants`` for the norm of ``count`` components from ``at`` on."""
     if factor != 0.0:
         before = after = 0.0
         for k in range(at, at + count):

@@ -1,6 +1,6 @@
-"""One pair of frames of a joint: its relative motion, its terms, their rates and loads; compiled.
+"""One pair of frames of a joint, compiled: relative motion, terms, their rates and forces.
 
-See :mod:`fem_lie.joints.equations.terms`, which sums over pairs.
+:mod:`fem_lie.joints.equations.terms` sums over pairs.
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ from fem_lie.joints.equations.relative_motion import relative_motion, variation
 from fem_lie.joints.equations.table import JointTable
 
 WORKSPACE = 72
-"""Numbers that :func:`workspace` needs."""
+"""Size of the array that :func:`workspace` divides."""
 
 
 class Workspace(NamedTuple):
-    """What is found of a pair, one after the other.
+    """Arrays for the quantities of one pair.
 
     Attributes:
         A: Frame of side A, shape (4, 3).
-        B: Of side B.
+        B: Frame of side B, shape (4, 3).
         z: Relative motion, shape (12,).
-        p: What it does on ``δz``, shape (12,).
+        p: Generalised force conjugate to ``z``, shape (12,).
         f: Values of the functions, shape (3,).
-        c: Factors of their gradients in ``p``, shape (3,).
-        sides: Forces on the frames, shape (2, 6).
-        moved: One of them on its node, shape (6,).
+        c: Factors of the gradients of the functions in ``p``, shape (3,).
+        sides: Forces and moments on the two frames, shape (2, 6).
+        moved: Force and moment on one node, shape (6,).
     """
 
     A: Array
@@ -47,7 +47,7 @@ class Workspace(NamedTuple):
 
 @inlined
 def workspace(work: Array) -> Workspace:
-    """In ``work`` (72,), which is overwritten by zeros."""
+    """Views of ``work`` (72,), which is set to zero."""
     work[:] = 0.0
     return Workspace(
         work[:12].reshape(4, 3),
@@ -63,7 +63,7 @@ def workspace(work: Array) -> Workspace:
 
 @inlined
 def locate(H: Array, table: JointTable, j: int, A: Array, B: Array, z: Array, f: Array) -> None:
-    """Relative motion of pair j and its functions, and its two frames."""
+    """Compute the two frames, the relative motion and the functions of pair j."""
     lie.compose(H[table.nodes[j, 0]], table.frames[j, 0], A)
     lie.compose(H[table.nodes[j, 1]], table.frames[j, 1], B)
     relative_motion(A, B, z)
@@ -73,7 +73,7 @@ def locate(H: Array, table: JointTable, j: int, A: Array, B: Array, z: Array, f:
 
 @inlined
 def term(table: JointTable, t: int, z: Array, f: Array) -> float:
-    """Value of term t, or its rate if ``z`` and ``f`` are rates."""
+    """Value of term t; its rate if ``z`` and ``f`` are rates."""
     value = 0.0
     for k in range(12):
         value += table.selection[t, k] * z[k]
@@ -91,7 +91,7 @@ def gradient(table: JointTable, j: int, t: int, z: Array, p: Array) -> None:
 
 @inlined
 def twists(v: Array, table: JointTable, j: int, twist: Array) -> None:
-    """Twists (2, 6) of the frames of pair j; what is beyond the rows of ``v`` is at rest."""
+    """Twists (2, 6) of the frames of pair j; nodes beyond the rows of ``v`` are at rest."""
     for side in range(2):
         node = table.nodes[j, side]
         twist[side] = 0.0
@@ -101,7 +101,7 @@ def twists(v: Array, table: JointTable, j: int, twist: Array) -> None:
 
 @compiled
 def rate_of_term(v: Array, table: JointTable, j: int, t: int, z: Array) -> float:
-    """Rate of term t of pair j at twists ``v``."""
+    """Rate of term t of pair j at nodal twists ``v``."""
     twist, dz, p = np.empty((2, 6)), np.empty(12), np.empty(12)
     twists(v, table, j, twist)
     variation(z, twist[0], twist[1], dz)
@@ -113,7 +113,7 @@ def rate_of_term(v: Array, table: JointTable, j: int, t: int, z: Array) -> float
 def load(
     v: Array, table: JointTable, j: int, z: Array, f: Array, multipliers: Array, p: Array, c: Array
 ) -> None:
-    """``p``: what pair j does on ``δz``; ``c``: its factors of the functions' gradients in that."""
+    """Generalised force ``p`` of pair j, conjugate to ``z``, and its factors ``c`` of gradients."""
     m = len(table.targets)
     p[:], c[:] = 0.0, 0.0
     for t in range(table.first[j], table.first[j + 1]):

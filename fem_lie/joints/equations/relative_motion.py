@@ -13,7 +13,7 @@ from fem_lie._jit import inlined
 
 @inlined
 def relative_motion(A: Array, B: Array, z: Array) -> None:
-    """``z = (Δ, Q)`` of two frames."""
+    """``z = (Δ, Q)`` of two frames, shape (12,)."""
     for k in range(3):
         z[k] = 0.0
         for i in range(3):
@@ -47,7 +47,7 @@ def variation(z: Array, twist_a: Array, twist_b: Array, out: Array) -> None:
 
 @inlined
 def force(z: Array, p: Array, fa: Array, fb: Array) -> None:
-    """Forces on the two frames that do the work ``p · δz``."""
+    """Forces and moments (6,) on the two frames that do the work ``p · δz``."""
     D, Q, n, P = z[:3], z[3:].reshape(3, 3), p[:3], p[3:].reshape(3, 3)
     fa[0], fa[1], fa[2] = -n[0], -n[1], -n[2]
     fa[3] = n[1] * D[2] - n[2] * D[1]

@@ -1,17 +1,17 @@
-"""Compiled constraints of velocities: rolling without slip, and edges that do not move sideways.
+"""Compiled velocity constraints: rolling without slip, and knife edges.
 
-They bind the twist of frame B against frame A, in the axes of B: ``W V = 0``::
+They constrain the twist of frame B relative to frame A, in the axes of B: ``W V = 0``::
 
     V = ξ_B − Ad(G⁻¹) ξ_A,    G = H_A⁻¹ H_B,    dV/dt = ξ'_B − Ad(G⁻¹) ξ'_A + ad(V) Ad(G⁻¹) ξ_A
 
-An edge has a constant ``W``: it is fixed in the local frame. A disc of radius ρ about e₃ of B that
-touches the plane across e₃ of A has a ``W`` that turns with the contact point. With ``ν`` the
-plane's normal in B, ``σ n = (ν₁, ν₂, 0)`` and ``t = (n₂, −n₁, 0)`` along the path, the point of the
-disc at ``−ρ n`` is at rest along t and ``l = ν × t``, across the path::
+An edge has a constant ``W``, as it is fixed in the local frame. A disc of radius ρ about e₃ of B
+that touches the plane across e₃ of A has a ``W`` that depends on the contact point. With ``ν`` the
+normal of the plane in B, ``σ n = (ν₁, ν₂, 0)`` and ``t = (n₂, −n₁, 0)`` along the path, the point
+of the disc at ``−ρ n`` has no velocity along t and along ``l = ν × t``, across the path::
 
     t·u + ρ ω₃ = 0,    l·u + ρ σ t·ω = 0
 
-That it stays on the plane is a constraint of positions, ``Δ₃ = ρ σ``.
+A position constraint, ``Δ₃ = ρ σ``, keeps the disc on the plane.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ from fem_lie._jit import compiled
 
 
 class RollingTable(NamedTuple):
-    """All such pairs of frames, ``j`` with ``k`` constraints.
+    """Packed arrays of all velocity constraints: ``j`` pairs of frames with ``k`` constraints.
 
     Attributes:
         nodes: Nodes A and B, shape (j, 2).
-        frames: Frames of the joint in its nodes' frames, shape (j, 2, 4, 3).
-        first: First constraint of each pair among these, and ``k`` at the end, shape (j + 1,).
+        frames: Joint frames in the frames of their nodes, shape (j, 2, 4, 3).
+        first: First constraint of each pair in this table, and ``k`` at the end, shape (j + 1,).
         selection: ``W`` of edges, shape (k, 6).
-        radius: Of discs, 0 for edges, shape (j,).
+        radius: Radius of discs, 0 for edges, shape (j,).
         incidences: Incidence of each constraint with the nodes of its sides A and B, −1: that side
             does not move, shape (k, 2).
-        start: Number of the first among all constraints, shape (1,).
+        start: Number of the first constraint of the table among all, shape (1,).
     """
 
     nodes: Indices
@@ -85,7 +85,7 @@ def _disc(G: Array, radius: float, V: Array, W: Array, rate: Array) -> None:
 def _rows(
     H: Array, v: Array, table: RollingTable, j: int, G: Array, V: Array, W: Array, rate: Array
 ) -> Array:
-    """``G``, ``V``, rows ``W`` (≥ k, 6) and their rates; returns ``Ad(G⁻¹) ξ_A``."""
+    """Compute ``G``, ``V``, rows ``W`` (≥ k, 6) and their rates; return ``Ad(G⁻¹) ξ_A``."""
     A, B = np.empty((4, 3)), np.empty((4, 3))
     carried = np.zeros(6)
     _frames(H, table, j, A, B, G)
@@ -106,7 +106,7 @@ def _rows(
 
 @compiled
 def _side(table: RollingTable, j: int, side: int, G: Array, force: Array, out: Array) -> None:
-    """What ``force`` on the relative twist is on the node of a side."""
+    """Nodal force of a side due to ``force``, which is conjugate to the relative twist."""
     if side == 1:
         lie.apply_adjoint_inverse_transposed(table.frames[j, 1], force, out)
         return
@@ -126,7 +126,7 @@ def evaluate(
     count: int,
     r: Array,
 ) -> None:
-    """Add ``Wᵀ multipliers`` to the nodes' rows of ``r``; set the constraints' to ``scale W V``.
+    """Add ``Wᵀλ`` to the nodal rows of ``r``; set the rows of the constraints to ``scale W V``.
 
     Arguments as in :func:`fem_lie.joints.equations.terms.evaluate`.
     """
@@ -149,7 +149,7 @@ def evaluate(
 
 @compiled
 def jacobian(H: Array, table: RollingTable, rows: Array) -> None:
-    """Add ``W`` in the twists of the nodes to the legs of the constraints, (legs, 6)."""
+    """Add ``W`` in the twists of nodes to the constraint Jacobian, one row of six per incidence."""
     G, V, W, rate = np.empty((4, 3)), np.empty(6), np.empty((6, 6)), np.empty((6, 6))
     moved, still = np.empty(6), np.zeros((0, 6))
     for j in range(table.nodes.shape[0]):

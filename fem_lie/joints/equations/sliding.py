@@ -1,16 +1,16 @@
-"""Compiled constraints of points that slide along flexible beams, over all of their elements.
+"""Compiled constraints of points that slide along flexible beams, across element boundaries.
 
-Between the nodal frames of an element its own interpolation is the geodesic
-``A(ξ) = H_a exp(ξ d)``, ``d = log(H_a⁻¹ H_b)``: frame and position are continuous along the beam.
-The place ξ of the sliding frame B is where it lies in the cross-section, ``Δ₁(ξ) = 0``; it needs no
-unknown, for it is known with the frames, and neither does the element it is in.
-What is bound are terms ``S z + c s`` of the relative motion ``z = (Δ, Q)`` of A(ξ) and B and of the
-arclength ``s``. With ``g = dΔ₁/dξ``::
+Between the nodal frames of an element the interpolation is the geodesic ``A(ξ) = H_a exp(ξ d)``,
+``d = log(H_a⁻¹ H_b)``: frame and position are continuous along the beam. The coordinate ξ of the
+sliding frame B follows from ``Δ₁(ξ) = 0``, that is, B lies in the cross-section. It is a function
+of the frames, as is the element, so there is no additional unknown. Constraints are terms ``S z + c
+s`` of the relative motion ``z = (Δ, Q)`` of A(ξ) and B and of the arc length ``s``. With ``g =
+dΔ₁/dξ``::
 
     δξ = −δΔ₁/g,    δA = N_a h_a + N_b h_b + d δξ
     N_a = Ad(exp(−ξ d)) − ξ T(ξ d) T⁻¹(−d),    N_b = ξ T(ξ d) T⁻¹(d)
 
-so the force along e₁ follows from the others: the force on the beam is across its axis.
+so the force along e₁ follows from the others: the force on the beam is perpendicular to its axis.
 """
 
 from __future__ import annotations
@@ -25,29 +25,32 @@ from fem_lie._jit import compiled
 from fem_lie.joints.equations.relative_motion import force, relative_motion, variation
 
 _ITERATIONS = 60
-_STEP = 1e-6  # of differences, rad or element lengths; an error of 1e-9 is nothing to a matrix
+_STEP = 1e-6  # of differences, rad or element lengths; an error of 1e-9 does not matter in a matrix
 
 
 class SlidingTable(NamedTuple):
-    """All sliding frames, ``j`` with ``k`` constraints, and the elements of their beams.
+    """Packed arrays of all sliding frames, ``j`` with ``k`` constraints, and of the beam elements.
 
     Attributes:
         nodes: Node of each sliding frame, shape (j,).
-        frames: The frame in its node's, shape (j, 4, 3).
-        elements: First element of each and their number at the end, shape (j + 1,).
+        frames: Sliding frame in the frame of its node, shape (j, 4, 3).
+        elements: First beam element of each sliding frame, and the total at the end, shape (j +
+            1,).
         ends: Nodes of each element, shape (e, 2).
-        offsets: Frames of the element's ends in those nodes' frames, shape (e, 2, 4, 3).
-        starts: Arclength at which each element begins, shape (e,).
-        lengths: Of the elements, shape (e,).
-        first: First constraint of each among these, and ``k`` at the end, shape (j + 1,).
+        offsets: End frames of the element in the frames of these nodes, shape (e, 2, 4, 3).
+        starts: Arc length at the start of each element, shape (e,).
+        lengths: Lengths of the elements, shape (e,).
+        first: First constraint of each sliding frame in this table, and ``k`` at the end, (j + 1,).
         selection: ``S``, shape (k, 12).
         advance: ``c``, shape (k,).
-        targets: What they are to be, shape (k,).
-        incidences: First leg of each constraint in the border, shape (k,).
-        slider_incidence: Which of its legs is the sliding frame's node, −1: it does not move, (j,).
-        element_incidences: Likewise of the ends of the elements, shape (e, 2).
-        arclength: At the last accepted state, shape (j,).
-        start: Number of the first constraint among all, shape (1,).
+        targets: Prescribed values of the constraints, shape (k,).
+        incidences: First incidence of each constraint, shape (k,).
+        slider_incidence: Incidence with the node of the sliding frame, counted from the first, −1:
+            it does not move, shape (j,).
+        element_incidences: Incidences with the ends of the elements, counted likewise, shape (e,
+            2).
+        arclength: Arc length at the last accepted state, shape (j,).
+        start: Number of the first constraint of the table among all, shape (1,).
     """
 
     nodes: Indices
@@ -93,7 +96,7 @@ def _locate(
 ) -> tuple[int, float]:
     """Element and ξ of sliding frame j, ``d`` and ``X`` there, and the relative motion ``z``.
 
-    The search starts at the last accepted place; with ``stay ≥ 0`` it stays on that element.
+    The search starts at the last accepted arc length; with ``stay ≥ 0`` it stays on that element.
     """
     A, B = np.empty((4, 3)), np.empty((4, 3))
     lie.compose(H[table.nodes[j]], table.frames[j], B)
@@ -118,7 +121,7 @@ def _locate(
 
 @compiled
 def _gradient(table: SlidingTable, e: int, c: int, d: Array, z: Array, p: Array) -> None:
-    """``p``: what constraint c is on ``δz`` at fixed ξ, that of ``δξ`` included."""
+    """``p``: derivative of constraint c in ``z`` at fixed ξ, plus the contribution of ``δξ``."""
     along, still, rate = np.zeros(12), np.zeros(6), 0.0
     variation(z, d, still, along)
     for k in range(12):
@@ -137,9 +140,9 @@ def _nodal(
     p: Array,
     f: Array,
 ) -> None:
-    """Forces (3, 6) on the nodes of the frame and of both ends that do the work ``p · δz``.
+    """Nodal forces (3, 6), on the sliding frame and both ends, that do the work ``p · δz``.
 
-    ``place`` are ξ, ``d`` and ``X``.
+    ``place`` is ξ, ``d`` and ``X``.
     """
     ξ, d, X = place
     sides, whole, part = np.empty((2, 6)), np.empty(6), np.empty(6)
@@ -161,7 +164,7 @@ def _nodal(
 def _forces(
     H: Array, table: SlidingTable, j: int, stay: int, multipliers: Array, f: Array
 ) -> tuple[int, float]:
-    """Forces (3, 6) of frame j with multipliers ``multipliers``; returns the element and ξ."""
+    """Nodal forces (3, 6) of sliding frame j for the multipliers; returns the element and ξ."""
     d, X, z, p, q = np.empty(6), np.empty((4, 3)), np.empty(12), np.empty(12), np.zeros(12)
     e, ξ = _locate(H, table, j, stay, d, X, z)
     for c in range(table.first[j], table.first[j + 1]):
@@ -175,7 +178,7 @@ def _forces(
 def evaluate(
     H: Array, table: SlidingTable, multipliers: Array, scale: Array, count: int, r: Array
 ) -> None:
-    """As :func:`fem_lie.joints.equations.terms.evaluate`."""
+    """Add forces and set violations as :func:`fem_lie.joints.equations.terms.evaluate` does."""
     d, X, z, f = np.empty(6), np.empty((4, 3)), np.empty(12), np.empty((3, 6))
     for j in range(table.nodes.shape[0]):
         e, ξ = _forces(H, table, j, -1, multipliers, f)
@@ -194,7 +197,7 @@ def evaluate(
 
 @compiled
 def jacobian(H: Array, table: SlidingTable, rows: Array) -> None:
-    """Add the derivative of the constraints to their legs, (legs, 6)."""
+    """Add ``∂Φ/∂h`` to the constraint Jacobian, one row of six per incidence."""
     d, X, z, p, f = np.empty(6), np.empty((4, 3)), np.empty(12), np.empty(12), np.empty((3, 6))
     for j in range(table.nodes.shape[0]):
         e, ξ = _locate(H, table, j, -1, d, X, z)
@@ -209,7 +212,7 @@ def jacobian(H: Array, table: SlidingTable, rows: Array) -> None:
 
 @compiled
 def state(H: Array, table: SlidingTable, arclength: Array, values: Array) -> None:
-    """Arclengths (j,) and values of the constraints, from their first one on."""
+    """Arc lengths (j,) and violations of the constraints, from the first of the table on."""
     d, X, z = np.empty(6), np.empty((4, 3)), np.empty(12)
     for j in range(table.nodes.shape[0]):
         e, ξ = _locate(H, table, j, -1, d, X, z)
@@ -248,7 +251,7 @@ def geometric(H: Array, table: SlidingTable, multipliers: Array, place: Indices,
 
 @compiled
 def wrenches(H: Array, table: SlidingTable, multipliers: Array, items: Indices, out: Array) -> None:
-    """Force and moment on the beam at the sliding frame, in its section's axes, rows of ``out``."""
+    """Add force and moment on the beam at the sliding frames, in the section axes, to ``out``."""
     d, X, z, p, q = np.empty(6), np.empty((4, 3)), np.empty(12), np.empty(12), np.empty(12)
     sides = np.empty((2, 6))
     for j in range(table.nodes.shape[0]):

@@ -1,8 +1,8 @@
-"""The table of all joints of a scene, for compiled loops: twelve arrays that are passed as two.
+"""Packed arrays of all joints of a scene, for compiled loops: twelve arrays passed as two.
 
-A compiled function takes the longer to call from Python the more arrays there are. So what is in
-the table stands in one array of numbers and one of integers, with the sizes at its head, and the
-twelve are views of them, made where they are used.
+The time to call a compiled function from Python grows with the number of its arrays. The table is
+therefore packed into one array of numbers and one of integers, with the sizes at the head; the
+twelve arrays are views of these.
 """
 
 from __future__ import annotations
@@ -15,26 +15,25 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined
 
 PackedJoints: TypeAlias = tuple[Array, Indices]
-"""Numbers and integers of a :class:`JointTable`, one array after the other."""
+"""Numbers and integers of a :class:`JointTable`, each as one array."""
 
 
 class JointTable(NamedTuple):
-    """Pairs of frames of all joints of a scene, ``j`` pairs with ``t`` terms, ``m`` constraints.
+    """Pairs of frames of all joints of a scene: ``j`` pairs with ``t`` terms and ``m`` constraints.
 
     Attributes:
         nodes: Nodes A and B of each pair, shape (j, 2).
-        frames: Frames of the joint in its nodes' frames, shape (j, 2, 4, 3).
+        frames: Joint frames in the frames of their nodes, shape (j, 2, 4, 3).
         first: First term of each pair and ``t`` at the end, shape (j + 1,).
         selection: Rows ``S``, shape (t, 12): three columns for Δ, nine for Q (row-major).
         functions: Factors ``c`` of angle, distance and tilt, shape (t, 3).
-        rows: The constraint that each term is a part of, or ``m`` plus the number of its spring,
-            shape (t,).
+        rows: Constraint of each term, or ``m`` plus the number of its spring, shape (t,).
         incidences: Incidence of each term's constraint with the nodes of its sides A and B, −1: the
             side does not move, or the term is of a spring, shape (t, 2).
-        angle: Sine and cosine of each pair's angle, shape (j, 2, 12).
+        angle: Rows of sine and cosine of each pair's angle, shape (j, 2, 12).
         curved: 1 for pairs that have terms with functions, else 0, shape (j,).
-        turned: That angle at the last accepted state, shape (j,).
-        targets: What the constraints are to be, shape (m,).
+        turned: Angle at the last accepted state, rad, shape (j,).
+        targets: Prescribed values of the constraints, shape (m,).
         springs: Stiffness, damping and rest value, shape (k, 3).
     """
 
@@ -53,7 +52,7 @@ class JointTable(NamedTuple):
 
 
 def pack(table: JointTable) -> PackedJoints:
-    """The same in two arrays; :func:`views` gives the table back."""
+    """Pack a table into two arrays; :func:`views` is the inverse."""
     j, t, m, k = len(table.nodes), len(table.rows), len(table.targets), len(table.springs)
     shapes = (table.frames, table.selection, table.functions, table.angle)
     numbers = (*shapes, table.turned, table.targets, table.springs)
@@ -66,7 +65,7 @@ def pack(table: JointTable) -> PackedJoints:
 
 
 def views(packed: PackedJoints) -> JointTable:
-    """The table that was packed; what is written into it is in ``packed``."""
+    """Table of views of the packed arrays."""
     x, i = packed
     j, t, m, k = i[0], i[1], i[2], i[3]
     selection, functions = 24 * j, 24 * j + 12 * t

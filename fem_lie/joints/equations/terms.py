@@ -1,13 +1,13 @@
-"""Compiled constraints of joints: everything is written in the relative motion of two frames.
+"""Compiled joint constraints, springs and dampers, in the relative motion of two frames.
 
-The frames A and B of a joint are fixed to their nodes. With ``Δ = R_Aᵀ (x_B − x_A)`` and
-``Q = R_Aᵀ R_B`` what joints forbid, drive, couple and load are terms ``S z + Σ cₖ fₖ(z)``,
-``z = (Δ, Q)``, with a constant selection ``S`` and the functions ``f`` of
-:mod:`fem_lie.joints.equations.functions`: invariant under rigid motion, and without functions at
-most quadratic in positions and directors. A constraint is the sum of its terms minus a target, a
-spring or damper a force ``k (q − q₀) + c q̇`` along its term ``q``.
+The frames A and B of a joint are fixed to their nodes. With ``Δ = R_Aᵀ (x_B − x_A)`` and ``Q = R_Aᵀ
+R_B``, joints constrain, drive, couple and load terms ``S z + Σ cₖ fₖ(z)``, ``z = (Δ, Q)``, with a
+constant selection ``S`` and the functions ``f`` of :mod:`fem_lie.joints.equations.functions`. The
+terms are invariant under rigid motion and, without functions, at most quadratic in positions and
+directors. A constraint ``Φ = 0`` is the sum of its terms minus a target; a spring with damper is a
+force ``k (q − q₀) + c q̇`` along its term ``q``.
 
-The node ``count`` and those after it do not move by themselves: ground and prescribed frames.
+Nodes from ``count`` on do not move by themselves: ground and prescribed frames.
 """
 
 from __future__ import annotations
@@ -37,15 +37,15 @@ from fem_lie.joints.equations.table import JointTable, PackedJoints, joint_table
 def evaluate(
     H: Array, v: Array, table: JointTable, multipliers: Array, scale: Array, count: int, r: Array
 ) -> None:
-    """Add joint forces ``Bᵀλ`` to the nodes' rows of ``r``; set its next rows to ``scale · Φ``.
+    """Add constraint forces ``Bᵀλ`` and spring forces to ``r``; set its next rows to ``scale · Φ``.
 
     Args:
         H: Frames of all nodes, shape (≥ count, 4, 3).
-        v: Twists of the nodes that move, for dampers, shape (n, 6).
+        v: Twists of the moving nodes, for dampers, shape (n, 6).
         table: The joints.
-        multipliers: Multipliers in units of forces and moments, shape (≥ m,).
-        scale: Factor of each constraint, shape (≥ m,).
-        count: Number of nodes that move.
+        multipliers: Lagrange multipliers λ, forces and moments, shape (≥ m,).
+        scale: Scale factor of each constraint, shape (≥ m,).
+        count: Number of moving nodes.
         r: Residual, shape (≥ 6 count + m,), updated.
     """
     work = vector_at(stack(WORKSPACE), WORKSPACE)
@@ -71,14 +71,14 @@ def evaluate(
 
 @uncounted
 def reactions(H: Array, v: Array, table: JointTable, multipliers: Array, out: Array) -> None:
-    """Forces on the frames that do not move by themselves, the last rows of ``H``.
+    """Forces and moments on the frames that do not move by themselves, the last rows of ``H``.
 
     Args:
         H: Frames of all rows.
-        v: See :func:`evaluate`.
-        table: See there.
-        multipliers: See there.
-        out: One row of six for each of these frames, overwritten.
+        v: Twists of the moving nodes, for dampers, shape (n, 6).
+        table: The joints.
+        multipliers: Lagrange multipliers, shape (≥ m,).
+        out: Force and moment on each of these frames, shape (p + 1, 6), overwritten.
     """
     work = vector_at(stack(WORKSPACE), WORKSPACE)
     A, B, z, p, f, c, sides, moved = workspace(work)
@@ -100,7 +100,7 @@ def reactions(H: Array, v: Array, table: JointTable, multipliers: Array, out: Ar
 
 @uncounted
 def violations(H: Array, table: JointTable, out: Array) -> None:
-    """``Φ``, shape (m,): the sum of terms minus the target of each constraint."""
+    """Constraint violations ``Φ``, shape (m,): sums of terms minus targets."""
     work = vector_at(stack(WORKSPACE), WORKSPACE)
     A, B, z, _, f, _, _, _ = workspace(work)
     m = len(table.targets)
@@ -115,7 +115,7 @@ def violations(H: Array, table: JointTable, out: Array) -> None:
 
 @compiled
 def unwrap(H: Array, table: JointTable) -> None:
-    """Remember the angles of an accepted state: the next ones are within half a turn of them."""
+    """Store the angles of an accepted state; later angles are within half a turn of them."""
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
     for j in range(table.nodes.shape[0]):
         if table.functions[table.first[j] : table.first[j + 1], functions.ANGLE].any():
@@ -139,7 +139,7 @@ def spring_energy(H: Array, table: JointTable) -> float:
 
 @compiled
 def damper_loss(H: Array, v: Array, table: JointTable) -> float:
-    """Power ``c q̇²`` that all dampers take at twists ``v`` of the nodes that move."""
+    """Power ``c q̇²`` dissipated by all dampers at nodal twists ``v``."""
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
     m, loss = len(table.targets), 0.0
     for j in range(table.nodes.shape[0]):
@@ -160,7 +160,7 @@ def wrenches(
     side: Indices,
     out: Array,
 ) -> None:
-    """Force and moment that chosen pairs exert on frame A or B (``side`` 0 or 1), in that frame.
+    """Force and moment of chosen pairs on frame A or B (``side`` 0 or 1), in that frame.
 
     ``out`` has one row of six for each of ``pairs``.
     """
@@ -184,7 +184,7 @@ def unwrap_both(H: Array, joints: PackedJoints, probes: PackedJoints) -> None:
 
 @compiled
 def jacobian(H: Array, table: JointTable, rows: Array) -> None:
-    """Add ``∂Φ/∂h`` in the twists of the nodes to the legs of the constraints, (legs, 6)."""
+    """Add ``∂Φ/∂h`` to the constraint Jacobian, ``rows``, one row of six per incidence."""
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
     p, sides, moved = np.empty(12), np.empty((2, 6)), np.empty(6)
     for j in range(table.nodes.shape[0]):
@@ -202,9 +202,9 @@ def jacobian(H: Array, table: JointTable, rows: Array) -> None:
 
 @compiled
 def geometric(H: Array, table: JointTable, multipliers: Array, place: Indices, K: Array) -> None:
-    """Add ``∂(Bᵀ multipliers)/∂h`` to blocks ``K``; ``place`` (j, 2, 2) says where, −1: nowhere.
+    """Add the geometric stiffness ``∂(Bᵀλ)/∂h`` to blocks ``K`` at ``place`` (j, 2, 2), −1: none.
 
-    That of springs is in it with their present force, without their stiffness.
+    Springs contribute with their current force, without their stiffness.
     """
     A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
     f, c, rest = np.zeros(3), np.empty(3), np.zeros((0, 6))
@@ -239,7 +239,7 @@ def geometric(H: Array, table: JointTable, multipliers: Array, place: Indices, K
 def add_springs(
     H: Array, table: JointTable, place: Indices, stiff: float, damp: float, K: Array
 ) -> None:
-    """Add ``(stiff k + damp c) bᵀb`` of springs and dampers along ``b`` to blocks ``K``."""
+    """Add ``(stiff k + damp c) bᵀb`` of springs and dampers, ``b = ∂q/∂h``, to blocks ``K``."""
     A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
     f, sides, b = np.zeros(3), np.empty((2, 6)), np.empty((2, 6))
     m = len(table.targets)
@@ -262,7 +262,7 @@ def add_springs(
 
 @compiled
 def rates(H: Array, v: Array, table: JointTable, first: Array, second: Array) -> None:
-    """``dΦ/dt`` and ``d²Φ/dt²`` (≥ m,) at constant twists ``v`` (nodes, 6) and constant targets."""
+    """``dΦ/dt`` and ``d²Φ/dt²`` (≥ m,) at constant twists ``v`` (n, 6) and constant targets."""
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
     twist, dz, ddz, p, dp = np.empty((2, 6)), np.empty(12), np.empty(12), np.empty(12), np.empty(12)
     m = len(table.targets)

@@ -1,8 +1,8 @@
-"""Angles of joints over more than half a turn, and changes of coordinates of springs; compiled.
+"""Joint angles beyond half a turn, and coordinate changes of springs, compiled.
 
-An angle is known from frames up to whole turns, and what joints forbid of ``Q`` is zero not only
-where they hold: ``skew Q = 0`` also at half a turn about any axis, ``Q₁₃ = Q₂₃ = 0`` also where the
-axes e₃ point against each other. Iterations with large increments need the intended one given.
+Frames determine an angle up to full turns, and the constrained terms of ``Q`` vanish on several
+branches: ``skew Q = 0`` also at half a turn about any axis, ``Q₁₃ = Q₂₃ = 0`` also for opposite
+axes e₃. Iterations with large increments need a reference angle that selects the branch.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def spring_changes(H: Array, h: Array, table: JointTable, out: Array) -> None:
 
     Args:
         H: Frames of all nodes, shape (≥ n, 4, 3).
-        h: Local increments of the nodes that move, shape (n, 6).
+        h: Local increments of the moving nodes, shape (n, 6).
         table: The joints, with k springs.
         out: Shape (k,), overwritten.
     """
@@ -37,18 +37,18 @@ def spring_changes(H: Array, h: Array, table: JointTable, out: Array) -> None:
 
 
 _NEAR = 0.5 * np.pi
-"""Angles that move less than this from the reference angle keep it."""
+"""Change of an angle, rad, below which the reference angle stays as it is."""
 
 
 @compiled
 def foresee(H: Array, h: Array, table: JointTable) -> None:
     """Move the reference angles of all pairs along an increment of the nodes.
 
-    The angle after the increment is then found within half a turn of its linear prediction.
+    The angle after the increment is then the one within half a turn of its linear prediction.
 
     Args:
         H: Frames of all rows before the increment, shape (≥ n, 4, 3).
-        h: Increment of the nodes that move as twists, shape (n, 6).
+        h: Increment of the moving nodes as twists, shape (n, 6).
         table: The joints; ``turned`` is updated.
     """
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
@@ -68,7 +68,7 @@ def foresee(H: Array, h: Array, table: JointTable) -> None:
 
 @compiled
 def angles(H: Array, table: JointTable, out: Array) -> None:
-    """The angle of each pair, shape (j,); zero where no term has it."""
+    """Angle of each pair, rad, shape (j,); zero for pairs without an angle."""
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
     for j in range(table.nodes.shape[0]):
         out[j] = 0.0
@@ -98,7 +98,7 @@ def alignments(H: Array, table: JointTable, aligned: Array, out: Array) -> None:
 
 @compiled
 def spring_values(H: Array, table: JointTable, out: Array) -> None:
-    """The coordinate of each spring, shape (k,)."""
+    """Coordinate of each spring, shape (k,)."""
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
     m = len(table.targets)
     for j in range(table.nodes.shape[0]):
@@ -109,15 +109,16 @@ def spring_values(H: Array, table: JointTable, out: Array) -> None:
 
 
 def fixed_rotations(selection: Array) -> Array:
-    """What must stay aligned of two frames whose relative rotation is bound, shape (3, 3).
+    """Matrix that detects wrong branches of the constraints of a relative rotation, shape (3, 3).
 
     Args:
-        selection: Of ``Q`` in the constraints of a pair, which hold for ``Q = 1``, shape (c, 9).
+        selection: Selected components of ``Q`` in the constraints of a pair, which hold for ``Q =
+            1``, shape (c, 9).
 
     Returns:
-        The identity where all three rotations are bound, ``a aᵀ`` where only the one about ``a`` is
-        free, else zero. Times ``Q`` it has the trace 3 or 1 where the constraints are satisfied as
-        meant, and −1 on the other branches.
+        The identity if all three rotations are constrained, ``a aᵀ`` if only the rotation about
+        ``a`` is free, else zero. Its product with ``Q`` has the trace 3 or 1 on the intended
+        branch, and −1 on the others.
     """
     basis = np.zeros((9, 3))
     for k in range(3):

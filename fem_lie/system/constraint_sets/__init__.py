@@ -1,1 +1,1 @@
-"""Sets of constraints behind one protocol: a file for each, with its tables and its memory."""
+"""Sets of constraints behind one interface: one file, table and history for each type."""

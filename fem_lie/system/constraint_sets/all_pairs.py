@@ -1,7 +1,7 @@
-"""All relative motions of a scene, of nodes and of attachments, in one table.
+"""Relative motions of a scene, between nodes and attachment frames, in one table.
 
-For schemes that make forces over a step of what frames do in it: they want attachments beside
-nodes, and who sees no more of these than places.
+Conserving schemes use it: they compute forces over a step from the motion of frames, and need to
+know which nodes act by their position only.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ _NO_LEVER = 1e-9
 
 
 class AllPairs(NamedTuple):
-    """Pairs whose rows are the nodes that move, then attachments, ground, and prescribed motions.
+    """Pairs whose rows are the moving nodes, then attachments, ground and prescribed motions.
 
     Attributes:
-        joints: The table; rows of which places alone are seen may turn in any way.
-        attachments: The attachments.
-        seen: Of which nodes and attachments more is seen, shape (n + g,).
-        turns: Whether any angle is counted beyond a turn.
-        loose: Whether axes are seen that do not turn as their node or attachment does.
+        joints: The table; rows of which only positions matter may rotate arbitrarily.
+        attachments: The attachment frames.
+        seen: Nodes and attachments of which more than the position matters, shape (n + g,).
+        turns: Whether any angle is counted beyond a full turn.
+        loose: Whether axes matter that do not rotate with their node or attachment.
     """
 
     joints: PackedJoints
@@ -46,13 +46,13 @@ class AllPairs(NamedTuple):
 def all_pairs(
     sets: Sequence[ConstraintSet], numbering: Numbering, frames: Array, kinds: Indices
 ) -> AllPairs | None:
-    """The pairs of all sets, or ``None`` if some have other constraints, or attachments on frames.
+    """Pairs of all sets; ``None`` if there are other constraints or attachments between frames.
 
     Args:
-        sets: Of a system; the first one is of nodes.
-        numbering: Of its nodes.
+        sets: Sets of a system; the first is that of nodes.
+        numbering: Numbering of the nodes.
         frames: Initial frames of all rows.
-        kinds: Of the nodes.
+        kinds: Types of the nodes.
     """
     first, *others = sets
     attached = [each for each in others if isinstance(each, OnAttachments)]
@@ -78,7 +78,7 @@ def all_pairs(
 
 
 def _joined(tables: Sequence[JointTable], rows: Sequence[Indices]) -> JointTable:
-    """One after the other; constraints first, then the springs of all."""
+    """Concatenate tables: constraints first, then the springs of all."""
     m = sum(len(table.targets) for table in tables)
     row, springs, terms = 0, m, 0
     of_terms: list[Indices] = []
@@ -104,10 +104,10 @@ def _joined(tables: Sequence[JointTable], rows: Sequence[Indices]) -> JointTable
 
 
 def _seen(table: JointTable, count: int, short: float) -> Flags:
-    """Of which rows, of ``count``, anything but the place is felt.
+    """Rows, of ``count``, of which more than the position matters.
 
-    Side A feels how it is turned where some components of the gap are bound along its axes and
-    others are not; distances, and gaps that are bound as a whole, do not tell.
+    Side A matters with its rotation if some but not all components of the gap are constrained along
+    its axes; distances, and gaps constrained in all directions, do not depend on it.
     """
     seen, m = np.zeros(count, dtype=bool), len(table.targets)
     for j in range(len(table.nodes)):

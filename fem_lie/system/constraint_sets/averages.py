@@ -1,7 +1,8 @@
-"""Averaging attachments in the matrix: their many nodes are coupled by few mean coordinates alone.
+"""Averaging attachments in the matrix: a few mean coordinates couple many nodes.
 
-Coordinates ``s = Σ S h`` are sums over the nodes, and what joints add to the matrix is ``Sᵀ C S``,
-with a small core ``C``. It is either added to the pairs of these nodes, or kept out of the pattern.
+Coordinates ``s = Σ S h`` are sums over the nodes, and joints add ``Sᵀ C S`` to the matrix, with a
+small core ``C``. It is either added to the blocks of all node pairs, or kept as a low-rank part
+outside of the sparsity pattern.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ def _expand(
 
 
 class AveragedPairs:
-    """What the joints of a set add between the nodes of averaging attachments.
+    """Contributions of joints between the nodes of averaging attachments.
 
     Attributes:
         means: Entries of the attachments; ``None`` if there are none.
@@ -43,13 +44,13 @@ class AveragedPairs:
     def __init__(
         self, attachments: HeldAttachments, blocks: Indices, first: Indices, second: Indices
     ) -> None:
-        """Find the pairs: of all entries of attachments that joints couple, and within each.
+        """Find the pairs of entries within averaging attachments, and between those joints couple.
 
         Args:
-            attachments: Of the set.
-            blocks: Which of the blocks of the set are between two attachments, shape (q,).
-            first: Number of the attachment of the rows of each, shape (q,).
-            second: Likewise of its columns.
+            attachments: Attachments of the set.
+            blocks: Blocks of the set between two averaging attachments, shape (q,).
+            first: Attachment of the rows of each block, shape (q,).
+            second: Attachment of its columns, shape (q,).
         """
         self._attachments, self._blocks, self._first, self._second = (
             attachments,
@@ -61,7 +62,7 @@ class AveragedPairs:
         nodes, self._of = attachments.nodes[of >= 0], of[of >= 0]
         joined = np.eye(int(of.max(initial=-1)) + 1, dtype=bool)
         joined[first, second] = True
-        # all of one column and attachment follow each other
+        # entries of one column and attachment are adjacent
         self._right, self._left = np.nonzero(joined.T[self._of][:, self._of])
         self.nodes = nodes[self._left], nodes[self._right]
         self.means = Means(nodes, self._of, attachments.coordinates) if len(nodes) else None
@@ -79,15 +80,15 @@ class AveragedPairs:
         return core
 
     def add(self, H: Array, core: Array, place: Indices, K: Array) -> None:
-        """Add ``Sᵀ C S`` to blocks ``K`` at the places of :attr:`nodes`."""
+        """Add ``Sᵀ C S`` to blocks ``K`` at the positions of :attr:`nodes`."""
         _expand(core, self._attachments.spread(H), self._of, self._left, self._right, place, K)
 
 
 class Averages:
-    """Mean coordinates of all averaging attachments that joints hold, ``s = Σ S h``.
+    """Mean coordinates of all averaging attachments with joints, ``s = Σ S h``.
 
     Attributes:
-        nodes: Node of each row of ``S``, shape (l,): each node of an attachment has one for each
+        nodes: Node of each row of ``S``, shape (l,): one row per node of an attachment and
             coordinate.
     """
 
@@ -95,7 +96,7 @@ class Averages:
         """Number the coordinates.
 
         Args:
-            sets: All of them, of which some have attachments.
+            sets: All sets of constraints, some of which have averaging attachments.
         """
         self._sets: list[ConstraintSet] = []
         none: Indices = np.empty(0, dtype=np.int64)
@@ -115,12 +116,12 @@ class Averages:
         self.clear()
 
     def clear(self) -> None:
-        """There are no forces."""
+        """Set the geometric stiffness to zero."""
         self._spread: Array = np.zeros((len(self.nodes), 6))
         self._core: Array = np.zeros((self._count, self._count))
 
     def take(self, H: Array, multipliers: Array) -> None:
-        """Have the geometric stiffness of joints with multipliers ``multipliers`` (m,)."""
+        """Evaluate the geometric stiffness of joints with multipliers (m,)."""
         found = [each.mean_stiffness(H, multipliers) for each in self._sets]
         if found:
             self._spread = np.concatenate([S.reshape(-1, 6) for S, _ in found])
@@ -129,24 +130,24 @@ class Averages:
             self._core = np.asarray(scipy.linalg.block_diag(*cores))
 
     def put(self, rows: Array) -> None:
-        """Set the last rows, (≥ l, 6), to derivatives of the coordinates in twists."""
+        """Set the last rows, (≥ l, 6), to the derivatives of the coordinates in twists."""
         rows[len(rows) - len(self._spread) :] = self._spread
 
     def low_rank(self, left: Array, right: Array, soft: Array, held: Flags) -> LowRank | None:
-        """Of the matrix.
+        """Low-rank part of the matrix.
 
         Args:
             left: Derivatives of the coordinates in twists, shape (l, 6).
-            right: In increments.
+            right: Derivatives in increments, shape (l, 6).
             soft: Flexibility of each unknown of the nodes, shape (n, 6).
-            held: Which of these are zero.
+            held: Unknowns that are zero, shape (n, 6).
         """
         if not self._count:
             return None
         incidence, own = np.nonzero(~held[self.nodes])
         node, coordinates = self.nodes[incidence], self._coordinates[incidence]
         U, W = left[incidence, own], right[incidence, own]
-        # all coordinates of an attachment are lengths; some of a plane one are always zero
+        # all coordinates of an attachment are lengths; some of a plane attachment are always zero
         alike = self._attachments
         yields = np.bincount(alike[coordinates], U**2 * soft[node, own], self._count)[alike]
         scale = np.divide(1.0, yields, out=np.ones_like(yields), where=yields > 0.0)

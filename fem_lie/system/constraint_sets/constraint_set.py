@@ -1,14 +1,13 @@
-"""What a set of constraints does: all that equations know of joints.
+"""Base class of sets of constraints: all that the equations know of joints.
 
-A set takes from the items of a scene (joints, springs, drives and so on) what is its own, numbers
-its constraints, and works on arrays of the whole system: rows of frames and twists, multipliers,
-legs of the border. A new sort of constraint is one file with such a class, and a line in
-:mod:`.kinds`.
+A set takes its connections from the items of a scene (joints, springs, drives and so on), numbers
+their constraints, and works on arrays of the whole system: frames and twists of all rows, Lagrange
+multipliers, the rows of the constraint Jacobian. A new type of constraint is one file with such a
+class, and an entry in :mod:`.kinds`.
 
-All constraints are equalities so far, ``Φ = 0`` or ``W V = 0``. Contact will need to say more: a
-*bound* of each constraint, beside ``angular`` and ``owner`` below, that is "equal", "not negative"
-or "in the cone of those after it"; iterations and the bordered matrix read it, the sets' other
-functions stay as they are.
+All constraints are equalities, ``Φ = 0`` or ``W V = 0``. Inequalities would need a *bound* of each
+constraint, beside ``angular`` and ``owner``: "equal", "not negative" or "in the cone of the next
+ones"; iterations and the saddle-point matrix would read it.
 """
 
 from __future__ import annotations
@@ -33,9 +32,9 @@ class Rows(Protocol):
     """Rows of frames: first those that move by themselves, then ground and prescribed motions.
 
     Attributes:
-        count: Of those that move.
-        frames: At the start, shape (L, 4, 3).
-        still: Which of them nothing can move, shape (L,).
+        count: Number of rows that move by themselves.
+        frames: Initial frames, shape (L, 4, 3).
+        still: Whether nothing can move a row, shape (L,).
     """
 
     count: int
@@ -43,48 +42,48 @@ class Rows(Protocol):
     still: Flags
 
     def of(self, point: Point) -> int:
-        """The row that a point is on."""
+        """Row of a point."""
 
     def ends(self, beam: Beam) -> tuple[Indices, Array]:
-        """Rows of both ends of a beam's elements (e, 2), and their frames there, (e, 2, 4, 3)."""
+        """Rows of both ends of a beam's elements (e, 2), and end frames in them, (e, 2, 4, 3)."""
 
 
 class SystemRows:
-    """See :class:`Rows`: nodes that lead, ground, and prescribed motions.
+    """Rows of a system: master nodes, ground, and prescribed motions.
 
     Attributes:
-        numbering: Of the nodes.
+        numbering: Numbering of the nodes.
     """
 
     def __init__(
         self, numbering: Numbering, frames: Array, held: Flags, motions: Mapping[Point, int]
     ) -> None:
-        """Of a system.
+        """Store the rows of a system.
 
         Args:
-            numbering: Of its nodes.
+            numbering: Numbering of the nodes.
             frames: Initial frames of all rows.
-            held: Which unknowns of the moving nodes are zero, shape (n, 6).
-            motions: Points that move as prescribed, and the row of each.
+            held: Unknowns of the moving nodes that are zero, shape (n, 6).
+            motions: Row of each point with a prescribed motion.
         """
         self.numbering, self.count, self.frames = numbering, numbering.count, frames
         self.still = np.append(held.all(axis=1), [True] * (len(frames) - numbering.count))
         self._motions = motions
 
     def of(self, point: Point) -> int:
-        """See :class:`Rows`."""
+        """Row of a point."""
         row = self._motions.get(point)
         return self.numbering.node(point) if row is None else row
 
     def ends(self, beam: Beam) -> tuple[Indices, Array]:
-        """See :class:`Rows`."""
+        """Rows of both ends of a beam's elements (e, 2), and end frames in them, (e, 2, 4, 3)."""
         master_map = self.numbering.master_map
         both = self.numbering.nodes[beam][beam.elements[:, :2]]
         return master_map.master[both], master_map.offset[both]
 
 
 def in_rows(rows: Rows, at: Indices, frames: Array) -> Array:
-    """Frames (…, 4, 3), given in space at the start, in those of the rows ``at`` (…)."""
+    """Initial frames (…, 4, 3), given in global axes, relative to those of the rows ``at`` (…)."""
     return lie.se3_compose(lie.se3_inverse(rows.frames[at]), frames)
 
 
@@ -94,23 +93,23 @@ _FORWARD = np.array(
         [15 / 4, -77 / 6, 107 / 6, -13, 61 / 12, -5 / 6],
     ]
 )
-"""First and second derivative of a polynomial of fifth degree from values at 0, 1, … 5."""
+"""First and second derivative of a polynomial of fifth degree from its values at 0, 1, … 5."""
 
 
 class Targets:
-    """Of all constraints: those of drives change, those of gears and links stay.
+    """Prescribed values of all constraints: those of drives depend on time, those of gears do not.
 
     Attributes:
-        driven: Whether any depends on time.
+        driven: Whether any target depends on time.
     """
 
     def __init__(self, items: Sequence[Connection], owner: Indices, base: Array) -> None:
-        """Collect the drives; of an item with a history the last constraint is driven.
+        """Collect the drives; a history of an item belongs to its last constraint.
 
         Args:
-            items: All of them.
-            owner: Of each constraint, shape (m,).
-            base: Those that stay, shape (m,).
+            items: All items.
+            owner: Item of each constraint, shape (m,).
+            base: Constant targets, shape (m,).
         """
         self._items, self._owner, self._base = items, owner, base
         self._drives = [
@@ -122,7 +121,7 @@ class Targets:
         self.driven = bool(self._drives)
 
     def at(self, time: float) -> Array:
-        """What the constraints are to be at ``time``, shape (m,).
+        """Targets at ``time``, shape (m,).
 
         Raises:
             ValueError: A drive is not finite then.
@@ -136,9 +135,10 @@ class Targets:
         return values
 
     def rates(self, time: float, step: float) -> tuple[Array, Array]:
-        """First and second rates of the targets, (m,), at ``time``, by five later times.
+        """First and second time derivatives of the targets at ``time``, shape (m,).
 
-        These lie before the next jump, and so may be nearer than ``step``.
+        They are forward differences over five later times before the next jump, which may be closer
+        than ``step``.
         """
         step = min(step, until_next(self._breaks, time) / 5.0)
         values = [self.at(time + k * step) for k in range(6)]
@@ -151,12 +151,12 @@ MemoryKey: TypeAlias = tuple[str, str]
 
 
 class Numbered(NamedTuple):
-    """An item of the scene.
+    """An item of the scene with its numbers.
 
     Attributes:
         item: Joint, spring and so on.
-        number: Among all.
-        coordinate: Number of its first coordinate among those that results report.
+        number: Number among all items.
+        coordinate: Number of its first coordinate among those in results.
     """
 
     item: Connection
@@ -170,7 +170,7 @@ class Means(NamedTuple):
     Attributes:
         nodes: Node of each entry, shape (e,).
         of: Attachment of each entry, shape (e,).
-        each: Coordinates of an attachment, r.
+        each: Number r of coordinates of an attachment.
     """
 
     nodes: Indices
@@ -179,11 +179,11 @@ class Means(NamedTuple):
 
 
 class Start(NamedTuple):
-    """Where a set begins.
+    """Position of a set among all constraints.
 
     Attributes:
         row: Number of its first constraint.
-        incidence: Number of its first leg in the border.
+        incidence: Number of its first incidence.
     """
 
     row: int = 0
@@ -191,18 +191,18 @@ class Start(NamedTuple):
 
 
 class ConstraintSet(ABC):
-    """Constraints of one sort. Arrays are those of the system, of which a set has some rows.
+    """Constraints of one type. Arrays are those of the system, of which a set uses some rows.
 
     Attributes:
-        what: For messages of schemes that do not know the set.
-        of_velocities: Whether velocities are bound and not positions.
-        start: Where its constraints and legs begin among all.
-        incidences: Legs of its own constraints alone.
-        owner: Number of the item of each, shape (m,).
-        angular: Which are angles and not lengths, shape (m,).
-        pairs: Rows and columns of the node pairs that its geometric stiffness couples, of any
+        what: Description for messages of schemes that do not support the set.
+        of_velocities: Whether the set constrains velocities instead of positions.
+        start: Numbers of its first constraint and incidence.
+        incidences: Incidences of its constraints with nodes.
+        owner: Number of the item of each constraint, shape (m,).
+        angular: Whether a constraint is an angle instead of a length, shape (m,).
+        pairs: Rows and columns of the node pairs of its geometric stiffness, two arrays of any
             shape.
-        targets: What they are to be, shape (m,), to be written into.
+        targets: Prescribed values, shape (m,), updated in place.
     """
 
     what: str
@@ -216,11 +216,11 @@ class ConstraintSet(ABC):
 
     @abstractmethod
     def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
-        """Take from the items what is of this set."""
+        """Take the connections of this type from the items."""
 
     @property
     def m(self) -> int:
-        """Number of its constraints."""
+        """Number of constraints."""
         return len(self.owner)
 
     @property
@@ -231,16 +231,16 @@ class ConstraintSet(ABC):
     @property
     @abstractmethod
     def empty(self) -> bool:
-        """Whether there is nothing in it, not even a spring."""
+        """Whether it has no constraint, spring or coordinate."""
 
     @property
     def held(self) -> Indices:
-        """Rows that it holds on to, each at least once."""
+        """Rows on which it acts, each at least once."""
         return np.concatenate([self.pairs[0].ravel(), self.incidences.nodes])
 
     @property
     def bound(self) -> Indices:
-        """Those of them whose own axes it is written in."""
+        """Rows on which it acts and whose axes matter to it."""
         return self.held
 
     # --- equations ---
@@ -253,20 +253,20 @@ class ConstraintSet(ABC):
 
         Args:
             H: Frames of all rows.
-            v: Twists, shape (≥ n, 6); rows beyond are at rest.
-            multipliers: Multipliers, shape (m of all,).
-            scale: Factor of each constraint, likewise.
-            count: Rows with forces; constraints begin at ``6 count`` in ``r``.
-            r: Shape (6 count + m of all,), updated.
+            v: Twists, shape (≥ n, 6); further rows are at rest.
+            multipliers: Lagrange multipliers λ of all constraints, shape (m of all,).
+            scale: Scale factor of each constraint, shape (m of all,).
+            count: Number of rows with forces; constraints start at ``6 count`` in ``r``.
+            r: Residual, shape (6 count + m of all,), updated.
         """
 
     @abstractmethod
     def values(self, H: Array, v: Array, out: Array) -> None:
-        """What the constraints violate, ``Φ`` or ``W V``, into its rows of ``out``."""
+        """Set the violations ``Φ`` or ``W V`` in its rows of ``out``."""
 
     @abstractmethod
     def jacobian(self, H: Array, rows: Array) -> None:
-        """Add the derivative of the constraints in twists to their legs, (all legs, 6)."""
+        """Add ``∂Φ/∂h``, one row of six per incidence, to the constraint Jacobian ``rows``."""
 
     @abstractmethod
     def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
@@ -274,42 +274,39 @@ class ConstraintSet(ABC):
 
     @property
     def means(self) -> Means | None:
-        """Of averaging attachments, by which the last of :attr:`pairs` are coupled."""
+        """Mean coordinates of averaging attachments, which couple the last of :attr:`pairs`."""
         return None
 
     @property
     def sparse(self) -> tuple[Indices, Indices]:
-        """:attr:`pairs` without those that :attr:`means` couple; :meth:`geometric` takes either."""
+        """:attr:`pairs` without those of :attr:`means`; :meth:`geometric` takes either."""
         return self.pairs
 
     def mean_stiffness(self, H: Array, multipliers: Array) -> tuple[Array, Array]:
-        """``S`` (e, r, 6), and the core ``C`` (w, r, w, r) of ``Sᵀ C S``.
+        """``S`` (e, r, 6), and the core ``C`` (w, r, w, r) of the geometric stiffness ``Sᵀ C S``.
 
-        That is what :meth:`geometric` adds to pairs that are not :attr:`sparse`.
+        :meth:`geometric` adds it to the pairs that are not :attr:`sparse`.
         """
         raise NotImplementedError
 
     @abstractmethod
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
-        """First and second rate at constant twists, into its rows; of velocities: value and rate.
-
-        Targets do not count.
-        """
+        """Set first and second rates at constant twists and targets; of ``W V``: value and rate."""
 
     def initial(self, H: Array) -> Array:
-        """Targets of what stays as it is at the start, shape (m,); zero is all others'."""
+        """Targets that keep initial values, shape (m,); zero for all other constraints."""
         return np.zeros(self.m)
 
     # --- springs and dampers along coordinates ---
 
     @property
     def springs(self) -> Array:
-        """Stiffness, damping and rest value of each, shape (k, 3)."""
+        """Stiffness, damping and rest value of each spring, shape (k, 3)."""
         return np.empty((0, 3))
 
     @property
     def sprung(self) -> Flags:
-        """Which of :attr:`pairs` they couple; of that shape."""
+        """Whether springs couple each of :attr:`pairs`; of the same shape."""
         return np.ones(self.pairs[0].shape, dtype=bool)
 
     def stiffen(self, H: Array, place: Indices, stiff: float, damp: float, K: Array) -> None:
@@ -317,25 +314,25 @@ class ConstraintSet(ABC):
         return  # most sets have none
 
     def stretch_springs(self, H: Array, h: Array) -> None:
-        """Change rest values of springs by what ``h`` (n, 6) changes coordinates, to first order.
+        """Change rest values of springs by the changes of coordinates along ``h`` (n, 6).
 
-        From those of the scene on, so that the springs have the forces of the end of ``h`` at
-        frames ``H``.
+        The changes are of first order and start from the rest values of the scene, so that springs
+        at frames ``H`` have the forces of the end of ``h``.
         """
         return  # most sets have none
 
     def spring_energy(self, H: Array) -> float:
-        """Of all springs."""
+        """Energy of all springs."""
         return 0.0
 
     def damper_loss(self, H: Array, v: Array) -> float:
-        """Power that dampers take."""
+        """Power dissipated by dampers."""
         return 0.0
 
     # --- rotations within a step ---
 
     def follow(self, H: Array, h: Array) -> None:
-        """Let reference angles follow the increment ``h`` (n, 6) of nodes, made from ``H``."""
+        """Move reference angles along the increment ``h`` (n, 6) of nodes, made from ``H``."""
         return  # most sets have no angles
 
     def mark(self) -> None:
@@ -343,68 +340,68 @@ class ConstraintSet(ABC):
         return
 
     def check_branch(self, H: Array) -> None:
-        """Refuse a state in which an angle or an axis may not be the one that is meant.
+        """Refuse a state in which an angle or axis may be on a wrong branch.
 
         Raises:
-            LostBranchError: Since the accepted state an angle has changed by more than a quarter
-                turn, or bound axes point against each other.
+            LostBranchError: An angle has changed by more than a quarter turn since the accepted
+                state, or aligned axes are opposite.
         """
         return
 
     @property
     def preloaded(self) -> bool:
-        """Whether there are springs with a rest value of their own."""
+        """Whether there are springs with a prescribed rest value."""
         return False
 
     def preload(self, H: Array, part: float) -> None:
-        """Let such springs act with a part of what their rest value is away from the start.
+        """Apply a fraction of the preload of springs with a prescribed rest value.
 
         Args:
-            H: Frames at the start.
-            part: That part; 1 is all.
+            H: Initial frames.
+            part: Fraction of the difference between rest and initial values.
         """
         return
 
     # --- memory ---
 
     def accept(self, H: Array) -> None:
-        """Remember what frames do not tell of an accepted state.
+        """Update history variables that frames do not determine, at an accepted state.
 
         Raises:
-            ValueError: It is none.
+            ValueError: The state is invalid.
         """
-        return  # most sets remember nothing
+        return  # most sets have no history variables
 
     @property
     def memory(self) -> tuple[Array, ...]:
-        """What :meth:`accept` remembers, to be written into."""
+        """History variables that :meth:`accept` updates; arrays that may be written."""
         return ()
 
     @property
     def memory_keys(self) -> tuple[list[MemoryKey], ...]:
-        """What each entry of :attr:`memory` belongs to, whatever else is in a scene."""
+        """Joint and coordinate of each entry of :attr:`memory`, independent of other items."""
         return ()
 
     # --- results ---
 
     @abstractmethod
     def wrenches(self, H: Array, v: Array, multipliers: Array, out: Array) -> None:
-        """Add force and moment on the side A of items, in its axes there, to rows of items."""
+        """Add force and moment on side A of each item, in its axes there, to the rows of items."""
 
     def coordinates(self, H: Array, out: Array) -> None:
-        """Set those of the coordinates of all items that are in this set, shape (c,)."""
+        """Set the coordinates of its items in ``out``, shape (c,)."""
         return  # most items have none
 
     @abstractmethod
     def drawn(self) -> dict[int, tuple[int, Array]]:
-        """Row at which each item is drawn, by its number, and where in that row's frame."""
+        """Row at which each item is drawn, by item number, and the position in the frame of row."""
 
     @property
     @abstractmethod
     def outward(self) -> bool:
-        """Whether there are dampers, or what does not move by itself."""
+        """Whether there are dampers, or connections to ground or prescribed motions."""
 
 
 def stacked(parts: Sequence[Array], *shape: int) -> Array:
-    """Along the first axis; of the given shape if there are none."""
+    """Concatenate along the first axis; an empty array of the given shape if there are no parts."""
     return np.concatenate([np.empty(shape), *parts])

@@ -1,6 +1,6 @@
-"""Which sorts of constraints there are; a system has a set of each that is not empty.
+"""Types of constraint sets; a system has one set of each type that is not empty.
 
-Multipliers are numbered in this order, those of velocities come last.
+Multipliers are numbered in this order, those of velocity constraints last.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ KINDS: tuple[type[ConstraintSet], ...] = (RelativeMotions, Slides, Rolls)
 def sets_of(
     items: Sequence[Numbered], rows: SystemRows
 ) -> tuple[RelativeMotions, list[ConstraintSet]]:
-    """Sets, kind by kind: of what holds on to nodes alone, and of what holds on to attachments.
+    """Sets of connections between nodes, and between attachment frames, type by type.
 
     Returns:
-        The set that compiled sums over all nodes know, be it empty, and all others that are not.
+        The set in the compiled sum over nodes, which may be empty, and all other sets that are not.
     """
     attached = [item for item in items if on_attachments(item)]
     plain = [item for item in items if not on_attachments(item)] if attached else items
@@ -42,5 +42,5 @@ def _add(one: ConstraintSet, found: list[ConstraintSet]) -> None:
 
 
 def _after(found: Sequence[ConstraintSet]) -> Start:
-    """Where the next set begins."""
+    """Start of the next set."""
     return Start(sum(each.m for each in found), sum(len(each.incidences.nodes) for each in found))

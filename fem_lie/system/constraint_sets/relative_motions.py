@@ -26,22 +26,22 @@ from fem_lie.system.constraint_sets.constraint_set import (
 )
 
 _QUARTER = 0.5 * np.pi * (1.0 + 1e-9)
-"""Change of an angle in one step at most, rad: half of what frames tell apart."""
+"""Largest change of an angle in one step, rad: half of what frames distinguish."""
 
 
 class Branches:
-    """Reference angles of pairs of frames in a step, and the alignment of bound axes."""
+    """Reference angles of pairs of frames in a step, and alignment of constrained axes."""
 
     def __init__(
         self, table: JointTable, probes: JointTable, labels: Sequence[str], item: Indices
     ) -> None:
-        """Of two tables.
+        """Store the two tables.
 
         Args:
-            table: Of constraints and springs.
-            probes: Of coordinates that results report.
-            labels: What items are called in messages.
-            item: The item of each pair of ``table``, shape (j,).
+            table: Table of constraints and springs.
+            probes: Table of the coordinates in results.
+            labels: Names of items in messages.
+            item: Item of each pair of ``table``, shape (j,).
         """
         self._table, self._probes = table, probes
         self._labels, self._item = labels, item
@@ -57,7 +57,7 @@ class Branches:
         self._any_aligned = bool(self._aligned.any())
 
     def follow(self, H: Array, h: Array) -> None:
-        """Let reference angles follow the increment ``h`` (n, 6) of nodes, made from ``H``."""
+        """Move reference angles along the increment ``h`` (n, 6) of nodes, made from ``H``."""
         turns.foresee(H, h, self._table)
         turns.foresee(H, h, self._probes)
 
@@ -66,7 +66,7 @@ class Branches:
         self._accepted[:] = self._table.turned
 
     def check(self, H: Array) -> None:
-        """See the base class of sets.
+        """Refuse a state in which an angle or axis may be on a wrong branch.
 
         Raises:
             LostBranchError: An angle has changed by more than a quarter turn, or axes are opposite.
@@ -88,13 +88,13 @@ class Branches:
 
 
 class Pair(NamedTuple):
-    """A tie between two rows, perhaps with its sides exchanged, and the rows of its terms.
+    """A constraint definition between two rows, perhaps with its sides exchanged.
 
     Attributes:
-        definition: What is tied.
-        nodes: Of its sides A and B.
+        definition: The definition.
+        nodes: Rows of its sides A and B.
         rows: Constraint of each term, −1 for that of a spring.
-        exchanged: Whether the user's side A is B here.
+        exchanged: Whether side A of the user is side B here.
     """
 
     definition: ConstraintDefinition
@@ -104,21 +104,20 @@ class Pair(NamedTuple):
 
 
 class RelativeMotions(ConstraintSet):
-    """See :mod:`fem_lie.joints.equations.terms`; the first set of a system.
+    """First set of constraints, in relative motions, see :mod:`fem_lie.joints.equations.terms`.
 
     Attributes:
-        table: Of constraints and springs; ``packed``: the same for calls from Python.
-        probes: A table whose constraints are the coordinates that results report;
-            ``packed_probes``: the same.
-        tied: Items with pairs of frames, in increasing order.
-        turns: Whether any angle is counted beyond a turn.
-        reported: The pair of each of them whose force results report, and its side.
+        table: Packed constraints and springs; ``packed``: the same for calls from Python.
+        probes: Table whose constraints are the coordinates in results; ``packed_probes``: likewise.
+        tied: Items with pairs of frames, in ascending order.
+        turns: Whether any angle is counted beyond a full turn.
+        reported: Pair of each of these items whose force results report, and its side.
     """
 
     what = "joints"
 
     def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
-        """Table the ties of all items."""
+        """Build the table of all definitions."""
         assert start.row == 0, "compiled sums over all nodes count its constraints from zero"
         self.start, self._count = start, rows.count
         sizes = np.array([item.size for item, _, _ in items], dtype=np.int64)
@@ -141,7 +140,7 @@ class RelativeMotions(ConstraintSet):
         self.table = views(self.packed)
         self.targets = self.table.targets
         self._rest = self.table.springs[:, 2].copy()
-        # without ties nothing is compiled for them, which would take seconds
+        # without definitions the compiled functions are not called: compiling them takes seconds
         self._ties = len(self.table.nodes) > 0
         self.angular = self._angles()
         a, b = self.table.nodes.T
@@ -187,7 +186,7 @@ class RelativeMotions(ConstraintSet):
     def _angles(self) -> Flags:
         table, angular = self.table, np.ones(self.m, dtype=bool)
         lengths = table.selection[:, :3].any(axis=1) | (table.functions[:, DISTANCE] != 0.0)
-        # of a gear the first term says so: a ratio converts the second
+        # the first term of a gear decides: its ratio converts the second term
         rows, first = np.unique(table.rows, return_index=True)
         angular[rows[lengths[first] & (rows < self.m)]] = False
         return angular
@@ -287,7 +286,7 @@ class RelativeMotions(ConstraintSet):
         """See the base class."""
         springs = self.table.springs
         if not len(self._start):
-            # later on the frames of the start do not tell whole turns
+            # later the initial frames do not determine full turns
             self._start = np.zeros(len(springs))
             turns.spring_values(H, self.table, self._start)
         now = part * self._rest + (1.0 - part) * self._start
@@ -326,7 +325,7 @@ class RelativeMotions(ConstraintSet):
         out[self._place] = found
 
     def drawn(self) -> dict[int, tuple[int, Array]]:
-        """On its side A, or on B if A is ground."""
+        """Position on side A of each item, or on side B if A is ground."""
         table, pairs = self.table, self.reported[0]
         side = (table.nodes[pairs, 0] >= self._count).astype(np.int64)
         found = zip(self.tied, table.nodes[pairs, side], table.frames[pairs, side, 0], strict=True)
@@ -340,18 +339,18 @@ class RelativeMotions(ConstraintSet):
 
 
 def _keys(item: Connection, pairs: Sequence[Pair]) -> list[MemoryKey]:
-    """Whose angle the pairs of an item count: a coordinate's along which it acts, or its own."""
+    """Keys of the angles of an item's pairs: the coordinate along which it acts, or its own."""
     coordinates = [] if isinstance(item, Joint) else list(item.coordinates())
     own = [(item.label, "angle")] * len(pairs)
     acts = [(c.joint.label, c.name) for c in coordinates]
     found = acts if len(acts) == len(pairs) else own
     counted = [pair.definition.functions[:, ANGLE].any() for pair in pairs]
-    # pairs without an angle have nothing to remember
+    # pairs without an angle have no history
     return [key if c else (item.label, "") for key, c in zip(found, counted, strict=True)]
 
 
 def _pair(rows: Rows, definition: ConstraintDefinition, first: int) -> Pair:
-    """With a side that moves as A: what touches ``Δ`` alone has a constant Jacobian there."""
+    """Pair with a moving side A, where terms of ``Δ`` alone have a constant Jacobian."""
     nodes = rows.of(definition.a), rows.of(definition.b)
     numbers = [first + row if row >= 0 else -1 for row in definition.rows]
     if definition.reversible and rows.still[nodes[0]] and not rows.still[nodes[1]]:
@@ -367,7 +366,7 @@ def _packed(
     incidences: Incidences | None,
     incidence: int,
 ) -> PackedJoints:
-    """The table of ``m`` constraints; without a border there are no legs."""
+    """Table of ``m`` constraints; all incidences are −1 if ``incidences`` is ``None``."""
     number = iter(range(m, m + len(springs)))
     terms_of = [row if row >= 0 else next(number) for pair in pairs for row in pair.rows]
     of_terms = np.array(terms_of, dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Constraints of velocities: rolling without slip, and edges."""
+"""Velocity constraints: rolling without slip, and knife edges."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from fem_lie.system.constraint_sets.constraint_set import (
 
 
 class Rolls(ConstraintSet):
-    """See :mod:`fem_lie.joints.equations.rolling`.
+    """Set of velocity constraints, see :mod:`fem_lie.joints.equations.rolling`.
 
     Attributes:
-        table: Of all of them.
+        table: Packed arrays of all of them.
     """
 
     what = "velocity constraints (KnifeEdge, RollingDisc)"
     of_velocities = True
 
     def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
-        """Table what rolls."""
+        """Build the table of all rolling discs and knife edges."""
         found = [
             (given.number, definition)
             for given in items
@@ -52,10 +52,10 @@ class Rolls(ConstraintSet):
         self.incidences = Incidences.of(touched, rows.count)
         self.table = _table(rows, definitions, self.incidences, start)
         self.targets = np.zeros(self.m)
-        # an edge binds a velocity of a place, a disc both
+        # all constrained velocities are those of points
         self.angular = np.zeros(self.m, dtype=bool)
         none = np.empty(0, dtype=np.int64)
-        # the stiffness of forces that only velocities need is left out
+        # the geometric stiffness of velocity constraints is left out
         self.pairs = none, none
 
     @property
@@ -78,7 +78,7 @@ class Rolls(ConstraintSet):
         rolling.jacobian(H, self.table, rows)
 
     def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
-        """None is counted."""
+        """Add nothing: the geometric stiffness of velocity constraints is left out."""
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
         """See the base class."""
@@ -89,7 +89,7 @@ class Rolls(ConstraintSet):
         rolling.wrenches(H, self.table, multipliers, self._items, out)
 
     def drawn(self) -> dict[int, tuple[int, Array]]:
-        """On its side A, or on B if A is ground."""
+        """Position on side A of each item, or on side B if A is ground."""
         table = self.table
         side = (table.nodes[:, 0] >= self._count).astype(np.int64)
         which = np.arange(len(side))

@@ -1,4 +1,4 @@
-"""Constraints of what slides along flexible beams, over all of their elements."""
+"""Constraints of frames that slide along flexible beams, across element boundaries."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ from fem_lie.system.constraint_sets.constraint_set import (
 
 
 class Slides(ConstraintSet):
-    """See :mod:`fem_lie.joints.equations.sliding`.
+    """Set of sliding constraints, see :mod:`fem_lie.joints.equations.sliding`.
 
     Attributes:
-        table: Of all of them.
+        table: Packed arrays of all of them.
     """
 
     what = "joints that slide along a beam (Sliding, Collar, Sleeve)"
 
     def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
-        """Table what slides."""
+        """Build the table of all sliding joints."""
         found = [
             (given, definition)
             for given in items
@@ -54,7 +54,7 @@ class Slides(ConstraintSet):
         self.targets = self.table.targets
         table = self.table
         self.angular = ~(table.selection[:, :3].any(axis=1) | (table.advance != 0.0))
-        # the frame and both ends, for each element
+        # the sliding frame and both ends, for each element
         of = np.repeat(table.nodes, np.diff(table.elements))
         three = np.repeat(np.column_stack([of, table.ends])[:, :, np.newaxis], 3, axis=2)
         self.pairs = three, three.transpose(0, 2, 1)
@@ -83,7 +83,7 @@ class Slides(ConstraintSet):
         sliding.geometric(H, self.table, multipliers, place, K)
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
-        """The second by differences of the first along the motion."""
+        """Set first rates, and second rates by differences of the first along the motion."""
         incidences, own = self.incidences, self.own
         rows = np.zeros((self.start.incidence + len(incidences.nodes), 6))
         speeds = np.abs(v[:, 3:]).max(), np.abs(v[:, :3]).max() / self.table.lengths.min()
@@ -134,7 +134,7 @@ class Slides(ConstraintSet):
         out[self._place] = places
 
     def drawn(self) -> dict[int, tuple[int, Array]]:
-        """Where the frame is that slides."""
+        """Position of the sliding frame."""
         found = zip(self._items, self.table.nodes, self.table.frames[:, 0], strict=True)
         return {int(item): (int(node), np.asarray(place)) for item, node, place in found}
 
@@ -145,7 +145,7 @@ class Slides(ConstraintSet):
 
 
 def _touched(rows: Rows, definition: SlidingConstraintDefinition) -> set[int]:
-    """The frame and all ends of elements."""
+    """Rows of the sliding frame and of all ends of elements."""
     return {rows.of(definition.b), *(int(row) for row in rows.ends(definition.beam)[0].ravel())}
 
 
@@ -161,7 +161,7 @@ def _table(
     nodes = np.array([rows.of(definition.b) for definition in definitions], dtype=np.int64)
     frames = np.array([definition.frame for definition in definitions]).reshape(-1, 4, 3)
     ends = [rows.ends(definition.beam) for definition in definitions]
-    # legs of one tie's constraints are alike: all are counted from the first leg of each
+    # constraints of one definition have the same incidences, counted from the first of each
     slider = [
         _from_first(incidences, int(row), [int(node)])
         for row, node in zip(first, nodes, strict=False)
@@ -195,6 +195,6 @@ def _table(
 
 
 def _from_first(incidences: Incidences, row: int, nodes: Sequence[int] | Indices) -> list[int]:
-    """Legs of a constraint at nodes, counted from its first one; −1 where there is none."""
+    """Incidences of a constraint with nodes, counted from its first; −1 where there is none."""
     found = [incidences.at(int(row), int(node)) for node in nodes]
     return [incidence - int(incidences.ptr[row]) if incidence >= 0 else -1 for incidence in found]
