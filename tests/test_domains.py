@@ -170,7 +170,7 @@ def test_refuses_a_matrix_without_those_of_its_domains():
     memory, tangent = equations.memory.with_matrix, equations.system.tangent
     saved = memory.memory()
     tangent.divide(tangent.division(2), 0)
-    with pytest.raises(ValueError, match="goes on without subdomains"):
+    with pytest.raises(ValueError, match="restarts without subdomains"):
         memory.restore(saved)
 
 

@@ -1,4 +1,4 @@
-"""The loads of a scene at any time: one case for each history, on the moving nodes."""
+"""Loads of a scene as functions of time: one load case per history, on the master nodes."""
 
 from __future__ import annotations
 
@@ -21,34 +21,34 @@ Contents: TypeAlias = tuple[
     list[int],
     list[object],
 ]
-"""Nodal loads of all cases; case, assembly and values of strains; cases of terms, and these."""
+"""Nodal loads of all cases; case, assembly and values of strains; case of each term; the terms."""
 
 
 _SIZE = 21
-"""Numbers of a node in the arrays of :class:`~fem_lie.system.nodes.masses.Loads`."""
+"""Numbers per node in the arrays of :class:`~fem_lie.system.nodes.masses.Loads`."""
 
 
 def _views(values: Array) -> tuple[Array, Array, Array]:
-    """Such arrays of values (21 n,), in that order."""
+    """Arrays of values (21 n,), in that order."""
     n = len(values) // _SIZE
     dead, moment = values[: 12 * n], values[12 * n : 15 * n]
     return dead.reshape(n, 4, 3), moment.reshape(n, 3), values[15 * n :].reshape(n, 6)
 
 
 class _Case:
-    """All loads that have one history: what they are at amplitude one.
+    """All loads with one history, at amplitude one.
 
     Attributes:
-        all: Of nodes, one after the other, shape (21 n,); the next three are views.
+        all: Nodal loads in one array, shape (21 n,); the next three are views.
         dead: Forces on (x, d₁, d₂, d₃) fixed in space, shape (n, 4, 3).
         moment: Moments fixed in space, shape (n, 3).
-        following: Forces and moments in the nodes' frames, shape (n, 6).
+        following: Forces and moments in the nodal frames, shape (n, 6).
         strains: Number of an assembly, and the strain of all its cells.
-        terms: What has a matrix.
+        terms: Loads with a load stiffness.
     """
 
     def __init__(self, numbering: Numbering) -> None:
-        """Nothing acts."""
+        """Start without loads."""
         self._numbering, count = numbering, numbering.count
         self.all = np.zeros(_SIZE * count)
         self.dead, self.moment, self.following = _views(self.all)
@@ -56,15 +56,18 @@ class _Case:
         self.terms: list[Term] = []
 
     def arrays(self) -> tuple[Array, Array, Array]:
-        """In the order of :class:`~fem_lie.system.nodes.masses.Loads`."""
+        """Arrays in the order of :class:`~fem_lie.system.nodes.masses.Loads`."""
         return self.dead, self.moment, self.following
 
     def nodes(self, body: Body) -> Indices:
-        """See :class:`~fem_lie.scene.load.Sum`, as of the following."""
+        """Numbers of a body's nodes."""
         return self._numbering.nodes[body]
 
     def add_nodal(self, body: Body, force: Array, levers: Array, *, following: bool) -> None:
-        """A force fixed in space is a force on ``q``, wherever its node follows its master node."""
+        """Add nodal forces (n, 6) and forces on directors (n, 3, 3).
+
+        A force fixed in space on an attached node is a constant force on ``q`` of its master node.
+        """
         master_map, nodes = self._numbering.master_map, self.nodes(body)
         masters = master_map.master[nodes]
         if following:
@@ -80,7 +83,7 @@ class _Case:
             np.add.at(self.moment, masters, force[:, 3:])
 
     def add_strain(self, body: Body, strain: Array) -> None:
-        """In all cells of the body's assembly."""
+        """Add a stress-free strain to the cells of the body's assembly."""
         of_body = (body in members for members in self._numbering.members)
         number = next(number for number, found in enumerate(of_body) if found)
         strains = [
@@ -90,7 +93,7 @@ class _Case:
         self.strains.append((number, np.concatenate(strains)))
 
     def add_term(self, term: Term) -> None:
-        """One more."""
+        """Add a load with a load stiffness."""
         self.terms.append(term)
 
 
@@ -99,20 +102,20 @@ class LoadCases:
 
     Attributes:
         time_dependent: Whether any load has a history.
-        terms: Those that have a matrix, on all nodes.
-        turning: Whether there are moments or following loads.
+        terms: Loads with a load stiffness, on all nodes.
+        turning: Whether there are moments or follower loads.
     """
 
     def __init__(self, scene: Scene, numbering: Numbering, weight: Array) -> None:
         """Sum up the loads of each history.
 
         Args:
-            scene: What there is.
-            numbering: Of its nodes.
+            scene: The scene.
+            numbering: Numbering of its nodes.
             weight: Force of gravity on (x, d₁, d₂, d₃), shape (n, 4, 3).
         """
         self._assemblies = numbering.assemblies
-        # equal histories are one, under the number of the first load that has it
+        # loads with the same history are one case, numbered by the first of them
         distinct: dict[History, int] = {}
         for number, history in histories(scene.loads).items():
             distinct.setdefault(history, number)
@@ -132,7 +135,7 @@ class LoadCases:
         self._last: Array | None = None
 
     def at(self, time: float, factor: float) -> Loads:
-        """Loads at ``time``; those without history, and gravity, times ``factor``.
+        """Loads at ``time``; gravity and loads without history are times ``factor``.
 
         Raises:
             ValueError: A history is not finite.
@@ -152,22 +155,22 @@ class LoadCases:
 
     @property
     def any_nodal(self) -> bool:
-        """Whether gravity or any load acts on nodes."""
+        """Whether there are nodal loads, gravity included."""
         return any(array.any() for case in self._cases for array in case.arrays())
 
     @property
     def strains_change(self) -> bool:
-        """Whether a strain without stress has a history."""
+        """Whether a stress-free strain has a history."""
         return any(case > 0 for case, _, _ in self._strains)
 
     @property
     def constant(self) -> Array:
-        """Forces on (x, d₁, d₂, d₃) fixed in space that have no history, (n, 4, 3)."""
+        """Forces on (x, d₁, d₂, d₃) fixed in space without history, (n, 4, 3)."""
         return self._cases[0].dead
 
     @property
     def contents(self) -> Contents:
-        """All that forces are made of, but for the histories."""
+        """Data on which the forces depend, without the histories."""
         cases = [case.arrays() for case in self._cases]
         terms = [term.contents for term in self.terms]
         return cases, self._strains, self._case_of_term, terms

@@ -1,8 +1,7 @@
-"""The blocks of the matrix as arrays, and the scaling of constraints in it.
+"""Blocks of the tangent matrix as arrays, and the scaling of constraints.
 
-``A`` are derivatives in corrections of increments, ``K`` in twists. To the columns of nodes that
-are places alone both are the same, and have the same blocks; those of ``K`` that are apart stand
-behind all of ``A``.
+``A`` are derivatives in corrections of increments, ``K`` in twists. For columns of position nodes
+both are equal and share their blocks; the separate blocks of ``K`` follow those of ``A``.
 """
 
 from __future__ import annotations
@@ -17,21 +16,21 @@ from fem_lie.lie.series import exponential
 from fem_lie.lie.tuples import load, rotate, store
 from fem_lie.linear.saddle_point import Incidences, flexibility
 
-_ALIKE = 30.0  # largest over smallest of constraints that are one vector and scaled as one
+_ALIKE = 30.0  # largest ratio within a vector of constraints that has one scale
 
 
 class Vectors:
-    """Which constraints are one vector.
+    """Grouping of constraints into vectors.
 
     Attributes:
         first: First constraint of each vector, shape (k,).
         own: Vector of each constraint, shape (m,).
-        others: Constraints of the vector of each, (m, w); beyond its end any, see :attr:`there`.
-        there: Which of these are of the vector, (m, w).
+        others: Constraints of the vector of each, (m, w); arbitrary where not :attr:`there`.
+        there: Whether these entries belong to the vector, (m, w).
     """
 
     def __init__(self, joined: Flags) -> None:
-        """From which constraints go on from the one before, shape (m,)."""
+        """Group constraints; ``joined`` says which belong to the vector of the one before, (m,)."""
         count = len(joined)
         self.first: Indices = np.flatnonzero(~joined)
         self.own: Indices = np.cumsum(~joined) - 1
@@ -49,18 +48,18 @@ class Vectors:
         units: Array,
         spread: Array | None = None,
     ) -> Array:
-        """``1/(B diag(S)⁻¹ Bᵀ)`` of constraints, shape (m,).
+        """Scale factors ``1/(B diag(S)⁻¹ Bᵀ)`` of constraints, shape (m,).
 
-        Those that are one vector have the mean, which does not depend on their axes, unless they
-        differ much: one scale would leave the matrix as badly conditioned as they differ.
+        Constraints of one vector have the mean, which does not depend on their axes, unless they
+        differ much: the matrix would then be as badly conditioned as they differ.
 
         Args:
-            incidences: Legs of the constraints.
-            rows: ``B``, six of each leg, zero along what is held.
-            diagonal: Of ``S``, shape (n, 6).
-            units: Unit of each unknown, zero of those that are held, shape (n, 6).
-            spread: By how much constraints of :attr:`others` change each with forces of the size
-                of their scale, (m, w), overwritten.
+            incidences: Incidences of the constraints.
+            rows: ``B``, one row of six per incidence, zero along held unknowns.
+            diagonal: Diagonal of ``S``, shape (n, 6).
+            units: Unit of each unknown, zero for held ones, shape (n, 6).
+            spread: Change of each constraint of :attr:`others` under forces of the size of their
+                scale, (m, w), overwritten.
         """
         soft = flexibility(diagonal, units)
         moved = np.zeros(self.there.shape)
@@ -97,7 +96,7 @@ def _move(
 
 @inlined
 def _product(ptr: Indices, nodes: Indices, rows: Array, soft: Array, a: int, b: int) -> float:
-    """Of two constraints."""
+    """Product of two constraints."""
     e, f, total = ptr[a], ptr[b], 0.0
     while e < ptr[a + 1] and f < ptr[b + 1]:
         node = nodes[e]
@@ -113,20 +112,20 @@ def _product(ptr: Indices, nodes: Indices, rows: Array, soft: Array, a: int, b: 
 
 
 class Parts:
-    """``A`` and ``K``.
+    """The matrices ``A`` and ``K``.
 
     Attributes:
-        blocks: Of ``A``, then those of ``K`` that are apart, shape (any, 6, 6).
-        of_K: Where the block of ``K`` of each pair is, shape (nnz,).
+        blocks: Blocks of ``A``, then the separate blocks of ``K``, shape (any, 6, 6).
+        of_K: Position of the block of ``K`` of each pair, shape (nnz,).
     """
 
     def __init__(self, kinds: Indices, bind: Indices, *, apart: bool) -> None:
-        """Make room.
+        """Allocate the blocks.
 
         Args:
-            kinds: Of the nodes.
+            kinds: Types of the nodes.
             bind: Node of the columns of each block.
-            apart: Whether all blocks of ``K`` are apart.
+            apart: Whether all blocks of ``K`` are separate.
         """
         self._bind, count = bind, len(bind)
         alone = np.full(count, True) if apart else kinds[bind] != POSITION
@@ -137,39 +136,39 @@ class Parts:
 
     @property
     def A(self) -> Array:
-        """Blocks of all pairs, shape (nnz, 6, 6)."""
+        """Blocks of ``A`` of all pairs, shape (nnz, 6, 6)."""
         return self.blocks[: len(self.of_K)]
 
     @property
     def K(self) -> Array:
-        """Likewise, where all are apart."""
+        """Blocks of ``K`` of all pairs, if all are separate, shape (nnz, 6, 6)."""
         assert self.apart
         return self.blocks[len(self.of_K) :]
 
     def place_K(self, place: Indices) -> Indices:
-        """Places in ``K`` of pairs at places in ``A``, −1 where there is none."""
+        """Positions in ``K`` of pairs at positions in ``A``, −1 where there is none."""
         return np.where(place < 0, -1, self.of_K[place])
 
     def add_share(self, share: Array, others: Array) -> None:
-        """Add other blocks, times a factor of each pair, (nnz, 1, 1)."""
+        """Add other blocks times a factor of each pair, (nnz, 1, 1)."""
         count = len(share)
         own = np.flatnonzero(self.of_K >= count)
         self.blocks[:count] += share * others[:count]
         self.blocks[count:] += share[own] * others[count:]
 
     def let_lag(self, rows: Array, lag: Array, nodes: Indices) -> None:
-        """Make derivatives in twists those in translations along other axes, and rotations.
+        """Change derivatives in twists into derivatives in translations along lagging axes.
 
         Args:
-            rows: Of constraints, (legs, 6), updated.
-            lag: Rotation vectors from the other axes to those of the frames, (n, 3); places have
-                none.
-            nodes: Node of each leg.
+            rows: Constraint Jacobian, one row of six per incidence, updated.
+            lag: Rotation vectors from the lagging axes to those of the frames, (n, 3); zero for
+                position nodes.
+            nodes: Node of each incidence.
         """
         _let_lag(self.blocks, self.of_K, rows, lag, self._bind, nodes)
 
     def combine(self, kinds: Indices, d: Array) -> None:
-        """``A ← A + K T(d)``: derivatives in d, not in ``h = T(d) δd``."""
+        """``A ← A + K T(d)``: derivatives in d instead of ``h = T(d) δd``."""
         _combine(self.blocks, self.of_K, kinds, d, self._bind)
 
     def add_K(self) -> None:
@@ -191,7 +190,7 @@ def _combine(blocks: Array, of_K: Indices, kinds: Indices, d: Array, bind: Indic
     count, product = d.shape[0], np.empty((6, 6))
     number, turning = np.full(count, -1), 0
     for i in range(count):
-        # what is no frame has T = 1
+        # nodes with vector coordinates have T = 1
         if kinds[i] < POSITION_GRADIENT:
             number[i], turning = turning, turning + 1
     T = np.empty((turning, 6, 6))

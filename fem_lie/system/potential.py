@@ -1,4 +1,4 @@
-"""Whether loads have a potential."""
+"""Whether the loads of a scene have a potential."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ _SYMMETRIC = 1e-9  # of the largest entry, far above round-off and far below an 
 
 
 def has_potential(system: System) -> bool:
-    """Whether all loads have one: no moment about a fixed axis, nothing that follows, no friction.
+    """Whether all loads have a potential: no moment about a fixed axis, follower load or friction.
 
-    The parts of the system's matrix are overwritten.
+    The parts of the matrix of the system are overwritten.
     """
     friction = any(term.has_friction for term in system.terms)
     return not system.load_cases.turning and not friction and _conserve(system)
 
 
 def _conserve(system: System) -> bool:
-    """Whether all loads among the terms have a symmetric stiffness in every state.
+    """Whether all load terms have a symmetric stiffness in every state.
 
-    Its entries are polynomials of the state: what is symmetric in a state without any order is so
+    Its entries are polynomials of the state: a stiffness that is symmetric in a random state is so
     in all.
     """
     if not system.terms.loads:
@@ -38,7 +38,7 @@ def _conserve(system: System) -> bool:
 
 
 def _symmetric(load: Term, system: System, H: Array) -> bool:
-    """At frames ``H``, for nodes that move by ``x + R u``: forces turn with none of their turns."""
+    """Whether it stiffness is symmetric at frames ``H``, for nodes that move by ``x + R u``."""
     amplitude, load.amplitude = load.amplitude, 1.0
     A = system.tangent.alone(H, load)
     load.amplitude = amplitude

@@ -1,4 +1,4 @@
-"""The equations linearised about rest or steady rotation, and rigid motions of a scene."""
+"""Equations linearised about rest or steady rotation, and rigid motions of a scene."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from fem_lie.system.time_state import TimeState
 
 
 class RigidMotions(NamedTuple):
-    """Rigid motions of a piece that elements connect, of any types of nodes.
+    """Rigid motions of a connected group of elements, with nodes of any types.
 
     Attributes:
-        nodes: Of the piece, shape (n,).
-        unknowns: Their free unknowns among all free ones, shape (k,).
-        basis: Orthonormal rigid motions that what is held allows, shape (k, ≤ 6).
+        nodes: Nodes of the group, shape (n,).
+        unknowns: Its free unknowns among all free ones, shape (k,).
+        basis: Orthonormal rigid motions that the supports allow, shape (k, ≤ 6).
     """
 
     nodes: Indices
@@ -36,9 +36,9 @@ class RigidMotions(NamedTuple):
 
 
 def rigid_motions(system: System, H: Array, weight: Array) -> list[RigidMotions]:
-    """Of all pieces in which there are any; unknowns are twists over ``weight``."""
+    """Rigid motions of all connected groups that have any; unknowns are twists over ``weight``."""
     count = system.count
-    # without elements each node is a piece of its own
+    # without elements each node is a group of its own
     none = np.zeros(0, dtype=np.int64)
     pairs = (none, none), *system.elastic.pairs
     rows, columns = (np.concatenate([p[k] for p in pairs]) for k in (0, 1))
@@ -46,7 +46,7 @@ def rigid_motions(system: System, H: Array, weight: Array) -> list[RigidMotions]
     pieces, label = connected_components(graph, directed=False)
     number = np.cumsum(~system.held.ravel()) - 1
     held = system.held.copy()
-    # shells of five parameters do not feel what is held of them
+    # the drilling rotations that shells of five parameters hold are no supports
     drills = held & system.numbering.held & system.uncoupled[:, np.newaxis]
     drills[:, :5] = False
     found = []
@@ -71,7 +71,7 @@ def rigid_motions(system: System, H: Array, weight: Array) -> list[RigidMotions]
 
 
 def _orthonormal(motions: Array) -> Array:
-    """Basis of the columns, fewer where some move nothing, as a turn of a straight cable."""
+    """Orthonormal basis of the columns, without those that move nothing, as the spin of a cable."""
     Q, R = np.linalg.qr(motions)
     sizes = np.abs(np.diagonal(R))
     if (sizes > FREE * sizes.max(initial=0.0)).all() and len(sizes) == motions.shape[1]:
@@ -88,22 +88,22 @@ def stress_terms(forces: Array) -> Array:
 def linearised(
     system: System, H: Array, v: Array, multipliers: Array, *, elements: bool = True
 ) -> tuple[Array, Array, Array]:
-    """Mass, damping and stiffness of small motions about steady motion, blocks of ``kkt``.
+    """Mass, damping and stiffness of small motions about a steady motion, blocks of ``kkt``.
 
-    All nodes move with constant local velocities ``v``, those of one rigid motion, and a little
-    aside: ``H exp(h)``. Then ``δv = ḣ + ad(v) h``, ``δv̇ = ḧ + ad(v) ḣ`` and
+    All nodes move with constant local velocities ``v``, those of one rigid motion, plus a small
+    motion: ``H exp(h)``. Then ``δv = ḣ + ad(v) h``, ``δv̇ = ḧ + ad(v) ḣ`` and
 
         M ḧ + (C + M ad(v)) ḣ + (∂r/∂h + C ad(v)) h + Bᵀ δλ = 0,    M = ∂r/∂a, C = ∂r/∂v.
 
-    Viscous stress does not feel the rigid motion and enters with ``ḣ`` alone. Elastic stress is the
-    carried one: see ``terms.reset_stress``.
+    Viscous stress does not depend on the rigid motion and contributes with ``ḣ`` only. Elastic
+    stress is the independent one: see ``terms.reset_stress``.
 
     Args:
         system: The equations.
         H: Frames of all rows.
         v: Local velocities of the moving nodes, shape (n, 6).
-        multipliers: Multipliers, shape (m,).
-        elements: Whether the stiffness of elements and pressure is taken in.
+        multipliers: Lagrange multipliers, shape (m,).
+        elements: Whether the stiffness of elements and pressure is included.
 
     Returns:
         Three arrays of shape (nnz, 6, 6).
@@ -131,26 +131,26 @@ def linearised(
 
 
 def fill_steady(system: System, H: Array, v: Array, multipliers: Array, scale: Array) -> None:
-    """Stiffness of :func:`linearised`, bordered by the scaled constraints, into the KKT."""
+    """Fill the KKT matrix with the stiffness of :func:`linearised` and the scaled constraints."""
     _, _, K = linearised(system, H, v, multipliers)
     system.tangent.fill(K, H, scale)
 
 
 _BALANCED = 1e-9
-_ULPS = 1e-15  # of the largest stiffness: forces that are round-off of the frames
+_ULPS = 1e-15  # forces over the largest stiffness that are round-off of the frames
 
 
 class SmallMotions:
-    """Linear equations of a scene in one state; translations are measured in its length.
+    """Linear equations of a scene about one state; the unit of translations is the model length.
 
     Attributes:
-        rotation: The steady rotation about which motions are small.
+        rotation: The steady rotation.
         rate: Its angular velocity.
         H: Frames of all rows.
     """
 
     def __init__(self, system: System, rotation: Rotation) -> None:
-        """Beside the initial frames, under the loads of time 1."""
+        """Linearise about the initial frames under the loads of time 1."""
         self._system, self.rotation = system, rotation
         self.rate = float(np.linalg.norm(rotation.spin))
         self.weight = system.units
@@ -160,10 +160,10 @@ class SmallMotions:
         self._evaluate()
 
     def move(self, frames: Array) -> None:
-        """Take over an equilibrium, frames of all nodes in its states, (k, N, 4, 3): the last one.
+        """Linearise about the last of several equilibria, frames of all nodes (k, N, 4, 3).
 
         Raises:
-            ValueError: It is none of this scene.
+            ValueError: It is not an equilibrium of this scene.
         """
         system, master_map = self._system, self._system.numbering.master_map
         last = frames[-1:]
@@ -176,12 +176,12 @@ class SmallMotions:
         self._evaluate()
         if not self.balanced(1e-5):
             raise ValueError(
-                "at=... is no equilibrium of this scene under its full loads, or a rough one: "
-                "statics with newton=fl.Newton(tolerance=1e-13) finds a finer one"
+                "at=... is not an equilibrium of this scene under its full loads, or a rough one: "
+                "statics with newton=fl.Newton(tolerance=1e-13) finds a more accurate one"
             )
 
     def _evaluate(self) -> None:
-        """Joint forces that balance the rest as well as they can, and what is left."""
+        """Compute the joint forces that balance the other forces best, and the residual."""
         system = self._system
         n = 6 * system.count
         self.v = self.rotation.velocities(system.kinds, self.H)
@@ -199,17 +199,17 @@ class SmallMotions:
         if system.m:
             gram = scipy.sparse.linalg.splu((self.B @ self.B.T).tocsc())
             self.multipliers = -gram.solve(self.B @ force)
-        # where no joint takes it, what is left is all of the sum
+        # without joints the residual is the sum of all forces
         self.force = max(applied, float(np.abs(force).max(initial=0.0)))
         self.left = float(np.abs(force + self.B.T @ self.multipliers).max(initial=0.0))
         self.blocks = linearised(system, self.H, self.v, self.multipliers)
         if self.force <= _ULPS * abs(self._matrix(self.blocks[2])).max():
-            # what round-off makes of strains would stiffen joints
+            # joint forces from round-off of strains would add stiffness
             self.multipliers[:] = 0.0
             self.blocks = linearised(system, self.H, self.v, self.multipliers)
 
     def _largest(self, r: Array) -> float:
-        """The largest of the forces ``r`` on what is free to move, in units of energy."""
+        """The largest of the forces ``r`` on free unknowns, in units of energy."""
         system = self._system
         forces = r[: 6 * system.count].reshape(-1, 6).copy()
         if system.supports:
@@ -218,10 +218,10 @@ class SmallMotions:
         return float(np.abs(self.weight * forces.ravel()).max(initial=0.0))
 
     def balanced(self, tolerance: float = _BALANCED) -> bool:
-        """Whether joints can balance all other forces."""
+        """Whether joint forces balance all other forces."""
         M, _, K = (self._matrix(blocks) for blocks in self.blocks)
         inertia = abs(M).max() * self.rate**2
-        # an iteration knows its state to a part of the model's size, and places to their digits
+        # iterations end at a fraction of the model length, and positions have finite precision
         reach = float(np.abs(self.H[: self._system.count, 0]).max()) / self._system.length
         stiffness = (1e-12 + 4.0 * np.finfo(np.float64).eps * reach) * abs(K).max()
         return self.gap <= tolerance and self.left <= (
@@ -229,7 +229,7 @@ class SmallMotions:
         )
 
     def _matrix(self, blocks: Array) -> sp.csr_matrix:
-        """Of the free unknowns, in units of energy."""
+        """Matrix of the free unknowns, in units of energy."""
         kkt, held = self._system.kkt, self._system.held.ravel()
         if self._system.supports:
             blocks = blocks.copy()
@@ -249,11 +249,11 @@ class SmallMotions:
         return pencil if pencil.split_is_exact else replace(pencil, parts=None)
 
     def stiffness(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """Tangent of the free unknowns in units of energy, and the Jacobian of constraints."""
+        """Tangent stiffness of free unknowns in units of energy, and the constraint Jacobian."""
         return self._matrix(self.blocks[2]), self.B.tocsr()[:, ~self._system.held.ravel()]
 
     def _parts(self, K: sp.csr_matrix) -> RigidParts:
-        """What elements do, and what else there is."""
+        """Stiffness of elements and of everything else, with rigid motions."""
         system, kkt = self._system, self._system.kkt
         state = system, self.H, self.v, self.multipliers
         rest = self._matrix(linearised(*state, elements=False)[2])
@@ -261,7 +261,7 @@ class SmallMotions:
         system.elastic.add_forces(self.H, forces)
         nodes = np.arange(system.count)
         blocks[kkt.place(nodes, nodes)] = stress_terms(forces.reshape(-1, 6))
-        # axes that do not turn about themselves feel that of a stressed piece
+        # nodes with vector coordinates do not have exact rigid motions of stressed groups
         motions = [
             (piece.unknowns, piece.basis)
             for piece in rigid_motions(system, self.H, self.weight)
@@ -270,7 +270,7 @@ class SmallMotions:
         return RigidParts(rest, (K - rest).tocsr(), self._matrix(blocks), motions)
 
     def twists(self, vector: Complex) -> Complex:
-        """Twists of all nodes, (N, 6), that a vector of free unknowns means."""
+        """Twists of all nodes, (N, 6), from a vector of free unknowns."""
         system = self._system
         h = np.zeros((system.count, 6), dtype=np.complex128)
         h[~system.held] = vector

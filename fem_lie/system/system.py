@@ -1,9 +1,9 @@
-"""The equations of a scene: residual, matrix and invariants on nodes in local frames.
+"""The equations of a scene: residual, tangent matrix and invariants on nodes in local frames.
 
-Unknowns are six per moving node (all bodies, kind by kind) and one multiplier per constraint. A
-node that follows another rigidly has none and appears in results only. The frames of what does not
-move by itself follow the moving ones in every array: ground first, then the prescribed motions.
-Index 3 equations at a time level::
+Unknowns are six per moving node (all bodies, type by type) and one Lagrange multiplier per
+constraint. A node that is rigidly attached to a master node has none and appears in results only.
+In every array the rows of frames that do not move by themselves follow those of the moving nodes:
+ground first, then the prescribed motions. Index 3 equations at a time level::
 
     Lᵀ G q̈ + f_elastic(H) − f_load(H, t) + Bᵀ λ = 0,     Φ(H) = 0
 """
@@ -38,31 +38,32 @@ class System:
     """The equations of a scene.
 
     Attributes:
-        count: Moving nodes ``n``; ``size`` unknowns are six of each and ``m`` multipliers.
+        count: Number n of moving nodes; the ``size`` unknowns are six of each and ``m``
+            multipliers.
         frames: Initial frames, shape (n + 1 + p, 4, 3): moving nodes, ground, prescribed motions.
         velocities: Initial local velocities, same rows, (…, 6).
-        connections: All joints, and what acts along them; ``table`` is theirs.
-        kinds: What each moving node is, shape (n,), see :mod:`fem_lie.lie.node_types`.
-        held: Which unknowns of the moving nodes are zero, shape (n, 6).
-        supported: Moving nodes that clamps and bodies hold, shape (s,).
-        uncoupled: Which of them move by ``x + R u`` in statics, shape (n,).
-        inertia: That of the moving nodes.
-        floating: That of bodies that deform within their frames, beyond it.
-        rows: What stands in the rows of frames at the start.
+        connections: All joints, springs, drives and gears; ``table`` is the table of the first set.
+        kinds: Type of each moving node, shape (n,), see :mod:`fem_lie.lie.node_types`.
+        held: Unknowns of the moving nodes that are zero, shape (n, 6).
+        supported: Moving nodes that clamps and bodies support, shape (s,).
+        uncoupled: Moving nodes that move by ``x + R u`` in statics, shape (n,).
+        inertia: Mass matrix of the moving nodes.
+        floating: Further inertia of bodies that deform within their frames.
+        rows: Frames of all rows at the start.
         load_cases: Loads as functions of time.
-        loads: At the time that was set last; ``lasting_loads``: the same in arrays that stay.
-        terms: All that adds forces and a matrix beside inertia, nodal loads and constraints.
-        elastic: Those within bodies and on them.
-        tangent: The matrix; ``kkt`` is what it is filled into.
-        carried_drilling: Frames that follow the mid-surface, to be turned after each step.
-        carried_axes: Axes of places that follow what is around them.
-        carried: All axes that follow something, if there are any.
-        in_one_sum: Whether :meth:`residual` is the compiled sum of :attr:`Forces.table` alone, but
-            for what is held.
-        turns: How far elements turn from end to end.
-        lengths: Which halves of the unknowns of the nodes are lengths, shape (n, 2); others have no
-            dimension.
-        length: Largest distance of two nodes, or a body's size: the length of tolerances.
+        loads: Loads at the time that was set last; ``lasting_loads``: the same in fixed arrays.
+        terms: All terms that add forces and stiffness besides inertia, nodal loads and constraints.
+        elastic: Terms of bodies.
+        tangent: Tangent matrix; it is filled into ``kkt``.
+        carried_drilling: Frames that follow the mid-surface, to be rotated after each step.
+        carried_axes: Axes of position nodes that follow their neighbourhood.
+        carried: All convected axes.
+        in_one_sum: Whether :meth:`residual` is the compiled sum of :attr:`Forces.table` only, apart
+            from held unknowns.
+        turns: Rotations of elements from end to end.
+        lengths: Whether the first and the last three unknowns of the nodes are lengths, shape (n,
+            2); others have no dimension.
+        length: Largest distance of two nodes, or size of a body: the length scale of tolerances.
     """
 
     def __init__(
@@ -74,17 +75,17 @@ class System:
         group: Group | None = None,
         without_coupling: bool = False,
     ) -> None:
-        """Number the unknowns and build what stays constant.
+        """Number the unknowns and build the constant parts.
 
         Args:
-            scene: What there is.
+            scene: The scene.
             dynamics: Whether inertia is needed.
-            parametrisation: What the increments of :meth:`fill_matrix` are.
-            group: On which all frames move; default: each on that of its body.
+            parametrisation: Parametrisation of the increments of :meth:`fill_matrix`.
+            group: Group of all frames; default: that of each body.
             without_coupling: Whether inertia is lumped.
 
         Raises:
-            ValueError: No body; no inertia though needed; redundant joints.
+            ValueError: There is no body; inertia is missing; joints are redundant.
         """
         if not scene.bodies:
             raise ValueError("the scene has no body")
@@ -99,10 +100,10 @@ class System:
         self.connections = Connections(scene, self.numbering, self.frames, self.held)
         self.table, self.m = self.connections.table, self.connections.m
         self._others = not self.connections.of_joints_only
-        # without ties nothing is compiled for them, which would take seconds
+        # without definitions the compiled functions are not called: compiling them takes seconds
         self._joined = len(self.table.nodes) > 0
         if self.connections.of_velocities and not dynamics:
-            raise ValueError("KnifeEdge and RollingDisc bind velocities: they are for dynamics")
+            raise ValueError("KnifeEdge and RollingDisc constrain velocities: use dynamics")
         self.size = 6 * self.count + self.m
         required = dynamics or bool(scene.gravity.any())
         self.inertia, damping = inertia_of(scene.bodies, self.numbering, required=required)
@@ -168,7 +169,7 @@ class System:
             _log.info("%d of %d constraints are redundant", len(redundant), self.m)
 
     def set_time(self, time: float, factor: float = 1.0) -> None:
-        """Loads at ``time`` (those without history times ``factor``, as gravity is) and motions.
+        """Set loads (gravity and those without history times ``factor``) and targets at ``time``.
 
         Raises:
             ValueError: A history, motion or drive is not finite.
@@ -182,13 +183,13 @@ class System:
             self.connections.set_time(time)
 
     def prescribed_frames(self, time: float) -> Array:
-        """See :meth:`~fem_lie.system.time_state.FrameRows.prescribed`."""
+        """Frames of the prescribed motions at ``time``, shape (p, 4, 3)."""
         return self.rows.prescribed(time)
 
     # --- equations ---
 
     def workspace(self) -> Forces:
-        """For what a residual finds."""
+        """New arrays for the forces of a residual."""
         constant = None
         if not self._others and not self._any_uncoupled:
             mass, loads = self.inertia, self.lasting_loads
@@ -209,12 +210,12 @@ class System:
         """Equations of motion and constraints times ``scale``, into ``r`` (size,).
 
         Args:
-            state: Where.
-            scale: Factor of each constraint, shape (m,).
-            r: Overwritten.
-            forces: What the derivative needs of them, overwritten; default: it is not kept.
-            per_increment: Factor of constraints of velocities, ∂d/∂v: their rows in the matrix are
-                then like those of positions.
+            state: The state.
+            scale: Scale factor of each constraint, shape (m,).
+            r: Residual, overwritten.
+            forces: Forces that the derivative needs, overwritten; default: not stored.
+            per_increment: Factor of velocity constraints, ∂d/∂v, which makes their rows in the
+                matrix like those of position constraints.
         """
         self.with_reactions(state, scale, r, forces, per_increment)
         if self._any_held:
@@ -228,7 +229,7 @@ class System:
         forces: Forces | None = None,
         per_increment: float = 1.0,
     ) -> None:
-        """:meth:`residual`, with the forces that hold what is held."""
+        """:meth:`residual` without zeroing the reactions of held unknowns."""
         found = self._found if forces is None else forces
         H, v, a, multipliers = state
         if found.table is None:
@@ -253,9 +254,9 @@ class System:
         forces: Forces | None = None,
         per_increment: float = 1.0,
     ) -> None:
-        """What :meth:`residual` is without terms, but for those in the sum over joints.
+        """:meth:`residual` without terms other than springs and dampers of joints.
 
-        Of ``forces`` it leaves those as they are.
+        Forces of terms in ``forces`` stay as they are.
         """
         found = self._found if forces is None else forces
         H, v, a, multipliers = state
@@ -271,20 +272,20 @@ class System:
     def follow_motion(self, forces: Forces) -> None:
         """Make the matrix the derivative along the motion of statics, see :attr:`uncoupled`.
 
-        The parts are derivatives in twists of forces in local axes. What is added is linear in the
-        sum of all forces on a node, zero at equilibrium.
+        The parts are derivatives in twists of forces in local axes. The correction is linear in the
+        sum of all forces on a node, which is zero at equilibrium.
         """
         if self._any_uncoupled:
             total = np.where(self.rows.turning, forces.outer + forces.inner, 0.0)
             self.tangent.add_turnings(total, self.uncoupled)
 
     def fill_matrix(self, state: TimeState, forces: Forces, plan: Plan) -> Array:
-        """Derivative of :meth:`residual` in the increments that led to a state, into the KKT.
+        """Fill the KKT matrix with the derivative of :meth:`residual` in the increments of a state.
 
         Args:
-            state: Where.
-            forces: That the residual has found there.
-            plan: What the matrix is to be, all of it.
+            state: The state.
+            forces: Forces of the residual there.
+            plan: Contents of the matrix, complete.
 
         Returns:
             The scale of the constraints in it, (m,).
@@ -308,7 +309,7 @@ class System:
         """Set kinetic energy, momentum and angular momentum, (7,).
 
         Returns:
-            Potential of loads that have one.
+            Potential of the loads that have one.
         """
         mass, bodies, dead = self._plain_inertia, self._plain_floating, self.load_cases.constant
         work = self._found.work

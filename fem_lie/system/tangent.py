@@ -1,4 +1,4 @@
-"""The matrix of a scene as a sum of parts, each in blocks on one pattern of node pairs."""
+"""Tangent matrix of a scene as a sum of contributions in blocks on one pattern of node pairs."""
 
 from __future__ import annotations
 
@@ -30,37 +30,37 @@ from fem_lie.system.terms.all_terms import Terms
 from fem_lie.system.time_state import Plan, TimeState
 
 Wanted: TypeAlias = Callable[[Term], bool]
-"""Whether a term is taken in."""
+"""Whether a term is included."""
 
 WantedViscosity: TypeAlias = Callable[[Term, ViscousForces], bool]
-"""Whether viscous forces of a term are."""
+"""Whether the viscous forces of a term are included."""
 
 
 def every(_: Term) -> bool:
-    """All terms."""
+    """Include all terms."""
     return True
 
 
 def _all(_: Term, __: ViscousForces) -> bool:
-    """All of these."""
+    """Include all viscous forces."""
     return True
 
 
 def whole(term: Term) -> bool:
-    """Those that may not be apart."""
+    """Include terms that cannot be separate low-rank corrections."""
     return term.low_rank is None
 
 
 class Tangent:
-    """Parts are added to ``A`` and ``K``, and the sum is filled into the bordered matrix.
+    """Tangent matrix: a sum of contributions to ``A`` and ``K``, filled into the KKT matrix.
 
     Attributes:
-        kkt: The bordered matrix.
-        supports: Which nodes have unknowns along axes fixed in space.
-        vectors: Which constraints are one vector.
-        parts: ``A``, derivatives in corrections of the nodes' increments, and ``K``, in the twists
-            ``h`` of the nodes' frames, blocks of ``kkt``.
-        domain: What this rank has of the scene, if that is divided.
+        kkt: The saddle-point (KKT) matrix.
+        supports: Nodes with unknowns along axes fixed in space.
+        vectors: Grouping of constraints into vectors.
+        parts: ``A``, derivatives in corrections of the nodal increments, and ``K``, derivatives in
+            the twists ``h`` of the nodal frames, blocks of ``kkt``.
+        domain: Subdomain of this rank, if the scene is divided.
     """
 
     domain: Domain | None = None
@@ -82,20 +82,20 @@ class Tangent:
         units: Array,
         length: float,
     ) -> None:
-        """Find the pattern.
+        """Build the sparsity pattern.
 
         Args:
-            mass: Inertia of the master nodes.
-            bodies: That of bodies that deform within their frames, beyond it.
-            terms: All that has a matrix besides.
+            mass: Mass matrix of the master nodes.
+            bodies: Further inertia of bodies that deform within their frames.
+            terms: All terms with a stiffness.
             connections: All joints.
-            held: Which unknowns of the nodes are zero, shape (n, 6).
+            held: Unknowns of the nodes that are zero, shape (n, 6).
             axes: Fixed axes of the supports, see
                 :class:`~fem_lie.system.nodes.fixed_axes.Supports`.
-            kinds: Of the nodes.
-            redundant: Whether constraints may follow from others.
+            kinds: Types of the nodes.
+            redundant: Whether constraints may be redundant.
             units: Unit of each unknown of the nodes, shape (6 n,).
-            length: Of the model.
+            length: Length of the model.
         """
         self._mass, self._terms, self._connections = mass, terms, connections
         self._bodies = bodies
@@ -117,7 +117,7 @@ class Tangent:
         self._settle()
 
     def _pairs(self) -> list[Pairs]:
-        """Of inertia, of all terms, and of sets of constraints."""
+        """Node pairs of inertia, of all terms, and of constraint sets."""
         mass = self._mass
         own = np.repeat(np.arange(self._count), np.diff(mass.indptr)), mass.indices
         sets = self._connections.sets
@@ -125,11 +125,11 @@ class Tangent:
         return [own, self._bodies.pairs, *self._terms.pairs, *others]
 
     def _pairs_of(self, one: ConstraintSet) -> Pairs:
-        """Of a set of constraints, of any shape."""
+        """Node pairs of a constraint set, of any shape."""
         return one.sparse if self._splits else one.pairs
 
     def _settle(self) -> None:
-        """Find the places of all parts in the pattern as it is now."""
+        """Find the positions of all contributions in the current pattern."""
         place, diagonal = self.kkt.place, np.arange(self._count)
         own, floating, *coupled = self._pairs()
         self._versions = self._terms.versions
@@ -151,15 +151,15 @@ class Tangent:
         self._rows = np.zeros((len(self._nodes), 6))
         self.supports.find_constraints(self._nodes)
         self.supports.find(self.kkt.indptr, self.kkt.indices)
-        self._filled = False  # whether A is what the KKT has
+        self._filled = False  # whether the KKT contains A
 
     @property
     def A(self) -> Array:
-        """That of :attr:`parts`."""
+        """Blocks ``A`` of :attr:`parts`."""
         return self.parts.A
 
     def keep_apart(self) -> None:
-        """Have all of ``K`` apart from ``A``, from the next matrix on."""
+        """Store all blocks of ``K`` separately from ``A``, from the next matrix on."""
         self._apart = True
         if not self.parts.apart:
             self._settle()
@@ -167,7 +167,7 @@ class Tangent:
                 self._others = np.zeros_like(self.parts.blocks)
 
     def jacobian(self, H: Array) -> sp.csr_matrix:
-        """``B = ∂Φ/∂h`` in the twists of the moving nodes, held ones left out; (m, 6 n)."""
+        """Constraint Jacobian ``B = ∂Φ/∂h`` in twists of the nodes, without held ones, (m, 6 n)."""
         rows, incidences, held = self._constraints(H), self._incidences, self._held
         self.supports.rotate_constraints(H, rows)
         free = np.flatnonzero(~held[incidences.nodes].all(axis=1))
@@ -178,13 +178,13 @@ class Tangent:
         return sp.csr_matrix((values, (np.repeat(incidences.rows[free], 6), columns)), shape=shape)
 
     def _constraints(self, H: Array) -> Array:
-        """Derivatives of the constraints in twists, followed by zeros for mean coordinates."""
+        """Constraint Jacobian, one row of six per incidence, then zeros for mean coordinates."""
         rows = np.empty_like(self._rows)
         self._put_constraints(H, rows)
         return rows
 
     def _put_constraints(self, H: Array, rows: Array) -> None:
-        """Set ``rows`` to these."""
+        """Set ``rows`` to that."""
         n = len(self._incidences.nodes)
         self._connections.jacobian(H, rows[:n])
         rows[n:] = 0.0
@@ -192,13 +192,13 @@ class Tangent:
     # --- domains ---
 
     def division(self, count: int) -> Division:
-        """See :func:`~fem_lie.system.domains.division_of`."""
+        """Division into subdomains, see :func:`~fem_lie.system.domains.division_of`."""
         self._couple()
         own, floating, *_ = self._pairs()
         return division_of(self.kkt, self._terms, [own, floating], count)
 
     def divide(self, division: Division, rank: int) -> None:
-        """Have the domain of a rank; see :class:`~fem_lie.system.domains.Domain`."""
+        """Select the subdomain of a rank, see :class:`~fem_lie.system.domains.Domain`."""
         self._couple()
         self.domain = Domain(self.kkt, self._terms, division, rank)
         self.kkt.divide(self.domain.part)
@@ -206,7 +206,7 @@ class Tangent:
 
     @contextmanager
     def of_domain(self, scale: Array) -> Iterator[None]:
-        """What is filled meanwhile is of the domain alone, with this scale of constraints."""
+        """Context in which the matrix of subdomain is filled, with this scale of constraints."""
         assert self.domain is not None
         parts, whole = self.parts, self.parts.blocks
         parts.blocks = self._others
@@ -222,7 +222,7 @@ class Tangent:
 
     @contextmanager
     def _divided(self, *, really: bool = True) -> Iterator[None]:
-        """What is added meanwhile is of all domains: the one that is filled takes its share."""
+        """Context of contributions that all subdomains share; the subdomain takes its fraction."""
         if self._share is None or not really:
             yield
             return
@@ -238,11 +238,11 @@ class Tangent:
     # --- scale ---
 
     def constraint_scale(self, H: Array, spread: Array | None = None) -> Array:
-        """``1/(B diag(S)⁻¹ Bᵀ)`` of constraints with the ``S`` in ``A``, shape (m,).
+        """Scale factors ``1/(B diag(S)⁻¹ Bᵀ)`` of constraints with the ``S`` in ``A``, shape (m,).
 
-        Bordered by ``σ B`` with these factors ``σ`` the matrix is about as well conditioned as
-        ``S``: as ``S → M/(βh²)`` this is the index 3 scaling of Bottasso, Bauchau & Cardona.
-        ``spread``: see :meth:`~fem_lie.system.parts.Vectors.scales`, likewise the rest.
+        With ``σ B`` as constraint block the matrix is about as well conditioned as ``S``: for ``S →
+        M/(βh²)`` this is the index 3 scaling of Bottasso, Bauchau & Cardona. ``spread``: see
+        :meth:`~fem_lie.system.parts.Vectors.scales`.
         """
         if self._given is not None:
             return self._given
@@ -255,25 +255,25 @@ class Tangent:
     # --- parts ---
 
     def clear(self) -> None:
-        """Start anew, with the pairs that terms have now."""
+        """Set all blocks to zero, with the current node pairs of terms."""
         self._couple()
         self.parts.blocks[:] = 0.0
         self._averages.clear()
         self._filled = False
 
     def _couple(self) -> None:
-        """Have the pairs that there are now, those within averaging attachments if asked for."""
+        """Update the pattern to the current pairs of terms and treatment of attachments."""
         splits = self._averaged and self.kkt.splits and not self._apart
         if self._versions == self._terms.versions and self._splits == splits:
             return
         if self.domain is not None:
-            raise ValueError("subdomains want pairs of nodes that stay, got others: contact?")
+            raise ValueError("subdomains need constant pairs of nodes, got others: contact?")
         self._splits = splits
         self.kkt.couple(self._pairs())
         self._settle()
 
     def restore_pattern(self, indptr: Indices, indices: Indices) -> None:
-        """Have the pattern of ``kkt`` again that it had; :meth:`clear` makes it the present one."""
+        """Restore an earlier pattern of ``kkt``; :meth:`clear` returns to the current one."""
         if np.array_equal(indptr, self.kkt.indptr) and np.array_equal(indices, self.kkt.indices):
             return
         self.kkt.couple([(np.repeat(np.arange(self._count), np.diff(indptr)), indices)])
@@ -287,16 +287,16 @@ class Tangent:
         loads: tuple[Array, Array],
         factors: tuple[float, float],
     ) -> None:
-        """Inertia and nodal loads.
+        """Add derivatives of inertia and nodal loads.
 
         Args:
-            state: Where.
-            kinds: Of the nodes.
-            loads: Forces on (x, d₁, d₂, d₃) that the residual found, and moments fixed in space.
+            state: The state.
+            kinds: Types of the nodes.
+            loads: Forces on (x, d₁, d₂, d₃) from the residual, and moments fixed in space.
             factors: ∂a/∂d and ∂v/∂d.
         """
         (H, v, a, _), n = state, self._count
-        # at rest, as statics is, inertia has no part
+        # inertia does not contribute at rest, as in statics
         with self._divided():
             if any(factors) or v.any() or a.any():
                 self._add_rates((H, v[:n], a[:n]), kinds, factors)
@@ -304,13 +304,13 @@ class Tangent:
             load_tangent(kinds, H, *loads, diagonal, self.parts.blocks)
 
     def add_mass(self, H: Array, kinds: Indices, factor: float) -> None:
-        """The mass matrix times a factor, to ``A``, and what weight has of one, to ``K``."""
+        """Add the mass matrix times a factor to ``A``, and the stiffness of weight to ``K``."""
         still = np.zeros((self._count, 6))
         with self._divided():
             self._add_rates((H, still, still), kinds, (factor, 0.0))
 
     def _add_rates(self, motion: PlainMotion, kinds: Indices, factors: tuple[float, float]) -> None:
-        """Derivatives of inertia at frames, velocities and their rates."""
+        """Add derivatives of inertia at frames, velocities and their rates."""
         parts = self.parts.blocks, self.parts.blocks
         inertia.tangents(motion, kinds, self._mass.plain, self._place_mass, factors, parts)
         if len(self._place_bodies[0]):
@@ -320,13 +320,13 @@ class Tangent:
     def add_terms(
         self, H: Array, kept: Sequence[Array], wanted: Wanted = every, ends: Ends | None = None
     ) -> None:
-        """Terms, with the stress that they carry, to ``K``.
+        """Add the stiffness of terms, with their independent stress, to ``K``.
 
         Args:
             H: Frames.
-            kept: See :meth:`~fem_lie.system.terms.all_terms.Terms.add_forces`.
-            wanted: Which of them.
-            ends: Of a step, for those that have secants; default: at ``H`` alone.
+            kept: Forces of terms, see :meth:`~fem_lie.system.terms.all_terms.Terms.add_forces`.
+            wanted: Selection of terms.
+            ends: Ends of a step, for terms with forces over a step; default: all terms at ``H``.
         """
         for (term, place, _), forces in zip(self._of_terms, kept, strict=True):
             with self._divided(really=self._divides(term)):
@@ -337,9 +337,9 @@ class Tangent:
                     term.add_tangent(H, forces, place, self.parts.blocks)
 
     def put_beside(self, H: Array, kinds: Indices, d: Array) -> None:
-        """Put stiff rows of terms that may be apart beside the KKT, in increments ``d``.
+        """Set the low-rank correction of the KKT matrix: stiff rows of terms, in increments.
 
-        Without axes of supports.
+        Supports along fixed axes are not transformed.
         """
         low_rank = [term.low_rank for term, *_ in self._of_terms]
         found = [each.stiff_rows(H) for each in low_rank if each is not None]
@@ -361,7 +361,7 @@ class Tangent:
         self.kkt.beside = Beside(first, unknowns, left.ravel(), right.ravel(), k)
 
     def alone(self, H: Array, term: Term) -> sp.csr_matrix:
-        """The matrix of one term, along the axes of supports, shape (6 n, 6 n)."""
+        """Matrix of one term, along the axes of supports, shape (6 n, 6 n)."""
         kept = term.room()
         term.add_forces(H, np.zeros((self._count, 6)), kept)
         self.clear()
@@ -372,9 +372,9 @@ class Tangent:
         return sp.bsr_matrix((self.A, self.kkt.indices, self.kkt.indptr)).tocsr()
 
     def add_geometric(self, H: Array, multipliers: Array) -> None:
-        """Geometric stiffness of joints with multipliers ``multipliers``, and of terms, to ``K``.
+        """Add the geometric stiffness of joints with these multipliers, and of terms, to ``K``.
 
-        That of joints has what acts along them.
+        That of joints includes springs, drives and gears.
         """
         for each, place in self._sets:
             each.geometric(H, multipliers, place, self.parts.blocks)
@@ -392,13 +392,15 @@ class Tangent:
         factor: float,
         wanted: Callable[[Term, ViscousForces], bool] = _all,
     ) -> None:
-        """``factor`` times the derivatives of viscous forces in twists to ``A``, others to ``K``.
+        """Add derivatives of viscous forces in twists, times ``factor``, to ``A``.
+
+        Derivatives in frames are added to ``K``.
 
         Args:
             H: Frames.
             v: Twists.
             factor: ∂v/∂d.
-            wanted: Of which terms.
+            wanted: Selection of terms.
         """
         for term, in_K, in_A in self._of_terms:
             viscosity = term.viscosity
@@ -410,7 +412,10 @@ class Tangent:
                         add_at(self.parts.blocks, in_K, by_frames)
 
     def add_turnings(self, forces: Array, nodes: Flags) -> None:
-        """See :func:`~fem_lie.lie.motions.add_turnings`; to ``K``."""
+        """Add derivatives of forces that rotate with nodes to ``K``.
+
+        See :func:`~fem_lie.lie.motions.add_turnings`.
+        """
         with self._divided():
             diagonal = self.parts.place_K(self._diagonal)
             add_turnings(forces, 1.0, diagonal, nodes, self.parts.blocks)
@@ -418,7 +423,7 @@ class Tangent:
     # --- sum ---
 
     def fill(self, blocks: Array, H: Array, scale: Array) -> None:
-        """Blocks, bordered by the constraints at ``H`` times ``scale``, into the KKT."""
+        """Fill the KKT matrix with blocks and the constraints at ``H`` times ``scale``."""
         self._put_constraints(H, self._rows)
         self._averages.put(self._rows)
         if self.supports:
@@ -429,13 +434,13 @@ class Tangent:
         self._filled = False
 
     def _fill(self, blocks: Array, columns: Array, scale: Array) -> None:
-        """All of the KKT, with what is of low rank."""
+        """Fill the KKT matrix and its low-rank part."""
         n = len(self._incidences.nodes)
         self.kkt.low_rank = self._low_rank(blocks, columns[n:], self._rows[n:])
         self.kkt.fill(blocks, columns[:n], self._rows[:n], scale)
 
     def _low_rank(self, blocks: Array, left: Array, right: Array) -> LowRank | None:
-        """That of averaging attachments, if there are any."""
+        """Low-rank part of averaging attachments, or ``None``."""
         if len(left) == 0:
             return None
         diagonal = np.abs(blocks[self._diagonal]).diagonal(axis1=1, axis2=2)
@@ -443,7 +448,7 @@ class Tangent:
         return self._averages.low_rank(left, right, soft, self._held)
 
     def refill_constraints(self, H: Array, kinds: Indices, plan: Plan) -> Array:
-        """What :meth:`fill_increments` filled, with the constraints anew."""
+        """Fill the matrix of the last :meth:`fill_increments` with new constraints."""
         ahead = H if plan.joint_frames is None else plan.joint_frames
         scale = self.constraint_scale(ahead, plan.spread) if plan.scale is None else plan.scale
         self._put_constraints(ahead, self._rows)
@@ -458,12 +463,12 @@ class Tangent:
         return scale
 
     def fill_increments(self, H: Array, kinds: Indices, plan: Plan) -> Array:
-        """``A + K T(d)``, bordered by the constraints, into the KKT.
+        """Fill the KKT matrix with ``A + K T(d)`` and the constraints.
 
         Args:
             H: Frames of the state.
-            kinds: Of the nodes.
-            plan: What it is to be.
+            kinds: Types of the nodes.
+            plan: Contents of the matrix.
 
         Returns:
             The scale of the constraints in it, (m,).

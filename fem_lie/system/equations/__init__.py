@@ -1,4 +1,4 @@
-"""What solvers see of the equations of a scene: the one door from ``solve`` to ``system``."""
+"""Interface of the equations of a scene for solvers: all that ``solve`` uses of ``system``."""
 
 from fem_lie.system.equations.equations import Equations, LinearState
 from fem_lie.system.time_state import Forces, Plan, TimeState

@@ -1,8 +1,8 @@
 """The equations of a scene as solvers see them.
 
-States are the solvers': frames ``H`` of all rows (moving nodes, ground, prescribed motions), local
-twists ``v`` and their rates ``a``, multipliers. Nobody else than these verbs changes what is behind
-them, and a solver may use nothing else.
+States belong to the solver: frames ``H`` of all rows (moving nodes, ground, prescribed motions),
+local twists ``v`` and their rates ``a``, and Lagrange multipliers. Only the methods here change
+what is behind them, and solvers use nothing else.
 """
 
 from __future__ import annotations
@@ -30,23 +30,23 @@ from fem_lie.system.time_state import Forces, Plan, TimeState
 
 
 def fill_at_rest(system: System, H: Array, step: float) -> Array:
-    """``M + h² K/4`` bordered by the constraints, into the KKT; returns their scale, (m,).
+    """Fill the KKT matrix with ``M + h² K/4`` and the constraints; return their scale, (m,).
 
-    Modes that the step does not resolve would start with accelerations that mean nothing to it.
+    Modes that the step does not resolve would otherwise start with meaningless accelerations.
 
     Args:
-        system: The equations; the stress that is carried becomes the true one.
+        system: The equations; the independent stress is reset to the current one.
         H: Frames of all rows.
-        step: ``h``.
+        step: Step size ``h``.
     """
     tangent = system.tangent
     terms, still = system.terms, np.zeros((system.count, 6))
     kept = terms.room()
     terms.reset_stress(H)
     terms.add_forces(H, np.zeros(system.size), kept)
-    # after the forces, which may find other pairs of nodes that touch
+    # after the forces, which may change the pairs of nodes in contact
     tangent.clear()
-    # both parts may be one: it is 4/h² times that until it is the sum
+    # A and K may share blocks: the sum is scaled by 4/h² until it is complete
     inverse = 4.0 / step**2
     tangent.add_terms(H, kept)
     tangent.add_viscosity(
@@ -61,24 +61,25 @@ def fill_at_rest(system: System, H: Array, step: float) -> Array:
 
 
 class LinearState:
-    """What increments of the nodes make of stress and forces, to first order.
+    """Stress and forces along increments of the nodes, to first order.
 
-    At nodes whose translations do not turn with them the tangent stiffness has terms of the forces
-    of shells and of all forces on the node. Those of the present frames are none of linear theory.
+    The tangent stiffness of nodes whose translations are along fixed axes has terms of the forces
+    of shells and of all forces on the node. In linear theory these are the forces here, not those
+    at the current frames.
 
     Attributes:
-        multipliers: Of the constraints, in their units in the matrix, shape (m,).
+        multipliers: Multipliers in the units of the matrix, shape (m,).
     """
 
     def __init__(self, system: System, memory: Memory, H: Array, dx: Array, forces: Forces) -> None:
-        """Find the forces.
+        """Compute the forces.
 
         Args:
             system: The equations.
-            memory: What carries stress.
+            memory: History variables, with the independent stress.
             H: Frames of all rows.
             dx: Local increments of the moving nodes from there, and multipliers, shape (6 n + m,).
-            forces: That the residual has found there.
+            forces: Forces of the residual there.
         """
         self._memory, self._H = memory, H
         self._h, self.multipliers = np.split(dx.copy(), [6 * system.count])
@@ -97,9 +98,9 @@ class LinearState:
                 np.add.at(self._inner, rows, pulled)
 
     def carry(self, factor: float) -> None:
-        """Carry the stress of ``factor`` times the increments, and give springs their forces."""
+        """Set the stress and spring forces of ``factor`` times the increments."""
         h = factor * self._h
-        # cells' own unknowns are carried on from what they are
+        # local unknowns of cells are updated from their values at the start
         self._memory.restore(self._start)
         self._memory.carry(self._H, h)
         self._memory.stretch_springs(self._H, h)
@@ -115,14 +116,14 @@ class Equations:
     """The equations of a scene.
 
     Attributes:
-        scene: What there is.
-        unknowns: Which there are.
-        start: Frames and velocities from which solvers go on.
-        tables: Arrays for compiled code.
-        matrix: What :meth:`fill` fills.
-        supports: Nodes whose unknowns are along axes fixed in space, and the way there and back.
+        scene: The scene.
+        unknowns: Numbers, types and properties of the unknowns.
+        start: Frames and velocities at the start of a run.
+        tables: Packed arrays for compiled code.
+        matrix: The saddle-point matrix that :meth:`fill` fills.
+        supports: Nodes whose unknowns are along axes fixed in space, with transformations.
         info: Bodies and joints, for results.
-        memory: What neither states nor the time tell.
+        memory: History variables, which neither states nor the time determine.
     """
 
     def __init__(
@@ -134,14 +135,14 @@ class Equations:
         group: Group | None = None,
         without_coupling: bool = False,
     ) -> None:
-        """Set them up.
+        """Build the equations.
 
         Args:
-            scene: What there is.
+            scene: The scene.
             dynamics: Whether inertia is needed.
-            parametrisation: What increments are.
-            group: On which all frames move; default: each on that of its body.
-            without_coupling: Whether inertia is lumped, so that nodes feel their own alone.
+            parametrisation: Parametrisation of increments.
+            group: Group of all frames; default: that of each body.
+            without_coupling: Whether inertia is lumped, so that nodes are not coupled by it.
 
         Raises:
             ValueError: See :class:`~fem_lie.system.system.System`.
@@ -154,7 +155,7 @@ class Equations:
             group=group,
             without_coupling=without_coupling,
         )
-        # of springs in compiled sums these know themselves
+        # compiled sums over joints include their springs
         self._terms = self._system.terms.chosen(lambda term: not term.within_joints)
         self._settles = any(term.local is not None for term in self._terms)
         self.unknowns = Unknowns.of(self._system)
@@ -177,13 +178,13 @@ class Equations:
 
     @property
     def system(self) -> System:
-        """What is behind."""
+        """The system behind this interface."""
         return self._system
 
     # --- time ---
 
     def prescribed(self, time: float, step: float = np.inf) -> Prescribed:
-        """What drives, motions and loads do at ``time``; rates by differences over ``step``."""
+        """Drives, motions and loads at ``time``; rates are differences over ``step``."""
         return Prescribed(self._system, time, step)
 
     # --- residual and matrix ---
@@ -202,18 +203,18 @@ class Equations:
         """Equations of motion and constraints times ``scale``, into ``r`` (size,).
 
         Args:
-            state: Where.
-            scale: Factor of each constraint, shape (m,).
-            r: Overwritten.
-            forces: Of another residual, overwritten; default: new ones.
-            carried: Whether cells keep their own unknowns as they were carried along.
-            known: Whether nothing but loads has changed since ``forces`` were found: what of ``r``
-                follows from the rest may be left out.
-            per_increment: Factor of constraints of velocities, ∂d/∂v: their rows in the matrix are
-                then like those of positions.
+            state: The state.
+            scale: Scale factor of each constraint, shape (m,).
+            r: Residual, overwritten.
+            forces: Forces of an earlier residual, overwritten; default: new ones.
+            carried: Whether local unknowns of cells keep their linearised values.
+            known: Whether only loads have changed since ``forces`` were computed: parts of ``r``
+                that follow from the rest may be left out.
+            per_increment: Factor of velocity constraints, ∂d/∂v, which makes their rows in the
+                matrix like those of position constraints.
 
         Returns:
-            What the derivative needs of the forces.
+            Forces that the derivative needs.
         """
         found = self._system.workspace() if forces is None else forces
         if known and not self._system.terms.loads:
@@ -229,14 +230,14 @@ class Equations:
         return LinearState(self._system, self.memory, H, dx, forces)
 
     def fill(self, state: TimeState, forces: Forces | None, plan: Plan) -> Array:
-        """Derivative of :meth:`residual`, into :attr:`matrix`; not factorised.
+        """Fill :attr:`matrix` with the derivative of :meth:`residual`, without factorising it.
 
-        If that is divided, what this rank's domain has of it goes into its ``part``, too.
+        If the matrix is divided into subdomains, that of this rank goes into its ``part`` as well.
 
         Args:
-            state: Where.
-            forces: That the residual has found there; ``None``: none act.
-            plan: What the matrix is to be.
+            state: The state.
+            forces: Forces of the residual there; ``None``: no forces.
+            plan: Contents of the matrix.
 
         Returns:
             The scale of the constraints in it, (m,).
@@ -249,7 +250,7 @@ class Equations:
         return scale
 
     def _fill(self, state: TimeState, forces: Forces | None, plan: Plan) -> Array:
-        """:meth:`fill`, of all or of a domain."""
+        """:meth:`fill`, for the whole scene or a subdomain."""
         system = self._system
         if plan.at_rest is not None:
             return fill_at_rest(system, state.H, plan.at_rest)
@@ -268,16 +269,16 @@ class Equations:
         elif plan.stressed is not None:
             self._terms.reset_stress(plan.stressed)
         if forces is None:
-            # which nodes touch is found with forces, and tangents want to know
+            # pairs in contact are found with the forces, and tangents need them
             self._terms.add_forces(state.H, np.zeros(system.size))
             forces = system.workspace()
         return system.fill_matrix(state, forces, plan)
 
     def constraints(self, H: Array) -> ConstraintsAt:
-        """The constraints at frames ``H``: Jacobian and rates, and what they leave rigid bodies."""
+        """Constraints at frames ``H``: Jacobian, rates, and remaining rigid motions."""
         return ConstraintsAt(self._system, H)
 
-    # --- what is told of a state ---
+    # --- reports of a state ---
 
     def report(
         self,
@@ -298,15 +299,15 @@ class Equations:
         return Report(self._system, self._terms, state, carried=carried)
 
     def energy_balance(self) -> EnergyBalance:
-        """Books of what loads, drives and supports do, empty."""
+        """Empty energy balance, for the work of loads, drives and supports."""
         return EnergyBalance(self._system)
 
-    # --- what they are like ---
+    # --- properties ---
 
     def small_motions(self, rotation: Rotation) -> SmallMotions:
-        """The linear equations beside the initial frames, in a frame that turns."""
+        """Linear equations about the initial frames, in a rotating frame."""
         return SmallMotions(self._system, rotation)
 
     def contents(self) -> list[tuple[str, Any, str]]:
-        """All that they depend on but functions of time: name, value, what errors call it."""
+        """Data on which the equations depend, but functions of time: name, value, description."""
         return contents(self._system)

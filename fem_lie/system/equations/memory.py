@@ -1,4 +1,4 @@
-"""What equations remember beside a state: carried stress, turns of joints, axes that follow."""
+"""History variables of the equations: independent stress, turns of joints, convected axes."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from fem_lie.linear.low_rank import LowRank
 from fem_lie.system.system import System
 from fem_lie.system.terms.all_terms import Terms
 
-_PART = "low rank."  # of names in a checkpoint
+_PART = "low rank."  # prefix of names in a checkpoint
 
 
 class Memory:
-    """What neither states nor the time tell; the solver says when it goes on."""
+    """History variables, which neither states nor the time determine; the solver updates them."""
 
     def __init__(self, system: System, terms: Terms) -> None:
-        """Of a system.
+        """Store the system.
 
         Args:
             system: The equations.
-            terms: Those that carry something.
+            terms: Terms with history variables.
         """
         self._system, self._terms, self._connections = system, terms, system.connections
 
     def carry(self, H: Array, h: Array | None = None) -> None:
-        """Carry the stress on along the increment ``h`` (6 n,) made from frames ``H``.
+        """Update the independent stress along the increment ``h`` (6 n,) made from frames ``H``.
 
-        Without an increment: begin at these frames with the true one.
+        Without an increment: reset it to the stress at these frames.
         """
         if h is None:
             self._terms.reset_stress(H)
@@ -41,27 +41,28 @@ class Memory:
             self._terms.carry(H, h)
 
     def stretch_springs(self, H: Array, h: Array) -> None:
-        """Give springs the forces that they have at the end of ``h`` (6 n,), at frames ``H``.
+        """Give springs at frames ``H`` the forces that they have at the end of ``h`` (6 n,).
 
-        To first order, by rest values that are changed; with ``h`` zero these are the scene's own.
+        To first order, by changed rest values; with ``h`` zero the rest values are those of the
+        scene.
         """
         for each in self._connections.sets:
             each.stretch_springs(H, h.reshape(-1, 6))
 
     def unchanged(self) -> AbstractContextManager[None]:
-        """Context in which looking at states does not change what elements carry."""
+        """Context in which evaluating states does not change the history variables of elements."""
         return self._terms.unchanged()
 
     def accept(self, H: Array, start: Array | None = None) -> None:
-        """Go on from here: joints count their turns, and what rubs its slips.
+        """Accept a state: joints count their turns, and friction updates its slip.
 
         Args:
             H: Frames of all rows.
-            start: Those at the start of the step, with which it is looked whether surfaces went
-                through each other.
+            start: Frames at the start of the step, to check whether surfaces passed through each
+                other.
 
         Raises:
-            PassedThroughError: They did; all is as it was.
+            PassedThroughError: They did; no history variable has changed.
             ValueError: Something slid off its beam.
         """
         if start is not None:
@@ -70,15 +71,15 @@ class Memory:
         self._terms.accept(H)
 
     def follow(self, H: Array, h: Array) -> None:
-        """Let joints count their angles along the increment ``h`` (6 n,) made from frames ``H``."""
+        """Update joint angles along the increment ``h`` (6 n,) made from frames ``H``."""
         self._connections.follow(H, h.reshape(-1, 6))
 
     def check_passage(self, start: Array, end: Array) -> None:
-        """Look whether surfaces go through each other in a step that is not yet accepted.
+        """Check whether surfaces pass through each other in a step that is not yet accepted.
 
         Args:
             start: Frames of all rows at its start.
-            end: At its end.
+            end: Frames at its end.
 
         Raises:
             PassedThroughError: They do.
@@ -86,25 +87,25 @@ class Memory:
         self._terms.check_passage(start, end)
 
     def watch(self, start: Array, end: Array, h: float, middle: Array | None = None) -> None:
-        """Note an accepted step of a scheme that does not conserve energy by itself.
+        """Record an accepted step of a scheme that does not conserve energy.
 
         Args:
             start: Frames of all rows at its start.
-            end: At its end.
-            h: Its size.
-            middle: Where forces act in the step; default: at both ends.
+            end: Frames at its end.
+            h: Step size.
+            middle: Frames at which forces act in the step; default: at both ends.
         """
         self._terms.watch(start, end, h, middle)
 
     def rotate_axes(
         self, H: Array, motion: Array | None = None, written: Written | None = None
     ) -> None:
-        """Turn axes that follow a mid-surface or what is around them, and what is written in them.
+        """Rotate convected nodal axes, and transform the components of motions to them.
 
         Args:
             H: Frames of all rows.
-            motion: Velocities, accelerations and the like, shape (k, n, 6); default: none.
-            written: How these are written.
+            motion: Velocities, accelerations and so on, shape (k, n, 6); default: none.
+            written: Representation of these components.
         """
         for carried in self._system.carried:
             if motion is None or written is None:
@@ -113,18 +114,18 @@ class Memory:
                 carried.turn_motion(H, motion, self._system.kinds, written)
 
     def memory(self) -> dict[str, Array]:
-        """All that what comes depends on but the state, the time and the matrix."""
+        """State of the history variables."""
         kept = {f"carried.{k}": part for k, part in enumerate(self._terms.carried())}
         kept["joints"] = self._connections.memory
         return kept | {f"watched.{k}": part for k, part in enumerate(self._terms.watched())}
 
     @property
     def with_matrix(self) -> WithMatrix:
-        """All of it, and the matrix."""
+        """History variables and the matrix as one state."""
         return WithMatrix(self, self._system, self._terms)
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
+        """Restore the state of :meth:`memory`."""
         self._connections.memory = kept["joints"]
         count = sum(name.startswith("carried.") for name in kept)
         self._terms.restore([kept[f"carried.{k}"] for k in range(count)])
@@ -134,12 +135,12 @@ class Memory:
 
 @dataclass(frozen=True)
 class WithMatrix:
-    """The memory of equations, their matrix, and what that was made of, as one state.
+    """History variables of equations, their matrix, and its contributions as one state.
 
     Attributes:
-        of: The memory alone.
+        of: The history variables.
         system: The equations.
-        terms: Those that know what is near.
+        terms: Terms with pairs in contact.
     """
 
     of: Memory
@@ -147,7 +148,7 @@ class WithMatrix:
     terms: Terms
 
     def memory(self) -> dict[str, Array]:
-        """All of it."""
+        """State of all of these."""
         kkt = self.system.kkt
         kept = self.of.memory() | {"matrix": kkt.csr[0], "blocks": self.system.tangent.A}
         kept |= {"row pointers": kkt.indptr, "columns": kkt.indices}
@@ -156,15 +157,15 @@ class WithMatrix:
         return kept | {f"seen.{k}": term.seen.copy() for k, term in enumerate(self.terms)}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called.
+        """Restore the state of :meth:`memory`.
 
         Raises:
-            ValueError: There are subdomains now, whose matrices are in no file.
+            ValueError: There are subdomains, whose matrices are not in checkpoints.
         """
         kkt, tangent = self.system.kkt, self.system.tangent
         if kkt.part is not None:
             raise ValueError(
-                "a run goes on without subdomains, whose matrices no file has: leave PETSc's "
+                "a run restarts without subdomains, whose matrices no file has: leave PETSc's "
                 "option domains out, got it set"
             )
         self.of.restore(kept)

@@ -1,4 +1,4 @@
-"""Drives, prescribed motions and loads at a time, and how far drives rotate in an interval."""
+"""Drives, prescribed motions and loads at one time, and rotations of drives in an interval."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from fem_lie.system.nodes.sums import load_vector
 from fem_lie.system.system import System
 
 FRAME_STEP = 0.25 * np.pi
-"""Rotation of a prescribed frame in one step, rad: Newton's first increment is its tangent."""
+"""Largest rotation of a prescribed frame in one step, rad: Newton starts along its tangent."""
 
 ANGLE_STEP = 0.5 * np.pi
-"""Change of an angle in one step, rad."""
+"""Largest change of an angle in one step, rad."""
 
-_PIECES = 16  # of an interval, to begin with
-_AT = 0.381966  # where a piece is divided: no simple fraction, so that whole turns are noticed
-_SMALL = 0.5  # rad: rotations between samples are less …
-_STRAIGHT = 0.05  # … and exceed the one from end to end by no more than this, rad
-_DEPTH = 12  # times that a piece is divided; what still rotates far jumps
+_PIECES = 16  # initial subdivision of an interval
+_AT = 0.381966  # point of bisection: no simple fraction, to detect full turns
+_SMALL = 0.5  # largest rotation between samples, rad
+_STRAIGHT = 0.05  # largest excess of two rotations over the one from end to end, rad
+_DEPTH = 12  # bisections; a rotation that is still large is a jump
 
 _Sample: TypeAlias = tuple[float, Array, Array]
 
 
 class RotationAhead:
-    """Rotations of all that is prescribed, over the largest that one step may have."""
+    """Rotations of all that is prescribed, relative to the largest admissible in one step."""
 
     def __init__(self, system: System) -> None:
-        """Of prescribed motions and of driven angles."""
+        """Find the prescribed motions and driven angles of a system."""
         connections = system.connections
         self._frames: Callable[[float], Array] = system.prescribed_frames
         self._targets: Callable[[float], Array] = connections.targets
@@ -41,10 +41,10 @@ class RotationAhead:
         self._any = bool(system.scene.motions) or connections.driven
 
     def limited(self, time: float, end: float) -> float:
-        """The end of the first of equal steps from ``time`` to ``end``, none of which rotates far.
+        """End of the first of equal steps from ``time`` to ``end`` with admissible rotations.
 
         Raises:
-            ValueError: A motion or drive is not finite, or a motion is no frame, in between.
+            ValueError: A motion or drive is not finite, or a motion is not a frame, in between.
         """
         if not self._any:
             return end
@@ -63,7 +63,7 @@ class RotationAhead:
         if steps <= 1:
             return end
         found = float(np.interp(shares[-1] / steps, shares, times))
-        # where a motion jumps, no step is short enough
+        # if a motion jumps, no step is short enough
         return found if found > time + 1e-9 * (end - time) else end
 
     def _sample(self, time: float) -> _Sample:
@@ -83,37 +83,37 @@ class RotationAhead:
 
 
 def _rotations(a: _Sample, b: _Sample) -> tuple[Array, Array]:
-    """Of frames and of angles between two samples, rad."""
+    """Rotations of frames and changes of angles between two samples, rad."""
     # |R − R'| = √8 sin(θ/2)
     chords = np.sqrt(np.sum((b[1] - a[1]) ** 2, axis=(1, 2)) / 8.0)
     return 2.0 * np.arcsin(np.minimum(chords, 1.0)), np.abs(b[2] - a[2])
 
 
 class Prescribed:
-    """Places of prescribed motions, targets of constraints and loads, found when asked for.
+    """Frames of prescribed motions, targets of constraints, and loads at one time, computed lazily.
 
-    Rates are differences over later times, none beyond the next jump: what is prescribed need not
-    be defined before.
+    Rates are differences over later times before the next jump: prescribed functions need not be
+    defined at earlier times.
     """
 
     def __init__(self, system: System, time: float, step: float) -> None:
-        """Nothing is found yet.
+        """Store the time.
 
         Args:
             system: The equations.
-            time: When, from the time on at which the scene began.
-            step: Over which rates are differences.
+            time: Time since the start of the scene.
+            step: Interval of the differences for rates.
         """
         self._system, self._step = system, step
         self._time = system.scene.began.time + time
 
     def act(self, factor: float = 1.0, preload: float = 1.0) -> None:
-        """Let loads and targets of this time act from now on.
+        """Apply loads and targets of this time from now on.
 
         Args:
-            factor: Of loads without history, and of gravity.
-            preload: Part of the difference between the rest values of springs and the values of
-                their coordinates at the start.
+            factor: Factor of loads without history, and of gravity.
+            preload: Fraction of the difference between rest values of springs and initial
+                coordinates.
 
         Raises:
             ValueError: A history, motion or drive is not finite.
@@ -122,7 +122,7 @@ class Prescribed:
         self._system.set_time(self._time, factor)
 
     def loads(self, H: Array) -> Array:
-        """Loads, which act from now on, at frames ``H``, in the unknowns of the nodes, (6 n,).
+        """Loads at frames ``H`` in the unknowns of the nodes, (6 n,); they act from now on.
 
         Raises:
             ValueError: A history is not finite.
@@ -141,13 +141,13 @@ class Prescribed:
         """Frames of the prescribed motions, (p, 4, 3).
 
         Raises:
-            ValueError: One of them is not a frame then.
+            ValueError: The value of a motion is not a frame.
         """
         return self._system.prescribed_frames(self._time)
 
     @cached_property
     def targets(self) -> Array:
-        """What constraints are to be, (m,).
+        """Targets of the constraints, (m,).
 
         Raises:
             ValueError: A drive is not finite then.
@@ -155,10 +155,10 @@ class Prescribed:
         return self._system.connections.targets(self._time)
 
     def limited(self, end: float) -> float:
-        """The end of the first of equal steps to ``end``, none with a large prescribed rotation.
+        """End of the first of equal steps to ``end`` with admissible prescribed rotations.
 
         Raises:
-            ValueError: A motion or drive is bad in between.
+            ValueError: A motion or drive is invalid in between.
         """
         began = self._system.scene.began.time
         return RotationAhead(self._system).limited(self._time, began + end) - began
@@ -180,7 +180,7 @@ class Prescribed:
 
     @cached_property
     def _rates(self) -> tuple[Array, Array]:
-        """Of the motions, by differences over three later times."""
+        """Rates of the motions, by differences over three later times."""
         system, time, here = self._system, self._time, self.frames
         if len(here) == 0:
             return np.zeros((0, 6)), np.zeros((0, 6))

@@ -1,4 +1,4 @@
-"""What is reported of a state, of its constraints, and of what equations depend on."""
+"""Reports of a state and of its constraints, and data on which equations depend."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from fem_lie.system.time_state import TimeState
 
 
 def contents(system: System) -> list[tuple[str, Any, str]]:
-    """All that they depend on but functions of time: name, value, what errors call it."""
+    """Data on which the equations depend, but functions of time: name, value, description."""
     numbering = system.numbering
     found: list[tuple[str, Any, str]] = []
     pairs = zip(numbering.members, numbering.assemblies, strict=True)
@@ -42,14 +42,14 @@ def contents(system: System) -> list[tuple[str, Any, str]]:
     return found + [(name, value, name) for name, value in sums.items()]
 
 
-_INVOLVED = 1e-2  # of the largest part of what cannot be mended
+_INVOLVED = 1e-2  # share of the largest contradiction from which a joint is named
 
 
 class ConstraintsAt:
-    """All constraints ``Φ`` at frames ``H``."""
+    """All constraints ``Φ`` at frames ``H``, evaluated lazily."""
 
     def __init__(self, system: System, H: Array) -> None:
-        """Nothing is found yet.
+        """Store the frames.
 
         Args:
             system: The equations.
@@ -59,12 +59,12 @@ class ConstraintsAt:
 
     @property
     def jacobian(self) -> sp.csr_matrix:
-        """``B`` in the twists of the moving nodes without what is held, (m, 6 n)."""
+        """Constraint Jacobian ``B`` in twists of the moving nodes without held ones, (m, 6 n)."""
         return self._system.tangent.jacobian(self._H)
 
     @property
     def values(self) -> Array:
-        """What constraints of positions violate, at their present targets, (m,)."""
+        """Violations of position constraints at their current targets, (m,)."""
         return self._system.connections.values(self._H)
 
     def rates(self, v: Array) -> tuple[Array, Array]:
@@ -72,30 +72,30 @@ class ConstraintsAt:
         return self._system.connections.rates(self._H, v)
 
     def rigid_motions(self, weight: Array) -> list[RigidMotions]:
-        """Of pieces that elements connect, what is held leaves these.
+        """Rigid motions that supports allow of connected groups of elements.
 
         See :func:`~fem_lie.system.small_motions.rigid_motions`.
         """
         return rigid_motions(self._system, self._H, weight)
 
     def contradiction(self, values: Array, bound: float) -> str:
-        """What to say of joints that contradict each other: no motion can mend what is violated.
+        """Message about joints that contradict each other, as no motion reduces their violation.
 
-        It is empty where motions can mend all but ``bound`` of it.
+        It is empty if motions can reduce all but ``bound`` of the violation.
 
-        With redundant constraints the iteration leaves alone what multipliers without force would
-        have to meet. In a mechanism that can move there is nothing of that. In one that cannot, and
-        is driven all the same, increments end while the constraints stay violated.
+        With redundant constraints the iteration ignores the violations conjugate to multipliers
+        without force. A movable mechanism has none of these. In a mechanism that cannot move but is
+        driven, increments vanish while the constraints stay violated.
 
         Args:
-            values: Of the constraints.
-            bound: Over the length of the model, or rad.
+            values: Violations of the constraints.
+            bound: Tolerance, over the length of the model, or rad.
         """
         system = self._system
         connections = system.connections
         units = np.asarray(system.units / system.length)
         idle = IdleMultipliers.of(self.jacobian, units, system.kkt.measure)
-        # lengths over that of the model beside angles
+        # lengths are relative to that of the model
         left = idle.part(values)
         sizes = np.abs(left) * np.where(connections.angular, 1.0, 1.0 / system.length)
         if sizes.max(initial=0.0) <= bound:
@@ -105,19 +105,19 @@ class ConstraintsAt:
         worst = int(sizes.argmax())
         unit = "rad" if connections.angular[worst] else "length"
         return (
-            f"{names} contradict each other: no motion can mend a violation of "
+            f"{names} contradict each other: no motion can remove a violation of "
             f"{abs(left[worst]):.2e} ({unit}). The mechanism cannot move as it is driven; check "
             "the axes of its joints, or give it joints with fewer constraints"
         )
 
 
 class Joints(NamedTuple):
-    """What is told of joints and of what acts along them.
+    """Forces, coordinates and violations of joints, springs, drives and gears.
 
     Attributes:
         forces: Force and moment of each on its point ``a``, in its axes, (j, 6).
-        coordinates: Of all, one after the other, (c,).
-        violations: The largest of each, (j,).
+        coordinates: Coordinates of all, one after the other, (c,).
+        violations: Largest constraint violation of each, (j,).
     """
 
     forces: Array
@@ -126,30 +126,30 @@ class Joints(NamedTuple):
 
 
 class Report:
-    """What is told of one state, found when asked for.
+    """Report of one state, evaluated lazily.
 
-    Only what needs velocities, their rates or multipliers asks for these.
+    Velocities, their rates and multipliers are used only by the quantities that depend on them.
     """
 
     def __init__(self, system: System, terms: Terms, state: TimeState, *, carried: bool) -> None:
-        """Nothing is found yet.
+        """Store the state.
 
         Args:
             system: The equations.
-            terms: Those whose energy no table of joints has.
-            state: Of which to tell.
-            carried: Whether cells keep their own unknowns as they were carried along.
+            terms: Terms whose energy is not in the table of joints.
+            state: The state.
+            carried: Whether local unknowns of cells keep their linearised values.
         """
         self._system, self._terms, self._state, self._carried = system, terms, state, carried
 
     @cached_property
     def frames(self) -> Array:
-        """Frames of all nodes, those that follow others included, (N, 4, 3)."""
+        """Frames of all nodes, attached ones included, (N, 4, 3)."""
         return self._system.numbering.master_map.frames(self._state.H)
 
     @property
     def twists(self) -> Array:
-        """Velocities as twists of all nodes along the rows of their frames, (N, 6)."""
+        """Twists of all nodes along the axes of their frames, (N, 6)."""
         H, v = self._state.H, self._state.v
         shown = np.empty_like(v)
         all_result_twists(self._system.kinds, H, np.ascontiguousarray(v), shown)
@@ -165,10 +165,10 @@ class Report:
 
     @property
     def joints(self) -> Joints:
-        """Of joints, and of what acts along them."""
+        """Forces, coordinates and violations of joints."""
         system, (H, v, _, multipliers) = self._system, self._state
         if system.scene.redundant is Redundant.MINIMUM_NORM and system.m:
-            # of all multipliers that make the same motion the smallest
+            # the smallest of all multipliers that cause the same motion
             B = system.tangent.jacobian(H)
             units = np.asarray(system.units / system.length)
             multipliers = IdleMultipliers.of(B, units, system.kkt.measure).remove(multipliers)
@@ -176,7 +176,7 @@ class Report:
 
     @property
     def reactions(self) -> Array:
-        """Force and moment of supports on what is held, about it, global components, (s, 6)."""
+        """Reaction force and moment at each supported node, about it, global components, (s, 6)."""
         system, state = self._system, self._state
         if not len(system.supported):
             return np.zeros((0, 6))
@@ -194,21 +194,21 @@ class Report:
         return wrenches(system.kinds, H, local, held, system.supported)
 
     def check_turns(self, when: str | float) -> None:
-        """Warn where an element turns nearly as far as it may, and refuse rotations that are lost.
+        """Warn of elements near their largest rotation, and refuse ambiguous rotations.
 
         Args:
-            when: Of which state, for messages; a number is a time.
+            when: Description of the state for messages; a number is a time.
 
         Raises:
-            FoldedElementError: One turns farther.
-            LostBranchError: Since the last accepted state the angle of a spring, drive, gear or
-                screw has changed by more than a quarter turn, or axes that a joint or a prescribed
-                motion keeps together point against each other.
+            FoldedElementError: An element rotates farther.
+            LostBranchError: The angle of a spring, drive, gear or screw has changed by more than a
+                quarter turn since the last accepted state, or aligned axes of a joint or a
+                prescribed motion are opposite.
         """
         self._system.connections.check_branch(self._state.H)
         self._system.turns.check(self.frames, when)
 
     @property
     def turn_hint(self) -> str:
-        """What to say of the element that turns most, after a failure, if that may be why."""
+        """Hint for the message of a failure, if a large rotation of an element may be the cause."""
         return self._system.turns.hint(self.frames)

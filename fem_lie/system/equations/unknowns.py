@@ -1,4 +1,4 @@
-"""What stays the same of equations: numbers, sizes, what is held, and arrays for compiled code."""
+"""Constant properties of the equations: numbers, supports, and packed arrays for compiled code."""
 
 from __future__ import annotations
 
@@ -25,41 +25,41 @@ from fem_lie.system.system import System
 
 
 class Unknowns(NamedTuple):
-    """Which unknowns there are: those of ``moving`` nodes, then ``m`` multipliers.
+    """The unknowns: six of each of ``moving`` nodes, then ``m`` Lagrange multipliers.
 
     Attributes:
-        moving: Nodes ``n`` that move, six unknowns each.
-        m: Constraints.
-        size: All unknowns, ``6 n + m``.
-        length: Of the model, that of tolerances.
-        kinds: What each node is, (n,), see :mod:`fem_lie.lie.node_types`.
-        lengths: Which halves of the unknowns of the nodes are lengths, (n, 2); others have no
-            dimension.
-        held: Which unknowns of the nodes are zero, (n, 6).
-        supported: Nodes that something holds, (s,), of which reactions are told.
-        uncoupled: Which nodes move by ``x + R u`` in statics, tilted and then drilled, (n,).
-        straight: Which of the others do, turned at once, (n,).
-        angular: Which constraints are angles, (m,).
-        joined: Which of them are one vector with the one before, (m,).
-        vectors: The constraints of the vector of each, (m, w); beyond its end any.
-        of_velocities: How many constraints, the last, bind velocities.
-        connections: Number of joints and what else results tell the forces of.
-        masters: The moving nodes among all, (n,).
-        total: All nodes, those that follow others included.
-        bodies: Which of all nodes are whose.
+        moving: Number n of moving nodes.
+        m: Number of constraints.
+        size: Number of unknowns, ``6 n + m``.
+        length: Length of the model, the scale of tolerances.
+        kinds: Type of each node, (n,), see :mod:`fem_lie.lie.node_types`.
+        lengths: Whether the first and the last three unknowns of the nodes are lengths, (n, 2);
+            others have no dimension.
+        held: Unknowns of the nodes that are zero, (n, 6).
+        supported: Supported nodes, whose reactions are reported, (s,).
+        uncoupled: Nodes that move by ``x + R u`` in statics, tilted and then drilled, (n,).
+        straight: Other nodes that move by ``x + R u``, with one rotation, (n,).
+        angular: Whether a constraint is an angle, (m,).
+        joined: Whether a constraint belongs to the vector of the one before, (m,).
+        vectors: Constraints of the vector of each, (m, w); arbitrary beyond its end.
+        of_velocities: Number of velocity constraints, the last.
+        connections: Number of joints, springs, drives and gears in results.
+        masters: Numbers of the moving nodes among all, (n,).
+        total: Number of all nodes, attached ones included.
+        bodies: Numbers of the nodes of each body.
         rigid: Whether there are no elements.
-        time_dependent: Whether loads, drives or prescribed motions change in time.
-        driven: Whether targets of constraints do.
-        strains_change: Whether strains without stress do.
-        preloaded: Whether there are springs with a rest value of their own.
-        may_be_redundant: Whether constraints may follow from others.
-        other_constraints: What constraints are called that no pair of frames has.
+        time_dependent: Whether loads, drives or prescribed motions depend on time.
+        driven: Whether targets of constraints depend on time.
+        strains_change: Whether stress-free strains depend on time.
+        preloaded: Whether there are springs with a prescribed rest value.
+        may_be_redundant: Whether constraints may be redundant.
+        other_constraints: Descriptions of constraints that are not between two frames.
         other_springs: Whether there are springs along coordinates of these.
-        drilling: Shells whose nodes turn about their third directors.
+        drilling: Shells whose nodes have drilling rotations.
         floating: Bodies that deform within their frames.
-        has_potential: Whether all loads have one.
-        apart: Whether some of the matrix may be beside it.
-        summary: What there is, in one line for the log.
+        has_potential: Whether all loads have a potential.
+        apart: Whether the matrix may have a separate low-rank correction.
+        summary: Summary of the scene, in one line for the log.
     """
 
     moving: int
@@ -101,7 +101,7 @@ class Unknowns(NamedTuple):
 
     @classmethod
     def of(cls, system: System) -> Unknowns:
-        """Those of a system."""
+        """Unknowns of a system."""
         numbering, connections = system.numbering, system.connections
         shown = numbering, system.terms, system.kinds, system.m
         potential = has_potential(system)
@@ -144,9 +144,9 @@ class Start(NamedTuple):
     """Initial values of all rows: moving nodes, ground, prescribed motions.
 
     Attributes:
-        frames: Shape (n + 1 + p, 4, 3).
+        frames: Current frames at the start, shape (n + 1 + p, 4, 3).
         velocities: Local twists, same rows, (…, 6).
-        unloaded: Frames where nothing is strained, same rows.
+        unloaded: Frames of the unstrained configuration, same rows.
     """
 
     frames: Array
@@ -155,44 +155,43 @@ class Start(NamedTuple):
 
 
 class Tables(NamedTuple):
-    """Arrays that stay where they are, for compiled code that goes round the verbs.
+    """Packed arrays with fixed addresses, for compiled code that bypasses the interface.
 
     Attributes:
-        kinds: What each moving node is, (n,).
-        master: Of each node, (N,).
-        offset: Its frame in that of its master node, (N, 4, 3).
+        kinds: Type of each moving node, (n,).
+        master: Master node of each node, (N,).
+        offset: Frame of each node in that of its master node, (N, 4, 3).
         inertia: Mass matrix on (x, d₁, d₂, d₃).
-        turning: Angular velocities of rates of directors, see
+        turning: Map from rates of directors to angular velocities, see
             :func:`~fem_lie.lie.node_types.inertia.turning_of`, (n, 3, 3, 3).
-        floating: Inertia of bodies that deform within their frames, beyond that.
-        damping: Damping that goes with mass, likewise; empty without.
-        loads: At the time that was set last.
+        floating: Further inertia of bodies that deform within their frames.
+        damping: Mass-proportional damping on (x, d₁, d₂, d₃); empty without.
+        loads: Loads at the time that was set last.
         conservative: Loads with a potential on (x, d₁, d₂, d₃), (n, 4, 3).
-        joints: Table of constraints of joints, and springs.
-        probes: That of the coordinates that results tell.
-        pairs: Those of which forces are told, (f,).
-        sides: Of these pairs, (f,).
-        owner: Connection of each constraint, (m,).
-        limits: Turns that elements may make, (w,).
+        joints: Table of joint constraints and springs.
+        probes: Table of the coordinates in results.
+        pairs: Pairs of frames whose forces are reported, (f,).
+        sides: Reported sides of these pairs, (f,).
+        owner: Item of each constraint, (m,).
+        limits: Largest rotations of elements, rad, (w,).
         ends: Nodes of these elements from end to end, (w, 3).
-        whole: Whether whole frames turn, (w,).
-        lengths: Unloaded lengths of those that are judged by their strain, else zero, (w,).
+        whole: Whether the rotation of whole frames counts, (w,).
+        lengths: Unloaded lengths of elements whose strain is checked, else zero, (w,).
         chords: Unloaded chords along the mean axes of both ends, (w, 3).
-        supported: Which unknowns of the nodes are held from outside, (n, 6).
-        assemblies: Those of elements, with their part of all nodes.
-        terms: All that adds forces.
+        supported: Unknowns of the nodes held from outside, (n, 6).
+        assemblies: Assemblies of elements, with their slice of all nodes.
+        terms: All terms.
         complete: Whether forces of joints follow from these tables and the multipliers alone.
-        in_one_sum: Whether a residual is the compiled sum of :attr:`.Forces.table`, but for what is
-            held.
-        stored: Cells whose energy is all that bodies have, as two arrays, see
+        in_one_sum: Whether a residual is the compiled sum of :attr:`.Forces.table` only, apart from
+            held unknowns.
+        stored: Cells with all stored energy of bodies, as two arrays, see
             :class:`~fem_lie.forms.cell_forms.FormTable`; ``None`` if there is more.
-        pairs_of_all: All relative motions of nodes and attachments, where some nodes have no frame
-            and there are no other constraints; else ``None``.
-        edges: Nodes with frames along the edge to another node, and those others, among all nodes,
-            (k, 2).
+        pairs_of_all: Relative motions of nodes and attachments, if some nodes have vector
+            coordinates and there are no other constraints; else ``None``.
+        edges: Nodes with a frame along the edge to another node, and these other nodes, (k, 2).
         turns: Whether joints count their turns.
-        around: Places whose axes follow what is around them, turned after each step.
-        drills: Whether other axes do, of a mid-surface or as bodies say.
+        around: Position nodes with convected axes, rotated after each step.
+        drills: Whether other nodes have convected axes.
     """
 
     kinds: Indices
@@ -228,7 +227,7 @@ class Tables(NamedTuple):
 
     @classmethod
     def of(cls, system: System) -> Tables:
-        """Those of a system."""
+        """Packed arrays of a system."""
         master_map, connections = system.numbering.master_map, system.connections
         limits, ends, whole, lengths, chords = system.turns.elements
         rates = system.terms.rates
@@ -266,6 +265,6 @@ class Tables(NamedTuple):
 
 
 def _edges(bodies: Mapping[Body, Indices]) -> Indices:
-    """Those of all bodies, each of which has these of all nodes."""
+    """Edges of all bodies in the numbering of all nodes."""
     found = [nodes[body.edge_frames] for body, nodes in bodies.items()]
     return np.concatenate([np.empty((0, 2), dtype=np.int64), *found])

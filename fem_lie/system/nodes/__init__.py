@@ -1,1 +1,1 @@
-"""Nodes of a system: numbers, followers, inertia, held axes, and sums over all of them."""
+"""Nodes of a system: numbering, attached nodes, inertia, supports, and sums over all nodes."""

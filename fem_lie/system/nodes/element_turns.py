@@ -1,19 +1,20 @@
-"""How far elements rotate and strain from end to end, and how far they may.
+"""Rotations and strains of elements from end to end, and their limits.
 
-Every element that is interpolated between nodes has a turn beyond which it folds: its bending
-moment has a maximum over the turn, and states beyond it, though in equilibrium, are no solutions of
-the beam or shell. Logarithms of relative motions end at π.
+Every element that interpolates between nodes has a rotation beyond which it folds: its bending
+moment has a maximum over the rotation, and equilibrium states beyond it are no solutions of the
+beam or shell. Logarithms of relative motions end at π.
 
-| element | turn |
+| element | limit |
 | --- | --- |
 | geodesic, directors of two nodes | π, where the rotation has two logarithms |
-| directors of three nodes | 2.7312: the node inside runs away to one end |
+| directors of three nodes | 2.7312: the inner node moves to one end |
 | shells with two nodes along an edge | π/2: the moment goes with the sine; π if decoupled |
 | shells with three | 3.0: nearly π, where their directors are opposite |
 
-Beams and rods have a linear law of their section, and an axis that is nearly straight in the axes
-of their mean frame: they are judged by their axial strain (10 %) and by the angle between both
-(0.3 rad), too. Neither ends a run, as the element remains a continuous function of its nodes.
+Beams and rods have a linear constitutive law of their section, and an axis that is nearly straight
+in the axes of their mean frame: their axial strain (10 %) and the angle between both (0.3 rad) are
+checked as well. These limits cause warnings only, as the element remains a continuous function of
+its nodes.
 """
 
 from __future__ import annotations
@@ -30,26 +31,26 @@ from fem_lie.bodies.nodes import FoldedElementError
 if TYPE_CHECKING:
     from fem_lie.system.nodes.numbering import Numbering
 
-_NEAR, _SUSPECT = 0.9, 0.7  # of the limit
+_NEAR, _SUSPECT = 0.9, 0.7  # fraction of the limit
 _STRETCH, _SHEAR = 0.1, 0.3  # axial strain, angle between axis and mean frame in rad
 
 
 Found: TypeAlias = tuple[int, float, bool]
-"""What :func:`nearest` finds."""
+"""Result of :func:`nearest`."""
 
 
 class CoarseElementsWarning(UserWarning):
-    """Elements rotate almost as far as they may, or strain farther than their law is meant for."""
+    """Elements rotate almost to their limit, or strain beyond the range of their law."""
 
 
 class Turn(NamedTuple):
-    """The element that is nearest to its limit.
+    """The element closest to its limit.
 
     Attributes:
         body: Label of its body.
         element: Its number there.
-        angle: From end to end, rad.
-        limit: Largest angle that it may have, rad.
+        angle: Rotation from end to end, rad.
+        limit: Largest admissible rotation, rad.
     """
 
     body: str
@@ -58,7 +59,7 @@ class Turn(NamedTuple):
     limit: float
 
     def __str__(self) -> str:
-        """What is wrong, and the remedy."""
+        """Problem and remedy."""
         return (
             f"element {self.element} of {self.body} turns by {self.angle:.3g} rad from end to end; "
             f"elements of this kind fold at {self.limit:.3g} rad: use at least "
@@ -67,7 +68,7 @@ class Turn(NamedTuple):
 
 
 class Strains(NamedTuple):
-    """The beam elements that are strained most.
+    """The beam elements with the largest strains.
 
     Attributes:
         stretched: Row with the largest axial strain.
@@ -117,15 +118,15 @@ class ElementTurns:
 
     @property
     def elements(self) -> tuple[Array, Indices, Indices, Array, Array]:
-        """Limits (w,), nodes from end to end (w, 3), and whether whole frames turn (w,).
+        """Limits (w,), nodes from end to end (w, 3), and whether whole frames rotate (w,).
 
-        Then lengths (w,), zero for what is not judged by its strain, and unloaded chords along the
-        mean axes of both ends (w, 3).
+        Then lengths (w,), zero for elements whose strain is not checked, and unloaded chords along
+        the mean axes of both ends (w, 3).
         """
         return self._limits, self._nodes, self._whole, self._lengths, self._chords
 
     def largest(self, frames: Array) -> Turn | None:
-        """The element nearest to its limit at frames of all nodes, (n, 4, 3); none if none turn."""
+        """The element closest to its limit at frames of all nodes, (n, 4, 3), or ``None``."""
         if not self._any:
             return None
         row, angle, _ = nearest(frames, self._nodes, self._limits, self._whole)
@@ -135,18 +136,18 @@ class ElementTurns:
         return Turn(self._bodies[row], int(self._numbers[row]), angle, float(self._limits[row]))
 
     def hint(self, frames: Array) -> str:
-        """What to say of the element nearest to its limit after a failure, if it is near."""
+        """Hint about the element closest to its limit for the message of a failure, or empty."""
         turn = self.largest(frames)
         if turn is None or turn.angle <= _SUSPECT * turn.limit:
             return ""
         return f" There {turn}."
 
     def check(self, frames: Array, when: str | float) -> None:
-        """Warn, once, where an element is near its limit.
+        """Warn once if an element is close to its limit.
 
         Args:
-            frames: Of all nodes, shape (n, 4, 3).
-            when: Of which state, for messages; a number is a time.
+            frames: Frames of all nodes, shape (n, 4, 3).
+            when: Description of the state for messages; a number is a time.
 
         Raises:
             FoldedElementError: An element is beyond it.
@@ -164,7 +165,7 @@ class ElementTurns:
             warnings.warn(f"{state} {turn}", CoarseElementsWarning, stacklevel=2)
 
     def _check_strains(self, frames: Array, state: str) -> None:
-        """Warn, once of each, of elements that are strained beyond what they are meant for."""
+        """Warn once of elements that strain, or lean, beyond their range."""
         found = Strains(*most_strained(frames, self._nodes, self._lengths, self._chords))
         if abs(found.stretch) > _STRETCH and not self._warned_of_stretch:
             self._warned_of_stretch = True
@@ -193,16 +194,16 @@ class ElementTurns:
 def most_strained(
     H: Array, nodes: Indices, lengths: Array, chords: Array
 ) -> tuple[int, float, int, float, bool]:
-    """The fields of :class:`Strains`.
+    """Fields of :class:`Strains`.
 
-    An axis is at least as long as its chord, and hardly longer than the arc that has this chord and
-    the angle between both ends: a stretch is that of the chord, a compression that of the arc.
+    An axis is at least as long as its chord, and hardly longer than the arc with this chord and the
+    angle between both ends: an extension is that of the chord, a compression that of the arc.
 
     Args:
         H: Frames of all nodes, (N, 4, 3).
-        nodes: From end to end, (w, 3).
-        lengths: Unloaded arc lengths, zero for rows that are not judged, (w,).
-        chords: Unloaded, along the mean axes of both ends, (w, 3).
+        nodes: Nodes from end to end, (w, 3).
+        lengths: Unloaded arc lengths, zero for rows that are not checked, (w,).
+        chords: Unloaded chords along the mean axes of both ends, (w, 3).
     """
     stretched, largest, leaning, angle = 0, 0.0, 0, 0.0
     for w in range(nodes.shape[0]):
@@ -232,9 +233,9 @@ def most_strained(
 
 @uncounted
 def nearest(H: Array, nodes: Indices, limits: Array, whole: Indices) -> Found:
-    """Row whose turn is the largest part of its limit, that turn, and whether it is to be judged.
+    """Row with the largest rotation over its limit, that rotation, and whether to check it.
 
-    0, 0 and not if there is none.
+    0, 0 and false if there is no row.
     """
     worst, row, angle = -1.0, 0, 0.0
     for w in range(nodes.shape[0]):
@@ -252,5 +253,5 @@ def nearest(H: Array, nodes: Indices, limits: Array, whole: Indices) -> Found:
             turn += np.arccos(min(1.0, max(-1.0, cosine)))
         if turn > worst * limits[w]:
             worst, row, angle = turn / limits[w], w, turn
-    # what is not a number is judged, too
+    # NaN is checked as well
     return row, angle, limits.shape[0] > 0 and not angle <= _NEAR * limits[row]
