@@ -1,4 +1,4 @@
-"""Energy and momenta of conserving steps over impacts: bodies, beams, lines and skins of shells.
+"""Energy and momenta of conserving steps over impacts: bodies, beams, lines and shells.
 
     python -m benchmarks.conserving_contact [--cases box corners beams lines5 lines90
         ball sheets slab] [--friction 0.3] [--long]
@@ -6,7 +6,7 @@
 Nothing holds the bodies, so momentum and angular momentum stay, and energy but for what friction
 takes, which is told with the least that it takes in a step. Steps are given in periods of contact,
 2π √(m/k) with the mass that an impact moves. With ``--long`` the ball in the turning box makes 10⁵
-steps. Lines and skins rub in no conserving scheme.
+steps. Lines and shells have no friction in conserving schemes.
 """
 
 from __future__ import annotations
@@ -95,8 +95,8 @@ def sheet(height: float, length: float, cells: int, slope: float = 0.0) -> fl.Sh
 def on_sheet(k: float, μ: float = 0.0) -> Case:
     """A ball thrown aslant on a free sheet."""
     one, lower = ball((0.1, 0.05, 0.115), (0.3, 0.2, -1)), sheet(0, 1, 6)
-    skin = fl.Skin(lower, smooth=False)
-    touch = fl.Contact(fl.Sphere(one.point("centre"), 0.1), skin, fl.Penalty(k, friction=μ))
+    surface = fl.Skin(lower, smooth=False)
+    touch = fl.Contact(fl.Sphere(one.point("centre"), 0.1), surface, fl.Penalty(k, friction=μ))
     return scene_of(lower, one, touch), touch
 
 

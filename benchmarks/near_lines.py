@@ -13,8 +13,8 @@ import numpy as np
 
 import fem_lie as fl
 from fem_lie.contact.sides.detection import near
-from fem_lie.contact.sides.meeting import Lines
 from fem_lie.contact.sides.surfaces import Piece
+from fem_lie.contact.sides.two_sides import Lines
 
 SEGMENTS, RADIUS, LENGTH = 50, 0.1, 1.0
 LEAST = 1000

@@ -47,8 +47,8 @@ def press(mesh: int, load_steps: int = 60) -> tuple[np.ndarray, np.ndarray, floa
     scene.add(fl.PrescribedMotion(ball.point("centre"), down))
     nodes = [fl.Point(shell, node) for node in range(len(shell.frames))]
     law = fl.Penalty(AREAL * (SIDE / mesh) ** 2)
-    skin = fl.Vertices(nodes, 0.5 * THICKNESS)
-    touch = scene.add(fl.Contact(skin, fl.Sphere(ball.point("centre"), BALL), law))
+    surface = fl.Vertices(nodes, 0.5 * THICKNESS)
+    touch = scene.add(fl.Contact(surface, fl.Sphere(ball.point("centre"), BALL), law))
     result = fl.statics(scene, levels=LEVELS, load_steps=load_steps)
     found = fl.contact_forces(result, touch)
     iterations = float(result.iterations.sum() / (len(result.factors) - 1))

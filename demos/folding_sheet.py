@@ -6,7 +6,7 @@ point, which they do with an increasing force up to 10.34 EI/R³, and along a fl
 J. E. Flaherty, J. B. Keller, S. I. Rubinow, SIAM J. Appl. Math. 23 (1972) 446. The numbers here are
 those of their equations for middle lines that come no nearer than the thickness, of R/50.
 
-One shell, half of the ring, touches itself by its skin: points of Gauss of each cell meet smooth
+One shell, half of the ring, touches itself: Gauss points of each cell meet smooth
 patches of the others, of which those that are near along the sheet are left out. The ring is
 R/500 out of round in the beginning.
 
@@ -51,12 +51,12 @@ def tube(mesh: int, stiffness: float) -> tuple[fl.Scene, fl.Shell, fl.Contact]:
     shell = fl.Shell(fl.surface(place, (mesh, 1)), section, director=outwards)
     for curve, normal in (("a=0", (1, 0, 0)), ("a=1", (1, 0, 0)), ("b=0", (0, 1, 0))):
         shell.symmetry(curve, normal)
-    scene, skin = fl.Scene(), fl.Skin(shell)
+    scene, surface = fl.Scene(), fl.Skin(shell)
     scene.add(shell)
     side = fl.Point(shell, int(np.argmax(shell.frames[:, 0, 0])))
     scene.add(fl.InPlane(fl.ground(), side, axis=(0, 0, 1)))
     scene.add(fl.SurfacePressure(shell, -MOST))
-    return scene, shell, scene.add(fl.Contact(skin, skin, fl.Penalty(stiffness)))
+    return scene, shell, scene.add(fl.Contact(surface, surface, fl.Penalty(stiffness)))
 
 
 def main(

@@ -39,7 +39,7 @@ from fem_lie.contact.laws.energy import UnresolvedContactWarning
 from fem_lie.contact.laws.law import Impact, Penalty
 from fem_lie.contact.pairs.lines import Cylinder, Line
 from fem_lie.contact.pairs.shapes import Box, Plane, Sphere, Vertices
-from fem_lie.contact.pairs.skins import Skin
+from fem_lie.contact.pairs.shell_surfaces import Skin
 from fem_lie.contact.rings.surfaces import Rings, Rope
 from fem_lie.contact.sides.surfaces import Surface
 from fem_lie.elements.beams.directors import Director, director_strains

@@ -49,7 +49,7 @@ def test_steps_in_contact_keep_their_matrix(name, count):
     assert result.divided == 0
 
 
-def test_skins_that_conserving_steps_refuse():
+def test_shell_surfaces_that_conserving_steps_refuse():
     lower, upper = sheet(0, 1, 1), sheet(0.1, 1, 1)
     for smooth, law, message in (
         (
@@ -60,8 +60,8 @@ def test_skins_that_conserving_steps_refuse():
         (False, fl.Penalty(1e6, friction=0.3), "contacts by penalty with friction"),
         (False, fl.Penalty(1e6, damping=1e3), "does not support contacts by penalty with damping"),
     ):
-        skins = fl.Skin(lower, smooth=smooth), fl.Skin(upper, smooth=smooth)
-        scene = scene_of(lower, upper, fl.Contact(*skins, law))
+        surfaces = fl.Skin(lower, smooth=smooth), fl.Skin(upper, smooth=smooth)
+        scene = scene_of(lower, upper, fl.Contact(*surfaces, law))
         with pytest.raises(ValueError, match=message):
             fl.EnergyMomentum().run(scene, duration=1e-2, step=1e-3, progress=False)
 
@@ -80,9 +80,9 @@ def test_what_ground_gives_is_booked():
     ball = fl.RigidBody(1.0, 4e-3 * np.eye(3), (0, 0, 1))
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(ball)
-    skin, law = fl.Sphere(ball.point("centre"), 0.1), fl.Penalty(1e4)
-    scene.add(fl.Contact(skin, fl.Plane(fl.ground(), (0.3, 0, 1), at=(0, 0, 0.5)), law))
-    scene.add(fl.Contact(skin, fl.Plane(fl.ground(), (-1, 0, 1), at=(0, 0, 0)), law))
+    surface, law = fl.Sphere(ball.point("centre"), 0.1), fl.Penalty(1e4)
+    scene.add(fl.Contact(surface, fl.Plane(fl.ground(), (0.3, 0, 1), at=(0, 0, 0.5)), law))
+    scene.add(fl.Contact(surface, fl.Plane(fl.ground(), (-1, 0, 1), at=(0, 0, 0)), law))
     result = fl.EnergyMomentum().run(scene, duration=1.5, step=5e-3, progress=False)
     assert result.impulses[-1, 1, 0] != 0.0
     assert result.energy_error < 1e-12

@@ -223,7 +223,7 @@ REFUSED = {
     "negative damping": (lambda: fl.Penalty(1.0, damping=-1.0), "damping must not be negative"),
     "flat ball": (lambda: fl.Sphere(fl.ground(), 0.0), "radius must be a positive"),
     "inside out": (lambda: fl.Vertices([fl.ground()], -1.0), "radius must not be negative"),
-    "no points": (lambda: fl.Vertices([]), "must have a point"),
+    "no points": (lambda: fl.Vertices([]), "expected at least one point"),
     "flat box": (lambda: fl.Box(fl.ground(), (1, 0, 1)), "3 positive finite lengths"),
     "no normal": (lambda: fl.Plane(fl.ground(), (0, 0, 0)), "must not be zero"),
     "overlap": (
@@ -234,7 +234,7 @@ REFUSED = {
                 LAW,
             )
         ),
-        r"overlap by 0\.1 at \(0, 0, 0\.8\); start apart",
+        r"overlap by 0\.1 at \(0, 0, 0\.8\); start with a gap",
     ),
     "overlap of balls": (
         lambda: two_bodies(
@@ -252,7 +252,7 @@ REFUSED = {
                 LAW,
             )
         ),
-        "never move against each other",
+        "expected surfaces on different frames",
     ),
     "two planes": (
         lambda: one_body(
@@ -369,7 +369,7 @@ def test_a_stiffness_is_chosen_by_what_is_behind(caplog):
         assert law.stiffness == pytest.approx(0.2 * wanted, rel=1e-6)
         assert law.coulomb.holding == law.stiffness
         assert f"stiffness {law.stiffness:g} was chosen" in caplog.messages[-1]
-    with pytest.raises(ValueError, match="Penalty needs a stiffness, for there is neither"):
+    with pytest.raises(ValueError, match="Penalty needs a stiffness, for neither surface belongs"):
         fl.Contact(fl.Sphere(ball.point("centre"), 0.1), floor, fl.Penalty())
 
 

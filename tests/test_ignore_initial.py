@@ -89,9 +89,9 @@ def test_is_refused():
         fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2)),
         fl.ShellSection.layer(0.01, fl.Material(1e9, 0.3, 1e3)),
     )
-    skin = fl.Skin(sheet)
+    surface = fl.Skin(sheet)
     with pytest.raises(ValueError, match="ignore_initial is for points, balls, boxes and planes"):
-        fl.Contact(skin, skin, fl.Penalty(1e6), ignore_initial=True).check()
+        fl.Contact(surface, surface, fl.Penalty(1e6), ignore_initial=True).check()
     with pytest.raises(ValueError, match="ignore what overlaps in the beginning"):
         fl.EnergyMomentum().run(
             thrown_up(fl.Penalty(1e5))[0], duration=0.1, step=1e-2, progress=False

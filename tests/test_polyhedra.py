@@ -317,7 +317,7 @@ def cube(body):
 
 REFUSED = {
     "penalty": (lambda: two(cube, cube, fl.Penalty(1e5)), "touch each other and balls by Impact"),
-    "overlap": (lambda: two(cube, cube, apart=0.15), "overlap by 0.05; start apart"),
+    "overlap": (lambda: two(cube, cube, apart=0.15), "overlap by 0.05; start with a gap"),
     "flat": (
         lambda: fl.ConvexPolyhedron(fl.ground(), [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)]),
         "must not lie in a plane",
@@ -329,7 +329,7 @@ REFUSED = {
     "itself": (
         lambda: two(cube, lambda body: fl.Box(body.point("centre"), CUBE)).check()
         or fl.Scene().add(fl.Contact(*2 * [fl.Box(fl.ground(), CUBE)], fl.Impact())),
-        "never move against each other",
+        "expected surfaces on different frames",
     ),
     "points": (
         lambda: two(cube, lambda body: fl.Vertices([body.point("centre")])),

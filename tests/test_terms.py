@@ -260,7 +260,7 @@ def sheet(cell: str, place, **options) -> fl.Shell:
     return fl.Shell(mesh, fl.ShellSection.layer(0.3, MATERIAL), formulation=element)
 
 
-def skin_on_skin(
+def shell_on_shell(
     cell: str = "quadrilateral", degree: int = 1, smooth: bool = True, **law
 ) -> fl.Scene:
     """A sheet above a wider one, as thick as they are apart."""
@@ -268,12 +268,12 @@ def skin_on_skin(
     upper = scene.add(sheet(cell, lambda a, b: np.array([a, b, 1.0 + 0.05 * a * b])))
     wide = sheet(cell, lambda a, b: np.array([5 * a - 2.2, 5 * b - 2.1, 0.05 * a]), degree=degree)
     lower = scene.add(wide)
-    skins = fl.Skin(upper, 1.1, smooth=smooth), fl.Skin(lower, 0.9, smooth=smooth)
-    scene.add(fl.Contact(*skins, fl.Penalty(50.0, **law)))
+    surfaces = fl.Skin(upper, 1.1, smooth=smooth), fl.Skin(lower, 0.9, smooth=smooth)
+    scene.add(fl.Contact(*surfaces, fl.Penalty(50.0, **law)))
     return scene
 
 
-def skin_on_edge() -> fl.Scene:
+def shell_on_edge() -> fl.Scene:
     """A sheet beside another one."""
     scene = fl.Scene(gravity=(0, 0, 0))
     one = scene.add(sheet("quadrilateral", lambda a, b: np.array([a, 2 * b - 0.5, 0.3 * a])))
@@ -282,7 +282,7 @@ def skin_on_edge() -> fl.Scene:
     return scene
 
 
-def ball_on_skin(smooth: bool = True) -> fl.Scene:
+def ball_on_shell(smooth: bool = True) -> fl.Scene:
     """Two balls, one above a triangle."""
     scene = fl.Scene(gravity=(0, 0, 0))
     ball = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.2, 0.1, 1.0)))
@@ -293,7 +293,7 @@ def ball_on_skin(smooth: bool = True) -> fl.Scene:
     return scene
 
 
-def skin_on_plane(**law) -> fl.Scene:
+def shell_on_plane(**law) -> fl.Scene:
     """Behind a plane of a body that moves."""
     scene = fl.Scene(gravity=(0, 0, 0))
     body = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.2, 0.1, -0.5)))
@@ -420,17 +420,19 @@ TERMS: dict[str, Case] = {
     "line on a bar": Case(line_on_bar, TOUCH),
     "line on a line": Case(line_on_line, TOUCH),
     "line on a plane": Case(line_on_plane, TOUCH),
-    "skin on a skin": Case(skin_on_skin, TOUCH),
-    "triangles on triangles": Case(lambda: skin_on_skin("triangle"), TOUCH),
-    "skin on quadratic cells": Case(lambda: skin_on_skin(degree=2), TOUCH),
-    "skin on quadratic triangles": Case(lambda: skin_on_skin("triangle", 2), TOUCH),
-    "bilinear skin on a skin": Case(lambda: skin_on_skin(smooth=False), TOUCH),
-    "bilinear skin of triangles": Case(lambda: skin_on_skin("triangle", smooth=False), TOUCH),
-    "skin on an edge": Case(skin_on_edge, TOUCH),
-    "balls on a skin": Case(ball_on_skin, TOUCH),
-    "balls on a bilinear skin": Case(lambda: ball_on_skin(smooth=False), TOUCH),
-    "skin on a plane": Case(skin_on_plane, TOUCH),
-    "skin that damps on a skin": Case(lambda: skin_on_skin(damping=0.3), TOUCH),
+    "shell on a shell": Case(shell_on_shell, TOUCH),
+    "triangles on triangles": Case(lambda: shell_on_shell("triangle"), TOUCH),
+    "shell on quadratic cells": Case(lambda: shell_on_shell(degree=2), TOUCH),
+    "shell on quadratic triangles": Case(lambda: shell_on_shell("triangle", 2), TOUCH),
+    "bilinear shell surface on a shell": Case(lambda: shell_on_shell(smooth=False), TOUCH),
+    "bilinear shell surface of triangles": Case(
+        lambda: shell_on_shell("triangle", smooth=False), TOUCH
+    ),
+    "shell on an edge": Case(shell_on_edge, TOUCH),
+    "balls on a shell": Case(ball_on_shell, TOUCH),
+    "balls on a bilinear shell surface": Case(lambda: ball_on_shell(smooth=False), TOUCH),
+    "shell on a plane": Case(shell_on_plane, TOUCH),
+    "shell with contact damping on a shell": Case(lambda: shell_on_shell(damping=0.3), TOUCH),
     "line that damps on a bar": Case(lambda: line_on_bar(damping=0.3), TOUCH),
     "corners on a plane that damps": Case(lambda: corners_on_plane(damping=0.3), TOUCH),
     "balls that damp": Case(lambda: balls_on_balls(damping=0.3), TOUCH),

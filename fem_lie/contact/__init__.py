@@ -1,1 +1,1 @@
-"""Contact: two surfaces and the law between them."""
+"""Contact: two surfaces and the contact law between them."""

@@ -1,4 +1,4 @@
-"""A contact: two surfaces, and the law between them."""
+"""A contact: two surfaces and the contact law between them."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Two surfaces that push each other apart, or one that touches itself.
+    """Contact of two surfaces, or of a surface with itself.
 
     Attributes:
-        a: One of them.
-        b: The other; the same one: its balls touch each other.
-        law: Contact law.
-        name: For messages and results.
+        a: First surface.
+        b: Second surface. If it is the same object as ``a``, the surface touches itself.
+        law: Contact law: :class:`~fem_lie.Penalty` or :class:`~fem_lie.Impact`.
+        name: Name for messages and results.
         ignore_initial: Whether pairs of points that overlap at the start are ignored until they
-            have parted; of points, balls, corners and planes.
+            have separated. For points, balls, corners and planes.
 
     Example:
         >>> ball = fl.RigidBody(1.0, (0.1, 0.1, 0.1), position=(0, 0, 1))
         >>> scene = fl.Scene(gravity=(0, 0, -9.81))
         >>> _ = scene.add(ball)
-        >>> floor, skin = fl.Plane(fl.ground(), (0, 0, 1)), fl.Sphere(ball.point("centre"), 0.2)
-        >>> _ = scene.add(fl.Contact(skin, floor, fl.Impact(restitution=0.5)))
+        >>> floor, sphere = fl.Plane(fl.ground(), (0, 0, 1)), fl.Sphere(ball.point("centre"), 0.2)
+        >>> _ = scene.add(fl.Contact(sphere, floor, fl.Impact(restitution=0.5)))
         >>> len(scene.contacts)
         1
     """
@@ -52,7 +52,7 @@ class Contact:
     ignore_initial: bool = False
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another type than expected."""
+        """Raise ``TypeError`` if an argument has the wrong type."""
         for side, given in (("a", self.a), ("b", self.b)):
             instance(given, Surface, f"Contact: {side}", "a surface such as Plane or Sphere")
         instance(self.law, Law, "Contact: law", "a law such as Penalty(1e6) or Impact()")
@@ -66,39 +66,39 @@ class Contact:
 
     @property
     def label(self) -> str:
-        """The name, or what touches."""
+        """The name, or a description of both surfaces."""
         return self.name or f"Contact({self.a.label}; {self.b.label})"
 
     @property
     def bodies(self) -> list[Body]:
-        """Bodies that it acts on."""
+        """Bodies on which contact forces act."""
         return bodies_of(self.a, self.b)
 
     @cached_property
     def pair(self) -> ContactPair:
-        """The contact pair of both surfaces.
+        """The contact pair: the class that knows how these two kinds of surfaces touch.
 
         Raises:
-            ValueError: Such surfaces do not touch; it says why.
+            ValueError: Such surfaces cannot touch; the message says why.
         """
         return pair_of(self.a, self.b, self.law, self.label, self.ignore_initial)
 
     @property
     def has_friction(self) -> bool:
-        """Whether forces depend on the path of the surfaces."""
+        """Whether contact forces depend on the path, by friction of a penalty."""
         return self.pair.has_friction
 
     @property
     def held_rotations(self) -> Iterator[tuple[Body, HeldRotation]]:
-        """Nodes that its forces rotate about all axes, or about which they have moments."""
+        """Nodes that need all rotations, because contact forces have moments about them."""
         return self.pair.held_rotations(self)
 
     def check(self) -> None:
-        """Refuse surfaces that cannot touch, or overlap at the start.
+        """Raise an error for surfaces that cannot touch or that overlap at the start.
 
         Raises:
-            ValueError: Nothing of them can touch each other, or all that can never moves against
-                each other, or they overlap by more than a twentieth of their size.
+            ValueError: No points of the two surfaces can touch, or all that could touch are fixed
+                to the same frame, or the surfaces overlap by more than a twentieth of their size.
         """
         self.a.check()
         self.b.check()
@@ -109,15 +109,15 @@ class Contact:
         self.pair.check()
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
-        """All that its forces depend on.
+        """All that contact forces depend on, for the fingerprint of the scene.
 
         Args:
-            nodes: Numbers of a body's nodes.
+            nodes: Gives the numbers of the nodes of a body in the scene.
         """
         return self.pair.contents(nodes)
 
     def key(self, nodes: Nodes) -> int:
-        """A number that distinguishes it from other contacts of its scene, of :meth:`contents`."""
+        """Checksum of :meth:`contents`, which distinguishes the contacts of a scene."""
         found = 0
         for part in self.contents(nodes):
             data = part.tobytes() if isinstance(part, np.ndarray) else repr(part).encode()
@@ -125,12 +125,12 @@ class Contact:
         return found
 
     def term(self, nodes: Nodes) -> ContactTerm:
-        """Its forces.
+        """Contact forces of a penalty, as a term of the equations.
 
         Args:
-            nodes: Numbers of a body's nodes.
+            nodes: Gives the numbers of the nodes of a body in the scene.
 
         Raises:
-            ValueError: Its law has none, but impulses.
+            ValueError: The contact law is :class:`~fem_lie.Impact`, which has impulses instead.
         """
         return self.pair.term(nodes)

@@ -16,13 +16,13 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
-from fem_lie.contact.sides.kinematics import gap, place, slot
+from fem_lie.contact.sides.kinematics import gap, position, slot
 from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import GROUND, Side
 from fem_lie.lie.motions import global_components, local_components
 from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, plus, scaled
 
-ROUND, PLANE, EDGES, LINE, APART = range(5)
+ROUND, PLANE, EDGES, LINE, INACTIVE = range(5)
 """A ball and a ball; a ball, a point and a plane; two edges; a ball and an edge; nothing."""
 
 MIDDLE, HALF, OUTWARDS = range(3)
@@ -30,18 +30,18 @@ MIDDLE, HALF, OUTWARDS = range(3)
 
 
 @inlined_uncounted
-def _lever(H: Array, side: Side, i: int, k: int) -> Vector:
+def _edge_vector(H: Array, side: Side, i: int, k: int) -> Vector:
     """A vector of an edge, in global components."""
-    node, c = side.nodes[i, 0], load_row(side.levers[i], k)
+    node, c = side.nodes[i, 0], load_row(side.arms[i], k)
     return c if node == GROUND else global_components(H[node], c)
 
 
 @inlined_uncounted
 def nearest_of_lines(P: Vector, s: Vector, Q: Vector, t: Vector) -> tuple[Vector, Vector]:
     """Nearest points of two lines, through ``P`` along ``s`` and through ``Q`` along ``t``."""
-    apart = minus(P, Q)
+    separation = minus(P, Q)
     ss, tt, st = dot(s, s), dot(t, t), dot(s, t)
-    a, b = dot(s, apart), dot(t, apart)
+    a, b = dot(s, separation), dot(t, separation)
     det = ss * tt - st * st
     u = (st * b - tt * a) / det
     w = (ss * b - st * a) / det
@@ -53,19 +53,19 @@ def _gap_of_edges(
     H: Array, a: Side, b: Side, i: int, j: int, kind: int
 ) -> tuple[float, Vector, Vector]:
     """:func:`gap_of` of edges, which is called: merged into loops over all pairs it slows these."""
-    P = place(H, a, i)
-    if kind == APART:
+    P = position(H, a, i)
+    if kind == INACTIVE:
         return np.inf, (0.0, 0.0, 1.0), P
-    Q, t = place(H, b, j), _lever(H, b, j, HALF)
+    Q, t = position(H, b, j), _edge_vector(H, b, j, HALF)
     if kind == LINE:
-        apart = minus(P, Q)
-        apart = minus(apart, scaled(dot(t, apart) / dot(t, t), t))
-        distance = np.sqrt(dot(apart, apart))
-        return distance - a.radii[i], scaled(1.0 / distance, apart), P
-    s = _lever(H, a, i, HALF)
+        separation = minus(P, Q)
+        separation = minus(separation, scaled(dot(t, separation) / dot(t, t), t))
+        distance = np.sqrt(dot(separation, separation))
+        return distance - a.radii[i], scaled(1.0 / distance, separation), P
+    s = _edge_vector(H, a, i, HALF)
     n = cross(s, t)
     size = np.sqrt(dot(n, n))
-    n = scaled(1.0 / size if dot(n, _lever(H, b, j, OUTWARDS)) > 0.0 else -1.0 / size, n)
+    n = scaled(1.0 / size if dot(n, _edge_vector(H, b, j, OUTWARDS)) > 0.0 else -1.0 / size, n)
     P, Q = nearest_of_lines(P, s, Q, t)
     return dot(n, minus(P, Q)), n, P
 
@@ -88,7 +88,7 @@ def _slot_of_edges(
     sign = 1.0 if first else -1.0
     foot = P
     if kind == LINE and not first:
-        Q, t = place(H, b, j), _lever(H, b, j, HALF)
+        Q, t = position(H, b, j), _edge_vector(H, b, j, HALF)
         foot = plus(Q, scaled(dot(t, minus(P, Q)) / dot(t, t), t))
     if node < 0:
         return node, sign, 1.0, foot

@@ -12,12 +12,12 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
-from fem_lie.contact.convex.features import APART, EDGES, PLANE
+from fem_lie.contact.convex.features import EDGES, INACTIVE, PLANE
 from fem_lie.contact.convex.nearest import set_of_ball
 from fem_lie.contact.convex.separation import edge_axis, face_axis, point_between
 from fem_lie.contact.convex.slots import set_edge, set_plane, set_point, within
 from fem_lie.contact.convex.table import BITS, Polyhedra
-from fem_lie.contact.sides.kinematics import normal_of, place, places
+from fem_lie.contact.sides.kinematics import normal_of, position, positions
 from fem_lie.contact.sides.table import Side
 from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, scaled, store_row
 
@@ -133,7 +133,7 @@ def _set_of_two(
     by_second = face_axis(X, N, at, faces[1], corners[0])
     if max(by_first.separation, by_second.separation) > reach:
         return
-    P, Q = place(H, shapes.centres, one), place(H, shapes.centres, two)
+    P, Q = position(H, shapes.centres, one), position(H, shapes.centres, two)
     edges = (first[one, 2], first[one + 1, 2]), (first[two, 2], first[two + 1, 2])
     by_edges = edge_axis(X, N, shapes.edges, edges[0], edges[1], P)
     if by_edges.separation > reach:
@@ -174,7 +174,7 @@ def set_manifolds(
         b: Second points, likewise.
         impulses: Of all pairs, shape (M, 3); those of slots go with what is in them.
     """
-    places(H, shapes.corners, shapes.X)
+    positions(H, shapes.corners, shapes.X)
     for face in range(shapes.N.shape[0]):
         store_row(shapes.N, face, normal_of(H, shapes.faces, face))
     for m in range(shapes.pairs.shape[0]):
@@ -184,16 +184,16 @@ def set_manifolds(
             shapes.known[k] = shapes.ids[begin + k]
             store_row(shapes.impulses, k, load_row(impulses, first + k))
             store_row(impulses, first + k, (0.0, 0.0, 0.0))
-            kinds[first + k], shapes.ids[begin + k] = APART, 0
+            kinds[first + k], shapes.ids[begin + k] = INACTIVE, 0
         one, two = shapes.pairs[m, 0], shapes.pairs[m, 1]
         ball = one < 0
-        x = place(H, a, pairs[first, 0]) if ball else place(H, shapes.centres, one)
-        apart = minus(x, place(H, shapes.centres, two))
+        x = position(H, a, pairs[first, 0]) if ball else position(H, shapes.centres, one)
+        separation = minus(x, position(H, shapes.centres, two))
         size = shapes.centres.radii[two]
         radius = a.radii[pairs[first, 0]] if ball else shapes.centres.radii[one]
         reach = _REACH * min(size, radius)
         far = size + radius + reach
-        if dot(apart, apart) > far * far:
+        if dot(separation, separation) > far * far:
             continue
         ids = shapes.ids[begin:]
         if ball:

@@ -10,7 +10,7 @@ from fem_lie.contact.convex.features import LINE, PLANE, ROUND
 from fem_lie.contact.convex.separation import nearest_on_segment, point_between
 from fem_lie.contact.convex.slots import set_corner, set_edge, set_plane, within
 from fem_lie.contact.convex.table import BITS, Polyhedra
-from fem_lie.contact.sides.kinematics import place
+from fem_lie.contact.sides.kinematics import position
 from fem_lie.contact.sides.table import Side
 from fem_lie.lie.tuples import dot, load_row, minus
 
@@ -30,7 +30,7 @@ def set_of_ball(
     """What of a polyhedron is nearest to a ball, into its slot."""
     two, c = shapes.pairs[m, 1], shapes.slots[m]
     i, j = pairs[c, 0], pairs[c, 1]
-    x, nearest, best = place(H, a, i), -1, -np.inf
+    x, nearest, best = position(H, a, i), -1, -np.inf
     for face in range(shapes.first[two, 1], shapes.first[two + 1, 1]):
         n = load_row(shapes.N, face)
         height = dot(n, minus(x, load_row(shapes.X, shapes.at[face])))
@@ -52,11 +52,11 @@ def set_of_ball(
             load_row(shapes.X, shapes.edges[e, 1]),
         )
         s = nearest_on_segment(p, q, x)
-        apart = minus(x, point_between(p, q, s))
-        if dot(apart, apart) < least:
-            least, edge, part = dot(apart, apart), e, s
+        separation = minus(x, point_between(p, q, s))
+        if dot(separation, separation) < least:
+            least, edge, part = dot(separation, separation), e, s
     if 0.0 < part < 1.0:
-        set_edge(H, shapes, edge, place(H, shapes.centres, two), b, j)
+        set_edge(H, shapes, edge, position(H, shapes.centres, two), b, j)
         kinds[c], ids[0] = LINE, -1 - edge
         return
     corner = shapes.edges[edge, 0 if part == 0.0 else 1]

@@ -8,7 +8,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.contact.convex.separation import edge_axis, face_axis
 from fem_lie.contact.convex.table import Polyhedra
-from fem_lie.contact.sides.kinematics import normal_of, place, places
+from fem_lie.contact.sides.kinematics import normal_of, position, positions
 from fem_lie.contact.sides.table import Side
 from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
 
@@ -42,8 +42,8 @@ def _height(shapes: Polyhedra, two: int, x: Vector) -> float:
     """Height of a point over the faces of a polyhedron, negative within."""
     found = -np.inf
     for face in range(shapes.first[two, 1], shapes.first[two + 1, 1]):
-        apart = minus(x, load_row(shapes.X, shapes.at[face]))
-        found = max(found, dot(load_row(shapes.N, face), apart))
+        separation = minus(x, load_row(shapes.X, shapes.at[face]))
+        found = max(found, dot(load_row(shapes.N, face), separation))
     return found
 
 
@@ -60,15 +60,17 @@ def first_passed(before: Array, H: Array, shapes: Polyhedra, pairs: Indices, a: 
         pairs: All pairs of contact points.
         a: First points.
     """
-    places(H, shapes.corners, shapes.X)
+    positions(H, shapes.corners, shapes.X)
     for face in range(shapes.N.shape[0]):
         store_row(shapes.N, face, normal_of(H, shapes.faces, face))
     for m in range(shapes.pairs.shape[0]):
         (one, two), slot = shapes.pairs[m], shapes.slots[m]
         side, i = (a, pairs[slot, 0]) if one < 0 else (shapes.centres, one)
-        x = place(H, side, i)
-        apart = minus(x, place(H, shapes.centres, two))
-        way = minus(apart, minus(place(before, side, i), place(before, shapes.centres, two)))
+        x = position(H, side, i)
+        separation = minus(x, position(H, shapes.centres, two))
+        way = minus(
+            separation, minus(position(before, side, i), position(before, shapes.centres, two))
+        )
         moved, thin = np.sqrt(dot(way, way)), shapes.thin[m]
         if moved <= 0.5 * thin:
             continue

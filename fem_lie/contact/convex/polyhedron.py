@@ -77,8 +77,8 @@ def _around(corners: Array, normal: Array, members: list[int]) -> Indices:
     first = X[0] - X.mean(axis=0)
     first = first - (first @ normal) * normal
     second = np.cross(normal, first)
-    apart = X - X.mean(axis=0)
-    order = np.argsort(np.arctan2(apart @ second, apart @ first))
+    separation = X - X.mean(axis=0)
+    order = np.argsort(np.arctan2(separation @ second, separation @ first))
     return np.array(members)[order]
 
 
@@ -141,4 +141,4 @@ class ConvexPolyhedron(PolyhedralSurface):
 
     def polyhedron(self) -> Polyhedron:
         """Itself."""
-        return polyhedron_at(self.point, [ball.place for ball in self.balls()])
+        return polyhedron_at(self.point, [ball.position for ball in self.balls()])

@@ -18,10 +18,10 @@ from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, scaled, stor
 def _put(H: Array, side: Side, i: int, node: int, k: int, x: Vector) -> None:
     """Fix a point, or a vector where ``k`` is not the first, to a node or to ground."""
     if node == GROUND:
-        store_row(side.levers[i], k, x)
+        store_row(side.arms[i], k, x)
         return
     origin = load_row(H[node], 0) if k == MIDDLE else (0.0, 0.0, 0.0)
-    store_row(side.levers[i], k, local_components(H[node], minus(x, origin)))
+    store_row(side.arms[i], k, local_components(H[node], minus(x, origin)))
 
 
 @inlined_uncounted
@@ -36,7 +36,7 @@ def _fix(side: Side, i: int, of: Side, j: int) -> None:
 def set_corner(shapes: Polyhedra, corner: int, side: Side, i: int) -> None:
     """A corner into a slot."""
     _fix(side, i, shapes.corners, corner)
-    store_row(side.levers[i], MIDDLE, load_row(shapes.corners.levers[corner], 0))
+    store_row(side.arms[i], MIDDLE, load_row(shapes.corners.arms[corner], 0))
 
 
 @inlined_uncounted
@@ -55,7 +55,7 @@ def set_point(
 def set_plane(shapes: Polyhedra, face: int, side: Side, j: int) -> None:
     """The plane of a face into a slot."""
     _fix(side, j, shapes.faces, face)
-    store_row(side.levers[j], MIDDLE, load_row(shapes.faces.levers[face], 0))
+    store_row(side.arms[j], MIDDLE, load_row(shapes.faces.arms[face], 0))
     store_row(side.normals, j, load_row(shapes.faces.normals, face))
 
 

@@ -1,1 +1,1 @@
-"""Coulomb friction of contacts by penalty: return mapping, anchors, forces and tangents."""
+"""Coulomb friction of penalty contacts: return mapping, friction springs, forces and tangents."""

@@ -1,13 +1,14 @@
-"""Coulomb's law as a return mapping, and the anchors of friction by penalty; compiled.
+"""Coulomb's law as a return mapping, and the springs of friction by penalty; compiled.
 
-When a step is accepted, each pair of places that are near gets an anchor on both sides, material
-points at the place of contact, of which the second is short of it by what the spring is stretched.
-With ``u = P − Q`` of the anchors at any frames after that, linear in the rows of their nodes, and
-``n`` and ``p`` the normal and the force along it there::
+When a step is accepted, each pair of points that are near each other gets two anchors: the material
+points at the contact point of either side. The second is offset by the elongation of the tangential
+spring. For later frames, ``u = P − Q`` is the difference of the positions of the anchors, linear in
+the nodal coordinates; ``n`` and ``p`` are the normal and the normal force::
 
     τ = k u_T,  u_T = u − n n·u          while |τ| ≤ μ p, else τ = μ p u_T/|u_T|
 
-So anchors turn with their nodes, and what rolls takes them along from step to step.
+Anchors are material points and rotate with their nodes, so rolling moves them from step to step
+without slip.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted
-from fem_lie.contact.sides.gauss_points import Meeting
-from fem_lie.contact.sides.kinematics import SLOTS, gap, place
+from fem_lie.contact.sides.gauss_points import ContactPoints
+from fem_lie.contact.sides.kinematics import SLOTS, gap, position
 from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import GROUND, UNUSED, Side
 from fem_lie.lie.motions import global_components, local_components
@@ -37,12 +38,12 @@ from fem_lie.lie.tuples import (
 
 
 class CoulombLaw(NamedTuple):
-    """Constants of a contact by penalty with friction, for a weight of one.
+    """Constants of a penalty contact with friction, for an integration weight of one.
 
     Attributes:
         k: Normal stiffness.
         μ: Coefficient of friction.
-        holding: Stiffness of the springs across the normal.
+        holding: Stiffness of the tangential springs.
     """
 
     k: float
@@ -52,18 +53,18 @@ class CoulombLaw(NamedTuple):
 
 @inlined_uncounted
 def limit(law: CoulombLaw, depth: float) -> float:
-    """The largest traction at an overlap."""
+    """Largest tangential traction at an overlap ``depth``."""
     return law.μ * law.k * depth
 
 
 @inlined_uncounted
 def returned(law: CoulombLaw, stretch: float, most: float) -> tuple[float, bool]:
-    """Size of the traction of a spring, and whether it slips.
+    """Magnitude of the traction of a tangential spring, and whether the contact slips.
 
     Args:
         law: Constants.
-        stretch: Of the spring, not negative.
-        most: The :func:`limit`.
+        stretch: Elongation of the spring, not negative.
+        most: The :func:`limit` of the traction.
     """
     trial = law.holding * stretch
     if trial <= most or stretch == 0.0:
@@ -72,20 +73,20 @@ def returned(law: CoulombLaw, stretch: float, most: float) -> tuple[float, bool]
 
 
 class Anchors(NamedTuple):
-    """``u = Σ (w x + R c) + o`` of pairs of places.
+    """Anchors of pairs of points: ``u = Σ (w x + R c) + o`` is the elongation of the spring.
 
     Attributes:
-        keys: What tells one pair from others, shape (m, 2).
-        nodes: Of both sides, negative where there is none, shape (m, 8).
+        keys: Identifies the pair from step to step, shape (m, 2).
+        nodes: Nodes of both sides, negative if unused, shape (m, 8).
         weights: ``w``, negative on the second side, shape (m, 8).
-        levers: ``c``, likewise, shape (m, 8, 3).
-        fixed: ``o``, of what is on ground, shape (m, 3).
+        arms: ``c``, with the sign of the side, shape (m, 8, 3).
+        fixed: ``o``, contribution of ground, shape (m, 3).
     """
 
     keys: Indices
     nodes: Indices
     weights: Array
-    levers: Array
+    arms: Array
     fixed: Array
 
 
@@ -93,7 +94,7 @@ _COLUMNS = 2 + SLOTS + SLOTS + 3 * SLOTS + 3
 
 
 def empty_anchors(m: int) -> Anchors:
-    """Room for ``m`` pairs."""
+    """Uninitialised anchors of ``m`` pairs."""
     return Anchors(
         np.zeros((m, 2), dtype=np.int64),
         np.full((m, SLOTS), UNUSED),
@@ -104,7 +105,7 @@ def empty_anchors(m: int) -> Anchors:
 
 
 def packed(anchors: Anchors) -> Array:
-    """Anchors as numbers, flat."""
+    """Anchors as a flat array."""
     m = len(anchors.keys)
     if not m:
         return np.empty(0)
@@ -112,21 +113,21 @@ def packed(anchors: Anchors) -> Array:
 
 
 def unpacked(numbers: Array) -> Anchors:
-    """What was :func:`packed`."""
+    """Anchors from the array that :func:`packed` returned."""
     rows = numbers.reshape(-1, _COLUMNS)
     ends = np.cumsum([2, SLOTS, SLOTS, 3 * SLOTS])
-    keys, nodes, weights, levers, fixed = np.split(rows, ends, axis=1)
+    keys, nodes, weights, arms, fixed = np.split(rows, ends, axis=1)
     return Anchors(
         keys.astype(np.int64),
         nodes.astype(np.int64),
         weights.copy(),
-        levers.reshape(-1, SLOTS, 3).copy(),
+        arms.reshape(-1, SLOTS, 3).copy(),
         fixed.copy(),
     )
 
 
 def found(known_keys: Indices, keys: Indices) -> Indices:
-    """Which of known pairs are those of other keys; −1: none."""
+    """Index of each key among the known keys, −1 if it is not among them."""
     index = np.full(len(keys), -1, dtype=np.int64)
     if not len(known_keys) or not len(keys):
         return index
@@ -141,63 +142,65 @@ def found(known_keys: Indices, keys: Indices) -> Indices:
 
 @inlined_uncounted
 def _anchor(H: Array, side: Side, i: int, off: Vector, sign: float, out: Anchors, e: int) -> None:
-    """A place of a side, moved by ``off``, as a material point."""
+    """Store a point of a side, displaced by ``off``, as a material point."""
     first = 0 if sign > 0.0 else MOST_NODES
     for k in range(MOST_NODES):
         node = side.nodes[i, k]
         if node == UNUSED:
             break
-        w, c = side.weights[i, k], load_row(side.levers[i], k)
+        w, c = side.weights[i, k], load_row(side.arms[i], k)
         if node == GROUND:
             moved = combined(sign, c, sign * w, off)
             store_row(out.fixed, e, plus(load_row(out.fixed, e), moved))
             continue
         out.nodes[e, first + k], out.weights[e, first + k] = node, sign * w
         moved = combined(sign, c, sign * w, local_components(H[node], off))
-        store_row(out.levers[e], first + k, moved)
+        store_row(out.arms[e], first + k, moved)
 
 
 @compiled
-def set_anchors(H: Array, at: Meeting, a: Side, b: Side, springs: Array, out: Anchors) -> None:
-    """Anchors at frames ``H`` with springs stretched by ``springs`` (m, 3), into empty ones.
+def set_anchors(
+    H: Array, at: ContactPoints, a: Side, b: Side, springs: Array, out: Anchors
+) -> None:
+    """Set anchors at frames ``H`` so that springs have the elongations ``springs`` (m, 3).
 
     Args:
         H: Frames.
-        at: Pairs of places.
-        a: What anchors of the first side are fixed to.
-        b: Of the second.
-        springs: By how much the second is short.
+        at: Pairs of points.
+        a: Material points for anchors of the first side.
+        b: Material points for anchors of the second side.
+        springs: Elongations of the springs.
         out: Overwritten.
     """
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
         _, n, P = gap(H, at.a, at.b, i, j, at.flat)
         off = scaled(-at.a.radii[i], n)
-        _anchor(H, a, i, plus(off, minus(P, place(H, a, i))), 1.0, out, e)
+        _anchor(H, a, i, plus(off, minus(P, position(H, a, i))), 1.0, out, e)
         short = minus(plus(P, off), load_row(springs, e))
-        _anchor(H, b, j, minus(short, place(H, b, j)), -1.0, out, e)
+        _anchor(H, b, j, minus(short, position(H, b, j)), -1.0, out, e)
 
 
 @inlined_uncounted
 def stretch_of(H: Array, anchors: Anchors, q: int) -> Vector:
-    """``u`` of an anchor."""
+    """Elongation vector ``u`` of a spring."""
     u = load_row(anchors.fixed, q)
     for s in range(SLOTS):
         node = anchors.nodes[q, s]
         if node >= 0:
             u = plus(u, scaled(anchors.weights[q, s], load_row(H[node], 0)))
-            u = plus(u, global_components(H[node], load_row(anchors.levers[q], s)))
+            u = plus(u, global_components(H[node], load_row(anchors.arms[q], s)))
     return u
 
 
 class Traction(NamedTuple):
-    """Traction of one pair, for a weight of one.
+    """Tangential traction of one pair, for an integration weight of one.
 
     Attributes:
-        τ: Its components, global.
-        along: Its direction, where it slips.
+        τ: Traction, global components.
+        along: Direction of slip, if the contact slips.
         size: ``|u_T|``.
-        slips: Whether it does.
+        slips: Whether the contact slips.
     """
 
     τ: Vector
@@ -208,7 +211,7 @@ class Traction(NamedTuple):
 
 @inlined_uncounted
 def traction(law: CoulombLaw, g: float, n: Vector, u: Vector) -> Traction:
-    """Of a pair that overlaps."""
+    """Tangential traction of an overlapping pair."""
     across = combined(1.0, u, -dot(n, u), n)
     size = np.sqrt(dot(across, across))
     τ, slips = returned(law, size, limit(law, -g))
@@ -220,9 +223,9 @@ def traction(law: CoulombLaw, g: float, n: Vector, u: Vector) -> Traction:
 
 @compiled
 def tractions(
-    H: Array, at: Meeting, anchors: Anchors, which: Indices, law: CoulombLaw, out: Array
+    H: Array, at: ContactPoints, anchors: Anchors, which: Indices, law: CoulombLaw, out: Array
 ) -> None:
-    """Tractions on the second side, of pairs without an anchor none: (m, 3)."""
+    """Tractions on the second side, zero for pairs without anchors, shape (m, 3)."""
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
         store_row(out, e, (0.0, 0.0, 0.0))
@@ -233,21 +236,27 @@ def tractions(
 
 @compiled
 def add_tractions(
-    H: Array, at: Meeting, anchors: Anchors, which: Indices, τ: Array, grounded: bool, out: Array
+    H: Array,
+    at: ContactPoints,
+    anchors: Anchors,
+    which: Indices,
+    τ: Array,
+    grounded: bool,
+    out: Array,
 ) -> None:
-    """Add tractions to forces, of all pairs or of those with ground alone."""
+    """Add tractions to nodal forces, for all pairs or for pairs with ground only."""
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
         q, t = which[e], scaled(at.weight[e], load_row(τ, e))
-        apart = at.a.owners[i] != GROUND and at.b.owners[j] != GROUND
-        if q < 0 or dot(t, t) == 0.0 or (grounded and apart):
+        separation = at.a.owners[i] != GROUND and at.b.owners[j] != GROUND
+        if q < 0 or dot(t, t) == 0.0 or (grounded and separation):
             continue
         for s in range(SLOTS):
             node = anchors.nodes[q, s]
             if node < 0:
                 continue
             f = local_components(H[node], t)
-            moment = cross(load_row(anchors.levers[q], s), f)
+            moment = cross(load_row(anchors.arms[q], s), f)
             for k in range(3):
                 out[node, k] += anchors.weights[q, s] * f[k]
                 out[node, 3 + k] += moment[k]

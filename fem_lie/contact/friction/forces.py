@@ -1,4 +1,4 @@
-"""Friction of one contact by penalty: tractions from step to step, and their derivatives."""
+"""Friction of one penalty contact: tractions from step to step, and their derivatives."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from fem_lie.contact.friction.anchors import (
     tractions,
     unpacked,
 )
-from fem_lie.contact.sides.gauss_points import Meeting, set_slide, slides
-from fem_lie.contact.sides.kinematics import SLOTS, add_turning, bends, gap, place
-from fem_lie.contact.sides.meeting import Sides, Stations
+from fem_lie.contact.sides.gauss_points import ContactPoints, set_slide, slides
+from fem_lie.contact.sides.kinematics import SLOTS, add_turning, bends, gap, position
+from fem_lie.contact.sides.two_sides import Sides, Stations
 from fem_lie.forms.abilities import Done, Ends
 from fem_lie.lie.motions import global_components, local_components
 from fem_lie.lie.tuples import Vector, combined, cross, dot, load, load_row, minus, scaled
@@ -32,7 +32,7 @@ from fem_lie.lie.tuples import Vector, combined, cross, dot, load, load_row, min
 
 @inlined_uncounted
 def _motion(H: Array, w: float, c: Vector, D: Array) -> None:
-    """``[w R, −R ĉ]`` of an anchor, shape (3, 6)."""
+    """Motion of an anchor per motion of its node, ``[w R, −R ĉ]``, shape (3, 6)."""
     for k in range(3):
         e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
         moved, turned = global_components(H, e), global_components(H, cross(e, c))
@@ -44,7 +44,7 @@ def _motion(H: Array, w: float, c: Vector, D: Array) -> None:
 def _change(
     law: CoulombLaw, t: Traction, n: Vector, u: Vector, δu: Vector, δn: Vector, δg: float
 ) -> Vector:
-    """How a traction changes."""
+    """Variation of a traction."""
     δacross = combined(1.0, δu, -dot(n, δu) - dot(δn, u), n)
     δacross = combined(1.0, δacross, -dot(n, u), δn)
     if not t.slips:
@@ -56,17 +56,18 @@ def _change(
 @compiled
 def add_traction_tangents(
     H: Array,
-    at: Meeting,
+    at: ContactPoints,
     anchors: Anchors,
     which: Indices,
     law: CoulombLaw,
     given: Array,
     blocks: Array,
 ) -> None:
-    """Add derivatives of the forces in twists of frames, where anchors have the nodes of places.
+    """Add derivatives of the friction forces in twists, for anchors on the nodes of the pair.
 
-    ``given`` are gaps, normals and ``u`` at the end of a step, (m, ≥ 7), of which tractions depend
-    twice as much as all else in the middle; or nothing, (0, 7).
+    ``given`` are gaps, normals and ``u`` at the end of a step, (m, ≥ 7), for forces of a step,
+    where tractions depend on the end of the step and all else on its midpoint, so that their
+    derivative has a factor of two. It is empty, (0, 7), for forces at frames.
     """
     over_step = given.shape[0] > 0
     nodes, rows = np.empty(SLOTS, dtype=np.int64), np.zeros((SLOTS, 6))
@@ -87,10 +88,10 @@ def add_traction_tangents(
         if not at.flat and not over_step:
             _follow(H, at, e, n, nodes, D, row)
         u = load(given[e], 4) if over_step else stretch_of(H, anchors, q)
-        t, share = traction(law, g, n, u), 2.0 * weight if over_step else weight
+        t, fraction = traction(law, g, n, u), 2.0 * weight if over_step else weight
         for s in range(SLOTS):
             if nodes[s] >= 0:
-                c = load_row(anchors.levers[q], s)
+                c = load_row(anchors.arms[q], s)
                 _motion(H[nodes[s]], anchors.weights[q, s], c, A[s])
                 for p in range(6):
                     δu, δn = _column(A[s], p), _column(D[s, 1], p)
@@ -104,20 +105,22 @@ def add_traction_tangents(
                 for p in range(6):
                     for r in range(6):
                         total = dot(_column(A[s], p), _column(T[o], r))
-                        blocks[block, p, r] += share * total
+                        blocks[block, p, r] += fraction * total
                 if s == o:
                     f = local_components(H[nodes[s]], scaled(weight, t.τ))
-                    c = load_row(anchors.levers[q], s)
+                    c = load_row(anchors.arms[q], s)
                     add_turning(f, anchors.weights[q, s], c, blocks[block])
                 block += 1
 
 
 @inlined_uncounted
-def _follow(H: Array, at: Meeting, e: int, n: Vector, nodes: Indices, D: Array, row: Array) -> None:
-    """How normals turn as second places follow the first ones: ``δn −= Q' δσ/|Δ|``."""
+def _follow(
+    H: Array, at: ContactPoints, e: int, n: Vector, nodes: Indices, D: Array, row: Array
+) -> None:
+    """Variation of normals as second contact points slide along: ``δn −= Q' δσ/|Δ|``."""
     i, j = at.pairs[e]
-    apart = minus(place(H, at.a, i), place(H, at.b, j))
-    distance = np.sqrt(dot(apart, apart))
+    separation = minus(position(H, at.a, i), position(H, at.b, j))
+    distance = np.sqrt(dot(separation, separation))
     for k in range(2):
         if not slides(at.sliding, e, k):
             continue
@@ -137,7 +140,7 @@ def _column(D: Array, p: int) -> Vector:
 
 @inlined_uncounted
 def _others(nodes: Indices, own: Indices) -> bool:
-    """Whether nodes are others than those of an anchor, which slid on to other elements."""
+    """Whether the anchor has moved on to other elements than those of the pair."""
     for s in range(SLOTS):
         if nodes[s] != own[s] and (nodes[s] >= 0 or own[s] >= 0):
             return True
@@ -145,15 +148,15 @@ def _others(nodes: Indices, own: Indices) -> bool:
 
 
 class Friction:
-    """Springs across the normal that slip, between anchors on both sides."""
+    """Tangential springs that slip, between anchors on both sides."""
 
     def __init__(self, sides: Sides, law: CoulombLaw, H: Array) -> None:
-        """Anchor all that is near.
+        """Set anchors for all pairs that are near each other.
 
         Args:
-            sides: That touch.
-            law: With friction; of lines per length.
-            H: Frames in the beginning.
+            sides: Both sides of the contact.
+            law: Constants of the law; per length for lines.
+            H: Initial frames.
         """
         self._sides, self._law = sides, law
         self._anchors = empty_anchors(0)
@@ -161,36 +164,36 @@ class Friction:
         self.accept(H)
 
     def _tractions(self, H: Array) -> tuple[Stations, Indices, Array]:
-        """Pairs, their anchors, and tractions (m, 3)."""
+        """Pairs, index of their anchors, and tractions (m, 3)."""
         stations = self._sides.stations(H)
         which, τ = found(self._anchors.keys, stations.keys), np.empty((len(stations.keys), 3))
         tractions(H, stations.at, self._anchors, which, self._law, τ)
         return stations, which, τ
 
     def add_forces(self, H: Array, out: Array, *, grounded: bool = False) -> None:
-        """Add all forces, or those of what touches ground, to ``out`` (≥ nodes, 6)."""
+        """Add all friction forces, or those of pairs with ground, to ``out`` (≥ nodes, 6)."""
         stations, which, τ = self._tractions(H)
         add_tractions(H, stations.at, self._anchors, which, τ, grounded, out)
 
     def energy(self, H: Array) -> float:
-        """Of the springs."""
+        """Energy stored in the tangential springs."""
         stations, _, τ = self._tractions(H)
         weight = stations.at.weight[: len(τ)]
         return 0.5 / self._law.holding * float((τ * τ).sum(axis=1) @ weight)
 
     def add_tangent(self, H: Array, blocks: Array) -> None:
-        """Add derivatives of the forces to blocks of the pairs that are near."""
+        """Add derivatives of the friction forces to the blocks of pairs of nodes."""
         stations = self._sides.stations(H)
         which = found(self._anchors.keys, stations.keys)
         none = np.empty((0, 7))
         add_traction_tangents(H, stations.at, self._anchors, which, self._law, none, blocks)
 
     def accept(self, H: Array) -> None:
-        """Anchor anew at frames ``H``, with springs as they are stretched there."""
+        """Set new anchors at frames ``H``, with springs that keep their present elongation."""
         (at, keys, a, b), _, τ = self._tractions(H)
         if self._ahead is not None:
             known, over = self._ahead
-            # those that were not near have the last row
+            # pairs without anchors have index −1, the last row
             τ = np.concatenate([over, np.zeros((1, 3))])[found(known, keys)]
             self._ahead = None
         anchors = empty_anchors(len(at.pairs))
@@ -200,31 +203,31 @@ class Friction:
 
     # --- over a step of points and balls ---
 
-    def add_over_step(self, ends: Ends, at: Meeting, out: Array, ground: Array) -> Done:
-        """Add tractions over a step, which :meth:`accept` then goes on from."""
-        levers, _, measured, τ = self._over_step(ends, at)
+    def add_over_step(self, ends: Ends, at: ContactPoints, out: Array, ground: Array) -> Done:
+        """Add tractions of a step; :meth:`accept` keeps their springs for the next step."""
+        arms, _, measured, τ = self._over_step(ends, at)
         self._ahead = at.pairs.copy(), τ
-        over_steps.add_over_step(ends, at, levers, τ, out, ground)
+        over_steps.add_over_step(ends, at, arms, τ, out, ground)
         return Done(*over_steps.energies(self._law, at, measured, τ))
 
-    def add_tangent_over_step(self, ends: Ends, at: Meeting, H: Array, blocks: Array) -> None:
-        """Add twice their derivative in frames ``H`` half-way."""
-        levers, which, measured, _ = self._over_step(ends, at)
-        add_traction_tangents(H, at, levers, which, self._law, measured, blocks)
+    def add_tangent_over_step(self, ends: Ends, at: ContactPoints, H: Array, blocks: Array) -> None:
+        """Add twice the derivative of the tractions of a step in midpoint frames ``H``."""
+        arms, which, measured, _ = self._over_step(ends, at)
+        add_traction_tangents(H, at, arms, which, self._law, measured, blocks)
 
-    def _over_step(self, ends: Ends, at: Meeting) -> tuple[Anchors, Indices, Array, Array]:
+    def _over_step(self, ends: Ends, at: ContactPoints) -> tuple[Anchors, Indices, Array, Array]:
         m = len(at.pairs)
-        which, levers = found(self._anchors.keys, at.pairs), empty_anchors(m)
-        measured, τ = over_steps.room(m)
-        over_steps.set_over_step(ends, at, self._anchors, which, self._law, levers, measured, τ)
-        return levers, np.where(which >= 0, np.arange(m), -1), measured, τ
+        which, arms = found(self._anchors.keys, at.pairs), empty_anchors(m)
+        measured, τ = over_steps.workspace(m)
+        over_steps.set_over_step(ends, at, self._anchors, which, self._law, arms, measured, τ)
+        return arms, np.where(which >= 0, np.arange(m), -1), measured, τ
 
     @property
     def carried(self) -> Array:
-        """Anchors."""
+        """All anchors as a flat array, for checkpoints."""
         return packed(self._anchors)
 
     def restore(self, carried: Array) -> None:
-        """Have these anchors again."""
+        """Restore the anchors that :attr:`carried` returned."""
         self._ahead = None
         self._anchors = unpacked(carried)

@@ -1,13 +1,14 @@
-"""Friction of penalties over a step: what springs do not store is lost, never less than nothing.
+"""Friction forces of a step: their work is stored in springs or dissipated, never created.
 
-Both anchors push at one place of the mean configuration, that of the first side's: the second lever
-is moved there, ``c ← c + w R̄⁻¹ ū``. So a traction has no moment, and does the work ``τ·s`` on the
-slip ``s = Σ w Δx + ΔR c`` of these two material places. With the spring ``e`` of the start::
+Both anchors act at one point of the mean configuration, that of the first side: the moment arm of
+the second is moved there, ``c ← c + w R̄⁻¹ ū``. Hence a traction has no moment, and does the work
+``τ·s`` on the slip ``s = Σ w Δx + ΔR c`` of these two material points. With the spring elongation
+``e`` at the start::
 
     τ = k T (e + s) of the gap and the normal at the end, limited by μ p;  e₁ = τ/k
-    lost = τ·s − ½ k (e₁² − e²) ≥ ½ k |e₁ − e|²
+    dissipation = τ·s − ½ k (e₁² − e²) ≥ ½ k |e₁ − e|²
 
-for ``τ·(e + s) ≥ k e₁²``, whatever is cut off.
+because ``τ·(e + s) ≥ k e₁²`` whether or not the traction is limited.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted
 from fem_lie.contact.friction.anchors import Anchors, CoulombLaw, stretch_of, traction
-from fem_lie.contact.sides.gauss_points import Meeting
+from fem_lie.contact.sides.gauss_points import ContactPoints
 from fem_lie.contact.sides.kinematics import SLOTS, gap
 from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import GROUND
@@ -37,14 +38,15 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 
-GAP, NORMAL, APART, SPRING = 0, slice(1, 4), slice(4, 7), slice(7, 10)
-"""Columns of what :func:`set_over_step` finds of each pair; then the slip."""
+GAP, NORMAL, INACTIVE, SPRING = 0, slice(1, 4), slice(4, 7), slice(7, 10)
+"""Columns of the values that :func:`set_over_step` sets for each pair; the last three are the
+slip."""
 COLUMNS = 13
 
 
 @inlined_uncounted
 def _in_frame(H: Array, a: Vector) -> Vector:
-    """Components of ``a`` along the rows of a frame that need be neither long nor square."""
+    """Components of ``a`` along the rows of a frame that need not be orthonormal."""
     d, e, f = load_row(H, 1), load_row(H, 2), load_row(H, 3)
     volume = dot(d, cross(e, f))
     along = dot(cross(e, f), a), dot(cross(f, d), a), dot(cross(d, e), a)
@@ -54,23 +56,23 @@ def _in_frame(H: Array, a: Vector) -> Vector:
 @compiled
 def set_over_step(
     ends: Ends,
-    at: Meeting,
+    at: ContactPoints,
     anchors: Anchors,
     which: Indices,
     law: CoulombLaw,
-    levers: Anchors,
+    arms: Anchors,
     found: Array,
     τ: Array,
 ) -> None:
-    """Anchors in one place, what a traction depends on, and the traction, of each pair.
+    """Moment arms at one point, variables of the traction, and the traction, for each pair.
 
     Args:
-        ends: Of the step.
-        at: Where sides meet.
-        anchors: Of the start.
-        which: Of these each pair has, −1: none.
-        law: Numbers.
-        levers: Overwritten where there is an anchor; one for each pair.
+        ends: Both ends of the step.
+        at: Contact points.
+        anchors: Anchors at the start of the step.
+        which: Index of the anchors of each pair, −1: none.
+        law: Constants.
+        arms: Overwritten for pairs with anchors; one for each pair.
         found: Overwritten, shape (m, 13).
         τ: Tractions on the second side, overwritten, shape (m, 3).
     """
@@ -80,18 +82,18 @@ def set_over_step(
             continue
         mean, spring, slip = stretch_of(ends.mean, anchors, q), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         i, j = at.pairs[e]
-        # what is apart holds no spring: round-off of its anchors would count as a push
+        # an open contact has no spring: round-off of its anchors would act as a force
         if gap(ends.start, at.a, at.b, i, j, at.flat)[0] < 0.0:
             spring = stretch_of(ends.start, anchors, q)
         for s in range(SLOTS):
             node, w = anchors.nodes[q, s], anchors.weights[q, s]
-            levers.nodes[e, s], levers.weights[e, s] = node, w
+            arms.nodes[e, s], arms.weights[e, s] = node, w
             if node < 0:
                 continue
-            c = load_row(anchors.levers[q], s)
+            c = load_row(anchors.arms[q], s)
             if s >= MOST_NODES:
                 c = combined(1.0, c, w, _in_frame(ends.mean[node], mean))
-            store_row(levers.levers[e], s, c)
+            store_row(arms.arms[e], s, c)
             slip = plus(slip, scaled(w, load_row(ends.delta[node], 0)))
             slip = plus(slip, global_components(ends.delta[node], c))
         g, n, _ = gap(ends.end, at.a, at.b, i, j, at.flat)
@@ -106,20 +108,20 @@ def set_over_step(
 
 @compiled
 def add_over_step(
-    ends: Ends, at: Meeting, levers: Anchors, τ: Array, out: Array, ground: Array
+    ends: Ends, at: ContactPoints, arms: Anchors, τ: Array, out: Array, ground: Array
 ) -> None:
-    """Add tractions as :func:`~.over_steps.add_secants` adds forces."""
+    """Add tractions to nodal forces, as :func:`~.over_steps.add_secants` adds normal forces."""
     for e in range(at.pairs.shape[0]):
         t = scaled(at.weight[e], load_row(τ, e))
         if dot(t, t) == 0.0:
             continue
         force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         for s in range(SLOTS):
-            node = levers.nodes[e, s]
+            node = arms.nodes[e, s]
             if node < 0:
                 continue
-            f = scaled(levers.weights[e, s], t)
-            turning = cross(global_components(ends.mean[node], load_row(levers.levers[e], s)), t)
+            f = scaled(arms.weights[e, s], t)
+            turning = cross(global_components(ends.mean[node], load_row(arms.arms[e], s)), t)
             store(out[node], 0, plus(load(out[node], 0), f))
             store(out[node], 3, plus(load(out[node], 3), turning))
             force = plus(force, f)
@@ -130,8 +132,10 @@ def add_over_step(
             store(ground, 3, minus(load(ground, 3), moment))
 
 
-def energies(law: CoulombLaw, at: Meeting, found: Array, τ: Array) -> tuple[float, float, float]:
-    """Stored at the end, work done, and what of it is lost."""
+def energies(
+    law: CoulombLaw, at: ContactPoints, found: Array, τ: Array
+) -> tuple[float, float, float]:
+    """Energy stored at the end, work done, and the dissipated part of it."""
     weight = at.weight[: len(τ)]
     stored = 0.5 / law.holding * float((τ * τ).sum(axis=1) @ weight)
     before = 0.5 * law.holding * float((found[:, SPRING] ** 2).sum(axis=1) @ weight)
@@ -139,6 +143,6 @@ def energies(law: CoulombLaw, at: Meeting, found: Array, τ: Array) -> tuple[flo
     return stored, work, max(0.0, work - (stored - before))
 
 
-def room(m: int) -> tuple[Array, Array]:
-    """For what is found and for tractions of ``m`` pairs."""
+def workspace(m: int) -> tuple[Array, Array]:
+    """Arrays for the variables and the tractions of ``m`` pairs."""
     return np.empty((m, COLUMNS)), np.empty((m, 3))

@@ -1,1 +1,1 @@
-"""Impacts and Coulomb's friction of rigid bodies, compiled: what contacts make of a step's end."""
+"""Impacts with Coulomb friction, compiled: impulses and positions at the end of a step."""

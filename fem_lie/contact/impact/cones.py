@@ -1,17 +1,17 @@
 """Coulomb's cones: ``u = q + B M⁻¹ B̄ᵀ r`` with ``K* ∋ u + μ|u_t| e_n ⊥ r ∈ K_μ`` at each contact.
 
-That is De Saxcé's form of the exact law: what slides does not lift. Sweeps over the contacts take
-the exact solution of each, the others as they are (Jean & Moreau 1992); between them Newton's
-method on the function of Alart & Curnier, CMAME 92 (1991) 353, for few contacts. Many contacts,
-of which each need not be solved exactly, are swept by projections; every fifth time impulses go on
-to where the last ten sweeps tell by least squares that the next would do least (Anderson's mixing,
-in turns as by Pratapa, Suryanarayana & Pask, J. Comput. Phys. 306 (2016) 43). Where that does not
-end, they go on as in Nesterov's method, until sweeps turn back (O'Donoghue & Candès, Found. Comput.
-Math. 15 (2015) 715). Components are along the normal, then along two tangents.
+This is De Saxcé's form of the exact law: a sliding contact does not separate. For few contacts,
+nonlinear Gauss-Seidel sweeps solve one contact after the other exactly (Jean & Moreau 1992), and
+alternate with Newton's method on the function of Alart & Curnier, CMAME 92 (1991) 353. For many
+contacts, which need not be solved as accurately, the sweeps project impulses on the cones. Every
+fifth sweep is followed by Anderson mixing: a least-squares extrapolation from the last ten sweeps
+(in alternation as by Pratapa, Suryanarayana & Pask, J. Comput. Phys. 306 (2016) 43). Where that
+does not converge, the sweeps use Nesterov's acceleration with restarts (O'Donoghue & Candès, Found.
+Comput. Math. 15 (2015) 715). Components are along the normal, then along two tangents.
 
-Velocities of nodes change by ``W = M⁻¹ B̄ᵀ r``; nothing but that is summed up, so that a sweep
-costs as much per contact as its rows and those of ``M⁻¹ B̄ᵀ`` have blocks, however many contacts
-there are. What ``M`` is, :mod:`.jacobian` says; nothing here depends on it.
+Velocities of nodes change by ``W = M⁻¹ B̄ᵀ r``. Only ``W`` is summed, so the cost of a sweep per
+contact is proportional to the number of blocks in its rows and in those of ``M⁻¹ B̄ᵀ``, independent
+of the number of contacts. :mod:`.jacobian` defines ``M``; nothing here depends on it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined_uncounted, uncounted
-from fem_lie.contact.impact.jacobian import push_all
+from fem_lie.contact.impact.jacobian import add_responses
 from fem_lie.contact.impact.newton import eliminate, newton, proximal
 from fem_lie.contact.impact.sweeps import (
     MOST_NEWTON,
@@ -34,32 +34,35 @@ from fem_lie.contact.impact.sweeps import (
 )
 
 _FIRST, _LATER = 3, 10
-"""Sweeps before Newton's method, and before its proximal steps."""
+"""Number of sweeps before Newton's method, and before its proximal steps."""
 
 _MANY = 1e-6
-"""Residual with which more contacts than those are content, if there is friction."""
+"""Residual that is sufficient for more contacts than Newton's method takes, if there is
+friction."""
 
 _ENOUGH = 1e-9
-"""Residual with which all are content that was not less after the first sweeps."""
+"""Residual that is sufficient if it did not decrease in the first sweeps."""
 
 _LONGEST, _TURN, _LOOK, _EVERY, _WORSE, _LESS = 9_000, 200, 5, 5, 4.0, 0.9
-"""Sweeps of these, about, at most; in the first turn; after how many of them the residual is looked
-at, and impulses go on; by how much more than at best a sweep may do, squared, until what is known
-of sweeps is dropped; by which part they go on at most where nothing else has ended."""
+"""Approximate largest number of sweeps for many contacts; sweeps in the first round; sweeps between
+evaluations of the residual; sweeps between extrapolations; ratio of the squared change of a sweep
+to the least one above which stored sweeps are discarded; largest extrapolation factor in the last
+method."""
 
 _RIDGE = 1e-12
-"""Added to the diagonal of the least squares, over its largest."""
+"""Regularisation of the least-squares problem, relative to the largest diagonal entry."""
 
 _PROXIMAL = 5
-"""Proximal steps at most."""
+"""Largest number of proximal steps."""
 
 _GROWTH = 1e2
-"""Newton's forces over those of the sweeps: wedged bodies have internal forces of any size."""
+"""Largest ratio of Newton's impulses to those of the sweeps: wedged bodies have arbitrary internal
+forces."""
 
 
 @uncounted
 def _with_newton(problem: Cones, k: int, tolerance: float, reached: float) -> tuple[int, float]:
-    """Iterations and residual; impulses stay as they are if Newton's are no better."""
+    """Iterations and residual; impulses are unchanged if those of Newton's method are no better."""
     iterations = newton(problem, k, tolerance)
     found, size, before = residual(problem, k), 0.0, 0.0
     kept = problem.dense.kept
@@ -75,7 +78,7 @@ def _with_newton(problem: Cones, k: int, tolerance: float, reached: float) -> tu
 
 @inlined_uncounted
 def _improve(problem: Cones, c: int) -> tuple[float, float, float]:
-    """Impulses of a contact by projections, the others as they are; returns how they change."""
+    """Change of the impulses of a contact by projection, with all other impulses fixed."""
     r, own = problem.r, problem.own
     u0, u1, u2 = velocity(problem, c)
     normal = max(0.0, r[c, 0] - u0 / own[c, 0, 0])
@@ -89,13 +92,13 @@ def _improve(problem: Cones, c: int) -> tuple[float, float, float]:
         part = radius / t if t > radius else 1.0
         d1, d2 = part * x - r[c, 1], part * y - r[c, 2]
     if d0 != 0.0 or d1 != 0.0 or d2 != 0.0:
-        push_all(problem.pushes, c, (d0, d1, d2), problem.W)
+        add_responses(problem.responses, c, (d0, d1, d2), problem.W)
     return d0, d1, d2
 
 
 @inlined_uncounted
-def _note(problem: Cones, k: int, at: int, known: int) -> None:
-    """Keep by what the last sweep differs from that before, at one place of those there are."""
+def _store_difference(problem: Cones, k: int, at: int, known: int) -> None:
+    """Store the difference of the last two sweeps in row ``at`` of the history."""
     past, r = problem.past, problem.r
     for c in range(k):
         for j in range(3):
@@ -114,7 +117,7 @@ def _note(problem: Cones, k: int, at: int, known: int) -> None:
 
 @inlined_uncounted
 def _go_on(problem: Cones, k: int, known: int) -> None:
-    """Impulses from where the last sweep ended to where the next is to do least."""
+    """Extrapolate the impulses so that the predicted change of the next sweep is least."""
     past, most = problem.past, 0.0
     for i in range(known):
         total = 0.0
@@ -124,12 +127,12 @@ def _go_on(problem: Cones, k: int, known: int) -> None:
         past.parts[i] = total
         most = max(most, past.products[i, i])
         for j in range(known):
-            past.room[i, j] = past.products[i, j]
-    if most == 0.0:  # the last sweeps did all the same
+            past.workspace[i, j] = past.products[i, j]
+    if most == 0.0:  # all stored sweeps made the same change
         return
     for i in range(known):
-        past.room[i, i] += _RIDGE * most
-    eliminate(past.room, past.parts, known)
+        past.workspace[i, i] += _RIDGE * most
+    eliminate(past.workspace, past.parts, known)
     for i in range(known):
         part = past.parts[i]
         for c in range(k):
@@ -141,8 +144,8 @@ def _go_on(problem: Cones, k: int, known: int) -> None:
 
 
 @inlined_uncounted
-def _keep(problem: Cones, k: int) -> None:
-    """What the last sweep did, and where it ended."""
+def _store_sweep(problem: Cones, k: int) -> None:
+    """Store the change that the last sweep made, and its result."""
     past = problem.past
     for c in range(k):
         for j in range(3):
@@ -154,8 +157,8 @@ def _keep(problem: Cones, k: int) -> None:
 
 
 @uncounted
-def _mixed(problem: Cones, k: int, tolerance: float, most: int) -> tuple[int, float]:
-    """Sweeps between which impulses go on by least squares; how many, and the residual."""
+def _anderson(problem: Cones, k: int, tolerance: float, most: int) -> tuple[int, float]:
+    """Sweeps with Anderson mixing; number of sweeps and the residual."""
     r, start = problem.r, problem.past.start
     reached, best, known, at = np.inf, np.inf, 0, 0
     for sweeps in range(1, most + 1):
@@ -174,18 +177,18 @@ def _mixed(problem: Cones, k: int, tolerance: float, most: int) -> tuple[int, fl
             known, at, best = 0, 0, square
         elif sweeps > 1:
             known = min(known + 1, PAST)
-            _note(problem, k, at, known)
+            _store_difference(problem, k, at, known)
             at = (at + 1) % PAST
         best = min(best, square)
-        _keep(problem, k)
+        _store_sweep(problem, k)
         if known > 0 and sweeps % _EVERY == 0 and sweeps < most:
             _go_on(problem, k, known)
     return most, reached
 
 
 @inlined_uncounted
-def _swing(x: Array, before: Array, part: float) -> None:
-    """``x ← x + part (x − before)``, shapes (k, ·); keeps ``x`` as what is before the next."""
+def _extrapolate_by(x: Array, before: Array, part: float) -> None:
+    """``x ← x + part (x − before)``, shapes (k, ·); ``before`` becomes the old ``x``."""
     for i in range(before.shape[0]):
         for j in range(before.shape[1]):
             here = x[i, j]
@@ -194,13 +197,13 @@ def _swing(x: Array, before: Array, part: float) -> None:
 
 
 @uncounted
-def _swung(
+def _nesterov(
     problem: Cones, k: int, tolerance: float, most: int, largest: float
 ) -> tuple[int, float]:
-    """Sweeps that go on by a part of what the last one did; how many, and the residual."""
+    """Sweeps with Nesterov's acceleration; number of sweeps and the residual."""
     r, before, turned = problem.r, problem.past.end[:k], problem.past.turned
-    _swing(r, before, 0.0)
-    _swing(problem.W, turned, 0.0)
+    _extrapolate_by(r, before, 0.0)
+    _extrapolate_by(problem.W, turned, 0.0)
     reached, weight = np.inf, 1.0
     for sweeps in range(1, most + 1):
         forward = 0.0
@@ -217,23 +220,23 @@ def _swung(
         later = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * weight * weight))
         part, weight = min(largest, (weight - 1.0) / later), later
         if sweeps < most:
-            _swing(r, before, part)
-            _swing(problem.W, turned, part)
+            _extrapolate_by(r, before, part)
+            _extrapolate_by(problem.W, turned, part)
     return most, reached
 
 
 @uncounted
-def _in_turns(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
-    """All: friction has no potential, and each turns in circles in some problems."""
+def _alternate(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
+    """Alternate between all methods: with friction, each of them cycles in some problems."""
     sweeps, most = 0, _TURN
     while True:
-        more, reached = _mixed(problem, k, tolerance, most)
+        more, reached = _anderson(problem, k, tolerance, most)
         sweeps += more
         if reached > tolerance:
-            more, reached = _swung(problem, k, tolerance, 2 * most, 1.0)
+            more, reached = _nesterov(problem, k, tolerance, 2 * most, 1.0)
             sweeps += more
         if reached > tolerance:
-            more, reached = _swung(problem, k, tolerance, 4 * most, _LESS)
+            more, reached = _nesterov(problem, k, tolerance, 4 * most, _LESS)
             sweeps += more
         most *= 2
         if reached <= tolerance or sweeps >= _LONGEST:
@@ -242,7 +245,7 @@ def _in_turns(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
 
 @inlined_uncounted
 def _has_friction(problem: Cones, k: int) -> bool:
-    """Whether there is friction; without it the problem is convex, and sweeps end."""
+    """Whether there is friction; without it the problem is convex, and sweeps converge."""
     for c in range(k):
         if problem.friction[c] > 0.0:
             return True
@@ -251,20 +254,20 @@ def _has_friction(problem: Cones, k: int) -> bool:
 
 @uncounted
 def solve(problem: Cones, k: int, tolerance: float) -> tuple[int, int, float]:
-    """Solve for the impulses of the first ``k`` contacts, from those that are there.
+    """Solve for the impulses of the first ``k`` contacts; present impulses are the initial guess.
 
     Args:
         problem: Updated.
-        k: How many contacts.
-        tolerance: Of :func:`residual`.
+        k: Number of contacts.
+        tolerance: Tolerance of :func:`residual`.
 
     Returns:
-        Sweeps, iterations of Newton's method, and what :func:`residual` is left.
+        Number of sweeps, number of iterations of Newton's method, and the final :func:`residual`.
     """
     begin(problem, k)
     if k > MOST_NEWTON:
         enough = max(tolerance, _MANY if _has_friction(problem, k) else _ENOUGH)
-        sweeps, reached = _in_turns(problem, k, enough)
+        sweeps, reached = _alternate(problem, k, enough)
         return sweeps, 0, reached
     sweeps, iterations, reached = 0, 0, np.inf
     enough = max(tolerance, _ENOUGH)
@@ -283,7 +286,7 @@ def solve(problem: Cones, k: int, tolerance: float) -> tuple[int, int, float]:
         if reached <= enough:
             return sweeps, iterations, reached
     if reached > _MANY:
-        more, reached = _in_turns(problem, k, _MANY)
+        more, reached = _alternate(problem, k, _MANY)
         sweeps += more
     return sweeps, iterations, reached
 
@@ -292,16 +295,16 @@ def solve(problem: Cones, k: int, tolerance: float) -> tuple[int, int, float]:
 def solve_exactly(
     problem: Cones, k: int, tolerance: float, before: tuple[Array, Array]
 ) -> tuple[int, float]:
-    """:func:`solve` with contacts that do not yield: :attr:`Cones.soft` becomes proximal steps.
+    """As :func:`solve` without the compliance :attr:`Cones.soft`, by proximal steps.
 
     Args:
         problem: Updated.
-        k: How many contacts.
-        tolerance: Of :func:`residual`.
-        before: Memory, twice (k, 3).
+        k: Number of contacts.
+        tolerance: Tolerance of :func:`residual`.
+        before: Workspace, two arrays (k, 3).
 
     Returns:
-        Sweeps, and what :func:`residual` is left.
+        Number of sweeps, and the final :func:`residual`.
     """
     (q, r), sweeps, reached = before, 0, np.inf
     for c in range(k):

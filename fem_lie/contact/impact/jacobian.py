@@ -1,10 +1,10 @@
-"""Sparse contact Jacobian: blocks of one node each, of every contact one after the other.
+"""Sparse contact Jacobian: blocks of one node each, contact by contact.
 
-The same record holds the rows ``B`` of the relative velocities at contacts and the rows of
-``M⁻¹ B̄ᵀ``, the velocities that unit impulses give the nodes. For free rigid bodies ``M`` is
-block-diagonal and both have the same nodes; joints and elements transmit an impulse to other nodes,
-so that the second has more.
-Velocities of a node are ``ẋ`` in global axes and ``ω`` in its own, whatever group it moves on.
+The same record holds the rows ``B`` of the relative velocities at contacts, and the rows of ``M⁻¹
+B̄ᵀ``: the nodal velocities per unit impulse. For free rigid bodies ``M`` is block-diagonal and both
+have the same nodes. Joints and elements transmit an impulse to other nodes, so that the second has
+more blocks. The velocity of a node is ``ẋ`` in global axes and ``ω`` in its own, for either group
+of its motion.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class BlockRows(NamedTuple):
 
 
 def empty_rows(contacts: int, width: int, components: int) -> BlockRows:
-    """Memory for rows of at most ``width`` blocks per contact; there is none yet."""
+    """Uninitialised rows of at most ``width`` blocks per contact."""
     blocks = contacts * width
     whole = np.zeros(contacts + 1, dtype=np.int64), np.zeros(blocks, dtype=np.int64)
     return BlockRows(*whole, np.zeros((blocks, components, 6)))
@@ -43,7 +43,7 @@ def empty_rows(contacts: int, width: int, components: int) -> BlockRows:
 
 @inlined_uncounted
 def along(rows: BlockRows, c: int, v: Array, k: int) -> float:
-    """A component of ``B v`` at contact ``c``; ``v`` has shape (nodes, 6)."""
+    """One component of ``B v`` at contact ``c``; ``v`` has shape (nodes, 6)."""
     total = 0.0
     for s in range(rows.first[c], rows.first[c + 1]):
         node = rows.nodes[s]
@@ -53,17 +53,17 @@ def along(rows: BlockRows, c: int, v: Array, k: int) -> float:
 
 
 @inlined_uncounted
-def push(pushes: BlockRows, c: int, k: int, impulse: float, v: Array) -> None:
-    """Add to ``v`` (nodes, 6) what an impulse along a component at contact ``c`` does."""
-    for s in range(pushes.first[c], pushes.first[c + 1]):
-        node = pushes.nodes[s]
+def add_response(responses: BlockRows, c: int, k: int, impulse: float, v: Array) -> None:
+    """Add to ``v`` (nodes, 6) the velocities due to component ``k`` of an impulse."""
+    for s in range(responses.first[c], responses.first[c + 1]):
+        node = responses.nodes[s]
         for at in range(6):
-            v[node, at] += impulse * pushes.values[s, k, at]
+            v[node, at] += impulse * responses.values[s, k, at]
 
 
 @inlined_uncounted
 def along_all(rows: BlockRows, c: int, v: Array) -> Vector:
-    """``B v`` at contact ``c``, with its two tangents; each velocity is read once."""
+    """All components of ``B v`` at contact ``c``; each velocity is read once."""
     values, u0, u1, u2 = rows.values, 0.0, 0.0, 0.0
     for s in range(rows.first[c], rows.first[c + 1]):
         node = rows.nodes[s]
@@ -76,11 +76,11 @@ def along_all(rows: BlockRows, c: int, v: Array) -> Vector:
 
 
 @inlined_uncounted
-def push_all(pushes: BlockRows, c: int, r: Vector, v: Array) -> None:
-    """Add to ``v`` (nodes, 6) what an impulse at contact ``c`` does, with its two tangents."""
-    values = pushes.values
-    for s in range(pushes.first[c], pushes.first[c + 1]):
-        node = pushes.nodes[s]
+def add_responses(responses: BlockRows, c: int, r: Vector, v: Array) -> None:
+    """Add to ``v`` (nodes, 6) the velocities due to an impulse at contact ``c``."""
+    values = responses.values
+    for s in range(responses.first[c], responses.first[c + 1]):
+        node = responses.nodes[s]
         for at in range(6):
             more = r[0] * values[s, 0, at] + r[1] * values[s, 1, at] + r[2] * values[s, 2, at]
             v[node, at] += more
@@ -88,14 +88,14 @@ def push_all(pushes: BlockRows, c: int, r: Vector, v: Array) -> None:
 
 @uncounted
 def rates(rows: BlockRows, v: Array, out: Array) -> None:
-    """``B v`` of all contacts, shape (m, 3)."""
+    """Relative velocities ``B v`` of all contacts, shape (m, 3)."""
     for c in range(out.shape[0]):
         out[c, 0], out[c, 1], out[c, 2] = along_all(rows, c, v)
 
 
 @uncounted
 def twist_rates(rows: BlockRows, H: Array, twists: Array, out: Array) -> None:
-    """:func:`rates` of twists in the axes of frames ``H``; nodes without a twist do not move."""
+    """:func:`rates` of twists in the axes of frames ``H``; nodes without a twist are at rest."""
     for c in range(out.shape[0]):
         u0, u1, u2 = 0.0, 0.0, 0.0
         for s in range(rows.first[c], rows.first[c + 1]):
@@ -111,7 +111,7 @@ def twist_rates(rows: BlockRows, H: Array, twists: Array, out: Array) -> None:
 
 @compiled
 def slides(rows: tuple[BlockRows, BlockRows], H: tuple[Array, Array], out: Array) -> None:
-    """How far contacts move between two frames, by the mean of their rows there, shape (k, 3)."""
+    """Relative displacements of contacts between two frames, by the mean of ``B``, shape (k, 3)."""
     d, D, θ = np.empty(6), np.empty((3, 3)), np.empty(3)
     first, last = rows
     for c in range(out.shape[0]):
@@ -137,11 +137,11 @@ def add_local_forces(
     """Add blocks of forces to right-hand sides in the axes of frames ``H``.
 
     Args:
-        nodes: Of each block, shape (b,).
-        numbers: Which right-hand sides they belong to, shape (b,).
-        forces: Shape (b, 3, 6).
+        nodes: Node of each block, shape (b,).
+        numbers: Index of the right-hand side of each block, shape (b,).
+        forces: Blocks of forces, shape (b, 3, 6).
         H: Frames of the nodes.
-        free: Unknowns that are not held, shape (n, 6).
+        free: Whether each unknown is free, shape (n, 6).
         out: Right-hand sides, shape (n, 6, s, 3).
     """
     for b in range(nodes.shape[0]):
@@ -159,7 +159,7 @@ def add_local_forces(
 def take_local_velocities(
     nodes: Indices, numbers: Indices, x: Array, H: Array, free: Flags, out: Array
 ) -> None:
-    """Blocks (b, 3, 6) of solutions (n, 6, s, 3), the inverse of :func:`add_local_forces`."""
+    """Blocks (b, 3, 6) of the solutions (n, 6, s, 3); the inverse of :func:`add_local_forces`."""
     for b in range(nodes.shape[0]):
         node, s = nodes[b], numbers[b]
         for k in range(3):

@@ -1,4 +1,4 @@
-"""Newton's method on the function of Alart & Curnier, for few contacts: dense."""
+"""Newton's method on the function of Alart & Curnier, for few contacts, with dense matrices."""
 
 from __future__ import annotations
 
@@ -6,43 +6,43 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import uncounted
-from fem_lie.contact.impact.jacobian import along_all, push
+from fem_lie.contact.impact.jacobian import add_response, along_all
 from fem_lie.contact.impact.sweeps import Cones, change, residual
 
 _ITERATIONS, _HALVES = 10, 12
-"""Iterations, and halves of one, at most."""
+"""Largest number of iterations, and of halvings of the step in one of them."""
 
 _REDUNDANT = 1e-8
-"""Added to the diagonal, which is of the size of one: some contacts say what others do."""
+"""Regularisation of the diagonal, relative to its size, for linearly dependent contacts."""
 
 _YIELDS, _LESS, _MORE, _MOST_YIELDS, _PROXIMAL = 1e-4, 0.3, 10.0, 1e-2, 16
-"""Part of its own velocity by which a contact yields in the first proximal step, by which it yields
-less after a step that was found and more after another, what it yields at most, and steps."""
+"""Compliance of contacts in the first proximal step, relative to their own response; factors for
+the next step after convergence and after failure; largest compliance; number of steps."""
 
 _FOUND = 1e-8
-"""Part of the largest impulse by which the function differs from zero at the end of such a step."""
+"""Tolerance of the function at the end of a proximal step, relative to the largest impulse."""
 
 
 @uncounted
 def _set_matrix(problem: Cones, k: int) -> None:
     """``B M⁻¹ B̄ᵀ`` of the first k contacts, column by column; ``W`` is overwritten."""
-    pushes, W, A = problem.pushes, problem.W, problem.dense.A
+    responses, W, A = problem.responses, problem.W, problem.dense.A
     W[:] = 0.0
     for d in range(k):
         for j in range(3):
-            push(pushes, d, j, 1.0, W)
+            add_response(responses, d, j, 1.0, W)
             for c in range(k):
                 u = along_all(problem.rows, c, W)
                 A[3 * c, 3 * d + j], A[3 * c + 1, 3 * d + j], A[3 * c + 2, 3 * d + j] = u
             A[3 * d + j, 3 * d + j] += problem.soft[d]
-            for s in range(pushes.first[d], pushes.first[d + 1]):
+            for s in range(responses.first[d], responses.first[d + 1]):
                 for at in range(6):
-                    W[pushes.nodes[s], at] = 0.0
+                    W[responses.nodes[s], at] = 0.0
 
 
 @uncounted
 def _set_function(problem: Cones, k: int, r: Array) -> float:
-    """The function ``F``, whose zeros are solutions, and velocities ``u``; returns ``F·F``."""
+    """Set the function ``F``, whose zeros are solutions, and velocities ``u``; return ``F·F``."""
     A, u, F, q = problem.dense.A, problem.dense.u, problem.dense.F, problem.q
     square = 0.0
     for c in range(k):
@@ -68,7 +68,7 @@ def _set_function(problem: Cones, k: int, r: Array) -> float:
 
 @uncounted
 def _set_derivative(problem: Cones, k: int, r: Array) -> None:
-    """The derivative ``J`` of the function, at the impulses of which ``u`` are the velocities."""
+    """Set the derivative ``J`` of the function at impulses ``r`` with velocities ``u``."""
     A, J, u = problem.dense.A, problem.dense.J, problem.dense.u
     for c in range(k):
         a = 3 * c
@@ -76,15 +76,15 @@ def _set_derivative(problem: Cones, k: int, r: Array) -> None:
         z = r[a] - rn * u[a]
         z1, z2 = r[a + 1] - rt * u[a + 1], r[a + 2] - rt * u[a + 2]
         radius, t = problem.friction[c] * z, np.sqrt(z1 * z1 + z2 * z2)
-        apart, slips = z <= 0.0, t > radius
+        separation, slips = z <= 0.0, t > radius
         x, y, part = 0.0, 0.0, 0.0
-        if slips and not apart:
+        if slips and not separation:
             x, y, part = z1 / t, z2 / t, radius / t
         m11, m12, m22 = part * (1 - x * x), -part * x * y, part * (1 - y * y)
         for j in range(3 * k):
             n0, n1 = 1.0 if j == a else 0.0, 1.0 if j == a + 1 else 0.0
             n2 = 1.0 if j == a + 2 else 0.0
-            if apart:
+            if separation:
                 J[a, j], J[a + 1, j], J[a + 2, j] = n0, n1, n2
                 continue
             J[a, j] = rn * A[a, j]
@@ -101,7 +101,7 @@ def _set_derivative(problem: Cones, k: int, r: Array) -> None:
 
 @uncounted
 def eliminate(J: Array, d: Array, n: int) -> None:
-    """``d ← J⁻¹ d``, with rows exchanged."""
+    """``d ← J⁻¹ d`` by Gaussian elimination with row exchanges."""
     for k in range(n):
         best = k
         for i in range(k + 1, n):
@@ -125,22 +125,22 @@ def eliminate(J: Array, d: Array, n: int) -> None:
 
 @uncounted
 def _begin(problem: Cones, k: int) -> None:
-    """Take the impulses that it starts with, which are ``kept`` in its room, too."""
-    room = problem.dense
+    """Copy the initial impulses to the workspace, and to ``kept`` in it."""
+    workspace = problem.dense
     for i in range(3 * k):
-        room.r[i] = room.kept[i] = problem.r[i // 3, i % 3]
+        workspace.r[i] = workspace.kept[i] = problem.r[i // 3, i % 3]
 
 
 @uncounted
 def _step(problem: Cones, k: int) -> float:
-    """One step, halved until the function is smaller, of all impulses; returns ``F·F`` there."""
-    n, room = 3 * k, problem.dense
-    r, tried, F, d = room.r, room.tried, room.F, room.d
+    """Make one step of all impulses, halved until the function decreases; return ``F·F``."""
+    n, workspace = 3 * k, problem.dense
+    r, tried, F, d = workspace.r, workspace.tried, workspace.F, workspace.d
     square = _set_function(problem, k, r)
     _set_derivative(problem, k, r)
     for i in range(n):
         d[i] = F[i]
-    eliminate(room.J, d, n)
+    eliminate(workspace.J, d, n)
     size, best, least = 1.0, 1.0, np.inf
     for _ in range(_HALVES):
         for i in range(n):
@@ -159,12 +159,13 @@ def _step(problem: Cones, k: int) -> float:
 
 @uncounted
 def newton(problem: Cones, k: int, tolerance: float) -> int:
-    """Newton's method with steps that are halved; returns the iterations.
+    """Newton's method with step halving; return the number of iterations.
 
     Args:
-        problem: Impulses and velocities are updated; impulses before are ``kept`` in its room.
-        k: How many contacts, at most :data:`~fem_lie.contact.impact.sweeps.MOST_NEWTON`.
-        tolerance: Of the residual.
+        problem: Impulses and velocities are updated; the initial impulses are ``kept`` in the
+            workspace.
+        k: Number of contacts, at most :data:`~fem_lie.contact.impact.sweeps.MOST_NEWTON`.
+        tolerance: Tolerance of the residual.
     """
     _begin(problem, k)
     _set_matrix(problem, k)
@@ -178,9 +179,9 @@ def newton(problem: Cones, k: int, tolerance: float) -> int:
 
 @uncounted
 def _yield_more(problem: Cones, k: int, part: float) -> None:
-    """Let contacts yield by a part of their own velocity to what impulses differ from ``start``.
+    """Add a compliance of ``part`` of the contacts' own response to impulses beyond ``start``.
 
-    The sum of this with ``part`` and with ``−part`` is nothing.
+    A call with ``part`` and one with ``−part`` cancel.
     """
     A, start = problem.dense.A, problem.dense.start
     for c in range(k):
@@ -193,36 +194,36 @@ def _yield_more(problem: Cones, k: int, part: float) -> None:
 
 @uncounted
 def proximal(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
-    """Newton's method where some contacts say what others do, or nearly slip or nearly part.
+    """Newton's method with proximal steps, for contacts that are dependent or nearly so.
 
-    In each step contacts yield a little to what impulses differ from those of the step before, so
-    that there is one solution; where nothing changes any more, that is one of the problem
+    In each step contacts are compliant to the difference from the impulses of the step before, so
+    that the solution is unique. Where impulses no longer change, they solve the original problem
     (R. T. Rockafellar, SIAM J. Control Optim. 14 (1976) 877).
 
     Args:
-        problem: Impulses and velocities are updated, those of the least residual are left.
-        k: How many contacts, at most :data:`~fem_lie.contact.impact.sweeps.MOST_NEWTON`.
-        tolerance: Of the residual.
+        problem: Impulses and velocities are updated to those of the least residual.
+        k: Number of contacts, at most :data:`~fem_lie.contact.impact.sweeps.MOST_NEWTON`.
+        tolerance: Tolerance of the residual.
 
     Returns:
-        Iterations, and the residual.
+        Number of iterations, and the residual.
     """
     _begin(problem, k)
     _set_matrix(problem, k)
-    room, n = problem.dense, 3 * k
+    workspace, n = problem.dense, 3 * k
     change(problem, k)
     part, iterations, reached = _YIELDS, 0, residual(problem, k)
     for _ in range(_PROXIMAL):
         largest = 0.0
         for i in range(n):
-            room.r[i] = room.start[i] = room.kept[i]
+            workspace.r[i] = workspace.start[i] = workspace.kept[i]
         _yield_more(problem, k, part)
         found = False
         for _ in range(_ITERATIONS):
             square = _step(problem, k)
             iterations += 1
             for i in range(n):
-                largest = max(largest, abs(room.r[i]))
+                largest = max(largest, abs(workspace.r[i]))
             found = square <= (_FOUND * largest) ** 2
             if found:
                 break
@@ -232,11 +233,11 @@ def proximal(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
         if found or now < reached:
             reached = now
             for i in range(n):
-                room.kept[i] = room.r[i]
+                workspace.kept[i] = workspace.r[i]
         if reached <= tolerance:
             break
         part = _LESS * part if found else min(_MORE * part, _MOST_YIELDS)
     for i in range(n):
-        problem.r[i // 3, i % 3] = room.kept[i]
+        problem.r[i // 3, i % 3] = workspace.kept[i]
     change(problem, k)
     return iterations, residual(problem, k)

@@ -1,4 +1,4 @@
-"""What compiled functions of impacts are given, what they work with, and what they tell."""
+"""Records of the compiled impact solver: its input, its workspace and what it reports."""
 
 from __future__ import annotations
 
@@ -12,28 +12,29 @@ from fem_lie.contact.impact.sweeps import Cones, cones_of
 from fem_lie.contact.sides.table import Side
 
 CLOSED = 1e-9
-"""Gaps of closed contacts, as a part of a length of theirs; over a step it is a speed."""
+"""Gap of a closed contact relative to a length of the pair; divided by a step, a velocity."""
 
 CONTACTS, SWEEPS, RESIDUAL, PENETRATION, IMPACT, FRICTION, GROUND = range(7)
-"""Places in what is told of a step; from the last on impulse of ground and its moment, six."""
-TOLD = GROUND + 6
+"""Indices in the report of a step; the last is the first of six: impulse of ground and its
+moment."""
+REPORT_SIZE = GROUND + 6
 
 LARGEST = 1e-3
-"""Residual of the cones with which a step has failed."""
+"""Residual of the cones above which a step has failed."""
 
 
 class Touch(NamedTuple):
-    """Pairs of places that may touch.
+    """Pairs of points that may touch.
 
     Attributes:
-        a: First places, on rigid bodies or ground.
-        b: Second ones, or planes.
-        pairs: Shape (m, 2).
-        kinds: What the pairs are, :data:`~fem_lie.contact.convex.features.ROUND` and others, (m,).
+        a: First points, on rigid bodies or ground.
+        b: Second points, or planes.
+        pairs: Indices of both points, shape (m, 2).
+        kinds: Kind of each pair, :data:`~fem_lie.contact.convex.features.ROUND` and others, (m,).
         friction: μ, shape (m,).
         restitution: e, shape (m,).
         closed: Gap below which a contact is closed, shape (m,).
-        arm: The largest distance of a place from the centre of its body.
+        arm: Largest distance of a point from the centre of its body.
     """
 
     a: Side
@@ -47,12 +48,12 @@ class Touch(NamedTuple):
 
 
 class Masses(NamedTuple):
-    """What impulses do to bodies.
+    """Mass properties of the bodies.
 
     Attributes:
-        mass: Shape (n,).
+        mass: Mass, shape (n,).
         J: Inertia tensors in the bodies' axes, shape (n, 3, 3).
-        inverse: Of these, shape (n, 3, 3).
+        inverse: Inverse inertia tensors, shape (n, 3, 3).
         force: Constant forces on the bodies, which have a potential, shape (n, 3).
     """
 
@@ -63,35 +64,35 @@ class Masses(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Of a step.
+    """Workspace of a step.
 
     Attributes:
-        cones: Of the contacts that take part.
-        chosen: Which those are, shape (m,).
-        joined: Whether a contact takes part, shape (m,).
-        gaps: At the start of a step, and at its end, shape (m,).
-        smooth: At the end of the step without contacts, shape (m,).
-        before: Rows at the start of those that were closed.
-        speed: Along the normal at the start, shape (m,).
-        incoming: At the time of the impact, shape (m,).
-        part: Of the step up to it, shape (m,).
-        target: Gap that is reached, shape (m,).
-        nu: Impulses times times that move bodies apart, shape (m,).
-        apart: Gaps less those targets, shape (m,).
-        impulses: In the last step, shape (m, 3).
+        cones: Problem of the active contacts.
+        chosen: Pairs of the active contacts, shape (m,).
+        joined: Whether each pair is active, shape (m,).
+        gaps: Gaps at the start of a step, then at its end, shape (m,).
+        smooth: Gaps at the end of the step without contacts, shape (m,).
+        before: Rows at the start, of contacts that were closed.
+        speed: Normal velocity at the start, shape (m,).
+        incoming: Normal velocity at the time of the impact, shape (m,).
+        part: Fraction of the step before the impact, shape (m,).
+        target: Target gap at the end, shape (m,).
+        nu: Position impulses: impulses times time, which move bodies apart, shape (m,).
+        separation: Gaps minus target gaps, shape (m,).
+        impulses: Impulses in the last step, shape (m, 3).
         rows: Normal rows.
-        pushes: Velocities by unit impulses along these.
-        own: Their products at one contact, shape (m,).
+        responses: Velocities per unit impulse along these rows.
+        own: Products of both at the same contact, shape (m,).
         last: ``nu`` after the last sweep, in the order of ``near``, shape (m,).
-        turned: ``moved`` then, shape (n, 6).
-        moved: Of bodies, shape (n, 6).
+        turned: ``moved`` after the last sweep, shape (n, 6).
+        moved: Displacements of the bodies, shape (n, 6).
         H: Frames without contacts, and those of the last pass, shape (2, n, 4, 3).
         v: Velocities without contacts, shape (n, 6).
-        mean: A block of a force, shape (3, 6).
-        near: Contacts whose places are looked at, shape (m,).
-        axis: By which tangents are chosen, shape (m,).
-        close: Which may touch in this step at all, shape (m,).
-        many: How many these are, shape (1,).
+        mean: Workspace for a block of forces, shape (3, 6).
+        near: Pairs whose positions are corrected, shape (m,).
+        axis: Axis from which the tangents are made, shape (m,).
+        close: Pairs that may touch in this step, shape (m,).
+        many: Their number, shape (1,).
     """
 
     cones: Cones
@@ -105,10 +106,10 @@ class Work(NamedTuple):
     part: Array
     target: Array
     nu: Array
-    apart: Array
+    separation: Array
     impulses: Array
     rows: BlockRows
-    pushes: BlockRows
+    responses: BlockRows
     own: Array
     last: Array
     turned: Array
@@ -123,21 +124,21 @@ class Work(NamedTuple):
 
 
 _BODIES = 2
-"""Nodes at one contact of rigid bodies."""
+"""Number of nodes at one contact of rigid bodies."""
 
 
-def _pushes_of(rows: BlockRows) -> BlockRows:
-    """Rows of ``M⁻¹ B̄ᵀ`` of free rigid bodies: those of the same nodes."""
+def _responses_of(rows: BlockRows) -> BlockRows:
+    """Uninitialised rows of ``M⁻¹ B̄ᵀ`` of free rigid bodies, with the same nodes as ``B``."""
     return rows._replace(values=np.zeros_like(rows.values))
 
 
 def work_of(m: int, n: int) -> Work:
-    """Of ``m`` pairs of places and ``n`` bodies."""
+    """Workspace for ``m`` pairs of points and ``n`` bodies."""
     z = np.zeros
     rows, normals = (empty_rows(m, _BODIES, components) for components in (3, 1))
     before = empty_rows(m, _BODIES, 3)
     before.first[:] = _BODIES * np.arange(m + 1)
-    problem = cones_of(rows, _pushes_of(rows), n)
+    problem = cones_of(rows, _responses_of(rows), n)
     whole = np.zeros(m, dtype=np.int64)
     return Work(
         cones=problem,
@@ -151,10 +152,10 @@ def work_of(m: int, n: int) -> Work:
         part=z(m),
         target=z(m),
         nu=z(m),
-        apart=z(m),
+        separation=z(m),
         impulses=z((m, 3)),
         rows=normals,
-        pushes=_pushes_of(normals),
+        responses=_responses_of(normals),
         own=z(m),
         last=z(m),
         turned=z((n, 6)),

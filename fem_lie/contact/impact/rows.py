@@ -1,4 +1,4 @@
-"""Gaps of contacts, and the rows of the matrix ``B`` of their velocities."""
+"""Gaps of contacts, and the rows of the contact Jacobian ``B``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fem_lie.contact.convex.passage import first_passed
 from fem_lie.contact.convex.table import Polyhedra
 from fem_lie.contact.impact.jacobian import BlockRows
 from fem_lie.contact.impact.records import Masses, Touch
-from fem_lie.contact.sides.kinematics import place
+from fem_lie.contact.sides.kinematics import position
 from fem_lie.contact.sides.passage import jumps
 from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import GROUND, UNUSED
@@ -39,15 +39,15 @@ def set_gaps(touch: Touch, H: Array, out: Array) -> None:
 def set_ahead(
     touch: Touch, polyhedra: Polyhedra, start: Array, end: Array, gaps: Array, impulses: Array
 ) -> None:
-    """Write contact manifolds of polyhedra, with the gaps that these features had at the start.
+    """Set the contact manifolds of polyhedra, and the gaps of their features at the start.
 
     Args:
         touch: Pairs.
-        polyhedra: Whose contact manifolds are among these.
+        polyhedra: Polyhedra whose contact manifolds are among the pairs.
         start: Frames at the start of the step.
-        end: At its end without contacts.
-        gaps: At the start, shape (m,), those of polyhedra overwritten.
-        impulses: Of the last step, shape (m, 3); see
+        end: Frames at the end without contacts.
+        gaps: Gaps at the start, shape (m,); those of polyhedra are overwritten.
+        impulses: Impulses of the last step, shape (m, 3); see
             :func:`~fem_lie.contact.convex.manifold.set_manifolds`.
     """
     if polyhedra.pairs.shape[0] > 0:
@@ -58,24 +58,24 @@ def set_ahead(
 
 @uncounted
 def set_centres(H: Array, touch: Touch, c: int, out: Array) -> None:
-    """Centres of both sides of a pair at frames ``H``, shape (2, 3)."""
+    """Positions of both points of a pair at frames ``H``, shape (2, 3)."""
     i, j = touch.pairs[c]
-    store_row(out, 0, place(H, touch.a, i))
-    store_row(out, 1, place(H, touch.b, j))
+    store_row(out, 0, position(H, touch.a, i))
+    store_row(out, 1, position(H, touch.b, j))
 
 
 @uncounted
 def find_crossed(touch: Touch, polyhedra: Polyhedra, before: Array, H: Array) -> int:
-    """A pair whose contact was missed between frames, or −1.
+    """A pair whose contact was missed between two frames, or −1.
 
-    See :func:`~fem_lie.contact.sides.passage.jumps`, and of polyhedra :func:`.first_passed`.
+    See :func:`~fem_lie.contact.sides.passage.jumps`, and :func:`.first_passed` for polyhedra.
     """
     for c in range(touch.pairs.shape[0]):
         i, j = touch.pairs[c]
         if touch.kinds[c] != ROUND or touch.b.radii[j] < 0.0:
             continue
-        D = minus(place(before, touch.a, i), place(before, touch.b, j))
-        E = minus(place(H, touch.a, i), place(H, touch.b, j))
+        D = minus(position(before, touch.a, i), position(before, touch.b, j))
+        E = minus(position(H, touch.a, i), position(H, touch.b, j))
         if jumps(D, E, touch.a.radii[i] + touch.b.radii[j]):
             return c
     if polyhedra.pairs.shape[0] > 0:
@@ -85,7 +85,7 @@ def find_crossed(touch: Touch, polyhedra: Polyhedra, before: Array, H: Array) ->
 
 @inlined_uncounted
 def _local_normal(H: Array, touch: Touch, j: int, n: Vector) -> Vector:
-    """In the axes of the second body; of a plane it is constant."""
+    """Normal in the axes of the second body; constant for a plane."""
     node = touch.b.nodes[j, 0]
     if node < 0 or dot(load_row(touch.b.normals, j), load_row(touch.b.normals, j)) > 0.0:
         return n if node < 0 else load_row(touch.b.normals, j)
@@ -94,7 +94,7 @@ def _local_normal(H: Array, touch: Touch, j: int, n: Vector) -> Vector:
 
 @inlined_uncounted
 def axis_of(H: Array, touch: Touch, c: int) -> int:
-    """The axis of the second body that is most nearly across a normal."""
+    """The axis of the second body that is closest to perpendicular to the normal."""
     i, j = touch.pairs[c]
     _, n, _ = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
     local, k = _local_normal(H, touch, j, n), 0
@@ -107,7 +107,7 @@ def axis_of(H: Array, touch: Touch, c: int) -> int:
 
 @inlined_uncounted
 def tangents(H: Array, touch: Touch, j: int, n: Vector, k: int) -> tuple[Vector, Vector]:
-    """Two directions across a normal, of which the first is across an axis of the second body."""
+    """Two tangents; the first is perpendicular to axis ``k`` of the second body."""
     node = touch.b.nodes[j, 0]
     axis = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
     first = cross(n, axis if node < 0 else global_components(H[node], axis))
@@ -117,7 +117,7 @@ def tangents(H: Array, touch: Touch, j: int, n: Vector, k: int) -> tuple[Vector,
 
 @inlined_uncounted
 def nearest(H: Array, touch: Touch, c: int) -> tuple[Vector, Vector]:
-    """Point of the first side of a pair that is nearest to the second, and the normal."""
+    """Closest point of the first side of a pair, and the normal."""
     i, j = touch.pairs[c]
     _, n, P = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
     return minus(P, scaled(touch.a.radii[i], n)), n
@@ -125,7 +125,7 @@ def nearest(H: Array, touch: Touch, c: int) -> tuple[Vector, Vector]:
 
 @inlined_uncounted
 def set_rows(H: Array, touch: Touch, c: int, axis: int, rows: BlockRows, block: int) -> int:
-    """Store the blocks of a pair from one on, as many components as there are; how many blocks."""
+    """Store the blocks of a pair from ``block`` on, one row per component; number of blocks."""
     i, j = touch.pairs[c]
     g, n, P = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
     first, second, components, count = n, n, rows.values.shape[1], 0
@@ -133,23 +133,23 @@ def set_rows(H: Array, touch: Touch, c: int, axis: int, rows: BlockRows, block: 
         first, second = tangents(H, touch, j, n, axis)
     at_foot = touch.kinds[c] == PLANE or touch.kinds[c] == EDGES
     for side in range(2):
-        # the point of contact, so far along the normal from the place of a side, rotates with it
+        # the contact point is at this distance along the normal, and rotates with the body
         far = -touch.a.radii[i] if side == 0 or at_foot else g + touch.b.radii[j]
         off = scaled(far, n)
         for m in range(MOST_NODES):
-            node, sign, w, lever = slot_of(
+            node, sign, w, arm = slot_of(
                 H, touch.a, touch.b, i, j, touch.kinds[c], P, side * MOST_NODES + m
             )
             if node == UNUSED:
                 break
             if node == GROUND:
                 continue
-            lever = plus(lever, scaled(w, local_components(H[node], off)))
+            arm = plus(arm, scaled(w, local_components(H[node], off)))
             rows.nodes[block + count] = node
             values = rows.values[block + count]
             for k in range(components):
                 d = scaled(sign, n if k == 0 else (first if k == 1 else second))
-                moment = cross(lever, local_components(H[node], d))
+                moment = cross(arm, local_components(H[node], d))
                 for x in range(3):
                     values[k, x], values[k, 3 + x] = w * d[x], moment[x]
             count += 1
@@ -157,7 +157,7 @@ def set_rows(H: Array, touch: Touch, c: int, axis: int, rows: BlockRows, block: 
 
 
 @inlined_uncounted
-def set_push(masses: Masses, body: int, force: Array, out: Array) -> None:
+def set_response(masses: Masses, body: int, force: Array, out: Array) -> None:
     """``M⁻¹`` of one free rigid body times a block of forces, shapes (1 or 3, 6)."""
     J = masses.inverse[body]
     for k in range(force.shape[0]):
@@ -171,7 +171,7 @@ def set_push(masses: Masses, body: int, force: Array, out: Array) -> None:
 
 @uncounted
 def append_rows(H: Array, touch: Touch, chosen: Indices, axis: Indices, rows: BlockRows) -> None:
-    """Rows of the chosen pairs, shape (k,), with tangents by these axes."""
+    """Rows of the chosen pairs, shape (k,), with tangents from these axes."""
     for e in range(chosen.shape[0]):
         block = rows.first[e]
         rows.first[e + 1] = block + set_rows(H, touch, chosen[e], axis[e], rows, block)
@@ -179,14 +179,14 @@ def append_rows(H: Array, touch: Touch, chosen: Indices, axis: Indices, rows: Bl
 
 @uncounted
 def choose_axes(H: Array, touch: Touch, chosen: Indices, axis: Indices) -> None:
-    """Axes by which tangents of the chosen pairs are chosen, shape (k,)."""
+    """Axes from which the tangents of the chosen pairs are made, shape (k,)."""
     for e in range(chosen.shape[0]):
         axis[e] = axis_of(H, touch, chosen[e])
 
 
 @uncounted
-def show_places(H: Array, touch: Touch, chosen: Indices, axis: Indices, out: Array) -> None:
-    """Points of the first sides that are nearest, normals and tangents, shape (k, 4, 3)."""
+def show_positions(H: Array, touch: Touch, chosen: Indices, axis: Indices, out: Array) -> None:
+    """Closest points of the first side, normals and tangents, shape (k, 4, 3)."""
     for e in range(chosen.shape[0]):
         at, n = nearest(H, touch, chosen[e])
         t1, t2 = tangents(H, touch, touch.pairs[chosen[e], 1], n, axis[e])

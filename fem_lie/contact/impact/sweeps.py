@@ -1,4 +1,4 @@
-"""Sweeps over the contacts of a problem, each solved exactly by Coulomb's law."""
+"""Nonlinear Gauss-Seidel sweeps: Coulomb's law is solved exactly at one contact after the other."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined_uncounted, uncounted
-from fem_lie.contact.impact.jacobian import BlockRows, along_all, push_all, rates
+from fem_lie.contact.impact.jacobian import BlockRows, add_responses, along_all, rates
 from fem_lie.lie.tuples import Vector
 
 
 @inlined_uncounted
 def projected(r: Vector, mu: float) -> Vector:
-    """On the cone ``|r_t| ≤ μ r_n``."""
+    """Projection on the cone ``|r_t| ≤ μ r_n``."""
     t = np.sqrt(r[1] * r[1] + r[2] * r[2])
     if t <= mu * r[0]:
         return r
@@ -26,7 +26,7 @@ def projected(r: Vector, mu: float) -> Vector:
 
 @inlined_uncounted
 def _slip(A: Array, b: Vector, mu: float, angle: float) -> tuple[float, float, float]:
-    """Velocity across and along a direction of sliding, and the normal impulse there."""
+    """Velocity across and along a direction of sliding, and the normal impulse."""
     c, s = np.cos(angle), np.sin(angle)
     slope = A[0, 0] - mu * (A[0, 1] * c + A[0, 2] * s)
     normal = -b[0] / slope if slope > 0.0 else -1.0
@@ -37,7 +37,7 @@ def _slip(A: Array, b: Vector, mu: float, angle: float) -> tuple[float, float, f
 
 @inlined_uncounted
 def _stick(A: Array, b: Vector) -> Vector:
-    """``−A⁻¹ b``."""
+    """Impulse ``−A⁻¹ b`` of a sticking contact."""
     c00 = A[1, 1] * A[2, 2] - A[1, 2] * A[2, 1]
     c01 = A[1, 2] * A[2, 0] - A[1, 0] * A[2, 2]
     c02 = A[1, 0] * A[2, 1] - A[1, 1] * A[2, 0]
@@ -57,7 +57,7 @@ def _stick(A: Array, b: Vector) -> Vector:
 
 @uncounted
 def _angle_by_secant(A: Array, b: Vector, mu: float, angle: float) -> float:
-    """Direction in which a contact slides without a force across it, from one that is near."""
+    """Direction of sliding, without a force across it, by the secant method from a guess."""
     x0, x1 = angle, angle + 1e-3
     f0, f1 = _slip(A, b, mu, x0)[0], _slip(A, b, mu, x1)[0]
     for _ in range(30):
@@ -75,7 +75,7 @@ def _angle_by_secant(A: Array, b: Vector, mu: float, angle: float) -> float:
 
 @uncounted
 def _scanned(A: Array, b: Vector, mu: float) -> float:
-    """The best of 32 directions."""
+    """The best of 32 directions of sliding."""
     best, found = np.inf, 0.0
     for k in range(32):
         angle = 2.0 * np.pi * k / 32
@@ -87,13 +87,13 @@ def _scanned(A: Array, b: Vector, mu: float) -> float:
 
 @uncounted
 def single(A: Array, b: Vector, mu: float, before: Vector) -> Vector:
-    """The solution at one contact: it takes off, sticks or slips.
+    """Solution at one contact: it opens, sticks or slips.
 
     Args:
-        A: Shape (3, 3).
-        b: Velocity without its impulse.
+        A: Response matrix, shape (3, 3).
+        b: Velocity without the impulse of this contact.
         mu: Coefficient of friction.
-        before: An impulse that may be near.
+        before: Initial guess of the impulse.
     """
     if b[0] >= 0.0:
         return 0.0, 0.0, 0.0
@@ -116,7 +116,7 @@ def single(A: Array, b: Vector, mu: float, before: Vector) -> Vector:
 
 @uncounted
 def _relaxed(A: Array, b: Vector, mu: float, r: Vector) -> Vector:
-    """By projections, where there is no solution that slips."""
+    """Impulse by projections, where the search for a direction of sliding fails."""
     rho = 1.0 / (A[0, 0] + A[1, 1] + A[2, 2])
     for _ in range(200):
         u0 = A[0, 0] * r[0] + A[0, 1] * r[1] + A[0, 2] * r[2] + b[0]
@@ -128,22 +128,22 @@ def _relaxed(A: Array, b: Vector, mu: float, r: Vector) -> Vector:
 
 
 MOST_NEWTON = 60
-"""Contacts for which there is room for a dense matrix."""
+"""Largest number of contacts for which a dense matrix is allocated."""
 
 
 class Dense(NamedTuple):
-    """Room of Newton's method, N = 3 MOST_NEWTON or less.
+    """Workspace of Newton's method, with N ≤ 3 MOST_NEWTON.
 
     Attributes:
         A: ``B M⁻¹ B̄ᵀ``, shape (N, N).
-        J: Of the derivative, likewise.
+        J: Derivative of the function, shape (N, N).
         r: Impulses, shape (N,).
-        kept: Those before, likewise.
-        start: Those from which they differ in a proximal step, likewise.
-        tried: Those of a part of a step, likewise.
-        u: Velocities, likewise.
-        F: Of which zeros are wanted, likewise.
-        d: A step, likewise.
+        kept: Initial impulses, shape (N,).
+        start: Reference impulses of a proximal step, shape (N,).
+        tried: Impulses of a reduced step, shape (N,).
+        u: Velocities, shape (N,).
+        F: Function whose zeros are solutions, shape (N,).
+        d: Newton step, shape (N,).
     """
 
     A: Array
@@ -158,29 +158,29 @@ class Dense(NamedTuple):
 
 
 def dense_of(m: int) -> Dense:
-    """For at most ``m`` contacts."""
+    """Workspace for at most ``m`` contacts."""
     n = 3 * min(m, MOST_NEWTON)
     return Dense(np.zeros((n, n)), np.zeros((n, n)), *(np.zeros(n) for _ in range(7)))
 
 
 PAST = 10
-"""Sweeps that are known of many contacts."""
+"""Number of sweeps that are stored for extrapolation, for many contacts."""
 
 
 class Past(NamedTuple):
-    """The last sweeps of a method for many contacts.
+    """History of the last sweeps, for problems with many contacts.
 
     Attributes:
-        start: Impulses before the last one, shape (m, 3).
-        end: And after it, likewise.
-        did: What it did, likewise.
-        turned: Changes of velocities after it, shape (n, 6).
-        steps: By what the ends of sweeps differ, shape (:data:`PAST`, m, 3).
-        changes: By what differs what they did, likewise.
-        turns: By what velocities differ, shape (:data:`PAST`, n, 6).
-        products: Of ``changes``, shape (:data:`PAST`, :data:`PAST`).
-        room: Likewise.
-        parts: Shape (:data:`PAST`,).
+        start: Impulses before the last sweep, shape (m, 3).
+        end: Impulses after it, shape (m, 3).
+        did: Change of the impulses in it, shape (m, 3).
+        turned: Change of nodal velocities after it, shape (n, 6).
+        steps: Differences of the results of sweeps, shape (:data:`PAST`, m, 3).
+        changes: Differences of the changes in sweeps, shape (:data:`PAST`, m, 3).
+        turns: Differences of nodal velocities, shape (:data:`PAST`, n, 6).
+        products: Scalar products of ``changes``, shape (:data:`PAST`, :data:`PAST`).
+        workspace: Workspace of the same shape.
+        parts: Coefficients of the extrapolation, shape (:data:`PAST`,).
     """
 
     start: Array
@@ -191,12 +191,12 @@ class Past(NamedTuple):
     changes: Array
     turns: Array
     products: Array
-    room: Array
+    workspace: Array
     parts: Array
 
 
 def past_of(m: int, n: int) -> Past:
-    """For at most ``m`` contacts of ``n`` nodes."""
+    """History for at most ``m`` contacts of ``n`` nodes."""
     z = np.zeros
     return Past(
         start=z((m, 3)),
@@ -207,30 +207,30 @@ def past_of(m: int, n: int) -> Past:
         changes=z((PAST, m, 3)),
         turns=z((PAST, n, 6)),
         products=z((PAST, PAST)),
-        room=z((PAST, PAST)),
+        workspace=z((PAST, PAST)),
         parts=z(PAST),
     )
 
 
 class Cones(NamedTuple):
-    """The first k contacts of these are a problem.
+    """The problem of the first k contacts.
 
     Attributes:
         rows: ``B``.
-        pushes: Rows of ``M⁻¹ B̄ᵀ``: velocities by unit impulses.
-        own: Products of both at one contact, with ``soft``, shape (·, 3, 3).
-        soft: Velocity by which a contact yields to a unit impulse, shape (·,).
-        q: Velocities without impulses, less the least ones, shape (·, 3).
+        responses: Rows of ``M⁻¹ B̄ᵀ``: velocities per unit impulse.
+        own: Products of both at the same contact, including ``soft``, shape (·, 3, 3).
+        soft: Compliance: velocity per unit impulse of a contact, shape (·,).
+        q: Velocities without impulses, minus the least allowed ones, shape (·, 3).
         friction: μ, shape (·,).
-        r: Impulses; start and solution, shape (·, 3).
-        W: Change of the nodes' velocities, shape (n, 6).
-        dense: Memory of Newton's method.
-        past: Memory of sweeps over many contacts.
-        least: Velocity that is round-off in this problem, shape (1,).
+        r: Impulses; initial guess and solution, shape (·, 3).
+        W: Change of nodal velocities, shape (n, 6).
+        dense: Workspace of Newton's method.
+        past: History of sweeps over many contacts.
+        least: Round-off level of velocities in this problem, shape (1,).
     """
 
     rows: BlockRows
-    pushes: BlockRows
+    responses: BlockRows
     own: Array
     soft: Array
     q: Array
@@ -242,12 +242,12 @@ class Cones(NamedTuple):
     least: Array
 
 
-def cones_of(rows: BlockRows, pushes: BlockRows, n: int) -> Cones:
-    """A problem of at most as many contacts as ``rows`` has, of ``n`` nodes; all else is zero."""
+def cones_of(rows: BlockRows, responses: BlockRows, n: int) -> Cones:
+    """A problem of at most as many contacts as ``rows`` has, with ``n`` nodes; all else is zero."""
     m, z = len(rows.first) - 1, np.zeros
     return Cones(
         rows,
-        pushes,
+        responses,
         own=z((m, 3, 3)),
         soft=z(m),
         q=z((m, 3)),
@@ -262,17 +262,17 @@ def cones_of(rows: BlockRows, pushes: BlockRows, n: int) -> Cones:
 
 @uncounted
 def begin(problem: Cones, k: int) -> None:
-    """Find the products at single contacts, and what the impulses do that it starts with."""
-    rows, pushes, own = problem.rows, problem.pushes, problem.own
+    """Set the products at single contacts, and the velocities due to the initial impulses."""
+    rows, responses, own = problem.rows, problem.responses, problem.own
     for c in range(k):
         for i in range(3):
             for j in range(3):
                 total = 0.0
                 for s in range(rows.first[c], rows.first[c + 1]):
-                    for t in range(pushes.first[c], pushes.first[c + 1]):
-                        if rows.nodes[s] == pushes.nodes[t]:
+                    for t in range(responses.first[c], responses.first[c + 1]):
+                        if rows.nodes[s] == responses.nodes[t]:
                             for at in range(6):
-                                total += rows.values[s, i, at] * pushes.values[t, j, at]
+                                total += rows.values[s, i, at] * responses.values[t, j, at]
                 own[c, i, j] = total
             own[c, i, i] += problem.soft[c]
     change(problem, k)
@@ -280,11 +280,11 @@ def begin(problem: Cones, k: int) -> None:
 
 @uncounted
 def change(problem: Cones, k: int) -> None:
-    """Find what the impulses do to the velocities."""
+    """Set the change of nodal velocities due to the impulses."""
     problem.W[:] = 0.0
     for c in range(k):
         r = problem.r[c, 0], problem.r[c, 1], problem.r[c, 2]
-        push_all(problem.pushes, c, r, problem.W)
+        add_responses(problem.responses, c, r, problem.W)
 
 
 @uncounted
@@ -300,7 +300,7 @@ def products(problem: Cones, r: Array, u: Array) -> None:
 
 @inlined_uncounted
 def velocity(problem: Cones, c: int) -> Vector:
-    """``u`` at contact ``c``, with all impulses."""
+    """Relative velocity ``u`` at contact ``c``, with all impulses."""
     q, r, soft = problem.q, problem.r, problem.soft[c]
     u0, u1, u2 = along_all(problem.rows, c, problem.W)
     return (
@@ -324,19 +324,19 @@ def sweep(problem: Cones, k: int) -> None:
         )
         x = single(A, b, problem.friction[c], (r0, r1, r2))
         if x[0] != r0 or x[1] != r1 or x[2] != r2:
-            push_all(problem.pushes, c, (x[0] - r0, x[1] - r1, x[2] - r2), problem.W)
+            add_responses(problem.responses, c, (x[0] - r0, x[1] - r1, x[2] - r2), problem.W)
             r[c, 0], r[c, 1], r[c, 2] = x
 
 
 @inlined_uncounted
 def off_cone(u: Vector, own: Array, mu: float, r: Array) -> tuple[float, float]:
-    """The largest part of ``|r − P_K(r − ρ û)|`` of one contact, and its ``ρ`` by the trace.
+    """Largest component of ``|r − P_K(r − ρ û)|`` of one contact, and its ``ρ``, from the trace.
 
     Args:
         u: Velocity with all impulses.
         own: Product of its rows, shape (3, 3).
         mu: Coefficient of friction.
-        r: Its impulse, shape (3,).
+        r: Impulse of the contact, shape (3,).
     """
     rho = 3.0 / (own[0, 0] + own[1, 1] + own[2, 2])
     lifted = u[0] + mu * np.sqrt(u[1] * u[1] + u[2] * u[2])
@@ -351,9 +351,9 @@ def off_cone(u: Vector, own: Array, mu: float, r: Array) -> tuple[float, float]:
 
 @uncounted
 def residual(problem: Cones, k: int) -> float:
-    """Largest :func:`off_cone` over the largest impulse.
+    """Largest :func:`off_cone` relative to the largest impulse.
 
-    Velocities of :attr:`Cones.least` are known no better than to round-off.
+    Velocities below :attr:`Cones.least` count as round-off.
     """
     worst, size, least = 0.0, np.finfo(np.float64).tiny, problem.least[0]
     for c in range(k):

@@ -1,4 +1,4 @@
-"""All contacts of a scene by impacts: one table of pairs, and what they did in a step."""
+"""All contacts of a scene that have impacts: one table of pairs, and the results of a step."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
 from fem_lie.bodies.body import Body
 from fem_lie.contact.contact import Contact
-from fem_lie.contact.convex.features import APART, PLANE, ROUND
+from fem_lie.contact.convex.features import INACTIVE, PLANE, ROUND
 from fem_lie.contact.convex.table import polyhedra_of
 from fem_lie.contact.impact.jacobian import along
 from fem_lie.contact.impact.records import (
@@ -33,13 +33,13 @@ from fem_lie.lie.motions import global_components
 from fem_lie.lie.tuples import cross, dot, load, load_row, plus, rotate_back, scaled
 
 TIME, PAIR, GAP, POSITION, IMPULSE, SLIP, STICKS, WIDTH = 0, 1, 2, 3, 6, 9, 12, 13
-"""Columns: end of the step, number of the pair, gap, place of the first side, impulse on it, its
-velocity across the normal, global components, and whether that is none."""
+"""Columns: end of the step, number of the pair, gap, contact point of the first side, impulse on
+it, its tangential velocity (global components), and whether the contact sticks."""
 
 
 @uncounted
 def energy(masses: Masses, H: Array, v: Array) -> float:
-    """Kinetic, and that of constant forces."""
+    """Kinetic energy, and potential energy of constant forces."""
     total = 0.0
     for body in range(v.shape[0]):
         u, ω = load(v[body], 0), load(v[body], 3)
@@ -52,36 +52,36 @@ def energy(masses: Masses, H: Array, v: Array) -> float:
 
 
 @uncounted
-def note_works(w: Work, k: int, v: Array, told: Array) -> None:
-    """Work of normal impulses and of friction, by the mean velocities of their rows."""
+def note_works(w: Work, k: int, v: Array, report: Array) -> None:
+    """Work of normal impulses and of friction impulses, with mean velocities."""
     problem = w.cones
-    told[IMPACT], told[FRICTION] = 0.0, 0.0
+    report[IMPACT], report[FRICTION] = 0.0, 0.0
     for i in range(k):
         for j in range(3):
             mean = 0.5 * (along(problem.rows, i, v, j) + along(problem.rows, i, w.v, j))
-            told[IMPACT if j == 0 else FRICTION] += mean * problem.r[i, j]
+            report[IMPACT if j == 0 else FRICTION] += mean * problem.r[i, j]
 
 
 @uncounted
-def note_ground(masses: Masses, w: Work, k: int, told: Array) -> None:
-    """Impulses of ground on bodies, and their moments about the origin."""
+def note_ground(masses: Masses, w: Work, k: int, report: Array) -> None:
+    """Impulse of ground on all bodies, and its moment about the origin."""
     problem = w.cones
-    told[GROUND:] = 0.0
+    report[GROUND:] = 0.0
     for i in range(k):
         block = problem.rows.first[i]
-        if problem.rows.first[i + 1] - block > 1:  # it is between two bodies
+        if problem.rows.first[i + 1] - block > 1:  # a contact between two bodies
             continue
         body, impulse, turning = problem.rows.nodes[block], (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         for j in range(3):
-            given = problem.pushes.values[block, j]
+            given = problem.responses.values[block, j]
             impulse = plus(impulse, scaled(problem.r[i, j] * masses.mass[body], load(given, 0)))
             turning = plus(turning, scaled(problem.r[i, j], load(given, 3)))
         J, H = masses.J[body], w.H[1, body]
         local = rotate_back(load_row(J, 0), load_row(J, 1), load_row(J, 2), turning)
         moment = plus(cross(load_row(H, 0), impulse), global_components(H, local))
         for j in range(3):
-            told[GROUND + j] += impulse[j]
-            told[GROUND + 3 + j] += moment[j]
+            report[GROUND + j] += impulse[j]
+            report[GROUND + 3 + j] += moment[j]
 
 
 @uncounted
@@ -92,26 +92,26 @@ def show(
     w: Work,
     k: int,
     ends: tuple[Array, Array],
-    room: Array,
+    workspace: Array,
     count: Indices,
 ) -> None:
-    """Append the first ``k`` contacts that take part and push, as rows of ``room``.
+    """Append the first ``k`` active contacts with an impulse to the rows of ``workspace``.
 
     Args:
         time: End of the step.
-        h: Its size; what slides less than closed gaps in it sticks.
+        h: Step size; a contact that slides less than a closed gap in it sticks.
         touch: Pairs.
-        w: Work of the step.
-        k: How many take part.
-        ends: Frames at the end, and velocities there, shape (n, 6).
-        room: With room for them, shape (·, :data:`WIDTH`).
-        count: How many rows there are, shape (1,), updated.
+        w: Workspace of the step.
+        k: Number of active contacts.
+        ends: Frames and velocities, shape (n, 6), at the end.
+        workspace: Rows of results, shape (·, :data:`WIDTH`), overwritten.
+        count: Number of rows, shape (1,), updated.
     """
     problem, (H, v) = w.cones, ends
     for e in range(k):
         if not problem.r[e, 0] > 0.0:
             continue
-        c, row = w.chosen[e], room[count[0]]
+        c, row = w.chosen[e], workspace[count[0]]
         at, _ = nearest(H, touch, c)
         row[TIME], row[PAIR], row[GAP] = time, c, w.gaps[c]
         block = problem.rows.first[e]
@@ -130,7 +130,7 @@ def show(
 
 
 def _arrays(record: tuple[object, ...]) -> Iterator[Array]:
-    """All of them, of records in it, too, but for rooms of methods."""
+    """All arrays of a record and of the records in it, without workspaces of methods."""
     for each in record:
         if isinstance(each, Dense | Past):
             continue
@@ -141,14 +141,14 @@ def _arrays(record: tuple[object, ...]) -> Iterator[Array]:
 
 
 class Touching:
-    """Pairs that may touch, and what is kept of them from step to step.
+    """Pairs that may touch, and their state from step to step.
 
     Attributes:
         touch: The pairs.
-        of: To which contact each belongs, shape (m,).
-        work: Of these.
-        polyhedra: Whose contact manifolds are among the pairs.
-        arm: The largest distance of a place from the centre of its body.
+        of: Index of the contact of each pair, shape (m,).
+        work: Workspace of the pairs.
+        polyhedra: Polyhedra whose contact manifolds are among the pairs.
+        arm: Largest distance of a point from the centre of its body.
     """
 
     def __init__(
@@ -159,16 +159,17 @@ class Touching:
         H: Array,
         on_masters: Callable[[Side], Side] | None = None,
     ) -> None:
-        """Join the contacts.
+        """Collect the contacts of a scene.
 
         Args:
-            contacts: By impacts, all of them.
-            nodes: Numbers of a body's nodes.
-            sizes: Lengths of the bodies, shape (n,).
-            H: Frames in the beginning, shape (n, 4, 3).
-            on_masters: A side by the nodes that its nodes follow; default: none follows another.
+            contacts: All contacts with the law :class:`~fem_lie.Impact`.
+            nodes: Gives the numbers of the nodes of a body in the scene.
+            sizes: Characteristic lengths of the bodies, shape (n,).
+            H: Initial frames, shape (n, 4, 3).
+            on_masters: Expresses a side by the master nodes of its nodes; default: no node is
+                rigidly attached to another.
         """
-        # slots of polyhedra come last
+        # slots of polyhedra are last
         contacts = sorted(contacts, key=lambda contact: len(contact.pair.impact.manifolds) > 0)
         manifolds = [list(contact.pair.impact.manifolds) for contact in contacts]
         sides = [contact.pair.impact.sides(nodes) for contact in contacts]
@@ -192,7 +193,7 @@ class Touching:
         self._first[1:] = np.cumsum([(len(a.radii), len(b.radii)) for a, b, _, _ in sides], axis=0)
         self._kinds = np.array(
             [
-                APART if own else (PLANE if each.flat else ROUND)
+                INACTIVE if own else (PLANE if each.flat else ROUND)
                 for own, each in zip(manifolds, sides, strict=True)
             ]
         )
@@ -206,7 +207,7 @@ class Touching:
         self.update(H)
 
     def update(self, H: Array, far: float = 0.0) -> None:
-        """Look again who is near whom, at frames ``H`` before steps that move places so ``far``."""
+        """Update the lists of near pairs at frames ``H``, for steps that move points by ``far``."""
         self._far = far
         for each in self._near:
             each.part(H)
@@ -224,7 +225,7 @@ class Touching:
 
     @staticmethod
     def _length(side: Side, sizes: Array) -> Array:
-        """Radii of balls, and sizes of the bodies that points are on; zero of ground."""
+        """Radii of balls, and sizes of the bodies of points; zero for ground."""
         of_bodies = np.append(sizes, 0.0)[side.nodes[:, 0]]
         return np.where(side.radii != 0.0, np.abs(side.radii), of_bodies)
 
@@ -248,49 +249,49 @@ class Touching:
         self.work: Work = work_of(count, self._count)
 
     def _remember(self, pairs: Indices, impulses: Array) -> None:
-        """Take over impulses of the pairs that there were."""
+        """Copy the impulses of pairs that were in the list before."""
         count = len(self._b.radii)
         keys, old = (p[:, 0] * count + p[:, 1] for p in (self.touch.pairs, pairs))
         _, here, there = np.intersect1d(keys, old, return_indices=True)
         self.work.impulses[here] = impulses[there]
 
     def named(self, shown: Array) -> Array:
-        """Rows of :mod:`.observed`; key of the contact and both its places instead of the pair."""
+        """Rows of :func:`show`, with the key of the contact and both points instead of the pair."""
         pair = shown[:, PAIR].astype(np.int64)
         of = self.of[pair]
-        places = self.touch.pairs[pair] - self._first[of]
-        parts = shown[:, :PAIR], self._keys[of, np.newaxis], places, shown[:, PAIR + 1 :]
+        positions = self.touch.pairs[pair] - self._first[of]
+        parts = shown[:, :PAIR], self._keys[of, np.newaxis], positions, shown[:, PAIR + 1 :]
         return np.concatenate(parts, axis=1)
 
     def passed(self, start: Array, end: Array) -> tuple[int, Passage] | None:
-        """A pair whose contact was missed in a step, and how far it moved; None: there is none.
+        """A pair whose contact was missed in a step, and its motion; ``None``: there is none.
 
         Args:
             start: Frames at the start of the step.
-            end: At its end.
+            end: Frames at the end of the step.
         """
         pair = find_crossed(self.touch, self.polyhedra, start, end)
         return None if pair < 0 else (pair, self.way(pair, start, end))
 
     def way(self, pair: int, start: Array, end: Array) -> Passage:
-        """How a pair moved in a step."""
+        """Relative motion of a pair in a step."""
         i, j = self.touch.pairs[pair]
         X = np.empty((2, 2, 3))
         for k, H in enumerate((start, end)):
             set_centres(H, self.touch, pair, X[k])
-        apart = X[:, 0] - X[:, 1]
+        separation = X[:, 0] - X[:, 1]
         reach = self._a.radii[i] + self._b.radii[j]
         of = int(np.searchsorted(self.polyhedra.slots, pair, side="right")) - 1
         if of >= 0:
             reach = self.polyhedra.thin[of]
-        return Passage(float(np.linalg.norm(apart[1] - apart[0])), float(reach))
+        return Passage(float(np.linalg.norm(separation[1] - separation[0])), float(reach))
 
     def names(self, pair: int, bodies: Mapping[Body, Indices]) -> list[str]:
-        """Of the bodies of a pair.
+        """Labels of the bodies of a pair.
 
         Args:
-            pair: Its number.
-            bodies: Nodes of each body, those that lead.
+            pair: Number of the pair.
+            bodies: Independent nodes of each body.
         """
         labels = {int(node): body.label for body, nodes in bodies.items() for node in nodes}
         i, j = self.touch.pairs[pair]
@@ -298,16 +299,16 @@ class Touching:
         return [labels.get(int(node), "ground") for node in nodes]
 
     def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
+        """State that the next steps depend on."""
         seen = {f"near.{k}": each.seen for k, each in enumerate(self._near)}
-        seen["skins"] = np.array([each.skin for each in self._near])
+        seen["margins"] = np.array([each.margin for each in self._near])
         seen["slots"] = self.polyhedra.ids.astype(np.float64)
         return seen | {f"work.{k}": values for k, values in enumerate(_arrays(self.work))}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
+        """Restore the state that :meth:`memory` returned."""
         for k, each in enumerate(self._near):
-            each.widen(float(kept["skins"][k]))
+            each.widen(float(kept["margins"][k]))
             each.see_again(kept[f"near.{k}"])
         self._versions = tuple(each.version for each in self._near)
         self._set()
@@ -317,12 +318,12 @@ class Touching:
 
     @property
     def _arm(self) -> float:
-        levers = [side.levers[side.nodes[:, 0] >= 0, 0] for side in (self._a, self._b)]
-        return float(np.linalg.norm(np.concatenate(levers), axis=1).max(initial=0.0))
+        arms = [side.arms[side.nodes[:, 0] >= 0, 0] for side in (self._a, self._b)]
+        return float(np.linalg.norm(np.concatenate(arms), axis=1).max(initial=0.0))
 
     @property
     def thin(self) -> float:
-        """The least sum of radii of balls in what touches: who moves less jumps over nothing."""
+        """Least sum of the radii of two balls; smaller displacements cannot skip a contact."""
         sums, ends = (
             [float(each) for each in self.polyhedra.thin],
             [self._first[:-1], self._first[1:]],
@@ -334,9 +335,9 @@ class Touching:
 
     @property
     def patience(self) -> float:
-        """How far places may move until the list has to be looked at again.
+        """Largest displacement of points before the lists of near pairs have to be updated.
 
-        That is for one step where pairs are ignored until they part.
+        It is that of one step if pairs are ignored until they separate.
         """
         if any(each.ignores for each in self._near):
             return self._far

@@ -1,4 +1,4 @@
-"""Which contacts take part in a step, and what velocities they are to have at its end."""
+"""Which contacts are active in a step, and their target velocities at its end."""
 
 from __future__ import annotations
 
@@ -8,23 +8,24 @@ from fem_lie._arrays import Array, Flags
 from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.contact.impact.jacobian import along
 from fem_lie.contact.impact.records import Masses, Touch, Work
-from fem_lie.contact.impact.rows import axis_of, set_push, set_rows
+from fem_lie.contact.impact.rows import axis_of, set_response, set_rows
 from fem_lie.contact.impact.sweeps import MOST_NEWTON
 from fem_lie.lie.tuples import dot, load
 
 _TINY = 1e-6
-"""Part of speeds: round-off of these is 1e-10 of what changes them so."""
+"""Round-off level of velocities relative to the speed; round-off is 1e-10 of impulses that change
+it."""
 
 _REACH = 4.0
-"""Steps in which places come so near that their gaps are looked at."""
+"""Number of steps in which points may come into contact, for pairs whose gaps are checked."""
 
 
 @inlined_uncounted
 def time_of(g0: float, moved: float, g1: float) -> float:
-    """Part of a step up to ``g₀ + moved τ + (g₁ − g₀ − moved) τ² = 0``, at most 1.
+    """Fraction of a step before ``g₀ + moved τ + (g₁ − g₀ − moved) τ² = 0``, at most 1.
 
-    The root is the one without cancellation, so that a gap that closes steadily is no special case:
-    the other root is then infinite.
+    The root is computed without cancellation, so that a constant closing velocity is no special
+    case: the other root is then infinite.
     """
     bend = g1 - g0 - moved
     root = np.sqrt(max(moved * moved - 4.0 * bend * g0, 0.0))
@@ -38,7 +39,7 @@ def time_of(g0: float, moved: float, g1: float) -> float:
 
 @inlined_uncounted
 def largest_speed(v: Array, arm: float) -> float:
-    """The largest of any place that is at most ``arm`` away from the centre of its body."""
+    """Largest velocity of any point within the distance ``arm`` from the centre of its body."""
     found = 0.0
     for body in range(v.shape[0]):
         u, ω = load(v[body], 0), load(v[body], 3)
@@ -48,7 +49,7 @@ def largest_speed(v: Array, arm: float) -> float:
 
 @uncounted
 def choose(h: float, touch: Touch, start: tuple[Array, Array], v: Array, w: Work) -> None:
-    """Which gaps are within what bodies move in some steps: contacts change no more than that."""
+    """Choose pairs whose gaps are within the motion of bodies in some steps; others stay open."""
     speed = largest_speed(start[1], touch.arm) + largest_speed(v, touch.arm)
     k = 0
     for c in range(touch.pairs.shape[0]):
@@ -60,9 +61,10 @@ def choose(h: float, touch: Touch, start: tuple[Array, Array], v: Array, w: Work
 
 @uncounted
 def join(h: float, touch: Touch, start: tuple[Array, Array], w: Work) -> None:
-    """Let contacts take part that have overlapped, or were closed and do not open.
+    """Activate contacts that overlap, and closed ones that do not open.
 
-    Of many those that were closed and pushed, too: in a pile they would join one after the other.
+    If there are many, closed contacts with an impulse in the last step are activated, too: in a
+    pile they would be activated one after the other.
     """
     H, v = start
     many = w.many[0] > MOST_NEWTON
@@ -81,14 +83,14 @@ def join(h: float, touch: Touch, start: tuple[Array, Array], w: Work) -> None:
 def bound(
     h: float, gaps: tuple[float, float], closed: bool, speed: float, free: float, restitution: float
 ) -> tuple[float, float, float]:
-    """Least normal velocity at the end of a step, that at the impact, and the part up to it.
+    """Least normal velocity at the end of a step, velocity at the impact, and time of the impact.
 
     Args:
-        h: Size of the step.
-        gaps: At the start, and at the end without contacts.
+        h: Step size.
+        gaps: Gaps at the start, and at the end without contacts.
         closed: Whether the contact was closed at the start.
         speed: Normal velocity at the start.
-        free: And at the end without contacts.
+        free: Normal velocity at the end without contacts.
         restitution: e.
     """
     g0, g1, moved = max(gaps[0], 0.0), gaps[1], speed * h
@@ -123,9 +125,9 @@ def set_bounds(
 
 @uncounted
 def set_cones(h: float, touch: Touch, masses: Masses, w: Work, factor: float) -> int:
-    """Rows at the places of the last pass, and velocities without impulses; how many take part."""
+    """Set rows at the positions of the last pass and velocities without impulses; their number."""
     problem, k = w.cones, 0
-    rows, pushes = problem.rows, problem.pushes
+    rows, responses = problem.rows, problem.responses
     problem.least[0] = _TINY * largest_speed(w.v, touch.arm)
     for at in range(w.many[0]):
         c = w.close[at]
@@ -139,7 +141,7 @@ def set_cones(h: float, touch: Touch, masses: Masses, w: Work, factor: float) ->
                 for j in range(6):
                     here = rows.values[block, i, j]
                     w.mean[i, j] = 0.5 * (here + start[i, j]) if closed else here
-            set_push(masses, rows.nodes[block], w.mean, pushes.values[block])
+            set_response(masses, rows.nodes[block], w.mean, responses.values[block])
         for i in range(3):
             problem.q[k, i] = along(rows, k, w.v, i)
             problem.r[k, i] = w.impulses[c, i]

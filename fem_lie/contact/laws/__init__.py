@@ -1,1 +1,1 @@
-"""Contact laws: `Penalty` and `Impact`, and the forces of the former."""
+"""Contact laws `Penalty` and `Impact`, and the contact forces of a penalty."""

@@ -1,16 +1,15 @@
-"""Energy that contacts by penalty gain or lose in steps that do not resolve them.
+"""Energy error of penalty contacts in steps that do not resolve the contact duration.
 
-Energy that contacts by penalty gain or lose in steps that do not resolve them.
+A scheme that does not conserve energy applies contact forces at both ends of a step, or at its
+midpoint. Their work over a step is ``½ (F₀ + F₁)·Δu`` or ``F̄·Δu``, while the stored energy of the
+penalty changes by ``U₁ − U₀``. As long as the force is linear in the gap the two agree, except for
+damping. They do not agree in steps in which surfaces meet or separate: there the bodies gain ``½
+(F₀ + F₁)·Δu + U₁ − U₀``, which is of the order of ``(h/T)²`` of the energy of an impact of duration
+``T = π √(m/k)``.
 
-A scheme that does not conserve energy moves bodies by forces at both ends of a step, or in its
-middle. Over a step these do the work ``½ (F₀ + F₁)·Δu`` or ``F̄·Δu``, while the penalty stores
-``U₁ − U₀``. Both agree, but for what damping takes, as long as the force is linear in the gap. It
-is not in the steps in which surfaces meet and part: bodies get ``½ (F₀ + F₁)·Δu + U₁ − U₀``. That
-is of the order of ``(h/T)²`` of the energy of an impact that lasts ``T = π √(m/k)``.
-
-T is measured, whatever bodies are behind the surfaces: forces ``F = k δ n`` of a contact change the
-displacements of two successive steps by ``h² M⁻¹ F``, so ``ω² = F·(Δu₂ − Δu₁)/(2 U h²)`` is
-Rayleigh's quotient of the bodies on the stiffness of the contact, and ``T = π/ω``.
+T is estimated during the run, for any bodies: contact forces ``F = k δ n`` change the displacements
+of two successive steps by ``h² M⁻¹ F``, so ``ω² = F·(Δu₂ − Δu₁)/(2 U h²)`` is the Rayleigh quotient
+of the bodies on the contact stiffness, and ``T = π/ω``.
 """
 
 from __future__ import annotations
@@ -23,20 +22,20 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined_uncounted
-from fem_lie.contact.sides.gauss_points import Meeting
-from fem_lie.contact.sides.kinematics import gap, place
+from fem_lie.contact.sides.gauss_points import ContactPoints
+from fem_lie.contact.sides.kinematics import gap, position
 from fem_lie.contact.sides.table import GROUND
 from fem_lie.lie.motions import global_components, local_components
 from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus
 
 
-class Numbers(NamedTuple):
-    """Of a law, for a weight of one.
+class PenaltyConstants(NamedTuple):
+    """Constants of a penalty, for an integration weight of one.
 
     Attributes:
         k: Stiffness.
         c: Damping.
-        ramp: Overlap over which that grows.
+        ramp: Overlap over which the damping grows from zero to ``c``.
     """
 
     k: float
@@ -45,8 +44,8 @@ class Numbers(NamedTuple):
 
 
 @inlined_uncounted
-def damping(law: Numbers, g: float, speed: float) -> tuple[float, float, float]:
-    """What damping adds to ``k g``, and how that changes with ``g`` and ``ġ``: nothing pulls."""
+def damping(law: PenaltyConstants, g: float, speed: float) -> tuple[float, float, float]:
+    """Damping beyond ``k g`` and its derivatives in ``g`` and ``ġ``; the total is never tensile."""
     part, by_gap = 1.0, 0.0
     if -g < law.ramp:
         part, by_gap = -g / law.ramp, -1.0 / law.ramp
@@ -56,19 +55,19 @@ def damping(law: Numbers, g: float, speed: float) -> tuple[float, float, float]:
 
 
 LARGEST = 0.05
-"""Part of the largest energy that a contact has stored, by which it may change that of bodies."""
+"""Energy that a contact may add to bodies, over the largest energy that it has stored."""
 
 _STEPS = 10
-"""Steps in an impact that change its energy by less than 1 %."""
+"""Steps per contact duration with which the energy error is below 1 %."""
 
 
 class UnresolvedContactWarning(UserWarning):
-    """Steps are too large for a contact by penalty: it adds energy to bodies, or takes it."""
+    """Steps are too large for a penalty contact: the contact adds or removes energy."""
 
 
 @inlined_uncounted
-def _carried(start: Array, end: Array, at: Meeting, j: int, here: Array, X: Vector) -> Vector:
-    """Displacement in a step of the point of a plane that is at ``X`` at frames ``here``."""
+def _carried(start: Array, end: Array, at: ContactPoints, j: int, here: Array, X: Vector) -> Vector:
+    """Displacement, over a step, of the point of a plane that is at ``X`` at frames ``here``."""
     node = at.b.nodes[j, 0]
     if node == GROUND:
         return 0.0, 0.0, 0.0
@@ -79,17 +78,17 @@ def _carried(start: Array, end: Array, at: Meeting, j: int, here: Array, X: Vect
 
 @compiled
 def _work(
-    start: Array, end: Array, here: Array, at: Meeting, law: Numbers, h: float
+    start: Array, end: Array, here: Array, at: ContactPoints, law: PenaltyConstants, h: float
 ) -> tuple[float, float]:
-    """Work over a step of the forces at some frames of it, and the energy stored there.
+    """Work of contact forces over a step, and the energy stored, both for forces at ``here``.
 
     Args:
         start: Frames at the start of the step.
-        end: At its end.
-        here: Those at which the forces act.
-        at: Where the sides meet there.
+        end: Frames at the end of the step.
+        here: Frames at which the forces are evaluated.
+        at: Contact points at these frames.
         law: Stiffness and damping.
-        h: Size of the step.
+        h: Step size.
     """
     work, stored = 0.0, 0.0
     for e in range(at.pairs.shape[0]):
@@ -97,11 +96,11 @@ def _work(
         g, n, P = gap(here, at.a, at.b, i, j, at.flat)
         if g >= 0.0:
             continue
-        u = minus(place(end, at.a, i), place(start, at.a, i))
+        u = minus(position(end, at.a, i), position(start, at.a, i))
         if at.flat:
             u = minus(u, _carried(start, end, at, j, here, P))
         else:
-            u = minus(u, minus(place(end, at.b, j), place(start, at.b, j)))
+            u = minus(u, minus(position(end, at.b, j), position(start, at.b, j)))
         change = dot(n, u)
         work -= at.weight[e] * (law.k * g + damping(law, g, change / h)[0]) * change
         stored += 0.5 * at.weight[e] * law.k * g * g
@@ -109,58 +108,61 @@ def _work(
 
 
 class _Record(NamedTuple):
-    """What is known of a contact so far.
+    """Energy balance of a contact so far.
 
     Attributes:
-        gained: Energy that bodies have got beyond what the contact had stored.
-        stored: The largest energy that it has stored.
-        frequency: ω at that.
-        energy: Stored at the end of the last step; negative before the first one.
-        pushed: Work over the last step of the forces at its end, over the step size; nan before
-            the first one.
-        reported: Whether it has been reported.
+        gained: Energy that the bodies have gained beyond what the contact had stored.
+        stored: Largest energy that the contact has stored.
+        frequency: ω at that time.
+        energy: Energy stored at the end of the last step; negative before the first one.
+        power: Work over the last step of the forces at its end, divided by the step size; nan
+            before the first step.
+        reported: Whether the user has been warned.
     """
 
     gained: float = 0.0
     stored: float = 0.0
     frequency: float = 0.0
     energy: float = -1.0
-    pushed: float = np.nan
+    power: float = np.nan
     reported: float = 0.0
 
 
 class EnergyWatch:
-    """The energy balance of one contact over a run."""
+    """Energy balance of one contact over a run."""
 
-    def __init__(self, name: str, law: Numbers, meet: Callable[[Array], Meeting]) -> None:
-        """Nothing is known yet.
+    def __init__(
+        self, name: str, law: PenaltyConstants, meet: Callable[[Array], ContactPoints]
+    ) -> None:
+        """Start an empty balance.
 
         Args:
-            name: Of the contact.
-            law: Its law.
-            meet: Where both sides meet at frames; the result stays when they are asked again.
+            name: Name of the contact.
+            law: Constants of the penalty.
+            meet: Gives the contact points at frames. The result remains valid when it is called
+                again.
         """
         self._name, self._law, self._meet = name, law, meet
         self._known = _Record()
-        self._closed: Meeting | None = None
+        self._closed: ContactPoints | None = None
 
     @property
     def memory(self) -> Array:
-        """What is known, for checkpoints."""
+        """State of the balance, for checkpoints."""
         return np.array(self._known)
 
     def restore(self, memory: Array) -> None:
-        """Know again what :attr:`memory` was."""
+        """Restore the state that :attr:`memory` returned."""
         self._known, self._closed = _Record(*(float(x) for x in memory)), None
 
     def add(self, start: Array, end: Array, h: float, middle: Array | None) -> None:
-        """Take a step into the balance, and warn if that does not close.
+        """Add a step to the balance, and warn if the energy error is too large.
 
         Args:
             start: Frames at the start of the step.
-            end: At its end.
-            h: Its size.
-            middle: Where forces act in the step; None: at both ends.
+            end: Frames at the end of the step.
+            h: Step size.
+            middle: Frames at which contact forces act in the step; ``None``: they act at both ends.
         """
         known, law = self._known, self._law
         if known.energy < 0.0:
@@ -179,14 +181,14 @@ class EnergyWatch:
             work, inside = _work(start, end, middle, self._meet(middle), law, h)
         gained = known.gained + work + energy - known.energy
         stored, frequency = known.stored, known.frequency
-        if known.energy >= stored > 0.0 and by_start > known.pushed * h:
-            square = (by_start / h - known.pushed) / (2.0 * known.energy * h)
+        if known.energy >= stored > 0.0 and by_start > known.power * h:
+            square = (by_start / h - known.power) / (2.0 * known.energy * h)
             frequency = float(np.sqrt(square))
         self._known = _Record(
             gained, max(stored, energy, inside), frequency, energy, by_end / h, known.reported
         )
         self._closed = at if energy > 0.0 else None
-        # what has not opened yet may still give back what it has taken
+        # a contact that is still closed may still return the energy that it has stored
         if energy == 0.0:
             self._report(h)
 

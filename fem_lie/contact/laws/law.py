@@ -1,4 +1,4 @@
-"""Contact laws, and what every term of contact forces has."""
+"""Contact laws, and the base class of terms of contact forces."""
 
 from __future__ import annotations
 
@@ -11,54 +11,54 @@ from fem_lie.forms.term import Term
 
 
 class ContactTerm(Term):
-    """Forces of a contact by penalty.
+    """Contact forces of one contact by penalty.
 
     Attributes:
-        ignores: Whether pairs that overlap at the start are ignored until they part.
+        ignores: Whether pairs that overlap at the start are ignored until they separate.
     """
 
     ignores: bool = False
 
     @abstractmethod
     def accept(self, H: Array) -> None:
-        """Accept the state with frames ``H``."""
+        """Accept the state with frames ``H`` at the end of a step."""
 
     @abstractmethod
     def touching(self, H: Array, v: Array) -> tuple[Indices, Array, Array, Array]:
-        """Pairs of points that touch, and how.
+        """Pairs of points in contact, with their gaps and forces.
 
         Args:
             H: Frames of all nodes, shape (n, 4, 3).
-            v: Their twists, shape (n, 6).
+            v: Twists of all nodes, shape (n, 6).
 
         Returns:
             Pairs of points (k, 2), gaps (k,), closest points of the first surface (k, 3), and
-            forces on it (k, 3), global components.
+            contact forces on it (k, 3), in global components.
         """
 
 
 @dataclass(frozen=True)
 class Penalty:
-    """Surfaces push each other apart where they overlap: ``½ k g²`` at a gap ``g < 0``.
+    """Contact law with a force proportional to the overlap: energy ``½ k g²`` at a gap ``g < 0``.
 
-    The force is ``p = max(0, −k g − c ġ)``: it never pulls. It is for statics, for
-    :class:`~fem_lie.GeneralisedAlpha` and, without damping, for conserving schemes. A body of
-    mass m that meets a fixed one at a speed v goes in by ``v √(m/k)``, and is in contact for
-    ``π √(m/k)``, which steps have to resolve where nothing conserves energy: ten steps keep it to
-    1 %, and :class:`~fem_lie.UnresolvedContactWarning` says where too few change it. Along lines
-    all is per length of the first one.
+    The force is ``p = max(0, −k g − c ġ)``; it is never tensile. The law is for statics, for
+    :class:`~fem_lie.GeneralisedAlpha` and, without damping, for conserving schemes. A body of mass
+    m that hits a fixed one at a speed v penetrates by ``v √(m/k)`` and is in contact for ``π
+    √(m/k)``. Steps have to resolve this duration in schemes that do not conserve energy: ten steps
+    keep the energy error at 1 %, and :class:`~fem_lie.UnresolvedContactWarning` reports larger
+    errors. Along lines, stiffness, damping and force are per length of the first line.
 
     Attributes:
-        stiffness: k, force per length; default: a fifth of that of the softest element of beams
-            and shells behind the surfaces, which the contact then has and logs.
-        damping: c, force per speed; ``2 √(k m)`` is critical for a mass m.
-        ramp: Overlap over which damping grows from nothing to c. Without it the force jumps where
-            surfaces meet, which Newton's method does not survive where c is large.
-        friction: μ: the largest force across the normal over ``k`` times the overlap. Until that
-            is reached springs hold, which are carried from step to step. Lines have none in
-            conserving schemes.
-        holding: Their stiffness; default: k.
-        restitution: None: a penalty has damping.
+        stiffness: k, force per length. Default: a fifth of the stiffness of the softest beam or
+            shell element of both bodies; the contact then has this value and logs it.
+        damping: c, force per velocity; ``2 √(k m)`` is critical for a mass m.
+        ramp: Overlap over which the damping grows from zero to c. Without it the force is
+            discontinuous where surfaces meet, and Newton's method fails if c is large.
+        friction: Coefficient of friction μ: the tangential force is at most μ times ``k`` times the
+            overlap. Below this limit tangential springs hold, whose state is kept from step to
+            step. Lines have no friction in conserving schemes.
+        holding: Stiffness of the tangential springs; default: k.
+        restitution: Not used. A penalty has damping instead.
     """
 
     stiffness: float | None = None
@@ -69,7 +69,7 @@ class Penalty:
     restitution: InitVar[None] = None
 
     def __post_init__(self, restitution: None) -> None:
-        """Raise ``TypeError`` or ``ValueError`` for numbers that are none, or out of range."""
+        """Raise ``TypeError`` or ``ValueError`` for wrong types or values out of range."""
         if restitution is not None:
             raise ValueError(
                 "Penalty: restitution: a penalty has damping, not restitution; give damping, or "
@@ -88,10 +88,10 @@ class Penalty:
 
     @property
     def k(self) -> float:
-        """The stiffness, of a law that a contact has.
+        """The stiffness of the law of a contact.
 
         Raises:
-            ValueError: None was given or chosen.
+            ValueError: The stiffness is neither given nor chosen by a contact yet.
         """
         if self.stiffness is None:
             raise ValueError("Penalty: stiffness is chosen by the Contact that has it")
@@ -106,23 +106,24 @@ class Penalty:
 
 @dataclass(frozen=True)
 class Impact:
-    """Rigid surfaces: they never overlap, rub by Coulomb's law and bounce by Newton's.
+    """Contact law of rigid surfaces: no penetration, Coulomb friction, Newton's restitution.
 
-    It is for :class:`~fem_lie.GeneralisedAlpha` and :class:`~fem_lie.Variational` with constant
-    steps, and for rigid bodies, beams and shells whose nodes are frames, in joints or not. Steps
-    need not resolve impacts.
-    Of several impacts at once restitution is a law, not physics.
+    The law is for :class:`~fem_lie.GeneralisedAlpha` and :class:`~fem_lie.Variational` with
+    constant steps, and for rigid bodies, beams and shells whose nodes have frames, with or without
+    joints. Steps need not resolve the duration of impacts. If several impacts occur at once,
+    restitution is a modelling assumption, not physics.
 
     Attributes:
-        friction: μ: the largest force across the normal over that along it.
-        restitution: e, in [0, 1]: velocity after an impact over that before, along the normal.
+        friction: Coefficient of friction μ: largest ratio of the tangential to the normal force.
+        restitution: Coefficient of restitution e, in [0, 1]: ratio of the normal velocities after
+            and before an impact.
     """
 
     friction: float = 0.0
     restitution: float = 0.0
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` or ``ValueError`` for numbers that are none, or out of range."""
+        """Raise ``TypeError`` or ``ValueError`` for wrong types or values out of range."""
         if number(self.friction, "Impact: friction") < 0.0:
             raise ValueError(f"Impact: friction must not be negative, got {self.friction}")
         if not 0.0 <= number(self.restitution, "Impact: restitution") <= 1.0:

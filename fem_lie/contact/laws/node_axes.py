@@ -1,4 +1,4 @@
-"""Axes in which contact forces on nodes with vector coordinates are written."""
+"""Axes for the components of contact forces on nodes with vector coordinates."""
 
 from __future__ import annotations
 
@@ -10,17 +10,18 @@ from fem_lie.lie.node_types.all_nodes import all_axes
 
 
 class NodeAxes:
-    """Frames of nodes of all types, as contact points at them see these.
+    """Position and axes of nodes of all types, as contact kinematics uses them.
 
-    A contact point at a position-gradient node acts on its position alone. Directors of such a
-    node are no unit vectors, so the node's axes stand in; those of a slope rotate with it.
+    A contact point at a position-gradient node acts on its position only. The directors of such a
+    node are not unit vectors, so they are replaced by the node's axes, which rotate with the
+    position gradient.
     """
 
     def __init__(self, kinds: Indices) -> None:
-        """Find nodes whose directors are not their axes.
+        """Find the nodes whose directors differ from their axes.
 
         Args:
-            kinds: Type of each node by its number, :class:`~fem_lie.lie.node_types.NodeType`, (n,).
+            kinds: Type of each node, :class:`~fem_lie.lie.node_types.NodeType`, (n,).
         """
         others = (kinds == NodeType.POSITION_GRADIENT) | (kinds == NodeType.SURFACE_GRADIENT)
         self._nodes = np.flatnonzero(others)
@@ -43,17 +44,19 @@ class NodeAxes:
     def correct(
         self, H: Array, v: Array, columns: Indices, blocks: Array, by_twists: Array
     ) -> None:
-        """Let axes rotate with the unknowns of the nodes instead of by themselves.
+        """Correct tangents for nodes whose axes depend on their coordinates.
 
-        The axes of a slope x' have the angular velocity ``e₁ × Rᵀẋ'/|x'|``, all others none.
-        Velocities of these nodes stay as they are when axes rotate.
+        The axes of a position-gradient node have the angular velocity ``e₁ × Rᵀẋ'/|x'|``; the axes
+        of other nodes with vector coordinates do not rotate. Velocities of these nodes are constant
+        when the axes rotate.
 
         Args:
             H: Nodal coordinates, shape (n, 4, 3).
             v: Twists, shape (n, 6).
             columns: Node of the columns of each block, shape (m,).
-            blocks: Derivatives with frames that rotate by themselves, overwritten, (m, 6, 6).
-            by_twists: Derivatives in twists, (m, 6, 6); of forces without any, (0, 6, 6).
+            blocks: Derivatives for frames that rotate independently, overwritten, shape (m, 6, 6).
+            by_twists: Derivatives in twists, shape (m, 6, 6); (0, 6, 6) for forces that do not
+                depend on twists.
         """
         if not len(self._nodes):
             return

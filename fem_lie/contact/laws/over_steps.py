@@ -1,15 +1,16 @@
-"""Forces of contacts over a step, which do exactly the work by which the potential changes.
+"""Contact forces of a step whose work equals the change of the potential exactly.
 
-With ``U`` the potential of a gap, an overline for the mean of both ends and ``Δ`` for what changes,
-distance and gap are quadratic or bilinear in the rows of the nodes, so that these are exact::
+With ``U`` the potential of a gap, an overline for the mean of both ends of the step and ``Δ`` for
+differences over the step, distances and gaps are quadratic or bilinear in the nodal coordinates, so
+that these relations are exact::
 
     balls    d₁² − d₀² = 2 Δ̄·δΔ,  Δg = ±(d₁² − d₀²)/(d₀ + d₁),  F = ± σ 2 Δ̄/(d₀ + d₁)
     plane    Δg = n̄·δΔ + δn·Δ̄,                                  F = σ n̄
     surface  Δg = G·ΔX,  ΔX = R̄ᵀ δΔ + δRᵀ Δ̄,                    F = σ R̄ G
     all      σ = ΔU/Δg = ½ k (g₀ + g₁) where both ends overlap, else (U₁ − U₀)/Δg
 
-``G`` is the discrete gradient of a gap function, constant for a plane. A force ``F`` at the levers
-of the mean has neither resultant nor moment, and does the work ``ΔU``.
+``G`` is the discrete gradient of a gap function; it is constant for a plane. A force ``F`` with the
+moment arms of the mean configuration has zero resultant and zero moment, and does the work ``ΔU``.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
 from fem_lie.contact.sides.gap_functions import mean_gradient, position_in, turned
-from fem_lie.contact.sides.gauss_points import Meeting
-from fem_lie.contact.sides.kinematics import gap, place
+from fem_lie.contact.sides.gauss_points import ContactPoints
+from fem_lie.contact.sides.kinematics import gap, position
 from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import GROUND, UNUSED, Side
 from fem_lie.forms.abilities import Ends
@@ -30,18 +31,18 @@ from fem_lie.lie.motions import global_components
 from fem_lie.lie.tuples import Vector, cross, dot, load, load_row, minus, plus, scaled, store
 
 _KNOWN = 1e-13
-"""Part of potentials by which they differ surely."""
+"""Relative difference of potentials that is larger than round-off."""
 
 
 class Secant(NamedTuple):
-    """Of one pair of places over a step.
+    """Secant of the potential of one pair of points over a step.
 
     Attributes:
-        σ: ``ΔU/Δg`` for a stiffness of one.
+        σ: ``ΔU/Δg`` for unit stiffness.
         by_gap: Twice its derivative in the gap at the end.
-        start: Potential at the start for a stiffness of one.
-        end: At the end.
-        change: Of the gap.
+        start: Potential at the start for unit stiffness.
+        end: Potential at the end for unit stiffness.
+        change: Change of the gap.
     """
 
     σ: float
@@ -52,12 +53,12 @@ class Secant(NamedTuple):
 
 
 SLOPE, BY_GAP, START, END, CHANGE = range(5)
-"""Places of these in arrays."""
+"""Rows of arrays of secants."""
 
 
 @inlined_uncounted
 def _secant(g0: float, g1: float, change: float) -> Secant:
-    """Between gaps that differ by ``change``."""
+    """Secant between gaps ``g0`` and ``g1`` that differ by ``change``."""
     a, b = min(g0, 0.0), min(g1, 0.0)
     U0, U1 = 0.5 * a * a, 0.5 * b * b
     if a < 0.0 and b < 0.0:
@@ -71,7 +72,7 @@ def _secant(g0: float, g1: float, change: float) -> Secant:
 
 @inlined_uncounted
 def _moved(delta: Array, side: Side, i: int) -> Vector:
-    """How a place of a side moves with increments of the rows."""
+    """Displacement of a point of a side for increments of the nodal coordinates."""
     u = (0.0, 0.0, 0.0)
     for k in range(MOST_NODES):
         node = side.nodes[i, k]
@@ -79,52 +80,54 @@ def _moved(delta: Array, side: Side, i: int) -> Vector:
             break
         if node != GROUND:
             u = plus(u, scaled(side.weights[i, k], load_row(delta[node], 0)))
-            u = plus(u, global_components(delta[node], load_row(side.levers[i], k)))
+            u = plus(u, global_components(delta[node], load_row(side.arms[i], k)))
     return u
 
 
 @inlined_uncounted
-def _between(ends: Ends, at: Meeting, e: int) -> tuple[Secant, Vector, Vector]:
-    """Secant of a pair, direction ``F/σ``, and the mean of the place of the first side."""
+def _between(ends: Ends, at: ContactPoints, e: int) -> tuple[Secant, Vector, Vector]:
+    """Secant of a pair, direction ``F/σ``, and mean position of the point of the first side."""
     i, j = at.pairs[e]
     g0, _, _ = gap(ends.start, at.a, at.b, i, j, at.flat)
     g1, _, _ = gap(ends.end, at.a, at.b, i, j, at.flat)
-    P, Q = place(ends.mean, at.a, i), place(ends.mean, at.b, j)
-    apart, moved = minus(P, Q), minus(_moved(ends.delta, at.a, i), _moved(ends.delta, at.b, j))
+    P, Q = position(ends.mean, at.a, i), position(ends.mean, at.b, j)
+    separation, moved = minus(P, Q), minus(_moved(ends.delta, at.a, i), _moved(ends.delta, at.b, j))
     if at.flat:
         m = load_row(at.b.normals, j)
         if at.b.level.address != 0:
-            m = _mean_normal(ends, at, i, j, moved, apart)
+            m = _mean_normal(ends, at, i, j, moved, separation)
         n, change = turned(ends.mean, at.b, j, m), 0.0
         if at.b.nodes[j, 0] != GROUND:
-            change = dot(turned(ends.delta, at.b, j, m), apart)
+            change = dot(turned(ends.delta, at.b, j, m), separation)
         return _secant(g0, g1, dot(n, moved) + change), n, P
     sign = 1.0 if at.b.radii[j] >= 0.0 else -1.0
     reach = at.a.radii[i] + at.b.radii[j]
-    n = scaled(2.0 * sign / (sign * (g0 + g1 + 2.0 * reach)), apart)
+    n = scaled(2.0 * sign / (sign * (g0 + g1 + 2.0 * reach)), separation)
     return _secant(g0, g1, dot(n, moved)), n, P
 
 
 @uncounted
-def _mean_normal(ends: Ends, at: Meeting, i: int, j: int, moved: Vector, apart: Vector) -> Vector:
+def _mean_normal(
+    ends: Ends, at: ContactPoints, i: int, j: int, moved: Vector, separation: Vector
+) -> Vector:
     """Discrete gradient of a gap function, in the frame of the surface."""
-    before = minus(place(ends.start, at.a, i), place(ends.start, at.b, j))
-    after = minus(place(ends.end, at.a, i), place(ends.end, at.b, j))
+    before = minus(position(ends.start, at.a, i), position(ends.start, at.b, j))
+    after = minus(position(ends.end, at.a, i), position(ends.end, at.b, j))
     change = position_in(ends.mean, at.b, j, moved)
     if at.b.nodes[j, 0] != GROUND:
-        change = plus(change, position_in(ends.delta, at.b, j, apart))
+        change = plus(change, position_in(ends.delta, at.b, j, separation))
     X0, X1 = position_in(ends.start, at.b, j, before), position_in(ends.end, at.b, j, after)
     return mean_gradient(at.b, j, X0, X1, change)
 
 
 @inlined_uncounted
-def _push(mean: Array, side: Side, i: int, F: Vector, out: Array, ground: Array) -> None:
-    """Add a force on a place to forces and moments on nodes, or on ground about the origin."""
+def _add_point_force(mean: Array, side: Side, i: int, F: Vector, out: Array, ground: Array) -> None:
+    """Add a force on a point to forces and moments of nodes, or of ground about the origin."""
     for k in range(MOST_NODES):
         node = side.nodes[i, k]
         if node == UNUSED:
             break
-        c = load_row(side.levers[i], k)
+        c = load_row(side.arms[i], k)
         if node == GROUND:
             store(ground, 0, plus(load(ground, 0), F))
             store(ground, 3, plus(load(ground, 3), cross(c, F)))
@@ -135,10 +138,10 @@ def _push(mean: Array, side: Side, i: int, F: Vector, out: Array, ground: Array)
 
 
 @inlined_uncounted
-def _push_plane(
+def _add_plane_force(
     mean: Array, side: Side, j: int, P: Vector, F: Vector, out: Array, ground: Array
 ) -> None:
-    """Add a force on a plane at ``P``, likewise."""
+    """Add a force on a plane at ``P`` to forces and moments of its node, or of ground."""
     node = side.nodes[j, 0]
     if node == GROUND:
         store(ground, 0, plus(load(ground, 0), F))
@@ -150,54 +153,59 @@ def _push_plane(
 
 
 @uncounted
-def _add(ends: Ends, at: Meeting, k: float, share: float, out: Array, ground: Array) -> None:
+def _add(
+    ends: Ends, at: ContactPoints, k: float, fraction: float, out: Array, ground: Array
+) -> None:
     for e in range(at.pairs.shape[0]):
         secant, n, P = _between(ends, at, e)
         if secant.σ == 0.0:
             continue
-        F = scaled(share * at.weight[e] * k * secant.σ, n)
-        _push(ends.mean, at.a, at.pairs[e, 0], F, out, ground)
+        F = scaled(fraction * at.weight[e] * k * secant.σ, n)
+        _add_point_force(ends.mean, at.a, at.pairs[e, 0], F, out, ground)
         if at.flat:
-            _push_plane(ends.mean, at.b, at.pairs[e, 1], P, scaled(-1.0, F), out, ground)
+            _add_plane_force(ends.mean, at.b, at.pairs[e, 1], P, scaled(-1.0, F), out, ground)
         else:
-            _push(ends.mean, at.b, at.pairs[e, 1], scaled(-1.0, F), out, ground)
+            _add_point_force(ends.mean, at.b, at.pairs[e, 1], scaled(-1.0, F), out, ground)
 
 
 @compiled
-def add_secants(ends: Ends, at: Meeting, k: float, share: float, out: Array, ground: Array) -> None:
-    """Add ``share`` of the forces over a step, as residuals have them.
+def add_secants(
+    ends: Ends, at: ContactPoints, k: float, fraction: float, out: Array, ground: Array
+) -> None:
+    """Add a fraction of the contact forces of the step to the residual.
 
     Args:
-        ends: Of the step.
-        at: Where the sides meet.
+        ends: Both ends of the step.
+        at: Contact points.
         k: Stiffness.
-        share: Of the forces.
-        out: Forces and moments about the mean places of all nodes, global components, (N, 6).
+        fraction: Fraction of the forces.
+        out: Forces and moments about the mean positions of all nodes, global components, (N, 6).
         ground: Force and moment about the origin on ground, (6,).
     """
-    _add(ends, at, k, share, out, ground)
+    _add(ends, at, k, fraction, out, ground)
 
 
 @compiled
-def secants(ends: Ends, at: Meeting, out: Array) -> None:
-    """Secants of all pairs for a stiffness of one, in the order of :class:`Secant`: (5, m)."""
+def secants(ends: Ends, at: ContactPoints, out: Array) -> None:
+    """Secants of all pairs for unit stiffness, in the order of :class:`Secant`, shape (5, m)."""
     for e in range(at.pairs.shape[0]):
         secant, _, _ = _between(ends, at, e)
         out[SLOPE, e], out[BY_GAP, e] = secant.σ, secant.by_gap
         out[START, e], out[END, e], out[CHANGE, e] = secant.start, secant.end, secant.change
 
 
-def mixed(ends: Ends, both: list[Meeting]) -> list[tuple[Meeting, Array, float]]:
-    """Places of which forces over a step are made, their secants (5, m) and their shares.
+def mixed(ends: Ends, both: list[ContactPoints]) -> list[tuple[ContactPoints, Array, float]]:
+    """Contact points of the forces of a step, their secants (5, m) and fractions.
 
-    Where places follow along curves, those of the start have moved on at the end: what is nearest
-    then is nearer than they are, and integrated between other ends. So potentials at the end are
-    too small at places of the start, and those at the start at places of the end: a mean of both
-    forces does the work ``U₁ − U₀``, and pushes at levers that there are.
+    Along curves and patches the closest points at the end differ from the material points that were
+    closest at the start, so a secant at fixed material points underestimates the overlap at one
+    end: at the end of the step for the closest points of the start, and at the start for the
+    closest points of the end. A weighted mean of both sets of forces does exactly the work ``U₁ −
+    U₀``, with moment arms of actual material points.
 
     Args:
-        ends: Of the step.
-        both: Where the sides meet at its start, and at its end if that is elsewhere.
+        ends: Both ends of the step.
+        both: Contact points at the start, and at the end if these are other material points.
     """
     found = [(at, np.empty((5, len(at.pairs)))) for at in both]
     for at, out in found:
@@ -209,5 +217,5 @@ def mixed(ends: Ends, both: list[Meeting]) -> list[tuple[Meeting, Array, float]]
     )
     by_start, by_end = U0 - lower_start, U1 - lower_end
     known = by_start + by_end > _KNOWN * (U0 + U1)
-    share = min(1.0, max(0.0, by_start / (by_start + by_end))) if known else 0.5
-    return [(*found[0], share), (*found[1], 1.0 - share)]
+    fraction = min(1.0, max(0.0, by_start / (by_start + by_end))) if known else 0.5
+    return [(*found[0], fraction), (*found[1], 1.0 - fraction)]

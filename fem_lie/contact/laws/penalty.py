@@ -1,4 +1,4 @@
-"""Forces of contacts by penalty: a term on all nodes."""
+"""Contact forces of a penalty, as a term on all nodes."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
 from fem_lie.contact.friction.forces import Friction
-from fem_lie.contact.laws.energy import EnergyWatch, Numbers, damping
+from fem_lie.contact.laws.energy import EnergyWatch, PenaltyConstants, damping
 from fem_lie.contact.laws.law import ContactTerm, Penalty
 from fem_lie.contact.laws.node_axes import NodeAxes
 from fem_lie.contact.laws.over_steps import CHANGE, END, SLOPE, add_secants, mixed
 from fem_lie.contact.laws.tangents import normal_rows, speed_of, tangents
-from fem_lie.contact.sides.gauss_points import Meeting
+from fem_lie.contact.sides.gauss_points import ContactPoints
 from fem_lie.contact.sides.kinematics import SLOTS, add_row, gap, slot
-from fem_lie.contact.sides.meeting import Sides, copied
 from fem_lie.contact.sides.table import GROUND
+from fem_lie.contact.sides.two_sides import Sides, copied
 from fem_lie.forms.abilities import (
     Done,
     Ends,
@@ -37,15 +37,17 @@ from fem_lie.lie.tuples import minus, scaled, store_row
 _log = logging.getLogger(__name__)
 
 _DEEP = 0.1
-"""Part of the least radius: what overlaps by more is told of, once."""
+"""Overlap over the least radius beyond which a message is logged, once."""
 
 
 _NONE = np.empty((0, 0))
 
 
 @uncounted
-def _measure(H: Array, v: Array, at: Meeting, law: Numbers, viscous: bool, out: Array) -> None:
-    """Gap, force of stiffness and what damping adds, along the normal, of each pair: (3, m)."""
+def _measure(
+    H: Array, v: Array, at: ContactPoints, law: PenaltyConstants, viscous: bool, out: Array
+) -> None:
+    """Gap, elastic force and damping force of each pair along the normal, shape (3, m)."""
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
         g, n, P = gap(H, at.a, at.b, i, j, at.flat)
@@ -58,8 +60,8 @@ def _measure(H: Array, v: Array, at: Meeting, law: Numbers, viscous: bool, out: 
 
 
 @uncounted
-def _add(H: Array, at: Meeting, f: Array, grounded: bool, out: Array) -> None:
-    """``out += f b``, of all pairs or of those with ground alone."""
+def _add(H: Array, at: ContactPoints, f: Array, grounded: bool, out: Array) -> None:
+    """Add ``f b`` to ``out`` for all pairs, or for pairs with ground only."""
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
         if f[e] == 0.0 or (grounded and at.a.owners[i] != GROUND and at.b.owners[j] != GROUND):
@@ -72,8 +74,8 @@ def _add(H: Array, at: Meeting, f: Array, grounded: bool, out: Array) -> None:
 
 
 @uncounted
-def _show(H: Array, at: Meeting, f: Array, X: Array, F: Array) -> None:
-    """Nearest points of the first side, and forces on it."""
+def _show(H: Array, at: ContactPoints, f: Array, X: Array, F: Array) -> None:
+    """Closest points of the first side, and contact forces on it."""
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
         _, n, P = gap(H, at.a, at.b, i, j, at.flat)
@@ -91,7 +93,7 @@ class PenaltyForces(
     LowRankTangent,
     GroundForces,
 ):
-    """The forces of one contact by penalty, with damping as forces that depend on twists."""
+    """Contact forces of one contact by penalty, with viscous damping forces."""
 
     label = "contacts by penalty"
     in_space = True
@@ -106,19 +108,19 @@ class PenaltyForces(
         axes: NodeAxes | None = None,
         parts: bool = False,
     ) -> None:
-        """Keep both sides.
+        """Store both sides and the law.
 
         Args:
-            sides: That touch.
-            law: Stiffness and damping; of lines per length.
-            name: For messages.
-            friction: Of the law; default: none.
-            axes: Of nodes with vector coordinates; default: all nodes are frames.
-            parts: Whether some of its pairs are ignored until they part.
+            sides: Both sides of the contact.
+            law: Contact law; its constants are per length for lines.
+            name: Name for messages.
+            friction: Friction of the law; default: none.
+            axes: Axes of nodes with vector coordinates; default: all nodes have frames.
+            parts: Whether some pairs are ignored until they separate.
         """
         self._sides, self._name, self._allowed = sides, name, _DEEP * sides.radius
         self._axes = NodeAxes(np.zeros(0, dtype=np.int64)) if axes is None else axes
-        self._law = Numbers(float(law.k), float(law.damping), float(law.ramp))
+        self._law = PenaltyConstants(float(law.k), float(law.damping), float(law.ramp))
         self._damped = law.damping > 0.0
         self._friction, self.friction = friction, friction is not None
         self._watch = EnergyWatch(name, self._law, self._now)
@@ -126,74 +128,74 @@ class PenaltyForces(
             self.label = "contacts by penalty with friction"
         self.ignores = parts
         smooth = friction is None or sides.of_balls
-        # free flight of conserving steps does not say when what is ignored parts
+        # free flight of conserving steps does not detect when ignored pairs separate
         self.conserved = smooth and not (self._damped or parts)
         if parts:
             self.label += " that ignore what overlaps in the beginning"
 
     @property
     def viscosity(self) -> ViscousForces | None:
-        """Damping of the law."""
+        """Viscous forces, if the law has damping."""
         return self if self._damped else None
 
     @property
     def stress_update(self) -> LinearisedStress | None:
-        """Anchors of friction."""
+        """State of the friction springs, if the law has friction."""
         return self if self.friction else None
 
     @property
     def path(self) -> PathDependence | None:
-        """Friction, and pairs that are ignored until they part."""
+        """Path dependence: by friction, or by pairs that are ignored until they separate."""
         return self if self.friction or self.ignores else None
 
     @property
     def passage(self) -> PassageCheck:
-        """Both sides."""
+        """Check whether surfaces pass through each other."""
         return self
 
     @property
     def over_step(self) -> StepForces | None:
-        """Of those that conserve energy."""
+        """Forces of a step, if they conserve energy."""
         return self if self.conserved else None
 
     @property
     def low_rank(self) -> LowRankTangent | None:
-        """Of normal forces, where there are no others."""
+        """Low-rank form of the tangent, if there are only normal forces."""
         return None if self._damped or self.friction else self
 
     @property
     def ground(self) -> GroundForces | None:
-        """If a side is on ground."""
+        """Forces on ground, if a side is fixed to ground."""
         return self if self._sides.on_ground else None
 
     @property
     def version(self) -> int:  # type: ignore[override]
-        """Of the list of pairs."""
+        """Version of the list of pairs."""
         return self._sides.near.version
 
     @property
     def pairs(self) -> Pairs:
-        """Of those that are near each other."""
+        """Pairs of nodes that are coupled by contact points near each other."""
         return self._sides.near.blocks
 
     @property
     def seen(self) -> Array:
-        """See the base class."""
+        """State of the list of pairs, for checkpoints."""
         return self._sides.seen
 
     def see_again(self, seen: Array) -> None:
-        """See the base class."""
+        """Restore the list of pairs."""
         self._sides.see_again(seen)
 
-    def _measured(self, H: Array, v: Array, *, viscous: bool) -> tuple[Meeting, Array]:
-        """Where sides meet; gaps, forces of stiffness and what damping adds, shape (3, m)."""
+    def _measured(self, H: Array, v: Array, *, viscous: bool) -> tuple[ContactPoints, Array]:
+        """Contact points; gaps, elastic and damping forces along the normal, shape (3, m)."""
         at = self._sides.meet(H)
         found = np.empty((3, len(at.pairs)))
         _measure(H, v, at, self._law, viscous, found)
         return at, found
 
     def energy(self, H: Array) -> float:
-        """See the base class."""
+        """Energy stored by normal and tangential springs."""
         _, found = self._measured(H, np.empty((0, 6)), viscous=False)
         deep = np.minimum(found[0], 0.0)
         most = -float(deep.min(initial=0.0))
@@ -210,7 +212,7 @@ class PenaltyForces(
         return 0.5 * float(found[1] @ deep) + held
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """See the base class."""
+        """Add the contact forces to the residual."""
         H = self._axes.frames(H)
         at, found = self._measured(H, out, viscous=False)
         _add(H, at, found[1], False, out)
@@ -218,7 +220,7 @@ class PenaltyForces(
             self._friction.add_forces(H, out)
 
     def tangent(self, H: Array, kept: Array) -> Array:
-        """See the base class."""
+        """Tangent stiffness of each pair of nodes."""
         still = np.zeros((len(H), 6))
         blocks = self._tangents(H, still, viscous=False)[0]
         if self._friction is not None:
@@ -226,7 +228,7 @@ class PenaltyForces(
         return blocks
 
     def stiff_rows(self, H: Array) -> StiffRows:
-        """See the base class: without how normals and forces turn."""
+        """Rows of the low-rank tangent, without the geometric stiffness."""
         H = self._axes.frames(H)
         at = self._sides.meet(H)
         most = len(at.pairs)
@@ -236,13 +238,13 @@ class PenaltyForces(
         return StiffRows(nodes[:m], rows[:m], stiffness[:m])
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
-        """See the base class."""
+        """Add the damping forces to the residual."""
         H = self._axes.frames(H)
         at, found = self._measured(H, v, viscous=True)
         _add(H, at, found[2], False, out)
 
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
-        """See the base class."""
+        """Derivatives of the damping forces in twists and in frames."""
         by_frames, by_twists = self._tangents(H, v, viscous=True)
         return by_twists, by_frames
 
@@ -256,65 +258,65 @@ class PenaltyForces(
         self._axes.correct(H, v, self.pairs[1], by_frames, by_twists)
         return by_frames, by_twists
 
-    # --- what friction carries ---
+    # --- state of friction ---
 
     @property
     def carried(self) -> Array:
-        """See the base class: anchors."""
+        """State of the friction springs."""
         return np.empty(0) if self._friction is None else self._friction.carried
 
     def restore(self, carried: Array) -> None:
-        """See the base class."""
+        """Restore the state of the friction springs."""
         assert self._friction is not None
         self._friction.restore(carried)
 
     def accept(self, H: Array) -> None:
-        """See the base class."""
+        """Accept frames: update ignored pairs and friction springs."""
         self._sides.near.part(H)
         if self._friction is not None:
             self._friction.accept(H)
 
     def check_passage(self, start: Array, end: Array) -> None:
-        """See the base class."""
+        """Raise ``PassedThroughError`` if surfaces passed through each other in the step."""
         if (found := self._sides.passed(start, end)) is not None:
             raise PassedThroughError(self._name, *found)
 
-    def _now(self, H: Array) -> Meeting:
-        """Where the sides meet at frames, by the list of pairs that there is."""
+    def _now(self, H: Array) -> ContactPoints:
+        """Contact points at frames, for the present list of pairs."""
         at = self._sides.meet_again(H)
         return at if self._sides.of_balls else copied(at)
 
     def watch(self, start: Array, end: Array, h: float, middle: Array | None) -> None:
-        """See the base class: the energy balance."""
+        """Add a step to the energy balance."""
         self._watch.add(start, end, h, middle)
 
     @property
     def watched(self) -> Array:
-        """See the base class."""
+        """State of the energy balance."""
         return self._watch.memory
 
     def watch_again(self, watched: Array) -> None:
-        """See the base class."""
+        """Restore the state of the energy balance."""
         self._watch.restore(watched)
 
     def carry(self, H: Array, h: Array) -> None:
-        """See the base class; anchors wait for accepted frames."""
+        """Do nothing: friction springs change when frames are accepted."""
 
     def reset_stress(self, H: Array) -> None:
-        """See the base class; likewise."""
+        """Do nothing: friction springs change when frames are accepted."""
 
     def clear_stress(self) -> None:
-        """See the base class; likewise."""
+        """Do nothing: friction springs change when frames are accepted."""
 
     # --- over a step ---
 
     def add_over_step(self, ends: Ends, out: Array, ground: Array) -> Done:
-        """See the base class."""
+        """Add the forces of a step whose work is the change of the stored energy."""
         k, work = self._law.k, 0.0
         parts = mixed(ends, self._sides.meet_ends(ends.start, ends.end, known=False))
-        for at, secants, share in parts:
-            add_secants(ends, at, k, share, out, ground)
-            work += share * float((secants[SLOPE] * secants[CHANGE]) @ at.weight)
+        for at, secants, fraction in parts:
+            add_secants(ends, at, k, fraction, out, ground)
+            work += fraction * float((secants[SLOPE] * secants[CHANGE]) @ at.weight)
         at, secants, _ = parts[-1]
         done = Done(k * float(secants[END] @ at.weight), k * work, 0.0)
         if self._friction is None:
@@ -323,29 +325,29 @@ class PenaltyForces(
         return Done(*(a + b for a, b in zip(done, by_friction, strict=True)))
 
     def tangent_over_step(self, ends: Ends, H: Array) -> Array:
-        """See the base class."""
+        """Tangent stiffness of the forces of a step."""
         none, still = np.empty((0, 6, 6)), np.zeros((len(H), 6))
         blocks = np.zeros((len(self._sides.near.blocks[0]), 6, 6))
         frames = self._axes.frames(H)
-        # the list of pairs is that of the pattern of the matrix
-        for at, secants, share in mixed(
+        # the list of pairs must be the one that the sparsity pattern was made from
+        for at, secants, fraction in mixed(
             ends, self._sides.meet_ends(ends.start, ends.end, known=True)
         ):
-            tangents(frames, still, at, self._law, False, share * secants, blocks, none)
+            tangents(frames, still, at, self._law, False, fraction * secants, blocks, none)
             if self._friction is not None:
                 self._friction.add_tangent_over_step(ends, at, H, blocks)
         self._axes.correct(H, still, self.pairs[1], blocks, none)
         return blocks
 
     def overlaps(self, H: Array) -> bool:
-        """See the base class."""
+        """Whether any pair overlaps."""
         touches = bool((self._measured(H, np.empty((0, 6)), viscous=False)[1][0] < 0.0).any())
         if not touches:
-            self._sides.settle()
+            self._sides.keep_stretches()
         return touches
 
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
-        """See the base class."""
+        """Add the contact forces on ground."""
         H = self._axes.frames(H)
         at, found = self._measured(H, v, viscous=self._damped)
         _add(H, at, found[1] + found[2], True, out)
@@ -353,7 +355,7 @@ class PenaltyForces(
             self._friction.add_forces(H, out, grounded=True)
 
     def touching(self, H: Array, v: Array) -> tuple[Indices, Array, Array, Array]:
-        """See the base class."""
+        """Pairs in contact, with gaps, closest points and contact forces."""
         H = self._axes.frames(H)
         at, found = self._measured(H, v, viscous=self._damped)
         X, F = np.empty((len(at.pairs), 3)), np.empty((len(at.pairs), 3))

@@ -1,4 +1,4 @@
-"""What penalties push with, and derivatives of their forces, compiled."""
+"""Contact forces of penalties along the normal, and their derivatives, compiled."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
-from fem_lie.contact.laws.energy import Numbers, damping
+from fem_lie.contact.laws.energy import PenaltyConstants, damping
 from fem_lie.contact.laws.over_steps import BY_GAP, SLOPE
-from fem_lie.contact.sides.gauss_points import Meeting, set_slide, slides
-from fem_lie.contact.sides.kinematics import SLOTS, bends, gap, place, rate, slot
+from fem_lie.contact.sides.gauss_points import ContactPoints, set_slide, slides
+from fem_lie.contact.sides.kinematics import SLOTS, bends, gap, position, rate, slot
 from fem_lie.contact.sides.table import Side
 from fem_lie.lie.motions import local_components
 from fem_lie.lie.tuples import Vector, cross, dot, minus, scaled
@@ -19,7 +19,7 @@ from fem_lie.lie.tuples import Vector, cross, dot, minus, scaled
 def speed_of(
     H: Array, v: Array, a: Side, b: Side, i: int, j: int, flat: bool, P: Vector, n: Vector
 ) -> float:
-    """``ġ`` of a pair."""
+    """Rate ``ġ`` of the gap of a pair."""
     found = 0.0
     for s in range(SLOTS):
         node, sign, w, c = slot(H, a, b, i, j, flat, P, s)
@@ -32,16 +32,16 @@ def speed_of(
 def tangents(
     H: Array,
     v: Array,
-    at: Meeting,
-    law: Numbers,
+    at: ContactPoints,
+    law: PenaltyConstants,
     viscous: bool,
     given: Array,
     by_frames: Array,
     by_twists: Array,
 ) -> None:
-    """Derivatives of the forces, or of what damping adds, in frames and in twists: added.
+    """Add the derivatives of contact forces, or of their damping, in frames and in twists.
 
-    ``given`` are secants of a step instead, (≥ 2, m), or nothing, (0, 0).
+    ``given`` are the secants of a step, shape (≥ 2, m), or empty, shape (0, 0).
     """
     over_step = given.shape[0] > 0
     nodes, rows, changes = (
@@ -86,9 +86,9 @@ def tangents(
 
 @uncounted
 def normal_rows(
-    H: Array, at: Meeting, k: float, nodes: Indices, rows: Array, stiffness: Array
+    H: Array, at: ContactPoints, k: float, nodes: Indices, rows: Array, stiffness: Array
 ) -> int:
-    """Rows of the pairs that overlap, and their number; see :class:`~.term.StiffRows`."""
+    """Rows and number of the pairs that overlap; see :class:`~.term.StiffRows`."""
     found = 0
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
@@ -110,17 +110,17 @@ def normal_rows(
 
 @inlined_uncounted
 def _slide(
-    H: Array, at: Meeting, e: int, k: int, n: Vector, nodes: Indices, D: Array, G: Array
+    H: Array, at: ContactPoints, e: int, k: int, n: Vector, nodes: Indices, D: Array, G: Array
 ) -> None:
-    """``−m mᵀ/s``: the second place follows the first; see :class:`.Sliding`."""
+    """Add ``−m mᵀ/s``: the closest point on the second side moves along; see :class:`.Sliding`."""
     i, j = at.pairs[e]
     if not slides(at.sliding, e, k):
         return
-    apart = minus(place(H, at.a, i), place(H, at.b, j))
-    distance = np.sqrt(dot(apart, apart))
+    separation = minus(position(H, at.a, i), position(H, at.b, j))
+    distance = np.sqrt(dot(separation, separation))
     for s in range(SLOTS):
         if nodes[s] >= 0:
-            # in what was room for turns of the normal
+            # D is reused as workspace
             set_slide(H, at.sliding, e, k, s, nodes[s], n, distance, D[s, 0], D[s, 1, 0])
     for a in range(SLOTS):
         for b in range(SLOTS):
@@ -133,7 +133,7 @@ def _slide(
 
 @inlined_uncounted
 def _changes_of_speed(v: Array, nodes: Indices, G: Array, changes: Array) -> None:
-    """``∂ġ/∂h`` at constant twists, of each slot."""
+    """Derivative ``∂ġ/∂h`` of each slot at constant twists."""
     changes[:] = 0.0
     for s in range(SLOTS):
         for t in range(SLOTS):

@@ -1,1 +1,1 @@
-"""Contact pairs: for each two kinds of surfaces a class with its checks, gaps and forces."""
+"""Contact pairs: one class for each combination of two kinds of surfaces."""

@@ -1,4 +1,4 @@
-"""Contact pairs of points and balls, which touch planes, hollows and each other."""
+"""Contact pairs of points and balls with planes, hollow spheres and each other."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 
 from fem_lie.contact.pairs.pair import ImpactPair, PenaltyPair
 from fem_lie.contact.sides.kinematics import gaps
-from fem_lie.contact.sides.meeting import Balls, Sides
 from fem_lie.contact.sides.pairs import NearPairs
 from fem_lie.contact.sides.surfaces import (
     Ball,
@@ -18,30 +17,31 @@ from fem_lie.contact.sides.surfaces import (
     PolyhedralSurface,
 )
 from fem_lie.contact.sides.table import BothSides, Nodes, balls_side, level_side, planes_side
+from fem_lie.contact.sides.two_sides import Balls, Sides
 
 
 class _PointPair(PenaltyPair, ImpactPair):
-    """Points with a radius on one side, planes or points on the other."""
+    """Points or balls as first surface; planes, points or balls as second surface."""
 
     what = "points and balls"
     ignores_initial = True
 
     @property
     def impact(self) -> ImpactPair:
-        """Itself."""
+        """The pair itself."""
         return self
 
     @abstractmethod
     def sides(self, nodes: Nodes) -> BothSides:
-        """See the base class."""
+        """Both sides as packed arrays."""
 
     def check(self) -> None:
-        """See the base class."""
+        """Raise ``ValueError`` if the surfaces never touch or overlap at the start."""
         self.check_friction()
         nodes, H = self.numbered()
         a, b, flat, same = self.sides(nodes)
         if not (a.owners[:, np.newaxis] != b.owners).any():
-            raise ValueError(f"{self.label}: they never move against each other")
+            raise ValueError(f"{self.label}: expected surfaces on different frames, got one frame")
         near = NearPairs(a, b, flat=flat, same=same)
         near.update(H)
         sizes = np.where(a.radii > 0.0, a.radii, max(body.size for body in self.bodies))
@@ -49,85 +49,87 @@ class _PointPair(PenaltyPair, ImpactPair):
         self.refuse_overlap(g, positions, sizes[near.now[:, 0]])
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
-        """See the base class."""
+        """All that the contact forces depend on."""
         a, b, flat, same = self.sides(nodes)
         ignores = ("ignore_initial",) if self.ignore_initial else ()
         return *a.arrays, *b.arrays, flat, same, repr(self.law), *ignores
 
     def meeting(self, nodes: Nodes) -> Sides:
-        """See the base class."""
+        """Both sides, for the evaluation of contact points."""
         a, b, flat, same = self.sides(nodes)
         return Balls(a, b, flat=flat, same=same)
 
 
 class BallPlanePair(_PointPair):
-    """Points and balls, which touch planes."""
+    """Points or balls and planes."""
 
     a: PointSurface | PolyhedralSurface
     b: PlaneSurface
 
     def sides(self, nodes: Nodes) -> BothSides:
-        """See the base class."""
+        """Both sides as packed arrays."""
         a, b = balls_side(self.a.balls(), nodes), planes_side(self.b.faces(), nodes)
         return BothSides(a, b, True, False)
 
 
 class PolyhedronPlanePair(BallPlanePair):
-    """The vertices of a polyhedron, which touch planes."""
+    """The vertices of a polyhedron and planes."""
 
     a: PolyhedralSurface
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
-        """See the base class."""
+        """All that the contact forces depend on."""
         return *super().contents(nodes), self.a.polyhedron().corners
 
 
 class BallGapPair(_PointPair):
-    """Points and balls, which touch a surface that has a gap function."""
+    """Points or balls and a surface with a gap function."""
 
     a: PointSurface | PolyhedralSurface
     b: GapSurface
 
     @property
     def impact(self) -> ImpactPair:
-        """There is none.
+        """Not available.
 
         Raises:
-            ValueError: Always.
+            ValueError: Always: such surfaces touch by :class:`~fem_lie.Penalty` only.
         """
         raise ValueError(f"{self.label}: surfaces with a gap function touch by Penalty, not Impact")
 
     def sides(self, nodes: Nodes) -> BothSides:
-        """See the base class."""
+        """Both sides as packed arrays."""
         return BothSides(balls_side(self.a.balls(), nodes), level_side(self.b, nodes), True, False)
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
-        """See the base class."""
+        """All that the contact forces depend on."""
         surface = type(self.b).__qualname__, tuple(float(each) for each in self.b.parameters)
         return *super().contents(nodes), *surface
 
 
 class BallPair(_PointPair):
-    """Points and balls, which touch points, balls, and what is around hollows."""
+    """Points or balls on both sides, or a ball inside a hollow sphere."""
 
     a: PointSurface
     b: PointSurface
 
     def sides(self, nodes: Nodes) -> BothSides:
-        """See the base class."""
+        """Both sides as packed arrays; a hollow sphere is the second one."""
         a, b = self.a.balls(), self.b.balls()
         if min(ball.radius for ball in a) < 0.0:
             a, b = b, a
         return BothSides(balls_side(a, nodes), balls_side(b, nodes), False, self.a is self.b)
 
     def check(self) -> None:
-        """See the base class."""
+        """Raise ``ValueError`` for points on both sides, or a ball larger than a hollow."""
         a, b = self.a.balls(), self.b.balls()
         radii = [min(ball.radius for ball in side) for side in (a, b)]
         if min(radii) < 0.0 and (max(radii) < 0.0 or min(radii) + _largest(a, b) >= 0.0):
-            raise ValueError(f"{self.label}: what is in a hollow must be smaller, and no hollow")
+            raise ValueError(
+                f"{self.label}: a ball inside a hollow sphere must be smaller, and not hollow"
+            )
         if radii[0] == radii[1] == 0.0:
-            raise ValueError(f"{self.label}: points never touch points; give one of them a radius")
+            raise ValueError(f"{self.label}: points never touch points; give one surface a radius")
         super().check()
 
 

@@ -1,4 +1,4 @@
-"""The contact pairs of the package: which surfaces touch, and why others do not."""
+"""Contact pairs of the package: which surfaces can touch, and why others cannot."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from fem_lie.contact.pairs.lines import LinePair, LinePlanePair
 from fem_lie.contact.pairs.pair import ContactPair, register_contact_pair
 from fem_lie.contact.pairs.polyhedra import BallPolyhedronPair, PolyhedronPolyhedronPair
 from fem_lie.contact.pairs.ropes import ALONE, RopeRingPair
-from fem_lie.contact.pairs.skin_pairs import BallSkinPair, SkinPair, SkinPlanePair
-from fem_lie.contact.pairs.skins import Skin
+from fem_lie.contact.pairs.shell_pairs import BallShellPair, ShellPair, ShellPlanePair
+from fem_lie.contact.pairs.shell_surfaces import Skin
 from fem_lie.contact.rings.surfaces import Rings, Rope
 from fem_lie.contact.sides.surfaces import (
     GapSurface,
@@ -23,8 +23,8 @@ _TWO_PLANES = (
     "planes touch points, not each other; give the corners of one of them as Box or Vertices"
 )
 _LINES = "lines touch lines, bars and planes, not balls"
-_SKINS = "skins touch skins, balls and planes, not lines"
-_CORNERS = "the corners of a box do not touch skins"
+_SHELLS = "shells touch shells, balls and planes, not lines"
+_CORNERS = "the corners of a box do not touch shells"
 
 PAIRS: tuple[tuple[type[Surface], type[Surface], type[ContactPair] | str], ...] = (
     (PointSurface, PlaneSurface, BallPlanePair),
@@ -35,14 +35,14 @@ PAIRS: tuple[tuple[type[Surface], type[Surface], type[ContactPair] | str], ...] 
     (PointSurface, PolyhedralSurface, BallPolyhedronPair),
     (LineSurface, LineSurface, LinePair),
     (LineSurface, PlaneSurface, LinePlanePair),
-    (Skin, Skin, SkinPair),
-    (PointSurface, Skin, BallSkinPair),
-    (Skin, PlaneSurface, SkinPlanePair),
+    (Skin, Skin, ShellPair),
+    (PointSurface, Skin, BallShellPair),
+    (Skin, PlaneSurface, ShellPlanePair),
     (Rope, Rings, RopeRingPair),
     (PlaneSurface, PlaneSurface, _TWO_PLANES),
     (LineSurface, PointSurface, _LINES),
     (LineSurface, PolyhedralSurface, _LINES),
-    (Skin, LineSurface, _SKINS),
+    (Skin, LineSurface, _SHELLS),
     (Skin, PolyhedralSurface, _CORNERS),
     (Rope, Surface, ALONE),
     (Rings, Surface, ALONE),

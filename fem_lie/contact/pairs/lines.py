@@ -1,8 +1,8 @@
-"""Round beams and round bars: pieces of cubic curves with a radius, and their contact pairs.
+"""Contact surfaces of round beams and bars, segments of cubic curves with a radius; their pairs.
 
-A piece is Hermite's cubic in the ends and the tangents there, ``P = Σ Nₖ (xₖ + Rₖ pₖ) + Mₖ Rₖ tₖ``:
-of a beam ``p = 0`` and ``t = ℓ e₁``, so that its axis has no kinks at nodes; of a straight bar in
-one frame both ends have the same node.
+A segment is a Hermite cubic between two ends, ``P = Σ Nₖ (xₖ + Rₖ pₖ) + Mₖ Rₖ tₖ``. On a beam ``p =
+0`` and ``t = ℓ e₁``, so that the axis has no kinks at nodes. On a straight bar, which is fixed to
+one frame, both ends belong to the same node.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_point
 from fem_lie.contact.pairs.pair import PenaltyPair
-from fem_lie.contact.sides.meeting import Lines
 from fem_lie.contact.sides.surfaces import (
     LineSurface,
     Piece,
@@ -26,43 +25,45 @@ from fem_lie.contact.sides.surfaces import (
     initial_frame,
 )
 from fem_lie.contact.sides.table import Nodes, number_of, planes_side
+from fem_lie.contact.sides.two_sides import Lines
 
 _KINK = np.cos(np.radians(10.0))
-"""Of the largest angle between e₁ at a node and the chord."""
+"""Cosine of the largest angle between e₁ at a node and the chord."""
 
 _CURVED = 0.9
-"""Of the largest radius over the radius of curvature: nearest places are not unique beyond."""
+"""Largest ratio of the radius to the radius of curvature; closest points are not unique beyond
+1."""
 
 
 @dataclass(frozen=True, eq=False)
 class Line(LineSurface):
-    """A round beam: all within a radius of its axis, with round ends.
+    """Contact surface of a beam with a round cross-section: all points within a radius of the axis.
 
-    Forces are per length of the unloaded axis. The first of two lines is the one along which they
-    are integrated; that should be the finer one.
+    Contact forces are per length of the undeformed axis. They are integrated along the first of two
+    lines, which should have the finer mesh. The ends are round.
 
     Attributes:
-        beam: With the axis.
-        radius: Of what is round.
+        beam: The beam.
+        radius: Radius of the cross-section.
     """
 
     beam: Beam
     radius: float
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` or ``ValueError`` for what is no beam or radius."""
+        """Raise ``TypeError`` or ``ValueError`` if an argument has a wrong type or value."""
         instance(self.beam, Beam, "Line: beam", "a Beam")
         positive(self.radius, "Line: radius")
 
     @property
     def points(self) -> Sequence[Point]:
-        """Two, at its first and last node."""
+        """First and last node of the beam."""
         return [Point(self.beam, 0), Point(self.beam, len(self.beam.frames) - 1)]
 
     def pieces(self) -> list[Piece]:
-        """Its elements, one chain after the other."""
+        """One cubic segment for each element, chain by chain."""
         chains, elements, lengths = self.beam.chains, self.beam.elements, self.beam.lengths
-        places = self.beam.frames[:, 0]
+        positions = self.beam.frames[:, 0]
         last = {*(np.array(chains.first[1:]) - 1), len(chains.order) - 1}
         found = []
         for k, cell in enumerate(chains.order):
@@ -70,16 +71,16 @@ class Line(LineSurface):
             tangents = np.tile([float(lengths[cell]), 0.0, 0.0], (2, 1))
             owners = (self.beam, a), (self.beam, b)
             ends = np.zeros((2, 3))
-            chord = float(np.linalg.norm(places[b] - places[a]))
-            length, goes_on = float(lengths[cell]), k not in last
-            found.append(Piece(owners, ends, tangents, length, chord, self.radius, goes_on))
+            chord = float(np.linalg.norm(positions[b] - positions[a]))
+            length, continues = float(lengths[cell]), k not in last
+            found.append(Piece(owners, ends, tangents, length, chord, self.radius, continues))
         return found
 
     def check(self) -> None:
-        """Refuse axes with kinks, and axes that are curved more than what is round about them.
+        """Raise an error for an axis with kinks, or with a radius of curvature below the radius.
 
         Raises:
-            ValueError: Somewhere e₁ is not along the chord, or turns too much along an element.
+            ValueError: e₁ is not along the chord of an element, or rotates too much along it.
         """
         for piece in self.pieces():
             (_, a), (_, b) = piece.owners
@@ -89,25 +90,25 @@ class Line(LineSurface):
             for node in np.array([a, b])[along < _KINK][:1]:
                 raise ValueError(
                     f"{self.label}: e₁ of node {node} is more than 10° off the chord of an element "
-                    "there; take more elements"
+                    "there; use more elements"
                 )
             turn = 2.0 * float(np.arcsin(0.5 * np.linalg.norm(frames[1, 1] - frames[0, 1])))
             if turn * self.radius > _CURVED * piece.length:
                 raise ValueError(
                     f"{self.label}: between nodes {a} and {b} the axis has a radius of curvature "
-                    f"of {piece.length / turn:.3g}, and the line one of {self.radius:g}: places on "
-                    "it that are nearest are not unique"
+                    f"of {piece.length / turn:.3g}, and the line one of {self.radius:g}: closest "
+                    "points on it are not unique"
                 )
 
 
 @dataclass(frozen=True, eq=False)
 class Cylinder(LineSurface):
-    """A straight round bar with round ends, fixed to ground, a rigid body or a node.
+    """Contact surface of a straight round bar with round ends, fixed to one frame.
 
     Attributes:
-        point: In its middle.
-        along: From end to end of its axis, global components in the beginning.
-        radius: Of what is round.
+        point: Midpoint of the axis: on ground, a rigid body or a node.
+        along: Vector from one end of the axis to the other, initial global components.
+        radius: Radius of the bar.
     """
 
     point: Point
@@ -115,7 +116,7 @@ class Cylinder(LineSurface):
     radius: float
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` or ``ValueError`` for what is no point, axis or radius."""
+        """Raise ``TypeError`` or ``ValueError`` if an argument has a wrong type or value."""
         require_point(self.point, "Cylinder: point")
         positive(self.radius, "Cylinder: radius")
         if not np.linalg.norm(vector(self.along, 3, "Cylinder: along")) > 0.0:
@@ -123,11 +124,11 @@ class Cylinder(LineSurface):
 
     @property
     def points(self) -> Sequence[Point]:
-        """One."""
+        """The midpoint."""
         return [self.point]
 
     def pieces(self) -> list[Piece]:
-        """One."""
+        """One straight segment."""
         H = initial_frame(self.point.body, self.point.node)
         along = vector(self.along, 3, "Cylinder: along")
         middle, half = self.point.position - H[0], 0.5 * along
@@ -139,7 +140,7 @@ class Cylinder(LineSurface):
 
 
 class _LinePair(PenaltyPair):
-    """A line, and what is near along it."""
+    """A line as first surface; contact forces are integrated along it."""
 
     a: LineSurface
 
@@ -148,22 +149,22 @@ class _LinePair(PenaltyPair):
 
 
 class LinePair(_LinePair):
-    """Two lines; forces are integrated along the first."""
+    """Two lines; contact forces are integrated along the first."""
 
     b: LineSurface
 
     def meeting(self, nodes: Nodes) -> Lines:
-        """See the base class."""
+        """Both sides, for the evaluation of contact points."""
         return Lines(self.a.pieces(), self.b.pieces(), None, nodes)
 
     def check(self) -> None:
-        """See the base class."""
+        """Raise ``ValueError`` if a line would touch itself, or lines overlap at the start."""
         if self.a is self.b:
             raise ValueError(f"{self.label}: a line does not touch itself; give two lines")
         super().check()
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
-        """See the base class."""
+        """All that the contact forces depend on."""
         return *_arrays_of(self.a, nodes), *_arrays_of(self.b, nodes), repr(self.law)
 
 
@@ -173,11 +174,11 @@ class LinePlanePair(_LinePair):
     b: PlaneSurface
 
     def meeting(self, nodes: Nodes) -> Lines:
-        """See the base class."""
+        """Both sides, for the evaluation of contact points."""
         return Lines(self.a.pieces(), [], planes_side(self.b.faces(), nodes), nodes)
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
-        """See the base class."""
+        """All that the contact forces depend on."""
         faces = self.b.faces()
         owners = np.array([number_of(*face.owner, nodes) for face in faces])
         planes = owners, np.array([np.append(face.origin, face.normal) for face in faces])
@@ -185,11 +186,11 @@ class LinePlanePair(_LinePair):
 
 
 def _arrays_of(line: LineSurface, nodes: Nodes) -> list[Array]:
-    """All that a line consists of: numbers of nodes, and the shapes of its pieces."""
+    """Numbers of the nodes of a line, and the geometry of its segments."""
     pieces = line.pieces()
     owners = [number_of(*owner, nodes) for piece in pieces for owner in piece.owners]
     shapes = []
     for piece in pieces:
-        sizes = piece.length, piece.chord, piece.radius, float(piece.goes_on)
+        sizes = piece.length, piece.chord, piece.radius, float(piece.continues)
         shapes.append(np.concatenate([piece.ends.ravel(), piece.tangents.ravel(), sizes]))
     return [np.array(owners), np.array(shapes)]

@@ -1,8 +1,9 @@
-"""Contact pairs: what two surfaces of given kinds do together, and which pair is which.
+"""Contact pairs: what two surfaces of given kinds do together, and the registry of pairs.
 
-Each pair of kinds is one class, which owns its checks, its initial overlap, its contents for
-fingerprints and its forces. Pairs are registered by the classes of both surfaces, in one order;
-the class of a surface or the closest of its bases counts, and so do pairs registered elsewhere.
+Each combination of two kinds of surfaces is one class. It has the checks, the initial overlap, the
+contents for fingerprints and the contact forces. Pairs are registered by the classes of both
+surfaces, in one order. A subclass of a surface uses the pair of its closest base class that is
+registered. Other packages may register pairs, too.
 """
 
 from __future__ import annotations
@@ -22,36 +23,36 @@ from fem_lie.contact.friction.forces import Friction
 from fem_lie.contact.laws.law import ContactTerm, Impact, Penalty
 from fem_lie.contact.laws.node_axes import NodeAxes
 from fem_lie.contact.laws.penalty import PenaltyForces
-from fem_lie.contact.sides.meeting import Sides
 from fem_lie.contact.sides.surfaces import Surface
 from fem_lie.contact.sides.table import BothSides, Nodes
+from fem_lie.contact.sides.two_sides import Sides
 
 Law: TypeAlias = Penalty | Impact
 
 OVERLAP = 0.05
-"""Fraction of a size by which surfaces may overlap at the start."""
+"""Overlap over the characteristic size up to which surfaces may overlap at the start."""
 
 
 def bodies_of(*surfaces: Surface) -> list[Body]:
-    """Bodies that surfaces are fixed to, each once."""
+    """Bodies that surfaces are fixed to, without duplicates."""
     points = (point for surface in surfaces for point in surface.points)
     return list(dict.fromkeys(point.body for point in points if point.body is not None))
 
 
 class ImpactPair(ABC):
-    """What impacts see of a contact pair."""
+    """A contact pair as the solver of impacts uses it."""
 
     @property
     def manifolds(self) -> Sequence[PolyhedronPair]:
-        """Polyhedra, and what touches them by a contact manifold; default: none."""
+        """Polyhedra and the bodies that touch them, which have contact manifolds; default: none."""
         return ()
 
     @abstractmethod
     def sides(self, nodes: Nodes) -> BothSides:
-        """Both sides as tables, planes and hollows on the second one; of manifolds their points.
+        """Both sides as packed arrays, with planes and hollow spheres as the second side.
 
         Args:
-            nodes: Numbers of a body's nodes.
+            nodes: Gives the numbers of the nodes of a body in the scene.
         """
 
 
@@ -61,14 +62,15 @@ class ContactPair(ABC):
 
     Attributes:
         a: Surface of the first kind.
-        b: Surface of the second kind; the same one: it touches itself.
+        b: Surface of the second kind; the same object as ``a`` if a surface touches itself.
         law: Contact law.
-        label: For messages.
+        label: Label of the contact for messages.
         ignore_initial: Whether pairs of points that overlap at the start are ignored until they
-            part.
-        what: What touches, for messages.
-        power: Forces are per length to this power: 0 of points, 1 along lines, 2 over areas.
-        ignores_initial: Whether ``ignore_initial`` may be given.
+            separate.
+        what: Description of the surfaces for messages.
+        power: Contact forces are per length to this power: 0 of points, 1 along lines, 2 over
+            areas.
+        ignores_initial: Whether ``ignore_initial`` is supported.
     """
 
     a: Surface
@@ -83,45 +85,45 @@ class ContactPair(ABC):
 
     @abstractmethod
     def check(self) -> None:
-        """Refuse surfaces that cannot touch, or overlap at the start.
+        """Raise an error for surfaces that cannot touch or that overlap at the start.
 
         Raises:
-            ValueError: They do, or a law or a node is not for this pair.
+            ValueError: The surfaces overlap, or the contact law or a node type is not supported.
         """
 
     @abstractmethod
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
-        """All that the forces depend on.
+        """All that the contact forces depend on, for the fingerprint of the scene.
 
         Args:
-            nodes: Numbers of a body's nodes.
+            nodes: Gives the numbers of the nodes of a body in the scene.
         """
 
     @abstractmethod
     def term(self, nodes: Nodes) -> ContactTerm:
-        """Forces by penalty.
+        """Contact forces of a penalty, as a term of the equations.
 
         Args:
-            nodes: Numbers of a body's nodes.
+            nodes: Gives the numbers of the nodes of a body in the scene.
         """
 
     @property
     def impact(self) -> ImpactPair:
-        """The pair as impacts see it.
+        """The pair as the solver of impacts uses it.
 
         Raises:
-            ValueError: It touches by penalty alone; default.
+            ValueError: The pair supports :class:`~fem_lie.Penalty` only; this is the default.
         """
         raise ValueError(f"{self.label}: {self.what} touch by Penalty, not by Impact")
 
-    # --- for pairs ---
+    # --- for derived classes ---
 
     @property
     def penalty(self) -> Penalty:
-        """The law, of forces.
+        """The contact law, if it is a penalty.
 
         Raises:
-            ValueError: It has none, but impulses.
+            ValueError: The contact law is :class:`~fem_lie.Impact`.
         """
         if isinstance(self.law, Penalty):
             return self.law
@@ -132,33 +134,33 @@ class ContactPair(ABC):
 
     @property
     def has_friction(self) -> bool:
-        """Whether forces depend on the path of the surfaces."""
+        """Whether contact forces depend on the path, by friction of a penalty."""
         return isinstance(self.law, Penalty) and self.law.friction > 0.0
 
     @property
     def bodies(self) -> list[Body]:
-        """Bodies that forces act on."""
+        """Bodies on which contact forces act."""
         return bodies_of(self.a, self.b)
 
     @property
     def rotated(self) -> list[Body]:
-        """Bodies on whose nodes forces have moments."""
+        """Bodies on whose nodes contact forces have moments."""
         found = [body for each in (self.a, self.b) for body in each.rotating(self.has_friction)]
         owners = [owner for each in (self.a, self.b) for owner in each.moments(self.has_friction)]
         found += [body for body, _ in owners if body is not None]
         return list(dict.fromkeys(found))
 
     def check_friction(self) -> None:
-        """Refuse friction on nodes that do not rotate, whose anchors would have a moment arm.
+        """Refuse friction on nodes that do not rotate, for friction acts with a moment arm.
 
         Raises:
-            ValueError: There is one.
+            ValueError: A body has such nodes.
         """
         for body in self.bodies if self.has_friction else ():
             body.require_frames(f"{self.label}: friction")
 
     def initial_frames(self, nodes: Nodes) -> Array:
-        """Frames of the bodies' nodes at the start, in the order of their numbers."""
+        """Initial frames of the nodes of the bodies, in the order of their numbers."""
         numbers = [nodes(body) for body in self.bodies]
         H = np.zeros((1 + max(int(each.max()) for each in numbers), 4, 3))
         for body, each in zip(self.bodies, numbers, strict=True):
@@ -166,7 +168,7 @@ class ContactPair(ABC):
         return H
 
     def node_types(self, nodes: Nodes) -> Indices:
-        """Types of the bodies' nodes, in the order of their numbers; of others frames."""
+        """Types of the nodes of the bodies, in the order of their numbers."""
         numbers = [nodes(body) for body in self.bodies]
         found = np.zeros(1 + max(int(each.max()) for each in numbers), dtype=np.int64)
         for body, each in zip(self.bodies, numbers, strict=True):
@@ -174,7 +176,7 @@ class ContactPair(ABC):
         return found
 
     def numbered(self) -> tuple[Nodes, Array]:
-        """Numbers and initial frames of the nodes of these bodies alone."""
+        """Numbers and initial frames of the nodes of these bodies only."""
         first = np.cumsum([0, *(len(body.frames) for body in self.bodies)])
         numbers = {
             body: np.arange(len(body.frames)) + k
@@ -183,15 +185,15 @@ class ContactPair(ABC):
         return numbers.__getitem__, np.concatenate([body.frames for body in self.bodies])
 
     def refuse_overlap(self, g: Array, positions: Array, sizes: Array) -> None:
-        """Refuse gaps that are negative by more than :data:`OVERLAP` of sizes.
+        """Raise an error for gaps below minus :data:`OVERLAP` times the size.
 
         Args:
             g: Gaps, shape (m,).
-            positions: Where they are, shape (m, 3).
-            sizes: Shape (m,).
+            positions: Positions of the contact points, shape (m, 3).
+            sizes: Characteristic sizes, such as radii, shape (m,).
 
         Raises:
-            ValueError: There are some; it names the largest overlap.
+            ValueError: There are such gaps; the message has the largest overlap.
         """
         if self.ignore_initial:
             return
@@ -200,11 +202,11 @@ class ContactPair(ABC):
         for e in too_deep[np.argsort(g[too_deep], kind="stable")][:1]:
             at = ", ".join(f"{x:g}" for x in positions[e])
             raise ValueError(
-                f"{self.label}: they overlap by {-g[e]:.3g} at ({at}); start apart{instead}"
+                f"{self.label}: they overlap by {-g[e]:.3g} at ({at}); start with a gap{instead}"
             )
 
     def held_rotations(self, by: object) -> Iterator[tuple[Body, HeldRotation]]:
-        """Nodes that forces rotate about all axes, or about which they have moments.
+        """Nodes that need all rotations, because contact forces have moments about them.
 
         Args:
             by: The contact.
@@ -232,15 +234,15 @@ _PAIRS: dict[_Kinds, type[ContactPair] | str] = {}
 def register_contact_pair(
     a: type[Surface], b: type[Surface], pair: type[ContactPair] | str
 ) -> None:
-    """Register the class of contact pairs of two kinds of surfaces, in whatever order these come.
+    """Register the class of contact pairs of two kinds of surfaces, in either order.
 
     Args:
         a: Kind of the first surface of the pair.
-        b: Kind of the second surface.
-        pair: Class of the pairs, or the reason why such surfaces do not touch.
+        b: Kind of the second surface of the pair.
+        pair: Class of the pairs, or the reason why such surfaces cannot touch.
 
     Raises:
-        ValueError: There is one for these kinds.
+        ValueError: A pair of these kinds is already registered.
     """
     if (a, b) in _PAIRS or (b, a) in _PAIRS:
         raise ValueError(f"a contact pair of {a.__name__} and {b.__name__} is registered already")
@@ -248,15 +250,15 @@ def register_contact_pair(
 
 
 def pair_class(a: Surface, b: Surface, label: str) -> tuple[type[ContactPair], bool]:
-    """Class of the contact pair of two surfaces, and whether their order is reversed in it.
+    """Class of the contact pair of two surfaces, and whether the pair has them in reverse order.
 
     Args:
         a: First surface.
         b: Second surface.
-        label: For messages.
+        label: Label of the contact for messages.
 
     Raises:
-        ValueError: There is none; it says why.
+        ValueError: There is no such pair; the message says why.
     """
     for one in a.kind.__mro__:
         for other in b.kind.__mro__:
@@ -273,25 +275,25 @@ def pair_class(a: Surface, b: Surface, label: str) -> tuple[type[ContactPair], b
 
 
 def pair_of(a: Surface, b: Surface, law: Law, label: str, ignore_initial: bool) -> ContactPair:
-    """The contact pair of two surfaces; arguments and errors as of :func:`pair_class`."""
+    """Contact pair of two surfaces; arguments and errors as in :func:`pair_class`."""
     made, is_reversed = pair_class(a, b, label)
     first, second = (b, a) if is_reversed else (a, b)
     return made(first, second, law, label, ignore_initial)
 
 
 class PenaltyPair(ContactPair):
-    """Two surfaces that are said by where their points meet."""
+    """A contact pair that is defined by its contact points; the penalty provides the forces."""
 
     @abstractmethod
     def meeting(self, nodes: Nodes) -> Sides:
-        """Where points of both surfaces meet, for compiled code.
+        """Both sides, for the evaluation of contact points in compiled code.
 
         Args:
-            nodes: Numbers of a body's nodes.
+            nodes: Gives the numbers of the nodes of a body in the scene.
         """
 
     def check(self) -> None:
-        """See the base class."""
+        """Raise ``ValueError`` if the surfaces overlap at the start."""
         self.check_friction()
         nodes, H = self.numbered()
         sides = self.meeting(nodes)
@@ -299,7 +301,7 @@ class PenaltyPair(ContactPair):
         self.refuse_overlap(g, positions, np.full(len(g), sides.radius))
 
     def term(self, nodes: Nodes) -> PenaltyForces:
-        """See the base class."""
+        """Contact forces of the penalty."""
         sides, friction, law = self.meeting(nodes), None, self.penalty
         if self.ignore_initial:
             sides.near.ignore(self.initial_frames(nodes))

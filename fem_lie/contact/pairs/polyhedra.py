@@ -1,4 +1,4 @@
-"""Contact pairs of convex polyhedra, which touch each other and balls by impacts."""
+"""Contact pairs of convex polyhedra with each other and with balls, by impacts."""
 
 from __future__ import annotations
 
@@ -14,49 +14,51 @@ from fem_lie.contact.sides.table import BothSides, Nodes, joined_sides
 
 NO_PENALTY = (
     "polyhedra touch each other and balls by Impact; the force of a Penalty would jump where a "
-    "corner gets over an edge"
+    "corner passes an edge"
 )
-"""Why there is no force by penalty: that of the least translation out of an overlap has a
-potential, the gradient of which jumps where the direction of that translation does."""
+"""Why polyhedra have no penalty: its potential is the least translation out of an overlap, and the
+force jumps where the direction of this translation jumps."""
 
 
 class _PolyhedralPair(ContactPair, ImpactPair):
-    """A polyhedron, and what touches it by a contact manifold."""
+    """A polyhedron, and surfaces that touch it by a contact manifold."""
 
     what = "polyhedra"
 
     @property
     def impact(self) -> ImpactPair:
-        """Itself."""
+        """The pair itself."""
         return self
 
     @property
     @abstractmethod
     def manifolds(self) -> Sequence[PolyhedronPair]:
-        """See the base class."""
+        """Pairs of bodies that have a contact manifold."""
 
     def sides(self, nodes: Nodes) -> BothSides:
-        """See the base class."""
+        """Both sides as packed arrays."""
         first, second = zip(*(slots_of(pair, nodes) for pair in self.manifolds), strict=True)
         return BothSides(joined_sides(first), joined_sides(second), False, False)
 
     def check(self) -> None:
-        """See the base class."""
+        """Raise ``ValueError`` for an unsupported law, or for an overlap at the start."""
         if not isinstance(self.law, Impact):
             raise ValueError(f"{self.label}: {NO_PENALTY}")
         for pair in self.manifolds:
             owners = pair.first.owners if isinstance(pair.first, Ball) else (pair.first.owner,)
             if any(body is pair.second.owner[0] for body, _ in owners):
-                raise ValueError(f"{self.label}: they never move against each other")
+                raise ValueError(
+                    f"{self.label}: expected surfaces on different frames, got one frame"
+                )
         overlap, size = overlap_of(self.manifolds, *self.numbered())
         if overlap > OVERLAP * size:
-            raise ValueError(f"{self.label}: they overlap by {overlap:.3g}; start apart")
+            raise ValueError(f"{self.label}: they overlap by {overlap:.3g}; start with a gap")
 
     def term(self, nodes: Nodes) -> ContactTerm:
-        """There is none.
+        """Not available.
 
         Raises:
-            ValueError: Always.
+            ValueError: Always: polyhedra touch by :class:`~fem_lie.Impact` only.
         """
         _ = self.penalty
         raise ValueError(f"{self.label}: {NO_PENALTY}")
@@ -70,11 +72,11 @@ class PolyhedronPolyhedronPair(_PolyhedralPair):
 
     @property
     def manifolds(self) -> Sequence[PolyhedronPair]:
-        """See the base class."""
+        """The pair of both polyhedra."""
         return [PolyhedronPair(self.a.polyhedron(), self.b.polyhedron())]
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
-        """See the base class."""
+        """All that the impacts depend on."""
         a, b, flat, same = self.sides(nodes)
         corners = self.a.polyhedron().corners, self.b.polyhedron().corners
         return *a.arrays, *b.arrays, flat, same, repr(self.law), *corners
@@ -88,20 +90,20 @@ class BallPolyhedronPair(_PolyhedralPair):
 
     @property
     def manifolds(self) -> Sequence[PolyhedronPair]:
-        """See the base class."""
+        """One pair for each ball."""
         polyhedron = self.b.polyhedron()
         return [PolyhedronPair(ball, polyhedron) for ball in self.a.balls()]
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
-        """See the base class."""
+        """All that the impacts depend on."""
         a, b, flat, same = self.sides(nodes)
         return *a.arrays, *b.arrays, flat, same, repr(self.law), self.b.polyhedron().corners
 
     def check(self) -> None:
-        """See the base class."""
+        """Raise ``ValueError`` for points or hollow spheres instead of balls, or for an overlap."""
         if any(ball.radius <= 0.0 for ball in self.a.balls()):
             raise ValueError(
-                f"{self.label}: points do not touch polyhedra, and neither does what is around a "
-                "hollow; give balls, boxes or planes"
+                f"{self.label}: points and hollow spheres do not touch polyhedra; give balls, "
+                "boxes or planes"
             )
         super().check()

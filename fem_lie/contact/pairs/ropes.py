@@ -9,8 +9,8 @@ from fem_lie.contact.rings.forces import RingForces
 from fem_lie.contact.rings.surfaces import Rings, Rope
 from fem_lie.contact.sides.table import Nodes
 
-ALONE = "Contact(Rope(...), Rings(...)) is what there is of both"
-"""Why a rope or rings touch nothing else."""
+ALONE = "ropes touch rings only: expected Contact(Rope(...), Rings(...))"
+"""Why a rope and rings touch nothing else."""
 
 _LAW = "ropes run through rings by Penalty without damping"
 
@@ -23,15 +23,15 @@ class RopeRingPair(ContactPair):
 
     @property
     def impact(self) -> ImpactPair:
-        """There is none.
+        """Not available.
 
         Raises:
-            ValueError: Always.
+            ValueError: Always: ropes run through rings by :class:`~fem_lie.Penalty` only.
         """
         raise ValueError(f"{self.label}: {_LAW}")
 
     def check(self) -> None:
-        """See the base class."""
+        """Raise ``ValueError`` for an unsupported law, or for a ring that is not on the rope."""
         if self.penalty.damping > 0.0:
             raise ValueError(f"{self.label}: {_LAW}")
         own = {(self.a.body, int(node)) for node in self.a.path}
@@ -48,9 +48,9 @@ class RopeRingPair(ContactPair):
             )
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
-        """See the base class."""
+        """All that the contact forces depend on."""
         return *self.term(nodes).contents, repr(self.law)
 
     def term(self, nodes: Nodes) -> RingForces:
-        """See the base class."""
+        """Contact forces of the rings."""
         return RingForces(self.a, self.b, self.penalty.coulomb, nodes)

@@ -30,12 +30,12 @@ from fem_lie.contact.sides.surfaces import (
 
 @dataclass(frozen=True, eq=False)
 class Plane(PlaneSurface):
-    """A plane that is fixed to ground, a rigid body or a node, with all that is behind it.
+    """Contact surface: a half-space bounded by a plane, fixed to ground, a rigid body or a node.
 
     Attributes:
-        point: What it is fixed to.
-        normal: Out of what is solid, global components in the beginning, of any length.
-        at: A place in the plane, global components in the beginning; default: the point.
+        point: The point that the plane is fixed to.
+        normal: Normal out of the solid half-space, initial global components, of any length.
+        at: A point in the plane, initial global coordinates; default: the position of ``point``.
     """
 
     point: Point
@@ -43,7 +43,7 @@ class Plane(PlaneSurface):
     at: npt.ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` or ``ValueError`` for what is no point, direction or place."""
+        """Raise ``TypeError`` or ``ValueError`` if an argument has a wrong type or value."""
         require_point(self.point, "Plane: point")
         direction(self.normal, "Plane: normal")
         if self.at is not None:
@@ -51,24 +51,24 @@ class Plane(PlaneSurface):
 
     @property
     def points(self) -> Sequence[Point]:
-        """One."""
+        """The point that the plane is fixed to."""
         return [self.point]
 
     def faces(self) -> list[Face]:
-        """Itself."""
+        """The plane."""
         H, normal = initial_frame(*owner_of(self.point)), direction(self.normal, "Plane: normal")
-        place = self.point.position if self.at is None else vector(self.at, 3, "Plane: at")
-        return [Face(owner_of(self.point), H[1:] @ (place - H[0]), H[1:] @ normal)]
+        position = self.point.position if self.at is None else vector(self.at, 3, "Plane: at")
+        return [Face(owner_of(self.point), H[1:] @ (position - H[0]), H[1:] @ normal)]
 
 
 @dataclass(frozen=True, eq=False)
 class Sphere(PointSurface):
-    """A ball about a point: a body, the round end of a beam; or what is around a hollow.
+    """Contact surface: a ball about a point, or a hollow sphere about it.
 
     Attributes:
-        point: Its centre.
-        radius: Of the ball or of the hollow.
-        hollow: Whether what touches it is within.
+        point: Centre.
+        radius: Radius of the ball or of the hollow.
+        hollow: Whether the material is outside, so that other bodies touch from the inside.
     """
 
     point: Point
@@ -76,71 +76,71 @@ class Sphere(PointSurface):
     hollow: bool = False
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` or ``ValueError`` for what is no point or radius."""
+        """Raise ``TypeError`` or ``ValueError`` if an argument has a wrong type or value."""
         require_point(self.point, "Sphere: point")
         positive(self.radius, "Sphere: radius")
         flag(self.hollow, "Sphere: hollow")
 
     @property
     def points(self) -> Sequence[Point]:
-        """One."""
+        """The centre."""
         return [self.point]
 
     @property
-    def turns_alike(self) -> bool:
-        """Yes: it is a ball about a point."""
+    def rotation_invariant(self) -> bool:
+        """True: rotations of the point do not change a ball about it."""
         return True
 
     def balls(self) -> list[Ball]:
-        """Itself."""
+        """The ball."""
         return [fixed_ball(self.point, -self.radius if self.hollow else self.radius)]
 
 
 @dataclass(frozen=True, eq=False)
 class Vertices(PointSurface):
-    """Points, or balls of one radius about them: corners of a body, nodes of a beam, a pile.
+    """Contact surface: points, or balls of one radius, such as corners of a body.
 
     Attributes:
-        of: The points.
-        radius: Of each.
+        of: The points, such as corners of a rigid body or nodes of a beam.
+        radius: Radius of all balls; zero for points.
     """
 
     of: Sequence[Point]
     radius: float = 0.0
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` or ``ValueError`` for what are no points, or no radius."""
+        """Raise ``TypeError`` or ``ValueError`` if an argument has a wrong type or value."""
         instance(self.of, Sequence, "Vertices: of", "points in a list")
         for point in self.of:
             require_point(point, "Vertices: of")
         if not len(self.of):
-            raise ValueError("Vertices: of must have a point, got none")
+            raise ValueError("Vertices: of: expected at least one point, got none")
         if number(self.radius, "Vertices: radius") < 0.0:
             raise ValueError(f"Vertices: radius must not be negative, got {self.radius}")
 
     @property
     def points(self) -> Sequence[Point]:
-        """All of them."""
+        """All points."""
         return self.of
 
     @property
-    def turns_alike(self) -> bool:
-        """Yes: they are points, or balls about them."""
+    def rotation_invariant(self) -> bool:
+        """True: rotations of the points do not change balls about them."""
         return True
 
     def balls(self) -> list[Ball]:
-        """One about each."""
+        """One ball about each point."""
         return [fixed_ball(point, self.radius) for point in self.of]
 
 
 @dataclass(frozen=True, eq=False)
 class Box(PolyhedralSurface, PlaneSurface):
-    """A box with the axes of a point's frame about it, or a room of that shape.
+    """Contact surface: a box about a point, along the axes of its frame; or its inside.
 
     Attributes:
-        point: In the middle.
-        edges: Lengths along the axes, shape (3,).
-        inside: Whether what touches it is within.
+        point: Centre.
+        edges: Lengths of the edges along the axes, shape (3,).
+        inside: Whether the material is outside, so that other bodies touch from the inside.
     """
 
     point: Point
@@ -148,7 +148,7 @@ class Box(PolyhedralSurface, PlaneSurface):
     inside: bool = False
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` or ``ValueError`` for what is no point or box."""
+        """Raise ``TypeError`` or ``ValueError`` if an argument has a wrong type or value."""
         require_point(self.point, "Box: point")
         given = numbers(self.edges, "Box: edges")
         if given.shape != (3,) or not np.isfinite(given).all() or not (given > 0.0).all():
@@ -157,7 +157,7 @@ class Box(PolyhedralSurface, PlaneSurface):
 
     @property
     def points(self) -> Sequence[Point]:
-        """One."""
+        """The centre."""
         return [self.point]
 
     @property
@@ -166,28 +166,28 @@ class Box(PolyhedralSurface, PlaneSurface):
 
     @property
     def kind(self) -> type[Surface]:
-        """Six planes, or a polyhedron."""
+        """Six planes if other bodies are inside, else a polyhedron."""
         return PlaneSurface if self.inside else PolyhedralSurface
 
     def moments(self, friction: bool) -> Sequence[Owner]:
-        """See the base class."""
+        """Frames about which contact forces have a moment."""
         return self.kind.moments(self, friction)
 
     def balls(self) -> list[Ball]:
-        """Its vertices."""
+        """The vertices."""
         signs = product((-1.0, 1.0), repeat=3)
         return [fixed_ball(self.point, 0.0, self._half * np.array(sign)) for sign in signs]
 
     def polyhedron(self) -> Polyhedron:
-        """The box."""
-        return polyhedron_at(self.point, [ball.place for ball in self.balls()])
+        """The box as a polyhedron."""
+        return polyhedron_at(self.point, [ball.position for ball in self.balls()])
 
     def faces(self) -> list[Face]:
-        """Six, whose normals point inwards."""
+        """Six planes with normals that point inwards."""
         H, frame = initial_frame(*owner_of(self.point)), self.point.frame
         found = []
         for k, sign in product(range(3), (-1.0, 1.0)):
             out = sign * frame[1 + k]
-            place = frame[0] + self._half[k] * out
-            found.append(Face(owner_of(self.point), H[1:] @ (place - H[0]), -(H[1:] @ out)))
+            position = frame[0] + self._half[k] * out
+            found.append(Face(owner_of(self.point), H[1:] @ (position - H[0]), -(H[1:] @ out)))
         return found

@@ -123,8 +123,8 @@ def foot(H: Array, ropes: Ropes, guess: float, X: Vector, C: Array) -> float:
     p = piece_of(ropes, guess)
     set_curve(H, ropes, p, C)
     s = min(max(part_of(ropes, p, guess), 0.0), 1.0)
-    apart, t = minus(at(C, s), X), slope(C, s)
-    f, df = dot(apart, t), dot(t, t) + dot(apart, bend(C, s))
+    separation, t = minus(at(C, s), X), slope(C, s)
+    f, df = dot(separation, t), dot(t, t) + dot(separation, bend(C, s))
     if df > 0.0 and abs(f) <= _THERE * df:
         return guess  # by the sign of round-off it would look for another place beyond
     back = f > 0.0
@@ -140,8 +140,8 @@ def foot(H: Array, ropes: Ropes, guess: float, X: Vector, C: Array) -> float:
         set_curve(H, ropes, p, C)
         low, high, s = 0.0, 1.0, 0.5
     for _ in range(_TURNS):
-        apart, t = minus(at(C, s), X), slope(C, s)
-        f, df = dot(apart, t), dot(t, t) + dot(apart, bend(C, s))
+        separation, t = minus(at(C, s), X), slope(C, s)
+        f, df = dot(separation, t), dot(t, t) + dot(separation, bend(C, s))
         if f > 0.0:
             high = s
         else:
@@ -174,14 +174,14 @@ def _moved(H: Array, ropes: Ropes, σ: float, to: float, C: Array) -> Vector:
 
 
 @inlined_uncounted
-def _further(moved: Vector, apart: Vector) -> float:
-    """By how much more the square of a distance is, ``|moved + apart|² − |apart|²``."""
-    return dot(moved, combined(1.0, moved, 2.0, apart))
+def _further(moved: Vector, separation: Vector) -> float:
+    """By how much more the square of a distance is, ``|moved + separation|² − |separation|²``."""
+    return dot(moved, combined(1.0, moved, 2.0, separation))
 
 
 @uncounted
-def place_between(
-    start: Array, end: Array, ropes: Ropes, σ: Vector, apart: tuple[Vector, Vector], C: Array
+def position_between(
+    start: Array, end: Array, ropes: Ropes, σ: Vector, separation: tuple[Vector, Vector], C: Array
 ) -> float:
     """``σ*`` of a step.
 
@@ -190,22 +190,22 @@ def place_between(
         end: At its end.
         ropes: The rope.
         σ: Places at start and end; the third number counts for nothing.
-        apart: ``Δ`` there.
+        separation: ``Δ`` there.
         C: Room, (4, 3).
     """
     a, b = σ[0], σ[1]
     known = _KNOWN * (ropes.starts[-1] - ropes.starts[0]) / ropes.slots.shape[0]
     if abs(b - a) <= known:
         return 0.5 * (a + b)
-    fa = _further(_moved(end, ropes, a, σ[1], C), apart[1])
-    fb = -_further(_moved(start, ropes, b, σ[0], C), apart[0])
+    fa = _further(_moved(end, ropes, a, σ[1], C), separation[1])
+    fb = -_further(_moved(start, ropes, b, σ[0], C), separation[0])
     last, x = 0, 0.5 * (a + b)
     if fa <= 0.0 or fb >= 0.0:
         return x
     for _ in range(_TURNS):
         new = (a * fb - b * fa) / (fb - fa)
-        fx = _further(_moved(end, ropes, new, σ[1], C), apart[1])
-        fx -= _further(_moved(start, ropes, new, σ[0], C), apart[0])
+        fx = _further(_moved(end, ropes, new, σ[1], C), separation[1])
+        fx -= _further(_moved(start, ropes, new, σ[0], C), separation[0])
         if fx == 0.0 or abs(new - x) <= known:
             return new
         x = new
@@ -251,7 +251,7 @@ def _set_factors(ropes: Ropes, k: int, σ: float, out: tuple[Indices, Array, Arr
 
 
 @inlined_uncounted
-def store_place(H: Array, ropes: Ropes, σ: float, C: Array, out: Array) -> None:
+def store_position(H: Array, ropes: Ropes, σ: float, C: Array, out: Array) -> None:
     """``P``, ``P'`` and ``P''`` at a place, (3, 3)."""
     p = piece_of(ropes, σ)
     set_curve(H, ropes, p, C)
@@ -268,7 +268,7 @@ def set_pair(
     k: int,
     σ: float,
     G: tuple[Indices, Array, Array],
-    room: tuple[Array, Array],
+    workspace: tuple[Array, Array],
     m: Array,
 ) -> tuple[Vector, float]:
     """Factors of rows at a place, and ``m`` on the rows of the nodes, (5, 4, 3).
@@ -279,18 +279,18 @@ def set_pair(
         k: The ring.
         σ: The place on the rope.
         G: See :func:`_set_factors`; overwritten.
-        room: Of shapes (4, 3) and (3, 3); overwritten.
+        workspace: Of shapes (4, 3) and (3, 3); overwritten.
         m: Overwritten.
 
     Returns:
         ``Δ`` and ``s``.
     """
     nodes, W, by_place = G
-    C, at = room
-    store_place(H, ropes, σ, C, at)
+    C, at = workspace
+    store_position(H, ropes, σ, C, at)
     _set_factors(ropes, k, σ, G)
-    t, apart = load_row(at, 1), minus(load_row(at, 0), ring(H, ropes, k))
+    t, separation = load_row(at, 1), minus(load_row(at, 0), ring(H, ropes, k))
     for a in range(5):
         for row in range(4 if nodes[a] >= 0 else 0):
-            store_row(m[a], row, combined(by_place[a, row], apart, W[a, row], t))
-    return apart, dot(t, t) + dot(apart, load_row(at, 2))
+            store_row(m[a], row, combined(by_place[a, row], separation, W[a, row], t))
+    return separation, dot(t, t) + dot(separation, load_row(at, 2))

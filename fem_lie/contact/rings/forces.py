@@ -87,9 +87,9 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         last = len(self._path) - self._size
         low, high = self._reach[self._pieces(feet)].T
         first = self._first
-        apart = (first < 0) | (low < first) | (high >= first + self._size)
-        if apart.any():
-            first[apart] = np.clip(low - _BEYOND, 0, last)[apart]
+        separation = (first < 0) | (low < first) | (high >= first + self._size)
+        if separation.any():
+            first[separation] = np.clip(low - _BEYOND, 0, last)[separation]
             self.version += 1
 
     def _pieces(self, feet: Array) -> Indices:
@@ -237,10 +237,10 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         """
         self.accept(H)
         count = len(self._feet)
-        X, places = np.empty((2, count, 3))
-        kernels.set_places(H, self._ropes, self._feet, X, places)
+        X, positions = np.empty((2, count, 3))
+        kernels.set_positions(H, self._ropes, self._feet, X, positions)
         pairs = np.stack([self._pieces(self._feet), np.arange(count)], axis=1)
-        return pairs, -self._found[:, kernels.DISTANCE], places, self._law.k * (X - places)
+        return pairs, -self._found[:, kernels.DISTANCE], positions, self._law.k * (X - positions)
 
 
 def _ropes_of(rope: Rope, rings: Rings, nodes: Nodes) -> Ropes:
@@ -279,8 +279,8 @@ def _near(rope: Rope, rings: Rings) -> Array:
     rows = np.where(slots[:, :, np.newaxis, np.newaxis] < 0, 0.0, H[slots][:, :, :2])
     curve = np.einsum("smak,makj->msj", W, rows)
     found = np.empty(len(rings.of))
-    for k, place in enumerate(rings.places):
-        distance = np.linalg.norm(curve - place, axis=2)
+    for k, position in enumerate(rings.positions):
+        distance = np.linalg.norm(curve - position, axis=2)
         piece, part = np.unravel_index(distance.argmin(), distance.shape)
         found[k] = starts[piece] + s[part] * lengths[piece]
     return found

@@ -18,10 +18,10 @@ from fem_lie.contact.friction.anchors import CoulombLaw, limit, returned
 from fem_lie.contact.rings.curves import (
     Ropes,
     foot,
-    place_between,
+    position_between,
     ring,
     set_pair,
-    store_place,
+    store_position,
 )
 from fem_lie.forms.abilities import Ends
 from fem_lie.lie.node_types.forces import (
@@ -91,13 +91,13 @@ def add_forces(
         found: Overwritten, (r, 5).
         out: Forces along the axes of nodes, updated.
     """
-    C, _ = room = np.empty((4, 3)), np.empty((3, 3))
+    C, _ = workspace = np.empty((4, 3)), np.empty((3, 3))
     G = np.empty(5, dtype=np.int64), np.empty((5, 4)), np.empty((5, 4))
     f, m = np.empty((4, 3)), np.zeros((5, 4, 3))
     for k in range(found.shape[0]):
         σ = foot(H, ropes, kept[k], ring(H, ropes, k), C)
-        apart, s = set_pair(H, ropes, k, σ, G, room, m)
-        distance = np.sqrt(dot(apart, apart))
+        separation, s = set_pair(H, ropes, k, σ, G, workspace, m)
+        distance = np.sqrt(dot(separation, separation))
         τ = _traction(law, springs[k] + σ - kept[k], distance, s)
         found[k, PLACE], found[k, DISTANCE], found[k, TRACTION] = σ, distance, τ
         found[k, SLIP], found[k, END] = σ - kept[k], σ
@@ -109,7 +109,7 @@ def add_forces(
                 continue
             for row in range(4):
                 for j in range(3):
-                    f[row, j] = law.k * G[1][a, row] * apart[j] - τ / s * m[a, row, j]
+                    f[row, j] = law.k * G[1][a, row] * separation[j] - τ / s * m[a, row, j]
             pull_back(ropes.kinds[node], H[node], f, 1.0, out[node])
 
 
@@ -129,7 +129,7 @@ def add_over_step(
     Arguments as of :func:`add_forces`; returns the energy at the end, without friction's, and the
     work by which it has changed.
     """
-    C, at = room = np.empty((4, 3)), np.empty((3, 3))
+    C, at = workspace = np.empty((4, 3)), np.empty((3, 3))
     G = np.empty(5, dtype=np.int64), np.empty((5, 4)), np.empty((5, 4))
     f, m = np.empty((4, 3)), np.zeros((5, 4, 3))
     stored = work = 0.0
@@ -137,16 +137,16 @@ def add_over_step(
         X0, X1 = ring(ends.start, ropes, k), ring(ends.end, ropes, k)
         σ0 = foot(ends.start, ropes, kept[k], X0, C)
         σ1 = foot(ends.end, ropes, σ0, X1, C)
-        store_place(ends.start, ropes, σ0, C, at)
+        store_position(ends.start, ropes, σ0, C, at)
         before = minus(load_row(at, 0), X0)
-        store_place(ends.end, ropes, σ1, C, at)
+        store_position(ends.end, ropes, σ1, C, at)
         after = minus(load_row(at, 0), X1)
-        σ = place_between(ends.start, ends.end, ropes, (σ0, σ1, 0.0), (before, after), C)
-        (apart, s), slip = set_pair(ends.mean, ropes, k, σ, G, room, m), 0.0
+        σ = position_between(ends.start, ends.end, ropes, (σ0, σ1, 0.0), (before, after), C)
+        (separation, s), slip = set_pair(ends.mean, ropes, k, σ, G, workspace, m), 0.0
         for a in range(5):
             for row in range(4 if G[0][a] >= 0 else 0):
                 slip -= dot(load_row(m[a], row), load_row(ends.delta[G[0][a]], row)) / s
-        distance = np.sqrt(dot(apart, apart))
+        distance = np.sqrt(dot(separation, separation))
         τ = _traction(law, springs[k] + slip, distance, s)
         found[k, PLACE], found[k, DISTANCE], found[k, TRACTION] = σ, distance, τ
         found[k, SLIP], found[k, END] = slip, σ1
@@ -159,7 +159,7 @@ def add_over_step(
                 continue
             for row in range(4):
                 for j in range(3):
-                    f[row, j] = law.k * G[1][a, row] * apart[j] - τ / s * m[a, row, j]
+                    f[row, j] = law.k * G[1][a, row] * separation[j] - τ / s * m[a, row, j]
                 force = plus(force, load_row(f, row) if row == 0 else (0.0, 0.0, 0.0))
                 moment = plus(moment, cross(load_row(ends.mean[node], row), load_row(f, row)))
             add_along_increments(ropes.kinds[node], ends.mean[node], f, out[node])
@@ -192,18 +192,18 @@ def tangents(
             by number where they are along the rope; see :class:`~.forces.Window`.
         blocks: Updated, (r c², 6, 6) with ``c`` nodes of the rope and the ring.
     """
-    room = np.empty((4, 3)), np.empty((3, 3))
+    workspace = np.empty((4, 3)), np.empty((3, 3))
     G = np.empty(5, dtype=np.int64), np.empty((5, 4)), np.empty((5, 4))
     m, F, rates = np.zeros((5, 4, 3)), np.empty((5, 4, 3)), np.empty((4, 3))
     A, g, unit, where = np.empty((5, 6, 3)), np.empty((5, 6)), np.empty(6), np.empty(5, np.int64)
     count = windows.shape[1]
     for k in range(found.shape[0]):
         σ, τ = found[k, PLACE], found[k, TRACTION]
-        apart, s = set_pair(H, ropes, k, σ, G, room, m)
+        separation, s = set_pair(H, ropes, k, σ, G, workspace, m)
         slides = 0.0 if σ <= ropes.starts[0] or σ >= ropes.starts[-1] else 1.0
-        distance = np.sqrt(dot(apart, apart))
+        distance = np.sqrt(dot(separation, separation))
         sticks = law.μ > 0.0 and abs(τ) < _most(law, distance, s)
-        n = scaled(1.0 / distance if distance > 0.0 else 0.0, apart)
+        n = scaled(1.0 / distance if distance > 0.0 else 0.0, separation)
         rises = 0.0
         if law.μ > 0.0 and not sticks:
             rises = (1.0 if τ > 0.0 else -1.0) * _most(law, 1.0, s)
@@ -211,7 +211,7 @@ def tangents(
             node = G[0][a]
             if node < 0:
                 continue
-            where[a] = _place_in(windows[k], node)
+            where[a] = _index_in(windows[k], node)
             for i in range(6):
                 unit[:] = 0.0
                 unit[i] = 1.0
@@ -224,7 +224,7 @@ def tangents(
                 g[a, i] = along
             for row in range(4):
                 for j in range(3):
-                    F[a, row, j] = law.k * G[1][a, row] * apart[j] - τ / s * m[a, row, j]
+                    F[a, row, j] = law.k * G[1][a, row] * separation[j] - τ / s * m[a, row, j]
         for a in range(5):
             for b in range(5):
                 if G[0][a] < 0 or G[0][b] < 0:
@@ -246,7 +246,7 @@ def tangents(
 
 
 @uncounted
-def _place_in(window: Indices, node: int) -> int:
+def _index_in(window: Indices, node: int) -> int:
     """Where a node is in a window."""
     for c in range(window.shape[0]):
         if window[c] == node:
@@ -255,10 +255,10 @@ def _place_in(window: Indices, node: int) -> int:
 
 
 @compiled
-def set_places(H: Array, ropes: Ropes, feet: Array, X: Array, out: Array) -> None:
+def set_positions(H: Array, ropes: Ropes, feet: Array, X: Array, out: Array) -> None:
     """Places of rings and of the rope there, (r, 3) each; overwritten."""
     C, at = np.empty((4, 3)), np.empty((3, 3))
     for k in range(feet.shape[0]):
         store(X[k], 0, ring(H, ropes, k))
-        store_place(H, ropes, feet[k], C, at)
+        store_position(H, ropes, feet[k], C, at)
         out[k] = at[0]

@@ -109,7 +109,7 @@ class Rope(Surface):
         _ = self.lengths
 
     @property
-    def places(self) -> Array:
+    def positions(self) -> Array:
         """Of the nodes, in the beginning, shape (n, 3)."""
         return np.asarray(self.body.frames[self.path, 0])
 
@@ -180,7 +180,7 @@ class Rings(Surface):
             raise ValueError(f"Rings: at must be {len(self.of)} places, got {self.at!r}")
 
     @property
-    def places(self) -> Array:
+    def positions(self) -> Array:
         """In the beginning, shape (k, 3)."""
         if self.at is None:
             return np.array([point.position for point in self.of])
@@ -197,17 +197,17 @@ class Rings(Surface):
         Raises:
             ValueError: A point is no node, or a ring is beside a node without axes.
         """
-        for point, place in zip(self.of, self.places, strict=True):
+        for point, position in zip(self.of, self.positions, strict=True):
             require_node(point, self.label)
-            if point.body is not None and (place != point.body.frames[point.node, 0]).any():
+            if point.body is not None and (position != point.body.frames[point.node, 0]).any():
                 point.body.require_frames(f"{self.label}: a ring beside its node")
 
     def factors(self) -> Array:
         """Of rows (x, d₁, d₂, d₃) of nodes in the places of rings; on ground places, (k, 4)."""
         found = np.zeros((len(self.of), 4))
-        for k, (point, place) in enumerate(zip(self.of, self.places, strict=True)):
+        for k, (point, position) in enumerate(zip(self.of, self.positions, strict=True)):
             H = initial_frame(point.body, point.node)
             found[k, 0] = float(point.body is not None)
-            if point.body is None or (place != H[0]).any():
-                found[k, 1:] = H[1:] @ (place - H[0])
+            if point.body is None or (position != H[0]).any():
+                found[k, 1:] = H[1:] @ (position - H[0])
         return found

@@ -1,1 +1,1 @@
-"""What is geometric in contact: surfaces, who is near whom, gaps and where they are felt."""
+"""Contact geometry: surfaces, detection of near pairs, gaps, contact points, kinematics."""

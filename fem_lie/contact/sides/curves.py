@@ -1,8 +1,9 @@
-"""Cubic curves with a radius: closest points, and where along one of them they overlap.
+"""Cubic curves with a radius: closest points, and intervals of a curve that overlap another.
 
-Along a piece the gap to what is opposite is split where it neither grows nor shrinks; what is
-negative of each part is found by its zero, and Gauss points are put there. So the integrand and its
-slope vanish at ends that are free, wherever along an element these are.
+Along a segment the gap to the opposite curve is split at its extrema. In each interval between
+extrema the zero of the gap bounds the part with a negative gap, and Gauss points are placed in this
+part. So the integrand and its derivative vanish at ends that are free, wherever along an element
+these are.
 """
 
 from __future__ import annotations
@@ -13,27 +14,27 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
-from fem_lie.contact.sides.kinematics import normal_of, place
+from fem_lie.contact.sides.kinematics import normal_of, position
 from fem_lie.contact.sides.table import GROUND, Side
 from fem_lie.lie.motions import global_components
 from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
 
 
 class Strands(NamedTuple):
-    """Pieces of lines; the next one in a line follows.
+    """Segments of lines; consecutive segments of a line follow each other.
 
     Attributes:
-        nodes: At both ends, shape (m, 2).
-        ends: In their frames, shape (m, 2, 3).
-        tangents: Likewise, shape (m, 2, 3).
-        lengths: Shape (m,).
-        chords: From end to end where nothing is stretched, shape (m,).
-        stretches: Of the chords; tangents are stretched alike. They follow the present ones by
-            steps of :data:`_STRETCH`, so that places are linear in frames, shape (m,).
-        radii: Shape (m,).
-        goes_on: Whether a piece goes on in the next one, shape (m,).
-        curves: At present: both ends and the tangents there, shape (m, 4, 3).
-        bulges: How far they are from their chords at most, shape (m,).
+        nodes: Nodes at both ends, shape (m, 2).
+        ends: Offsets of the ends in the frames of these nodes, shape (m, 2, 3).
+        tangents: Tangents in these frames, shape (m, 2, 3).
+        lengths: Undeformed arc lengths, shape (m,).
+        chords: Undeformed distances of the ends, shape (m,).
+        stretches: Stretches of the chords, by which the tangents are multiplied. They are updated
+            in increments of :data:`_STRETCH`, so that points are linear in frames, shape (m,).
+        radii: Radii, shape (m,).
+        continues: Whether the next segment continues the segment, shape (m,).
+        curves: Present ends and tangents, shape (m, 4, 3).
+        bulges: Largest distances of the curves from their chords, shape (m,).
     """
 
     nodes: Indices
@@ -43,19 +44,19 @@ class Strands(NamedTuple):
     chords: Array
     stretches: Array
     radii: Array
-    goes_on: Flags
+    continues: Flags
     curves: Array
     bulges: Array
 
 
 class Opposite(NamedTuple):
-    """What is opposite a piece: others of a line, ``first … last``, or a plane.
+    """What a segment may touch: segments ``first … last`` of another line, or a plane.
 
     Attributes:
-        first: Of the pieces.
-        last: Of these; less than ``first``: it is a plane.
+        first: First segment.
+        last: Last segment; less than ``first`` for a plane.
         m: Normal of the plane.
-        O: A place in it.
+        O: A point in the plane.
         reach: Sum of the radii.
     """
 
@@ -67,19 +68,19 @@ class Opposite(NamedTuple):
 
 
 _ZERO = 1e-14
-"""Part of a piece by which a place on it is known."""
+"""Accuracy of a position on a segment, relative to its length."""
 
 _TURNS = 60
-"""Iterations, at most: each at least halves."""
+"""Largest number of iterations; each at least halves the interval."""
 
 
 _STRETCH = 1e-4
-"""By how much a piece may be stretched on until its tangents are."""
+"""Change of the stretch of a segment at which its tangents are updated."""
 
 
 @uncounted
 def set_curves(H: Array, strands: Strands, stretched: bool) -> None:
-    """Ends and tangents at frames ``H``, and, if wanted, stretches if these are others by now."""
+    """Set ends and tangents at frames ``H``; if ``stretched``, update the stretches."""
     for i in range(strands.nodes.shape[0]):
         for k in range(2):
             node = strands.nodes[i, k]
@@ -101,21 +102,21 @@ def set_curves(H: Array, strands: Strands, stretched: bool) -> None:
 
 @inlined_uncounted
 def _bulge(chord: Vector, t0: Vector, t1: Vector) -> float:
-    """How far a curve is from its chord at most: tangents make a weight of 1/4 at most."""
+    """Upper bound of the distance of a curve from its chord."""
     a, b = minus(t0, chord), minus(t1, chord)
     return 0.25 * np.sqrt(max(dot(a, a), dot(b, b)))
 
 
 @inlined_uncounted
 def weights(s: float) -> tuple[float, float, float, float]:
-    """Hermite's: of both ends, and of the tangents there."""
+    """Hermite's shape functions: of both ends, then of the tangents there."""
     r = 1.0 - s
     return (1.0 + 2.0 * s) * r * r, s * s * (3.0 - 2.0 * s), s * r * r, -s * s * r
 
 
 @inlined_uncounted
 def slopes(s: float) -> tuple[float, float, float, float]:
-    """Derivatives of these."""
+    """Derivatives of :func:`weights`."""
     r = 6.0 * s * (s - 1.0)
     return r, -r, (1.0 - s) * (1.0 - 3.0 * s), s * (3.0 * s - 2.0)
 
@@ -128,25 +129,25 @@ def _sum(C: Array, w: tuple[float, float, float, float]) -> Vector:
 
 @inlined_uncounted
 def at(C: Array, s: float) -> Vector:
-    """A place on a curve (4, 3)."""
+    """Position on a curve (4, 3)."""
     return _sum(C, weights(s))
 
 
 @inlined_uncounted
 def slope(C: Array, s: float) -> Vector:
-    """Derivative of the place."""
+    """First derivative of the position."""
     return _sum(C, slopes(s))
 
 
 @inlined_uncounted
 def bend(C: Array, s: float) -> Vector:
-    """Derivative of that."""
+    """Second derivative of the position."""
     return _sum(C, (12.0 * s - 6.0, 6.0 - 12.0 * s, 6.0 * s - 4.0, 6.0 * s - 2.0))
 
 
 @uncounted
 def project(C: Array, P: Vector) -> float:
-    """The place on a curve that is nearest to ``P``, in [0, 1]."""
+    """Parameter in [0, 1] of the point of a curve that is closest to ``P``."""
     low, high = 0.0, 1.0
     f0 = dot(minus(P, at(C, 0.0)), slope(C, 0.0))
     if f0 <= 0.0:
@@ -156,8 +157,8 @@ def project(C: Array, P: Vector) -> float:
         return 1.0
     s = f0 / (f0 - f1)
     for _ in range(_TURNS):
-        apart, t = minus(P, at(C, s)), slope(C, s)
-        f, df = dot(apart, t), dot(apart, bend(C, s)) - dot(t, t)
+        separation, t = minus(P, at(C, s)), slope(C, s)
+        f, df = dot(separation, t), dot(separation, bend(C, s)) - dot(t, t)
         if f > 0.0:
             low = s
         else:
@@ -173,24 +174,24 @@ def project(C: Array, P: Vector) -> float:
 
 @uncounted
 def nearest(strands: Strands, other: Opposite, P: Vector) -> tuple[float, int, float]:
-    """Squared distance, piece and place on it that are nearest."""
+    """Squared distance, segment and parameter of the closest point of a line."""
     best, found, where = np.inf, -1, 0.0
     for j in range(other.first, other.last + 1):
         s = project(strands.curves[j], P)
-        apart = minus(P, at(strands.curves[j], s))
-        square = dot(apart, apart)
+        separation = minus(P, at(strands.curves[j], s))
+        square = dot(separation, separation)
         if square < best:
             best, found, where = square, j, s
-    # where the list ends and the line goes on, something else is nearer
-    begins = found == other.first and where == 0.0 and found > 0 and strands.goes_on[found - 1]
-    if begins or (found == other.last and where == 1.0 and strands.goes_on[found]):
+    # at an end of the list where the line continues, another segment is closer
+    begins = found == other.first and where == 0.0 and found > 0 and strands.continues[found - 1]
+    if begins or (found == other.last and where == 1.0 and strands.continues[found]):
         return np.inf, found, where
     return best, found, where
 
 
 @uncounted
 def _gap(C: Array, strands: Strands, other: Opposite, s: float) -> tuple[float, float, float]:
-    """Gap at a place on a curve, its derivative times a positive number, and that of this."""
+    """Gap at a point of a curve, and two derivatives, both scaled by a positive number."""
     P, t = at(C, s), slope(C, s)
     if other.last < other.first:
         g = dot(other.m, minus(P, other.O)) - other.reach
@@ -199,16 +200,16 @@ def _gap(C: Array, strands: Strands, other: Opposite, s: float) -> tuple[float, 
     if j < 0 or square == np.inf:
         return np.inf, 1.0, 1.0
     D = strands.curves[j]
-    apart, u = minus(P, at(D, σ)), slope(D, σ)
-    f, df = dot(apart, t), dot(t, t) + dot(apart, bend(C, s))
+    separation, u = minus(P, at(D, σ)), slope(D, σ)
+    f, df = dot(separation, t), dot(t, t) + dot(separation, bend(C, s))
     if 0.0 < σ < 1.0:
-        df -= dot(t, u) ** 2 / (dot(u, u) - dot(apart, bend(D, σ)))
+        df -= dot(t, u) ** 2 / (dot(u, u) - dot(separation, bend(D, σ)))
     return np.sqrt(square) - other.reach, f, df
 
 
 @uncounted
 def _turning(C: Array, strands: Strands, other: Opposite, f0: float, f1: float) -> float:
-    """Where the gap neither grows nor shrinks, between ends where it does the opposite."""
+    """Extremum of the gap, in an interval whose ends have derivatives of opposite sign."""
     low, high, s = 0.0, 1.0, f0 / (f0 - f1)
     for _ in range(_TURNS):
         _, f, df = _gap(C, strands, other, s)
@@ -229,7 +230,7 @@ def _turning(C: Array, strands: Strands, other: Opposite, f0: float, f1: float) 
 def _zero(
     C: Array, strands: Strands, other: Opposite, a: float, ga: float, b: float, gb: float
 ) -> float:
-    """Where the gap is zero, between ``a`` and ``b`` where its signs differ (Illinois)."""
+    """Zero of the gap, in an interval whose ends have gaps of opposite sign (Illinois method)."""
     last = 0
     for _ in range(_TURNS):
         s = (a * gb - b * ga) / (gb - ga) if gb < np.inf and ga < np.inf else 0.5 * (a + b)
@@ -255,7 +256,7 @@ def _zero(
 def _part(
     C: Array, strands: Strands, other: Opposite, a: float, ga: float, b: float, gb: float
 ) -> tuple[float, float]:
-    """Where the gap is negative between two places, between which it grows or shrinks."""
+    """Part with a negative gap of an interval in which the gap is monotonic."""
     if ga >= 0.0 and gb >= 0.0:
         return a, a
     if ga < 0.0 and gb < 0.0:
@@ -266,7 +267,7 @@ def _part(
 
 @uncounted
 def overlaps(C: Array, strands: Strands, other: Opposite) -> tuple[float, float, float, float]:
-    """Two parts of a curve (4, 3) where the gap is negative; some may be empty."""
+    """Two intervals of a curve (4, 3) where the gap is negative; they may be empty."""
     g0, f0, _ = _gap(C, strands, other, 0.0)
     g1, f1, _ = _gap(C, strands, other, 1.0)
     if (f0 < 0.0) == (f1 < 0.0):
@@ -283,5 +284,5 @@ def overlaps(C: Array, strands: Strands, other: Opposite) -> tuple[float, float,
 
 @inlined_uncounted
 def plane_of(H: Array, b: Side, j: int, radius: float) -> Opposite:
-    """A plane, opposite a piece with a radius."""
-    return Opposite(j, j - 1, normal_of(H, b, j), place(H, b, j), radius)
+    """A plane as the opposite of a segment with this radius."""
+    return Opposite(j, j - 1, normal_of(H, b, j), position(H, b, j), radius)

@@ -1,11 +1,10 @@
-"""Who is near whom, and who has gone through whom: compiled.
+"""Detection of near pairs, and of points that passed through a patch: compiled.
 
-Near are those in cells of the size of the largest pair, in a list that is kept for a while.
-
-Places are sorted by their cells, and half of the 27 cells about each are looked at, three in a row
-at a time. The list has all pairs nearer than their radii and a skin; as long as no place has moved
-by half the skin it has all that touch. Pairs are sorted: sums over them are the same to the last
-bit, whatever the cells.
+Points are sorted into cells of the size of the largest pair; half of the 27 cells around each point
+are searched, three in a row at a time. The list contains all pairs that are closer than the sum of
+their radii plus a margin. As long as no point has moved by half of the margin, it contains all
+pairs in contact. Pairs are sorted, so that sums over them have the same round-off for any choice of
+cells.
 """
 
 from __future__ import annotations
@@ -27,17 +26,17 @@ from fem_lie.contact.sides.patches import (
 from fem_lie.lie.tuples import combined, cross, dot, load_row, minus
 
 _MOST_CELLS = 2.0**20
-"""Along an axis: numbers of cells are whole numbers of 64 bits."""
+"""Largest number of cells along an axis; cell numbers are 64-bit integers."""
 
 _FEW = 64
-"""Places of one side, beyond which all pairs take longer than cells."""
+"""Number of points of one side above which a check of all pairs takes longer than cells."""
 
 
 @compiled
 def _search(
     X: Array, reach: Array, keys: Indices, order: Indices, dims: Indices, out: Indices
 ) -> int:
-    """Pairs (i, j) of places within the sum of their reaches; counts those without room, too."""
+    """Pairs (i, j) within the sum of their reaches; counts those beyond ``out``, too."""
     found, n = 0, order.shape[0]
     for p in range(n):
         i, key = order[p], keys[p]
@@ -63,11 +62,11 @@ def _search(
 
 
 def near(X: Array, reach: Array) -> Indices:
-    """Pairs ``i < j`` of places with ``|X_i − X_j| < reach_i + reach_j``, sorted, shape (m, 2).
+    """Sorted pairs ``i < j`` with ``|X_i − X_j| < reach_i + reach_j``, shape (m, 2).
 
     Args:
-        X: Places, shape (n, 3).
-        reach: Of each, shape (n,).
+        X: Positions, shape (n, 3).
+        reach: Reach of each point, shape (n,).
     """
     if not len(X):
         return np.empty((0, 2), dtype=np.int64)
@@ -89,7 +88,7 @@ def near(X: Array, reach: Array) -> Indices:
 
 @compiled
 def _all_between(X: Array, reach: Array, first: int, out: Indices) -> int:
-    """Pairs of one of the first and one of the others; counts those without room, too."""
+    """Pairs of one of the first points and one of the others; counts beyond the size, too."""
     found = 0
     for i in range(first):
         for j in range(first, X.shape[0]):
@@ -103,10 +102,10 @@ def _all_between(X: Array, reach: Array, first: int, out: Indices) -> int:
 
 
 def near_between(X: Array, reach: Array, first: int) -> Indices:
-    """As :func:`near`, those of the ``first`` places with one of the others alone.
+    """As :func:`near`, for pairs of one of the ``first`` points and one of the others.
 
-    A ball that is large beside many places would make all of them lie in the same cells: all pairs
-    are looked at where one side has few.
+    A large ball among many points would put all of them into the same cells, so all pairs are
+    checked if one side has few points.
     """
     if first * (len(X) - first) > _FEW * len(X):
         pairs = near(X, reach)
@@ -121,7 +120,7 @@ def near_between(X: Array, reach: Array, first: int) -> Indices:
 
 @compiled
 def moved_by(X: Array, before: Array) -> float:
-    """The largest distance between places, shapes (n, 3); nan is as far as can be."""
+    """Largest distance between corresponding points, shapes (n, 3); nan counts as infinite."""
     largest = 0.0
     for i in range(X.shape[0]):
         a, b, c = X[i, 0] - before[i, 0], X[i, 1] - before[i, 1], X[i, 2] - before[i, 2]
@@ -132,7 +131,7 @@ def moved_by(X: Array, before: Array) -> float:
 
 
 _ON, _HALVINGS = 1e-2, 40
-"""Part of the radii within which a place is on a surface; halvings of a step to find when."""
+"""Distance relative to the radii within which a point is on a patch; bisections to find when."""
 
 
 @uncounted
@@ -148,7 +147,7 @@ def _side_of(
     W: Array,
     C: Array,
 ) -> tuple[float, float]:
-    """Height of a place over the nearest one on a patch in a part of a step; squared distance."""
+    """Height of a point above the closest point of a patch during a step; squared distance."""
     P = combined(1.0 - part, load_row(X[0], i), part, load_row(X[1], i))
     for k in range(NET):
         for r in range(3):
@@ -163,15 +162,15 @@ def _side_of(
 def first_crossing(
     X: Array, radii: tuple[Array, Array], N: Array, triangle: bool, straight: bool, pairs: Indices
 ) -> int:
-    """The first pair whose place goes through the middle surface of its patch, or −1.
+    """First pair whose point passes through the middle surface of its patch, or −1.
 
     Args:
-        X: Places at the start and at the end of a step, shape (2, n, 3).
-        radii: Of places (n,) and of patches (m,).
-        N: Nets of patches, likewise, shape (2, m, 12, 3).
-        triangle: Whether these are triangles.
-        straight: Whether they have no tangents.
-        pairs: Places and patches, shape (·, 2).
+        X: Positions at the start and at the end of a step, shape (2, n, 3).
+        radii: Radii of points (n,) and of patches (m,).
+        N: Control nets of patches at both ends of the step, shape (2, m, 12, 3).
+        triangle: Whether the patches are triangles.
+        straight: Whether the patches have no tangents.
+        pairs: Points and patches, shape (·, 2).
     """
     net, W, C = np.empty((NET, 3)), np.empty((ROWS, NET)), np.empty((4, 3))
     for e in range(pairs.shape[0]):

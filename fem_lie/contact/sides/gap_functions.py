@@ -1,11 +1,10 @@
-"""Gaps of points to surfaces as functions, with derivatives in forward mode: compiled.
+"""Gap functions: gaps of points to surfaces, with derivatives by forward differentiation; compiled.
 
 With ``X = Rᵀ (P − O)`` the position of a point in the axes of the frame that a surface is fixed to,
-from its origin, the gap is ``g(X)``: the signed distance, positive outside of what is solid. So its
-gradient is the unit normal, as friction and results take it; where there is no friction another
-function that vanishes on the surface is as good. A plane is ``g = m·X``. A gap function takes the
-tuple of three coordinates and one of parameters, and is plain arithmetic with functions of
-:mod:`math`::
+from its origin, the gap is ``g(X)``: the signed distance, positive outside of the solid. Its
+gradient is the unit normal, as friction and results expect. Without friction, another function that
+vanishes on the surface is equally valid. A plane is ``g = m·X``. A gap function takes a tuple of
+three coordinates and a tuple of parameters, and is plain arithmetic with functions of :mod:`math`::
 
     @compiled
     def around_cylinder(X, parameters):
@@ -32,7 +31,8 @@ from fem_lie.lie.motions import global_components, local_components
 from fem_lie.lie.tuples import Vector, combined, load
 
 GAP_SIGNATURE = types.void(double_pointer, double_pointer, double_pointer)
-"""Of gap functions: value, gradient and upper half of the Hessian (10,), position, parameters."""
+"""Signature of gap functions: value, gradient and upper half of the Hessian (10,), position,
+parameters."""
 
 _THREE = (0.0, 0.0, 0.0)
 
@@ -42,11 +42,11 @@ def evaluate(function: Any, like: Any, out: Pointer, X: Pointer, parameters: Poi
     """Evaluate a gap function with its derivatives.
 
     Args:
-        function: Of the tuples of coordinates and parameters.
-        like: Tuple as long as that of the parameters.
+        function: Function of the tuples of coordinates and parameters.
+        like: A tuple as long as that of the parameters.
         out: Overwritten, see :data:`GAP_SIGNATURE`.
         X: Position.
-        parameters: Of the surface.
+        parameters: Parameters of the surface.
     """
     jet = function(second_order(numbers_at(X, _THREE)), numbers_at(parameters, like))
     store_parts((jet,), out)
@@ -54,7 +54,7 @@ def evaluate(function: Any, like: Any, out: Pointer, X: Pointer, parameters: Poi
 
 @uncounted
 def local_gap(side: Side, j: int, X: Vector) -> tuple[float, Vector, Vector, Vector]:
-    """Value, gradient, diagonal of the Hessian, and its entries 23, 13, 12; all in the frame."""
+    """Value, gradient, diagonal of the Hessian, and its entries 23, 13, 12; in the local frame."""
     at, out, q = stack(3), stack(10), stack(max(1, side.level.parameters.shape[1]))
     position, found = vector_at(at, 3), vector_at(out, 10)
     parameters = vector_at(q, max(1, side.level.parameters.shape[1]))
@@ -68,10 +68,10 @@ def local_gap(side: Side, j: int, X: Vector) -> tuple[float, Vector, Vector, Vec
 
 
 @inlined_uncounted
-def position_in(H: Array, side: Side, j: int, apart: Vector) -> Vector:
-    """``X`` of a point that is ``apart`` from the origin."""
+def position_in(H: Array, side: Side, j: int, separation: Vector) -> Vector:
+    """Local position ``X`` of a point with the offset ``separation`` from the origin."""
     node = side.nodes[j, 0]
-    return apart if node == GROUND else local_components(H[node], apart)
+    return separation if node == GROUND else local_components(H[node], separation)
 
 
 @inlined_uncounted
@@ -83,7 +83,7 @@ def turned(H: Array, side: Side, j: int, m: Vector) -> Vector:
 
 @inlined_uncounted
 def bent(diagonal: Vector, others: Vector, X: Vector) -> Vector:
-    """The Hessian times a vector."""
+    """Product of the Hessian and a vector."""
     (a, b, c), (f, e, d), (x, y, z) = diagonal, others, X
     return a * x + d * y + e * z, d * x + b * y + f * z, e * x + f * y + c * z
 
@@ -92,15 +92,15 @@ def bent(diagonal: Vector, others: Vector, X: Vector) -> Vector:
 def mean_gradient(side: Side, j: int, X0: Vector, X1: Vector, change: Vector) -> Vector:
     """Discrete gradient ``G`` of a gap over a step: ``G·ΔX = g(X₁) − g(X₀)``.
 
-    That is the gradient in the middle, corrected along ``ΔX`` (O. Gonzalez, J. Nonlinear Sci. 6
-    (1996) 449), but for what is round-off of both gaps.
+    It is the gradient at the midpoint, corrected along ``ΔX`` (O. Gonzalez, J. Nonlinear Sci. 6
+    (1996) 449), unless the correction is round-off of the gaps.
 
     Args:
         side: The surface.
         j: Its number.
         X0: Position of the point at the start.
-        X1: At the end.
-        change: ``ΔX`` without cancellation.
+        X1: Position at the end.
+        change: ``ΔX``, computed without cancellation.
     """
     g0, _, _, _ = local_gap(side, j, X0)
     g1, _, _, _ = local_gap(side, j, X1)
@@ -116,4 +116,4 @@ def mean_gradient(side: Side, j: int, X0: Vector, X1: Vector, change: Vector) ->
 
 
 _KNOWN = 1e-15
-"""Fraction of lengths that is round-off of gaps."""
+"""Round-off level of gaps relative to lengths."""

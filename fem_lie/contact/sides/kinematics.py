@@ -1,6 +1,6 @@
-"""Gaps between places, how they change, and how that changes: compiled.
+"""Gaps between points, their first and their second derivatives: compiled.
 
-With ``P`` and ``Q`` the places of the two sides, ``Δ = P − Q``, and ``Dᵢ = [wᵢ Rᵢ, −Rᵢ ĉᵢ]``::
+With ``P`` and ``Q`` the points of the two sides, ``Δ = P − Q``, and ``Dᵢ = [wᵢ Rᵢ, −Rᵢ ĉᵢ]``::
 
     balls    g = |Δ| − r_A − r_B,  n = Δ/|Δ|
     hollow   g = |r_B| − r_A − |Δ|,  n = −Δ/|Δ|
@@ -27,14 +27,14 @@ SLOTS = 2 * MOST_NODES
 
 
 @inlined_uncounted
-def place(H: Array, side: Side, i: int) -> Vector:
-    """A place of a side."""
+def position(H: Array, side: Side, i: int) -> Vector:
+    """Position of point ``i`` of a side."""
     x = (0.0, 0.0, 0.0)
     for k in range(MOST_NODES):
         node = side.nodes[i, k]
         if node == UNUSED:
             break
-        c = load_row(side.levers[i], k)
+        c = load_row(side.arms[i], k)
         if node == GROUND:
             x = plus(x, c)
         else:
@@ -44,15 +44,15 @@ def place(H: Array, side: Side, i: int) -> Vector:
 
 
 @uncounted
-def places(H: Array, side: Side, out: Array) -> None:
-    """All places of a side, shape (n, 3)."""
+def positions(H: Array, side: Side, out: Array) -> None:
+    """Positions of all points of a side, shape (n, 3)."""
     for i in range(out.shape[0]):
-        out[i, 0], out[i, 1], out[i, 2] = place(H, side, i)
+        out[i, 0], out[i, 1], out[i, 2] = position(H, side, i)
 
 
 @inlined_uncounted
 def normal_of(H: Array, side: Side, j: int) -> Vector:
-    """Of a plane."""
+    """Normal of a plane."""
     node = side.nodes[j, 0]
     m = load_row(side.normals, j)
     return m if node == GROUND else global_components(H[node], m)
@@ -60,18 +60,18 @@ def normal_of(H: Array, side: Side, j: int) -> Vector:
 
 @inlined_uncounted
 def gap(H: Array, a: Side, b: Side, i: int, j: int, flat: bool) -> tuple[float, Vector, Vector]:
-    """Gap, normal, and place of the first side."""
-    P = place(H, a, i)
-    apart = minus(P, place(H, b, j))
+    """Gap, normal, and point of the first side."""
+    P = position(H, a, i)
+    separation = minus(P, position(H, b, j))
     if flat:
         if b.level.address != 0:
-            g, m, _, _ = local_gap(b, j, position_in(H, b, j, apart))
+            g, m, _, _ = local_gap(b, j, position_in(H, b, j, separation))
             return g - a.radii[i], turned(H, b, j, m), P
         n = normal_of(H, b, j)
-        return dot(n, apart) - a.radii[i], n, P
-    distance = np.sqrt(dot(apart, apart))
+        return dot(n, separation) - a.radii[i], n, P
+    distance = np.sqrt(dot(separation, separation))
     sign = 1.0 if b.radii[j] >= 0.0 else -1.0
-    n = scaled(sign / distance, apart) if distance > 0.0 else (0.0, 0.0, sign)
+    n = scaled(sign / distance, separation) if distance > 0.0 else (0.0, 0.0, sign)
     return sign * distance - a.radii[i] - b.radii[j], n, P
 
 
@@ -83,7 +83,7 @@ def _gaps(H: Array, a: Side, b: Side, pairs: Indices, flat: bool, g: Array, X: A
 
 
 def gaps(H: Array, a: Side, b: Side, pairs: Indices, flat: bool) -> tuple[Array, Array]:
-    """Gaps (m,) of pairs of places (m, 2), and the points of the first side that are nearest."""
+    """Gaps (m,) of pairs of points (m, 2), and the closest points of the first side."""
     g, X = np.empty(len(pairs)), np.empty((len(pairs), 3))
     _gaps(H, a, b, pairs, flat, g, X)
     return g, X
@@ -93,14 +93,14 @@ def gaps(H: Array, a: Side, b: Side, pairs: Indices, flat: bool) -> tuple[Array,
 def slot(
     H: Array, a: Side, b: Side, i: int, j: int, flat: bool, P: Vector, s: int
 ) -> tuple[int, float, float, Vector]:
-    """Node of a slot or :data:`UNUSED`, sign, weight and lever; of a plane that of the foot."""
+    """Node of a slot or :data:`UNUSED`, sign, weight and moment arm; of a plane, at the foot."""
     if s < MOST_NODES:
-        return a.nodes[i, s], 1.0, a.weights[i, s], load_row(a.levers[i], s)
+        return a.nodes[i, s], 1.0, a.weights[i, s], load_row(a.arms[i], s)
     k = s - MOST_NODES
     node = b.nodes[j, k]
     if flat and node >= 0:
         return node, -1.0, 1.0, local_components(H[node], minus(P, load_row(H[node], 0)))
-    return node, -1.0, b.weights[j, k], load_row(b.levers[j], k)
+    return node, -1.0, b.weights[j, k], load_row(b.arms[j], k)
 
 
 @inlined_uncounted
@@ -122,7 +122,7 @@ def rate(H: Array, v: Array, node: int, w: float, c: Vector, n: Vector) -> float
 
 @compiled
 def count_blocks(a: Side, b: Side, pairs: Indices, rows: Indices, columns: Indices) -> int:
-    """Pairs of nodes that pairs of places couple, into ``rows`` and ``columns`` with room."""
+    """Number of pairs of nodes that pairs of points couple; stored as far as there is space."""
     found, nodes = 0, np.empty(SLOTS, dtype=np.int64)
     for e in range(pairs.shape[0]):
         for k in range(MOST_NODES):
@@ -151,11 +151,11 @@ def _store_motion(H: Array, node: int, sign: float, w: float, c: Vector, D: Arra
 
 @inlined_uncounted
 def _turns_of_normal(
-    H: Array, b: Side, j: int, flat: bool, apart: Vector, n: Vector, D: Array, s: int, N: Array
+    H: Array, b: Side, j: int, flat: bool, separation: Vector, n: Vector, D: Array, s: int, N: Array
 ) -> None:
-    """``∂n`` in the motion of a slot, shape (3, 6)."""
+    """Derivative of the normal in the motion of a slot, shape (3, 6)."""
     if not flat:
-        distance = np.sqrt(dot(apart, apart))
+        distance = np.sqrt(dot(separation, separation))
         sign = 1.0 if b.radii[j] >= 0.0 else -1.0
         for k in range(6):
             along = n[0] * D[0, k] + n[1] * D[1, k] + n[2] * D[2, k]
@@ -165,7 +165,7 @@ def _turns_of_normal(
     N[:] = 0.0
     m = load_row(b.normals, j)
     if b.level.address != 0:
-        _, m, diagonal, others = local_gap(b, j, position_in(H, b, j, apart))
+        _, m, diagonal, others = local_gap(b, j, position_in(H, b, j, separation))
         for k in range(6):
             moved = position_in(H, b, j, (D[0, k], D[1, k], D[2, k]))
             N[0, k], N[1, k], N[2, k] = turned(H, b, j, bent(diagonal, others, moved))
@@ -180,7 +180,7 @@ def _turns_of_normal(
 
 @inlined_uncounted
 def add_turning(f: Vector, w: float, c: Vector, block: Array) -> None:
-    """How ``(w f, c × f)`` turns with the node, ``δf = f × η``."""
+    """Add the derivative of ``(w f, c × f)`` in the rotation η of the node, ``δf = f × η``."""
     for k in range(3):
         e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
         rotated = cross(f, e)
@@ -209,22 +209,22 @@ def bends(
         H: Frames.
         a: First side.
         b: Second side.
-        i: Place of the first.
-        j: Place or plane of the second.
+        i: Point of the first side.
+        j: Point or plane of the second side.
         flat: Whether that is a plane.
         nodes: Overwritten, shape (8,).
-        rows: Overwritten where there is a node that moves, shape (8, 6).
-        D: Work, shape (8, 2, 3, 6).
-        G: Overwritten where there are nodes that move, shape (8, 8, 6, 6).
+        rows: Overwritten for nodes that move, shape (8, 6).
+        D: Workspace, shape (8, 2, 3, 6).
+        G: Overwritten for nodes that move, shape (8, 8, 6, 6).
     """
     _, n, P = gap(H, a, b, i, j, flat)
-    apart = minus(P, place(H, b, j))
+    separation = minus(P, position(H, b, j))
     for s in range(SLOTS):
         nodes[s], sign, w, c = slot(H, a, b, i, j, flat, P, s)
         if nodes[s] < 0:
             continue
         _store_motion(H, nodes[s], sign, w, c, D[s, 0])
-        _turns_of_normal(H, b, j, flat, apart, n, D[s, 0], s, D[s, 1])
+        _turns_of_normal(H, b, j, flat, separation, n, D[s, 0], s, D[s, 1])
         for k in range(6):
             rows[s, k] = n[0] * D[s, 0, 0, k] + n[1] * D[s, 0, 1, k] + n[2] * D[s, 0, 2, k]
     for s in range(SLOTS):
@@ -247,7 +247,7 @@ def bends(
 
 @inlined_uncounted
 def _add_sliding(H: Array, m: Vector, D: Array, block: Array) -> None:
-    """How the foot on a plane moves in its frame: ``m × Rᵀ δΔ``."""
+    """Add the motion of the foot on a plane in its frame: ``m × Rᵀ δΔ``."""
     for q in range(6):
         moved = cross(m, local_components(H, (D[0, q], D[1, q], D[2, q])))
         for r in range(3):

@@ -1,12 +1,13 @@
-"""Which balls and pieces of lines meet, and which go through each other in a step: compiled.
+"""Which balls and segments of lines meet, and which pass through each other in a step: compiled.
 
-Of most pieces that are near no place has to be looked for. A piece is within its bulge of its
-chord, and where a direction parts two chords by more than the bulges and radii, curves are apart.
-The direction is that of the nearest places of the chords; it need not be exact for what it shows.
+For most segments near each other no closest point has to be computed. A segment is within its bulge
+of its chord; where a direction separates two chords by more than the bulges and radii, the curves
+do not touch. The direction is that between the closest points of the chords; it need not be exact.
 
-A step sees its ends only. Balls that are apart at both ends may have met in between, and balls that
-overlap at an end may face the other way there: then the force is missing or has the wrong sign.
-Likewise of lines, whose pieces are taken as :data:`_CHORDS` chords each.
+A step only evaluates its ends. Balls that are separate at both ends may have met in between, and
+balls that overlap at an end may be on the wrong side there: the contact force is then missing or
+has the wrong sign. The same applies to lines, whose segments are approximated by :data:`_CHORDS`
+chords each.
 """
 
 from __future__ import annotations
@@ -21,31 +22,31 @@ from fem_lie.contact.sides.curves import Opposite, Strands, at
 from fem_lie.lie.tuples import Vector, combined, dot, load_row, minus, plus, scaled, store_row
 
 _SEEN = 0.95
-"""Part of the sum of the radii: centres that stay farther apart on their way only graze."""
+"""Fraction of the sum of the radii: centres that stay farther apart on their path only graze."""
 
 _ON = 1e-2
-"""Part of the sum of the radii within which centres or axes coincide and have no normal."""
+"""Fraction of the sum of the radii within which centres or axes coincide and have no normal."""
 
 _CHORDS = 4
-"""Of each piece of a line."""
+"""Number of chords of each segment."""
 
 _DEEP = 0.75
-"""Part of the sum of the radii: axes of lines that do not come nearer do not go through each other.
-Chords that slide along each other swing round their ends, but farther away than that."""
+"""Fraction of the sum of the radii: axes of lines that stay farther apart do not pass through each
+other. Chords that slide along each other rotate about their ends, but farther apart than that."""
 
 _TANGENT = 4.0 / 27.0
-"""The largest weight of a tangent in a place on a curve."""
+"""Largest weight of a tangent in a position on a curve."""
 
 _HALVINGS = 40
-"""Of a step, to find when the normal of two chords turns over."""
+"""Bisections of a step to find when the normal of two chords reverses."""
 
 
 _MARGIN = 1.0 + 1e-12
-"""Of what is compared: nothing that touches is apart by round-off."""
+"""Safety factor: bodies in contact are never classified as separate by round-off."""
 
 
 class Passage(NamedTuple):
-    """One pair that went through each other.
+    """One pair that passed through each other.
 
     Attributes:
         moved: Relative displacement in the step, m.
@@ -61,13 +62,13 @@ def jumps(D: Vector, E: Vector, reach: float) -> bool:
     """Whether a step misses that two balls meet.
 
     Args:
-        D: From one centre to the other at the start of the step.
-        E: The same at its end.
+        D: Vector between the centres at the start of the step.
+        E: The same at the end.
         reach: Sum of the radii.
 
     Returns:
-        Whether the centres coincide at the end, or come nearer than the radii on the straight way,
-        and the balls are apart at both ends or the normal has turned by more than 90°.
+        Whether the centres coincide at the end, or come closer than the radii on the straight path,
+        and the balls are separate at both ends or the normal has rotated by more than 90°.
     """
     if dot(E, E) < (_ON * reach) ** 2:
         return True
@@ -95,8 +96,8 @@ def first_jump(
 
     Args:
         before: Centres of both sides at the start of the step, shapes (n, 3) and (m, 3).
-        after: The same at its end.
-        radii: Of both sides, shapes (n,) and (m,).
+        after: The same at the end.
+        radii: Radii of both sides, shapes (n,) and (m,).
         pairs: Balls of the first and of the second side, shape (k, 2).
     """
     for e in range(pairs.shape[0]):
@@ -109,31 +110,31 @@ def first_jump(
 
 
 @inlined_uncounted
-def _between(a: Vector, b: Vector, apart: Vector) -> Vector:
-    """From near the second segment to the first: ``b`` and ``a`` long, ``apart`` at starts."""
+def _between(a: Vector, b: Vector, separation: Vector) -> Vector:
+    """Vector from near the closest point of segment ``b`` to that of ``a``."""
     aa, bb, ab = dot(a, a), dot(b, b), dot(a, b)
-    at, bt = dot(a, apart), dot(b, apart)
+    at, bt = dot(a, separation), dot(b, separation)
     bend = aa * bb - ab * ab
     s = min(1.0, max(0.0, (ab * bt - bb * at) / bend)) if bend > 0.0 else 0.0
     t = min(1.0, max(0.0, (ab * s + bt) / bb)) if bb > 0.0 else 0.0
     s = min(1.0, max(0.0, (ab * t - at) / aa)) if aa > 0.0 else 0.0
-    return plus(apart, minus(scaled(s, a), scaled(t, b)))
+    return plus(separation, minus(scaled(s, a), scaled(t, b)))
 
 
 @inlined_uncounted
 def _parted(C: Array, D: Array, reach: float) -> bool:
-    """Whether chords of curves (4, 3) are further from each other than that."""
+    """Whether the chords of curves (4, 3) are farther from each other than ``reach``."""
     p, q = load_row(C, 0), load_row(D, 0)
     a, b = minus(load_row(C, 1), p), minus(load_row(D, 1), q)
-    apart = minus(p, q)
-    w = _between(a, b, apart)
-    least = dot(w, apart) + min(0.0, dot(w, a)) - max(0.0, dot(w, b))
+    separation = minus(p, q)
+    w = _between(a, b, separation)
+    least = dot(w, separation) + min(0.0, dot(w, a)) - max(0.0, dot(w, b))
     return bool(least > 0.0 and least * least > reach * reach * dot(w, w))
 
 
 @uncounted
 def are_apart(a: Strands, i: int, b: Strands, other: Opposite) -> bool:
-    """Whether a piece cannot meet what is opposite."""
+    """Whether a segment cannot touch its opposite."""
     C = a.curves[i]
     if other.last < other.first:
         least = min(
@@ -150,7 +151,7 @@ def are_apart(a: Strands, i: int, b: Strands, other: Opposite) -> bool:
 
 @inlined_uncounted
 def _chords_at(X: Array, i: int, Y: Array, j: int, part: float) -> Vector:
-    """Between chords of two polygons (2, n, 3) at a part of the step."""
+    """Vector between chords of two polygons (2, n, 3) at a fraction of the step."""
     p = combined(1.0 - part, load_row(X[0], i), part, load_row(X[1], i))
     r = combined(1.0 - part, load_row(X[0], i + 1), part, load_row(X[1], i + 1))
     q = combined(1.0 - part, load_row(Y[0], j), part, load_row(Y[1], j))
@@ -160,7 +161,7 @@ def _chords_at(X: Array, i: int, Y: Array, j: int, part: float) -> Vector:
 
 @inlined_uncounted
 def _chords_pass(X: Array, i: int, Y: Array, j: int, near: float) -> bool:
-    """Whether the normal between two chords turns over where they are near each other."""
+    """Whether the normal between two chords reverses while they are near each other."""
     first = _chords_at(X, i, Y, j, 0.0)
     last = _chords_at(X, i, Y, j, 1.0)
     if dot(last, last) < (_ON * near) ** 2:
@@ -182,7 +183,7 @@ def _chords_pass(X: Array, i: int, Y: Array, j: int, near: float) -> bool:
 
 @inlined_uncounted
 def _moved(C: Array, i: int, D: Array, j: int) -> float:
-    """By how much places of two pieces move against each other at most."""
+    """Largest relative displacement of points of two segments."""
     largest, by_tangents = 0.0, 0.0
     for k in range(2):
         u = minus(load_row(C[1, i], k), load_row(C[0, i], k))
@@ -196,8 +197,8 @@ def _moved(C: Array, i: int, D: Array, j: int) -> float:
 
 
 @inlined_uncounted
-def _apart(C: Array, i: int, D: Array, j: int) -> float:
-    """The distance of the chords of two pieces, less what curves may be off these."""
+def _distance_between(C: Array, i: int, D: Array, j: int) -> float:
+    """Distance of the chords of two segments minus the bulges of the curves."""
     p, q = load_row(C[0, i], 0), load_row(D[0, j], 0)
     u, v = minus(load_row(C[0, i], 1), p), minus(load_row(D[0, j], 1), q)
     w, off = _between(u, v, minus(p, q)), 0.0
@@ -209,7 +210,7 @@ def _apart(C: Array, i: int, D: Array, j: int) -> float:
 
 @uncounted
 def _set_polygon(C: Array, i: int, out: Array) -> None:
-    """Places on a piece at both ends of the step, shape (2, _CHORDS + 1, 3)."""
+    """Points on a segment at both ends of the step, shape (2, _CHORDS + 1, 3)."""
     for end in range(2):
         for k in range(_CHORDS + 1):
             store_row(out[end], k, at(C[end, i], k / _CHORDS))
@@ -219,21 +220,21 @@ def _set_polygon(C: Array, i: int, out: Array) -> None:
 def first_line_through(
     C: Array, D: Array, radii: tuple[Array, Array], pairs: Indices, X: Array, Y: Array
 ) -> int:
-    """The first pair of pieces of lines that go through each other, or −1.
+    """The first pair of segments of lines that pass through each other, or −1.
 
     Args:
-        C: Ends and tangents of the pieces of the first line at both ends of the step, straight
-            ways in between, shape (2, m, 4, 3).
-        D: Likewise of the second, shape (2, n, 4, 3).
-        radii: Of the pieces, shapes (m,) and (n,).
-        pairs: Pieces, shape (k, 2).
-        X: Work, see :func:`polygon`.
-        Y: Likewise.
+        C: Ends and tangents of the segments of the first line at both ends of the step, with
+            straight paths in between, shape (2, m, 4, 3).
+        D: The same for the second line, shape (2, n, 4, 3).
+        radii: Radii of the segments, shapes (m,) and (n,).
+        pairs: Segments, shape (k, 2).
+        X: Workspace, see :func:`polygon`.
+        Y: Workspace, see :func:`polygon`.
     """
     for e in range(pairs.shape[0]):
         i, j = pairs[e]
         near = _DEEP * (radii[0][i] + radii[1][j])
-        if _apart(C, i, D, j) > near + _moved(C, i, D, j):
+        if _distance_between(C, i, D, j) > near + _moved(C, i, D, j):
             continue
         _set_polygon(C, i, X)
         _set_polygon(D, j, Y)
@@ -245,5 +246,5 @@ def first_line_through(
 
 
 def polygon() -> Array:
-    """Work for :func:`first_line_through`."""
+    """Workspace for :func:`first_line_through`."""
     return np.empty((2, _CHORDS + 1, 3))

@@ -1,13 +1,13 @@
-"""Cells of shells as smooth patches with a radius: nearest places on them, compiled.
+"""Cells of shells as smooth patches with a radius: closest points, compiled.
 
-A patch is cubic in places and tangents of its corners, ``Q = Σ Nₖ xₖ + Mₖ₀ Rₖ tₖ₀ + Mₖ₁ Rₖ tₖ₁``,
-with tangents across the director, so that its edges are Hermite's cubics, which neighbours share,
-as they do the tangent planes at corners. Of quadrilaterals it is Ferguson's patch without twists,
-which is smooth across edges of regular meshes, of triangles Bézier's, whose middle makes it exact
-for parabolas.
+A patch is cubic, from positions and tangents at its corners, ``Q = Σ Nₖ xₖ + Mₖ₀ Rₖ tₖ₀ + Mₖ₁ Rₖ
+tₖ₁``, with tangents perpendicular to the director. Its edges are Hermite cubics that neighbours
+share, as they do the tangent planes at corners. A quadrilateral is Ferguson's patch without twists,
+which is smooth across edges of regular meshes; a triangle is Bézier's, whose middle control point
+makes it exact for parabolas.
 
-One without tangents is linear in places alone, ``Q = Σ Lₖ xₖ`` with bilinear ``L``: straight edges,
-and kinks across these.
+A patch without tangents is bilinear in positions, ``Q = Σ Lₖ xₖ``: it has straight edges, and kinks
+across them.
 
 J. Ferguson, Multivariable curve interpolation, J. ACM 11 (1964) 221; A. Vlachos et al., Curved PN
 triangles, I3D 2001.
@@ -27,33 +27,33 @@ from fem_lie.lie.motions import global_components
 from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
 
 NET = 3 * MOST_NODES
-"""Vectors of a patch: places of corners, then two tangents at each."""
+"""Number of vectors of a patch: positions of the corners, then two tangents at each."""
 
 VALUE, BY_U, BY_V, BY_UU, BY_UV, BY_VV = range(6)
-"""Rows of shape functions."""
+"""Rows of shape functions and their derivatives."""
 
-_ROOM = 6
+_WORKSPACE = 6
 ROWS = 9
-"""Of arrays for them, with room."""
+"""Number of rows of arrays for them, with workspace."""
 
 _TURNS = 30
 _ZERO = 1e-14
-"""Part of a patch by which a place on it is known."""
+"""Accuracy of a position on a patch, relative to its size."""
 
 
 class Patches(NamedTuple):
     """Cells of one surface.
 
     Attributes:
-        nodes: Of the corners in DOLFINx's order, negative after the third of a triangle, (m, 4).
-        tangents: In their frames: along both axes of a quadrilateral, to both others of a
-            triangle, shape (m, 4, 2, 3).
+        nodes: Corner nodes in DOLFINx's order, negative after the third of a triangle, (m, 4).
+        tangents: Tangents in the frames of the corners: along both axes of a quadrilateral, to both
+            other corners of a triangle, shape (m, 4, 2, 3).
         radii: Half of the thickness, shape (m,).
-        corners: The same number for the same place, shape (m, 4).
-        at_corners: How many patches have that corner, shape (m, 4).
-        at_edges: And that edge, in the order of :func:`edge_ends`, shape (m, 4).
-        nets: At present, shape (m, 12, 3).
-        straight: Whether places alone make them; tangents are zero.
+        corners: Mesh points of the corners, equal for equal positions, shape (m, 4).
+        at_corners: Number of patches that share each corner, shape (m, 4).
+        at_edges: Number of patches that share each edge, in the order of :func:`edge_ends`, (m, 4).
+        nets: Present control nets, shape (m, 12, 3).
+        straight: Whether patches have no tangents; these are zero.
     """
 
     nodes: Indices
@@ -67,14 +67,14 @@ class Patches(NamedTuple):
 
 
 class Nearest(NamedTuple):
-    """A place on a patch.
+    """Closest point on a patch.
 
     Attributes:
-        square: Of its distance.
-        u: Where.
-        v: Likewise.
-        edge: That it is on, or −1.
-        end: Of the edge that it is, 0 or 1, or −1.
+        square: Squared distance.
+        u: First parameter.
+        v: Second parameter.
+        edge: Edge that the point is on, or −1.
+        end: End of the edge that the point is, 0 or 1, or −1.
     """
 
     square: float
@@ -86,7 +86,7 @@ class Nearest(NamedTuple):
 
 @compiled
 def set_nets(H: Array, patches: Patches) -> None:
-    """Places and tangents of corners at frames ``H``."""
+    """Set positions and tangents of the corners at frames ``H``."""
     for j in range(patches.nodes.shape[0]):
         for k in range(MOST_NODES):
             node = patches.nodes[j, k]
@@ -100,7 +100,7 @@ def set_nets(H: Array, patches: Patches) -> None:
 
 @inlined_uncounted
 def _set_cubics(s: float, W: Array, row: int) -> None:
-    """Hermite's functions and their derivatives, one after the other."""
+    """Hermite's functions and their first and second derivatives."""
     W[row, 0], W[row, 1], W[row, 2], W[row, 3] = weights(s)
     W[row, 4], W[row, 5], W[row, 6], W[row, 7] = slopes(s)
     W[row, 8], W[row, 9] = 12.0 * s - 6.0, 6.0 - 12.0 * s
@@ -109,10 +109,10 @@ def _set_cubics(s: float, W: Array, row: int) -> None:
 
 @uncounted
 def _set_quadrilateral(u: float, v: float, W: Array) -> None:
-    """Shape functions and their derivatives."""
-    _set_cubics(u, W, _ROOM)
-    _set_cubics(v, W, _ROOM + 1)
-    A, B, row = W[_ROOM], W[_ROOM + 1], 0
+    """Shape functions of a quadrilateral and their derivatives."""
+    _set_cubics(u, W, _WORKSPACE)
+    _set_cubics(v, W, _WORKSPACE + 1)
+    A, B, row = W[_WORKSPACE], W[_WORKSPACE + 1], 0
     for total in range(3):
         for q in range(total + 1):
             p = total - q
@@ -126,13 +126,13 @@ def _set_quadrilateral(u: float, v: float, W: Array) -> None:
 
 @uncounted
 def _set_triangle(u: float, v: float, W: Array) -> None:
-    """Likewise, of a triangle; those of the fourth corner are zero."""
+    """Shape functions of a triangle and their derivatives; those of the fourth corner are zero."""
     W[:] = 0.0
-    λ, G, B = W[_ROOM], W[_ROOM + 1], W[_ROOM + 2]
+    λ, G, B = W[_WORKSPACE], W[_WORKSPACE + 1], W[_WORKSPACE + 2]
     λ[0], λ[1], λ[2] = 1.0 - u - v, u, v
     for i in range(3):
         for part in range(3):
-            # N, then M to the next and to the one after that
+            # N, then M to the next corner and to the one after it
             j = (i + max(part, 1)) % 3
             k = 3 - i - j
             a, b, c = λ[i], λ[j], λ[k]
@@ -151,7 +151,7 @@ def _set_triangle(u: float, v: float, W: Array) -> None:
                 G[i] += 2.0 * a * b
                 G[j] += a * a
                 ii, ij = 2.0 * b, ij + 2.0 * a
-            # pairs of corners by what is neither of them
+            # pairs of corners, by the index of the third one
             B[3 + i], B[3 + j], B[3 + k] = jk, ik, ij
             B[i], B[j], B[k] = ii, 0.0, 0.0
             n = i if part == 0 else MOST_NODES + 2 * i + part - 1
@@ -163,7 +163,7 @@ def _set_triangle(u: float, v: float, W: Array) -> None:
 
 @inlined_uncounted
 def linear(triangle: bool, k: int, u: float, v: float) -> float:
-    """Weight of a corner where a patch is flat: what moves with it there, and does not drill."""
+    """Weight of a corner in a bilinear patch."""
     if triangle:
         if k == 0:
             return 1.0 - u - v
@@ -173,7 +173,7 @@ def linear(triangle: bool, k: int, u: float, v: float) -> float:
 
 @uncounted
 def _set_straight(triangle: bool, u: float, v: float, W: Array) -> None:
-    """Likewise, of a patch without tangents, whose functions are zero."""
+    """Shape functions of a patch without tangents; those of the tangents are zero."""
     W[:] = 0.0
     for k in range(3 if triangle else MOST_NODES):
         W[VALUE, k] = linear(triangle, k, u, v)
@@ -196,7 +196,7 @@ def set_shapes(triangle: bool, straight: bool, u: float, v: float, W: Array) -> 
 
 @inlined_uncounted
 def combination(net: Array, W: Array, row: int) -> Vector:
-    """Place on a patch or one of its derivatives."""
+    """Position on a patch or one of its derivatives."""
     x = (0.0, 0.0, 0.0)
     for k in range(NET):
         x = plus(x, scaled(W[row, k], load_row(net, k)))
@@ -204,13 +204,13 @@ def combination(net: Array, W: Array, row: int) -> Vector:
 
 
 @inlined_uncounted
-def bends_at(net: Array, W: Array, apart: Vector) -> tuple[float, float, float]:
+def bends_at(net: Array, W: Array, separation: Vector) -> tuple[float, float, float]:
     """Second derivatives of half the squared distance: ``Q,ₐ·Q,ᵦ − Δ·Q,ₐᵦ``."""
     tu, tv = combination(net, W, BY_U), combination(net, W, BY_V)
     return (
-        dot(tu, tu) - dot(apart, combination(net, W, BY_UU)),
-        dot(tu, tv) - dot(apart, combination(net, W, BY_UV)),
-        dot(tv, tv) - dot(apart, combination(net, W, BY_VV)),
+        dot(tu, tu) - dot(separation, combination(net, W, BY_UU)),
+        dot(tu, tv) - dot(separation, combination(net, W, BY_UV)),
+        dot(tv, tv) - dot(separation, combination(net, W, BY_VV)),
     )
 
 
@@ -226,7 +226,7 @@ def edge_ends(triangle: bool, edge: int) -> tuple[int, int]:
 
 @inlined_uncounted
 def edge_slope(triangle: bool, edge: int) -> tuple[float, float]:
-    """How ``u`` and ``v`` change along an edge."""
+    """Derivatives of ``u`` and ``v`` along an edge."""
     if triangle:
         return (1.0, 0.0) if edge == 0 else ((-1.0, 1.0) if edge == 1 else (0.0, -1.0))
     return (1.0, 0.0) if edge < 2 else (0.0, 1.0)
@@ -260,15 +260,15 @@ def _set_edge(triangle: bool, straight: bool, net: Array, edge: int, C: Array) -
 
 @uncounted
 def _within(triangle: bool, straight: bool, net: Array, P: Vector, W: Array) -> Nearest:
-    """The nearest place in the inside, or none: an infinite distance."""
+    """The closest point in the interior, or an infinite distance if there is none."""
     u = v = 1.0 / 3.0 if triangle else 0.5
     none = Nearest(np.inf, 0.0, 0.0, -1, -1)
     for _ in range(_TURNS):
         set_shapes(triangle, straight, u, v, W)
-        apart = minus(P, combination(net, W, VALUE))
+        separation = minus(P, combination(net, W, VALUE))
         tu, tv = combination(net, W, BY_U), combination(net, W, BY_V)
-        f, g = dot(apart, tu), dot(apart, tv)
-        a, b, c = bends_at(net, W, apart)
+        f, g = dot(separation, tu), dot(separation, tv)
+        a, b, c = bends_at(net, W, separation)
         if a <= 0.0 or a * c - b * b <= 0.0:
             a, b, c = dot(tu, tu), dot(tu, tv), dot(tv, tv)
         size = a * c - b * b
@@ -285,26 +285,26 @@ def _within(triangle: bool, straight: bool, net: Array, P: Vector, W: Array) -> 
             break
     inside = u >= 0.0 and v >= 0.0 and (u + v <= 1.0 if triangle else (u <= 1.0 and v <= 1.0))
     set_shapes(triangle, straight, u, v, W)
-    apart = minus(P, combination(net, W, VALUE))
-    a, b, c = bends_at(net, W, apart)
+    separation = minus(P, combination(net, W, VALUE))
+    a, b, c = bends_at(net, W, separation)
     if not inside or a <= 0.0 or a * c - b * b <= 0.0:
         return none
-    return Nearest(dot(apart, apart), u, v, -1, -1)
+    return Nearest(dot(separation, separation), u, v, -1, -1)
 
 
 @uncounted
 def nearest_on(
     triangle: bool, straight: bool, net: Array, P: Vector, W: Array, C: Array
 ) -> Nearest:
-    """The place on a patch (12, 3) that is nearest to ``P``; ``W`` (9, 12), ``C`` (4, 3): room."""
+    """Closest point to ``P`` on a patch (12, 3); ``W`` (9, 12), ``C`` (4, 3): workspace."""
     found = _within(triangle, straight, net, P, W)
     if found.square < np.inf:
         return found
     for edge in range(3 if triangle else 4):
         _set_edge(triangle, straight, net, edge, C)
         s = project(C, P)
-        apart = minus(P, at(C, s))
-        square = dot(apart, apart)
+        separation = minus(P, at(C, s))
+        square = dot(separation, separation)
         if square < found.square:
             u, v = _edge_start(triangle, edge)
             du, dv = edge_slope(triangle, edge)

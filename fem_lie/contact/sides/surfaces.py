@@ -1,8 +1,8 @@
-"""Surfaces that may touch: points with a radius, and faces, each fixed to a frame.
+"""Base classes of contact surfaces, and their parts: balls, faces and segments of curves.
 
-A place of a surface is linear in the rows ``q = (x, d₁, d₂, d₃)`` of at most four nodes,
-``P = Σ (wᵢ xᵢ + Rᵢ cᵢ)`` with constant ``wᵢ`` and ``cᵢ``; of what is fixed to one frame it is that
-of one node, with ``w = 1``.
+A contact point is linear in the nodal coordinates ``q = (x, d₁, d₂, d₃)`` of at most four nodes,
+``P = Σ (wᵢ xᵢ + Rᵢ cᵢ)`` with constant ``wᵢ`` and ``cᵢ``. A point that is fixed to one frame
+depends on one node, with ``w = 1``.
 """
 
 from __future__ import annotations
@@ -20,48 +20,48 @@ from fem_lie.bodies.points import require_node
 from fem_lie.lie.node_types import NodeType
 
 MOST_NODES = 4
-"""Nodes in whose rows a place is linear."""
+"""Largest number of nodes that a contact point depends on."""
 
 Owner: TypeAlias = tuple[Body | None, int]
 """Body and node of a frame; ``None``: ground."""
 
 
 class Ball(NamedTuple):
-    """Points within a radius of a place.
+    """A ball about a contact point.
 
     Attributes:
         owners: Body and node of each frame, at most :data:`MOST_NODES`; ``None``: ground.
         weights: ``w`` of each, shape (k,).
-        levers: ``c`` of each, shape (k, 3).
-        radius: Zero for a point, negative for what is around a hollow.
+        arms: ``c`` of each, shape (k, 3).
+        radius: Zero for a point, negative for a hollow sphere.
     """
 
     owners: tuple[Owner, ...]
     weights: Array
-    levers: Array
+    arms: Array
     radius: float
 
     @property
-    def place(self) -> Array:
-        """Initial place, shape (3,)."""
+    def position(self) -> Array:
+        """Initial position, shape (3,)."""
         found = np.zeros(3)
-        for owner, w, c in zip(self.owners, self.weights, self.levers, strict=True):
+        for owner, w, c in zip(self.owners, self.weights, self.arms, strict=True):
             H = initial_frame(*owner)
             found += w * H[0] + c @ H[1:]
         return found
 
 
 class Piece(NamedTuple):
-    """Of a line.
+    """A segment of a line.
 
     Attributes:
         owners: Body and node at both ends; ``None``: ground.
         ends: ``p`` in these frames, shape (2, 3).
         tangents: ``t`` in these frames, shape (2, 3).
-        length: Arc length.
-        chord: From end to end, where nothing is stretched.
-        radius: Of what is round.
-        goes_on: Whether the next piece begins where this one ends, with its tangent.
+        length: Undeformed arc length.
+        chord: Undeformed distance of the ends.
+        radius: Radius.
+        continues: Whether the next segment starts at the end of this one, with the same tangent.
     """
 
     owners: tuple[Owner, Owner]
@@ -70,16 +70,16 @@ class Piece(NamedTuple):
     length: float
     chord: float
     radius: float
-    goes_on: bool
+    continues: bool
 
 
 class Face(NamedTuple):
-    """All on one side of a plane.
+    """A half-space bounded by a plane.
 
     Attributes:
         owner: Body and node of the frame.
-        origin: A place in the plane, in the frame, shape (3,).
-        normal: Unit vector out of what is solid, in the frame, shape (3,).
+        origin: A point in the plane, in the frame, shape (3,).
+        normal: Unit normal out of the solid, in the frame, shape (3,).
     """
 
     owner: Owner
@@ -92,7 +92,7 @@ class Polyhedron(NamedTuple):
 
     Attributes:
         owner: Body and node of the frame that it is fixed to; ``None``: ground.
-        corners: In this frame, shape (n, 3).
+        corners: Corners in this frame, shape (n, 3).
     """
 
     owner: Owner
@@ -100,7 +100,7 @@ class Polyhedron(NamedTuple):
 
 
 def initial_frame(body: Body | None, node: int) -> Array:
-    """Of a node or of ground, shape (4, 3)."""
+    """Initial frame of a node or of ground, shape (4, 3)."""
     return np.vstack([np.zeros(3), np.eye(3)]) if body is None else body.frames[node]
 
 
@@ -110,64 +110,64 @@ def owner_of(point: Point) -> Owner:
 
 
 def fixed_ball(point: Point, radius: float, offset: Array | None = None) -> Ball:
-    """A ball about a point, or about a place that has the ``offset`` (3,) in its frame."""
+    """A ball about a point, or about a position with the ``offset`` (3,) in its frame."""
     H = initial_frame(*owner_of(point))
-    place = point.position if offset is None else point.frame[0] + offset @ point.frame[1:]
-    lever = H[1:] @ (place - H[0])
-    return Ball((owner_of(point),), np.ones(1), lever[np.newaxis], radius)
+    position = point.position if offset is None else point.frame[0] + offset @ point.frame[1:]
+    arm = H[1:] @ (position - H[0])
+    return Ball((owner_of(point),), np.ones(1), arm[np.newaxis], radius)
 
 
-def polyhedron_at(point: Point, places: Sequence[Array]) -> Polyhedron:
-    """A polyhedron that is fixed to a point, by the initial places of its corners (3,)."""
+def polyhedron_at(point: Point, positions: Sequence[Array]) -> Polyhedron:
+    """A polyhedron that is fixed to a point, from the initial positions (3,) of its corners."""
     H = initial_frame(*owner_of(point))
-    return Polyhedron(owner_of(point), (np.array(places) - H[0]) @ H[1:].T)
+    return Polyhedron(owner_of(point), (np.array(positions) - H[0]) @ H[1:].T)
 
 
 class Surface(ABC):
-    """A contact surface: what may touch."""
+    """Base class of contact surfaces."""
 
     @property
     @abstractmethod
     def points(self) -> Sequence[Point]:
-        """What it is fixed to."""
+        """Points that the surface is fixed to."""
 
     @property
     def kind(self) -> type[Surface]:
-        """Class by which the contact pair of two surfaces is chosen; default: its own."""
+        """Class by which the contact pair of two surfaces is chosen; default: its own class."""
         return type(self)
 
     @property
     def label(self) -> str:
-        """For messages."""
+        """Label for messages."""
         names = dict.fromkeys(p.label if p.is_ground else _name(p) for p in self.points)
         return f"{type(self).__name__} on {', '.join(names)}"
 
     def check(self) -> None:
-        """Refuse what it cannot be fixed to.
+        """Raise an error if the surface cannot be fixed to its points.
 
         Raises:
-            ValueError: A node has no frame, or a point is no node.
+            ValueError: A node has no frame, or a point is not a node.
         """
         for point in self.points:
             require_node(point, self.label)
-            if point.body is not None and not (self.turns_alike and _has_position(point)):
+            if point.body is not None and not (self.rotation_invariant and _has_position(point)):
                 point.body.require_frames(self.label)
 
     @property
-    def turns_alike(self) -> bool:
-        """Whether it is the same however its points rotate, so that these need no axes."""
+    def rotation_invariant(self) -> bool:
+        """Whether rotations of its points do not change the surface, so that it needs no frames."""
         return False
 
     def moments(self, friction: bool) -> Sequence[Owner]:
-        """Frames about which contact forces have a moment, of bodies that may lack some rotation.
+        """Frames about which contact forces have a moment, on bodies that may lack some rotations.
 
         Args:
-            friction: Whether there are tractions.
+            friction: Whether there is friction.
         """
         return ()
 
     def rotating(self, friction: bool) -> Sequence[Body]:
-        """Bodies all of whose nodes contact forces rotate about all axes; default: none."""
+        """Bodies all of whose nodes need all rotations, because of moments; default: none."""
         return ()
 
 
@@ -176,31 +176,31 @@ class PointSurface(Surface):
 
     @abstractmethod
     def balls(self) -> list[Ball]:
-        """All of them."""
+        """All balls."""
 
     def moments(self, friction: bool) -> Sequence[Owner]:
-        """See the base class."""
+        """Frames about which contact forces have a moment."""
         return _with_moments(self.balls(), friction)
 
 
 class PlaneSurface(Surface):
-    """Planes, with all that is behind them."""
+    """Half-spaces bounded by planes."""
 
     @abstractmethod
     def faces(self) -> list[Face]:
-        """All of them."""
+        """All planes."""
 
     def moments(self, friction: bool) -> Sequence[Owner]:
-        """See the base class."""
+        """The frames of all planes."""
         return [face.owner for face in self.faces()]
 
 
 class LineSurface(Surface):
-    """What is round about lines."""
+    """Round lines."""
 
     @abstractmethod
     def pieces(self) -> Sequence[Piece]:
-        """Pieces of the lines, one line after the other."""
+        """Segments of the lines, one line after the other."""
 
 
 class PolyhedralSurface(Surface):
@@ -208,24 +208,24 @@ class PolyhedralSurface(Surface):
 
     @abstractmethod
     def balls(self) -> list[Ball]:
-        """Its vertices."""
+        """The vertices, as balls with zero radius."""
 
     @abstractmethod
     def polyhedron(self) -> Polyhedron:
-        """All of it."""
+        """The polyhedron."""
 
     def moments(self, friction: bool) -> Sequence[Owner]:
-        """See the base class."""
+        """Frames about which contact forces have a moment."""
         return _with_moments(self.balls(), friction)
 
 
 class GapSurface(Surface):
-    """A surface that is given by the gap of points to it, in the axes of the frame of a point.
+    """A surface that is defined by a gap function of the position in the frame of a point.
 
     Attributes:
-        point: What it is fixed to; positions count from it, along the axes of its body's frame.
+        point: Origin of positions; the axes are those of the frame of its body or node.
         gap: Compiled gap function, see :mod:`.gap_functions`.
-        parameters: Numbers that it takes; default: none.
+        parameters: Parameters of the gap function; default: none.
     """
 
     point: Point
@@ -238,21 +238,21 @@ class GapSurface(Surface):
         return [self.point]
 
     def moments(self, friction: bool) -> Sequence[Owner]:
-        """See the base class."""
+        """The frame of the point."""
         return [owner_of(self.point)]
 
 
 def _with_moments(balls: Sequence[Ball], friction: bool) -> list[Owner]:
-    """Frames of balls beside them, or of round ones with tractions."""
-    beside = (ball for ball in balls if ball.levers.any() or (friction and ball.radius != 0.0))
-    return [owner for ball in beside for owner in ball.owners]
+    """Frames of balls with an offset, or of balls with a radius if there is friction."""
+    chosen = (ball for ball in balls if ball.arms.any() or (friction and ball.radius != 0.0))
+    return [owner for ball in chosen for owner in ball.owners]
 
 
 _WITH_POSITION = (NodeType.POSITION, NodeType.POSITION_GRADIENT, NodeType.SURFACE_GRADIENT)
 
 
 def _has_position(point: Point) -> bool:
-    """Whether a point is a node with vector coordinates, of which one is its position."""
+    """Whether a point is a node with vector coordinates that include its position."""
     return point.body is not None and int(point.body.node_types[point.node]) in _WITH_POSITION
 
 

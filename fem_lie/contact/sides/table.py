@@ -1,4 +1,4 @@
-"""The two sides of a contact as arrays, for compiled code."""
+"""The two sides of a contact as packed arrays, for compiled code."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from fem_lie.contact.sides.surfaces import (
 )
 
 GROUND, UNUSED = -1, -2
-"""Instead of a node: the frame that does not move, and none."""
+"""Special node numbers: ground, and unused."""
 
 Nodes: TypeAlias = Callable[[Body], Indices]
-"""Numbers of a body's nodes."""
+"""Gives the numbers of the nodes of a body in the scene."""
 
 
 class Level(NamedTuple):
-    """Gap function of surfaces that are no planes.
+    """Gap function of surfaces other than planes.
 
     Attributes:
-        address: Of a compiled function, see :mod:`.gap_functions`; 0: there is none.
-        parameters: That it takes, of each surface, shape (n, q).
+        address: Address of a compiled function, see :mod:`.gap_functions`; 0: none.
+        parameters: Its parameters for each surface, shape (n, q).
     """
 
     address: int
@@ -39,21 +39,21 @@ class Level(NamedTuple):
 
 
 class Side(NamedTuple):
-    """Places ``P = Σ (wᵢ xᵢ + Rᵢ cᵢ)`` with a radius, in a plane, or at the origin of a surface.
+    """One side of a contact: points ``P = Σ (wᵢ xᵢ + Rᵢ cᵢ)`` with a radius, planes or surfaces.
 
     Attributes:
-        nodes: Of each place, :data:`UNUSED` after the last, shape (n, 4).
+        nodes: Nodes of each point, :data:`UNUSED` after the last, shape (n, 4).
         weights: ``w``, shape (n, 4).
-        levers: ``c``, shape (n, 4, 3).
-        radii: Negative around a hollow, zero in a plane, shape (n,).
-        normals: Of a plane, in the frame of its first node; else zero, shape (n, 3).
-        owners: The frame that each is fixed to, the same number for the same frame, shape (n,).
-        level: Gap function, of the position from the place along the axes of the first node.
+        arms: ``c``, shape (n, 4, 3).
+        radii: Radius, negative for a hollow sphere, zero for a plane, shape (n,).
+        normals: Normal of a plane, in the frame of its first node; else zero, shape (n, 3).
+        owners: Number of the frame that each point is fixed to, shape (n,).
+        level: Gap function of the position relative to the point, along the axes of the first node.
     """
 
     nodes: Indices
     weights: Array
-    levers: Array
+    arms: Array
     radii: Array
     normals: Array
     owners: Indices
@@ -61,12 +61,12 @@ class Side(NamedTuple):
 
     @property
     def arrays(self) -> list[Array | Indices]:
-        """All but the gap function."""
+        """All arrays, without the gap function."""
         return [each for each in self if isinstance(each, np.ndarray)]
 
 
 NO_LEVEL = Level(0, np.empty((0, 0)))
-"""Of planes, points and balls."""
+"""For planes, points and balls."""
 
 
 class BothSides(NamedTuple):
@@ -75,8 +75,8 @@ class BothSides(NamedTuple):
     Attributes:
         a: Points with a radius.
         b: Planes, or points with a radius.
-        flat: Whether the second are planes.
-        same: Whether the second side is the first one again.
+        flat: Whether the second side consists of planes.
+        same: Whether both sides are the same.
     """
 
     a: Side
@@ -89,34 +89,34 @@ def balls_side(balls: Sequence[Ball], nodes: Nodes) -> Side:
     """Balls as a side.
 
     Args:
-        balls: All of them.
-        nodes: Numbers of the nodes of a body.
+        balls: The balls.
+        nodes: Gives the numbers of the nodes of a body in the scene.
     """
     found = empty_side(len(balls))
     for i, ball in enumerate(balls):
         k = len(ball.owners)
         found.nodes[i, :k] = [number_of(*owner, nodes) for owner in ball.owners]
-        found.weights[i, :k], found.levers[i, :k] = ball.weights, ball.levers
+        found.weights[i, :k], found.arms[i, :k] = ball.weights, ball.arms
         found.radii[i], found.owners[i] = ball.radius, _frame_of(*ball.owners[0], nodes)
     return found
 
 
 def planes_side(faces: Sequence[Face], nodes: Nodes) -> Side:
-    """Planes as a side; arguments as :func:`balls_side`."""
+    """Planes as a side; arguments as for :func:`balls_side`."""
     found = empty_side(len(faces))
     for i, face in enumerate(faces):
         found.nodes[i, 0] = number_of(*face.owner, nodes)
-        found.weights[i, 0], found.levers[i, 0] = 1.0, face.origin
+        found.weights[i, 0], found.arms[i, 0] = 1.0, face.origin
         found.normals[i], found.owners[i] = face.normal, _frame_of(*face.owner, nodes)
     return found
 
 
 def level_side(surface: GapSurface, nodes: Nodes) -> Side:
-    """A surface that has a gap function as a side; ``nodes`` as of :func:`balls_side`."""
+    """A surface with a gap function as a side; ``nodes`` as for :func:`balls_side`."""
     body, node = owner_of(surface.point)
     H, found = initial_frame(body, node), empty_side(1)
     found.nodes[0, 0], found.weights[0, 0] = number_of(body, node, nodes), 1.0
-    found.levers[0, 0] = H[1:] @ (surface.point.position - H[0])
+    found.arms[0, 0] = H[1:] @ (surface.point.position - H[0])
     found.owners[0] = _frame_of(body, node, nodes)
     parameters = np.array([surface.parameters], dtype=np.float64)
     return found._replace(level=Level(surface.gap.address, parameters))
@@ -129,7 +129,7 @@ def joined_sides(sides: Sequence[Side]) -> Side:
 
 
 def empty_side(n: int) -> Side:
-    """Room for ``n`` places."""
+    """Uninitialised side of ``n`` points."""
     return Side(
         np.full((n, MOST_NODES), UNUSED),
         np.zeros((n, MOST_NODES)),
@@ -142,38 +142,38 @@ def empty_side(n: int) -> Side:
 
 
 def on_masters(side: Side, master: Indices, offset: Array) -> Side:
-    """The same places, by the nodes that their nodes follow.
+    """The same points, expressed by the master nodes of rigidly attached nodes.
 
     Args:
         side: On all nodes.
-        master: Of each node, shape (N,).
-        offset: Its frame in that of its master node, shape (N, 4, 3).
+        master: Master of each node, shape (N,).
+        offset: Frame of each node in that of its master, shape (N, 4, 3).
     """
     moved = side._replace(
-        nodes=side.nodes.copy(), levers=side.levers.copy(), normals=side.normals.copy()
+        nodes=side.nodes.copy(), arms=side.arms.copy(), normals=side.normals.copy()
     )
     for i, k in np.argwhere(side.nodes >= 0):
         node = side.nodes[i, k]
         x, R = lie.position(offset[node]), lie.rotation(offset[node])
         moved.nodes[i, k] = master[node]
-        moved.levers[i, k] = side.weights[i, k] * x + R @ side.levers[i, k]
+        moved.arms[i, k] = side.weights[i, k] * x + R @ side.arms[i, k]
         if k == 0:
             moved.normals[i] = R @ side.normals[i]
     return moved
 
 
 def least(*radii: Array) -> float:
-    """Of those of what is round; infinite if nothing is."""
+    """Least positive radius; infinite if there is none."""
     return float(min(each[each > 0.0].min(initial=np.inf) for each in radii))
 
 
 def number_of(body: Body | None, node: int, nodes: Nodes) -> int:
-    """Of a node among all, or of ground."""
+    """Number of a node in the scene, or of ground."""
     return GROUND if body is None else int(nodes(body)[node])
 
 
 def _frame_of(body: Body | None, node: int, nodes: Nodes) -> int:
-    """The node that a node follows within its body."""
+    """Number of the master of a node within its body, or of ground."""
     if body is None:
         return GROUND
     return int(nodes(body)[int(body.masters[node])])

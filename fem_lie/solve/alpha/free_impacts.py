@@ -1,7 +1,7 @@
 """Free rigid bodies of a scene and their impacts in a run of generalised-α.
 
 The step of each body is made as without contacts, then these change its end
-(:mod:`fem_lie.contact.impact.settle`), all in one compiled loop that comes back for new lists of
+(:mod:`fem_lie.contact.impact.resolve`), all in one compiled loop that comes back for new lists of
 pairs.
 """
 
@@ -16,7 +16,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._state import Stateful, attributes
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
-from fem_lie.contact.impact.records import CONTACTS, PENETRATION, RESIDUAL, TOLD, Masses
+from fem_lie.contact.impact.records import CONTACTS, PENETRATION, REPORT_SIZE, RESIDUAL, Masses
 from fem_lie.contact.impact.rows import set_gaps
 from fem_lie.contact.impact.touching import WIDTH, Touching
 from fem_lie.contact.impact.velocities import largest_speed
@@ -179,13 +179,13 @@ class FreeImpacts(Stateful):
             failed=np.full(1, -1),
             sum=np.zeros(1),
             times=np.zeros(0),
-            told=np.zeros((0, TOLD)),
+            told=np.zeros((0, REPORT_SIZE)),
             booked=np.zeros(7),
             done=none,
             room=np.zeros((_ROOM, WIDTH)),
             shown=np.zeros(1, dtype=np.int64),
         )
-        self._why, self._failed_step = MADE, np.zeros(TOLD)
+        self._why, self._failed_step = MADE, np.zeros(REPORT_SIZE)
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
@@ -215,7 +215,7 @@ class FreeImpacts(Stateful):
         """
         plan = interval.plan
         last, factorisations, done = plan.first - 1, 0, np.zeros((int(interval.kept.sum()), 7))
-        reported, filled, left = np.zeros((len(interval.times), TOLD)), 0, interval
+        reported, filled, left = np.zeros((len(interval.times), REPORT_SIZE)), 0, interval
         while True:
             made = last + 1 - plan.first
             contacts = self._contacts._replace(

@@ -12,7 +12,7 @@ from fem_lie.contact.contact import Contact
 from fem_lie.contact.impact import cones
 from fem_lie.contact.impact.jacobian import BlockRows, slides
 from fem_lie.contact.impact.records import FRICTION, RESIDUAL, SWEEPS
-from fem_lie.contact.impact.records import TOLD as SIZE
+from fem_lie.contact.impact.records import REPORT_SIZE as SIZE
 from fem_lie.contact.impact.sweeps import MOST_NEWTON, products
 from fem_lie.lie.node_types import all_from_local, all_to_group
 from fem_lie.solve.impacts.bodies import CoupledBodies, to_twists

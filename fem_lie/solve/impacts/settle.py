@@ -1,7 +1,7 @@
 """Impacts and friction of bodies in joints, and of flexible ones: what comes after the smooth step.
 
-As :mod:`fem_lie.contact.impact.settle`, but contacts see each other through joints and elements, so
-that there is one dense matrix for all of them. What differs:
+As :mod:`fem_lie.contact.impact.resolve`, but contacts see each other through joints and elements,
+so that there is one dense matrix for all of them. What differs:
 
 - positions come first. Forces ``r`` of a step, with Coulomb's law for what slides *in the step*,
   move the nodes by ``Z r``, ``Z = S⁻¹ B̄ᵀ`` with the kept factors of the iteration matrix, whose
@@ -84,7 +84,8 @@ class CoupledContacts(CoupledVelocities, Stateful):
     """All contacts by impacts of a run.
 
     Attributes:
-        told: What they did in the last step, see :data:`~fem_lie.contact.impact.records.TOLD`.
+        told: What they did in the last step, see
+            :data:`~fem_lie.contact.impact.records.REPORT_SIZE`.
         history: What they did in all steps of the run.
         reactions: Impulses of the joints with those of contacts, over the step, shape (m,).
         work: Of drives and prescribed motions by these impulses.

@@ -18,11 +18,11 @@ from fem_lie.contact.impact.records import (
     FRICTION,
     IMPACT,
     PENETRATION,
+    REPORT_SIZE,
     RESIDUAL,
     SWEEPS,
-    TOLD,
 )
-from fem_lie.contact.impact.rows import show_places
+from fem_lie.contact.impact.rows import show_positions
 from fem_lie.contact.impact.touching import (
     GAP,
     IMPULSE,
@@ -127,7 +127,7 @@ class ContactHistory(Stateful):
     """What contacts did in all steps of a run.
 
     Attributes:
-        steps: Of each step, see :data:`~fem_lie.contact.impact.records.TOLD`, shape (S, 13).
+        steps: Of each step, see :data:`~fem_lie.contact.impact.records.REPORT_SIZE`, shape (S, 13).
         each: See :class:`~fem_lie.results.record.ContactSteps`, shape (k, 15).
     """
 
@@ -139,7 +139,7 @@ class ContactHistory(Stateful):
 
     def begin(self, steps: int) -> None:
         """Have memory for so many steps."""
-        self.steps: Array = np.zeros((steps, TOLD))
+        self.steps: Array = np.zeros((steps, REPORT_SIZE))
         self.each: Array = np.zeros((0, WIDTH + 2))
 
     def begin_step(self, step: int) -> None:
@@ -151,7 +151,7 @@ class ContactHistory(Stateful):
 
         Args:
             first: Number of the first step.
-            reported: See :data:`~fem_lie.contact.impact.records.TOLD`, shape (k, 13).
+            reported: See :data:`~fem_lie.contact.impact.records.REPORT_SIZE`, shape (k, 13).
         """
         rows = self.steps[first - 1 : first - 1 + len(reported)]
         largest = [np.maximum(rows[:, k], reported[:, k]) for k in _LARGEST]
@@ -218,7 +218,7 @@ class Last(NamedTuple):
         """
         pairs, axis, gaps, impulses, speeds, sticks = self
         at = np.empty((len(pairs), 4, 3))
-        show_places(H, near.touch, pairs, axis, at)
+        show_positions(H, near.touch, pairs, axis, at)
         rows = np.empty((len(pairs), WIDTH))
         rows[:, TIME], rows[:, PAIR], rows[:, GAP], rows[:, STICKS] = time, pairs, gaps, sticks
         rows[:, POSITION:IMPULSE] = at[:, 0]

@@ -10,10 +10,10 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
 from fem_lie.contact.convex.table import Polyhedra
 from fem_lie.contact.impact import records
-from fem_lie.contact.impact.places import deepest
+from fem_lie.contact.impact.positions import deepest
 from fem_lie.contact.impact.records import FRICTION, GROUND, IMPACT, LARGEST, Masses, Touch, Work
+from fem_lie.contact.impact.resolve import resolve
 from fem_lie.contact.impact.rows import find_crossed, set_ahead
-from fem_lie.contact.impact.settle import settle
 from fem_lie.contact.impact.touching import show
 from fem_lie.contact.impact.velocities import largest_speed
 from fem_lie.lie.motions import to_local
@@ -54,7 +54,7 @@ class Contacts(NamedTuple):
         failed: The pair that went through each other or still overlaps, shape (1,).
         sum: How far they may have moved, shape (1,).
         times: At the ends of these steps, shape (last − first + 1,).
-        told: Of these steps, see :data:`fem_lie.contact.impact.records.TOLD`, shape (·, 13).
+        told: Of these steps, see :data:`fem_lie.contact.impact.records.REPORT_SIZE`, shape (·, 13).
         booked: Work of contacts, and impulse of ground and its moment so far, shape (7,).
         done: These at the rows of these steps, shape (kept, 7).
         room: For what results have of each contact, see :mod:`fem_lie.contact.impact.touching`.
@@ -166,7 +166,7 @@ def advance(
         told = contacts.told[at]
         start = H0, v0
         set_ahead(touch, polyhedra, H0, state.H, work.gaps, work.impulses)
-        if settle(p.h, touch, masses, start, state.H, state.v, work, contacts.tolerance, told):
+        if resolve(p.h, touch, masses, start, state.H, state.v, work, contacts.tolerance, told):
             if not told[records.RESIDUAL] <= LARGEST:
                 _take_back(state, H0, v0)
                 return index - 1, factorisations, UNSETTLED

@@ -1,8 +1,8 @@
-"""Places that meet patches of shells: each of them a ball where its distance to these is least.
+"""Points and patches of shells: contact points where the distance to the patches is least.
 
-Of patches with a common corner one place counts, the nearest; and it counts only if no patch that
-has the edge or corner on which it is has a nearer one, or is left out. So a sheet meets itself
-where it has come back, and not where it only is.
+Of patches with a common corner only the closest one counts; and it counts only if no patch that
+shares the edge or corner of the closest point has a closer point or is excluded. So a sheet touches
+itself where it has folded back, and not in the neighbourhood of a point.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
-from fem_lie.contact.sides.gauss_points import Meeting, Sliding
-from fem_lie.contact.sides.kinematics import place
+from fem_lie.contact.sides.gauss_points import ContactPoints, Sliding
+from fem_lie.contact.sides.kinematics import position
 from fem_lie.contact.sides.patches import (
     BY_U,
     BY_V,
@@ -33,7 +33,7 @@ from fem_lie.contact.sides.table import Side
 from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
 
 _EQUAL = 1.0 - 1e-12
-"""Squares of distances of the same place on two patches are within that."""
+"""Ratio of squared distances that count as equal, for the same point on two patches."""
 
 _SQUARE, _U, _V, _EDGE, _END, _TAKEN = range(6)
 _FOUND = 6
@@ -41,13 +41,13 @@ _FOUND = 6
 
 @inlined_uncounted
 def _far(net: Array, triangle: bool, P: Vector, reach: float) -> bool:
-    """Whether all of a patch is further: it is within the box of its control points."""
+    """Whether a patch is farther than ``reach``, by the box of its control points."""
     count = 3 if triangle else 4
     for r in range(3):
         low, high = np.inf, -np.inf
         for k in range(count):
             x, a, b = net[k, r], abs(net[4 + 2 * k, r]), abs(net[5 + 2 * k, r])
-            # the inner ones are off the corners by a third of each tangent, at most a half
+            # inner control points are a third of each tangent from the corners, at most a half
             low, high = min(low, x - 0.5 * (a + b)), max(high, x + 0.5 * (a + b))
         if P[r] < low - reach or P[r] > high + reach:
             return True
@@ -56,7 +56,7 @@ def _far(net: Array, triangle: bool, P: Vector, reach: float) -> bool:
 
 @inlined_uncounted
 def _shares(b: Patches, j: int, other: int) -> bool:
-    """Whether two patches have a corner in common."""
+    """Whether two patches have a common corner."""
     for k in range(MOST_NODES):
         for q in range(MOST_NODES):
             if b.corners[j, k] >= 0 and b.corners[j, k] == b.corners[other, q]:
@@ -74,7 +74,7 @@ def _has(b: Patches, j: int, corner: int) -> bool:
 
 @uncounted
 def _least(b: Patches, near: Indices, first: int, last: int, q: int, found: Array) -> bool:
-    """Whether no neighbour of a patch has a nearer place."""
+    """Whether no neighbour of a patch has a closer point."""
     edge, end, j = int(found[q, _EDGE]), int(found[q, _END]), near[first + q, 1]
     if edge < 0:
         return True
@@ -96,7 +96,7 @@ def _least(b: Patches, near: Indices, first: int, last: int, q: int, found: Arra
 
 @uncounted
 def _next(b: Patches, near: Indices, first: int, last: int, found: Array) -> int:
-    """The nearest that is not taken and has no corner of those that are, or −1."""
+    """The closest patch that is not taken and shares no corner with those taken, or −1."""
     while True:
         best = -1
         for q in range(last - first):
@@ -116,30 +116,32 @@ def _next(b: Patches, near: Indices, first: int, last: int, found: Array) -> int
 
 
 @inlined_uncounted
-def _set_place(b: Patches, j: int, W: Array, row: int, u: float, weights: Array, c: Array) -> None:
-    """Add ``u`` times the weights and levers that shape functions or their slopes give."""
+def _set_position(
+    b: Patches, j: int, W: Array, row: int, u: float, weights: Array, c: Array
+) -> None:
+    """Add ``u`` times the weights and moment arms of shape functions or their derivatives."""
     for k in range(MOST_NODES):
         if b.nodes[j, k] < 0:
             break
         weights[k] += u * W[row, k]
-        lever = load_row(c, k)
+        arm = load_row(c, k)
         for a in range(2):
             t = scaled(u * W[row, MOST_NODES + 2 * k + a], load_row(b.tangents[j, k], a))
-            lever = plus(lever, t)
-        store_row(c, k, lever)
+            arm = plus(arm, t)
+        store_row(c, k, arm)
 
 
 @uncounted
 def _set_sliding(
     b: Patches, j: int, edge: int, end: int, P: Vector, W: Array, out: Sliding, q: int
 ) -> None:
-    """How the place at which ``W`` is taken follows ``P``."""
+    """Set how the closest point, at which ``W`` is evaluated, moves with ``P``."""
     for way in range(2):
         out.bends[q, way] = 1.0
         store_row(out.slopes[q], way, (0.0, 0.0, 0.0))
         for k in range(MOST_NODES):
             out.weights[q, way, k] = 0.0
-            store_row(out.levers[q, way], k, (0.0, 0.0, 0.0))
+            store_row(out.arms[q, way], k, (0.0, 0.0, 0.0))
     if end >= 0:
         return
     net = b.nets[j]
@@ -155,20 +157,20 @@ def _set_sliding(
         t = plus(scaled(u, combination(net, W, BY_U)), scaled(v, combination(net, W, BY_V)))
         store_row(out.slopes[q], way, t)
         out.bends[q, way] = u * u * aa + 2.0 * u * v * ab + v * v * bb
-        _set_place(b, j, W, BY_U, u, out.weights[q, way], out.levers[q, way])
-        _set_place(b, j, W, BY_V, v, out.weights[q, way], out.levers[q, way])
+        _set_position(b, j, W, BY_U, u, out.weights[q, way], out.arms[q, way])
+        _set_position(b, j, W, BY_V, v, out.weights[q, way], out.arms[q, way])
 
 
 @inlined_uncounted
-def _face_of(H: Array, a: Side, i: int, apart: Vector) -> int:
-    """On which face of its sheet a place is touched, by ``Δ``; of what is no sheet 0."""
+def _face_of(H: Array, a: Side, i: int, separation: Vector) -> int:
+    """Face of the sheet on which a point is touched, from ``Δ``; 0 for a point of no sheet."""
     if a.nodes[i, 1] < 0:
         return 0
-    return 1 if dot(apart, load_row(H[a.nodes[i, 0]], 3)) > 0.0 else 0
+    return 1 if dot(separation, load_row(H[a.nodes[i, 0]], 3)) > 0.0 else 0
 
 
 @uncounted
-def _set_facing(
+def _set_patch_contacts(
     H: Array,
     a: Side,
     areas: Array,
@@ -178,7 +180,7 @@ def _set_facing(
     W: Array,
     C: Array,
     found: Array,
-    out: Meeting,
+    out: ContactPoints,
     fixed: Side,
     keys: Indices,
 ) -> int:
@@ -187,7 +189,7 @@ def _set_facing(
         first, i = last, near[last, 0]
         while last < near.shape[0] and near[last, 0] == i:
             last += 1
-        P, reach = place(H, a, i), a.radii[i] + b.radii[near[first, 1]]
+        P, reach = position(H, a, i), a.radii[i] + b.radii[near[first, 1]]
         if stations:
             reach *= 2.0
         for q in range(last - first):
@@ -219,8 +221,8 @@ def _set_facing(
                         fixed.weights[count, k] = w
             for k in range(MOST_NODES):
                 out.b.nodes[count, k], out.b.weights[count, k] = b.nodes[j, k], 0.0
-                store_row(out.b.levers[count], k, (0.0, 0.0, 0.0))
-            _set_place(b, j, W, VALUE, 1.0, out.b.weights[count], out.b.levers[count])
+                store_row(out.b.arms[count], k, (0.0, 0.0, 0.0))
+            _set_position(b, j, W, VALUE, 1.0, out.b.weights[count], out.b.arms[count])
             out.b.radii[count], out.b.owners[count] = b.radii[j], b.nodes[j, 0]
             edge, end = int(found[q, _EDGE]), int(found[q, _END])
             _set_sliding(b, j, edge, end, P, W, out.sliding, count)
@@ -231,30 +233,30 @@ def _set_facing(
 
 
 @compiled
-def set_facing(
+def set_patch_contacts(
     H: Array,
     a: Side,
     areas: Array,
     b: Patches,
     near: Indices,
     blocks: Indices,
-    out: Meeting,
+    out: ContactPoints,
     fixed: Side,
     keys: Indices,
 ) -> int:
-    """Where places meet patches, within both radii or as stations of friction; how many.
+    """Set contact points on patches, within both radii or for friction springs; their number.
 
     Args:
         H: Frames.
-        a: First places.
-        areas: That these stand for.
+        a: First points.
+        areas: Areas of the first points.
         b: Patches, with nets at these frames.
         near: Pairs that are near each other, sorted.
-        blocks: The first one of each.
-        out: Overwritten; its second places and how these follow have room for all pairs.
-        fixed: Of stations of friction, overwritten with what anchors on patches are fixed to.
-        keys: Overwritten with what tells stations apart, (≥ m, 2); none is asked for: (0, 2).
-            Stations are within twice the radii, one for each face.
+        blocks: First matrix block of each pair.
+        out: Overwritten; its second points and their motion have space for all pairs.
+        fixed: Material points on patches for friction springs, overwritten.
+        keys: Identifiers of pairs with friction springs, overwritten, (≥ m, 2); none: (0, 2). Such
+            pairs are within twice the radii, one for each face.
     """
     W, C, found = np.empty((ROWS, NET)), np.empty((4, 3)), np.empty((near.shape[0], _FOUND))
-    return _set_facing(H, a, areas, b, near, blocks, W, C, found, out, fixed, keys)
+    return _set_patch_contacts(H, a, areas, b, near, blocks, W, C, found, out, fixed, keys)

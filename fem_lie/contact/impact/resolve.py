@@ -1,18 +1,19 @@
-"""Impacts and Coulomb's friction of rigid bodies in one step: what comes after the smooth step.
+"""Impacts with Coulomb friction of rigid bodies in one step, after the smooth step.
 
-Brüls, Acary & Cardona, CMAME 281 (2014) 131, and Cosimo, Galvez, Cavalieri, Cardona & Brüls,
-Nonlinear Dyn. 102 (2020) 2453, decoupled: the step without contacts first. What is different here:
+The scheme is the decoupled nonsmooth generalised-α method of Brüls, Acary & Cardona, CMAME 281
+(2014) 131, and Cosimo, Galvez, Cavalieri, Cardona & Brüls, Nonlinear Dyn. 102 (2020) 2453: the step
+without contacts comes first. The differences are:
 
-- an impact has a time ``τ h``, from the gaps at both ends and the velocity at the start, and
-  restitution is of the velocity that there is then;
-- contacts that were closed push along the mean of their rows at both ends, and their impulses move
-  bodies by half a step, as constant forces do; impulses of impacts by what is left of the step. All
-  contacts of a step have one such part, the mean by their impulses, so that forces in
-  equilibrium stay so;
-- restitution is reduced, if the step would have more energy than it began with.
+- An impact has a time ``τ h``, computed from the gaps at both ends and the velocity at the start.
+  Restitution applies to the velocity at that time.
+- Contacts that were closed act along the mean of their rows at both ends, and their impulses move
+  bodies during half a step, as constant forces do. Impulses of impacts move bodies during the rest
+  of the step. All contacts of a step share one such fraction, the mean weighted by impulses, so
+  that forces in equilibrium remain in equilibrium.
+- Restitution is reduced if the step would increase the energy.
 
-Two passes make the rows those of the end. Bodies move on R³×SO(3): velocities are ``ẋ``, global,
-and ``ω``, in the body's axes.
+Two passes make the rows those of the end. Bodies move on R³×SO(3): velocities are ``ẋ`` in global
+axes and ``ω`` in the body's axes.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from fem_lie._jit import uncounted
 from fem_lie.contact.convex.features import gap_of
 from fem_lie.contact.impact import cones
 from fem_lie.contact.impact.jacobian import along
-from fem_lie.contact.impact.places import aim, moved, settle_places
+from fem_lie.contact.impact.positions import aim, moved, resolve_positions
 from fem_lie.contact.impact.records import (
     CONTACTS,
     FRICTION,
@@ -39,14 +40,14 @@ from fem_lie.contact.impact.touching import energy, note_ground, note_works
 from fem_lie.contact.impact.velocities import choose, join, set_cones
 
 _PASSES, _MOST, _GROWING, _GUARDS = 2, 40, 6, 6
-"""Passes; most of them; in how many contacts may join; reductions of restitution."""
+"""Passes; most of them; passes in which contacts may become active; reductions of restitution."""
 
 _ROUGH, _ROUGHER = 1e-4, 1e-3
-"""Residual of the cones in the first pass, which is there for its rows, and of many contacts in all
-passes until none joins; places are rough, too."""
+"""Residual of the cones in the first pass, which only provides rows, and, for many contacts, in all
+passes until no contact becomes active; positions have a low accuracy there, too."""
 
 _PLACES, _SWEEPS = 20, 200
-"""Iterations of places, and sweeps in one, at most."""
+"""Largest number of position iterations, and of sweeps in each."""
 
 
 @uncounted
@@ -67,26 +68,26 @@ def _pass(
     w: Work,
     factor: float,
     tolerance: float,
-    told: Array,
+    report: Array,
     limits: tuple[int, int, bool],
 ) -> bool:
-    """One pass from the end without contacts to ``H`` and ``v``; whether a contact has joined."""
+    """One pass from the end without contacts to ``H``, ``v``; whether a contact became active."""
     k = set_cones(h, touch, masses, w, factor)
-    sweeps, _, told[RESIDUAL] = cones.solve(w.cones, k, tolerance)
-    told[CONTACTS], told[SWEEPS] = k, told[SWEEPS] + sweeps
+    sweeps, _, report[RESIDUAL] = cones.solve(w.cones, k, tolerance)
+    report[CONTACTS], report[SWEEPS] = k, report[SWEEPS] + sweeps
     for body in range(v.shape[0]):
         for j in range(6):
             v[body, j] = w.v[body, j] + w.cones.W[body, j]
-    note_works(w, k, v, told)
-    note_ground(masses, w, k, told)
+    note_works(w, k, v, report)
+    note_ground(masses, w, k, report)
     part = aim(h, touch, w, k, factor)
     moved(w.H[0], w.cones.W, part * h, H)
-    return settle_places(touch, masses, H, w, limits)
+    return resolve_positions(touch, masses, H, w, limits)
 
 
 @uncounted
 def _kick(touch: Touch, w: Work) -> float:
-    """The largest velocity that restitution gives."""
+    """Largest rebound velocity by restitution."""
     found = 0.0
     for at in range(w.many[0]):
         c = w.close[at]
@@ -97,7 +98,7 @@ def _kick(touch: Touch, w: Work) -> float:
 
 @uncounted
 def _fall(w: Work, k: int) -> float:
-    """The largest change of a normal velocity in the smooth step."""
+    """Largest change of a normal velocity in the smooth step."""
     found = 0.0
     for i in range(k):
         free = along(w.cones.rows, i, w.v, 0)
@@ -106,7 +107,7 @@ def _fall(w: Work, k: int) -> float:
 
 
 @uncounted
-def settle(
+def resolve(
     h: float,
     touch: Touch,
     masses: Masses,
@@ -115,22 +116,22 @@ def settle(
     v: Array,
     w: Work,
     tolerance: float,
-    told: Array,
+    report: Array,
 ) -> bool:
-    """What contacts make of the end of a step; whether there are any.
+    """Apply impulses and position corrections at the end of a step; whether there were any.
 
     Args:
-        h: Size of the step.
+        h: Step size.
         touch: Pairs.
-        masses: Of the bodies.
-        start: Frames and velocities at its start.
-        H: Frames at its end without contacts, shape (n, 4, 3), updated.
-        v: Velocities, shape (n, 6), updated.
-        w: Work; gaps and impulses are kept from step to step.
-        tolerance: Of :func:`~fem_lie.contact.impact.sweeps.residual`.
-        told: See :data:`~fem_lie.contact.impact.records.TOLD`, overwritten.
+        masses: Masses of the bodies.
+        start: Frames and velocities at the start of the step.
+        H: Frames at the end without contacts, shape (n, 4, 3), updated.
+        v: Velocities at the end without contacts, shape (n, 6), updated.
+        w: Workspace; gaps and impulses are kept from step to step.
+        tolerance: Tolerance of :func:`~fem_lie.contact.impact.sweeps.residual`.
+        report: See :data:`~fem_lie.contact.impact.records.REPORT_SIZE`, overwritten.
     """
-    told[:], overlaps, m = 0.0, False, touch.pairs.shape[0]
+    report[:], overlaps, m = 0.0, False, touch.pairs.shape[0]
     for c in range(m):
         i, j = touch.pairs[c]
         w.smooth[c], _, _ = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
@@ -149,12 +150,12 @@ def settle(
         for j in range(6):
             w.v[body, j] = v[body, j]
     free, before = energy(masses, H, v), energy(masses, start[0], start[1])
-    _guarded(h, touch, masses, before, H, v, w, tolerance, told)
-    told[IMPACT] = energy(masses, H, v) - free - told[FRICTION]
+    _guarded(h, touch, masses, before, H, v, w, tolerance, report)
+    report[IMPACT] = energy(masses, H, v) - free - report[FRICTION]
     for c in range(m):
         i, j = touch.pairs[c]
         w.gaps[c], _, _ = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
-        told[PENETRATION] = max(told[PENETRATION], -w.gaps[c])
+        report[PENETRATION] = max(report[PENETRATION], -w.gaps[c])
     return True
 
 
@@ -168,31 +169,33 @@ def _guarded(
     v: Array,
     w: Work,
     tolerance: float,
-    told: Array,
+    report: Array,
 ) -> None:
-    """Passes, with as much of the restitution as does not add to the energy ``before``."""
+    """Passes with the largest restitution that does not increase the energy beyond ``before``."""
     factor, least, most, below, above = 1.0, -1.0, 1.0, 0.0, 0.0
     passes, tries, last = 0, 0, False
     many = w.many[0] > MOST_NEWTON
     few = 30 if many else 3
     for attempt in range(_MOST):
         grows = attempt < _GROWING
-        rough = passes == 0 if many else attempt == 0  # a pile grows in one pass after the other
+        rough = (
+            passes == 0 if many else attempt == 0
+        )  # the contacts of a pile become active one pass after the other
         limits = (1, few, grows) if rough else (_PLACES, _SWEEPS, grows)
         wanted = tolerance
         if rough:
             wanted = _ROUGHER if many else _ROUGH
-        grew = _pass(h, touch, masses, H, v, w, factor, wanted, told, limits)
+        grew = _pass(h, touch, masses, H, v, w, factor, wanted, report, limits)
         _copy_frames(H, w.H[1])
         if grew:
             continue
         passes += 1
         if passes < _PASSES:
             continue
-        if last or _kick(touch, w) <= 1e-2 * _fall(w, int(told[CONTACTS])):
+        if last or _kick(touch, w) <= 1e-2 * _fall(w, int(report[CONTACTS])):
             return
         excess = energy(masses, H, v) - before
-        if excess <= 1e-10 * abs(told[IMPACT] + told[FRICTION]) + 1e-14 * abs(before):
+        if excess <= 1e-10 * abs(report[IMPACT] + report[FRICTION]) + 1e-14 * abs(before):
             if tries == 0:
                 return
             least, below = factor, excess
@@ -202,7 +205,7 @@ def _guarded(
         if tries == 1:
             factor = 0.0
         elif least < 0.0:
-            factor, last = 1.0, True  # it is not restitution that gives it
+            factor, last = 1.0, True  # the energy does not come from restitution
         elif tries >= _GUARDS or most - least < 1e-3 or -below < 1e-12 * abs(before):
             if factor == least:
                 return

@@ -1,8 +1,9 @@
-"""Where two sides meet: places of both that push each other apart, for compiled code.
+"""Both sides of a contact, and the contact points between them, for compiled code.
 
-Of points and balls that are the pairs that are near. Of lines they are Gauss points of the parts
-where lines overlap, made anew at each frames (:mod:`~fem_lie.contact.sides.gauss_points`); so
-forces, energy and derivatives are those of balls.
+For points and balls the contact points are the near pairs. For lines they are the Gauss points of
+overlapping intervals, recomputed for each set of frames
+(:mod:`~fem_lie.contact.sides.gauss_points`); contact forces, energy and derivatives are then the
+same as for balls.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.contact.sides.curves import set_curves
 from fem_lie.contact.sides.gauss_points import (
     GAUSS,
-    Meeting,
+    ContactPoints,
     Sliding,
     middles_of,
     no_sliding,
@@ -32,29 +33,29 @@ from fem_lie.contact.sides.table import GROUND, Nodes, Side, empty_side, least
 
 
 class Stations(NamedTuple):
-    """Where anchors of friction stand.
+    """Material points to which friction springs are attached.
 
     Attributes:
-        at: Pairs of places.
-        keys: What tells these apart, shape (m, 2).
-        a: What anchors of the first side are fixed to: weights of the same nodes, and levers.
-        b: Likewise of the second.
+        at: Pairs of points.
+        keys: Identifiers of the pairs, shape (m, 2).
+        a: Material points of the first side: weights of the same nodes, and moment arms.
+        b: Material points of the second side.
     """
 
-    at: Meeting
+    at: ContactPoints
     keys: Indices
     a: Side
     b: Side
 
 
 class Sides(ABC):
-    """Two sides of a contact.
+    """Both sides of a contact.
 
     Attributes:
-        near: Who is near whom.
-        on_ground: Whether a side is on ground.
-        radius: The least of what is round, infinite if nothing is.
-        of_balls: Whether places are material ones, and not where curves are nearest.
+        near: List of near pairs.
+        on_ground: Whether a side is fixed to ground.
+        radius: Least radius, infinite if there is none.
+        of_balls: Whether contact points are material points, not closest points of curves.
     """
 
     of_balls = False
@@ -63,45 +64,45 @@ class Sides(ABC):
     radius: float
 
     @abstractmethod
-    def meet(self, H: Array) -> Meeting:
-        """Where they do at frames ``H``."""
+    def meet(self, H: Array) -> ContactPoints:
+        """Contact points at frames ``H``, with an update of the list of pairs."""
 
-    def meet_ends(self, start: Array, end: Array, *, known: bool) -> list[Meeting]:
-        """Where they do at the start of a step, and at its end if places move along the sides.
+    def meet_ends(self, start: Array, end: Array, *, known: bool) -> list[ContactPoints]:
+        """Contact points at the start of a step, and at its end if these are other material points.
 
-        ``known``: by the list of pairs that there is.
+        ``known``: use the present list of pairs.
         """
         if not known:
             self.near.cover(start, end)
         return [self._meet(start)]
 
-    def meet_again(self, H: Array) -> Meeting:
-        """Where they do at frames, by the list of pairs that there is."""
+    def meet_again(self, H: Array) -> ContactPoints:
+        """Contact points at frames, for the present list of pairs."""
         return self._meet(H)
 
     @abstractmethod
-    def _meet(self, H: Array) -> Meeting:
-        """Likewise at frames, by that list."""
+    def _meet(self, H: Array) -> ContactPoints:
+        """Contact points at frames, for the present list of pairs."""
 
     @abstractmethod
     def stations(self, H: Array) -> Stations:
-        """Pairs of places where anchors of friction stand at frames ``H``."""
+        """Pairs of points that have friction springs at frames ``H``."""
 
     def passed(self, start: Array, end: Array) -> Passage | None:
-        """A pair that went through each other between frames; default: none can."""
+        """A pair that passed through each other between frames; default: none can."""
         return None
 
     @abstractmethod
-    def settle(self) -> None:
-        """Take what steps see of the sides from where these met last."""
+    def keep_stretches(self) -> None:
+        """Keep the stretches of the last contact points for the forces of steps."""
 
     @property
     def seen(self) -> Array:
-        """What :meth:`meet` remembers of frames before, shape (n, 3)."""
+        """State of :meth:`meet`, for checkpoints, shape (n, 3)."""
         return self.near.seen
 
     def see_again(self, seen: Array) -> None:
-        """Remember what was :attr:`seen` once."""
+        """Restore the state :attr:`seen`."""
         self.near.see_again(seen)
 
 
@@ -120,10 +121,10 @@ class Balls(Sides):
         areas: Array | None = None,
         fixed: Side | None = None,
     ) -> None:
-        """Keep both sides; see :class:`~fem_lie.contact.sides.pairs.NearPairs`.
+        """Store both sides; see :class:`~fem_lie.contact.sides.pairs.NearPairs`.
 
-        ``areas`` are what first places stand for; default: one. ``fixed`` is what anchors of these
-        are fixed to; default: they themselves.
+        ``areas`` are the areas of the first points; default: one. ``fixed`` are their material
+        points for friction springs; default: the points themselves.
         """
         self._a, self._b, self._flat = a, b, flat
         self._fixed = a if fixed is None else fixed
@@ -133,14 +134,14 @@ class Balls(Sides):
         self.radius = least(a.radii, b.radii)
         self._version = -1
 
-    def meet(self, H: Array) -> Meeting:
-        """See the base class."""
+    def meet(self, H: Array) -> ContactPoints:
+        """Contact points at frames ``H``."""
         self.near.update(H)
         return self._meet(H)
 
     def passed(self, start: Array, end: Array) -> Passage | None:
-        """See the base class: on straight ways."""
-        # behind a plane, and around a hollow, there is no other side to go to
+        """A pair that passed through each other on straight paths."""
+        # nothing can pass through a half-space or a hollow sphere
         if self.near.fixed:
             return None
         before, after, pairs = self.near.in_step(start, end)
@@ -152,10 +153,10 @@ class Balls(Sides):
         way = after[0][i] - before[0][i] - (after[1][j] - before[1][j])
         return Passage(float(np.linalg.norm(way)), float(radii[0][i] + radii[1][j]))
 
-    def _meet(self, H: Array) -> Meeting:
+    def _meet(self, H: Array) -> ContactPoints:
         if self.near.version != self._version:
             self._version, count = self.near.version, len(self.near.now)
-            self._meeting = Meeting(
+            self._meeting = ContactPoints(
                 self._a,
                 self._b,
                 self._flat,
@@ -167,43 +168,43 @@ class Balls(Sides):
         return self._meeting
 
     def stations(self, H: Array) -> Stations:
-        """See the base class."""
+        """All near pairs."""
         at = self.meet(H)
         return Stations(at, at.pairs, self._fixed, at.b)
 
-    def settle(self) -> None:
-        """See the base class; there is nothing."""
+    def keep_stretches(self) -> None:
+        """Do nothing."""
 
 
 class Lines(Sides):
-    """A line along which another, or planes, are near."""
+    """A line, and another line or planes near it."""
 
     def __init__(
         self, a: Sequence[Piece], b: Sequence[Piece], planes: Side | None, nodes: Nodes
     ) -> None:
-        """Keep pieces of both, or planes instead of the second, and numbers of nodes."""
+        """Store segments of both lines, or planes instead of the second, and numbers of nodes."""
         self._a, self._b = strands_of(a, nodes), strands_of(b, nodes)
         middles = middles_of(a, self._a), middles_of(b, self._b) if planes is None else planes
         self._planes, self.flat = middles[1], planes is not None
         self.near = NearPairs(*middles, flat=self.flat, same=False)
         self.radius = least(self._a.radii, self._b.radii)
         self.on_ground = bool(any((side.owners == GROUND).any() for side in middles))
-        self._chains = np.cumsum(np.append(0, ~self._b.goes_on[:-1])) if b else None
+        self._chains = np.cumsum(np.append(0, ~self._b.continues[:-1])) if b else None
         self._version = -1
-        self._settled = self._stretches
+        self._frozen = self._stretches
 
-    def meet(self, H: Array) -> Meeting:
-        """See the base class."""
+    def meet(self, H: Array) -> ContactPoints:
+        """Contact points at frames ``H``."""
         self.near.update(H)
         return self._meet(H, stretched=True)
 
-    def _meet(self, H: Array, *, stretched: bool = False) -> Meeting:
+    def _meet(self, H: Array, *, stretched: bool = False) -> ContactPoints:
         if self.near.version != self._version:
             self._version = self.near.version
             self._runs = self._found_runs()
-            # two parts of a piece for each run, or plane
+            # two intervals of a segment for each run of opposite segments, or for a plane
             most = 2 * GAUSS * len(self._runs)
-            self._room = Meeting(
+            self._room = ContactPoints(
                 empty_side(most),
                 self._planes if self.flat else empty_side(most),
                 self.flat,
@@ -214,12 +215,12 @@ class Lines(Sides):
             )
         set_curves(H, self._a, stretched)
         set_curves(H, self._b, stretched)
-        room = self._room
-        k = set_points(H, self._a, self._b, self._planes, self._runs, self.near.first, room)
-        return room._replace(pairs=room.pairs[:k])
+        workspace = self._room
+        k = set_points(H, self._a, self._b, self._planes, self._runs, self.near.first, workspace)
+        return workspace._replace(pairs=workspace.pairs[:k])
 
     def passed(self, start: Array, end: Array) -> Passage | None:
-        """See the base class: on straight ways of the ends of pieces and the tangents there."""
+        """A pair of segments that passed through each other on straight paths."""
         if self.flat:
             return None
         before, after, pairs = self.near.in_step(start, end)
@@ -227,8 +228,8 @@ class Lines(Sides):
         for strands in (self._a, self._b):
             ends = np.empty((2, *strands.curves.shape))
             for k, H in enumerate((start, end)):
-                room = strands._replace(curves=ends[k], bulges=np.empty_like(strands.bulges))
-                set_curves(H, room, False)
+                workspace = strands._replace(curves=ends[k], bulges=np.empty_like(strands.bulges))
+                set_curves(H, workspace, False)
             curves.append(ends)
         radii = self._a.radii, self._b.radii
         e = first_line_through(curves[0], curves[1], radii, pairs, polygon(), polygon())
@@ -239,10 +240,10 @@ class Lines(Sides):
         return Passage(float(np.linalg.norm(way)), float(radii[0][i] + radii[1][j]))
 
     def stations(self, H: Array) -> Stations:
-        """See the base class: Gauss points of whole elements, which stay where they are."""
+        """Gauss points of whole elements, which are material points."""
         self.meet(H)
         most = GAUSS * len(self._runs)
-        room = Meeting(
+        workspace = ContactPoints(
             empty_side(most),
             self._planes if self.flat else empty_side(most),
             self.flat,
@@ -253,24 +254,26 @@ class Lines(Sides):
         )
         keys = np.zeros((most, 2), dtype=np.int64)
         given = H, self._a, self._b, self._planes, self._runs, self.near.first
-        k = set_stations(*given, room, keys)
+        k = set_stations(*given, workspace, keys)
         if self._chains is not None:
             keys[:, 1] = self._chains[keys[:, 1]]
-        return Stations(room._replace(pairs=room.pairs[:k]), keys[:k], room.a, room.b)
+        return Stations(
+            workspace._replace(pairs=workspace.pairs[:k]), keys[:k], workspace.a, workspace.b
+        )
 
-    def meet_ends(self, start: Array, end: Array, *, known: bool) -> list[Meeting]:
-        """See the base class; tangents have the lengths that were settled."""
+    def meet_ends(self, start: Array, end: Array, *, known: bool) -> list[ContactPoints]:
+        """Contact points at both ends of a step, with the kept stretches."""
         kept, found = self._stretches, []
-        self._stretch(self._settled)
+        self._stretch(self._frozen)
         if not known:
             self.near.cover(start, end)
         found += [copied(self._meet(H)) for H in (start, end)]
         self._stretch(kept)
         return found
 
-    def settle(self) -> None:
-        """See the base class."""
-        self._settled = self._stretches
+    def keep_stretches(self) -> None:
+        """Keep the stretches of the last contact points for the forces of steps."""
+        self._frozen = self._stretches
 
     @property
     def _stretches(self) -> Array:
@@ -281,34 +284,34 @@ class Lines(Sides):
 
     @property
     def seen(self) -> Array:
-        """See the base class; stretches come last."""
-        stretches = np.stack([self._stretches, self._settled, self._settled], axis=1)
+        """State of the list of pairs, and of the stretches."""
+        stretches = np.stack([self._stretches, self._frozen, self._frozen], axis=1)
         return np.concatenate([self.near.seen, stretches])
 
     def see_again(self, seen: Array) -> None:
-        """See the base class."""
-        n = len(seen) - len(self._settled)
+        """Restore the state :attr:`seen`."""
+        n = len(seen) - len(self._frozen)
         self._stretch(seen[n:, 0])
-        self._settled = seen[n:, 1].copy()
+        self._frozen = seen[n:, 1].copy()
         self.near.see_again(seen[:n])
 
     def _found_runs(self) -> Indices:
-        """First piece, first and last of those opposite that follow each other, first pair."""
+        """Runs of opposite segments: segment, first and last opposite segment, first pair."""
         i, j = self.near.now.T
         begins = np.ones(len(i), dtype=np.bool_)
         if not self.flat and len(i):
-            follows = (i[1:] == i[:-1]) & (j[1:] == j[:-1] + 1) & self._b.goes_on[j[:-1]]
+            follows = (i[1:] == i[:-1]) & (j[1:] == j[:-1] + 1) & self._b.continues[j[:-1]]
             begins[1:] = ~follows
         first = np.flatnonzero(begins)
         last = np.append(first[1:], len(i))[: len(first)] - 1
         return np.stack([i[first], j[first], j[last], first], axis=1)
 
 
-def copied(at: Meeting) -> Meeting:
-    """One that stays when sides meet elsewhere."""
+def copied(at: ContactPoints) -> ContactPoints:
+    """A copy of contact points, which stays valid when others are computed."""
     a, b = _copied_side(at.a), at.b if at.flat else _copied_side(at.b)
     slides = Sliding(*(array.copy() for array in at.sliding))
-    return Meeting(
+    return ContactPoints(
         a, b, at.flat, at.pairs.copy(), at.weight[: len(at.pairs)].copy(), at.first.copy(), slides
     )
 

@@ -1,9 +1,10 @@
-"""Faces of shells, which touch each other, themselves, balls and planes.
+"""Contact surface of a shell, which touches other shells, itself, balls and planes.
 
-A shell is all within half its thickness of its middle surface, with round edges. The middle surface
-is smooth: patches with the tangents that nodal frames carry. On one side of a contact stand points
-of Gauss of each cell as balls, with the areas that they stand for, on the other are the patches,
-and each ball is pushed off by what is nearest.
+A shell occupies all points within half its thickness of the middle surface, with round edges. The
+middle surface is interpolated by smooth patches, with the tangents of the nodal frames. The first
+side of a contact consists of the Gauss points of each patch as balls, with their integration
+weights (areas); the second side consists of patches. Each ball is repelled by the closest point on
+the patches.
 """
 
 from __future__ import annotations
@@ -37,37 +38,40 @@ _PARTS = {
     ("triangle", 6): [[0, 5, 4], [5, 1, 3], [4, 3, 2], [5, 3, 4]],
     ("quadrilateral", 9): [[0, 4, 5, 8], [4, 1, 8, 6], [5, 8, 2, 7], [8, 6, 7, 3]],
 }
-"""Corners of the patches of a cell."""
+"""Corner nodes of the patches of a cell, by cell shape and number of nodes."""
 
 _SOURCES = 256
-"""Of shortest ways that are looked for together."""
+"""Number of sources whose shortest paths are computed together."""
 
 
 @dataclass(frozen=True, eq=False)
 class Skin(Surface):
-    """Both faces of a shell and what is round about its edges.
+    """Contact surface of a shell: both faces and the round edges.
 
-    Forces are per area of the unloaded middle surface, of the first of two skins; that should be
-    the finer one. A skin given twice touches itself.
+    Contact forces are per area of the undeformed middle surface. They are integrated over the first
+    of two shell surfaces, which should have the finer mesh. A surface that is given twice touches
+    itself.
 
-    A smooth one has tangents that turn with frames, so its shell has six parameters. One that is
-    not has bilinear patches between places of nodes, with kinks across edges: the shell may have
-    five unless it rubs, and conserving schemes take it.
+    A smooth surface has tangents that rotate with nodal frames, so its shell needs drilling
+    rotations. A surface that is not smooth has bilinear patches between nodal positions, with kinks
+    across edges. Its shell needs no drilling rotations unless the contact has friction, and
+    conserving schemes support it.
 
     Attributes:
-        shell: Of quadrilaterals or triangles.
-        thickness: Default: that of its sections.
-        gauss: Points along each axis of a patch, where forces are; of triangles as exact.
+        shell: A shell of quadrilaterals or triangles.
+        thickness: Thickness; default: that of its sections.
+        gauss: Number of integration points along each axis of a patch; on triangles, points of the
+            same order.
         smooth: Whether patches have tangents.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
         >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
         >>> sheet = fl.Shell(mesh, fl.ShellSection.layer(0.01, steel))
-        >>> skin = fl.Skin(sheet)
+        >>> surface = fl.Skin(sheet)
         >>> scene = fl.Scene()
         >>> _ = scene.add(sheet)
-        >>> _ = scene.add(fl.Contact(skin, skin, fl.Penalty(1e9)))
+        >>> _ = scene.add(fl.Contact(surface, surface, fl.Penalty(1e9)))
         >>> scene.drills(sheet)
         True
     """
@@ -78,7 +82,7 @@ class Skin(Surface):
     smooth: bool = True
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` or ``ValueError`` for what is no shell, thickness or number."""
+        """Raise ``TypeError`` or ``ValueError`` if an argument has a wrong type or value."""
         instance(self.shell, Shell, "Skin: shell", "a Shell")
         if self.thickness is not None:
             positive(self.thickness, "Skin: thickness")
@@ -87,41 +91,41 @@ class Skin(Surface):
 
     @property
     def points(self) -> Sequence[Point]:
-        """Its nodes."""
+        """All nodes of the shell."""
         return [Point(self.shell, node) for node in range(len(self.shell.frames))]
 
     def rotating(self, friction: bool) -> Sequence[Body]:
-        """The shell: tractions act on faces, with moment arms that are not along directors."""
+        """The shell, if contact forces have moments that need drilling rotations."""
         return [self.shell] if self.smooth or friction else []
 
     def contents(self, nodes: Nodes) -> list[Array | Indices]:
-        """All that it consists of.
+        """All that the contact forces depend on.
 
         Args:
-            nodes: Numbers of a body's nodes.
+            nodes: Gives the numbers of the nodes of a body in the scene.
         """
         patches = self.patches(nodes)
-        _, _, areas = self.places(patches)
+        _, _, areas = self.positions(patches)
         return [patches.nodes, patches.tangents, patches.radii, patches.corners, areas]
 
     def _parts(self, cells: Indices) -> Indices:
-        """Corners of all patches, shape (m, 3 or 4)."""
+        """Corner nodes of all patches, shape (m, 3 or 4)."""
         parts = np.array(_PARTS[self.shell.mesh.cell, cells.shape[1]])
         return np.ascontiguousarray(cells[:, parts].reshape(-1, parts.shape[1]))
 
     @property
     def radii(self) -> Array:
-        """Half the thickness of each patch, shape (m,)."""
+        """Half of the thickness of each patch, shape (m,)."""
         cells = self.shell.connectivity
         parts = len(_PARTS[self.shell.mesh.cell, cells.shape[1]])
         thickness = self.shell.thickness if self.thickness is None else self.thickness
         return 0.5 * np.repeat(np.broadcast_to(thickness, len(cells)), parts)
 
     def patches(self, nodes: Nodes) -> Patches:
-        """Its cells, as they are in the beginning.
+        """All patches in the initial configuration.
 
         Args:
-            nodes: Numbers of a body's nodes.
+            nodes: Gives the numbers of the nodes of a body in the scene.
         """
         own = self._parts(self.shell.connectivity)
         m, k = own.shape
@@ -144,8 +148,8 @@ class Skin(Surface):
         known = nodes(self.shell)
         return found._replace(nodes=np.where(numbers < 0, numbers, known[numbers]))
 
-    def places(self, patches: Patches) -> tuple[Side, Side, Array]:
-        """Points of Gauss as balls, what anchors are fixed to there, and their areas."""
+    def positions(self, patches: Patches) -> tuple[Side, Side, Array]:
+        """Gauss points as balls, material points that friction acts on, and areas of the points."""
         triangle = self.shell.mesh.cell == "triangle"
         at, parts = rule(self.shell.mesh.cell, 2 * self.gauss - (2 if triangle else 1))
         m, g = len(patches.nodes), len(at)
@@ -157,17 +161,17 @@ class Skin(Surface):
             for k in range(3 if triangle else 4):
                 fixed[q::g, k] = linear(triangle, k, float(at[q, 0]), float(at[q, 1]))
             tangents = W[0, MOST_NODES:].reshape(MOST_NODES, 2, 1) * patches.tangents
-            found.levers[q::g] = tangents.sum(axis=2)
+            found.arms[q::g] = tangents.sum(axis=2)
             across = np.cross(W[1] @ patches.nets, W[2] @ patches.nets)
             areas[:, q] = parts[q] * np.linalg.norm(across, axis=1)
         used = patches.nodes[:, :3] if triangle else patches.nodes
         found.nodes[:, : used.shape[1]] = np.repeat(used, g, axis=0)
         found.radii[:] = np.repeat(patches.radii, g)
         found.owners[:] = found.nodes[:, 0]
-        return found, found._replace(weights=fixed, levers=0.0 * found.levers), areas.ravel()
+        return found, found._replace(weights=fixed, arms=0.0 * found.arms), areas.ravel()
 
     def neighbours(self, patches: Patches) -> Indices:
-        """Pairs of patches that are no further along the sheet than it could be folded, (m, 2)."""
+        """Pairs of patches that are too close along the sheet to touch by folding, shape (m, 2)."""
         triangle = self.shell.mesh.cell == "triangle"
         corners = patches.corners[:, : 3 if triangle else 4]
         m, n = len(corners), len(self.shell.mesh.points)
@@ -180,7 +184,7 @@ class Skin(Surface):
 
 
 def _tangents(frames: Array, cells: Indices) -> Array:
-    """In frames of the corners, as long as arcs to the others, shape (m, 3 or 4, 2, 3)."""
+    """Tangents at corners in their frames, of the length of arcs, shape (m, 3 or 4, 2, 3)."""
     k = cells.shape[1]
     found = np.empty((len(cells), k, 2, 3))
     for i in range(k):
@@ -201,7 +205,7 @@ def _tangents(frames: Array, cells: Indices) -> Array:
 
 
 def _counts(corners: Indices, triangle: bool) -> tuple[Indices, Indices]:
-    """How many patches have each corner and each edge, both (m, 4)."""
+    """Number of patches that share each corner and each edge, both shape (m, 4)."""
     m, sides = len(corners), 3 if triangle else 4
     often = np.bincount(corners[corners >= 0])
     at_corners = np.where(corners >= 0, often[np.maximum(corners, 0)], 0)
@@ -214,7 +218,7 @@ def _counts(corners: Indices, triangle: bool) -> tuple[Indices, Indices]:
 
 
 def _within(x: Array, cells: Indices, reach: float) -> csr_array:
-    """Which points are no further from each other along edges and diagonals, (n, n)."""
+    """Pairs of nodes that are closer than ``reach`` along edges and diagonals, shape (n, n)."""
     n, k = len(x), cells.shape[1]
     pairs = np.concatenate([cells[:, [i, j]] for i in range(k) for j in range(i)])
     pairs = np.unique(np.sort(pairs, axis=1), axis=0)

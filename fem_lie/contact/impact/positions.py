@@ -1,4 +1,4 @@
-"""Places of bodies at the end of a step: moved by impulses, until nothing overlaps."""
+"""Positions of bodies at the end of a step: moved by impulses until nothing overlaps."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
 from fem_lie.contact.convex.features import gap_of
-from fem_lie.contact.impact.jacobian import along, push
+from fem_lie.contact.impact.jacobian import add_response, along
 from fem_lie.contact.impact.records import CLOSED, Masses, Touch, Work
-from fem_lie.contact.impact.rows import axis_of, set_push, set_rows
+from fem_lie.contact.impact.rows import axis_of, set_response, set_rows
 from fem_lie.contact.impact.sweeps import MOST_NEWTON
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import move
@@ -17,16 +17,16 @@ from fem_lie.lie.node_types import move
 _GROUP = int(Group.R3xSO3)
 
 _SLOW = 3
-"""Iterations after which sweeps over few contacts go on as those over many do: two planes that
-almost face each other part a ball by less than their angle squared in one sweep."""
+"""Iteration from which sweeps over few contacts are accelerated like those over many: two nearly
+parallel planes separate a ball by less than the square of their angle per sweep."""
 
 _EXACT = 1e-13
-"""Overlap that is left, as a part of a length, as in :data:`CLOSED`."""
+"""Remaining overlap relative to a length, as in :data:`CLOSED`."""
 
 
 @compiled
 def moved(H: Array, by: Array, part: float, out: Array) -> None:
-    """Frames moved by part of an increment (n, 6), from ``H`` to ``out``."""
+    """Frames ``out``: ``H`` moved by ``part`` times an increment (n, 6)."""
     d, frame = np.empty(6), np.empty((4, 3))
     for body in range(by.shape[0]):
         still = True
@@ -42,7 +42,7 @@ def moved(H: Array, by: Array, part: float, out: Array) -> None:
 
 @uncounted
 def aim(h: float, touch: Touch, w: Work, k: int, factor: float) -> float:
-    """Set impulses, times and targets; returns for which part of the step impulses act."""
+    """Set impulses and target gaps; return the mean fraction of the step in which impulses act."""
     problem, top, bottom = w.cones, 0.0, 0.0
     w.nu[:], w.target[:], w.impulses[:] = 0.0, 0.0, 0.0
     for i in range(k):
@@ -65,16 +65,16 @@ def aim(h: float, touch: Touch, w: Work, k: int, factor: float) -> float:
 
 @inlined_uncounted
 def _sweep(touch: Touch, w: Work, k: int) -> tuple[float, float]:
-    """One over all normal impulses: the largest change of a gap, and how far they go on."""
+    """Sweep over all normal impulses; largest change of a gap, and product with the last sweep."""
     worst, forward = 0.0, 0.0
     for i in range(k):
         c = w.near[i]
-        g = w.apart[c] + along(w.rows, i, w.moved, 0)
+        g = w.separation[c] + along(w.rows, i, w.moved, 0)
         new = max(0.0, w.nu[c] - g / w.own[i])
         if new != w.nu[c]:
             more = new - w.nu[c]
             worst = max(worst, abs(more) * w.own[i] / touch.closed[c])
-            push(w.pushes, i, 0, more, w.moved)
+            add_response(w.responses, i, 0, more, w.moved)
             w.nu[c] = new
             forward += more * (new - w.last[i])
     return worst, forward
@@ -82,10 +82,10 @@ def _sweep(touch: Touch, w: Work, k: int) -> tuple[float, float]:
 
 @inlined_uncounted
 def _go_on(w: Work, k: int, part: float) -> None:
-    """On by a part of what the last sweep did, as Nesterov's method does.
+    """Extrapolate by ``part`` times the change of the last sweep, as in Nesterov's method.
 
-    It begins anew where a sweep turns back (O'Donoghue & Candès, Found. Comput. Math. 15 (2015)
-    715).
+    The acceleration restarts when a sweep reverses direction (O'Donoghue & Candès, Found. Comput.
+    Math. 15 (2015) 715).
     """
     last, turned = w.last, w.turned
     for i in range(k):
@@ -100,7 +100,7 @@ def _go_on(w: Work, k: int, part: float) -> None:
 
 
 @uncounted
-def _part_places(
+def _separate(
     touch: Touch,
     masses: Masses,
     H: Array,
@@ -110,27 +110,27 @@ def _part_places(
     enough: float,
     ahead: bool,
 ) -> None:
-    """``0 ≤ ν ⊥ g − g* ≥ 0`` linearised, by sweeps until gaps change less; bodies are moved.
+    """Solve ``0 ≤ ν ⊥ g − g* ≥ 0``, linearised, by sweeps, and move the bodies.
 
     Args:
         touch: Pairs.
-        masses: Of the bodies.
+        masses: Masses of the bodies.
         H: Frames, updated.
-        w: Work.
+        w: Workspace.
         k: Number of contacts.
-        sweeps: At most.
-        enough: Change of a gap, over that which counts as closed, that is small.
-        ahead: Whether sweeps extrapolate, see :func:`_go_on`.
+        sweeps: Largest number of sweeps.
+        enough: Change of a gap, relative to that of a closed contact, at which sweeps end.
+        ahead: Whether sweeps are accelerated, see :func:`_go_on`.
     """
-    w.moved[:], rows, pushes = 0.0, w.rows, w.pushes
+    w.moved[:], rows, responses = 0.0, w.rows, w.responses
     for i in range(k):
         c = w.near[i]
         rows.first[i + 1] = rows.first[i] + set_rows(H, touch, c, 0, rows, rows.first[i])
         w.own[i] = 0.0
         for block in range(rows.first[i], rows.first[i + 1]):
-            set_push(masses, rows.nodes[block], rows.values[block], pushes.values[block])
+            set_response(masses, rows.nodes[block], rows.values[block], responses.values[block])
             for j in range(6):
-                w.own[i] += rows.values[block, 0, j] * pushes.values[block, 0, j]
+                w.own[i] += rows.values[block, 0, j] * responses.values[block, 0, j]
     weight = 1.0
     if ahead:
         _go_on(w, k, 0.0)
@@ -147,17 +147,18 @@ def _part_places(
 
 
 @uncounted
-def settle_places(
+def resolve_positions(
     touch: Touch, masses: Masses, H: Array, w: Work, limits: tuple[int, int, bool]
 ) -> bool:
-    """Move bodies until nothing overlaps; whether a contact has joined, and it ended with that.
+    """Move bodies until nothing overlaps; whether it ended early because a contact became active.
 
     Args:
         touch: Pairs.
-        masses: Of the bodies.
+        masses: Masses of the bodies.
         H: Frames, updated.
-        w: Work.
-        limits: Iterations, sweeps in one, and whether to end where a contact joins.
+        w: Workspace.
+        limits: Largest number of iterations, of sweeps in each, and whether to end when a contact
+            becomes active.
     """
     many = w.many[0] > MOST_NEWTON
     for iteration in range(limits[0]):
@@ -170,9 +171,11 @@ def settle_places(
             if g < 0.0 or w.nu[c] > 0.0 or (many and w.joined[c]):
                 if not w.joined[c]:
                     w.joined[c] = grew = True
-                    if w.gaps[c] > touch.closed[c]:  # else rows of the start have their tangents
+                    if (
+                        w.gaps[c] > touch.closed[c]
+                    ):  # otherwise the axis of the rows at the start is kept
                         w.axis[c] = axis_of(H, touch, c)
-                w.near[k], w.apart[c] = c, g
+                w.near[k], w.separation[c] = c, g
                 k += 1
                 worst = max(worst, (-g if w.nu[c] == 0.0 else abs(g)) / touch.closed[c])
         if grew and limits[2]:
@@ -181,13 +184,13 @@ def settle_places(
             return False
         enough = 0.1 * max(_EXACT, (CLOSED * worst) ** 2 if many else 0.0) / CLOSED
         ahead = k > MOST_NEWTON or iteration >= _SLOW
-        _part_places(touch, masses, H, w, k, limits[1], enough, ahead)
+        _separate(touch, masses, H, w, k, limits[1], enough, ahead)
     return False
 
 
 @uncounted
 def deepest(touch: Touch, w: Work) -> int:
-    """The pair that overlaps most at the end of a step, beyond what counts as closed; or −1."""
+    """The pair with the largest overlap at the end of a step, beyond a closed contact's; or −1."""
     found, worst = -1, 1.0
     for c in range(touch.pairs.shape[0]):
         if -w.gaps[c] > worst * touch.closed[c]:

@@ -105,8 +105,8 @@ def bent(turn: float, cells: int = 24) -> fl.Shell:
 
 def test_a_sheet_that_comes_round_touches_itself_and_else_does_not():
     for turn, touches in ((0.6, False), (1.3, True)):
-        skin = fl.Skin(bent(turn), 0.61 * THICK)
-        H, out = forces_of(fl.Contact(skin, skin, fl.Penalty(K)))
+        surface = fl.Skin(bent(turn), 0.61 * THICK)
+        H, out = forces_of(fl.Contact(surface, surface, fl.Penalty(K)))
         F, M = resultants(H, out)
         size = np.abs(F).sum()
         assert (size > 0.0) == touches
@@ -118,8 +118,8 @@ def test_a_bilinear_skin_turns_no_node():
     """A ball on a cell whose corners are in no plane: forces alone, through its places."""
     shell = arch(3)
     ball = fl.RigidBody(1.0, np.eye(3), (0.03, 0.02, 1.1))
-    skin = fl.Skin(shell, smooth=False)
-    H, out = forces_of(fl.Contact(fl.Sphere(ball.point("centre"), 0.1), skin, fl.Penalty(K)))
+    surface = fl.Skin(shell, smooth=False)
+    H, out = forces_of(fl.Contact(fl.Sphere(ball.point("centre"), 0.1), surface, fl.Penalty(K)))
     F, M = resultants(H, out)
     size = np.abs(F).max()
     assert size > 0.0
@@ -132,8 +132,8 @@ def test_a_bilinear_skin_turns_no_node():
 def test_a_ball_beside_a_straight_edge_is_pushed_off_its_foot(cell):
     shell = plate(0, (1, 1), cell=cell)
     ball = fl.RigidBody(1.0, np.eye(3), (1.1, 0.3, 0))
-    skin = fl.Skin(shell, smooth=False)
-    H, out = forces_of(fl.Contact(fl.Sphere(ball.point("centre"), 0.1), skin, fl.Penalty(K)))
+    surface = fl.Skin(shell, smooth=False)
+    H, out = forces_of(fl.Contact(fl.Sphere(ball.point("centre"), 0.1), surface, fl.Penalty(K)))
     F, M = resultants(H, out)
     wanted = K * 0.5 * THICK
     np.testing.assert_allclose(F[0], [-wanted, 0, 0], atol=1e-9 * wanted)
@@ -141,11 +141,11 @@ def test_a_ball_beside_a_straight_edge_is_pushed_off_its_foot(cell):
     np.testing.assert_allclose(M.sum(axis=0), 0, atol=1e-9 * wanted)
 
 
-def test_what_skins_refuse():
+def test_what_shell_surfaces_refuse():
     one, two = plate(0, (2, 2)), plate(THICK, (2, 2))
     ball = fl.RigidBody(1.0, np.eye(3), (0.5, 0.5, 1))
     beam = fl.Beam.straight((0, 0, 1), (1, 0, 1), fl.Section.circle(0.01, MATERIAL), cells=2)
-    law, skin = fl.Penalty(K), fl.Skin(one)
+    law, surface = fl.Penalty(K), fl.Skin(one)
     with pytest.raises(TypeError, match="Skin: shell must be a Shell"):
         fl.Skin(beam)
     with pytest.raises(ValueError, match="Skin: thickness must be a positive"):
@@ -155,22 +155,22 @@ def test_what_skins_refuse():
     with pytest.raises(TypeError, match="Skin: smooth"):
         fl.Skin(one, smooth=1)
     for a, b, how, message in (
-        (skin, fl.Skin(two), fl.Impact(), "touch by Penalty, not by Impact"),
-        (skin, fl.Line(beam, 0.01), law, "touch skins, balls and planes, not lines"),
-        (skin, fl.Skin(one), law, "touches itself by one skin, given twice"),
+        (surface, fl.Skin(two), fl.Impact(), "touch by Penalty, not by Impact"),
+        (surface, fl.Line(beam, 0.01), law, "touch shells, balls and planes, not lines"),
+        (surface, fl.Skin(one), law, "touches itself by one surface, given twice"),
         (
-            skin,
+            surface,
             fl.Box(ball.point("centre"), (0.1, 0.1, 0.1)),
             law,
-            "corners of a box do not touch skins",
+            "corners of a box do not touch shells",
         ),
         (
-            skin,
+            surface,
             fl.Sphere(ball.point("centre"), 3.0, hollow=True),
             law,
-            "do not touch what is around",
+            "do not touch hollow spheres",
         ),
-        (skin, fl.Skin(two, 1.2 * THICK), law, "they overlap by 0.005"),
+        (surface, fl.Skin(two, 1.2 * THICK), law, "they overlap by 0.005"),
     ):
         with pytest.raises(ValueError, match=message):
             fl.Contact(a, b, how).check()
