@@ -517,7 +517,7 @@ def test_supports_of_a_node_that_follows_are_those_of_its_master():
     hinged.hinge("a=0")
     aside = fl.Beam.straight((0, 0, 1), (0, 0, 2), BAR, cells=1)
     scene = scene_with(aside, hinged, fl.RigidLink(aside.point("start"), hinged.point("00")))
-    with pytest.raises(ValueError, match="supports and follows another node by a rigid link"):
+    with pytest.raises(ValueError, match="supports and is attached by a rigid link"):
         System(scene, dynamics=False)
 
 

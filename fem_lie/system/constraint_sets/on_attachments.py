@@ -1,9 +1,9 @@
-"""Constraints of any sort on attachment frames.
+"""Constraints of any type on attachment frames.
 
-The rows of such a set are the nodes that its items act on directly, then one row for each
-attachment, and then the frames that are prescribed. Frames and twists of attachments are those of
-:mod:`fem_lie.attachments`; forces on the six components of an attachment are pulled back to its
-nodes by the Jacobian. What averaging attachments add to the matrix is made of their mean
+The rows of such a set are the nodes on which its items act directly, then one row per attachment,
+then rows that do not move by themselves. Frames and twists of attachments are those of
+:mod:`fem_lie.attachments`; forces on the six components of an attachment are transformed to its
+nodes by the transpose of its Jacobian. Averaging attachments contribute to the matrix by their mean
 coordinates, see :mod:`.averages`.
 """
 
@@ -32,16 +32,16 @@ from fem_lie.system.nodes.held_attachments import HeldAttachments
 
 
 class AttachmentRows:
-    """See :class:`~.rows.Rows`.
+    """Rows of a set on attachments.
 
     Attributes:
         attachments: The attachments.
-        moving: Rows of the system that move and are held directly, shape (k,).
-        fixed: Those that do not move by themselves, shape (f,).
+        moving: Moving rows of the system on which items act directly, shape (k,).
+        fixed: Rows of the system that do not move by themselves, shape (f,).
     """
 
     def __init__(self, items: Sequence[Numbered], rows: SystemRows) -> None:
-        """Collect what the items hold on to."""
+        """Collect the points of the items."""
         points = [point for item in items for point in item.item.points]
         self.attachments = HeldAttachments(
             [p for p in points if p.joint_attachment is not None], rows.numbering
@@ -63,13 +63,13 @@ class AttachmentRows:
         return np.concatenate([H[self.moving], attachments, H[self.fixed]])
 
     def of(self, point: Point) -> int:
-        """See :class:`~.rows.Rows`."""
+        """Row of a point."""
         if point.joint_attachment is not None:
             return len(self.moving) + self.attachments.number(point)
         return int(self._here(np.array(self._rows.of(point))))
 
     def ends(self, beam: Beam) -> tuple[Indices, Array]:
-        """See :class:`~.rows.Rows`."""
+        """Rows of both ends of a beam's elements (e, 2), and end frames in them, (e, 2, 4, 3)."""
         ends, offsets = self._rows.ends(beam)
         return self._here(ends), offsets
 
@@ -85,23 +85,23 @@ def on_attachments(item: Numbered) -> bool:
 
 
 class OnAttachments(ConstraintSet):
-    """A set of another sort, on attachments.
+    """A set of another type, on attachments.
 
     Attributes:
-        inner: That set.
-        rows: What it is on.
+        inner: The set of the other type.
+        rows: Rows of that set.
     """
 
     def __init__(
         self, kind: type[ConstraintSet], items: Sequence[Numbered], rows: SystemRows, start: Start
     ) -> None:
-        """Make the other set on rows of its own.
+        """Build the inner set on rows of its own.
 
         Args:
-            kind: Of the other set.
-            items: Those that hold on to attachments.
-            rows: Of the system.
-            start: See the base class.
+            kind: Type of the inner set.
+            items: Items that act on attachments.
+            rows: Rows of the system.
+            start: Numbers of the first constraint and incidence.
         """
         self.start, self.rows = start, AttachmentRows(items, rows)
         self._system_count, self._attachments = rows.count, self.rows.attachments
@@ -113,7 +113,7 @@ class OnAttachments(ConstraintSet):
         self.of_velocities = kind.of_velocities
         k, g = len(self.rows.moving), self._attachments.count
         self._by_itself = np.tile(np.eye(6), (k, 1, 1))
-        # each row of the set is moved by entries: itself, or the nodes of its attachment
+        # entries move each row of the set: the row itself, or the nodes of its attachment
         self._of = np.concatenate([np.arange(k), k + self._attachments.of])
         self._nodes = np.concatenate([self.rows.moving, self._attachments.nodes])
         self._entries = np.split(
@@ -123,7 +123,7 @@ class OnAttachments(ConstraintSet):
         self._pair()
 
     def _connect(self) -> None:
-        """The border of the system, and which legs of the set go to which of its legs."""
+        """Incidences with nodes of the system, and their relation to those of the inner set."""
         inner, nodes = self.inner.incidences, self._nodes
         entries_of = [self._entries[row] for row in inner.nodes]
         touched: list[set[int]] = [set() for _ in range(self.m)]
@@ -138,7 +138,7 @@ class OnAttachments(ConstraintSet):
         )
 
     def _pair(self) -> None:
-        """Pairs of nodes: of each pair of rows, within attachments, of averaging attachments."""
+        """Node pairs between entries of coupled rows, within attachments, and of averaging ones."""
         rows, columns = self.inner.pairs
         moves = (rows < self.rows.count) & (columns < self.rows.count)
         self._inner_place = np.where(moves, np.cumsum(moves).reshape(moves.shape) - 1, -1)
@@ -167,33 +167,33 @@ class OnAttachments(ConstraintSet):
 
     @property
     def means(self) -> Means | None:
-        """See the base class."""
+        """Mean coordinates of averaging attachments, which couple the last of :attr:`pairs`."""
         return self._averaged.means
 
     @property
     def sparse(self) -> tuple[Indices, Indices]:
-        """See the base class."""
+        """:attr:`pairs` without those of :attr:`means`; :meth:`geometric` takes either."""
         return self._sparse
 
     @property
     def bound(self) -> Indices:
-        """Those that it does not hold by attachments."""
+        """Rows on which it acts directly."""
         return self.rows.moving
 
     @property
     def empty(self) -> bool:
-        """See the base class."""
+        """Whether it has no constraint, spring or coordinate."""
         return self.inner.empty
 
     # --- between both sorts of rows ---
 
     def _seen(self, H: Array) -> tuple[Array, Array]:
-        """Frames of its own rows, and how each entry moves its row, (e, 6, 6)."""
+        """Frames of the inner rows, and the Jacobian of each row in each entry, (e, 6, 6)."""
         frames, J = self._attachments.locate(H)
         return self.rows.seen(H, frames), np.concatenate([self._by_itself, J])
 
     def _twists(self, J: Array, v: Array) -> Array:
-        """Of its own rows."""
+        """Twists of the inner rows."""
         rows = self.rows
         found = np.zeros((rows.count + len(rows.fixed), 6))
         np.add.at(found, self._of, np.einsum("eij,ej->ei", J, v[self._nodes]))
@@ -202,27 +202,27 @@ class OnAttachments(ConstraintSet):
         return found
 
     def _give(self, J: Array, forces: Array, count: int, r: Array) -> None:
-        """Forces on its own rows to those of the system, of which ``count`` have any."""
+        """Add forces on inner rows to those of the system, of which ``count`` have forces."""
         rows, target = self.rows, r[: 6 * count].reshape(-1, 6)
         np.add.at(target, self._nodes, np.einsum("eij,ei->ej", J, forces[self._of]))
         given = rows.fixed < count
         target[rows.fixed[given]] += forces[rows.count :][given]
 
     def _forces(self, H: Array, v: Array, multipliers: Array, scale: Array) -> tuple[Array, Array]:
-        """Of the inner set: forces on its rows, and its constraints."""
+        """Forces on the inner rows, and violations of the inner set."""
         r = np.zeros(6 * len(H) + self.m)
         self.inner.evaluate(H, v, multipliers, scale, len(H), r)
         return r[: 6 * len(H)].reshape(-1, 6), r[6 * len(H) :]
 
     def _add_pulled(self, J: Array, blocks: Array, place: Indices, K: Array) -> None:
-        """Blocks of pairs of its rows, pulled back to pairs of nodes that are not averaged."""
+        """Add blocks of pairs of inner rows, transformed to node pairs, without averaged ones."""
         pulled = J[self._left].transpose(0, 2, 1) @ blocks[self._block] @ J[self._right]
         add_at(K, place[: len(pulled)], pulled)
 
     def _add_averaged(
         self, H: Array, blocks: Array, forces: Array, place: Indices, K: Array
     ) -> None:
-        """What averaging attachments add to the last pairs, if these have places."""
+        """Add contributions of averaging attachments to the last pairs, if they are in ``place``."""
         own = place[len(self._sparse[0]) :]
         if len(own):
             self._averaged.add(H, self._averaged.core(H, blocks, forces), own, K)
@@ -232,7 +232,7 @@ class OnAttachments(ConstraintSet):
     def evaluate(
         self, H: Array, v: Array, multipliers: Array, scale: Array, count: int, r: Array
     ) -> None:
-        """See the base class."""
+        """Add constraint forces ``Bᵀλ`` and spring forces to ``r``; set its rows ``scale · Φ``."""
         frames, J = self._seen(H)
         given = multipliers[self.own], scale[self.own]
         forces, values = self._forces(frames, self._twists(J, v), *given)
@@ -240,14 +240,14 @@ class OnAttachments(ConstraintSet):
         r[6 * count :][self.own] = values
 
     def values(self, H: Array, v: Array, out: Array) -> None:
-        """See the base class."""
+        """Set the violations ``Φ`` or ``W V`` in its rows of ``out``."""
         frames, J = self._seen(H)
         found = np.zeros(self.m)
         self.inner.values(frames, self._twists(J, v), found)
         out[self.own] = found
 
     def jacobian(self, H: Array, rows: Array) -> None:
-        """See the base class."""
+        """Add ``∂Φ/∂h``, one row of six per incidence, to the constraint Jacobian ``rows``."""
         frames, J = self._seen(H)
         own = np.zeros((len(self.inner.incidences.nodes), 6))
         self.inner.jacobian(frames, own)
@@ -255,7 +255,7 @@ class OnAttachments(ConstraintSet):
         np.add.at(rows, self._to_incidence, moved)
 
     def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
-        """That of the set, and that of the attachments under its forces."""
+        """Add the geometric stiffness of inner set, and that of attachments under its forces."""
         _, J = self._seen(H)
         blocks, forces = self._bent(H, multipliers)
         self._add_pulled(J, blocks, place, K)
@@ -264,7 +264,7 @@ class OnAttachments(ConstraintSet):
         self._add_averaged(H, blocks, forces, place, K)
 
     def _bent(self, H: Array, multipliers: Array) -> tuple[Array, Array]:
-        """Geometric stiffness of the set between its rows, and its forces on attachments."""
+        """Geometric stiffness of the inner set between its rows, and its forces on attachments."""
         frames, _ = self._seen(H)
         blocks, own = np.zeros((self._blocks, 6, 6)), multipliers[self.own]
         self.inner.geometric(frames, own, self._inner_place, blocks)
@@ -272,11 +272,11 @@ class OnAttachments(ConstraintSet):
         return blocks, forces[len(self.rows.moving) : self.rows.count]
 
     def mean_stiffness(self, H: Array, multipliers: Array) -> tuple[Array, Array]:
-        """See the base class."""
+        """``S`` (e, r, 6) and the core ``C`` (w, r, w, r) of the geometric stiffness ``Sᵀ C S``."""
         return self._attachments.spread(H), self._averaged.core(H, *self._bent(H, multipliers))
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
-        """Twists of attachments change while those of nodes are constant."""
+        """Set rates, with the changes of twists of attachments at constant twists of nodes."""
         frames, J = self._seen(H)
         found, (by_change, unused) = np.zeros((2, self.m)), np.zeros((2, self.m))
         self.inner.rates(frames, self._twists(J, v), *found)
@@ -286,18 +286,18 @@ class OnAttachments(ConstraintSet):
         first[self.own], second[self.own] = found[0], found[1] + by_change
 
     def initial(self, H: Array) -> Array:
-        """See the base class."""
+        """Targets that keep initial values, shape (m,); zero for all other constraints."""
         return self.inner.initial(self._seen(H)[0])
 
     # --- springs and dampers ---
 
     @property
     def springs(self) -> Array:
-        """See the base class."""
+        """Stiffness, damping and rest value of each spring, shape (k, 3)."""
         return self.inner.springs
 
     def stiffen(self, H: Array, place: Indices, stiff: float, damp: float, K: Array) -> None:
-        """See the base class."""
+        """Add ``(stiff k + damp c) bᵀb`` of springs and dampers to blocks, as :meth:`geometric`."""
         frames, J = self._seen(H)
         blocks = np.zeros((self._blocks, 6, 6))
         self.inner.stiffen(frames, self._inner_place, stiff, damp, blocks)
@@ -305,72 +305,72 @@ class OnAttachments(ConstraintSet):
         self._add_averaged(H, blocks, np.zeros((self._attachments.count, 6)), place, K)
 
     def stretch_springs(self, H: Array, h: Array) -> None:
-        """See the base class."""
+        """Change rest values of springs by the changes of coordinates along ``h`` (n, 6)."""
         frames, J = self._seen(H)
         self.inner.stretch_springs(frames, self._twists(J, h))
 
     def spring_energy(self, H: Array) -> float:
-        """See the base class."""
+        """Energy of all springs."""
         return self.inner.spring_energy(self._seen(H)[0])
 
     def damper_loss(self, H: Array, v: Array) -> float:
-        """See the base class."""
+        """Power dissipated by dampers."""
         frames, J = self._seen(H)
         return self.inner.damper_loss(frames, self._twists(J, v))
 
     # --- rotations within a step ---
 
     def follow(self, H: Array, h: Array) -> None:
-        """See the base class."""
+        """Move reference angles along the increment ``h`` (n, 6) of nodes, made from ``H``."""
         frames, J = self._seen(H)
         self.inner.follow(frames, self._twists(J, h))
 
     def mark(self) -> None:
-        """See the base class."""
+        """Take the reference angles as those of the accepted state."""
         self.inner.mark()
 
     def check_branch(self, H: Array) -> None:
-        """See the base class."""
+        """Refuse a state in which an angle or axis may be on a wrong branch."""
         self.inner.check_branch(self._seen(H)[0])
 
     @property
     def preloaded(self) -> bool:
-        """See the base class."""
+        """Whether there are springs with a prescribed rest value."""
         return self.inner.preloaded
 
     def preload(self, H: Array, part: float) -> None:
-        """See the base class."""
+        """Apply a fraction of the preload of springs with a prescribed rest value."""
         self.inner.preload(self._seen(H)[0], part)
 
     # --- memory ---
 
     def accept(self, H: Array) -> None:
-        """See the base class."""
+        """Update history variables that frames do not determine, at an accepted state."""
         self.inner.accept(self._seen(H)[0])
 
     @property
     def memory(self) -> tuple[Array, ...]:
-        """See the base class."""
+        """History variables that :meth:`accept` updates; arrays that may be written."""
         return self.inner.memory
 
     @property
     def memory_keys(self) -> tuple[list[MemoryKey], ...]:
-        """See the base class."""
+        """Joint and coordinate of each entry of :attr:`memory`, independent of other items."""
         return self.inner.memory_keys
 
     # --- results ---
 
     def wrenches(self, H: Array, v: Array, multipliers: Array, out: Array) -> None:
-        """See the base class."""
+        """Add force and moment on side A of each item, in its axes there, to the rows of items."""
         frames, J = self._seen(H)
         self.inner.wrenches(frames, self._twists(J, v), multipliers[self.own], out)
 
     def coordinates(self, H: Array, out: Array) -> None:
-        """See the base class."""
+        """Set the coordinates of its items in ``out``, shape (c,)."""
         self.inner.coordinates(self._seen(H)[0], out)
 
     def drawn(self) -> dict[int, tuple[int, Array]]:
-        """On an attachment: at its nearest node, where it was from it at the start."""
+        """Positions of items; on an attachment relative to its nearest node at the start."""
         rows, found = self.rows, {}
         for item, (row, place) in self.inner.drawn().items():
             if row >= rows.count:
@@ -384,5 +384,5 @@ class OnAttachments(ConstraintSet):
 
     @property
     def outward(self) -> bool:
-        """See the base class."""
+        """Whether there are dampers, or connections to ground or prescribed motions."""
         return self.inner.outward

@@ -193,38 +193,38 @@ class RelativeMotions(ConstraintSet):
 
     @property
     def empty(self) -> bool:
-        """See the base class."""
+        """Whether it has no constraint, spring or coordinate."""
         return len(self.table.nodes) == 0 and len(self.probes.nodes) == 0
 
     def evaluate(
         self, H: Array, v: Array, multipliers: Array, scale: Array, count: int, r: Array
     ) -> None:
-        """See the base class."""
+        """Add constraint forces ``Bᵀλ`` and spring forces to ``r``; set its rows ``scale · Φ``."""
         if self._ties:
             terms.evaluate(H, v, self.table, multipliers, scale, count, r)
 
     def values(self, H: Array, v: Array, out: Array) -> None:
-        """See the base class."""
+        """Set the violations ``Φ`` or ``W V`` in its rows of ``out``."""
         if self._ties:
             terms.violations(H, self.table, out)
 
     def jacobian(self, H: Array, rows: Array) -> None:
-        """See the base class."""
+        """Add ``∂Φ/∂h``, one row of six per incidence, to the constraint Jacobian ``rows``."""
         if self._ties:
             terms.jacobian(H, self.table, rows)
 
     def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
-        """See the base class."""
+        """Add ``∂(Bᵀλ)/∂h`` to blocks ``K``, at ``place`` of each of ``pairs``, −1: none."""
         if self._ties:
             terms.geometric(H, self.table, multipliers, place, K)
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
-        """See the base class."""
+        """Set first and second rates at constant twists and targets; of ``W V``: value and rate."""
         if self._ties:
             terms.rates(H, v, self.table, first, second)
 
     def initial(self, H: Array) -> Array:
-        """See the base class."""
+        """Targets that keep initial values, shape (m,); zero for all other constraints."""
         values = np.zeros(self.m)
         if self._ties:
             terms.violations(H, self.table, values)
@@ -232,58 +232,58 @@ class RelativeMotions(ConstraintSet):
 
     @property
     def springs(self) -> Array:
-        """See the base class."""
+        """Stiffness, damping and rest value of each spring, shape (k, 3)."""
         return self.table.springs
 
     @property
     def sprung(self) -> Flags:
-        """See the base class."""
+        """Whether springs couple each of :attr:`pairs`; of the same shape."""
         term = np.flatnonzero(self.table.rows >= self.m)
         found = np.zeros(self.pairs[0].shape, dtype=bool)
         found[np.searchsorted(self.table.first, term, side="right") - 1] = True
         return found
 
     def stiffen(self, H: Array, place: Indices, stiff: float, damp: float, K: Array) -> None:
-        """See the base class."""
+        """Add ``(stiff k + damp c) bᵀb`` of springs and dampers to blocks, as :meth:`geometric`."""
         if len(self.table.springs):
             terms.add_springs(H, self.table, place, stiff, damp, K)
 
     def stretch_springs(self, H: Array, h: Array) -> None:
-        """See the base class."""
+        """Change rest values of springs by the changes of coordinates along ``h`` (n, 6)."""
         if len(self.table.springs):
             changes = np.zeros(len(self._rest))
             spring_changes(H, h, self.table, changes)
             self.table.springs[:, 2] = self._rest - changes
 
     def spring_energy(self, H: Array) -> float:
-        """See the base class."""
+        """Energy of all springs."""
         return terms.spring_energy(H, self.table) if len(self.table.springs) else 0.0
 
     def damper_loss(self, H: Array, v: Array) -> float:
-        """See the base class."""
+        """Power dissipated by dampers."""
         return terms.damper_loss(H, v, self.table) if len(self.table.springs) else 0.0
 
     def follow(self, H: Array, h: Array) -> None:
-        """See the base class."""
+        """Move reference angles along the increment ``h`` (n, 6) of nodes, made from ``H``."""
         if self.turns:
             self._branches.follow(H, h)
 
     def mark(self) -> None:
-        """See the base class."""
+        """Take the reference angles as those of the accepted state."""
         self._branches.mark()
 
     def check_branch(self, H: Array) -> None:
-        """See the base class."""
+        """Refuse a state in which an angle or axis may be on a wrong branch."""
         if self._ties:
             self._branches.check(H)
 
     @property
     def preloaded(self) -> bool:
-        """See the base class."""
+        """Whether there are springs with a prescribed rest value."""
         return bool(self._preloaded.any())
 
     def preload(self, H: Array, part: float) -> None:
-        """See the base class."""
+        """Apply a fraction of the preload of springs with a prescribed rest value."""
         springs = self.table.springs
         if not len(self._start):
             # later the initial frames do not determine full turns
@@ -293,23 +293,23 @@ class RelativeMotions(ConstraintSet):
         springs[:, 2] = np.where(self._preloaded, now, self._rest)
 
     def accept(self, H: Array) -> None:
-        """See the base class."""
+        """Update history variables that frames do not determine, at an accepted state."""
         if self.turns:
             terms.unwrap_both(H, self.packed, self.packed_probes)
             self._branches.mark()
 
     @property
     def memory(self) -> tuple[Array, ...]:
-        """See the base class."""
+        """History variables that :meth:`accept` updates; arrays that may be written."""
         return self.table.turned, self.probes.turned
 
     @property
     def memory_keys(self) -> tuple[list[MemoryKey], ...]:
-        """See the base class."""
+        """Joint and coordinate of each entry of :attr:`memory`, independent of other items."""
         return self._keys
 
     def wrenches(self, H: Array, v: Array, multipliers: Array, out: Array) -> None:
-        """See the base class."""
+        """Add force and moment on side A of each item, in its axes there, to the rows of items."""
         if not self._ties:
             return
         found: Array = np.empty((len(self.tied), 6))
@@ -317,7 +317,7 @@ class RelativeMotions(ConstraintSet):
         out[self.tied] += found
 
     def coordinates(self, H: Array, out: Array) -> None:
-        """See the base class."""
+        """Set the coordinates of its items in ``out``, shape (c,)."""
         if not len(self._place):
             return
         found: Array = np.empty(len(self.probes.targets))
@@ -333,7 +333,7 @@ class RelativeMotions(ConstraintSet):
 
     @property
     def outward(self) -> bool:
-        """See the base class."""
+        """Whether there are dampers, or connections to ground or prescribed motions."""
         table = self.table
         return bool((table.nodes >= self._count).any() or table.springs[:, 1].any())
 

@@ -60,32 +60,32 @@ class Rolls(ConstraintSet):
 
     @property
     def empty(self) -> bool:
-        """See the base class."""
+        """Whether it has no constraint, spring or coordinate."""
         return self.m == 0
 
     def evaluate(
         self, H: Array, v: Array, multipliers: Array, scale: Array, count: int, r: Array
     ) -> None:
-        """See the base class."""
+        """Add constraint forces ``Bᵀλ`` and spring forces to ``r``; set its rows ``scale · Φ``."""
         rolling.evaluate(H, v, self.table, multipliers, scale, count, r)
 
     def values(self, H: Array, v: Array, out: Array) -> None:
-        """See the base class."""
+        """Set the slip velocities ``W V`` in its rows of ``out``."""
         rolling.rates(H, v, self.table, out, np.empty_like(out))
 
     def jacobian(self, H: Array, rows: Array) -> None:
-        """See the base class."""
+        """Add ``W``, one row of six per incidence, to the constraint Jacobian ``rows``."""
         rolling.jacobian(H, self.table, rows)
 
     def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
         """Add nothing: the geometric stiffness of velocity constraints is left out."""
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
-        """See the base class."""
+        """Set ``W V`` and its rate at constant twists in its rows."""
         rolling.rates(H, v, self.table, first, second)
 
     def wrenches(self, H: Array, v: Array, multipliers: Array, out: Array) -> None:
-        """See the base class."""
+        """Add force and moment on side A of each item, in its axes there, to the rows of items."""
         rolling.wrenches(H, self.table, multipliers, self._items, out)
 
     def drawn(self) -> dict[int, tuple[int, Array]]:
@@ -100,7 +100,7 @@ class Rolls(ConstraintSet):
 
     @property
     def outward(self) -> bool:
-        """See the base class."""
+        """Whether there are dampers, or connections to ground or prescribed motions."""
         return bool((self.table.nodes >= self._count).any())
 
 

@@ -61,25 +61,25 @@ class Slides(ConstraintSet):
 
     @property
     def empty(self) -> bool:
-        """See the base class."""
+        """Whether it has no constraint, spring or coordinate."""
         return len(self.table.nodes) == 0
 
     def evaluate(
         self, H: Array, v: Array, multipliers: Array, scale: Array, count: int, r: Array
     ) -> None:
-        """See the base class."""
+        """Add constraint forces ``Bᵀλ`` and spring forces to ``r``; set its rows ``scale · Φ``."""
         sliding.evaluate(H, self.table, multipliers, scale, count, r)
 
     def values(self, H: Array, v: Array, out: Array) -> None:
-        """See the base class."""
+        """Set the violations ``Φ`` or ``W V`` in its rows of ``out``."""
         sliding.state(H, self.table, np.empty(len(self._items)), out)
 
     def jacobian(self, H: Array, rows: Array) -> None:
-        """See the base class."""
+        """Add ``∂Φ/∂h``, one row of six per incidence, to the constraint Jacobian ``rows``."""
         sliding.jacobian(H, self.table, rows)
 
     def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
-        """See the base class."""
+        """Add ``∂(Bᵀλ)/∂h`` to blocks ``K``, at ``place`` of each of ``pairs``, −1: none."""
         sliding.geometric(H, self.table, multipliers, place, K)
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
@@ -101,7 +101,7 @@ class Slides(ConstraintSet):
                 second[own] += rate / (2.0 * ahead)
 
     def accept(self, H: Array) -> None:
-        """See the base class."""
+        """Update history variables that frames do not determine, at an accepted state."""
         table, last = self.table, self.table.elements[1:] - 1
         sliding.state(H, table, table.arclength, np.zeros(self.own.stop))
         ends = table.starts[last] + table.lengths[last]
@@ -115,20 +115,20 @@ class Slides(ConstraintSet):
 
     @property
     def memory(self) -> tuple[Array, ...]:
-        """See the base class."""
+        """History variables that :meth:`accept` updates; arrays that may be written."""
         return (self.table.arclength,)
 
     @property
     def memory_keys(self) -> tuple[list[MemoryKey], ...]:
-        """See the base class."""
+        """Joint and coordinate of each entry of :attr:`memory`, independent of other items."""
         return ([(label, "arclength") for label in self._labels],)
 
     def wrenches(self, H: Array, v: Array, multipliers: Array, out: Array) -> None:
-        """See the base class."""
+        """Add force and moment on side A of each item, in its axes there, to the rows of items."""
         sliding.wrenches(H, self.table, multipliers, self._items, out)
 
     def coordinates(self, H: Array, out: Array) -> None:
-        """See the base class."""
+        """Set the coordinates of its items in ``out``, shape (c,)."""
         places = np.empty(len(self._items))
         sliding.state(H, self.table, places, np.zeros(self.own.stop))
         out[self._place] = places
@@ -140,7 +140,7 @@ class Slides(ConstraintSet):
 
     @property
     def outward(self) -> bool:
-        """See the base class."""
+        """Whether there are dampers, or connections to ground or prescribed motions."""
         return bool((self.table.nodes >= self._count).any())
 
 

@@ -1,20 +1,17 @@
-"""Convected axes of nodes: by the motion of what is around them, or of the mid-surface.
+"""Convected axes of nodes, which follow their neighbourhood or the mid-surface.
 
-Nothing depends on the axes of a place but the components in which its equations are written. If
-they turn as its neighbourhood does, forces and matrices do not see a rigid motion. The mean
-deformation around node i is ``F_i = Σ_k x_k ⊗ b_ik`` with constants that the elements give; the
-axes are those of the start turned by its rotation, by polar decomposition. What is written in the
-old axes, velocities and their rates, is written in the new ones.
+The axes of a position node only define the components of its equations. If they rotate with the
+neighbourhood, forces and matrices are invariant under rigid motion. The mean deformation around
+node i is ``F_i = Σ_k x_k ⊗ b_ik`` with constants from the elements; the axes are the initial ones
+rotated by its rotation, from the polar decomposition. Velocities and their rates are transformed
+from the old axes to the new ones. Bodies whose nodal coordinates determine the axes define a
+:data:`~fem_lie.bodies.nodes.Follower` for them.
 
-Bodies whose nodes' rows say themselves where the axes are have a
-:data:`~fem_lie.bodies.nodes.Follower` for it.
-
-Drilling carried along: frames of five-parameter shells that turn as the mid-surface does.
-
-Nothing in such a shell depends on how a frame has turned about its director; a frame that follows
-the rigid motion leaves the matrix as it was in local axes. With ``F = d_γ·x,β`` in the axes that
-the node's frame had in the unloaded state, the frame lags behind the polar rotation of the
-mid-surface by ``ψ = atan2(F₂₁ − F₁₂, F₁₁ + F₂₂)``. Of the cells at a node F is the sum.
+Convected drilling: frames of five-parameter shells that rotate with the mid-surface. The rotation
+of a frame about its director has no effect in such a shell; a frame that follows the rigid motion
+leaves the matrix constant in local axes. With ``F = d_γ·x,β`` in the axes of the node's frame in
+the unloaded state, the frame lags behind the polar rotation of the mid-surface by ``ψ = atan2(F₂₁ −
+F₁₂, F₁₁ + F₂₂)``. F is the sum over the cells at a node.
 """
 
 from __future__ import annotations
@@ -39,20 +36,20 @@ _NO_MOTION, _NOTHING = np.empty((0, 0, 6)), np.empty(0, dtype=np.int64)
 
 
 class CarriedAxes:
-    """Axes to be turned.
+    """Convected axes of position nodes.
 
     Attributes:
-        plain: What compiled code turns them by.
+        plain: Data for compiled functions.
     """
 
     def __init__(self, numbering: Numbering, held: Flags, joined: Indices) -> None:
-        """Collect what the elements say of their nodes' neighbourhoods.
+        """Collect the neighbourhoods of nodes from the elements.
 
         Args:
-            numbering: Of all nodes.
-            held: Which unknowns of the master nodes are zero, shape (n, 6); axes along which places
-                are held stay as they are.
-            joined: Leaders with joints, whose axes belong to them.
+            numbering: Numbering of the nodes.
+            held: Unknowns of the master nodes that are zero, shape (n, 6); axes of supported
+                positions stay as they are.
+            joined: Master nodes with joints, whose axes belong to these.
         """
         master, count = numbering.master_map.master, numbering.count
         rows, columns = [np.empty(0, dtype=np.int64)], [np.empty(0, dtype=np.int64)]
@@ -81,35 +78,35 @@ class CarriedAxes:
             find_reference_axes(numbering.frames, self.plain)
 
     def __bool__(self) -> bool:
-        """Whether there is anything to turn."""
+        """Whether there are convected axes."""
         return self.plain[0].size > 0
 
     def turn(self, H: Array) -> None:
-        """Turn the axes at the head of ``H`` (≥ n, 4, 3)."""
+        """Rotate the axes in the first rows of ``H`` (≥ n, 4, 3)."""
         convect_axes(H, self.plain, _NO_MOTION, _NOTHING)
 
     def turn_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
-        """Turn the axes and what is written in them.
+        """Rotate the axes, and transform the components of motions.
 
         Args:
             H: Frames, shape (≥ n, 4, 3).
-            motion: Velocities, accelerations and the like, shape (k, n, 6).
-            kinds: Of each node, shape (n,).
-            written: How ``motion`` is written; velocities of the nodes' groups have global
+            motion: Velocities, accelerations and so on, shape (k, n, 6).
+            kinds: Type of each node, shape (n,).
+            written: Representation of ``motion``; velocities of the nodes' groups have global
                 components.
         """
         convect_axes(H, self.plain, motion, np.flatnonzero(written.local))
 
 
 class _Part(NamedTuple):
-    """A body whose axes follow its nodes.
+    """A body with convected axes.
 
     Attributes:
-        nodes: Leaders of its nodes, (k,).
-        follower: Turns the axes.
-        led: Which of them, by their places, follow another node rigidly.
+        nodes: Master nodes of its nodes, (k,).
+        follower: Function that rotates the axes.
+        led: Positions in ``nodes`` of nodes that are attached to another node.
         offset: Frames of these in those of their master nodes.
-        kept: Which master nodes keep their axes, (k,).
+        kept: Whether a master node keeps its axes, (k,).
     """
 
     nodes: Indices
@@ -119,7 +116,7 @@ class _Part(NamedTuple):
     kept: Flags
 
     def followed(self, before: Array) -> Array:
-        """Leaders of its nodes, ``before`` (k, 4, 3), with the axes turned."""
+        """Frames of the master nodes, ``before`` (k, 4, 3), with rotated axes."""
         found = before.copy()
         if len(self.led):
             found[self.led] = lie.se3_compose(before[self.led], self.offset)
@@ -129,14 +126,14 @@ class _Part(NamedTuple):
 
 
 class FollowingAxes:
-    """Axes to be turned as their bodies say."""
+    """Convected axes that bodies define."""
 
     def __init__(self, numbering: Numbering, joined: Indices) -> None:
-        """Ask the bodies.
+        """Collect the bodies.
 
         Args:
-            numbering: Of all nodes.
-            joined: Leaders with joints, which have the axes of places and slopes for their frames.
+            numbering: Numbering of the nodes.
+            joined: Master nodes with joints, which refer to the axes of their nodes.
         """
         master_map = numbering.master_map
         self._parts: list[_Part] = []
@@ -151,16 +148,16 @@ class FollowingAxes:
                 self._parts.append(_Part(master, follower, np.flatnonzero(led), offset, kept))
 
     def __bool__(self) -> bool:
-        """Whether there is anything to turn."""
+        """Whether there are convected axes."""
         return bool(self._parts)
 
     def turn(self, H: Array) -> None:
-        """Turn the axes of the rows at the head of ``H`` (≥ n, 4, 3)."""
+        """Rotate the axes in the first rows of ``H`` (≥ n, 4, 3)."""
         for part in self._parts:
             H[part.nodes] = part.followed(H[part.nodes])
 
     def turn_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
-        """Turn the axes and what is written in them; arguments as of :class:`CarriedAxes`."""
+        """Rotate the axes and transform components of motions, as :class:`CarriedAxes` does."""
         for part in self._parts:
             before = H[part.nodes]
             after = part.followed(before)
@@ -170,7 +167,7 @@ class FollowingAxes:
 
 @compiled
 def _lag(H: Array, cells: Indices, slopes: Array, moves: Flags, lag: Array) -> None:
-    """ψ of each node, shape (n,)."""
+    """Lag ψ of each node, shape (n,)."""
     sums = np.zeros((lag.shape[0], 2))
     gradient = np.empty((2, 3))
     for e in range(cells.shape[0]):
@@ -190,7 +187,7 @@ def _lag(H: Array, cells: Indices, slopes: Array, moves: Flags, lag: Array) -> N
 
 @compiled
 def _turn_rows(a: Array, at: int, c: float, s: float) -> None:
-    """Rows ``at`` and ``at + 1`` in axes that are turned about the third."""
+    """Components ``at`` and ``at + 1`` in axes rotated about the third."""
     first = c * a[at] + s * a[at + 1]
     a[at + 1] = c * a[at + 1] - s * a[at]
     a[at] = first
@@ -218,16 +215,16 @@ def _turn_motion(motion: Array, kinds: Indices, local: Flags, lag: Array) -> Non
 
 
 class CarriedDrilling:
-    """Frames to be turned about their directors."""
+    """Frames of five-parameter shells that rotate about their directors with the mid-surface."""
 
     def __init__(self, numbering: Numbering, held: Flags, joined: Indices) -> None:
-        """Keep the slopes of the unloaded cells.
+        """Store the derivatives of shape functions of the unloaded cells.
 
         Args:
-            numbering: Of all nodes.
-            held: Which unknowns of the master nodes are zero, shape (n, 6); frames in which a
-                rotation is held stay as they are.
-            joined: Leaders with joints, whose axes belong to the frames.
+            numbering: Numbering of the nodes.
+            held: Unknowns of the master nodes that are zero, shape (n, 6); frames with a held
+                rotation stay as they are.
+            joined: Master nodes with joints, whose axes belong to these.
         """
         chosen = [
             body
@@ -249,23 +246,23 @@ class CarriedDrilling:
         return np.logical_and(here, self._moves)
 
     def __bool__(self) -> bool:
-        """Whether there is anything to turn."""
+        """Whether there are convected frames."""
         return bool(self._parts)
 
     def turn(self, H: Array) -> None:
-        """Turn the frames at the head of ``H`` (≥ n, 4, 3)."""
+        """Rotate the frames in the first rows of ``H`` (≥ n, 4, 3)."""
         for (cells, slopes), moves in zip(self._parts, self._moves_here, strict=True):
             _lag(H, cells, slopes, moves, self._lag)
             _turn_frames(H, self._lag)
 
     def turn_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
-        """Turn the frames and what is written in them.
+        """Rotate the frames, and transform the components of motions.
 
         Args:
             H: Frames, shape (≥ n, 4, 3).
-            motion: Velocities, accelerations and the like, shape (k, n, 6).
+            motion: Velocities, accelerations and so on, shape (k, n, 6).
             kinds: Group of each node, shape (n,).
-            written: How ``motion`` is written.
+            written: Representation of ``motion``.
         """
         for (cells, slopes), moves in zip(self._parts, self._moves_here, strict=True):
             _lag(H, cells, slopes, moves, self._lag)
@@ -274,7 +271,7 @@ class CarriedDrilling:
 
 
 def _slopes(body: Shell) -> Array:
-    """Derivatives of the shape functions at each node of a cell in its frame, (m, k, 2, k)."""
+    """Derivatives of the shape functions at the nodes of a cell in their frames, (m, k, 2, k)."""
     cell, degree = body.mesh.cell, body.mesh.degree
     table = tabulated(cell, degree, nodes_of(cell, degree))[1:]
     x, frames = body.frames[body.connectivity, 0], body.frames[body.connectivity]

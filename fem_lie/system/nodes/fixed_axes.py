@@ -1,8 +1,8 @@
-"""Supports along axes fixed in space, for nodes whose translations are unknowns of their own.
+"""Supports along axes fixed in space, by transformed unknowns.
 
-A node that moves by ``x + R u`` may have ``w = A R u`` as unknowns instead, along the rows of
-``A``; to hold some of them is exact, as the position is linear in them. Such nodes keep the matrix
-positive definite, which constraints with multipliers do not.
+A node that moves by ``x + R u`` may have the unknowns ``w = A R u`` instead, along the rows of
+``A``; holding some of them is exact, as the position is linear in them. Unlike constraints with
+multipliers, such supports keep the matrix positive definite.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from fem_lie.lie.tuples import store
 def wrenches(
     kinds: Indices, H: Array, local: Array, held: npt.NDArray[np.bool_], nodes: Indices
 ) -> Array:
-    """Forces and moments of what is held, in global components, shape (s, 6).
+    """Support reactions in global components, shape (s, 6).
 
     Args:
-        kinds: What the nodes are, (n,).
+        kinds: Types of the nodes, (n,).
         H: Frames.
-        local: Forces and moments in their axes, (n, 6).
-        held: Which of them are reactions, (n, 6).
-        nodes: At these nodes, (s,).
+        local: Forces and moments in the nodal axes, (n, 6).
+        held: Whether a component is a reaction, (n, 6).
+        nodes: Supported nodes, (s,).
     """
     found, of_held = np.zeros((len(nodes), 6)), np.empty(6)
     for row, i in enumerate(nodes):
@@ -40,18 +40,18 @@ def wrenches(
 
 
 class Supports:
-    """Changes between the local unknowns of supported nodes and those along fixed axes.
+    """Transformation between local unknowns of supported nodes and those along fixed axes.
 
     Attributes:
         nodes: Supported nodes, shape (k,).
     """
 
     def __init__(self, axes: Array, constrained: Indices) -> None:
-        """Find the nodes; their blocks come by :meth:`find`.
+        """Find the supported nodes; :meth:`find` finds their blocks.
 
         Args:
-            axes: Rows ``A`` for all nodes, nan where unknowns are local, shape (n, 3, 3).
-            constrained: Node of each leg of the constraints.
+            axes: Rows ``A`` of all nodes, nan where unknowns are local, shape (n, 3, 3).
+            constrained: Node of each incidence of the constraints.
         """
         self.nodes: Indices = np.flatnonzero(np.isfinite(axes[:, 0, 0]))
         self._axes = axes[self.nodes]
@@ -60,10 +60,10 @@ class Supports:
         self.find_constraints(constrained)
 
     def find_constraints(self, constrained: Indices) -> None:
-        """Find the supported nodes among those of constraints.
+        """Find the supported nodes in the constraint Jacobian.
 
         Args:
-            constrained: Node of each row of derivatives of the constraints.
+            constrained: Node of each row of the constraint Jacobian.
         """
         of_nodes = self._number[constrained]
         self._constrained: Indices = np.flatnonzero(of_nodes >= 0)
@@ -73,8 +73,8 @@ class Supports:
         """Find the blocks of the nodes in a pattern.
 
         Args:
-            indptr: Where each node's row of the pattern of node pairs begins, shape (n + 1,).
-            indices: The other node of each pair.
+            indptr: First pair of each row of the pattern of node pairs, shape (n + 1,).
+            indices: Column of each pair.
         """
         rows = self._number[np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))]
         columns = self._number[indices]
@@ -82,26 +82,26 @@ class Supports:
         self._row_of, self._column_of = rows[self._rows], columns[self._columns]
 
     def __bool__(self) -> bool:
-        """Whether any node is supported so."""
+        """Whether there are supported nodes."""
         return len(self.nodes) > 0
 
     def turn(self, H: Array, r: Array) -> None:
-        """From local components to those along the axes: translations of ``r``, (n, 6)."""
+        """Transform translations of ``r`` (n, 6) from local components to those along the axes."""
         r[self.nodes, :3] = np.einsum("kij,kj->ki", self._matrices(H), r[self.nodes, :3])
 
     def turn_back(self, H: Array, d: Array) -> None:
-        """The other way round."""
+        """Transform translations of ``d`` (n, 6) from components along the axes to local ones."""
         d[self.nodes, :3] = np.einsum("kji,kj->ki", self._matrices(H), d[self.nodes, :3])
 
     def turn_blocks(self, H: Array, blocks: Array) -> None:
-        """Rows and columns of the matrix, blocks (nnz, 6, 6)."""
+        """Transform rows and columns of the matrix, blocks (nnz, 6, 6)."""
         Q = self._matrices(H)
         rows, columns = self._rows, self._columns
         blocks[rows, :3] = Q[self._row_of] @ blocks[rows, :3]
         blocks[columns, :, :3] = blocks[columns, :, :3] @ Q[self._column_of].transpose(0, 2, 1)
 
     def rotate_constraints(self, H: Array, rows: Array) -> None:
-        """Legs of constraints, shape (legs, 6)."""
+        """Transform the constraint Jacobian, one row of six per incidence."""
         Q = self._matrices(H)[self._constrained_of]
         rows[self._constrained, :3] = np.einsum("kij,kj->ki", Q, rows[self._constrained, :3])
 

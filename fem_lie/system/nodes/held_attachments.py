@@ -23,15 +23,15 @@ from fem_lie.system.nodes.numbering import Numbering
 
 
 class _Alike(NamedTuple):
-    """Attachments of one kind and number of nodes.
+    """Attachments of one type and number of nodes.
 
     Attributes:
-        kind: Theirs.
-        masters: Of their nodes, shape (g, k).
+        kind: Type of the attachments.
+        masters: Master nodes of their nodes, shape (g, k).
         offsets: Frames of the nodes in those of the master nodes, (g, k, 4, 3).
-        turns: What makes motions of nodes of those of master nodes, (g, k, 6, 6).
-        data: Of each, (g, d).
-        lead: Whether all of their nodes lead themselves, so that nothing has to be turned.
+        turns: Maps from motions of master nodes to motions of nodes, (g, k, 6, 6).
+        data: Parameters of each attachment, (g, d).
+        lead: Whether all of their nodes are master nodes, so that no map is needed.
     """
 
     kind: AttachmentKind
@@ -42,7 +42,7 @@ class _Alike(NamedTuple):
     lead: bool
 
     def nodes(self, H: Array) -> Array:
-        """Rows of their nodes, shape (g, k, 4, 3)."""
+        """Nodal coordinates of their nodes, shape (g, k, 4, 3)."""
         rows = H[self.masters]
         return rows if self.lead else lie.se3_compose(rows, self.offsets)
 
@@ -52,7 +52,7 @@ class _Alike(NamedTuple):
         return self.kind.means is not None
 
     def spread(self, H: Array) -> Array:
-        """Rates of mean coordinates by motions of the master nodes, (g k, r, 6); of no others."""
+        """Derivatives of mean coordinates in motions of the master nodes, (g k, r, 6)."""
         if self.kind.means is None:
             return np.empty((0, 0, 6))
         S = spread(self.kind.means, self.nodes(H), self.data)
@@ -60,25 +60,25 @@ class _Alike(NamedTuple):
 
 
 class HeldAttachments:
-    """Attachments by number, kind by kind; each has an *entry* for each of its nodes.
+    """Attachments of a scene, type by type; each has an *entry* for each of its nodes.
 
     Attributes:
         count: Number of attachments.
         of: Attachment of each entry, shape (e,).
-        nodes: Leader of each entry, shape (e,).
-        rows: Leaders of pairs of entries of one attachment without mean coordinates, shape (p,);
-            ``columns`` likewise.
-        kinds: Of each attachment.
-        averaged: Number of each attachment among those with mean coordinates, −1 of others,
-            shape (g,).
+        nodes: Master node of each entry, shape (e,).
+        rows: Master nodes of pairs of entries of one attachment without mean coordinates, shape
+            (p,); ``columns`` likewise.
+        kinds: Type of each attachment.
+        averaged: Number of each attachment among those with mean coordinates, −1 of others, shape
+            (g,).
     """
 
     def __init__(self, points: Sequence[Point], numbering: Numbering) -> None:
-        """Collect the attachments of points; the same attachment of several points is one.
+        """Collect the attachments of points; equal attachments of several points are one.
 
         Args:
-            points: All with an attachment.
-            numbering: Of the nodes.
+            points: Points with an attachment.
+            numbering: Numbering of the nodes.
         """
         self._frames = numbering.frames
         sorts: dict[tuple[AttachmentKind, int, int], dict[tuple[Body, AttachmentFrame], None]] = {}
@@ -105,15 +105,15 @@ class HeldAttachments:
 
     @property
     def coordinates(self) -> int:
-        """Mean coordinates of each averaged attachment."""
+        """Number of mean coordinates of each averaging attachment."""
         return max((k.means.size for k in self.kinds if k.means is not None), default=0)
 
     def number(self, point: Point) -> int:
-        """Of the attachment of a point."""
+        """Number of the attachment of a point."""
         return self._numbers[_known(point)]
 
     def locate(self, H: Array) -> tuple[Array, Array]:
-        """Frames (g, 4, 3), and Jacobian of the attachment of each entry, (e, 6, 6)."""
+        """Attachment frames (g, 4, 3), and their Jacobian for each entry, (e, 6, 6)."""
         frames: list[Array] = [np.empty((0, 4, 3))]
         moves: list[Array] = [np.empty((0, 6, 6))]
         for sort in self._sorts:
@@ -143,7 +143,7 @@ class HeldAttachments:
         return np.concatenate(blocks)
 
     def spread(self, H: Array) -> Array:
-        """Rates of mean coordinates by motions of entries of averaged attachments, (e, r, 6)."""
+        """Derivatives of mean coordinates in motions of the entries, (e, r, 6)."""
         found = [sort.spread(H) for sort in self._sorts if sort.averaged]
         return np.concatenate(found) if found else np.empty((0, 0, 6))
 
@@ -161,7 +161,7 @@ class HeldAttachments:
         return np.concatenate(of_means), np.concatenate(of_forces)
 
     def changes(self, H: Array, v: Array) -> Array:
-        """How twists of attachments change at constant twists ``v`` of the nodes, shape (g, 6)."""
+        """Rates of the attachments' twists at constant twists ``v`` of the nodes, shape (g, 6)."""
         found: list[Array] = [np.empty((0, 6))]
         for sort in self._sorts:
             h = np.einsum("gkij,gkj->gki", sort.turns, v[sort.masters])

@@ -17,7 +17,7 @@ from fem_lie.lie.node_types.inertia import Inertia, multiply
 from fem_lie.system.nodes.numbering import Numbering
 
 PlainLoads: TypeAlias = tuple[Array, Array, Array]
-""":class:`Loads` at the door from Python: compiled functions are quicker to call so."""
+""":class:`Loads` as a plain tuple, which makes calls of compiled functions faster."""
 
 
 class Loads(NamedTuple):
@@ -26,7 +26,7 @@ class Loads(NamedTuple):
     Attributes:
         dead: Force on (x, d₁, d₂, d₃) fixed in space, gravity included, shape (n, 4, 3).
         moment: Moment fixed in space, shape (n, 3).
-        following: Force and moment in the nodes' frames, shape (n, 6).
+        following: Force and moment in the nodal frames, shape (n, 6).
     """
 
     dead: Array
@@ -35,7 +35,7 @@ class Loads(NamedTuple):
 
     @property
     def plain(self) -> PlainLoads:
-        """As compiled functions are quicker to call with."""
+        """Plain tuple of the fields, which makes calls of compiled functions faster."""
         return (*self,)
 
 
@@ -45,15 +45,15 @@ def inertia_of(
     """Mass matrix and mass-proportional damping matrix on (x, d₁, d₂, d₃) of the master nodes.
 
     Args:
-        bodies: Of the scene.
-        numbering: Of their nodes.
-        required: Whether elements without inertia are an error; otherwise they weigh nothing.
+        bodies: Bodies of the scene.
+        numbering: Numbering of their nodes.
+        required: Whether elements without inertia are an error; otherwise they have no mass.
 
     Returns:
-        The second has no rows if no body has such damping.
+        The two matrices; the second has no rows if no body has such damping.
 
     Raises:
-        ValueError: Elements lack inertia.
+        ValueError: Elements have no inertia.
     """
     rows: list[Indices] = [np.empty(0, dtype=np.int64)]
     columns: list[Indices] = [np.empty(0, dtype=np.int64)]
@@ -93,10 +93,10 @@ def inertia_of(
 
 
 def floating_of(numbering: Numbering) -> Floating:
-    """Inertia of bodies that deform within their frames, beyond that of these.
+    """Further inertia of bodies that deform within their frames.
 
     Raises:
-        ValueError: Nodes of such a body follow others.
+        ValueError: Nodes of such a body are attached to others.
     """
     found: list[tuple[Indices, WithinFrame]] = []
     master_map = numbering.master_map
@@ -105,8 +105,8 @@ def floating_of(numbering: Numbering) -> Floating:
         if inside is not None:
             if not np.isin(nodes, master_map.masters).all():
                 raise ValueError(
-                    f"nodes of {body.label} cannot follow others: let the others follow them, or "
-                    "take a Fixed joint"
+                    f"nodes of {body.label} cannot be attached to others: attach those to them, or "
+                    "use a Fixed joint"
                 )
             found.append((master_map.master[nodes], inside))
     return Floating.of(found)
@@ -122,7 +122,7 @@ def weight_of(mass: Inertia, count: int, gravity: Array) -> Array:
 
 
 def _on_masters(numbering: Numbering, r: Indices, c: Indices, given: list[Array]) -> Inertia:
-    """Blocks of pairs of all nodes as blocks ``Wᵀ G W`` of pairs of master nodes, sorted."""
+    """Blocks ``Wᵀ G W`` of pairs of master nodes from blocks of pairs of all nodes, sorted."""
     master_map, count = numbering.master_map, numbering.count
     master = master_map.master
     W = None if master_map.trivial else master_map.linear()
@@ -139,17 +139,17 @@ def _on_masters(numbering: Numbering, r: Indices, c: Indices, given: list[Array]
 
 
 def lumped(inertia: Inertia, kinds: Indices) -> Inertia:
-    """The same mass without coupling, one block for each node: for steps that solve no equations.
+    """Lumped mass matrix, one block per node, for schemes that solve no equations.
 
-    Of frames and places the blocks of a row are summed up, so that mass, first moments and what
-    turns with a rigid body stay; rows of slopes keep the diagonal, times what the places' gained.
-    Of points that are two nodes each row has the sum of magnitudes along it, which is the sum where
-    shape functions are positive. Momentum and angular momentum of these are as exact as with the
-    consistent matrix.
+    The blocks of a row are summed for frames and positions, so that mass, first moments and
+    rigid-body inertia are conserved. Position gradients keep their diagonal, scaled as the mass of
+    the positions. For nodes that are two points each row has the sum of magnitudes along it, which
+    equals the sum where shape functions are positive. Momentum and angular momentum are as exact as
+    with the consistent matrix.
 
     Args:
-        inertia: Of the moving nodes.
-        kinds: What they are, shape (n,).
+        inertia: Mass matrix of the moving nodes.
+        kinds: Types of the nodes, shape (n,).
     """
     count = len(kinds)
     rows, columns = inertia.pairs
@@ -158,7 +158,7 @@ def lumped(inertia: Inertia, kinds: Indices) -> Inertia:
     np.add.at(own, rows[rows == columns], inertia.blocks[rows == columns])
     sizes = np.zeros((count, 4))
     np.add.at(sizes, rows, np.abs(inertia.blocks.diagonal(axis1=1, axis2=2)))
-    points = (kinds >= SURFACE_GRADIENT) & (kinds < MODAL)  # amplitudes have nothing of their own
+    points = (kinds >= SURFACE_GRADIENT) & (kinds < MODAL)  # modal nodes have no mass of their own
     whole[points] = sizes[points][:, :, np.newaxis] * np.eye(4)
     sloped = (kinds >= POSITION_GRADIENT) & (kinds < SURFACE_GRADIENT)
     mass = own[sloped, 0, 0]

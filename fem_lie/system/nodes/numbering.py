@@ -1,17 +1,13 @@
-"""Which node of the equations is which: bodies, master nodes, and what scenes have in common.
+"""Numbering of the nodes of the equations, master nodes, and the setup that scenes share.
 
-Nodes that follow others rigidly: kinks, branches and rigid links without any constraint.
+Rigidly attached nodes make kinks, branches and rigid links without constraints. Each node of a body
+has the frame ``H = H_master C`` with a constant ``C``. Its twist is ``Ad(C⁻¹)`` times that of its
+master node, a force on it is ``Ad⁻ᵀ(C)`` times the force on the master node, and its ``q = (x, d₁,
+d₂, d₃)`` is a constant linear function of that of the master node. Nothing is linearised.
 
-Each node of the bodies has the frame ``H = H_master C`` with a constant ``C``; its twist is
-``Ad(C⁻¹)`` times that of its master node, a force on it ``Ad⁻ᵀ(C)`` times as much on the master
-node, and its ``q = (x, d₁, d₂, d₃)`` a constant linear function of the master node's. Nothing is
-linearised.
-
-What scenes that differ in loads and drives alone have in common: set up once.
-
-The nodes' numbering, the assembled forms of all elements and their inertia do not depend on what
-acts. They are kept by the family of scenes and used by one set of equations after the other, reset
-to what they were when they were made.
+Scenes that differ in loads and drives only share the numbering of nodes, the assembled forms of all
+elements and their inertia, which do not depend on loads. The family of scenes stores them; one set
+of equations after the other uses them, and resets them to their initial state.
 """
 
 from __future__ import annotations
@@ -45,7 +41,7 @@ def expand(H: Array, master: Indices, C: Array, out: Array) -> None:
 
 @compiled
 def expand_twists(v: Array, master: Indices, C: Array, out: Array) -> None:
-    """Likewise twists."""
+    """Twists ``out`` of all nodes from those of their master nodes."""
     for i in range(master.shape[0]):
         lie.apply_adjoint_inverse(C[i], v[master[i]], out[i])
 
@@ -54,7 +50,7 @@ def expand_twists(v: Array, master: Indices, C: Array, out: Array) -> None:
 def expand_motion(
     H: Array, v: Array, master: Indices, C: Array, frames: Array, twists: Array
 ) -> None:
-    """Both, but no twists into an array without rows."""
+    """Frames and twists of all nodes; no twists if ``twists`` has no rows."""
     expand(H, master, C, frames)
     if twists.shape[0] > 0:
         expand_twists(v, master, C, twists)
@@ -71,14 +67,14 @@ def collect(f: Array, master: Indices, C: Array, out: Array) -> None:
 
 
 class MasterMap:
-    """Which node follows which.
+    """Master node of each node.
 
     Attributes:
-        trivial: Whether every node leads itself.
+        trivial: Whether every node is a master node.
         count: Number of master nodes.
         master: Number of each node's master node among the master nodes, shape (N,).
-        offset: Frame ``C`` of each node in its master node's frame, shape (N, 4, 3).
-        masters: Nodes that lead, shape (count,).
+        offset: Frame ``C`` of each node in the frame of its master node, shape (N, 4, 3).
+        masters: Numbers of the master nodes among all, shape (count,).
     """
 
     def __init__(self, frames: Array, pairs: Iterable[tuple[int, int]]) -> None:
@@ -86,7 +82,7 @@ class MasterMap:
 
         Args:
             frames: Initial frames of all nodes, shape (N, 4, 3).
-            pairs: Nodes that are tied to each other; the second follows what the first follows.
+            pairs: Pairs of linked nodes; the second is attached to the master node of the first.
         """
         root = np.arange(len(frames))
 
@@ -96,20 +92,20 @@ class MasterMap:
                 node = int(root[node])
             return node
 
-        tied = list(pairs)
-        for a, b in tied:
+        linked = list(pairs)
+        for a, b in linked:
             root[find(b)] = find(a)
         roots: Indices = np.arange(len(frames), dtype=np.int64)
-        some = sorted({node for pair in tied for node in pair})
+        some = sorted({node for pair in linked for node in pair})
         roots[some] = [find(node) for node in some]
         self.masters: Indices = np.flatnonzero(roots == np.arange(len(frames)))
         self.master: Indices = np.searchsorted(self.masters, roots)
         self.count = len(self.masters)
         self.trivial = self.count == len(frames)
         self.offset = np.tile(lie.frame(np.zeros(3), np.eye(3)), (len(frames), 1, 1))
-        follows = roots != np.arange(len(frames))
-        inverse = lie.se3_inverse(frames[roots[follows]])
-        self.offset[follows] = lie.se3_compose(inverse, frames[follows])
+        attached = roots != np.arange(len(frames))
+        inverse = lie.se3_inverse(frames[roots[attached]])
+        self.offset[attached] = lie.se3_compose(inverse, frames[attached])
 
     def frames(self, H: Array) -> Array:
         """Frames of all nodes, (N, 4, 3), from those of the master nodes (``H``)."""
@@ -139,50 +135,50 @@ class MasterMap:
         return W
 
 
-_INDEPENDENT = 1e-9  # relative, as axes that are meant to agree
+_INDEPENDENT = 1e-9  # relative tolerance of axes that should agree
 
 
 class Numbering:
-    """Nodes of the system; each kind of body has a slice of them. Some follow others rigidly.
+    """Nodes of the system; each type of body has a slice of them.
 
     Attributes:
-        total: Number of all nodes; ``count`` of them lead and have unknowns.
-        nodes: Nodes of each body among all.
-        assemblies: The nodes of each assembly, and the assembly.
-        members: The bodies of each assembly, in its order.
-        drills: Whether the nodes of each body turn about their third directors.
-        master_map: Which node follows which.
+        total: Number of all nodes; ``count`` of them are master nodes and have unknowns.
+        nodes: Numbers of the nodes of each body.
+        assemblies: Slice of the nodes of each assembly, and the assembly.
+        members: Bodies of each assembly, in its order.
+        drills: Whether the nodes of each body have drilling rotations.
+        master_map: Master node of each node.
         frames: Initial frames of the master nodes, shape (count, 4, 3).
-        begins_at: Frames from which solvers go on, of the master nodes; the initial ones but of
-            bodies that begin elsewhere.
+        begins_at: Current frames of the master nodes at the start of a run, which differ from the
+            initial frames for bodies in a deformed configuration.
         velocities: Initial local velocities of the master nodes, shape (count, 6).
-        groups: The group of each master node, shape (count,).
-        kinds: The :class:`~fem_lie.lie.node_types.NodeType` of each master node, shape (count,).
-        clamped: What a clamp holds of each master node, shape (count, 6).
-        held: Which unknowns of the master nodes their bodies hold, shape (count, 6).
-        absent: Which of them are not there, of nodes with fewer; they are held, too.
-        supported: Leaders that something holds but that they do not drill, in increasing order.
+        groups: Group of each master node, shape (count,).
+        kinds: :class:`~fem_lie.lie.node_types.NodeType` of each master node, shape (count,).
+        clamped: Unknowns of each master node that a clamp holds, shape (count, 6).
+        held: Unknowns of the master nodes that their bodies hold, shape (count, 6).
+        absent: Unknowns that nodes with fewer than six do not have; they are held as well.
+        supported: Master nodes that their bodies support, in ascending order.
         supports: Axes fixed in space of the master nodes' translations, nan if local, (count, 3,
             3).
-        uncoupled: Which master nodes move by ``x + R u`` in statics, tilted and then drilled,
+        uncoupled: Master nodes that move by ``x + R u`` in statics, tilted and then drilled,
             (count,).
-        straight: Which of the others do, turned at once, shape (count,).
+        straight: Other nodes that move by ``x + R u``, with one rotation, shape (count,).
     """
 
     def __init__(
         self, bodies: Sequence[Body], links: Sequence[RigidLink] = (), holds: Holds = NO_HOLDS
     ) -> None:
-        """Build the assemblies and number their nodes as they do.
+        """Build the assemblies and number their nodes.
 
         Args:
-            bodies: All of them.
-            links: Points that follow each other.
-            holds: What takes hold of the rotations of the bodies' nodes.
+            bodies: All bodies.
+            links: Rigid links between points.
+            holds: Items that act on the rotations of the bodies' nodes.
 
         Raises:
-            ValueError: Frames or velocities of a body are none; initial velocities of nodes that
-                are tied together contradict each other, or supports of a node have no counterpart
-                in the unknowns of the node it follows.
+            ValueError: Frames or velocities of a body are invalid; initial velocities of linked
+                nodes contradict each other, or supports of an attached node have no counterpart in
+                the unknowns of its master node.
         """
         self.nodes: dict[Body, Indices] = {}
         self.assemblies: list[tuple[slice, BodyTerm]] = []
@@ -206,11 +202,11 @@ class Numbering:
                 first += len(body.frames)
             start += total
         self.total = start
-        self._tie(links)
+        self._attach(links)
 
-    def _tie(self, links: Sequence[RigidLink]) -> None:
+    def _attach(self, links: Sequence[RigidLink]) -> None:
         frames, velocities = np.empty((self.total, 4, 3)), np.empty((self.total, 6))
-        # one array for both, unless they differ
+        # one array for both if they are equal
         elsewhere = any(body.begins_at is not None for body in self.nodes)
         begins_at = np.empty_like(frames) if elsewhere else frames
         groups, kinds = np.empty((2, self.total), dtype=np.int64)
@@ -230,12 +226,12 @@ class Numbering:
             follows = np.flatnonzero(body.masters != np.arange(len(nodes)))
             masters = body.masters[follows]
             pairs += [(int(nodes[a]), int(nodes[b])) for a, b in zip(masters, follows, strict=True)]
-        # what follows does so from where solvers begin, perhaps deformed
+        # attached nodes follow from the current configuration at the start, which may be deformed
         self.master_map = MasterMap(begins_at, pairs)
         self.count = self.master_map.count
         self.frames = frames[self.master_map.masters]
         self.begins_at = begins_at[self.master_map.masters] if elsewhere else self.frames
-        # lengths beside rotations: of one node anything will do
+        # length scale beside rotations; arbitrary for one node
         self._size = float(np.linalg.norm(np.ptp(frames[:, 0], axis=0))) or 1.0
         self.velocities = velocities[self.master_map.masters]
         self.groups: Indices = groups[self.master_map.masters]
@@ -250,20 +246,20 @@ class Numbering:
         self.straight: Flags = straight[self.master_map.masters]
         self.supports = supports[self.master_map.masters]
         self._hold_masters(held, np.isfinite(supports[:, 0, 0]))
-        # unknowns that a kind does not have couple with nothing in the matrix
+        # unknowns that a node type does not have are not coupled in the matrix
         self.absent = np.arange(6) >= np.array([[each.unknowns] for each in traits])[which]
         self.absent |= absent[self.master_map.masters]
         self.held |= self.absent
         self._check_velocities(velocities)
 
     def _hold_masters(self, held: Flags, fixed: Flags) -> None:
-        """Hold the unknowns of master nodes that the supports of their followers hold."""
+        """Hold the unknowns of master nodes that correspond to supports of attached nodes."""
         follows = np.ones(self.total, dtype=bool)
         follows[self.master_map.masters] = False
         for node in np.flatnonzero(follows & held.any(axis=1)):
             master, offset = self.master_map.master[node], self.master_map.offset[node].copy()
             offset[0] /= self._size
-            # rows of zero motion in the master node's unknowns
+            # constraints on the unknowns of the master node
             rows = np.vstack(
                 [np.eye(6)[self.held[master]], lie.se3_adjoint(lie.se3_inverse(offset))[held[node]]]
             )
@@ -273,9 +269,9 @@ class Numbering:
             if round(np.trace(reach)) > whole.sum() or (moved and not whole.all()):
                 body = next(body for body, nodes in self.nodes.items() if node in nodes)
                 raise ValueError(
-                    f"a node of {body.label} has supports and follows another node by a rigid "
-                    "link, whose unknowns are along other axes: support that node instead, or link "
-                    "the other way round"
+                    f"a node of {body.label} has supports and is attached by a rigid link to one "
+                    "whose unknowns are along other axes: support that node instead, or link the "
+                    "other way round"
                 )
             self.held[master] = whole
 
@@ -297,20 +293,20 @@ class Numbering:
         return int(self.nodes[point.body][point.node])
 
     def node(self, point: Point) -> int:
-        """Number of a point's master node; of ground it is ``count``."""
+        """Number of a point's master node; ``count`` for ground."""
         if point.body is None:
             return self.count
         return int(self.master_map.master[self._of_all(point)])
 
     def bodies(self) -> tuple[BodyInfo, ...]:
-        """What results must know of the bodies, in the numbering of all nodes."""
+        """Records of the bodies for results, in the numbering of all nodes."""
         return tuple(BodyInfo.of(body, nodes) for body, nodes in self.nodes.items())
 
 
 def numbering_for(scene: Scene, user: object) -> Numbering:
-    """The numbering of a scene's nodes, with the assembled forms of the elements, for ``user``.
+    """Numbering of a scene's nodes, with the assembled forms of the elements, for ``user``.
 
-    It is shared with scenes that differ in loads and drives alone, if there are any.
+    Scenes that differ in loads and drives only share it.
 
     Raises:
         ValueError: Two bodies were given the same name after they were added.
@@ -324,14 +320,14 @@ def numbering_for(scene: Scene, user: object) -> Numbering:
 
 
 class SharedSetup:
-    """Of a family of scenes, which change nothing else between them.
+    """Setup shared by the scenes of a family, one user at a time.
 
     Attributes:
-        made: How often all was set up.
+        made: Number of times it was built.
     """
 
     def __init__(self) -> None:
-        """Nothing is set up yet."""
+        """Start without a setup."""
         self.made = 0
         self._numbering: Numbering | None = None
         self._carried: list[Array] = []
@@ -339,10 +335,9 @@ class SharedSetup:
         self._user: weakref.ref[Any] | None = None
 
     def numbering(self, scene: Scene, user: object) -> Numbering:
-        """That of a scene of the family, for ``user`` alone as long as it lives.
+        """Numbering of a scene of the family, reserved for ``user`` as long as it lives.
 
-        It is made anew where bodies or links have changed since, and for a second user beside one
-        that still lives.
+        It is rebuilt if bodies or links have changed, and for a second user while the first lives.
         """
         mark, used = _mark(scene), self._user is not None and self._user() is not None
         if used:
@@ -361,7 +356,7 @@ class SharedSetup:
 
 
 def numbered(scene: Scene) -> Numbering:
-    """The numbering of its nodes, with the assembled forms of the elements, made anew.
+    """New numbering of a scene's nodes, with the assembled forms of the elements.
 
     Raises:
         ValueError: Two bodies were given the same name after they were added.
@@ -373,7 +368,7 @@ def numbered(scene: Scene) -> Numbering:
 
 
 def _mark(scene: Scene) -> bytes:
-    """All on which numbering and assemblies depend."""
+    """Fingerprint of all on which numbering and assemblies depend."""
     bytes_of, holds = CanonicalBytes(scene.bodies), scene.held_rotations()
     bodies = [
         (type(body), data_of_body(body), body.drilling_given(holds.get(body, ())))

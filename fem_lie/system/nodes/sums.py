@@ -1,4 +1,4 @@
-"""Compiled sums over the nodes of a scene: inertia, loads, and the blocks of the matrix."""
+"""Compiled sums over the nodes of a scene: inertia, loads, and blocks of the matrix."""
 
 from __future__ import annotations
 
@@ -31,13 +31,14 @@ from fem_lie.system.nodes.masses import PlainLoads
 from fem_lie.system.nodes.numbering import expand
 
 PlainAttached: TypeAlias = tuple[Indices, Array, Array, Array, Indices, Indices]
-"""Leader and offset of each node of some cells, room for their frames and forces, and the table of
-the cells, see :class:`~fem_lie.forms.cell_forms.FormTable`."""
+"""Master node and offset of each node of some cells, workspace for their frames and forces, and the
+table of the cells, see :class:`~fem_lie.forms.cell_forms.FormTable`.
+"""
 
 
 @inlined
 def add_moments(H: Array, moment: Array, following: Array, r: Array) -> None:
-    """``r −= loads`` of a node: a global moment (3,), local force and moment (6,)."""
+    """Subtract the loads of a node from ``r``: a global moment (3,), local loads (6,)."""
     for a in range(3):
         for j in range(3):
             r[3 + a] -= H[1 + a, j] * moment[j]
@@ -47,14 +48,14 @@ def add_moments(H: Array, moment: Array, following: Array, r: Array) -> None:
 
 @uncounted
 def _add_moments(H: Array, moment: Array, following: Array, r: Array) -> None:
-    """Of all nodes, (n, 3) and (n, 6); ``r`` (6 n,)."""
+    """``add_moments`` of all nodes, (n, 3) and (n, 6); ``r`` (6 n,)."""
     for i in range(moment.shape[0]):
         add_moments(H[i], moment[i], following[i], r[6 * i : 6 * i + 6])
 
 
 @compiled
 def _add_moment_stiffness(H: Array, moment: Array, diagonal: Indices, K: Array) -> None:
-    """``K −= ∂(local components of global moments)/∂h``: ``(Rᵀm)^``."""
+    """Subtract ``∂(local components of global moments)/∂h``, ``(Rᵀm)^``, from ``K``."""
     for i in range(moment.shape[0]):
         block = K[diagonal[i]]
         n0 = n1 = n2 = 0.0
@@ -82,7 +83,7 @@ def nodal_residual(
 ) -> None:
     """``r = Lᵀ (G q̈ − dead) − loads``, with inertia of floating bodies; ``work`` (2, n, 4, 3).
 
-    The records come as plain tuples: cheaper to call so from Python.
+    Records are plain tuples, which makes calls from Python faster.
     """
     _nodal_forces(kinds, motion, mass, loads, work, r)
     integers, numbers = bodies
@@ -102,7 +103,7 @@ def _nodal_forces(
     work: Array,
     r: Array,
 ) -> None:
-    """``work[1] = G q̈ − dead``, and ``r`` zero."""
+    """Set ``work[1] = G q̈ − dead``, and ``r`` to zero."""
     H, v, a = motion
     indptr, indices, blocks = mass
     dead, _, _ = loads
@@ -120,13 +121,13 @@ def _nodal_forces(
 def add_joints(
     H: Array, v: Array, joints: PackedJoints, multipliers: Array, scale: Array, count: int, r: Array
 ) -> None:
-    """Add ``Bᵀ multipliers`` to ``r``, and set ``scale · Φ``; packed joints are cheaper to pass."""
+    """Add ``Bᵀλ`` to ``r``, and set ``scale · Φ``; packed joints are faster to pass."""
     terms.evaluate(H, v, joint_table(joints), multipliers, scale, count, r)
 
 
 @uncounted
 def add_attached(H: Array, following: PlainAttached, r: Array) -> None:
-    """Add the forces of cells whose nodes follow others, to those of their master nodes."""
+    """Add forces of cells with rigidly attached nodes to those of the master nodes."""
     master, offset, frames, forces, rows, nodes = following
     moved = vector_at(stack(6), 6)
     expand(H, master, offset, frames)
@@ -145,18 +146,18 @@ def add_attached(H: Array, following: PlainAttached, r: Array) -> None:
 def residual(
     H: Array, v: Array, a: Array, multipliers: Array, scale: Array, r: Array, table: Indices
 ) -> None:
-    """:func:`nodal_residual`, joints, and forces of elements.
+    """:func:`nodal_residual`, joints, and forces of elements in one sum.
 
     Args:
-        H: See there, and so on.
-        v: See there.
-        a: See there.
-        multipliers: See there.
-        scale: See there.
-        r: See there.
-        table: Of fixed arrays: kinds of the nodes, inertia, loads, joints, work, and a
-            :class:`~fem_lie.forms.cell_forms.FormTable`, both of these of master nodes, the arrays
-            of :func:`add_following`, and floating bodies.
+        H: Frames of all rows.
+        v: Twists, shape (≥ n, 6).
+        a: Their rates.
+        multipliers: Lagrange multipliers, shape (m,).
+        scale: Scale factor of each constraint, shape (m,).
+        r: Residual, shape (6 n + m,), overwritten.
+        table: Table of fixed arrays: types of the nodes, inertia, loads, joints, workspace, the
+            :class:`~fem_lie.forms.cell_forms.FormTable` of cells of master nodes, the arrays of
+            :func:`add_attached`, and floating bodies.
     """
     kinds = integers1(table, 0)
     mass = integers1(table, 1), integers1(table, 2), numbers3(table, 3)
@@ -196,7 +197,7 @@ def report_rates(
 ) -> float:
     """Set kinetic energy and momenta (7,), and return the potential; ``work`` (1, n, 4, 3).
 
-    ``qdot``: rates of (x, d₁, d₂, d₃), and perhaps of products of floating bodies, see
+    ``qdot``: rates of (x, d₁, d₂, d₃), and of products of floating bodies if there are any, see
     :func:`~fem_lie.lie.node_types.floating.add_invariants`, (≥ n, 4, 3).
     """
     (indptr, indices, blocks), count = mass, dead.shape[0]
@@ -221,7 +222,7 @@ def report(
     work: Array,
     invariants: Array,
 ) -> float:
-    """:func:`report_rates` of velocities ``v``; ``work`` (2, n, 4, 3)."""
+    """:func:`report_rates` at twists ``v``; ``work`` (2, n, 4, 3)."""
     push_all_forward(kinds, H, v, work[0])
     return report_rates(H, work[0], mass, bodies, dead, work[1:], invariants)
 
@@ -242,10 +243,10 @@ def add_mass_damping(
 def load_tangent(
     kinds: Indices, H: Array, forces: Array, moment: Array, diagonal: Indices, K: Array
 ) -> None:
-    """Derivatives of :func:`nodal_residual` but for those of accelerations, to ``K``.
+    """Add derivatives of :func:`nodal_residual`, except those in accelerations, to ``K``.
 
     Args:
-        kinds: Of the nodes.
+        kinds: Types of the nodes.
         H: Frames.
         forces: ``G q̈ − dead`` of the residual, shape (n, 4, 3).
         moment: Global moments, shape (n, 3).
@@ -270,7 +271,7 @@ def load_vector(
 
 @compiled
 def combine_rows(rows: Array, kinds: Indices, d: Array, nodes: Indices) -> None:
-    """``rows ← rows T(d)`` for those of constraints at ``nodes``, shape (legs, 6)."""
+    """``rows ← rows T(d)`` for the constraint Jacobian, one row of six per incidence."""
     T, row = np.empty((6, 6)), np.empty(6)
     for incidence in range(rows.shape[0]):
         tangent(kinds[nodes[incidence]], d[nodes[incidence]], T)
@@ -292,7 +293,10 @@ def to_inertial(
     indptr: Indices,
     bind: Indices,
 ) -> None:
-    """Blocks ``R_i A_ij R_jᵀ`` and border ``b_j R_jᵀ``: global components at frames ``H``."""
+    """Transform blocks and the constraint Jacobian to global components at frames ``H``.
+
+    Blocks become ``R_i A_ij R_jᵀ``, rows of the Jacobian ``b_j R_jᵀ``.
+    """
     for i in range(indptr.shape[0] - 1):
         for b in range(indptr[i], indptr[i + 1]):
             j = bind[b]

@@ -20,27 +20,27 @@ from fem_lie.system.terms.springs import Dampers, MassDamping, Springs
 
 
 class Terms:
-    """Terms on the nodes that lead; those that are sums over cells are one sum.
+    """Terms on the master nodes; all terms that are sums over cells are one compiled sum.
 
     Attributes:
-        tables: Of forces and of energy of these, for
+        tables: Cells with forces and cells with energy, for
             :func:`~fem_lie.forms.cell_forms.add_cells`.
-        following: All cells whose nodes follow others.
-        viscous: Whether any has forces that depend on twists and that no other sum has.
-        viscous_labels: What those are called that have such forces.
-        loads: Those that act from outside.
-        all_in_tables: Whether the forces of all are in the tables, in :attr:`following` or in the
-            sum over joints.
-        energy_in_tables: Whether the energy of all is.
+        following: All cells with rigidly attached nodes.
+        viscous: Whether any term has forces that depend on twists and are in no other sum.
+        viscous_labels: Labels of terms with such forces.
+        loads: Terms that are loads.
+        all_in_tables: Whether all forces are in the tables, in :attr:`following` or in the sum over
+            joints.
+        energy_in_tables: Whether all energy is in the tables.
     """
 
     def __init__(self, terms: Sequence[Term], count: int, *, moving: bool) -> None:
-        """Find out which can be summed how.
+        """Sort the terms by how they are summed.
 
         Args:
-            terms: In the order in which they are summed up.
-            count: Nodes that may move.
-            moving: Whether they do, so that there are twists.
+            terms: Terms in the order of summation.
+            count: Number of moving nodes.
+            moving: Whether there are twists.
         """
         self._terms, self._size, self._moving = tuple(terms), 6 * count, moving
         tables = [term.tables for term in self._terms]
@@ -71,27 +71,27 @@ class Terms:
         self.loads = tuple(t for t in self._terms if t.load)
 
     def __iter__(self) -> Iterator[Term]:
-        """One after the other."""
+        """Iterate over the terms."""
         return iter(self._terms)
 
-    def chosen(self, wanted: Callable[[Term], bool]) -> Terms:
-        """Some of them."""
-        some = [term for term in self._terms if wanted(term)]
+    def chosen(self, selected: Callable[[Term], bool]) -> Terms:
+        """Selection of terms."""
+        some = [term for term in self._terms if selected(term)]
         return Terms(some, self._size // 6, moving=self._moving)
 
     @property
     def versions(self) -> tuple[int, ...]:
-        """Of the patterns of all."""
+        """Versions of the node pairs of all terms."""
         return tuple(term.version for term in self._terms)
 
     @property
     def pairs(self) -> list[Pairs]:
-        """Of all."""
+        """Node pairs of all terms."""
         return [term.pairs for term in self._terms]
 
     @property
     def rates(self) -> tuple[Indices, Indices, Array] | None:
-        """Of the one that has them, see :attr:`~fem_lie.forms.term.Term.rates`."""
+        """Mass-proportional damping, see :attr:`~fem_lie.forms.term.Term.rates`, or ``None``."""
         viscous = [term.viscosity for term in self._terms if term.viscosity is not None]
         found = [each.rates for each in viscous if each.rates is not None]
         assert len(found) <= 1
@@ -100,19 +100,19 @@ class Terms:
     # --- forces ---
 
     def room(self) -> list[Array]:
-        """For those of the forces that tangents take."""
+        """Arrays for the forces that tangents need."""
         return [term.room() for term in self._terms]
 
     def add_forces(self, H: Array, r: Array, kept: Sequence[Array] | None = None) -> None:
-        """Add all that depend on frames, but for those in the sum over joints, to ``r``.
+        """Add all forces that depend on frames, except those in the sum over joints, to ``r``.
 
         Args:
             H: Frames of all rows.
             r: Shape (≥ 6 count,).
-            kept: See :meth:`room`, overwritten; default: nothing is kept.
+            kept: Arrays of :meth:`room`, overwritten; default: forces are not stored.
 
         Raises:
-            ValueError: ``r`` has another shape, beyond which compiled sums would write.
+            ValueError: ``r`` is too short, and compiled sums would write beyond it.
         """
         if r.ndim != 1 or len(r) < self._size:
             raise ValueError(
@@ -130,10 +130,10 @@ class Terms:
             term.add_forces(H, nodal, None if kept is None else kept[k])
 
     def near(self, nodes: Flags) -> NearTerms | None:
-        """The forces of :meth:`add_forces` on some nodes alone, if that is less work.
+        """Forces of :meth:`add_forces` on some nodes only, if that is less work, or ``None``.
 
         Args:
-            nodes: Which, shape (count,).
+            nodes: Whether a node is needed, shape (count,).
         """
         others = [term.near(nodes) for _, term in self._apart]
         known = [other for other in others if other is not None]
@@ -142,13 +142,13 @@ class Terms:
         return NearTerms(of_some_cells(FormTable(*self.tables[0]), nodes), known)
 
     def add_viscous_forces(self, H: Array, v: Array, r: Array) -> None:
-        """Add those that depend on twists, with the same exception."""
+        """Add forces that depend on twists, except those in the sum over joints."""
         nodal = r[: self._size].reshape(-1, 6)
         for viscosity in self._viscous:
             viscosity.add_viscous_forces(H, v, nodal)
 
     def of_loads(self, H: Array) -> Array:
-        """Forces of all loads, as they act on the nodes, shape (count, 6)."""
+        """Forces of all load terms on the nodes, shape (count, 6)."""
         found = np.zeros((self._size // 6, 6))
         for term in self.loads:
             term.add_forces(H, found)
@@ -166,46 +166,46 @@ class Terms:
     # --- what states do not say ---
 
     def carry(self, H: Array, h: Array) -> None:
-        """Update all stresses along the increment ``h`` (6 count,) made from frames ``H``."""
+        """Update the independent stress along the increment ``h`` (6 count,) from frames ``H``."""
         for each in self._stresses:
             each.carry(H, h.reshape(-1, 6))
 
     def check_passage(self, start: Array, end: Array) -> None:
-        """Look whether surfaces went through each other in a step between frames."""
+        """Check whether surfaces passed through each other in a step between frames."""
         for each in self._passages:
             each.check_passage(start, end)
 
     def watch(self, start: Array, end: Array, h: float, middle: Array | None) -> None:
-        """Note a step of a scheme that does not conserve energy."""
+        """Record a step of a scheme that does not conserve energy."""
         for each in self._passages:
             each.watch(start, end, h, middle)
 
     def watched(self) -> list[Array]:
-        """What has been noted of steps, term by term."""
+        """Records of steps, term by term."""
         return [each.watched for each in self._passages]
 
     def watch_again(self, watched: Sequence[Array]) -> None:
-        """Have noted again what was :meth:`watched` once."""
+        """Restore the records of :meth:`watched`."""
         for passage, values in zip(self._passages, watched, strict=True):
             passage.watch_again(values)
 
     def accept(self, H: Array) -> None:
-        """Go on from frames ``H``."""
+        """Accept frames ``H`` as the state from which the next step starts."""
         for each in self._paths:
             each.accept(H)
 
     def carried(self) -> list[Array]:
-        """Copies of what each carries from iterate to iterate."""
+        """Copies of the history variables of the terms."""
         return [each.carried.copy() for each in self._stresses]
 
     def restore(self, carried: Sequence[Array]) -> None:
-        """Carry again what was carried when it was copied."""
+        """Restore the copies of :meth:`carried`."""
         for each, values in zip(self._stresses, carried, strict=True):
             each.restore(values)
 
     @contextmanager
     def unchanged(self) -> Iterator[None]:
-        """Carry in the end what was carried before: to look at a state changes nothing."""
+        """Context at whose end the history variables are restored, to evaluate a state."""
         carried = self.carried()
         try:
             yield
@@ -213,23 +213,23 @@ class Terms:
             self.restore(carried)
 
     def clear_stress(self) -> None:
-        """Make all carried stresses zero: a tangent without geometric stiffness."""
+        """Set the independent stress to zero: a tangent without geometric stiffness."""
         for each in self._stresses:
             each.clear_stress()
 
     def condense(self, H: Array) -> None:
-        """Solve for unknowns of cells at frames ``H``."""
+        """Solve for local unknowns of cells at frames ``H``."""
         for each in self._local:
             each.condense(H)
 
     def reset_stress(self, H: Array) -> None:
-        """Make all carried stresses the true ones at frames ``H``."""
+        """Reset the independent stress to that at frames ``H``."""
         for each in self._stresses:
             each.reset_stress(H)
 
 
 def _following(parts: Sequence[FollowingTable | None]) -> AttachedCells:
-    """All in one."""
+    """Cells with attached nodes of all terms in one record."""
     some = [part for part in parts if part is not None]
     first = [sum(len(part.master) for part in some[:k]) for k in range(len(some))]
     table = FormTable(*joined([part.table for part in some], first))
@@ -248,15 +248,15 @@ def terms_of(
     *,
     moving: bool,
 ) -> Terms:
-    """Elements and what is on their nodes, loads with a matrix, then what acts between bodies.
+    """Terms of elements, of loads with a stiffness, and between bodies, in this order.
 
     Args:
-        numbering: Of the nodes, with the assembled elements.
-        loads: On all nodes.
-        contacts: Between bodies, and with ground.
+        numbering: Numbering of the nodes, with the assembled elements.
+        loads: Load terms on all nodes.
+        contacts: Contacts between bodies, and with ground.
         joints: Sets of constraints, with springs and dampers.
-        damping: That goes with mass, of the master nodes.
-        kinds: Of the nodes that lead.
+        damping: Mass-proportional damping of the master nodes.
+        kinds: Types of the master nodes.
         moving: Whether there are velocities.
     """
     master_map, everywhere = numbering.master_map, slice(0, numbering.total)

@@ -1,4 +1,4 @@
-"""A term on nodes of bodies, seen from the nodes that these follow."""
+"""Terms of bodies on the master nodes of their nodes."""
 
 from __future__ import annotations
 
@@ -35,83 +35,83 @@ from fem_lie.system.terms.near import AttachedCells
 
 
 class AttachedTerm(Term):
-    """What a term on all nodes, or some, does on their master nodes.
+    """A term of bodies, transformed to the master nodes of its nodes.
 
     Attributes:
-        term: On nodes of bodies.
+        term: The term on nodes of bodies.
     """
 
     def __init__(self, term: Term, where: slice, master_map: MasterMap) -> None:
         """Find the master nodes.
 
         Args:
-            term: On nodes of bodies.
-            where: Which of all nodes its nodes are.
-            master_map: Which node follows which.
+            term: The term on nodes of bodies.
+            where: Slice of its nodes among all.
+            master_map: Master node of each node.
         """
         self.term, self.label = term, term.label
         self.load, self.of_bodies, self.turning = term.load, term.of_bodies, term.turning
         self.conserved, self._nodes = term.conserved, AttachedNodes(where, master_map)
         self.within_frames = term.within_frames
 
-    # --- what it has beside forces and a tangent ---
+    # --- abilities beside forces and a tangent ---
 
     @property
     def viscosity(self) -> ViscousForces | None:
-        """Those of the term."""
+        """Viscous forces of the term."""
         of = self.term.viscosity
         return None if of is None else AttachedViscosity(self.term, of, self._nodes)
 
     @property
     def stress_update(self) -> LinearisedStress | None:
-        """That of the term."""
+        """Linearised stress update of the term."""
         of = self.term.stress_update
         return None if of is None else AttachedStress(of, self._nodes)
 
     @property
     def local(self) -> LocalUnknowns | None:
-        """Those of the term."""
+        """Local unknowns of the term."""
         of = self.term.local
         return None if of is None else AttachedUnknowns(of, self._nodes)
 
     @property
     def path(self) -> PathDependence | None:
-        """That of the term."""
+        """Path dependence of the term."""
         of = self.term.path
         return None if of is None else AttachedPath(of, self._nodes)
 
     @property
     def passage(self) -> PassageCheck | None:
-        """That of the term."""
+        """Passage check of the term."""
         of = self.term.passage
         return None if of is None else AttachedPassage(of, self._nodes)
 
     @property
     def over_step(self) -> StepForces | None:
-        """Those of the term."""
+        """Forces of the term over a step."""
         of = self.term.over_step
         return None if of is None else AttachedStepForces(self.term, of, self._nodes)
 
     @property
     def low_rank(self) -> LowRankTangent | None:
-        """That of the term."""
+        """Low-rank tangent of the term."""
         of = self.term.low_rank
         return None if of is None else AttachedLowRank(of, self._nodes)
 
     @property
     def ground(self) -> GroundForces | None:
-        """Those of the term."""
+        """Forces of the term on ground."""
         of = self.term.ground
         return None if of is None else AttachedGround(of, self._nodes)
 
     @property
     def version(self) -> int:  # type: ignore[override]
-        """That of the term."""
+        """Version of the node pairs of the term."""
         return self.term.version
 
     @property
     def amplitude(self) -> float:
-        """That of the term."""
+        """Load amplitude of the term."""
         return self.term.amplitude
 
     @amplitude.setter
@@ -120,27 +120,27 @@ class AttachedTerm(Term):
 
     @property
     def pairs(self) -> Pairs:
-        """Master nodes of the term's."""
+        """Master nodes of the node pairs of the term."""
         return self._nodes.masters(self.term.pairs)
 
     @property
     def matrices(self) -> Sequence[CellMatrices]:
-        """Those of the term."""
+        """Cell matrices of the term."""
         return self.term.matrices
 
     @property
     def cells(self) -> Indices:
-        """Master nodes of the nodes of these, shape (m, k)."""
+        """Master nodes of the cells of the term, shape (m, k)."""
         return np.asarray(self._nodes.master[self.matrices[0].cells])
 
     # --- forces ---
 
     def room(self) -> Array:
-        """See the base class; on the term's nodes."""
+        """Array for the forces that the tangent needs, on the nodes of the term."""
         return self.term.room()
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """See the base class."""
+        """Add the forces at frames ``H``."""
         if self._nodes.direct:
             self.term.add_forces(H[self._nodes.where], out[self._nodes.where], kept)
             return
@@ -149,7 +149,7 @@ class AttachedTerm(Term):
         self._nodes.collect(forces, out)
 
     def near(self, nodes: Flags) -> AttachedCells | None:
-        """See the base class."""
+        """The same forces on some nodes alone, if that is less work."""
         if self.term.tables is None:
             return None
         table = of_some_cells(self.term.tables[0], nodes[self._nodes.master])
@@ -157,38 +157,38 @@ class AttachedTerm(Term):
 
     @property
     def following(self) -> FollowingTable | None:
-        """See the base class."""
+        """Forces as such a sum over nodes that follow those of the equations."""
         if self.term.tables is None or self._nodes.direct:
             return None
         return FollowingTable(self.term.tables[0], self._nodes.master, self._nodes.offset)
 
     def linear_forces(self, H: Array, kept: Array, h: Array) -> Array:
-        """See the base class; on the term's nodes."""
+        """Change of the forces of :meth:`room` along increments, on the nodes of the term."""
         return self.term.linear_forces(self._nodes.frames(H), kept, self._nodes.twists(h))
 
     def tangent(self, H: Array, kept: Array) -> Array:
-        """See the base class."""
+        """Derivative of the forces in the twists of the nodes, (pairs, 6, 6)."""
         return self._nodes.blocks(self.term.tangent(self._nodes.frames(H), kept), self.term.pairs)
 
     def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
-        """See the base class."""
+        """Add :meth:`tangent` to blocks of a larger matrix."""
         if self._nodes.direct:
             self.term.add_tangent(H[self._nodes.where], kept, place, K)
         else:
             super().add_tangent(H, kept, place, K)
 
     def geometric(self, H: Array) -> Array | None:
-        """See the base class."""
+        """What the derivative has beside :meth:`tangent`, of forces that are not carried."""
         blocks = self.term.geometric(self._nodes.frames(H))
         return None if blocks is None else self._nodes.blocks(blocks, self.term.pairs)
 
     def energy(self, H: Array) -> float:
-        """See the base class."""
+        """Stored energy, of which the forces are the gradient; of loads zero."""
         return self.term.energy(self._nodes.frames(H))
 
     @property
     def tables(self) -> tuple[FormTable, FormTable] | None:
-        """Those of the term, if its nodes lead."""
+        """Cell tables of the term, if all of its nodes are master nodes."""
         tables = self.term.tables
         if tables is None or not self._nodes.direct:
             return None
@@ -197,19 +197,19 @@ class AttachedTerm(Term):
 
     @property
     def contents(self) -> object:
-        """See the base class."""
+        """All that the forces are made of, but for the amplitude."""
         return self.term.contents
 
     @property
     def seen(self) -> Array:
-        """See the base class."""
+        """The places for which :attr:`pairs` were found; default: they stay."""
         return self.term.seen
 
     def see_again(self, seen: Array) -> None:
-        """See the base class."""
+        """Have the pairs again that there were when :attr:`seen` was copied."""
         self.term.see_again(seen)
 
     @property
     def pieces(self) -> PushedPieces | None:
-        """Those of the term, on nodes of bodies."""
+        """Pressure segments of the term, on nodes of bodies."""
         return self.term.pieces

@@ -1,4 +1,4 @@
-"""What a term on nodes of bodies has beside its forces, seen from the master nodes."""
+"""Abilities of terms of bodies, transformed to the master nodes of their nodes."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from fem_lie.system.terms.attached_nodes import AttachedNodes
 
 
 class AttachedViscosity(ViscousForces):
-    """Viscous forces of a term."""
+    """Viscous forces of a term on master nodes."""
 
     def __init__(self, term: Term, of: ViscousForces, nodes: AttachedNodes) -> None:
-        """Keep the term, its viscous forces and its nodes."""
+        """Store the term, its viscous forces and its nodes."""
         self._term, self._of, self._nodes, self.in_space = term, of, nodes, of.in_space
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
-        """See the base class."""
+        """Add the forces at twists ``v`` (≥ nodes that move, 6)."""
         nodes = self._nodes
         if nodes.direct:
             self._of.add_viscous_forces(H[nodes.where], v[nodes.where], out[nodes.where])
@@ -40,7 +40,7 @@ class AttachedViscosity(ViscousForces):
         nodes.collect(forces, out)
 
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
-        """See the base class."""
+        """Their derivatives in the twists, and in those of frames if that is not left out."""
         nodes, pairs = self._nodes, self._term.pairs
         by_twists, by_frames = self._of.viscous_tangent(nodes.frames(H), nodes.twists(v))
         in_frames = None if by_frames is None else nodes.blocks(by_frames, pairs)
@@ -48,134 +48,134 @@ class AttachedViscosity(ViscousForces):
 
     @property
     def rates(self) -> tuple[Indices, Indices, Array] | None:
-        """None: the matrix would be that of other nodes."""
+        """``None``: the matrix of the term is on other nodes."""
         return None
 
 
 class AttachedStress(LinearisedStress):
-    """Stress of a term."""
+    """Independent stress of a term on master nodes."""
 
     def __init__(self, of: LinearisedStress, nodes: AttachedNodes) -> None:
-        """Keep the stress and its nodes."""
+        """Store the stress and the nodes."""
         self._of, self._nodes = of, nodes
 
     @property
     def carried(self) -> Array:
-        """See the base class."""
+        """Present values, flat."""
         return self._of.carried
 
     def restore(self, carried: Array) -> None:
-        """See the base class."""
+        """Have the values again that :attr:`carried` had when it was copied."""
         self._of.restore(carried)
 
     def carry(self, H: Array, h: Array) -> None:
-        """See the base class."""
+        """Update to the end of the increment ``h`` (n, 6), from frames ``H``."""
         self._of.carry(self._nodes.frames(H), self._nodes.twists(h))
 
     def reset_stress(self, H: Array) -> None:
-        """See the base class."""
+        """Have the values of frames ``H``."""
         self._of.reset_stress(self._nodes.frames(H))
 
     def clear_stress(self) -> None:
-        """See the base class."""
+        """Have none: a tangent without geometric stiffness."""
         self._of.clear_stress()
 
 
 class AttachedUnknowns(LocalUnknowns):
-    """Unknowns of the cells of a term."""
+    """Local unknowns of the cells of a term on master nodes."""
 
     def __init__(self, of: LocalUnknowns, nodes: AttachedNodes) -> None:
-        """Keep them and their nodes."""
+        """Store the unknowns and the nodes."""
         self._of, self._nodes = of, nodes
 
     def condense(self, H: Array) -> None:
-        """See the base class."""
+        """Solve for them at frames ``H``."""
         self._of.condense(self._nodes.frames(H))
 
 
 class AttachedPath(PathDependence):
-    """What a term knows of accepted states."""
+    """Path dependence of a term on master nodes."""
 
     def __init__(self, of: PathDependence, nodes: AttachedNodes) -> None:
-        """Keep it and its nodes."""
+        """Store the path dependence and the nodes."""
         self._of, self._nodes, self.friction = of, nodes, of.friction
 
     def accept(self, H: Array) -> None:
-        """See the base class."""
+        """Accept the state with frames ``H``."""
         self._of.accept(self._nodes.frames(H))
 
 
 class AttachedPassage(PassageCheck):
-    """Checks of the steps of a term."""
+    """Passage check of a term on master nodes."""
 
     def __init__(self, of: PassageCheck, nodes: AttachedNodes) -> None:
-        """Keep them and their nodes."""
+        """Store the check and the nodes."""
         self._of, self._nodes = of, nodes
 
     def check_passage(self, start: Array, end: Array) -> None:
-        """See the base class."""
+        """Look whether surfaces went through each other."""
         self._of.check_passage(self._nodes.frames(start), self._nodes.frames(end))
 
     def watch(self, start: Array, end: Array, h: float, middle: Array | None) -> None:
-        """See the base class."""
+        """Note a step of a scheme that does not conserve energy."""
         nodes = self._nodes
         half = None if middle is None else nodes.frames(middle)
         self._of.watch(nodes.frames(start), nodes.frames(end), h, half)
 
     @property
     def watched(self) -> Array:
-        """See the base class."""
+        """What :meth:`watch` has noted, flat."""
         return self._of.watched
 
     def watch_again(self, watched: Array) -> None:
-        """See the base class."""
+        """Have noted again what was :attr:`watched` once."""
         self._of.watch_again(watched)
 
 
 class AttachedStepForces(StepForces):
-    """Forces of a term over a step: on nodes of bodies; frames ``H`` are those of master nodes."""
+    """Forces of a term over a step, on nodes of bodies; frames ``H`` are those of master nodes."""
 
     def __init__(self, term: Term, of: StepForces, nodes: AttachedNodes) -> None:
-        """Keep the term, its forces over a step and its nodes."""
+        """Store the term, its forces over a step and its nodes."""
         self._term, self._of, self._nodes, self.steady = term, of, nodes, of.steady
 
     def add_over_step(self, ends: Ends, out: Array, ground: Array) -> Done:
-        """See the base class."""
+        """Add the forces."""
         return self._of.add_over_step(ends, out, ground)
 
     def tangent_over_step(self, ends: Ends, H: Array) -> Array:
-        """See the base class."""
+        """Twice the derivative of these in twists at the end, in frames ``H`` at the midpoint."""
         blocks = self._of.tangent_over_step(ends, self._nodes.frames(H))
         return self._nodes.blocks(blocks, self._term.pairs)
 
     def overlaps(self, H: Array) -> bool:
-        """See the base class."""
+        """Whether there are any such forces at frames ``H``."""
         return self._of.overlaps(self._nodes.frames(H))
 
 
 class AttachedLowRank(LowRankTangent):
-    """Few rows of a term's tangent."""
+    """Low-rank tangent of a term on master nodes."""
 
     def __init__(self, of: LowRankTangent, nodes: AttachedNodes) -> None:
-        """Keep them and their nodes."""
+        """Store the tangent and the nodes."""
         self._of, self._nodes = of, nodes
 
     def stiff_rows(self, H: Array) -> StiffRows:
-        """See the base class."""
+        """What counts of the tangent, by few rows."""
         found = self._of.stiff_rows(self._nodes.frames(H))
         nodes, rows = self._nodes.rows(found.nodes, found.rows)
         return StiffRows(nodes, rows, found.stiffness)
 
 
 class AttachedGround(GroundForces):
-    """Forces of a term whose other side is ground."""
+    """Forces of a term on ground, from master nodes."""
 
     def __init__(self, of: GroundForces, nodes: AttachedNodes) -> None:
-        """Keep them and their nodes."""
+        """Store the forces and the nodes."""
         self._of, self._nodes = of, nodes
 
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
-        """See the base class."""
+        """Add those on nodes, at twists ``v``, whose other side is ground."""
         forces = np.zeros((len(self._nodes.master), 6))
         self._of.add_of_ground(self._nodes.frames(H), self._nodes.twists(v), forces)
         self._nodes.collect(forces, out)

@@ -1,4 +1,4 @@
-"""Nodes of bodies, and what they have from the nodes that these follow."""
+"""Nodes of bodies as functions of their master nodes."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from fem_lie.system.nodes.numbering import MasterMap, collect, expand, expand_tw
 
 
 class AttachedNodes:
-    """Some nodes of bodies, each rigidly attached to its master node or a master node itself.
+    """Nodes of bodies, each rigidly attached to its master node or a master node itself.
 
     Attributes:
         master: Master node of each, shape (k,).
         offset: Frame of each in that of its master node, shape (k, 4, 3).
-        direct: Whether all are master nodes, numbered in succession.
-        where: Which master nodes they are then.
+        direct: Whether all are master nodes with consecutive numbers.
+        where: Slice of the master nodes that they are then.
     """
 
     def __init__(self, where: slice, master_map: MasterMap) -> None:
         """Find the master nodes.
 
         Args:
-            where: Which of all nodes these are.
-            master_map: Which node follows which.
+            where: Slice of these nodes among all.
+            master_map: Master node of each node.
         """
         self.master, self.offset = master_map.master[where], master_map.offset[where]
         numbers = np.arange(len(master_map.master))[where]
@@ -37,7 +37,7 @@ class AttachedNodes:
         self.where = slice(first, first + len(self.master))
 
     def frames(self, H: Array) -> Array:
-        """Their frames, (k, 4, 3), from those of all master nodes."""
+        """Frames of these nodes, (k, 4, 3), from those of all master nodes."""
         if self.direct:
             return H[self.where]
         out = np.empty((len(self.master), 4, 3))
@@ -45,7 +45,7 @@ class AttachedNodes:
         return out
 
     def twists(self, v: Array) -> Array:
-        """Their twists, (k, 6)."""
+        """Twists of these nodes, (k, 6), from those of all master nodes."""
         if self.direct:
             return v[self.where]
         out = np.empty((len(self.master), 6))
@@ -69,7 +69,7 @@ class AttachedNodes:
         return np.asarray(self._turn[r].transpose(0, 2, 1) @ blocks @ self._turn[c])
 
     def rows(self, nodes: Indices, rows: Array) -> tuple[Indices, Array]:
-        """Rows ``b`` (m, s, 6) on nodes (m, s), −1 where there is none, on master nodes."""
+        """Rows ``b`` (m, s, 6) on nodes (m, s), −1: none, transformed to master nodes."""
         if self.direct:
             return np.where(nodes >= 0, nodes + self.where.start, -1), rows
         turned = np.einsum("msk,mskl->msl", rows, self._turn[nodes])

@@ -1,4 +1,4 @@
-"""Forces of terms on some of the master nodes, from the cells around these alone."""
+"""Forces of terms on some master nodes, from the cells around these only."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from fem_lie.system.nodes.sums import PlainAttached, add_attached
 
 
 class AttachedCells:
-    """Cells whose nodes follow others.
+    """Cells with rigidly attached nodes.
 
     Attributes:
-        plain: For :func:`~fem_lie.system.nodes.sums.add_following`.
+        plain: Arrays for :func:`~fem_lie.system.nodes.sums.add_attached`.
     """
 
     def __init__(self, table: FormTable, master: Indices, offset: Array) -> None:
-        """Keep the master nodes of their nodes.
+        """Store the master nodes.
 
         Args:
             table: The cells.
-            master: Of all nodes that the table numbers, shape (k,).
-            offset: Frames of these in their master nodes' frames, shape (k, 4, 3).
+            master: Master node of each node in the numbering of the table, shape (k,).
+            offset: Frames of these in those of their master nodes, shape (k, 4, 3).
         """
         used, nodes = np.unique(table.nodes, return_inverse=True)
         frames, forces = np.empty((len(used), 4, 3)), np.empty((len(used), 6))
@@ -33,25 +33,25 @@ class AttachedCells:
         self.plain: PlainAttached = master[used], offset[used], frames, forces, *cells
 
     def add_forces(self, H: Array, out: Array) -> None:
-        """See the protocol."""
+        """Add the forces of the cells to ``out``."""
         if len(self.plain[0]):
             add_attached(H, self.plain, out.reshape(-1))
 
 
 class NearTerms:
-    """Those of several terms."""
+    """Cells of several terms around some nodes."""
 
     def __init__(self, cells: FormTable, others: Sequence[NearCells]) -> None:
-        """Keep them.
+        """Store the cells.
 
         Args:
-            cells: Of nodes that lead.
-            others: All others.
+            cells: Cells of master nodes.
+            others: All other cells.
         """
         self._cells, self._others = (cells.rows, cells.nodes), tuple(others)
 
     def add_forces(self, H: Array, out: Array) -> None:
-        """See the protocol."""
+        """Add the forces of the cells to ``out``."""
         if len(self._cells[0]):
             add_cells(H, self._cells, 6, out.reshape(-1))
         for other in self._others:

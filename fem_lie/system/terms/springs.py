@@ -1,7 +1,7 @@
-"""Springs and dampers along joint coordinates, and mass-proportional damping.
+"""Springs and dampers along joint coordinates, and mass-proportional damping, as terms.
 
-Their forces, and what becomes of these as coordinates turn, are summed with those of the joints, in
-one loop over one table (:mod:`fem_lie.system.constraint_sets`); here they stand by themselves.
+The compiled loop over joints (:mod:`fem_lie.system.constraint_sets`) includes the forces and the
+geometric stiffness of springs; as terms here they stand by themselves.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from fem_lie.system.nodes.sums import add_mass_damping
 
 @compiled
 def _add_turned(kinds: Indices, H: Array, f: Array, diagonal: Indices, blocks: Array) -> None:
-    """``blocks += ∂(Lᵀ f)/∂h`` of each node."""
+    """Add ``∂(Lᵀ f)/∂h`` of each node to ``blocks``."""
     for i in range(f.shape[0]):
         if diagonal[i] >= 0:
             pull_back_derivative(kinds[i], H[i], f[i], 1.0, blocks[diagonal[i]])
 
 
 class MassDamping(Term, ViscousForces):
-    """Forces ``Lᵀ D q̇`` with a constant matrix ``D`` of (x, d₁, d₂, d₃) of the master nodes."""
+    """Forces ``Lᵀ D q̇`` with a constant matrix ``D`` on (x, d₁, d₂, d₃) of the master nodes."""
 
     label, in_space, conserved = "damping of mass", True, True
 
     def __init__(self, D: Inertia, kinds: Indices) -> None:
-        """Keep the matrix, and what the nodes are."""
+        """Store the matrix and the types of the nodes."""
         self._kinds = at_rest(kinds)
         self._D, self._count = D, len(D.indptr) - 1
         self._rows = np.repeat(np.arange(self._count), np.diff(D.indptr))
@@ -44,32 +44,32 @@ class MassDamping(Term, ViscousForces):
 
     @property
     def viscosity(self) -> ViscousForces:
-        """All forces."""
+        """The term itself: all of its forces are viscous."""
         return self
 
     @property
     def pairs(self) -> Pairs:
-        """Those of the matrix."""
+        """Node pairs of the matrix."""
         return self._rows, self._D.indices
 
     @property
     def rates(self) -> tuple[Indices, Indices, Array]:
-        """The matrix."""
+        """The matrix ``D``."""
         return self._D.plain
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """There are none at rest."""
+        """Add nothing: there are no forces at rest."""
 
     def tangent(self, H: Array, kept: Array) -> Array:
         """Zero."""
         return np.zeros((len(self._rows), 6, 6))
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
-        """See the base class."""
+        """Add the forces at twists ``v`` (≥ nodes that move, 6)."""
         self._forces(H, v, out)
 
     def _forces(self, H: Array, v: Array, out: Array) -> Array:
-        """Adds them, and returns ``D q̇``, shape (n, 4, 3)."""
+        """Add the forces to ``out``, and return ``D q̇``, shape (n, 4, 3)."""
         f = np.zeros((self._count, 4, 3))
         add_mass_damping(self._kinds, H, v, self._D.plain, self._work, f, out.reshape(-1))
         return f
@@ -87,17 +87,17 @@ class MassDamping(Term, ViscousForces):
 
 
 class _Along(Term):
-    """What acts along coordinates: a set of constraints whose multipliers are zero."""
+    """Springs or dampers along coordinates: a set of constraints with zero multipliers."""
 
     within_joints, conserved = True, True
 
     def __init__(self, joints: ConstraintSet, count: int, m: int) -> None:
-        """Find the pairs of nodes.
+        """Find the node pairs.
 
         Args:
-            joints: The set that has the springs.
-            count: Nodes that move.
-            m: Constraints of all sets.
+            joints: The set of constraints with the springs.
+            count: Number of moving nodes.
+            m: Number of constraints of all sets.
         """
         self._joints, self._count, self._none = joints, count, np.zeros(m)
         rows, columns = joints.pairs
@@ -107,7 +107,7 @@ class _Along(Term):
 
     @property
     def pairs(self) -> Pairs:
-        """Those of the joints that have any."""
+        """Node pairs of the joints with springs or dampers."""
         return self._pairs
 
     def _forces(self, H: Array, v: Array) -> Array:
@@ -125,7 +125,7 @@ class Springs(_Along):
     label = "springs"
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """See the base class."""
+        """Add the forces at frames ``H``."""
         out[: self._count] += self._forces(H, np.zeros((self._count, 6)))
 
     def tangent(self, H: Array, kept: Array) -> Array:
@@ -152,23 +152,23 @@ class Dampers(_Along, ViscousForces):
 
     @property
     def viscosity(self) -> ViscousForces:
-        """All forces."""
+        """The term itself: all of its forces are viscous."""
         return self
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """There are none at rest."""
+        """Add nothing: there are no forces at rest."""
 
     def tangent(self, H: Array, kept: Array) -> Array:
         """Zero."""
         return self._blocks()
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
-        """See the base class."""
+        """Add the forces at twists ``v`` (≥ nodes that move, 6)."""
         still = np.zeros((self._count, 6))
         out[: self._count] += self._forces(H, v) - self._forces(H, still)
 
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
-        """``c bᵀb``; how ``b`` turns is left out."""
+        """``c bᵀb``; the derivative of ``b`` is neglected."""
         blocks = self._blocks()
         self._joints.stiffen(H, self._place, 0.0, 1.0, blocks)
         return blocks, None
