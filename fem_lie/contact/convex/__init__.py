@@ -1,1 +1,1 @@
-"""Convex polyhedra that touch each other and balls: separating axes and contact manifolds."""
+"""Contact of convex polyhedra and balls: separating axes and contact manifolds."""

@@ -1,11 +1,12 @@
-"""Gaps of pairs of contact points, vertices and edges of polyhedra among them: compiled.
+"""Gaps of pairs of contact points, including vertices and edges of polyhedra: compiled.
 
-Beside balls and planes (:mod:`fem_lie.contact.sides.kinematics`), with ``t`` along an edge::
+In addition to balls and planes (:mod:`fem_lie.contact.sides.kinematics`), with ``t`` along an
+edge::
 
-    edges    g = n·(P − Q),  n = ± t_A × t_B / |t_A × t_B|,  P and Q where the lines are nearest
+    edges    g = n·(P − Q),  n = ± t_A × t_B / |t_A × t_B|,  P and Q the closest points of the lines
     line     g = |P − Q| − r_A,  Q the foot of the ball on the line of an edge
 
-Both gaps change by ``n·(δP − δQ)`` alone, for the distance is stationary in the nearest points. An
+Both gaps vary by ``n·(δP − δQ)`` only, for the distance is stationary in the closest points. An
 edge is stored as its midpoint, with half of the edge as second vector and a vector out of its
 polyhedron as third.
 """
@@ -23,10 +24,10 @@ from fem_lie.lie.motions import global_components, local_components
 from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, plus, scaled
 
 ROUND, PLANE, EDGES, LINE, INACTIVE = range(5)
-"""A ball and a ball; a ball, a point and a plane; two edges; a ball and an edge; nothing."""
+"""Kinds of pairs: two balls; a ball or point and a plane; two edges; a ball and an edge; none."""
 
 MIDDLE, HALF, OUTWARDS = range(3)
-"""Vectors of an edge: its midpoint, half of it, and out of the polyhedron."""
+"""Vectors of an edge: its midpoint, half of the edge, and a vector out of the polyhedron."""
 
 
 @inlined_uncounted
@@ -38,7 +39,7 @@ def _edge_vector(H: Array, side: Side, i: int, k: int) -> Vector:
 
 @inlined_uncounted
 def nearest_of_lines(P: Vector, s: Vector, Q: Vector, t: Vector) -> tuple[Vector, Vector]:
-    """Nearest points of two lines, through ``P`` along ``s`` and through ``Q`` along ``t``."""
+    """Closest points of two lines, through ``P`` along ``s`` and through ``Q`` along ``t``."""
     separation = minus(P, Q)
     ss, tt, st = dot(s, s), dot(t, t), dot(s, t)
     a, b = dot(s, separation), dot(t, separation)
@@ -52,7 +53,7 @@ def nearest_of_lines(P: Vector, s: Vector, Q: Vector, t: Vector) -> tuple[Vector
 def _gap_of_edges(
     H: Array, a: Side, b: Side, i: int, j: int, kind: int
 ) -> tuple[float, Vector, Vector]:
-    """:func:`gap_of` of edges, which is called: merged into loops over all pairs it slows these."""
+    """:func:`gap_of` for edges; not inlined, because that would slow loops over all pairs."""
     P = position(H, a, i)
     if kind == INACTIVE:
         return np.inf, (0.0, 0.0, 1.0), P
@@ -82,7 +83,7 @@ def gap_of(H: Array, a: Side, b: Side, i: int, j: int, kind: int) -> tuple[float
 def _slot_of_edges(
     H: Array, a: Side, b: Side, i: int, j: int, kind: int, P: Vector, s: int
 ) -> tuple[int, float, float, Vector]:
-    """:func:`slot_of` of edges, likewise."""
+    """:func:`slot_of` for edges; not inlined either."""
     first = s < MOST_NODES
     node = a.nodes[i, s] if first else b.nodes[j, s - MOST_NODES]
     sign = 1.0 if first else -1.0
@@ -99,7 +100,7 @@ def _slot_of_edges(
 def slot_of(
     H: Array, a: Side, b: Side, i: int, j: int, kind: int, P: Vector, s: int
 ) -> tuple[int, float, float, Vector]:
-    """Node of a slot, sign, weight and moment arm; of planes and edges that of the foot."""
+    """Node of a slot, sign, weight and moment arm; of planes and edges, at the foot."""
     if kind <= PLANE:
         return slot(H, a, b, i, j, kind == PLANE, P, s)
     return _slot_of_edges(H, a, b, i, j, kind, P, s)
@@ -109,6 +110,6 @@ def slot_of(
 def set_gaps_of(
     H: Array, a: Side, b: Side, pairs: Indices, kinds: Indices, first: int, out: Array
 ) -> None:
-    """Gaps of all pairs of contact points from one on, shape (m,)."""
+    """Gaps of all pairs of contact points from ``first`` on, shape (m,)."""
     for c in range(first, pairs.shape[0]):
         out[c], _, _ = gap_of(H, a, b, pairs[c, 0], pairs[c, 1], kinds[c])

@@ -1,9 +1,10 @@
-"""The contact manifold of two polyhedra: which points and edges may touch in a step; compiled.
+"""The contact manifold of two polyhedra: points and edges that may touch in a step; compiled.
 
-Along the normal of a face the face opposite is clipped by the sides of that face (I. Sutherland &
-G. Hodgman, Commun. ACM 17 (1974) 32): its vertices and the points where its edges leave are points
-of one polyhedron that may not penetrate the plane of the other. Along a common normal of edges the
-manifold is these two edges. Features stay the same in a step; gaps follow their motion exactly.
+Along the normal of a face the opposite face is clipped by the sides of that face (I. Sutherland &
+G. Hodgman, Commun. ACM 17 (1974) 32). The vertices of the clipped polygon are points of one
+polyhedron that must not penetrate the plane of the other. Along a common normal of edges the
+manifold consists of these two edges. Features are constant in a step; gaps follow their motion
+exactly.
 """
 
 from __future__ import annotations
@@ -22,18 +23,19 @@ from fem_lie.contact.sides.table import Side
 from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, scaled, store_row
 
 _REACH = 0.1
-"""Distance over the size of a polyhedron beyond which nothing is looked for."""
+"""Distance relative to the size of a polyhedron beyond which there is no contact manifold."""
 
 _SAME = 1e-6
-"""Part of the size within which a vertex lies on the edge of a face."""
+"""Distance relative to the size within which a vertex lies on the edge of a face."""
 
 _LIKELY = 1e-4
-"""Part of the size by which edges, or the faces of the first, have to be farther apart."""
+"""Preference, relative to the size, for faces over edges, and for faces of the second
+polyhedron."""
 
 
 @uncounted
 def _clip(shapes: Polyhedra, n: Vector, face: int, count: int, slack: float) -> tuple[int, int]:
-    """Clip the first polygon by the sides of a face; returns its workspace and its size."""
+    """Clip the first polygon by the sides of a face; return its workspace and its size."""
     P, marks, now = shapes.polygon, shapes.marks, 0
     begin, end = shapes.begins[face], shapes.begins[face + 1]
     for side in range(begin, end):
@@ -50,7 +52,7 @@ def _clip(shapes: Polyhedra, n: Vector, face: int, count: int, slack: float) -> 
             if here <= slack:
                 store_row(P[to], found, x)
                 marks[to, found, 0] = marks[now, i, 0]
-                # on the side itself it goes on along that
+                # a vertex on the side itself is kept
                 along = leaves and here >= -slack
                 marks[to, found, 1] = -1 - side if along else marks[now, i, 1]
                 found += 1
@@ -79,7 +81,7 @@ def _face_manifold(
     b: Side,
     ids: Indices,
 ) -> int:
-    """Points of a polyhedron in front of a face of another one, in slots; how many there are."""
+    """Set the points of a polyhedron in front of a face of another one; return their number."""
     n = load_row(shapes.N, face)
     opposite, least = shapes.first[other, 1], np.inf
     for g in range(shapes.first[other, 1], shapes.first[other + 1, 1]):
@@ -123,7 +125,7 @@ def _set_of_two(
     b: Side,
     ids: Indices,
 ) -> None:
-    """The contact manifold of two polyhedra, into slots that are empty."""
+    """Set the contact manifold of two polyhedra, in empty slots."""
     one, two = shapes.pairs[m, 0], shapes.pairs[m, 1]
     X, N, first, at = shapes.X, shapes.N, shapes.first, shapes.at
     size = min(shapes.centres.radii[one], shapes.centres.radii[two])
@@ -163,16 +165,16 @@ def set_manifolds(
     b: Side,
     impulses: Array,
 ) -> None:
-    """Contact manifolds at frames ``H``, into the slots of all polyhedra.
+    """Set the contact manifolds of all polyhedra at frames ``H``.
 
     Args:
         H: Frames, shape (n, 4, 3).
-        shapes: Who may touch whom.
+        shapes: Polyhedra and pairs of them.
         pairs: All pairs of contact points, shape (M, 2).
-        kinds: What these are, shape (M,); those of slots are overwritten.
+        kinds: Kinds of the pairs, shape (M,); those of slots are overwritten.
         a: First points; those of slots are overwritten.
-        b: Second points, likewise.
-        impulses: Of all pairs, shape (M, 3); those of slots go with what is in them.
+        b: Second points; those of slots are overwritten.
+        impulses: Impulses of all pairs, shape (M, 3); those of slots are moved with their features.
     """
     positions(H, shapes.corners, shapes.X)
     for face in range(shapes.N.shape[0]):

@@ -1,4 +1,4 @@
-"""What of a polyhedron is nearest to a ball: a face, an edge or a corner; compiled."""
+"""The feature of a polyhedron that is closest to a ball: a face, an edge or a corner; compiled."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def set_of_ball(
     b: Side,
     ids: Indices,
 ) -> None:
-    """What of a polyhedron is nearest to a ball, into its slot."""
+    """Set the feature of a polyhedron that is closest to a ball, in its slot."""
     two, c = shapes.pairs[m, 1], shapes.slots[m]
     i, j = pairs[c, 0], pairs[c, 1]
     x, nearest, best = position(H, a, i), -1, -np.inf

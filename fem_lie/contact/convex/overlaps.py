@@ -1,4 +1,4 @@
-"""By how much polyhedra overlap."""
+"""Overlap of polyhedra."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from fem_lie.contact.sides.table import Nodes, joined_sides
 
 
 def overlap_of(pairs: Sequence[PolyhedronPair], nodes: Nodes, H: Array) -> tuple[float, float]:
-    """The largest overlap of pairs, or 0, and the least size of what touches.
+    """The largest overlap of pairs, or 0, and the least size of the bodies in contact.
 
     Args:
-        pairs: Who may touch whom.
-        nodes: Numbers of a body's nodes.
+        pairs: Pairs that may touch.
+        nodes: Gives the numbers of the nodes of a body in the scene.
         H: Frames, shape (n, 4, 3).
     """
     polyhedra = polyhedra_of(pairs, nodes, None)

@@ -1,4 +1,4 @@
-"""Polyhedra that have gone through each other or through balls within a step: compiled."""
+"""Polyhedra that passed through each other or through balls within a step: compiled."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from fem_lie.contact.sides.table import Side
 from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
 
 _MOST = 1000
-"""Positions on the path that are checked, at most."""
+"""Largest number of positions on the path that are checked."""
 
 _TOUCHING, _DEEP = 1e-6, 0.25
-"""Overlaps over the thickness of both: at an end of a step, and of what does not only graze."""
+"""Overlaps relative to the thickness of both: at an end of a step, and of more than a graze."""
 
 
 @inlined_uncounted
@@ -27,7 +27,7 @@ def _shift(X: Array, corners: tuple[int, int], by: Vector) -> None:
 
 @uncounted
 def _separation(shapes: Polyhedra, one: int, two: int, centre: Vector) -> float:
-    """Of two polyhedra where their corners are, negative where they overlap."""
+    """Separation of two polyhedra at present positions of their corners; overlap is negative."""
     X, N, first, at = shapes.X, shapes.N, shapes.first, shapes.at
     corners = (first[one, 0], first[one + 1, 0]), (first[two, 0], first[two + 1, 0])
     faces = (first[one, 1], first[one + 1, 1]), (first[two, 1], first[two + 1, 1])
@@ -39,7 +39,7 @@ def _separation(shapes: Polyhedra, one: int, two: int, centre: Vector) -> float:
 
 @inlined_uncounted
 def _height(shapes: Polyhedra, two: int, x: Vector) -> float:
-    """Height of a point over the faces of a polyhedron, negative within."""
+    """Height of a point above the faces of a polyhedron, negative inside."""
     found = -np.inf
     for face in range(shapes.first[two, 1], shapes.first[two + 1, 1]):
         separation = minus(x, load_row(shapes.X, shapes.at[face]))
@@ -49,14 +49,14 @@ def _height(shapes: Polyhedra, two: int, x: Vector) -> float:
 
 @uncounted
 def first_passed(before: Array, H: Array, shapes: Polyhedra, pairs: Indices, a: Side) -> int:
-    """The first slot of a pair that is apart at both ends of a step and was not in between, or −1.
+    """The first slot of a pair that is separate at both ends of a step but overlaps within, or −1.
 
-    The second one moves straight to its final position, with its orientation at the end.
+    The second body moves straight to its final position, with its orientation at the end.
 
     Args:
         before: Frames at the start of the step.
-        H: At its end.
-        shapes: Who may touch whom.
+        H: Frames at the end of the step.
+        shapes: Polyhedra and pairs of them.
         pairs: All pairs of contact points.
         a: First points.
     """

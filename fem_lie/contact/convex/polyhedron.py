@@ -1,4 +1,4 @@
-"""A convex polyhedron: faces and edges of its hull, and as a contact surface."""
+"""A convex polyhedron as a contact surface: faces and edges of the convex hull of its corners."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def hull_of(points: Array) -> Hull:
     """The convex hull of points (n, 3), in which each face is one polygon.
 
     Raises:
-        ValueError: They lie in a plane.
+        ValueError: The points lie in a plane.
     """
     try:
         hull = ConvexHull(points)
@@ -54,7 +54,7 @@ def hull_of(points: Array) -> Hull:
         raise ValueError(
             f"the corners of a polyhedron must not lie in a plane, got {len(points)} points"
         ) from error
-    # triangles of one face in turn, each corner by its number among those of the hull
+    # for each face: its triangles, with corners numbered as in the hull
     number = np.full(len(points), -1)
     used = np.unique(hull.simplices)
     number[used] = np.arange(len(used))
@@ -72,7 +72,7 @@ def hull_of(points: Array) -> Hull:
 
 
 def _around(corners: Array, normal: Array, members: list[int]) -> Indices:
-    """Corners of a face in their order about its normal, without those within its edges."""
+    """Corners of a face in counter-clockwise order, without those inside its edges."""
     X = corners[members]
     first = X[0] - X.mean(axis=0)
     first = first - (first @ normal) * normal
@@ -83,7 +83,7 @@ def _around(corners: Array, normal: Array, members: list[int]) -> Indices:
 
 
 def _edges(loops: list[Indices]) -> Indices:
-    """Each edge once, along the loop of the first of its faces."""
+    """Each edge once, directed as in the loop of the first of its faces."""
     faces = {
         (int(a), int(b)): k
         for k, loop in enumerate(loops)
@@ -95,12 +95,12 @@ def _edges(loops: list[Indices]) -> Indices:
 
 @dataclass(frozen=True, eq=False)
 class ConvexPolyhedron(PolyhedralSurface):
-    """A convex polyhedron that is fixed to a point: the convex hull of its corners.
+    """Contact surface: a convex polyhedron, the convex hull of its corners, fixed to a point.
 
     Attributes:
-        point: What it is fixed to.
-        corners: In the axes of the point's frame, from the point, shape (n, 3), n ≥ 4; those within
-            the hull of the others are left out.
+        point: The point that it is fixed to.
+        corners: Corners relative to the point, in the axes of its frame, shape (n, 3), n ≥ 4.
+            Corners inside the hull of the others are ignored.
 
     Example:
         >>> wedge = fl.RigidBody(1.0, (0.1, 0.1, 0.1), position=(0, 0, 1))
@@ -113,7 +113,7 @@ class ConvexPolyhedron(PolyhedralSurface):
     corners: npt.ArrayLike
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` or ``ValueError`` for what is no point or polyhedron."""
+        """Raise ``TypeError`` or ``ValueError`` if an argument has a wrong type or value."""
         require_point(self.point, "ConvexPolyhedron: point")
         given = numbers(self.corners, "ConvexPolyhedron: corners")
         if given.ndim != 2 or given.shape[1] != 3 or len(given) < 4 or not np.isfinite(given).all():
@@ -128,7 +128,7 @@ class ConvexPolyhedron(PolyhedralSurface):
 
     @property
     def points(self) -> Sequence[Point]:
-        """One."""
+        """The point that it is fixed to."""
         return [self.point]
 
     @cached_property
@@ -136,9 +136,9 @@ class ConvexPolyhedron(PolyhedralSurface):
         return hull_of(numbers(self.corners, "ConvexPolyhedron: corners")).corners
 
     def balls(self) -> list[Ball]:
-        """Its corners, which touch planes."""
+        """The corners, which touch planes."""
         return [fixed_ball(self.point, 0.0, offset) for offset in self._offsets]
 
     def polyhedron(self) -> Polyhedron:
-        """Itself."""
+        """The polyhedron."""
         return polyhedron_at(self.point, [ball.position for ball in self.balls()])

@@ -1,8 +1,9 @@
-"""The separating axis of two convex polyhedra, and what is nearest to a ball: compiled.
+"""The separating axis of two convex polyhedra, and closest points of segments: compiled.
 
 The distance of two convex polyhedra along an axis is largest along the normal of a face of one of
 them or along the common normal of an edge of each (S. Gottschalk, M. Lin & D. Manocha, SIGGRAPH
-(1996) 171). Of edges those matter alone whose arcs on the Gauss map cross (D. Gregorius, GDC 2013).
+(1996) 171). Only pairs of edges whose arcs on the Gauss map cross need be checked (D. Gregorius,
+GDC 2013).
 """
 
 from __future__ import annotations
@@ -16,16 +17,16 @@ from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, plus, scaled
 
 _PARALLEL = 1e-3
-"""Sine of the angle of edges that have no common normal."""
+"""Sine of the angle below which edges have no common normal."""
 
 
 class FaceAxis(NamedTuple):
-    """Along the normal of a face.
+    """Separating axis along the normal of a face.
 
     Attributes:
-        separation: Distance of the other polyhedron from its plane, negative within.
-        face: Its number.
-        corner: The nearest corner of the other.
+        separation: Distance of the other polyhedron from the plane of the face, negative inside.
+        face: Number of the face.
+        corner: The closest corner of the other polyhedron.
     """
 
     separation: float
@@ -34,12 +35,12 @@ class FaceAxis(NamedTuple):
 
 
 class EdgeAxis(NamedTuple):
-    """Along the common normal of two edges.
+    """Separating axis along the common normal of two edges.
 
     Attributes:
-        separation: Their distance, negative where the polyhedra overlap.
+        separation: Distance of the edges, negative where the polyhedra overlap.
         first: Edge of the first polyhedron, −1: there is none.
-        second: Edge of the second one.
+        second: Edge of the second polyhedron.
     """
 
     separation: float
@@ -57,8 +58,8 @@ def face_axis(
         X: Corners, shape (V, 3).
         N: Normals of faces, shape (F, 3).
         at: A corner of each face, shape (F,).
-        faces: First face, and the one after the last.
-        corners: Likewise of the other polyhedron.
+        faces: First face of the one polyhedron, and the one after the last.
+        corners: First corner of the other polyhedron, and the one after the last.
     """
     best = FaceAxis(-np.inf, faces[0], corners[0])
     for face in range(faces[0], faces[1]):
@@ -98,8 +99,8 @@ def edge_axis(
         N: Normals of faces, shape (F, 3).
         edges: Both corners and both faces of each, shape (E, 4).
         first: First edge of one polyhedron, and the one after the last.
-        second: Likewise of the other.
-        centre: Any point within the first polyhedron.
+        second: First edge of the other, and the one after the last.
+        centre: Any point inside the first polyhedron.
     """
     best = EdgeAxis(-np.inf, -1, -1)
     for e in range(first[0], first[1]):
@@ -126,7 +127,7 @@ def edge_axis(
 
 @inlined_uncounted
 def nearest_on_segment(p: Vector, q: Vector, x: Vector) -> float:
-    """Where the point of a segment ``p q`` is that is nearest to ``x``, from 0 to 1."""
+    """Parameter, from 0 to 1, of the point of a segment ``p q`` that is closest to ``x``."""
     along = minus(q, p)
     return min(1.0, max(0.0, dot(along, minus(x, p)) / dot(along, along)))
 

@@ -1,4 +1,4 @@
-"""What is written into slots of contact manifolds, and whether a foot is on a face: compiled."""
+"""Features written into slots of contact manifolds, and the test for a foot on a face: compiled."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _fix(side: Side, i: int, of: Side, j: int) -> None:
 
 @inlined_uncounted
 def set_corner(shapes: Polyhedra, corner: int, side: Side, i: int) -> None:
-    """A corner into a slot."""
+    """Write a corner into a slot."""
     _fix(side, i, shapes.corners, corner)
     store_row(side.arms[i], MIDDLE, load_row(shapes.corners.arms[corner], 0))
 
@@ -43,7 +43,7 @@ def set_corner(shapes: Polyhedra, corner: int, side: Side, i: int) -> None:
 def set_point(
     H: Array, shapes: Polyhedra, corner: int, mark: int, x: Vector, side: Side, i: int
 ) -> None:
-    """A point of a polyhedron, one of whose vertices is given; a vertex if its mark says so."""
+    """Write a point of a polyhedron into a slot; a vertex if its mark says so."""
     if mark > 0:
         set_corner(shapes, mark - 1, side, i)
     else:
@@ -53,7 +53,7 @@ def set_point(
 
 @inlined_uncounted
 def set_plane(shapes: Polyhedra, face: int, side: Side, j: int) -> None:
-    """The plane of a face into a slot."""
+    """Write the plane of a face into a slot."""
     _fix(side, j, shapes.faces, face)
     store_row(side.arms[j], MIDDLE, load_row(shapes.faces.arms[face], 0))
     store_row(side.normals, j, load_row(shapes.faces.normals, face))
@@ -61,7 +61,7 @@ def set_plane(shapes: Polyhedra, face: int, side: Side, j: int) -> None:
 
 @inlined_uncounted
 def set_edge(H: Array, shapes: Polyhedra, edge: int, centre: Vector, side: Side, i: int) -> None:
-    """An edge of a polyhedron, of which an inner point is given, into a slot."""
+    """Write an edge into a slot; ``centre`` is a point inside the polyhedron."""
     start, end = shapes.edges[edge, 0], shapes.edges[edge, 1]
     _fix(side, i, shapes.corners, start)
     p, q, node = load_row(shapes.X, start), load_row(shapes.X, end), side.nodes[i, 0]

@@ -1,4 +1,4 @@
-"""Polyhedra that touch as arrays, for compiled code."""
+"""Polyhedra in contact as packed arrays, for compiled code."""
 
 from __future__ import annotations
 
@@ -13,34 +13,34 @@ from fem_lie.contact.sides.surfaces import Ball, Face, Polyhedron
 from fem_lie.contact.sides.table import Nodes, Side, balls_side, planes_side
 
 BITS = 2**24
-"""More than there are corners of faces."""
+"""More than the number of corners of faces."""
 
 
 class Polyhedra(NamedTuple):
-    """All polyhedra, and who may touch whom.
+    """All polyhedra, and the pairs that may touch.
 
-    A contact of two has a few pairs of points of its own, its slots, into which the contact
-    manifold of each step is written.
+    A contact of two polyhedra has a few pairs of points of its own, its slots, into which the
+    contact manifold of each step is written.
 
     Attributes:
-        corners: Of all polyhedra.
-        faces: Likewise.
-        centres: A point within each polyhedron, with the radius of the ball about it.
+        corners: Corners of all polyhedra.
+        faces: Faces of all polyhedra.
+        centres: A point inside each polyhedron, with the radius of the enclosing ball.
         first: First corner, face and edge of each polyhedron, and after the last, shape (p + 1, 3).
         edges: Both corners and both faces of each edge, shape (E, 4).
         loops: Corners of all faces, one face after the other.
-        begins: Where the loop of each face begins, and after the last, shape (F + 1,).
+        begins: First index of each face in ``loops``, and after the last, shape (F + 1,).
         at: A corner of each face, shape (F,).
         pairs: Polyhedra that may touch, −1 instead of the first: a ball, shape (m, 2).
-        thin: Sum of radii of balls within both of these, shape (m,).
-        slots: First slot of each of these among all pairs of points, and after the last, (m + 1,).
-        ids: What is in each slot, by which it is known again in the next step, shape (s,).
-        X: Corners now, shape (V, 3).
-        N: Normals of faces now, shape (F, 3).
+        thin: Sum of the radii of inscribed balls of each pair, shape (m,).
+        slots: First slot of each pair among all pairs of points, and after the last, (m + 1,).
+        ids: Identifier of the feature in each slot, for the next step, shape (s,).
+        X: Present corners, shape (V, 3).
+        N: Present normals of faces, shape (F, 3).
         polygon: Workspace for a polygon and the same one clipped, shape (2, ·, 3).
-        marks: What their corners and the edges from these are, shape (2, ·, 2).
-        impulses: Workspace for those of the last step, shape (·, 3).
-        known: Likewise for what was in the slots, shape (·,).
+        marks: Identifiers of their corners and of the edges from these, shape (2, ·, 2).
+        impulses: Workspace for the impulses of the last step, shape (·, 3).
+        known: Workspace for the features that were in the slots, shape (·,).
     """
 
     corners: Side
@@ -64,7 +64,7 @@ class Polyhedra(NamedTuple):
 
 
 class PolyhedronPair(NamedTuple):
-    """A polyhedron, and what touches it.
+    """A polyhedron, and a ball or polyhedron that touches it.
 
     Attributes:
         first: A ball, or a polyhedron.
@@ -101,14 +101,14 @@ class _Shape(NamedTuple):
 
     @property
     def inner(self) -> float:
-        """Radius of the ball about the centre within."""
+        """Radius of the inscribed ball about the centre."""
         middle = self.hull.corners.mean(axis=0)
         firsts = np.array([self.hull.corners[loop[0]] for loop in self.hull.loops])
         return float(((firsts - middle) * self.hull.normals).sum(axis=1).min())
 
     @property
     def longest(self) -> int:
-        """Corners of the face that has most."""
+        """Largest number of corners of a face."""
         return max(map(len, self.hull.loops))
 
 
@@ -117,11 +117,11 @@ def _shape_of(polyhedron: Polyhedron) -> _Shape:
 
 
 def slots_of(pair: PolyhedronPair, nodes: Nodes) -> tuple[Side, Side]:
-    """Points of the contact manifold of a pair, whatever it is: first and second ones.
+    """Points of the contact manifold of a pair: first and second ones.
 
     Args:
-        pair: Who may touch.
-        nodes: Numbers of a body's nodes.
+        pair: Pair that may touch.
+        nodes: Gives the numbers of the nodes of a body in the scene.
     """
     second = _shape_of(pair.second)
     corner = _farthest(second)
@@ -143,9 +143,10 @@ def polyhedra_of(
     """All polyhedra of pairs, each once, and workspace for their contact manifolds.
 
     Args:
-        pairs: Who may touch whom.
-        nodes: Numbers of a body's nodes.
-        on_masters: A side by the nodes that its nodes follow; default: none follows another.
+        pairs: Pairs that may touch.
+        nodes: Gives the numbers of the nodes of a body in the scene.
+        on_masters: Expresses a side by the master nodes of its nodes; default: no node is rigidly
+            attached to another.
     """
     found = {
         _key(each): _shape_of(each)
@@ -198,7 +199,7 @@ def _key(polyhedron: Polyhedron) -> tuple[object, ...]:
 def _slots(first: Ball | Polyhedron, second: Polyhedron) -> int:
     if isinstance(first, Ball):
         return 1
-    # a polygon clipped by another, and the nearest corner
+    # a polygon clipped by another, and the closest corner
     return _shape_of(first).longest + _shape_of(second).longest + 1
 
 

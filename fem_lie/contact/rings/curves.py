@@ -1,14 +1,14 @@
-"""Curves of ropes, and the places on them that are nearest to rings; compiled.
+"""Curves of ropes, and the points on them that are closest to rings; compiled.
 
-With ``P(σ)`` the curve, ``X`` a ring and ``Δ = P − X``, a place on the rope stays in the ring by
-``½ k d²`` of ``d² = min |Δ(σ)|²``, near the place where it was last. Over a step there is one
-place ``σ*`` between those of both ends, ``σ₀`` and ``σ₁``, where ::
+With the curve ``P(σ)``, a ring at ``X`` and ``Δ = P − X``, the rope is held in the ring by the
+energy ``½ k d²`` of ``d² = min |Δ(σ)|²``, the minimum near the last position. For a step there is a
+position ``σ*`` between those at both ends, ``σ₀`` and ``σ₁``, at which ::
 
     |Δ₁(σ*)|² − |Δ₀(σ*)|² = d₁² − d₀²
 
-since the difference of both sides is not negative at ``σ₀`` and not positive at ``σ₁``. So the
-force ``k Δ̄(σ*)`` between rope and ring at their mean places has neither resultant nor moment, and
-does exactly the work ``½ k (d₁² − d₀²)``.
+because the difference of both sides is not negative at ``σ₀`` and not positive at ``σ₁``. So the
+force ``k Δ̄(σ*)`` between rope and ring at their mean positions has neither resultant nor moment,
+and does exactly the work ``½ k (d₁² − d₀²)``.
 """
 
 from __future__ import annotations
@@ -22,24 +22,25 @@ from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.lie.tuples import Vector, combined, dot, load_row, minus, plus, scaled, store_row
 
 _TURNS = 60
-"""Iterations, at most: each at least halves."""
+"""Largest number of iterations; each at least halves the interval."""
 _KNOWN = 1e-15
-"""Part of a piece by which a place on it is known."""
+"""Accuracy of a position on a segment, relative to its length."""
 
 _THERE = 1e-14
-"""Likewise, by which a guess is the place itself."""
+"""Relative change below which a guess is accepted as the closest point."""
 
 
 class Ropes(NamedTuple):
-    """One rope and the rings on it.
+    """One rope and its rings.
 
     Attributes:
-        slots: Nodes that pieces depend on, −1: none, shape (m, 4).
-        powers: Of the factors of their rows 0 and 1, shape (m, 4, 2, 4).
-        starts: Unloaded length before each piece, and in all, shape (m + 1,).
+        slots: Nodes that segments depend on, −1: none, shape (m, 4).
+        powers: Polynomial coefficients of the weights of their coordinate vectors 0 and 1, (m, 4,
+            2, 4).
+        starts: Undeformed length before each segment, and in total, shape (m + 1,).
         rings: Nodes of the rings, −1: ground, shape (r,).
-        factors: Of their rows, of those on ground places, shape (r, 4).
-        kinds: Of all nodes of the bodies, by number.
+        factors: Weights of their coordinate vectors; positions on ground, shape (r, 4).
+        kinds: Types of all nodes of the bodies, by number.
     """
 
     slots: Indices
@@ -52,7 +53,7 @@ class Ropes(NamedTuple):
 
 @inlined_uncounted
 def set_curve(H: Array, ropes: Ropes, p: int, C: Array) -> None:
-    """Powers (4, 3) of a piece."""
+    """Polynomial coefficients (4, 3) of a segment."""
     C[:] = 0.0
     for a in range(4):
         node = ropes.slots[p, a]
@@ -65,34 +66,34 @@ def set_curve(H: Array, ropes: Ropes, p: int, C: Array) -> None:
 
 @inlined_uncounted
 def at(C: Array, s: float) -> Vector:
-    """A place."""
+    """Position on a segment."""
     a = combined(1.0, load_row(C, 2), s, load_row(C, 3))
     return combined(1.0, load_row(C, 0), s, combined(1.0, load_row(C, 1), s, a))
 
 
 @inlined_uncounted
 def slope(C: Array, s: float) -> Vector:
-    """Its derivative."""
+    """First derivative of the position."""
     a = combined(2.0, load_row(C, 2), 3.0 * s, load_row(C, 3))
     return combined(1.0, load_row(C, 1), s, a)
 
 
 @inlined_uncounted
 def bend(C: Array, s: float) -> Vector:
-    """And that of this."""
+    """Second derivative of the position."""
     return combined(2.0, load_row(C, 2), 6.0 * s, load_row(C, 3))
 
 
 @inlined_uncounted
 def between(C: Array, s: float, r: float) -> Vector:
-    """``P(s) − P(r)`` without the digits that both have in common."""
+    """``P(s) − P(r)`` without cancellation."""
     first = combined(1.0, load_row(C, 1), s + r, load_row(C, 2))
     return scaled(s - r, combined(1.0, first, s * s + s * r + r * r, load_row(C, 3)))
 
 
 @inlined_uncounted
 def ring(H: Array, ropes: Ropes, k: int) -> Vector:
-    """Place of a ring."""
+    """Position of a ring."""
     node, f = ropes.rings[k], ropes.factors[k]
     if node < 0:
         return f[1], f[2], f[3]
@@ -105,20 +106,20 @@ def ring(H: Array, ropes: Ropes, k: int) -> Vector:
 
 @inlined_uncounted
 def piece_of(ropes: Ropes, σ: float) -> int:
-    """The piece that a place is on."""
+    """Segment of a position on the rope."""
     p = int(np.searchsorted(ropes.starts, σ, side="right")) - 1
     return min(max(p, 0), int(ropes.slots.shape[0]) - 1)
 
 
 @inlined_uncounted
 def part_of(ropes: Ropes, p: int, σ: float) -> float:
-    """Where on the piece."""
+    """Parameter on the segment."""
     return (σ - ropes.starts[p]) / (ropes.starts[p + 1] - ropes.starts[p])
 
 
 @uncounted
 def foot(H: Array, ropes: Ropes, guess: float, X: Vector, C: Array) -> float:
-    """The place that is nearest to ``X``, downhill from a guess; ``C`` (4, 3) is overwritten."""
+    """Closest point to ``X``, by descent from a guess; ``C`` (4, 3) is overwritten."""
     last = ropes.slots.shape[0] - 1
     p = piece_of(ropes, guess)
     set_curve(H, ropes, p, C)
@@ -126,7 +127,7 @@ def foot(H: Array, ropes: Ropes, guess: float, X: Vector, C: Array) -> float:
     separation, t = minus(at(C, s), X), slope(C, s)
     f, df = dot(separation, t), dot(t, t) + dot(separation, bend(C, s))
     if df > 0.0 and abs(f) <= _THERE * df:
-        return guess  # by the sign of round-off it would look for another place beyond
+        return guess  # the sign of round-off must not start a search for another position
     back = f > 0.0
     low, high = (0.0, s) if back else (s, 1.0)
     while True:
@@ -175,7 +176,7 @@ def _moved(H: Array, ropes: Ropes, σ: float, to: float, C: Array) -> Vector:
 
 @inlined_uncounted
 def _further(moved: Vector, separation: Vector) -> float:
-    """By how much more the square of a distance is, ``|moved + separation|² − |separation|²``."""
+    """Difference of squared distances, ``|moved + apart|² − |apart|²``."""
     return dot(moved, combined(1.0, moved, 2.0, separation))
 
 
@@ -183,15 +184,15 @@ def _further(moved: Vector, separation: Vector) -> float:
 def position_between(
     start: Array, end: Array, ropes: Ropes, σ: Vector, separation: tuple[Vector, Vector], C: Array
 ) -> float:
-    """``σ*`` of a step.
+    """Position ``σ*`` of a step.
 
     Args:
-        start: Rows at its start.
-        end: At its end.
+        start: Nodal coordinates at the start.
+        end: Nodal coordinates at the end.
         ropes: The rope.
-        σ: Places at start and end; the third number counts for nothing.
-        separation: ``Δ`` there.
-        C: Room, (4, 3).
+        σ: Positions at start and end; the third component is unused.
+        separation: ``Δ`` at start and end.
+        C: Workspace, shape (4, 3).
     """
     a, b = σ[0], σ[1]
     known = _KNOWN * (ropes.starts[-1] - ropes.starts[0]) / ropes.slots.shape[0]
@@ -222,16 +223,16 @@ def position_between(
 
 @inlined_uncounted
 def _set_factors(ropes: Ropes, k: int, σ: float, out: tuple[Indices, Array, Array]) -> int:
-    """Factors of rows in ``Δ`` and in ``P'`` at a place, slots of the rope and the ring last.
+    """Weights of coordinate vectors in ``Δ`` and ``P'``; the last slot is the ring.
 
     Args:
         ropes: The rope.
         k: The ring.
-        σ: The place.
-        out: Nodes (5,), factors and their derivatives, (5, 4) each; overwritten.
+        σ: Position on the rope.
+        out: Nodes (5,), weights and their derivatives, (5, 4) each; overwritten.
 
     Returns:
-        The piece.
+        The segment.
     """
     nodes, W, by_place = out
     p = piece_of(ropes, σ)
@@ -252,7 +253,7 @@ def _set_factors(ropes: Ropes, k: int, σ: float, out: tuple[Indices, Array, Arr
 
 @inlined_uncounted
 def store_position(H: Array, ropes: Ropes, σ: float, C: Array, out: Array) -> None:
-    """``P``, ``P'`` and ``P''`` at a place, (3, 3)."""
+    """``P``, ``P'`` and ``P''`` at a position, shape (3, 3)."""
     p = piece_of(ropes, σ)
     set_curve(H, ropes, p, C)
     s, length = part_of(ropes, p, σ), ropes.starts[p + 1] - ropes.starts[p]
@@ -271,15 +272,15 @@ def set_pair(
     workspace: tuple[Array, Array],
     m: Array,
 ) -> tuple[Vector, float]:
-    """Factors of rows at a place, and ``m`` on the rows of the nodes, (5, 4, 3).
+    """Weights of coordinate vectors at a position, and ``m`` on these vectors, (5, 4, 3).
 
     Args:
-        H: Rows of nodes.
+        H: Nodal coordinates.
         ropes: The rope.
         k: The ring.
-        σ: The place on the rope.
+        σ: Position on the rope.
         G: See :func:`_set_factors`; overwritten.
-        workspace: Of shapes (4, 3) and (3, 3); overwritten.
+        workspace: Shapes (4, 3) and (3, 3); overwritten.
         m: Overwritten.
 
     Returns:

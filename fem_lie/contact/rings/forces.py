@@ -1,4 +1,4 @@
-"""What rings do on a rope, as a term: a spring without length that slides along it."""
+"""Contact forces of rings on a rope, as a term: springs of zero length that slide on it."""
 
 from __future__ import annotations
 
@@ -23,28 +23,28 @@ from fem_lie.forms.term import Pairs
 from fem_lie.lie.node_types import NodeType
 
 _BEYOND = 2
-"""Nodes on both sides of those that a place depends on, that the matrix knows of."""
+"""Number of nodes in the sparsity pattern on either side of those that a position depends on."""
 
 
 class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, GroundForces):
-    """The forces of one rope that runs through rings.
+    """Contact forces of one rope that runs through rings.
 
-    Where the rope was in its rings at the last accepted frames is carried, with the springs of
-    friction: a place is looked for from there, so that rings do not change over to another part of
-    the rope.
+    The positions of the rings on the rope at the last accepted frames are part of the state, with
+    the friction springs. The closest point is searched from there, so that rings do not jump to
+    another part of the rope.
     """
 
     label = "rings on a rope"
     conserved = steady = friction = True
 
     def __init__(self, rope: Rope, rings: Rings, law: CoulombLaw, nodes: Nodes) -> None:
-        """Find where rings are.
+        """Find the positions of the rings on the rope.
 
         Args:
-            rope: It.
-            rings: On it.
-            law: Numbers.
-            nodes: Numbers of a body's nodes.
+            rope: The rope.
+            rings: The rings.
+            law: Constants of the contact law.
+            nodes: Gives the numbers of the nodes of a body in the scene.
         """
         self._law, self._ropes = law, _ropes_of(rope, rings, nodes)
         self._path = nodes(rope.body)[rope.path]
@@ -62,28 +62,28 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
 
     @property
     def stress_update(self) -> LinearisedStress:
-        """Positions on the rope, and springs of friction."""
+        """State: positions on the rope, and friction springs."""
         return self
 
     @property
     def path(self) -> PathDependence:
-        """The same, of accepted states."""
+        """Path dependence by the same state."""
         return self
 
     @property
     def over_step(self) -> StepForces:
-        """All forces."""
+        """Forces of a step."""
         return self
 
     @property
     def ground(self) -> GroundForces | None:
-        """If a ring is on ground."""
+        """Forces on ground, if a ring is fixed to ground."""
         return self if self._grounded else None
 
     # --- the pattern ---
 
     def _look(self, feet: Array) -> None:
-        """Let the matrix have the nodes that places depend on."""
+        """Extend the sparsity pattern to the nodes that positions depend on."""
         last = len(self._path) - self._size
         low, high = self._reach[self._pieces(feet)].T
         first = self._first
@@ -93,19 +93,19 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
             self.version += 1
 
     def _pieces(self, feet: Array) -> Indices:
-        """Of the rope, that places are on."""
+        """Segments of the rope that positions are on."""
         inner = self._ropes.starts[1:-1]
         return np.searchsorted(inner, feet, side="right").astype(np.int64)
 
     @property
     def _windows(self) -> Indices:
-        """Nodes of the rope and the ring, those that do not move left out: −1, (r, c)."""
+        """Nodes of the rope and the ring, −1 for ground, shape (r, c)."""
         along = self._path[self._first[:, np.newaxis] + np.arange(self._size)]
         return np.column_stack([along, self._ropes.rings])
 
     @property
     def pairs(self) -> Pairs:
-        """See the base class; of rings on ground another node stands in."""
+        """Pairs of nodes; another node stands in for a ring on ground."""
         windows = self._windows
         windows[:, -1] = np.where(windows[:, -1] < 0, windows[:, 0], windows[:, -1])
         count = windows.shape[1]
@@ -116,11 +116,11 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
 
     @property
     def seen(self) -> Array:
-        """See the base class."""
+        """State of the sparsity pattern, for checkpoints."""
         return np.repeat(self._first[:, np.newaxis].astype(np.float64), 3, axis=1)
 
     def see_again(self, seen: Array) -> None:
-        """See the base class."""
+        """Restore the sparsity pattern."""
         self._first[:] = seen[:, 0].astype(np.int64)
         self.version += 1
 
@@ -131,23 +131,23 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         kernels.add_forces(*given, grounded, self._found, out)
 
     def energy(self, H: Array) -> float:
-        """See the base class."""
+        """Energy stored in normal and friction springs."""
         self._forces(H, np.zeros((len(H), 6)))
         return self._stored
 
     @property
     def _stored(self) -> float:
-        """Of springs, of what was found last at frames."""
+        """Energy of the springs at the frames of the last evaluation."""
         d, τ = self._found[:, kernels.DISTANCE], self._found[:, kernels.TRACTION]
         return 0.5 * self._law.k * float(d @ d) + 0.5 / self._law.holding * float(τ @ τ)
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """See the base class."""
+        """Add the contact forces to the residual."""
         self._forces(H, out)
         self._look(self._found[:, kernels.PLACE])
 
     def tangent(self, H: Array, kept: Array) -> Array:
-        """See the base class."""
+        """Tangent stiffness of each pair of nodes."""
         self._forces(H, np.zeros((len(H), 6)))
         return self._tangents(H, self._found, 1.0)
 
@@ -158,13 +158,13 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         return blocks
 
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
-        """See the base class."""
+        """Add the contact forces on ground."""
         self._forces(H, out, grounded=True)
 
     # --- over a step ---
 
     def add_over_step(self, ends: Ends, out: Array, ground: Array) -> Done:
-        """See the base class."""
+        """Add the forces of a step whose work is the change of the stored energy."""
         given = ends, self._ropes, self._law, self._feet, self._springs
         stored, work = kernels.add_over_step(*given, self._over, out, ground)
         self._look(self._over[:, kernels.PLACE])
@@ -179,31 +179,31 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         return Done(stored + held, work + by_friction, max(0.0, by_friction - (held - before)))
 
     def tangent_over_step(self, ends: Ends, H: Array) -> Array:
-        """See the base class."""
+        """Tangent stiffness of the forces of a step."""
         return self._tangents(H, self._over, 2.0)
 
     def overlaps(self, H: Array) -> bool:
-        """See the base class: always."""
+        """True: a rope is always in its rings."""
         return True
 
     @property
     def contents(self) -> tuple[Array | Indices, ...]:
-        """See the base class."""
+        """All that the contact forces depend on."""
         return *self._ropes, self._path
 
-    # --- what is carried ---
+    # --- state ---
 
     @property
     def carried(self) -> Array:
-        """See the base class."""
+        """State: positions on the rope, and friction springs."""
         return np.concatenate([self._feet, self._springs])
 
     def restore(self, carried: Array) -> None:
-        """See the base class."""
+        """Restore the state that :attr:`carried` returned."""
         self._feet, self._springs = (part.copy() for part in np.split(carried, 2))
 
     def accept(self, H: Array) -> None:
-        """See the base class; after a step with the places that its forces have done work to."""
+        """Accept frames; after a step, with the positions at which its forces have done work."""
         if self._ahead is not None:
             self._feet, self._springs = self._over[:, kernels.END].copy(), self._ahead
             self._ahead = None
@@ -213,27 +213,27 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         self._feet = self._found[:, kernels.END].copy()
 
     def carry(self, H: Array, h: Array) -> None:
-        """See the base class; places wait for accepted frames."""
+        """Do nothing: positions change when frames are accepted."""
 
     def reset_stress(self, H: Array) -> None:
-        """See the base class; likewise."""
+        """Do nothing: positions change when frames are accepted."""
 
     def clear_stress(self) -> None:
-        """See the base class; likewise."""
+        """Do nothing: positions change when frames are accepted."""
 
     # --- results ---
 
     @property
     def feet(self) -> Array:
-        """Unloaded lengths of the rope before its rings, at the last accepted frames, (r,)."""
+        """Undeformed length of the rope before each ring, at the last accepted frames, (r,)."""
         return self._feet
 
     def touching(self, H: Array, v: Array) -> tuple[Indices, Array, Array, Array]:
-        """What rings do; from one set of frames to the next places are followed.
+        """Contact forces of the rings; positions are followed from one set of frames to the next.
 
         Returns:
-            Pairs (piece, ring), by how much they are apart as a negative gap, places, and forces on
-            the rope but for friction, (r, …).
+            Pairs (segment, ring), distances as negative gaps, positions, and forces on the rope
+            without friction, (r, …).
         """
         self.accept(H)
         count = len(self._feet)
@@ -244,7 +244,7 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
 
 
 def _ropes_of(rope: Rope, rings: Rings, nodes: Nodes) -> Ropes:
-    """For compiled code."""
+    """Rope and rings as packed arrays."""
     slots, powers = rope.powers()
     path = nodes(rope.body)[rope.path]
     slots = np.where(slots < 0, -1, path[slots])
@@ -259,7 +259,7 @@ def _ropes_of(rope: Rope, rings: Rings, nodes: Nodes) -> Ropes:
 
 
 def _first_feet(rope: Rope, rings: Rings, ropes: Ropes, nodes: Nodes) -> Array:
-    """Places on the rope in the beginning, unloaded lengths before them, shape (r,)."""
+    """Initial positions on the rope, as undeformed length before them, shape (r,)."""
     H = np.zeros((len(ropes.kinds), 4, 3))
     for body in (rope.body, *(point.body for point in rings.of)):
         if body is not None:
@@ -270,7 +270,7 @@ def _first_feet(rope: Rope, rings: Rings, ropes: Ropes, nodes: Nodes) -> Array:
 
 
 def _near(rope: Rope, rings: Rings) -> Array:
-    """The same among places that are a part of an element apart."""
+    """The closest of sampled positions, which are a fraction of an element apart."""
     slots, powers = rope.powers()
     lengths, H = rope.lengths, rope.body.frames[rope.path]
     starts = np.cumsum(lengths) - lengths

@@ -1,11 +1,11 @@
-"""Forces between a rope and its rings, and their derivatives; compiled.
+"""Contact forces between a rope and its rings, and their derivatives; compiled.
 
-On the rows ``q`` of nodes of whatever kind, with ``Δ = W q``, ``m = W'ᵀ Δ + Wᵀ P'`` and
-``s = P'·P' + Δ·P''``, the place on the rope moves by ``δσ = −m·δq/s``, and ::
+With the coordinates ``q`` of nodes of any type, ``Δ = W q``, ``m = W'ᵀ Δ + Wᵀ P'`` and ``s = P'·P'
++ Δ·P''``, the position on the rope varies by ``δσ = −m·δq/s``, and ::
 
     force k Wᵀ Δ,   stiffness k (Wᵀ W − m mᵀ/s),   friction −τ m/s
 
-Friction has neither resultant nor moment, since ``σ`` does not change in rigid motions.
+Friction has neither resultant nor moment, since ``σ`` is constant in rigid motions.
 """
 
 from __future__ import annotations
@@ -49,20 +49,20 @@ COLUMNS = 5
 
 @inlined_uncounted
 def _traction(law: CoulombLaw, stretch: float, distance: float, s: float) -> float:
-    """Friction along the rope, of a spring that is stretched."""
+    """Friction force along the rope, of a spring with an elongation ``stretch``."""
     τ, _ = returned(law, abs(stretch), _most(law, distance, s))
     return τ if stretch >= 0.0 else -τ
 
 
 @inlined_uncounted
 def _most(law: CoulombLaw, distance: float, s: float) -> float:
-    """The largest one."""
+    """Largest friction force."""
     return limit(law, distance) * np.sqrt(max(s, 0.0))
 
 
 @compiled
 def set_feet(H: Array, ropes: Ropes, kept: Array, out: Array) -> None:
-    """Places on the rope that are nearest to rings, from those that are kept, into a column."""
+    """Set the positions on the rope that are closest to rings, searched from ``kept``."""
     C = np.empty((4, 3))
     for k in range(out.shape[0]):
         out[k] = foot(H, ropes, kept[k], ring(H, ropes, k), C)
@@ -79,16 +79,16 @@ def add_forces(
     found: Array,
     out: Array,
 ) -> None:
-    """Forces at frames, of all rings or of those on ground.
+    """Add the forces at frames, of all rings or of those on ground.
 
     Args:
         H: Frames.
         ropes: The rope.
-        law: Numbers.
-        kept: Places of the last accepted frames, (r,).
-        springs: By how much those of friction were stretched there, (r,).
+        law: Constants of the contact law.
+        kept: Positions at the last accepted frames, shape (r,).
+        springs: Elongations of the friction springs at these frames, shape (r,).
         grounded: Whether only rings on ground count.
-        found: Overwritten, (r, 5).
+        found: Overwritten, shape (r, 5).
         out: Forces along the axes of nodes, updated.
     """
     C, _ = workspace = np.empty((4, 3)), np.empty((3, 3))
@@ -124,10 +124,10 @@ def add_over_step(
     out: Array,
     ground: Array,
 ) -> tuple[float, float]:
-    """Forces over a step, as :meth:`~fem_lie.forms.term.Term.add_over_step` has them.
+    """Add the forces of a step, as :meth:`~fem_lie.forms.term.Term.add_over_step` does.
 
-    Arguments as of :func:`add_forces`; returns the energy at the end, without friction's, and the
-    work by which it has changed.
+    Arguments as for :func:`add_forces`; returns the energy at the end without that of friction, and
+    the work by which it has changed.
     """
     C, at = workspace = np.empty((4, 3)), np.empty((3, 3))
     G = np.empty(5, dtype=np.int64), np.empty((5, 4)), np.empty((5, 4))
@@ -185,11 +185,11 @@ def tangents(
     Args:
         H: Frames.
         ropes: The rope.
-        law: Numbers.
-        found: Of the forces, (r, 5).
-        factor: Of friction that sticks: 1 at frames, 2 over a step.
-        windows: First node along the rope of each ring's blocks, how many there are, and for nodes
-            by number where they are along the rope; see :class:`~.forces.Window`.
+        law: Constants of the contact law.
+        found: Variables of the forces, shape (r, 5).
+        factor: Factor of friction that sticks: 1 at frames, 2 over a step.
+        windows: First node along the rope of each ring's blocks, their number, and the index along
+            the rope of each node; see :class:`~.forces.Window`.
         blocks: Updated, (r c², 6, 6) with ``c`` nodes of the rope and the ring.
     """
     workspace = np.empty((4, 3)), np.empty((3, 3))
@@ -247,7 +247,7 @@ def tangents(
 
 @uncounted
 def _index_in(window: Indices, node: int) -> int:
-    """Where a node is in a window."""
+    """Index of a node in a window."""
     for c in range(window.shape[0]):
         if window[c] == node:
             return c
@@ -256,7 +256,7 @@ def _index_in(window: Indices, node: int) -> int:
 
 @compiled
 def set_positions(H: Array, ropes: Ropes, feet: Array, X: Array, out: Array) -> None:
-    """Places of rings and of the rope there, (r, 3) each; overwritten."""
+    """Positions of rings, and of the rope there, (r, 3) each; overwritten."""
     C, at = np.empty((4, 3)), np.empty((3, 3))
     for k in range(feet.shape[0]):
         store(X[k], 0, ring(H, ropes, k))

@@ -1,8 +1,8 @@
 """Ropes, as smooth curves through their nodes, and rings that they run through.
 
-Along its unloaded length ``σ`` a rope is a cubic between nodes, linear in the rows of at most four
-of them: Hermite's, of the slopes that nodes have, or of those of the parabola through the node and
-both beside it. So the curve has no kinks.
+Along its undeformed length ``σ`` a rope is a cubic between nodes, linear in the coordinates of at
+most four of them. It is Hermite's cubic of the nodal position gradients, or of the slope of the
+parabola through a node and its two neighbours. So the curve has no kinks.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from fem_lie.lie.node_types import NodeType
 _HERMITE = np.array(
     [[1.0, 0.0, -3.0, 2.0], [0.0, 0.0, 3.0, -2.0], [0.0, 1.0, -2.0, 1.0], [0.0, 0.0, -1.0, 1.0]]
 )
-"""Powers of both ends and of the slopes there."""
+"""Polynomial coefficients of the weights of both ends, then of the slopes there."""
 
 
 @dataclass(frozen=True, eq=False)
 class Rope(Surface):
-    """What runs through rings: a cable, a thread of a net, a beam.
+    """Contact surface: a cable, a cable of a net, or a beam that runs through rings.
 
     Attributes:
-        body: With the nodes.
-        nodes: Of it, one after the other; default: all, in their order.
+        body: Body with the nodes.
+        nodes: Nodes of the rope in order; default: all nodes of the body.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -54,29 +54,29 @@ class Rope(Surface):
     nodes: Sequence[int] | None = None
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` or ``ValueError`` for what is no body along lines, or no nodes."""
+        """Raise ``TypeError`` or ``ValueError`` if an argument has a wrong type or value."""
         instance(self.body, LineBody, "Rope: body", "a Cable, a Net or a Beam")
         if self.nodes is not None:
             indices_of(self.nodes, len(self.body.frames), "Rope: nodes")
 
     @property
     def points(self) -> Sequence[Point]:
-        """Two, at its ends."""
+        """Both ends."""
         path = self.path
         return [Point(self.body, int(path[0])), Point(self.body, int(path[-1]))]
 
     @property
     def path(self) -> Indices:
-        """Nodes, one after the other."""
+        """Nodes in order."""
         given = range(len(self.body.frames)) if self.nodes is None else self.nodes
         return np.array(given, dtype=np.int64)
 
     @property
     def lengths(self) -> Array:
-        """Unloaded, from node to node.
+        """Undeformed distances of consecutive nodes.
 
         Raises:
-            ValueError: Two that follow each other have no element between them.
+            ValueError: Two consecutive nodes have no element between them.
         """
         known: dict[frozenset[int], float] = {}
         first, second = self.body.elements[:, 0], self.body.elements[:, 1]
@@ -93,15 +93,15 @@ class Rope(Surface):
         return np.array([known[pair] for pair in pairs])
 
     def check(self) -> None:
-        """Refuse what is no open line of one kind of nodes.
+        """Raise an error unless the rope is an open line of nodes of one type.
 
         Raises:
-            ValueError: It is none, or its nodes have no places and slopes along it.
+            ValueError: It is not, or its nodes have neither positions nor position gradients.
         """
         path, kinds = self.path, self.body.node_types[self.path]
         if len(path) < 3 or len(np.unique(path)) < len(path) or (kinds != kinds[0]).any():
             raise ValueError(
-                f"{self.label}: a rope has three nodes or more of one kind, each once, got "
+                f"{self.label}: a rope has three nodes or more of one type, each once, got "
                 f"{len(path)}"
             )
         if kinds[0] not in (NodeType.FRAME, NodeType.POSITION_GRADIENT, NodeType.POSITION):
@@ -110,15 +110,16 @@ class Rope(Surface):
 
     @property
     def positions(self) -> Array:
-        """Of the nodes, in the beginning, shape (n, 3)."""
+        """Initial positions of the nodes, shape (n, 3)."""
         return np.asarray(self.body.frames[self.path, 0])
 
     def powers(self) -> tuple[Indices, Array]:
-        """Of the cubic of each piece, in its part from 0 to 1.
+        """Cubic of each segment, in a parameter from 0 to 1.
 
         Returns:
-            Places along the path of the nodes that it depends on, −1: none, (m, 4), and powers of
-            the factors of their rows 0 and 1, (m, 4, 2, 4).
+            Indices along the path of the nodes that it depends on, −1: none, shape (m, 4), and
+            polynomial coefficients of the weights of their coordinate vectors 0 and 1, shape (m, 4,
+            2, 4).
         """
         lengths, m = self.lengths, len(self.path) - 1
         slots, powers = np.full((m, 4), -1), np.zeros((m, 4, 2, 4))
@@ -137,10 +138,10 @@ class Rope(Surface):
 
 
 def _slope(lengths: Array, k: int) -> dict[int, float]:
-    """Factors of places in the slope at one of them, that of the parabola through three."""
+    """Weights of positions in the slope at a node, that of the parabola through three nodes."""
     m = len(lengths)
     if k in (0, m):
-        # straight on from the parabola of the neighbour
+        # at an end: the slope of the neighbour's parabola
         inner, side = (1, 0) if k == 0 else (m - 1, m - 1)
         found = {node: -factor for node, factor in _slope(lengths, inner).items()}
         found[side + 1] = found.get(side + 1, 0.0) + 2.0 / lengths[side]
@@ -153,16 +154,16 @@ def _slope(lengths: Array, k: int) -> dict[int, float]:
 
 @dataclass(frozen=True, eq=False)
 class Rings(Surface):
-    """Rings without width that a rope runs through, each fixed to a point.
+    """Contact surface: rings of zero width that a rope runs through, each fixed to a point.
 
     Attributes:
-        of: The points: nodes of any kind, points of rigid bodies, or of ground.
-        at: Initial places of the rings, shape (k, 3); default: those of the points.
+        of: The points: nodes of any type, points of rigid bodies, or ground.
+        at: Initial positions of the rings, shape (k, 3); default: those of the points.
 
     Example:
         >>> hook = fl.RigidBody(0.1, (1e-4, 1e-4, 1e-4))
         >>> rings = fl.Rings([hook.point("centre"), fl.ground()], at=[(0, 0, 0.1), (1, 0, 0)])
-        >>> len(rings.places)
+        >>> len(rings.positions)
         2
     """
 
@@ -170,40 +171,40 @@ class Rings(Surface):
     at: npt.ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` or ``ValueError`` for what are no points."""
+        """Raise ``TypeError`` or ``ValueError`` if an argument has a wrong type or value."""
         instance(self.of, Sequence, "Rings: of", "points in a list")
         for point in self.of:
             require_point(point, "Rings: of")
         if not len(self.of):
-            raise ValueError("Rings: of must have a point, got none")
+            raise ValueError("Rings: of: expected at least one point, got none")
         if self.at is not None and numbers(self.at, "Rings: at").shape != (len(self.of), 3):
-            raise ValueError(f"Rings: at must be {len(self.of)} places, got {self.at!r}")
+            raise ValueError(f"Rings: at must be {len(self.of)} positions, got {self.at!r}")
 
     @property
     def positions(self) -> Array:
-        """In the beginning, shape (k, 3)."""
+        """Initial positions, shape (k, 3)."""
         if self.at is None:
             return np.array([point.position for point in self.of])
         return numbers(self.at, "Rings: at")
 
     @property
     def points(self) -> Sequence[Point]:
-        """All of them."""
+        """All points."""
         return self.of
 
     def check(self) -> None:
-        """Refuse what no ring can be fixed to.
+        """Raise an error if a ring cannot be fixed to its point.
 
         Raises:
-            ValueError: A point is no node, or a ring is beside a node without axes.
+            ValueError: A point is not a node, or a ring has an offset from a node without a frame.
         """
         for point, position in zip(self.of, self.positions, strict=True):
             require_node(point, self.label)
             if point.body is not None and (position != point.body.frames[point.node, 0]).any():
-                point.body.require_frames(f"{self.label}: a ring beside its node")
+                point.body.require_frames(f"{self.label}: a ring with an offset from its node")
 
     def factors(self) -> Array:
-        """Of rows (x, d₁, d₂, d₃) of nodes in the places of rings; on ground places, (k, 4)."""
+        """Weights of coordinate vectors (x, d₁, d₂, d₃); positions of rings on ground; (k, 4)."""
         found = np.zeros((len(self.of), 4))
         for k, (point, position) in enumerate(zip(self.of, self.positions, strict=True)):
             H = initial_frame(point.body, point.node)
