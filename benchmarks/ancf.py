@@ -3,7 +3,7 @@
 Residual per element, microseconds of the processor, the least of several turns. Then a rope that
 swings, hinged at one end, and one that tumbles freely, by generalised-alpha with the policy
 ``Automatic``, the same step and tolerance, with equations in axes fixed in space and in those of
-the sections; with the beam of frames beside it. It tells the matrices, the iterations and the
+the sections; with the beam of frames beside it. It prints the matrices, the iterations and the
 largest distance of any point at any time from the first run, over the length.
 
 Last, an I beam of steel that is twisted at its tip, its root held against warping: the angle

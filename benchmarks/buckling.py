@@ -83,7 +83,7 @@ def load_control(make: Callable[[], fl.Scene], carried: bool) -> str:
         control=fl.LoadControl(),
         options=fl.PathOptions(locate=None, carried_stress=carried),
     )
-    return _told(path.total_iterations, path.factors[-1], path.complete)
+    return _row(path.total_iterations, path.factors[-1], path.complete)
 
 
 def arc_length(make: Callable[[], fl.Scene], carried: bool) -> str:
@@ -93,17 +93,17 @@ def arc_length(make: Callable[[], fl.Scene], carried: bool) -> str:
         found = fl.ArcLength().follow(model)
     except fl.ConvergenceError as error:
         found = error.result
-        return _told(found.total_iterations, found.factors[-1] if found.factors else 0.0, False)
-    return _told(found.total_iterations, 1.0, True)
+        return _row(found.total_iterations, found.factors[-1] if found.factors else 0.0, False)
+    return _row(found.total_iterations, 1.0, True)
 
 
 def path(make: Callable[[], fl.Scene], carried: bool) -> str:
     """Likewise, all states polished."""
     found = fl.follow_path(make(), options=fl.PathOptions(locate=None, carried_stress=carried))
-    return _told(found.total_iterations, found.factors[-1], found.complete)
+    return _row(found.total_iterations, found.factors[-1], found.complete)
 
 
-def _told(iterations: int, factor: float, arrived: bool) -> str:
+def _row(iterations: int, factor: float, arrived: bool) -> str:
     return f"{iterations}" if arrived else f"{iterations} to {factor:.3f}"
 
 

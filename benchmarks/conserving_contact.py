@@ -4,8 +4,8 @@
         ball sheets slab] [--friction 0.3] [--long]
 
 Nothing holds the bodies, so momentum and angular momentum stay, and energy but for what friction
-takes, which is told with the least that it takes in a step. Steps are given in periods of contact,
-2π √(m/k) with the mass that an impact moves. With ``--long`` the ball in the turning box makes 10⁵
+takes, which is printed with the least that it takes in a step. Steps are given in periods of
+contact, 2π √(m/k) with the mass that an impact moves. With ``--long`` the ball in the turning box makes 10⁵
 steps. Lines and shells have no friction in conserving schemes.
 """
 

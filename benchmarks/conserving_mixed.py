@@ -150,9 +150,9 @@ def orders(name: str, step: float) -> str:
     sizes = 4.0 * step, 2.0 * step, step, 0.25 * step
     runs = [fl.EnergyMomentum().run(SCENES[name](), step=h, **plan) for h in sizes]
     numbers = []
-    for told in ([r.frames[-1, :, 0] for r in runs], [r.joint_forces[-1] for r in runs]):
-        size = np.abs(told[-1]).max()
-        errors = np.array([np.abs(each - told[-1]).max() for each in told[:-1]]) / size
+    for reported in ([r.frames[-1, :, 0] for r in runs], [r.joint_forces[-1] for r in runs]):
+        size = np.abs(reported[-1]).max()
+        errors = np.array([np.abs(each - reported[-1]).max() for each in reported[:-1]]) / size
         rates = np.log2(errors[:-1] / errors[1:])
         numbers.append(f"{errors[-1]:.1e} | {rates[0]:.2f}, {rates[1]:.2f}")
     return f"| {name} | {' | '.join(numbers)} |"

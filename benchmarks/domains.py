@@ -214,7 +214,7 @@ def solver(A: PETSc.Mat, asked: Case, threshold: float = THRESHOLD) -> PETSc.KSP
 
 
 def coarse(ksp: PETSc.KSP) -> str:
-    """How many primal unknowns there are, as PETSc tells it."""
+    """Number of primal unknowns, as PETSc reports it."""
     with tempfile.TemporaryDirectory() as folder:
         path = MPI.COMM_WORLD.bcast(f"{folder}/view.txt")
         viewer = PETSc.Viewer().createASCII(path, comm=PETSc.COMM_WORLD)

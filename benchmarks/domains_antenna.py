@@ -44,10 +44,10 @@ def main() -> None:
     found = scheme.run(
         made.scene, duration=asked.steps * h, step=h, save_every=asked.steps, progress=False
     )
-    told = found.subdomains
-    assert told is not None
-    row = [told.number, asked.axes, asked.cells, asked.steps, told.interface, found.k_updates]
-    row += [told.made, told.solutions, f"{told.per_solution:.1f}"]
+    used = found.subdomains
+    assert used is not None
+    row = [used.number, asked.axes, asked.cells, asked.steps, used.interface, found.k_updates]
+    row += [used.made, used.solutions, f"{used.per_solution:.1f}"]
     row.append(f"{found.iterations[-1] / asked.steps:.1f}")
     if MPI.COMM_WORLD.rank == 0:
         print("| " + " | ".join(map(str, row)) + " |", flush=True)

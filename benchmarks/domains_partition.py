@@ -66,8 +66,8 @@ def rows(name: str, size: int) -> None:
     for count in (4, 8, 16, 32):
         ours = counted(tangent.division(count).cells, cells, joints, free)
         other = counted(plain(cells, joints, count), cells, joints, free)
-        told = [f"{a} | {b} | {c:.2f}" for a, b, c in (ours, other)]
-        print(f"| {name} | {int(free.sum())} | {count} | {told[0]} | {told[1]} |", flush=True)
+        counts = [f"{a} | {b} | {c:.2f}" for a, b, c in (ours, other)]
+        print(f"| {name} | {int(free.sum())} | {count} | {counts[0]} | {counts[1]} |", flush=True)
 
 
 def main() -> None:

@@ -229,11 +229,11 @@ def row(name: str, watch: Watched) -> str:
             result = scheme.run(scene, duration=STEPS * step, step=step, progress=False)
     except (fl.ConvergenceError, ArithmeticError) as error:
         return f"| {world.size} | {name} | fails: {str(error)[:80]} |"
-    told = result.subdomains
-    assert told is not None
+    reported = result.subdomains
+    assert reported is not None
     seconds = world.allreduce(np.array([*watch.seconds, megabytes() - before]))
-    given = [world.size, name, watch.unknowns, told.interface, "/".join(sorted(watch.coarse))]
-    given += [told.made, f"{told.per_solution:.1f}", max(watch.counts, default=0)]
+    given = [world.size, name, watch.unknowns, reported.interface, "/".join(sorted(watch.coarse))]
+    given += [reported.made, f"{reported.per_solution:.1f}", max(watch.counts, default=0)]
     given += [f"{seconds[0]:.1f}", f"{seconds[1]:.1f}", f"{seconds[2]:.0f}"]
     given.append(f"fails {watch.failed}" if watch.failed else "")
     return "| " + " | ".join(map(str, given)) + " |"

@@ -4,7 +4,7 @@
 
 Fifty elements, a penalty of EA/ℓ of an element, or a part of that, at the end that meets, and steps
 of 0.5 … 10 times what a wave takes through an element; or an impact, in generalised-α. Energy is
-told over that of the start, the noise is the standard deviation of the force between 0.1 and 0.9 of
+relative to the start, the noise is the standard deviation of the force between 0.1 and 0.9 of
 the contact, over ρ c v A, as its mean is.
 """
 
@@ -76,9 +76,9 @@ def main() -> None:
     for courant in given.courant:
         for scheme in schemes:
             found = run(scheme, courant, None if given.impact else given.part)
-            told = ", ".join(f"{name} {value:.4g}" for name, value in found.items())
+            shown = ", ".join(f"{name} {value:.4g}" for name, value in found.items())
             more = found["energy"] - 1.0
-            print(f"Courant {courant:4g} {type(scheme).__name__:15s} {told}, 1 + {more:.1e}")
+            print(f"Courant {courant:4g} {type(scheme).__name__:15s} {shown}, 1 + {more:.1e}")
 
 
 if __name__ == "__main__":

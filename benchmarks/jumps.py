@@ -3,7 +3,7 @@
     python3 -m benchmarks.jumps
 
 The mass on a spring of tests/jumping.py. A force sets in at a multiple of all steps or within one;
-a drive accelerates the cart on which the mass is from such a time on. The scheme is told of the
+a drive accelerates the cart on which the mass is from such a time on. The scheme knows the
 time by the history, or is not.
 """
 
@@ -29,31 +29,31 @@ from tests.jumping import (
 STEPS = (2e-2, 1e-2, 5e-3)
 
 
-def load_error(scheme: str, at: float, told: bool, step: float) -> float:
+def load_error(scheme: str, at: float, announced: bool, step: float) -> float:
     """Of the displacement, the largest over the largest displacement."""
     history = fl.Table((0, at, at), (0, 0, 1))
-    scene, body = oscillator(history if told else lambda t: history(t))
+    scene, body = oscillator(history if announced else lambda t: history(t))
     result = SCHEMES[scheme].run(scene, duration=END, step=step, progress=False)
     exact, _ = after_step_force(result.times, at)
     return float(np.abs(result.position(body.point("centre"))[:, 0] - exact).max() / 0.1)
 
 
-def drive_error(scheme: str, at: float, told: bool, step: float) -> float:
+def drive_error(scheme: str, at: float, announced: bool, step: float) -> float:
     """Of the velocity of the cart, the largest in m/s."""
     motion = fl.Jumps(lambda t: 0.5 * ACCELERATION * max(t - at, 0.0) ** 2, (at,))
-    scene, _ = driven(motion if told else lambda t: motion(t))
+    scene, _ = driven(motion if announced else lambda t: motion(t))
     result = SCHEMES[scheme].run(scene, duration=END, step=step, progress=False)
     exact = ACCELERATION * np.maximum(result.times - at, 0.0)
     return float(np.abs(result.velocity("cart.centre")[:, 0] - exact).max())
 
 
 def rows(error: Callable[[str, float, bool, float], float]) -> Iterator[str]:
-    """A table of Markdown: schemes and times down, steps across, told and untold."""
+    """A table of Markdown: schemes and times down, steps across, times of jumps known and unknown."""
     steps = " | ".join(f"{h:.0e} s" for h in STEPS)
-    yield f"| | at | {steps} | untold: {steps} |"
+    yield f"| | at | {steps} | unknown: {steps} |"
     yield "|---" * (2 + 2 * len(STEPS)) + "|"
     for scheme, at in product(SCHEMES, (AT_END, INSIDE)):
-        found = [error(scheme, at, told, h) for told in (True, False) for h in STEPS]
+        found = [error(scheme, at, announced, h) for announced in (True, False) for h in STEPS]
         yield f"| {scheme} | {at:g} | " + " | ".join(f"{e:.1e}" for e in found) + " |"
 
 

@@ -1,7 +1,7 @@
 """A large net of cables stage by stage: processor seconds, and the most memory there was by then.
 
 The net of demos/space_net.py, of so many unknowns; stages are the scene, its equations, what a run
-finds before its first step, and steps. Seconds of a processor are told, as the machine may have
+finds before its first step, and steps. Processor seconds are printed, as the machine may have
 other things to do.
 
     python3 -m benchmarks.large_nets --unknowns 5e5 --steps 5

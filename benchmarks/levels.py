@@ -56,7 +56,7 @@ def helix(formulation: fl.Formulation | None = None) -> fl.Scene:
 
 
 def frame(load: float) -> fl.Scene:
-    """Lee's frame, legs of 120, hinged at both ends; its limit load is 18557."""
+    """Lee's frame, two bars of 120, hinged at both ends; its limit load is 18557."""
     E, nu, area, second = 7.2e6, 0.3, 6.0, 2.0
     shear = 5 / 6 * area * E / (2 * (1 + nu))
     section = fl.Section.from_stiffness(

@@ -190,9 +190,9 @@ def main() -> None:
                 except fl.ConvergenceError as error:
                     print(f"{name:16} {slenderness:7.0e}  {error}"[:110], flush=True)
                     continue
-                told = "".join(f"{error:9.1e}" for error in errors)
+                reported = "".join(f"{error:9.1e}" for error in errors)
                 numbers = f"{order:6.2f} {iterations:8.1f} {rest:11.1e}"
-                print(f"{name:16} {slenderness:7.0e}{told} {numbers}", flush=True)
+                print(f"{name:16} {slenderness:7.0e}{reported} {numbers}", flush=True)
 
 
 if __name__ == "__main__":

@@ -81,7 +81,7 @@ def run(parts: int, step: float) -> Run:
     return Run(len(body.lengths), count, knots, seconds, steps, per_step, result.k_updates)
 
 
-def told(found: Run, before: Run | None) -> str:
+def row(found: Run, before: Run | None) -> str:
     """A line of the table."""
     moved = np.nan if before is None else distance(found, before)
     return (
@@ -104,12 +104,12 @@ def main() -> None:
     before, parts = None, 1
     while parts <= options.most:
         found = run(parts, options.step)
-        print(told(found, before), flush=True)
+        print(row(found, before), flush=True)
         before, parts = found, 2 * parts
     before = run(8, options.step)
     for k in (1, 2):
         found = run(8, options.step / 2**k)
-        print(told(found, before), flush=True)
+        print(row(found, before), flush=True)
         before = found
 
 

@@ -80,7 +80,7 @@ def flying() -> fl.Scene:
 def orders(
     scheme: Integrator, scene: Callable[[], fl.Scene], duration: float, numbers: tuple[int, ...]
 ) -> tuple[list[float], fl.Result]:
-    """Of what is told at the end, and the run with the smallest steps."""
+    """Of what is reported at the end, and the run with the smallest steps."""
     ends = [
         scheme.run(scene(), duration=duration, step=duration / n, save_every=n) for n in numbers
     ]
@@ -127,9 +127,9 @@ def main() -> None:
     for name, plan in PLANS.items():
         held, _ = orders(plan.scheme, pendulum, 0.4, plan.pendulum)
         free, end = orders(plan.scheme, flying, 0.01, plan.beam)
-        told = (", ".join(f"{order:.2f}" for order in found) for found in (held, free))
+        reported = (", ".join(f"{order:.2f}" for order in found) for found in (held, free))
         exact = f"{end.momentum_error:.1e}, {end.angular_momentum_error:.1e}"
-        print(f"| {name} | {plan.wanted} | " + " | ".join(told) + f" | {exact} |", flush=True)
+        print(f"| {name} | {plan.wanted} | " + " | ".join(reported) + f" | {exact} |", flush=True)
     alike, end = equal_steps()
     exact = f"{end.momentum_error:.1e}, {end.angular_momentum_error:.1e}"
     print(f"| `Asynchronous`, equal steps, net | 2 | | {alike[0]:.2f}, {alike[1]:.2f} | {exact} |")

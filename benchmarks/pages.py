@@ -105,8 +105,8 @@ def drawn(page: fl.Page, folder: Path) -> dict[str, float]:
     found = re.search(r'<pre id="report">(.*?)</pre>', shown)
     if found is None:
         raise SystemExit("the browser said nothing of the page")
-    told: dict[str, float] = json.loads(found.group(1))
-    return told
+    reported: dict[str, float] = json.loads(found.group(1))
+    return reported
 
 
 def main() -> None:
@@ -121,12 +121,12 @@ def main() -> None:
         page = scene()
         seconds = perf_counter() - start
         with tempfile.TemporaryDirectory() as folder:
-            told = drawn(page, Path(folder))
+            reported = drawn(page, Path(folder))
         size = len(page.text.encode()) / 1e6
-        figures[name] = {"megabytes": size, **told}
+        figures[name] = {"megabytes": size, **reported}
         print(
-            f"{name:12} {size:5.2f} {seconds:8.1f} {told['ms_per_state']:13.1f}"
-            f" {1e3 / told['ms_per_state']:11.0f} {told['requests']:9}"
+            f"{name:12} {size:5.2f} {seconds:8.1f} {reported['ms_per_state']:13.1f}"
+            f" {1e3 / reported['ms_per_state']:11.0f} {reported['requests']:9}"
         )
         if options.keep:
             options.keep.mkdir(parents=True, exist_ok=True)

@@ -122,12 +122,12 @@ def ours(places: np.ndarray, walls: list[Wall], steps: int, spin: float = 0.0) -
             scene, duration=count * STEP, step=STEP, save_every=steps, progress=False
         )
         seconds.append(process_time() - before)
-    told = result.contacts
-    assert told is not None
-    cost = (seconds[1] - seconds[0]) / max(told.contacts[last:].sum(), 1.0)
+    solved = result.contacts
+    assert solved is not None
+    cost = (seconds[1] - seconds[0]) / max(solved.contacts[last:].sum(), 1.0)
     return (
-        f"{told.contacts.max():.0f} contacts, residual {told.cone_residual.max():.1e}, "
-        f"overlap {told.penetration.max():.1e} m, sweeps {told.sweeps[last:].mean():.0f} on "
+        f"{solved.contacts.max():.0f} contacts, residual {solved.cone_residual.max():.1e}, "
+        f"overlap {solved.penetration.max():.1e} m, sweeps {solved.sweeps[last:].mean():.0f} on "
         f"average, {1e6 * cost:.0f} µs per contact and step"
     )
 

@@ -63,10 +63,10 @@ def main() -> None:
     for mesh in parser.parse_args().mesh:
         depths, forces, deep, iterations = press(mesh)
         at = [int(np.argmin(np.abs(depths - DEPTH * level))) for level in LEVELS]
-        told = " ".join(f"{force:.0f}" for force in forces[at])
+        shown = " ".join(f"{force:.0f}" for force in forces[at])
         most = forces[depths < 0.8 * DEPTH].max()
         print(
-            f"{mesh:3d} x {mesh} elements on a quarter: {told} N at {LEVELS * DEPTH} m, before it "
+            f"{mesh:3d} x {mesh} elements on a quarter: {shown} N at {LEVELS * DEPTH} m, before it "
             f"snaps {most:.0f} N, overlap {deep / THICKNESS:.1e} thicknesses, "
             f"{iterations:.1f} iterations per step",
             flush=True,

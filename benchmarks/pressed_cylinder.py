@@ -93,10 +93,10 @@ def main() -> None:
         result, forces, deep = press(mesh)
         at = [int(np.argmin(np.abs(result.factors - pressed))) for pressed in PRESSED]
         errors = forces[at] / wanted - 1
-        told = " ".join(f"{100 * error:+.2f}" for error in errors)
+        reported = " ".join(f"{100 * error:+.2f}" for error in errors)
         iterations = result.iterations.sum() / (len(result.factors) - 1)
         print(
-            f"{mesh:3d} elements on a quarter: force {told} % at {PRESSED} R, overlap "
+            f"{mesh:3d} elements on a quarter: force {reported} % at {PRESSED} R, overlap "
             f"{deep / THICKNESS:.1e} thicknesses, {iterations:.1f} iterations per step",
             flush=True,
         )

@@ -28,7 +28,7 @@ SPIN = np.array([0.0, 1.0, 1.0])
 def part_of(
     body: fl.Beam, points: list[fl.Point], modes: int, *, spinning: bool = True
 ) -> fl.ReducedBody:
-    """A rod alone, in few shapes."""
+    """A rod as a reduced-order body."""
     scene = fl.Scene()
     scene.add(body)
     inner = fl.inertial_shapes(scene, points, modes, spinning=spinning)

@@ -44,7 +44,7 @@ def away(found: fl.Result, full: fl.Result, name: str = "rod") -> np.ndarray:
 def part_of(
     body: fl.Beam, points: list[fl.Point], modes: int, *, stretching: bool = True
 ) -> fl.ReducedBody:
-    """A rod alone, in few shapes."""
+    """A rod as a reduced-order body."""
     scene = fl.Scene()
     scene.add(body)
     inner = fl.inertial_shapes(scene, points, modes, spinning=True)

@@ -82,7 +82,7 @@ def missed_in_fixed_axes(basis: fl.Basis, result: fl.Result) -> float:
 
 
 def missed_by_displacements(trained: fl.Result, result: fl.Result, modes: int) -> float:
-    """Likewise of POD of whole displacements in fixed axes, made anew from the same training."""
+    """Likewise of POD of whole displacements in fixed axes, computed from the same training."""
     moved = [(r.frames - r.frames[0])[:, :, 0].reshape(len(r.times), -1) for r in (trained, result)]
     shapes = np.linalg.svd(moved[0], full_matrices=False)[2][:modes]
     left = (moved[1] - moved[1] @ shapes.T @ shapes).reshape(len(moved[1]), -1, 3)
@@ -133,7 +133,7 @@ def spinning(modes: int) -> dict[str, float]:
 
 
 def spinning_in_few_shapes(modes: int, stretching: bool = True) -> dict[str, float]:
-    """Likewise of the blade as a reduced body on its clamp: tension is that of its few shapes."""
+    """Likewise of the blade as a reduced body on its clamp: tension is that of its modes."""
     scene, beam = blade(16)
     lag = float(np.sqrt(beam.stiffness[0, 5, 5] / beam.density[0, 0, 0])) / LENGTH**2
     part, few = fl.Scene(), fl.Scene()

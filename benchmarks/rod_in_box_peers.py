@@ -189,11 +189,11 @@ def ours(friction: float) -> list[float]:
     scheme.run(scene, duration=STEP, step=STEP, progress=False)
     before = process_time()
     result = scheme.run(scene, duration=DURATION, step=STEP, progress=False)
-    seconds, told = process_time() - before, result.contacts
-    assert told is not None
+    seconds, reported = process_time() - before, result.contacts
+    assert reported is not None
     gain, steps = float(np.diff(result.total_energy).max()), len(result.times) - 1
     end = float(result.position(first)[-1, 2])
-    return [end, gain, float(told.penetration.max()), seconds, steps]
+    return [end, gain, float(reported.penetration.max()), seconds, steps]
 
 
 def peer(inside: Path, script: str, friction: float) -> list[float] | str:

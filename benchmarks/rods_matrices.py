@@ -8,8 +8,8 @@ Each scene is run by generalised-alpha with the policy ``Automatic``, the same s
 - following, of what has no frames: in axes from which the mean rotation of the body has been taken
   out, ``follow()``
 
-Beside matrices and iterations it tells the largest distance of any node at any time from the first
-of the runs, over the size of the body: they have the same error.
+Besides matrices and iterations it prints the largest distance of any node at any time from the
+first of the runs, over the size of the body: they have the same error.
 
     python benchmarks/rods_matrices.py [--steps 10000] [--scene NAME]
 """

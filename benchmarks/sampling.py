@@ -1,4 +1,4 @@
-"""Few cells for all: errors over modes and over time of equilibria in few shapes.
+"""Hyper-reduction: errors over modes and time of reduced-order equilibria.
 
 A cantilever of 200 elements and a twisted plate of 20 x 20 cells, bent by a tenth of their length
 in eight load steps, in linear modes, these with modal derivatives (the beam), POD by the same

@@ -147,8 +147,8 @@ def main() -> None:
                 cases["four"] = quarters(place, n)
             for case, made in cases.items():
                 errors, iterations = solve(made)
-                told = ", ".join(f"{error:+.2%}" for error in errors)
-                print(f"{name:10} {n:3}  {case:18} {told}; {iterations}", flush=True)
+                reported = ", ".join(f"{error:+.2%}" for error in errors)
+                print(f"{name:10} {n:3}  {case:18} {reported}; {iterations}", flush=True)
 
 
 if __name__ == "__main__":

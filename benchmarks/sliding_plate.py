@@ -4,7 +4,7 @@
 
 A plate that is bent to an arc of radius 1 m lies upside down on a flat one, both 0.02 m thick, with
 an overlap of a hundredth of that, and is moved over some cells of it, aslant to their edges. Points
-are on the bent plate, or on the flat one. The force, told over its mean, should not change. Its
+are on the bent plate, or on the flat one. The force, over its mean, should not change. Its
 part along the plate, which has no friction, should be none.
 """
 

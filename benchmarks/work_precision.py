@@ -229,8 +229,8 @@ def show(rows: list[Row]) -> None:
             own = [row for row in rows if (row.problem, row.method) == (problem, method)]
             cells = [seconds_at(error, own) for error in ERRORS]
             at[method] = cells[ERRORS.index(TARGET)]
-            told = ("–" if np.isinf(cell) else f"{1e3 * cell:.3g}" for cell in cells)
-            print(f"| {method} | " + " | ".join(told) + " |")
+            reported = ("–" if np.isinf(cell) else f"{1e3 * cell:.3g}" for cell in cells)
+            print(f"| {method} | " + " | ".join(reported) + " |")
         fastest = min(at[name] for name in FOURTH)
         ratio = at["generalised-alpha"] / fastest
         print(f"fourth order at {TARGET:.0e}: {ratio:.2f} times faster (wanted {WANTED:g})")

@@ -8,7 +8,7 @@ A square plate with a round hole, clamped around, swings. The square of a freque
 the energy that its mode misses. A quarter is solved, in triangles; new points of its edge at the
 hole lie on the circle. The mode is smooth, and nearly all triangles are cut.
 
-An L-shaped frame has a corner that is a hundred times as stiff as its legs. Its tip sinks under a
+An L-shaped frame has a corner that is a hundred times as stiff as its arms. Its tip sinks under a
 force; the elements of the corner need no cutting, and get none.
 
 Each is one call of `fl.adapt`. Reference: the same with a smaller tolerance, corrected by its

@@ -29,7 +29,7 @@ RADIUS, CELLS = 300.0, 10
 class Problem(NamedTuple):
     """First meshes, of cells that follow the error and of equal ones; the goal, the true surface.
 
-    With ``fall`` meshes are made anew, each with so much of the error of the one before.
+    With ``fall`` meshes are generated again, each with this fraction of the error before.
     """
 
     mesh: Callable[[], fl.SurfaceMesh]

@@ -7,7 +7,7 @@ The goal J, a deflection, has a dual solution z, the motion under a unit force a
 element adds to the error of J is the product of two errors of its stress, in the solution and in z
 (R. Becker & R. Rannacher, Acta Numerica 10 (2001) 1), each estimated by the difference from a
 stress that is averaged over the patch around each node, in local frames. Of the plate each mesh is
-made anew, with triangles that have the same part of the sum each; of the cylinder the fewest
+generated again, with triangles that have the same part of the sum each; of the cylinder the fewest
 triangles with half of the sum are cut. The sum has a sign and corrects J.
 
 Of the cylinder the estimate misses a part: flat cells are wrong in their stiffness, which no stress

@@ -2,8 +2,8 @@
 
 A smooth push sends a wave into a free rod of twenty metres; it is half a metre long, and its shape
 does not change as it runs. Elements are small where it is, and nowhere else: every 40 µs the mesh
-is made anew by the recovered stress, and the state is carried to it. The axial force is known in
-closed form, `N = −F(t − x/c) + F(t − (2 L − x)/c)`.
+is generated again from the recovered stress, and the state is transferred to it. The axial force is
+known in closed form, `N = −F(t − x/c) + F(t − (2 L − x)/c)`.
 
 At each change of the mesh momenta are kept to round-off. The tolerance τ is split between space and
 time, `τ² = s τ² + (1 − s) τ²`. The uniform run has about the same error at the end.

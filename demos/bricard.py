@@ -5,7 +5,7 @@ loop with six revolute joints, along edges of a cube. Counting says that it cann
 coordinates, 6 x 5 constraints. One of these follows from the others because of the geometry, so
 there is one degree of freedom, and one joint force that the motion does not decide.
 
-fem_lie refuses such a scene unless it is told to take of all possible joint forces the smallest:
+fem_lie refuses such a scene unless it may choose the smallest of all possible joint forces:
 Scene(redundant=fl.Redundant.MINIMUM_NORM). The mechanism falls under gravity along -y from rest and
 comes back. Reference: maximal coordinates with least squares, 8 digits early, 7 at the end. Runs
 with --step, half of it and so on are extrapolated.

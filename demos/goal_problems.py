@@ -66,10 +66,10 @@ def out_of_hole(x: np.ndarray) -> np.ndarray:
 
 
 def frame(mesh: fl.LineMesh) -> fl.Scene:
-    """Two legs and a stiff corner."""
-    leg = fl.Section.rectangle(0.1, 0.1, fl.Material(1e9, 0.3, 1e3))
+    """Two arms and a stiff corner."""
+    arm = fl.Section.rectangle(0.1, 0.1, fl.Material(1e9, 0.3, 1e3))
     corner = fl.Section.rectangle(0.1, 0.1, fl.Material(1e11, 0.3, 1e3))
-    sections = {"legs": leg, "corner": corner}
+    sections = {"arms": arm, "corner": corner}
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, sections, up=(0, 1, 0), formulation=PLAIN, name="frame"))
     scene.add(fl.Clamp(beam.point("start")))
@@ -80,7 +80,7 @@ def frame(mesh: fl.LineMesh) -> fl.Scene:
 def frame_line() -> fl.LineMesh:
     """Two metres up and two across, a quarter of a metre of each belonging to the corner."""
     mesh = fl.polyline([(0, 0, 0), (0, 0, 1.75), (0, 0, 2), (0.25, 0, 2), (2, 0, 2)], [2, 1, 1, 2])
-    return replace(mesh, groups={"legs": np.array([0, 1, 4, 5]), "corner": np.array([2, 3])})
+    return replace(mesh, groups={"arms": np.array([0, 1, 4, 5]), "corner": np.array([2, 3])})
 
 
 class Case(NamedTuple):

@@ -72,20 +72,20 @@ def main(
 ) -> dict[str, Any]:
     one_of("case", case, CASES)
     plan, how = CASES[case], fl.TripleJump() if triple else fl.FiveStages()
-    scheme, told = fl.Composed(composition=how), {}
+    scheme, orders = fl.Composed(composition=how), {}
     runs = ends(scheme, plan.scene, plan.short, [(1 + 3 * triple) * n for n in plan.numbers])
     for name in ("frames", "velocities", "joint_forces"):
         last = [getattr(made, name)[-1] for made in runs]
         if last[0].size:
             changes = np.log2([np.abs(a - b).max() for a, b in pairwise(last)])
-            told[f"order_{name}"] = float(-np.diff(changes).mean())
+            orders[f"order_{name}"] = float(-np.diff(changes).mean())
     kept = scheme.run(plan.scene(), duration=steps * plan.step, step=plan.step, save_every=10)
     record: dict[str, Any] = {
-        "order": max(told.values(), key=lambda order: abs(order - 4.0)),
+        "order": max(orders.values(), key=lambda order: abs(order - 4.0)),
         "energy_error": kept.energy_error,
         "angular_momentum_error": kept.angular_momentum_error,
         "ms_per_step": 1e3 * kept.seconds / steps,
-        **told,
+        **orders,
     }
     if repeats:
         curves = costs(plan, how, repeats)

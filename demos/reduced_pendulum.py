@@ -1,4 +1,4 @@
-"""A double pendulum of two steel plates in few shapes, against all unknowns of its shells.
+"""A double pendulum of two reduced-order steel plates, against all unknowns of its shells.
 
 Two plates, 0.5 m x 0.1 m x 15 mm, 20 x 4 shell cells each, hang from each other on hinges; their
 ends are stiff edges. They are let go 30 degrees from the vertical, and the second hinge is askew,
@@ -62,7 +62,7 @@ def hinged(scene: fl.Scene, points: list[fl.Point]) -> fl.Scene:
 
 
 def reduced(x: float, name: str, modes: int) -> fl.ReducedBody:
-    """A plate in few shapes."""
+    """A plate as a reduced-order body."""
     part = fl.Scene()
     _, *ends = plate(part, x, name)
     return fl.reduced_body(part, ends, modes)
@@ -113,7 +113,7 @@ def draw(found: fl.Result, times: np.ndarray, away: list[np.ndarray]) -> None:
     """The motion expanded to all nodes, and what it misses over time."""
     moments = np.linspace(0.0, min(1.0, times[-1]), 5)
     found.picture(
-        in_results("reduced_pendulum.png"), moments, title="Double pendulum in few shapes"
+        in_results("reduced_pendulum.png"), moments, title="Reduced-order double pendulum"
     )
     with diagram("reduced_pendulum_error.png") as axes:
         for name, error in zip(("hinge", "free end"), away, strict=True):

@@ -70,10 +70,10 @@ def law_of(law: str, friction: float, restitution: float) -> fl.Impact | fl.Pena
 
 def in_contact(result: fl.Result, contact: fl.Contact) -> tuple[int, float, float]:
     """Steps in which something touches, largest overlap and residual of the cones."""
-    told = result.contacts
-    if told is not None:
-        count = int((told.contacts > 0).sum())
-        return count, float(told.penetration.max()), float(told.cone_residual.max())
+    contacts = result.contacts
+    if contacts is not None:
+        count = int((contacts.contacts > 0).sum())
+        return count, float(contacts.penetration.max()), float(contacts.cone_residual.max())
     forces = fl.contact_forces(result, contact)
     return int((forces.touching > 0).sum()), float(forces.penetration.max()), 0.0
 

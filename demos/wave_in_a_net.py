@@ -2,7 +2,7 @@
 
 A square net under tension is hit in its middle. The wave goes out along the threads, with the speed
 of waves on strings, and comes back from the pinned edges. Steps may be as large as a wave along the
-threads takes from knot to knot; fem_lie.Explicit tells how large that is, and refuses larger ones.
+threads takes from knot to knot; fem_lie.Explicit computes that size, and refuses larger ones.
 
 --courant is the step over the largest stable one. ns_per_element_step has the seconds of the
 processor without those that the run takes to begin: those of two runs are compared.

@@ -2,7 +2,7 @@
 
 Composed steps go back in time and refuse what dissipates. What goes ahead alone is a diagonally
 implicit Runge-Kutta scheme with one coefficient, here the L-stable one of Hairer & Wanner (Solving
-Ordinary Differential Equations II, table IV.6.5): five stages, order four, one kept matrix as of
+Ordinary Differential Equations II, table IV.6.5): five stages, order four, one frozen matrix as of
 generalised-alpha. On the group (Munthe-Kaas 1999), with constraints of velocities (index 2)::
 
     H_i = H exp(θ_i),    θ_i = h Σ a_ij T⁻¹(θ_j) v_j,    v_i = v + h Σ a_ij v̇_j
