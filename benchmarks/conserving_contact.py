@@ -5,8 +5,8 @@
 
 Nothing holds the bodies, so momentum and angular momentum stay, and energy but for what friction
 takes, which is printed with the least that it takes in a step. Steps are given in periods of
-contact, 2π √(m/k) with the mass that an impact moves. With ``--long`` the ball in the turning box makes 10⁵
-steps. Lines and shells have no friction in conserving schemes.
+contact, 2π √(m/k) with the mass that an impact moves. With ``--long`` the ball in the turning box
+makes 10⁵ steps. Lines and shells have no friction in conserving schemes.
 """
 
 from __future__ import annotations

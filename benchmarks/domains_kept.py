@@ -3,11 +3,11 @@
     tools/run mpirun --oversubscribe -n 4 python3 -m benchmarks.domains_kept --axes local
 
 The free shell of :mod:`.domains` is thrown, bent by its inertia, and turns; steps of 1 ms by
-generalised-α (radius 0.8). Matrix and preconditioner are frozen, and made again in an iteration that
-has not converged in :data:`PATIENCE`. Along fixed axes it is the same matrix, times the rotations
-of all nodes when it was made. Prints a row: subdomains, unknowns, axes, steps, angle that the shell
-turns by, how often they were made, iterations of Newton per step and of conjugate gradients per
-solution, seconds of the whole, energy at the end over that at the start.
+generalised-α (radius 0.8). Matrix and preconditioner are frozen, and made again in an iteration
+that has not converged in :data:`PATIENCE`. Along fixed axes it is the same matrix, times the
+rotations of all nodes when it was made. Prints a row: subdomains, unknowns, axes, steps, angle that
+the shell turns by, how often they were made, iterations of Newton per step and of conjugate
+gradients per solution, seconds of the whole, energy at the end over that at the start.
 """
 
 from __future__ import annotations

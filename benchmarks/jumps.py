@@ -48,7 +48,7 @@ def drive_error(scheme: str, at: float, announced: bool, step: float) -> float:
 
 
 def rows(error: Callable[[str, float, bool, float], float]) -> Iterator[str]:
-    """A table of Markdown: schemes and times down, steps across, times of jumps known and unknown."""
+    """A table of Markdown: schemes and times down, steps across, jumps known and unknown."""
     steps = " | ".join(f"{h:.0e} s" for h in STEPS)
     yield f"| | at | {steps} | unknown: {steps} |"
     yield "|---" * (2 + 2 * len(STEPS)) + "|"

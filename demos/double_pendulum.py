@@ -17,8 +17,8 @@ the beams d = log(inv(H_A) H_B), the forces. With increments H <- H exp(d) in ea
 
 has a leading mass and stiffness that do not change when the bars turn. That is why the iteration
 matrix is refactorised only once in a hundred steps or more; --policy every, limit (when a step
-takes more than 4 iterations) and never show what that is worth. Time integration: generalised-alpha on
-SE(3), index 3 (O. Brüls, A. Cardona & M. Arnold, Mech. Mach. Theory 48 (2012) 121); it is of
+takes more than 4 iterations) and never show what that is worth. Time integration: generalised-alpha
+on SE(3), index 3 (O. Brüls, A. Cardona & M. Arnold, Mech. Mach. Theory 48 (2012) 121); it is of
 second order, and damps what moves faster than the step can resolve. What the energy loses or gains
 is therefore small, not zero: schemes that conserve it to round-off are another matter.
 

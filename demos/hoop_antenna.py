@@ -3,8 +3,8 @@
 The size of example 4.6 of the paper on local frames, whose layout is not published: 150 bars of 18
 elements, 630 cables of 20, and spherical, revolute, prismatic joints and gears. The layout of this
 one is that of antenna_scene.py. Cables go slack as the ring folds; --slack is the strain below
-which they do, and are a weak spring from then on, whose force is small and linear in the places of its
-ends: a slack cable is drawn as a straight line, as if it were short.
+which they do, and are a weak spring from then on, whose force is small and linear in the places of
+its ends: a slack cable is drawn as a straight line, as if it were short.
 
 The numbers: unknowns are those of nodes, three of each of cables and six of bars, constraints
 those of joints; k_updates and phi_updates count every matrix of mass and stiffness and every

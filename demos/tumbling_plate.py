@@ -5,10 +5,10 @@ none of its principal axes, while its halves fold against each other. It bends b
 length as it flies. Nothing acts on it: energy, momentum and angular momentum must stay as they are.
 
 fem_lie.EnergyMomentum does not know what a shell is. It takes the forces of every element at both
-ends of a step, rotated to the midpoint with the element, takes out the net force and moment of their
-mean, and adds the multiple of the element's own deformation with which their work is the change of
-the stored energy. That works for displacement elements (MITC4), Hellinger-Reissner and Hu-Washizu
-elements alike, on quadrilaterals and triangles, and for any law of the material.
+ends of a step, rotated to the midpoint with the element, takes out the net force and moment of
+their mean, and adds the multiple of the element's own deformation with which their work is the
+change of the stored energy. That works for displacement elements (MITC4), Hellinger-Reissner and
+Hu-Washizu elements alike, on quadrilaterals and triangles, and for any law of the material.
 
 --formulation displacement, hr, hw; --decaying RADIUS damps what the step does not resolve: the
 energy then falls in every step, momenta stay.

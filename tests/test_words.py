@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-FOLDERS = "docs", "notebooks", "tools"
+FOLDERS = "demos", "docs", "notebooks", "studies", "tools"
 SUFFIXES = ".py", ".md", ".ipynb", ".bash"
 WORDS = re.compile(
     r"(?<![A-Za-z])(?:told|tells|tellings|few shapes|legs?|grips?|rubs?|slackens?|booked|made anew"

@@ -1,8 +1,8 @@
 """The virtual environment of the peers, in the cache folder of the project.
 
-pip installs with the user's own settings, as for ruff (``tools/lint``). What cannot be
-installed is reported in one line, and left out. Pythons are tried in turn until one can have all: this one, then others
-on the path.
+pip installs with the user's own settings, as for ruff (``tools/lint``). What cannot be installed is
+reported in one line, and left out. Pythons are tried in turn until one can have all: this one, then
+others on the path.
 """
 
 from __future__ import annotations
