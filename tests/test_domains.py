@@ -205,7 +205,7 @@ def test_two_subdomains_find_what_one_rank_finds(alone, tmp_path, way):
 
 @pytest.mark.parametrize(
     ("given", "message"),
-    [("gamg", "wanted bddc or fetidp, got 'gamg'"), ("bddc", "several ranks are wanted, got one")],
+    [("gamg", "expected bddc or fetidp, got 'gamg'"), ("bddc", "expected several ranks, got one")],
 )
 def test_refuses_other_names_and_one_rank(given, message):
     PETSc.Options("test_domains_")["domains"] = given

@@ -1,4 +1,4 @@
-"""Positive definite matrices with a narrow border: solutions, pivots, and what is refused."""
+"""Positive definite matrices with few dense rows: solutions, pivots, and what is refused."""
 
 import numpy as np
 import pytest
@@ -73,7 +73,7 @@ def test_negative_pivots_are_those_of_the_whole(rng):
     assert solver.negative_pivots() == inertia(sp.csr_matrix(A))[0] == M
     kkt, A = matrix(rng, frames=(4,))
     solver, _ = solved(kkt, [BY_SCHUR])
-    # rows and columns of the border are not the same: nobody knows
+    # B and Cᵀ differ: the number of negative pivots is unknown
     assert solver.negative_pivots() is None
 
 

@@ -1,1 +1,1 @@
-"""One sparse matrix, all that factorises or partitions it, spectra and pivots."""
+"""The sparse matrix of a scene: factorisation, division into subdomains, spectra and pivots."""

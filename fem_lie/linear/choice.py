@@ -1,18 +1,18 @@
-"""Which package factorises a matrix, by its graph, its fill and its values.
+"""Choice of the package that factorises a matrix, from its graph, its fill and its values.
 
 Measured with OpenBLAS on beams, nets, linkages, shells and solids of 18 to 50 000 unknowns
-(``benchmarks/packages.py``): KLU is the fastest for chains, trees and rings, CHOLMOD by two to
-three times where a matrix is symmetric and positive definite, but for a narrow border of
-multipliers and frames, MUMPS for all else that is large.
-UMFPACK solves two to three times as fast as MUMPS, where many solutions count. KLU and UMFPACK
-leave their ordering for the zeros that constraints have on the diagonal: in meshes of many joints
-they fill far beyond it. No graph shows that for certain; the first factorisation's time does.
+(``benchmarks/packages.py``): KLU is the fastest for chains, trees and rings; CHOLMOD is two to
+three times as fast as others if a matrix is symmetric and positive definite, apart from few rows of
+multipliers and frames; MUMPS is the fastest for all other large matrices. UMFPACK solves two to
+three times as fast as MUMPS, which counts with many solutions per factorisation. KLU and UMFPACK
+depart from their ordering because constraints leave zeros on the diagonal: for meshes with many
+joints the fill becomes large. The graph does not show this reliably; the time of the first
+factorisation does.
 
-What eliminating a matrix costs, from its graph alone: fill and operations of a Cholesky factor.
-
-Vertices are nodes, each with as many unknowns as it has free ones, and constraints. The columns of
-the factor are counted along the row subtrees of the elimination tree (J. W. H. Liu, SIAM J. Matrix
-Anal. Appl. 11 (1990) 134), for an ordering of minimum degree and one of nested dissection.
+The cost of an elimination, fill and operations of a Cholesky factor, is computed from the graph.
+Its vertices are nodes, weighted by their free unknowns, and constraints. The columns of the factor
+are counted along the row subtrees of the elimination tree (J. W. H. Liu, SIAM J. Matrix Anal. Appl.
+11 (1990) 134), for a minimum-degree ordering and one by nested dissection.
 """
 
 from __future__ import annotations
@@ -39,11 +39,11 @@ if TYPE_CHECKING:
     from fem_lie.linear.saddle_point import KKT
 
 MINIMUM_DEGREE, DISSECTION = "amd", PETSc.Mat.OrderingType.ND
-_WITHOUT_AMD = PETSc.Mat.OrderingType.QMD  # where PETSc was built without SuiteSparse
+_WITHOUT_AMD = PETSc.Mat.OrderingType.QMD  # if PETSc was built without SuiteSparse
 
 
 class Cost(NamedTuple):
-    """Of an elimination.
+    """Cost of an elimination.
 
     Attributes:
         fill: Entries of the factor.
@@ -55,12 +55,12 @@ class Cost(NamedTuple):
 
 
 class Graph(NamedTuple):
-    """Of a matrix.
+    """Graph of a matrix.
 
     Attributes:
-        adjacency: Of vertices with unknowns, symmetric, with its diagonal.
-        sizes: Unknowns of each vertex, shape (v,).
-        constraints: How many of the last of them are constraints.
+        adjacency: Adjacency of vertices with unknowns, symmetric, with its diagonal.
+        sizes: Number of unknowns of each vertex, shape (v,).
+        constraints: Number of constraints, the last vertices.
     """
 
     adjacency: sp.csr_matrix
@@ -69,7 +69,7 @@ class Graph(NamedTuple):
 
     @classmethod
     def of(cls, indptr: Indices, indices: Indices, incidences: Incidences, held: Flags) -> Graph:
-        """From pairs of nodes, from constraints and their nodes, and from what is held (n, 6)."""
+        """Graph from node pairs, incidences of constraints, and held unknowns (n, 6)."""
         n, m = len(held), len(incidences.ptr) - 1
         nodes = sp.csr_matrix((np.ones(len(indices)), indices, indptr), shape=(n, n))
         touched = sp.csr_matrix(
@@ -90,16 +90,16 @@ class Graph(NamedTuple):
         return int(self.sizes.sum())
 
     def cost(self, ordering: str) -> Cost:
-        """With one of PETSc's orderings."""
+        """Cost with one of PETSc's orderings."""
         order = _ordering(self.adjacency, ordering)
         columns = _columns(self.adjacency, order, self.sizes)
         return _cost(columns, self.sizes[order])
 
     @property
     def width(self) -> int:
-        """Neighbours that a node has at most when it is eliminated, constraints left out.
+        """Largest number of neighbours of a node when it is eliminated, without constraints.
 
-        One in trees and two in rings, by minimum degree.
+        With the minimum-degree ordering it is one in trees and two in rings.
         """
         n = len(self.sizes) - self.constraints
         nodes = self.adjacency[:n, :n].tocsr()
@@ -108,12 +108,12 @@ class Graph(NamedTuple):
 
 
 def _columns(adjacency: sp.csr_matrix, order: Indices, sizes: Indices) -> Array:
-    """Length of the first column of each vertex in the factor, in the order of elimination, (v,).
+    """Length of the first column of each vertex in the factor, in elimination order, (v,).
 
     Args:
-        adjacency: Of the vertices.
-        order: Of elimination, shape (v,).
-        sizes: Unknowns of each vertex, shape (v,).
+        adjacency: Adjacency of the vertices.
+        order: Elimination order, shape (v,).
+        sizes: Number of unknowns of each vertex, shape (v,).
     """
     place = np.empty_like(order)
     place[order] = np.arange(len(order))
@@ -123,7 +123,7 @@ def _columns(adjacency: sp.csr_matrix, order: Indices, sizes: Indices) -> Array:
 
 
 def _ordering(adjacency: sp.csr_matrix, name: str) -> Indices:
-    """New order of the vertices, shape (v,)."""
+    """Elimination order of the vertices, shape (v,)."""
     if not adjacency.shape[0]:
         return np.empty(0, dtype=np.int64)
     csr = (
@@ -150,15 +150,15 @@ def _count(
     sizes: Indices,
     columns: Array,
 ) -> None:
-    """Add to each vertex' own unknowns those of all that feel its elimination.
+    """Add to the unknowns of each vertex those of all vertices that its elimination couples.
 
     Args:
-        pointers: Of the graph, with ``neighbours``.
-        neighbours: See there.
-        order: Of elimination, shape (v,).
-        place: Of each vertex in it.
-        sizes: Unknowns of each vertex.
-        columns: In the order of elimination, shape (v,).
+        pointers: Row pointers of the graph.
+        neighbours: Column indices of the graph.
+        order: Elimination order, shape (v,).
+        place: Position of each vertex in it.
+        sizes: Number of unknowns of each vertex.
+        columns: Column lengths in elimination order, shape (v,), updated.
     """
     n = len(order)
     parent, seen = np.full(n, -1), np.full(n, -1)
@@ -175,11 +175,11 @@ def _count(
 
 
 def _cost(columns: Array, sizes: Indices) -> Cost:
-    """Sums over all unknowns of vertices, the columns of which are one shorter after the other.
+    """Sum the cost over all unknowns; the columns of a vertex decrease in length by one each.
 
     Args:
         columns: Length of the first column of each vertex, shape (v,).
-        sizes: Unknowns of each.
+        sizes: Number of unknowns of each vertex.
     """
     first, s = columns, sizes
     below = s * (s - 1) / 2.0  # 0 + 1 + … + (s − 1)
@@ -190,40 +190,39 @@ def _cost(columns: Array, sizes: Indices) -> Cost:
 
 
 LARGE = 20_000
-"""Nodes of a scene whose chains are eliminated before a package has the rest."""
+"""Number of nodes from which chains are eliminated before a package factorises the rest."""
 
 CHAINS = ByChains("lu", "mumps"), Method("lu", "mumps"), Method("lu", "umfpack")
-"""For large nets and trusses, most nodes of which are within threads and bars."""
+"""Methods for large nets and trusses, most nodes of which are within cables and bars."""
 
-_FEW = 300  # unknowns of which no ordering is needed to know that KLU is the fastest
-_CHAIN = 2  # neighbours, at most, of a node of a chain, a tree or a ring when it is eliminated
-_FILLS = 1e9  # operations from which on several ranks factorise together
-_SCHUR = 2e7  # operations from which on a border costs less than factors that are not symmetric
-_COSTLY = 5e9  # operations from which on UMFPACK, which is slower, does not catch up
-_JOINTED, _LEAVES = 0.02, 2e7  # constraints over unknowns, and operations, UMFPACK minds both
+_FEW = 300  # unknowns up to which KLU is the fastest for any ordering
+_CHAIN = 2  # largest width of a chain, a tree or a ring
+_FILLS = 1e9  # operations from which several ranks factorise together
+_SCHUR = 2e7  # operations from which a Schur complement costs less than unsymmetric factors
+_COSTLY = 5e9  # operations from which UMFPACK is slower in total
+_JOINTED, _LEAVES = 0.02, 2e7  # constraints over unknowns, operations: UMFPACK minds both
 _WORSE = 2.0  # operations by minimum degree over those by dissection, UMFPACK's over MUMPS'
-_UNKNOWN, _OPERATION = 1e-6, 1.2e-9  # seconds for each, at most where the ordering is kept to
+_UNKNOWN, _OPERATION = 1e-6, 1.2e-9  # seconds for each, if the package keeps the ordering
 
 _DOMAINS, _PACKAGE = "domains", "pc_factor_mat_solver_type"
-_KINDS = {"cholmod": ("cholesky",), "mumps": ("cholesky", "lu")}  # others have LU alone
+_KINDS = {"cholmod": ("cholesky",), "mumps": ("cholesky", "lu")}  # other packages have LU only
 
 _log = logging.getLogger(__name__)
 
 
 class Solutions(Enum):
-    """How many solutions each factorisation serves."""
+    """Number of solutions per factorisation."""
 
     FEW = "few solutions each"
     MANY = "many solutions each"
 
 
 class Choice(NamedTuple):
-    """What is tried, one after the other.
+    """Methods in the order in which they are tried.
 
     Attributes:
-        methods: Those.
-        seconds: Of processor that the first factorisation is expected to take, ``None`` where
-            nobody knows.
+        methods: The methods.
+        seconds: Expected processor time of the first factorisation; ``None``: unknown.
     """
 
     methods: tuple[Method, ...]
@@ -231,15 +230,16 @@ class Choice(NamedTuple):
 
 
 def choose(kkt: KKT, prefix: str, solutions: Solutions) -> Choice:
-    """What is fastest for a matrix.
+    """The fastest methods for a matrix.
 
     Args:
-        kkt: Its pattern counts; symmetric methods are passed over while the values are not.
-        prefix: Of PETSc's options.
-        solutions: How many there are with each factorisation.
+        kkt: The matrix, of which the pattern counts; symmetric methods are skipped while its values
+            are unsymmetric.
+        prefix: Prefix of PETSc's options.
+        solutions: Number of solutions per factorisation.
 
     Raises:
-        ValueError: Subdomains are asked for that there cannot be.
+        ValueError: The option asks for impossible subdomains.
     """
     if asked := _on_domains(prefix) or _by_option(prefix):
         return Choice(asked)
@@ -252,7 +252,7 @@ def choose(kkt: KKT, prefix: str, solutions: Solutions) -> Choice:
 
 
 def _by_fill(kkt: KKT, solutions: Solutions) -> Choice:
-    """By what an elimination costs."""
+    """Choice by the cost of elimination."""
     graph = Graph.of(kkt.indptr, kkt.indices, kkt.incidences, kkt.held)
     n, m = graph.unknowns, graph.constraints
     degree, dissection = graph.cost(MINIMUM_DEGREE), graph.cost(DISSECTION)
@@ -284,7 +284,7 @@ def _logged(choice: Choice, kkt: KKT, why: str) -> Choice:
 
 
 def _by_option(prefix: str) -> tuple[Method, ...]:
-    """The package that PETSc's option ``-<prefix>pc_factor_mat_solver_type`` names, if it does.
+    """Package of PETSc's option ``-<prefix>pc_factor_mat_solver_type``, if it is set.
 
     Raises:
         ValueError: PETSc was built without it.
@@ -314,20 +314,20 @@ def _one() -> PETSc.Mat:
 
 
 def _on_domains(prefix: str) -> tuple[Method, ...]:
-    """Subdomains, one on each rank, if PETSc's option ``-<prefix>domains`` asks for them.
+    """Subdomains, one per rank, if PETSc's option ``-<prefix>domains`` asks for them.
 
     Raises:
-        ValueError: There is no such way, or one rank alone.
+        ValueError: There is no such method, or only one rank.
     """
     options = PETSc.Options(prefix)
     if not options.hasName(_DOMAINS):
         return ()
     way = options.getString(_DOMAINS)
     if way not in WAYS:
-        raise ValueError(f"-{prefix}domains: wanted {' or '.join(WAYS)}, got {way!r}")
+        raise ValueError(f"-{prefix}domains: expected {' or '.join(WAYS)}, got {way!r}")
     if not several():
         raise ValueError(
-            f"-{prefix}domains {way}: each rank has one subdomain, so several ranks are wanted, "
+            f"-{prefix}domains {way}: each rank has one subdomain, so expected several ranks, "
             "got one: mpirun -n N"
         )
     return (Domains(way, way),)

@@ -1,4 +1,4 @@
-"""Direct solution with a kept factorisation, through PETSc."""
+"""Direct solution with a stored factorisation, by PETSc."""
 
 from __future__ import annotations
 
@@ -43,40 +43,40 @@ class ConvergenceError(RuntimeError):
     """An iteration did not converge; the message says where, how far it came, and what to try.
 
     Attributes:
-        result: What was computed before, if anything.
+        result: Results up to there, or ``None``.
     """
 
     def __init__(self, message: str, result: Any = None) -> None:
-        """Keep the results with the message."""
+        """Store the results with the message."""
         super().__init__(message)
         self.result = result
 
 
 _LONG, _FAR = 0.1, 4.0
-"""Seconds, and how often those that were expected, beyond which a method was a bad guess."""
+"""Seconds, and ratio to the expected seconds, beyond which another method is tried."""
 
 MOST_REFINED = 3
-"""Times that a solution is refined before another method is tried: a residual costs little."""
+"""Largest number of refinements of a solution before another method is tried."""
 
 
 class DirectSolver:
-    """Factorise now, solve many times.
+    """Factorise once, solve many times.
 
-    The matrix is equilibrated with the scene's own length, mass and time, and the first solution
-    with each factorisation is checked: where its residual is not round-off it is refined, up to
-    :data:`MOST_REFINED` times, and all with these factors are then as often. Where that does not
-    help the next method is tried.
+    The matrix is equilibrated with the length, mass and time of the scene, and the first solution
+    with each factorisation is checked. If its residual is larger than round-off, it is refined up
+    to :data:`MOST_REFINED` times, and later solutions with these factors as often. If that does not
+    help, the next method is tried.
 
-    On several ranks MUMPS factorises what is large on all of them, see
-    :mod:`fem_lie.ranks.shared_factors`; each makes the matrix and has the solution.
+    On several ranks MUMPS factorises large matrices on all of them, see
+    :mod:`fem_lie.ranks.shared_factors`; each rank fills the matrix and has the solution.
 
     Any other direct solver of PETSc can be chosen at run time with
     ``-<prefix>pc_factor_mat_solver_type``.
 
     Attributes:
-        factorisations: How many there were, but for ``refreshes`` for a new border alone.
-        right_hand_side: Where :meth:`solve` finds it, and ``solution``: where it leaves that.
-        columns: For what is beside the matrix.
+        factorisations: Number of factorisations, without ``refreshes`` for new constraints only.
+        right_hand_side: Right-hand side of :meth:`solve`; ``solution``: its result.
+        columns: Solutions for the low-rank correction of the matrix.
     """
 
     def __init__(
@@ -87,13 +87,14 @@ class DirectSolver:
         *,
         solutions: Solutions = Solutions.MANY,
     ) -> None:
-        """Keep the matrix; nothing is factorised yet.
+        """Store the matrix without factorising it.
 
         Args:
-            kkt: Its values change between factorisations.
+            kkt: The matrix; its values change between factorisations.
             prefix: Prefix of the PETSc options.
-            methods: What to try, one after the other; default: what :func:`~.choice.choose` says.
-            solutions: How many there are with each factorisation.
+            methods: Methods in the order in which they are tried; default: those of
+                :func:`~.choice.choose`.
+            solutions: Number of solutions per factorisation.
         """
         self._kkt, self._prefix = kkt, prefix
         choice = Choice(tuple(methods)) if methods else choose(kkt, prefix, solutions)
@@ -119,11 +120,11 @@ class DirectSolver:
         self.right_hand_side, self.solution = np.zeros(size), np.zeros(size)
 
     def take_low_rank(self) -> None:
-        """From the next matrix on take in what is of low rank apart, if a border can have it."""
+        """Treat the low-rank part separately from the next matrix on, if a method supports it."""
         self._kkt.splits = self._methods[0].takes_low_rank
 
     def _take_over(self) -> None:
-        """The matrix that is there now, for which there are no solvers yet."""
+        """Copy the current matrix, for which there are no solvers yet."""
         self._local = self._own.matrix
         self._scaled, self._found, self._left = np.zeros((3, len(self._own.left)))
         self._b, self._x, self._r = (
@@ -136,13 +137,13 @@ class DirectSolver:
         self._solvers: dict[Method, PETSc.KSP] = {}
 
     def factorise(self) -> None:
-        """Factorise the matrix as it is now.
+        """Factorise the current matrix.
 
         Raises:
             SingularMatrixError: It cannot be factorised.
             MemoryError: There is not enough memory for the factors.
         """
-        # packages that met what is not finite fail on all that comes after
+        # packages that met NaN or infinity fail on all later matrices
         self._own.take()
         if self._own.matrix is not self._local:
             self._take_over()
@@ -153,7 +154,7 @@ class DirectSolver:
         self.factorisations += 1
 
     def _set_up(self) -> None:
-        """Factorise by the first method that fits the values and can."""
+        """Factorise by the first method that fits the values and succeeds."""
         self._checked, self._refines, self._by_call = False, 0, None
         self.columns.forget()
         failure: Exception | None = None
@@ -163,7 +164,7 @@ class DirectSolver:
             began = process_time()
             failure = self._failure(method)
             if failure is None:
-                # what was passed over once will be so again, and each failure costs a factorisation
+                # a method that failed would fail again, and each failure costs a factorisation
                 self._methods, self._ksp = self._methods[tried:], self._solver(method)
                 self._notice(process_time() - began)
                 return
@@ -178,7 +179,7 @@ class DirectSolver:
         raise SingularMatrixError("the matrix is singular") from failure
 
     def _notice(self, seconds: float) -> None:
-        """Say how long the first factorisation took; if that is far too long, another is next."""
+        """Log the time of first factorisation; if it is far too long, try another method next."""
         if self._expected is None:
             return
         expected, self._expected = self._expected, None
@@ -190,7 +191,7 @@ class DirectSolver:
             self._set_up()
 
     def _failure(self, method: Method) -> Exception | None:
-        """Factorise by a method; why it cannot, or ``None``."""
+        """Factorise by a method; return the reason of a failure, or ``None``."""
         ksp, raised = self._solver(method), None
         self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, method.symmetric)
         ksp.setOperators(self._matrix)
@@ -207,18 +208,18 @@ class DirectSolver:
             failure.__cause__ = raised
         if failure is not None:
             _log.info("%s cannot factorise the matrix: %s", method, failure)
-            # a factorisation that failed is not used again
+            # a failed factorisation is not used again
             del self._solvers[method]
         return failure
 
     def refresh(self) -> None:
-        """Factorise because the border has changed; errors as :meth:`factorise`."""
+        """Factorise because the constraints have changed; errors as :meth:`factorise`."""
         self.factorise()
         self.factorisations -= 1
         self.refreshes += 1
 
     def memory(self) -> dict[str, Array]:
-        """How solutions are found and refined, and what there was, for a checkpoint."""
+        """State for a checkpoint: methods, refinements and counts."""
         tried = self._order.index(self._methods[0])
         own: dict[str, Any] = {
             "method": np.array([tried, self._refines, self._checked]),
@@ -227,7 +228,7 @@ class DirectSolver:
         return own | {f"columns.{name}": part for name, part in self.columns.memory().items()}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Factorise the matrix as it is now, and solve with it as when :meth:`memory` was called.
+        """Factorise the current matrix and solve as when :meth:`memory` was called.
 
         Raises:
             SingularMatrixError: It cannot be factorised.
@@ -241,7 +242,7 @@ class DirectSolver:
         self.columns.restore(part_of(kept, "columns"))
 
     def _solver(self, method: Method) -> PETSc.KSP:
-        """PETSc's solver for a method, made when it is first needed."""
+        """PETSc's solver for a method, created when it is first needed."""
         if method not in self._solvers:
             ksp = PETSc.KSP().create(self._matrix.comm)
             ksp.setOptionsPrefix(self._prefix)
@@ -258,16 +259,16 @@ class DirectSolver:
 
     @property
     def subdomains(self) -> Subdomains | None:
-        """What they took, if there are any."""
+        """Statistics of subdomains, or ``None``."""
         return None if self._kkt.part is None else self._kkt.part.told
 
     def negative_pivots(self) -> int | None:
-        """Those of the last factorisation; ``None`` if it is not one of a symmetric matrix."""
+        """Negative pivots of the last factorisation; ``None`` if the matrix is not symmetric."""
         found = self._methods[0].negative_pivots(self._ksp.getPC())
         return None if found is None else found - self._own.rank
 
     def times(self, x: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """The matrix that was factorised times ``x``."""
+        """Product of the factorised matrix with ``x``."""
         own, n = self._own, len(x)
         given, product = self._local.createVecs()
         given.set(0.0)
@@ -277,17 +278,17 @@ class DirectSolver:
         return found if own.part is None else found + own.part.times(x)
 
     def solve(self) -> None:
-        """Solve with the last factorisation, and with what is beside the matrix.
+        """Solve with the last factorisation and the low-rank correction of the matrix.
 
         Raises:
-            InaccurateSolutionError: No method can, to :data:`~.equilibrated.ACCURATE`.
+            InaccurateSolutionError: No method reaches :data:`~.equilibrated.ACCURATE`.
         """
         self._solve_for(self.right_hand_side, self.solution)
         if self._kkt.beside is not None:
             self.columns.correct(self._kkt.beside, self._solve_for, self.solution)
 
     def _solve_for(self, b: Array, x: Array) -> None:
-        """With the last factorisation, into ``x``."""
+        """Solve with the last factorisation, into ``x``."""
         n = len(b)
         np.multiply(b, self._own.left[:n], self._scaled[:n])
         self._solve_scaled(self._b, self._x)
@@ -301,7 +302,7 @@ class DirectSolver:
         np.multiply(self._found[:n], self._own.right[:n], x)
 
     def _solve_scaled(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
-        """With the last factors, both of the equilibrated equations."""
+        """Solve the equilibrated equations with the last factors."""
         if self._shared is None:
             self._ksp.solve(b, x)
         else:
@@ -311,7 +312,8 @@ class DirectSolver:
     def by_call(self) -> Solution:
         """:meth:`solve` with the last factorisation for compiled loops.
 
-        It is none before the first solution, which is checked, and where something is done to them.
+        It is unavailable before the first solution, which is checked, and if solutions are refined
+        or corrected.
         """
         if self._kkt.beside is not None:
             return Solution.none()
@@ -325,7 +327,7 @@ class DirectSolver:
         return self._by_call
 
     def _check(self) -> None:
-        """Make sure that what was found is a solution."""
+        """Check the accuracy of a solution."""
         error = self._refined()
         listed = (*self._methods, *(each for each in self._rescues if each not in self._methods))
         others = (each for each in listed[1:] if each.fits(self._kkt, self._own))
@@ -344,7 +346,7 @@ class DirectSolver:
         self._checked = True
 
     def _refined(self) -> float:
-        """Refine a solution as often as it needs; returns its error."""
+        """Refine a solution as often as necessary; return its error."""
         error = self._error()
         while error > self._methods[0].accurate and self._refines < MOST_REFINED:
             self._refine()
@@ -356,7 +358,7 @@ class DirectSolver:
         return self._own.backward_error(self._scaled, self._found, self._left)
 
     def _refine(self) -> None:
-        """Solve for the residual, once."""
+        """Solve for the residual once."""
         self._error()
         self._solve_scaled(self._r, self._change)
         self._found += self._change.array

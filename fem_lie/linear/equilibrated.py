@@ -1,8 +1,8 @@
-"""The matrix of a scene in its own length, mass and time, and the error of its solutions.
+"""Equilibration of the matrix with the length, mass and time of the scene; errors of solutions.
 
-Rows and columns of translations and of their multipliers are multiplied by the length of the
-model, and all by one number that makes the largest entry about one: direct solvers see the same
-matrix in all systems of units. All factors are powers of two, so nothing is rounded.
+Rows and columns of translations and of their multipliers are multiplied by the length of the model,
+and all by one number that makes the largest entry about one: direct solvers see the same matrix in
+all systems of units. All factors are powers of two, so nothing is rounded.
 """
 
 from __future__ import annotations
@@ -23,13 +23,14 @@ if TYPE_CHECKING:
     from fem_lie.linear.saddle_point import KKT
 
 ACCURATE = 1e-10
-"""Residual of a solution over the size of what cancels in it, above which it is not accepted.
+"""Largest accepted residual of a solution, over the size of the terms that cancel in it.
 
-A solver that is stable leaves 1e-16 … 1e-13."""
+A stable solver leaves 1e-16 … 1e-13.
+"""
 
 
 _SYMMETRIC = 1e-13
-"""Difference of two entries of a symmetric matrix whose largest entry is about one."""
+"""Largest difference of entries of a symmetric matrix whose largest entry is about one."""
 
 
 class SingularMatrixError(ArithmeticError):
@@ -37,7 +38,7 @@ class SingularMatrixError(ArithmeticError):
 
 
 class InaccurateSolutionError(SingularMatrixError):
-    """No solver could solve with the matrix."""
+    """No solver reaches an accurate solution."""
 
 
 @compiled
@@ -52,7 +53,7 @@ def _take(
 ) -> float:
     """``out = L A W``, with ``W = diag(units)`` and ``L = W/largest``; returns the largest entry.
 
-    What is held keeps its unit row. The result is not finite if the matrix is not.
+    Held unknowns keep their unit row. The result is not finite if the matrix is not.
     """
     largest, total = 0.0, 0.0
     for i in range(len(units)):
@@ -76,10 +77,10 @@ def _take(
 def _backward_error(
     values: Array, columns: Indices, pointers: Indices, b: Array, x: Array, r: Array
 ) -> float:
-    """``r = b − A x``; returns its largest part of what cancels in a row.
+    """``r = b − A x``; returns the componentwise backward error.
 
-    M. Arioli, J. W. Demmel & I. S. Duff, SIAM J. Matrix Anal. Appl. 10 (1989) 165: rows in which
-    next to nothing cancels are measured by the largest unknown.
+    M. Arioli, J. W. Demmel & I. S. Duff, SIAM J. Matrix Anal. Appl. 10 (1989) 165: rows with nearly
+    no cancelling terms are measured by the largest unknown.
     """
     n, most = len(b), 0.0
     for i in range(n):
@@ -95,16 +96,16 @@ def _backward_error(
         r[i] = left
         if size < 1e-13 * n * (norm * most + abs(b[i])):
             size += norm * most
-        if not abs(left) <= error * size:  # nan stays
+        if not abs(left) <= error * size:  # true for nan
             error = abs(left) / size if size > 0.0 else np.inf
     return error
 
 
 @compiled
 def _asymmetry(values: Array, columns: Indices, pointers: Indices, allowed: float) -> float:
-    """``max |a_ij − a_ji|``, or the first that is not allowed; nan if the pattern is unsymmetric.
+    """``max |a_ij − a_ji|``, or the first that exceeds the limit; nan for an unsymmetric pattern.
 
-    Columns of a row ascend, so that those below the diagonal of a row are met one after the other.
+    Columns of a row ascend, so the entries below the diagonal are met in their order.
     """
     n, most = len(pointers) - 1, 0.0
     below = pointers[:n].copy()
@@ -123,26 +124,26 @@ def _asymmetry(values: Array, columns: Indices, pointers: Indices, allowed: floa
 
 
 class Equilibrated:
-    """A copy of the matrix that stays as it was taken.
+    """Equilibrated copy of the matrix.
 
-    Unknowns of what is of low rank come last: nothing acts on them, and no one asks for them.
+    The additional unknowns of a low-rank part come last; they have no right-hand side.
 
     Attributes:
-        left: Of rows, shape (n,): ``L b`` is the right-hand side for ``matrix``.
-        right: Of columns: its solution times this is that of the scene.
+        left: Factors of rows, shape (n,): ``L b`` is the right-hand side for ``matrix``.
+        right: Factors of columns: its solution times these is that of the scene.
         csr: Values, columns, row pointers.
-        part: What is of low rank, if there is any.
-        rank: Of that; there are twice as many unknowns more, half of which are multipliers.
+        part: Low-rank part, or ``None``.
+        rank: Rank of that part, which adds twice as many unknowns, half of them multipliers.
     """
 
     def __init__(self, kkt: KKT) -> None:
-        """Share the pattern of ``kkt``; :meth:`take` comes later."""
+        """Share the pattern of ``kkt``; :meth:`take` copies values."""
         self._kkt = kkt
         self._extended: Extended | None
         self._share()
 
     def _share(self) -> None:
-        """The pattern, as it is now."""
+        """Share the current pattern."""
         kkt, part = self._kkt, self._kkt.low_rank
         (_, columns, pointers), self._version = kkt.csr, kkt.version
         self.part, self.rank, self._extended = part, 0, None
@@ -159,9 +160,9 @@ class Equilibrated:
 
     @property
     def matrix(self) -> PETSc.Mat:
-        """For PETSc, made when it is first asked for; :meth:`take` changes its values.
+        """PETSc matrix, created on first use; :meth:`take` changes its values.
 
-        It is another one after the pattern has changed.
+        It is a new one after a change of the pattern.
         """
         if self._matrix is None:
             values, columns, pointers = self.csr
@@ -171,7 +172,7 @@ class Equilibrated:
         return self._matrix
 
     def take(self) -> None:
-        """Copy the matrix as it is now.
+        """Copy the current matrix.
 
         Raises:
             SingularMatrixError: It is not finite.
@@ -190,15 +191,15 @@ class Equilibrated:
             self._matrix.assemble()
 
     def is_symmetric(self) -> bool:
-        """Whether it is, but for round-off; its largest entry is about one."""
+        """Whether it is symmetric up to round-off; its largest entry is about one."""
         return bool(_asymmetry(*self.csr, _SYMMETRIC) <= _SYMMETRIC)
 
     def backward_error(self, b: Array, x: Array, r: Array) -> float:
-        """Of the solution ``x`` for ``b``, both of this matrix; sets ``r = b − A x``."""
+        """Backward error of solution ``x`` for ``b``, both of this matrix; sets ``r = b − A x``."""
         return float(_backward_error(*self.csr, b, x, r))
 
     def idle(self) -> IdleMultipliers | None:
-        """What exerts no force together in this matrix, if its constraints may be redundant."""
+        """Multipliers without force in this matrix, if constraints may be redundant."""
         if not self._kkt.redundant:
             return None
         n, m, whole = len(self._kkt.units), len(self._kkt.measure), (len(self.left),) * 2

@@ -1,9 +1,9 @@
-"""Sparse factors for compiled loops, without Python between them and a solution.
+"""Sparse factors for compiled loops that solve without calling Python.
 
-A step of a small scene takes some tens of microseconds, and a call of a library from Python for
-each solution would be a good part of that. Either PETSc's own function is called by its address,
-with the factors that :class:`~fem_lie.linear.direct.DirectSolver` keeps, or SuperLU's factors are
-solved with by a few lines of our own.
+A step of a small scene takes some tens of microseconds; calling a library from Python for each
+solution would be a considerable part of it. Compiled loops either call PETSc's function by its
+address, with the factors of :class:`~fem_lie.linear.direct.DirectSolver`, or solve with SuperLU's
+factors by compiled code.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ Triangle: TypeAlias = tuple[Array, Indices, Indices]
 """Values, row indices and column pointers."""
 
 PlainFactors: TypeAlias = tuple[Array, Array, Indices, Indices, Array, Triangle, Triangle]
-"""Of :class:`Factors`, for compiled functions."""
+""":class:`Factors` as a plain tuple, for compiled functions."""
 
 
 _TRIANGLES, _INSIDE = ("lower", "upper"), ("values", "indices", "pointers")
@@ -54,11 +54,11 @@ class Factors(NamedTuple):
     """``(A_left A A_right)ᵀ = Pᵣᵀ L U P_cᵀ``, both factors by columns, without the diagonal.
 
     Attributes:
-        left: Diagonal of ``A_left``, by which the equations are equilibrated, shape (n,); likewise
-            ``right``.
+        left: Diagonal of ``A_left``, which equilibrates the equations, shape (n,); ``right``
+            likewise.
         row: Permutation ``Pᵣ``, shape (n,).
         column: Permutation ``P_c``.
-        diagonal: Inverse of that of ``U``.
+        diagonal: Inverse of the diagonal of ``U``.
         lower: ``L``.
         upper: ``U``.
     """
@@ -73,11 +73,11 @@ class Factors(NamedTuple):
 
     @property
     def plain(self) -> PlainFactors:
-        """As compiled functions are quicker to call with."""
+        """Plain tuple of the fields, which makes calls of compiled functions faster."""
         return (*self,)
 
     def arrays(self) -> dict[str, Array]:
-        """All there is, by names, for a checkpoint."""
+        """All arrays by name, for a checkpoint."""
         found: dict[str, Any] = {}
         for name, value in self._asdict().items():
             if name in _TRIANGLES:
@@ -89,7 +89,7 @@ class Factors(NamedTuple):
 
     @classmethod
     def of(cls, kept: Mapping[str, Array]) -> Factors | None:
-        """Those of which :meth:`arrays` are in a checkpoint, if there are any."""
+        """Factors from the :meth:`arrays` of a checkpoint, or ``None``."""
         if "factors.left" not in kept:
             return None
         given: dict[str, Any] = {}
@@ -102,10 +102,10 @@ class Factors(NamedTuple):
 
 
 def factorise(kkt: KKT) -> Factors:
-    """Factors of the matrix as it is now.
+    """Factors of the current matrix.
 
     Raises:
-        SingularMatrixError: It has none, or none that solve with it.
+        SingularMatrixError: There are none, or none that solve accurately.
     """
     own = Equilibrated(kkt)
     own.take()
@@ -138,7 +138,7 @@ def _unpacked(lu: spla.SuperLU, own: Equilibrated) -> Factors:
 
 @compiled
 def _strict(values: Array, indices: Indices, pointers: Indices, diagonal: Array) -> Triangle:
-    """A triangle by columns without its diagonal, which is written into ``diagonal``."""
+    """Triangle by columns without its diagonal, which is written into ``diagonal``."""
     n = diagonal.shape[0]
     kept, rows = np.empty(values.shape[0]), np.empty(values.shape[0], dtype=np.int64)
     first, at = np.zeros(n + 1, dtype=np.int64), 0
@@ -155,7 +155,7 @@ def _strict(values: Array, indices: Indices, pointers: Indices, diagonal: Array)
 
 @inlined
 def _along(values: Array, indices: Indices, y: Array, first: np.uint64, end: np.uint64) -> float:
-    """Product of a row of a triangle with ``y``: two sums, for each waits for its last term."""
+    """Product of a row of a triangle with ``y``, in two sums, as each waits for its last term."""
     even, odd, k = 0.0, 0.0, first
     while k + ONE < end:
         even += values[k] * y[np.uint64(indices[k])]
@@ -168,9 +168,9 @@ def _along(values: Array, indices: Indices, y: Array, first: np.uint64, end: np.
 
 @compiled
 def solve(factors: PlainFactors, b: Array, y: Array, x: Array) -> None:
-    """``x = A⁻¹ b``; ``y`` is work, all of shape (n,).
+    """``x = A⁻¹ b``; ``y`` is workspace, all of shape (n,).
 
-    Indices are unsigned, for what may be negative is asked for its sign at each use.
+    Indices are unsigned: the compiler would check signed ones at each use.
     """
     left, right, row, column, diagonal, lower, upper = factors
     values, indices, pointers = upper
@@ -191,19 +191,19 @@ def solve(factors: PlainFactors, b: Array, y: Array, x: Array) -> None:
 # --- by the function of a library -----------------------------------------------------------------
 
 PlainSolution: TypeAlias = tuple[Indices, Array, Array, Array, Array]
-"""A :class:`Solution` at the door from Python."""
+"""A :class:`Solution` as a plain tuple."""
 
 
 class Solution(NamedTuple):
-    """Solves with factors that PETSc keeps.
+    """Solution with factors that PETSc owns.
 
     Attributes:
-        call: Addresses of the function, of what it solves with, and of its vectors ``b`` and ``x``,
-            shape (4,).
-        left: By which the equations are multiplied, shape (n,).
-        right: By which the solution is.
-        b: What is in the vector of that name.
-        x: Likewise.
+        call: Addresses of the function, of its solver, and of its vectors ``b`` and ``x``, shape
+            (4,).
+        left: Factors of the equations, shape (n,).
+        right: Factors of the solution, shape (n,).
+        b: Values of the vector ``b``.
+        x: Values of the vector ``x``.
     """
 
     call: Indices
@@ -214,19 +214,19 @@ class Solution(NamedTuple):
 
     @property
     def plain(self) -> PlainSolution:
-        """As compiled functions are quicker to call with."""
+        """Plain tuple of the fields, which makes calls of compiled functions faster."""
         return (*self,)
 
     @classmethod
     def none(cls) -> Solution:
-        """Which solves nothing: :func:`solve_by_call` says so."""
+        """No solution: :func:`solve_by_call` returns false."""
         return cls(np.zeros(4, dtype=np.int64), *np.empty((4, 0)))
 
 
 def addresses(ksp: PETSc.KSP, b: PETSc.Vec, x: PETSc.Vec) -> Indices:
-    """What is called to solve, see :attr:`Solution.call`.
+    """Addresses of :attr:`Solution.call`.
 
-    Without anything around the factors they are solved with at once.
+    Bare factors are called directly, without the preconditioner around them.
     """
     pc = ksp.getPC()
     direct = ksp.getType() == PETSc.KSP.Type.PREONLY
@@ -238,7 +238,7 @@ def addresses(ksp: PETSc.KSP, b: PETSc.Vec, x: PETSc.Vec) -> Indices:
 
 @cache
 def _address(name: str) -> int | None:
-    """Of a function of PETSc's."""
+    """Address of a function of PETSc."""
     function = getattr(ctypes.CDLL(PETSc.__file__), name)
     return ctypes.cast(function, ctypes.c_void_p).value
 
@@ -258,7 +258,7 @@ def _call(typing_context: Any, function: Any, holder: Any, b: Any, x: Any) -> An
 
 @compiled
 def solve_by_call(solution: PlainSolution, r: Array, dx: Array) -> bool:
-    """Solve for ``r`` into ``dx``, shape (n,); returns whether that could be done."""
+    """Solve for ``r`` into ``dx``, shape (n,); returns whether it succeeded."""
     call, left, right, b, x = solution
     if call[0] == 0:
         return False

@@ -1,10 +1,10 @@
-"""Factorisations of the iteration matrix for several step sizes, which serve others, too.
+"""Factorisations of the iteration matrix for several step sizes, used for other steps as well.
 
-The matrix is about ``m M + K`` with ``m ∝ 1/h²``. Without stiffness that of another step is the
-same up to a factor, so that any kept factorisation serves any step. With stiffness the eigenvalues
-of one relative to the other lie between 1 and the ratio of the two ``m``; scaled by the factor that
-is best for that interval the iteration contracts by ``|1 − f|/(1 + f)``, a third for a step that is
-√2 times as large or small. What keeping costs is seen by the policy as what age costs.
+The matrix is about ``m M + K`` with ``m ∝ 1/h²``. Without stiffness the matrix of another step is
+the same up to a factor, so that any stored factorisation serves any step. With stiffness the
+eigenvalues of one matrix relative to the other lie between 1 and the ratio of the two ``m``; with
+the best scale factor for that interval the iteration contracts by ``|1 − f|/(1 + f)``, a third for
+a step √2 times as large or small. To the policy this looks like the cost of an old matrix.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ KEPT = 4
 """Step sizes whose factorisations are kept at the same time."""
 
 REACH = 2.1
-"""Largest ratio of two ``m`` for which a stiff scene's matrix serves the other step."""
+"""Largest ratio of two ``m`` for which the matrix of a stiff scene serves the other step."""
 
 
 @dataclass(eq=False)
@@ -37,16 +37,16 @@ class _Slot(Generic[Kept]):
 
 
 class Levels(Generic[Kept]):
-    """Factorisations for several step sizes, of any kind, and which of them serves.
+    """Selection among factorisations for several step sizes.
 
     Attributes:
         rigid: Whether no body of the scene is elastic.
-        factor: What a solution is to be multiplied with for the present step.
-        count: How many were made.
+        factor: Factor of a solution for the current step.
+        count: Number of factorisations.
     """
 
     def __init__(self, *, rigid: bool) -> None:
-        """Nothing is kept yet; ``rigid``: whether no body of the scene is elastic."""
+        """Start without factorisations; ``rigid``: whether no body of the scene is elastic."""
         self.rigid = rigid
         self._slots: list[_Slot[Kept]] = []
         self._now: _Slot[Kept] | None = None
@@ -55,21 +55,21 @@ class Levels(Generic[Kept]):
 
     @property
     def present(self) -> Kept | None:
-        """What serves the present step, if anything does."""
+        """The factorisation that serves the current step, or ``None``."""
         return None if self._now is None else self._now.kept
 
     @property
     def mass(self) -> float:
-        """``m`` of what serves the present step."""
+        """``m`` of the factorisation that serves the current step."""
         assert self._now is not None
         return self._now.mass
 
     def use(self, mass: float) -> None:
-        """Choose for a step with ``m = mass``."""
+        """Select for a step with ``m = mass``."""
         self._wanted = mass
         near = [slot for slot in self._slots if _near(slot.mass, mass)]
         reach = np.inf if self.rigid else REACH
-        if self.rigid:  # all serve equally: the newest
+        if self.rigid:  # all are equally good: the newest
             near = self._slots
         near = near or [s for s in self._slots if 1 / reach < s.mass / mass < reach]
         self._now = max(near, key=lambda slot: slot.age) if near else None
@@ -78,12 +78,12 @@ class Levels(Generic[Kept]):
             self.factor = f if self.rigid else 2.0 * f / (1.0 + f)
 
     def scale(self) -> Array:
-        """Factors of the constraints with which residuals are to be formed."""
+        """Scale factors of the constraints for residuals."""
         assert self._now is not None
         return np.asarray(self._now.scale / self.factor)
 
     def make_room(self) -> Kept | None:
-        """Forget what the next one will replace: that of this level, or else the oldest of all."""
+        """Delete the factorisation that the next one replaces: of this level, or the oldest."""
         old = [slot for slot in self._slots if _near(slot.mass, self._wanted)]
         if not old and len(self._slots) == KEPT:
             old = [min(self._slots, key=lambda slot: slot.age)]
@@ -93,7 +93,7 @@ class Levels(Generic[Kept]):
         return old[0].kept
 
     def keep(self, kept: Kept, scale: Array) -> None:
-        """Keep it for this step; its constraints are times ``scale``."""
+        """Store a factorisation for this step; its constraints are times ``scale``."""
         self.count += 1
         self._now, self.factor = _Slot(kept, self._wanted, scale.copy(), self.count), 1.0
         self._slots.append(self._now)
@@ -143,7 +143,7 @@ class KeptFactors(DirectSolver):
 
     @property
     def by_call(self) -> Solution:
-        """See the base class; not yet scaled, either."""
+        """:meth:`solve` with the last factorisation for compiled loops."""
         solver = self.levels.present
         return Solution.none() if solver is None else solver.by_call
 
@@ -167,5 +167,5 @@ class KeptFactors(DirectSolver):
 
 
 def _near(a: float, b: float) -> bool:
-    """Whether two step sizes, by their ``m``, are on the same level."""
+    """Whether two step sizes, given by their ``m``, are on the same level."""
     return bool(abs(np.log2(a / b)) < 0.1)

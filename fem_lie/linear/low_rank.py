@@ -1,20 +1,18 @@
-"""Parts of a matrix of low rank: dense ones, kept out of its pattern, and changes beside factors.
+"""Low-rank parts of a matrix: dense blocks outside of its pattern, and corrections of factors.
 
-What couples very many unknowns by few sums of them, ``U C Wᵀ`` with a small core ``C``, would be a
-dense block. With these sums ``s`` and their forces ``t`` as unknowns the matrix stays sparse::
+A coupling of very many unknowns by few sums of them, ``U C Wᵀ`` with a small core ``C``, would be a
+dense block. With the sums ``s`` and their forces ``t`` as unknowns the matrix stays sparse::
 
     [A   σU   0 ] [x]   [r]
     [σWᵀ  0  −σ ] [t] = [0]
     [0   −σ   C ] [s]   [0]
 
-Changes beside a matrix whose factors are kept follow Sherman, Morrison and Woodbury.
-
-::
+Corrections of a matrix with stored factors use the Sherman–Morrison–Woodbury formula::
 
     (S + Σ k u wᵀ)⁻¹ r = x − Z (diag(1/k) + W Z)⁻¹ W x,    x = S⁻¹ r,    Z = S⁻¹ U
 
-Each column of ``Z`` is one more solution. It is kept with its ``u`` until that has turned, for a
-matrix with the former ``u`` is as good a one to iterate with.
+Each column of ``Z`` is one more solution. It is stored until its ``u`` has rotated too far: a
+matrix with the earlier ``u`` is as good for the iteration.
 """
 
 from __future__ import annotations
@@ -31,10 +29,10 @@ import scipy.sparse as sp
 from fem_lie._arrays import Array, Indices
 
 MOST = 60
-"""Rows beyond which they belong into the matrix."""
+"""Largest number of rows; more belong into the matrix."""
 
 _TURNED = 0.02
-"""Part of itself by which ``u`` may be another before its column is solved for again."""
+"""Relative change of ``u`` from which its column is solved for again."""
 
 _Key: TypeAlias = tuple[bytes, int]
 _Columns: TypeAlias = dict[_Key, tuple[Array, Array]]
@@ -45,11 +43,11 @@ class LowRank(NamedTuple):
 
     Attributes:
         rows: Unknown of each entry of ``U`` and of ``W``, shape (l,).
-        columns: Its column, shape (l,).
+        columns: Column of each entry, shape (l,).
         left: Entries of ``U``, shape (l,).
         right: Entries of ``W``, shape (l,).
         core: ``C``, shape (r, r).
-        scale: ``σ``, by which the sums and their forces are alike, shape (r,).
+        scale: ``σ``, which balances the sums and their forces, shape (r,).
     """
 
     rows: Indices
@@ -60,7 +58,7 @@ class LowRank(NamedTuple):
     scale: Array
 
     def matrix(self, size: int) -> sp.csr_matrix:
-        """All of it, shape (size, size)."""
+        """The part as a sparse matrix, shape (size, size)."""
         shape, places = (size, len(self.core)), (self.rows, self.columns)
         U, W = (sp.csr_matrix((each, places), shape=shape) for each in (self.left, self.right))
         return (U @ sp.csr_matrix(self.core) @ W.T).tocsr()
@@ -72,25 +70,25 @@ class LowRank(NamedTuple):
 
 
 class Extended:
-    """A matrix with the sums and forces of a part of low rank as unknowns, in this order.
+    """A matrix with the forces and sums of a low-rank part as further unknowns, in this order.
 
     Attributes:
-        columns: Of its entries, row by row.
-        pointers: Where each row begins.
+        columns: Column of each entry, row by row.
+        pointers: Row pointers.
     """
 
     def __init__(self, pointers: Indices, columns: Indices, part: LowRank) -> None:
-        """Find the pattern, and where its entries come from.
+        """Build the pattern, and the sources of its entries.
 
         Args:
-            pointers: Of the matrix without the part.
-            columns: Likewise.
-            part: Its rows and columns count, and stay what they are.
+            pointers: Row pointers of the matrix without the part.
+            columns: Columns of the matrix without the part.
+            part: The part; its rows and columns stay the same.
         """
         n, r, k = len(pointers) - 1, len(part.core), len(columns)
         keys, self._sums = np.unique(part.rows * r + part.columns, return_inverse=True)
         places, ends = (keys // r, keys % r), np.cumsum([k, len(keys), len(keys), r, r * r])
-        # entries are the numbers of their sources, from one on: zeros would not be stored
+        # entries are the numbers of their sources, from one: zeros would not be stored
         first = np.arange(1.0, ends[-1] + 1.0)
         own, left, right, ones, core = np.split(first, ends[:-1])
         A = sp.csr_matrix((own, columns, pointers), shape=(n, n))
@@ -104,20 +102,20 @@ class Extended:
         self.pointers: npt.NDArray[Any] = whole.indptr.astype(PETSc.IntType)
 
     def values(self, own: Array, part: LowRank) -> Array:
-        """Its entries, those of the matrix without the part being ``own``."""
+        """Entries, from the entries ``own`` of the matrix without the part."""
         σ = part.scale[part.columns]
         left, right = (np.bincount(self._sums, σ * each) for each in (part.left, part.right))
         return np.concatenate([own, left, right, -part.scale, part.core.ravel()])[self._from]
 
 
 class Beside(NamedTuple):
-    """``Σ k u wᵀ`` of rows of few unknowns each, at least one.
+    """Correction ``Σ k u wᵀ`` with rows of few unknowns each, at least one.
 
     Attributes:
-        first: Of each row the first of its unknowns, and their number at the end, shape (m + 1,).
-        unknowns: Shape (l,).
-        left: ``u`` there, shape (l,).
-        right: ``w``.
+        first: First entry of each row, and the total at the end, shape (m + 1,).
+        unknowns: Unknown of each entry, shape (l,).
+        left: Entries of ``u``, shape (l,).
+        right: Entries of ``w``, shape (l,).
         stiffness: ``k``, shape (m,).
     """
 
@@ -128,7 +126,7 @@ class Beside(NamedTuple):
     stiffness: Array
 
     def across(self, x: Array) -> Array:
-        """``W x`` for each of the last axis, (…, n) to (m, …)."""
+        """``W x`` along the last axis, (…, n) to (m, …)."""
         products = self.right * x[..., self.unknowns]
         return np.moveaxis(np.add.reduceat(products, self.first[:-1], axis=-1), -1, 0)
 
@@ -146,23 +144,23 @@ def _spread(unknowns: Indices, values: Array, size: int) -> Array:
 
 
 class Columns:
-    """Columns ``Z`` for the factors that are kept."""
+    """Columns ``Z`` for the stored factors."""
 
     def __init__(self) -> None:
-        """There are none."""
+        """Start without columns."""
         self._kept: _Columns = {}
         self._lefts: dict[_Key, Array] = {}
 
     def forget(self) -> None:
-        """With other factors."""
+        """Delete the columns, as the factors change."""
         self._kept, self._lefts = {}, {}
 
     def correct(self, beside: Beside, solve: Callable[[Array, Array], None], x: Array) -> None:
-        """Make the solution ``x`` (n,) with the factors that with all rows beside them.
+        """Correct the solution ``x`` (n,) of the factors for all rows beside them.
 
         Args:
             beside: The rows.
-            solve: With the factors, for its first argument into its second.
+            solve: Solves with the factors for its first argument into its second.
             x: Overwritten.
         """
         Z = self._columns(beside, solve, len(x))
@@ -189,7 +187,7 @@ class Columns:
         return Z
 
     def _known(self, key: _Key, left: Array) -> tuple[Array, Array | None]:
-        """``u`` of a column, and the column if it is kept."""
+        """``u`` of a column, and the column if it is stored."""
         u, z = self._kept.get(key, (self._lefts.get(key), None))
         if u is None or np.linalg.norm(left - u) > _TURNED * np.linalg.norm(left):
             return left.copy(), None
@@ -207,7 +205,7 @@ class Columns:
         }
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Have the columns of :meth:`memory` again, when they are asked for."""
+        """Solve for the columns of :meth:`memory` again when they are needed."""
         ends = np.cumsum(kept["sizes"])[:-1]
         places = np.split(kept["unknowns"], ends)
         lefts = np.split(kept["left"], ends)

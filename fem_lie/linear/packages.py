@@ -1,4 +1,4 @@
-"""Factorisations and the packages that do them, and which are tried one after the other."""
+"""Factorisation methods, and the packages that implement them."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Method:
-    """A factorisation, and the package that does it.
+    """A factorisation and the package that does it.
 
     Attributes:
         kind: PETSc's name, ``lu`` or ``cholesky``.
         package: PETSc's name of the package.
-        spreads: Whether several ranks factorise what is large together.
+        spreads: Whether several ranks factorise large matrices together.
         together: Whether all ranks solve together by its own means.
         accurate: See :data:`~.equilibrated.ACCURATE`.
-        takes_low_rank: Whether it costs less where parts of low rank are not in the pattern.
+        takes_low_rank: Whether it costs less with low-rank parts outside of the pattern.
     """
 
     kind: str
@@ -39,7 +39,7 @@ class Method:
 
     @property
     def symmetric(self) -> bool:
-        """Whether it reads one half of the matrix alone."""
+        """Whether it reads only one triangle of the matrix."""
         return self.kind == "cholesky"
 
     def fits(self, kkt: KKT, own: Equilibrated) -> bool:
@@ -47,72 +47,72 @@ class Method:
         return not self.symmetric or own.is_symmetric()
 
     def negative_pivots(self, pc: PETSc.PC) -> int | None:
-        """Those of the last factorisation; ``None`` if nobody knows."""
+        """Negative pivots of the last factorisation; ``None`` if unknown."""
         if pc.getType() != PETSc.PC.Type.CHOLESKY:
             return None
         if pc.getFactorSolverType() != "mumps":
-            return 0  # others exist for positive definite matrices only
+            return 0  # other Cholesky factors exist for positive definite matrices only
         return int(pc.getFactorMatrix().getMumpsInfog(NEGATIVE))
 
     def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
-        """Make it what ``pc`` does with the equilibrated copy ``own`` of ``kkt``."""
+        """Set up ``pc`` to factorise the equilibrated copy ``own`` of ``kkt``."""
         pc.setType(self.kind)
         pc.setFactorSolverType(self.package)
 
     def factorising(self, pc: PETSc.PC) -> PETSc.PC | None:
-        """What of ``pc`` has the factors of the package, if there are any."""
+        """Preconditioner within ``pc`` that has the factors of the package, or ``None``."""
         return pc
 
 
 class Alone(Method):
-    """One that takes a rank less time by itself than MUMPS on several, as there is little fill."""
+    """A method that is faster on one rank than MUMPS on several, as there is little fill."""
 
     spreads: ClassVar[bool] = False
 
 
 class ByChains(Alone):
-    """Chains of nodes are eliminated first, see :mod:`fem_lie.linear.condensed`."""
+    """Elimination of chains of nodes first, see :mod:`fem_lie.linear.condensed`."""
 
     def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
-        """See the base class."""
+        """Set up ``pc`` to factorise the equilibrated copy ``own`` of ``kkt``."""
         pc.setType(PETSc.PC.Type.PYTHON)
         pc.setPythonContext(Condensed(kkt, own, self.package))
 
     def factorising(self, pc: PETSc.PC) -> PETSc.PC | None:
-        """See the base class."""
+        """Preconditioner within ``pc`` that has the factors of the package, or ``None``."""
         return pc.getPythonContext().factorising
 
 
 class BySchurComplement(Alone):
-    """All but a narrow border is positive definite, see :mod:`fem_lie.linear.condensed.schur`."""
+    """Cholesky factors and a dense Schur complement, see :mod:`fem_lie.linear.condensed.schur`."""
 
     takes_low_rank: ClassVar[bool] = True
 
     def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
-        """See the base class."""
+        """Set up ``pc`` to factorise the equilibrated copy ``own`` of ``kkt``."""
         pc.setType(PETSc.PC.Type.PYTHON)
         pc.setPythonContext(SchurComplement(kkt, own, self.package))
 
     @property
     def symmetric(self) -> bool:
-        """See the base class: the border need not be."""
+        """Whether it reads only one triangle: no, its last rows may be unsymmetric."""
         return False
 
     def fits(self, kkt: KKT, own: Equilibrated) -> bool:
-        """See the base class."""
+        """Whether it can factorise these values."""
         return dense_rows_of(own, 6 * (len(kkt.indptr) - 1)) is not None
 
     def factorising(self, pc: PETSc.PC) -> PETSc.PC | None:
-        """See the base class."""
+        """Preconditioner within ``pc`` that has the factors of the package, or ``None``."""
         return pc.getPythonContext().factorising
 
     def negative_pivots(self, pc: PETSc.PC) -> int | None:
-        """See the base class."""
+        """Negative pivots of the last factorisation; ``None`` if unknown."""
         return pc.getPythonContext().negative_pivots()
 
 
 class Domains(Alone):
-    """Each rank has a subdomain, whose interface is solved for; see :mod:`fem_lie.linear.domains`.
+    """One subdomain per rank and a solver for the interface, see :mod:`fem_lie.linear.domains`.
 
     ``kind`` and ``package`` are a name of :data:`~fem_lie.linear.domains.interface.WAYS`.
     """
@@ -121,7 +121,7 @@ class Domains(Alone):
     accurate: ClassVar[float] = 1e-6
 
     def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
-        """See the base class."""
+        """Set up ``pc`` to factorise the equilibrated copy ``own`` of ``kkt``."""
         if kkt.part is None:
             kkt.share_among_ranks()
         assert kkt.part is not None
@@ -129,21 +129,21 @@ class Domains(Alone):
         pc.setPythonContext(Interface(kkt.part, own, pc.getOptionsPrefix() or "", self.kind))
 
     def factorising(self, pc: PETSc.PC) -> PETSc.PC | None:
-        """See the base class; subdomains say themselves what they lack."""
+        """``None``: subdomains report a lack of memory themselves."""
         return None
 
 
 DEFAULTS: dict[str, dict[str, object]] = {
-    # indefinite matrices are no news; without fill it would factorise them as L D Lᵀ, unnoticed
+    # no warning of indefinite matrices, which it would factorise as L D Lᵀ without fill
     "cholmod": {"mat_cholmod_print": 0, "mat_cholmod_factor": "supernodal"},
-    # joints leave zeros on the diagonal, for which umfpack takes nets for unsymmetric; with its own
-    # tolerance of 0.1 it leaves their order for pivots that are larger, and twice as much fill
+    # zeros on the diagonal from joints make umfpack treat nets as unsymmetric; with its own
+    # tolerance of 0.1 it departs from their order for larger pivots, and doubles the fill
     "umfpack": {"mat_umfpack_strategy": "SYMMETRIC", "mat_umfpack_pivot_tolerance": 0.01},
 }
-"""PETSc's options of packages, unless they are given."""
+"""Default PETSc options of packages."""
 
 RESCUES: tuple[Method, ...] = (Method("lu", "mumps"), Method("lu", "superlu"))
-"""What comes after the methods of a scene where their solutions are not accurate."""
+"""Methods that follow those of a scene if their solutions are not accurate."""
 
 ON_RANKS = ("mumps",)
 """Packages that factorise on several ranks together."""
@@ -154,21 +154,22 @@ NEGATIVE = 12
 _FACTORS = PETSc.PC.Type.LU, PETSc.PC.Type.CHOLESKY
 _NO_MEMORY = 55  # PETSc's number of the error
 _STATUS = 1  # MUMPS' INFOG of what went wrong
-_MUMPS_MEMORY = {-5, -7, -8, -9, -11, -13, -14, -15, -19}  # too little, or not to be had
+_MUMPS_MEMORY = {-5, -7, -8, -9, -11, -13, -14, -15, -19}  # too little, or not available
 _TEXTS = {"umfpack": "umfpack_", "cholmod": r"CHOLMOD .* with status -[23]\b"}
-"""What PETSc says where a package lacks memory: umfpack factorises singular matrices, too, and
-other errors are those of its arguments; statuses of cholmod are out of memory and too large."""
+"""PETSc's messages if a package lacks memory: UMFPACK factorises singular matrices as well, so its
+other errors are those of its arguments; statuses of CHOLMOD are out of memory and too large.
+"""
 
 DIAGNOSIS = Method("lu", "mumps")
-"""What says why a package failed that does not say it itself: KLU."""
+"""Hint about failures of a package without a message of its own: KLU."""
 
 
 def lacks_memory(factorising: PETSc.PC | None, error: Exception | None) -> bool:
-    """Whether a factorisation failed for want of memory.
+    """Whether a factorisation failed for lack of memory.
 
     Args:
-        factorising: Has the factors; PETSc itself raises nothing for MUMPS.
-        error: What was raised, if anything.
+        factorising: Preconditioner with the factors; PETSc raises no error for MUMPS.
+        error: The error that was raised, or ``None``.
     """
     if isinstance(error, MemoryError) or getattr(error, "ierr", None) == _NO_MEMORY:
         return True

@@ -1,14 +1,15 @@
-"""What the factors of a tangent say of the stability of an equilibrium.
+"""Stability of an equilibrium from the factors of its tangent.
 
-Under loads that have a potential the tangent at equilibrium is symmetric, and its number of
-negative pivots that of its negative eigenvalues (Sylvester's law of inertia): with none of them the
-equilibrium is stable. Bordered by m independent constraints it has m negative pivots more.
+Under loads with a potential the tangent at equilibrium is symmetric, and its number of negative
+pivots equals that of its negative eigenvalues (Sylvester's law of inertia): without any the
+equilibrium is stable. With m independent constraints the saddle-point matrix has m further negative
+pivots.
 
-Under others, such as moments about fixed axes, the symmetric part says too much: it may be
-indefinite where nothing happens. There is another equilibrium beside this one where the determinant
-of the tangent is zero, and with a negative one the equilibrium is unstable; a positive one says
-nothing of flutter. (V. V. Bolotin, Nonconservative Problems of the Theory of Elastic Stability,
-1963.)
+Under other loads, such as moments about fixed axes, the symmetric part is not conclusive: it may be
+indefinite at a stable equilibrium. Another equilibrium is adjacent where the determinant of the
+tangent is zero, and with a negative determinant the equilibrium is unstable; a positive determinant
+does not exclude flutter. (V. V. Bolotin, Nonconservative Problems of the Theory of Elastic
+Stability, 1963.)
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Joints whose constraints follow from those of others, and what these leave open.
+"""Redundant constraints, and multipliers that they leave undetermined.
 
-Idle are multipliers that exert no force together, the vectors with ``Bᵀ x = 0``, eigenvectors of
-``G = B Bᵀ`` for the eigenvalue zero. They are never computed: of any ``x`` the powers of
-``δ (G + δ)⁻¹`` leave their part and no other, for one sparse factorisation and some solutions,
-which is linear in the scene.
+Idle multipliers exert no force: they are vectors with ``Bᵀ x = 0``, eigenvectors of ``G = B Bᵀ``
+for the eigenvalue zero. They are not computed: powers of ``δ (G + δ)⁻¹`` filter the idle part out
+of any ``x``, with one sparse factorisation and some solutions, at a cost linear in the size of the
+scene.
 """
 
 from __future__ import annotations
@@ -14,26 +14,28 @@ import scipy.sparse.linalg
 
 from fem_lie._arrays import Array, Indices
 
-_NOTHING = 1e-10  # of a row whose entries would be of order 1
-_DEPENDENT = 1e-10  # squared distance of a unit row from the span of others
+_NOTHING = 1e-10  # norm of a row that is zero up to round-off
+_DEPENDENT = 1e-10  # squared distance of a dependent unit row from the span of others
 _SHIFT = 1e-14
-"""Added to the squared length of each unit row: what depends on others leaves this much of itself,
-times one and the squares of its coefficients, and not round-off that is divided by round-off."""
+"""Shift of the squared length of each unit row.
+
+The pivot of a dependent row is then the shift, times one plus the squares of its coefficients, and
+not a quotient of round-off."""
 
 IDLE = 1e-10
-"""Squared size of what multipliers of unit size move together, below which they move nothing."""
+"""Largest squared motion of idle multipliers of unit size."""
 
-_POWER = 2  # of the filter: what moves 10⁻³ together keeps all but 10⁻⁸
-_PASSES = 2  # round-off over IDLE is what the first leaves
+_POWER = 2  # of the filter: a motion of 10⁻³ is kept to 10⁻⁸
+_PASSES = 2  # the first leaves round-off over IDLE
 
 
 def redundant_constraints(B: sp.csr_matrix, units: Array, measure: Array) -> Indices:
-    """Those that follow from the others.
+    """Constraints that follow from others.
 
     Args:
-        B: Jacobian of all in the twists of the moving nodes, shape (m, 6 n).
+        B: Constraint Jacobian in the twists of the moving nodes, shape (m, 6 n).
         units: Unit of each unknown over the length of the model, shape (6 n,).
-        measure: What counts of the multiplier of each is its value times this, shape (m,).
+        measure: Norm scaling of each multiplier, shape (m,).
     """
     if B.shape[0] == 0:
         return np.empty(0, dtype=np.int64)
@@ -47,19 +49,19 @@ def redundant_constraints(B: sp.csr_matrix, units: Array, measure: Array) -> Ind
 
 
 def _squared_distances(unit: sp.csr_matrix) -> Array:
-    """Of each unit row from the span of those that a sparse elimination takes before, (m,).
+    """Squared distance of each unit row from the span of earlier ones, (m,).
 
-    They are the pivots of the Gram matrix, in an order that keeps its factors sparse.
+    They are the pivots of ``B Bᵀ``, in an order that keeps its factors sparse.
     """
     if unit.shape[0] == 0:
         return np.empty(0)
-    gram = (unit @ unit.T + _SHIFT * sp.identity(unit.shape[0])).tocsc()
-    factors = symmetric_factors(gram)
+    products = (unit @ unit.T + _SHIFT * sp.identity(unit.shape[0])).tocsc()
+    factors = symmetric_factors(products)
     return np.asarray(factors.U.diagonal()[factors.perm_c])
 
 
 def symmetric_factors(positive: sp.csc_matrix) -> scipy.sparse.linalg.SuperLU:
-    """Of a positive definite matrix, whose diagonal are the pivots whatever they are."""
+    """Factors of a positive definite matrix with pivots on the diagonal."""
     return scipy.sparse.linalg.splu(
         positive,
         permc_spec="MMD_AT_PLUS_A",
@@ -69,26 +71,26 @@ def symmetric_factors(positive: sp.csc_matrix) -> scipy.sparse.linalg.SuperLU:
 
 
 class IdleMultipliers:
-    """Takes the idle part out of multipliers."""
+    """Filter that removes the idle part of multipliers."""
 
     def __init__(self, scaled: sp.csr_matrix, measure: Array) -> None:
         """Factorise.
 
         Args:
-            scaled: Jacobian of all constraints over ``measure``, in unknowns of one dimension;
-                shape (m, n).
-            measure: What counts of each multiplier is its value times this, shape (m,): the part
-                that is taken out is at right angles to the rest in that.
+            scaled: Constraint Jacobian over ``measure``, in unknowns of one dimension; shape (m,
+                n).
+            measure: Norm scaling of each multiplier, shape (m,): the removed part is orthogonal to
+                the rest in the scaled multipliers.
         """
         self._measure = measure
-        gram = scaled @ scaled.T
-        self._bound = IDLE * max(float(gram.diagonal().max(initial=0.0)), np.finfo(float).tiny)
-        shifted = (gram + self._bound * sp.identity(len(measure))).tocsc()
+        products = scaled @ scaled.T
+        self._bound = IDLE * max(float(products.diagonal().max(initial=0.0)), np.finfo(float).tiny)
+        shifted = (products + self._bound * sp.identity(len(measure))).tocsc()
         self._factors = symmetric_factors(shifted)
 
     @classmethod
     def of(cls, B: sp.csr_matrix, units: Array, measure: Array) -> IdleMultipliers:
-        """From the Jacobian (m, 6 n); ``units`` are as of :func:`redundant_constraints`."""
+        """Filter for a Jacobian (m, 6 n); ``units`` as for :func:`redundant_constraints`."""
         return cls(sp.diags(1.0 / measure) @ B @ sp.diags(units), measure)
 
     def remove(self, multipliers: Array) -> Array:
@@ -99,7 +101,7 @@ class IdleMultipliers:
         return np.asarray(x / self._measure)
 
     def part(self, values: Array) -> Array:
-        """What of the ``values`` of constraints no motion can change, shape (m,)."""
+        """Part of constraint ``values`` that no motion can change, shape (m,)."""
         return np.asarray(self._filter(values / self._measure) * self._measure)
 
     def _filter(self, x: Array) -> Array:

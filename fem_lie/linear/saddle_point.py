@@ -1,14 +1,14 @@
-"""The one sparse matrix of a scene: 6×6 blocks of node pairs, bordered by constraint rows.
+"""The sparse saddle-point (KKT) matrix of a scene: 6×6 blocks of node pairs and constraint blocks.
 
 ::
 
     [ S      Bᵀ σ ]
     [ σ BT   0    ]
 
-with ``σ`` the scaling of the constraints, and ``T`` between increments and twists: with ``(BT)ᵀ``
-as columns a body that turns by θ in a step would converge at the rate θ/2. It is filled by one
-compiled loop into a PETSc matrix that shares its memory. Unknowns that are held have unit rows and
-no columns: a factorisation would take zeros that are stored for coupling.
+``σ`` is the scaling of the constraints, and ``T`` the derivative of twists in increments: with
+``(BT)ᵀ`` as columns the iteration for a body that rotates by θ in a step would converge at the rate
+θ/2. One compiled loop fills the values of a PETSc matrix. Held unknowns have unit rows and empty
+columns, since a factorisation would treat stored zeros as coupling.
 """
 
 from __future__ import annotations
@@ -30,21 +30,22 @@ from fem_lie.linear.domains.division import Division, Part
 from fem_lie.linear.low_rank import Beside, LowRank
 
 SOFTNESS = 1e-9
-"""By how much redundant constraints yield in one iteration, over what they would without others.
+"""Compliance of redundant constraints in one iteration, relative to their own flexibility.
 
-The matrix is regular with it, and the iteration still ends where all constraints are met."""
+It makes the matrix regular, and the iteration still ends with all constraints satisfied.
+"""
 
 
 _NONE = 1e-14
-"""Of the largest stiffness: less is round-off, as of rigid bodies in statics."""
+"""Stiffness, over the largest one, that is round-off, as of rigid bodies in statics."""
 
 
 def flexibility(diagonal: Array, units: Array) -> Array:
-    """Inverse of the diagonal of a stiffness; what has none counts as the stiffest, (n, 6).
+    """Inverse of a stiffness diagonal, (n, 6); a zero stiffness counts as the largest one.
 
     Args:
-        diagonal: Not negative, shape (n, 6).
-        units: Unit of each unknown, by which stiffness is comparable, zero of what is held, (n, 6).
+        diagonal: Stiffness, not negative, shape (n, 6).
+        units: Unit of each unknown, which makes stiffness comparable; zero if held, (n, 6).
     """
     energy = diagonal * units**2
     stiffest = float(energy.max(initial=0.0))
@@ -100,12 +101,12 @@ def _clear_held(rows: Array, nodes: Indices, held: Flags) -> None:
 
 
 _Pattern: TypeAlias = tuple[Indices, Indices, Indices, Indices]
-"""Rows and columns of pairs of nodes, then first and all multipliers of each node."""
+"""Row pointers and columns of node pairs, then pointers and incidences of each node."""
 
 
 @compiled
 def _count(pattern: _Pattern, held: Flags, lengths: Indices) -> None:
-    """Entries of each row of nodes, shape (6 n,): see :func:`_set_columns`."""
+    """Number of entries of each row of nodes, shape (6 n,): see :func:`_set_columns`."""
     bptr, bind, iptr, _ = pattern
     for i in range(held.shape[0]):
         free = 0
@@ -120,8 +121,8 @@ def _count(pattern: _Pattern, held: Flags, lengths: Indices) -> None:
 def _set_columns(pattern: _Pattern, held: Flags, columns: npt.NDArray[np.int32]) -> None:
     """Columns of the rows of all nodes.
 
-    A row has all columns of its node's blocks that are free, or its diagonal if it is held, and
-    then the multipliers of its node.
+    A row has the free columns of its node's blocks, or its diagonal if it is held, and then the
+    multipliers of its node.
     """
     bptr, bind, iptr, incident = pattern
     at = 0
@@ -143,7 +144,7 @@ def _set_columns(pattern: _Pattern, held: Flags, columns: npt.NDArray[np.int32])
 
 @compiled
 def _find(bptr: Indices, bind: Indices, rows: Indices, columns: Indices, found: Indices) -> None:
-    """Where in the pattern pairs of nodes are, −1 for those that do not move."""
+    """Positions of node pairs in the pattern, −1 for nodes that do not move."""
     count = bptr.shape[0] - 1
     for p in range(rows.shape[0]):
         found[p] = -1
@@ -159,35 +160,35 @@ def _find(bptr: Indices, bind: Indices, rows: Indices, columns: Indices, found: 
 
 
 class Divisible(Protocol):
-    """What fills a matrix, and can fill that of a domain beside it."""
+    """Fills a matrix, and can fill that of a subdomain as well."""
 
     def division(self, count: int) -> Division:
-        """Cells and constraints in so many domains."""
+        """Division of cells and constraints into subdomains."""
 
     def divide(self, division: Division, rank: int) -> None:
-        """Have the domain of a rank."""
+        """Select the subdomain of a rank."""
 
 
 class KKT:
-    """Pattern and memory of the bordered matrix.
+    """Pattern and values of the saddle-point (KKT) matrix.
 
     Attributes:
-        indptr: Rows of the pattern of node pairs, with ``indices``.
-        matrix: The PETSc matrix; :meth:`fill` changes its values, :meth:`couple` puts another one
-            in its place.
-        version: Of the pattern.
-        filled: How often values of node pairs, and not of the border alone, were set.
-        units: Powers of two, shape (6 n + m,): rows and columns times these are of one dimension.
-        unit_rows: Which rows are those of held unknowns, shape (6 n + m,).
-        measure: What counts of each multiplier is its value times this, shape (m,).
-        redundant: Whether constraints may follow from others.
-        beside: What solutions take in besides, ``None`` when the values have just been filled.
-        held: Which unknowns of nodes are zero, shape (n, 6).
-        part: What of the matrix is this rank's domain, where it is divided.
-        divisible: Who fills it, and can fill that.
-        splits: Whether who fills it leaves what couples many nodes by few sums to
-            :attr:`low_rank`; it does so from the next matrix on.
-        low_rank: What belongs to the matrix, but is not in its pattern.
+        indptr: Row pointers of the pattern of node pairs, with ``indices``.
+        matrix: The PETSc matrix; :meth:`fill` changes its values, :meth:`couple` replaces it.
+        version: Version of the pattern.
+        filled: Number of times that values of node pairs, not only of constraints, were set.
+        units: Powers of two, shape (6 n + m,), that make rows and columns of one dimension.
+        unit_rows: Whether a row is that of a held unknown, shape (6 n + m,).
+        measure: Norm scaling of each multiplier, shape (m,).
+        redundant: Whether constraints may be redundant.
+        beside: Low-rank correction of solutions; ``None`` after values were filled.
+        incidences: Incidences of the constraints with nodes.
+        held: Unknowns of nodes that are zero, shape (n, 6).
+        part: Part of this rank's subdomain, if the matrix is divided.
+        divisible: Object that fills the matrix, and can fill that of a subdomain.
+        splits: Whether that object puts couplings of many nodes by few sums into :attr:`low_rank`,
+            from the next matrix on.
+        low_rank: Part of the matrix that is not in its pattern.
         length: Power of two near the length of the model.
     """
 
@@ -211,14 +212,14 @@ class KKT:
         """Build the pattern.
 
         Args:
-            pairs: Rows and columns of coupled node pairs, of which those that do not move are left
-                out; the diagonal is added.
-            incidences: Which nodes the constraints touch.
-            held: Which unknowns of the nodes are zero, shape (n, 6).
+            pairs: Rows and columns of coupled node pairs. Nodes that do not move are left out; the
+                diagonal is added.
+            incidences: Incidences of the constraints with nodes.
+            held: Unknowns of the nodes that are zero, shape (n, 6).
             units: Unit of each unknown of the nodes, shape (6 n,): the length of the model, or 1.
-            length: Of the model.
-            angular: Which constraints are of rotations alone, shape (m,).
-            redundant: Whether constraints may follow from others; they yield a little then, see
+            length: Length of the model.
+            angular: Whether a constraint has rotations only, shape (m,).
+            redundant: Whether constraints may be redundant; they are then slightly compliant, see
                 :data:`SOFTNESS`.
         """
         self.redundant = redundant
@@ -232,10 +233,10 @@ class KKT:
         self.couple(pairs)
 
     def couple(self, pairs: list[tuple[Indices, Indices]]) -> None:
-        """Build the pattern anew, for other pairs of nodes; the values are zero.
+        """Build a new pattern for other node pairs; the values are zero.
 
         Args:
-            pairs: As when it was made.
+            pairs: Rows and columns of coupled node pairs.
         """
         count, m = len(self.held), self._m
         self.version, self.filled = self.version + 1, self.filled + 1
@@ -256,12 +257,12 @@ class KKT:
 
     @property
     def free_units(self) -> Array:
-        """Units of the unknowns of nodes, zero of those that are held, shape (n, 6)."""
+        """Units of the unknowns of nodes, zero for held ones, shape (n, 6)."""
         return np.where(self.held, 0.0, self.units[: self.held.size].reshape(-1, 6))
 
     @property
     def csr(self) -> tuple[Array, npt.NDArray[Any], npt.NDArray[Any]]:
-        """The matrix as it is now, without :attr:`low_rank`: values, columns, row pointers; views.
+        """Values, columns and row pointers of the matrix without :attr:`low_rank`, as views.
 
         See also :attr:`whole`.
         """
@@ -269,21 +270,21 @@ class KKT:
 
     @property
     def whole(self) -> sp.csr_matrix:
-        """The matrix as it is now with its low-rank part, in values of its own."""
+        """Copy of the matrix with its low-rank part."""
         values, columns, pointers = self.csr
         size = len(self.units)
         found = sp.csr_matrix((values.copy(), columns, pointers), shape=(size, size))
         return found if self.low_rank is None else found + self.low_rank.matrix(size)
 
     def times(self, x: Array) -> Array:
-        """The matrix as it is now, with what is of low rank and beside it, times ``x``."""
+        """Product of the matrix, with low-rank part and correction, with ``x``."""
         product: Array = sp.csr_matrix(self.csr) @ x
         for part in (self.low_rank, self.beside):
             product = product if part is None else product + part.times(x)
         return product
 
     def _touch(self, count: int, m: int) -> None:
-        """Which constraints touch which nodes, and the scalar pattern."""
+        """Build the scalar pattern from node pairs and incidences."""
         incidences = self.incidences
         c, incidence = incidences.rows, np.arange(len(incidences.nodes))
         order = np.lexsort((c, incidences.nodes))
@@ -304,29 +305,29 @@ class KKT:
         self._size = len(self._columns)
 
     def place(self, rows: Indices, columns: Indices) -> Indices:
-        """Positions of node pairs among the blocks; -1 where a node does not move."""
+        """Positions of node pairs among the blocks; −1 if a node does not move."""
         found: Indices = np.empty(rows.shape, dtype=np.int64)
         _find(self.indptr, self.indices, rows.ravel(), columns.ravel(), found.ravel())
         return found
 
     def share_among_ranks(self) -> None:
-        """Have a domain for each rank: what is filled from now on fills :attr:`part`, too.
+        """Divide the matrix into a subdomain per rank; later matrices also fill :attr:`part`.
 
         Raises:
-            ValueError: The scene cannot be divided so often.
+            ValueError: The scene cannot be divided into so many.
         """
         world = MPI.COMM_WORLD
         assert self.divisible is not None
         self.divisible.divide(world.bcast(self.divisible.division(world.size)), world.rank)
 
     def divide(self, part: Part) -> None:
-        """Have room for the values of a domain's matrix, too; see :meth:`of_part`."""
+        """Allocate values for the matrix of a subdomain; see :meth:`of_part`."""
         self.part = part
         part.values = np.zeros_like(self._data)
 
     @contextmanager
     def of_part(self) -> Iterator[None]:
-        """What is filled meanwhile goes to the values of the domain."""
+        """Context in which :meth:`fill` sets the values of the subdomain."""
         assert self.part is not None
         whole, self._data = self._data, self.part.values
         try:
@@ -341,11 +342,11 @@ class KKT:
 
         Args:
             blocks: ``S``, shape (nnz, 6, 6).
-            columns: ``B`` in the twists of the legs' nodes, shape (legs, 6); what is held is set to
-                zero, as in ``rows``.
-            rows: ``BT`` in their increments, shape (legs, 6).
+            columns: ``B`` in twists, one row of six per incidence, shape (incidences, 6); held
+                unknowns are set to zero, as in ``rows``.
+            rows: ``BT`` in increments, one row of six per incidence, shape (incidences, 6).
             scale: ``σ``, shape (m,).
-            anew: Whether the blocks are others than the last time.
+            anew: Whether the blocks differ from the last ones.
         """
         _clear_held(columns, self.incidences.nodes, self.held)
         _clear_held(rows, self.incidences.nodes, self.held)
@@ -357,7 +358,7 @@ class KKT:
         self._changed()
 
     def restore(self, values: Array) -> None:
-        """Have values again that :attr:`csr` had."""
+        """Set the values to earlier ones of :attr:`csr`."""
         self._data[:] = values
         self.filled += 1
         self._changed()
@@ -368,10 +369,10 @@ class KKT:
         self.matrix.assemble()
 
     def _soften(self, blocks: Array, columns: Array, scale: Array) -> Array:
-        """:data:`SOFTNESS` times the diagonal of ``σB diag(S)⁻¹ Bᵀσ``, shape (m,).
+        """Compliance of constraints: :data:`SOFTNESS` times ``diag(σB diag(S)⁻¹ Bᵀσ)``, shape (m,).
 
-        Solutions are freed of multipliers that exert no force together. Against these only the
-        softness stands: the round-off of the constraints over it would move them for ever.
+        Solutions are freed of multipliers without force. Only the compliance resists these:
+        otherwise round-off of the constraints would move them in every iteration.
         """
         nodes, m = np.arange(len(self.held)), len(scale)
         S = np.abs(blocks[self.place(nodes, nodes)].diagonal(axis1=1, axis2=2))
@@ -382,11 +383,11 @@ class KKT:
 
 
 class Incidences(NamedTuple):
-    """Which moving nodes each constraint touches: its legs, in the order of the nodes.
+    """Incidences of constraints with moving nodes, ordered by constraint and node.
 
     Attributes:
-        ptr: First leg of each constraint and their number at the end, shape (m + 1,).
-        nodes: Node of each leg.
+        ptr: First incidence of each constraint, and the total at the end, shape (m + 1,).
+        nodes: Node of each incidence.
     """
 
     ptr: Indices
@@ -394,28 +395,28 @@ class Incidences(NamedTuple):
 
     @property
     def rows(self) -> Indices:
-        """Constraint of each leg."""
+        """Constraint of each incidence."""
         return np.repeat(np.arange(len(self.ptr) - 1), np.diff(self.ptr))
 
     @classmethod
     def of(cls, touched: Sequence[set[int]], count: int) -> Incidences:
-        """From the nodes of each constraint; those from ``count`` on do not move."""
+        """Incidences from the nodes of each constraint; nodes from ``count`` on do not move."""
         of_each = [sorted(node for node in nodes if node < count) for nodes in touched]
         ptr = np.concatenate([[0], np.cumsum([len(nodes) for nodes in of_each], dtype=np.int64)])
         nodes = np.array([node for group in of_each for node in group], dtype=np.int64)
         return cls(ptr.astype(np.int64), nodes)
 
     def at(self, row: int, node: int) -> int:
-        """Of a constraint at a node, −1 if the node does not move."""
+        """Incidence of a constraint with a node, −1 if the node does not move."""
         nodes = self.nodes[self.ptr[row] : self.ptr[row + 1]]
         found = np.flatnonzero(nodes == node)
         return int(self.ptr[row] + found[0]) if len(found) else -1
 
     def find(self, rows: Indices, nodes: Indices) -> Indices:
-        """Of constraints (t,) at nodes (t, k), −1 where the node or the constraint has none."""
+        """Incidences of constraints (t,) with nodes (t, k), −1 where there is none."""
         if not len(self.nodes):
             return np.full_like(nodes, -1)
         count = max(int(self.nodes.max()), int(nodes.max(initial=0))) + 1
-        keys, wanted = self.rows * count + self.nodes, rows[:, np.newaxis] * count + nodes
-        found = np.searchsorted(keys, wanted).clip(max=len(keys) - 1)
-        return np.where(keys[found] == wanted, found, -1)
+        keys, sought = self.rows * count + self.nodes, rows[:, np.newaxis] * count + nodes
+        found = np.searchsorted(keys, sought).clip(max=len(keys) - 1)
+        return np.where(keys[found] == sought, found, -1)

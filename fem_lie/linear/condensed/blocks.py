@@ -1,7 +1,7 @@
-"""Blocks of nodes eliminated and solved with: compiled.
+"""Elimination of nodes and solution with their blocks, compiled.
 
-See :mod:`fem_lie.linear.condensed` for the formulas. Of a node the array of all blocks holds its
-own (n, n), then ``U`` (n, w) and ``L`` (w, n), with the ``w`` unknowns of all its neighbours.
+See :mod:`fem_lie.linear.condensed` for the formulas. For each node the array of blocks has its own
+block (n, n), then ``U`` (n, w) and ``L`` (w, n), with the ``w`` unknowns of all its neighbours.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from fem_lie._jit.stack import matrix_at, stack, vector_at
 from fem_lie.linear.condensed.elimination import MOST, Left, Numbers, Plan
 
 _SINGULAR = 1e-12
-"""Pivot over the largest entry of a block below which it is not inverted."""
+"""Ratio of pivot to largest entry of a block below which it counts as singular."""
 
 
 @inlined_uncounted
@@ -27,7 +27,7 @@ def _find(near: Numbers, e: int, v: int) -> int:
 
 @inlined_uncounted
 def _block_left(left: Left, i: int, j: int) -> int:
-    """Where the block of two nodes that are left begins."""
+    """Start of the block of two remaining nodes."""
     low, high = left.pointers[i], left.pointers[i + 1]
     while high - low > 1:
         middle = (low + high) // 2
@@ -40,26 +40,26 @@ def _block_left(left: Left, i: int, j: int) -> int:
 
 @inlined_uncounted
 def _upper(plan: Plan, e: int) -> int:
-    """Where ``U`` of a node begins; its rows are as long as all its neighbours' unknowns."""
+    """Start of ``U`` of a node; its rows have the unknowns of all neighbours."""
     size = plan.sizes[plan.order[e]]
     return plan.start[e] + size * size
 
 
 @inlined_uncounted
 def _lower(plan: Plan, e: int) -> int:
-    """Where ``L`` begins; its rows are as long as the node's own unknowns."""
+    """Start of ``L``; its rows have the node's own unknowns."""
     return _upper(plan, e) + plan.sizes[plan.order[e]] * plan.first[e, MOST]
 
 
 @uncounted
 def scatter(plan: Plan, values: Array, columns: Numbers, pointers: Numbers, store: Array) -> None:
-    """Blocks of all pairs of which one is eliminated, from the matrix.
+    """Copy the blocks of all pairs with an eliminated node from the matrix.
 
     Args:
-        plan: Of the elimination.
-        values: The matrix by rows, with ``columns`` and ``pointers``.
-        columns: See there.
-        pointers: See there.
+        plan: Plan of the elimination.
+        values: Values of the matrix by rows.
+        columns: Column indices of the matrix.
+        pointers: Row pointers of the matrix.
         store: The blocks.
     """
     store[:] = 0.0
@@ -88,7 +88,7 @@ def scatter(plan: Plan, values: Array, columns: Numbers, pointers: Numbers, stor
 
 @inlined_uncounted
 def _invert(A: Array, n: int, swapped: Array) -> bool:
-    """A block (n, n) in its place, by Gauss and Jordan with pivots; whether it is regular."""
+    """Invert a block (n, n) in place by Gauss–Jordan with pivoting; whether it is regular."""
     largest = 0.0
     for i in range(n):
         for j in range(n):
@@ -121,10 +121,10 @@ def _invert(A: Array, n: int, swapped: Array) -> bool:
 
 
 class Front(NamedTuple):
-    """Dense blocks of one node while it is eliminated.
+    """Dense blocks of a node during its elimination.
 
     Attributes:
-        own: Its own, shape (6, 6).
+        own: Block of the node, shape (6, 6).
         above: ``U``, shape (6, w).
         product: ``L U``, shape (w, w).
         swapped: Rows of the pivots, shape (6,).
@@ -141,10 +141,10 @@ def factorise(plan: Plan, left: Left, store: Array, schur: Array) -> int:
     """Eliminate all nodes in order; returns the first whose block is singular, or −1.
 
     Args:
-        plan: Of the elimination.
-        left: Pairs between which blocks are made.
+        plan: Plan of the elimination.
+        left: Pairs of remaining nodes that obtain blocks.
         store: The blocks, overwritten by their factors.
-        schur: Blocks of ``left``, what is to be added to the matrix that is left.
+        schur: Blocks of ``left``, to be added to the remaining matrix.
     """
     most = 6 * MOST
     own, above = matrix_at(stack(36), 6, 6), matrix_at(stack(6 * most), 6, most)
@@ -152,7 +152,7 @@ def factorise(plan: Plan, left: Left, store: Array, schur: Array) -> int:
     schur[:] = 0.0
     for e in range(plan.order.shape[0]):
         n = plan.sizes[plan.order[e]]
-        # loops of known length are unrolled: nodes of most threads are places
+        # loops of known length are unrolled: most nodes of cables are positions
         if not (
             _eliminate(plan, e, 3, store, front) if n == 3 else _eliminate(plan, e, n, store, front)
         ):
@@ -177,7 +177,7 @@ def factorise(plan: Plan, left: Left, store: Array, schur: Array) -> int:
 
 @inlined_uncounted
 def _eliminate(plan: Plan, e: int, n: int, store: Array, front: Front) -> bool:
-    """Make the blocks of a node of ``n`` unknowns its factors, and find ``L U``.
+    """Factorise the blocks of a node with ``n`` unknowns, and compute ``L U``.
 
     Returns:
         Whether its own block is regular.
@@ -215,9 +215,9 @@ def _eliminate(plan: Plan, e: int, n: int, store: Array, front: Front) -> bool:
 
 @inlined_uncounted
 def _destination(plan: Plan, left: Left, i: int, j: int) -> tuple[int, int]:
-    """Where the block of two neighbours is, and how long its rows are.
+    """Position and row length of the block of two neighbours.
 
-    If both are left it is −1 − the place among those.
+    If both remain it is −1 minus the position among those.
     """
     a, b = plan.place[i], plan.place[j]
     if i == j:
@@ -233,7 +233,7 @@ def _destination(plan: Plan, left: Left, i: int, j: int) -> tuple[int, int]:
 
 @uncounted
 def forward(plan: Plan, store: Array, x: Array) -> None:
-    """Eliminate the right-hand side ``x`` (6 n + m,) in its place."""
+    """Eliminate the right-hand side ``x`` (6 n + m,) in place."""
     y = vector_at(stack(6), 6)
     for e in range(plan.order.shape[0]):
         n = plan.sizes[plan.order[e]]
@@ -245,7 +245,7 @@ def forward(plan: Plan, store: Array, x: Array) -> None:
 
 @inlined_uncounted
 def _forward(plan: Plan, e: int, n: int, store: Array, x: Array, y: Array) -> None:
-    """At one node of ``n`` unknowns; ``y`` is work."""
+    """Elimination at a node with ``n`` unknowns; ``y`` is workspace."""
     v, own = plan.order[e], plan.start[e]
     lower = own + n * n + n * plan.first[e, MOST]
     for k in range(n):
@@ -270,7 +270,7 @@ def _forward(plan: Plan, e: int, n: int, store: Array, x: Array, y: Array) -> No
 
 @uncounted
 def backward(plan: Plan, store: Array, x: Array) -> None:
-    """Find the unknowns of all eliminated nodes from those that are left, in their place."""
+    """Compute the unknowns of all eliminated nodes from the remaining ones, in place."""
     known, y = vector_at(stack(6 * MOST), 6 * MOST), vector_at(stack(6), 6)
     for back in range(plan.order.shape[0]):
         e = plan.order.shape[0] - 1 - back
@@ -283,7 +283,7 @@ def backward(plan: Plan, store: Array, x: Array) -> None:
 
 @inlined_uncounted
 def _backward(plan: Plan, e: int, n: int, store: Array, x: Array, known: Array, y: Array) -> None:
-    """At one node of ``n`` unknowns; ``known`` and ``y`` are work."""
+    """Back substitution at a node with ``n`` unknowns; ``known`` and ``y`` are workspace."""
     v, width = plan.order[e], plan.first[e, MOST]
     upper = plan.start[e] + n * n
     for s in range(MOST):
@@ -294,7 +294,7 @@ def _backward(plan: Plan, e: int, n: int, store: Array, x: Array, known: Array, 
             known[plan.first[e, s] + r] = x[6 * i + plan.free[i, r]]
     for k in range(n):
         y[k] = 0.0
-    # all rows at once, for each sum waits for its last term
+    # all rows at once, as each sum waits for its last term
     for c in range(width):
         for k in range(n):
             y[k] += store[upper + width * k + c] * known[c]

@@ -1,4 +1,4 @@
-"""Which nodes of a matrix are eliminated one by one, in which order, and onto which others."""
+"""Order in which nodes of a matrix are eliminated, and the neighbours onto which they are."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from fem_lie._arrays import Flags, Indices
 from fem_lie._jit import compiled, inlined
 
 MOST = 4
-"""Neighbours of a node that is eliminated: two on either side, as in a thread that bends."""
+"""Largest number of neighbours of an eliminated node: two on either side, as in a rod."""
 
 _KNOWN = 8
-"""Neighbours that a node may have in between, of which others are eliminated before it."""
+"""Largest number of neighbours of a node before others are eliminated."""
 
 Numbers = npt.NDArray[np.int32]
 
 
 class ConstraintNodes(Protocol):
-    """Nodes that constraints touch."""
+    """Nodes of the incidences of constraints."""
 
     @property
     def nodes(self) -> Indices:
-        """Of each leg."""
+        """Node of each incidence."""
 
 
 class Pattern(Protocol):
-    """What is asked of a matrix, see :class:`~fem_lie.linear.saddle_point.KKT`."""
+    """Attributes of the matrix that are used, see :class:`~fem_lie.linear.saddle_point.KKT`."""
 
     indptr: Indices
     indices: Indices
@@ -37,20 +37,21 @@ class Pattern(Protocol):
 
     @property
     def incidences(self) -> ConstraintNodes:
-        """Of the constraints."""
+        """Incidences of the constraints."""
 
 
 class Plan(NamedTuple):
-    """In which order nodes are eliminated, onto which, and where their blocks are.
+    """Order of elimination, neighbours, and positions of blocks.
 
     Attributes:
-        order: Nodes that are eliminated, shape (e,).
-        place: Of each node in that order, −1 if it is left, shape (n,).
-        near: Its neighbours at that time, −1 where there is none more, shape (e, MOST).
-        first: Where their unknowns begin among all of these, and how many, shape (e, MOST + 1).
-        start: Where the blocks of a node begin: its own, ``U``, ``L``; shape (e + 1,).
-        sizes: Free unknowns of each node, shape (n,).
-        rank: Number of an unknown among those of its node, shape (6 n,).
+        order: Eliminated nodes, shape (e,).
+        place: Position of each node in that order, −1 if it remains, shape (n,).
+        near: Neighbours of a node when it is eliminated, −1 where there is none, shape (e, MOST).
+        first: First unknown of each neighbour among all of these, and their number, shape (e, MOST
+            + 1).
+        start: Start of the blocks of a node: its own, ``U``, ``L``; shape (e + 1,).
+        sizes: Number of free unknowns of each node, shape (n,).
+        rank: Number of an unknown among the free ones of its node, shape (6 n,).
         free: Unknown of a node by this number, shape (n, 6).
     """
 
@@ -65,12 +66,12 @@ class Plan(NamedTuple):
 
 
 class Left(NamedTuple):
-    """Pairs of nodes that are left, between which elimination makes blocks.
+    """Pairs of remaining nodes between which elimination makes blocks.
 
     Attributes:
-        pointers: Rows of the pattern, shape (n + 1,).
+        pointers: Row pointers of the pattern, shape (n + 1,).
         indices: Nodes.
-        start: Where each block begins, one more at the end.
+        start: Start of each block, and the total at the end.
     """
 
     pointers: Indices
@@ -80,44 +81,44 @@ class Left(NamedTuple):
 
 @compiled
 def eliminate(pointers: Indices, indices: Indices, may: Flags) -> tuple[Numbers, Numbers, Numbers]:
-    """Which nodes can be eliminated onto few others: order, place of each in it, neighbours.
+    """Nodes that can be eliminated onto few others: order, position of each, neighbours.
 
     Args:
-        pointers: Rows of the pattern of nodes; ``indices`` are its columns.
-        indices: See there.
-        may: Which of them may be, shape (n,).
+        pointers: Row pointers of the pattern of nodes.
+        indices: Column indices of the pattern.
+        may: Whether a node may be eliminated, shape (n,).
     """
     n = may.shape[0]
     near, count = np.full((n, _KNOWN), -1, np.int32), np.zeros(n, np.int32)
     place, order, done = np.full(n, -1, np.int32), np.empty(n, np.int32), 0
-    open_, before = may.copy(), -1
+    eligible, before = may.copy(), -1
     for v in range(n):
         if pointers[v + 1] - pointers[v] - 1 > _KNOWN:
-            open_[v] = False
-        if open_[v]:
+            eligible[v] = False
+        if eligible[v]:
             for p in range(pointers[v], pointers[v + 1]):
                 if indices[p] != v:
                     near[v, count[v]] = indices[p]
                     count[v] += 1
-    # who has too many neighbours at first may have fewer when these are gone
+    # a node with too many neighbours may have fewer after their elimination
     while done > before:
         before = done
         for v in range(n):
-            if not open_[v] or count[v] > MOST:
+            if not eligible[v] or count[v] > MOST:
                 continue
             for s in range(count[v]):
                 i = near[v, s]
-                if open_[i]:
-                    open_[i] = _meet(near, count, i, v)
+                if eligible[i]:
+                    eligible[i] = _meet(near, count, i, v)
             place[v], order[done] = done, v
             done += 1
-            open_[v] = False
+            eligible[v] = False
     return order[:done], place, near[order[:done], :MOST].copy()
 
 
 @inlined
 def _meet(near: Numbers, count: Numbers, i: int, v: int) -> bool:
-    """Make the neighbours of ``v`` those of ``i``, without ``v``; returns whether that could be."""
+    """Add the neighbours of ``v`` to those of ``i``, without ``v``; whether there is space."""
     kept = 0
     for s in range(count[i]):
         if near[i, s] != v:
@@ -140,7 +141,7 @@ def _meet(near: Numbers, count: Numbers, i: int, v: int) -> bool:
 
 
 def plan_of(kkt: Pattern) -> Plan:
-    """What can be eliminated of a matrix: nodes without constraints that have few neighbours."""
+    """Plan of the elimination of nodes without constraints that have few neighbours."""
     held = kkt.unit_rows[: 6 * (len(kkt.indptr) - 1)].reshape(-1, 6)
     may = np.asarray(~held.all(axis=1))
     may[kkt.incidences.nodes] = False
@@ -157,7 +158,7 @@ def plan_of(kkt: Pattern) -> Plan:
 
 
 def pairs_left(plan: Plan) -> Left:
-    """Pairs of nodes that are left and were neighbours of one that is eliminated."""
+    """Pairs of remaining nodes that were neighbours of an eliminated node."""
     n = len(plan.sizes)
     stays = (plan.near >= 0) & (plan.place[plan.near] < 0)
     left = np.where(stays, plan.near, -1).astype(np.int64)

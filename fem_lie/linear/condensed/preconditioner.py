@@ -1,4 +1,4 @@
-"""Elimination of chains as a preconditioner of PETSc, which gives a package what is left."""
+"""Elimination of chains as a preconditioner of PETSc; a package factorises the rest."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ _log = logging.getLogger(__name__)
 
 
 class Values(Protocol):
-    """The matrix as it is factorised, see :class:`~fem_lie.linear.equilibrated.Equilibrated`."""
+    """The equilibrated matrix, see :class:`~fem_lie.linear.equilibrated.Equilibrated`."""
 
     csr: tuple[Array, Numbers, Numbers]
     left: Array
 
 
 class SingularBlockError(ArithmeticError):
-    """A node cannot be eliminated alone."""
+    """The block of an eliminated node is singular."""
 
 
 class Condensed:
-    """A preconditioner of PETSc that solves: chains by compiled code, the rest by a package."""
+    """Exact preconditioner of PETSc: compiled elimination of chains, a package for the rest."""
 
     def __init__(self, kkt: Pattern, own: Values, package: str) -> None:
-        """Find what is eliminated.
+        """Plan the elimination.
 
         Args:
             kkt: The matrix.
-            own: Its equilibrated copy, of which factors are made.
-            package: For what is left, by PETSc's name.
+            own: Its equilibrated copy, which is factorised.
+            package: PETSc's name of the package for the rest.
         """
         self._kkt, self._own, self._package = kkt, own, package
         self._made: tuple[int, float] | None = None
@@ -50,7 +50,7 @@ class Condensed:
         _log.info("%d of %d unknowns are left when chains are eliminated", left, total)
 
     def _gather(self) -> None:
-        """The matrix of what is left: where its entries come from."""
+        """Build the remaining matrix, and find the sources of its entries."""
         plan, (_, columns, pointers) = self._plan, self._own.csr
         n, total = len(plan.sizes), len(self._held)
         stays = ~self._held
@@ -77,7 +77,7 @@ class Condensed:
         self._b, self._x = self._matrix.createVecs()
 
     def _keys_of_blocks(self, number: Indices, count: int) -> Indices:
-        """Row times ``count`` plus column of all entries of the blocks that chains make."""
+        """Row times ``count`` plus column of all entries of the blocks that elimination makes."""
         plan, left = self._plan, self._left
         i = np.repeat(np.arange(len(plan.sizes)), np.diff(left.pointers))
         j = left.indices
@@ -89,11 +89,11 @@ class Condensed:
         return np.asarray(row * count + column)
 
     def setUp(self, pc: PETSc.PC) -> None:
-        """Factorise the matrix as it is now.
+        """Factorise the current matrix.
 
         Raises:
-            SingularBlockError: A node's block is singular.
-            PETSc.Error: What is left is.
+            SingularBlockError: The block of a node is singular.
+            PETSc.Error: The remaining matrix is singular.
         """
         self._eliminate()
         if not len(self._rest):
@@ -113,11 +113,11 @@ class Condensed:
 
     @property
     def factorising(self) -> PETSc.PC | None:
-        """What has the factors of the rest, if there is one."""
+        """Preconditioner with the factors of the rest, or ``None``."""
         return None if self._ksp is None else self._ksp.getPC()
 
     def _eliminate(self) -> None:
-        """Make factors of the chains, unless they are there: constraints do not touch them."""
+        """Factorise the chains, unless only constraints have changed, which do not affect them."""
         if not len(self._plan.order):
             return
         first = 6 * self._plan.order[0] + self._plan.free[self._plan.order[0], 0]

@@ -1,13 +1,13 @@
-"""A positive definite matrix bordered by few rows: Cholesky factors, and what is left is dense.
+"""Cholesky factors of a positive definite matrix, and a dense Schur complement of its last rows.
 
-Bodies of one sort have symmetric matrices, positive definite where something holds them. A joint
-adds multipliers, a frame in space a few rows that are not symmetric. These are the border::
+Matrices of bodies are symmetric, and positive definite if the bodies are supported. A joint adds
+multipliers, a frame in space a few unsymmetric rows. These are the dense rows::
 
     [K  C] [x]   [a]        x = K⁻¹ a − Z T y,    Z T = K⁻¹ C
     [B  D] [y] = [b]        y = (D − B Z T)⁻¹ (b − B K⁻¹ a)
 
-Rows of an averaging attachment, which touch all nodes of a face, so stay out of the elimination.
-Many columns of a border may be sums of few, for which alone there are solutions ``Z``.
+Rows of an averaging attachment, which couple all nodes of a face, stay out of the sparse
+elimination. Many columns of ``C`` may be combinations of few; only these need solutions ``Z``.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 
 MOST = 60
-"""Rows of a border, at most: each is one more solution."""
+"""Largest number of dense rows: each is one more solution."""
 
-_SYMMETRIC = 1e-13  # of the largest entry, which is about one
-_MOST_PAIRS = 20_000  # unsymmetric entries of which a border is looked for
-_DEPENDENT = 1e-13  # of a column of length one, what is left of it without others
+_SYMMETRIC = 1e-13  # tolerance over the largest entry, which is about one
+_MOST_PAIRS = 20_000  # largest number of unsymmetric entries
+_DEPENDENT = 1e-13  # distance of a dependent unit column from the span of others
 _SINGULAR = 1e-14  # pivot of the Schur complement over its largest entry
 
 
@@ -41,7 +41,7 @@ class Matrix(Protocol):
 
 
 class SaddlePoint(Protocol):
-    """The matrix that is copied, see :class:`~fem_lie.linear.saddle_point.KKT`."""
+    """The original matrix, see :class:`~fem_lie.linear.saddle_point.KKT`."""
 
     filled: int
     version: int
@@ -52,9 +52,9 @@ class SaddlePoint(Protocol):
 def _unsymmetric(
     values: Array, columns: Indices, pointers: Indices, count: int, pairs: Indices
 ) -> int:
-    """Nodes of entries of the first ``count`` rows that are not symmetric; how many there are.
+    """Nodes of unsymmetric entries in the first ``count`` rows; returns their number.
 
-    It ends where ``pairs`` (p, 2) is full. Columns of a row ascend, and the pattern is symmetric.
+    It stops when ``pairs`` (p, 2) is full. Columns of a row ascend, and the pattern is symmetric.
     """
     below, found = pointers[:count].copy(), 0
     for i in range(count):
@@ -72,13 +72,13 @@ def _unsymmetric(
 
 
 def dense_rows_of(own: Matrix, count: int) -> Flags | None:
-    """Rows of the border, shape (n,), or ``None`` if more than :data:`MOST` are wanted.
+    """Whether a row is dense, shape (n,), or ``None`` if there are more than :data:`MOST`.
 
     Args:
-        own: Values.
-        count: Rows of nodes; all beyond them are in the border.
+        own: Equilibrated copy.
+        count: Number of rows of nodes; all further rows are dense.
     """
-    n, most = len(own.left), MOST + own.rank  # sums are not coupled with what is inside
+    n, most = len(own.left), MOST + own.rank  # sums are not coupled with K
     if n - count > most:
         return None
     pairs = np.empty((_MOST_PAIRS, 2), dtype=np.int64)
@@ -88,7 +88,7 @@ def dense_rows_of(own: Matrix, count: int) -> Flags | None:
     left, dense = pairs[:found], np.zeros(n, dtype=np.bool_)
     dense[count:] = True
     while len(left):
-        # the node that is in most of them: frames touch many others
+        # the node with most of them: frames are coupled with many others
         node = int(np.bincount(left.ravel()).argmax())
         dense[6 * node : 6 * node + 6] = True
         if dense.sum() > most:
@@ -98,15 +98,15 @@ def dense_rows_of(own: Matrix, count: int) -> Flags | None:
 
 
 class _Split(NamedTuple):
-    """Where entries of the parts are among those of the matrix, and their patterns.
+    """Positions and patterns of the blocks of the matrix.
 
     Attributes:
-        incidences: Rows of the border, shape (n,).
-        inside: Their numbers, and those of the others: ``last``.
-        last: See there.
-        of_K: Entries of ``K``, with its pattern ``K``; the other parts are dense.
-        of_rest: Entries of the rows and columns of the border.
-        rest: Row and column of each, (2, r).
+        dense: Whether a row is dense, shape (n,).
+        inside: Numbers of the other rows.
+        last: Numbers of the dense rows.
+        of_K: Entries of ``K``, with its pattern ``K``; the other blocks are dense.
+        of_rest: Entries of the dense rows and columns.
+        rest: Row and column of each of these, (2, r).
     """
 
     dense: Flags
@@ -134,7 +134,7 @@ def _split(own: Matrix, dense: Flags) -> _Split:
 
 
 def _dense_blocks(entries: Array, parts: _Split) -> tuple[sp.csr_matrix, sp.csr_matrix, Array]:
-    """``C`` and ``B``, and ``D``, which is dense."""
+    """``C`` and ``B``, and ``D`` as a dense array."""
     number = np.empty(len(parts.dense), dtype=np.int64)
     k, q = len(parts.inside), len(parts.last)
     number[parts.inside], number[parts.last] = np.arange(k), np.arange(q)
@@ -152,9 +152,9 @@ def _dense_blocks(entries: Array, parts: _Split) -> tuple[sp.csr_matrix, sp.csr_
 
 
 def _independent(C: sp.csr_matrix) -> tuple[Indices, Array]:
-    """Columns of ``C`` (k, q) of which all are sums, and the factors: ``C = C[:, columns] T``.
+    """Independent columns of ``C`` (k, q), and factors: ``C = C[:, columns] T``.
 
-    Multipliers of an attachment, and forces of its mean coordinates, act on the same nodes alike.
+    Multipliers of an attachment and forces of its mean coordinates have the same columns.
     """
     rows = C[np.diff(C.indptr) > 0].toarray()
     size = np.linalg.norm(rows, axis=0)
@@ -171,15 +171,15 @@ def _independent(C: sp.csr_matrix) -> tuple[Indices, Array]:
 
 
 class SchurComplement:
-    """A preconditioner of PETSc that solves exactly."""
+    """Exact preconditioner of PETSc."""
 
     def __init__(self, kkt: SaddlePoint, own: Matrix, package: str) -> None:
-        """Keep the matrix; :meth:`setUp` comes later.
+        """Store the matrix; :meth:`setUp` factorises it.
 
         Args:
-            kkt: Says whether nodes have other values than before.
+            kkt: The original matrix, which counts changes of values of nodes.
             own: Its equilibrated copy.
-            package: That factorises the inside.
+            package: Package that factorises ``K``.
         """
         self._kkt, self._own, self._package = kkt, own, package
         self._parts: _Split | None = None
@@ -190,12 +190,12 @@ class SchurComplement:
         """Factorise.
 
         Raises:
-            ArithmeticError: The border is too wide, or the matrix singular.
+            ArithmeticError: There are too many dense rows, or the matrix is singular.
         """
         own = self._own
         dense = dense_rows_of(own, 6 * (len(self._kkt.indptr) - 1))
         if dense is None:
-            raise ArithmeticError(f"the border has more than {MOST} rows")
+            raise ArithmeticError(f"there are more than {MOST} dense rows")
         version = self._kkt.version, 0.0
         if self._parts is None or self._version != version or (self._parts.dense != dense).any():
             self._parts, self._version, self._made = _split(own, dense), version, (-1, 0.0)
@@ -211,10 +211,10 @@ class SchurComplement:
         self._factors = scipy.linalg.lu_factor(self._schur, check_finite=False)
         pivots = np.abs(np.diagonal(self._factors[0]))
         if not pivots.min(initial=np.inf) > _SINGULAR * np.abs(self._schur).max(initial=0.0):
-            raise ArithmeticError("the Schur complement of the border is singular")
+            raise ArithmeticError("the Schur complement is singular")
 
     def _allocate(self, parts: _Split, prefix: str | None) -> None:
-        """For the inside and its factors, with options of that prefix."""
+        """Allocate ``K`` and its factors, with PETSc's options of that prefix."""
         csr = parts.K.indptr, parts.K.indices, parts.K.data
         self._K = PETSc.Mat().createAIJWithArrays(parts.K.shape, csr, comm=PETSc.COMM_SELF)
         self._K.setOption(PETSc.Mat.Option.SYMMETRIC, True)
@@ -227,7 +227,7 @@ class SchurComplement:
         self._a, self._x = self._K.createVecs()
 
     def _factorise(self, parts: _Split) -> None:
-        """The inside, unless it is as it was: constraints alone change often."""
+        """Factorise ``K``, unless only constraints have changed."""
         assert self._pc is not None
         present = self._kkt.filled, float(self._own.left[parts.inside[0]])
         if self._made == present:
@@ -253,11 +253,11 @@ class SchurComplement:
 
     @property
     def factorising(self) -> PETSc.PC | None:
-        """What has the factors of the inside."""
+        """Preconditioner with the factors of ``K``."""
         return self._pc
 
     def negative_pivots(self) -> int | None:
-        """Of the symmetric part; ``None`` if rows and columns of the border differ."""
+        """Negative eigenvalues of the Schur complement; ``None`` if ``B`` is not ``Cᵀ``."""
         if not self._consistent:
             return None
         return int((np.linalg.eigvalsh(0.5 * (self._schur + self._schur.T)) < 0.0).sum())

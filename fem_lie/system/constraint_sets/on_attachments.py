@@ -222,7 +222,7 @@ class OnAttachments(ConstraintSet):
     def _add_averaged(
         self, H: Array, blocks: Array, forces: Array, place: Indices, K: Array
     ) -> None:
-        """Add contributions of averaging attachments to the last pairs, if they are in ``place``."""
+        """Add contributions of averaging attachments to the last pairs."""
         own = place[len(self._sparse[0]) :]
         if len(own):
             self._averaged.add(H, self._averaged.core(H, blocks, forces), own, K)
