@@ -24,6 +24,9 @@ from tornado.websocket import WebSocketClientConnection, websocket_connect
 WIDTHS = 1280, 390
 """Widths of the window, in CSS pixels."""
 
+DRIVER = "GL Driver Message"
+"""Of the software that draws without a graphics card, not of a page."""
+
 MEASURE = """
 (() => {
   const root = document.documentElement;
@@ -72,9 +75,9 @@ class Browser:
         if method == "Runtime.exceptionThrown":
             self.messages.append(given["exceptionDetails"]["text"])
         elif method == "Runtime.consoleAPICalled":
-            said = (str(part.get("value", part.get("description"))) for part in given["args"])
-            self.messages.append(" ".join(said))
-        elif method == "Log.entryAdded":
+            parts = [str(part.get("value", part.get("description"))) for part in given["args"]]
+            self.messages.append(" ".join(parts))
+        elif method == "Log.entryAdded" and DRIVER not in given["entry"]["text"]:
             self.messages.append(given["entry"]["text"])
         return message
 
@@ -128,7 +131,8 @@ def start(profile: Path) -> tuple[subprocess.Popen[str], str]:
     program = shutil.which("chromium")
     if program is None:
         raise SystemExit("chromium is not installed")
-    options = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu"]
+    options = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage"]
+    options += ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
     options += ["--remote-debugging-port=0", f"--user-data-dir={profile}", "about:blank"]
     process = subprocess.Popen([program, *options], stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None
