@@ -165,9 +165,7 @@ def test_bad_input():
         refused(fl.Rope(rope("net")), ground, fl.Impact())
     with pytest.raises(ValueError, match="expected at least one point"):
         fl.Rings([])
-    with pytest.raises(
-        ValueError, match="a ring with an offset from its node needs"
-    ):
+    with pytest.raises(ValueError, match="a ring with an offset from its node needs"):
         other = fl.Net([at, (0.5, 0, 1)], [[0, 1]], THREAD)
         refused(fl.Rope(rope("net")), fl.Rings([other.point(1)], at=[at]))
     with pytest.raises(ValueError, match="at must be 1 places"):

@@ -260,7 +260,7 @@ class DirectSolver:
     @property
     def subdomains(self) -> Subdomains | None:
         """Statistics of subdomains, or ``None``."""
-        return None if self._kkt.part is None else self._kkt.part.told
+        return None if self._kkt.part is None else self._kkt.part.statistics
 
     def negative_pivots(self) -> int | None:
         """Negative pivots of the last factorisation; ``None`` if the matrix is not symmetric."""

@@ -143,7 +143,7 @@ class KeptFactors(DirectSolver):
 
     @property
     def by_call(self) -> Solution:
-        """:meth:`solve` with the last factorisation for compiled loops."""
+        """:meth:`solve` with the last factorisation for compiled loops, not yet scaled."""
         solver = self.levels.present
         return Solution.none() if solver is None else solver.by_call
 

@@ -1,14 +1,12 @@
-"""Which rank has which cells, nodes and constraints, and its part of the matrix.
+"""Division of cells, nodes and constraints among ranks, and the parts of the matrix.
 
-What is joined stays together: cells at the nodes of a constraint, or of a pair that no cell has,
-are one vertex of the graph that is divided. So all nodes of a constraint are within one domain,
-whose own business its multiplier is, and domains meet within bodies. Vertices weigh what unknowns
-they have, edges between them what they share.
+Cells at the nodes of a constraint, or of a node pair that is in no cell, are one vertex of the
+graph that is divided. All nodes of a constraint are then within one subdomain, which owns its
+multiplier, and subdomains meet within bodies. Vertices are weighted by their unknowns, edges by the
+unknowns that they share. SCOTCH divides the graph into equal parts with few edges between them.
 
-Weighted graphs in equal parts with few edges between them, by SCOTCH.
-
-petsc4py and DOLFINx offer no weights of vertices. SCOTCH is there with PETSc and is called by
-the addresses of its functions; structures are memory of a size that it tells.
+petsc4py and DOLFINx offer no vertex weights. SCOTCH comes with PETSc, and its functions are called
+by their addresses; it reports the size of its structures.
 """
 
 from __future__ import annotations
@@ -30,27 +28,28 @@ from fem_lie.ranks.shared_factors import Subdomains
 
 
 class Part:
-    """Which unknowns a domain has, and the values of its matrix.
+    """Unknowns of a subdomain, and the values of its matrix.
 
     Attributes:
-        inside: Unknowns that no other domain has, multipliers included.
-        interface: The others.
-        interfaces: Those of all domains, ``size`` in number.
-        at: Place of this domain's among these.
-        held: Unknowns of the scene that are no unknowns.
-        values: In the pattern of the whole matrix; of unknowns of others they mean nothing.
-        motions: Rigid ones, each of all interfaces' unknowns.
-        made: How often it was factorised; ``solutions`` with it took ``iterations``.
+        inside: Unknowns that no other subdomain has, multipliers included.
+        interface: Its other unknowns.
+        interfaces: Interface unknowns of all subdomains, ``size`` in number.
+        at: Positions of this subdomain's interface unknowns among these.
+        held: Held unknowns of the scene.
+        values: Values in the pattern of the whole matrix; arbitrary for unknowns of other
+            subdomains.
+        motions: Rigid motions of all interface unknowns.
+        made: Number of factorisations; ``solutions`` with them took ``iterations``.
     """
 
     def __init__(self, own: Flags, shared: Flags, multipliers: Flags, held: Flags) -> None:
-        """Find the numbers.
+        """Number the unknowns.
 
         Args:
-            own: Which nodes the domain has, shape (n,).
-            shared: Which nodes several domains have.
-            multipliers: Which are the domain's, shape (m,).
-            held: Which unknowns of nodes are none, shape (n, 6).
+            own: Whether a node is in the subdomain, shape (n,).
+            shared: Whether several subdomains have a node, shape (n,).
+            multipliers: Whether a multiplier is in the subdomain, shape (m,).
+            held: Held unknowns of nodes, shape (n, 6).
         """
         free = ~held
         inside = (own & ~shared)[:, np.newaxis] & free
@@ -66,24 +65,24 @@ class Part:
         self.made = self.solutions = self.iterations = 0
 
     @property
-    def told(self) -> Subdomains:
-        """For results."""
+    def statistics(self) -> Subdomains:
+        """Statistics of the subdomain for results."""
         counts = self.made, self.solutions, self.iterations
         return Subdomains(MPI.COMM_WORLD.size, self.size, *counts)
 
 
 IMBALANCE = 0.05
-"""By which a part may be heavier than the mean, if cells are small enough."""
+"""Admissible excess weight of a part over the mean, if cells are small enough."""
 
 _QUALITY, _SEED = 1, 1
 
 
 @cache
 def _library() -> ctypes.CDLL:
-    """That which PETSc is linked with.
+    """The SCOTCH library to which PETSc is linked.
 
     Raises:
-        RuntimeError: PETSc has none, or one with other integers.
+        RuntimeError: PETSc has none, or one with another integer type.
     """
     found = ctypes.CDLL(PETSc.__file__)
     if not hasattr(found, "SCOTCH_graphPart"):
@@ -102,9 +101,9 @@ def parts_of(edges: sp.csr_matrix, weights: Indices, count: int) -> Indices:
     """Part of each vertex, shape (n,).
 
     Args:
-        edges: Symmetric integers, without a diagonal, shape (n, n).
-        weights: Of the vertices, positive, shape (n,).
-        count: Of parts.
+        edges: Symmetric integer weights of edges, without a diagonal, shape (n, n).
+        weights: Positive weights of the vertices, shape (n,).
+        count: Number of parts.
     """
     library, n = _library(), edges.shape[0]
     pointers, columns, load, weight = (
@@ -133,12 +132,12 @@ def parts_of(edges: sp.csr_matrix, weights: Indices, count: int) -> Indices:
 
 
 class Links(NamedTuple):
-    """Which of one sort has which nodes.
+    """Nodes of cells, or of constraints.
 
     Attributes:
-        which: Number of the cell, of the constraint, shape (k,).
-        nodes: A node of it, shape (k,).
-        size: How many there are.
+        which: Number of the cell or constraint of each entry, shape (k,).
+        nodes: Node of each entry, shape (k,).
+        size: Number of cells or constraints.
     """
 
     which: Indices
@@ -146,7 +145,7 @@ class Links(NamedTuple):
     size: int
 
     def matrix(self, nodes: int) -> sp.csr_matrix:
-        """Ones where the row has the node."""
+        """Matrix with ones where the cell or constraint of a row has the node of a column."""
         ones = np.ones(len(self.which), dtype=np.int64)
         found = sp.csr_matrix((ones, (self.which, self.nodes)), shape=(self.size, nodes))
         found.data[:] = 1
@@ -154,12 +153,12 @@ class Links(NamedTuple):
 
 
 class Division(NamedTuple):
-    """All domains, the same on all ranks.
+    """All subdomains, equal on all ranks.
 
     Attributes:
-        cells: Domain of each cell, (c,).
-        constraints: Of each constraint, (m,).
-        nodes: Whether a domain has a node, (n, domains).
+        cells: Subdomain of each cell, (c,).
+        constraints: Subdomain of each constraint, (m,).
+        nodes: Whether a subdomain has a node, (n, domains).
     """
 
     cells: Indices
@@ -168,22 +167,22 @@ class Division(NamedTuple):
 
     @property
     def shared(self) -> Flags:
-        """Which nodes several domains have, shape (n,)."""
+        """Whether several subdomains have a node, shape (n,)."""
         return np.asarray(self.nodes.sum(axis=1) > 1)
 
 
 def divided(cells: Links, constraints: Links, others: Links, free: Indices, count: int) -> Division:
-    """Cells and constraints in so many domains.
+    """Divide cells and constraints into subdomains.
 
     Args:
         cells: Nodes of all cells; each node has at least one.
         constraints: Nodes of all constraints.
-        others: Of what else couples nodes.
-        free: Unknowns of each node, shape (n,).
-        count: Of domains.
+        others: Nodes of further couplings.
+        free: Number of unknowns of each node, shape (n,).
+        count: Number of subdomains.
 
     Raises:
-        ValueError: What is joined cannot be divided so often.
+        ValueError: Connected cells and constraints cannot be divided into so many.
     """
     n = len(free)
     C = cells.matrix(n)
@@ -213,10 +212,10 @@ def divided(cells: Links, constraints: Links, others: Links, free: Indices, coun
 
 
 def _of_parts(part: Indices, C: sp.csr_matrix, constraints: Links, count: int) -> Division:
-    """From the domains of cells.
+    """Division from the subdomains of cells.
 
     Raises:
-        ValueError: A domain has no cells.
+        ValueError: A subdomain has no cells.
     """
     empty = np.flatnonzero(np.bincount(part, minlength=count) == 0)
     if len(empty):

@@ -1,9 +1,9 @@
-"""FETI-DP as preconditioner: what it solves is not the interface's own matrix.
+"""FETI-DP as a preconditioner: its operator is not the matrix of the interface.
 
-FETI-DP takes its operator from the matrix of BDDC, which has eigenvalues lifted and no asymmetric
-part. Solutions with it alone are those of another scene, by as much as the lift is over the least
-eigenvalues of all domains together: of shells and nets in statics that is beyond one, and refining
-them leads nowhere. So conjugate gradients, or GMRES, iterate around it with the matrix as it is.
+FETI-DP takes its operator from the matrix of BDDC, which has lifted eigenvalues and no unsymmetric
+part. Its solutions differ from those of the scene by the lift over the least eigenvalues of all
+subdomains together: for shells and nets in statics this exceeds one, and refinement does not
+converge. Conjugate gradients or GMRES with the actual matrix therefore iterate around it.
 """
 
 from __future__ import annotations
@@ -11,19 +11,20 @@ from __future__ import annotations
 from petsc4py import PETSc
 
 TOLERANCE = 1e-2
-"""Of each iteration on multipliers: with 1e-8 round-off made them stop, as what they solve was no
-longer positive, and the whole took twice as many."""
+"""Relative tolerance of each iteration on multipliers. With 1e-8 the iterations stopped by
+round-off, as their operator was no longer positive, and took twice as many in total.
+"""
 
 
 class Dual:
-    """PETSc's ``KSPFETIDP``, called by an iteration around it."""
+    """PETSc's ``KSPFETIDP`` as a preconditioner."""
 
     def __init__(self, P: PETSc.Mat, prefix: str, most: int) -> None:
-        """Nothing is set up yet.
+        """Store the matrices; :meth:`setUp` builds the preconditioner.
 
         Args:
-            P: Positive matrices of all domains.
-            prefix: Of its options.
+            P: Positive matrices of all subdomains.
+            prefix: Prefix of its options.
             most: Iterations of one solution.
         """
         self._taken = 0
@@ -40,18 +41,18 @@ class Dual:
 
     def apply(self, pc: PETSc.PC, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Solve with the positive matrices."""
-        if b.norm() == 0.0:  # of which it can make what is no number
+        if b.norm() == 0.0:  # for which it may return nan
             x.set(0.0)
             return
         self._ksp.solve(b, x)
         self._taken += self._ksp.getIterationNumber()
 
     def view(self, pc: PETSc.PC, viewer: PETSc.Viewer) -> None:
-        """Tell what it is, as PETSc does."""
+        """Show its description, as PETSc does."""
         self._ksp.view(viewer)
 
     def destroy(self, pc: PETSc.PC) -> None:
-        """Give up what PETSc has."""
+        """Free the objects of PETSc."""
         self._ksp.destroy()
 
     def taken(self) -> int:

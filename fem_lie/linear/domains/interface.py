@@ -1,11 +1,10 @@
-"""Each rank eliminates the inside of its domain; BDDC or FETI-DP solve for the interface.
+"""Elimination of the interior of subdomains, and BDDC or FETI-DP for their interface.
 
-What is left of a domain is a dense matrix ``S = K_ΓΓ − K_ΓI K_II⁻¹ K_IΓ`` on its interface, joints
-within it included. The sum over domains is never made: PETSc's ``MATIS`` has the parts, of which
-``PCBDDC`` makes a preconditioner with deluxe scaling and primal unknowns that it chooses by
-eigenvalues (S. Zampini, SIAM J. Sci. Comput. 38 (2016) S282). It is made of their symmetric parts,
-while the iteration is with ``S`` as it is: by conjugate gradients
-or, if it is not symmetric, GMRES.
+Each rank eliminates the interior of its subdomain. What remains is a dense matrix ``S = K_ΓΓ − K_ΓI
+K_II⁻¹ K_IΓ`` on its interface, which includes its joints. The sum over subdomains is never
+assembled: PETSc's ``MATIS`` has the parts, and ``PCBDDC`` makes a preconditioner of their symmetric
+parts with deluxe scaling and adaptive primal unknowns (S. Zampini, SIAM J. Sci. Comput. 38 (2016)
+S282). The iteration is with ``S`` itself, by conjugate gradients or, if it is not symmetric, GMRES.
 """
 
 from __future__ import annotations
@@ -25,33 +24,36 @@ from fem_lie.linear.domains.dual import Dual
 from fem_lie.ranks.together import meet
 
 SYMMETRIC = 1e-10
-"""What may be asymmetric of a matrix that counts as symmetric, over its largest entry."""
+"""Largest asymmetry of a matrix that counts as symmetric, over its largest entry."""
 
 FLOOR = 1e-6
-"""Least eigenvalue of a domain's matrix with ones on its diagonal, over its largest, in the
+"""Least eigenvalue over the largest of a subdomain's matrix with unit diagonal, for the
 preconditioner.
 
-With less, round-off in what BDDC makes of its inverse makes that indefinite: with 1e-7 a net of
-bars on two domains is given up. With more, soft modes are lifted, too. As the matrix is, bending of
-bars and shells lies so far below what stretches them that none would do: 1e-9 of the largest made a
-static shell take 13.6, 27.5, 98 and 18.5 iterations in the same run, and 1e-7 the net 30."""
+With less, round-off makes the inverse in BDDC indefinite: with 1e-7 a net of bars on two subdomains
+fails. With more, soft modes are lifted as well. Without scaling to a unit diagonal the bending
+stiffness of bars and shells lies so far below the axial stiffness that no value suffices: with 1e-9
+of the largest a static shell took 13.6, 27.5, 98 and 18.5 iterations in the same run, and with 1e-7
+the net 30.
+"""
 
 SOFTEST = 1e-5
-"""Least diagonal that is scaled to one, over the largest, if PETSc's option ``interface_softest``
-does not say so. The antenna on 16 took 14.2 iterations with this and 35.2 with 1e-4; statics of a
-net of cables was given up on 16, and took 10.0 with 1e-4."""
+"""Least diagonal that is scaled to one, over the largest, unless PETSc's option
+``interface_softest`` is set. The antenna on 16 ranks took 14.2 iterations with this and 35.2 with
+1e-4; statics of a net of cables failed on 16, and took 10.0 with 1e-4.
+"""
 
 TOLERANCE = 1e-8
-"""Of an iteration, of the preconditioned residual over that at its start."""
+"""Relative tolerance of an iteration in the preconditioned residual."""
 
 MOST = 300
-"""Iterations, after which a solution is given up."""
+"""Largest number of iterations of a solution."""
 
 _log = logging.getLogger(__name__)
 
 
 class Values(Protocol):
-    """How the matrix is scaled, see :class:`~fem_lie.linear.equilibrated.Equilibrated`."""
+    """Scaling of the matrix, see :class:`~fem_lie.linear.equilibrated.Equilibrated`."""
 
     @property
     def csr(self) -> tuple[Array, Any, Any]:
@@ -59,20 +61,20 @@ class Values(Protocol):
 
     @property
     def left(self) -> Array:
-        """Of rows."""
+        """Factors of rows."""
 
     @property
     def right(self) -> Array:
-        """Of columns."""
+        """Factors of columns."""
 
 
 class Way(NamedTuple):
-    """How an interface is solved for.
+    """Method for an interface.
 
     Attributes:
-        name: For messages.
-        dual: Whether it is one for multipliers, see :class:`~fem_lie.linear.domains.dual.Dual`.
-        options: Of PETSc, unless they are given.
+        name: Name in messages.
+        dual: Whether it iterates on multipliers, see :class:`~fem_lie.linear.domains.dual.Dual`.
+        options: Default options of PETSc.
     """
 
     name: str
@@ -95,20 +97,20 @@ WAYS = {
         {"fetidp_ksp_type": "cg"} | {f"fetidp_bddc_{n}": v for n, v in OF_MULTIPLIERS.items()},
     ),
 }
-"""By the name that the option ``domains`` has for it."""
+"""Methods by their name in the option ``domains``."""
 
 
 class Interface:
-    """A preconditioner of PETSc that solves, with all ranks together."""
+    """Exact preconditioner of PETSc on all ranks together."""
 
     def __init__(self, part: Part, own: Values, prefix: str, way: str) -> None:
-        """Find out where entries come from.
+        """Find the sources of entries.
 
         Args:
-            part: This rank's.
-            own: The scaled matrix of which it is a part.
-            prefix: Of PETSc's options; those of the iteration have ``interface_`` after it.
-            way: Of :data:`WAYS`.
+            part: Part of this rank.
+            own: The equilibrated matrix.
+            prefix: Prefix of PETSc's options; those of the iteration have ``interface_`` after it.
+            way: One of :data:`WAYS`.
 
         Raises:
             ValueError: The option ``softest`` is not in (0, 1].
@@ -126,10 +128,10 @@ class Interface:
     # --- matrices ---
 
     def setUp(self, pc: PETSc.PC) -> None:
-        """Eliminate, and make the preconditioner of what is left.
+        """Eliminate the interior, and build the preconditioner of the interface.
 
         Raises:
-            MemoryError: Memory for the factors of a domain is lacking; on all ranks.
+            MemoryError: There is not enough memory for the factors of a subdomain; on all ranks.
             PETSc.Error: The interface is singular.
         """
         meet("subdomains")
@@ -146,11 +148,11 @@ class Interface:
         self.ksp = self._solver(symmetric=not of_motion)
         self.ksp.setUp()
         self._part.made += 1
-        told = self._way.name, world.size, self._part.size
-        _log.info("%s on %d subdomains, %d unknowns on interfaces", *told)
+        summary = self._way.name, world.size, self._part.size
+        _log.info("%s on %d subdomains, %d unknowns on interfaces", *summary)
 
     def _drop(self) -> None:
-        """What is there of a matrix before; all ranks together."""
+        """Free the objects of the previous matrix, on all ranks together."""
         if self.ksp is not None:
             self.ksp.destroy()
             self._A.destroy()
@@ -158,7 +160,7 @@ class Interface:
             PETSc.garbage_cleanup(PETSc.COMM_WORLD)
 
     def _eliminated(self) -> Array:
-        """The dense matrix of the domain's interface."""
+        """Dense matrix of the subdomain's interface."""
         part, (_, columns, pointers) = self._part, self._own.csr
         n = len(self._own.left)
         K = sp.csr_matrix((part.values, columns, pointers), shape=(n, n))
@@ -186,7 +188,7 @@ class Interface:
         return np.asarray(self._z.array).copy()
 
     def _summed(self, S: Array, *, symmetric: bool) -> PETSc.Mat:
-        """The sum over domains, in parts."""
+        """Sum over subdomains, as parts."""
         count = S.shape[0]
         pointers = np.arange(count + 1, dtype=PETSc.IntType) * count
         columns = np.tile(np.arange(count, dtype=PETSc.IntType), count)
@@ -207,7 +209,7 @@ class Interface:
         return A
 
     def _rigid_motions(self) -> PETSc.NullSpace:
-        """Of the interface, in the scaled unknowns, orthonormal."""
+        """Rigid motions of the interface in the scaled unknowns, orthonormal."""
         scaled = np.array(self._part.motions) / self._own.right[self._part.interfaces]
         first, end = self._P.getOwnershipRange()
         vectors = []
@@ -217,7 +219,7 @@ class Interface:
         return PETSc.NullSpace().create(vectors=vectors, comm=PETSc.COMM_WORLD)
 
     def _solver(self, *, symmetric: bool) -> PETSc.KSP:
-        """The iteration, with its options."""
+        """Iterative solver with its options."""
         ksp, prefix = PETSc.KSP().create(PETSc.COMM_WORLD), self._prefix
         _default(prefix, self._way.options)
         ksp.setOperators(self._A, self._P)
@@ -225,7 +227,7 @@ class Interface:
         if self._dual is None:
             ksp.setType("cg" if symmetric else "gmres")
             ksp.getPC().setType("bddc")
-        else:  # what precedes each of these iterations is another iteration
+        else:  # the preconditioner of these iterations is another iteration
             ksp.setType("fcg" if symmetric else "fgmres")
             ksp.getPC().setType("python")
             ksp.getPC().setPythonContext(self._dual)
@@ -240,7 +242,7 @@ class Interface:
     # --- solutions ---
 
     def apply(self, pc: PETSc.PC, b: PETSc.Vec, x: PETSc.Vec) -> None:
-        """Solve, with the same numbers on all ranks."""
+        """Solve, with the same vectors on all ranks."""
         assert self.ksp is not None
         part, given, world = self._part, b.array_r, MPI.COMM_WORLD
         own = self._within(given[part.inside])
@@ -269,12 +271,12 @@ class Interface:
         self._part.iterations += took
         self._part.solutions += 1
         _log.debug("%s on %d subdomains: %d iterations", self._way.name, MPI.COMM_WORLD.size, took)
-        if reason <= 0:  # the solver measures the residual, the iteration around it what is left
+        if reason <= 0:  # the solver checks the residual of the result
             _log.info("%s has not converged: %d iterations", self._way.name, took)
 
 
 def _positive(S: Array, softest: float) -> Array:
-    """With no eigenvalue below :data:`FLOOR`: a domain that floats has zeros."""
+    """Matrix with eigenvalues of at least :data:`FLOOR`: a floating subdomain has zeros."""
     diagonal = np.abs(S.diagonal())
     scale = np.sqrt(np.maximum(diagonal, softest * diagonal.max(initial=np.finfo(float).tiny)))
     scales = np.outer(scale, scale)
@@ -284,9 +286,9 @@ def _positive(S: Array, softest: float) -> Array:
 
 
 def _factorised(inside: sp.csr_matrix) -> PETSc.KSP | None:
-    """The inside of a domain, with its joints; ``None`` if there is not enough memory.
+    """Factors of the interior of a subdomain with its joints; ``None`` for lack of memory.
 
-    umfpack factorises singular matrices, too: a solution then has a residual.
+    UMFPACK factorises singular matrices as well: a solution then has a residual.
     """
     pattern = inside.indptr.astype(PETSc.IntType), inside.indices.astype(PETSc.IntType)
     matrix = PETSc.Mat().createAIJ(inside.shape, csr=(*pattern, inside.data), comm=PETSc.COMM_SELF)

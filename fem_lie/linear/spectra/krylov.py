@@ -1,8 +1,8 @@
 """Eigenvalues nearest to a shift, by SLEPc.
 
-Bordered by ``B`` the problem has infinite eigenvalues; shift-and-invert makes them zero, and Krylov
-methods do not see them. (V. Hernandez, J. E. Roman & V. Vidal, ACM Trans. Math. Softw. 31 (2005)
-351; C. Campos & J. E. Roman, SIAM J. Sci. Comput. 38 (2016) S385.)
+With the constraint block ``B`` the problem has infinite eigenvalues; shift-and-invert maps them to
+zero, where Krylov methods do not see them. (V. Hernandez, J. E. Roman & V. Vidal, ACM Trans. Math.
+Softw. 31 (2005) 351; C. Campos & J. E. Roman, SIAM J. Sci. Comput. 38 (2016) S385.)
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from slepc4py import SLEPc
 from fem_lie.linear.spectra.pencil import SHIFT, Complex, Pencil, padded, pairs_of, set_up, to_petsc
 
 _TARGET = 0.1  # shift over the unit of s
-_FAR = 10.0  # how much larger than the unit of s eigenvalues may be
-_SPARE = 8  # pairs more than wanted: the nearest to the shift are not quite the smallest
+_FAR = 10.0  # largest eigenvalue over the unit of s
+_SPARE = 8  # additional pairs: the nearest to the shift are not quite the smallest
 
 
 @dataclass(frozen=True, eq=False)
 class Approximation:
-    """Eigenpairs as a method computes them, not yet checked.
+    """Computed eigenpairs before their check.
 
     Attributes:
-        s: Eigenvalues, of quadratic problems both of a conjugate pair, shape (k,).
-        vectors: Shape (k, n).
-        solve: ``e`` with ``P e + Bᵀ μ = r``, ``B e = 0`` of rows ``r``, shape (k, n); ``P`` is the
-            quadratic at the shift of the method.
+        s: Eigenvalues, both of a conjugate pair for quadratic problems, shape (k,).
+        vectors: Eigenvectors as rows, shape (k, n).
+        solve: Function for ``e`` with ``P e + Bᵀ μ = r``, ``B e = 0`` of rows ``r``, shape (k, n);
+            ``P`` is the quadratic at the shift.
     """
 
     s: Complex
@@ -42,12 +42,12 @@ class Approximation:
 
 @dataclass(frozen=True)
 class Krylov:
-    """Krylov-Schur, or TOAR if there is damping or gyroscopic coupling.
+    """Krylov–Schur, or TOAR if there is damping or gyroscopic coupling.
 
     Attributes:
-        prefix: Of SLEPc's options.
-        nearer: The shift over the one that is usual.
-        spare: Pairs more than are asked for.
+        prefix: Prefix of SLEPc's options.
+        nearer: Shift over the usual one.
+        spare: Number of additional pairs.
     """
 
     prefix: str
@@ -55,21 +55,21 @@ class Krylov:
     spare: int = _SPARE
 
     def __call__(self, pencil: Pencil, count: int, floor: float) -> Approximation:
-        """See :func:`~fem_lie.linear.spectra.smallest.smallest`."""
+        """Compute eigenpairs, see :func:`~fem_lie.linear.spectra.smallest.smallest`."""
         if pencil.C is None:
             shift = SHIFT * pencil.fastest**2 * self.nearer**2 or 1.0
             found = self._linear(pencil, count, shift)
-            wanted = np.sort(np.abs(found.s) ** 2)[:count].max(initial=0.0)
-            if 0.0 < wanted < shift:
-                # seen from so far away, multiple eigenvalues are hard to tell apart
-                found = self._linear(pencil, count, 0.1 * wanted)
+            largest = np.sort(np.abs(found.s) ** 2)[:count].max(initial=0.0)
+            if 0.0 < largest < shift:
+                # with a distant shift multiple eigenvalues are hard to separate
+                found = self._linear(pencil, count, 0.1 * largest)
             return found
         rate = max(np.sqrt(SHIFT) * pencil.fastest, floor) or 1.0
         found = self._quadratic(pencil, count, rate)
-        wanted = np.sort(np.abs(found.s))[: 2 * count].max(initial=0.0)
-        if wanted > _FAR * rate:
-            # seen from so far away, they are not accurate
-            found = self._quadratic(pencil, count, wanted)
+        largest = np.sort(np.abs(found.s))[: 2 * count].max(initial=0.0)
+        if largest > _FAR * rate:
+            # with a distant shift they are not accurate
+            found = self._quadratic(pencil, count, largest)
         return found
 
     def _linear(self, pencil: Pencil, count: int, shift: float) -> Approximation:
@@ -86,9 +86,9 @@ class Krylov:
         return Approximation(np.where(s.imag < 0, -s, s), vectors, _Factors(solver, 1.0))
 
     def _quadratic(self, pencil: Pencil, count: int, rate: float) -> Approximation:
-        """Eigenvalues ``s``, scaled by a rate so that those wanted are about one."""
+        """Eigenvalues ``s``, scaled by a rate so that the required ones are about one."""
         assert pencil.C is not None
-        # about one, too: what is very small has been found
+        # about one as well: very small eigenvalues have been found
         size = np.abs(pencil.K.diagonal()).max(initial=0.0) + rate**2 * pencil.M.diagonal().max()
         unit = 2.0 ** -np.round(np.log2(size))
         K = unit * _saddle_point(pencil, pencil.K, rate**2)
@@ -104,12 +104,12 @@ class Krylov:
 
 
 def _saddle_point(pencil: Pencil, K: sp.csr_matrix, shift: float) -> sp.csr_matrix:
-    """``[[K, Bᵀ], [B, 0]]`` with constraints about as large as the stiffness."""
+    """``[[K, Bᵀ], [B, 0]]`` with constraints scaled as the stiffness."""
     B = pencil.B
     if not B.shape[0]:
         return K
     size = np.abs(K.diagonal()) + shift * pencil.M.diagonal()
-    # whatever the unit of each
+    # for any unit of each
     rows = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
     B = sp.diags(np.mean(size) / rows) @ B
     return sp.bmat([[K, B.T], [B, None]], format="csr")
@@ -117,18 +117,18 @@ def _saddle_point(pencil: Pencil, K: sp.csr_matrix, shift: float) -> sp.csr_matr
 
 @dataclass(frozen=True, eq=False)
 class _Factors:
-    """The factorisation by which a solver of SLEPc inverts the problem at its shift.
+    """Factorisation with which a solver of SLEPc inverts the problem at its shift.
 
     Attributes:
-        solver: It owns the factorisation.
-        unit: What the problem is multiplied by.
+        solver: Solver that owns the factorisation.
+        unit: Factor of the problem.
     """
 
     solver: Any
     unit: float
 
     def __call__(self, residuals: Complex) -> Complex:
-        """See ``Approximation.solve``."""
+        """Solve, see ``Approximation.solve``."""
         linear = self.solver.getST().getKSP()
         x, b = linear.getOperators()[0].createVecs()
         found, n = np.zeros_like(residuals), residuals.shape[1]

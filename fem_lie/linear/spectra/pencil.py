@@ -1,22 +1,21 @@
-"""The constrained quadratic eigenvalue problem of small vibrations, as SLEPc takes it.
+"""Constrained quadratic eigenvalue problem of small vibrations.
 
 ``(s² M + s C + K) φ + Bᵀ μ = 0``, ``B φ = 0``.
 
-Products whose sums are carried in extended precision, where the machine has one.
+Sums of products use extended precision where the machine has it: stiff elements cancel in ``K φ``
+of slow motions, and sums in double precision leave round-off.
 
-Stiff elements cancel in ``K φ`` of slow motions: of sums in double precision, round-off is left.
-
-Stiffness of motions in which elements hardly strain, without the round-off of those that do.
-
-Elements do not feel rigid motion: ``K_e R = 0`` for the twists ``R`` that move all nodes of a
-connected piece together, whatever its stress, since forces in local frames are invariant. Nodes
-store such a motion with round-off, of which the elements make far more than a soft spring has. So
-``φ = R y + ψ`` is split first, and with ``K_s`` what is not of elements::
+The stiffness of motions with nearly unstrained elements is computed without the round-off of
+strained ones. Elements do not resist rigid motion: ``K_e R = 0`` for the twists ``R`` that move all
+nodes of a connected group together, for any stress, since forces in local frames are invariant. A
+rigid motion of nodes has round-off, from which elements make larger forces than a soft spring. A
+vector is therefore split into ``φ = R y + ψ``, and with the stiffness ``K_s`` of everything but
+elements::
 
     φᵀ K φ' = φᵀ K_s φ' + ψᵀ K_e ψ' + (R y)ᵀ P ψ'
 
-The last is of stress alone: the internal forces ``f`` of a piece have no resultant in any state,
-``Rᵀ f = 0``, so that ``(R y)ᵀ K_e ψ = −(δR y)ᵀ f``, with ``δR = −ad(ψ) R``.
+The last term depends on stress only: the internal forces ``f`` of a group have no resultant in any
+state, ``Rᵀ f = 0``, so that ``(R y)ᵀ K_e ψ = −(δR y)ᵀ f``, with ``δR = −ad(ψ) R``.
 """
 
 from __future__ import annotations
@@ -44,21 +43,21 @@ _TOLERANCE = 1e-9
 
 
 def padded(A: sp.csr_matrix, B: sp.csr_matrix) -> sp.csr_matrix:
-    """Zero rows and columns for the multipliers."""
+    """The matrix with zero rows and columns for the multipliers."""
     return sp.block_diag([A, sp.csr_matrix((B.shape[0],) * 2)], format="csr")
 
 
 def to_petsc(A: sp.csr_matrix) -> PETSc.Mat:
-    """The same matrix for PETSc, with all of its diagonal."""
-    # a direct solver wants a diagonal, even if it is zero
+    """The matrix for PETSc, with all of its diagonal."""
+    # a direct solver needs a diagonal, even if it is zero
     A = (A + sp.diags(np.full(A.shape[0], 0.0), format="csr")).tocsr()
     A.sort_indices()
     pointers = (A.indptr.astype(PETSc.IntType), A.indices.astype(PETSc.IntType), A.data)
     return PETSc.Mat().createAIJ(A.shape, csr=pointers, comm=PETSc.COMM_SELF)
 
 
-def set_up(solver: Any, wanted: int, kind: Any, prefix: str) -> None:
-    """Solve for ``wanted`` pairs nearest to a target, factorised.
+def set_up(solver: Any, count: int, kind: Any, prefix: str) -> None:
+    """Compute ``count`` pairs nearest to a target with a factorisation.
 
     Raises:
         ConvergenceError: SLEPc fails.
@@ -66,7 +65,7 @@ def set_up(solver: Any, wanted: int, kind: Any, prefix: str) -> None:
     """
     solver.setOptionsPrefix(prefix)
     solver.setWhichEigenpairs(kind.Which.TARGET_MAGNITUDE)
-    solver.setDimensions(wanted)
+    solver.setDimensions(count)
     solver.setTolerances(_TOLERANCE, 200)
     transform = solver.getST()
     transform.setType(SLEPc.ST.Type.SINVERT)
@@ -123,17 +122,17 @@ def product(A: sp.csr_matrix, vectors: Array | Extended) -> Extended:
 
 Real = TypeVar("Real", np.float64, np.longdouble)
 
-_KNOWN = 1e-7  # part of its size to which an eigenvector is known
+_KNOWN = 1e-7  # relative accuracy of an eigenvector
 _ULPS = 1e-14
-_VANISHES = 1e-2  # of the largest stiffness, to a last bit
-_MOST = 1200  # rigid motions of all pieces, of which those that joints allow are looked for
-FREE = 1e-9  # rigid motions of a piece of size one that move what is held by less
+_VANISHES = 1e-2  # of the round-off of the largest stiffness
+_MOST = 1200  # largest number of rigid motions of all groups for the search of mechanisms
+FREE = 1e-9  # largest motion of supports in a free rigid motion of a group of size one
 
 
 def kernel(A: Array) -> Array:
-    """Orthonormal basis (z, k) of what a matrix (m, z) of one dimension takes to zero.
+    """Orthonormal basis (z, k) of the null space of a matrix (m, z) of one dimension.
 
-    Of a tall one the triangle has it: the SVD of all of it would have m² numbers.
+    For a tall matrix it is that of its triangle: the SVD of the matrix would need m² numbers.
     """
     if not A.size:
         return np.eye(A.shape[1])
@@ -141,7 +140,7 @@ def kernel(A: Array) -> Array:
 
 
 class RigidParts:
-    """Splits vectors of free unknowns.
+    """Split of vectors of free unknowns into rigid motion and strain.
 
     Attributes:
         rest: Stiffness without elements, shape (n, n); likewise ``elements`` and ``stress``, ``P``.
@@ -154,14 +153,14 @@ class RigidParts:
         stress: sp.csr_matrix,
         motions: list[tuple[Indices, Array]],
     ) -> None:
-        """Keep the matrices.
+        """Store the matrices.
 
         Args:
-            rest: See above.
-            elements: See above.
-            stress: See above.
-            motions: Of each piece its unknowns, shape (k,), and an orthonormal basis of its rigid
-                motions that what is held allows, shape (k, ≤ 6).
+            rest: Stiffness without elements, shape (n, n).
+            elements: Stiffness of elements.
+            stress: ``P``.
+            motions: Unknowns of each group, shape (k,), and an orthonormal basis of its rigid
+                motions that supports allow, shape (k, ≤ 6).
         """
         self.rest, self.elements, self.stress = rest, elements, stress
         self._motions = motions
@@ -183,7 +182,7 @@ class RigidParts:
         out = vectors.copy()
         for unknowns, basis in self._motions:
             part = out[:, unknowns]
-            # once more: what the first leaves is round-off of all of it
+            # twice: the first pass leaves round-off of the whole vector
             for _ in range(2):
                 part = part - (part @ basis) @ basis.T
             out[:, unknowns] = part
@@ -197,26 +196,26 @@ class RigidParts:
         return product(self.rest, vectors) + self.strained(elastic) + resultant
 
     def product_with_pressure(self, vectors: Array) -> Extended:
-        """The same where forces of elements have a resultant, as those of pressure do."""
+        """``K φ`` of rows if forces of elements have a resultant, as those of pressure do."""
         return product(self.rest, vectors) + product(self.elements, self.strained(vectors))
 
     def round_off(self, vectors: Array) -> Array:
-        """What of ``φᵀ K φ`` of each row can be round-off.
+        """Part of ``φᵀ K φ`` of each row that may be round-off.
 
-        Strains below those of a vector that is known to a part of its size are all round-off.
+        Strains below those of a vector with a relative error of its size are all round-off.
         """
         strained = self.strained(vectors)
         size, small = np.abs(vectors), np.abs(strained)
         cancels = (size * (abs(self.rest) @ size.T).T).sum(axis=1)
         cancels += (size * (abs(self.stress) @ small.T).T).sum(axis=1)
-        # forces that vanish, such as those of springs at rest, are round-off of stiffness
+        # vanishing forces, such as those of springs at rest, are round-off of stiffness
         cancels += _VANISHES * abs(self.rest).max() * (size * size).sum(axis=1)
         strains = (small * (abs(self.elements) @ small.T).T).sum(axis=1)
         rigid = np.linalg.norm(strained, axis=1) <= _KNOWN * np.linalg.norm(vectors, axis=1)
         return np.asarray(_ULPS * cancels + np.where(rigid, strains, _ULPS * strains))
 
 
-SHIFT = 1e-10  # over the largest ratio of stiffness to mass: rigid motion must not make it singular
+SHIFT = 1e-10  # over the largest ratio of stiffness to mass: regular with rigid motions
 _ROUND_OFF = 1e-12  # of the largest ratio of stiffness to mass, and of the terms that cancel
 _SYMMETRIC = 1e-9
 
@@ -226,12 +225,12 @@ class Pencil:
     """Matrices of the free unknowns, all in the unit of energy (times powers of time).
 
     Attributes:
-        M: Mass, shape (n, n).
-        C: Damping and gyroscopic coupling, or ``None``.
-        K: Stiffness.
-        B: Constraints, shape (m, n).
+        M: Mass matrix, shape (n, n).
+        C: Damping and gyroscopic matrix, or ``None``.
+        K: Stiffness matrix.
+        B: Constraint Jacobian, shape (m, n).
         parts: Stiffness split into that of elements, which rigid motion does not strain, and the
-            rest; ``None`` if it is not known.
+            rest; ``None`` if unknown.
     """
 
     M: sp.csr_matrix
@@ -261,13 +260,13 @@ class Pencil:
         """``K φ`` of real rows in extended precision, without round-off of rigid motion."""
         if self.parts is None:
             return product(self.K, vectors)
-        # pressure is among forces whose stiffness is not symmetric
+        # pressure has an unsymmetric stiffness
         split = self.parts.product if self.symmetric else self.parts.product_with_pressure
         return split(vectors)
 
     @property
     def split_is_exact(self) -> bool:
-        """Whether ``parts`` are all of ``K``: nodes without a drilling rotation lack rigid ones."""
+        """Whether ``parts`` are all of ``K``: nodes without drilling lack rigid motions."""
         probe = np.random.default_rng(0).normal(size=(1, self.K.shape[0]))
         whole = product(self.K, probe)
         return bool(abs(self.stiffness(probe) - whole).max() <= _SYMMETRIC * abs(whole).max())
@@ -283,7 +282,7 @@ class Pencil:
         return M, C, K
 
     def round_off(self, vectors: Complex, mass: Array) -> Array:
-        """Rates that round-off makes of zero, for vectors (k, n) beside a mass ``φᴴ M φ``, (k,)."""
+        """Rates that round-off makes of zero, for vectors (k, n) with ``φᴴ M φ``, (k,)."""
         if self.parts is None:
             size = np.abs(vectors)
             energy = _ROUND_OFF * (size * (abs(self.K) @ size.T).T).sum(axis=1)

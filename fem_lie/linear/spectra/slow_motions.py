@@ -1,11 +1,10 @@
-"""The slowest modes from the span of rigid motions and of their own vectors, by Ritz's method.
+"""The slowest modes by Ritz's method, from rigid motions and from their own vectors.
 
-Round-off of the stiffness of elements is larger than a soft spring, and makes numbers of zeros. In
-that span the stiffness is known without it (:mod:`fem_lie.linear.spectra.pencil`). Motions
-``Z`` that nothing resists, ``K Z = 0``, are eigenvectors with ``s = 0``. Of quadratic problems each
-of these zeros is a double one where nothing damps the motion, and round-off parts a double zero by
-its root; in terms of velocities of ``Z`` alone, instead of displacements, each zero is there once
-less.
+Round-off of the stiffness of elements is larger than a soft spring, and perturbs zero eigenvalues.
+In that span the stiffness is free of it (:mod:`fem_lie.linear.spectra.pencil`). Free motions ``Z``,
+``K Z = 0``, are eigenvectors with ``s = 0``. In quadratic problems each of these zeros is double if
+the motion is undamped, and round-off splits a double zero by its square root; in terms of
+velocities of ``Z`` instead of displacements, each zero occurs once less.
 """
 
 from __future__ import annotations
@@ -18,22 +17,22 @@ import scipy.sparse as sp
 from fem_lie._arrays import Array
 from fem_lie.linear.spectra.pencil import SHIFT, Complex, Pencil, RigidParts
 
-_WIDE = 1.01  # quotient of rates between which there is a gap
-_BESIDE = 1e-6  # of a vector that is rigid motion but for errors
-_MIXED = 1e-2  # of a vector: most that round-off mixes into it
-_SPLIT = 1e-7  # of a vector: parts that are round-off
+_WIDE = 1.01  # least quotient of rates on both sides of a gap
+_BESIDE = 1e-6  # largest relative error of a vector of rigid motion
+_MIXED = 1e-2  # largest part of a vector that round-off mixes into it
+_SPLIT = 1e-7  # relative size of parts of a vector that are round-off
 _DEPENDENT = 1e-14  # squared
 _UNDAMPED = 1e-12  # of the terms that cancel in the damping of a motion
 
 
 @dataclass(frozen=True, eq=False)
 class SlowMotions:
-    """Eigenpairs of which the slow ones are computed anew.
+    """Eigenpairs with recomputed slow modes.
 
     Attributes:
-        free: Motions that nothing resists, with eigenvalues zero, shape (z, n).
+        free: Motions without stiffness, with eigenvalue zero, shape (z, n).
         s: Other eigenvalues, shape (k,).
-        vectors: Theirs, shape (k, n).
+        vectors: Their eigenvectors, shape (k, n).
     """
 
     free: Array
@@ -42,7 +41,7 @@ class SlowMotions:
 
 
 def without_round_off(pencil: Pencil, s: Complex, vectors: Complex) -> SlowMotions:
-    """Eigenpairs, the slow ones by parts of the stiffness."""
+    """Eigenpairs, of which the slow ones are recomputed with the split stiffness."""
     parts = pencil.parts
     assert parts is not None
     rigid = _orthonormal(parts.mechanisms(pencil.B), pencil.M)
@@ -69,23 +68,23 @@ def without_round_off(pencil: Pencil, s: Complex, vectors: Complex) -> SlowMotio
 
 
 def _gap(rates: Array, limit: float) -> float:
-    """A rate below a limit, or about it, which is between those of modes and near to none."""
+    """A rate near a limit that lies between those of modes and is close to none."""
     sizes = np.sort(np.concatenate([rates, [1e-3 * limit, 1e3 * limit]]))
     wide = np.flatnonzero((sizes[:-1] <= limit) & (sizes[1:] > _WIDE * sizes[:-1]))
     return float(np.sqrt(sizes[wide[-1]] * sizes[wide[-1] + 1]))
 
 
 def without(pencil: Pencil, slow: Array, s: Complex, vectors: Complex) -> Complex:
-    """Faster modes without what round-off has mixed into them of the span of slow ones, (q, n).
+    """Faster modes without the part of slow ones that round-off mixes into them, (q, n).
 
-    Their forces do no work on it: ``Φ Q(s) (φ − Φᵀ a) = 0``.
+    Their forces do no work on slow modes: ``Φ Q(s) (φ − Φᵀ a) = 0``.
     """
     own = [slow @ term.T.real for term in pencil.terms(slow.astype(np.complex128))]
     work = [slow @ term.T for term in pencil.terms(vectors)]
     powers = np.stack([s**2, s, np.ones_like(s)])
     Q = np.einsum("pk,pij->kij", powers, np.asarray(own, dtype=np.float64))
     r = np.einsum("pk,pik->ki", powers, np.asarray(work, dtype=np.complex128))
-    # what is more is no round-off: a free motion that is damped has a second eigenvalue
+    # larger values are not round-off: a damped free motion has a second eigenvalue
     share = np.linalg.norm(vectors @ (pencil.M @ slow.T), axis=1)
     mixed = share <= _MIXED * np.sqrt(pencil.kinetic(vectors))
     cleared = vectors.copy()
@@ -94,7 +93,7 @@ def without(pencil: Pencil, slow: Array, s: Complex, vectors: Complex) -> Comple
 
 
 def _beside(M: sp.csr_matrix, rigid: Array, vectors: Complex) -> Array:
-    """Basis of what vectors have beside rigid motion, but errors of theirs, shape (k, n)."""
+    """Basis of the parts of vectors beside rigid motion and errors, shape (k, n)."""
     both = np.concatenate([vectors.real, vectors.imag])
     both = _unit(both / np.abs(both).max(initial=1e-300), M / M.diagonal().max(), _SPLIT)
     both = _unit(both, M, 0.0)
@@ -104,7 +103,7 @@ def _beside(M: sp.csr_matrix, rigid: Array, vectors: Complex) -> Array:
 
 
 def _split(parts: RigidParts, rigid: Array) -> tuple[Array, Array]:
-    """Rigid motions that nothing resists, and the others."""
+    """Rigid motions without stiffness, and the others."""
     if not len(rigid):
         return rigid, rigid
     _, values, turn = np.linalg.svd(rigid @ (parts.rest @ rigid.T))
@@ -114,7 +113,7 @@ def _split(parts: RigidParts, rigid: Array) -> tuple[Array, Array]:
 
 
 def _undamped(K: Array, z: int, symmetric: bool) -> tuple[Complex, Complex]:
-    """The same as :func:`_damped` of ``s² + K``, and of conjugates the one with ``Im s ≥ 0``."""
+    """Eigenvalues of ``s² + K`` with ``Im s ≥ 0``, as :func:`_damped`."""
     solve = np.linalg.eigh if symmetric else np.linalg.eig
     squares, x = solve(0.5 * (K + K.T)[z:, z:] if symmetric else K[z:, z:])
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -124,25 +123,25 @@ def _undamped(K: Array, z: int, symmetric: bool) -> tuple[Complex, Complex]:
 
 
 def _damped(K: Array, C: Array, z: int, size: float) -> tuple[Complex, Complex]:
-    """Eigenvalues of ``s² + s C + K``, but zeros of the first ``z`` coordinates, which ``K`` lacks.
+    """Eigenvalues of ``s² + s C + K``, without zeros of the first ``z`` coordinates.
 
     Args:
         K: Stiffness in coordinates of unit mass, shape (k, k).
-        C: Damping.
-        z: How many of them have no stiffness.
-        size: Of the terms that cancel in ``C``.
+        C: Damping matrix.
+        z: Number of coordinates without stiffness.
+        size: Size of the terms that cancel in ``C``.
 
     Returns:
         Eigenvalues, and coordinates of their vectors as rows.
     """
     n = len(K)
     unit = float(max(np.sqrt(np.abs(K).max(initial=0.0)), np.abs(C).max(initial=0.0))) or 1.0
-    # of y, the last n - z coordinates, and v, rates of all
+    # unknowns are y, the last n - z coordinates, and v, rates of all
     A = np.zeros((2 * n - z, 2 * n - z))
     A[: n - z, n:] = np.eye(n - z)
     A[n - z :, : n - z], A[n - z :, n - z :] = -K[:, z:] / unit**2, -C / unit
     s, states = np.linalg.eig(A)
-    # displacements that grow with time, of motions which are not damped, either
+    # displacements of undamped free motions that grow with time
     still = np.linalg.svd(C[:z, :z], compute_uv=False) <= _UNDAMPED * size
     kept = np.argsort(np.abs(s), kind="stable")[int(still.sum()) :]
     s = s[kept].astype(np.complex128)
@@ -154,7 +153,7 @@ def _damped(K: Array, C: Array, z: int, size: float) -> tuple[Complex, Complex]:
 
 
 def _unit(vectors: Array, M: sp.csr_matrix, least: float) -> Array:
-    """Rows of length one; those that are not longer than ``least`` are left out."""
+    """Rows scaled to length one; those not longer than ``least`` are left out."""
     size = np.sqrt((vectors * (M @ vectors.T).T).sum(axis=1).clip(0.0))
     kept = size > least
     return np.asarray(vectors[kept] / size[kept, np.newaxis])

@@ -1,11 +1,11 @@
 """The smallest eigenvalues of a constrained quadratic problem, each checked by its residual.
 
 With ``P`` the quadratic at a shift of about the size of the eigenvalues, a step of inverse
-iteration changes an eigenvector ``φ`` by ``e = P⁻¹ Q(s) φ``. The length of ``e`` over that of
-``φ``, both measured by the mass, depends on no unit. For symmetric problems it bounds the relative
-distance of ``s² + shift`` from an eigenvalue (T. Kato, J. Phys. Soc. Japan 4 (1949) 334), however
-stiff elements are; forces that are left over, ``Q(s) φ``, are small beside those of stiff elements
-even if ``s`` is wrong.
+iteration changes an eigenvector ``φ`` by ``e = P⁻¹ Q(s) φ``. The ratio of the lengths of ``e`` and
+``φ``, both in the mass norm, does not depend on units. For symmetric problems it bounds the
+relative distance of ``s² + shift`` from an eigenvalue (T. Kato, J. Phys. Soc. Japan 4 (1949) 334),
+however stiff elements are. The residual forces ``Q(s) φ`` do not: they are small relative to those
+of stiff elements even if ``s`` is wrong.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from fem_lie.linear.spectra.krylov import Approximation, Krylov
 from fem_lie.linear.spectra.pencil import SHIFT, Complex, Pencil
 from fem_lie.linear.spectra.slow_motions import without, without_round_off
 
-MOST = 600  # unknowns, less those that constraints eliminate: some seconds
+MOST = 600  # unknowns less constraints, which take some seconds
 _INFINITE = 1e-14  # of the largest inverse: eigenvalues of unknowns without mass
 
 
 def dense(pencil: Pencil, count: int, floor: float) -> Approximation:
-    """The smallest eigenvalues without iterations that could miss some of them.
+    """The smallest eigenvalues by a dense method, which cannot miss any.
 
     Raises:
         ConvergenceError: The problem is too large, or singular at the shift.
@@ -78,7 +78,7 @@ def _symmetric(K: Array, M: Array) -> tuple[Complex, Complex]:
 
 
 def _linear(M: Array, inverse: Array, rate: float) -> tuple[Complex, Complex]:
-    """The same, with the inverse of ``K + rate² M``, where ``K`` is not symmetric."""
+    """As :func:`_symmetric`, with the inverse of ``K + rate² M``, for an unsymmetric ``K``."""
     θ, x = np.linalg.eig(inverse @ M)
     finite = np.abs(θ) > _INFINITE * np.abs(θ).max()
     s = np.sqrt(rate**2 - 1.0 / θ[finite].astype(np.complex128))
@@ -100,28 +100,28 @@ def _quadratic(M: Array, C: Array, inverse: Array, rate: float) -> tuple[Complex
     return s, x[:n].T[finite].astype(np.complex128)
 
 
-_ACCEPTED = 1e-5  # largest residual; eigenvalues of symmetric problems are right to its square
+_ACCEPTED = 1e-5  # largest residual; errors of symmetric eigenvalues are its square
 _NEAR = 1e-2  # residual below which a step of inverse iteration improves a mode
-_SLOWER = 0.99  # of a rate, those of clearly slower modes
-_SPLIT = 1e-7  # of a vector: parts that are round-off
+_SLOWER = 0.99  # largest quotient of rates of clearly slower modes
+_SPLIT = 1e-7  # relative size of parts of a vector that are round-off
 
 
 def smallest(
     pencil: Pencil, count: int, floor: float, prefix: str
 ) -> tuple[Complex, Complex, Array]:
-    """Eigenvalues of least absolute value with ``Im s ≥ 0``, vectors (count, n) and residuals.
+    """Eigenvalues of least magnitude with ``Im s ≥ 0``, vectors (count, n) and residuals.
 
-    Where SLEPc's are not right to their residuals, or too few, those of a dense method are taken,
-    and those of SLEPc with another shift where the problem is too large for it.
+    If SLEPc's residuals are too large, or it finds too few, a dense method replaces it, or SLEPc
+    with another shift if the problem is too large.
 
     Args:
         pencil: The problem.
-        count: How many.
-        floor: A rate that matters, such as that of a rotation; 0 if there is none.
-        prefix: Of SLEPc's options; those of its second attempt have ``again_`` behind it.
+        count: Number of eigenvalues.
+        floor: A relevant rate, such as that of a rotation; 0 if there is none.
+        prefix: Prefix of SLEPc's options; those of its second attempt have ``again_`` after it.
 
     Raises:
-        ConvergenceError: No method has all of them.
+        ConvergenceError: No method finds all of them.
     """
     reasons = []
     for method in (Krylov(prefix), dense, Krylov(f"{prefix}again_", nearer=0.3, spare=4 * count)):
@@ -130,15 +130,15 @@ def smallest(
         except ConvergenceError as error:
             reasons.append(str(error))
             continue
-        s, vectors, noise = _physical(pencil, found)
+        s, vectors, round_off = _physical(pencil, found)
         if len(s) < count:
             reasons.append(f"{len(s)} of {count} modes found")
             continue
         order = np.argsort(np.abs(s), kind="stable")[:count]
         s, vectors, residuals = _improved(pencil, found, s[order], vectors[order])
         if (residuals <= _ACCEPTED).all():
-            # not before: a mode of round-off satisfies the problem with its own rate, not with zero
-            s = np.where(np.abs(s) <= noise[order], 0.0, s)
+            # only now: a mode of round-off satisfies the problem with its own rate, not with zero
+            s = np.where(np.abs(s) <= round_off[order], 0.0, s)
             order = np.argsort(np.abs(s), kind="stable")
             return s[order], vectors[order], residuals[order]
         reasons.append(f"a mode has a residual of {residuals.max():.1e}")
@@ -149,7 +149,7 @@ def smallest(
 
 
 def _physical(pencil: Pencil, found: Approximation) -> tuple[Complex, Complex, Array]:
-    """Eigenpairs, one of each conjugate pair, and the rates that round-off makes of zero, (k,)."""
+    """Eigenpairs, one of each conjugate pair, and rates that round-off makes of zero, (k,)."""
     possible = _possible(pencil, found.s, found.vectors)
     s, vectors = found.s[possible], found.vectors[possible]
     free = np.empty((0, pencil.M.shape[0]))
@@ -158,19 +158,19 @@ def _physical(pencil: Pencil, found: Approximation) -> tuple[Complex, Complex, A
         free, s, vectors = slow.free, slow.s, slow.vectors
     s = _rayleigh(s, vectors, pencil.terms(vectors))
     strained = vectors - (vectors @ (pencil.M @ free.T)) @ free
-    noise = pencil.round_off(strained, pencil.kinetic(vectors))
+    round_off = pencil.round_off(strained, pencil.kinetic(vectors))
     if pencil.C is not None:
-        s, vectors = _one_of_each_pair(np.where(np.abs(s) <= noise, 0.0, s), vectors)
-        noise = np.zeros(len(s))
+        s, vectors = _one_of_each_pair(np.where(np.abs(s) <= round_off, 0.0, s), vectors)
+        round_off = np.zeros(len(s))
     zeros = np.zeros(len(free), dtype=np.complex128)
     both = np.concatenate([free.astype(np.complex128), vectors])
-    return np.concatenate([zeros, s]), both, np.concatenate([zeros.real, noise])
+    return np.concatenate([zeros, s]), both, np.concatenate([zeros.real, round_off])
 
 
 def _possible(pencil: Pencil, s: Complex, vectors: Complex) -> npt.NDArray[np.bool_]:
-    """Which eigenpairs are motions: infinite eigenvalues of constraints come as large numbers.
+    """Whether eigenpairs are motions: infinite eigenvalues of constraints appear as large ones.
 
-    Their vectors violate the constraints, and their own quotients are nowhere near.
+    Their vectors violate the constraints, and differ from their Rayleigh quotients.
     """
     quotients = np.abs(_rayleigh(s, vectors, pencil.terms(vectors)))
     fast = np.abs(s) > np.sqrt(SHIFT) * pencil.fastest
@@ -180,9 +180,9 @@ def _possible(pencil: Pencil, s: Complex, vectors: Complex) -> npt.NDArray[np.bo
 def _improved(
     pencil: Pencil, found: Approximation, s: Complex, vectors: Complex
 ) -> tuple[Complex, Complex, Array]:
-    """Eigenpairs, the slowest first, after a step of inverse iteration where that improves them.
+    """Eigenpairs in ascending order, after a step of inverse iteration where it improves them.
 
-    The step would raise what a vector has of slower modes.
+    The step would amplify components of slower modes.
     """
     slower = _slower(pencil, s, vectors)
     vectors = np.concatenate(
@@ -204,7 +204,7 @@ def _improved(
 
 
 def _slower(pencil: Pencil, s: Complex, vectors: Complex) -> list[Array]:
-    """For each mode the span of clearly slower ones, with ``Φ M Φᵀ = 1``."""
+    """Span of clearly slower modes for each mode, with ``Φ M Φᵀ = 1``."""
     found, rows = [], [0]
     basis: Array = np.empty((0, vectors.shape[1]))
     for k, vector in enumerate(vectors):
@@ -236,10 +236,10 @@ def _residuals(
 
 
 def _rayleigh(s: Complex, vectors: Complex, terms: tuple[Complex, Complex, Complex]) -> Complex:
-    """Of each ``φ`` the root of ``φᴴ Q(s) φ`` that is nearest to ``s``."""
+    """Root of ``φᴴ Q(s) φ`` nearest to ``s``, for each ``φ``."""
     m, c, k = ((vectors.conj() * term).sum(axis=1) for term in terms)
     root = np.sqrt(c * c - 4.0 * m * k)
-    # the sum of which neither part cancels
+    # the sum in which neither part cancels
     q = -0.5 * (c + np.where((c.conj() * root).real < 0.0, -root, root))
     first = np.divide(q, m, out=np.zeros_like(q), where=m != 0)
     second = np.divide(k, q, out=first.copy(), where=q != 0)
@@ -249,7 +249,7 @@ def _rayleigh(s: Complex, vectors: Complex, terms: tuple[Complex, Complex, Compl
 
 
 def _one_of_each_pair(s: Complex, vectors: Complex) -> tuple[Complex, Complex]:
-    """Of conjugates the one with ``Im s > 0``; real ones all; of double zeros one each."""
+    """The eigenvalue with ``Im s > 0`` of each pair; all real ones; one of each double zero."""
     still = s == 0.0
     turning = ~still & (s.imag > -1e-9 * np.abs(s))
     rigid = vectors[still]
