@@ -36,7 +36,7 @@ class FixedAxesRun(Run):
     def __init__(self, *given: Any) -> None:
         """Replace corrections where those that learn from each other would be improved."""
         super().__init__(*given)
-        self._outside.learn(AlongAxes(self))
+        self._python_forces.learn(AlongAxes(self))
 
     def axes(self) -> np.ndarray:
         """Axes of both halves of all nodes, in the middle of the step, (n, 3, 3)."""
@@ -76,7 +76,7 @@ class FixedAxes(fl.EnergyMomentum):
     """The scheme with such a run."""
 
     def _integration(self, equations: Equations, step: float) -> FixedAxesRun:
-        return FixedAxesRun(self.told(), equations, step)
+        return FixedAxesRun(self.options(), equations, step)
 
 
 def swinging_cable() -> fl.Scene:

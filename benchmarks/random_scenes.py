@@ -24,8 +24,7 @@ import fem_lie as fl
 from benchmarks.progress import Progress
 from fem_lie import lie
 from fem_lie.bodies.catalogue import SceneInfo
-from fem_lie.lie.node_types import NodeType
-from fem_lie.lie.node_types import placed as placed_nodes
+from fem_lie.lie.node_types import NodeType, has_position
 from fem_lie.solve.motion.integrator import Integrator
 from tests.random_scenes import (
     CONSERVING,
@@ -108,7 +107,7 @@ def places(way: Way, info: SceneInfo, frames: np.ndarray) -> Numbers:
         own = info.body(body.name)
         H, kinds = frames[..., own.nodes, :, :], own.node_types
         assert kinds is not None
-        x = (H[..., placed_nodes(kinds), 0, :] / size - shift) @ way.rotation
+        x = (H[..., has_position(kinds), 0, :] / size - shift) @ way.rotation
         found[f"places of {body.name}"] = Values(x, "of the size")
         if (kinds != NodeType.FRAME).any():
             continue
@@ -140,7 +139,7 @@ def motion(scheme: Integrator) -> Callable[[Way], Numbers]:
         for body in data.bodies:
             own = result.info.body(body.name)
             assert own.node_types is not None
-            nodes = own.nodes[placed_nodes(own.node_types)]
+            nodes = own.nodes[has_position(own.node_types)]
             R = result.frames[:, nodes, 1:].swapaxes(-1, -2)
             v = back.velocity(_global(R, result.velocities[:, nodes, :3]))
             speeds[f"velocities of {body.name}"] = Values(v @ way.rotation, "velocity")

@@ -23,7 +23,7 @@ scene is made of stands in :mod:`fem_lie` itself; here is what scenes do not sho
   :class:`DirectSolver` by a :class:`Method` of a package, which raises
   :class:`SingularMatrixError`; the iteration with a frozen matrix (:func:`iterate`,
   :class:`Iterated`, :class:`Verdict`, :class:`LinearRate`, :class:`QuadraticRate`, :data:`NEWTON`,
-  :data:`KEPT`); the choice of step sizes (:class:`StepChoice`, :class:`Control`); the measure of
+  :data:`FROZEN`); the choice of step sizes (:class:`StepChoice`, :class:`Control`); the measure of
   convergence
   (:func:`unknown_scaling`, :func:`estimate`, :func:`failure`); consistent initial accelerations
   (:func:`accelerations`, :func:`check_velocities`).
@@ -69,7 +69,7 @@ from fem_lie.solve.convergence import (
     failure,
     unknown_scaling,
 )
-from fem_lie.solve.iteration import KEPT, NEWTON, Iterated, LinearRate, QuadraticRate, iterate
+from fem_lie.solve.iteration import FROZEN, NEWTON, Iterated, LinearRate, QuadraticRate, iterate
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
 from fem_lie.solve.motion.integration import DividedIntegration, Integration
 from fem_lie.solve.motion.integrator import Integrator, check_kinds, refuse
@@ -81,8 +81,8 @@ __all__ = [
     "CELL_SIGNATURE",
     "COLOURS",
     "DIVERGED",
+    "FROZEN",
     "GAP_SIGNATURE",
-    "KEPT",
     "NEWTON",
     "ROUND_OFF",
     "Array",

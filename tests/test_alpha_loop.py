@@ -92,7 +92,7 @@ def test_every_policy_with_a_rule_decides_likewise(policy):
     scene = pendulum(3)[0]
 
     class Same(fl.Policy):
-        rescue = policy.rescue
+        full_newton_fallback = policy.full_newton_fallback
 
         def begin(self, bound: bool) -> fl.Decisions:
             return Passed(policy.begin(bound))

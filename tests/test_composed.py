@@ -250,7 +250,7 @@ def test_dissipation():
     scene, one, two = bars()
     ends = scene.add(fl.Distance(one.point("start"), two.point("end")))
     scene.add(fl.Spring(ends.length, stiffness=1.0, damping=0.1))
-    with pytest.raises(ValueError, match="dampers in connections would feed energy"):
+    with pytest.raises(ValueError, match="dampers in connections would add energy"):
         SCHEMES["five"].run(scene, duration=0.1, step=1e-2)
 
 

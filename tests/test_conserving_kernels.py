@@ -12,25 +12,25 @@ import pytest
 import fem_lie as fl
 from demos.double_pendulum import pendulum
 from fem_lie import lie
-from fem_lie.solve.conserving import memory
-from fem_lie.solve.conserving.between import mean_forces
-from fem_lie.solve.conserving.between.cayley import span
-from fem_lie.solve.conserving.between.end_forces import _part_of_earlier, at_end
+from fem_lie.solve.conserving import model
+from fem_lie.solve.conserving.midpoint import mean_forces
+from fem_lie.solve.conserving.midpoint.cayley import span
+from fem_lie.solve.conserving.midpoint.end_forces import _part_of_earlier, at_end
 from fem_lie.solve.conserving.step import corrections
-from fem_lie.solve.conserving.step.records import Legs
+from fem_lie.solve.conserving.step.records import Incidences
 
 STEPS, SIZE = 1500, 1e-4
 
 
 def run(dense: int, whole: int, monkeypatch: pytest.MonkeyPatch) -> fl.Result:
     """Case 1, with so many unknowns in the dense matrix, and numbers in columns, at most."""
-    monkeypatch.setattr(memory, "DENSE", dense)
-    monkeypatch.setattr(memory, "WHOLE", whole)
+    monkeypatch.setattr(model, "DENSE", dense)
+    monkeypatch.setattr(model, "WHOLE", whole)
     scheme = fl.EnergyMomentum()
     return scheme.run(pendulum(1)[0], step=SIZE, duration=STEPS * SIZE, progress=False)
 
 
-@pytest.mark.parametrize("whole", [0, memory.WHOLE], ids=["solution", "columns"])
+@pytest.mark.parametrize("whole", [0, model.WHOLE], ids=["solution", "columns"])
 def test_the_dense_matrix_changes_neither_motion_nor_conservation(whole, monkeypatch):
     """Joints turn: kept matrices have the constraints of other postures."""
     solved, small = run(0, 0, monkeypatch), run(60, whole, monkeypatch)
@@ -42,26 +42,26 @@ def test_the_dense_matrix_changes_neither_motion_nor_conservation(whole, monkeyp
     assert small.factorisations <= solved.factorisations
 
 
-def test_legs_find_their_unknowns_in_the_dense_matrix():
+def test_incidences_find_their_unknowns_in_the_dense_matrix():
     """Two constraints between nodes 1 and 4 of five, and one on node 1 alone."""
-    legs = Legs(np.array([1, 4, 1, 4, 1]), np.array([0, 0, 2, 2, 1]))
-    ends = memory.ends_of(legs, 5, 33)
+    incidences = Incidences(np.array([1, 4, 1, 4, 1]), np.array([0, 0, 2, 2, 1]))
+    ends = model.incidence_positions_of(incidences, 5, 33)
     assert ends.unknowns.tolist() == [*range(6, 12), *range(24, 30), 30, 31, 32]
     first, row = ends.at
-    assert (ends.unknowns[first] == 6 * legs.nodes).all()
-    assert (ends.unknowns[row] == 30 + legs.constraints).all()
+    assert (ends.unknowns[first] == 6 * incidences.nodes).all()
+    assert (ends.unknowns[row] == 30 + incidences.constraints).all()
     assert ends.inverse.shape == (15, 15) and ends.columns.shape == (15, 33)
 
 
 def test_whole_columns_are_kept_where_they_are_few_numbers():
-    legs = Legs(np.array([1, 4]), np.array([0, 0]))
-    ends = memory.ends_of(legs, 10**5, 6 * 10**5 + 1)
+    incidences = Incidences(np.array([1, 4]), np.array([0, 0]))
+    ends = model.incidence_positions_of(incidences, 10**5, 6 * 10**5 + 1)
     assert ends.inverse.shape == (13, 13) and len(ends.columns) == 0
 
 
-def test_many_legs_have_no_dense_matrix():
-    legs = Legs(np.arange(20), np.arange(20))
-    assert memory.ends_of(legs, 20, 140).inverse.size == 0
+def test_many_incidences_have_no_dense_matrix():
+    incidences = Incidences(np.arange(20), np.arange(20))
+    assert model.incidence_positions_of(incidences, 20, 140).inverse.size == 0
 
 
 def test_energy_of_earlier_steps_waits_for_work():
@@ -83,7 +83,7 @@ def test_the_end_of_a_line_that_alternates(sizes):
     assert at_end(last, np.array(earlier), h) == pytest.approx([3.0], abs=1e-13)
 
 
-def test_increments_that_fall_slowly_are_no_noise():
+def test_increments_that_fall_slowly_are_not_round_off():
     """Forces left over do work: taken for noise they raised the energy by 1e-12 in one step."""
 
     def ends(increments: list[float], window: int) -> list[bool]:

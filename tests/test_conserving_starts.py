@@ -61,7 +61,7 @@ def test_resumed_after_steps_in_parts_is_the_same_to_the_last_bit(tmp_path, capl
     resumed = CONSERVES.resume(scene(4), file)
     same(resumed, divided)
     assert resumed.divided == fl.Result.load(file).divided == divided.divided
-    assert f"{divided.divided} of 6 steps were made in up to" in caplog.text
+    assert f"{divided.divided} of 6 steps were divided into up to" in caplog.text
 
 
 def hanging() -> fl.Scene:
@@ -119,7 +119,7 @@ def test_parts_conserve_and_their_error_is_of_second_order(monkeypatch, scheme):
 
 
 def test_a_step_that_has_no_end_in_parts_says_so():
-    with pytest.raises(fl.ConvergenceError, match=f"Nor did it in {2**HALVINGS} parts") as caught:
+    with pytest.raises(fl.ConvergenceError, match=f"did it in {2**HALVINGS} sub-steps") as caught:
         fl.EnergyMomentum(max_iterations=1).run(scene(4), **PLAN)
     assert caught.value.result.divided == 0
 
@@ -173,7 +173,7 @@ class Shifted(Run):
 
 class ShiftedSteps(fl.EnergyMomentum):
     def _integration(self, equations, step):
-        return Shifted(self.told(), equations, step)
+        return Shifted(self.options(), equations, step)
 
 
 def test_what_constraints_miss_is_led_back():

@@ -135,7 +135,7 @@ def test_is_refused(name):
 def test_contacts_that_did_not_settle_are_named():
     with pytest.raises(
         fl.ConvergenceError,
-        match=r"1 contacts did not settle \(residual 4e-03\).* such as left and right\?",
+        match=r"1 contacts did not converge \(residual 4e-03\).* such as left and right\?",
     ):
         unsettled()
 

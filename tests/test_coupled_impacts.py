@@ -481,7 +481,7 @@ def test_a_step_with_impacts_that_has_no_solution_says_that_parts_have_none():
     scene.bodies[0].add_velocity(omega=(0, 30, 50), about=(0.5, 0, 0.1))
     with pytest.raises(fl.ConvergenceError, match="did not converge in 1 iterations") as info:
         scheme.run(scene, duration=0.01, step=0.01, progress=False)
-    assert "Nor did it in 64 parts" in str(info.value)
+    assert "Nor did it in 64 sub-steps" in str(info.value)
 
 
 def test_a_beam_that_bounces_never_gains_energy():

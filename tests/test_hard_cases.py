@@ -240,7 +240,7 @@ def test_unresolved_vibrations_leave_second_order():
 def test_too_large_a_step_is_made_in_parts(scheme, step, bound, caplog):
     """Parts are as small as it takes; policies that make no matrix fail."""
     assert np.linalg.norm(violent(step, scheme())) < bound
-    assert "steps were made in up to" in caplog.text
+    assert "steps were divided into up to" in caplog.text
     with pytest.raises(fl.ConvergenceError, match="smaller step") as info:
         violent(step, scheme(policy=fl.Never()))
     assert info.value.result.times[0] == 0.0
@@ -283,7 +283,7 @@ def test_a_long_chain_arrives(options, caplog):
     """A hundred links that fall for 0.7 s: with less damping in parts of the steps at its end."""
     scene, end = chain(100)
     result = fl.GeneralisedAlpha(**options).run(scene, duration=0.7, step=1e-3, progress=False)
-    assert (result.divided > 0) == (not options) == ("steps were made in up to" in caplog.text)
+    assert (result.divided > 0) == (not options) == ("steps were divided into up to" in caplog.text)
     # steps of 1e-4, whose energy is balanced to 7e-5
     assert np.linalg.norm(result.position(end)[-1] - (-0.45682, 0.0, -1.69518)) < 0.01
     with pytest.raises(fl.ConvergenceError, match="Try a smaller step"):

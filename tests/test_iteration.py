@@ -23,7 +23,7 @@ class Root(fl.extend.Iterated):
         self._residual = self.x**3 - 8.0
         return self._residual == 0.0
 
-    def renew(self, update):
+    def refactorise(self, update):
         assert update == fl.Update.ALL
         self._slope, self.made = 3.0 * self.x**2, self.made + 1
         if self._slope == 0.0:
@@ -44,14 +44,14 @@ def linear(tolerance=1e-12):
     return fl.extend.LinearRate(lambda _: tolerance, 1.0, 1e-14)
 
 
-@pytest.mark.parametrize("renewals", [fl.extend.NEWTON, fl.extend.KEPT])
-def test_a_frozen_matrix_arrives_where_newton_does(renewals):
+@pytest.mark.parametrize("refactorisations", [fl.extend.NEWTON, fl.extend.FROZEN])
+def test_a_frozen_matrix_arrives_where_newton_does(refactorisations):
     root = Root(2.3, linear())
-    ended = fl.extend.iterate(root, 60, renewals)
+    ended = fl.extend.iterate(root, 60, refactorisations)
     assert ended.converged
     assert abs(root.x - 2.0) < 1e-12
-    assert root.made == (1 if renewals is fl.extend.KEPT else ended.iterations)
-    assert (ended.iterations > 8) == (renewals is fl.extend.KEPT)
+    assert root.made == (1 if refactorisations is fl.extend.FROZEN else ended.iterations)
+    assert (ended.iterations > 8) == (refactorisations is fl.extend.FROZEN)
 
 
 def test_what_is_left_after_quadratic_convergence_is_below_the_tolerance():
@@ -72,7 +72,7 @@ def test_what_is_left_after_quadratic_convergence_is_below_the_tolerance():
     ],
 )
 def test_how_an_iteration_ends(start, slope, limit, verdict):
-    ended = fl.extend.iterate(Root(start, linear(), slope), limit, fl.extend.KEPT)
+    ended = fl.extend.iterate(Root(start, linear(), slope), limit, fl.extend.FROZEN)
     assert ended.verdict == verdict
     assert ended.converged == (verdict == fl.extend.Verdict.CONVERGED)
     assert (ended.iterations == 0) == (start == 2.0)

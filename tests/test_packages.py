@@ -101,16 +101,16 @@ MAY_IMPORT = {
     "solve.impacts": {"solve", "contact.impact"},
     "solve.alpha.step": {"solve.motion", "contact.impact"},
     "solve.alpha": {"solve.alpha.step", "solve.impacts"},
-    "solve.conserving.between": {"solve.motion"},
-    "solve.conserving.rows": {"solve.conserving.between"},
-    "solve.conserving.step": {"solve.conserving.rows"},
-    "solve.conserving.outside": {"solve.conserving.step"},
-    "solve.conserving": {"solve.conserving.outside"},
+    "solve.conserving.midpoint": {"solve.motion"},
+    "solve.conserving.vector_cells": {"solve.conserving.midpoint"},
+    "solve.conserving.step": {"solve.conserving.vector_cells"},
+    "solve.conserving.python_forces": {"solve.conserving.step"},
+    "solve.conserving": {"solve.conserving.python_forces"},
     "solve.variational": {"solve.conserving.step", "solve.impacts"},
     "solve.explicit": {"solve.motion"},
     "solve.composed": {"solve.conserving", "solve.variational"},
     "solve.multirate": {"solve.conserving"},
-    "solve.hamel": {"solve.conserving.between"},
+    "solve.hamel": {"solve.conserving.midpoint"},
 }
 """Packages and what each may import directly; imports are transitive."""
 

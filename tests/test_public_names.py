@@ -48,7 +48,7 @@ KERNELS = {
     "tests/models.py",
     "tests/shell_models.py",
     "tests/test_cell_sums.py",
-    "tests/test_cells_of_places.py",
+    "tests/test_position_cells.py",
     "tests/test_conserving_kernels.py",
     "tests/test_constraint_sets.py",
     "tests/test_detection.py",

@@ -11,12 +11,12 @@ import pytest
 
 import fem_lie as fl
 from fem_lie.forms.cells import Cells
-from fem_lie.solve.conserving.memory import (
+from fem_lie.solve.conserving.model import (
     cells_of_rows,
-    legs_of,
+    incidences_of,
     model_of,
-    room_for_step,
     start_state,
+    step_workspace,
 )
 from fem_lie.solve.conserving.step import packing, records
 from tests.random_scenes import CONSERVING, random_scene
@@ -39,13 +39,13 @@ def given() -> dict[str, Any]:
     scene = build(random_scene(0, replace(CONSERVING, steps=1))).scene
     equations = fl.extend.Equations(scene, dynamics=True)
     cells = Cells(list(equations.tables.assemblies))
-    legs = legs_of(equations, follows=True)
+    incidences = incidences_of(equations, follows=True)
     rows = cells_of_rows(equations)
-    room = equations, cells, rows, legs
+    room = equations, cells, rows, incidences
     return {
-        "model": model_of(equations, cells, rows, records.Scheme(1e-3, 0.1, 0.9), legs),
+        "model": model_of(equations, cells, rows, records.Scheme(1e-3, 0.1, 0.9), incidences),
         "state": start_state(*room, dissipates=True),
-        "step": room_for_step(*room, dissipates=True),
+        "step": step_workspace(*room, dissipates=True),
     }
 
 

@@ -245,7 +245,7 @@ def test_newton_converges_quadratically_and_needs_few_steps_with_carried_stress(
     system._factor, increments = 1.0, []
     while len(increments) < 20 and (not increments or increments[-1] > 1e-12):
         system.evaluate(1)
-        system.renew(fl.Update.ALL)
+        system.refactorise(fl.Update.ALL)
         increments.append(system.correct())
     logs = np.log(increments[-5:-1])
     # a rate of two; with the turning of unbalanced forces left in at equilibrium it would be one

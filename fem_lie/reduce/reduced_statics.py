@@ -16,7 +16,7 @@ from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import Iterated, iterate
-from fem_lie.solve.renewal import Update
+from fem_lie.solve.refactorisation import Update
 
 
 def reduced_frequencies(
@@ -145,7 +145,7 @@ class _Equilibrium(Iterated):
         self._residual = self._reduced.residual(self.found)
         return bool(np.linalg.norm(self._residual) <= self._bound)
 
-    def renew(self, update: Update) -> None:
+    def refactorise(self, update: Update) -> None:
         self._tangent = _matrix(self._reduced, self.found)
 
     def correct(self) -> float:

@@ -16,7 +16,7 @@ from fem_lie.reduce.ecsw import CellSample, CellsInShapes, NodesInShapes, summed
 from fem_lie.scene import Scene
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import Iterated, iterate
-from fem_lie.solve.renewal import Update
+from fem_lie.solve.refactorisation import Update
 from fem_lie.system.equations import Equations
 from fem_lie.system.nodes.sums import load_tangent, load_vector
 
@@ -171,7 +171,7 @@ class _Equilibrium(Iterated):
         self._tangent = K + self._level * change
         return False
 
-    def renew(self, update: Update) -> None:
+    def refactorise(self, update: Update) -> None:
         """Nothing to do: the dense tangent is solved with as it is."""
 
     def correct(self) -> float:

@@ -1,4 +1,4 @@
-"""When an iteration of a step has converged, and what to say where it does not."""
+"""Convergence test for the iteration of a step, and the error message if it fails."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fem_lie._jit import inlined
 
 
 class Dimensions(Protocol):
-    """What of the unknowns of equations says in which unit they are."""
+    """Physical dimensions of the unknowns and constraints of the equations."""
 
     @property
     def lengths(self) -> Flags:
@@ -20,18 +20,18 @@ class Dimensions(Protocol):
 
     @property
     def angular(self) -> Flags:
-        """Which constraints are of rotations alone, shape (m,)."""
+        """Which constraints are on rotations only, shape (m,)."""
 
     @property
     def length(self) -> float:
-        """Of the model."""
+        """Characteristic length of the model."""
 
 
 class Verdict(IntEnum):
-    """What a correction says of an iteration.
+    """Verdict on an iteration, from one correction.
 
-    ``STAGNANT``: It is small and no smaller than those before: round-off. ``SINGULAR`` and
-    ``REFUSED``: there was no correction, or what was found is no solution.
+    ``STAGNANT``: the correction is small and no longer decreases: round-off. ``SINGULAR`` and
+    ``REFUSED``: the system could not be solved, or the converged iterate is no solution.
     """
 
     GOES_ON = 0
@@ -43,48 +43,52 @@ class Verdict(IntEnum):
 
 
 GOES_ON, CONVERGED, STAGNANT, DIVERGES = (int(verdict) for verdict in list(Verdict)[:4])
-"""Verdicts in compiled code."""
+"""The verdicts as integers, for compiled code."""
 
 ROTATION = 0.1
-"""A rotation counts in the size of an increment as a displacement of this part of the model."""
+"""Weight of rotations in the size of an increment: one radian counts as this fraction of the length
+of the model."""
 
 ROUND_OFF = 1e-15
-"""Increments below are round-off, whatever their ratio."""
+"""Smaller increments are round-off, whatever their ratio."""
 
 DIVERGED = 1.0
-"""Increments above, in lengths of the model, do not lead to the motion that follows from the start
-of the step: a rotation counts as much by one and a half turns."""
+"""Larger increments, over the length of the model, have diverged: they do not lead to the motion
+that starts at the beginning of the step. A rotation reaches this value at one and a half turns."""
 
 FALLS = 0.5
-"""Ratio of increments above which small ones are said not to fall."""
+"""Small increments whose ratio is above this value do not decrease."""
 
 UNMEASURED = 0.8
-"""Power of the ratio of increments from a step that has none: trust it less and less."""
+"""Exponent applied to the ratio of increments after a step that gave no new ratio: it is trusted
+less with each such step."""
 
 
 FAR = 1e3
-"""A violation is one of the iteration below this times its last increment and its tolerance."""
+"""A constraint violation is due to unfinished iteration if it is below this factor times the last
+increment and the tolerance."""
 
 CLOSED = 1e-9
-"""Of the model, or rad: gaps that loops are given with are no contradiction."""
+"""Over the length of the model, or rad: smaller gaps of closed loops are input round-off, not a
+contradiction."""
 
 
 def node_scaling(unknowns: Dimensions) -> Array:
-    """Weights of both halves of the increment of each node in its size, (n, 2).
+    """Norm weights of both halves of the increment of each node, (n, 2).
 
-    Displacements count over the length of the model, what has no dimension, rotations and position
-    gradients, by :data:`ROTATION`.
+    Displacements are divided by the length of the model; dimensionless unknowns, rotations and
+    position gradients are multiplied by :data:`ROTATION`.
     """
     return np.where(unknowns.lengths, 1.0 / unknowns.length, ROTATION)
 
 
 def constraint_scaling(unknowns: Dimensions) -> Array:
-    """Weights of the values of constraints, likewise, (m,)."""
+    """Norm weights of the values of the constraints, (m,), as in :func:`node_scaling`."""
     return np.where(unknowns.angular, ROTATION, 1.0 / unknowns.length)
 
 
 def unknown_scaling(unknowns: Dimensions) -> Array:
-    """Weights of all unknowns, (6 n + m,)."""
+    """Norm weights of all unknowns, (6 n + m,)."""
     return np.append(np.repeat(node_scaling(unknowns), 3), constraint_scaling(unknowns))
 
 
@@ -96,26 +100,26 @@ def failure(
     increment: float,
     residual: float,
     tolerance: float,
-    rescued: bool,
+    after_fallback: bool,
     *others: str,
 ) -> str:
-    """What to say of a step that failed.
+    """Error message for a step that did not converge.
 
     Args:
-        index: Of the step, of so many ``steps``.
-        steps: See there.
-        step: Its size.
-        limit: Iterations.
-        increment: The last one.
-        residual: That is left.
-        tolerance: That was wanted.
-        rescued: Whether it failed in spite of full iteration.
-        others: What of the scheme's own might help.
+        index: Number of the step.
+        steps: Number of all steps.
+        step: Step size.
+        limit: Largest number of iterations.
+        increment: Size of the last increment.
+        residual: Size of the last residual.
+        tolerance: Requested tolerance.
+        after_fallback: Whether the full-Newton fallback failed, too.
+        others: Further remedies of the scheme.
     """
     looser = "a larger tolerance" if tolerance > 0.0 else "a tolerance such as 1e-10 for round-off"
     remedies = ["Try a smaller step", *others, looser]
-    if not rescued:
-        remedies.append("a policy that may make new matrices (Automatic())")
+    if not after_fallback:
+        remedies.append("a policy that may refactorise (Automatic())")
     return (
         f"step {index} of {steps} (time {index * step:g}) did not converge in {limit} iterations: "
         f"last increment {increment:.2e}, residual {residual:.2e}, tolerance {tolerance:g}. "
@@ -125,22 +129,23 @@ def failure(
 
 @inlined
 def contraction(increment: float, previous: float, ratio: float) -> float:
-    """Ratio of an increment to the previous one, with ``ratio`` that of the iterations before."""
+    """Updated contraction ratio; ``ratio`` is the estimate from the iterations before."""
     # one lucky ratio must not end the next steps too early: forget slowly
     return max(increment / previous, 0.7 * ratio)
 
 
 @inlined
 def to_come(increment: float, ratio: float) -> float:
-    """Sum of all increments that would follow in a linearly converging iteration."""
+    """Sum of all further increments of a linearly converging iteration."""
     return increment * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
 
 
 @inlined
 def estimate(increment: float, previous: float, ratio: float) -> tuple[float, float]:
-    """Ratio of successive increments, and the sum of all that would follow.
+    """Contraction ratio, and estimated sum of all further increments.
 
-    ``previous`` is inf in the first iteration, and ``ratio`` that of the iterations before.
+    ``previous`` is inf in the first iteration; ``ratio`` is the estimate from the iterations
+    before.
     """
     if previous < np.inf:
         ratio = contraction(increment, previous, ratio)
@@ -149,18 +154,18 @@ def estimate(increment: float, previous: float, ratio: float) -> tuple[float, fl
 
 @inlined
 def judged(
-    increment: float, previous: float, remaining: float, allowed: float, noise: float
+    increment: float, previous: float, remaining: float, allowed: float, round_off_level: float
 ) -> int:
-    """Verdict on an increment of an iteration that converges linearly.
+    """Verdict on an increment of a linearly converging iteration.
 
     Args:
-        increment: Its size.
-        previous: That of the one before; inf in the first iteration.
-        remaining: What would follow, see :func:`estimate`.
-        allowed: How large that may be.
-        noise: Increments below that do not fall are round-off.
+        increment: Size of the increment.
+        previous: Size of the previous increment; inf in the first iteration.
+        remaining: Estimated sum of all further increments, see :func:`estimate`.
+        allowed: Largest allowed sum.
+        round_off_level: Increments below this level that no longer decrease are round-off.
     """
-    if increment <= noise and increment > FALLS * previous:
+    if increment <= round_off_level and increment > FALLS * previous:
         return STAGNANT
     if remaining <= allowed or increment <= ROUND_OFF:
         return CONVERGED
@@ -168,7 +173,7 @@ def judged(
 
 
 def explained(allowed: float) -> float:
-    """Violation of constraints that an iteration explains, over the model, or rad.
+    """Constraint violation that unfinished iteration explains, over the model length, or rad.
 
     Args:
         allowed: The larger of the last increment and the tolerance.
@@ -178,9 +183,9 @@ def explained(allowed: float) -> float:
 
 @inlined
 def size_of(d: Array, scaling: Array) -> float:
-    """Size of the increment (6,) of a node, whichever half is larger, whatever its axes; nan stays.
+    """Size of the increment (6,) of a node: the larger half, in any axes; nan is passed on.
 
-    ``scaling`` (2,) is its row of :func:`node_scaling`.
+    ``scaling`` (2,) is the node's row of :func:`node_scaling`.
     """
     first = scaling[0] * np.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
     second = scaling[1] * np.sqrt(d[3] * d[3] + d[4] * d[4] + d[5] * d[5])

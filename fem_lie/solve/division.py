@@ -1,8 +1,8 @@
-"""Steps of which no solution is found, made in parts of equal size, for as long as that is needed.
+"""Steps that do not converge are divided into sub-steps of equal size.
 
-Parts are halves of halves. Those that follow have the size that the last ones needed, and become
-twice as large when so many of them were made in succession; each size that fails doubles this
-number, so that a stretch of a run that needs small steps costs few failures.
+Sub-steps are the step size over a power of two. The next steps start with the last size that
+converged; after a number of converged sub-steps in succession the size is doubled. Each failure of
+a size doubles that number, so that an interval that needs small steps costs few failures.
 """
 
 from __future__ import annotations
@@ -16,58 +16,58 @@ from fem_lie._state import Stateful, attributes
 _log = logging.getLogger(__name__)
 
 HALVINGS = 6
-"""Of a step, at most."""
+"""Largest number of halvings of a step."""
 
 _FEWEST, _MOST = 64, 256
-"""Parts of one size, made in succession, after which the next ones are twice as large."""
+"""Converged sub-steps of one size after which the next ones are twice as large."""
 
 
 class Divisible(Protocol):
-    """What makes steps of any size."""
+    """A run that can make steps of any size."""
 
     @property
     def divides(self) -> bool:
-        """Whether parts may be made where the last step has failed."""
+        """Whether the failed step may be divided."""
 
     @abstractmethod
     def resize(self, time: float, size: float) -> None:
-        """Make the state at ``time`` that of the start of a step of this size."""
+        """Set the state at ``time`` as the start of a step of this size."""
 
     @abstractmethod
     def attempt(self, start: float, end: float) -> bool:
-        """Make a step, or leave the state at its start; whether it was made."""
+        """Make a step; return whether it converged. Otherwise the state is that at its start."""
 
 
 class Division(Stateful):
-    """Into how many parts the steps of one run are divided.
+    """Division of the steps of one run into sub-steps.
 
     Attributes:
-        level: Of how often steps are halved now.
-        divided: Steps that were made in parts.
-        most: Parts of one of these, at most.
+        level: Number of halvings of the current step.
+        divided: Number of divided steps so far.
+        most: Largest number of sub-steps of one step so far.
     """
 
     STATE = attributes("level", "_made", "_wanted", "divided", "most")
 
     def __init__(self) -> None:
-        """Steps are whole."""
+        """Start with whole steps."""
         self.level, self._made, self._wanted = 0, 0, _FEWEST
         self.divided, self.most = 0, 1
 
     @property
     def parts(self) -> int:
-        """Of the present step."""
+        """Number of sub-steps of the current step."""
         return int(2**self.level)
 
     def cover(self, steps: Divisible, start: float, end: float, size: float) -> bool:
-        """Make all parts of a step; whether they were made.
+        """Make all sub-steps of a step; return whether all converged.
 
         Args:
-            steps: What makes them.
-            start: Of the step.
-            end: Of the step.
-            size: Of the step, without the round-off of ``end - start``, which a run that is resumed
-                does not know.
+            steps: The run.
+            start: Time at the start of the step.
+            end: Time at its end.
+            size: Its size, without the round-off of ``end - start``, which a restarted run would
+                not reproduce.
         """
         place, parts = 0, self.parts
         while place < self.parts:
@@ -86,13 +86,13 @@ class Division(Stateful):
         return True
 
     def halve(self, steps: Divisible, time: float, size: float) -> None:
-        """Halve the parts of steps of a size, from ``time`` on: one of them has failed."""
+        """Halve the sub-steps of steps of this size from ``time`` on: one of them has failed."""
         self.level, self._made = self.level + 1, 0
         self._wanted = min(2 * self._wanted, _MOST)
         steps.resize(time, size / self.parts)
 
     def _passed(self, steps: Divisible, place: int, start: float, size: float) -> int:
-        """Parts that are made, of the size that the next ones have."""
+        """Number of completed sub-steps, in units of the next size."""
         self._made += 1
         if self.level == 0 or self._made < self._wanted or place % 2:
             return place
@@ -102,9 +102,9 @@ class Division(Stateful):
         return place // 2
 
     def report(self, steps: int) -> None:
-        """Warn of steps that were made in parts, of so many."""
+        """Log a warning if some of the steps were divided."""
         if self.divided:
             _log.warning(
-                "%d of %d steps were made in up to %d parts, where no solution was found in full",
+                "%d of %d steps were divided into up to %d sub-steps: whole ones did not converge",
                 *(self.divided, steps, self.most),
             )

@@ -1,12 +1,11 @@
-"""The iteration with a frozen matrix of steps, equilibria and paths of these, in Python.
+"""Newton iteration with a frozen matrix, for time steps, static equilibria and points on paths.
 
-One iteration evaluates the residual, asks the policy whether the matrix is to be made again, solves
-for a correction, decides by its size whether the iteration has converged, and applies it. What that
-means is up to the equations, see :class:`Iterated`; the order, the count and the end are here.
-
-Compiled loops over many small steps go through the same order, and make the same decisions by the
-same compiled functions: :func:`~.convergence.estimate` and :func:`~.convergence.judged` on
-convergence, :func:`~.renewal.due` and :func:`~.renewal.learn` on matrices.
+Each iteration evaluates the residual, asks the policy whether to refactorise the matrix, solves for
+a correction, judges convergence by the size of the correction, and applies it. The equations define
+these operations, see :class:`Iterated`; the order of the calls, the count and the end are defined
+here. The compiled loops for small scenes follow the same order and share the compiled functions:
+:func:`~.convergence.estimate` and :func:`~.convergence.judged` for convergence,
+:func:`~.refactorisation.due` and :func:`~.refactorisation.learn` for matrices.
 """
 
 from __future__ import annotations
@@ -20,87 +19,87 @@ import numpy as np
 from fem_lie._jit import compiled
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.solve.convergence import Verdict, estimate, judged
-from fem_lie.solve.renewal import Update
+from fem_lie.solve.refactorisation import Update
 
 
 class Iterated(ABC):
-    """Equations that are solved by iteration."""
+    """Equations that :func:`iterate` solves."""
 
     @abstractmethod
     def evaluate(self, iteration: int) -> bool:
-        """Evaluate the residual of the present iterate; whether it is small enough by itself.
+        """Evaluate the residual of the current iterate; return whether it alone ends the iteration.
 
         Iterations are counted from 1.
         """
 
     @property
     def missing(self) -> bool:
-        """Whether there is no matrix yet, or none that will do."""
+        """Whether there is no usable iteration matrix."""
         return False
 
     @abstractmethod
-    def renew(self, update: Update) -> None:
-        """Make the matrix, or its constraints, at the present iterate, and factorise it.
+    def refactorise(self, update: Update) -> None:
+        """Assemble the matrix, or its constraint block, at the current iterate, and factorise it.
 
         Raises:
-            SingularMatrixError: It has no factors.
+            SingularMatrixError: The matrix is singular.
         """
 
     @abstractmethod
     def correct(self) -> float:
-        """Solve for a correction; returns its size."""
+        """Solve for a correction; return its size."""
 
     @abstractmethod
     def judge(self, size: float) -> Verdict:
-        """What the size of a correction says of the iteration."""
+        """Verdict on the iteration from the size of a correction."""
 
     def apply(self, verdict: Verdict) -> None:  # noqa: B027 - not all have something to do
-        """Apply the correction, where :meth:`correct` has not."""
+        """Apply the correction, unless :meth:`correct` has applied it."""
 
     def admits(self, verdict: Verdict) -> bool:
-        """Whether what the iteration has converged to is a solution."""
+        """Whether the converged iterate is a solution."""
         return True
 
 
-class Renewals(Protocol):
-    """What decides when a matrix is made, such as :class:`~.policies.Decisions`."""
+class Refactorisations(Protocol):
+    """Decides when a matrix is refactorised, such as :class:`~.policies.Decisions`."""
 
     def before_iteration(self, iteration: int) -> Update | bool:
-        """What to make before an iteration, counted from 1; ``True``: all."""
+        """What to refactorise before an iteration, counted from 1; ``True``: everything."""
 
     def after_step(self, iterations: int) -> None:
-        """Learn how many iterations it took."""
+        """Record the number of iterations of a step."""
 
 
 class Fixed:
-    """The same in every iteration."""
+    """The same decision in every iteration."""
 
     def __init__(self, update: Update) -> None:
-        """Keep what is made."""
+        """Decide for ``update`` in every iteration."""
         self._update = update
 
     def before_iteration(self, iteration: int) -> Update:
-        """See :class:`Renewals`."""
+        """The fixed decision."""
         return self._update
 
     def after_step(self, iterations: int) -> None:
-        """Nothing to learn."""
+        """No effect: the decision is fixed."""
 
 
 class Criterion(Protocol):
-    """What decides by the sizes of successive corrections."""
+    """Judges convergence by the sizes of successive corrections."""
 
     def judge(self, size: float) -> Verdict:
-        """What the size of the next correction says."""
+        """Verdict on the next correction, of this size."""
 
 
 class Ended(NamedTuple):
-    """How an iteration has ended.
+    """Outcome of an iteration.
 
     Attributes:
-        iterations: Corrections that were solved for.
-        size: Of the last one; infinite where there was no solution.
-        verdict: :attr:`Verdict.GOES_ON`: the limit was reached.
+        iterations: Number of corrections.
+        size: Size of the last correction; infinite if the linear system could not be solved.
+        verdict: The last verdict; :attr:`Verdict.GOES_ON` if the limit was reached.
     """
 
     iterations: int
@@ -109,31 +108,31 @@ class Ended(NamedTuple):
 
     @property
     def converged(self) -> bool:
-        """Whether a solution was found."""
+        """Whether the iteration has converged."""
         return self.verdict in (Verdict.CONVERGED, Verdict.STAGNANT)
 
 
-NEWTON, KEPT = Fixed(Update.ALL), Fixed(Update.NONE)
-"""A matrix in every iteration, and only where there is none."""
+NEWTON, FROZEN = Fixed(Update.ALL), Fixed(Update.NONE)
+"""Full Newton (a new matrix in every iteration), and a frozen matrix."""
 
 
-def iterate(problem: Iterated, limit: int, renewals: Renewals = NEWTON) -> Ended:
+def iterate(problem: Iterated, limit: int, refactorisations: Refactorisations = NEWTON) -> Ended:
     """Iterate until the corrections converge.
 
     Args:
-        problem: What is solved.
-        limit: Most iterations.
-        renewals: When to make a matrix; default: in every iteration.
+        problem: Equations to solve.
+        limit: Largest number of iterations.
+        refactorisations: When to refactorise the matrix; default: in every iteration.
     """
     size = np.inf
     for iteration in range(1, limit + 1):
         try:
             if problem.evaluate(iteration):
                 return Ended(iteration - 1, size, Verdict.CONVERGED)
-            wanted = renewals.before_iteration(iteration)
+            wanted = refactorisations.before_iteration(iteration)
             if wanted or problem.missing:
                 everything = wanted is True or problem.missing
-                problem.renew(Update.ALL if everything else Update(wanted))
+                problem.refactorise(Update.ALL if everything else Update(wanted))
             size = problem.correct()
         except SingularMatrixError:
             return Ended(iteration, np.inf, Verdict.SINGULAR)
@@ -144,31 +143,38 @@ def iterate(problem: Iterated, limit: int, renewals: Renewals = NEWTON) -> Ended
         if verdict != Verdict.GOES_ON:
             if not problem.admits(verdict):
                 return Ended(iteration, size, Verdict.REFUSED)
-            renewals.after_step(iteration)
+            refactorisations.after_step(iteration)
             return Ended(iteration, size, verdict)
     return Ended(limit, size, Verdict.GOES_ON)
 
 
 class LinearRate:
-    """Ends where the corrections to come, estimated by the ratio of the last two, are allowed.
+    """Convergence test for linear rates: the estimated sum of further corrections is small enough.
 
     Attributes:
-        ratio: Of successive corrections.
+        ratio: Ratio of successive corrections.
     """
 
-    def __init__(self, allowed: Callable[[float], float], ratio: float, noise: float) -> None:
-        """Nothing is corrected yet.
+    def __init__(
+        self, allowed: Callable[[float], float], ratio: float, round_off_level: float
+    ) -> None:
+        """Start before the first correction.
 
         Args:
-            allowed: Sum of all corrections to come that is allowed, by the size of the last one.
-            ratio: Of successive corrections in earlier steps, 1 if it is not known.
-            noise: Corrections below that do not fall are round-off.
+            allowed: Largest allowed sum of all further corrections, as a function of the last one.
+            ratio: Ratio of successive corrections in earlier steps; 1 if unknown.
+            round_off_level: Corrections below this level that no longer decrease are round-off.
         """
-        self.ratio, self._allowed, self._noise, self._previous = ratio, allowed, noise, np.inf
+        self.ratio, self._allowed, self._round_off_level, self._previous = (
+            ratio,
+            allowed,
+            round_off_level,
+            np.inf,
+        )
 
     def judge(self, size: float) -> Verdict:
-        """See :class:`Criterion`."""
-        how = self.ratio, self._allowed(size), self._noise
+        """Verdict on the next correction."""
+        how = self.ratio, self._allowed(size), self._round_off_level
         self.ratio, verdict = _by_rate(size, self._previous, *how)
         self._previous = size
         return _VERDICTS[verdict]
@@ -179,27 +185,27 @@ _VERDICTS = tuple(Verdict)
 
 @compiled
 def _by_rate(
-    size: float, previous: float, ratio: float, allowed: float, noise: float
+    size: float, previous: float, ratio: float, allowed: float, round_off_level: float
 ) -> tuple[float, int]:
-    """Ratio of corrections, and the verdict; for Python, in one call."""
+    """Updated ratio of corrections, and the verdict, in one compiled call."""
     ratio, remaining = estimate(size, previous, ratio)
-    return ratio, judged(size, previous, remaining, allowed, noise)
+    return ratio, judged(size, previous, remaining, allowed, round_off_level)
 
 
 class QuadraticRate:
-    """Ends where the next correction is below a tolerance, as it is by quadratic convergence."""
+    """Convergence test for quadratic rates: the estimated next correction is below a tolerance."""
 
     def __init__(self, tolerance: float, farthest: float) -> None:
-        """Nothing is corrected yet.
+        """Start before the first correction.
 
         Args:
-            tolerance: Of the next correction.
-            farthest: Corrections above have diverged.
+            tolerance: For the next correction.
+            farthest: Larger corrections have diverged.
         """
         self._tolerance, self._farthest, self._previous = tolerance, farthest, 0.0
 
     def judge(self, size: float) -> Verdict:
-        """See :class:`Criterion`."""
+        """Verdict on the next correction."""
         if not size <= self._farthest:
             return Verdict.DIVERGED
         ratio = min(1.0, size / self._previous) if self._previous > 0.0 else 1.0
@@ -208,8 +214,8 @@ class QuadraticRate:
 
 
 class Polishing:
-    """Never ends: for a given number of iterations."""
+    """No convergence test: a fixed number of iterations."""
 
     def judge(self, size: float) -> Verdict:
-        """See :class:`Criterion`."""
+        """Always continue."""
         return Verdict.GOES_ON

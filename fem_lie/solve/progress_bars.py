@@ -1,4 +1,4 @@
-"""How far a solution is, on terminals, and how long it has taken."""
+"""Progress bars on terminals, and the wall time of a solution."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ _INTERVAL = 0.1  # seconds between two pictures of it
 
 
 class Reach(Protocol):
-    """Takes the load factor that is reached."""
+    """Callback with the current load factor."""
 
     def __call__(self, factor: float) -> None:
         """Show it; a path may go back."""
 
 
 class Advance(Protocol):
-    """Takes what is known after another step."""
+    """Callback after each step."""
 
     def __call__(self, text: str) -> None:
         """Count the step, and show the text beside the bar."""
 
 
 def _bar(name: str, unit: str, total: int | None) -> tqdm[Any]:
-    """A bar that disappears at its end; none where standard error is no terminal."""
+    """A bar that disappears at its end; none if standard error is no terminal."""
     return tqdm(
         total=total,
         desc=name,
@@ -45,7 +45,7 @@ def _bar(name: str, unit: str, total: int | None) -> tqdm[Any]:
 
 @contextmanager
 def load_bar(last: float) -> Iterator[Reach]:
-    """A bar of the load factor up to the last one, if standard error is a terminal."""
+    """A bar of the load factor up to ``last``, if standard error is a terminal."""
     with _bar("load", "%", _PERCENT) as bar:
 
         def reach(factor: float) -> None:
@@ -56,12 +56,12 @@ def load_bar(last: float) -> Iterator[Reach]:
 
 @contextmanager
 def step_bar(name: str, unit: str, total: int | None = None) -> Iterator[Advance]:
-    """A count of steps, if standard error is a terminal.
+    """A counter of steps, if standard error is a terminal.
 
     Args:
-        name: What is solved.
-        unit: What a step is.
-        total: Number of steps; ``None`` if nobody knows it before.
+        name: Name of the analysis.
+        unit: Unit of a step.
+        total: Number of steps; ``None`` if unknown.
     """
     with _bar(name, unit, total) as bar:
 
@@ -73,13 +73,13 @@ def step_bar(name: str, unit: str, total: int | None = None) -> Iterator[Advance
 
 
 class Stopwatch:
-    """Runs from when it is made; machine code that is made meanwhile does not count."""
+    """Wall time since its creation, without compilation."""
 
     def __init__(self, before: float = 0.0) -> None:
-        """Start, with seconds from ``before``."""
+        """Start from ``before`` seconds."""
         self._begin = perf_counter() - compiling.seconds - before
 
     @property
     def seconds(self) -> float:
-        """Up to now."""
+        """Elapsed wall time in s."""
         return perf_counter() - compiling.seconds - self._begin

@@ -1,15 +1,16 @@
-"""Corrections of a kept matrix, made better by what the last ones of the step have changed.
+"""Corrections with a frozen matrix, improved by secants from earlier corrections of the step.
 
-A correction ``g = A⁻¹ r`` with an old matrix ``A`` is wrong where stiffness has changed since. What
-the corrections ``d`` that were made have changed ``g`` by is known, ``Δg``, and with the present
-matrix it would have been ``d`` itself. So of ``g`` what these changes explain best is replaced::
+A correction ``g = A⁻¹ r`` with an old matrix ``A`` is wrong where the tangent stiffness has
+changed. The applied corrections ``d`` are known to have changed ``g`` by ``Δg``; with the current
+matrix the change would have been ``d`` itself. The part of ``g`` in the span of the ``Δg`` is
+replaced accordingly::
 
-    g − Σ γ Δg + Σ γ d,      |g − Σ γ Δg| least
+    g − Σ γ Δg + Σ γ d,      |g − Σ γ Δg| minimal
 
-in lengths of the model. That is Anderson's mixing of the preconditioned residual, a quasi-Newton
-method that satisfies as many secant equations as there are changes. Multipliers enter the problem
-linearly and follow; they are not in what is made least. Nothing is kept beyond a step, so that a
-run goes on from a checkpoint as if it had not ended.
+in lengths of the model. This is Anderson mixing of the preconditioned residual, a quasi-Newton
+method that satisfies as many secant equations as there are pairs. Lagrange multipliers enter the
+equations linearly and follow; the minimised norm excludes them. No pair is kept beyond a step, so
+that a run restarted from a checkpoint repeats bit for bit.
 
 Sources: Anderson, J. ACM 12 (1965) 547; Fang & Saad, Numer. Linear Algebra Appl. 16 (2009) 197;
 Walker & Ni, SIAM J. Numer. Anal. 49 (2011) 1715.
@@ -23,43 +24,45 @@ from fem_lie._arrays import Array
 from fem_lie._jit import compiled
 
 _ALIKE = 1e-8
-"""Of the square of a change, what must be left of it beside newer ones."""
+"""A change is left out if less than this fraction of its square is orthogonal to newer ones."""
 
 
 class Secants:
-    """Corrections of the present step and what they have changed.
+    """Corrections of the current step and the changes that they caused.
 
     Attributes:
-        measure: Of unknowns in lengths of the model, nil for multipliers, shape (n,).
+        measure: Norm weights of the unknowns, in lengths of the model; zero for multipliers; shape
+            (n,).
     """
 
     def __init__(self, most: int, measure: Array, *, growth: float = 1.0) -> None:
-        """Nothing is known yet.
+        """Start without any pair.
 
         Args:
-            most: Changes that are kept.
-            measure: Of unknowns in lengths of the model, nil for multipliers, shape (n,).
-            growth: Ratio of a correction to the last one above which all is forgotten.
+            most: Largest number of pairs.
+            measure: Norm weights of the unknowns, in lengths of the model; zero for multipliers;
+                shape (n,).
+            growth: Ratio of successive corrections above which all pairs are dropped.
         """
         self.measure, self._growth = measure, growth
         self._made, self._changed = np.zeros((2, most, len(measure)))
         self._last, self._count = np.zeros((2, len(measure))), -1
 
     def forget(self) -> None:
-        """Begin anew: another step, or another matrix."""
+        """Drop all pairs: a new step or a new matrix begins."""
         self._count = -1
 
     def improve(self, g: Array) -> None:
-        """Replace a correction (n,), which is then made, by a better one.
+        """Improve a correction (n,) in place; the caller applies it.
 
-        One that is much larger than the last is led astray by what has changed, and all is
-        forgotten.
+        If it is much larger than the previous one, the secants have misled the iteration, and all
+        pairs are dropped.
         """
         made, changed, last = self._made, self._changed, self._last
         if self._count >= 0 and _grows(self.measure, g, last[1], self._growth):
             self.forget()
         if self._count >= 0:
-            # the newest comes first
+            # the newest pair comes first
             made[1:], changed[1:] = made[:-1].copy(), changed[:-1].copy()
             made[0], changed[0] = last[0], last[1] - g
         self._count = min(self._count + 1, len(made))
@@ -80,9 +83,9 @@ def _grows(measure: Array, g: Array, before: Array, growth: float) -> bool:
 
 @compiled
 def mix(measure: Array, made: Array, changed: Array, g: Array) -> None:
-    """Replace of ``g`` (n,) what ``changed`` (p, n) explains by as much of ``made`` (p, n).
+    """Replace in ``g`` (n,) the part spanned by ``changed`` (p, n) by the same sum of ``made``.
 
-    Changes that are nearly sums of those before them are left out.
+    Changes that are nearly linear combinations of newer ones are left out.
     """
     p, n = changed.shape
     L, b, kept = np.zeros((p, p)), np.zeros(p), np.zeros(p, dtype=np.bool_)
@@ -92,7 +95,7 @@ def mix(measure: Array, made: Array, changed: Array, g: Array) -> None:
                 L[j, k] += measure[i] ** 2 * changed[j, i] * changed[k, i]
         for i in range(n):
             b[j] += measure[i] ** 2 * changed[j, i] * g[i]
-    # Cholesky's factors, row by row
+    # Cholesky factors, row by row
     for j in range(p):
         square = L[j, j]
         for k in range(j):

@@ -1,11 +1,12 @@
-"""How large the next step is: chosen by a tolerance, or constant.
+"""Step size control: chosen by an error tolerance, or constant.
 
-The tolerances are for the error of a step over its size (error per unit step): the error at the end
-is then proportional to them. Step sizes are ``first · 2^(k/2)``: factorisations serve again.
-A PI controller proposes ``h (θ/e)^I (e₋₁/e)^P``, with ``e`` the error over its tolerance
-(K. Gustafsson, ACM Trans. Math. Softw. 17 (1991) 533), and the level follows it with a dead band.
+Tolerances are for the error of a step over its size (error per unit step): the error at the end is
+then proportional to the tolerance. Step sizes are ``first · 2^(k/2)``, so that factorisations can
+be reused.
 
-Nothing here knows of a scheme: it asks for the sizes of an error of the order ``h^(order + 1)``.
+A PI controller proposes ``h (θ/e)^I (e₋₁/e)^P``, with ``e`` the error over its tolerance (K.
+Gustafsson, ACM Trans. Math. Softw. 17 (1991) 533), and the level ``k`` follows it with a dead band.
+This module knows no scheme: it takes the sizes of errors of the order ``h^(order + 1)``.
 """
 
 from __future__ import annotations
@@ -24,33 +25,33 @@ from fem_lie._state import Stateful, attributes
 from fem_lie.solve.division import HALVINGS
 
 AIM = 0.8
-"""Error that is aimed at, over the tolerance."""
+"""Target error over the tolerance."""
 
 INTEGRAL, PROPORTIONAL = 0.4, 0.2
 """Gains of the controller."""
 
 PATIENCE = 3
-"""Steps of one size before a larger one."""
+"""Steps of one size before a larger one is allowed."""
 
 LARGEST_RISE, LARGEST_FALL = 2, 8
-"""Levels that the step may go up or down at once."""
+"""Largest change of the level in one step, up and down."""
 
 FAILED = 4
 """Levels that the step goes down if its iteration fails."""
 
 STRETCH = 4
-"""So many steps before an event they are made to fit."""
+"""Number of steps before an event that are fitted to end at it."""
 
 SAME = 1e-9
-"""Events that are nearer than this part of the duration are one."""
+"""Events closer than this fraction of the duration are one."""
 
 
 class StepChoice(ABC):
-    """What :meth:`~fem_lie.GeneralisedAlpha.run` takes as ``step`` if it is to estimate errors.
+    """Base of step size choices, passed as ``step`` to :meth:`~fem_lie.GeneralisedAlpha.run`.
 
     Attributes:
-        refinement: If above 1, the true local errors are measured, too: each step is done a second
-            time in so many parts.
+        refinement: If above 1, the true local errors are measured, too: each step is repeated with
+            this number of sub-steps.
     """
 
     refinement: int
@@ -63,24 +64,25 @@ class StepChoice(ABC):
     def control(
         self, duration: float, length: float, order: int, jumps: Sequence[float] = ()
     ) -> Control:
-        """The sizes of one run of a model of this length by a scheme of this order.
+        """Step size control of one run, for a model of this length and a scheme of this order.
 
-        ``jumps`` are the times at which the scene says that something jumps.
+        ``jumps`` are the times of the discontinuities in the scene.
         """
 
 
 @dataclass(frozen=True)
 class ConstantStep(StepChoice):
-    """Steps of one size, with estimates of their errors in the result.
+    """Steps of one size, with error estimates in the result.
 
-    Between events, see :class:`AdaptiveStep`, steps are of one size that fits, at most h, but for
-    those that fail and are made in parts.
+    Between events, see :class:`AdaptiveStep`, the steps have one size that fits, at most h. Steps
+    that fail are divided.
 
     Attributes:
         size: Step size h.
-        events: Times at which loads or motions jump, beside those that say so themselves.
-        refinement: If above 1, the true local errors are measured, too: each step is done a second
-            time in so many parts.
+        events: Times of discontinuities of loads or motions, in addition to those known to the
+            scene.
+        refinement: If above 1, the true local errors are measured, too: each step is repeated with
+            this number of sub-steps.
     """
 
     size: float
@@ -88,7 +90,7 @@ class ConstantStep(StepChoice):
     events: Sequence[float] = ()
 
     def check(self, duration: float) -> None:
-        """Raise ``ValueError`` if the duration is no multiple of the step, or an option is bad."""
+        """Raise ``ValueError`` if the duration is no multiple of the step; check the options."""
         positive(self.size, "the step")
         if abs(round(duration / self.size) * self.size - duration) > 1e-6 * self.size:
             raise ValueError(f"duration {duration} is not a multiple of the step {self.size}")
@@ -98,7 +100,7 @@ class ConstantStep(StepChoice):
     def control(
         self, duration: float, length: float, order: int, jumps: Sequence[float] = ()
     ) -> Control:
-        """The one size, but for what fits between events, and for steps that fail."""
+        """Control with one size, except near events and after failures."""
         times = _sorted(self.events, jumps, duration)
         smallest = self.size / 2**HALVINGS
         control = Control(self.size, inf, inf, times, self.size, smallest, order)
@@ -108,21 +110,21 @@ class ConstantStep(StepChoice):
 
 @dataclass(frozen=True)
 class AdaptiveStep(StepChoice):
-    """Steps as large as a tolerance allows.
+    """Step sizes chosen by an error tolerance.
 
     Attributes:
-        tolerance: Estimated error of positions in a step, over its size: length per time.
-        rotation_tolerance: That of rotations and of position gradients, rad or 1 per time;
-            default: ``tolerance`` over the length of the model.
-        first: Size that is tried first; default: a thousandth of the duration.
-        events: Times at which loads or motions jump or have kinks, beside those that say so
-            themselves (:mod:`fem_lie.joints.histories`). Steps end there, what jumps is seen from
-            before and from after, and accelerations (and the velocities of driven joints) are made
-            consistent anew. Others are found by steps that are rejected.
-        smallest: Steps below end the run with an error; default: 1e-10 of the duration.
-        largest: Steps are not above; default: a tenth of the duration.
-        refinement: If above 1, the true local errors are measured, too: each step is done a second
-            time in so many parts.
+        tolerance: Estimated error of positions in a step over the step size: length per time.
+        rotation_tolerance: That of rotations and of position gradients, rad or 1 per time; default:
+            ``tolerance`` over the length of the model.
+        first: Size of the first step; default: a thousandth of the duration.
+        events: Times of discontinuities or kinks of loads or motions, in addition to those known to
+            the scene (:mod:`fem_lie.joints.histories`). Steps end there, both one-sided values are
+            used, and accelerations (and the velocities of driven joints) are made consistent again.
+            Other discontinuities are found by rejected steps.
+        smallest: Smaller steps end the run with an error; default: 1e-10 of the duration.
+        largest: Largest step size; default: a tenth of the duration.
+        refinement: If above 1, the true local errors are measured, too: each step is repeated with
+            this number of sub-steps.
     """
 
     tolerance: float
@@ -134,7 +136,7 @@ class AdaptiveStep(StepChoice):
     refinement: int = 1
 
     def check(self, duration: float) -> None:
-        """Raise ``ValueError`` if a tolerance, size, event or refinement is bad."""
+        """Raise ``ValueError`` if a tolerance, size, event or refinement is invalid."""
         positive(self.tolerance, "tolerance")
         for name in ("rotation_tolerance", "first", "smallest", "largest"):
             value = getattr(self, name)
@@ -143,7 +145,8 @@ class AdaptiveStep(StepChoice):
         smallest, first, largest = self._sizes(duration)
         if not smallest <= first <= largest:
             raise ValueError(
-                f"wanted smallest ≤ first ≤ largest step, got {smallest:g}, {first:g}, {largest:g}"
+                "expected smallest ≤ first ≤ largest step, got "
+                f"{smallest:g}, {first:g}, {largest:g}"
             )
         _check_events(self.events, duration)
         _check_refinement(self.refinement)
@@ -151,7 +154,7 @@ class AdaptiveStep(StepChoice):
     def control(
         self, duration: float, length: float, order: int, jumps: Sequence[float] = ()
     ) -> Control:
-        """Sizes that follow the errors, from the first one."""
+        """Control that follows the errors, from the first size."""
         smallest, first, largest = self._sizes(duration)
         rotation = self.rotation_tolerance or self.tolerance / length
         times = _sorted(self.events, jumps, duration)
@@ -169,7 +172,7 @@ def _check_events(events: Sequence[float], duration: float) -> None:
 
 
 def _sorted(events: Sequence[float], jumps: Sequence[float], duration: float) -> tuple[float, ...]:
-    """All events in their order, and the end; those nearer than round-off are one."""
+    """All events in order, and the end; events closer than round-off are merged."""
     times: list[float] = []
     for time in sorted(map(float, (*events, *jumps))):
         if not times or time - times[-1] > SAME * duration:
@@ -187,39 +190,39 @@ _CHOICES: dict[str, Callable[..., StepChoice]] = {
 
 
 def described(choice: StepChoice) -> str:
-    """A choice as text, from which :func:`step_choice` makes it again.
+    """Text of a choice, which :func:`step_choice` reads.
 
     Raises:
-        ValueError: It is not one of this module.
+        ValueError: The choice is not from this module.
     """
     name = type(choice).__name__
     if name not in _CHOICES or type(choice) is not _CHOICES[name]:
         raise ValueError(
-            f"runs go to files by steps that are a number, {' or '.join(_CHOICES)}, got {choice}"
+            f"runs with a file take step as a number, {' or '.join(_CHOICES)}, got {choice}"
         )
     return json.dumps({"kind": name} | vars(choice), default=_plain)
 
 
 def _plain(value: Any) -> Any:
-    """Numbers and arrays of numpy as those of Python."""
+    """NumPy numbers and arrays as Python ones."""
     return np.asarray(value).tolist()
 
 
 def step_choice(text: str) -> StepChoice:
-    """The choice that :func:`described` made to text."""
+    """The choice that :func:`described` has written."""
     values = json.loads(text)
     return _CHOICES[values.pop("kind")](**values)
 
 
 class Control(Stateful):
-    """The sizes of the steps of one run.
+    """Step size control of one run.
 
     Attributes:
-        tolerance: Of positions; infinite if steps are constant.
-        rotation_tolerance: Of rotations.
+        tolerance: For positions; infinite if steps are constant.
+        rotation_tolerance: For rotations.
         smallest: Smallest size.
-        level: The step is ``first · 2^(level/2)``.
-        stretch: So many steps before an event they are made to fit.
+        level: The step size is ``first · 2^(level/2)``.
+        stretch: Number of steps before an event that are fitted to end at it.
     """
 
     STATE = attributes("level", "_since", "_previous", "_next")
@@ -234,7 +237,7 @@ class Control(Stateful):
         smallest: float,
         order: int,
     ) -> None:
-        """Start with the size ``first``; ``events`` ends with the duration of the run."""
+        """Start with the size ``first``; the last of ``events`` is the end of the run."""
         self.tolerance, self.rotation_tolerance = tolerance, rotation_tolerance
         self.smallest = smallest
         self._first, self._largest, self._order = first, largest, order
@@ -244,25 +247,25 @@ class Control(Stateful):
 
     @property
     def size(self) -> float:
-        """Size on the present level."""
+        """Step size of the current level."""
         return float(self._first * sqrt(2.0) ** self.level)
 
     @property
     def next_event(self) -> float:
-        """The event ahead, or the end."""
+        """Time of the next event, or of the end."""
         return self._events[self._next]
 
     @property
     def finished(self) -> bool:
-        """Whether the end was reached."""
+        """Whether the end is reached."""
         return self._next == len(self._events)
 
     def pass_event(self) -> None:
-        """Go for the next event."""
+        """Proceed to the next event."""
         self._next += 1
 
     def fitted(self, time: float) -> float:
-        """Size of the next step from ``time``: shortly before an event some that just fit."""
+        """Size of the next step from ``time``, fitted to the next event if it is near."""
         left, h = self.next_event - time, self.size
         if left > self.stretch * h:
             return h
@@ -274,7 +277,7 @@ class Control(Stateful):
         return e if isfinite(e) else inf
 
     def accept(self, e: float) -> None:
-        """Choose the level after a step with the error ``e`` over its tolerance."""
+        """Choose the level after an accepted step with error ``e`` over its tolerance."""
         e = max(e, 1e-6)
         proposed = (AIM / e) ** (2 * INTEGRAL / self._order)
         proposed *= (self._previous / e) ** (2 * PROPORTIONAL / self._order)
@@ -291,7 +294,7 @@ class Control(Stateful):
         self._move(max(change, -1))
 
     def reject(self, e: float) -> None:
-        """Choose the level after a step with too large an error, infinite if it failed."""
+        """Choose the level after a rejected step; ``e`` is infinite if the iteration failed."""
         if e < inf:
             fall = ceil(2.0 * log2(e / AIM) / self._order)
             self._move(-min(max(fall, 1), LARGEST_FALL))

@@ -1,14 +1,12 @@
-"""Generalised-α for rigid bodies that nothing holds: one compiled loop, no matrix of the scene.
+"""Generalised-α for free rigid bodies: one compiled loop without a global matrix.
 
 Every body has its own six equations and its own iteration
-(:mod:`fem_lie.solve.alpha.step.free_steps`), which does not depend on what else is in the scene:
-each of a thousand bodies moves bit for bit as alone.
-
-They may touch by impacts, which change the ends of steps
-(:mod:`fem_lie.solve.alpha.free_impacts`).
+(:mod:`fem_lie.solve.alpha.step.free_steps`), independent of the rest of the scene: each of a
+thousand bodies moves bit for bit as in a scene of its own. The bodies may touch by impacts, which
+change the ends of steps (:mod:`fem_lie.solve.alpha.free_impacts`).
 
 Scheme, start, stopping rule and results are those of :mod:`fem_lie.solve.alpha.generalised_alpha`.
-Iterations are those of the body that takes most in a step; factorisations count those of all.
+Iterations are the largest number of any body in a step; factorisations are counted over all bodies.
 """
 
 from __future__ import annotations
@@ -49,14 +47,14 @@ from fem_lie.system.equations import Equations
 
 _log = logging.getLogger(__name__)
 
-_CHUNK = 200_000  # steps of bodies between two returns to Python: 0.1 s
+_CHUNK = 200_000  # steps times bodies between two returns to Python: 0.1 s
 
 _NEVER = 2**62
-"""Steps between two rows where there is none."""
+"""Number of steps between two rows if none is recorded."""
 
 
 class Run(Divided[History]):
-    """One integration.
+    """Run of free rigid bodies.
 
     Attributes:
         p: Parameters of the scheme.
@@ -69,8 +67,8 @@ class Run(Divided[History]):
         """Collect bodies and loads.
 
         Args:
-            options: Of the scheme.
-            equations: Of a scene that :func:`applies`.
+            options: Options of the scheme.
+            equations: Equations of a scene for which :func:`applies` is true.
             step: Step size.
         """
         super().__init__(options.policy, step)
@@ -83,7 +81,7 @@ class Run(Divided[History]):
             options.max_iterations,
             rule[0],
             float(rule[1]),
-            options.policy.rescue,
+            options.policy.full_newton_fallback,
         )
         self.scene, self.equations, self._radius = scene, equations, options.radius
         self._index, self._count, self._factorisations = 0, 0, 0
@@ -98,7 +96,7 @@ class Run(Divided[History]):
             np.zeros((n, 6)),
             np.zeros((n, 6)),
             np.zeros((n, 6)),
-            # no ratio and no matrix yet: the first step makes one, whatever it costs
+            # no ratio and no matrix yet: the first step factorises one, whatever it costs
             np.tile([1.0, 0.0, 0.0, np.inf], (n, 1)),
             np.zeros((n, 9, 3)),
             np.zeros((n, 7)),
@@ -111,19 +109,19 @@ class Run(Divided[History]):
 
     @property
     def _twists(self) -> Array:
-        """At the start, local components, (n, 6)."""
+        """Initial twists in local components, (n, 6)."""
         return self.equations.start.velocities[: len(self.s.H)]
 
     def start(self) -> None:
-        """Consistent accelerations."""
+        """Compute consistent accelerations."""
         s = self.s
         all_from_local(self.bodies.group, s.H, self._twists, np.zeros_like(s.v), s.v, s.vdot)
         self._make_consistent(0.0)
         amplitude = amplitudes(self.histories, [0.0])
-        free_steps.start_books(self.loads, amplitude[0], s.H, self._twists, s.rates)
+        free_steps.start_balance(self.loads, amplitude[0], s.H, self._twists, s.rates)
 
     def _make_consistent(self, time: float) -> None:
-        """Accelerations at ``time``, and those that ``a`` stands for: α_m − α_f steps earlier."""
+        """Accelerations ``v̇`` at ``time``, and ``a``, valid α_m − α_f steps earlier."""
         s, ahead, group = self.s, self.p.ahead, self.bodies.group
         bodies, loads = self.bodies, self.loads
         amplitude = amplitudes(self.histories, [time, time + ahead])
@@ -137,25 +135,25 @@ class Run(Divided[History]):
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> History:
-        """See the base class."""
+        """Create the history of results."""
         if self._impacts is not None:
             self._impacts.history.begin(plan.steps)
-        # energies and momenta are made of velocities
+        # energies and momenta are computed from velocities
         plan = replace(plan, saving=replace(plan.saving, also=Record.VELOCITIES))
         return History(self.equations.info, plan, progress, store)
 
     @property
     def frames(self) -> Array:
-        """See the base class."""
+        """Current frames of all rows."""
         return np.concatenate([self.s.H, self.equations.start.frames[len(self.s.H) :]])
 
     @property
     def index(self) -> int:
-        """See the base class."""
+        """Number of steps made, including the current one."""
         return self._index
 
     def integrate(self, history: History) -> Result:
-        """See the base class."""
+        """Make all remaining steps."""
         self._history = history
         self._make(range(1, 1), np.zeros(0), kept=True)  # compilation is not integration
         return super().integrate(history)
@@ -167,14 +165,14 @@ class Run(Divided[History]):
         self.p = scheme.parameters(min(radius, DAMPED) if self.division.level else radius, h)
 
     def resize(self, time: float, size: float) -> None:
-        """See the base class; velocities of free bodies are of no size."""
+        """Start steps of another size; velocities of free bodies do not depend on it."""
         self._set_size(size)
         self._make_consistent(time)
         memory = self.s.memory
         memory[:, FEWEST], memory[:, BEYOND] = 0.0, np.inf
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
+        """Restore the state that :meth:`memory` returned."""
         super().restore(kept)
         self._set_size(self.part_size)
 
@@ -203,7 +201,7 @@ class Run(Divided[History]):
             history.update_if_due(self._index, self._count)
 
     def _in_parts(self) -> bool:
-        """The next step, in parts; whether it is made."""
+        """Make the next step in sub-steps; return whether it was made."""
         if self._impacts is not None:
             self._impacts.history.begin_step(self._index + 1)
         if self._history.room:
@@ -214,12 +212,12 @@ class Run(Divided[History]):
         return made
 
     def attempt(self, start: float, end: float) -> bool:
-        """See the base class; the row of a step is that of its last part."""
+        """Make a step; the row of a divided step is that of its last sub-step."""
         step, last = self.begun + 1, end == (self.begun + 1) * self.h
         return self._make(range(step, step + 1), np.array([end]), kept=last) == step
 
     def _record(self, history: History) -> bool:
-        """See the base class: all rows but the first one are kept by the compiled loop."""
+        """Record the initial state; the compiled loop records all others."""
         if not self._index:
             history.frames[0], history.velocities[0] = self.s.H, self._twists
             start = np.zeros(1, dtype=np.int64)
@@ -237,14 +235,14 @@ class Run(Divided[History]):
         return made if contacts is None else with_others(made, {"contacts": contacts})
 
     def _make(self, wanted: range, times: Array, *, kept: bool) -> int:
-        """Make steps that end at ``times``; returns the last that was made.
+        """Make steps that end at ``times``; return the number of the last one made.
 
-        After one that failed the state is that of its start.
+        If a step failed, the state is that at its start.
 
         Args:
             wanted: Numbers of the steps.
             times: Their ends.
-            kept: Whether there are rows for them.
+            kept: Whether rows are recorded.
         """
         history, indices = self._history, np.arange(wanted.start, wanted.stop)
         every, total = (history.every, history.steps) if kept else (_NEVER, -1)
@@ -273,21 +271,24 @@ class Run(Divided[History]):
         filled = (indices <= last) & rows
         number = int(filled.sum())
         at = slice(history.row, history.row + number)
-        self._book(history, at, 0, interval.rows.done[:number])
+        self._add_to_balance(history, at, 0, interval.rows.done[:number])
         if done is not None:
-            self._book(history, at, 1, done[:number])
+            self._add_to_balance(history, at, 1, done[:number])
         self._keep_rows(history, indices[filled], counts[filled])
         if last >= wanted.start:
             self._count = int(counts[last - wanted.start])
         return last
 
     def _alone(self, interval: Interval) -> tuple[int, int]:
-        """Steps of bodies that do not touch: the last one, and the number of factorisations."""
+        """Steps of bodies that do not touch.
+
+        Returns the last one and the number of factorisations.
+        """
         plan, rows = interval.plan, interval.rows
         before = State(*(array.copy() for array in self.s))
         last, made = self._go(interval)
         if last < plan.last:
-            # some bodies are beyond that step
+            # some bodies have passed that step
             for array, start in zip(self.s, before, strict=True):
                 array[:] = start
             rows.done[:], rows.iterations[:], noted = 0.0, 0, self._failed.copy()
@@ -299,8 +300,8 @@ class Run(Divided[History]):
         how = self.p, self.options, self.bodies, self.loads, interval.amplitude, self.s
         return free_steps.advance(*how, interval.plan, interval.rows)
 
-    def _book(self, history: History, rows: slice, column: int, done: Array) -> None:
-        """Keep sums of what acted, work or loss before impulses, shape (k, 7)."""
+    def _add_to_balance(self, history: History, rows: slice, column: int, done: Array) -> None:
+        """Record sums (k, 7) of work (or losses) and impulses."""
         if Record.ENERGIES in history.filled:
             history.balance[rows, column] = done[:, 0]
         if Record.MOMENTA in history.filled:
@@ -326,7 +327,7 @@ class Run(Divided[History]):
             return self._nor_in_parts(f"step {index} of {steps}: {reason}")
         name = self.scene.bodies[int(failed[BODY])].label
         limit, tolerance = self.options.limit, self.options.tolerance
-        rescued = self.options.rescue
+        after_fallback = self.options.full_newton_fallback
         reached = index, steps, self.h, limit, failed[INCREMENT], failed[RESIDUAL]
-        text = failure(*reached, tolerance, rescued)
+        text = failure(*reached, tolerance, after_fallback)
         return self._nor_in_parts(f"{name}: {text}")

@@ -1,8 +1,8 @@
-"""Free rigid bodies of a scene and their impacts in a run of generalised-α.
+"""Impacts of free rigid bodies in a run of generalised-α.
 
-The step of each body is made as without contacts, then these change its end
-(:mod:`fem_lie.contact.impact.resolve`), all in one compiled loop that comes back for new lists of
-pairs.
+The step of each body is made without contacts, which then change its end
+(:mod:`fem_lie.contact.impact.resolve`). One compiled loop does this and returns for new lists of
+contact pairs.
 """
 
 from __future__ import annotations
@@ -45,9 +45,9 @@ from fem_lie.system.equations import Equations
 
 
 def applies(scene: Scene, policy: Policy) -> bool:
-    """Whether a run has free rigid bodies only, and the policy is a rule for compiled loops.
+    """Whether the scene has free rigid bodies only, and compiled loops support the policy.
 
-    They may touch by impacts, between which they move on R³×SO(3).
+    The bodies may touch by impacts, between which they move on R³×SO(3).
     """
     if scene.contacts or (scene.impacts and not _on_r3_so3(scene)):
         return False
@@ -64,7 +64,7 @@ def _on_r3_so3(scene: Scene) -> bool:
 
 
 def packed_bodies(equations: Equations) -> tuple[Array, Array, Bodies]:
-    """Inertia blocks (n, 4, 4), lengths (n,), and what compiled steps have of n bodies."""
+    """Inertia blocks (n, 4, 4), lengths (n,), and arrays of n bodies for compiled steps."""
     unknowns = equations.unknowns
     n = unknowns.moving
     blocks, sizes = np.empty((n, 4, 4)), np.empty(n)
@@ -78,7 +78,7 @@ def packed_bodies(equations: Equations) -> tuple[Array, Array, Bodies]:
 
 
 def packed_loads(equations: Equations, mass: Array) -> tuple[Loads, dict[int, LoadHistory]]:
-    """Loads on the bodies, whose masses have the shape (n,), and the histories of some of them."""
+    """Loads on the bodies, and the histories of some of them; ``mass`` has shape (n,)."""
     scene, unknowns = equations.scene, equations.unknowns
     constant = np.zeros((unknowns.moving, 12))
     constant[:, :3] = mass[:, np.newaxis] * scene.gravity
@@ -101,22 +101,22 @@ def packed_loads(equations: Equations, mass: Array) -> tuple[Loads, dict[int, Lo
 
 
 _ROOM = 10_000
-"""For so many contacts what results have of them is kept before it is taken."""
+"""Number of contacts that can be recorded before the loop returns."""
 
 _TOLERANCE = 1e-15
-"""Residual of the cones that is tried for, so that nothing creeps that is at rest; what is left is
-reported, see :class:`ContactSteps`."""
+"""Target residual of the contact cones, so that resting bodies do not creep; the remaining residual
+is reported, see :class:`ContactSteps`."""
 
 
 class Interval(NamedTuple):
-    """Steps that are made one after the other, and where their rows go.
+    """Successive steps, and the rows that they fill in.
 
     Attributes:
-        plan: Which steps.
-        times: At their ends, shape (S,).
-        amplitude: Of the loads with history there, shape (S, k).
-        rows: What is kept.
-        kept: Whether the row of each step is, shape (S,).
+        plan: Numbers of the steps.
+        times: Times at their ends, shape (S,).
+        amplitude: Amplitudes of the loads with history at these times, shape (S, k).
+        rows: Recorded arrays.
+        kept: Whether the row of each step is recorded, shape (S,).
     """
 
     plan: Plan
@@ -126,7 +126,7 @@ class Interval(NamedTuple):
     kept: Array
 
     def after(self, made: int) -> Interval:
-        """Those that are left when so many were made."""
+        """The remaining steps after ``made`` of them."""
         plan, rows, filled = self.plan, self.rows, int(self.kept[:made].sum())
         return Interval(
             plan._replace(first=plan.first + made, row=plan.row + filled),
@@ -138,13 +138,13 @@ class Interval(NamedTuple):
 
 
 class FreeImpacts(Stateful):
-    """Contacts by impacts of free rigid bodies.
+    """Impacts of free rigid bodies.
 
     Attributes:
-        history: What they did in all steps of the run.
+        history: Contact statistics of all steps of the run.
     """
 
-    STATE = attributes("_touching", "_contacts.sum", "_contacts.booked", "history")
+    STATE = attributes("_touching", "_contacts.sum", "_contacts.balance", "history")
 
     def __init__(
         self,
@@ -158,12 +158,12 @@ class FreeImpacts(Stateful):
         """Collect contacts.
 
         Args:
-            scene: With contacts by impacts.
+            scene: Scene with contacts by impacts.
             nodes: Numbers of the nodes of each body.
-            bodies: What these are.
+            bodies: Arrays of the bodies.
             force: Constant forces on them, shape (n, 3).
             sizes: Their lengths, shape (n,).
-            H: Frames in the beginning, shape (n, 4, 3).
+            H: Initial frames, shape (n, 4, 3).
         """
         self._nodes, self._bodies = nodes, bodies
         inverse = np.linalg.inv(bodies.J).astype(np.float64)
@@ -179,8 +179,8 @@ class FreeImpacts(Stateful):
             failed=np.full(1, -1),
             sum=np.zeros(1),
             times=np.zeros(0),
-            told=np.zeros((0, REPORT_SIZE)),
-            booked=np.zeros(7),
+            statistics=np.zeros((0, REPORT_SIZE)),
+            balance=np.zeros(7),
             done=none,
             room=np.zeros((_ROOM, WIDTH)),
             shown=np.zeros(1, dtype=np.int64),
@@ -188,30 +188,30 @@ class FreeImpacts(Stateful):
         self._why, self._failed_step = MADE, np.zeros(REPORT_SIZE)
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
+        """Restore the state that :meth:`memory` returned."""
         super().restore(kept)
         self._contacts = self._contacts._replace(patience=self._touching.patience)
 
     @property
     def crossed(self) -> bool:
-        """Whether bodies have gone through each other in the step that failed."""
+        """Whether bodies have passed through each other in the step that failed."""
         return self._why == CROSSED
 
     def advance(
         self, p: Scheme, options: Options, loads: Loads, s: State, interval: Interval
     ) -> tuple[int, int, Array]:
-        """Make steps; frames and velocities after one that failed are those of its start.
+        """Make steps; if one failed, frames and velocities are those at its start.
 
         Args:
             p: Parameters of the scheme.
-            options: Of the iteration.
-            loads: Of the bodies.
-            s: Their state.
-            interval: Which steps.
+            options: Options of the iteration.
+            loads: Loads on the bodies.
+            s: State of the bodies.
+            interval: The steps.
 
         Returns:
-            The last step that was made, the number of factorisations, and what contacts have done
-            so far in each row that is kept, losses before impulses, shape (·, 7).
+            The last step made, the number of factorisations, and the accumulated work of contacts
+            (as losses) and their impulses at each recorded row, shape (·, 7).
         """
         plan = interval.plan
         last, factorisations, done = plan.first - 1, 0, np.zeros((int(interval.kept.sum()), 7))
@@ -219,7 +219,7 @@ class FreeImpacts(Stateful):
         while True:
             made = last + 1 - plan.first
             contacts = self._contacts._replace(
-                times=left.times, told=reported[made:], done=done[filled:]
+                times=left.times, statistics=reported[made:], done=done[filled:]
             )
             near = self._touching
             tables = near.touch, near.polyhedra, self._masses, near.work, contacts
@@ -244,19 +244,19 @@ class FreeImpacts(Stateful):
         return last, factorisations, done
 
     def go_back(self, H: Array) -> None:
-        """Begin another step where the one that failed did, at frames ``H``."""
+        """Begin another step at the start of the failed one, at frames ``H``."""
         work = self._touching.work
         set_gaps(self._touching.touch, H, work.gaps)
         work.impulses[:] = 0.0
 
     def _take_shown(self) -> None:
-        """Take what results have of contacts, with the numbers of these and of their places."""
+        """Copy the contact data for results, with the numbers of contacts and points."""
         count = int(self._contacts.shown[0])
         self.history.append(self._touching.named(self._contacts.room[:count]))
         self._contacts.shown[0] = 0
 
     def failure(self, p: Scheme, v: Array) -> str:
-        """Why contacts have made the last step fail; empty: they have not.
+        """Why contacts made the last step fail; empty: they did not.
 
         Args:
             p: Parameters of the scheme.
@@ -270,7 +270,7 @@ class FreeImpacts(Stateful):
             one, other = self._names(pair)
             return (
                 f"{one} and {other} still overlap by {self._failed_step[PENETRATION]:.2g} after "
-                "all iterations that part contacts; are bodies wedged? Try smaller steps, or "
+                "all iterations that separate contacts; are bodies wedged? Try smaller steps, or "
                 "Penalty"
             )
         if self._why != UNSETTLED:
@@ -279,8 +279,8 @@ class FreeImpacts(Stateful):
         worst = int(np.argmax(np.abs(touching.work.cones.r[:count]).max(axis=1)))
         one, other = self._names(int(touching.work.chosen[worst]))
         return (
-            f"{count} contacts did not settle (residual {reached:.0e}); are bodies wedged, such as "
-            f"{one} and {other}? Try smaller steps, or Penalty"
+            f"{count} contacts did not converge (residual {reached:.0e}); are bodies wedged, such "
+            f"as {one} and {other}? Try smaller steps, or Penalty"
         )
 
     def _names(self, pair: int) -> list[str]:

@@ -1,4 +1,4 @@
-"""Generalised-α in local frames, index 3, with a kept iteration matrix.
+"""Generalised-α in local frames, index 3, with a frozen iteration matrix.
 
 Brüls, Cardona & Arnold, Mech. Mach. Theory 48 (2012) 121. With ``d`` the increment of a step::
 
@@ -37,20 +37,20 @@ from fem_lie.system.equations import Equations
 class GeneralisedAlpha(Options, Integrator):
     """Options of the scheme; :meth:`run` integrates.
 
-    Scenes of rigid bodies alone, without joints, clamps and motions, need no matrix of the scene:
-    they go through one compiled loop, see :mod:`fem_lie.solve.alpha.free_bodies`.
+    Scenes of rigid bodies only, without joints, clamps and motions, need no global matrix: one
+    compiled loop makes their steps, see :mod:`fem_lie.solve.alpha.free_bodies`.
 
-    A step of which Newton's method finds no solution is made in up to 64 parts, with a radius of at
-    most 0.5, and a warning says how many steps were (:mod:`fem_lie.solve.division`).
+    If Newton's method does not converge, the step is divided into up to 64 sub-steps, with a radius
+    of at most 0.5. A warning gives the number of divided steps (:mod:`fem_lie.solve.division`).
 
     Attributes:
         radius: Spectral radius at infinite frequency, in [0, 1]: 1 conserves, 0 damps at once.
-        tolerance: Predicted error of the iteration in each step over the largest motion in a step
-            so far: the relative error of velocities, which is what energy and momentum feel.
-        policy: When to factorise.
-        max_iterations: More in one step are a failure.
+        tolerance: Predicted iteration error in each step over the largest motion in a step so far.
+            This is the relative error of velocities, which determines that of energy and momentum.
+        policy: When to refactorise the iteration matrix.
+        max_iterations: Largest number of iterations of a step.
         parametrisation: The map from increments to rotations.
-        components: In which components the iteration matrix is kept.
+        components: Axes in which the iteration matrix is frozen.
         index: Which constraints hold at the end of each step.
         petsc_options_prefix: Prefix for the choice of the linear solver.
 
@@ -65,7 +65,7 @@ class GeneralisedAlpha(Options, Integrator):
     """
 
     def _equations(self, scene: Scene) -> Equations:
-        """Those of a scene; impacts are in none: they change the ends of steps."""
+        """Equations of a scene without impacts, which change the ends of steps."""
         scene = scene.without_impacts()
         equations = Equations(scene, dynamics=True, parametrisation=self.parametrisation)
         if scene.impacts and not self._free(scene):
@@ -73,7 +73,7 @@ class GeneralisedAlpha(Options, Integrator):
         return equations
 
     def _free(self, scene: Scene) -> bool:
-        """Whether the bodies of a scene can be stepped each by itself."""
+        """Whether all bodies of a scene are free rigid bodies, stepped independently."""
         exponential = self.parametrisation == Parametrisation.EXPONENTIAL
         return exponential and applies(scene, self.policy)
 
@@ -86,7 +86,7 @@ class GeneralisedAlpha(Options, Integrator):
         if found := scene.without_impacts().impacts:
             raise ValueError(
                 f"{found[0].label}: Impact is for GeneralisedAlpha with constant steps, expected "
-                f"their size as a number and nothing that jumps, got {plan.choice}; give Penalty "
+                f"their size as a number and no discontinuities, got {plan.choice}; give Penalty "
                 "elsewhere"
             )
         return partial(AlphaSteps, self)

@@ -1,7 +1,7 @@
-"""Steps of generalised-α that are iterated from Python, by the same compiled functions.
+"""Generalised-α steps iterated from Python, by the same compiled functions as in the loop.
 
-For what :mod:`fem_lie.solve.alpha.step.loop` does not know: steps that carry stress from iterate
-to iterate, policies without a rule, velocities that are projected, inertial components.
+For cases that :mod:`fem_lie.solve.alpha.step.loop` does not support: linearised stress updates from
+iterate to iterate, policies without a rule, projected velocities, inertial components.
 """
 
 from __future__ import annotations
@@ -27,25 +27,25 @@ from fem_lie.solve.impacts.impulses import project
 from fem_lie.solve.impacts.step_end import StepEnd
 from fem_lie.solve.iteration import Iterated, LinearRate, iterate
 from fem_lie.solve.motion.policies import Decisions
-from fem_lie.solve.renewal import Update
+from fem_lie.solve.refactorisation import Update
 
-_STAGNATION = 1e-6  # full Newton that no longer contracts below this has met round-off
+_STAGNATION = 1e-6  # full Newton that no longer contracts below this value has reached round-off
 
 
 class Newton(RunState, Iterated):
-    """One integration, and how a step of it is iterated."""
+    """Run of generalised-α whose steps are iterated from Python."""
 
     _carried = False
-    """Whether the present iteration carries stress from iterate to iterate."""
+    """Whether the current iteration updates stress linearly from iterate to iterate."""
 
     _rate: LinearRate
 
     def _iterate(self, decisions: Decisions, *, carried: bool) -> int:
-        """Predict, and correct until it converges; returns the iterations, 0 on failure."""
+        """Predict, and correct until convergence; return the number of iterations, 0 on failure."""
         numbers, self._carried = self.numbers, carried
         numbers[MOTION] = max(predict(*self._plain), numbers[MOTION])
-        tolerance, noise = self._tolerance(), _STAGNATION if carried else 0.0
-        self._rate = LinearRate(lambda _: tolerance, float(numbers[RATIO]), noise)
+        tolerance, round_off_level = self._tolerance(), _STAGNATION if carried else 0.0
+        self._rate = LinearRate(lambda _: tolerance, float(numbers[RATIO]), round_off_level)
         ended = iterate(self, self.options.max_iterations, decisions)
         numbers[INCREMENT] = ended.size
         if not ended.converged:
@@ -56,22 +56,22 @@ class Newton(RunState, Iterated):
     # --- one iteration, see :class:`~fem_lie.solve.iteration.Iterated` ---
 
     def evaluate(self, iteration: int) -> bool:
-        """See the base class; residuals alone do not end an iteration."""
+        """Evaluate the residual, which alone does not end the iteration."""
         self.counters[ITERATION] = iteration
         self._find(self._end_instant, carried=self._carried)
         return False
 
     @property
     def missing(self) -> bool:
-        """See the base class."""
+        """Whether there is no usable iteration matrix."""
         return self._missing
 
-    def renew(self, update: Update) -> None:
-        """See the base class."""
-        self._renew(update, None if self._carried else self.s.H1)
+    def refactorise(self, update: Update) -> None:
+        """Assemble and factorise the matrix, or its constraint Jacobian."""
+        self._refactorise(update, None if self._carried else self.s.H1)
 
     def correct(self) -> float:
-        """Solve for a correction and apply it; returns its size."""
+        """Solve for a correction and apply it; return its size."""
         s = self.s
         self._solve()
         if self._carried:
@@ -82,18 +82,18 @@ class Newton(RunState, Iterated):
         return correct(*self._plain, self.dx, scale, spread, joined, self.weights)
 
     def judge(self, size: float) -> Verdict:
-        """See the base class."""
+        """Verdict by the linear convergence rate."""
         verdict = self._rate.judge(size)
         self.numbers[INCREMENT], self.numbers[NOW] = size, self._rate.ratio
         return verdict
 
     def admits(self, verdict: Verdict) -> bool:
-        """Whether constraints do not contradict each other."""
+        """Whether the constraints are consistent."""
         given = self._tolerance(), verdict == Verdict.STAGNANT
         return not (self.equations.matrix.redundant and self._contradicts(*given))
 
     def _accept(self, decisions: Decisions, iterations: int) -> None:
-        """Make the end of the step that has converged the start of the next one."""
+        """Make the end of the converged step the start of the next one."""
         equations, ratio = self.equations, float(self.numbers[NOW])
         self.numbers[RATIO] = settled_ratio(ratio, iterations)
         if decisions.asks and not self._turned:
@@ -105,6 +105,6 @@ class Newton(RunState, Iterated):
         accept(*self._plain)
 
     def _tolerance(self) -> float:
-        """Error that the iteration of a step may leave, see :data:`~.convergence.ROTATION`."""
+        """Allowed iteration error of a step, see :data:`~.convergence.ROTATION`."""
         motion = float(self.numbers[MOTION])
         return allowed(motion, self.options.tolerance, self._finest)

@@ -11,15 +11,16 @@ from fem_lie.solve.motion.integrator import check_kinds
 from fem_lie.solve.motion.policies import Automatic, Policy
 
 DAMPED = 0.5
-"""Largest radius of parts of steps: chains of hundreds of links do not arrive with less damping."""
+"""Largest spectral radius in sub-steps: chains of hundreds of links need this damping to
+converge."""
 
 
 class Components(IntEnum):
-    """In which components the iteration matrix is kept; the solution is the same.
+    """Axes in which the iteration matrix is frozen; the solution does not depend on them.
 
-    ``LOCAL``: along the nodes' own axes, where it hardly changes. ``INERTIAL``: along fixed axes,
-    where it turns with the bodies, as in formulations with rotation vectors in the inertial frame:
-    slower, there to compare with.
+    ``LOCAL``: the nodes' own axes, along which the matrix hardly changes. ``INERTIAL``: fixed axes,
+    along which it rotates with the bodies, as in formulations with rotation vectors in the inertial
+    frame; slower, for comparison.
     """
 
     LOCAL = 0
@@ -29,8 +30,8 @@ class Components(IntEnum):
 class Index(IntEnum):
     """Which constraints hold at the end of each step, to the tolerance of the iteration.
 
-    ``THREE``: those of positions; velocities satisfy them to second order. ``STABILISED_TWO``:
-    velocities, too, see :mod:`fem_lie.solve.impacts.impulses`.
+    ``THREE``: position constraints; velocities satisfy them to second order. ``STABILISED_TWO``:
+    velocity constraints, too, see :mod:`fem_lie.solve.impacts.impulses`.
     """
 
     THREE = 3
@@ -39,7 +40,7 @@ class Index(IntEnum):
 
 @dataclass(frozen=True)
 class Options:
-    """Those of :class:`~fem_lie.GeneralisedAlpha`, which says what they are."""
+    """Options of :class:`~fem_lie.GeneralisedAlpha`, which documents them."""
 
     radius: float = 0.8
     tolerance: float = 2e-8
@@ -56,7 +57,7 @@ class Options:
         number(self.radius, "radius")
         if not 0.0 <= self.radius <= 1.0:
             raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
-        # plain numbers are welcome
+        # plain numbers are accepted
         choice(self.parametrisation, Parametrisation, "parametrisation")
         choice(self.components, Components, "components")
         choice(self.index, Index, "index")

@@ -1,8 +1,8 @@
-"""A run of generalised-α with constant steps: prediction, iteration with a kept matrix.
+"""Run of generalised-α with constant steps.
 
-Formulas in :mod:`fem_lie.solve.alpha.generalised_alpha`. One compiled loop makes the steps, see
-:mod:`fem_lie.solve.alpha.step.loop`, and comes back for what is done here. What it does not know
-is iterated by :mod:`fem_lie.solve.alpha.newton`.
+Formulas are in :mod:`fem_lie.solve.alpha.generalised_alpha`. One compiled loop makes the steps, see
+:mod:`fem_lie.solve.alpha.step.loop`, and returns to this module for whatever it does not support;
+such steps are iterated by :mod:`fem_lie.solve.alpha.newton`.
 """
 
 from __future__ import annotations
@@ -41,31 +41,32 @@ from fem_lie.solve.alpha.step.loop import (
 )
 from fem_lie.solve.alpha.step.nodes import WRITTEN
 from fem_lie.solve.convergence import failure
-from fem_lie.solve.impacts.settle import CoupledContacts
+from fem_lie.solve.impacts.contacts import CoupledContacts
 from fem_lie.solve.impacts.step_end import Factors, Rule, StepEnd
 from fem_lie.solve.motion.policies import EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.solve.renewal import Update
+from fem_lie.solve.refactorisation import Update
 from fem_lie.system.equations import Equations, TimeState
 
 _log = logging.getLogger(__name__)
 
 _AT_A_TIME = 20_000
-"""Steps times unknowns, some milliseconds, after which the loop comes back to be interrupted."""
+"""Steps times unknowns (some milliseconds) after which the loop returns, so that it can be
+interrupted."""
 
 _NOTHING: Indices = np.empty(0, dtype=np.int64)
 _NOWHERE: Indices = np.empty((0, 5), dtype=np.int64)
 
 
 def _damping(radius: float) -> list[str]:
-    """What to say of long chains, whose fast motions swing without more damping."""
+    """Advice for long chains, whose fast oscillations need more damping."""
     return [f"more damping of fast motions (radius={DAMPED:g})"] if radius > DAMPED else []
 
 
 class Run(Newton):
-    """One integration."""
+    """Run with constant steps."""
 
     STATE = attributes("_contacts")
 
@@ -73,15 +74,15 @@ class Run(Newton):
     """Contacts by impacts, which change the ends of steps."""
 
     def __init__(self, options: Options, equations: Equations, step: float) -> None:
-        """As the base class."""
+        """As in the base class."""
         super().__init__(options, equations, step)
         known, rule = equations.tables, self.decisions.rule
-        # the one condition for steps in the compiled loop
+        # the only condition for steps in the compiled loop
         compiled = rule is not None and not self._projects and not self._turned
         self._rule = rule.plain if compiled and rule is not None else None
-        # and those for the parts of a step that it makes by itself
-        told = any(term.passage or term.path for term in known.terms)
-        self._remembers = told or known.drills or equations.unknowns.other_constraints
+        # and those for the stages of a step that the loop does itself
+        statistics = any(term.passage or term.path for term in known.terms)
+        self._remembers = statistics or known.drills or equations.unknowns.other_constraints
         self._fills = known.stored is not None
         self._most = max(1, _AT_A_TIME // equations.unknowns.size)
         self._filled, self._taken = -1, 0
@@ -102,7 +103,7 @@ class Run(Newton):
 
     @cached_property
     def _packed(self) -> FixedArrays:
-        known, s, books = self.equations.tables, self.s, self.books
+        known, s, balance = self.equations.tables, self.s, self.balance
         forces = _NOWHERE if self.forces.table is None else self.forces.table
         stored = (_NOWHERE, _NOTHING) if known.stored is None else known.stored
         packed = Packed(
@@ -114,9 +115,9 @@ class Run(Newton):
             self.r,
             self.dx,
             forces,
-            books.table,
-            books.total,
-            books.targets,
+            balance.table,
+            balance.total,
+            balance.targets,
             (known.joints, known.probes),
             stored,
             known.around,
@@ -128,10 +129,10 @@ class Run(Newton):
 
     @property
     def _ends(self) -> bool:
-        """Whether the compiled loop ends steps."""
-        books = self.books
+        """Whether the compiled loop ends steps itself."""
+        balance = self.balance
         ends = not self._remembers and self._contacts is None
-        return ends and (books.empty or books.compiled)
+        return ends and (balance.empty or balance.compiled)
 
     def _compile(self) -> None:
         if self._rule is not None:
@@ -140,9 +141,9 @@ class Run(Newton):
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
-        """What takes its rows from the equations."""
-        if not plan.saving.booked:
-            self.books.rest()
+        """Create a history that takes its rows from the equations."""
+        if not plan.saving.with_balance:
+            self.balance.rest()
         if self._contacts is not None:
             self._contacts.history.begin(plan.steps)
         return Recorder(self.equations, plan, progress, store)
@@ -155,7 +156,7 @@ class Run(Newton):
         return self._in_parts(history)
 
     def _in_parts(self, history: Recorder) -> bool:
-        """The next step, in parts if it takes these; whether it is made."""
+        """Make the next step, divided if necessary; return whether it was made."""
         self._taken = 0
         if self._contacts is not None:
             self._contacts.history.begin_step(self.index + 1)
@@ -187,26 +188,29 @@ class Run(Newton):
         return False
 
     def _touch(self, contacts: CoupledContacts, end: float) -> bool:
-        """Let contacts change the end of an accepted step, and book it; whether they may."""
+        """Apply contact impulses at the end of an accepted step, and account for their work.
+
+        Returns whether contacts were solved.
+        """
         s = self.s
         changed = contacts.settle(StepEnd(s.H, s.twist1, end))
         if contacts.failure:
             contacts.abandon()
             return False
-        self.books.add(self.p.h, end, *self._accepted)
+        self.balance.add(self.p.h, end, *self._accepted)
         if changed is not None:
             before = self._accepted._replace(H=s.H.copy(), v=s.twist1.copy())
             s.change_end(changed.frames, changed.twists, changed.rates)
             self.weights += changed.multipliers
-            lost = self.books.collide(end, before, self._accepted, contacts.work)
-            contacts.told[IMPACT] = -lost - contacts.told[FRICTION]
-        contacts.history.add(self.index, contacts.told[np.newaxis])
+            lost = self.balance.collide(end, before, self._accepted, contacts.work)
+            contacts.statistics[IMPACT] = -lost - contacts.statistics[FRICTION]
+        contacts.history.add(self.index, contacts.statistics[np.newaxis])
         self.reason = contacts.passed(s.H)
         self._turn()
         return not self.reason
 
     def _stretch(self, history: Recorder) -> bool:
-        """As many steps as can be made and recorded by the loop alone, at least one."""
+        """Make as many steps as the loop can make and record by itself, at least one."""
         counters, index, most = self.counters, self.index, 1 if self._changing else self._most
         self.reason = ""
         if history.whole and self._fills:
@@ -222,7 +226,7 @@ class Run(Newton):
         history.turns_far = bool(counters[NEAR])
         self._end = self.index * self.h
         if not made:
-            iterations = self._rescued()
+            iterations = self._fallback_converged()
             history.count += iterations
             if iterations:
                 self._turn()
@@ -238,7 +242,10 @@ class Run(Newton):
     def _go(
         self, last: int, wanted: Indices, results: tuple[Indices, Indices], *, ends: bool
     ) -> bool:
-        """Go on to the end of step ``last`` in the compiled loop; whether it was reached."""
+        """Advance to the end of step ``last`` in the compiled loop.
+
+        Return whether it was reached.
+        """
         assert self._rule is not None
         while True:
             here = self._guided or self._secants is not None
@@ -251,7 +258,7 @@ class Run(Newton):
                 return False
 
     def _how(self, ends: bool) -> PlainSteps:
-        options, books = self.options, self.books
+        options, balance = self.options, self.balance
         return Steps(
             tolerance=options.tolerance,
             finest=self._finest,
@@ -262,13 +269,13 @@ class Run(Newton):
             checked=self.equations.matrix.redundant,
             ended=ends,
             turns=self.equations.tables.turns,
-            booked=not books.empty,
-            loads=books.looks[0],
-            joints=books.looks[1],
+            accounts=not balance.empty,
+            loads=balance.looks[0],
+            joints=balance.looks[1],
         ).plain
 
     def _served(self, code: int) -> bool:
-        """Do what the loop has come back for; whether the step may go on."""
+        """Serve a request of the loop; return whether the step may continue."""
         counters, numbers = self.counters, self.numbers
         if code == loop.RESIDUAL:
             self._find(self._end_instant)
@@ -281,7 +288,7 @@ class Run(Newton):
             return not self._contradicts(self._tolerance(), stagnant=False)
         try:
             if code == loop.MATRIX:
-                self._renew(Update(counters[UPDATE]), self.s.H1)
+                self._refactorise(Update(counters[UPDATE]), self.s.H1)
             self._solve()
         except SingularMatrixError:
             numbers[INCREMENT], counters[PHASE] = np.inf, BETWEEN
@@ -289,7 +296,7 @@ class Run(Newton):
         return True
 
     def _take_step(self) -> int:
-        """One step; returns its iterations, those that failed, too; 0 if all has failed."""
+        """Make one step; return its iterations, failed ones included; 0 if all attempts failed."""
         self.reason = ""
         if self._rule is None:
             self.counters[STEP] += 1
@@ -300,36 +307,36 @@ class Run(Newton):
             none = _NOTHING, (_NOWHERE, _NOWHERE)
             made = self._go(self.index + 1, *none, ends=False)
             count = int(self.counters[TOTAL]) if made else 0
-        return count or self._rescued()
+        return count or self._fallback_converged()
 
     def _turn(self) -> None:
         self.equations.memory.rotate_axes(self.s.H, self.s.motion, WRITTEN)
 
-    def _rescued(self) -> int:
-        """The step that has failed with the kept matrix; returns all its iterations, or 0.
+    def _fallback_converged(self) -> int:
+        """Repeat a step that failed with the frozen matrix; return all its iterations, or 0.
 
-        It is done again with a new one in every iteration and with the stress as an iterate.
+        It is repeated with a new matrix in every iteration and with linearised stress updates.
         """
-        if not self._rescues:
+        if not self._may_fall_back:
             return 0
         in_vain = int(self.counters[ITERATION])
-        _log.info("step %d: kept matrix diverges, full iteration", self.index)
+        _log.info("step %d: frozen matrix diverges, full Newton iteration", self.index)
         self.weights[:] = self._first
-        # the predicted end of the step may be far off: its stress is no start
+        # the predicted end of the step may be far off: its stress is not a good initial guess
         self.equations.memory.carry(self.s.H)
         count = self._iterate(EveryIteration().begin(bound=False), carried=True)
-        # its matrices had all in them
+        # its matrices had all terms
         self._outgrown = self._may_be_apart
         return count + in_vain if count else 0
 
     def _close(self, end: float, start: Array | None = None) -> bool:
-        """Remember what frames do not tell of the accepted step, and book it.
+        """Update the state of the equations after an accepted step, and the energy balance.
 
-        Returns whether it stays accepted: surfaces did not go through each other since ``start``.
+        Returns whether it stays accepted: no surfaces passed through each other since ``start``.
         """
         if not self._remembered(start):
             return False
-        self.books.add(self.p.h, end, *self._accepted)
+        self.balance.add(self.p.h, end, *self._accepted)
         return True
 
     # --- results ---
@@ -338,14 +345,14 @@ class Run(Newton):
         if self._filled == self.index > 0:
             history.show_progress(self.index)
             return True
-        kept = history.record(self.index, *self._recorded, self.books.total)
+        kept = history.record(self.index, *self._recorded, self.balance.total)
         if kept and self.index and self._contacts is not None:
             self._contacts.record(self.s.H, self.index * self.h)
         return kept
 
     @property
     def _recorded(self) -> TimeState:
-        """The present state as results have it: joints take what contacts push through them."""
+        """The current state for results; joint forces include the impulses of contacts."""
         if self._contacts is None:
             return self._accepted
         weights = self.weights + self._contacts.reactions / self.p.h
@@ -369,7 +376,7 @@ class Run(Newton):
         if reason := self.reason or wedged:
             text = f"step {self.index} of {steps} (time {self._end:g}) failed: {reason}"
             return self._nor_in_parts(text)
-        rescued, reached = self._rescues, float(self.numbers[INCREMENT])
-        of_step = self.index, steps, self.h, limit, reached, residual, tolerance, rescued
+        after_fallback, reached = self._may_fall_back, float(self.numbers[INCREMENT])
+        of_step = self.index, steps, self.h, limit, reached, residual, tolerance, after_fallback
         text = failure(*of_step, *_damping(self.options.radius))
         return self._nor_in_parts(text)

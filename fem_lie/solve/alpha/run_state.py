@@ -1,4 +1,4 @@
-"""State of a run of generalised-α: start and end of a step, its matrices, what is remembered."""
+"""State of a run of generalised-α: start and end of a step, matrices."""
 
 from __future__ import annotations
 
@@ -28,27 +28,27 @@ from fem_lie.solve.convergence import (
 from fem_lie.solve.motion.consistent import allowed_velocities, check_velocities
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.solve.renewal import Update
+from fem_lie.solve.refactorisation import Update
 from fem_lie.solve.secants import Secants
 from fem_lie.system.equations import Equations, Plan, TimeState
 
 _LARGE = 20_000
-"""Nodes beyond which a matrix for the sake of compilation takes longer than that is worth."""
+"""Number of nodes above which a matrix only for compilation costs more than the compilation."""
 
 
 class RunState(DividedIntegration[Recorder]):
-    """State of one integration.
+    """State of a run of generalised-α.
 
     Attributes:
-        options: Of the scheme.
-        p: Its parameters.
+        options: Options of the scheme.
+        p: Parameters of the scheme.
         s: Start and end of a step.
-        weights: Multipliers.
+        weights: Lagrange multipliers.
         counters: See :mod:`fem_lie.solve.alpha.step.loop`.
-        numbers: Likewise.
-        solver: Of the iteration.
-        books: What loads, drives and supports have done.
-        forces: What the last residual of the iteration found.
+        numbers: See :mod:`fem_lie.solve.alpha.step.loop`.
+        solver: Linear solver of the iteration.
+        balance: Energy balance: work and impulses of loads, drives and supports.
+        forces: Forces of the last residual.
     """
 
     STATE = attributes(
@@ -60,7 +60,7 @@ class RunState(DividedIntegration[Recorder]):
         "spread",
         "numbers",
         "counters",
-        "books",
+        "balance",
         "_born",
         "_apart",
         "_outgrown",
@@ -68,17 +68,17 @@ class RunState(DividedIntegration[Recorder]):
     )
 
     _refreshes: ClassVar[bool] = True
-    """Whether the border of the kept matrix may be made anew by itself."""
+    """Whether the constraint Jacobian of the frozen matrix may be updated separately."""
 
     _sets_apart: ClassVar[bool] = True
-    """Whether stiffness that comes and goes may be beside the kept matrix."""
+    """Whether intermittent stiffness may be a low-rank correction of the frozen matrix."""
 
     def __init__(self, options: Options, equations: Equations, step: float) -> None:
-        """Allocate everything; nothing is computed yet.
+        """Allocate all arrays without computing anything.
 
         Args:
-            options: Of the scheme.
-            equations: Of the scene.
+            options: Options of the scheme.
+            equations: Equations of the scene.
             step: Step size.
         """
         unknowns = equations.unknowns
@@ -112,10 +112,11 @@ class RunState(DividedIntegration[Recorder]):
         self.numbers[RATIO] = 1.0
         self._born, self._end = 0, 0.0
         whole = self._projects or self._turned or self._guided or self.decisions.rule is None
-        # matrices of rigid bodies cost less than what turns of normals, left out, do
+        # matrices of rigid bodies cost less than iterations without the derivative of contact
+        # normals
         self._may_be_apart = unknowns.apart and self._sets_apart and not (whole or unknowns.rigid)
         self._apart, self._outgrown = self._may_be_apart, False
-        self.books = equations.energy_balance()
+        self.balance = equations.energy_balance()
         self._secants: Secants | None = None
         if options.policy.secants > 0:
             sizes = np.append(np.repeat(scaling, 3), np.zeros(m))
@@ -124,23 +125,23 @@ class RunState(DividedIntegration[Recorder]):
     # --- start ---
 
     def start(self) -> None:
-        """Consistent accelerations and multipliers; scaling of the constraints."""
+        """Compute consistent accelerations and multipliers; scale the constraints."""
         equations, p, s = self.equations, self.p, self.s
         check_velocities(equations, p.h)
         self.weights[:] = set_start(equations, self.solver, p, s)
         equations.prescribed(0.0).act()
         self._scale_constraints()
-        self.books.open(0.0, *self._accepted)
+        self.balance.open(0.0, *self._accepted)
         self._warm_up()
         self.solver.factorisations = self.solver.refreshes = 0
 
     def _scale_constraints(self) -> None:
-        """For steps of the present size from the present state."""
+        """Scale constraints for steps of the current size from the current state."""
         self._find(self._accepted)
         self.scale[:] = self._fill(self.s.H, self.s.H, None, turned=False)
 
     def _warm_up(self) -> None:
-        """Compile what a step needs on a copy of the state: compilation is not integration."""
+        """Compile what a step needs on a copy of the state: run times exclude compilation."""
         scheme, s = self.p.plain, self.s
         moved = s.H[:1].copy(), s.H1[:1].copy(), s.motion[:, :1].copy()
         state = State(*moved, s.kinds[:1], s.scaling[:1]).plain
@@ -152,7 +153,7 @@ class RunState(DividedIntegration[Recorder]):
         self._compile()
         if self._moving > _LARGE:
             return
-        # the first iteration makes the matrix that counts
+        # the first iteration factorises the matrix that is counted
         p, turned, ahead = self.p, self._turned, self._ahead()
         plan = Plan(p.h * s.v, self.scale, p.mass, p.damping, joint_frames=ahead)
         plan = plan._replace(inertial=turned, choices=self.choices)
@@ -166,7 +167,7 @@ class RunState(DividedIntegration[Recorder]):
 
     @abstractmethod
     def _compile(self) -> None:
-        """Compile what else there is, without a step."""
+        """Compile everything else, without making a step."""
 
     # --- the size of the step ---
 
@@ -178,20 +179,21 @@ class RunState(DividedIntegration[Recorder]):
     def resize(self, time: float, size: float) -> None:
         """Start steps of another size at ``time``, see :class:`~fem_lie.solve.division.Divisible`.
 
-        A step that failed has not resolved fast waves. Accelerations have their part of it: they
-        are made consistent anew; and parts of steps damp what is left in velocities.
+        A step that failed has not resolved fast oscillations, which its accelerations contain. They
+        are therefore made consistent again, and the sub-steps damp the remaining oscillations of
+        velocities.
         """
         s = self.s
         self._set_size(size)
-        # those of the start: the step that failed has changed them
+        # loads at the start: the failed step has changed them
         extrapolate(0.0, s.H, s.motion, s.kinds, s.H.copy(), s.twist1)
         self._make_consistent(time)
         self._scale_constraints()
-        self.books.look(time, *self._accepted)
+        self.balance.look(time, *self._accepted)
         self._outgrown = True
 
     def _make_consistent(self, time: float) -> None:
-        """Velocities that the joints allow, and accelerations, at ``time``."""
+        """Compute admissible velocities and consistent accelerations at ``time``."""
         equations, s = self.equations, self.s
         s.H[self._moving + 1 :] = equations.prescribed(time).frames
         v = equations.start.velocities.copy()
@@ -204,16 +206,16 @@ class RunState(DividedIntegration[Recorder]):
 
     @property
     def frames(self) -> Array:
-        """See the base class."""
+        """Current frames of all rows."""
         return self.s.H
 
     @property
     def index(self) -> int:
-        """Steps made, and the one that is being made."""
+        """Number of steps made, including the current one."""
         return int(self.counters[STEP])
 
     def _go_to_time(self, time: float) -> None:
-        """Loads, targets and prescribed frames at the end of the step."""
+        """Evaluate loads, targets and prescribed frames at the end of the step."""
         if self._changing:
             now = self.equations.prescribed(time)
             now.act()
@@ -221,25 +223,25 @@ class RunState(DividedIntegration[Recorder]):
 
     @property
     def _finest(self) -> float:
-        """What the iteration of a step may leave at most, whatever the motion."""
+        """Largest iteration error of a step, whatever the motion."""
         return np.inf
 
     @property
     def _factor(self) -> float:
-        """Of what is found with the kept matrix."""
+        """Factor of corrections with the frozen matrix."""
         return 1.0
 
     # --- residual and matrices ---
 
     def _find(self, state: TimeState, *, carried: bool = False) -> None:
-        """The residual; rows of constraints of velocities are like those of positions."""
+        """Evaluate the residual; velocity constraints are treated like position constraints."""
         given, factor = (self.scale, self.r, self.forces), 1.0 / self.p.damping
         self.equations.residual(state, *given, carried=carried, per_increment=factor)
         if self._apart:
             self._put_beside()
 
     def _put_beside(self) -> None:
-        """What is beside the kept matrix, at the end of the step as it is."""
+        """Set the low-rank correction of the frozen matrix to the current end of the step."""
         plan = Plan(self.s.d, self.scale, beside=True)
         self.equations.fill(self._end_instant, self.forces, plan)
         self._outgrown = self._rows_beside > MOST
@@ -250,19 +252,22 @@ class RunState(DividedIntegration[Recorder]):
         return 0 if beside is None else len(beside.stiffness)
 
     def _contradicts(self, tolerance: float, stagnant: bool) -> bool:
-        """Whether what is left of the constraints' violation is not the iteration's."""
+        """Whether the remaining constraint violation is not due to unfinished iteration."""
         values = self.r[6 * self._moving :] / self.scale
-        # increments of an iteration that goes nowhere explain nothing
+        # increments of a stagnant iteration explain no violation
         allowed = tolerance if stagnant else max(tolerance, float(self.numbers[INCREMENT]))
         bound = explained(allowed)
         if float((np.abs(values) * self.measure).max(initial=0.0)) <= bound:
             return False
-        # with a tolerance near round-off what is left may still be what motions can mend
+        # with a tolerance near round-off, further increments may still reduce the violation
         self.reason = self.equations.constraints(self.s.H1).contradiction(values, bound)
         return bool(self.reason)
 
     def _staleness(self) -> float:
-        """See :mod:`fem_lie.solve.alpha.staleness`; in the direction of the last correction."""
+        """Staleness of mass and stiffness, see :mod:`fem_lie.solve.alpha.staleness`.
+
+        It is measured in the direction of the last correction.
+        """
         x = self.dx.copy()
         back_to_local(self.s.H1, self.s.kinds, x)
         return staleness(
@@ -270,7 +275,7 @@ class RunState(DividedIntegration[Recorder]):
         )
 
     def _solve(self) -> None:
-        """Solve; the residual and the solution are in local components."""
+        """Solve; residual and solution are in local components."""
         H1, kinds = self.s.H1, self.s.kinds
         if self._turned:
             all_to_global_components(kinds, H1, self.r)
@@ -287,11 +292,11 @@ class RunState(DividedIntegration[Recorder]):
 
     @property
     def _missing(self) -> bool:
-        """Whether there is no matrix yet, or none that will do."""
+        """Whether there is no usable iteration matrix."""
         return self.solver.factorisations == 0 or self._outgrown
 
-    def _renew(self, update: Update, stressed: Array | None) -> None:
-        """Make anew what is wanted; without a matrix that is all."""
+    def _refactorise(self, update: Update, stressed: Array | None) -> None:
+        """Refactorise the requested part; without a matrix that is all of it."""
         if self._secants is not None:
             self._secants.forget()
         if update == Update.CONSTRAINTS and not self._missing:
@@ -304,12 +309,15 @@ class RunState(DividedIntegration[Recorder]):
             self._put_beside()
 
     def _factorise(self, stressed: Array | None) -> None:
-        """New matrix; ``stressed``: frames whose stress it has, ``None`` for the carried one."""
+        """Assemble and factorise the matrix.
+
+        ``stressed``: frames whose stress it contains, ``None`` for the linearly updated stress.
+        """
         self._fill(stressed, self._ahead_of_this(), self.scale, turned=self._turned)
         self.solver.factorise()
 
     def _refresh(self) -> None:
-        """The constraints anew in the kept matrix."""
+        """Update the constraint Jacobian of the frozen matrix."""
         if self._turned:
             self._factorise(self.s.H1)
             return
@@ -321,9 +329,9 @@ class RunState(DividedIntegration[Recorder]):
     def _fill(
         self, stressed: Array | None, joint_frames: Array, scale: Array | None, *, turned: bool
     ) -> Array:
-        """The matrix, and the scale of its constraints: the given one, or what suits them.
+        """Assemble the matrix with the given scale of its constraints, or choose a suitable scale.
 
-        With the latter goes what scaled multipliers count for in the size of a correction.
+        The norm weights of scaled multipliers change with the chosen scale.
         """
         p = self.p
         found = self.spread if scale is None else None
@@ -336,25 +344,26 @@ class RunState(DividedIntegration[Recorder]):
         return made
 
     def _ahead(self) -> Array:
-        """Frames in the middle of the time for which the matrix is likely to be kept.
+        """Frames at the midpoint of the time for which the matrix is likely to stay frozen.
 
-        Only the constraints' Jacobian is taken there: it turns with the bodies, the rest does not.
+        Only the constraint Jacobian is evaluated there: it rotates with the bodies, the rest does
+        not.
         """
         steps = (self.index - self._born) // 2
         s, frames = self.s, self.s.H1.copy()
-        # along a screw motion on either group: joints stay closed
+        # along a screw motion, whatever the group: joints stay closed
         retract_all(s.kinds, s.H1, steps * self.p.h * s.twist1, frames)
         return frames
 
     def _ahead_of_this(self) -> Array:
-        """The same for a matrix that is made at the present step."""
+        """The same frames for a matrix that is assembled in the current step."""
         frames, self._born = self._ahead(), self.index
         return frames
 
     # --- checkpoints ---
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
+        """Restore the state that :meth:`memory` returned."""
         super().restore(kept)
         if self.equations.unknowns.time_dependent:
             self.equations.prescribed(self.index * self.h).act()

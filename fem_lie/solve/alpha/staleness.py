@@ -1,9 +1,10 @@
-"""What kept mass and stiffness cost the iteration, found out without making them anew.
+"""Convergence rate due to old mass and stiffness, measured without a refactorisation.
 
-A Newton correction ``x`` with a kept matrix leaves ``(S_kept − S) x`` of mass and stiffness, which
-the next correction has to undo: ``|J⁻¹ (S_kept − S) x| / |x|`` is the rate at which the iteration
-would converge if nothing but ``S`` were old. ``S x`` is a difference of two residuals with the same
-multipliers, so that constraints have no part in it, and what is not linear in ``x`` cancels.
+A Newton correction ``x`` with a frozen matrix leaves the error ``(S_frozen − S) x`` of mass and
+stiffness, which the next correction has to remove: ``|J⁻¹ (S_frozen − S) x| / |x|`` is the
+convergence rate of the iteration if only ``S`` is old. ``S x`` is a difference of two residuals
+with the same multipliers, so that constraints do not contribute and terms nonlinear in ``x``
+cancel.
 """
 
 from __future__ import annotations
@@ -33,18 +34,18 @@ def staleness(
     sizes: tuple[Array, Array, Indices],
     direction: Array,
 ) -> float:
-    """Rate at which the iteration would converge if only mass and stiffness were old.
+    """Convergence rate of the iteration if only mass and stiffness are old.
 
-    Costs two residuals and a solution.
+    It costs two residuals and a solution.
 
     Args:
-        equations: Of the scene; their matrix is the one that was factorised, in local components.
-        solver: With the kept factors; what is in it is overwritten.
-        scheme: Parameters, as for :func:`~.nodes.correct`, likewise the others.
-        state: In an iteration; not changed.
-        weights: Multipliers.
-        sizes: Scale of the constraints, spread of the multipliers, and which of them are one
-            vector with the one before.
+        equations: Equations of the scene; their matrix is the factorised one, in local components.
+        solver: Solver with the frozen factors; its arrays are overwritten.
+        scheme: Parameters, as for :func:`~.nodes.correct`.
+        state: State within an iteration; not changed.
+        weights: Lagrange multipliers.
+        sizes: Scale of the constraints, norm weights of the multipliers, and which of them belong
+            to the same vector as the previous one.
         direction: A correction in the nodes' frames, shape (6 n + m,), overwritten.
     """
     scale, spread, joined = sizes
@@ -70,12 +71,12 @@ def staleness(
 
 
 def back_to_local(H: Array, kinds: Indices, x: Array) -> None:
-    """A correction (6 n + m,) as :func:`~.nodes.correct` leaves it, in the nodes' frames again."""
+    """Transform a correction (6 n + m,) of :func:`~.nodes.correct` back to the nodes' frames."""
     all_from_group(kinds, H, x[: 6 * len(kinds)].reshape(-1, 6))
 
 
 def _size(equations: Equations, x: Array, spread: Array) -> float:
-    """The size of a correction as :func:`~.nodes.correct` has it."""
+    """Size of a correction as in :func:`~.nodes.correct`."""
     unknowns = equations.unknowns
     nodes = 6 * unknowns.moving
     halves = np.linalg.norm(x[:nodes].reshape(-1, 2, 3), axis=2) * node_scaling(unknowns)

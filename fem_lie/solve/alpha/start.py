@@ -21,23 +21,23 @@ def set_start(
     twist: Array | None = None,
     time: float = 0.0,
 ) -> Array:
-    """Set velocities and accelerations so that everything is of second order from the first step.
+    """Set velocities and accelerations so that the scheme is second order from the first step.
 
-    ``a₀`` stands for ``v̇`` at ``t₀ + (α_m − α_f) h``, or the start is only first order, and ``v₀``
-    gets what :func:`velocity_defect` says, or multipliers are, in a transient. Both need the rate
-    of ``v̇``, a difference of accelerations that satisfy the equations of motion. (Arnold, Brüls &
-    Cardona, Numer. Math. 129 (2015) 149.)
+    ``a₀`` approximates ``v̇`` at ``t₀ + (α_m − α_f) h``, otherwise the start is first order only.
+    ``v₀`` is corrected by :func:`velocity_defect`, otherwise the multipliers have a transient. Both
+    need the rate of ``v̇``, a difference quotient of accelerations that satisfy the equations of
+    motion. (Arnold, Brüls & Cardona, Numer. Math. 129 (2015) 149.)
 
     Args:
-        equations: Of the scene; their matrix and loads are overwritten.
-        solver: For that matrix.
+        equations: Equations of the scene; their matrix and loads are overwritten.
+        solver: Solver for that matrix.
         scheme: Parameters of the run.
-        s: At the frames of the start; its velocities and accelerations are set.
-        twist: Velocities that the joints allow, rows as of ``equations.start``, the default.
-        time: Of the start.
+        s: State with the initial frames; its velocities and accelerations are set.
+        twist: Admissible velocities, rows as in ``equations.start``, the default.
+        time: Initial time.
 
     Returns:
-        The multipliers, shape (m,).
+        The Lagrange multipliers, shape (m,).
 
     Raises:
         ValueError: The mass matrix is singular.
@@ -63,19 +63,20 @@ def set_start(
 def velocity_defect(
     equations: Equations, solver: DirectSolver, scheme: Scheme, s: State, jerk: Array
 ) -> Array:
-    """What ``v₀`` must have across the joints, O(h²), for multipliers without a transient.
+    """Correction O(h²) of ``v₀`` across the joints for multipliers without a transient.
 
-    The increment of an exact motion is not that of the scheme; with ``J`` the rate of ``v̇``::
+    The increment of an exact motion differs from that of the scheme; with ``J`` the rate of
+    ``v̇``::
 
         l = d(exact) − d(scheme) = h³ ((1/6 − β + ½ (α_f − α_m)) J + [v, v̇]/12)
 
-    Positions satisfy the constraints, so velocities must carry ``B l/h``, once for all. The bracket
-    is ``ad(v) v̇`` on SE(3), that of the rotations alone on R³×SO(3); increments of the Cayley map
-    differ by ``−v̂³/12`` more. Where the allowed motions are a subgroup, as of one body on a joint
-    to the ground on SE(3), ``B l`` is zero. (Arnold, Brüls & Cardona 2015.)
+    Positions satisfy the constraints, so velocities must contain ``B l/h`` once. The bracket is
+    ``ad(v) v̇`` on SE(3), and that of the rotations only on R³×SO(3); increments of the Cayley map
+    differ by a further ``−v̂³/12``. If the admissible motions are a subgroup, as for one body on a
+    joint to the ground on SE(3), ``B l`` is zero. (Arnold, Brüls & Cardona 2015.)
 
     Returns:
-        In the velocities of the groups, shape (n, 6).
+        Velocities of the groups, shape (n, 6).
     """
     n, h = equations.unknowns.moving, scheme.h
     defect, local = np.empty((n, 6)), jerk.copy()
@@ -85,7 +86,7 @@ def velocity_defect(
     left = h**2 * (c * local + defect / 12)
     equations.supports.turn(s.H, left)
     rates = equations.constraints(s.H).jacobian @ left.ravel()
-    # what binds velocities asks for nothing
+    # velocity constraints need no correction
     rates[len(rates) - equations.unknowns.of_velocities :] = 0.0
     across = across_joints(equations, solver, s.H, rates, h)
     all_to_group(s.kinds, s.H, across)

@@ -1,39 +1,41 @@
 """Generalised-α with variable steps, and the local error of each step.
 
-What a step hands to the next belongs to its size: ``a`` stands for ``v̇`` at ``(α_f − α_m) h``
-before its end, and velocities carry what is of the order h² across the joints
+State that a step hands to the next depends on the step size: ``a`` approximates ``v̇`` at a time
+``(α_f − α_m) h`` before its end, and velocities contain a part of order h² across the joints
 (:func:`fem_lie.solve.alpha.start.velocity_defect`). When h becomes ``r h``::
 
     a ← v̇ + r (a − v̇)          v ← v − (1 − r²) N B v
 
-with ``N B v`` the part of the velocities across the joints. Without the first the scheme is of
-first order with variable steps (O. Brüls & M. Arnold, J. Comput. Nonlinear Dyn. 3 (2008) 041007).
+with ``N B v`` the part of the velocities across the joints. Without the first transformation the
+scheme is first order with variable steps (O. Brüls & M. Arnold, J. Comput. Nonlinear Dyn. 3 (2008)
+041007).
 
-After a step that did not resolve fast waves ``v̇`` has their part of it, which means nothing. A
-much smaller step would feel it, have a large error, and be rejected for ever: when two steps in
-sequence are rejected, accelerations are made consistent anew, as at the start.
+After a step that did not resolve fast oscillations, ``v̇`` contains a meaningless part of them. A
+much smaller step would resolve it, have a large error, and be rejected again and again. After two
+successive rejections accelerations are therefore made consistent, as at the start.
 
-How wrong one step of a Lie-group integrator is, from what the step itself has computed.
-
-The increment of the exact motion from the same start is, with ``v̇₁`` at the end of the step::
+The local error is computed from quantities of the step itself. The increment of the exact motion
+from the same start is, with ``v̇₁`` at the end of the step::
 
     d(exact) = h v + ½ h² v̇ + (h²/6) (v̇₁ − v̇) + (h³/12) ad(v) v̇ + O(h⁴)
 
-and :func:`defects` is that minus the scheme's ``d``: third order, ratio to the true error → 1 for a
-free body. The bracket is that of the group: all of it on SE(3), that of the rotations on R³×SO(3);
-the Cayley map has ``−h³ v̂³/12`` more. (The series of the logarithm: Iserles, Munthe-Kaas, Nørsett &
-Zanna, Acta Numerica 9 (2000) 215; its difference from a scheme: Arnold, Brüls & Cardona, Numer.
-Math. 129 (2015) 149.)
+and :func:`defects` is this minus the scheme's ``d``: third order, ratio to the true error → 1 for a
+free body. The bracket is that of the group: complete on SE(3), of the rotations only on R³×SO(3);
+the Cayley map has a further ``−h³ v̂³/12``. (The series of the logarithm: Iserles, Munthe-Kaas,
+Nørsett & Zanna, Acta Numerica 9 (2000) 215; its difference from a scheme: Arnold, Brüls & Cardona,
+Numer. Math. 129 (2015) 149.)
 
-A body that is held cannot err so: what is across the joints is no error, since positions satisfy
-the constraints, and stiff bodies resist. With the iteration matrix ``S`` and its factor
-``m = ∂v̇₁/∂d`` of the mass matrix, subtracting the scheme's equations from the exact ones leaves::
+In a constrained body the defect is not yet the error: positions satisfy the constraints, so the
+part across the joints is none, and stiff bodies resist. With the iteration matrix ``S`` and its
+factor ``m = ∂v̇₁/∂d`` of the mass matrix, subtracting the scheme's equations from the exact ones
+leaves::
 
     S e + Bᵀ μ = m M d̃          B e = 0          (d̃: the defect)
 
-so one solution with the kept factors turns the defect into the error ``e``, of all schemes whose
-end of a step satisfies the equations of motion. Waves that a step does not resolve are filtered
-by it, as in stiff ordinary differential equations (Hairer & Wanner, Solving ODEs II, section IV.8).
+so one solution with the frozen factors turns the defect into the error ``e``, for all schemes whose
+end of a step satisfies the equations of motion. It filters oscillations that a step does not
+resolve, as for stiff ordinary differential equations (Hairer & Wanner, Solving ODEs II, section
+IV.8).
 """
 
 from __future__ import annotations
@@ -76,12 +78,12 @@ def defects(
 
     Args:
         h: Step size.
-        kinds: What each node is.
+        kinds: Types of the nodes.
         H1: Frames at the end of the step.
         before: ``v`` and ``v̇`` of the group at its start, shape (≥ 2, n, 6).
         d: Increments of the step.
         vdot1: ``v̇`` at its end.
-        out: Overwritten.
+        out: The defects, overwritten.
     """
     bent = np.empty(6)
     for i in range(kinds.shape[0]):
@@ -96,14 +98,14 @@ def defects(
 
 
 class TimeError:
-    """The error of each step of one run.
+    """Local errors of the steps of a run.
 
     Attributes:
         defect: :func:`defects` of the last step.
     """
 
     def __init__(self, equations: Equations) -> None:
-        """For equations whose matrix is factorised elsewhere."""
+        """Set up for equations whose matrix is factorised elsewhere."""
         n, held = equations.unknowns.moving, equations.unknowns.held
         self._equations, self._kinds = equations, equations.unknowns.kinds
         self._q = np.zeros((n, 4, 3))
@@ -117,12 +119,12 @@ class TimeError:
 
         Args:
             h: Step size.
-            before: ``v`` and ``v̇`` of the group at its start, shape (≥ 2, n, 6).
+            before: ``v`` and ``v̇`` of the group at the start of the step, shape (≥ 2, n, 6).
             H1: Frames at its end.
             d: Its increments.
             vdot1: ``v̇`` at its end.
             mass: Factor of the mass matrix in the iteration matrix that will be used.
-            r: Shape (size,), overwritten.
+            r: Right-hand side, shape (size,), overwritten.
         """
         n = len(self.defect)
         defects(h, self._kinds, H1, before, d, vdot1, self.defect)
@@ -141,25 +143,25 @@ class TimeError:
 
 
 ITERATION = 0.01
-"""Part of the tolerance that the iteration of a step may leave."""
+"""Iteration error of a step, as a fraction of the step size tolerance."""
 
 SWEEPS = 3
-"""Iterations for the part of velocities across the joints."""
+"""Number of iterations for the part of velocities across the joints."""
 
-_MOTION = ("s.H", "s.H1", "s.motion", "weights", "books")
-"""What a step changes, by its names in the state of a run."""
+_MOTION = ("s.H", "s.H1", "s.motion", "weights", "balance")
+"""State that a step changes, by attribute names."""
 
 
 class AlphaSteps(Run):
-    """State of one integration with steps that change; see :class:`~.variable_steps.Stepper`."""
+    """Generalised-α with variable steps; see :class:`~.variable_steps.Stepper`."""
 
     STATE = attributes("_speed", "h", "_starter.factorisations")
 
-    # factors are kept whole
+    # the whole matrix is refactorised, never the constraint Jacobian only
     _refreshes = _sets_apart = False
 
     def __init__(self, options: Options, equations: Equations, control: Control) -> None:
-        """Nothing is computed yet; ``control`` says on which level steps are."""
+        """Set up without computing anything; ``control`` holds the level of the step size."""
         super().__init__(options, equations, control.size)
         self.control = control
         self.factors = KeptFactors(self._starter, rigid=equations.unknowns.rigid)
@@ -171,12 +173,12 @@ class AlphaSteps(Run):
 
     @property
     def increment(self) -> float:
-        """Of the last iteration, as convergence is measured."""
+        """Size of the last increment of the iteration."""
         return float(self.numbers[INCREMENT])
 
     @property
     def factorisations(self) -> int:
-        """How many there were in all."""
+        """Number of all factorisations so far."""
         return self.factors.factorisations + self._starter.factorisations
 
     # --- the size of the step ---
@@ -192,7 +194,7 @@ class AlphaSteps(Run):
         self.factors.levels.use(self.p.mass)
         self._starter.factorisations = 0
         equations.prescribed(0.0).act()
-        self.books.open(0.0, s.H, s.twist1, s.rate1, self.weights)
+        self.balance.open(0.0, s.H, s.twist1, s.rate1, self.weights)
         if not self._warm:
             self._warm_up()
             self._warm = True
@@ -202,7 +204,7 @@ class AlphaSteps(Run):
         super()._set_size(h)
 
     def set_step(self, time: float, h: float) -> None:
-        """Make the state at ``time`` that of the start of a step of size ``h``."""
+        """Set the state at ``time`` as the start of a step of size ``h``."""
         s, r, levels = self.s, h / self.h, self.factors.levels
         if abs(r - 1.0) > 1e-12:
             s.a[:] = s.vdot + r * (s.a - s.vdot)
@@ -214,9 +216,9 @@ class AlphaSteps(Run):
             self.scale[:] = levels.scale()
 
     def _across(self, time: float, share: float) -> Array:
-        """``share`` of the velocities of the groups that is across the joints, shape (n, 6).
+        """``share`` times the part of the group velocities across the joints, shape (n, 6).
 
-        With the kept matrix, whose Jacobian is old: by iteration.
+        With the frozen matrix, whose Jacobian is old: by iteration.
         """
         equations, s, n = self.equations, self.s, self._moving
         driven, v = equations.prescribed(time, self.h), equations.start.velocities.copy()
@@ -226,7 +228,7 @@ class AlphaSteps(Run):
         self.r[: 6 * n] = 0.0
         for _ in range(SWEEPS):
             found, _ = constraints.rates(across)
-            # the rows of the kept matrix are scaled as they were when it was made
+            # the rows of the frozen matrix keep the scale of its factorisation
             scale = self.factors.levels.scale() * self.factors.levels.factor
             self.r[6 * n :] = scale * (share * wanted - found)
             super()._solve()
@@ -238,19 +240,19 @@ class AlphaSteps(Run):
         """Make accelerations and velocities at ``time`` consistent."""
         s = self.s
         self._make_consistent(time)
-        self.books.jump(time, s.H, s.twist1, s.rate1, self.weights)
+        self.balance.jump(time, s.H, s.twist1, s.rate1, self.weights)
 
     def calm(self, time: float, h: float) -> None:
-        """Find accelerations anew."""
+        """Make accelerations consistent."""
         s = self.s
         self.set_step(time, h)
         self._make_consistent(time)
-        self.books.look(time, s.H, s.twist1, s.rate1, self.weights)
+        self.balance.look(time, s.H, s.twist1, s.rate1, self.weights)
 
     # --- steps ---
 
     def step_to(self, start: float, end: float, index: int, lands: bool) -> int:
-        """Make step ``index``; its iterations, 0 if it failed."""
+        """Make step ``index``; return its iterations, 0 if it failed."""
         self.counters[STEP], self._end = index - 1, end
         seen = end - side(end, self.h) if lands else end
         self._go_to_time(seen)
@@ -259,25 +261,25 @@ class AlphaSteps(Run):
         if iterations:
             self._turn()
             self._speed = max(self._speed, float(self.numbers[MOTION]) / self.h)
-            self.books.add(self.h, seen, *self._accepted)
+            self.balance.add(self.h, seen, *self._accepted)
         return iterations
 
     def saved(self) -> dict[str, Array]:
-        """A copy of what a step changes."""
+        """A copy of the state that a step changes."""
         return {name: array.copy() for name, array in self._moved.items()}
 
     def take_back(self, state: Mapping[str, Array]) -> None:
-        """Be as when the state was saved."""
+        """Restore a saved state."""
         for name, array in self._moved.items():
             array[...] = state[name]
 
     def follow(self, other: AlphaSteps, state: Mapping[str, Array]) -> None:
-        """Be as another one was when it saved ``state``."""
+        """Take the state that another stepper has saved."""
         self.take_back(state)
         self.h, self._speed, self.counters[STEP] = other.h, other._speed, other.index
 
     def estimate(self, before: Mapping[str, Array], start: float, end: float) -> StepError:
-        """The error of the step that was made from the state ``before``."""
+        """Error of the step that was made from the state ``before``."""
         s, m = self.s, self.factors.levels.mass
         self._error.load(self.h, before["s.motion"], s.H, s.d, s.vdot, m, self.r)
         super()._solve()
@@ -286,35 +288,35 @@ class AlphaSteps(Run):
     def recorder(
         self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None
     ) -> GrowingRecorder:
-        """See the protocol."""
+        """Create the history of results."""
         return GrowingRecorder(self.equations, plan, progress, store)
 
-    def leave_books(self) -> None:
-        """See the protocol."""
-        self.books.rest()
+    def leave_balance(self) -> None:
+        """Skip the energy balance."""
+        self.balance.rest()
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """See the protocol."""
+        """Restore the state that :meth:`memory` returned, without matrices."""
         super().restore(kept)
         if not self._warm:
             self._warm_up()
             self._warm = True
 
-    def renew_matrix(self, time: float) -> None:
-        """See the protocol."""
+    def refactorise_at(self, time: float) -> None:
+        """Drop all matrices and factorise that of the current state."""
         self._set_size(self.h)
         self.factors.forget()
         self._scales.clear()
         self.factors.levels.use(self.p.mass)
         self._go_to_time(time)
         self._find(self._end_instant)
-        # a step from a singular configuration makes its own matrix
+        # a step from a singular configuration factorises its own matrix
         with suppress(SingularMatrixError):
             self._factorise(self.s.H1)
 
     def record(self, recorder: GrowingRecorder, index: int, iterations: int) -> None:
-        """Keep the present state in the next row."""
-        recorder.fill(0.0, *self._accepted, self.books.total)
+        """Record the current state in the next row."""
+        recorder.fill(0.0, *self._accepted, self.balance.total)
 
     # --- what changes in a step ---
 
@@ -339,7 +341,7 @@ class AlphaSteps(Run):
             self.dx *= self._factor
 
     def _refresh(self) -> None:
-        """The matrix may belong to another level: it is made whole."""
+        """Refactorise the whole matrix, which may belong to another step size."""
         self._factorise(self.s.H1)
 
     def _factorise(self, stressed: Array | None) -> None:

@@ -1,1 +1,1 @@
-"""Schemes of higher order that are made of steps of another one."""
+"""Schemes of higher order composed of steps of another scheme."""

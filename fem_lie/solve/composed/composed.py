@@ -1,17 +1,17 @@
-r"""A scheme of fourth order that conserves what the scheme in it conserves.
+r"""Fourth-order schemes composed of sub-steps of a second-order scheme, with its conservation laws.
 
-Each step is made of steps of another scheme, some of which go back in time
-(:mod:`fem_lie.solve.composed.parts`). What each of them keeps to round-off, energy, momentum
-and angular momentum, all of them keep, whatever their sizes and signs; joints hold at the end of
-each. Configurations and velocities are of fourth order, and so are joint forces and reactions,
-which are those of the equations of motion at the ends of steps; but what drives and prescribed
-motions need is of second order, for their accelerations are differences over a step.
+Each step is composed of sub-steps of another scheme, some of which go back in time
+(:mod:`fem_lie.solve.composed.parts`). Invariants that each sub-step conserves to round-off (energy,
+momentum and angular momentum) are conserved, whatever the sizes and signs; joints hold at the end
+of each. Configurations and velocities are of fourth order, and so are joint forces and reactions,
+which are those of the equations of motion at the ends of steps; but forces of drives and prescribed
+motions are of second order, because their accelerations are differences over a step.
 
-Steps of the variational scheme keep its momenta, and an energy that does not drift, with errors of
-fourth order; books of work and impulses are kept by the trapezoidal rule over whole steps, for
-which each takes two factorisations if anything acts from outside.
+Sub-steps of the variational scheme conserve its momenta, and an energy that does not drift, with
+errors of fourth order. Work and impulses are integrated by the trapezoidal rule over whole steps,
+which needs two factorisations per step if external loads act.
 
-Each size of parts has a matrix of its own, and both are kept.
+Each size of sub-steps has a matrix of its own; both are frozen.
 """
 
 from __future__ import annotations
@@ -42,17 +42,17 @@ _ROUND_OFF = 1e-12
 class Composed(Integrator):
     """Options of the scheme; :meth:`run` integrates with constant steps.
 
-    Functions of time, of loads, drives and motions, are followed back, too; they must be smooth,
-    and with :class:`~fem_lie.TripleJump` they are asked for times before the start of the run and
-    after its end. What dissipates is refused: backwards it would feed energy.
+    Functions of time of loads, drives and motions are evaluated back in time, too; they must
+    be smooth. With :class:`~fem_lie.TripleJump` they are evaluated before the start of the run and
+    after its end. Scenes with dissipation raise an error: backwards it would add energy.
 
-    Joint forces and reactions take a factorisation for each state that is kept.
+    Joint forces and reactions need a factorisation for each recorded state.
 
     Attributes:
-        scheme: Of which steps are made; it must be symmetric, as ``EnergyMomentum()`` and
-            ``Variational()`` are. Its policy decides for each size of parts.
-        composition: Of which parts: :class:`~fem_lie.FiveStages`, :class:`~fem_lie.NineStages` or
-            :class:`~fem_lie.TripleJump`.
+        scheme: Scheme of the sub-steps; it must be symmetric, as ``EnergyMomentum()`` and
+            ``Variational()`` are. Its policy decides for each size of sub-steps.
+        composition: Sizes of the sub-steps: :class:`~fem_lie.FiveStages`,
+            :class:`~fem_lie.NineStages` or :class:`~fem_lie.TripleJump`.
 
     Example:
         >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
@@ -65,8 +65,8 @@ class Composed(Integrator):
     """
 
     _wanted_step: ClassVar[str] = (
-        "makes constant steps over smooth functions of time: wanted the size of the step as a "
-        "number and nothing that jumps (or use EnergyMomentum)"
+        "makes constant steps over smooth functions of time: expected the step size as a "
+        "number and a scene without discontinuities (or use EnergyMomentum)"
     )
 
     scheme: Integrator = field(default_factory=EnergyMomentum)
@@ -80,7 +80,7 @@ class Composed(Integrator):
         if not isinstance(self.scheme, _SYMMETRIC) or isinstance(self.scheme, EnergyDecaying):
             raise ValueError(
                 "only a symmetric scheme can be composed, EnergyMomentum() or Variational(): what "
-                f"another one loses it would feed in parts that go back; got {self.scheme}"
+                f"another one loses it would gain in sub-steps back in time; got {self.scheme}"
             )
         _check_parts(self.composition)
 
@@ -93,13 +93,13 @@ class Composed(Integrator):
     def _integration(self, equations: Equations, step: float) -> Integration[Any]:
         how = self.composition
         if isinstance(self.scheme, Variational):
-            return MomentumRun(self.scheme.told(), equations, step, how.parts)
+            return MomentumRun(self.scheme.options(), equations, step, how.parts)
         assert isinstance(self.scheme, EnergyMomentum)
-        return ComposedRun(self.scheme.told(), equations, step, how.halves)
+        return ComposedRun(self.scheme.options(), equations, step, how.halves)
 
 
 def _check_parts(composition: Composition) -> None:
-    """Raise ``ValueError`` for parts of which no step of fourth order is made."""
+    """Raise ``ValueError`` for sub-steps that do not compose a step of fourth order."""
     parts = np.array(composition.parts, dtype=np.float64)
     fourth = len(parts) > 0 and abs(parts.sum() - 1.0) + abs((parts**3).sum()) < _ROUND_OFF
     if not (fourth and np.allclose(parts, parts[::-1], rtol=0.0, atol=_ROUND_OFF)):
@@ -116,7 +116,7 @@ def _check_parts(composition: Composition) -> None:
 
 
 def _refuse(equations: Equations) -> None:
-    """Raise ``ValueError`` for what cannot be followed back."""
+    """Raise ``ValueError`` for scenes that cannot be integrated back in time."""
     tables, unknowns = equations.tables, equations.unknowns
     pairs = tables.pairs_of_all
     of_all = [tables.joints, *([] if pairs is None else [pairs.joints])]
@@ -139,6 +139,6 @@ def _refuse(equations: Equations) -> None:
     for what, given in reasons.items():
         if given:
             raise ValueError(
-                f"Composed steps go back in time in part, where {what} would feed energy: expected "
-                "a scene without, or EnergyMomentum or GeneralisedAlpha"
+                f"Some sub-steps of Composed go back in time, where {what} would add energy: "
+                "expected a scene without, or EnergyMomentum or GeneralisedAlpha"
             )

@@ -1,8 +1,8 @@
 """Sub-steps of the variational scheme: one by one, and all in one compiled loop.
 
-Between parts there are frames and momenta. Of the latter only what constraints allow counts, and
-what a part makes of it is symmetric and near the identity, so that parts need not be halved as
-those of the conserving scheme (:mod:`.parts`).
+The state between sub-steps is frames and momenta. Only admissible momenta matter, and a sub-step
+maps them symmetrically and close to the identity, so that sub-steps need not be halved as those of
+the conserving scheme (:mod:`.parts`).
 """
 
 from __future__ import annotations
@@ -30,12 +30,13 @@ from fem_lie.solve.variational.run_state import Options
 from fem_lie.system.equations import Equations
 
 MADE, PART, SIZE = 0, 1, 2
-"""Of ``place``: whole steps made, parts of the present one, and the size for which the state is."""
+"""Indices into ``place``: whole steps made, sub-steps of the current one, and the size of the
+state."""
 
 
 @compiled
 def resize(carry: Array, before: float, h: float) -> None:
-    """What round-off has left over is an impulse: as a force it depends on the size of the step."""
+    """Rescale forces left over by round-off: they are impulses, which depend on the step size."""
     ratio = before / h
     for i in range(carry.shape[0]):
         for k in range(carry.shape[1]):
@@ -55,20 +56,20 @@ def run(
     place: Indices,
     last: int,
 ) -> int:
-    """Go on until step ``last``, or until a part wants a new matrix or fails.
+    """Advance to step ``last``, or until a sub-step needs a new matrix or fails.
 
     Args:
-        models: Of each of the two sizes of parts, see
+        models: Packed model for each of the two sizes, see
             :class:`~fem_lie.solve.conserving.step.packing.Packed`.
         starts: The state.
-        steps: The present part.
-        factors: Of the matrix of each size.
+        steps: The current sub-step.
+        factors: Factors of the matrix of each size.
         options: See :func:`fem_lie.solve.conserving.step.loop.run`.
-        counters: Of each size, (2, 8), updated.
-        numbers: Of each size, (2, 11), updated.
-        sizes: Both, and which of them each part has, (2,) and (parts,).
-        place: Where the run is, (3,), see :data:`MADE`; updated.
-        last: Whole steps to be made.
+        counters: Counters of each size, (2, 8), updated.
+        numbers: Numbers of each size, (2, 11), updated.
+        sizes: Both sizes, and the index of the size of each sub-step, (2,) and (parts,).
+        place: Position of the run, (3,), see :data:`MADE`; updated.
+        last: Number of whole steps to be made.
     """
     h, order = sizes
     while place[MADE] < last:
@@ -88,26 +89,26 @@ def run(
     return loop.DONE
 
 
-_SHARED = "H", "rest", "steps", "before", "gap", "books", "weights", "earlier"
-"""The state of all parts."""
+_SHARED = "H", "rest", "steps", "before", "gap", "balance", "weights", "earlier"
+"""State shared by sub-steps of all sizes."""
 
 
 class MomentumPart(VariationalRun):
-    """Steps of one size, with matrices of their own; all sizes have one state.
+    """Sub-steps of one size, with matrices of their own; all sizes share one state.
 
-    The compiled loop makes one at a time, and what acts from outside is booked over whole steps.
+    The compiled loop makes one at a time; the energy balance is updated over whole steps.
     """
 
     def __init__(
         self, options: Options, equations: Equations, step: float, shared: MomentumPart | None
     ) -> None:
-        """Allocate everything; nothing is computed yet.
+        """Allocate all arrays without computing anything.
 
         Args:
-            options: Of the scheme.
-            equations: Of the scene.
+            options: Options of the scheme.
+            equations: Equations of the scene.
             step: Size, which may be negative.
-            shared: The part whose state is that of all; default: this one.
+            shared: The run whose state is shared; default: this one.
         """
         super().__init__(options, equations, step)
         self._ends = Ends(equations, abs(step), sweeps=2)
@@ -118,33 +119,33 @@ class MomentumPart(VariationalRun):
 
     @property
     def time(self) -> float:
-        """When the present part begins."""
+        """Time at the start of the current sub-step."""
         return self._start
 
     def start_as_shared(self) -> None:
-        """Start where another part was started."""
+        """Take the initial state of the run that owns the state."""
         self._take_rows()
         self.scale[:] = self._fill(None)
 
     def set_size(self, size: float) -> None:
-        """Have another size; what the steps before were like is known by their own sizes."""
+        """Change the size; earlier steps keep their own sizes."""
         self.h = self.size = size
         self._ends.h = abs(size)
 
     def forget_matrix(self) -> None:
-        """Have none: that of another size is of no use."""
+        """Drop the matrix, which belongs to another size."""
         self._factors = None
 
     def make(self, start: float, last: float, earlier: float) -> bool:
-        """Make the next step of this size; whether it is made.
+        """Make the next sub-step of this size; return whether it converged.
 
         Args:
-            start: When it begins.
+            start: Time at its start.
             last: Size of the step before it.
             earlier: Size of the one before that.
         """
         self._start, h = start, self.h
-        # two steps of this size, from which this one follows along a line through their rates
+        # two steps of this size, from whose rates this one is extrapolated linearly
         rate, change = self.steps[0] / last, (self.steps[0] - self.steps[1]) / last
         self.steps[0] = h * rate
         self.steps[1] = h * (rate - change * (h + last) / (last + earlier))
@@ -154,17 +155,17 @@ class MomentumPart(VariationalRun):
         alone, self.begun = self._alone, self.index
         made = self._stretch(self.index + 1) if alone else self.attempt(start, start + h)
         if made:
-            # and the last one as if it were of this size
+            # and the last one, rescaled to this size
             self.steps[1] = h * rate
         return made
 
     @property
-    def _books_inside(self) -> bool:
+    def _balance_in_loop(self) -> bool:
         return False
 
     @property
     def divides(self) -> bool:
-        """Not here: half a part is none of its composition."""
+        """Not supported: half a sub-step is not part of its composition."""
         return False
 
     def _book(self, time: float, weights: Array) -> None:
@@ -172,23 +173,23 @@ class MomentumPart(VariationalRun):
 
     def book(self, h: float, time: float) -> None:
         """Book a whole step of the size ``h`` that ends, by the trapezoidal rule."""
-        if not self.books.empty:
+        if not self.balance.empty:
             v, rates, weights = self.at_end(time)
-            self.books.add(h, time, self.H, v[: self._n], rates, weights)
+            self.balance.add(h, time, self.H, v[: self._n], rates, weights)
 
     def at_end(self, time: float) -> tuple[Array, Array, Array]:
-        """Twists, their rates and multipliers; each call takes two factorisations."""
+        """Twists, their rates and multipliers; each call needs two factorisations."""
         v = self._ends.velocities(self.H, self.before, time)
         return v, *self._ends.accelerations(self.H, v, time)
 
     @property
     def iterations(self) -> int:
-        """Of all steps of this size."""
+        """Number of iterations of all sub-steps of this size."""
         return self._iterations
 
     @property
     def factorisations(self) -> int:
-        """Of its matrix."""
+        """Number of factorisations of its matrix."""
         return self._factorisations
 
     @property
@@ -198,24 +199,24 @@ class MomentumPart(VariationalRun):
 
 
 _OWN = "_made", "twists", "rows"
-"""What steps change of the part that makes them."""
+"""State of a size that its sub-steps change."""
 
 
 class MomentumRun(DividedIntegration[Recorder]):
-    """One integration."""
+    """Run of composed steps of the variational scheme."""
 
     STATE = attributes("_made", "_sizes", "_parts")
 
     def __init__(
         self, options: Options, equations: Equations, step: float, shares: tuple[float, ...]
     ) -> None:
-        """Nothing is computed yet.
+        """Set up without computing anything.
 
         Args:
-            options: Of the scheme of the parts.
-            equations: Of the scene.
+            options: Options of the scheme of the sub-steps.
+            equations: Equations of the scene.
             step: Size of the whole steps.
-            shares: Sizes of their parts, over that; two of them differ.
+            shares: Sizes of the sub-steps over that of the step; two of them differ.
         """
         super().__init__(options.policy, equations, step)
         self.carried = equations.memory
@@ -232,11 +233,11 @@ class MomentumRun(DividedIntegration[Recorder]):
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
-        """See the base class."""
+        """Create the history of results."""
         return self._parts[0].history(plan, progress, store)
 
     def start(self) -> None:
-        """See the base class."""
+        """Compute the initial state."""
         first, *others = self._parts
         first.start()
         for part in others:
@@ -244,12 +245,12 @@ class MomentumRun(DividedIntegration[Recorder]):
 
     @property
     def frames(self) -> Array:
-        """See the base class."""
+        """Current frames of all rows."""
         return self._parts[0].frames
 
     @property
     def index(self) -> int:
-        """See the base class."""
+        """Number of steps made, including the current one."""
         return self._made
 
     def _advance(self, history: Recorder) -> bool:
@@ -258,7 +259,7 @@ class MomentumRun(DividedIntegration[Recorder]):
         return made
 
     def attempt(self, start: float, end: float) -> bool:
-        """See the base class."""
+        """Make a step; return whether it converged."""
         self._made, size = self.begun, self.part_size
         known = self, ("_sizes", "equations.memory")
         changed = known, (self._parts[0], _SHARED), *((part, _OWN) for part in self._parts)
@@ -275,7 +276,7 @@ class MomentumRun(DividedIntegration[Recorder]):
         return True
 
     def resize(self, time: float, size: float) -> None:
-        """See the base class."""
+        """Start steps of another size."""
         self._set_sizes()
         for part in self._parts:
             part.start_as_shared()
@@ -286,7 +287,7 @@ class MomentumRun(DividedIntegration[Recorder]):
             part.set_size(share * self.part_size)
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
+        """Restore the state that :meth:`memory` returned."""
         super().restore(kept)
         self._set_sizes()
 
@@ -297,8 +298,8 @@ class MomentumRun(DividedIntegration[Recorder]):
     def _failure(self, steps: int) -> str:
         options, part = self.options, self._parts[self._order[self._part]]
         numbers = options.max_iterations, *part.left, options.tolerance
-        text = failure(self.index + 1, steps, self.h, *numbers, options.policy.rescue)
-        text = f"part {self._part + 1} of {text}"
+        text = failure(self.index + 1, steps, self.h, *numbers, options.policy.full_newton_fallback)
+        text = f"sub-step {self._part + 1} of {text}"
         return self._nor_in_parts(text)
 
     def _record(self, history: Recorder) -> bool:

@@ -192,7 +192,7 @@ class ComposedRun(DividedIntegration[History]):
     def _failure(self, steps: int) -> str:
         options, (part, increment, left) = self.options, self._left
         limit, tolerance = options.max_iterations, options.tolerance
-        numbers = limit, increment, left, tolerance, self._rescues
+        numbers = limit, increment, left, tolerance, self._may_fall_back
         text = f"part {part} of {failure(self.index + 1, steps, self.h, *numbers)}"
         return self._nor_in_parts(text)
 
@@ -228,10 +228,10 @@ class ComposedRun(DividedIntegration[History]):
         v[:n] = self._parts[0].local(s.V[:n], s.H)
         if Record.FORCES in history.filled and (held or len(weights)):
             rates, weights = self._end_forces(v)
-        self._filled.by_both(history, s.H, (s.V, v[:n]), weights, s.books)
+        self._filled.by_both(history, s.H, (s.V, v[:n]), weights, s.balance)
         if Record.FORCES in history.filled and held:
-            told = equations.report(s.H, v, rates, weights, carried=False)
-            history.reactions[row] = told.reactions
+            report = equations.report(s.H, v, rates, weights, carried=False)
+            history.reactions[row] = report.reactions
         if Record.ENERGIES in history.filled:
             joints = self._parts[0].joints
             if joints is not None:

@@ -2,7 +2,7 @@
 
 With ``q = (x, d₁, d₂, d₃)`` of the nodes, the constant matrix of inertia ``G``, velocities ``V``
 and increments ``Δq`` that come from a translation and a Cayley rotation of each node
-(:mod:`fem_lie.solve.conserving.between.cayley`)::
+(:mod:`fem_lie.solve.conserving.midpoint.cayley`)::
 
     V₁ = 2 Δq/h − V
     L(q̄)ᵀ [G (V₁ − V)/h − dead] + elastic forces + joint forces − loads = 0,      Φ(q₁) = 0
@@ -13,21 +13,21 @@ of every force is that on ``Δq`` without any error:
 - *inertia:* ``(V₁ − V)·G Δq/h = ½ V₁·G V₁ − ½ V·G V``, and the angular momentum ``Σ q × G V``
   changes by ``Σ q̄ × (forces)`` alone;
 - *elements:* forces that do the work ``W₁ − W`` and have neither a resultant nor a moment, for any
-  objective energy (:mod:`fem_lie.solve.conserving.between.discrete_gradient`);
+  objective energy (:mod:`fem_lie.solve.conserving.midpoint.discrete_gradient`);
 - *joints:* ``Φ`` is bilinear in ``q``, and its gradient at ``q̄`` does the work ``λ (Φ₁ − Φ) = 0``
   (:mod:`fem_lie.solve.conserving.step.joints`); constraints between more than two frames, and those
-  of velocities, have a discrete gradient (:mod:`.outside.other_constraints`);
+  of velocities, have a discrete gradient (:mod:`.python_forces.constraints`);
 - *loads* at the middle of the step: gravity and constant forces have a potential, the work of all
   others is counted, and so is what viscous forces take.
 
 The scheme is of second order. It damps nothing: what a step does not resolve stays. Multipliers act
 over a step; joint forces are reported at its end
-(:mod:`fem_lie.solve.conserving.between.end_forces`). The iteration goes on until nothing but
+(:mod:`fem_lie.solve.conserving.midpoint.end_forces`). The iteration goes on until nothing but
 round-off changes, with a matrix in local frames that is kept as the policy says. Bodies' groups
 have no meaning for it. Nodes that are no frames have rows whose increments add: for these ``L`` is
-constant, and they stand in one system with frames (:mod:`fem_lie.solve.conserving.rows`).
+constant, and they stand in one system with frames (:mod:`fem_lie.solve.conserving.vector_cells`).
 Reduced-order bodies have further rows with inertia
-(:mod:`fem_lie.solve.conserving.between.floating`).
+(:mod:`fem_lie.solve.conserving.midpoint.reduced_bodies`).
 
 Sources: Simo, Tarnow & Doblaré, IJNME 38 (1995) 1431; Gonzalez, J. Nonlinear Sci. 6 (1996) 449;
 Romero & Armero, IJNME 54 (2002) 1683; Betsch & Leyendecker, IJNME 67 (2006) 499.
@@ -44,8 +44,8 @@ from fem_lie.forms.term import Term
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.scene import Scene
-from fem_lie.solve.conserving.memory import has_vector_nodes
-from fem_lie.solve.conserving.outside.forces import acts_in_the_middle
+from fem_lie.solve.conserving.model import has_vector_nodes
+from fem_lie.solve.conserving.python_forces.forces import acts_in_the_middle
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import Options
 from fem_lie.solve.conserving.variable import ConservingSteps
@@ -173,7 +173,7 @@ class EnergyMomentum(Integrator):
         return equations
 
     def _integration(self, equations: Equations, step: float) -> Run:
-        return Run(self.told(), equations, step)
+        return Run(self.options(), equations, step)
 
     def _steppers(
         self, scene: Scene, plan: ChosenSteps
@@ -182,13 +182,13 @@ class EnergyMomentum(Integrator):
             if any(term.over_step is not None for term in equations.tables.terms):
                 raise ValueError(
                     "conserving schemes have contacts by penalty in constant steps: expected the "
-                    "size of the step as a number and nothing that jumps"
+                    "step size as a number and a scene without discontinuities"
                 )
-            return ConservingSteps(self.told(), equations, control)
+            return ConservingSteps(self.options(), equations, control)
 
         return begin
 
-    def told(self) -> Options:
+    def options(self) -> Options:
         """What a run is told."""
         return Options(self.tolerance, self.policy, self.max_iterations)
 
@@ -225,7 +225,7 @@ class EnergyDecaying(EnergyMomentum):
         if not 0.0 <= self.radius <= 1.0:
             raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
 
-    def told(self) -> Options:
+    def options(self) -> Options:
         """See the base class."""
         loss = (1.0 - self.radius) / (3.0 + self.radius)
         return Options(self.tolerance, self.policy, self.max_iterations, loss, 1.0 - loss)

@@ -34,8 +34,8 @@ from fem_lie.lie.node_types import POSITION_GRADIENT, pull_all_back
 from fem_lie.lie.node_types.inertia import Inertia
 from fem_lie.lie.node_types.node_type import axes
 from fem_lie.lie.tuples import load, rotate, rotate_back
-from fem_lie.solve.conserving.between.floating import PackedBodies
-from fem_lie.solve.conserving.between.product_rows import accelerations, add_inertia
+from fem_lie.solve.conserving.midpoint.products import accelerations, add_inertia
+from fem_lie.solve.conserving.midpoint.reduced_bodies import PackedBodies
 from fem_lie.solve.motion.step_log import StepError, largest
 from fem_lie.system.equations import TimeState
 

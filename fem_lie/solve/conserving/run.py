@@ -14,8 +14,8 @@ from fem_lie.linear.factors import Factors, factorise
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.solve.conserving import steps
-from fem_lie.solve.conserving.between.any_node import twists
-from fem_lie.solve.conserving.between.end_forces import at_end, rates_at_end
+from fem_lie.solve.conserving.midpoint.any_node import twists
+from fem_lie.solve.conserving.midpoint.end_forces import at_end, rates_at_end
 from fem_lie.solve.conserving.run_state import PREFIX
 from fem_lie.solve.conserving.step import corrections, loop
 from fem_lie.solve.conserving.step.dissipation import ENERGY
@@ -93,15 +93,15 @@ class Run(Steps):
             kept = self._factors.plain, given, self.counters, self.numbers
             how = *kept, results, supports, place, last
             code = steps.run(packed.model, packed.state, packed.step, *how)
-            self._outside.check()
-            if code == loop.MATRIX and not self._renewed():
+            self._python_forces.check()
+            if code == loop.MATRIX and not self._refactorised():
                 code = loop.FAILED
         filled = int(place[steps.WANTED])
         self._kept = int(wanted[filled - 1]) if filled else -1
         history.row, history.turns_far = int(place[steps.ROW]), bool(place[steps.NEAR])
         if code == loop.LOST:
-            code = self._go_anew()
-        if code == loop.DONE or (self._rescues and self._rescued()):
+            code = self._restart_step()
+        if code == loop.DONE or (self._may_fall_back and self._fallback_converged()):
             return True
         return self.divides and self._divide()
 
@@ -124,9 +124,9 @@ class Run(Steps):
         increment = float(self.numbers[corrections.INCREMENT])
         largest = float(np.abs(Solution(*self.this.r).residual).max())
         limit, tolerance = self.options.max_iterations, self.options.tolerance
-        rescued = self._rescues
+        after_fallback = self._may_fall_back
         index = self.index + 1
-        text = failure(index, steps, self.h, limit, increment, largest, tolerance, rescued)
+        text = failure(index, steps, self.h, limit, increment, largest, tolerance, after_fallback)
         text = self._because(text, steps, index)
         return self._nor_in_parts(text)
 
@@ -150,7 +150,7 @@ class Run(Steps):
 
     def _warn_of_cancellation(self) -> None:
         """Say which laws lose the digits of small strains, where that is seen in the energy."""
-        cancels, most = self.row_cells.cancels, float(self.s.lag[ENERGY])
+        cancels, most = self.row_cells.cancels, float(self.s.filter_state[ENERGY])
         error = float(np.linalg.norm(cancels))
         if error > _CANCELLED * most:
             _log.warning(
@@ -169,13 +169,13 @@ class Run(Steps):
             # drives are violated by what they are not at the end
             self.equations.prescribed(self._end).act()
         motion = s.V, self.local(s.V[: self.moving], s.H)
-        self._filled.by_both(history, s.H, motion, weights, s.books)
+        self._filled.by_both(history, s.H, motion, weights, s.balance)
         if self._held and Record.FORCES in history.filled:
             history.reactions[row] = self._reactions(weights)
         if Record.ENERGIES in history.filled:
-            if self._outside.joints is not None:
-                history.elastic[row] = self._outside.joints.energy(s.H)
-            history.elastic[row] += s.W.sum() + self._pushes.energy + self._pushes.held
+            if self._python_forces.joints is not None:
+                history.elastic[row] = self._python_forces.joints.energy(s.H)
+            history.elastic[row] += s.W.sum() + self._end_forces.energy + self._end_forces.held
         history.keep(
             np.array([self.index]), self.counters[corrections.TOTAL : corrections.TOTAL + 1]
         )
@@ -217,9 +217,9 @@ class Run(Steps):
             self.cells.pack()
             self._take_loads()
             self.cells.restore(part_of(kept, "cells"))
-        self._factors = self._kept_factors(kept)
+        self._factors = self._frozen_factors(kept)
 
-    def _kept_factors(self, kept: Mapping[str, Array]) -> Factors | None:
+    def _frozen_factors(self, kept: Mapping[str, Array]) -> Factors | None:
         """Those with which a restored run goes on, if there are any."""
         stale = np.isinf(self.numbers[corrections.EXCESS])
         return None if stale else self._with_inverse(factorise(self.equations.matrix))

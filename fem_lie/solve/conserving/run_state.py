@@ -17,25 +17,22 @@ from fem_lie.forms.cells import Cells, evaluate
 from fem_lie.lie.node_types import POSITION_GRADIENT, push_all_forward, retract_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
-from fem_lie.solve.conserving.between.any_node import span_from_python, spatial_rates, twists
-from fem_lie.solve.conserving.between.cayley import Turning, half_way
-from fem_lie.solve.conserving.between.product_rows import product_rates, stored_energies
-from fem_lie.solve.conserving.memory import (
+from fem_lie.solve.conserving.midpoint.any_node import span_from_python, spatial_rates, twists
+from fem_lie.solve.conserving.midpoint.cayley import Turning, midpoint_frames
+from fem_lie.solve.conserving.midpoint.products import product_rates, stored_energies
+from fem_lie.solve.conserving.model import (
     assemblies_of_frames,
     cells_of_rows,
-    legs_of,
+    end_forces_of,
+    incidences_of,
     model_of,
     pieces_of,
-    pushes_of,
-    room_for_step,
     start_state,
+    step_workspace,
 )
-from fem_lie.solve.conserving.outside.forces import Outside
-from fem_lie.solve.conserving.outside.joints import Joints
-from fem_lie.solve.conserving.outside.other_constraints import OtherConstraints
-from fem_lie.solve.conserving.rows.cells import energies_at
-from fem_lie.solve.conserving.rows.changes import forces_at
-from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
+from fem_lie.solve.conserving.python_forces.constraints import OtherConstraints
+from fem_lie.solve.conserving.python_forces.forces import PythonForces
+from fem_lie.solve.conserving.python_forces.joints import Joints
 from fem_lie.solve.conserving.step import corrections
 from fem_lie.solve.conserving.step.balance import packed_residual
 from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
@@ -43,6 +40,9 @@ from fem_lie.solve.conserving.step.joints import border_at
 from fem_lie.solve.conserving.step.packing import Packed
 from fem_lie.solve.conserving.step.records import Scheme, Span, State, Step
 from fem_lie.solve.conserving.step.series import set_inverse
+from fem_lie.solve.conserving.vector_cells.cell_table import CellTable as RowCells
+from fem_lie.solve.conserving.vector_cells.cells import energies_at
+from fem_lie.solve.conserving.vector_cells.force_changes import forces_at
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.motion.policies import Policy
@@ -63,21 +63,21 @@ class Options:
             ``policy`` and ``max_iterations``.
         policy: When to factorise.
         max_iterations: More in one step are a failure.
-        loss: χ of :mod:`fem_lie.solve.conserving.step.dissipation`.
-        learning: μ.
+        dissipation: χ of :mod:`fem_lie.solve.conserving.step.dissipation`.
+        filter_gain: μ.
     """
 
     tolerance: float
     policy: Policy
     max_iterations: int
-    loss: float = 0.0
-    learning: float = 1.0
+    dissipation: float = 0.0
+    filter_gain: float = 1.0
 
 
 _ARRAYS = ("s", "counters", "numbers")
 """Arrays that a step changes."""
 
-_PARTS = ("cells", "_outside.joints")
+_PARTS = ("cells", "_python_forces.joints")
 """Objects whose state it changes, beside that of the equations."""
 
 
@@ -93,7 +93,7 @@ class RunState(DividedIntegration[History]):
     """
 
     STATE = attributes(
-        *("this.V1", "this.r", "model.scale", "counts", "size", "unpredicted", "_pushes"),
+        *("this.V1", "this.r", "model.scale", "counts", "size", "unpredicted", "_end_forces"),
         *(*_ARRAYS, *_PARTS),
     )
 
@@ -134,23 +134,28 @@ class RunState(DividedIntegration[History]):
         )
         self.row_cells: RowCells = cells_of_rows(equations) if shared is None else shared.row_cells
         self._strained = equations.unknowns.strains_change
-        legs = legs_of(equations, self.follows)
-        room, dissipates = (equations, self.cells, self.row_cells, legs), options.loss > 0.0
+        incidences = incidences_of(equations, self.follows)
+        room, dissipates = (
+            (equations, self.cells, self.row_cells, incidences),
+            options.dissipation > 0.0,
+        )
         self.s: State = start_state(*room, dissipates=dissipates) if shared is None else shared.s
         self.this: Step = (
-            room_for_step(*room, dissipates=dissipates) if shared is None else shared.this
+            step_workspace(*room, dissipates=dissipates) if shared is None else shared.this
         )
-        self._pushes, self._turning = pushes_of(equations), Turning()
-        scheme = Scheme(self.size, options.loss, options.learning)
-        self.model = model_of(equations, self.cells, self.row_cells, scheme, legs)
-        outside = None if shared is None else shared._outside
-        self._outside: Outside = Outside(equations, self, self._pushes, outside)
+        self._end_forces, self._turning = end_forces_of(equations), Turning()
+        scheme = Scheme(self.size, options.dissipation, options.filter_gain)
+        self.model = model_of(equations, self.cells, self.row_cells, scheme, incidences)
+        python_forces = None if shared is None else shared._python_forces
+        self._python_forces: PythonForces = PythonForces(
+            equations, self, self._end_forces, python_forces
+        )
         # what follows its surroundings is turned after each step, and what joints miss led back
         known, turns = equations.tables, len(self._vectors) > 0
         turns &= known.drills or len(known.around[0]) > 0
-        self._each = turns or self._outside.between or options.policy.secants > 0
+        self._each = turns or self._python_forces.between or options.policy.secants > 0
         if options.policy.secants > 0:
-            self._outside.learn(Secants(options.policy.secants, self._node_measure))
+            self._python_forces.learn(Secants(options.policy.secants, self._node_measure))
         self._packed = Packed(self.model, self.s, self.this)
         self.counters = np.zeros(corrections.COUNTERS, dtype=np.int64)
         self.numbers = np.zeros(corrections.NUMBERS)
@@ -199,7 +204,7 @@ class RunState(DividedIntegration[History]):
     @property
     def joints(self) -> Joints | OtherConstraints | None:
         """Those whose forces Python finds, if there are any."""
-        return self._outside.joints
+        return self._python_forces.joints
 
     def spatial(self, H: Array, v: Array, rates: Array) -> Array:
         """Accelerations of increments (n, 6), from twists ``v`` and their ``rates`` along axes."""
@@ -221,7 +226,7 @@ class RunState(DividedIntegration[History]):
         s.rates[:] = self.spatial(s.H, v, vdot)
         self._set_loads(0.0)
         s.account[:] = self._evaluate_start()
-        self._pushes.at_rest(s.H)
+        self._end_forces.at_rest(s.H)
         now = TimeState(s.H, v, vdot, s.weights)
         equations.residual(now, np.ones(len(s.weights)), self._r, self._found)
         s.gap[:] = self._r[6 * n :]
@@ -245,8 +250,8 @@ class RunState(DividedIntegration[History]):
         energies_at(self.row_cells, s.H, s.rest, s.W[framed:others])
         if len(s.W) > others:
             stored_energies(*self.model.bodies, s.H, s.W[others:])
-        if len(s.lasting[0]):
-            forces_at(self.row_cells, s.H, s.rest, s.lasting[0])
+        if len(s.cell_forces[0]):
+            forces_at(self.row_cells, s.H, s.rest, s.cell_forces[0])
         return s.W
 
     # --- steps that are taken back ---
@@ -270,8 +275,8 @@ class RunState(DividedIntegration[History]):
         """Make the state that of the start of a step of another size, see :mod:`.variable`."""
         s, r = self.s, h / self.size
         s.w[:], s.w_F[:], s.carry[:] = r * s.w, r * s.w_F, s.carry / r
-        s.lasting[1, :], s.within[:] = r * s.lasting[1], r * s.within
-        s.lag[LENGTH] *= r * r
+        s.cell_forces[1, :], s.within[:] = r * s.cell_forces[1], r * s.within
+        s.filter_state[LENGTH] *= r * r
         self.numbers[corrections.MOTION] *= r
         # round-off of a larger step is none of a smaller one
         self.numbers[corrections.FLOOR] = 0.0
@@ -311,14 +316,14 @@ class RunState(DividedIntegration[History]):
             self.cells.pack()
             gain = self._evaluate_start() - before
             self.s.account[:] += gain
-            self.s.books[WORK] += gain.sum()
+            self.s.balance[WORK] += gain.sum()
 
     # --- matrix ---
 
     def _factorise(self) -> None:
         """New matrix for the present step."""
-        if self._outside.learns is not None:
-            self._outside.learns.forget()
+        if self._python_forces.learns is not None:
+            self._python_forces.learns.forget()
         self._fill_here(self.model.scale)
         self._factors = self._with_inverse(factorise(self.equations.matrix))
         self.counts[:] = self.counts[0] + 1, self.index
@@ -348,7 +353,7 @@ class RunState(DividedIntegration[History]):
         if self.counters[corrections.ITERATION] > 1:
             packed, end, ahead = self._packed, Span(*this.rows).end, 0.0
             packed_residual(packed.model, packed.state, packed.step)
-            H = at = self._half_way(end)
+            H = at = self._midpoint_frames(end)
             V, V1 = s.V[:n], this.V1[:n]
             v, a = self.local(0.5 * (V + V1), H), self.local((V1 - V) / self.size, H)
         else:
@@ -361,8 +366,8 @@ class RunState(DividedIntegration[History]):
         forces_at = self._moved(at, v, 0.5 * ahead + age)
         if self.follows:
             axes = self._moved(joints_at, v, -0.5)
-            joints, held, legs = self.model.joints, self.model.held, self.model.legs
-            border_at(joints, legs, self._kinds, held, (joints_at, axes, forces_at), s.border)
+            joints, held, incidences = self.model.joints, self.model.held, self.model.incidences
+            border_at(joints, incidences, self._kinds, held, (joints_at, axes, forces_at), s.border)
         return self._fill(H, v, a, joints_at, forces_at, scale=scale)
 
     def _age(self) -> float:
@@ -371,7 +376,7 @@ class RunState(DividedIntegration[History]):
         No correction beside the matrix makes up for joints that Python evaluates, and so far ahead
         they are wrong: with these it is made for the present step.
         """
-        if self._lost or self._outside.joints is not None:
+        if self._lost or self._python_forces.joints is not None:
             return 0.0
         return float((self.index - self.counts[1]) // 2)
 
@@ -386,9 +391,9 @@ class RunState(DividedIntegration[History]):
         H[own] = along.middle[own]
         return H
 
-    def _half_way(self, end: Array) -> Array:
+    def _midpoint_frames(self, end: Array) -> Array:
         """The nodes at the midpoint of the step: frames along screws, others along lines."""
-        H = half_way(self.s.H, end, self.moving)
+        H = midpoint_frames(self.s.H, end, self.moving)
         H[self._vectors] = Span(*self.this.rows).middle[self._vectors]
         return H
 
@@ -422,10 +427,13 @@ class RunState(DividedIntegration[History]):
         now.v[self._vectors] = 0.0
         equations.residual(now, self.model.scale, self._r, self._found)
         # the first step conserves, see filtered
-        h, still = (1.0 + self.options.loss * self.s.lag[REMEMBERS]) * self.size, np.zeros((n, 6))
+        h, still = (
+            (1.0 + self.options.dissipation * self.s.filter_state[REMEMBERS]) * self.size,
+            np.zeros((n, 6)),
+        )
         plan = Plan(still, scale, 4.0 / h**2, 2.0 / h, joints_at, forces_at)
-        if self._outside.touching and self.counters[corrections.ITERATION] > 1:
-            plan = plan._replace(ends=self._pushes.ends)
+        if self._python_forces.touching and self.counters[corrections.ITERATION] > 1:
+            plan = plan._replace(ends=self._end_forces.ends)
         # unknowns are along half-way axes, elements and constraints are felt at the end
         lag = 0.5 * self.size * v[:, 3:]
         lag[self._vectors] = 0.0

@@ -18,8 +18,8 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, linked
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import PlainFactors
-from fem_lie.solve.conserving.between.any_node import twists
-from fem_lie.solve.conserving.between.end_forces import at_end, rates_at_end
+from fem_lie.solve.conserving.midpoint.any_node import twists
+from fem_lie.solve.conserving.midpoint.end_forces import at_end, rates_at_end
 from fem_lie.solve.conserving.run_state import RunState
 from fem_lie.solve.conserving.step import corrections, joints, loop
 from fem_lie.solve.conserving.step.corrections import STEPS, TOTAL
@@ -123,7 +123,7 @@ def _fill(
     twists(kinds, turning, s.H, s.V[:n], still, v, unused)
     if weights.shape[0] > 0:
         weights = at_end(s.weights, s.earlier, s.sizes)
-    potential, springs, near = fill_by_both(s.H, v, s.V, weights, s.books, scene, rows, row)
+    potential, springs, near = fill_by_both(s.H, v, s.V, weights, s.balance, scene, rows, row)
     close_row(rows, row, potential, springs + np.sum(s.W), counters[STEPS] * h, counters[TOTAL])
     return near
 
@@ -147,7 +147,7 @@ def _fill_reactions(
 
 _log = logging.getLogger(__name__)
 
-_RESCUE = 1, 40.0
+_FALLBACK = 1, 40.0
 """Patience, and the cost of a matrix in iterations, of a step that failed."""
 _SLOW = 4
 """Times as many iterations as else may be made with new matrices: they converge surely from no
@@ -178,7 +178,7 @@ class Steps(RunState):
 
         Unlike contradictions, surfaces that go through each other in it are no reason against.
         """
-        return self._rescues
+        return self._may_fall_back
 
     def _go_to(self, last: int, start: float, end: float) -> bool:
         """Make all steps up to ``last``, the first from ``start`` to ``end``; whether they were."""
@@ -194,7 +194,7 @@ class Steps(RunState):
         first = self.index
         if not self.division.level:
             self._set_end(start, end + (last - first - 1) * (end - start))
-            if self._goes(last) or (self._rescues and self._rescued()):
+            if self._goes(last) or (self._may_fall_back and self._fallback_converged()):
                 return True
             if not self.divides:
                 return False
@@ -205,7 +205,7 @@ class Steps(RunState):
         """See :class:`~fem_lie.solve.division.Divisible`."""
         self.counters[corrections.STEPS] = self.begun
         self._set_end(start, end)
-        return self._goes(self.begun + 1) or self._rescued()
+        return self._goes(self.begun + 1) or self._fallback_converged()
 
     def resize(self, time: float, size: float) -> None:
         """See :class:`~fem_lie.solve.division.Divisible`."""
@@ -231,7 +231,7 @@ class Steps(RunState):
             self.unpredicted -= 1
         return self.index == last or self._go(last, rule) != loop.FAILED
 
-    def _rescued(self) -> bool:
+    def _fallback_converged(self) -> bool:
         """The step that failed, otherwise; whether it is made."""
         _log.info("step %d: the iteration matrix is too old, new matrices", self.index + 1)
         self.s.weights[:] = self.this.weights
@@ -248,10 +248,10 @@ class Steps(RunState):
         if len(self._vectors) and self._make_learning():
             return True
         # from no motion contacts are those of the start of the step
-        predicted_first = self._outside.touching and not len(self._vectors)
+        predicted_first = self._python_forces.touching and not len(self._vectors)
         for still in (False, True) if predicted_first else (True, False):
             self.numbers[corrections.EXCESS] = np.inf
-            if self._make(_RESCUE, still=still, always=True):
+            if self._make(_FALLBACK, still=still, always=True):
                 self.unpredicted = _UNPREDICTED if still else 0
                 return True
             self.s.weights[:] = self.this.weights
@@ -265,12 +265,12 @@ class Steps(RunState):
         What cells feel of the rotation of a step is not in the matrix: a few directions, in which
         no matrix helps.
         """
-        kept = self._outside.learns
-        self._outside.learn(Secants(_LEARNT, self._node_measure, growth=_SPIRALS))
+        kept = self._python_forces.learns
+        self._python_forces.learn(Secants(_LEARNT, self._node_measure, growth=_SPIRALS))
         self.numbers[corrections.EXCESS] = np.inf
         each, self._each = self._each, True
         made = self._make((self.options.max_iterations + 1, np.inf), still=False)
-        self._outside.learn(kept)
+        self._python_forces.learn(kept)
         self._each = each
         if not made:
             self.s.weights[:] = self.this.weights
@@ -312,11 +312,11 @@ class Steps(RunState):
         self, last: int, rule: tuple[int, float], limit: int, *, always: bool = False
     ) -> int:
         """The same where there is something to do in Python before and after each step."""
-        outside = self._outside
+        python_forces = self._python_forces
         while self.index < last:
             self.reason = ""
-            outside.begin()
-            go = self._go_free if outside.contacts is None else self._meet
+            python_forces.begin()
+            go = self._go_free if python_forces.contacts is None else self._meet
             code = go(self.index + 1, rule, limit, always=always)
             if code != loop.DONE:
                 return code
@@ -329,18 +329,18 @@ class Steps(RunState):
         Contacts that do not act at its predicted end are not evaluated in it. If they do at the end
         that is found, the step is made again with them.
         """
-        outside, before = self._outside, self.saved()
-        if self._pushes.act_always:
-            outside.touch(True)
+        python_forces, before = self._python_forces, self.saved()
+        if self._end_forces.act_always:
+            python_forces.touch(True)
         else:
             if self.counters[corrections.ITERATION] == 0:
                 self._begin()
-            outside.look_ahead()
+            python_forces.look_ahead()
         code = self._go_free(last, rule, limit, always=always)
-        if code == loop.DONE and not outside.touching and self._pushes.overlap(self.s.H):
+        if code == loop.DONE and not python_forces.touching and self._end_forces.overlap(self.s.H):
             self.take_back(before)
             self._begin()
-            outside.touch(True)
+            python_forces.touch(True)
             code = self._go_free(last, rule, limit, always=always)
         if code == loop.DONE and not self._keep_apart(before["s.H"], self.s.H):
             self.take_back(before)
@@ -349,11 +349,11 @@ class Steps(RunState):
 
     def _go_on(self) -> None:
         """What is to be done after a step."""
-        s, outside, memory = self.s, self._outside, self.equations.memory
+        s, python_forces, memory = self.s, self._python_forces, self.equations.memory
         memory.accept(s.H)
-        if outside.joints is not None:
-            outside.joints.accept(s.H, self.model.driven, s.gap)
-        outside.accept()
+        if python_forces.joints is not None:
+            python_forces.joints.accept(s.H, self.model.driven, s.gap)
+        python_forces.accept()
         if len(self._vectors):
             memory.rotate_axes(s.H)
 
@@ -372,9 +372,9 @@ class Steps(RunState):
             else:
                 factors = self._factors.plain
                 code = loop.run(*tables, factors, given, counters, self.numbers, last)
-                self._outside.check()
+                self._python_forces.check()
             if code == loop.LOST:
-                code = self._go_anew()
+                code = self._restart_step()
                 if code == loop.DONE and self.index < last:
                     continue
                 return code
@@ -385,10 +385,10 @@ class Steps(RunState):
             iteration = int(counters[corrections.ITERATION])
             asked = always or self.rule is not None or self._factors is None
             wanted = asked or self.decisions.before_iteration(iteration)
-            if wanted and not self._renewed():
+            if wanted and not self._refactorised():
                 return loop.FAILED
 
-    def _renewed(self) -> bool:
+    def _refactorised(self) -> bool:
         """Make a new matrix; whether it has factors."""
         try:
             self._factorise()
@@ -397,7 +397,7 @@ class Steps(RunState):
             return False
         return True
 
-    def _go_anew(self) -> int:
+    def _restart_step(self) -> int:
         """Make the present step by full Newton, for kept constraints would lead it astray."""
         self.counters[corrections.ASKED], self._lost = 0, True
         rule = 1, 0.0

@@ -22,8 +22,8 @@ from fem_lie.lie.node_types import inertia, push_all_forward
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, solve
 from fem_lie.linear.levels import Levels
-from fem_lie.solve.conserving.between.product_rows import products_at
 from fem_lie.solve.conserving.mean_error import End, MeanError
+from fem_lie.solve.conserving.midpoint.products import products_at
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import PREFIX, Options
 from fem_lie.solve.conserving.step import corrections
@@ -84,7 +84,9 @@ class ConservingSteps(Run):
         s, r = self.s, h / self.size
         if abs(r - 1.0) > 1e-12:
             self._resize(h)
-        self.levels.use(4.0 / ((1.0 + self.options.loss * s.lag[REMEMBERS]) * h) ** 2)
+        self.levels.use(
+            4.0 / ((1.0 + self.options.dissipation * s.filter_state[REMEMBERS]) * h) ** 2
+        )
         self._factors = self.levels.present
         if self._factors is not None:
             self.model.scale[:] = self.levels.scale()
@@ -105,8 +107,14 @@ class ConservingSteps(Run):
     def pass_event(self, time: float) -> None:
         """Forget changes of velocity; what is driven gets its new velocity by an impulse."""
         s = self.s
-        s.lag[REMEMBERS], s.lag[LENGTH], s.w[:], s.w_F[:], s.sizes[:] = 0.0, 0.0, 0.0, 0.0, 0.0
-        s.lasting[1] = s.within[:] = 0.0
+        s.filter_state[REMEMBERS], s.filter_state[LENGTH], s.w[:], s.w_F[:], s.sizes[:] = (
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+        )
+        s.cell_forces[1] = s.within[:] = 0.0
         if self.equations.unknowns.driven or len(s.H) > self.moving + 1:
             self._kick(time)
         if self._held:
@@ -133,8 +141,8 @@ class ConservingSteps(Run):
         before = self._invariants()
         s.V[:] += change
         gain = self._invariants() - before
-        s.books[WORK] += gain[0]
-        s.books[BY_REACTIONS:] += gain[1:]
+        s.balance[WORK] += gain[0]
+        s.balance[BY_REACTIONS:] += gain[1:]
 
     def _invariants(self) -> Array:
         """Kinetic energy and momenta, shape (7,)."""
@@ -196,13 +204,13 @@ class ConservingSteps(Run):
         """See the protocol."""
         return GrowingHistory(self.equations.info, plan, progress, store)
 
-    def leave_books(self) -> None:
+    def leave_balance(self) -> None:
         """Nothing: what acts from outside is in the sums that a step is made of."""
 
-    def _kept_factors(self, kept: Mapping[str, Array]) -> None:
+    def _frozen_factors(self, kept: Mapping[str, Array]) -> None:
         """None, for checkpoints have those of no size."""
 
-    def renew_matrix(self, time: float) -> None:
+    def refactorise_at(self, time: float) -> None:
         """See the protocol."""
         self.levels = Levels[Factors](rigid=self.levels.rigid)
         self._scales.clear()

@@ -99,7 +99,7 @@ class AsynchronousRun(Integration[Recorder]):
         "queue.steps",
         "_made",
         "_count",
-        "books",
+        "balance",
     )
 
     def __init__(self, equations: Equations, step: float, courant: float) -> None:
@@ -133,9 +133,9 @@ class AsynchronousRun(Integration[Recorder]):
         heap = np.arange(len(steps))
         zero = np.zeros(len(steps), np.int64)
         self.queue = events.Queue(self._rows, self._nodes, form, steps, zero, heap)
-        told = len(steps), float(steps.min(initial=step)), float(steps.max(initial=0.0))
-        _log.info("%d cells, steps from %.4g to %.4g", *told)
-        self.books, self._made, self._count = equations.energy_balance(), 0, 0
+        summary = len(steps), float(steps.min(initial=step)), float(steps.max(initial=0.0))
+        _log.info("%d cells, steps from %.4g to %.4g", *summary)
+        self.balance, self._made, self._count = equations.energy_balance(), 0, 0
         self._still, self._none = np.zeros((n, 6)), np.zeros(0)
 
     def _own_steps(self, light: Array, courant: float) -> Array:
@@ -158,14 +158,14 @@ class AsynchronousRun(Integration[Recorder]):
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
         """See the base class."""
-        if not plan.saving.booked:
-            self.books.rest()
+        if not plan.saving.with_balance:
+            self.balance.rest()
         return Recorder(self.equations, plan, progress, store)
 
     def start(self) -> None:
         """See the base class."""
         self._tell(0.0)
-        self.books.open(0.0, *self._now)
+        self.balance.open(0.0, *self._now)
 
     @property
     def frames(self) -> Array:
@@ -186,18 +186,18 @@ class AsynchronousRun(Integration[Recorder]):
 
     def _tell(self, time: float) -> None:
         if len(self.queue.steps):
-            events.told((*self.flight,), (*self.queue,), time, (*self.shown,))
+            events.state_at((*self.flight,), (*self.queue,), time, (*self.shown,))
 
     def _advance(self, history: Recorder) -> bool:
-        last = history.next_stop(self._made) if self.books.empty else self._made + 1
+        last = history.next_stop(self._made) if self.balance.empty else self._made + 1
         time = last * self.h
         self._count += events.run((*self.flight,), (*self.queue,), time)
         self._made, history.count = last, self._count
         if not np.isfinite(self.flight.v).all():
             return False
-        if not self.books.empty:
+        if not self.balance.empty:
             self._tell(time)
-            self.books.add(self.h, time, *self._now)
+            self.balance.add(self.h, time, *self._now)
         return True
 
     def _failure(self, steps: int) -> str:
@@ -212,7 +212,7 @@ class AsynchronousRun(Integration[Recorder]):
         if wanted:
             time = self._made * self.h
             self._tell(time)
-            history.fill(time, *self._now, self.books.total)
+            history.fill(time, *self._now, self.balance.total)
         return wanted
 
     def _result(self, history: Recorder) -> Result:

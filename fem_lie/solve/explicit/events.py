@@ -150,7 +150,7 @@ def run(flight: PlainFlight, queue: PlainQueue, end: float) -> int:
 
 
 @compiled
-def told(flight: PlainFlight, queue: PlainQueue, time: float, out: PlainFlight) -> None:
+def state_at(flight: PlainFlight, queue: PlainQueue, time: float, out: PlainFlight) -> None:
     """All nodes at one time, with the velocities that forces up to then have made.
 
     Args:

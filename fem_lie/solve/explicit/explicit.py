@@ -70,7 +70,7 @@ class ExplicitRun(Integration[Recorder]):
     Between steps there are frames and momenta, both at the same time, and the forces there.
     """
 
-    STATE = attributes("H", "p", "v", "r", "reaction", "counters", "_joints", "books")
+    STATE = attributes("H", "p", "v", "r", "reaction", "counters", "_joints", "balance")
 
     def __init__(
         self, equations: Equations, step: float, masses: nodes.Masses, limit: StableStep
@@ -95,10 +95,10 @@ class ExplicitRun(Integration[Recorder]):
         self._decay = np.exp(-0.5 * step * damping_rates(equations, masses))
         self._joints = Joints(equations, masses, self._decay) if m else None
         self.r, self.reaction = np.zeros(unknowns.size), np.zeros(6)
-        self.books = equations.energy_balance()
+        self.balance = equations.energy_balance()
         self._forces = equations.residual(self._instant, self._one, self.r)
         supports = np.flatnonzero(known.supported.any(axis=1))
-        books, table = self.books, self._forces.table
+        balance, table = self.balance, self._forces.table
         self._summed = known.in_one_sum and table is not None and not m
         self._supported = len(supports) > 0
         # points whose axes are those of what is around them; cables have the tangent for theirs
@@ -120,8 +120,8 @@ class ExplicitRun(Integration[Recorder]):
             (supports, known.supported[supports].astype(np.int64)),
             self.reaction,
             others,
-            books.table,
-            books.total,
+            balance.table,
+            balance.total,
             self.counters,
             self._decay,
             NO_ROWS,
@@ -132,15 +132,15 @@ class ExplicitRun(Integration[Recorder]):
             self._packed.table[-2:] = table[_CELLS]
 
     @property
-    def _booked(self) -> bool:
+    def _balance_in_loop(self) -> bool:
         """Whether the compiled loop books all but what holds nodes."""
-        books = self.books
-        return not books.empty and books.compiled_but_held and self._summed
+        balance = self.balance
+        return not balance.empty and balance.compiled_but_held and self._summed
 
     @property
     def _how(self) -> loop.PlainSteps:
-        looks = self.books.looks
-        return (*loop.Steps(self.h, self._summed, self._booked, self._supported, *looks),)
+        looks = self.balance.looks
+        return (*loop.Steps(self.h, self._summed, self._balance_in_loop, self._supported, *looks),)
 
     @property
     def _most(self) -> int:
@@ -150,7 +150,7 @@ class ExplicitRun(Integration[Recorder]):
     @property
     def _looks(self) -> bool:
         """Whether books have to be asked after each step."""
-        return not self.books.empty and not self._booked
+        return not self.balance.empty and not self._balance_in_loop
 
     @property
     def _instant(self) -> TimeState:
@@ -161,8 +161,8 @@ class ExplicitRun(Integration[Recorder]):
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
         """See the base class."""
-        if not plan.saving.booked:
-            self.books.rest()
+        if not plan.saving.with_balance:
+            self.balance.rest()
         return Recorder(self.equations, plan, progress, store)
 
     @property
@@ -181,12 +181,12 @@ class ExplicitRun(Integration[Recorder]):
             check_velocities(self.equations, self.h)
         nodes.momenta((*self.masses,), self.H, self.equations.start.velocities, self.p)
         nodes.twists((*self.masses,), self.H, self.p, self.v)
-        self.books.open(0.0, *self._moving)
-        if self._booked:
+        self.balance.open(0.0, *self._moving)
+        if self._balance_in_loop:
             # without what holds nodes, which is booked by itself
             loop.look(self._packed.table, self._how, 0.0)
         if self._how[1]:
-            loop.weigh(self._packed.table, self._booked)
+            loop.weigh(self._packed.table, self._balance_in_loop)
         else:
             self.equations.residual(self._instant, self._one, self.r, self._forces)
 
@@ -220,7 +220,7 @@ class ExplicitRun(Integration[Recorder]):
     def _look(self) -> None:
         if self._looks:
             nodes.twists((*self.masses,), self.H, self.p, self.v)
-            self.books.add(self.h, self.index * self.h, *self._moving)
+            self.balance.add(self.h, self.index * self.h, *self._moving)
 
     def _joined(self, joints: Joints) -> bool:
         """The next step, with joints; whether it is made."""
@@ -255,7 +255,7 @@ class ExplicitRun(Integration[Recorder]):
                 self._turn_axes()
             nodes.twists((*self.masses,), self.H, self.p, self.v)
             history.count = self.index
-            history.fill(self.index * self.h, *self._moving, self.books.total)
+            history.fill(self.index * self.h, *self._moving, self.balance.total)
         return wanted
 
     def _turn_axes(self) -> None:

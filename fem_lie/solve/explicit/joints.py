@@ -28,7 +28,7 @@ from fem_lie.solve.explicit.stable import in_axes
 from fem_lie.system.equations import Equations, TimeState
 
 _MOST = 50
-_FINE, _NOISE, _FALLS = 1e-15, 1e-11, 0.5
+_FINE, _ROUND_OFF_LEVEL, _FALLS = 1e-15, 1e-11, 0.5
 """Violations, over the model, that are none; those that are round-off if they do not fall."""
 
 
@@ -108,8 +108,8 @@ class Joints(Stateful):
                 return False
             wrong = self._weigh(H, self._rest)[6 * self._n :]
             self.left = float(np.abs(wrong * self._measure).max())
-            noise = self.left <= _NOISE and self.left > _FALLS * previous
-            if self.left <= _FINE or noise:
+            at_round_off = self.left <= _ROUND_OFF_LEVEL and self.left > _FALLS * previous
+            if self.left <= _FINE or at_round_off:
                 r[: 6 * self._n] = self._r[: 6 * self._n]
                 self._rows = self._at(H)
                 nodes.kick(self._masses, H, r, 0.5 * h, p)

@@ -111,7 +111,7 @@ class Steps(NamedTuple):
     Attributes:
         h: Their size.
         summed: Whether forces are one compiled sum.
-        booked: Whether what acts from outside is booked here.
+        accounts: Whether this loop updates the energy balance.
         held: Whether something is held from outside.
         loads: Whether books look at loads.
         joints: Whether they look at springs.
@@ -119,7 +119,7 @@ class Steps(NamedTuple):
 
     h: float
     summed: bool
-    booked: bool
+    accounts: bool
     held: bool
     loads: bool
     joints: bool
@@ -140,8 +140,8 @@ class Packed(NamedTuple):
         supports: Nodes that are held from outside, and which of their unknowns, as numbers.
         reaction: Force and moment of these about the origin, (6,).
         forces: Of the residual without cells, see :func:`~fem_lie.system.nodes.sums.residual`.
-        books: See :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
-        booked: What they have summed up.
+        balance_table: See :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
+        balance: What they have summed up.
         counters: See :data:`STEP`.
         decay: Of momenta over half a step, see :func:`~fem_lie.solve.explicit.nodes.decay`.
         rows: Of cells, see :class:`~fem_lie.forms.cell_forms.FormTable`.
@@ -159,8 +159,8 @@ class Packed(NamedTuple):
     supports: tuple[Indices, Indices]
     reaction: Array
     forces: Indices
-    books: Indices
-    booked: Array
+    balance_table: Indices
+    balance: Array
     counters: Indices
     decay: Array
     rows: Indices
@@ -240,10 +240,10 @@ def weigh(table: Indices, held: bool) -> None:
 
 
 @inlined
-def _book_reaction(booked: Array, reaction: Array, h: float) -> None:
+def _add_reaction(balance: Array, reaction: Array, h: float) -> None:
     """Half a step of it."""
     for k in range(6):
-        booked[BY_REACTIONS + k] += 0.5 * h * reaction[k]
+        balance[BY_REACTIONS + k] += 0.5 * h * reaction[k]
 
 
 @linked
@@ -252,7 +252,7 @@ def look(table: Indices, steps: PlainSteps, h: float) -> None:
     this, how = _packed(table), Steps(*steps)
     twists(_masses(table), this.H, this.p, this.v)
     end = this.H, this.v, this.none, this.none
-    look_and_sum_up(h, end, how.loads, how.joints, this.books)
+    look_and_sum_up(h, end, how.loads, how.joints, this.balance_table)
 
 
 @linked
@@ -261,7 +261,7 @@ def _close(table: Indices, steps: PlainSteps) -> None:
     this, how = _packed(table), Steps(*steps)
     masses = _masses(table)
     kick(masses, this.H, this.r, 0.5 * how.h, this.p)
-    if how.booked and (how.loads or how.joints):
+    if how.accounts and (how.loads or how.joints):
         look(table, steps, how.h)
 
 
@@ -290,11 +290,11 @@ def run(table: Indices, steps: PlainSteps, last: int) -> int:
             counters[PHASE] = WEIGHED
             if not how.summed:
                 return RESIDUAL
-            held = how.booked and how.held
+            held = how.accounts and how.held
             if held:
-                _book_reaction(this.booked, this.reaction, how.h)
+                _add_reaction(this.balance, this.reaction, how.h)
             weigh(table, held)
             if held:
-                _book_reaction(this.booked, this.reaction, how.h)
+                _add_reaction(this.balance, this.reaction, how.h)
         _close(table, steps)
         counters[PHASE] = BETWEEN

@@ -62,9 +62,9 @@ class Masses(NamedTuple):
         centre: Mass centre of frames in their axes, (n, 3).
         turning: Moments of inertia about it, in the axes, (n, 3, 3).
         inverse: Of these, zero about axes without, (n, 3, 3).
-        edges: Nodes whose first axis is the direction to another node, and master nodes of the
-            latter, (k, 2).
-        ends: Positions of these other nodes in the frames of their master nodes, (k, 3).
+        edges: Nodes whose first axis is the direction to another node, and leaders of the latter,
+            (k, 2).
+        ends: Positions of these other nodes in the frames of their leaders, (k, 3).
     """
 
     kinds: Indices

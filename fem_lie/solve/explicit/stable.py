@@ -106,7 +106,7 @@ def damping_rates(equations: Equations, masses: Masses) -> Array:
     if mixed.any():
         raise ValueError(
             "Explicit: damping in proportion to mass must be the same all around a node with a "
-            f"frame, but it differs around {_told(equations, mixed)}: use GeneralisedAlpha"
+            f"frame, but it differs around {_node_names(equations, mixed)}: use GeneralisedAlpha"
         )
     rates[~(straight | frames)] = 0.0
     return rates
@@ -129,7 +129,7 @@ def _check_masses(equations: Equations, ways: Array, weights: Array, J: Array) -
     if light.any():
         raise ValueError(
             "Explicit: no step is stable where a node has no mass or no rotary inertia of its own: "
-            f"{_told(equations, light)}; give sections a density and rotary inertia, or use "
+            f"{_node_names(equations, light)}; give sections a density and rotary inertia, or use "
             "GeneralisedAlpha"
         )
     partly = np.isin(ways, (FRAME, AXIAL)) & free & ~held[:, :3].all(axis=1)
@@ -138,11 +138,11 @@ def _check_masses(equations: Equations, ways: Array, weights: Array, J: Array) -
     if partly.any():
         raise ValueError(
             "Explicit: a frame may be held whole, in its rotation or at its place, but "
-            f"{_told(equations, partly)} is held in part: use GeneralisedAlpha"
+            f"{_node_names(equations, partly)} is held in part: use GeneralisedAlpha"
         )
 
 
-def _told(equations: Equations, chosen: Flags) -> str:
+def _node_names(equations: Equations, chosen: Flags) -> str:
     """The first of some nodes."""
     node = int(equations.unknowns.masters[int(np.flatnonzero(chosen)[0])])
     return node_name(equations, node)

@@ -6,14 +6,14 @@ with the means ``ξ̄ = ½ (ξ₀ + ξ₁) = Z η̄``, ``R₁ = R₀ cay(h W̄)`
 
     Zᵀ [M (ξ₁ − ξ₀)/h − (m V̄ × W̄, J W̄ × W̄) − (m R̄ᵀ g, 0)] = 0,        x₁ = x₀ + h R̄ V̄
 
-which are Hamel's equations: no multipliers, and the edge holds at the ends and within. Times ``ξ̄``,
-they say that kinetic energy and that of gravity stay, to round-off. A disc that rolls on a plane
-with the normal ``N`` has the velocity ``v̄ = c̄ × w̄`` of its rotation alone, with the arm to the
-point of contact ``c̄ = −ρ (N − γ̄ d̄)/σ̄``, where ``d̄`` and ``σ̄`` are means over the step of its
-axis and of ``σ = |N × d|``, and ``γ̄ = N·d̄``. That is a discrete gradient: the disc stays on the
-plane to round-off, and the force in the contact does no work. Within steps the disc does not slip;
-at their ends the velocities that are told are those of rolling, and the energy of these goes up and
-down with the step squared and does not drift, for that of the steps stays.
+which are Hamel's equations: no multipliers, and the edge holds at the ends and within. Times
+``ξ̄``, they say that kinetic energy and that of gravity stay, to round-off. A disc that rolls on a
+plane with the normal ``N`` has the velocity ``v̄ = c̄ × w̄`` of its rotation alone, with the arm to
+the point of contact ``c̄ = −ρ (N − γ̄ d̄)/σ̄``, where ``d̄`` and ``σ̄`` are means over the step of
+its axis and of ``σ = |N × d|``, and ``γ̄ = N·d̄``. That is a discrete gradient: the disc stays on
+the plane to round-off, and the force in the contact does no work. Within steps the disc does not
+slip; at their ends the velocities that are told are those of rolling, and the energy of these goes
+up and down with the step squared and does not drift, for that of the steps stays.
 
 The schemes are symmetric, of second order. Sources: Ball & Zenkov, in Geometry, Mechanics, and
 Dynamics (2015) 477; Shi, Berchenko-Kogan, Zenkov & Bloch, J. Nonlinear Sci. 27 (2017) 241.
@@ -158,9 +158,9 @@ class HamelRun(DividedIntegration[Recorder]):
                 solver = self._solver or DirectSolver(equations.matrix, PREFIX)
                 self._solver = solver
                 rates, weights = accelerations(equations, solver, self.H, v, time, self.h)
-            booked = np.zeros(TOTAL)
-            booked[BY_LOADS:BY_REACTIONS], booked[BY_REACTIONS:] = self.impulses
-            history.fill(time, self.H, v[:n], rates, weights, booked)
+            balance = np.zeros(TOTAL)
+            balance[BY_LOADS:BY_REACTIONS], balance[BY_REACTIONS:] = self.impulses
+            history.fill(time, self.H, v[:n], rates, weights, balance)
         return wanted
 
     def _result(self, history: Recorder) -> Result:

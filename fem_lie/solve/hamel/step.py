@@ -25,10 +25,10 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.between.cayley import mean_of, turned
+from fem_lie.solve.conserving.midpoint.cayley import mean_of, turned
 
 _MOST = 200
-_ROUND_OFF, _NOISE = 1e-16, 1e-11
+_ROUND_OFF, _ROUND_OFF_LEVEL = 1e-16, 1e-11
 """Changes of velocities, over the largest, that are round-off; that may be if they do not fall."""
 
 
@@ -70,7 +70,9 @@ def _times(A: Array, v: Vector) -> Vector:
 @inlined
 def _largest(change: float, size: float, previous: float) -> bool:
     """Whether a change is at its end."""
-    return change <= _ROUND_OFF * size or (change <= _NOISE * size and change > 0.5 * previous)
+    return change <= _ROUND_OFF * size or (
+        change <= _ROUND_OFF_LEVEL * size and change > 0.5 * previous
+    )
 
 
 @inlined

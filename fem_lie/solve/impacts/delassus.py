@@ -34,12 +34,12 @@ def islands_of(matrix: KKT, whole: bool) -> tuple[Indices, Indices]:
         matrix: Iteration matrix of the nodes with the constraints.
         whole: Whether all is one island: something couples nodes beside that matrix.
     """
-    n, incidences, pointers = len(matrix.held), matrix.incidences, matrix.indptr
-    m = len(incidences.ptr) - 1
+    n, border, pointers = len(matrix.held), matrix.incidences, matrix.indptr
+    m = len(border.ptr) - 1
     if whole or matrix.low_rank is not None or matrix.beside is not None:
         return np.zeros(n, dtype=np.int64), np.zeros(m, dtype=np.int64)
-    rows = np.concatenate([np.repeat(np.arange(n), np.diff(pointers)), n + incidences.rows])
-    columns = np.concatenate([matrix.indices, incidences.nodes])
+    rows = np.concatenate([np.repeat(np.arange(n), np.diff(pointers)), n + border.rows])
+    columns = np.concatenate([matrix.indices, border.nodes])
     graph = sp.coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(n + m, n + m))
     labels = connected_components(graph, directed=False)[1].astype(np.int64)
     return labels[:n], labels[n:]

@@ -23,7 +23,7 @@ from fem_lie.system.equations import Equations
 TOLERANCE, _ROUGH = 1e-9, 1e-6
 """Residual of the cones, and that with which positions begin."""
 
-_EXACT, _ITERATIONS, _ANEW = 1e-14, 30, 2
+_EXACT, _ITERATIONS, _REEVALUATED = 1e-14, 30, 2
 """Part of the model's length by which places still change at the end; iterations at most, and in
 how many of the first ones rows of forces are taken anew."""
 
@@ -72,7 +72,7 @@ class Moved(NamedTuple):
     residual: float
 
 
-class CoupledPlaces(CoupledBodies):
+class CoupledPositions(CoupledBodies):
     """Bodies whose contacts move the end of a step."""
 
     def begin(self, H: Array, v: Array, time: float) -> None:
@@ -119,7 +119,7 @@ class CoupledPlaces(CoupledBodies):
                 held, r, friction = r * (0.0, 1.0, 1.0), r * (1.0, 0.0, 0.0), np.zeros(k)
                 last = r.copy()
             B = self._rows_of(H, chosen.pairs, chosen.axis)
-            if iteration < _ANEW:
+            if iteration < _REEVALUATED:
                 mean = 0.5 * (chosen.before.values + B.values)
                 forces = np.where(closed, mean, B.values)
                 responses = chosen.operator.solve(forces, end, self._pushed)
@@ -166,11 +166,11 @@ _TINY = 1e-6
 """Part of speeds below which they are known to round-off alone."""
 
 
-class CoupledVelocities(CoupledPlaces):
+class CoupledVelocities(CoupledPositions):
     """Bodies whose contacts change velocities at the end of a step.
 
     Attributes:
-        told: What contacts did in the last step, see :mod:`fem_lie.contact.impact.records`.
+        statistics: What contacts did in the last step, see :mod:`fem_lie.contact.impact.records`.
         reactions: Impulses of the joints with those of contacts, over the step, shape (m,).
         work: Of drives and prescribed motions by these impulses.
         exchanged: What contacts took and gave at most in the last step.
@@ -181,7 +181,7 @@ class CoupledVelocities(CoupledPlaces):
     ) -> None:
         """As the base class."""
         super().__init__(contacts, equations, rule, kept)
-        self.told, self.reactions = np.zeros(SIZE), np.zeros(self._m)
+        self.statistics, self.reactions = np.zeros(SIZE), np.zeros(self._m)
         self.work = self.exchanged = 0.0
         # normal velocities that restitution gives, and by how much they change without contacts
         self._law: tuple[Array, Array] = np.zeros(0), np.zeros(0)
@@ -234,8 +234,8 @@ class CoupledVelocities(CoupledPlaces):
         problem.r[:], problem.least[0] = impulses, _TINY * float(np.abs(V).max())
         memory = np.empty((k, 3)), np.empty((k, 3))
         sweeps, residual = cones.solve_exactly(problem, k, TOLERANCE, memory)
-        self.told[SWEEPS] += sweeps
-        self.told[RESIDUAL] = max(self.told[RESIDUAL], residual)
+        self.statistics[SWEEPS] += sweeps
+        self.statistics[RESIDUAL] = max(self.statistics[RESIDUAL], residual)
         P, change = problem.r, problem.r - given
         end_twist = twist + responses.moved(change).reshape(-1, 6)
         driven = 0.5 * (self._V0 + V)
@@ -248,5 +248,5 @@ class CoupledVelocities(CoupledPlaces):
         mean = 0.5 * (without + self._rates_of(B, H, self._all_rows(end_twist, time)))
         # of what was closed by how far it slid, for that is nothing of what sticks
         slid = np.where(chosen.closed[:, np.newaxis], moved.slips / self._h, mean[:, 1:])
-        self.told[FRICTION] = float((slid * P[:, 1:]).sum())
+        self.statistics[FRICTION] = float((slid * P[:, 1:]).sum())
         return end_twist, P.copy()

@@ -1,1 +1,1 @@
-"""What all schemes in time share."""
+"""Time integration: what all schemes share."""

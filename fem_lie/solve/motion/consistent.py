@@ -1,4 +1,4 @@
-"""Consistent initial values: velocities that joints allow, accelerations and joint forces."""
+"""Consistent initial values: admissible velocities, accelerations and joint forces."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.linear.equilibrated import InaccurateSolutionError, SingularMatrixError
 from fem_lie.solve.convergence import Verdict
-from fem_lie.solve.iteration import KEPT, Iterated, iterate
-from fem_lie.solve.renewal import Update
+from fem_lie.solve.iteration import FROZEN, Iterated, iterate
+from fem_lie.solve.refactorisation import Update
 from fem_lie.system.equations import Plan, TimeState
 
 if TYPE_CHECKING:
     from fem_lie.linear.direct import DirectSolver
     from fem_lie.system.equations import Equations
 
-_LARGEST = 1e150  # the square of more is no number
+_LARGEST = 1e150  # the square of a larger number overflows
 
 
 def check_velocities(equations: Equations, step: float) -> None:
     """Check the initial velocities of the bodies against clamps and joints.
 
     Args:
-        equations: Of the scene.
-        step: Step size; velocities may be wrong by what is not felt in one.
+        equations: Equations of the scene.
+        step: Step size; violations that are not resolved in one step are accepted.
 
     Raises:
-        ValueError: They break a clamp or a joint; the message names it.
+        ValueError: Velocities violate a clamp or a joint; the message names it.
     """
     unknowns, master = equations.unknowns, equations.tables.master
     for clamp in equations.scene.clamps:
@@ -44,14 +44,14 @@ def check_velocities(equations: Equations, step: float) -> None:
             )
     velocities, first = _rates_at_start(equations, step)
     _, finer = _rates_at_start(equations, 0.5 * step)
-    # of nodes, and of frames that are prescribed
+    # velocities of nodes and of prescribed frames
     units = np.full(velocities.shape, np.repeat([unknowns.length, 1.0], 3))
     units[: unknowns.moving] = unknowns.units.reshape(-1, 6)
     speed = float(np.abs(velocities / units).max())
     # below the second bound the error of a whole step is less than 1e-9 of the size
     bound = max(1e-6 * speed, 1e-9 / step)
     _check_held(equations, bound)
-    # rates of drives and motions are differences, which are wrong by about what half a step changes
+    # rates of drives and motions are difference quotients, with an error of about half a step
     left = np.maximum(np.abs(finer) - np.abs(first - finer), 0.0)
     rates = left / np.where(unknowns.angular, 1.0, unknowns.length)
     if (rates > bound).any():
@@ -64,7 +64,7 @@ def check_velocities(equations: Equations, step: float) -> None:
 
 
 def _rates_at_start(equations: Equations, step: float) -> tuple[Array, Array]:
-    """Velocities with those of motions, and rates of all constraints less those of their drives."""
+    """Velocities with prescribed ones, and rates of all constraints minus those of drives."""
     frames, given, _ = equations.start
     prescribed = equations.prescribed(0.0, step)
     velocities = _moved(equations, given, prescribed.velocities)
@@ -73,7 +73,7 @@ def _rates_at_start(equations: Equations, step: float) -> tuple[Array, Array]:
 
 
 def _check_held(equations: Equations, bound: float) -> None:
-    """Check the velocities of what bodies hold; shells of five parameters may be said to drill."""
+    """Check velocities of unknowns that bodies fix, such as drilling rotations of shells."""
     unknowns, (frames, given, _) = equations.unknowns, equations.start
     v = given[: unknowns.moving].copy()
     equations.supports.turn(frames, v)
@@ -90,7 +90,7 @@ def _check_held(equations: Equations, bound: float) -> None:
 
 
 def _moved(equations: Equations, velocities: Array, prescribed: Array) -> Array:
-    """Velocities of all rows with those of the prescribed motions, (p, 6)."""
+    """Velocities of all rows, including prescribed motions, (p, 6)."""
     v = velocities.copy()
     v[equations.unknowns.moving + 1 :] = prescribed
     return v
@@ -105,31 +105,30 @@ def accelerations(
     step: float,
     sweeps: int = 1,
 ) -> tuple[Array, Array]:
-    """``v̇`` and multipliers from the equations of motion and twice differentiated constraints.
+    """Initial ``v̇`` and Lagrange multipliers from the equations of motion.
 
-    ::
+    Constraints enter as acceleration constraints::
 
         M v̇ + Bᵀ λ = f(H, v, t)          B v̇ = −Ḃ v
 
-    They are solved with ``M + h² K/4``, so that modes of which a step is no part of a period do not
-    take part. That is wrong by the order ``h²`` for the others; each sweep more, with what is left
-    of the equations, takes two orders away.
+    They are solved with ``M + h² K/4``, so that modes that the step size does not resolve do not
+    take part. For the others this is an error of order ``h²``; each further sweep, with the
+    remaining residual, gains two orders.
 
     Args:
-        equations: Of the scene; their matrix and loads are overwritten.
-        solver: For that matrix.
+        equations: Equations of the scene; their matrix and loads are overwritten.
+        solver: Solver for that matrix.
         H: Frames of all rows.
-        v: Local velocities of all rows; those of prescribed motions are found here.
+        v: Local velocities of all rows; those of prescribed motions are computed here.
         time: The time.
-        step: Over which prescribed motions are differentiated; ``h``.
-        sweeps: How often they are solved.
+        step: Step ``h`` of the difference quotients of prescribed motions.
+        sweeps: Number of solutions.
 
     Returns:
-        Shapes (n, 6) and (m,).
+        Accelerations (n, 6) and multipliers (m,).
 
     Raises:
-        ValueError: The mass matrix is singular, forces are beyond the range of numbers, or no
-            solver could solve the equations.
+        ValueError: The mass matrix is singular, forces overflow, or the equations cannot be solved.
     """
     n = equations.unknowns.moving
     prescribed = equations.prescribed(time, step)
@@ -138,22 +137,22 @@ def accelerations(
     H = np.concatenate([H[: n + 1], prescribed.frames])
     rate = np.zeros_like(v)
     rate[n + 1 :] = prescribed.accelerations
-    # ẍ = R (u̇ + ω × u) = 0, of which supports hold a part
+    # ẍ = R (u̇ + ω × u) = 0, of which supports fix some components
     guided = equations.supports.nodes
     rate[guided, :3] = -np.cross(v[guided, 3:], v[guided, :3])
     start = _AtStart(equations, solver, (H, v, rate), prescribed.target_rates[1], step)
-    iterate(start, sweeps, KEPT)
+    iterate(start, sweeps, FROZEN)
     return rate[:n], start.weights
 
 
 class _AtStart(Iterated):
-    """Accelerations and multipliers at given frames and velocities.
+    """Equations for accelerations and multipliers at given frames and velocities.
 
-    The equations are linear, but the matrix is that of a step: each iteration more corrects what
-    that leaves.
+    The equations are linear, but the matrix is that of a step: each further iteration reduces the
+    remaining residual.
 
     Attributes:
-        weights: Multipliers, shape (m,).
+        weights: Lagrange multipliers, shape (m,).
     """
 
     def __init__(
@@ -176,7 +175,7 @@ class _AtStart(Iterated):
         return self._scale is None
 
     def evaluate(self, iteration: int) -> bool:
-        """Evaluate what is left of the equations; residuals do not end the iteration."""
+        """Evaluate the residual, which does not end the iteration."""
         n, r = self._equations.unknowns.moving, self._solver.right_hand_side
         now = TimeState(self._H, self._v, self._rate[:n], self.weights)
         self._equations.residual(now, np.ones(len(self.weights)), r, carried=True)
@@ -184,16 +183,16 @@ class _AtStart(Iterated):
         r[6 * n :] = self._second + drive - self._targets
         largest = float(np.abs(r).max(initial=0.0))
         if not largest < _LARGEST:
-            raise ValueError(f"forces at the start are {largest:.1e}: they cannot be computed with")
+            raise ValueError(f"forces at the start are too large ({largest:.1e})")
         return False
 
-    def renew(self, update: Update) -> None:
+    def refactorise(self, update: Update) -> None:
         self._scale = _fill(self._equations, self._H, self._step)
         with _solvable():
             self._solver.factorise()
 
     def correct(self) -> float:
-        """Solve for a correction and apply it; returns its size."""
+        """Solve for a correction and apply it; return its size."""
         assert self._scale is not None
         n, solver = self._equations.unknowns.moving, self._solver
         solver.right_hand_side[6 * n :] *= self._scale
@@ -211,7 +210,7 @@ class _AtStart(Iterated):
 
 @contextmanager
 def _solvable() -> Iterator[None]:
-    """Name the cause where the equations at the start have no solution."""
+    """Name the cause if the equations at the start cannot be solved."""
     try:
         yield
     except InaccurateSolutionError as error:
@@ -223,7 +222,7 @@ def _solvable() -> Iterator[None]:
 
 
 def _fill(equations: Equations, H: Array, step: float) -> Array:
-    """The matrix for that, in which steps of a size do not feel what they do not resolve."""
+    """Assemble that matrix, with stiffness that suppresses unresolved modes."""
     none = np.zeros((equations.unknowns.moving, 6))
     still = TimeState(H, none, none, np.zeros(equations.unknowns.m))
     return equations.fill(still, None, Plan(none, at_rest=step))
@@ -232,11 +231,11 @@ def _fill(equations: Equations, H: Array, step: float) -> Array:
 def allowed_velocities(
     equations: Equations, solver: DirectSolver, H: Array, twist: Array, time: float, step: float
 ) -> Array:
-    """Velocities ``twist`` (≥ n, 6) without what joints and motions forbid, by an impulse in them.
+    """Velocities ``twist`` (≥ n, 6) made admissible by an impulse in joints and prescribed motions.
 
     Args:
-        equations: Of the scene; their matrix is overwritten.
-        solver: For that matrix.
+        equations: Equations of the scene; their matrix is overwritten.
+        solver: Solver for that matrix.
         H: Frames of all rows.
         twist: Local velocities.
         time: The time.
@@ -255,13 +254,13 @@ def allowed_velocities(
 def across_joints(
     equations: Equations, solver: DirectSolver, H: Array, rates: Array, step: float
 ) -> Array:
-    """Velocities that change constraints at given rates, the nearest to rest in them.
+    """Velocities with given constraint rates and the least kinetic energy.
 
     Args:
-        equations: Of the scene; their matrix is overwritten.
-        solver: For that matrix.
+        equations: Equations of the scene; their matrix is overwritten.
+        solver: Solver for that matrix.
         H: Frames of all rows.
-        rates: Of the constraints, shape (m,).
+        rates: Rates of the constraints, shape (m,).
         step: As in :func:`accelerations`.
 
     Returns:

@@ -1,4 +1,4 @@
-"""Keeps what an integrator computes when the number of steps is not known in advance."""
+"""Histories of results for runs whose number of steps is not known in advance."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ _TIMES = "growing.times"
 
 
 class Growing(History):
-    """A history for steps of any number and size; its bar shows the time."""
+    """History for any number and size of steps; its progress bar shows the time."""
 
     def _grow_with(self, plan: ChosenSteps, progress: bool | None) -> None:
         self._duration, self._saving = plan.duration, plan.saving
-        # times of the last state that was looked at, and of the last checkpoint
+        # times of the last state and of the last checkpoint
         self._before, self._saved = 0.0, 0.0
         if self._store is not None and self._store.memory:
             self._before, self._saved = map(float, self._store.memory[_TIMES])
-        # ``None``: not where there is no terminal
+        # ``None``: no bar without a terminal
         hidden = None if progress is None else not progress
         self._bar = tqdm(total=_PERCENT, unit="%", disable=hidden, mininterval=0.5)
 
     def checkpoint_due(self, index: int) -> bool:
-        """See the base class; by time if it is not said after how many steps."""
+        """Whether a checkpoint is due, by time if no number of steps was given."""
         if self._store is None:
             return False
         if self._store.every:
@@ -44,27 +44,27 @@ class Growing(History):
         return int(_PERCENT * time / self._duration)
 
     def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
-        """See the base class."""
+        """Write a checkpoint of the run."""
         self._saved = self._before
         own = {_TIMES: np.array([self._before, self._saved])}
         super().write_checkpoint(index, memory | own)
 
     def due(self, time: float, ahead: float, index: int, iterations: int, event: bool) -> bool:
-        """Whether the state after step ``index`` is to be filled in; then there is room for it.
+        """Whether the state after step ``index`` is to be recorded; if so, a row is reserved.
 
         Args:
-            time: Of the state.
-            ahead: Largest size of the next step: times may be between its ends.
-            index: Steps made.
-            iterations: Of the last one.
-            event: Whether something jumps there: two rows are kept, of the sides before and after.
-                So are start and end.
+            time: Time of the state.
+            ahead: Largest size of the next step: requested times may lie within it.
+            index: Number of steps made.
+            iterations: Iterations of the last step.
+            event: Whether the time is a discontinuity, the start or the end: two rows are then
+                recorded, for both one-sided values.
         """
         times = self._saving.times
         if times is None:
             wanted = event or index % self._saving.every == 0
         else:
-            # at the end nothing is ahead, and the end may be one of the times
+            # no step follows the end, and the end may be one of the requested times
             slack = NEAR * max(ahead, time - self._before)
             first = np.searchsorted(times, self._before - slack)
             end = np.searchsorted(times, time + ahead + slack, side="right")
@@ -76,17 +76,17 @@ class Growing(History):
         return wanted
 
     def stamp(self, time: float) -> None:
-        """Say at what time the last row is."""
+        """Set the time of the last row."""
         self.times[self.row - 1] = time
 
 
 def _any_number(plan: ChosenSteps) -> EqualSteps:
-    """Rows as of steps of any number, each of which may be kept."""
+    """A plan of steps of any number, each of which may be recorded."""
     return EqualSteps(replace(plan.saving, every=1), _ROWS, 1.0)
 
 
 class GrowingHistory(Growing):
-    """Of a scheme that fills the rows itself."""
+    """History of a scheme that fills the rows itself."""
 
     def __init__(
         self,
@@ -101,7 +101,7 @@ class GrowingHistory(Growing):
 
 
 class GrowingRecorder(Growing, Recorder):
-    """That takes what it keeps from the equations of a scene."""
+    """History that takes its rows from the equations of a scene."""
 
     def __init__(
         self,

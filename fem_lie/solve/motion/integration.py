@@ -1,8 +1,7 @@
-"""The loop over the steps of any run, and what runs with constant steps have in common.
+"""The loop over the steps of any run: start, steps, rows of results, checkpoints.
 
-The loop over the steps of any run: start, steps, rows of results, checkpoints.
-
-How a step is made, and how large it is, belongs to what is driven.
+The driven run makes the steps and chooses their sizes. Base classes for runs with constant steps
+are here, too.
 """
 
 from __future__ import annotations
@@ -31,22 +30,22 @@ Kept = TypeVar("Kept", bound=History)
 
 
 class Driver(ABC, Stateful, Generic[Kept]):
-    """One run, whose results go into a history of the kind ``Kept``.
+    """One run, whose results go into a history of type ``Kept``.
 
     Attributes:
-        equations: Of the scene.
+        equations: Equations of the scene.
     """
 
     equations: Equations
 
     @abstractmethod
     def history(self, plan: Any, progress: bool | None, store: Checkpoints | None) -> Kept:
-        """Where results go.
+        """Create the history for the results.
 
         Args:
-            plan: What the run is to do, a :class:`~fem_lie.solve.recording.plan.Plan`.
+            plan: Plan of the run, a :class:`~fem_lie.solve.recording.plan.Plan`.
             progress: Show a bar; ``None``: if standard error is a terminal.
-            store: Where results and checkpoints go, if not into memory.
+            store: File of results and checkpoints; ``None``: keep results in memory.
         """
 
     @abstractmethod
@@ -56,42 +55,42 @@ class Driver(ABC, Stateful, Generic[Kept]):
     @property
     @abstractmethod
     def frames(self) -> Array:
-        """Of all rows, at the present state."""
+        """Current frames of all rows."""
 
     @property
     @abstractmethod
     def index(self) -> int:
-        """Steps made, and the one that is being made."""
+        """Number of steps made, including the current one."""
 
     def _finished(self, history: Kept) -> bool:
-        """Whether the end is reached."""
+        """Whether the end of the run is reached."""
         return self.index >= history.steps
 
     @abstractmethod
     def _advance(self, history: Kept) -> bool:
-        """Go on to the next step at which there is something to do; whether it was reached."""
+        """Advance to the next step with something to do; return whether it was reached."""
 
     @abstractmethod
     def _record(self, history: Kept) -> bool:
-        """Keep the present state, if it is one to be kept; whether it was."""
+        """Record the current state if it is due; return whether it was."""
 
     @abstractmethod
     def _result(self, history: Kept) -> Result:
-        """What was kept so far."""
+        """Result of the states recorded so far."""
 
     @abstractmethod
     def _failure(self, steps: int) -> str:
-        """What to say when the present one of ``steps`` has failed."""
+        """Error message if the current one of ``steps`` has failed."""
 
     def _save(self, history: Kept) -> None:
         """Write a checkpoint."""
         history.write_checkpoint(self.index, self.memory())
 
     def run(self, plan: Plan, progress: bool | None, store: Checkpoints | None) -> Result:
-        """All steps from the start on, or from the checkpoint that a store has.
+        """Make all steps from the start, or from the checkpoint of a store.
 
         Raises:
-            ConvergenceError: A step failed; its ``result`` holds what was computed.
+            ConvergenceError: A step failed; its ``result`` holds the states computed so far.
         """
         history = self.history(plan, progress, store)
         if not history.fresh:
@@ -100,7 +99,7 @@ class Driver(ABC, Stateful, Generic[Kept]):
         return self.integrate(history)
 
     def integrate(self, history: Kept) -> Result:
-        """All steps from the present one on; see :meth:`run`."""
+        """Make all remaining steps; see :meth:`run`."""
         if history.fresh:
             self.start()
             self._keep(history)
@@ -117,7 +116,7 @@ class Driver(ABC, Stateful, Generic[Kept]):
         return self._result(history)
 
     def _keep(self, history: Kept) -> None:
-        """Keep the present state, if it is one to be kept; its elements must not have folded."""
+        """Record the current state if it is due; raise if an element has folded."""
         if not self._record(history) or not history.turns_far:
             return
         time = float(history.times[history.row - 1])
@@ -131,14 +130,15 @@ _log = logging.getLogger(__name__)
 
 
 class Integration(Driver[Kept]):
-    """A run whose steps have one size.
+    """Run with steps of one size.
 
     Attributes:
         h: Step size.
-        decisions: When to factorise.
-        reason: Why the last step failed, where more is known than that it did not converge.
-        choices: What the matrix takes in.
-        carried: What equations remember beside the state; by default with the matrix.
+        decisions: Decisions of the refactorisation policy.
+        reason: Why the last step failed, if there is a more specific reason than no convergence.
+        choices: Terms of the iteration matrix.
+        carried: State of the equations apart from frames and velocities; by default with the
+            matrix.
     """
 
     STATE = attributes("decisions", "carried")
@@ -146,27 +146,27 @@ class Integration(Driver[Kept]):
     def __init__(
         self, policy: Policy, equations: Equations, step: float, *, bound: bool = False
     ) -> None:
-        """Nothing is computed yet.
+        """Set up a run without computing anything.
 
         Args:
-            policy: When to factorise.
-            equations: Of the scene.
+            policy: When to refactorise.
+            equations: Equations of the scene.
             step: Step size.
-            bound: Whether the constraints may be refreshed by themselves.
+            bound: Whether the constraint Jacobian may be updated separately.
         """
         self.equations, self.h, self.decisions = equations, float(step), policy.begin(bound)
         self.carried: HasState = equations.memory.with_matrix
         self.reason = ""
         spin = float(np.abs(equations.start.velocities[:, 3:]).max())
         self.choices = equations.scene.choices.resolve(spin * step)
-        told = equations.unknowns.summary, self.choices, type(policy).__name__
-        _log.info("%s; %s; matrix: %s", *told)
+        summary = equations.unknowns.summary, self.choices, type(policy).__name__
+        _log.info("%s; %s; matrix: %s", *summary)
 
     def _remembered(self, start: Array | None, middle: Array | None = None) -> bool:
-        """Go on from the present frames; whether surfaces did not go through each other.
+        """Accept the current frames; return whether no surfaces passed through each other.
 
         Args:
-            start: Frames at the start of the step; without them it is not looked whether they did.
+            start: Frames at the start of the step; without them surfaces are not checked.
             middle: Frames at which forces act in the step; default: at both ends.
         """
         try:
@@ -179,13 +179,13 @@ class Integration(Driver[Kept]):
         return True
 
     def _keep_apart(self, start: Array, end: Array) -> bool:
-        """Whether no surfaces go through each other in a step that is not yet accepted.
+        """Whether no surfaces pass through each other in a step that is not yet accepted.
 
         If they do, :attr:`reason` names them.
 
         Args:
             start: Frames of all rows at its start.
-            end: At its end.
+            end: Frames of all rows at its end.
         """
         self.reason = ""
         try:
@@ -195,7 +195,7 @@ class Integration(Driver[Kept]):
         return not self.reason
 
     def _because(self, text: str, steps: int, index: int) -> str:
-        """What failed: :attr:`reason` if it is known, else ``text``."""
+        """Error message: :attr:`reason` if it is known, else ``text``."""
         return (
             f"step {index} of {steps} (h = {self.h:g}) failed: {self.reason}"
             if self.reason
@@ -204,13 +204,13 @@ class Integration(Driver[Kept]):
 
 
 class Divided(Driver[Kept]):
-    """A run whose steps are made in parts where no solution is found in full.
+    """Run that divides steps that do not converge.
 
     Attributes:
         h: Step size.
-        reason: Why the last step failed, where smaller ones would fail, too.
-        division: Into how many parts.
-        begun: Steps made before the present one, of which a part counts as one while it is made.
+        reason: Why the last step failed, if smaller steps would fail, too.
+        division: Division into sub-steps.
+        begun: Number of steps before the current one; a sub-step counts as one while it is made.
     """
 
     STATE = attributes("division")
@@ -219,58 +219,58 @@ class Divided(Driver[Kept]):
     reason: str
 
     def __init__(self, policy: Policy, step: float) -> None:
-        """No step is made yet.
+        """Start before the first step.
 
         Args:
-            policy: Whether steps that failed are tried otherwise.
+            policy: Whether failed steps may be repeated or divided.
             step: Step size.
         """
         self.h, self.reason = float(step), ""
-        self.division, self._rescues, self.begun = Division(), policy.rescue, 0
+        self.division, self._may_fall_back, self.begun = Division(), policy.full_newton_fallback, 0
 
     def _cover(self) -> bool:
-        """Make the next step by :meth:`attempt`, in parts if it takes these; whether it is made."""
+        """Make the next step by :meth:`attempt`, divided if needed; return whether it was made."""
         self.begun = self.index
         start, end = self.index * self.h, (self.index + 1) * self.h
         return self.division.cover(self, start, end, self.h)
 
     def _divide(self) -> bool:
-        """Make the next step, which has failed in full, in parts; whether it is made."""
+        """Make the next step, which failed as a whole, in sub-steps; return whether it was made."""
         self.division.halve(self, self.index * self.h, self.h)
         return self._cover()
 
     @property
     def part_size(self) -> float:
-        """Of the present step or part, without the round-off of differences of times."""
+        """Size of the current step or sub-step, without the round-off of differences of times."""
         return self.h / self.division.parts
 
     def _nor_in_parts(self, text: str) -> str:
-        """What failed, and that parts of it failed, too, if it was made in these."""
-        return f"{text}. Nor did it in {2**HALVINGS} parts" if self.divides else text
+        """The message ``text``, and that sub-steps failed, too, if there were any."""
+        return f"{text}. Nor did it in {2**HALVINGS} sub-steps" if self.divides else text
 
     @property
     def divides(self) -> bool:
-        """Whether a step that failed may be made in parts.
+        """Whether a failed step may be divided.
 
-        Not by policies that want an error, and smaller steps have the same contradictions.
+        Not if the policy asks for an error, or if smaller steps would fail for the same reason.
         """
-        return self._rescues and not self.reason
+        return self._may_fall_back and not self.reason
 
     @abstractmethod
     def resize(self, time: float, size: float) -> None:
-        """See :class:`~fem_lie.solve.division.Divisible`."""
+        """Start steps of another size, see :class:`~fem_lie.solve.division.Divisible`."""
 
     @abstractmethod
     def attempt(self, start: float, end: float) -> bool:
-        """See :class:`~fem_lie.solve.division.Divisible`."""
+        """Make a step, see :class:`~fem_lie.solve.division.Divisible`."""
 
 
 class DividedIntegration(Integration[Kept], Divided[Kept]):
-    """An integration whose steps are made in parts where no solution is found in full."""
+    """Integration with constant steps that divides steps that do not converge."""
 
     def __init__(
         self, policy: Policy, equations: Equations, step: float, *, bound: bool = False
     ) -> None:
-        """As the base classes."""
+        """As in the base classes."""
         Divided.__init__(self, policy, step)
         super().__init__(policy, equations, step, bound=bound)

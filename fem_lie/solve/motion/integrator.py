@@ -1,6 +1,6 @@
-"""What the schemes in time offer: a run, and to go on with one that was interrupted.
+"""Base of all time integration schemes: a run, and the restart of an interrupted one.
 
-Arguments are checked here, before any work; how steps are made is in the modules of the schemes.
+Arguments are checked here before any computation; the modules of the schemes make the steps.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ from fem_lie.system.equations import Equations
 
 
 class Integrator(ABC):
-    """Options of a scheme; :meth:`run` integrates."""
+    """Options of a time integration scheme; :meth:`run` integrates."""
 
     _wanted_step: ClassVar[str] = (
-        "makes constant steps: wanted the size of the step as a number and nothing that jumps "
-        "(or use GeneralisedAlpha)"
+        "makes constant steps: expected the step size as a number and a scene without "
+        "discontinuities (or use GeneralisedAlpha)"
     )
 
     def run(
@@ -54,31 +54,31 @@ class Integrator(ABC):
         """Integrate from the bodies' initial frames and velocities.
 
         Args:
-            scene: What there is.
+            scene: Bodies, joints, loads and contacts.
             duration: End time; a multiple of ``step``.
             step: Step size h; or :class:`~fem_lie.AdaptiveStep`, which chooses it by a tolerance,
-                or :class:`~fem_lie.ConstantStep`, which estimates the error of each step, too. It
-                is taken, whose steps end where something jumps, if a load, drive or motion says
-                that it does (:mod:`fem_lie.joints.histories`).
-            save_every: Keep every so many steps, and the last one.
-            save_at: Keep instead the states at these times, increasing, or at all multiples of an
-                interval and at the end, whatever the steps are. Between two steps they are as
-                :meth:`~fem_lie.Result.resampled` has them: frames and velocities by cubics on
-                SE(3), of fourth order in the step; forces, energies and momenta linearly. Where
-                something jumps at a named event, that of the side after it counts.
-            record: What is kept of each state, such as ``Record.VELOCITIES | Record.ENERGIES``;
-                nothing else is computed but what the steps themselves need.
+                or :class:`~fem_lie.ConstantStep`, which also estimates the error of each step. If a
+                load, drive or motion declares discontinuities (:mod:`fem_lie.joints.histories`),
+                constant steps are fitted to end at them.
+            save_every: Record every n-th state, and the last one.
+            save_at: Record instead the states at these increasing times, or at all multiples of an
+                interval and at the end, whatever the steps are. States between two steps are
+                interpolated as by :meth:`~fem_lie.Result.resampled`: frames and velocities by
+                cubics on SE(3), of fourth order in the step; forces, energies and momenta linearly.
+                At a discontinuity the value after it is recorded.
+            record: Recorded quantities, such as ``Record.VELOCITIES | Record.ENERGIES``; no others
+                are computed, unless the steps themselves need them.
             progress: Show a bar; default: if standard error is a terminal.
-            file: Where results go as they are made, instead of into memory; the result reads them
-                from there. With it :meth:`resume` can go on after an interruption.
+            file: File to which results are written during the run, instead of memory; the result
+                reads them from there. :meth:`resume` can then continue after an interruption.
             checkpoint_every: Steps between two checkpoints; default: a hundredth of all, or of the
-                duration if the size of the steps changes. Such a run has a new matrix after each.
+                duration if the step size changes. Such a run refactorises after each checkpoint.
 
         Raises:
-            ValueError: Bad options or scene, before anything is computed.
-            ConvergenceError: A step failed; its ``result`` holds what was computed.
-            OSError: Results cannot be written, as on a full disk; the message names the file and
-                the time that was reached. What was written before can be read.
+            ValueError: Invalid options or scene, before anything is computed.
+            ConvergenceError: A step failed; its ``result`` holds the states computed so far.
+                OSError: Results cannot be written, for example to a full disk; the message names
+                    the file and the time that was reached. Results written before can be read.
         """
         require_scene(scene)
         positive(duration, "duration")
@@ -98,20 +98,20 @@ class Integrator(ABC):
     def resume(
         self, scene: Scene, file: str | os.PathLike[str], *, progress: bool | None = None
     ) -> Result:
-        """Go on from the last checkpoint of an interrupted run, to the same end.
+        """Restart an interrupted run from its last checkpoint, to the same end.
 
         Args:
             scene: The scene as it was given to :meth:`run`.
-            file: The file that was given.
+            file: The file given to :meth:`run`.
             progress: Show a bar; default: if standard error is a terminal.
 
         Returns:
-            To the last bit what :meth:`run` would have returned, but for the seconds.
+            The result that :meth:`run` would have returned, bit for bit, except for the wall time.
 
         Raises:
             FileNotFoundError: There is no such file, or no checkpoint yet.
-            ValueError: The checkpoint belongs to another scene or other options; the message says
-                what differs. Functions of time are compared by their values on the steps made.
+            ValueError: The checkpoint belongs to another scene or other options; the message names
+                the differences. Functions of time are compared by their values on the steps made.
         """
         require_scene(scene)
         require_files(Path(file))
@@ -120,7 +120,7 @@ class Integrator(ABC):
         return self._beginning(scene, store.plan)(equations).run(store.plan, progress, store)
 
     def _beginning(self, scene: Scene, plan: Plan) -> Callable[[Equations], Driver[Any]]:
-        """What makes the run of a plan; ``ValueError`` if the scheme has no such steps."""
+        """Factory of the run of a plan; ``ValueError`` if the scheme does not support the plan."""
         if isinstance(plan, EqualSteps):
             return partial(self._integration, step=plan.step)
         assert isinstance(plan, ChosenSteps)
@@ -136,7 +136,7 @@ class Integrator(ABC):
 
     @abstractmethod
     def _equations(self, scene: Scene) -> Equations:
-        """The equations of a scene; ``ValueError`` names what the scheme cannot do."""
+        """Equations of a scene; ``ValueError`` if the scheme does not support the scene."""
 
     @abstractmethod
     def _integration(self, equations: Equations, step: float) -> Driver[Any]:
@@ -145,22 +145,22 @@ class Integrator(ABC):
     def _steppers(
         self, scene: Scene, plan: ChosenSteps
     ) -> Callable[[Equations, Control], Stepper[Any]]:
-        """What makes steps whose sizes change; refused by schemes of constant steps."""
+        """Factory of variable-size steppers; schemes with constant steps raise ``ValueError``."""
         jumps = events(scene, plan.duration)
-        what = f"something in the scene jumps at the times {list(jumps)}" if jumps else plan.choice
+        what = f"a scene with discontinuities at the times {list(jumps)}" if jumps else plan.choice
         raise ValueError(f"{type(self).__name__} {self._wanted_step}, got {what}")
 
 
 def refuse(scheme: str, unsupported: Mapping[str, bool], instead: str = "GeneralisedAlpha") -> None:
-    """Refuse a scene that has what a scheme does not support.
+    """Raise an error if the scene has something that a scheme does not support.
 
     Args:
-        scheme: What the message calls it.
-        unsupported: Names of what it does not support, and whether the scene has it.
-        instead: Schemes that may support it.
+        scheme: Name of the scheme in the message.
+        unsupported: Names of unsupported features, and whether the scene has them.
+        instead: Schemes that may support them.
 
     Raises:
-        ValueError: The scene has some of it; the message names the first.
+        ValueError: The scene has some of them; the message names the first.
     """
     for what, present in unsupported.items():
         if present:
@@ -168,11 +168,11 @@ def refuse(scheme: str, unsupported: Mapping[str, bool], instead: str = "General
 
 
 def check_kinds(tolerance: float, max_iterations: int, policy: Policy) -> None:
-    """Refuse options of an iteration that are of another kind than wanted.
+    """Check the types of the options of an iteration.
 
     Raises:
-        TypeError: One of them is.
-        ValueError: The tolerance is not finite, or the number of iterations is out of its range.
+        TypeError: An option has a wrong type.
+        ValueError: The tolerance is not finite, or the number of iterations is out of range.
     """
     number(tolerance, "tolerance")
     whole(max_iterations, "max_iterations")
@@ -180,11 +180,11 @@ def check_kinds(tolerance: float, max_iterations: int, policy: Policy) -> None:
 
 
 def check_until_round_off(tolerance: float, max_iterations: int, policy: Policy) -> None:
-    """:func:`check_kinds` of an iteration whose tolerance may be 0: until only round-off changes.
+    """Check as :func:`check_kinds`, with tolerance 0 allowed: iterate down to round-off.
 
     Raises:
-        TypeError: One is of another kind than wanted.
-        ValueError: One is out of its range.
+        TypeError: An option has a wrong type.
+        ValueError: An option is out of range.
     """
     check_kinds(tolerance, max_iterations, policy)
     if not tolerance >= 0:
@@ -197,7 +197,7 @@ def _plan(
     step: float | StepChoice,
     kept: tuple[int, float | npt.ArrayLike | None, Record],
 ) -> Plan:
-    """What a run is to do; ``ValueError`` if that contradicts itself."""
+    """Plan of a run; ``ValueError`` if the arguments contradict each other."""
     save_every, save_at, record = kept
     if isinstance(step, StepChoice):
         step.check(duration)
@@ -209,7 +209,7 @@ def _plan(
     return EqualSteps(saving, steps, float(step))
 
 
-_MOST_STEPS = 2.0**53  # beyond, times of steps are no numbers of their own
+_MOST_STEPS = 2.0**53  # beyond this number, times of successive steps are not distinct
 
 
 def _number_of_steps(duration: float, step: float) -> int:

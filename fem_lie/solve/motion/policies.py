@@ -1,7 +1,8 @@
-"""When to build and factorise the iteration matrix anew: the gift of local frames is that it keeps.
+"""Refactorisation policies: when to assemble and factorise the iteration matrix.
 
-A policy is a frozen record; what decides in a run is made by it, sees the iterations of every step
-and has the memory. Decisions depend on iteration counts and sizes of corrections only, never on
+In local frames the matrix changes little, so that it can be frozen for many steps. A policy is an
+immutable record of options; the object that it creates for a run sees the iterations of every step
+and holds the state. Decisions depend on iteration counts and sizes of corrections only, never on
 measured time, so that a run repeats bit for bit.
 """
 
@@ -17,27 +18,27 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._state import put_back, saved
-from fem_lie.solve.renewal import BASE, LOST, SIZE, Rule, Update, due, learn
+from fem_lie.solve.refactorisation import BASE, LOST, SIZE, Rule, Update, due, learn
 
 NEVER = 2**31
-"""More iterations than any step is given."""
+"""More iterations than any step makes."""
 
 MOST_SECANTS = 20
-"""More take longer than what they save."""
+"""Largest number of secants; more cost more than they save."""
 
 GAIN = 1.0
-"""Iterations per step, of which new mass and stiffness must be expected to save more."""
+"""Iterations per step that new mass and stiffness must be expected to save."""
 
 
 class Decisions(ABC):
-    """Those of a policy in one run: what it has learned there is here, and nowhere else.
+    """Decisions of a policy in one run, with their state.
 
-    The numbers and arrays among the attributes are its memory, which goes into checkpoints.
+    Numbers and arrays among the attributes are the state, which is written to checkpoints.
 
     Attributes:
-        rule: By which they are made, with ``known``, if it is one: compiled loops decide by it.
-            Otherwise each has to be asked for.
-        known: What was learned, see :mod:`fem_lie.solve.renewal`.
+        rule: Rule, with the state ``known``, by which compiled loops decide; ``None``: every
+            decision is asked for in Python.
+        known: Recorded numbers, see :mod:`fem_lie.solve.refactorisation`.
     """
 
     rule: Rule | None = None
@@ -45,92 +46,96 @@ class Decisions(ABC):
 
     @abstractmethod
     def before_iteration(self, iteration: int) -> Update | bool:
-        """What to make anew before the given iteration (counted from 1) of a step.
+        """What to refactorise before the given iteration (counted from 1) of a step.
 
-        ``True`` stands for all, ``False`` for nothing.
+        ``True`` means everything, ``False`` nothing.
         """
 
     def after_step(self, iterations: int) -> None:  # noqa: B027 - most have no memory
-        """Learn how many iterations the step took."""
+        """Record the number of iterations of the step."""
 
     @property
     def asks(self) -> bool:
-        """Whether it wants to know what old mass and stiffness cost before it makes all anew."""
+        """Whether to measure the staleness of mass and stiffness before all is refactorised."""
         return False
 
     def answer(  # noqa: B027 - most do not ask
         self, iterations: int, rate: float, staleness: float
     ) -> None:
-        """Learn it, at the end of a step after :meth:`after_step`.
+        """Receive that measurement, at the end of a step after :meth:`after_step`.
 
         Args:
-            iterations: Of the step.
-            rate: At which the iteration has converged.
-            staleness: At which it would converge if only mass and stiffness were old, see
+            iterations: Number of iterations of the step.
+            rate: Convergence rate of the iteration.
+            staleness: Convergence rate if only mass and stiffness were old, see
                 :mod:`fem_lie.solve.alpha.staleness`.
         """
 
     def memory(self) -> dict[str, Array]:
-        """Copies of all numbers and arrays among the attributes, by their names."""
+        """Copies of all numbers and arrays among the attributes, by name."""
         kinds = bool, int, float, np.ndarray
         return saved(self, [name for name, x in vars(self).items() if isinstance(x, kinds)])
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
+        """Restore the state that :meth:`memory` returned."""
         put_back(self, self.memory(), kept)
 
 
 class Policy(ABC):
-    """What decides on factorisations: a record of options without any memory.
+    """Refactorisation policy: an immutable record of options.
 
     Attributes:
-        rescue: Whether a step that fails may be done again with full iteration.
-        secants: How many of its last corrections a step learns from, see
+        full_newton_fallback: Whether a failed step may be repeated with full Newton iteration.
+        secants: Number of earlier corrections of a step used as secants, see
             :mod:`fem_lie.solve.secants`.
     """
 
-    rescue: ClassVar[bool] = True
+    full_newton_fallback: ClassVar[bool] = True
     secants: int = 0
 
     @abstractmethod
     def begin(self, bound: bool) -> Decisions:
-        """Those of one run; ``bound``: whether there are constraints to refresh by themselves."""
+        """Decisions for one run.
+
+        ``bound``: whether the constraint Jacobian may be updated separately.
+        """
 
     def rule(self) -> tuple[int, float] | None:
-        """Patience and cost as of :class:`Automatic` that decide likewise, for compiled loops.
+        """Patience and cost, as of :class:`Automatic`, with the same decisions in compiled loops.
 
-        ``None``: there are none, this policy must be asked.
+        ``None``: there are none, and this policy must be asked.
         """
         return None
 
 
 @final
 class Ruled(Decisions):
-    """Those of a rule, see :mod:`fem_lie.solve.renewal`."""
+    """Decisions by a rule, see :mod:`fem_lie.solve.refactorisation`."""
 
     def __init__(self, rule: Rule) -> None:
-        """Nothing was learned yet."""
+        """Start without recorded iterations."""
         self.rule, self.known = rule, np.zeros(SIZE)
         self._plain, self._asks = rule.plain, False
 
     def before_iteration(self, iteration: int) -> Update:
-        """What the rule says."""
+        """Decision by the rule."""
         return Update(due(self._plain, self.known, iteration))
 
     def after_step(self, iterations: int) -> None:
-        """Add up what the kept matrix costs."""
+        """Add up the excess iterations of the frozen matrix."""
         self._asks = learn(self._plain, self.known, iterations)
 
     @property
     def asks(self) -> bool:
-        """When it would make all anew at the next step, and might do with the constraints."""
+        """Whether all would be refactorised, and a new constraint Jacobian might suffice."""
         return self._asks
 
     def answer(self, iterations: int, rate: float, staleness: float) -> None:
-        """Keep all, and be content with the iterations of late, if age is not to blame.
+        """Keep the matrix, and accept the recent number of iterations, if its age is not the cause.
 
-        Iterations of linear convergence are as the inverse of the logarithm of its rate; without
-        what is old that falls by ``staleness``, and Newton's is not taken for better than squared.
+        The number of iterations of a linearly converging iteration is inversely proportional to the
+        logarithm of its rate. Without the error of old mass and stiffness the rate decreases by the
+        factor ``staleness``; Newton's rate is not assumed to be better than squared.
         """
         fresh = max(rate - staleness, rate**2)
         saved = (iterations - 1) * (1.0 - log(rate) / log(fresh)) if 0.0 < rate < 1.0 else 0.0
@@ -140,10 +145,10 @@ class Ruled(Decisions):
 
 @dataclass(frozen=True)
 class EveryIteration(Policy):
-    """Full Newton."""
+    """Full Newton: refactorise in every iteration."""
 
     def begin(self, bound: bool) -> Decisions:
-        """Always all."""
+        """Always refactorise everything."""
         return Ruled(Rule(1, 0.0, inf, Update.ALL, bound=False, asks=False))
 
     def rule(self) -> tuple[int, float]:
@@ -153,10 +158,10 @@ class EveryIteration(Policy):
 
 @dataclass(frozen=True)
 class Limit(Policy):
-    """When a step reaches ``iterations``: the paper's NNI ≥ k.
+    """Refactorise when a step reaches ``iterations``: NNI ≥ k.
 
-    The constraints are refreshed first, and the rest only if that does not help in this step; all
-    again each time that as many more iterations were needed.
+    The constraint Jacobian is updated first, and the whole matrix only if that does not help in the
+    same step; everything again after each further ``iterations``.
 
     Attributes:
         iterations: The limit, at least 2.
@@ -170,7 +175,7 @@ class Limit(Policy):
             raise ValueError(f"the limit must be at least 2 iterations, got {self.iterations}")
 
     def begin(self, bound: bool) -> Decisions:
-        """New matrices after so many iterations of a step."""
+        """Refactorise after the given number of iterations in a step."""
         return Ruled(Rule(self.iterations, inf, inf, Update.ALL, bound, asks=False))
 
     def rule(self) -> tuple[int, float]:
@@ -182,25 +187,25 @@ class Limit(Policy):
 class ConstraintsOnly(Limit):
     """As :class:`Limit`, but mass and stiffness are factorised once for the whole run."""
 
-    rescue: ClassVar[bool] = False
+    full_newton_fallback: ClassVar[bool] = False
 
     def begin(self, bound: bool) -> Decisions:
-        """Never more than the constraints."""
+        """Update the constraint Jacobian only."""
         return Ruled(Rule(self.iterations, inf, inf, Update.CONSTRAINTS, bound, asks=False))
 
     def rule(self) -> tuple[int, float]:
-        """At the start of the run only: loops that ask have no constraints."""
+        """At the start of the run only: scenes in loops that ask for this have no constraints."""
         return NEVER, inf
 
 
 @dataclass(frozen=True)
 class Never(Policy):
-    """One factorisation for the whole run; a step that fails with it is an error."""
+    """One factorisation for the whole run; a step that does not converge with it is an error."""
 
-    rescue: ClassVar[bool] = False
+    full_newton_fallback: ClassVar[bool] = False
 
     def begin(self, bound: bool) -> Decisions:
-        """Always nothing."""
+        """Never refactorise."""
         return Ruled(Rule(NEVER, inf, inf, Update.NONE, bound, asks=False))
 
     def rule(self) -> tuple[int, float]:
@@ -210,24 +215,26 @@ class Never(Policy):
 
 @dataclass(frozen=True)
 class Automatic(Policy):
-    """When keeping the matrix has cost as much as a new one.
+    """Refactorise when the frozen matrix has cost as much as a new one.
 
-    The iterations that steps take beyond those of the first steps with fresh constraints add up;
-    when they reach the cost of a refreshment, that is made at the start of the next step. What is
-    lost in spite of fresh constraints adds up likewise, until it is asked what new mass and
-    stiffness would bring: they are made anew if they are to blame, see
-    :meth:`Ruled.answer`. Within a step that converges badly the constraints are
-    refreshed, and if that does not help all is made anew.
+    The iterations that steps take beyond those of the first steps with an updated constraint
+    Jacobian are added up. When the sum reaches the cost of an update, the constraint Jacobian is
+    updated at the start of the next step. Iterations that are lost in spite of an updated Jacobian
+    are added up likewise. When their sum reaches the cost of a matrix, the staleness of mass and
+    stiffness is measured, and everything is refactorised if they are the cause, see
+    :meth:`Ruled.answer`. Within a step that converges badly the constraint Jacobian is updated
+    first, and everything is refactorised if that does not help.
 
     Attributes:
-        cost: Time of building and factorising the matrix, in iterations.
-        patience: Iterations of one step after which the matrix is renewed at once.
-        refresh: Time of building and factorising the border of constraints, in iterations.
-        secants: How many of the last corrections of a step make the next one better. They save
-            matrices where stiffness changes faster than these are made, as in nets that slacken,
-            and are of little use where steps take three iterations. ``GeneralisedAlpha`` and
-            conserving schemes of scenes with nodes that are no frames have them; other schemes
-            refuse them, and free rigid bodies have no matrix to ask for them.
+        cost: Time of assembling and factorising the matrix, in iterations.
+        patience: Iterations of one step after which the matrix is refactorised at once.
+        refresh: Time of assembling and factorising the constraint block, in iterations.
+        secants: Number of earlier corrections of a step that improve the next one. They save
+            factorisations where the tangent stiffness changes faster than it is refactorised, as in
+            tension-only nets, and are of little use where steps take three iterations.
+            ``GeneralisedAlpha`` supports them, and so do conserving schemes in scenes with nodes
+            other than frames; other schemes raise an error. Free rigid bodies have no matrix and
+            ignore them.
     """
 
     cost: float = 40.0
@@ -246,10 +253,10 @@ class Automatic(Policy):
             raise ValueError(f"secants must be 0 … {MOST_SECANTS}, got {self.secants}")
 
     def begin(self, bound: bool) -> Decisions:
-        """New matrices when they are worth their cost."""
+        """Refactorise when it pays."""
         cost, refresh = float(self.cost), float(self.refresh)
         return Ruled(Rule(self.patience, cost, refresh, Update.ALL, bound, asks=True))
 
     def rule(self) -> tuple[int, float]:
-        """Its own."""
+        """The patience and cost of this policy."""
         return self.patience, self.cost

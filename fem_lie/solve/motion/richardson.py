@@ -1,10 +1,10 @@
-"""The error in time of any scheme, from runs with halved steps (Richardson).
+"""Time discretisation error of any scheme, from runs with halved steps (Richardson).
 
-Schemes with an estimate in each step find it as they go (:mod:`fem_lie.solve.step_control`). For
-all others, and to check those, a scene is run with steps ``h``, ``h/2`` and ``h/4``: where the
-changes from run to run fall by ``2^p``, the last run is wrong by its change over ``2^p − 1``. The
-order ``p`` is observed, not believed: one far from that of the scheme says that steps do not
-resolve the motion, or that nothing but round-off is left.
+Schemes with an error estimate in each step use it during the run
+(:mod:`fem_lie.solve.step_control`). For all others, and to check the estimates, a scene is run with
+steps ``h``, ``h/2`` and ``h/4``: if the changes from run to run decrease by ``2^p``, the error of
+the last run is its change over ``2^p − 1``. The order ``p`` is observed, not assumed: if it differs
+much from that of the scheme, the steps do not resolve the motion, or only round-off is left.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ _PARTS = 1, 2, 4
 
 @dataclass(frozen=True)
 class ErrorInTime:
-    """Errors in time of the run with the smallest steps, largest over all nodes.
+    """Time discretisation error of the run with the smallest steps, largest over all nodes.
 
     Attributes:
-        times: At ends of the largest steps, shape (k + 1,).
-        translation: Of places at these times, length, (k + 1,).
-        rotation: Of rotations, rad, (k + 1,).
-        order: Observed at the end, of places and rotations: the less of both; infinite if the last
-            runs do not differ.
+        times: Times at the ends of the largest steps, shape (k + 1,).
+        translation: Error of positions at these times, length, (k + 1,).
+        rotation: Error of rotations, rad, (k + 1,).
+        order: Order observed at the end, the lower one of positions and rotations; infinite if the
+            last two runs do not differ.
         result: The run with the smallest steps.
     """
 
@@ -47,17 +47,17 @@ class ErrorInTime:
 def estimate_error(
     scheme: Integrator, scene: Scene, *, duration: float, step: float
 ) -> ErrorInTime:
-    """Errors in time of a scheme, by runs with steps ``step``, a half and a quarter of it.
+    """Time discretisation error of a scheme, from runs with the steps h, h/2 and h/4.
 
     Args:
-        scheme: Any that makes constant steps; of :class:`~fem_lie.Asynchronous` all steps are
-            halved only where ``step`` is the smallest that a cell would make.
-        scene: What there is.
+        scheme: Any scheme with constant steps. :class:`~fem_lie.Asynchronous` halves all steps only
+            if ``step`` is not above the smallest step of any cell.
+        scene: The scene.
         duration: End time; a multiple of ``step``.
         step: The largest steps.
 
     Returns:
-        That of the run with steps of a quarter.
+        The error of the run with steps ``step/4``.
 
     Raises:
         ValueError: As from :meth:`~fem_lie.Integrator.run`.
@@ -88,7 +88,7 @@ def estimate_error(
     for far, near in zip(*changes, strict=True):
         order = float(np.log2(far[-1] / near[-1])) if near[-1] > 0.0 else np.inf
         orders.append(order)
-        # what does not fall is no smaller than its change
+        # an error that does not decrease is at least as large as its change
         errors.append(near / max(2.0**order - 1.0, 1.0))
     return ErrorInTime(runs[-1].times, errors[0], errors[1], min(orders), runs[-1])
 

@@ -1,4 +1,4 @@
-"""The steps of a run with variable steps, and the local error of each of them."""
+"""Log of a run with variable steps: sizes and local errors of all steps."""
 
 from __future__ import annotations
 
@@ -25,9 +25,10 @@ class StepError(NamedTuple):
     """Largest errors of one step over all nodes.
 
     Attributes:
-        translation: Of positions, length.
-        rotation: Of rotations, rad, and of position gradients.
-        translation_node: The moving node with the first; ``rotation_node``: with the second.
+        translation: Error of positions, length.
+        rotation: Error of rotations, rad, and of position gradients.
+        translation_node: Moving node with the largest translation error.
+        rotation_node: Moving node with the largest rotation error.
     """
 
     translation: float
@@ -38,9 +39,9 @@ class StepError(NamedTuple):
 
 @compiled
 def largest(e: Array, lengths: Flags) -> tuple[float, float, int, int]:
-    """Largest norms of the halves of errors (n, 6) that are lengths and of others, and their nodes.
+    """Largest norms of the length halves and of the other halves of errors (n, 6), and their nodes.
 
-    ``lengths`` (n, 2) are which halves are.
+    ``lengths`` (n, 2) says which halves are lengths.
     """
     translation = rotation = 0.0
     first = second = 0
@@ -49,7 +50,7 @@ def largest(e: Array, lengths: Flags) -> tuple[float, float, int, int]:
             part = load(e[i], 3 * half)
             square = dot(part, part)
             if lengths[i, half]:
-                if square > translation or square != square:  # nan stays
+                if square > translation or square != square:  # nan is passed on
                     translation, first = square, i
             elif square > rotation or square != square:
                 rotation, second = square, i
@@ -61,7 +62,8 @@ def add_inertia_forces(
 ) -> None:
     """Add ``factor Lᵀ G q`` at frames ``H``: ``q`` (n, 4, 3), ``forces`` (n, 6).
 
-    Reduced-order bodies are felt by rows that change as ``q`` says, from rest.
+    Inertia of reduced-order bodies is included for nodal coordinates that accelerate by ``q`` from
+    rest.
     """
     work, kinds = np.empty_like(q), equations.unknowns.kinds
     indptr, indices, blocks = equations.tables.inertia
@@ -76,7 +78,7 @@ def add_inertia_forces(
 def _add_floating(
     kinds: Indices, H: Array, q: Array, integers: Indices, numbers: Array, out: Array
 ) -> None:
-    """Add inertia of reduced-order bodies whose rows accelerate by ``q``, without their weight."""
+    """Add inertia forces of reduced-order bodies for accelerations ``q``, without weight."""
     still, with_weight = np.zeros((q.shape[0], 6)), np.zeros_like(q)
     floating.add_forces(kinds, H, still, q, integers, numbers, out)
     floating.add_forces(kinds, H, still, np.zeros_like(q), integers, numbers, with_weight)
@@ -104,14 +106,14 @@ class StepLog:
     def add(
         self, time: float, size: float, error: StepError, measured: tuple[float, float]
     ) -> None:
-        """A step that was accepted."""
+        """Add an accepted step."""
         self.times.append(time)
         self.sizes.append(size)
         self.errors.append(error)
         self.measured.append(measured)
 
     def memory(self) -> dict[str, Array]:
-        """All of it, by name."""
+        """Arrays of the log, by name."""
         return {
             "times": np.array(self.times),
             "sizes": np.array(self.sizes),
@@ -121,7 +123,7 @@ class StepLog:
         }
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
+        """Restore the arrays that :meth:`memory` returned."""
         for name in ("times", "sizes", "rejected"):
             getattr(self, name)[:] = map(float, kept[name])
         self.errors[:] = (
@@ -130,7 +132,7 @@ class StepLog:
         self.measured[:] = ((float(t), float(r)) for t, r in kept["measured"])
 
     def history(self) -> StepHistory:
-        """All of them."""
+        """All steps as a record."""
         known = self.memory()
         errors, measured = known["errors"], known["measured"]
         masters = self.equations.unknowns.masters
@@ -156,13 +158,13 @@ class StepLog:
     def underflow(
         self, control: Control, time: float, h: float, error: StepError | None, increment: float
     ) -> str:
-        """What to say when the step becomes too small.
+        """Error message if the step size becomes too small.
 
         Args:
-            control: Of the steps.
-            time: Where the run stands.
-            h: Size of the last step that was tried.
-            error: Its error, ``None`` if it did not converge.
+            control: Step size control.
+            time: Current time.
+            h: Size of the last rejected step.
+            error: Its error; ``None`` if it did not converge.
             increment: Its last increment.
         """
         text = f"at time {time:.9g} a step of {h:.3g} "
@@ -178,7 +180,7 @@ class StepLog:
             else (error.rotation, control.rotation_tolerance, "rad", error.rotation_node)
         )
         return (
-            f"{text}has an estimated error of {size / h:.3e} {unit} per time, wanted at most "
+            f"{text}has an estimated error of {size / h:.3e} {unit} per time, expected at most "
             f"{tolerance:.3e}, and steps below {control.smallest:.3g} are not allowed; "
             f"{self.body(node)} limits it. Name the times of jumps as events, or give a larger "
             "tolerance or a smaller `smallest`"

@@ -1,7 +1,7 @@
-"""Steps that change, with the local error of every step, for any scheme.
+"""Variable steps with the local error of every step, for any scheme.
 
-A step is tried; its error is estimated; it is accepted, or taken back and tried anew with a smaller
-size. What that means for the state of a scheme is said by its :class:`Stepper`.
+A step is tried and its error estimated; it is then accepted, or taken back and tried again with a
+smaller size. The :class:`Stepper` of a scheme defines what this means for its state.
 """
 
 from __future__ import annotations
@@ -27,21 +27,21 @@ from fem_lie.solve.step_control import SAME, Control
 from fem_lie.system.equations import Equations
 
 ORDER = 2
-"""Of the schemes whose steps may change."""
+"""Order of the schemes with variable steps."""
 
 SIDE = 1e-9
-"""How far from an event its two sides are, in steps."""
+"""Distance of the two sides of an event from it, in steps."""
 
 Kept = TypeVar("Kept", bound=Growing, contravariant=True)
 
 
 class Stepper(Protocol[Kept]):
-    """State of one integration with steps that change; results go into a ``Kept``.
+    """State of one integration with variable steps; results go into a ``Kept``.
 
     Attributes:
-        equations: Of the scene.
-        h: Size of the present step.
-        reason: Why the last step failed, where more is known than that it did not converge.
+        equations: Equations of the scene.
+        h: Size of the current step.
+        reason: Why the last step failed, if there is a more specific reason than no convergence.
     """
 
     equations: Equations
@@ -50,15 +50,15 @@ class Stepper(Protocol[Kept]):
 
     @property
     def frames(self) -> Array:
-        """Of all rows, (≥ n, 4, 3)."""
+        """Current frames of all rows, (≥ n, 4, 3)."""
 
     @property
     def increment(self) -> float:
-        """The last one of the iteration."""
+        """Size of the last increment of the iteration."""
 
     @property
     def factorisations(self) -> int:
-        """How many there were."""
+        """Number of factorisations so far."""
 
     @abstractmethod
     def begin(self, h: float) -> None:
@@ -66,63 +66,66 @@ class Stepper(Protocol[Kept]):
 
     @abstractmethod
     def set_step(self, time: float, h: float) -> None:
-        """Make the state at ``time`` that of the start of a step of size ``h``."""
+        """Set the state at ``time`` as the start of a step of size ``h``."""
 
     @abstractmethod
     def step_to(self, start: float, end: float, index: int, lands: bool) -> int:
-        """Make step ``index``; its iterations, 0 if it failed. ``lands``: it ends at an event."""
+        """Make step ``index``.
+
+        Return its iterations, 0 if it failed. ``lands``: it ends at an event.
+        """
 
     @abstractmethod
     def estimate(self, before: Any, start: float, end: float) -> StepError:
-        """The error of the step that was made from the state ``before``."""
+        """Error of the step that was made from the state ``before``."""
 
     @abstractmethod
     def saved(self) -> Any:
-        """The state."""
+        """A copy of the state."""
 
     @abstractmethod
     def take_back(self, state: Any) -> None:
-        """Be as when it was saved."""
+        """Restore a saved state."""
 
     @abstractmethod
     def follow(self, other: Any, state: Any) -> None:
-        """Be as another stepper of the same scene was when it saved ``state``."""
+        """Take the state that another stepper of the same scene has saved."""
 
     @abstractmethod
     def calm(self, time: float, h: float) -> None:
-        """Forget fast waves: two steps in sequence were rejected, and ``h`` is the next size."""
+        """Remove unresolved fast oscillations, after two rejections; ``h`` is the next size."""
 
     @abstractmethod
     def pass_event(self, time: float) -> None:
-        """Make the state consistent with what is after an event just before ``time``."""
+        """Make the state just before an event consistent with loads and motions after it."""
 
     @abstractmethod
     def record(self, recorder: Kept, index: int, iterations: int) -> None:
-        """Keep the present state in the next row."""
+        """Record the current state in the next row."""
 
     @abstractmethod
     def recorder(self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None) -> Any:
-        """Where results go, a ``Kept``; see :class:`~fem_lie.solve.motion.integration.Driver`."""
+        """Create the history, a ``Kept``; see :class:`~fem_lie.solve.motion.integration.Driver`."""
 
     @abstractmethod
-    def leave_books(self) -> None:
-        """Do not count what acts from outside: nobody asks for it."""
+    def leave_balance(self) -> None:
+        """Skip the energy balance: it is not recorded."""
 
     @abstractmethod
-    def renew_matrix(self, time: float) -> None:
-        """Forget all matrices; make that of the present state, at ``time``, and step."""
+    def refactorise_at(self, time: float) -> None:
+        """Drop all matrices; factorise that of the current state, ``time`` and step size."""
 
     @abstractmethod
     def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on but matrices."""
+        """State on which the next steps depend, except matrices."""
 
     @abstractmethod
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called, without matrices."""
+        """Restore the state that :meth:`memory` returned, without matrices."""
 
 
 def events(scene: Scene, duration: float) -> tuple[float, ...]:
-    """When loads, drives or motions say that they jump in a run, from its beginning on."""
+    """Times at which loads, drives or motions declare discontinuities."""
     moves: list[object] = [item.history for item in (*scene.joints, *scene.connections)]
     moves += [motion.motion for motion in scene.motions]
     times = declared((load.history for load in scene.loads), kinks=False)
@@ -132,19 +135,19 @@ def events(scene: Scene, duration: float) -> tuple[float, ...]:
 
 
 def side(time: float, h: float) -> float:
-    """How far to look past a time to see what is after it."""
+    """Distance from a time at which the value after it is evaluated."""
     return float(max(SIDE * h, 8.0 * np.spacing(time)))
 
 
 REJECTIONS = 2
-"""Steps rejected one after the other after which a scheme forgets fast waves."""
+"""Number of successive rejections after which unresolved fast oscillations are removed."""
 
 
 class VariableSteps(Driver[Growing]):
-    """The steps of one run.
+    """Run with variable steps.
 
     Attributes:
-        steps: What is known of each step.
+        steps: Log of all steps.
     """
 
     STATE = attributes("_index", "_time", "_rejections", "_control", "steps", "_stepper", "_finer")
@@ -152,13 +155,13 @@ class VariableSteps(Driver[Growing]):
     def __init__(
         self, stepper: Stepper[Any], control: Control, finer: Stepper[Any] | None, parts: int
     ) -> None:
-        """Nothing is computed yet.
+        """Set up the run without computing anything.
 
         Args:
             stepper: Makes the steps.
             control: Chooses their sizes.
-            finer: Another stepper, which makes each step once more in many parts to measure errors.
-            parts: In how many.
+            finer: A second stepper, which repeats each step in sub-steps to measure its error.
+            parts: Number of these sub-steps.
         """
         self._stepper, self._finer, self._control = stepper, finer, control
         self._parts, self._rejections = parts, 0
@@ -169,24 +172,24 @@ class VariableSteps(Driver[Growing]):
     def history(
         self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None
     ) -> Growing:
-        """See the base class."""
-        if not plan.saving.booked:
+        """Create the history of the stepper."""
+        if not plan.saving.with_balance:
             for stepper in self._steppers():
-                stepper.leave_books()
+                stepper.leave_balance()
         return self._stepper.recorder(plan, progress, store)
 
     def start(self) -> None:
-        """See the base class."""
+        """Make the state consistent at time 0."""
         self._stepper.begin(self._control.size)
 
     @property
     def frames(self) -> Array:
-        """See the base class."""
+        """Current frames of all rows."""
         return self._stepper.frames
 
     @property
     def index(self) -> int:
-        """See the base class."""
+        """Number of steps made, including the current one."""
         return self._index
 
     def _finished(self, history: Growing) -> bool:
@@ -205,7 +208,7 @@ class VariableSteps(Driver[Growing]):
         return f"{text}. {why.reason}" if why.reason else text
 
     def _record(self, history: Growing) -> bool:
-        """See the base class; an event has two rows, of both its sides."""
+        """Record the current state; an event gets two rows, one for each side."""
         control, stepper, time = self._control, self._stepper, self._time
         lands = not control.finished and time == control.next_event
         kept = self._fill_row(history, self._iterations, event=lands or not self._index)
@@ -232,24 +235,24 @@ class VariableSteps(Driver[Growing]):
         return Result(**vars(result) | {"steps": known})
 
     def _save(self, history: Growing) -> None:
-        """See the base class; a checkpoint has no factors, and the run goes on with new ones."""
+        """Write a checkpoint, without factors, and refactorise."""
         super()._save(history)
-        self._renew()
+        self._refactorise()
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """See the base class."""
+        """Restore a state, and refactorise."""
         super().restore(kept)
-        self._renew()
+        self._refactorise()
 
-    def _renew(self) -> None:
+    def _refactorise(self) -> None:
         for stepper in self._steppers():
-            stepper.renew_matrix(self._time)
+            stepper.refactorise_at(self._time)
 
     def _steppers(self) -> list[Stepper[Any]]:
         return [each for each in (self._stepper, self._finer) if each is not None]
 
     def _attempt(self) -> bool:
-        """Try one step; whether it was accepted."""
+        """Try one step; return whether it was accepted."""
         control, stepper, time, index = self._control, self._stepper, self._time, self._index
         h, event = control.fitted(time), control.next_event
         lands = abs(time + h - event) <= 1e-6 * h
@@ -275,7 +278,7 @@ class VariableSteps(Driver[Growing]):
         return True
 
     def _remembered(self, start: Array) -> bool:
-        """Whether what frames do not tell of the step could be remembered."""
+        """Whether the equations accept the end, with no surfaces passing through each other."""
         stepper = self._stepper
         try:
             stepper.equations.memory.accept(stepper.frames, start)
@@ -286,7 +289,7 @@ class VariableSteps(Driver[Growing]):
         return True
 
     def _try_again(self, time: float, index: int) -> None:
-        """After a rejected step."""
+        """Choose a smaller size after a rejected step."""
         self._rejections += 1
         h = self._control.size
         if h < self._control.smallest:
@@ -299,7 +302,7 @@ class VariableSteps(Driver[Growing]):
     def _measure(
         self, before: Any, time: float, end: float, index: int, lands: bool
     ) -> tuple[float, float]:
-        """Errors of positions and rotations against the same step in many parts."""
+        """Errors of positions and rotations against the same step in sub-steps."""
         finer, parts = self._finer, self._parts
         if finer is None:
             return np.nan, np.nan

@@ -50,9 +50,9 @@ _SETTLED, _FALLS = 1e-12, 0.5
 _FINE = 5e-15
 _DEPTH = 6
 """Tries from which the next one is made."""
-_RENEWED = 12
+_UPDATED = 12
 """Tries of a step after which the response is found anew."""
-_IN_VAIN = 2 * _RENEWED
+_IN_VAIN = 2 * _UPDATED
 """Tries in which violations do not halve, after which a step has failed."""
 
 
@@ -141,14 +141,14 @@ class Coupling(Stateful):
             if wrong is None:
                 return False
             self.left = float(np.abs(wrong * self.measure).max(initial=0.0))
-            noise = self.left <= _SETTLED and self.left > _FALLS * previous
-            if noise or self.left <= _FINE:
+            at_round_off = self.left <= _SETTLED and self.left > _FALLS * previous
+            if at_round_off or self.left <= _FINE:
                 self._accept(λ, wrong)
                 return True
             least, since = (self.left, 0) if self.left < 0.5 * least else (least, since + 1)
             if since == _IN_VAIN:
                 return False
-            if attempt % _RENEWED == 0:
+            if attempt % _UPDATED == 0:
                 if not self._find_response(λ):
                     return False
                 learnt = Mixed(_DEPTH)

@@ -2,10 +2,10 @@
 
 Joints between bodies with steps of their own: over a whole step, as over one of each.
 
-Constraints are bilinear in ``q = (x, d₁, d₂, d₃)`` of their nodes, so that with the means ``q̄`` and
-increments ``Δq`` of a whole step ``Φ(q₁) − Φ(q₀) = Φ'(q̄) Δq``, however many steps a body has made
-meanwhile. Multipliers ``λ`` act over the whole step by forces on ``q`` that do not change in it,
-with the force and the moment of ``Φ'(q̄)ᵀ λ``::
+Constraints are bilinear in ``q = (x, d₁, d₂, d₃)`` of their nodes, so that with the means ``q̄``
+and increments ``Δq`` of a whole step ``Φ(q₁) − Φ(q₀) = Φ'(q̄) Δq``, however many steps a body has
+made meanwhile. Multipliers ``λ`` act over the whole step by forces on ``q`` that do not change in
+it, with the force and the moment of ``Φ'(q̄)ᵀ λ``::
 
     P = (f, a × d̄₁, a × d̄₂, a × d̄₃),            Σ d̄ₖ × (a × d̄ₖ) = m
 
@@ -184,7 +184,7 @@ class Domain(Run):
         super().__init__(options, equations, whole / count)
         self.count, self.rows = count, rows
         self._own: dict[str, Array] = {}
-        self._pushed_before = self._pushes.memory()
+        self._end_forces_before = self._end_forces.memory()
         self._V1, self._first = self.this.V1.copy(), 0
 
     @property
@@ -196,7 +196,7 @@ class Domain(Run):
         """Keep the present state: whole steps are made from it until this is called again."""
         self.before = State(*(array.copy() for array in self.s))
         self._own, self._V1, self._first = self.cells.memory(), self.this.V1.copy(), self.index
-        self._pushed_before = self._pushes.memory()
+        self._end_forces_before = self._end_forces.memory()
 
     def go_back(self) -> None:
         """Return to the state that is kept."""
@@ -204,7 +204,7 @@ class Domain(Run):
             array[:] = value
         self.this.V1[:] = self._V1
         self.cells.restore(self._own)
-        self._pushes.restore(self._pushed_before)
+        self._end_forces.restore(self._end_forces_before)
         counters = self.counters
         counters[corrections.STEPS] = self._first
         counters[corrections.ITERATION] = counters[corrections.ASKED] = 0
@@ -242,7 +242,7 @@ class Domain(Run):
     @property
     def stored(self) -> float:
         """Energy of cells and of contacts."""
-        return float(self.s.W.sum()) + self._pushes.energy + self._pushes.held
+        return float(self.s.W.sum()) + self._end_forces.energy + self._end_forces.held
 
     @property
     def moved(self) -> Array:
@@ -256,5 +256,5 @@ class Domain(Run):
         kept = super().memory()
         return kept if self._factors is None else kept | self._factors.arrays()
 
-    def _kept_factors(self, kept: Mapping[str, Array]) -> Factors | None:
+    def _frozen_factors(self, kept: Mapping[str, Array]) -> Factors | None:
         return Factors.of(kept)

@@ -34,9 +34,9 @@ from fem_lie.linear.direct import DirectSolver
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.scene import Scene
-from fem_lie.solve.conserving.between.product_rows import product_numbers
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
-from fem_lie.solve.conserving.outside.forces import joints_of
+from fem_lie.solve.conserving.midpoint.products import product_numbers
+from fem_lie.solve.conserving.python_forces.forces import joints_of
 from fem_lie.solve.conserving.run_state import PREFIX, Options
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
 from fem_lie.solve.motion.integration import DividedIntegration
@@ -167,11 +167,11 @@ class MultiRateRun(DividedIntegration[History]):
             v[domain.rows] = domain.local(own, domain.s.H)
         if Record.FORCES in history.filled and (held or m):
             rates, weights = self._end_forces(H, v)
-        books = np.sum([domain.s.books for domain in self._domains], axis=0)
-        self._filled.by_both(history, H, (V, v[:n]), weights, books)
+        balance = np.sum([domain.s.balance for domain in self._domains], axis=0)
+        self._filled.by_both(history, H, (V, v[:n]), weights, balance)
         if Record.FORCES in history.filled and held:
-            told = equations.report(H, v, rates, weights, carried=False)
-            history.reactions[row] = told.reactions
+            report = equations.report(H, v, rates, weights, carried=False)
+            history.reactions[row] = report.reactions
         if Record.ENERGIES in history.filled:
             if self._joints is not None:
                 history.elastic[row] = self._joints.energy(H)
@@ -219,8 +219,8 @@ class MultiRate(Integrator):
     """
 
     _wanted_step: ClassVar[str] = (
-        "makes whole steps of one size: wanted it as a number and nothing that jumps (or use "
-        "EnergyMomentum)"
+        "makes whole steps of one size: expected it as a number and a scene without "
+        "discontinuities (or use EnergyMomentum)"
     )
 
     steps: Mapping[Body, int]
@@ -279,7 +279,7 @@ class MultiRate(Integrator):
             ),
         }
         refuse("MultiRate", reasons, "EnergyMomentum")
-        return MultiRateRun(self.scheme.told(), equations, step, parts, between)
+        return MultiRateRun(self.scheme.options(), equations, step, parts, between)
 
 
 def _check_alike(part: Equations, whole: Equations) -> None:

@@ -1,1 +1,1 @@
-"""What a run keeps: rows of results, checkpoints, fingerprints."""
+"""Recording of runs: rows of results, checkpoints, fingerprints."""

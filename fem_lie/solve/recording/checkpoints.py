@@ -1,10 +1,10 @@
-"""Results that go to a file as they are made, and the state from which a run can go on.
+"""Results written to a file during the run, and the state from which a run can be restarted.
 
-The file of results is created whole, with room for all rows, and written row by row; whatever ends
-the process, what was written can be read. Beside it stand the last checkpoint, replaced in one
-piece, and the one before: all numbers on which the following steps depend. What a resumed run
-computes is therefore the same to the last bit as if it had never been interrupted, also from the
-checkpoint before, which is used if the last one is damaged.
+The result file is created at full size and written row by row; whenever the process ends, the rows
+written so far can be read. Beside it are the last checkpoint, which is replaced atomically, and the
+previous one: all data on which the following steps depend. A restarted run therefore computes the
+same results, bit for bit, as an uninterrupted one, also from the previous checkpoint, which is used
+if the last one is damaged.
 """
 
 from __future__ import annotations
@@ -39,25 +39,25 @@ _log = logging.getLogger(__name__)
 
 
 class Checkpoints:
-    """Where a run writes its results and checkpoints.
+    """Result file and checkpoints of a run.
 
     Attributes:
         every: Steps between two checkpoints; 0: at every hundredth of the duration.
-        row: Rows of results that belong to the checkpoint from which the run goes on.
-        memory: State there, or empty.
-        plan: What is to be done.
+        row: Number of rows of results at the checkpoint from which the run restarts.
+        memory: State at that checkpoint, or empty.
+        plan: Plan of the run.
     """
 
     def __init__(
         self, path: str | os.PathLike[str], every: int, plan: Plan, fingerprint: Fingerprint
     ) -> None:
-        """Start anew.
+        """Start a new run.
 
         Args:
-            path: File of results.
+            path: Result file.
             every: Steps between two checkpoints; 0: at every hundredth of the duration.
-            plan: What is to be done.
-            fingerprint: Of scene and scheme.
+            plan: Plan of the run.
+            fingerprint: Fingerprint of scene and scheme.
 
         Raises:
             ValueError: The plan cannot be written.
@@ -69,12 +69,12 @@ class Checkpoints:
 
     @classmethod
     def resume(cls, path: str | os.PathLike[str], fingerprint: Fingerprint) -> Checkpoints:
-        """Go on from the last checkpoint beside a file of results.
+        """Restart from the last checkpoint beside a result file.
 
         Raises:
-            FileNotFoundError: There is no file of results or no checkpoint.
-            ValueError: The checkpoint belongs to another scene or other options, which are named,
-                it or the file is of another version, or all checkpoints are damaged.
+            FileNotFoundError: There is no result file or no checkpoint.
+            ValueError: The checkpoint belongs to another scene or other options, which are named;
+                it or the file is of another version; or all checkpoints are damaged.
         """
         file = Path(path)
         require_files(file)
@@ -98,10 +98,10 @@ class Checkpoints:
         return store
 
     def open(self, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], rows: int) -> None:
-        """Make the file, with room for rows of these shapes, if it is a new run.
+        """Create the file, with space for rows of these shapes, if it is a new run.
 
         Raises:
-            OSError: It cannot be made; the message names it.
+            OSError: The file cannot be created; the message names it.
         """
         if not self.memory:
             size = 8 * rows * sum(prod(shape) for shape in shapes.values())
@@ -116,15 +116,16 @@ class Checkpoints:
         self._file = ResultRows(self._path)
 
     def append(self, first: int, rows: Mapping[str, Array], reached: float) -> None:
-        """Write rows of results from ``first`` on.
+        """Write rows of results from row ``first`` on.
 
         Args:
             first: Number of rows before.
-            rows: The same number of each array.
-            reached: Time of the run.
+            rows: The same number of rows of each array.
+            reached: Current time of the run.
 
         Raises:
-            OSError: The disk is full, or there is another reason; the message names file and times.
+            OSError: The rows cannot be written, for example because the disk is full; the message
+                names the file and the times.
         """
         with self._writing(self._lost(reached)):
             self._make_room(first, first + len(rows["times"]))
@@ -132,7 +133,7 @@ class Checkpoints:
         self._until = float(rows["times"][-1])
 
     def _make_room(self, filled: int, rows: int) -> None:
-        """Make the file larger if it has no room for so many rows."""
+        """Enlarge the file if it has no space for this number of rows."""
         if rows > self._file.room:
             known = self._info, self._shapes
             results_file.enlarge(self._path, *known, filled, max(rows, 2 * self._file.room))
@@ -146,13 +147,13 @@ class Checkpoints:
         """Replace the checkpoint.
 
         Args:
-            index: Steps made.
-            row: Rows of results up to here.
-            seconds: Wall time up to here.
-            memory: All that the next steps depend on.
+            index: Number of steps made.
+            row: Number of rows of results so far.
+            seconds: Wall time so far.
+            memory: State on which the next steps depend.
 
         Raises:
-            OSError: As of :meth:`append`; the last checkpoint stays.
+            OSError: As in :meth:`append`; the last checkpoint stays.
         """
         ends = self.plan.ends(index, memory)
         own: dict[str, Any] = {
@@ -163,19 +164,20 @@ class Checkpoints:
         }
         own |= self._packed_plan
         packed, kept = BytesIO(), own | memory
-        # the directory of an archive has no checksum: entries that it lost would not be missed
+        # the directory of an archive has no checksum: lost entries would not be noticed
         kept[_NAMES] = np.array(sorted(kept))
         np.savez(packed, **kept)
-        # released however this ends: an interruption keeps the frames that it came through
+        # released in any case: an interruption keeps references to the frames that it passed
+        # through
         with self._writing(self._lost(float(ends[-1]))), packed.getbuffer() as data:
             self._file.sync()
             self._replace(data)
         self._at = float(ends[-1])
 
     def _replace(self, data: memoryview) -> None:
-        """Write the checkpoint under another name first: one of them is whole at any time.
+        """Write the checkpoint under another name first, so that one is intact at any time.
 
-        The last one becomes the one before.
+        The last checkpoint becomes the previous one.
         """
         target = _beside(self._path)
         unfinished = target.with_name(f".{target.name}.{os.getpid()}.part")
@@ -199,7 +201,7 @@ class Checkpoints:
 
     @contextmanager
     def _writing(self, what: str) -> Iterator[None]:
-        """Say of an error which file it was, and ``what`` is lost."""
+        """Add to an error the name of the file, and ``what`` is lost."""
         try:
             yield
         except OSError as error:
@@ -208,18 +210,18 @@ class Checkpoints:
             raise OSError(number, text, str(self._path)) from error
 
     def finish(self, numbers: dict[str, float]) -> None:
-        """Say in the file what the run took."""
+        """Write the totals of the run to the file."""
         with self._writing("counts and seconds of the run cannot be written"):
             results_file.finish(self._path, numbers)
 
     def add(self, record: StepHistory | ContactSteps) -> None:
-        """Put what is known of each step into the file."""
-        with self._writing("what is known of each step cannot be written"):
+        """Write the log of the steps to the file."""
+        with self._writing("the log of the steps cannot be written"):
             results_file.add(self._path, record)
 
 
 _NAMED = 6
-"""Most differences that an error lists."""
+"""Largest number of differences that an error lists."""
 
 
 def _listed(names: list[str]) -> str:
@@ -235,22 +237,22 @@ def require_files(path: Path) -> None:
 
 
 _NAMES = "names"
-"""Of all arrays of a checkpoint, but for itself."""
+"""Key of the names of all other arrays of a checkpoint."""
 
 _DAMAGES = (
     # what reading a damaged archive raises
     *(BadZipFile, zlib.error, OSError, EOFError, KeyError, ValueError, struct.error),
     *(NotImplementedError, RuntimeError, MemoryError, OverflowError),
-    # numpy reads a damaged header of an array with Python's tokenizer
+    # NumPy reads array headers with Python's tokenizer, which fails on a damaged one
     *(TokenError, SyntaxError),
 )
 
 
 def _last_undamaged(path: Path) -> tuple[Path, dict[str, Any]]:
-    """The last checkpoint, or the one before if it is damaged: its file, and what is in it.
+    """File and contents of the last checkpoint, or of the previous one if it is damaged.
 
     Raises:
-        ValueError: All of them are damaged.
+        ValueError: Both are damaged.
     """
     damages: list[str] = []
     for checkpoint in (_beside(path), _before(path)):
@@ -272,10 +274,10 @@ def _last_undamaged(path: Path) -> tuple[Path, dict[str, Any]]:
 
 
 def _beside(path: Path) -> Path:
-    """The last checkpoint."""
+    """File of the last checkpoint."""
     return path.with_name(path.name + ".checkpoint")
 
 
 def _before(path: Path) -> Path:
-    """The checkpoint before the last one."""
+    """File of the previous checkpoint."""
     return path.with_name(path.name + ".checkpoint.before")

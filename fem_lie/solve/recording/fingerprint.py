@@ -1,8 +1,7 @@
-"""Of what a run is about: everything that its equations depend on, part by part, with names.
+"""Fingerprint of a scene and a scheme: everything on which the equations depend, part by part.
 
-Numbers are compared as they enter the equations. Of a function of time nothing is known but its
-values: those at the ends and in the middle of all steps made so far. What things are called does
-not matter.
+Numbers are compared as they enter the equations. Functions of time are compared by their values at
+the ends and midpoints of all steps made so far. Names and labels do not matter.
 """
 
 from __future__ import annotations
@@ -22,22 +21,22 @@ from fem_lie.system.equations import Equations
 
 _DIGEST = "digest "
 _SHORT = 60
-"""Longest text that is kept as it is; of longer ones the digest is."""
+"""Longest text that is stored as it is; longer ones are stored as a digest."""
 
 
 class Fingerprint:
-    """What a checkpoint must agree with.
+    """Fingerprint that a checkpoint must match.
 
     Attributes:
-        parts: Text or digest of each part of scene and scheme, by its place there.
+        parts: Text or digest of each part of scene and scheme, by name.
     """
 
     def __init__(self, equations: Equations, scheme: Any) -> None:
-        """Take it of the equations as they are at the start.
+        """Take the fingerprint of the equations at the start.
 
         Args:
-            equations: Those from which nothing was computed yet.
-            scheme: Its options are attributes.
+            equations: Equations with which nothing was computed yet.
+            scheme: Scheme; its options are attributes.
         """
         scene = equations.scene
         self.parts: dict[str, str] = {}
@@ -72,7 +71,7 @@ class Fingerprint:
             self._add(f"drilling of body {k}", scene.drills(body), f"drilling of {body.label}")
         for k, item in enumerate((*scene.joints, *scene.connections), start=1):
             for name, value in (
-                ("constraint definitions", (type(item), item.size, item.definitions())),
+                ("definitions", (type(item), item.size, item.definitions())),
                 ("stiffness, damping and rest", item.spring),
                 ("sliding", item.sliding_definition()),
                 ("rolling", item.velocity_definitions()),
@@ -97,12 +96,12 @@ class Fingerprint:
         return {name: _DIGEST + digest.hexdigest() for name, digest in self._values.items()}
 
     def packed(self, ends: Array) -> npt.NDArray[np.uint8]:
-        """All of it after steps with these ends, for a checkpoint."""
+        """The complete fingerprint after steps with these ends, for a checkpoint."""
         contents = {"parts": self.parts, "functions": self.values(ends)}
         return np.frombuffer(json.dumps(contents).encode(), dtype=np.uint8)
 
     def differences(self, packed: npt.NDArray[np.uint8], ends: Array) -> list[str]:
-        """What is other than when :meth:`packed` was called after the same steps."""
+        """Names of the parts that differ from a fingerprint packed after the same steps."""
         stored = json.loads(packed.tobytes().decode())
         sums = list(self.parts)[self._sums :]
         found = self._compared(stored["parts"], self.parts)
@@ -113,7 +112,7 @@ class Fingerprint:
         return list((named or found).values())
 
     def _compared(self, stored: Mapping[str, str], given: Mapping[str, str]) -> dict[str, str]:
-        """What differs, with both texts where these are short."""
+        """The differing parts, with both texts if these are short."""
         found = {}
         for name in dict.fromkeys([*stored, *given]):
             was, now = stored.get(name, "nothing"), given.get(name, "nothing")
@@ -125,7 +124,7 @@ class Fingerprint:
 
 
 def _functions(scene: Scene) -> Iterator[tuple[str, str, Callable[[float], Any]]]:
-    """Name, what errors call it, and each function of time."""
+    """Name, label in errors, and value of each function of time."""
     for k, load in enumerate(scene.loads, start=1):
         if load.history is not None:
             name = f"history of load {k}"

@@ -1,4 +1,4 @@
-"""What a run is to do and to keep: end time, steps, states and quantities."""
+"""Plan of a run: end time, steps, recorded states and quantities."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from fem_lie.results.record import BOOKED, Record
 from fem_lie.solve.step_control import StepChoice, described, step_choice
 
 NEAR = 1e-9
-"""Part of a step within which two times are the same."""
+"""Times closer than this fraction of a step are equal."""
 
 
 @dataclass(frozen=True, eq=False)
 class Saving:
-    """What is kept.
+    """Which states and quantities are recorded.
 
     Attributes:
-        every: States after every so many steps, and the last one.
-        times: Times between steps at which it is kept instead, increasing, or ``None``.
-        record: What of each state.
-        also: What is filled in besides, and not kept.
+        every: Record every n-th state, and the last one.
+        times: Increasing times at which states are recorded instead, or ``None``.
+        record: Quantities of each recorded state.
+        also: Quantities that are computed but not recorded.
     """
 
     every: int = 1
@@ -36,13 +36,13 @@ class Saving:
 
     @property
     def filled(self) -> Record:
-        """What is filled in: states between others follow from velocities, too."""
+        """Quantities that are computed: interpolation in time needs velocities, too."""
         between = Record.FRAMES if self.times is None else Record.VELOCITIES
         return self.record | self.also | between
 
     @property
-    def booked(self) -> bool:
-        """Whether anybody asks for what has acted from outside."""
+    def with_balance(self) -> bool:
+        """Whether the energy balance or the impulses are recorded."""
         return bool(self.record & BOOKED)
 
     @classmethod
@@ -53,17 +53,17 @@ class Saving:
         duration: float,
         record: Record,
     ) -> Saving:
-        """From the arguments of a run.
+        """Recording as requested by the arguments of a run.
 
         Args:
-            save_every: States after every so many steps.
+            save_every: Record every n-th state.
             save_at: An interval, or times, instead.
-            duration: Of the run.
-            record: What of each state.
+            duration: Duration of the run.
+            record: Quantities of each recorded state.
 
         Raises:
-            ValueError: They are bad, or both are given.
-            TypeError: ``record`` is none, or ``save_every`` no whole number.
+            ValueError: An argument is invalid, or both are given.
+            TypeError: ``record`` is not a ``Record``, or ``save_every`` not an integer.
         """
         instance(record, Record, "record", "a Record such as Record.VELOCITIES | Record.ENERGIES")
         whole(save_every, "save_every")
@@ -89,9 +89,9 @@ class Saving:
         return cls(1, np.clip(times, 0.0, duration), record)
 
     def steps(self, step: float, count: int) -> Indices | None:
-        """Those of ``count`` constant steps on whose ends the times lie or between which they do.
+        """Constant steps, of ``count``, needed for the requested times: at them, or on either side.
 
-        ``None``: there are no times.
+        ``None``: no times were requested.
         """
         if self.times is None:
             return None
@@ -101,7 +101,7 @@ class Saving:
 
 
 def _multiples(interval: float, duration: float) -> Array:
-    """Of an interval up to the end, and the end."""
+    """Multiples of an interval up to the end, and the end."""
     if not (np.isfinite(interval) and 0.0 < interval <= (1.0 + NEAR) * duration):
         raise ValueError(
             f"save_at must be an interval within (0, {duration:g}] or times, got {interval}"
@@ -117,15 +117,15 @@ def _multiples(interval: float, duration: float) -> Array:
 
 
 STEP_TIMES = "steps.times"
-"""Ends of the steps in a checkpoint of steps whose size changes."""
+"""Key of the times of all steps in a checkpoint of a run with variable steps."""
 
 
 @dataclass(frozen=True, eq=False)
 class Plan(ABC):
-    """What a run is to do.
+    """Plan of a run.
 
     Attributes:
-        saving: What is kept.
+        saving: Which states and quantities are recorded.
     """
 
     saving: Saving
@@ -136,70 +136,70 @@ class Plan(ABC):
 
     @abstractmethod
     def packed(self) -> dict[str, Any]:
-        """All of it, for a checkpoint."""
+        """The plan as arrays, for a checkpoint."""
 
     @abstractmethod
     def ends(self, index: int, memory: Mapping[str, Array]) -> Array:
-        """Times at the start and after each step up to ``index``, of a run with this memory."""
+        """Times at the start and after each step up to ``index``, of a run with this state."""
 
 
 @dataclass(frozen=True, eq=False)
 class EqualSteps(Plan):
-    """Steps of one size.
+    """Plan with steps of one size.
 
     Attributes:
-        steps: How many.
-        step: Their size.
+        steps: Number of steps.
+        step: Step size.
     """
 
     steps: int
     step: float
 
     def checkpoint_interval(self, given: int | None) -> int:
-        """A hundredth of all by default."""
+        """The given interval, or a hundredth of all steps."""
         return max(1, self.steps // 100) if given is None else given
 
     def packed(self) -> dict[str, Any]:
-        """See the base class."""
+        """The plan as arrays, for a checkpoint."""
         own = {"plan.steps": np.array(self.steps), "plan.step": np.array(self.step)}
         return own | _packed_saving(self.saving)
 
     def ends(self, index: int, memory: Mapping[str, Array]) -> Array:
-        """See the base class."""
+        """Times at the start and after each step up to ``index``."""
         return self.step * np.arange(index + 1, dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)
 class ChosenSteps(Plan):
-    """Steps whose sizes are chosen on the way.
+    """Plan with step sizes chosen during the run.
 
     Attributes:
         duration: End time.
-        choice: How large they are.
+        choice: Choice of the step sizes.
     """
 
     duration: float
     choice: StepChoice
 
     def checkpoint_interval(self, given: int | None) -> int:
-        """By time by default: it is not known how many steps there will be."""
+        """The given interval, or 0: by time, because the number of steps is unknown."""
         return 0 if given is None else given
 
     def packed(self) -> dict[str, Any]:
-        """See the base class."""
+        """The plan as arrays, for a checkpoint."""
         own = {"plan.duration": np.array(self.duration)}
         return own | {"plan.choice": np.array(described(self.choice))} | _packed_saving(self.saving)
 
     def ends(self, index: int, memory: Mapping[str, Array]) -> Array:
-        """See the base class."""
+        """Times at the start and after each step up to ``index``."""
         return np.concatenate([[0.0], memory[STEP_TIMES]])
 
 
 def unpacked(kept: Mapping[str, Any]) -> Plan:
-    """The plan that is in a checkpoint.
+    """Plan from a checkpoint.
 
     Raises:
-        KeyError: There is none.
+        KeyError: The checkpoint has none.
     """
     record = Record(int(kept["plan.record"]))
     saving = Saving(int(kept["plan.every_row"]), kept.get("plan.save_at"), record)

@@ -1,4 +1,4 @@
-"""Keeps what an integrator computes, in memory or in a file, and shows how far it is."""
+"""Histories of results with constant steps, in memory or in a file, with a progress bar."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from fem_lie.system.equations import Equations
 
 
 class History(Window):
-    """Arrays of results of constant steps, and a progress bar.
+    """Arrays of results for constant steps, and a progress bar.
 
     Attributes:
-        steps: Number of steps to come.
-        every: Every so many steps are filled in, and the last one, if there are no times.
-        refresh: Steps between two states of the bar, ``steps`` if it is not shown.
-        seconds: Wall time before a checkpoint from which the run was resumed.
+        steps: Number of steps of the run.
+        every: Every n-th state is recorded, and the last one, if no times were requested.
+        refresh: Steps between two updates of the bar; ``steps`` if it is not shown.
+        seconds: Wall time before the checkpoint from which the run was restarted.
     """
 
     def __init__(
@@ -37,13 +37,13 @@ class History(Window):
         progress: bool | None,
         store: Checkpoints | None = None,
     ) -> None:
-        """Allocate everything.
+        """Allocate all arrays.
 
         Args:
             info: Bodies and joints.
-            plan: Steps, and what is kept.
+            plan: Steps, and recorded quantities.
             progress: Show a bar; ``None``: if standard error is a terminal.
-            store: Where results and checkpoints go, if not into memory.
+            store: File of results and checkpoints; ``None``: keep results in memory.
         """
         saving, steps, step = plan.saving, plan.steps, plan.step
         every = saving.every
@@ -65,12 +65,12 @@ class History(Window):
         value: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Leave the bar as it is."""
+        """Close the bar and leave it visible."""
         self._bar.close()
         self.close()
 
     def wants(self, index: int) -> bool:
-        """Whether the state after step ``index`` is to be filled in; then there is room for it."""
+        """Whether the state after step ``index`` is to be recorded; if so, a row is reserved."""
         if self._chosen is None:
             wanted = index % self.every == 0 or index == self.steps
         else:
@@ -81,37 +81,38 @@ class History(Window):
         return wanted
 
     def keep(self, indices: Indices, iterations: Indices) -> None:
-        """Count the steps ``indices``, whose values are in the next rows, as filled in."""
+        """Count the steps ``indices``, whose values are in the next rows, as recorded."""
         rows = slice(self.row, self.row + len(indices))
         self.times[rows], self.iterations[rows] = indices * self._h, iterations
         self.row += len(indices)
 
     def update_bar(self, index: int, iterations: int) -> None:
-        """Show that step ``index`` is reached after so many iterations in all."""
+        """Show that step ``index`` is reached after ``iterations`` iterations in total."""
         energy = f"energy {self.gap:.1e} " if Record.ENERGIES in self.filled else ""
         text = f"t={index * self._h:.3g} {energy}it/step {iterations / index:.2f}"
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(index - self._bar.n)
 
     def update_if_due(self, index: int, iterations: int) -> None:
-        """Show step ``index`` if the bar is shown and old."""
+        """Show step ``index`` if the bar is shown and due for an update."""
         if self.show and index - self._bar.n >= self.refresh:
             self.update_bar(index, iterations)
 
     def next_stop(self, index: int) -> int:
-        """The next step after ``index`` at which there is something to do."""
+        """The next step after ``index`` at which a row, a checkpoint or the bar is due."""
         stop = self.next_halt(index, self.steps)
         return int(min([stop, *self._wanted_until(stop, index)[:1]]))
 
     def stretch(self, index: int, most: int) -> tuple[int, Indices]:
-        """Steps after ``index`` in which there is nothing to do but to fill in rows.
+        """Steps after ``index`` that the compiled loop can make, filling in rows by itself.
 
         Args:
-            index: Steps made.
-            most: How many there are at most.
+            index: Number of steps made.
+            most: Largest number of steps.
 
         Returns:
-            The last one, and those up to it whose rows are wanted, for which there is room.
+            The last of these steps, and those whose rows are to be filled in, for which space is
+            reserved.
         """
         last = self.next_halt(index, most)
         wanted = self._wanted_until(last, index)
@@ -124,7 +125,7 @@ class History(Window):
         return last, wanted
 
     def next_halt(self, index: int, most: int) -> int:
-        """The next step at which there is more to do than to fill in a row, ``most`` later."""
+        """The next step, at most ``most`` later, at which more is due than a row."""
         halts = [self.steps, index + most]
         if self.show:
             halts.append((index // self.refresh + 1) * self.refresh)
@@ -133,7 +134,7 @@ class History(Window):
         return min(halts)
 
     def _wanted_until(self, last: int, index: int) -> Indices:
-        """Steps after ``index``, and up to ``last``, whose rows are wanted."""
+        """Steps after ``index``, up to ``last``, whose rows are to be filled in."""
         if self._chosen is not None:
             first, end = np.searchsorted(self._chosen, [index, last], side="right")
             return self._chosen[first:end]
@@ -147,26 +148,26 @@ class History(Window):
         return self._store is not None and index % self._store.every == 0
 
     def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
-        """Write all that the next steps depend on."""
+        """Write the state on which the next steps depend."""
         assert self._store is not None
         kept = memory | self._memory()
         self._store.write(index, self._gone, self.seconds, kept)
 
     def add(self, record: StepHistory | ContactSteps) -> None:
-        """Write what is known of each step, if results go to a file."""
+        """Write the log of the steps, if results go to a file."""
         if self._store is not None:
             self._store.add(record)
 
     def result(
         self, factorisations: int, seconds: float, refreshes: int = 0, divided: int = 0
     ) -> Result:
-        """What was kept so far.
+        """Result of the states recorded so far.
 
         Args:
-            factorisations: Whole matrices.
+            factorisations: Number of factorisations of the whole matrix.
             seconds: Wall time.
-            refreshes: Borders alone.
-            divided: Steps that were made in parts.
+            refreshes: Number of updates of the constraint Jacobian only.
+            divided: Number of divided steps.
         """
         arrays: dict[str, Any] = dict(self.collected())
         if self._store is not None:
@@ -186,12 +187,12 @@ class History(Window):
 
 
 class Recorder(History):
-    """Takes what it keeps from the equations of a scene.
+    """History that takes its rows from the equations of a scene.
 
     Attributes:
-        count: Iterations so far.
-        scene: Table for :func:`~fem_lie.solve.recording.result_row.fill_whole`.
-        whole: Whether that fills in all there is, but for energy that is not in cells.
+        count: Number of iterations so far.
+        scene: Packed arrays for :func:`~fem_lie.solve.recording.result_row.fill_whole`.
+        whole: Whether that function fills in all quantities except energy outside of cells.
     """
 
     def __init__(
@@ -216,38 +217,40 @@ class Recorder(History):
         v: Array,
         a: Array,
         multipliers: Array,
-        booked: Array,
+        balance: Array,
     ) -> bool:
-        """Fill step ``index`` in if it is one that is wanted; ``booked``: balance and impulses.
+        """Record the state after step ``index`` if it is due.
+
+        ``balance``: energy balance and impulses.
 
         Returns:
-            Whether it was.
+            Whether it was due.
         """
         self.show_progress(index)
         wanted = self.wants(index)
         if wanted:
-            self.fill(index * self._h, H, v, a, multipliers, booked)
+            self.fill(index * self._h, H, v, a, multipliers, balance)
         return wanted
 
     def show_progress(self, index: int) -> None:
-        """Show that step ``index`` is reached, if that is due."""
+        """Show that step ``index`` is reached, if an update is due."""
         if self.show and index and index % self.refresh == 0:
             self.update_bar(index, self.count)
 
     def fill(
-        self, time: float, H: Array, v: Array, a: Array, multipliers: Array, booked: Array
+        self, time: float, H: Array, v: Array, a: Array, multipliers: Array, balance: Array
     ) -> None:
-        """Fill in the next row, for which there is room."""
+        """Fill in the next row, for which space is reserved."""
         equations, row = self._equations, self.row
-        self._filled.by_twists(self, H, v, multipliers, booked)
-        told = equations.report(H, v, a, multipliers)
+        self._filled.by_twists(self, H, v, multipliers, balance)
+        report = equations.report(H, v, a, multipliers)
         if self._held:
-            self.reactions[row] = told.reactions
+            self.reactions[row] = report.reactions
         if Record.ENERGIES in self.filled:
-            self.elastic[row] += told.elastic
+            self.elastic[row] += report.elastic
         self.times[row], self.iterations[row] = time, self.count
         self.row += 1
 
     def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
-        """Write all that the next steps depend on, and how many iterations there were."""
+        """Write the state on which the next steps depend, and the number of iterations."""
         super().write_checkpoint(index, memory | {"count": np.array(self.count)})

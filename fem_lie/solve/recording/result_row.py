@@ -1,4 +1,4 @@
-"""A row of results from the state of the equations, in one compiled call.
+"""A row of results, computed from the state of the equations in one compiled call.
 
 A step of a small scene takes a hundred microseconds, and a call from Python a few.
 """
@@ -38,26 +38,26 @@ if TYPE_CHECKING:
 
 
 class Given(NamedTuple):
-    """What of a scene is in its rows.
+    """Constant arrays of a scene that its rows of results depend on.
 
     Attributes:
-        kinds: What the nodes that lead are, (n,).
-        master: Of each node, (N,).
-        offset: Its frame in that of its master node, (N, 4, 3).
+        kinds: Types of the master nodes, (n,).
+        master: Master node of each node, (N,).
+        offset: Frame of each node in the frame of its master, (N, 4, 3).
         inertia: Mass matrix.
         dead: Conservative loads on (x, d₁, d₂, d₃), (n, 4, 3).
-        joints: Their table.
-        probes: That of coordinates.
-        pairs: Those of which forces are reported, (f,).
-        sides: Of these pairs, (f,).
+        joints: Packed arrays of the joints.
+        probes: Packed arrays of the reported joint coordinates.
+        pairs: Node pairs whose forces are reported, (f,).
+        sides: Sides of these pairs, (f,).
         owner: Connection of each constraint, (m,).
-        limits: Turns that elements may make, (w,).
-        ends: Nodes of these elements from end to end, (w, 3).
-        whole: Whether whole frames turn, (w,).
-        lengths: Unloaded lengths of those that are judged by their strain, else zero, (w,).
+        limits: Largest allowed rotations of elements, (w,).
+        ends: Nodes of these elements along the axis, (w, 3).
+        whole: Whether the whole frame rotates, (w,).
+        lengths: Unloaded lengths of elements that are checked by their strain, else zero, (w,).
         chords: Unloaded chords along the mean axes of both ends, (w, 3).
-        turning: Angular velocities of rates of directors, (n, 3, 3, 3).
-        floating: Bodies that deform within their frames.
+        turning: Angular velocities per rate of the directors, (n, 3, 3, 3).
+        floating: Reduced-order bodies.
     """
 
     kinds: Indices
@@ -80,21 +80,23 @@ class Given(NamedTuple):
 
 
 class Kept(NamedTuple):
-    """Rows of a :class:`~fem_lie.solve.recording.window.Window`, the first axis of each.
+    """Recorded arrays of a :class:`~fem_lie.solve.recording.window.Window`.
 
-    What nobody asked for has none.
+    The first axis is the row.
+
+    Quantities that are not recorded have no rows.
 
     Attributes:
-        frames: Of all nodes, (rows, N, 4, 3).
+        frames: Frames of all nodes, (rows, N, 4, 3).
         velocities: Their twists, (rows, N, 6).
         joint_forces: Forces and moments, (rows, connections, 6).
-        joint_coordinates: Shape (rows, probes).
-        joint_violations: Shape (rows, connections).
+        joint_coordinates: Reported joint coordinates, (rows, probes).
+        joint_violations: Constraint violations, (rows, connections).
         invariants: Kinetic energy and momenta, (rows, 7).
-        balance: Work, damping, numerical loss, (rows, 3).
-        impulses: Of loads and of reactions, (rows, 2, 6).
-        potential: Shape (rows,).
-        elastic: Shape (rows,).
+        balance: Work, damping, numerical dissipation, (rows, 3).
+        impulses: Impulses of loads and of reactions, (rows, 2, 6).
+        potential: Potential energy of loads, (rows,).
+        elastic: Strain energy, (rows,).
     """
 
     frames: Array
@@ -111,7 +113,7 @@ class Kept(NamedTuple):
 
 @inlined
 def given_of(table: Indices) -> Given:
-    """In the order in which :class:`~fem_lie.solve.recording.result_row.ResultRow` puts them."""
+    """Unpack the arrays of :class:`Given`, in the order of :attr:`ResultRow.scene`."""
     return Given(
         integers1(table, 0),
         integers1(table, 1),
@@ -134,8 +136,11 @@ def given_of(table: Indices) -> Given:
 
 
 @inlined
-def kept_of(table: Indices) -> Kept:
-    """In the order of :attr:`~fem_lie.solve.recording.window.Window.arrays`."""
+def columns_of(table: Indices) -> Kept:
+    """Unpack the recorded arrays.
+
+    Their order is that of :attr:`~fem_lie.solve.recording.window.Window.arrays`.
+    """
     return Kept(
         numbers4(table, 0),
         numbers3(table, 1),
@@ -151,14 +156,14 @@ def kept_of(table: Indices) -> Kept:
 
 
 class ResultRow:
-    """Fills all of a row but its time, reactions, and what elements and supports have in it.
+    """Fills a row of results, except time, reactions, and contributions of elements and supports.
 
     Attributes:
-        scene: What of the scene is in it, see :class:`~Given`.
+        scene: Packed arrays of the scene, see :class:`~Given`.
     """
 
     def __init__(self, equations: Equations) -> None:
-        """Of equations."""
+        """Pack the arrays of the equations."""
         known = equations.tables
         nodes = known.kinds, known.master, known.offset, *known.inertia, known.conservative
         joints = *known.joints, *known.probes, known.pairs, known.sides, known.owner
@@ -167,18 +172,18 @@ class ResultRow:
         self._fixed = FixedArrays([*nodes, *joints, *turns, known.turning, *known.floating])
         self.scene = self._fixed.table
 
-    def by_twists(self, rows: Window, H: Array, v: Array, weights: Array, booked: Array) -> None:
-        """Fill the next row of ``rows``, elastic energy with that of springs alone.
+    def by_twists(self, rows: Window, H: Array, v: Array, weights: Array, balance: Array) -> None:
+        """Fill the next row of ``rows`` from twists; elastic energy is that of springs only.
 
         Args:
-            rows: Arrays of results, with room.
-            H: Frames of all rows of the equations.
+            rows: Arrays of results, with a free row.
+            H: Frames of all nodes of the equations.
             v: Twists, shape (n, 6).
-            weights: Multipliers, shape (m,).
-            booked: Balance and impulses, shape (15,).
+            weights: Lagrange multipliers, shape (m,).
+            balance: Energy balance and impulses, shape (15,).
         """
         row = rows.row
-        found = fill_by_twists(H, v, weights, booked, self.scene, rows.arrays.table, row)
+        found = fill_by_twists(H, v, weights, balance, self.scene, rows.arrays.table, row)
         self._fill_rest(rows, H, v, weights, found)
 
     def by_both(
@@ -187,20 +192,20 @@ class ResultRow:
         H: Array,
         motion: tuple[Array, Array],
         weights: Array,
-        booked: Array,
+        balance: Array,
     ) -> None:
-        """Fill the next row by :meth:`by_twists` with the energy and momenta of rates of rows.
+        """Fill the next row as :meth:`by_twists`, energy and momenta from coordinate rates.
 
         Args:
-            rows: Arrays of results, with room.
-            H: Frames of all rows of the equations.
-            motion: Rates (n, 4, 3) of the rows of nodes, which need not be those of turning frames,
-                and velocities (n, 6) along the axes of the nodes.
-            weights: Multipliers, shape (m,).
-            booked: Balance and impulses, shape (15,).
+            rows: Arrays of results, with a free row.
+            H: Frames of all nodes of the equations.
+            motion: Rates (n, 4, 3) of the nodal coordinates (position and directors), which need
+                not be those of a rotating frame, and velocities (n, 6) along the axes of the nodes.
+            weights: Lagrange multipliers, shape (m,).
+            balance: Energy balance and impulses, shape (15,).
         """
         (V, v), table = motion, rows.arrays.table
-        found = fill_by_both(H, v, V, weights, booked, self.scene, table, rows.row)
+        found = fill_by_both(H, v, V, weights, balance, self.scene, table, rows.row)
         self._fill_rest(rows, H, v, weights, found)
 
     def _fill_rest(
@@ -217,13 +222,13 @@ class ResultRow:
             rows.potential[row], rows.elastic[row] = potential, springs
         if self._complete or not record & (Record.FORCES | Record.COORDINATES):
             return
-        told = self._equations.report(H, v, multipliers=weights).joints
+        report = self._equations.report(H, v, multipliers=weights).joints
         if Record.FORCES in record:
-            rows.joint_forces[row] = told.forces
+            rows.joint_forces[row] = report.forces
         if Record.COORDINATES in record:
             rows.joint_coordinates[row], rows.joint_violations[row] = (
-                told.coordinates,
-                told.violations,
+                report.coordinates,
+                report.violations,
             )
 
 
@@ -232,29 +237,30 @@ def fill_by_twists(
     H: Array,
     v: Array,
     weights: Array,
-    booked: Array,
+    balance: Array,
     scene: Indices,
     rows: Indices,
     row: int,
 ) -> tuple[float, float, bool]:
-    """Fill row ``row`` of the arrays.
+    """Fill row ``row`` of the arrays from twists.
 
     Args:
-        H: Frames of all rows of the equations.
+        H: Frames of all nodes of the equations.
         v: Twists, shape (n, 6).
-        weights: Multipliers, shape (m,).
-        booked: Balance and impulses, shape (15,).
-        scene: Table of fixed arrays, :class:`~Given`.
-        rows: That of :attr:`~fem_lie.solve.recording.window.Window.arrays`.
+        weights: Lagrange multipliers, shape (m,).
+        balance: Energy balance and impulses, shape (15,).
+        scene: Packed arrays of the scene, :class:`~Given`.
+        rows: Packed arrays of :attr:`~fem_lie.solve.recording.window.Window.arrays`.
         row: Number of the row.
 
     Returns:
-        The potential of loads, the energy of springs, and whether an element turns nearly too far.
+        The potential of loads, the energy of springs, and whether an element is near its rotation
+        limit.
     """
     q = np.empty((v.shape[0], 4, 3))
-    if _any(kept_of(rows).invariants):
+    if _any(columns_of(rows).invariants):
         push_all_forward(given_of(scene).kinds, H, v, q)
-    return _fill(H, v, q, weights, booked, scene, rows, row)
+    return _fill(H, v, q, weights, balance, scene, rows, row)
 
 
 @linked
@@ -262,7 +268,7 @@ def fill_whole(
     H: Array,
     v: Array,
     weights: Array,
-    booked: Array,
+    balance: Array,
     scene: Indices,
     rows: Indices,
     cells: tuple[Indices, Indices],
@@ -270,26 +276,28 @@ def fill_whole(
     iterations: int,
     time: float,
 ) -> bool:
-    """:func:`fill_by_twists` and all the rest, where cells of a table have all other energy.
+    """Fill a row as :func:`fill_by_twists`, with the energy of all cells.
+
+    All other energy must be stored in these cells.
 
     Args:
-        H: See there, and so on.
-        v: See there.
-        weights: See there.
-        booked: See there.
-        scene: See there.
-        rows: See there.
-        cells: Table of their energy, see :class:`~fem_lie.forms.cell_forms.FormTable`.
+        H: Frames of all nodes of the equations.
+        v: Twists, shape (n, 6).
+        weights: Lagrange multipliers, shape (m,).
+        balance: Energy balance and impulses, shape (15,).
+        scene: Packed arrays of the scene, :class:`~Given`.
+        rows: Packed arrays of :attr:`~fem_lie.solve.recording.window.Window.arrays`.
+        cells: Packed arrays of the cells, see :class:`~fem_lie.forms.cell_forms.FormTable`.
         row: Number of the row.
-        iterations: So far.
-        time: Of the state.
+        iterations: Number of iterations so far.
+        time: Time of the state.
 
     Returns:
-        Whether an element turns nearly too far.
+        Whether an element is near its rotation limit.
     """
-    potential, springs, near = fill_by_twists(H, v, weights, booked, scene, rows, row)
+    potential, springs, near = fill_by_twists(H, v, weights, balance, scene, rows, row)
     energy = np.zeros(1)
-    if _any(kept_of(rows).elastic):
+    if _any(columns_of(rows).elastic):
         add_cells(H, cells, 0, energy)
     close_row(rows, row, potential, springs + energy[0], time, iterations)
     return near
@@ -299,8 +307,8 @@ def fill_whole(
 def close_row(
     rows: Indices, row: int, potential: float, elastic: float, time: float, iterations: int
 ) -> None:
-    """Fill in the energies that cells and loads have, if they are wanted, the time, and counts."""
-    kept = kept_of(rows)
+    """Fill in time, iterations, and the recorded energies of cells and loads."""
+    kept = columns_of(rows)
     if _any(kept.elastic):
         kept.potential[row], kept.elastic[row] = potential, elastic
     numbers1(rows, 10)[row], integers1(rows, 11)[row] = time, iterations
@@ -312,13 +320,13 @@ def fill_by_both(
     v: Array,
     V: Array,
     weights: Array,
-    booked: Array,
+    balance: Array,
     scene: Indices,
     rows: Indices,
     row: int,
 ) -> tuple[float, float, bool]:
-    """:func:`fill_by_twists` for ``v`` and the rates ``V`` (n, 4, 3) of all rows."""
-    return _fill(H, v, V, weights, booked, scene, rows, row)
+    """Fill a row as :func:`fill_by_twists`, from ``v`` and the coordinate rates ``V`` (n, 4, 3)."""
+    return _fill(H, v, V, weights, balance, scene, rows, row)
 
 
 @linked
@@ -327,12 +335,12 @@ def _fill(
     v: Array,
     V: Array,
     weights: Array,
-    booked: Array,
+    balance: Array,
     scene: Indices,
     rows: Indices,
     row: int,
 ) -> tuple[float, float, bool]:
-    given, kept = given_of(scene), kept_of(rows)
+    given, kept = given_of(scene), columns_of(rows)
     frames = kept.frames[row]
     _fill_motion(H, v, given, kept, row)
     potential = 0.0
@@ -342,11 +350,11 @@ def _fill(
         potential = report_rates(H, V, mass, bodies, given.dead, work, kept.invariants[row])
     springs = _fill_joints(H, v, weights, scene, rows, row)
     if _any(kept.balance):
-        copy_vector(booked, kept.balance[row])
+        copy_vector(balance, kept.balance[row])
     if _any(kept.impulses):
         for k in range(6):
-            kept.impulses[row, 0, k] = booked[COLUMNS + k]
-            kept.impulses[row, 1, k] = booked[COLUMNS + 6 + k]
+            kept.impulses[row, 0, k] = balance[COLUMNS + k]
+            kept.impulses[row, 1, k] = balance[COLUMNS + 6 + k]
     _, _, near = nearest(frames, given.ends, given.limits, given.whole)
     _, _, _, _, strained = most_strained(frames, given.ends, given.lengths, given.chords)
     return potential, springs, near or strained
@@ -354,13 +362,13 @@ def _fill(
 
 @inlined
 def _any(rows: Array) -> bool:
-    """Whether they are wanted."""
+    """Whether the quantity is recorded."""
     return rows.shape[0] > 0
 
 
 @inlined
 def _fill_motion(H: Array, v: Array, given: Given, kept: Kept, row: int) -> None:
-    """Frames of all nodes, and their velocities if they are wanted."""
+    """Frames of all nodes, and their velocities if they are recorded."""
     moving, wanted = given.kinds.shape[0], _any(kept.velocities)
     velocities = kept.velocities[row] if wanted else np.empty((0, 6))
     leads = given.master.shape[0] == moving
@@ -378,7 +386,7 @@ def _fill_joints(
     H: Array, v: Array, weights: Array, scene: Indices, rows: Indices, row: int
 ) -> float:
     """Forces, coordinates and violations of joints; returns the energy of springs."""
-    given, kept = given_of(scene), kept_of(rows)
+    given, kept = given_of(scene), columns_of(rows)
     table = joint_table(given.joints)
     if _any(kept.joint_forces):
         forces = kept.joint_forces[row, : given.pairs.shape[0]]

@@ -1,8 +1,8 @@
-"""Rows of results while they are made: in memory as they are, or passing through to elsewhere.
+"""Buffer of rows of results during a run: kept in memory, or passed on to a file.
 
-What is wanted after every so many steps and in memory stays in the arrays that the run fills. What
-goes to a file passes through them, and so does what is wanted at given times: states on both sides
-of each time are filled in, and what is kept lies between them.
+States recorded after every n-th step in memory stay in the arrays that the run fills. Results for a
+file pass through these arrays, and so do states at requested times: the states on both sides of
+each time are filled in and interpolated.
 """
 
 from __future__ import annotations
@@ -21,37 +21,37 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import NEAR, Saving
 
 ROOM = 2**26
-"""Bytes of rows that pass through at a time."""
+"""Size of the buffer in bytes for rows that are passed on."""
 
 FEWEST = 8
-"""Rows that pass through at a time, however large they are."""
+"""Smallest number of rows in the buffer, whatever their size."""
 
 
 class Window:
     """Arrays of results and the next row to be filled.
 
     Attributes:
-        row: Where in the arrays the next state goes.
-        times: Of the rows, as are all other arrays.
-        iterations: So far.
-        balance: Work, damping, numerical loss, see :mod:`fem_lie.bodies.balances`, shape (T, 3);
-            zero where a row is not yet written, as ``impulses`` are.
-        impulses: Of loads and reactions, shape (T, 2, 6).
-        arrays: Those that :mod:`fem_lie.solve.recording.result_row` fills.
-        turns_far: Whether an element turns nearly too far in the last row.
-        filled: What is filled in; arrays of what is not have no rows.
+        row: Index of the next row.
+        times: Times of the rows; the first axis of all arrays is the row.
+        iterations: Number of iterations so far.
+        balance: Work, damping, numerical dissipation, see :mod:`fem_lie.bodies.balances`, shape (T,
+            3); zero where a row is not yet written, like ``impulses``.
+        impulses: Impulses of loads and reactions, shape (T, 2, 6).
+        arrays: Arrays that :mod:`fem_lie.solve.recording.result_row` fills.
+        turns_far: Whether an element is near its rotation limit in the last row.
+        filled: Computed quantities; arrays of others have no rows.
     """
 
     def __init__(
         self, info: SceneInfo, rows: int, saving: Saving, store: Checkpoints | None
     ) -> None:
-        """Allocate everything.
+        """Allocate all arrays.
 
         Args:
             info: Bodies and joints.
-            rows: How many there will be at most, or at first.
-            saving: What is kept, at which times.
-            store: Where they go, if not into memory.
+            rows: Largest number of rows, or the number at first.
+            saving: Recorded quantities and times.
+            store: File to which rows are passed on; ``None``: keep them in memory.
         """
         n, wanted = sum(len(body.nodes) for body in info.bodies), saving.times
         shapes, filled = row_shapes(info, n), saving.filled
@@ -90,20 +90,20 @@ class Window:
         self._collect_arrays()
         self._first: Array = np.full(2 + balances.COLUMNS, np.nan)
         self._last_gap = 0.0
-        # rows that have passed
+        # rows that were passed on
         self._gone, self._broken = 0, False
         if store is not None and store.memory:
             self._restore(store)
 
-    # --- rows come ---
+    # --- rows that are filled ---
 
     @property
     def room(self) -> int | None:
-        """Rows that can be filled in at a time, ``None`` for any number."""
+        """Number of rows that can be filled at a time, ``None`` for any number."""
         return len(self.times) - 1 if self._passes else None
 
     def make_room(self, rows: int = 1) -> None:
-        """See to it that the next rows are free."""
+        """Make sure that the next rows are free."""
         if self.row + rows > len(self.times):
             if self._passes:
                 self._pass_on(last=False)
@@ -124,7 +124,7 @@ class Window:
 
     @property
     def gap(self) -> float:
-        """Gap in the balance of energy at the last row, see :mod:`fem_lie.bodies.balances`."""
+        """Error of the energy balance at the last row, see :mod:`fem_lie.bodies.balances`."""
         if self.row and Record.ENERGIES in self.filled:
             if np.isnan(self._first[0]):
                 self._first = self._energies(0)
@@ -140,10 +140,10 @@ class Window:
         stored = self.invariants[row, 0] + self.elastic[row]
         return np.array([stored, self.potential[row], *self.balance[row]])
 
-    # --- rows go ---
+    # --- rows that are passed on ---
 
     def _pass_on(self, *, last: bool) -> None:
-        """Empty the arrays; ``last``: no state after the last row will be asked for."""
+        """Empty the arrays; ``last``: no state after the last row will be needed."""
         _ = self.gap
         if not self.row:
             return
@@ -165,7 +165,7 @@ class Window:
         self.row = 1
 
     def _split(self, rows: Mapping[str, Array]) -> dict[str, Array]:
-        """What is kept of rows, by the names of results."""
+        """Recorded quantities of rows, by the names of results."""
         invariants = rows.get("invariants")
         if invariants is not None:
             rows = {**rows, **{name: invariants[:, part] for name, part in INVARIANTS.items()}}
@@ -182,12 +182,12 @@ class Window:
         self._gone += count
 
     def close(self) -> None:
-        """Pass on what is there, if that is still possible."""
+        """Pass on the remaining rows, if that is still possible."""
         if self._passes and not self._broken:
             self._pass_on(last=False)
 
     def collected(self) -> dict[str, Array]:
-        """All rows that were kept."""
+        """All recorded rows."""
         if not self._passes:
             return self._split({name: getattr(self, name)[: self.row] for name in self._names})
         if not self._broken:
@@ -203,11 +203,11 @@ class Window:
 
     @property
     def fresh(self) -> bool:
-        """Whether nothing was done before."""
+        """Whether the run was not restarted."""
         return self._store is None or not self._store.memory
 
     def _memory(self) -> dict[str, Array]:
-        """All on which the rows to come depend."""
+        """State on which the following rows depend."""
         self._pass_on(last=False)
         kept = {"window.first": self._first, "window.row": np.array(self.row)}
         if self.row:

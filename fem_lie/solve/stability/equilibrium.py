@@ -217,7 +217,7 @@ class StableEquilibrium(SceneEquilibrium):
         return self.pencil()[0]
 
     def all_nodes(self, shapes: Array) -> tuple[Array, Flags]:
-        """Increments of master nodes (k, n, 6) as scaled ones of all nodes, and which only turn."""
+        """Increments of leaders (k, n, 6) as scaled ones of all nodes, and which only turn."""
         unknowns = self.equations.unknowns
         lengths = node_lengths(unknowns.bodies)
         found = [scaled(self.equations.report(self._H, shape).twists, lengths) for shape in shapes]

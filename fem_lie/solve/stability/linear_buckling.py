@@ -181,8 +181,8 @@ def _largest(
     """Largest positive ``1/λ`` of ``−G φ = (1/λ) K φ``."""
     n, solver = K.shape[0], SLEPc.EPS().create(PETSc.COMM_SELF)
     size = float(np.mean(np.abs(K.diagonal())))
-    saddle_point = sp.bmat([[K, size * B.T], [size * B, None]], format="csr") if B.shape[0] else K
-    solver.setOperators(to_petsc(padded(-G, B)), to_petsc(saddle_point))
+    bordered = sp.bmat([[K, size * B.T], [size * B, None]], format="csr") if B.shape[0] else K
+    solver.setOperators(to_petsc(padded(-G, B)), to_petsc(bordered))
     types = SLEPc.EPS.ProblemType
     solver.setProblemType(types.GNHEP if B.shape[0] else types.GHEP)
     solver.setOptionsPrefix(prefix)
@@ -191,7 +191,7 @@ def _largest(
     solver.setDimensions(wanted)
     solver.setTolerances(_TOLERANCE, 500)
     solve_factorised(solver, prefix)
-    values, vectors = _pairs(solver, n, saddle_point.shape[0])
+    values, vectors = _pairs(solver, n, bordered.shape[0])
     # constraints bring zeros that are defective, of which round-off makes numbers of either sign
     energy = np.einsum("kn,kn->k", vectors, vectors @ K)
     by_loads = -np.einsum("kn,kn->k", vectors, vectors @ G)

@@ -90,19 +90,21 @@ def warn_if_unstable(result: StaticResult) -> None:
     if result.steady_rotation:
         return
     unstable = result.negative_pivots > 0
-    told = []
+    sentences = []
     if unstable.any():
         factors = ", ".join(f"{factor:g}" for factor in result.factors[unstable][:4])
         more = ", …" if unstable.sum() > 4 else ""
-        told.append(
+        sentences.append(
             f"the equilibrium is unstable at load factor {factors}{more} (negative pivots "
             f"{', '.join(map(str, result.negative_pivots[unstable][:4]))}{more})"
         )
     if result.turned_back:
         factors = ", ".join(f"{factor:.3g}" for factor in result.turned_back)
-        told.append(f"the load had a maximum near {factors} on the way, where the structure snaps")
-    if told:
-        text = "; ".join(told)
+        sentences.append(
+            f"the load had a maximum near {factors} on the way, where the structure snaps"
+        )
+    if sentences:
+        text = "; ".join(sentences)
         warnings.warn(
             f"{text}. fl.follow_path shows the whole path and its critical points",
             UnstableEquilibriumWarning,

@@ -1,1 +1,1 @@
-"""Integrators that are derived from a discrete action."""
+"""Variational integrators, derived from a discrete action."""

@@ -13,19 +13,19 @@ from fem_lie.system.equations import Equations, Plan, TimeState
 
 
 class Binding:
-    """Constraints that a table of pairs of frames does not have: on attachment frames and beams."""
+    """Constraints outside of the compiled joints: on attachment frames and along beams."""
 
     def __init__(self, equations: Equations) -> None:
-        """No step has begun."""
+        """Set up before the first step."""
         self._equations = equations
         self._ahead: Array = np.zeros(equations.unknowns.m)
 
     def begin(self, H: Array, start: float, h: float) -> None:
-        """A step begins.
+        """Begin a step.
 
         Args:
-            H: Rows of all nodes at its start, (N, 4, 3).
-            start: When that is.
+            H: Nodal coordinates of all nodes at its start, (N, 4, 3).
+            start: Time at its start.
             h: Step size.
         """
         equations = self._equations
@@ -38,9 +38,9 @@ class Binding:
         """Increments of the constraints over the step, and their forces at its start.
 
         Args:
-            end: Rows of all nodes at the end, (N, 4, 3).
-            weights: Multipliers, (m,).
-            gap: What constraints violate at the start, (m,).
+            end: Nodal coordinates of all nodes at the end, (N, 4, 3).
+            weights: Lagrange multipliers, (m,).
+            gap: Constraint violations at the start, (m,).
             out: The increments, (m,), and forces in global components, (n, 6); overwritten.
         """
         change, forces = out
@@ -51,19 +51,19 @@ class Binding:
 
 PREFIX = "fem_lie_dynamics_"
 _UNFILTERED = 1e-6
-"""Size of steps, over the true one, whose matrix finds velocities from momenta."""
+"""Step size, over the true one, of the matrix that computes velocities from momenta."""
 
 
 class Ends:
-    """What results and books want to know there."""
+    """Velocities, accelerations and multipliers at ends of steps, for results."""
 
     def __init__(self, equations: Equations, step: float, sweeps: int = 1) -> None:
-        """Nothing is factorised yet.
+        """Set up without factorising.
 
         Args:
-            equations: Of the scene.
+            equations: Equations of the scene.
             step: Step size.
-            sweeps: Of :func:`~fem_lie.solve.motion.consistent.accelerations`.
+            sweeps: As in :func:`~fem_lie.solve.motion.consistent.accelerations`.
         """
         n, m = equations.unknowns.moving, equations.unknowns.m
         self.equations, self.h, self._n, self._sweeps = equations, step, n, sweeps
@@ -78,12 +78,12 @@ class Ends:
         return self._made
 
     def velocities(self, H: Array, spatial: Array, time: float) -> Array:
-        """Twists of all rows that have the momenta and that constraints allow, shape (N, 6).
+        """Admissible twists of all nodes with given momenta, shape (N, 6).
 
         Args:
-            H: All rows, shape (N, 4, 3).
-            spatial: Momenta, shape (n, 6).
-            time: When.
+            H: Nodal coordinates of all nodes, shape (N, 4, 3).
+            spatial: Momenta in global components, shape (n, 6).
+            time: Time.
         """
         equations, n, solver = self.equations, self._n, self._solver
         v = equations.start.velocities.copy()
@@ -103,27 +103,27 @@ class Ends:
         return v
 
     def accelerations(self, H: Array, v: Array, time: float) -> tuple[Array, Array]:
-        """Accelerations, shape (n, 6), and multipliers, shape (m,).
+        """Accelerations, shape (n, 6), and Lagrange multipliers, shape (m,).
 
         Args:
-            H: All rows, shape (N, 4, 3).
+            H: Nodal coordinates of all nodes, shape (N, 4, 3).
             v: Their twists, shape (N, 6).
-            time: When.
+            time: Time.
         """
         equations, n = self.equations, self._n
         now = TimeState(H, v[:n], self._still, self._none)
-        # elements' own unknowns are those half-way
+        # internal unknowns of elements are those of the midpoint
         equations.residual(now, np.ones(len(self._none)), self._work)
         return accelerations(equations, self._solver, H, v, time, self.h, self._sweeps)
 
     def through(self, H: Array, steps: Array, time: float, changing: bool) -> tuple[Array, Array]:
-        """Twists, shape (N, 6), and their rates, shape (n, 6), of a line through two steps.
+        """Twists, shape (N, 6), and their rates, shape (n, 6), of a parabola through two steps.
 
         Args:
-            H: All rows at the end of the last step, shape (N, 4, 3).
-            steps: It and the one before, shape (2, n, 6).
-            time: When it ends.
-            changing: Whether anything is prescribed in time.
+            H: Nodal coordinates of all nodes at the end of the last step, shape (N, 4, 3).
+            steps: The last step and the one before, shape (2, n, 6).
+            time: Time at its end.
+            changing: Whether there are prescribed motions.
         """
         equations, n, h = self.equations, self._n, self.h
         twists = equations.start.velocities.copy()
@@ -149,16 +149,16 @@ def prescribe(
     rows: tuple[Array, Array, Array, Array],
     given: tuple[Array, Array],
 ) -> None:
-    """Set loads of the middle of the step, drives and prescribed motions at its end, too.
+    """Set loads at the midpoint of the step, drives and prescribed motions, also at its end.
 
     Args:
-        equations: Of the scene; their time becomes that of the middle.
-        H: All rows at the start, shape (N, 4, 3).
-        start: When it begins.
+        equations: Equations of the scene; their time becomes that of the midpoint.
+        H: Nodal coordinates of all nodes at the start, shape (N, 4, 3).
+        start: Time at the start.
         h: Step size.
-        rows: Their change, mean, those at the end and half-way; prescribed ones are set.
-        given: By how much drives go on, shape (m,), and twists, shape (N, 6), whose prescribed ones
-            are set; results.
+        rows: Increments, means, ends and midpoints of nodes; those of prescribed nodes are set.
+        given: Increments of drives, shape (m,), and twists, shape (N, 6), of which those of
+            prescribed nodes are set; results.
     """
     n, (driven, twists) = equations.unknowns.moving, given
     end, between = start + h, equations.prescribed(start + 0.5 * h, h)
@@ -166,10 +166,10 @@ def prescribe(
         at = [equations.prescribed(time).targets for time in (start, end)]
         driven[:] = at[1] - at[0]
     if len(H) > n + 1:
-        delta, mean, last, half_way = rows
+        delta, mean, last, midpoint_frames = rows
         after = equations.prescribed(end)
         delta[n + 1 :] = after.frames - H[n + 1 :]
         mean[n + 1 :] = 0.5 * (after.frames + H[n + 1 :])
-        last[n + 1 :], half_way[n + 1 :] = after.frames, between.frames
+        last[n + 1 :], midpoint_frames[n + 1 :] = after.frames, between.frames
         twists[n + 1 :] = between.velocities
     between.act()

@@ -1,4 +1,4 @@
-"""Steps of the variational scheme in one compiled loop, and the table that it takes."""
+"""Steps of the variational scheme in one compiled loop, and its packed arrays."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from fem_lie._jit import compiled, inlined, linked
 from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3
 from fem_lie.lie.node_types import inertia
 from fem_lie.linear.factors import PlainFactors, solve
-from fem_lie.solve.conserving.between.cayley import advance
+from fem_lie.solve.conserving.midpoint.cayley import advance
 from fem_lie.solve.convergence import DIVERGES, GOES_ON, STAGNANT, estimate, judged
-from fem_lie.solve.renewal import PlainRule, due, learn
+from fem_lie.solve.refactorisation import PlainRule, due, learn
 from fem_lie.solve.variational import momenta
 from fem_lie.system.nodes.sums import residual
 from fem_lie.system.outer_forces import look_and_sum_up
@@ -23,47 +23,47 @@ class Packed(NamedTuple):
     """Arrays of a run, in the order of :func:`packed`.
 
     Attributes:
-        H: Frames of all rows, (N, 4, 3).
-        rest: Digits that they have no room for, (n, 4, 3).
-        last: The last step, and the one before, each (n, 6).
-        earlier_step: The latter.
-        step: The present one.
+        H: Nodal coordinates of all nodes, (N, 4, 3).
+        rest: Further digits of ``H`` beyond double precision, (n, 4, 3).
+        last: Increments of the last step, (n, 6).
+        earlier_step: Increments of the step before it, (n, 6).
+        step: Increments of the current step, (n, 6).
         before: Momenta at the start, (n, 6).
-        after: Those at the end.
-        multipliers: Present ones, and those of the last step, each (m,).
-        earlier: The latter.
-        gap: Violation of the constraints, (m,).
-        delta: What lies between the ends, see :func:`~.momenta.between`, each (N, 4, 3).
-        mean: See there.
-        end: See there.
-        middle: See there.
-        twists: See there, (N, 6).
+        after: Momenta at the end, (n, 6).
+        multipliers: Current Lagrange multipliers, (m,).
+        earlier: Lagrange multipliers of the last step, (m,).
+        gap: Constraint violations, (m,).
+        delta: Increments of all nodes, see :func:`~.momenta.between`, (N, 4, 3).
+        mean: Mean coordinates, (N, 4, 3).
+        end: Coordinates at the end, (N, 4, 3).
+        middle: Nodes at the midpoint, (N, 4, 3).
+        twists: Velocities at the midpoint, (N, 6).
         still: Zeros, (N, 6).
         none: Zeros, (m,).
         driven: Zeros, (m,).
-        change: Of the constraints, (m,).
-        forces: Of nodes, (n, 6), likewise ``constraints``.
-        constraints: Of joints.
-        r: Residual, solution and room, each (6 n + m,).
-        x: The solution.
-        y: Room.
-        work: Room.
-        scale: Of the constraints, (m,).
-        measure: Of all unknowns.
-        held: Which of the nodes' are zero, (n, 6).
+        change: Increments of the constraints, (m,).
+        forces: Forces on nodes, (n, 6).
+        constraints: Constraint forces on nodes, (n, 6).
+        r: Residual, (6 n + m,).
+        x: Solution, (6 n + m,).
+        y: Workspace, (6 n + m,).
+        work: Workspace, (6 n + m,).
+        scale: Scale of the constraints, (m,).
+        measure: Norm weights of all unknowns.
+        held: Which unknowns of the nodes are fixed, (n, 6).
         mass: Inertia.
-        joints: Their table.
-        known: What the rule has learned.
+        joints: Packed arrays of the joints.
+        known: Iteration counts recorded by the rule.
         counters: See :data:`MADE`.
         numbers: See :data:`MOTION`.
-        table: Of :func:`~fem_lie.system.nodes.sums.residual`.
-        books: Of :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
-        told: Twists that these are told, in space and in the nodes' frames, each (n, 6).
-        local: The latter.
-        ahead: Multipliers that they are told, (m,).
-        targets: Of the constraints, (m,).
+        table: Packed arrays of :func:`~fem_lie.system.nodes.sums.residual`.
+        balance_table: Packed arrays of :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
+        reported: Twists for the energy balance, in global components, (n, 6).
+        local: The same in the nodes' frames, (n, 6).
+        ahead: Multipliers for the energy balance, (m,).
+        targets: Targets of the constraints, (m,).
         kinds: Types of the nodes, (n,).
-        within: Of reduced-order bodies, see :class:`~.momenta.Within`.
+        within: Reduced-order bodies, see :class:`~.momenta.Within`.
     """
 
     H: Array
@@ -100,8 +100,8 @@ class Packed(NamedTuple):
     counters: Indices
     numbers: Array
     table: Indices
-    books: Indices
-    told: Array
+    balance_table: Indices
+    reported: Array
     local: Array
     ahead: Array
     targets: Array
@@ -110,7 +110,7 @@ class Packed(NamedTuple):
 
     @property
     def arrays(self) -> list[Any]:
-        """One after the other."""
+        """The arrays, in order."""
         bodies, *within = self.within
         return [*self[:28], *self.mass, *self.joints, *self[30:-1], *bodies, *within]
 
@@ -170,15 +170,16 @@ def packed(t: Indices) -> Packed:
 
 
 DONE, MATRIX, FAILED = range(3)
-"""Why the loop has come back: all steps are made, a matrix is due, a step does not converge."""
+"""Why the loop returns: all steps are made, a refactorisation is due, a step does not converge."""
 
 MADE, ITERATION, TOTAL = range(3)
-"""What is counted: steps made, the present iteration, if one has begun, and those of all steps."""
+"""Indices of counters: steps made, the current iteration (0 before the first), all iterations."""
 MOTION, PREVIOUS, RATIO, INCREMENT = range(4)
-"""Numbers: the largest motion of the step, the increment before, the ratio of both, and it."""
+"""Indices of numbers: largest motion of the step, previous increment, ratio of increments, current
+increment."""
 
-NOISE = 1e3 * float(np.finfo(np.float64).eps)
-"""Increments below, over the model, that do not fall are round-off."""
+ROUND_OFF_LEVEL = 1e3 * float(np.finfo(np.float64).eps)
+"""Increments below this level, over the length of the model, that do not decrease are round-off."""
 
 
 @compiled
@@ -193,7 +194,7 @@ def _largest(x: Array, measure: Array) -> float:
 
 @linked
 def weigh(table: Indices, h: float) -> None:
-    """The residual of the momenta at the start, and of the constraints at the end."""
+    """Residual of the momenta at the start and of the constraints at the end."""
     this = packed(table)
     n, H, step, held = this.step.shape[0], this.H, this.step, this.held
     rows = this.delta, this.mean, this.end, this.middle
@@ -214,7 +215,7 @@ def weigh(table: Indices, h: float) -> None:
 
 @linked
 def _begin(table: Indices) -> None:
-    """Predict the step: as the last one changed."""
+    """Predict the step by extrapolating the last change."""
     this = packed(table)
     numbers, n = this.numbers, this.step.shape[0]
     for i in range(n):
@@ -239,7 +240,7 @@ def _correct(table: Indices) -> None:
 
 @linked
 def _improve(table: Indices, factors: PlainFactors, h: float, tolerance: float) -> int:
-    """One iteration, whose residual is known: whether the step is made, goes on, or fails."""
+    """One iteration with a known residual; returns whether the step is made, continues or fails."""
     this = packed(table)
     numbers = this.numbers
     solve(factors, this.r, this.y, this.x)
@@ -247,7 +248,7 @@ def _improve(table: Indices, factors: PlainFactors, h: float, tolerance: float) 
     ratio, remaining = estimate(increment, previous, numbers[RATIO])
     numbers[RATIO], numbers[INCREMENT] = ratio, increment
     numbers[MOTION] = max(numbers[MOTION], increment)
-    verdict = judged(increment, previous, remaining, tolerance * numbers[MOTION], NOISE)
+    verdict = judged(increment, previous, remaining, tolerance * numbers[MOTION], ROUND_OFF_LEVEL)
     if verdict == DIVERGES:
         return FAILED
     if verdict != STAGNANT:
@@ -262,7 +263,7 @@ def _improve(table: Indices, factors: PlainFactors, h: float, tolerance: float) 
 
 @linked
 def _accept(table: Indices) -> None:
-    """Go on from the end of the step."""
+    """Make the end of the step the start of the next."""
     this = packed(table)
     for c in range(this.gap.shape[0]):
         this.ahead[c] = 2.0 * this.multipliers[c] - this.earlier[c]
@@ -274,14 +275,19 @@ def _accept(table: Indices) -> None:
 
 
 @linked
-def _book(table: Indices, h: float, loads: bool, joints: bool) -> None:
-    """By the trapezoidal rule, with velocities along a line through the last two steps."""
+def _add_to_balance(table: Indices, h: float, loads: bool, joints: bool) -> None:
+    """Update the energy balance by the trapezoidal rule.
+
+    Velocities are those of a line through the last two steps.
+    """
     this = packed(table)
     for i in range(this.last.shape[0]):
         for k in range(6):
-            this.told[i, k] = (1.5 * this.last[i, k] - 0.5 * this.earlier_step[i, k]) / h
-    momenta.to_local(this.kinds, this.H, this.told, this.held, this.local)
-    look_and_sum_up(h, (this.H, this.local, this.ahead, this.targets), loads, joints, this.books)
+            this.reported[i, k] = (1.5 * this.last[i, k] - 0.5 * this.earlier_step[i, k]) / h
+    momenta.to_local(this.kinds, this.H, this.reported, this.held, this.local)
+    look_and_sum_up(
+        h, (this.H, this.local, this.ahead, this.targets), loads, joints, this.balance_table
+    )
 
 
 @linked
@@ -290,20 +296,20 @@ def run(
     factors: PlainFactors,
     rule: PlainRule,
     given: tuple[float, float, int],
-    booked: tuple[bool, bool, bool],
+    accounts: tuple[bool, bool, bool],
     last: int,
     asked: bool,
 ) -> int:
-    """Go on to the end of step ``last``; returns why it came back.
+    """Advance to the end of step ``last``; returns why the loop returned.
 
     Args:
-        table: Of fixed arrays, see :class:`Packed`.
-        factors: Of the matrix.
-        rule: By which it is made anew.
-        given: Size of steps, tolerance, and most iterations of one.
-        booked: Whether anything is booked, and whether loads and joints are.
-        last: Step to reach.
-        asked: Whether the loop came back for a matrix, which is made.
+        table: Packed arrays, see :class:`Packed`.
+        factors: Factors of the matrix.
+        rule: Rule for refactorisation.
+        given: Step size, tolerance, and largest number of iterations of a step.
+        accounts: Whether the energy balance is updated, and by the work of loads and of joints.
+        last: Last step.
+        asked: Whether the loop had returned for a matrix, which is now factorised.
     """
     (h, tolerance, most), this = given, packed(table)
     counters = this.counters
@@ -328,6 +334,6 @@ def run(
         learn(rule, this.known, counters[ITERATION])
         counters[ITERATION] = 0
         _accept(table)
-        if booked[0]:
-            _book(table, h, booked[1], booked[2])
+        if accounts[0]:
+            _add_to_balance(table, h, accounts[1], accounts[2])
     return DONE

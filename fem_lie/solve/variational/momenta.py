@@ -41,24 +41,30 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.between.cayley import half, span
-from fem_lie.solve.conserving.between.floating import PackedBodies, packed_bodies, span_products
-from fem_lie.solve.conserving.between.product_rows import add_on_rows
+from fem_lie.solve.conserving.midpoint.cayley import half, span
+from fem_lie.solve.conserving.midpoint.products import add_on_rows
+from fem_lie.solve.conserving.midpoint.reduced_bodies import (
+    PackedBodies,
+    packed_bodies,
+    span_products,
+)
 from fem_lie.solve.conserving.step.joints import add_joints
 
 PlainWithin: TypeAlias = tuple[PackedBodies, Array, Array, Array, Array]
-"""A :class:`Within`, as compiled functions are quicker to call with."""
+"""Plain tuple of a :class:`Within`, with which compiled functions are called faster."""
 
 
 class Within(NamedTuple):
-    """Reduced-order bodies over a step, see :mod:`fem_lie.solve.conserving.between.floating`.
+    """Reduced-order bodies over a step.
+
+    See :mod:`fem_lie.solve.conserving.midpoint.reduced_bodies`.
 
     Attributes:
-        bodies: Those of the scene.
-        rest: Digits of frames that do not fit into them, (n, 4, 3).
-        coordinates: Over the step, (3, coordinates).
-        means: Of the products, (p, 4, 3).
-        moved: Increments of all rows with inertia, (n + p, 4, 3).
+        bodies: Reduced-order bodies of the scene.
+        rest: Further digits of nodal coordinates beyond double precision, (n, 4, 3).
+        coordinates: Modal coordinates over the step, (3, coordinates).
+        means: Means of the products, (p, 4, 3).
+        moved: Increments of all coordinates with inertia, (n + p, 4, 3).
     """
 
     bodies: PackedBodies
@@ -69,7 +75,7 @@ class Within(NamedTuple):
 
     @classmethod
     def of(cls, bodies: Floating, rest: Array) -> Within:
-        """Memory for these bodies."""
+        """Allocate the arrays for these bodies."""
         p, z = int(bodies.sizes.sum()), np.zeros
         return cls(packed_bodies(bodies), rest, z((3, p)), z((p, 4, 3)), z((len(rest) + p, 4, 3)))
 
@@ -83,15 +89,15 @@ def of_rates(
     bodies: PackedBodies,
     out: Array,
 ) -> None:
-    """Momenta of rates of all rows: of frames ``(G V)ₓ`` and ``Σ d_k × (G V)_k``.
+    """Momenta from rates of nodal coordinates: of frames ``(G V)ₓ`` and ``Σ d_k × (G V)_k``.
 
     Args:
         kinds: Types of the nodes, (n,).
         H: Nodes, (≥ n, 4, 3).
-        V: Rates of their rows and of products of reduced-order bodies, (n + p, 4, 3).
-        mass: Inertia of these rows.
-        bodies: Those of reduced order.
-        out: Shape (n, 6), overwritten.
+        V: Rates of nodal coordinates and of products of reduced-order bodies, (n + p, 4, 3).
+        mass: Inertia of these coordinates.
+        bodies: Reduced-order bodies.
+        out: Momenta, (n, 6), overwritten.
     """
     q, n = V.copy(), kinds.shape[0]
     inertia.multiply(mass[0], mass[1], mass[2], V, q)
@@ -103,7 +109,7 @@ def of_rates(
 
 @inlined
 def _momentum(kind: int, H: Array, p: Array, at: int) -> Vector:
-    """One half of the momentum of a node, of momenta ``p`` (4, 3) of its rows."""
+    """One half (3 components) of the momentum of a node, from momenta ``p`` (4, 3)."""
     if kind >= POSITION_GRADIENT:
         half = at // 3
         return (
@@ -123,7 +129,7 @@ def _moment(H: Array, p: Array) -> Vector:
 
 @compiled
 def hold(kinds: Indices, H: Array, held: Flags | Indices, step: Array) -> None:
-    """Take out of steps (n, 6) what is held along the axes of the nodes ``H``."""
+    """Remove components that are held along the axes of the nodes ``H`` from steps (n, 6)."""
     for i in range(step.shape[0]):
         any_held = False
         for k in range(6):
@@ -149,16 +155,16 @@ def between(
     h: float,
     twists: Array,
 ) -> None:
-    """What lies between the ends of a step, and the velocities in its middle.
+    """Kinematics over a step, and the velocities at its midpoint.
 
     Args:
         kinds: Types of the nodes, (n,).
-        H: Rows of the nodes at the start, (≥ n, 4, 3).
-        step: Spatial translation and rotation of each frame, increments of both coordinate vectors
-            of other nodes, (n, 6).
-        rows: Increments, means, ends and nodes in the middle, (≥ n, 4, 3), overwritten.
+        H: Nodes at the start, (≥ n, 4, 3).
+        step: Translation and rotation of each frame in global components, increments of both
+            coordinate vectors of other nodes, (n, 6).
+        rows: Increments, means, ends and midpoint nodes, (≥ n, 4, 3), overwritten.
         h: Step size.
-        twists: Shape (≥ n, 6), those of the moving nodes are overwritten.
+        twists: Velocities, (≥ n, 6); those of the moving nodes are overwritten.
     """
     delta, mean, end, middle = rows
     span(H, step, delta, mean, end, middle)
@@ -174,7 +180,7 @@ def between(
 def _span_vectors(
     kind: int, H: Array, step: Array, rows: tuple[Array, Array, Array, Array]
 ) -> None:
-    """Increments, mean, end and middle of one node with vector coordinates."""
+    """Increments, mean, end and midpoint of one node with vector coordinates."""
     delta, mean, end, middle = rows
     half, at = 0.5 * step, first_vector(kind)
     add_increment(kind, H, half, middle)
@@ -186,7 +192,7 @@ def _span_vectors(
 
 @compiled
 def keep_axes(kinds: Indices, end: Array, H: Array) -> None:
-    """Give nodes ``H`` of positions and slopes the axes of ``end``, (≥ n, 4, 3)."""
+    """Give position and position-gradient nodes ``H`` the axes of ``end``, (≥ n, 4, 3)."""
     for i in range(kinds.shape[0]):
         if kinds[i] == POSITION_GRADIENT:
             store_row(H[i], 2, load_row(end[i], 2))
@@ -195,7 +201,7 @@ def keep_axes(kinds: Indices, end: Array, H: Array) -> None:
 
 @compiled
 def subtract_turning(kinds: Indices, H: Array, twists: Array, rates: Array) -> None:
-    """Make components of accelerations rates of components, where axes turn with a slope.
+    """Convert components of accelerations to rates of components, for nodes with rotating axes.
 
     Args:
         kinds: Types of the nodes, (n,); frames are left out.
@@ -213,13 +219,13 @@ def subtract_turning(kinds: Indices, H: Array, twists: Array, rates: Array) -> N
 
 @compiled
 def turn_with(kinds: Indices, before: Array, after: Array, spatial: Array) -> None:
-    """Turn rotations and spins (n, 6) of frames as their axes were turned.
+    """Rotate rotations and spins (n, 6) of frames together with their axes.
 
     Args:
-        kinds: Types of the nodes, (n,); the other ones are left as they are.
+        kinds: Types of the nodes, (n,); other nodes are left unchanged.
         before: Nodes with their old axes, (≥ n, 4, 3).
         after: The same with their new axes.
-        spatial: In global components, updated.
+        spatial: Vectors in global components, updated.
     """
     for i in range(spatial.shape[0]):
         if kinds[i] < POSITION_GRADIENT:
@@ -231,7 +237,7 @@ def turn_with(kinds: Indices, before: Array, after: Array, spatial: Array) -> No
 
 @compiled
 def to_space(kinds: Indices, H: Array, local: Array, out: Array) -> None:
-    """Forces (n, 6) along the axes of the nodes in global components, into ``out``."""
+    """Forces (n, 6) along the axes of the nodes, transformed to global components into ``out``."""
     for i in range(out.shape[0]):
         d1, d2, d3 = axes(kinds[i], H[i])
         for at in (0, 3):
@@ -250,10 +256,10 @@ def constrain(
     """Increments of the constraints over a step, and their forces at its start.
 
     Args:
-        H: Frames at the start, of all rows.
+        H: Nodes at the start.
         rows: See :func:`between`.
-        joints: Their table.
-        weights: Multipliers, (m,).
+        joints: Packed arrays of the joints.
+        weights: Lagrange multipliers, (m,).
         driven: Increments of the constraints' targets, (m,).
         out: The increments, (m,), and forces and moments, (n, 6); overwritten.
     """
@@ -262,7 +268,7 @@ def constrain(
     aside, ground, still = np.zeros_like(forces), np.zeros(6), np.zeros_like(delta)
     none = np.zeros_like(weights)
     add_joints(mean, delta, joints, none, driven, 1.0, change, aside, ground)
-    # of springs, whose forces are found elsewhere, too
+    # of springs, whose forces are also computed elsewhere
     aside[:], forces[:] = 0.0, 0.0
     unused = np.empty_like(change)
     add_joints(H, still, joints, none, driven, 1.0, unused, aside, ground)
@@ -272,9 +278,9 @@ def constrain(
 
 @inlined
 def _shares(ψ: Vector, m: Vector) -> tuple[Vector, Vector]:
-    """Twice the moments at both ends that a moment on the half-way frame is.
+    """Twice the moments at both ends that are equivalent to a moment on the midpoint frame.
 
-    It turns by ``½(φ₀ + φ₁) + ¼ a × (φ₀ − φ₁)``.
+    It rotates by ``½(φ₀ + φ₁) + ¼ a × (φ₀ − φ₁)``.
     """
     across = scaled(0.5, cross(half(ψ), m))
     return combined(1.0, m, -1.0, across), plus(m, across)
@@ -284,7 +290,7 @@ def _shares(ψ: Vector, m: Vector) -> tuple[Vector, Vector]:
 def _shares_of_director(
     start: Array, middle: Array, end: Array, m: Vector
 ) -> tuple[Vector, Vector]:
-    """The same of a node that is a director, ``d̄ = (d₀ + d₁)/|d₀ + d₁|``."""
+    """The same for a director node, ``d̄ = (d₀ + d₁)/|d₀ + d₁|``."""
     d0, d, d1 = load_row(start, 3), load_row(middle, 3), load_row(end, 3)
     whole = plus(d0, d1)
     g = scaled(2.0 / sqrt(dot(whole, whole)), cross(m, d))
@@ -304,21 +310,21 @@ def balance(
     within: PlainWithin,
     out: tuple[Array, Array],
 ) -> None:
-    """What is wrong with the momenta at the start, and those at the end.
+    """Residual of the momenta at the start, and momenta at the end.
 
     Args:
         kinds: Types of the nodes, (n,).
-        H: Frames at the start.
+        H: Nodes at the start.
         step: See :func:`between`.
-        rows: See there.
+        rows: See :func:`between`.
         mass: Inertia.
         h: Step size.
         acting: Momenta at the start, (n, 6); forces without inertia, as of a residual, in the
-            half-way frames, (n, 6); those of the constraints at the start, (n, 6).
+            midpoint frames, (n, 6); constraint forces at the start, (n, 6).
         held: Which unknowns are zero, (n, 6).
-        within: Of reduced-order bodies, see :class:`Within`.
-        out: 4/h times what is wrong, in the frames at the start, (n, 6), and momenta at the end,
-            (n, 6); overwritten.
+        within: Reduced-order bodies, see :class:`Within`.
+        out: 4/h times the residual, in the frames at the start, (n, 6), and momenta at the end, (n,
+            6); overwritten.
     """
     delta, mean, end, middle = rows
     before, forces, constraints = acting
@@ -363,7 +369,7 @@ def balance(
                 0.0 if held[i, at + 2] else wrong[2],
             )
             store(r[i], at, scaled(4.0 / h, wrong))
-            # what is left over is made up by the next step: momenta are compensated sums
+            # the next step corrects the remainder: momenta are compensated sums
             left = plus(own, rotate(d1, d2, d3, wrong))
             store(after[i], at, combined(1.0, later, -1.0, left))
     hold(kinds, end, held, after)
@@ -382,7 +388,7 @@ def correct(kinds: Indices, H: Array, held: Flags | Indices, x: Array, step: Arr
 
 @compiled
 def to_local(kinds: Indices, H: Array, p: Array, held: Flags | Indices, out: Array) -> None:
-    """Spatial momenta (n, 6) along the axes of the nodes, without what is held."""
+    """Spatial momenta (n, 6) along the axes of the nodes, without held components."""
     for i in range(p.shape[0]):
         d1, d2, d3 = axes(kinds[i], H[i])
         for at in (0, 3):

@@ -1,4 +1,4 @@
-"""A run of the variational scheme: steps, results and checkpoints."""
+"""Run of the variational scheme: steps, results and checkpoints."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Factors
 from fem_lie.results import Result
 from fem_lie.results.record import Record, with_others
-from fem_lie.solve.conserving.between.cayley import advance
+from fem_lie.solve.conserving.midpoint.cayley import advance
 from fem_lie.solve.convergence import Verdict, failure
-from fem_lie.solve.impacts.settle import CoupledContacts
+from fem_lie.solve.impacts.contacts import CoupledContacts
 from fem_lie.solve.impacts.step_end import StepEnd
 from fem_lie.solve.iteration import Iterated, LinearRate, iterate
 from fem_lie.solve.motion.policies import Decisions, EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.solve.renewal import Update
+from fem_lie.solve.refactorisation import Update
 from fem_lie.solve.variational import loop, momenta
 from fem_lie.solve.variational.ends import prescribe
 from fem_lie.solve.variational.loop import Packed
@@ -34,24 +34,24 @@ from fem_lie.system.equations import TimeState
 
 
 class Newton(RunState, Iterated):
-    """One integration, and how a step of it is iterated.
+    """Run of the variational scheme whose steps are iterated from Python.
 
-    The compiled loop does not know loads and motions that change in time, viscous forces, axes that
-    follow their surroundings, and the first step, which has no matrix yet.
+    The compiled loop does not support time-dependent loads and motions, viscous forces, convected
+    axes, and the first step, which has no matrix yet.
     """
 
     _motion: float
     _rate: LinearRate
 
     def _made_with(self, decisions: Decisions) -> bool:
-        """Make the step from its start; whether it converges."""
+        """Make the step from its start; return whether it converged."""
         held = self.equations.unknowns.held
         self.step[:] = 2.0 * self.steps[0] - self.steps[1]
         momenta.hold(self.equations.unknowns.kinds, self.H, held, self.step)
         self.weights[:] = self.earlier
         motion = float(np.abs(self.step.ravel() * self._measure[: self.step.size]).max(initial=0.0))
         tolerance, self._motion = self.options.tolerance, motion
-        self._rate = LinearRate(lambda _: tolerance * self._motion, 1.0, loop.NOISE)
+        self._rate = LinearRate(lambda _: tolerance * self._motion, 1.0, loop.ROUND_OFF_LEVEL)
         ended = iterate(self, self.options.max_iterations, decisions)
         self._increment = ended.size
         return ended.converged
@@ -59,32 +59,32 @@ class Newton(RunState, Iterated):
     # --- one iteration, see :class:`~fem_lie.solve.iteration.Iterated` ---
 
     def evaluate(self, iteration: int) -> bool:
-        """See the base class; residuals alone do not end an iteration."""
+        """Evaluate the residual, which alone does not end the iteration."""
         self._iterations += 1
         self._residual()
         return False
 
     @property
     def missing(self) -> bool:
-        """See the base class."""
+        """Whether there is no matrix yet."""
         return self._factors is None
 
-    def renew(self, update: Update) -> None:
-        """See the base class."""
+    def refactorise(self, update: Update) -> None:
+        """Assemble and factorise the matrix."""
         self._factorise()
 
     def correct(self) -> float:
-        """See the base class."""
+        """Solve for a correction; return its size."""
         self._solve()
         return float(np.abs(self._x * self._measure).max(initial=0.0))
 
     def judge(self, size: float) -> Verdict:
-        """See the base class."""
+        """Verdict by the linear convergence rate."""
         self._increment, self._motion = size, max(self._motion, size)
         return self._rate.judge(size)
 
     def apply(self, verdict: Verdict) -> None:
-        """Apply the correction, unless it is round-off: what is accepted must be of one piece."""
+        """Apply the correction, unless it is round-off: the accepted state is consistent."""
         if verdict == Verdict.STAGNANT:
             return
         self._correct()
@@ -95,38 +95,39 @@ class Newton(RunState, Iterated):
 _log = logging.getLogger(__name__)
 
 _CHANGED = "H", "rest", "steps", "before", "weights", "earlier", "gap", "_made"
-"""What the acceptance of a step changes."""
+"""State that the acceptance of a step changes."""
 
 _AT_A_TIME = 20_000
-"""Steps times unknowns, some milliseconds, after which the loop comes back to be interrupted."""
+"""Steps times unknowns (some milliseconds) after which the loop returns, so that it can be
+interrupted."""
 
 
 class VariationalRun(Newton):
-    """One integration."""
+    """Run of the variational scheme."""
 
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
-        """See the base class."""
-        if not plan.saving.booked:
-            self.books.rest()
+        """Create the history of results."""
+        if not plan.saving.with_balance:
+            self.balance.rest()
         if self._contacts is not None:
             self._contacts.history.begin(plan.steps)
         return Recorder(self.equations, plan, progress, store)
 
     @property
     def frames(self) -> Array:
-        """See the base class."""
+        """Current frames of all rows."""
         return self.H
 
     @property
     def index(self) -> int:
-        """See the base class."""
+        """Number of steps made, including the current one."""
         return self._made
 
     @property
     def time(self) -> float:
-        """Of the present state."""
+        """Time of the current state."""
         return self.index * self.h
 
     # --- steps ---
@@ -140,7 +141,7 @@ class VariationalRun(Newton):
         return made
 
     def attempt(self, start: float, end: float) -> bool:
-        """See the base class."""
+        """Make a step; return whether it converged."""
         self._made, self.reason = self.begun, ""
         if self._changing:
             given = self._driven, self.twists
@@ -149,58 +150,58 @@ class VariationalRun(Newton):
             self._binding.begin(self.H, start, self.size)
         if self._contacts is not None:
             self._contacts.begin(self.H, self._v, start)
-        return (self._made_with(self.decisions) or self._rescued()) and self._accept(end)
+        return (self._made_with(self.decisions) or self._fallback_converged()) and self._accept(end)
 
-    def _rescued(self) -> bool:
-        """The step that failed, with new matrices."""
-        if not self._rescues:
+    def _fallback_converged(self) -> bool:
+        """Repeat the failed step with new matrices."""
+        if not self._may_fall_back:
             return False
-        _log.info("step %d: kept matrix diverges, new matrices", self.index + 1)
+        _log.info("step %d: frozen matrix diverges, new matrices", self.index + 1)
         return self._made_with(EveryIteration().begin(bound=False))
 
     @property
     def _alone(self) -> bool:
-        """Whether the compiled loop makes the next steps; the first ones have no matrix yet."""
-        tables, books = self.equations.tables, self.books
+        """Whether the compiled loop can make the next steps; the first ones have no matrix yet."""
+        tables, balance = self.equations.tables, self.balance
         beside = self._changing or self._viscous or tables.turns or not tables.in_one_sum
         beside = beside or self._binding is not None or self._follows
         beside = beside or self._contacts is not None
-        beside = beside or not (books.empty or books.compiled) or self.division.level > 0
+        beside = beside or not (balance.empty or balance.compiled) or self.division.level > 0
         return not beside and self._factors is not None and self.decisions.rule is not None
 
     @property
-    def _books_inside(self) -> bool:
-        """Whether the compiled loop books what acts from outside."""
+    def _balance_in_loop(self) -> bool:
+        """Whether the compiled loop updates the energy balance."""
         return True
 
     def _stretch(self, stop: int) -> bool:
-        """Steps that the compiled loop makes by itself, up to ``stop``; whether all are made."""
-        rule, packed, books = self.decisions.rule, self._packed, self.books
+        """Make steps in the compiled loop up to ``stop``; return whether all are made."""
+        rule, packed, balance = self.decisions.rule, self._packed, self.balance
         assert rule is not None
         counters, first = packed.counters, self.index
         last = min(stop, first + max(1, _AT_A_TIME // len(self._r)))
         given = self.h, self.options.tolerance, self.options.max_iterations
-        booked = self._books_inside and not books.empty, *books.looks
+        accounts = self._balance_in_loop and not balance.empty, *balance.looks
         counters[:] = first, 0, self._iterations
         code, asked = loop.MATRIX, False
         while code == loop.MATRIX:
             assert self._factors is not None
-            how = self._factors.plain, rule.plain, given, booked, last, asked
+            how = self._factors.plain, rule.plain, given, accounts, last, asked
             code = loop.run(self._fixed.table, *how)
             self._made, self._iterations = int(counters[loop.MADE]), int(counters[loop.TOTAL])
             self._increment, asked = float(packed.numbers[loop.INCREMENT]), True
-            if code == loop.MATRIX and not self._renewed():
+            if code == loop.MATRIX and not self._refactorised():
                 code = loop.FAILED
         if code == loop.DONE:
             return True
-        if self._rescued():
+        if self._fallback_converged():
             return self._accept(self.time + self.h)
         if not self.divides:
             return False
         return self._divide()
 
-    def _renewed(self) -> bool:
-        """Make a new matrix; whether it has factors."""
+    def _refactorised(self) -> bool:
+        """Factorise a new matrix; return whether it is regular."""
         try:
             self._factorise()
         except SingularMatrixError:
@@ -209,7 +210,7 @@ class VariationalRun(Newton):
 
     @cached_property
     def _packed(self) -> Packed:
-        """What the compiled loop knows, once what it has is what a restored run goes on with."""
+        """Packed arrays for the compiled loop, once the state is set."""
         table = self._found.table
         assert table is not None
         n, m = self._n, len(self.weights)
@@ -245,11 +246,11 @@ class VariationalRun(Newton):
             np.zeros(3, dtype=np.int64),
             np.zeros(4),
             table,
-            self.books.table,
+            self.balance.table,
             np.zeros((n, 6)),
             np.zeros((n, 6)),
             np.zeros(m),
-            self.books.targets,
+            self.balance.targets,
             self.equations.unknowns.kinds,
             self._inside,
         )
@@ -259,7 +260,10 @@ class VariationalRun(Newton):
         return FixedArrays(self._packed.arrays)
 
     def _accept(self, time: float) -> bool:
-        """Make the end of the step, at ``time``, the start of the next; whether surfaces let it."""
+        """Make the end of the step, at ``time``, the start of the next.
+
+        Returns whether no surfaces passed through each other.
+        """
         delta, _, end, middle = self.rows
         n, start = self._n, self.H.copy()
         was = None if self._contacts is None else saved(self, _CHANGED)
@@ -280,17 +284,17 @@ class VariationalRun(Newton):
             return False
         if self._follows:
             self._turn_axes()
-        if self._contacts is None and not self.books.empty:
-            self._book(time, ahead)
+        if self._contacts is None and not self.balance.empty:
+            self._add_to_balance(time, ahead)
         return True
 
     def _touch(self, contacts: CoupledContacts, time: float, ahead: Array) -> bool:
-        """Let contacts change the end of a step, and book it; whether they may.
+        """Apply contact impulses at the end of a step; return whether contacts were solved.
 
         Args:
-            contacts: By impacts.
-            time: Of the end.
-            ahead: Multipliers there, shape (m,).
+            contacts: Contacts by impacts.
+            time: Time at the end.
+            ahead: Lagrange multipliers there, shape (m,).
         """
         equations, n = self.equations, self._n
         if self._changing:
@@ -300,9 +304,9 @@ class VariationalRun(Newton):
         if contacts.failure:
             contacts.abandon()
             return False
-        if not self.books.empty:
+        if not self.balance.empty:
             _, rates = self._ends.through(self.H, self.steps, time, self._changing)
-            self.books.add(self.size, time, self.H, v, rates, ahead)
+            self.balance.add(self.size, time, self.H, v, rates, ahead)
         if changed is not None:
             was = TimeState(self.H.copy(), v, changed.rates[0], ahead)
             change = self._momenta(changed.frames, changed.twists) - self._momenta(self.H, v)
@@ -315,32 +319,35 @@ class VariationalRun(Newton):
             now = TimeState(self.H, v, changed.rates[1], ahead + changed.multipliers)
             equations.residual(now, np.ones(len(self.weights)), self._work)
             self.gap[:] = self._work[6 * n :]
-            lost = self.books.collide(time, was, now, contacts.work)
-            contacts.told[IMPACT] = -lost - contacts.told[FRICTION]
+            lost = self.balance.collide(time, was, now, contacts.work)
+            contacts.statistics[IMPACT] = -lost - contacts.statistics[FRICTION]
         self._v[:] = v
-        contacts.history.add(self.index, contacts.told[np.newaxis])
+        contacts.history.add(self.index, contacts.statistics[np.newaxis])
         self.reason = contacts.passed(self.H)
         return not self.reason
 
     def _turn_axes(self) -> None:
-        """Let axes follow the state that is accepted; spins about axes of frames go with these."""
+        """Update convected axes at the accepted state, and the spins of frames along them."""
         kinds, before = self.equations.unknowns.kinds, self.H.copy()
         self.equations.memory.rotate_axes(self.H)
         for spatial in (self.before, *self.steps):
             momenta.turn_with(kinds, before, self.H, spatial)
 
-    def _book(self, time: float, weights: Array) -> None:
-        """By the trapezoidal rule, with velocities along a line through the last two steps."""
+    def _add_to_balance(self, time: float, weights: Array) -> None:
+        """Update the energy balance by the trapezoidal rule.
+
+        Velocities are those of a line through the last two steps.
+        """
         if self._changing:
             self.equations.prescribed(time).act()
         twists, rates = self._ends.through(self.H, self.steps, time, self._changing)
-        self.books.add(self.size, time, self.H, twists[: self._n], rates, weights)
+        self.balance.add(self.size, time, self.H, twists[: self._n], rates, weights)
 
     def _failure(self, steps: int) -> str:
         options = self.options
         left = float(np.abs(self._r).max(initial=0.0))
         numbers = options.max_iterations, self._increment, left, options.tolerance
-        text = failure(self.index + 1, steps, self.h, *numbers, options.policy.rescue)
+        text = failure(self.index + 1, steps, self.h, *numbers, options.policy.full_newton_fallback)
         if self._contacts is not None:
             self.reason = self.reason or self._contacts.failure
         text = self._because(text, steps, self.index)
@@ -359,24 +366,24 @@ class VariationalRun(Newton):
         return wanted
 
     def tell(self, history: Recorder, time: float, moved: bool) -> None:
-        """Keep the present state.
+        """Record the current state.
 
         Args:
-            history: Where it goes.
-            time: When it is.
-            moved: Whether velocities are no more those of the start.
+            history: History of results.
+            time: Time of the state.
+            moved: Whether velocities are no longer the initial ones.
         """
         n, v = self._n, self.equations.start.velocities
         rates: Array = np.zeros((n, 6))
         weights: Array = self.weights
-        # each of the two takes a factorisation
+        # each of the two needs a factorisation
         if moved and history.filled & ~Record.COORDINATES:
             v = self._ends.velocities(self.H, self.before, time)
         if Record.FORCES in history.filled:
             rates, weights = self._ends.accelerations(self.H, v, time)
             if self._contacts is not None:
                 weights = weights + self._contacts.reactions / self.size
-        history.fill(time, self.H, v[:n], rates, weights, self.books.total)
+        history.fill(time, self.H, v[:n], rates, weights, self.balance.total)
 
     def _result(self, history: Recorder) -> Result:
         self.division.report(self.index)
@@ -390,12 +397,12 @@ class VariationalRun(Newton):
     # --- checkpoints ---
 
     def memory(self) -> dict[str, Array]:
-        """See the base class; with the factors, which are those of no state in particular."""
+        """State of the run, with the factors of the matrix, which belong to no particular state."""
         kept = super().memory()
         return kept if self._factors is None else kept | self._factors.arrays()
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """See the base class."""
+        """Restore the state that :meth:`memory` returned."""
         super().restore(kept)
         self._take_size(self.part_size)
         self._factors = Factors.of(kept)

@@ -1,4 +1,4 @@
-"""State of a run of the variational scheme: its start, its equations and their matrix."""
+"""State of a run of the variational scheme: start of a step, equations and matrix."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from fem_lie._state import attributes
 from fem_lie.joints.equations.table import joint_table
 from fem_lie.lie.node_types import push_all_forward
 from fem_lie.linear.factors import Factors, factorise, solve
-from fem_lie.solve.conserving.between.product_rows import (
+from fem_lie.solve.conserving.midpoint.products import (
     accelerations,
     add_inertia,
     inertia_with_products,
     product_rates,
 )
 from fem_lie.solve.convergence import unknown_scaling
-from fem_lie.solve.impacts.settle import CoupledContacts
+from fem_lie.solve.impacts.contacts import CoupledContacts
 from fem_lie.solve.impacts.step_end import Factors as StepFactors
 from fem_lie.solve.impacts.step_end import Rule
 from fem_lie.solve.motion.consistent import check_velocities
@@ -32,7 +32,7 @@ from fem_lie.system.equations import Equations, Plan, TimeState
 
 @dataclass(frozen=True)
 class Options:
-    """What the scheme is told, see :class:`~fem_lie.solve.variational.variational.Variational`."""
+    """Options of :class:`~fem_lie.solve.variational.variational.Variational`."""
 
     tolerance: float
     policy: Policy
@@ -40,13 +40,12 @@ class Options:
 
 
 class RunState(DividedIntegration[Recorder]):
-    """State of one integration.
+    """State of a run of the variational scheme.
 
-    Between two steps there are frames and momenta; velocities are found from these where they are
-    wanted.
+    Between two steps the state is frames and momenta; velocities are computed from them on request.
 
     Attributes:
-        size: Of the present step, or of the present part of it.
+        size: Size of the current step or sub-step.
     """
 
     STATE = attributes(
@@ -64,17 +63,17 @@ class RunState(DividedIntegration[Recorder]):
         "_factorisations",
         "_iterations",
         "_born",
-        "books",
+        "balance",
         "_v",
         "_contacts",
     )
 
     def __init__(self, options: Options, equations: Equations, step: float) -> None:
-        """Allocate everything; nothing is computed yet.
+        """Allocate all arrays without computing anything.
 
         Args:
-            options: Of the scheme.
-            equations: Of the scene.
+            options: Options of the scheme.
+            equations: Equations of the scene.
             step: Step size.
         """
         super().__init__(options.policy, equations, step)
@@ -101,13 +100,13 @@ class RunState(DividedIntegration[Recorder]):
         self._measure = unknown_scaling(unknowns)
         now = TimeState(self.H, self.twists[:n], self._still, self._none)
         self._found = equations.residual(now, self.scale, self._work)
-        self.books = equations.energy_balance()
+        self.balance = equations.energy_balance()
         self._factors: Factors | None = None
         self._made, self._factorisations, self._iterations = 0, 0, 0
         self._increment, self._born = np.inf, 0
         self._ends = Ends(equations, step)
         self._binding = Binding(equations) if unknowns.other_constraints else None
-        # twists at the start of the step, which contacts alone ask for
+        # twists at the start of the step, which only contacts need
         self._v: Array = equations.start.velocities[:n].copy()
         self._contacts: CoupledContacts | None = None
         if contacts := equations.scene.impacts:
@@ -118,18 +117,18 @@ class RunState(DividedIntegration[Recorder]):
 
     @property
     def _end_rule(self) -> Rule:
-        """As of the trapezoidal rule: ``Δq = ½ h (v₀ + v₁)``."""
+        """Relation of the trapezoidal rule: ``Δq = ½ h (v₀ + v₁)``."""
         return Rule(self.size, 4.0 / self.size**2, 2.0 / self.size)
 
     def _solve(self) -> None:
-        """Solve with the kept factors."""
+        """Solve with the frozen factors."""
         assert self._factors is not None
         solve(self._factors.plain, self._r, self._y, self._x)
 
     # --- start ---
 
     def start(self) -> None:
-        """See the base class."""
+        """Compute the initial momenta and multipliers."""
         equations, n = self.equations, self._n
         check_velocities(equations, self.h)
         v = equations.start.velocities
@@ -140,7 +139,7 @@ class RunState(DividedIntegration[Recorder]):
         now = TimeState(self.H, v[:n], rates, self.weights)
         equations.residual(now, np.ones(len(self.weights)), self._work)
         self.gap[:] = self._work[6 * n :]
-        self.books.open(0.0, *now)
+        self.balance.open(0.0, *now)
         self._take_rows()
         self.scale[:] = self._fill(None)
 
@@ -156,7 +155,7 @@ class RunState(DividedIntegration[Recorder]):
         return found
 
     def _set_steps(self, v: Array, rates: Array | None = None) -> None:
-        """Let the last two steps be those of a uniform motion.
+        """Set the last two steps to those of a uniform motion.
 
         Args:
             v: Twists at its end, shape (n, 6).
@@ -179,7 +178,7 @@ class RunState(DividedIntegration[Recorder]):
     # --- the size of the step ---
 
     def resize(self, time: float, size: float) -> None:
-        """See the base class; momenta are of no size."""
+        """Start steps of another size; momenta do not depend on it."""
         self.steps *= size / self.size
         self._take_size(size)
         self._take_rows()
@@ -201,7 +200,7 @@ class RunState(DividedIntegration[Recorder]):
         self.weights -= 0.25 * self.scale * self._x[size:]
 
     def _residual(self) -> None:
-        """Of the momenta at the start, and of the constraints at the end."""
+        """Residual of the momenta at the start and of the constraints at the end."""
         equations, n, rows, h = self.equations, self._n, self.rows, self.size
         kinds = equations.unknowns.kinds
         momenta.between(kinds, self.H, self.step, rows, h, self.twists)
@@ -231,7 +230,7 @@ class RunState(DividedIntegration[Recorder]):
 
     @property
     def _inside(self) -> momenta.PlainWithin:
-        """Of reduced-order bodies over the step, from the present start."""
+        """Reduced-order bodies over the step, from the current start."""
         return (*self._within._replace(rest=self.rest),)
 
     def _factorise(self) -> None:
@@ -240,7 +239,7 @@ class RunState(DividedIntegration[Recorder]):
         self._factorisations, self._born = self._factorisations + 1, self.index
 
     def _fill(self, scale: Array | None) -> Array:
-        """The matrix in the middle of the step; returns the scale of its constraints."""
+        """Assemble the matrix at the midpoint of the step; returns the scale of its constraints."""
         equations, h, n = self.equations, self.size, self._n
         _, _, end, middle = self.rows
         v, H = self.twists.copy(), middle.copy()

@@ -1,35 +1,35 @@
-r"""A variational integrator on the group: exact momenta, and an energy that does not drift.
+r"""Variational integrator on the group: exact momenta, and an energy without drift.
 
-Motion is what makes a discrete action stationary (Marsden & West, Acta Numerica 10 (2001) 357).
-With ``q = (x, d₁, d₂, d₃)`` of the nodes, the constant matrix of inertia ``G`` and frames ``H̄``
-half-way between the ends of a step, at the mean place and turned by half the rotation, that is the
-sum of::
+The motion makes a discrete action stationary (Marsden & West, Acta Numerica 10 (2001) 357). With
+``q = (x, d₁, d₂, d₃)`` of the nodes, the constant mass matrix ``G`` and midpoint frames ``H̄``
+(mean position, half of the rotation), the action is the sum of::
 
     h L(H₀, H₁) = 1/(2h) Δq·G Δq − h V(H̄)
 
-Both parts see nothing but relative motions ``H₀⁻¹ H₁`` and frames that go with them: of one rigid
-body the first is that of Moser & Veselov. So momentum and angular momentum are those of the
-discrete action, ``p₁ = ∂(h L)/∂H₁``, and are kept exactly. Half a rotation is the same whether
-increments are parametrised by exp or by the Cayley map; the latter is what is iterated,
-``R₁ = cay(ψ) R₀``. With its half ``a``, ``cay(a)² = cay(ψ)``, half-way frames turn by::
+Both terms depend on relative motions ``H₀⁻¹ H₁`` and on frames that move with the body only: for
+one rigid body the first is that of Moser & Veselov. Momentum and angular momentum are therefore
+those of the discrete action, ``p₁ = ∂(h L)/∂H₁``, and are conserved exactly. Half of a rotation is
+the same whether increments are parametrised by exp or by the Cayley map; the iteration uses the
+latter, ``R₁ = cay(ψ) R₀``. With its half ``a``, ``cay(a)² = cay(ψ)``, midpoint frames rotate by::
 
     φ̄ = ½ (φ₀ + φ₁) + ¼ a × (φ₀ − φ₁)            φ₀, φ₁ at the ends
 
-and a step is: momenta at its start, and constraints at its end::
+and a step satisfies the momenta at its start and the constraints at its end::
 
     p₀ = L(H₀)ᵀ G Δq/h − ½ h W₀ᵀ f(H̄) + h B(H₀)ᵀ λ,      Φ(H₁) = 0
 
-Forces without a potential, following loads and dampers do their virtual work on the half-way frames
-(Lagrange-d'Alembert), with the velocities ``(u, ψ)/h``. The scheme is symmetric, of second order
-and symplectic; energy goes up and down with the step squared and does not drift. With a quadratic
-potential it is as stable as the trapezoidal rule.
+Forces without a potential, follower loads and dampers enter by their virtual work at the midpoint
+frames (Lagrange-d'Alembert), with the velocities ``(u, ψ)/h``. The scheme is symmetric, of second
+order and symplectic; the energy oscillates with the square of the step size and does not drift.
+With a quadratic potential it is as stable as the trapezoidal rule.
 
 Contacts by impacts change frames and momenta at the end of a step, as in generalised-α
-(:mod:`fem_lie.solve.impacts`), by the velocities that there are then.
+(:mod:`fem_lie.solve.impacts`), by the velocities there.
 
-Velocities in results are those that have the momenta and that joints allow, joint forces those of
-the equations of motion at the ends of steps; both take a factorisation for each state that is kept.
-Work and impulses are booked by the trapezoidal rule. Bodies' groups have no meaning for it.
+Velocities in results are the admissible velocities with these momenta; joint forces are those of
+the equations of motion at the ends of steps. Both need a factorisation for each recorded state.
+Work and impulses are integrated by the trapezoidal rule. The groups of bodies do not matter for
+this scheme.
 
 Sources: Moser & Veselov, Commun. Math. Phys. 139 (1991) 217; Bou-Rabee & Marsden, Found. Comput.
 Math. 9 (2009) 197; Leyendecker, Marsden & Ortiz, ZAMM 88 (2008) 677 (constraints).
@@ -56,10 +56,10 @@ class Variational(Integrator):
     """Options of the scheme; :meth:`run` integrates with constant steps.
 
     Attributes:
-        tolerance: 0: iterate until only round-off changes. Otherwise the predicted error of the
-            iteration in each step over the largest motion in it.
-        policy: When to factorise.
-        max_iterations: More in one step are a failure.
+        tolerance: 0: iterate down to round-off. Otherwise the predicted iteration error in each
+            step over the largest motion in it.
+        policy: When to refactorise the iteration matrix.
+        max_iterations: Largest number of iterations of a step.
 
     Example:
         >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
@@ -72,8 +72,8 @@ class Variational(Integrator):
     """
 
     _wanted_step: ClassVar[str] = (
-        "makes constant steps, for its energy would drift with others: wanted the size of the step "
-        "as a number and nothing that jumps (or use EnergyMomentum)"
+        "makes constant steps, for its energy would drift with others: expected the step size "
+        "as a number and a scene without discontinuities (or use EnergyMomentum)"
     )
 
     tolerance: float = 0.0
@@ -86,38 +86,38 @@ class Variational(Integrator):
         if self.policy.secants:
             given = self.policy.secants
             raise ValueError(
-                f"Variational learns from no corrections: expected secants=0, got {given}"
+                f"Variational does not support secants: expected secants=0, got {given}"
             )
 
     def equations(self, scene: Scene) -> Equations:
-        """The equations of a scene; ``ValueError`` names what the scheme cannot do."""
+        """Equations of a scene; ``ValueError`` if the scheme does not support the scene."""
         equations = Equations(scene, dynamics=True, group=Group.R3xSO3)
         _refuse(equations)
         return equations
 
-    def told(self) -> Options:
-        """What a run is told."""
+    def options(self) -> Options:
+        """Options of a run."""
         return Options(self.tolerance, self.policy, self.max_iterations)
 
     def _equations(self, scene: Scene) -> Equations:
-        """Those of a scene; impacts are in none: they change the ends of steps."""
+        """Equations of a scene without impacts, which change the ends of steps."""
         equations = self.equations(scene.without_impacts())
         if equations.scene.impacts:
             refuse_impacts(equations)
             if massless(equations.tables.inertia, equations.unknowns.held).count_nonzero():
                 raise ValueError(
-                    "Variational finds velocities of impacts from momenta: expected rotary inertia "
-                    "at all nodes, got a beam whose section has none; give its section rotary "
-                    "inertia, or use GeneralisedAlpha"
+                    "Variational computes velocities for impacts from momenta: expected "
+                    "rotary inertia at all nodes, got a beam whose section has none; give its "
+                    "section rotary inertia, or use GeneralisedAlpha"
                 )
         return equations
 
     def _integration(self, equations: Equations, step: float) -> VariationalRun:
-        return VariationalRun(self.told(), equations, step)
+        return VariationalRun(self.options(), equations, step)
 
 
 def _refuse(equations: Equations) -> None:
-    """Raise ``ValueError`` for what the scheme cannot do."""
+    """Raise ``ValueError`` if the scheme does not support the scene."""
     unknowns = equations.unknowns
     drilling = ", ".join(unknowns.drilling)
     reasons = {

@@ -1,1 +1,1 @@
-"""One step of generalised-α at a node, on all nodes, of free bodies: compiled."""
+"""Steps of generalised-α, compiled: at one node, on all nodes, of free bodies."""

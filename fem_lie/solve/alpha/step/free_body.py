@@ -1,14 +1,14 @@
-"""A step of a free rigid body, compiled, and the records it works on.
+"""A step of a free rigid body, compiled, and its records.
 
 The equations of a free body in its own frame at the centre of mass, with forces and moments
-``f, m`` fixed in space and ``f', m'`` following::
+``f, m`` fixed in space and follower loads ``f', m'``::
 
     m (u̇ + ω×u) = Rᵀf + f'           J ω̇ + ω×Jω = Rᵀm + m'                 on SE(3)
     m ẍ = f + R f'                   the same                              on R³×SO(3)
 
-Turning does not depend on the translation, so the 6×6 matrix of Newton's method is block
-triangular, and its factorisation is two 3×3 inverses and the block between them. It is constant but
-for the gyroscopic and load terms, and is kept.
+The rotation does not depend on the translation, so that the 6×6 Newton matrix is block triangular.
+Its factorisation is two inverse 3×3 blocks and the coupling block. It is constant except for
+gyroscopic and load terms, and is frozen.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ from fem_lie.solve.convergence import DIVERGED, ROUND_OFF, UNMEASURED, estimate
 
 
 class Bodies(NamedTuple):
-    """What bodies are.
+    """Properties of all bodies.
 
     Attributes:
-        mass: Shape (n,).
+        mass: Masses, shape (n,).
         J: Inertia tensors about the centre of mass, shape (n, 3, 3).
-        scaling: Weights of translation and rotation in the size of increments, shape (n, 2).
-        group: Of each, see :class:`fem_lie.lie.motions.Group`, shape (n,).
+        scaling: Norm weights of translation and rotation in the size of increments, shape (n, 2).
+        group: Group of each body, see :class:`fem_lie.lie.motions.Group`, shape (n,).
     """
 
     mass: Array
@@ -59,12 +59,12 @@ class Bodies(NamedTuple):
 
 
 class Loads(NamedTuple):
-    """Forces and moments, fixed in space and then following, 12 numbers.
+    """Forces and moments, 12 numbers: those fixed in space, then follower loads.
 
     Attributes:
-        constant: Those without history, shape (n, 12).
-        first: First of the loads with history of each body, shape (n + 1,).
-        vary: Those, shape (k, 12).
+        constant: Loads without history, shape (n, 12).
+        first: Index of the first load with history of each body, shape (n + 1,).
+        vary: Loads with history, shape (k, 12).
         column: Their columns in the amplitudes, shape (k,).
     """
 
@@ -75,23 +75,23 @@ class Loads(NamedTuple):
 
 
 RATIO, MOTION, FEWEST, BEYOND = 0, 1, 2, 3
-"""Places in the memory of a body."""
+"""Indices into the iteration history of a body."""
 
 
 class State(NamedTuple):
-    """Start of a step and what is kept between steps.
+    """Start of a step and state between steps.
 
     Attributes:
         H: Frames, shape (n, 4, 3).
         v: Velocities of the group, shape (n, 6).
         vdot: Accelerations, shape (n, 6).
         a: Algorithmic accelerations, shape (n, 6).
-        memory: Last ratio of increments, largest motion, fewest iterations with the kept matrix,
-            iterations beyond those; shape (n, 4).
-        kept: Rows of the inverse block of the rotation, columns of the block that couples it to the
-            translation, rows of the inverse block of the translation; shape (n, 9, 3).
+        memory: Last ratio of increments, largest motion, fewest iterations with the frozen matrix,
+            excess iterations; shape (n, 4).
+        kept: Frozen factors: rows of the inverse rotation block, columns of the coupling block,
+            rows of the inverse translation block; shape (n, 9, 3).
         rates: Power of the loads on each body, force and moment about the origin, shape (n, 7).
-        booked: Their work and impulses so far, shape (n, 7).
+        balance: Their work and impulses so far, shape (n, 7).
     """
 
     H: Array
@@ -101,36 +101,36 @@ class State(NamedTuple):
     memory: Array
     kept: Array
     rates: Array
-    booked: Array
+    balance: Array
 
 
 class Options(NamedTuple):
-    """Of the iteration.
+    """Options of the iteration.
 
     Attributes:
-        tolerance: Error that may be left, as a part of the largest motion.
-        limit: Most iterations of a step.
-        patience: As of :class:`~fem_lie.solve.motion.policies.Automatic`.
-        cost: Likewise.
-        rescue: Whether a step that fails is tried with a new matrix in each iteration.
+        tolerance: Allowed error, as a fraction of the largest motion.
+        limit: Largest number of iterations of a step.
+        patience: As in :class:`~fem_lie.solve.motion.policies.Automatic`.
+        cost: As in :class:`~fem_lie.solve.motion.policies.Automatic`.
+        full_newton_fallback: Whether a failed step is repeated with a new matrix in each iteration.
     """
 
     tolerance: float
     limit: int
     patience: int
     cost: float
-    rescue: bool
+    full_newton_fallback: bool
 
 
 class Plan(NamedTuple):
-    """Which steps are made, and what is kept of them.
+    """Steps to make and to record.
 
     Attributes:
-        first: Step.
-        last: Step.
-        row: Of the first one that will be kept.
+        first: First step.
+        last: Last step.
+        row: Row of the first recorded step.
         total: Number of steps of the run.
-        every: How many lie between two that are kept.
+        every: Every n-th step is recorded.
     """
 
     first: int
@@ -141,15 +141,16 @@ class Plan(NamedTuple):
 
 
 class Kept(NamedTuple):
-    """Where to.
+    """Arrays of results.
 
     Attributes:
-        frames: Shape (rows, n, 4, 3).
+        frames: Frames, shape (rows, n, 4, 3).
         velocities: Twists, shape (rows, n, 6).
-        done: What loads have done, work before impulses, at the rows of these steps, to which that
-            of each body is added, shape (kept, 7).
-        iterations: Of each step, of the body that takes most, shape (last − first + 1,).
-        failed: Of the earliest failure: body, last increment and residual; shape (3,).
+        done: Work and impulses of loads at the recorded steps, shape (kept, 7); each body adds its
+            own.
+        iterations: Largest number of iterations of any body in each step, shape (last − first +
+            1,).
+        failed: Earliest failure: body, last increment and residual; shape (3,).
     """
 
     frames: Array
@@ -160,13 +161,13 @@ class Kept(NamedTuple):
 
 
 class Body(NamedTuple):
-    """One body.
+    """Properties of one body.
 
     Attributes:
-        group: It moves on.
+        group: Group of its motion.
         m: Mass.
         J: Inertia tensor about the centre of mass, shape (3, 3).
-        scaling: As of :class:`Bodies`, shape (2,).
+        scaling: Norm weights as in :class:`Bodies`, shape (2,).
     """
 
     group: int
@@ -176,15 +177,15 @@ class Body(NamedTuple):
 
 
 class Start(NamedTuple):
-    """Of one body, see :class:`State`.
+    """Start of a step of one body, see :class:`State`.
 
     Attributes:
-        H: Shape (4, 3).
-        v: Shape (6,).
-        vdot: Shape (6,).
-        a: Shape (6,).
-        memory: Shape (4,).
-        kept: Shape (9, 3).
+        H: Frame, shape (4, 3).
+        v: Velocity, shape (6,).
+        vdot: Acceleration, shape (6,).
+        a: Algorithmic acceleration, shape (6,).
+        memory: Iteration history, shape (4,).
+        kept: Frozen factors, shape (9, 3).
     """
 
     H: Array
@@ -196,7 +197,7 @@ class Start(NamedTuple):
 
 
 class End(NamedTuple):
-    """Of a step of one body, overwritten.
+    """End of a step of one body, overwritten.
 
     Attributes:
         d: Increment, shape (6,).
@@ -214,7 +215,7 @@ class End(NamedTuple):
 
 
 BODY, INCREMENT, RESIDUAL = 0, 1, 2
-"""Places in what is noted of a failure."""
+"""Indices into the record of a failure."""
 
 
 @inlined
@@ -258,7 +259,7 @@ def _columns(
 ) -> tuple[Vector, Vector, Vector]:
     """Derivatives of the residual along the unit vector ``e``.
 
-    Of the rotation by ``d_θ``, of the translation by ``d_θ``, of the translation by ``d_u``.
+    Rotation by ``d_θ``, translation by ``d_θ``, translation by ``d_u``.
     """
     mass, damping = p.mass, p.damping
     group, m, J, _ = body
@@ -288,7 +289,7 @@ def factorise(
     d: Array,
     kept: Array,
 ) -> None:
-    """Renew the kept matrix."""
+    """Refactorise the frozen matrix."""
     a = _columns(p, body, f, H1, v1, d, (1.0, 0.0, 0.0))
     b = _columns(p, body, f, H1, v1, d, (0.0, 1.0, 0.0))
     c = _columns(p, body, f, H1, v1, d, (0.0, 0.0, 1.0))
@@ -319,7 +320,7 @@ def make_step(
     end: End,
     failed: Array,
 ) -> tuple[int, int]:
-    """Iterations, 0 if it failed, and factorisations of one step of one body."""
+    """Make one step of one body; return iterations (0 if it failed) and factorisations."""
     tolerance, limit, patience, cost, _ = options
     group, m, J, scaling = body
     H, v, vdot, a, memory, kept = state
@@ -342,7 +343,7 @@ def make_step(
         ratio, remaining = estimate(increment, previous, ratio)
         if remaining <= wanted or increment <= ROUND_OFF:
             memory[RATIO] = ratio if iteration > 1 else ratio**UNMEASURED
-            counted = max(iteration, 2)  # as policies.Automatic: one iteration is luck
+            counted = max(iteration, 2)  # as in policies.Automatic
             if memory[FEWEST] == 0.0 or counted < memory[FEWEST]:
                 memory[FEWEST] = counted
             memory[BEYOND] += counted - memory[FEWEST]

@@ -1,4 +1,4 @@
-"""Steps of all free rigid bodies, one body after the other, what acts on them, and their rows."""
+"""Steps of all free rigid bodies, one body after the other, with loads and rows of results."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def load_of(loads: Loads, amplitude: Array, i: int, f: Array) -> None:
 
 @inlined
 def act(f: Array, constant: Array, H: Array, twist: Array, row: Array) -> None:
-    """Power without what has a potential, force and moment about the origin, into ``row`` (7,)."""
+    """Power of non-conservative loads, force and moment about the origin, into ``row`` (7,)."""
     d1, d2, d3 = load_row(H, 1), load_row(H, 2), load_row(H, 3)
     x, ω = load_row(H, 0), rotate(d1, d2, d3, load(twist, 3))
     u = rotate(d1, d2, d3, load(twist, 0))
@@ -68,8 +68,8 @@ def act(f: Array, constant: Array, H: Array, twist: Array, row: Array) -> None:
 
 
 @inlined
-def book(h: float, row: Array, last: Array, total: Array) -> None:
-    """Sum up by the trapezoidal rule, shapes (7,); ``row`` becomes the ``last``."""
+def add_to_balance(h: float, row: Array, last: Array, total: Array) -> None:
+    """Add to ``total`` by the trapezoidal rule, shapes (7,); ``row`` becomes ``last``."""
     for k in range(7):
         total[k] += 0.5 * h * (last[k] + row[k])
         last[k] = row[k]
@@ -107,24 +107,24 @@ def advance(
     plan: Plan,
     rows: Kept,
 ) -> tuple[int, int]:
-    """Steps ``first … last`` of all bodies.
+    """Make steps ``first … last`` of all bodies.
 
     Args:
         p: Parameters of the scheme.
-        options: Of the iteration.
-        bodies: What they are.
-        loads: Their loads.
-        amplitude: Of the loads with history, shape (last − first + 1, k).
-        state: Of all bodies; updated.
-        plan: Which steps.
-        rows: What is kept, overwritten.
+        options: Options of the iteration.
+        bodies: Properties of the bodies.
+        loads: Loads on the bodies.
+        amplitude: Amplitudes of the loads with history, shape (last − first + 1, k).
+        state: State of all bodies; updated.
+        plan: Steps to make and to record.
+        rows: Arrays of results, overwritten.
 
     Returns:
         The last step that all bodies made, and the number of factorisations.
     """
     always = Options(options.tolerance, options.limit, 1, 0.0, False)
     mass, J, scaling, group = bodies
-    H, v, vdot, a, memory, kept, rates, booked = state
+    H, v, vdot, a, memory, kept, rates, balance = state
     frames, velocities, done, iterations, failed = rows
     first, last, kept_row, total, every = plan
     end = End(np.empty(6), np.empty((4, 3)), np.empty(6), np.empty(6), np.empty(6))
@@ -139,11 +139,11 @@ def advance(
             load_of(loads, amplitude[index - first], i, f)
             count, made = make_step(p, options, body, f, here, end, note)
             factorisations += made
-            if count == 0 and options.rescue:
+            if count == 0 and options.full_newton_fallback:
                 count, made = make_step(p, always, body, f, here, end, note)
                 factorisations += made
             if count == 0:
-                # the others need not go farther than the step before
+                # the other bodies need not go beyond the previous step
                 last = index - 1
                 failed[BODY] = i
                 failed[INCREMENT], failed[RESIDUAL] = note[INCREMENT], note[RESIDUAL]
@@ -151,17 +151,17 @@ def advance(
             iterations[index - first] = max(count, iterations[index - first])
             to_local(group[i], here.H, here.v, here.vdot, twist, rate)
             act(f, loads.constant[i], here.H, twist, row_now)
-            book(p.h, row_now, rates[i], booked[i])
+            add_to_balance(p.h, row_now, rates[i], balance[i])
             if index % every == 0 or index == total:
                 frames[row, i], velocities[row, i] = here.H, twist
-                done[row - kept_row] += booked[i]
+                done[row - kept_row] += balance[i]
                 row += 1
     return last, factorisations
 
 
 @compiled
-def start_books(loads: Loads, amplitude: Array, H: Array, twists: Array, rates: Array) -> None:
-    """What acts on each body at the start, see :func:`act`, shape (n, 7)."""
+def start_balance(loads: Loads, amplitude: Array, H: Array, twists: Array, rates: Array) -> None:
+    """Power, force and moment of loads at the start, see :func:`act`, shape (n, 7)."""
     f = np.empty(12)
     for i in range(twists.shape[0]):
         load_of(loads, amplitude, i, f)
@@ -177,7 +177,10 @@ def observe(
     invariants: Array,
     potential: Array,
 ) -> None:
-    """Energies and momenta of all rows; inertia ``blocks`` (n, 4, 4), loads without history."""
+    """Energies and momenta of all rows.
+
+    Inertia ``blocks`` (n, 4, 4), constant loads without history.
+    """
     n = blocks.shape[0]
     indptr, work = np.arange(n + 1), np.empty((2, n, 4, 3))
     kinds = np.zeros(n, dtype=np.int64)

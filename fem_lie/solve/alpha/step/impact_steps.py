@@ -1,4 +1,4 @@
-"""Steps of free rigid bodies that touch, compiled: the step without contacts, then these."""
+"""Steps of free rigid bodies with impacts, compiled: the step without contacts, then contacts."""
 
 from __future__ import annotations
 
@@ -34,31 +34,32 @@ from fem_lie.solve.alpha.step.free_body import (
     make_step,
     residual,
 )
-from fem_lie.solve.alpha.step.free_steps import act, book, load_of
+from fem_lie.solve.alpha.step.free_steps import act, add_to_balance, load_of
 from fem_lie.solve.alpha.step.node import Scheme
 
 MADE, STALE, FAILED, UNSETTLED, CROSSED, FULL, OVERLAPPING = range(7)
-"""Why steps end: all are made; it has to be looked again who is near whom; a body's iteration has
-failed; contacts have not settled; a ball has gone through another; there is no more room for what
-results have of contacts; bodies still overlap."""
+"""Why the loop returns: all steps are made; the list of neighbours is outdated; the iteration of a
+body has failed; contacts have not converged; a ball has passed through a surface; the buffer of
+contact results is full; bodies still overlap."""
 
 
 class Contacts(NamedTuple):
-    """What contacts need besides.
+    """Further data of contacts.
 
     Attributes:
-        tolerance: Of the residual of the cones.
-        patience: How far places may move until it has to be looked again.
-        arm: The largest distance of a place from its body's centre.
-        thin: How far places move at least that go through others.
-        failed: The pair that went through each other or still overlaps, shape (1,).
-        sum: How far they may have moved, shape (1,).
-        times: At the ends of these steps, shape (last − first + 1,).
-        told: Of these steps, see :data:`fem_lie.contact.impact.records.REPORT_SIZE`, shape (·, 13).
-        booked: Work of contacts, and impulse of ground and its moment so far, shape (7,).
-        done: These at the rows of these steps, shape (kept, 7).
-        room: For what results have of each contact, see :mod:`fem_lie.contact.impact.touching`.
-        shown: How many rows of it are filled, shape (1,).
+        tolerance: For the residual of the cones.
+        patience: How far points may move until neighbours are searched again.
+        arm: Largest distance of a point from the centre of its body.
+        thin: Smallest motion at which points are checked for passing through surfaces.
+        failed: Pair that passed through each other or still overlaps, shape (1,).
+        sum: Bound on the motion since the last search, shape (1,).
+        times: Times at the ends of these steps, shape (last − first + 1,).
+        statistics: Contact statistics of these steps, see
+            :data:`fem_lie.contact.impact.records.REPORT_SIZE`, shape (·, 13).
+        balance: Work of contacts, impulse on the ground and its moment so far, shape (7,).
+        done: The same at the recorded steps, shape (kept, 7).
+        room: Buffer for the data of each contact, see :mod:`fem_lie.contact.impact.touching`.
+        shown: Number of filled rows of the buffer, shape (1,).
     """
 
     tolerance: float
@@ -68,8 +69,8 @@ class Contacts(NamedTuple):
     failed: Indices
     sum: Array
     times: Array
-    told: Array
-    booked: Array
+    statistics: Array
+    balance: Array
     done: Array
     room: Array
     shown: Indices
@@ -77,7 +78,7 @@ class Contacts(NamedTuple):
 
 @compiled
 def _accelerate(m: float, J: Array, inverse: Array, f: Array, here: Start) -> None:
-    """Accelerations without contacts, after velocities have jumped."""
+    """Accelerations without contacts, after a jump of velocities."""
     for k in range(6):
         here.vdot[k] = 0.0
     force, moment = residual(1, m, J, f, here.H, here.v, here.vdot)
@@ -90,7 +91,7 @@ def _accelerate(m: float, J: Array, inverse: Array, f: Array, here: Start) -> No
 
 @inlined
 def _changed(v: Array, smooth: Array, H: Array, before: Array) -> bool:
-    """Whether contacts have changed a body, shapes (6,) and (4, 3)."""
+    """Whether contacts have changed a body; shapes (6,) and (4, 3)."""
     for k in range(6):
         if v[k] != smooth[k]:
             return True
@@ -99,7 +100,7 @@ def _changed(v: Array, smooth: Array, H: Array, before: Array) -> bool:
 
 @inlined
 def _take_back(state: State, H: Array, v: Array) -> None:
-    """Frames and velocities are those of the start of the step again."""
+    """Restore frames and velocities at the start of the step."""
     state.H[:], state.v[:] = H, v
 
 
@@ -119,12 +120,12 @@ def advance(
     work: Work,
     contacts: Contacts,
 ) -> tuple[int, int, int]:
-    """Steps ``first … last`` of all bodies; as :func:`~.free_steps.advance`, with contacts.
+    """Make steps ``first … last`` of all bodies as :func:`~.free_steps.advance`, with contacts.
 
-    Frames and velocities after a step that failed are those of its start.
+    If a step failed, frames and velocities are those at its start.
 
     Returns:
-        The last step that was made, the number of factorisations, and why it ended there.
+        The last step made, the number of factorisations, and why the loop returned.
     """
     always = Options(options.tolerance, options.limit, 1, 0.0, False)
     mass, J, scaling, group = bodies
@@ -154,7 +155,7 @@ def advance(
             load_of(loads, amplitude[at], i, f[i])
             count, made = make_step(p, options, body, f[i], here, end, note)
             factorisations += made
-            if count == 0 and options.rescue:
+            if count == 0 and options.full_newton_fallback:
                 count, made = make_step(p, always, body, f[i], here, end, note)
                 factorisations += made
             if count == 0:
@@ -163,11 +164,13 @@ def advance(
                 _take_back(state, H0, v0)
                 return index - 1, factorisations, FAILED
             rows.iterations[at] = max(count, rows.iterations[at])
-        told = contacts.told[at]
+        statistics = contacts.statistics[at]
         start = H0, v0
         set_ahead(touch, polyhedra, H0, state.H, work.gaps, work.impulses)
-        if resolve(p.h, touch, masses, start, state.H, state.v, work, contacts.tolerance, told):
-            if not told[records.RESIDUAL] <= LARGEST:
+        if resolve(
+            p.h, touch, masses, start, state.H, state.v, work, contacts.tolerance, statistics
+        ):
+            if not statistics[records.RESIDUAL] <= LARGEST:
                 _take_back(state, H0, v0)
                 return index - 1, factorisations, UNSETTLED
             contacts.failed[0] = deepest(touch, work)
@@ -185,9 +188,9 @@ def advance(
                         state.kept[i],
                     )
                     _accelerate(mass[i], J[i], masses.inverse[i], f[i], here)
-            contacts.booked[0] -= told[IMPACT] + told[FRICTION]
+            contacts.balance[0] -= statistics[IMPACT] + statistics[FRICTION]
             for k in range(6):
-                contacts.booked[1 + k] += told[GROUND + k]
+                contacts.balance[1 + k] += statistics[GROUND + k]
         speed = max(speed, largest_speed(state.v, contacts.arm))
         contacts.sum[0] += p.h * speed
         if p.h * speed > 0.5 * contacts.thin:
@@ -199,14 +202,14 @@ def advance(
         for i in range(n):
             to_local(group[i], state.H[i], state.v[i], state.vdot[i], twist, rate)
             act(f[i], loads.constant[i], state.H[i], twist, seen)
-            book(p.h, seen, state.rates[i], state.booked[i])
+            add_to_balance(p.h, seen, state.rates[i], state.balance[i])
             if kept:
                 rows.frames[row, i], rows.velocities[row, i] = state.H[i], twist
-                rows.done[row - plan.row] += state.booked[i]
+                rows.done[row - plan.row] += state.balance[i]
         if kept:
-            many = int(told[records.CONTACTS])
+            many = int(statistics[records.CONTACTS])
             ends = state.H, state.v
             show(contacts.times[at], p.h, touch, work, many, ends, contacts.room, contacts.shown)
-            contacts.done[row - plan.row] = contacts.booked
+            contacts.done[row - plan.row] = contacts.balance
             row += 1
     return plan.last, factorisations, MADE

@@ -1,8 +1,8 @@
-"""Steps of generalised-α in one compiled loop, and the records that it takes and changes.
+"""Steps of generalised-α in one compiled loop, and its records.
 
-That is a new matrix, forces that are no single sum, a solution that takes more than kept factors, a
-question of the policy, a step that fails, and whatever is to be done after a step that was given.
-It is called again then, and goes on where it was.
+The loop returns to Python for a new matrix, for forces that are not in one compiled sum, for
+solutions that need more than the frozen factors, for questions of the policy, for steps that fail,
+and after the last requested step. The next call continues where it returned.
 """
 
 from __future__ import annotations
@@ -23,52 +23,53 @@ from fem_lie.solve.alpha.step.node import PlainScheme
 from fem_lie.solve.alpha.step.nodes import TWISTS, PlainState, accept, correct, predict
 from fem_lie.solve.convergence import CONVERGED, GOES_ON, ROUND_OFF, UNMEASURED, estimate, judged
 from fem_lie.solve.recording.result_row import fill_whole
-from fem_lie.solve.renewal import PlainRule, due, learn
+from fem_lie.solve.refactorisation import PlainRule, due, learn
 from fem_lie.system.nodes.sums import residual
 from fem_lie.system.outer_forces import look_and_sum_up
 
 BETWEEN, OPEN, WEIGHED, SOLVED, CHECKED, LEARNED = range(6)
-"""Phases: between steps; a residual is wanted; it is known; the correction is; the step has
-converged; what it cost has been learned."""
+"""Phases: between steps; the residual is needed; it is known; the correction is known; the step has
+converged; the policy has recorded its iterations."""
 
 STEP, ITERATION, PHASE, UPDATE, TOTAL, ROW, WANTED, NEAR, COUNTERS = range(9)
-"""Counters: the step that is made or was made last, its iteration, the phase; what is made anew,
-see :class:`~fem_lie.solve.renewal.Update`; all iterations; the next row of results, how many of
-the wanted ones were filled in, and whether an element turns nearly too far in the last (1)."""
+"""Indices of counters: current or last step, its iteration, the phase; what is to be refactorised,
+see :class:`~fem_lie.solve.refactorisation.Update`; all iterations; the next row of results, how
+many requested rows are filled in, and whether an element is near its rotation limit in the last one
+(1)."""
 
 RATIO, NOW, PREVIOUS, INCREMENT, MOTION, NUMBERS = range(6)
-"""Numbers: ratio of increments that steps begin with and that of the present one, the increment
-before and the present one, and the largest motion in a step."""
+"""Indices of numbers: ratio of increments at the start of steps and in the current one, the
+previous increment and the current one, and the largest motion in a step."""
 
 
 class Packed(NamedTuple):
-    """What a run has in arrays that stay where they are, in the order of their table.
+    """Arrays of a run at fixed addresses, in the order of their packed table.
 
     Attributes:
-        H: Start of a step, see :class:`~fem_lie.solve.alpha.step.nodes.State`.
-        H1: Likewise.
-        motion: Likewise.
-        kinds: Likewise.
-        scaling: Likewise.
-        weights: Multipliers, shape (m,).
-        first: Those at the start of the step.
-        scale: Of the constraints.
-        spread: Of scaled multipliers in the size of a correction, see
+        H: Frames at the start of a step, see :class:`~fem_lie.solve.alpha.step.nodes.State`.
+        H1: Frames at its end.
+        motion: See :class:`~fem_lie.solve.alpha.step.nodes.State`.
+        kinds: Types of the nodes.
+        scaling: Norm weights of the nodes.
+        weights: Lagrange multipliers, shape (m,).
+        first: Lagrange multipliers at the start of the step.
+        scale: Scale of the constraints.
+        spread: Norm weights of scaled multipliers in the size of a correction, see
             :class:`~fem_lie.system.equations.Plan`, (m, w).
-        joined: Which constraints are one vector with the one before.
-        held: Which of the equations are those of held unknowns.
+        joined: Which constraints belong to the same vector as the previous one.
+        held: Equations of fixed unknowns.
         r: Residual, shape (6 n + m,).
         dx: Correction.
-        forces: Table of :func:`~fem_lie.system.nodes.sums.residual`.
-        books: Table of :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
-        booked: Balance and impulses, shape (15,).
-        targets: Of the constraints, shape (m,).
-        joints: Numbers and integers of their table, and those of probes.
-        cells: Those that have energy, two arrays.
-        around: Places whose axes turn.
+        forces: Packed arrays of :func:`~fem_lie.system.nodes.sums.residual`.
+        balance_table: Packed arrays of :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
+        balance: Energy balance and impulses, shape (15,).
+        targets: Targets of the constraints, shape (m,).
+        joints: Packed numbers and integers of joints and of reported coordinates.
+        cells: Packed arrays of cells with energy, two arrays.
+        around: Surroundings of nodes with convected axes.
         counters: See :data:`STEP`.
         numbers: See :data:`RATIO`.
-        known: What the policy has learned.
+        known: Iteration counts recorded by the policy.
     """
 
     H: Array
@@ -85,8 +86,8 @@ class Packed(NamedTuple):
     r: Array
     dx: Array
     forces: Indices
-    books: Indices
-    booked: Array
+    balance_table: Indices
+    balance: Array
     targets: Array
     joints: tuple[PackedJoints, PackedJoints]
     cells: tuple[Indices, Indices]
@@ -97,7 +98,7 @@ class Packed(NamedTuple):
 
     @property
     def arrays(self) -> list[Array | Indices]:
-        """One after the other."""
+        """The arrays, in order."""
         found: list[Array | Indices] = []
         for part in self:
             for inner in part if isinstance(part, tuple) else (part,):
@@ -107,7 +108,7 @@ class Packed(NamedTuple):
 
 @inlined
 def packed(table: Indices) -> Packed:
-    """From the table of its arrays."""
+    """Unpack the arrays."""
     return Packed(
         numbers3(table, 0),
         numbers3(table, 1),
@@ -145,21 +146,21 @@ def packed(table: Indices) -> Packed:
 
 
 class Steps(NamedTuple):
-    """How steps are made.
+    """Options of the loop.
 
     Attributes:
-        tolerance: Of the error that the iteration leaves, in the largest motion of a step.
-        finest: What it may leave at most, whatever the motion.
-        limit: Most iterations.
-        factor: Of all solutions.
+        tolerance: Allowed iteration error, as a fraction of the largest motion in a step.
+        finest: Largest iteration error, whatever the motion.
+        limit: Largest number of iterations.
+        factor: Factor of all corrections.
         summed: Whether residuals are one compiled sum.
         missing: Whether there is no matrix yet.
-        checked: Whether constraints may contradict each other.
-        ended: Whether steps are ended here: turns counted, all booked, rows filled in.
-        turns: Whether joints count turns.
-        booked: Whether there is anything to book.
-        loads: Whether loads are looked at for it.
-        joints: Whether joints are.
+        checked: Whether constraints may be contradictory.
+        ended: Whether the loop ends steps itself: revolutions, energy balance, rows.
+        turns: Whether joints count revolutions.
+        accounts: Whether the energy balance is updated.
+        loads: Whether loads contribute to the balance.
+        joints: Whether joints contribute to it.
     """
 
     tolerance: float
@@ -171,25 +172,26 @@ class Steps(NamedTuple):
     checked: bool
     ended: bool
     turns: bool
-    booked: bool
+    accounts: bool
     loads: bool
     joints: bool
 
     @property
     def plain(self) -> PlainSteps:
-        """As compiled functions are quicker to call with."""
+        """The options as a plain tuple, with which compiled functions are called faster."""
         return (*self,)
 
 
 PlainSteps: TypeAlias = tuple[
     float, float, int, float, bool, bool, bool, bool, bool, bool, bool, bool
 ]
-"""A :class:`Steps` at the door from Python."""
+"""Plain tuple of :class:`Steps`."""
 
 DONE, RESIDUAL, MATRIX, SOLUTION, CHECK, QUESTION, FAILED = range(7)
-"""Why the loop has come back: the last step is made; a residual is wanted; a matrix is to be made
-anew and solved with; the equations are to be solved; a step has converged with constraints that may
-contradict each other; the policy asks how stale the matrix is; the step has failed."""
+"""Why the loop returns: the last step is made; a residual is needed; the matrix is to be
+refactorised and a correction computed; a correction is needed; a step has converged with
+constraints that may be contradictory; the policy asks for the staleness of the matrix; the step has
+failed."""
 
 
 @linked
@@ -206,7 +208,7 @@ def _begin(table: Indices, scheme: PlainScheme, state: PlainState) -> None:
 
 @linked
 def _weigh(table: Indices) -> None:
-    """The residual at the end of the step as it is."""
+    """Evaluate the residual at the current end of the step."""
     this = packed(table)
     v, a = this.motion[6], this.motion[7]
     residual(this.H1, v, a, this.weights, this.scale, this.r, this.forces)
@@ -216,7 +218,7 @@ def _weigh(table: Indices) -> None:
 
 @linked
 def _solve(table: Indices, solution: PlainSolution, steps: PlainSteps, rule: PlainRule) -> int:
-    """Correction for the residual, or the code for what is wanted instead."""
+    """Correction for the residual, or the code of a request."""
     this, how = packed(table), Steps(*steps)
     counters = this.counters
     update = due(rule, this.known, counters[ITERATION])
@@ -233,7 +235,7 @@ def _solve(table: Indices, solution: PlainSolution, steps: PlainSteps, rule: Pla
 
 @linked
 def _correct(table: Indices, scheme: PlainScheme, state: PlainState, steps: PlainSteps) -> int:
-    """Apply the correction; the phase that follows, or that before the first if it fails."""
+    """Apply the correction; returns the next phase, or that before the first one on failure."""
     this, how = packed(table), Steps(*steps)
     counters, numbers = this.counters, this.numbers
     scale, spread = this.scale, this.spread
@@ -253,32 +255,32 @@ def _correct(table: Indices, scheme: PlainScheme, state: PlainState, steps: Plai
 
 @inlined
 def allowed(motion: float, tolerance: float, finest: float) -> float:
-    """Error that the iteration of a step may leave, of a largest motion; see :class:`Steps`."""
+    """Allowed iteration error of a step for a largest motion; see :class:`Steps`."""
     return max(min(tolerance * motion, finest), ROUND_OFF)
 
 
 @inlined
 def settled_ratio(ratio: float, iteration: int) -> float:
-    """What the next steps begin with after a step of so many iterations."""
+    """Ratio of increments with which the next steps start, from the iterations of a step."""
     return ratio if iteration > 1 else ratio**UNMEASURED
 
 
 @linked
 def _end(table: Indices, h: float, steps: PlainSteps) -> None:
-    """Turn axes, count turns and book the step that was accepted."""
+    """Rotate convected axes, count revolutions and update the energy balance."""
     this, how = packed(table), Steps(*steps)
     convect_axes(this.H, this.around, this.motion, TWISTS)
     if how.turns:
         joints, probes = this.joints
         unwrap_both(this.H, joints, probes)
-    if how.booked:
+    if how.accounts:
         end = this.H, this.motion[6], this.weights, this.targets
-        look_and_sum_up(h, end, how.loads, how.joints, this.books)
+        look_and_sum_up(h, end, how.loads, how.joints, this.balance_table)
 
 
 @linked
 def _record(table: Indices, h: float, results: tuple[Indices, Indices]) -> bool:
-    """Fill in the next row of results; returns whether an element turns nearly too far."""
+    """Fill in the next row of results; returns whether an element is near its rotation limit."""
     this = packed(table)
     counters = this.counters
     scene, rows = results
@@ -286,7 +288,7 @@ def _record(table: Indices, h: float, results: tuple[Indices, Indices]) -> bool:
         this.H,
         this.motion[6],
         this.weights,
-        this.booked,
+        this.balance,
         scene,
         rows,
         this.cells,
@@ -311,18 +313,18 @@ def run(
     wanted: Indices,
     last: int,
 ) -> int:
-    """Go on to the end of step ``last``; returns why it came back.
+    """Advance to the end of step ``last``; returns why the loop returned.
 
     Args:
-        table: Of fixed arrays, see :class:`Packed`.
+        table: Packed arrays, see :class:`Packed`.
         scheme: Parameters.
-        solution: With the factors that are kept.
-        steps: How steps are made.
-        rule: Of the policy.
-        results: Tables of :func:`~fem_lie.solve.recording.result_row.fill_whole`: what of the scene
-            is in a row, and the arrays of all rows.
-        wanted: Steps whose rows are filled in, increasing, for which there is room.
-        last: Step to reach.
+        solution: Frozen factors.
+        steps: Options of the loop.
+        rule: Rule of the policy.
+        results: Packed arrays of :func:`~fem_lie.solve.recording.result_row.fill_whole`: constant
+            arrays of the scene, and arrays of all rows.
+        wanted: Increasing numbers of the steps to be recorded, for which space is reserved.
+        last: Last step.
     """
     this, h = packed(table), scheme[0]
     counters, numbers = this.counters, this.numbers

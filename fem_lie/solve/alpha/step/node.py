@@ -1,8 +1,8 @@
 """Generalised-α at one node: parameters, prediction, correction and acceptance of a step.
 
-Formulas in :mod:`fem_lie.solve.alpha.generalised_alpha`. Velocities, accelerations and increments
-are those of the node's group, see :mod:`fem_lie.lie.node_types`: translations of a frame are along
-its axes on SE(3) and in global components on R³×SO(3).
+Formulas are in :mod:`fem_lie.solve.alpha.generalised_alpha`. Velocities, accelerations and
+increments are those of the node's group, see :mod:`fem_lie.lie.node_types`: translations of a frame
+are along its axes on SE(3) and in global components on R³×SO(3).
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from fem_lie.lie.node_types import move, reorthonormalise
 from fem_lie.solve.convergence import size_of
 
 AHEAD = 0.1
-"""Part of a step over which initial accelerations are differentiated, if not over α_f − α_m."""
+"""Fraction of a step for difference quotients of initial accelerations, if α_f − α_m is too
+small."""
 
 
 class Scheme(NamedTuple):
@@ -41,22 +42,22 @@ class Scheme(NamedTuple):
 
     @property
     def plain(self) -> PlainScheme:
-        """As compiled functions are quicker to call with."""
+        """The parameters as a plain tuple, with which compiled functions are called faster."""
         return (*self,)
 
     @property
     def shift(self) -> float:
-        """Time from that for which ``a`` stands for ``v̇`` to the step's start."""
+        """Time from which ``a`` approximates ``v̇`` to the start of the step."""
         return (self.af - self.am) * self.h
 
     @property
     def ahead(self) -> float:
-        """Time over which initial accelerations are differentiated."""
+        """Time of the difference quotients of initial accelerations."""
         return max(self.shift, AHEAD * self.h)
 
 
 def parameters(radius: float, step: float) -> Scheme:
-    """Parameters of second order with the spectral radius ``radius`` at infinite frequency."""
+    """Parameters of a second-order scheme with spectral radius ``radius`` at infinite frequency."""
     step = float(step)
     am, af = (2 * radius - 1) / (radius + 1), radius / (radius + 1)
     gamma = 0.5 + af - am
@@ -66,7 +67,7 @@ def parameters(radius: float, step: float) -> Scheme:
 
 
 PlainScheme: TypeAlias = tuple[float, float, float, float, float, float, float]
-"""A :class:`Scheme` at the door from Python: numba is three times as fast to call so."""
+"""Plain tuple of a :class:`Scheme`, with which numba functions are called three times as fast."""
 
 
 @inlined
@@ -126,7 +127,7 @@ def accept(
     v1: Array,
     vdot1: Array,
 ) -> None:
-    """Make the end of the step the start of the next, but for the rows, which are set right."""
+    """Make the end of the step the start of the next, without orthonormalising the directors."""
     am, af = scheme.am, scheme.af
     for k in range(6):
         rate = (1.0 - af) * vdot1[k] + af * vdot[k]

@@ -1,8 +1,8 @@
-"""One step of generalised-α on all nodes: prediction, correction, acceptance, compiled.
+"""One step of generalised-α on all nodes, compiled: prediction, correction, acceptance.
 
-Each node moves on its own group, see :mod:`fem_lie.lie.node_types`. Velocities, accelerations are
-those of the group; their twists in the nodes' frames, which the equations of motion want, follow
-them.
+Each node moves on its own group, see :mod:`fem_lie.lie.node_types`. Velocities and accelerations
+are those of the group; the twists in the nodes' frames, which enter the equations of motion, are
+computed from them.
 """
 
 from __future__ import annotations

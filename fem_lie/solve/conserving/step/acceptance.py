@@ -31,14 +31,14 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.between.any_node import (
+from fem_lie.solve.conserving.midpoint.any_node import (
     go_along_edge,
     keep_axes,
     rates_of,
     turned_with,
 )
-from fem_lie.solve.conserving.between.cayley import advance, left_moment, spin
-from fem_lie.solve.conserving.between.floating import STRESS
+from fem_lie.solve.conserving.midpoint.cayley import advance, left_moment, spin
+from fem_lie.solve.conserving.midpoint.reduced_bodies import STRESS
 from fem_lie.solve.conserving.step.dissipation import (
     ENERGY,
     LEAK,
@@ -63,33 +63,39 @@ def packed_accept(model: PackedModel, state: Indices, step: Indices) -> None:
 def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     """Make the end of the step the start of the next one."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
-    H, V, lag, books, account = state.H, state.V, state.lag, state.books, state.account
+    H, V, filter_state, balance, account = (
+        state.H,
+        state.V,
+        state.filter_state,
+        state.balance,
+        state.account,
+    )
     step, V1, F1, losses, scheme = this.step, this.V1, this.F1, this.losses, model.scheme
     end, _, middle, delta = span_of(this.rows)
     n, (h, χ, μ) = step.shape[0], scheme
-    share = 0.5 * (1.0 + χ * lag[REMEMBERS])
+    share = 0.5 * (1.0 + χ * filter_state[REMEMBERS])
     given = model.kinds, model.arms, middle, step, solution_of(this.r).residual
-    _keep_what_is_left(*given, share, lag, state.carry)
+    _keep_what_is_left(*given, share, filter_state, state.carry)
     if χ > 0.0:
         # the first step knows of no change before
-        μ = μ if lag[REMEMBERS] > 0.0 else 1.0
-        lag[REMEMBERS] = 1.0
-        remember(lag, μ)
+        μ = μ if filter_state[REMEMBERS] > 0.0 else 1.0
+        filter_state[REMEMBERS] = 1.0
+        remember(filter_state, μ)
         _learn(μ, V, V1, state.w)
         for place in range(F1.shape[0]):
             for k in range(6):
                 old = state.w_F[place, k]
                 state.w_F[place, k] = old + μ * (F1[place, k] - state.F[place, k] - old)
-        _learn_of_rows(μ, this.lasting, state.lasting)
+        _learn_of_rows(μ, this.cell_forces, state.cell_forces)
         for a in range(state.within.shape[0]):
             state.within[a] += μ * (this.within[STRESS, a] - state.within[a])
     work = _work_of_loads(model.kinds, model.loads, model.conservative, this.rows, step, losses)
     work += _work_on_products(model, this)
-    books[WORK] += losses[WORK] + work
-    books[DAMPING] += losses[DAMPING]
-    books[NUMERICAL] += losses[NUMERICAL]
-    for k in range(BY_LOADS, books.shape[0]):
-        books[k] += h * losses[k]
+    balance[WORK] += losses[WORK] + work
+    balance[DAMPING] += losses[DAMPING]
+    balance[NUMERICAL] += losses[NUMERICAL]
+    for k in range(BY_LOADS, balance.shape[0]):
+        balance[k] += h * losses[k]
     advance(H[:n], state.rest, delta[:n])
     keep_axes(model.kinds, end, H)
     for i in range(n, H.shape[0]):
@@ -102,7 +108,7 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
             store_row(V[i], k, load_row(V1[i], k))
     mass, momenta = model.inertia, this.q[1]
     inertia.multiply(mass.indptr, mass.indices, mass.blocks, V, momenta)
-    lag[ENERGY] = max(lag[ENERGY], 0.5 * _product(V, momenta) + np.sum(this.W1))
+    filter_state[ENERGY] = max(filter_state[ENERGY], 0.5 * _product(V, momenta) + np.sum(this.W1))
     _calm(model.light, H, step, h, V)
     _keep_trend(model.kinds, H, V, h, step, state)
     for place in range(F1.shape[0]):
@@ -173,14 +179,14 @@ def _product(V: Array, p: Array) -> float:
 
 
 @inlined
-def _learn_of_rows(μ: float, found: Array, lasting: Array) -> None:
+def _learn_of_rows(μ: float, found: Array, cell_forces: Array) -> None:
     """Forces at the end, and ``w += μ (ΔF − w)`` of them; (3, places, 2, 3), (2, places, 2, 3)."""
-    for a in range(lasting.shape[1]):
+    for a in range(cell_forces.shape[1]):
         for k in range(2):
             for j in range(3):
                 kept = found[2, a, k, j]
-                lasting[0, a, k, j] = found[0, a, k, j]
-                lasting[1, a, k, j] = kept + μ * (found[1, a, k, j] - kept)
+                cell_forces[0, a, k, j] = found[0, a, k, j]
+                cell_forces[1, a, k, j] = kept + μ * (found[1, a, k, j] - kept)
 
 
 @inlined
@@ -205,7 +211,7 @@ def _keep_what_is_left(
     step: Array,
     r: Array,
     factor: float,
-    lag: Array,
+    filter_state: Array,
     carry: Array,
 ) -> None:
     """Forces and energy that the next step makes up for, from the residual ``r``."""
@@ -226,8 +232,8 @@ def _keep_what_is_left(
             square += dot(moment, moment) / arms[i, 1] ** 2
         store(carry[i], 0, f)
         store(carry[i], 3, minus(moment, cross(scaled(0.5, u), f)) if frame else moment)
-    lag[LEAK] += gain - lag[REPAID] - lag[ROW_REPAID]
-    lag[LIMIT] = sqrt(square)
+    filter_state[LEAK] += gain - filter_state[REPAID] - filter_state[ROW_REPAID]
+    filter_state[LIMIT] = sqrt(square)
 
 
 @uncounted

@@ -26,9 +26,9 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.between.any_node import span_all
-from fem_lie.solve.conserving.between.cayley import left_moment
-from fem_lie.solve.conserving.between.floating import add_inertia, span_products
+from fem_lie.solve.conserving.midpoint.any_node import span_all
+from fem_lie.solve.conserving.midpoint.cayley import left_moment
+from fem_lie.solve.conserving.midpoint.reduced_bodies import add_inertia, span_products
 from fem_lie.solve.conserving.step.cells import add_filtered_forces, add_from_nodes
 from fem_lie.solve.conserving.step.dissipation import (
     MEMORY,
@@ -57,15 +57,15 @@ def packed_residual(model: PackedModel, state: Indices, step: Indices) -> None:
 
 
 @uncounted
-def residual(packed: PackedModel, starts: Indices, steps: Indices, anew: bool) -> None:
+def residual(packed: PackedModel, starts: Indices, steps: Indices, reevaluate: bool) -> None:
     """Balance of momenta over the step, times 2/(1 + χ), along half-way frames; constraints.
 
     Not ``anew`` cells keep the forces and energies that they had last.
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     held, scheme, losses, forces = model.held, model.scheme, this.losses, this.forces
-    kinds, outside = model.kinds, model.outside
-    n, χ = this.step.shape[0], scheme.loss * state.lag[REMEMBERS]
+    kinds, addresses = model.kinds, model.addresses
+    n, χ = this.step.shape[0], scheme.dissipation * state.filter_state[REMEMBERS]
     along, r = span_of(this.rows), solution_of(this.r).residual
     span_all(kinds, state.H, this.step, (along.delta, along.mean, along.end, along.middle))
     if this.products.shape[0] > 0:
@@ -73,16 +73,16 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, anew: bool) -
     for k in range(losses.shape[0]):
         losses[k] = 0.0
     _make_up(kinds, state.carry, this.step, forces)
-    add_from_nodes(packed, starts, steps, anew)
+    add_from_nodes(packed, starts, steps, reevaluate)
     if χ > 0.0:
         _choose_memory(packed, starts, steps)
         add_filtered_forces(packed, starts, steps)
     _add_momenta(packed, starts, steps)
-    if outside[FORCES] != 0:
+    if addresses[FORCES] != 0:
         # rates at the end of the step are known
-        _add_outer(outside, this.outer, forces)
+        _add_outer(addresses, this.outer, forces)
     _add_loads(kinds, model.loads, along.middle, forces)
-    if outside[JOINTS] == 0:
+    if addresses[JOINTS] == 0:
         given = model.joints, state.weights, model.driven, scheme.h
         change, reactions = this.change, losses[BY_REACTIONS:]
         work, loss = add_joints(along.mean, along.delta, *given, change, forces, reactions)
@@ -126,12 +126,12 @@ def _make_up(kinds: Indices, carry: Array, step: Array, forces: Array) -> None:
 
 
 @uncounted
-def _add_outer(outside: Indices, outer: Array, forces: Array) -> None:
+def _add_outer(addresses: Indices, outer: Array, forces: Array) -> None:
     """Add the forces that are asked for outside of compiled code."""
     for i in range(outer.shape[0]):
         for k in range(6):
             outer[i, k] = 0.0
-    call_back(outside[FORCES])
+    call_back(addresses[FORCES])
     for i in range(outer.shape[0]):
         for k in range(6):
             forces[i, k] += outer[i, k]
@@ -158,10 +158,16 @@ def _add_reactions(
 def _choose_memory(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     """β, and velocities with it."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
-    V, w, lag, products, χ = state.V, state.w, state.lag, products_of(this), model.scheme.loss
+    V, w, filter_state, products, χ = (
+        state.V,
+        state.w,
+        state.filter_state,
+        products_of(this),
+        model.scheme.dissipation,
+    )
     set_products(model.inertia, V, w, this.moved, model.scheme.h, products)
-    ψ = choose_memory(products.sums, χ, lag)
-    set_velocities(V, w, products.δ, χ, lag[MEMORY], ψ, this.V1)
+    ψ = choose_memory(products.sums, χ, filter_state)
+    set_velocities(V, w, products.δ, χ, filter_state[MEMORY], ψ, this.V1)
 
 
 @uncounted
@@ -172,7 +178,11 @@ def _add_momenta(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     h = scheme.h
     V, V1, losses, forces, q = state.V, this.V1, this.losses, this.forces, this.q
     _, mean, _, delta = span_of(this.rows)
-    n, moved, dissipates = forces.shape[0], this.moved, scheme.loss * state.lag[REMEMBERS] > 0.0
+    n, moved, dissipates = (
+        forces.shape[0],
+        this.moved,
+        scheme.dissipation * state.filter_state[REMEMBERS] > 0.0,
+    )
     if not dissipates:
         for i in range(V.shape[0]):
             for k in range(4):

@@ -26,16 +26,11 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.between.any_node import pull_edges, turn_edges
-from fem_lie.solve.conserving.between.cayley import follow
-from fem_lie.solve.conserving.between.discrete_gradient import Energies, Filtered, add_elastic
-from fem_lie.solve.conserving.between.floating import add_elastic as add_of_bodies
-from fem_lie.solve.conserving.between.mean_forces import Ends, Path
-from fem_lie.solve.conserving.rows.cells import Energies as RowEnergies
-from fem_lie.solve.conserving.rows.cells import Nodes
-from fem_lie.solve.conserving.rows.cells import add_elastic as add_of_rows
-from fem_lie.solve.conserving.rows.changes import Lasting, add_changes
-from fem_lie.solve.conserving.rows.places import add_of_places
+from fem_lie.solve.conserving.midpoint.any_node import pull_edges, turn_edges
+from fem_lie.solve.conserving.midpoint.cayley import follow
+from fem_lie.solve.conserving.midpoint.discrete_gradient import Energies, Filtered, add_elastic
+from fem_lie.solve.conserving.midpoint.mean_forces import Ends, Path
+from fem_lie.solve.conserving.midpoint.reduced_bodies import add_elastic as add_of_bodies
 from fem_lie.solve.conserving.step.dissipation import (
     ELASTIC,
     ENERGY,
@@ -51,6 +46,11 @@ from fem_lie.solve.conserving.step.dissipation import (
 )
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
 from fem_lie.solve.conserving.step.records import Masters, Pieces, Step, span_of
+from fem_lie.solve.conserving.vector_cells.cells import Energies as RowEnergies
+from fem_lie.solve.conserving.vector_cells.cells import Nodes
+from fem_lie.solve.conserving.vector_cells.cells import add_elastic as add_of_rows
+from fem_lie.solve.conserving.vector_cells.force_changes import CellForces, add_changes
+from fem_lie.solve.conserving.vector_cells.position_cells import add_position_cells
 
 
 class Motion(NamedTuple):
@@ -76,25 +76,28 @@ class Motion(NamedTuple):
 
 
 @uncounted
-def add_from_nodes(packed: PackedModel, starts: Indices, steps: Indices, anew: bool) -> None:
+def add_from_nodes(packed: PackedModel, starts: Indices, steps: Indices, reevaluate: bool) -> None:
     """Add the forces of all cells and of pressure.
 
     Not ``anew``: those that were found last, and energies by the work of these.
     """
     model, state = model_of(packed), state_of(starts)
-    known = _repayment(state.lag), state.lag[SQUARES] + state.lag[ROW_SQUARES]
+    known = (
+        _repayment(state.filter_state),
+        state.filter_state[SQUARES] + state.filter_state[ROW_SQUARES],
+    )
     rows, bodies = model.rows.sees.shape[0], step_of(steps).products.shape[0]
     if rows + bodies == 0:
-        _add_from_frames(packed, starts, steps, anew, known)
+        _add_from_frames(packed, starts, steps, reevaluate, known)
         return
     changes = step_of(steps).changes
-    if model.scheme.loss > 0.0:
-        anew = True
-        state.lag[WORKS] = state.lag[WORKS + 1] = 0.0
+    if model.scheme.dissipation > 0.0:
+        reevaluate = True
+        state.filter_state[WORKS] = state.filter_state[WORKS + 1] = 0.0
         for i in range(changes.shape[1]):
             for k in range(6):
                 changes[0, i, k] = changes[1, i, k] = 0.0
-    _add_from_frames(packed, starts, steps, anew, known)
+    _add_from_frames(packed, starts, steps, reevaluate, known)
     if rows > 0:
         _add_from_rows(packed, starts, steps, known)
     if bodies > 0:
@@ -108,7 +111,7 @@ def _add_from_bodies(packed: PackedModel, starts: Indices, steps: Indices) -> No
     along, first = span_of(this.rows), state.W.shape[0] - model.bodies[0][0]
     nodes, motion = (state.H, state.rest), (along.mean, along.delta)
     energies, out = (this.W1[first:], this.work[first:]), (this.forces, this.changes)
-    own, works = (this.within, state.within), state.lag[WORKS : WORKS + 2]
+    own, works = (this.within, state.within), state.filter_state[WORKS : WORKS + 2]
     add_of_bodies(model.bodies, model.kinds, nodes, motion, *own, energies, out, works)
 
 
@@ -126,21 +129,28 @@ def _add_from_rows(
             ``|s|²`` over all cells in the last iteration.
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
-    cells, lag, M, count = model.rows, state.lag, this.gains.shape[0], state.W.shape[0]
+    cells, filter_state, M, count = (
+        model.rows,
+        state.filter_state,
+        this.gains.shape[0],
+        state.W.shape[0],
+    )
     repay, squares = known
-    factors = repay, squares / count, ULP * lag[ENERGY] / count
+    factors = repay, squares / count, ULP * filter_state[ENERGY] / count
     nodes = Nodes(state.H, state.rest, this.step)
     energies = RowEnergies(state.W[M:], state.account[M:], this.W1[M:], this.work[M:])
     found = add_of_rows(cells, nodes, energies, factors, this.forces)
-    found += add_of_places(cells, nodes, energies, factors, this.forces)
-    lag[ROW_SQUARES], lag[ROW_REPAID] = found, repay * found
-    if model.scheme.loss == 0.0:
+    found += add_position_cells(cells, nodes, energies, factors, this.forces)
+    filter_state[ROW_SQUARES], filter_state[ROW_REPAID] = found, repay * found
+    if model.scheme.dissipation == 0.0:
         return
-    lasting, changes = this.lasting, this.changes
-    forces = Lasting(state.lasting[0], state.lasting[1], lasting[0], lasting[1], lasting[2])
+    cell_forces, changes = this.cell_forces, this.changes
+    forces = CellForces(
+        state.cell_forces[0], state.cell_forces[1], cell_forces[0], cell_forces[1], cell_forces[2]
+    )
     by_change, by_memory = add_changes(cells, nodes, forces, changes)
-    lag[WORKS] += by_change
-    lag[WORKS + 1] += by_memory
+    filter_state[WORKS] += by_change
+    filter_state[WORKS + 1] += by_memory
 
 
 @uncounted
@@ -148,10 +158,10 @@ def _add_from_frames(
     packed: PackedModel,
     starts: Indices,
     steps_of: Indices,
-    anew: bool,
+    reevaluate: bool,
     known: tuple[float, float],
 ) -> None:
-    """Add forces of cells of frames and of pressure, given on all nodes, to the master nodes."""
+    """Add the forces of cells of frames and of pressure, which are on all nodes, to the leaders."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps_of)
     master, offset, trivial, edges = model.masters
     H, step, forces = state.H, this.step, this.forces
@@ -186,7 +196,7 @@ def _add_from_frames(
     for i in range(master.shape[0]):
         for k in range(3, 6):
             further[i, k] += steps[i, k]
-    if anew or model.viscous or model.pressure.pairs.shape[0] > 0:
+    if reevaluate or model.viscous or model.pressure.pairs.shape[0] > 0:
         for i in range(on_all.shape[0]):
             for k in range(6):
                 on_all[i, k] = 0.0
@@ -212,7 +222,13 @@ def _move_cells(
     its forces at the end let one expect.
     """
     cells, state, this = model_of(packed).cells, state_of(starts), step_of(steps)
-    first, nodes, F, lag, filtered = cells.first, cells.nodes, this.F1, state.lag, this.filtered
+    first, nodes, F, filter_state, filtered = (
+        cells.first,
+        cells.nodes,
+        this.F1,
+        state.filter_state,
+        this.filtered,
+    )
     gains, expected, sizes, done = this.gains, 0.0, 0.0, 0.0
     for e in range(gains.shape[0]):
         gains[e] = 0.0
@@ -226,8 +242,8 @@ def _move_cells(
     for i in range(further.shape[0]):
         for k in range(6):
             done += this.on_nodes[i, k] * further[i, k]
-            lag[WORKS] += filtered[0, i, k] * further[i, k]
-            lag[WORKS + 1] += filtered[1, i, k] * further[i, k]
+            filter_state[WORKS] += filtered[0, i, k] * further[i, k]
+            filter_state[WORKS + 1] += filtered[1, i, k] * further[i, k]
     rest = (done - expected) / sizes if sizes > 0.0 else 0.0
     for e in range(gains.shape[0]):
         gain = gains[e] + rest * abs(gains[e])
@@ -249,7 +265,12 @@ def _add_cells(
 ) -> None:
     """Add elastic, filtered and viscous forces of the cells to those on all nodes."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
-    cells, h, lag, dissipates = model.cells, model.scheme.h, state.lag, model.scheme.loss > 0.0
+    cells, h, filter_state, dissipates = (
+        model.cells,
+        model.scheme.h,
+        state.filter_state,
+        model.scheme.dissipation > 0.0,
+    )
     H, end, mean, middle, delta, more, step = motion
     M, count = this.gains.shape[0], state.W.shape[0]
     elements.evaluate(cells, H, more, this.F1, this.W1[:M])
@@ -257,12 +278,12 @@ def _add_cells(
     path = Path(mean, delta, step)
     energies = Energies(state.W[:M], this.W1[:M], state.account[:M])
     repay, squares = before
-    typical, unknown = squares / count, ULP * lag[ENERGY] / count
+    typical, unknown = squares / count, ULP * filter_state[ENERGY] / count
     known = repay, typical, unknown
     other = Filtered(dissipates, state.w_F, this.filtered)
     found = add_elastic(cells, ends, path, energies, this.work[:M], known, other, out)
-    lag[SQUARES], lag[WORKS], lag[WORKS + 1] = found
-    lag[REPAID] = repay * lag[SQUARES]
+    filter_state[SQUARES], filter_state[WORKS], filter_state[WORKS + 1] = found
+    filter_state[REPAID] = repay * filter_state[SQUARES]
     if model.viscous:
         twists = this.twists
         for i in range(step.shape[0]):
@@ -276,15 +297,15 @@ def _add_cells(
 
 @uncounted
 def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) -> None:
-    """Add forces of the changes of elastic forces less their memory, to the master nodes."""
+    """Add forces of the changes of elastic forces less their memory, to the leaders."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     masters, scheme = model.masters, model.scheme
-    lag, given, losses = state.lag, this.filtered, this.losses
-    a = 0.5 * scheme.loss * lag[REMEMBERS] * lag[ELASTIC]
-    b = a * lag[MEMORY]
+    filter_state, given, losses = state.filter_state, this.filtered, this.losses
+    a = 0.5 * scheme.dissipation * filter_state[REMEMBERS] * filter_state[ELASTIC]
+    b = a * filter_state[MEMORY]
     others = model.rows.sees.shape[0] + this.products.shape[0]
     if model.cells.x.shape[0] > 0 or others > 0:
-        losses[NUMERICAL] += a * lag[WORKS] - b * lag[WORKS + 1]
+        losses[NUMERICAL] += a * filter_state[WORKS] - b * filter_state[WORKS + 1]
     if others > 0:
         for i in range(this.forces.shape[0]):
             for k in range(6):
@@ -306,13 +327,13 @@ def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) ->
 
 
 @inlined
-def _repayment(lag: Array) -> float:
+def _repayment(filter_state: Array) -> float:
     """Factor of forces that take back what round-off has brought in, as small as round-off is."""
-    leak, squares = lag[LEAK], lag[SQUARES] + lag[ROW_SQUARES]
+    leak, squares = filter_state[LEAK], filter_state[SQUARES] + filter_state[ROW_SQUARES]
     if squares == 0.0:
         return 0.0
     # a force of the whole size turns its sign with a deformation that is noise, and keeps it up
-    most = 0.1 * lag[LIMIT] / sqrt(squares)
+    most = 0.1 * filter_state[LIMIT] / sqrt(squares)
     return max(-most, min(most, leak / squares))
 
 
@@ -354,7 +375,7 @@ def _add_pressure(pressure: Pieces, motion: Motion, out: Array, losses: Array) -
 
 @uncounted
 def collect(masters: Masters, this: Step, given: Array, forces: Array) -> None:
-    """Add forces and moments on all nodes, (N, 6), to those on their master nodes, (n, 6)."""
+    """Add forces and moments on all nodes, (N, 6), to those on their leaders, (n, 6)."""
     master, _, _, edges = masters
     all_means, mean = span_of(this.nodes).mean, span_of(this.rows).mean
     if edges.shape[0] > 0:

@@ -10,9 +10,9 @@ forces, linear problems are integrated by a two-step method of second order that
 the eigenvalues −ρ and 0 at infinite frequency for ``χ = (1 − ρ)/(3 + ρ)``, ``μ = 1 − χ``: the
 trapezoidal rule for ρ = 1, BDF2 for ρ = 0.
 
-The kinetic energy loses ``ΔV·G g``. ``Π`` takes the best rotation ``Ω × V̄`` out of its argument, in
-the metric of inertia: then ``Σ V̄ × G g = 0``, which is what angular momentum needs, and a body that
-turns steadily is not damped.
+The kinetic energy loses ``ΔV·G g``. ``Π`` takes the best rotation ``Ω × V̄`` out of its argument,
+in the metric of inertia: then ``Σ V̄ × G g = 0``, which is what angular momentum needs, and a body
+that turns steadily is not damped.
 
 With changes ``Δ`` of velocities and of elastic forces as one vector, in the norm of inertia and
 compliance, what is lost is ``½ χ Δ·(Δ − β w)``. ``β w`` is the memory as far as it is not longer
@@ -55,8 +55,8 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.between.cayley import mean_of
-from fem_lie.solve.conserving.between.mean_forces import solve_symmetric
+from fem_lie.solve.conserving.midpoint.cayley import mean_of
+from fem_lie.solve.conserving.midpoint.mean_forces import solve_symmetric
 from fem_lie.solve.conserving.step.products import (
     TURNS,
     changes,
@@ -148,24 +148,24 @@ def set_turnings(
 
 
 @uncounted
-def choose_memory(sums: Array, χ: float, lag: Array) -> Vector:
+def choose_memory(sums: Array, χ: float, filter_state: Array) -> Vector:
     """β and the share of elastic forces, for the velocities that they make; returns their ψ."""
     ψ = (0.0, 0.0, 0.0)
     for _ in range(TURNS):
-        β, share = lag[MEMORY], lag[ELASTIC]
+        β, share = filter_state[MEMORY], filter_state[ELASTIC]
         ψ = turning(sums, χ, β, ψ)
-        _choose_once(sums, χ, ψ, lag)
-        if abs(lag[MEMORY] - β) <= _EXACT and abs(lag[ELASTIC] - share) <= _EXACT:
+        _choose_once(sums, χ, ψ, filter_state)
+        if abs(filter_state[MEMORY] - β) <= _EXACT and abs(filter_state[ELASTIC] - share) <= _EXACT:
             break
-    return turning(sums, χ, lag[MEMORY], ψ)
+    return turning(sums, χ, filter_state[MEMORY], ψ)
 
 
 @uncounted
-def _choose_once(sums: Array, χ: float, ψ: Vector, lag: Array) -> None:
+def _choose_once(sums: Array, χ: float, ψ: Vector, filter_state: Array) -> None:
     """The same for the velocities with the β that was, and their ψ."""
     work = blocks_at(stack(36), 4, 3, 3)
     W, A, shifted, X = work[0], work[1], work[2], work[3]
-    a, p, _ = changes(χ, lag[MEMORY])
+    a, p, _ = changes(χ, filter_state[MEMORY])
     w = (0.0, 0.0, 1.0)
     product(sums, p, p, W)
     make_squares(ψ, W)
@@ -185,11 +185,13 @@ def _choose_once(sums: Array, χ: float, ψ: Vector, lag: Array) -> None:
     change = max(square - dot(nearest(A, shifted, by_change), by_change), 0.0)
     common -= dot(by_nearest, by_change)
     memory = max(trace(sums[2, 2]) - dot(by_nearest, by_w), 0.0)
-    elastic = lag[WORKS]
+    elastic = filter_state[WORKS]
     share = change / -elastic if -elastic > change else 1.0
-    change, common = change + share * elastic, common + share * lag[WORKS + 1]
-    lag[ELASTIC] = share
-    lag[MEMORY] = _remembered(max(change, 0.0), common, memory + share * lag[LENGTH])
+    change, common = change + share * elastic, common + share * filter_state[WORKS + 1]
+    filter_state[ELASTIC] = share
+    filter_state[MEMORY] = _remembered(
+        max(change, 0.0), common, memory + share * filter_state[LENGTH]
+    )
 
 
 @inlined
@@ -203,11 +205,13 @@ def _remembered(change: float, common: float, memory: float) -> float:
 
 
 @inlined
-def remember(lag: Array, μ: float) -> None:
+def remember(filter_state: Array, μ: float) -> None:
     """``|w|²`` of elastic forces after the step."""
     keep = 1.0 - μ
-    square = keep * keep * lag[LENGTH] + μ * (2.0 * keep * lag[WORKS + 1] + μ * lag[WORKS])
-    lag[LENGTH] = max(square, 0.0)
+    square = keep * keep * filter_state[LENGTH] + μ * (
+        2.0 * keep * filter_state[WORKS + 1] + μ * filter_state[WORKS]
+    )
+    filter_state[LENGTH] = max(square, 0.0)
 
 
 @uncounted

@@ -2,10 +2,10 @@
 
 ``z = (Δ, Q)``, the relative motion of the joint's frames, is bilinear in positions and directors
 ``q`` of its nodes, so ``z₁ − z₀ = z'(q̄)(q₁ − q₀)`` with the mean ``q̄``, exactly. Forces
-``z'(q̄)ᵀ p`` therefore do the work ``p·(z₁ − z₀)``, which is zero for ``p = Sᵀλ`` and ``S z = 0`` at
-both ends, and no net force or moment but that on the ground: ``z`` does not feel rigid motion. The
-constraints are followed by their increments, with all digits. (Gonzalez, J. Nonlinear Sci. 6 (1996)
-449, section 4; Betsch & Steinmann, Multibody Syst. Dyn. 8 (2002) 367.)
+``z'(q̄)ᵀ p`` therefore do the work ``p·(z₁ − z₀)``, which is zero for ``p = Sᵀλ`` and ``S z = 0``
+at both ends, and no net force or moment but that on the ground: ``z`` does not feel rigid motion.
+The constraints are followed by their increments, with all digits. (Gonzalez, J. Nonlinear Sci. 6
+(1996) 449, section 4; Betsch & Steinmann, Multibody Syst. Dyn. 8 (2002) 367.)
 
 Of terms that are functions of ``z`` the gradient is replaced by a secant ``g`` in its direction at
 the mean, ``g·Δz = f(z₁) − f(z)``; springs take the mean of their force at both ends.
@@ -38,11 +38,11 @@ from fem_lie.lie.tuples import (
     scaled,
     store,
 )
-from fem_lie.solve.conserving.between.any_node import rates_of
+from fem_lie.solve.conserving.midpoint.any_node import rates_of
 from fem_lie.solve.conserving.step.dissipation import REMEMBERS, set_turnings
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
 from fem_lie.solve.conserving.step.products import begin_products
-from fem_lie.solve.conserving.step.records import Legs, products_of, solution_of, span_of
+from fem_lie.solve.conserving.step.records import Incidences, products_of, solution_of, span_of
 
 
 @inlined
@@ -178,7 +178,7 @@ def add_joints(
 @compiled
 def border_at(
     joints: PackedJoints,
-    legs: Legs,
+    incidences: Incidences,
     kinds: Indices,
     held: Indices,
     frames: tuple[Array, Array, Array],
@@ -188,7 +188,7 @@ def border_at(
 
     Args:
         joints: Table of all joints.
-        legs: Which nodes the constraints touch; rows of those that are no frames stay nil.
+        incidences: Which nodes the constraints touch; rows of those that are no frames stay nil.
         kinds: Types of the nodes, (n,).
         held: Which unknowns are zero, 0 or 1, (n, 6).
         frames: At the end of the step, half-way, where the unknowns' axes are, and where forces
@@ -200,14 +200,14 @@ def border_at(
     out[:] = 0.0
     jacobian(end, table, out[0])
     jacobian(middle, table, out[1])
-    for leg in range(legs.nodes.shape[0]):
-        i, row = legs.nodes[leg], out[0, leg]
+    for incidence in range(incidences.nodes.shape[0]):
+        i, row = incidences.nodes[incidence], out[0, incidence]
         e, a = end[i], axes[i]
         spatial = rotate(load_row(e, 1), load_row(e, 2), load_row(e, 3), load(row, 0))
         store(row, 0, rotate_back(load_row(a, 1), load_row(a, 2), load_row(a, 3), spatial))
         for k in range(6):
             if held[i, k] or kinds[i] >= POSITION_GRADIENT:
-                out[0, leg, k] = out[1, leg, k] = 0.0
+                out[0, incidence, k] = out[1, incidence, k] = 0.0
 
 
 @linked
@@ -227,7 +227,7 @@ def begin(packed: PackedModel, starts: Indices, steps: Indices) -> float:
     H, V, trend, step, scheme = state.H, state.V, state.trend, this.step, model.scheme
     put(V, this.V1)
     put(state.weights, this.weights)
-    if scheme.loss * state.lag[REMEMBERS] > 0.0:
+    if scheme.dissipation * state.filter_state[REMEMBERS] > 0.0:
         begin_products(model.inertia, V, state.w, products_of(this))
     h = scheme.h
     ahead, largest, rates = h * h, 0.0, vector_at(stack(6), 6)
@@ -261,18 +261,26 @@ def hold(kind: int, H: Array, held: Indices, u: Vector, ψ: Vector, step: Array)
 def compare(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     """What of the step as it is is not in the matrix: its constraints, and rotations of Π."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
-    along, change, legs, scheme = span_of(this.rows), this.border, model.legs, model.scheme
+    along, change, incidences, scheme = (
+        span_of(this.rows),
+        this.border,
+        model.incidences,
+        model.scheme,
+    )
     if this.turnings.shape[1] > 0:
-        χ, frames = scheme.loss * state.lag[REMEMBERS], (model.kinds, along.mean, along.middle)
+        χ, frames = (
+            scheme.dissipation * state.filter_state[REMEMBERS],
+            (model.kinds, along.mean, along.middle),
+        )
         set_turnings(products_of(this), frames, model.held, χ, scheme.h, this.turnings)
-    if legs.nodes.shape[0] == 0:
+    if incidences.nodes.shape[0] == 0:
         return
     frames_at = along.end, along.middle, along.middle
-    border_at(model.joints, legs, model.kinds, model.held, frames_at, change)
+    border_at(model.joints, incidences, model.kinds, model.held, frames_at, change)
     for side in range(2):
-        for leg in range(change.shape[1]):
+        for incidence in range(change.shape[1]):
             for k in range(6):
-                change[side, leg, k] -= state.border[side, leg, k]
+                change[side, incidence, k] -= state.border[side, incidence, k]
 
 
 @linked
@@ -285,7 +293,7 @@ def packed_correct(model: PackedModel, state: Indices, step: Indices) -> None:
 def correct(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     """Apply the correction."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
-    χ = model.scheme.loss * state.lag[REMEMBERS]
+    χ = model.scheme.dissipation * state.filter_state[REMEMBERS]
     H, weights, held, scale = state.H, state.weights, model.held, model.scale
     kinds = model.kinds
     step, middle, x = this.step, span_of(this.rows).middle, solution_of(this.r).x

@@ -17,7 +17,6 @@ from fem_lie.forms.fixed_arrays import put
 from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
 from fem_lie.lie.tuples import dot, load, load_row
 from fem_lie.linear.factors import PlainFactors
-from fem_lie.solve.conserving.rows.halves import has_place
 from fem_lie.solve.conserving.step.acceptance import accept
 from fem_lie.solve.conserving.step.balance import residual
 from fem_lie.solve.conserving.step.corrections import (
@@ -66,8 +65,9 @@ from fem_lie.solve.conserving.step.series import (
     correction,
     growth,
 )
+from fem_lie.solve.conserving.vector_cells.cell_table import has_position
 from fem_lie.solve.convergence import ROUND_OFF
-from fem_lie.solve.renewal import is_due
+from fem_lie.solve.refactorisation import is_due
 
 DONE, MATRIX, FAILED, LOST = 0, 1, 2, 3
 _ULP = 4.0 * float(np.finfo(np.float64).eps)
@@ -111,13 +111,18 @@ def run(
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     tolerance, limit, patience, cost, spare = options
-    measure, scale, outside, supported = model.measure, model.scale, model.outside, False
+    measure, scale, addresses, supported = model.measure, model.scale, model.addresses, False
     for i in range(model.supported.shape[0]):
         for k in range(6):
             supported = supported or model.supported[i, k] != 0
-    legs, ends, aside, compared = model.legs, model.ends, (this.border, this.turnings), False
-    touches = outside[TOUCHES] != 0
-    kinds, vectors, noise_level = model.kinds, False, _noise_level(packed, starts)
+    incidences, ends, aside, compared = (
+        model.incidences,
+        model.ends,
+        (this.border, this.turnings),
+        False,
+    )
+    touches = addresses[TOUCHES] != 0
+    kinds, vectors, round_off_level = model.kinds, False, _round_off_level(packed, starts)
     for i in range(kinds.shape[0]):
         vectors = vectors or kinds[i] >= POSITION_GRADIENT
     while counters[STEPS] < last:
@@ -126,7 +131,7 @@ def run(
             numbers[PREVIOUS], numbers[LEAST], numbers[FELT] = np.inf, np.inf, 0.0
             counters[ITERATION], counters[STALLS], compared = 1, 0, False
             counters[GROWTHS] = 0
-            noise_level = _noise_level(packed, starts)
+            round_off_level = _round_off_level(packed, starts)
             for k in range(RECENT, numbers.shape[0]):
                 numbers[k] = np.inf
         iteration = counters[ITERATION]
@@ -134,39 +139,41 @@ def run(
             counters[ASKED] = iteration
             due = is_due(iteration, patience, numbers[EXCESS], cost)
             if due and iteration > 1 and spare > 0.0:
-                due = lags(numbers, tolerance, patience, spare, noise_level if vectors else FINE)
+                due = lags(
+                    numbers, tolerance, patience, spare, round_off_level if vectors else FINE
+                )
             if due:
                 return MATRIX
         residual(packed, starts, steps, True)
-        if outside[ERROR] != 0:
+        if addresses[ERROR] != 0:
             return FAILED
         if not compared:
             compare(packed, starts, steps)
             compared = True
-            if iteration == 1 and spare > 0.0 and legs.nodes.shape[0] > 0:
+            if iteration == 1 and spare > 0.0 and incidences.nodes.shape[0] > 0:
                 border, probe = this.border, state.probe
-                if growth(measure, scale, this.r, factors, legs, ends, border, probe) > FALLS:
+                if growth(measure, scale, this.r, factors, incidences, ends, border, probe) > FALLS:
                     return LOST
         fine = numbers[FLOOR]
-        noticed = noise_level if vectors else 16.0 * fine
+        noticed = round_off_level if vectors else 16.0 * fine
         close = CLOSE if iteration == 1 else NEARLY
         numbers[INCREMENT], terms, numbers[ASIDE] = correction(
             measure,
             scale,
             this.r,
             factors,
-            legs,
+            incidences,
             ends,
             aside,
             (close, fine, 1.0 if iteration == 1 else numbers[ASIDE]),
         )
-        if outside[LEARN] != 0:
-            call_back(outside[LEARN])
+        if addresses[LEARN] != 0:
+            call_back(addresses[LEARN])
         if ends.inverse.shape[0] == 0:
             numbers[EXCESS] += _OF_ONE * max(terms - _USUAL, 0)
         # what learns knows the directions of its own corrections
-        if state.slow.shape[0] > 0 and outside[LEARN] == 0:
-            x, cut = solution_of(this.r).x, state.lag[MEMORY] < 1.0
+        if state.slow.shape[0] > 0 and addresses[LEARN] == 0:
+            x, cut = solution_of(this.r).x, state.filter_state[MEMORY] < 1.0
             hasten(measure, x, state.slow, state.share, (cut, iteration == 1), noticed)
         counters[TOTAL] += 1
         x, moved, rests, stalled = solution_of(this.r).x, 0.0, True, False
@@ -175,40 +182,40 @@ def run(
             moved = own
             if vectors:
                 own, moved = size(model.of_frames, x), size_of_vectors(kinds, measure, x)
-            window = WINDOW if outside[LEARN] == 0 else LEARNING
-            stalled = stalls(numbers, moved, window) and moved <= noise_level
+            window = WINDOW if addresses[LEARN] == 0 else LEARNING
+            stalled = stalls(numbers, moved, window) and moved <= round_off_level
             rests = moved <= ROUND_OFF or stalled
             if not vectors:
                 # what contacts make of round-off may be larger than this level
-                rests = stalled or moved > noise_level or moved == 0.0
+                rests = stalled or moved > round_off_level or moved == 0.0
             if tolerance > 0.0:
                 own, rests = larger(own, moved), True
         # at the last digits of cells without frames no matrix helps: policies do not count them
-        if not vectors or before > noise_level or moved <= own:
+        if not vectors or before > round_off_level or moved <= own:
             counters[NEEDED] = iteration
-        done = noise = False
+        done = at_round_off = False
         numbers[INCREMENT] = own
         if rests:
-            noise = settled(counters, numbers, touches)
-            compares = moved <= noise_level and outside[LEARN] == 0
-            if not noise and compares and stagnates(counters, numbers):
+            at_round_off = settled(counters, numbers, touches)
+            compares = moved <= round_off_level and addresses[LEARN] == 0
+            if not at_round_off and compares and stagnates(counters, numbers):
                 # one sample of round-off may be small by chance
                 numbers[FELT] = max(_round_off(packed, starts, steps, factors), numbers[FELT])
-                noise = numbers[INCREMENT] <= min(_FELT * numbers[FELT], _ASTRAY)
+                at_round_off = numbers[INCREMENT] <= min(_FELT * numbers[FELT], _ASTRAY)
             # matrices do not have the contacts of the end of the step
-            known = legs.nodes.shape[0] == 0 or numbers[ASIDE] < _SMALL
+            known = incidences.nodes.shape[0] == 0 or numbers[ASIDE] < _SMALL
             known = known and not touches
-            done = noise or converged(numbers, tolerance, iteration, known)
-            noise = noise and (stalled or moved <= own)
+            done = at_round_off or converged(numbers, tolerance, iteration, known)
+            at_round_off = at_round_off and (stalled or moved <= own)
         numbers[INCREMENT] = larger(own, moved)
         if iteration == 1:
             numbers[MARK] = numbers[INCREMENT]
         # with a matrix in each iteration contacts that change may take longer
         watched = vectors or (touches and patience > 1)
-        lost = watched and is_lost(counters, numbers, before) and moved > noise_level
+        lost = watched and is_lost(counters, numbers, before) and moved > round_off_level
         if done:
             # a correction that is noise is not made: what is accepted must be of one piece
-            if not noise:
+            if not at_round_off:
                 correct(packed, starts, steps)
                 # to move cells by less than their places can tell makes no other forces, but for
                 # what a support holds of them
@@ -229,12 +236,12 @@ def run(
 
 
 @linked
-def _noise_level(packed: PackedModel, starts: Indices) -> float:
+def _round_off_level(packed: PackedModel, starts: Indices) -> float:
     """Largest increment that may be round-off: far from the origin positions are known to less."""
     model, H, far, vectors = model_of(packed), state_of(starts).H, 0.0, False
     for i in range(model.kinds.shape[0]):
         vectors = vectors or model.kinds[i] >= POSITION_GRADIENT
-        if has_place(model.kinds[i]):
+        if has_position(model.kinds[i]):
             for j in range(3):
                 far = max(far, abs(H[i, 0, j]) * model.measure[6 * i])
     if not vectors:
@@ -270,7 +277,7 @@ def _round_off(
         sign = -sign
     residual(packed, starts, steps, True)
     aside = this.border, this.turnings
-    given = measure, model.scale, this.r, factors, model.legs, model.ends
+    given = measure, model.scale, this.r, factors, model.incidences, model.ends
     correction(*given, aside, (NEARLY, 0.0, 1.0))
     for k in range(x.shape[0]):
         solution.x[k] -= x[k]

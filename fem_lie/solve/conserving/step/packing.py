@@ -28,10 +28,9 @@ from fem_lie.forms.fixed_arrays import (
 )
 from fem_lie.forms.kernels.addresses import integer_pointer
 from fem_lie.lie.node_types.inertia import Inertia
-from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
 from fem_lie.solve.conserving.step.records import (
-    LegEnds,
-    Legs,
+    IncidencePositions,
+    Incidences,
     Masters,
     Model,
     Pieces,
@@ -39,6 +38,7 @@ from fem_lie.solve.conserving.step.records import (
     State,
     Step,
 )
+from fem_lie.solve.conserving.vector_cells.cell_table import CellTable as RowCells
 from fem_lie.system.nodes.masses import Loads
 
 PackedModel: TypeAlias = tuple[Indices, tuple[bool, bool], tuple[float, float, float]]
@@ -73,7 +73,7 @@ class Packed:
                     *model.pressure,
                     *model.probes,
                     model.driven,
-                    *model.legs,
+                    *model.incidences,
                     model.held,
                     model.supported,
                     *model.ends,
@@ -81,7 +81,7 @@ class Packed:
                     model.arms,
                     *model.rows,
                     model.of_frames,
-                    model.outside,
+                    model.addresses,
                     model.masters.edges,
                     *model.bodies,
                     model.light,
@@ -112,7 +112,7 @@ def _integers3(table: Indices, k: int) -> Indices:
 @inlined
 def model_of(packed: PackedModel) -> Model:
     """The model of :class:`Packed`."""
-    table, (trivial, viscous), (h, loss, learning) = packed
+    table, (trivial, viscous), (h, dissipation, filter_gain) = packed
     return Model(
         CellTable(
             integers2(table, 0),
@@ -137,12 +137,12 @@ def model_of(packed: PackedModel) -> Model:
         frames(table, 25),
         Pieces(integers2(table, 26), numbers2(table, 27)),
         viscous,
-        Scheme(h, loss, learning),
+        Scheme(h, dissipation, filter_gain),
         (numbers1(table, 28), integers1(table, 29)),
         numbers1(table, 30),
         integer_sixes(table, 34),
-        Legs(integers1(table, 31), integers1(table, 32)),
-        LegEnds(
+        Incidences(integers1(table, 31), integers1(table, 32)),
+        IncidencePositions(
             integers1(table, 35), integers2(table, 36), numbers2(table, 37), numbers2(table, 38)
         ),
         integers1(table, 39),

@@ -19,8 +19,8 @@ from fem_lie.lie.tuples import (
     scaled,
     store_row,
 )
-from fem_lie.solve.conserving.between.cayley import mean_of
-from fem_lie.solve.conserving.between.mean_forces import solve_symmetric
+from fem_lie.solve.conserving.midpoint.cayley import mean_of
+from fem_lie.solve.conserving.midpoint.mean_forces import solve_symmetric
 from fem_lie.solve.conserving.step.records import Products
 
 TURNS = 30

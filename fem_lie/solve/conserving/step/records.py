@@ -13,11 +13,11 @@ from fem_lie._jit import inlined
 from fem_lie.forms.cells import CellTable
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.lie.node_types.inertia import Inertia
-from fem_lie.solve.conserving.between.floating import PackedBodies
-from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
+from fem_lie.solve.conserving.midpoint.reduced_bodies import PackedBodies
+from fem_lie.solve.conserving.vector_cells.cell_table import CellTable as RowCells
 from fem_lie.system.nodes.masses import Loads
 
-FORCES, LEARN, JOINTS, ERROR, TOUCHES, OUTSIDE = 0, 1, 2, 3, 4, 5
+FORCES, LEARN, JOINTS, ERROR, TOUCHES, ADDRESSES = 0, 1, 2, 3, 4, 5
 """Indices into :attr:`Model.outside`: the address of the function that adds forces from outside of
 compiled code, and of the one that improves corrections; whether joints are among these forces, 0 or
 1; whether a called function has failed; whether contacts may act in the step, in a scene of frames
@@ -29,24 +29,24 @@ class Scheme(NamedTuple):
 
     Attributes:
         h: Step size.
-        loss: χ of :mod:`fem_lie.solve.conserving.step.dissipation`.
-        learning: μ.
+        dissipation: χ of :mod:`fem_lie.solve.conserving.step.dissipation`.
+        filter_gain: μ.
     """
 
     h: float
-    loss: float
-    learning: float
+    dissipation: float
+    filter_gain: float
 
 
 class Masters(NamedTuple):
-    """Which node follows which, see :class:`~fem_lie.system.nodes.numbering.MasterMap`.
+    """Which node follows which, see :class:`~fem_lie.system.nodes.numbering.Attachment`.
 
     Attributes:
         master: Of each node, (N,).
-        offset: Frame of each node in that of its master node, (N, 4, 3).
+        offset: Frame of each node in that of its leader, (N, 4, 3).
         trivial: Whether all lead themselves, and none has a frame that turns with an edge.
         edges: Nodes with such frames, and the other nodes of these edges, (k, 2), see
-            :mod:`fem_lie.solve.conserving.between.any_node`.
+            :mod:`fem_lie.solve.conserving.midpoint.any_node`.
     """
 
     master: Indices
@@ -67,7 +67,7 @@ class Pieces(NamedTuple):
     across: Array
 
 
-class Legs(NamedTuple):
+class Incidences(NamedTuple):
     """Which nodes the constraints touch, see :class:`~fem_lie.linear.saddle_point.Incidences`.
 
     Attributes:
@@ -79,7 +79,7 @@ class Legs(NamedTuple):
     constraints: Indices
 
 
-class LegEnds(NamedTuple):
+class IncidencePositions(NamedTuple):
     """The unknowns in which the matrix changes with the constraints, where these are few.
 
     Attributes:
@@ -104,7 +104,7 @@ class Model(NamedTuple):
         cells: All cells.
         joints: Table of all joints.
         inertia: Mass matrix of the rows of nodes, and of products of reduced-order bodies, see
-            :mod:`fem_lie.solve.conserving.between.floating`; n + p.
+            :mod:`fem_lie.solve.conserving.midpoint.reduced_bodies`; n + p.
         damping: The same of damping that goes with mass; without rows there is none.
         masters: Who leads.
         held: Which unknowns are zero, 0 or 1, (n, 6).
@@ -118,13 +118,13 @@ class Model(NamedTuple):
         probes: Table of the coordinates that results report.
         driven: Increments of the constraints' targets in the step, (m,); they may be changed.
         supported: Which unknowns are held from outside, 0 or 1, (n, 6).
-        legs: Of the constraints.
+        incidences: Of the constraints.
         ends: Of the legs.
         kinds: Types of the nodes, (n,).
         arms: Moment arm of both halves of each node, by which what acts on it is a force, (n, 2).
         rows: Cells of nodes that are no frames.
         of_frames: As ``measure`` for frames and constraints between these alone, else nil.
-        outside: Addresses of :data:`FORCES` and :data:`LEARN`, nil without, and flags, (5,).
+        addresses: Addresses of :data:`FORCES` and :data:`LEARN`, nil without, and flags, (5,).
         bodies: Those of reduced order.
         light: Projectors on rotations of frames that have no inertia and are not held, in the axes
             of the nodes, (n, 3, 3), or (0, 3, 3) if there are none.
@@ -146,13 +146,13 @@ class Model(NamedTuple):
     probes: PackedJoints
     driven: Array
     supported: Indices
-    legs: Legs
-    ends: LegEnds
+    incidences: Incidences
+    ends: IncidencePositions
     kinds: Indices
     arms: Array
     rows: RowCells
     of_frames: Array
-    outside: Indices
+    addresses: Indices
     bodies: PackedBodies
     light: Array
 
@@ -171,11 +171,11 @@ class State(NamedTuple):
         account: Work done on each cell, (M,).
         w: Memory of changes of velocity, (n + p, 4, 3).
         w_F: Of changes of forces, (places, 6).
-        lag: Numbers of the last iteration, see :mod:`fem_lie.solve.conserving.step.dissipation`,
-            (13,).
+        filter_state: Numbers of the last iteration, see
+            :mod:`fem_lie.solve.conserving.step.dissipation`, (13,).
         carry: Forces left over by the last step, and moments about where the nodes are now, global
             components, (n, 6).
-        books: Work of loads and drives that has no potential, of damping, numerical loss, and
+        balance: Work of loads and drives that has no potential, of damping, numerical loss, and
             impulses of loads and of reactions, (15,).
         trend: Half the change of the nodes' spatial velocities in the last step, per time, (n, 6).
         earlier: Multipliers of the two steps before the last one, (2, m).
@@ -185,9 +185,9 @@ class State(NamedTuple):
             dissipation (0, 6 n + m).
         share: Likewise, (2,).
         probe: Of :func:`~fem_lie.solve.conserving.step.corrections.growth`, (6 n + m,).
-        lasting: Forces of cells of nodes that are no frames, and memory of their changes, see
-            :mod:`fem_lie.solve.conserving.rows.changes`, (2, places, 2, 3); without dissipation no
-            places.
+        cell_forces: Forces of cells of nodes that are no frames, and memory of their changes, see
+            :mod:`fem_lie.solve.conserving.vector_cells.force_changes`, (2, places, 2, 3); without
+            dissipation no places.
         rates: Accelerations of increments: means over the last step and the one before, (2, n, 6).
         within: Memory of changes of stresses of reduced-order bodies, (coordinates,); without
             dissipation (0,).
@@ -203,9 +203,9 @@ class State(NamedTuple):
     account: Array
     w: Array
     w_F: Array
-    lag: Array
+    filter_state: Array
     carry: Array
-    books: Array
+    balance: Array
     trend: Array
     earlier: Array
     sizes: Array
@@ -213,7 +213,7 @@ class State(NamedTuple):
     slow: Array
     share: Array
     probe: Array
-    lasting: Array
+    cell_forces: Array
     rates: Array
     within: Array
 
@@ -253,7 +253,7 @@ class Step(NamedTuple):
         steps: Translation and rotation of all nodes, (N, 6).
         twists: In half-way frames, (N, 6).
         on_nodes: Forces on all nodes, (N, 6).
-        forces: On the master nodes, (n, 6).
+        forces: On the leaders, (n, 6).
         q: For inertia, (2, n + p, 4, 3).
         F_viscous: Viscous forces of the cells, (places, 6).
         r: :class:`Solution` of the equations, (5, 6 n + m).
@@ -266,15 +266,16 @@ class Step(NamedTuple):
         turnings: What the matrix lacks of dissipation, see :mod:`.dissipation`, (2, 3, 6 n);
             without dissipation (2, 0, 6 n).
         gains: Of the cells' energies, (M,).
-        lasting: Forces at the end of cells of nodes that are no frames, changes and what is kept of
-            the memory, see :mod:`fem_lie.solve.conserving.rows.changes`, (3, places, 2, 3).
+        cell_forces: Forces at the end of cells of nodes that are no frames, changes and what is
+            kept of the memory, see :mod:`fem_lie.solve.conserving.vector_cells.force_changes`, (3,
+            places, 2, 3).
         changes: Changes of the forces of these cells, and their memory, (2, n, 6).
         outer: Forces from outside of compiled code, as increments, (n, 6).
         moved: Increments of all rows with inertia, (n + p, 4, 3); without products the same memory
             as in ``rows``.
         products: Means of the products, (p, 4, 3).
         within: Coordinates of reduced-order bodies over the step, see
-            :data:`~fem_lie.solve.conserving.between.floating.START`, (3, coordinates).
+            :data:`~fem_lie.solve.conserving.midpoint.reduced_bodies.START`, (3, coordinates).
     """
 
     step: Array
@@ -302,7 +303,7 @@ class Step(NamedTuple):
     own: Array
     turnings: Array
     gains: Array
-    lasting: Array
+    cell_forces: Array
     changes: Array
     outer: Array
     moved: Array
@@ -313,7 +314,7 @@ class Step(NamedTuple):
 class Span(NamedTuple):
     """What lies between both ends of a step, of k nodes, (k, 4, 3).
 
-    See :mod:`~fem_lie.solve.conserving.between.cayley`.
+    See :mod:`~fem_lie.solve.conserving.midpoint.cayley`.
 
     Attributes:
         end: Frames at the end.

@@ -20,7 +20,7 @@ from fem_lie._jit.copies import copy_vector
 from fem_lie._jit.stack import matrix_at, stack
 from fem_lie.linear.factors import PlainFactors, solve
 from fem_lie.solve.conserving.step.corrections import size
-from fem_lie.solve.conserving.step.records import LegEnds, Legs, solution_of
+from fem_lie.solve.conserving.step.records import IncidencePositions, Incidences, solution_of
 
 MOST, MOST_DENSE = 4, 12
 """Terms of the series, at most; and where they are products with a dense matrix."""
@@ -40,8 +40,8 @@ def correction(
     scale: Array,
     r: Array,
     factors: PlainFactors,
-    legs: Legs,
-    ends: LegEnds,
+    incidences: Incidences,
+    ends: IncidencePositions,
     aside: tuple[Array, Array],
     enough: tuple[float, float, float],
 ) -> tuple[float, int, float]:
@@ -52,7 +52,7 @@ def correction(
         scale: Factor of each constraint.
         r: :class:`~fem_lie.solve.conserving.step.records.Solution` of the equations.
         factors: Of the matrix.
-        legs: Which nodes the constraints touch.
+        incidences: Which nodes the constraints touch.
         ends: In which unknowns, if these are few.
         aside: What is not in the matrix: change of the border since it was made, (2, legs, 6), and
             that of :func:`~fem_lie.solve.conserving.step.dissipation.set_turnings`.
@@ -73,7 +73,7 @@ def correction(
         return first, 0, falls
     allowed = max(close * first, fine)
     if ends.inverse.shape[0] > 0 and turnings.shape[1] == 0:
-        terms, falls = _all_terms(measure, scale, r, legs, ends, change, (first, allowed))
+        terms, falls = _all_terms(measure, scale, r, incidences, ends, change, (first, allowed))
         if ends.columns.shape[0] > 0:
             _add_columns(ends, rest, x)
         else:
@@ -83,7 +83,7 @@ def correction(
         return size(measure, x), terms, falls
     before, put = first, x
     for k in range(MOST):
-        _multiply(legs, scale, change, put, rest)
+        _multiply(incidences, scale, change, put, rest)
         for c in range(turnings.shape[1]):
             along = 0.0
             for i in range(turnings.shape[2]):
@@ -108,8 +108,8 @@ def _all_terms(
     measure: Array,
     scale: Array,
     r: Array,
-    legs: Legs,
-    ends: LegEnds,
+    incidences: Incidences,
+    ends: IncidencePositions,
     change: Array,
     enough: tuple[float, float],
 ) -> tuple[int, float]:
@@ -119,7 +119,7 @@ def _all_terms(
         measure: See :func:`correction`, likewise ``scale``, ``r``, ``legs`` and ``ends``.
         scale: Factor of each constraint.
         r: With the first term.
-        legs: Which nodes the constraints touch.
+        incidences: Which nodes the constraints touch.
         ends: In which unknowns.
         change: Of the border since the matrix was made, (2, legs, 6).
         enough: Size of the first term, and what is left out.
@@ -133,7 +133,7 @@ def _all_terms(
     terms, falls = 0, 1.0
     while terms < MOST_DENSE:
         terms += 1
-        _push(legs, ends, scale, change, y, d)
+        _push(incidences, ends, scale, change, y, d)
         _answer(ends.inverse, d, y)
         now = size(sizes, y)
         if not now < FALLS * before:
@@ -153,7 +153,7 @@ def _all_terms(
 
 
 @uncounted
-def _add_columns(ends: LegEnds, rest: Array, x: Array) -> None:
+def _add_columns(ends: IncidencePositions, rest: Array, x: Array) -> None:
     """``x += S⁻¹ rest``, where ``rest`` is nil but in the unknowns of ``ends``; four at a time."""
     columns, unknowns = ends.columns, ends.unknowns
     count = columns.shape[0]
@@ -175,8 +175,8 @@ def growth(
     scale: Array,
     r: Array,
     factors: PlainFactors,
-    legs: Legs,
-    ends: LegEnds,
+    incidences: Incidences,
+    ends: IncidencePositions,
     change: Array,
     probe: Array,
 ) -> float:
@@ -192,7 +192,7 @@ def growth(
         r: :class:`~fem_lie.solve.conserving.step.records.Solution` of the equations, of which
             nothing but memory is used.
         factors: Of the matrix.
-        legs: Which nodes the constraints touch.
+        incidences: Which nodes the constraints touch.
         ends: In which unknowns, if these are few: then no others are looked at.
         change: Of the border since the matrix was made, (2, legs, 6).
         probe: That direction, by one step of the power method more each time, (6 n + m,), updated.
@@ -204,14 +204,14 @@ def growth(
         sizes, given, d = room[0, :count], room[1, :count], room[2, :count]
         for a in range(count):
             sizes[a], given[a] = measure[ends.unknowns[a]], probe[ends.unknowns[a]]
-        _push(legs, ends, scale, change, given, d)
+        _push(incidences, ends, scale, change, given, d)
         _answer(ends.inverse, d, given)
         grown = size(sizes, given)
         if grown > 0.0:
             for a in range(count):
                 probe[ends.unknowns[a]] = given[a] / grown
         return grown
-    _multiply(legs, scale, change, probe, rest)
+    _multiply(incidences, scale, change, probe, rest)
     solve(factors, rest, work, term)
     grown = size(measure, term)
     if grown > 0.0:
@@ -221,7 +221,7 @@ def growth(
 
 
 @compiled
-def set_inverse(factors: PlainFactors, ends: LegEnds, r: Array) -> None:
+def set_inverse(factors: PlainFactors, ends: IncidencePositions, r: Array) -> None:
     """Columns of the inverse in the unknowns of ``ends``, into it; ``r`` as above."""
     _, _, work, rest, term = solution_of(r)
     unknowns, whole = ends.unknowns, ends.columns.shape[0] > 0
@@ -237,17 +237,24 @@ def set_inverse(factors: PlainFactors, ends: LegEnds, r: Array) -> None:
 
 
 @inlined
-def _push(legs: Legs, ends: LegEnds, scale: Array, change: Array, y: Array, out: Array) -> None:
+def _push(
+    incidences: Incidences,
+    ends: IncidencePositions,
+    scale: Array,
+    change: Array,
+    y: Array,
+    out: Array,
+) -> None:
     """``out = −ΔS y`` among the unknowns of ``ends``, (k,)."""
     for a in range(out.shape[0]):
         out[a] = 0.0
-    for leg in range(legs.nodes.shape[0]):
-        i, at = ends.at[0, leg], ends.at[1, leg]
-        factor, total = scale[legs.constraints[leg]], 0.0
+    for incidence in range(incidences.nodes.shape[0]):
+        i, at = ends.at[0, incidence], ends.at[1, incidence]
+        factor, total = scale[incidences.constraints[incidence]], 0.0
         weight = factor * y[at]
         for k in range(6):
-            total += change[0, leg, k] * y[i + k]
-            out[i + k] -= change[1, leg, k] * weight
+            total += change[0, incidence, k] * y[i + k]
+            out[i + k] -= change[1, incidence, k] * weight
         out[at] -= factor * total
 
 
@@ -263,14 +270,14 @@ def _answer(inverse: Array, d: Array, out: Array) -> None:
 
 
 @inlined
-def _multiply(legs: Legs, scale: Array, change: Array, x: Array, out: Array) -> None:
+def _multiply(incidences: Incidences, scale: Array, change: Array, x: Array, out: Array) -> None:
     """``out = −ΔS x``."""
     out[:] = 0.0
     n6 = x.shape[0] - scale.shape[0]
-    for leg in range(legs.nodes.shape[0]):
-        i, c = 6 * legs.nodes[leg], legs.constraints[leg]
+    for incidence in range(incidences.nodes.shape[0]):
+        i, c = 6 * incidences.nodes[incidence], incidences.constraints[incidence]
         total, weight = 0.0, scale[c] * x[n6 + c]
         for k in range(6):
-            total += change[0, leg, k] * x[i + k]
-            out[i + k] -= change[1, leg, k] * weight
+            total += change[0, incidence, k] * x[i + k]
+            out[i + k] -= change[1, incidence, k] * weight
         out[n6 + c] -= scale[c] * total

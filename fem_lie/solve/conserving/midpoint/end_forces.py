@@ -23,7 +23,7 @@ from fem_lie._state import Stateful, attributes
 from fem_lie.forms.abilities import Ends
 from fem_lie.forms.term import Term
 from fem_lie.lie.tuples import cross, scaled
-from fem_lie.solve.conserving.between.cayley import follow
+from fem_lie.solve.conserving.midpoint.cayley import follow
 
 
 @compiled
@@ -78,7 +78,7 @@ _LITTLE = 1e-2
 """Part of what is stored: forces that do less work take back less of what earlier steps left."""
 
 
-class Pushes(Stateful):
+class EndForces(Stateful):
     """The forces of terms that have secants, such as contacts, on the nodes that lead.
 
     Attributes:
@@ -97,14 +97,14 @@ class Pushes(Stateful):
         Args:
             terms: All that add forces.
             master: Of each node, (N,).
-            offset: Frame of each in that of its master node, (N, 4, 3).
+            offset: Frame of each in that of its leader, (N, 4, 3).
             moving: Nodes that lead.
         """
         self._terms = [term for term in terms if term.over_step is not None]
         self._master, self._offset = master, offset
         self.energy = self.ahead = self.held = self.debt = 0.0
         forces = [(term, term.over_step) for term in self._terms]
-        self._pushing = [(term, of) for term, of in forces if of is not None and not of.steady]
+        self._acting = [(term, of) for term, of in forces if of is not None and not of.steady]
         self._steady = [(term, of) for term, of in forces if of is not None and of.steady]
         self._trivial, total = moving == len(master), len(master)
         self._held_ahead = 0.0
@@ -122,11 +122,11 @@ class Pushes(Stateful):
 
     def overlap(self, H: Array) -> bool:
         """Whether anything pushes at frames ``H``."""
-        return any(forces.overlaps(H) for _, forces in (*self._pushing, *self._steady))
+        return any(forces.overlaps(H) for _, forces in (*self._acting, *self._steady))
 
     def at_rest(self, H: Array) -> None:
         """Find the stored energy at frames ``H``."""
-        self.energy = sum(term.energy(H) for term, _ in self._pushing)
+        self.energy = sum(term.energy(H) for term, _ in self._acting)
         self.held = sum(term.energy(H) for term, _ in self._steady)
 
     def set(self, ends: Ends, leak: float, out: Array) -> None:
@@ -148,11 +148,11 @@ class Pushes(Stateful):
         self._add_steady(out, ends.mean)
 
     def _add_all(self, out: Array) -> float:
-        """Forces of what pushes on master nodes and on ground; the work that is kept."""
+        """Forces of what pushes on leaders and on ground; the work that is kept."""
         n = len(out) - BESIDE
         self._on_all[:] = self._ground[:] = out[:] = 0.0
         work, self.ahead = 0.0, 0.0
-        for _, forces in self._pushing:
+        for _, forces in self._acting:
             done = forces.add_over_step(self.ends, self._on_all, self._ground)
             self.ahead += done.stored
             work += done.work
@@ -161,7 +161,7 @@ class Pushes(Stateful):
         return work - float(out[n + LOSS, 0])
 
     def _lead(self, mean: Array, out: Array) -> None:
-        """Add what was found to master nodes, which have these means."""
+        """Add what was found to leaders, which have these means."""
         if self._trivial:
             out[: len(self._on_all)] += self._on_all
         else:

@@ -7,9 +7,9 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.solve.conserving.rows.cells import Energies, Nodes, energies_at
-from fem_lie.solve.conserving.rows.places import add_of_places
 from fem_lie.solve.conserving.run import Run
+from fem_lie.solve.conserving.vector_cells.cells import Energies, Nodes, energies_at
+from fem_lie.solve.conserving.vector_cells.position_cells import add_position_cells
 
 STIFFNESS = 1e3
 
@@ -30,7 +30,7 @@ def started(clamped: bool) -> Run:
         own = fl.DiscreteCable(natural=True)
         scene.add(fl.Net(points, threads, section, formulation=own))
     scheme = fl.EnergyMomentum()
-    run = Run(scheme.told(), scheme.equations(scene), 1e-3)
+    run = Run(scheme.options(), scheme.equations(scene), 1e-3)
     run.start()
     return run
 
@@ -47,7 +47,9 @@ def forces(run: Run, step: np.ndarray) -> np.ndarray:
     """On places (n, 3), over a step by these increments (n, 6)."""
     out, (W, account) = np.zeros_like(step), (run.s.W, run.s.account)
     energies = Energies(W, account, np.zeros_like(W), np.zeros_like(W))
-    add_of_places(run.model.rows, Nodes(run.s.H, run.s.rest, step), energies, (0.0, 0.0, 0.0), out)
+    add_position_cells(
+        run.model.rows, Nodes(run.s.H, run.s.rest, step), energies, (0.0, 0.0, 0.0), out
+    )
     assert not out[:, 3:].any()
     np.testing.assert_allclose(energies.work, energies.end - W, atol=1e-12 * STIFFNESS)
     return out[:, :3]

@@ -1,7 +1,7 @@
 """Rows of nodes whose increments add, and those of a cell as its kernels take them; compiled.
 
-A node has :func:`~fem_lie.lie.node_types.node_type.vector_count`, one or two, such vectors; here
-they are three numbers each of six, along global axes.
+A node has up to two such rows, :func:`~fem_lie.lie.node_types.node_type.straight` of them; here
+they are halves of six numbers, along global axes.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from fem_lie.lie.tuples import (
 
 FORCES, ENERGY = 0, 1
 """Kernels of a cell."""
-NOTHING, DIRECTIONS, PLACES = 0, 1, 2
+NOTHING, DIRECTIONS, POSITIONS = 0, 1, 2
 """What of space the energy of a cell sees; of places it sees directions, too."""
 
 
@@ -65,17 +65,17 @@ class CellTable(NamedTuple):
 
 
 @inlined
-def has_place(kind: int) -> bool:
+def has_position(kind: int) -> bool:
     """Whether the first half of such a node is a place, which translations move."""
     return first_vector(kind) == 0
 
 
 @inlined_uncounted
-def are_places(cells: CellTable, e: int) -> bool:
+def are_positions(cells: CellTable, e: int) -> bool:
     """Whether the nodes of a cell are places and nothing else."""
     alone = True
     for a in range(cells.first[e], cells.first[e + 1]):
-        alone = alone and has_place(cells.kinds[a]) and vector_count(cells.kinds[a]) == 1
+        alone = alone and has_position(cells.kinds[a]) and vector_count(cells.kinds[a]) == 1
     return alone
 
 

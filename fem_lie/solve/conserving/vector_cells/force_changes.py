@@ -33,10 +33,21 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.between.cayley import half, turned
-from fem_lie.solve.conserving.between.discrete_gradient import ROUND_OFF
-from fem_lie.solve.conserving.between.mean_forces import shrunk
-from fem_lie.solve.conserving.rows.cells import (
+from fem_lie.solve.conserving.midpoint.cayley import half, turned
+from fem_lie.solve.conserving.midpoint.discrete_gradient import ROUND_OFF
+from fem_lie.solve.conserving.midpoint.mean_forces import shrunk
+from fem_lie.solve.conserving.vector_cells.cell_table import (
+    DIRECTIONS,
+    NOTHING,
+    POSITIONS,
+    CellTable,
+    energy_of,
+    forces_of,
+    gather,
+    has_position,
+    largest_cell,
+)
+from fem_lie.solve.conserving.vector_cells.cells import (
     Nodes,
     Work,
     memory,
@@ -45,17 +56,6 @@ from fem_lie.solve.conserving.rows.cells import (
     set_out,
     solve_thin,
     take_centre,
-)
-from fem_lie.solve.conserving.rows.halves import (
-    DIRECTIONS,
-    NOTHING,
-    PLACES,
-    CellTable,
-    energy_of,
-    forces_of,
-    gather,
-    has_place,
-    largest_cell,
 )
 
 _FEEL, _SEEN = 0.05, 1e-6
@@ -108,7 +108,7 @@ def _weigh(cells: CellTable, lengths: Flags, e: int, r: Array) -> None:
     for a in range(r.shape[0]):
         for k in range(2):
             arm = load_row(r[a], k)
-            if k == 0 and has_place(cells.kinds[begin + a]):
+            if k == 0 and has_position(cells.kinds[begin + a]):
                 far, places = far + dot(arm, arm), places + 1
             elif dot(arm, arm) > 0.0 and not lengths[cells.nodes[begin + a], k]:
                 long, slopes = long + dot(arm, arm), slopes + 1
@@ -118,7 +118,7 @@ def _weigh(cells: CellTable, lengths: Flags, e: int, r: Array) -> None:
     for a in range(r.shape[0]):
         i = cells.nodes[begin + a]
         for k in range(2):
-            place = k == 0 and has_place(cells.kinds[begin + a])
+            place = k == 0 and has_position(cells.kinds[begin + a])
             cells.weights[begin + a, k] = 1.0 if place else mixed if lengths[i, k] else share
 
 
@@ -176,16 +176,16 @@ def _seen(cells: CellTable, e: int, H: Array, work: Work) -> int:
     for a in range(r.shape[0]):
         for k in range(2):
             push, arm = load_row(f[a], k), load_row(r[a], k)
-            if k == 0 and has_place(cells.kinds[begin + a]):
+            if k == 0 and has_position(cells.kinds[begin + a]):
                 force, sizes = plus(force, push), sizes + sqrt(dot(push, push))
             moment = plus(moment, cross(arm, push))
             moments += sqrt(dot(arm, arm) * dot(push, push))
     if dot(force, force) > (_SEEN * sizes) ** 2:
-        return PLACES
+        return POSITIONS
     return DIRECTIONS if dot(moment, moment) > (_SEEN * moments) ** 2 else NOTHING
 
 
-class Lasting(NamedTuple):
+class CellForces(NamedTuple):
     """Forces of all cells on both halves of each place, global components, (places, 2, 3) each.
 
     Attributes:
@@ -207,7 +207,7 @@ class Lasting(NamedTuple):
 def _balance(cells: CellTable, e: int, work: Work) -> None:
     """Take the resultant and the moment about the mean out of ``work.f``, as far as none is due."""
     r, f, begin = work.r, work.f, cells.first[e]
-    if cells.sees[e] < PLACES:
+    if cells.sees[e] < POSITIONS:
         take_centre(cells, e, f)
     if cells.sees[e] == NOTHING:
         moment = (0.0, 0.0, 0.0)
@@ -240,14 +240,14 @@ def _add(cells: CellTable, e: int, ω: Vector, given: Array, work: Work, out: Ar
 
 @compiled
 def add_changes(
-    cells: CellTable, nodes: Nodes, lasting: Lasting, out: Array
+    cells: CellTable, nodes: Nodes, cell_forces: CellForces, out: Array
 ) -> tuple[float, float]:
     """Add changes of elastic forces to ``out[0]`` and their memory to ``out[1]``.
 
     Args:
         cells: All cells.
         nodes: What they do.
-        lasting: What of their forces is known, and becomes so.
+        cell_forces: What of their forces is known, and becomes so.
         out: On both halves, (2, n, 6), updated.
 
     Returns:
@@ -259,10 +259,10 @@ def add_changes(
         begin, end = cells.first[e], cells.first[e + 1]
         work = part_of(room, end - begin)
         set_out(cells, e, nodes, work)
-        forces_of(cells, e, nodes.H, work.other, work.rows, lasting.end[begin:end])
+        forces_of(cells, e, nodes.H, work.other, work.rows, cell_forces.end[begin:end])
         take_centre(cells, e, work.r)
         ω = (0.0, 0.0, 0.0)
-        if cells.sees[e] < PLACES:
+        if cells.sees[e] < POSITIONS:
             take_centre(cells, e, work.d)
         if cells.sees[e] == NOTHING:
             ω = rotation_of(cells, e, work)
@@ -270,13 +270,13 @@ def add_changes(
             for k in range(2):
                 s = minus(load_row(work.d[a], k), cross(ω, load_row(work.r[a], k)))
                 store_row(work.d[a], k, s)
-                before = turned(ω, load_row(lasting.start[begin + a], k))
-                change = minus(load_row(lasting.end[begin + a], k), before)
-                store_row(lasting.change[begin + a], k, change)
-                kept = turned(ω, load_row(lasting.memory[begin + a], k))
-                store_row(lasting.kept[begin + a], k, kept)
-        by_change += _add(cells, e, ω, lasting.change[begin:end], work, out[0])
-        by_memory += _add(cells, e, ω, lasting.kept[begin:end], work, out[1])
+                before = turned(ω, load_row(cell_forces.start[begin + a], k))
+                change = minus(load_row(cell_forces.end[begin + a], k), before)
+                store_row(cell_forces.change[begin + a], k, change)
+                kept = turned(ω, load_row(cell_forces.memory[begin + a], k))
+                store_row(cell_forces.kept[begin + a], k, kept)
+        by_change += _add(cells, e, ω, cell_forces.change[begin:end], work, out[0])
+        by_memory += _add(cells, e, ω, cell_forces.kept[begin:end], work, out[1])
     return by_change, by_memory
 
 

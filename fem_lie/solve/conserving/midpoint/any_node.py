@@ -57,8 +57,8 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.between.cayley import half as half_of
-from fem_lie.solve.conserving.between.cayley import mean_of, span_one, spin, turned
+from fem_lie.solve.conserving.midpoint.cayley import half as half_of
+from fem_lie.solve.conserving.midpoint.cayley import mean_of, span_one, spin, turned
 
 
 @inlined
@@ -109,7 +109,7 @@ def pull_edges(
     on_all: Array,
     forces: Array,
 ) -> None:
-    """Replace moments on frames that turn with their edges, in the forces on the master nodes.
+    """Replace moments on frames that turn with their edges, in the forces on the leaders.
 
     Args:
         edges: As of :func:`turn_edges`.
@@ -117,7 +117,7 @@ def pull_edges(
         mean: Means of these.
         masters: Who leads each of them, (N,), and means of these, (≥ n, 4, 3).
         on_all: Forces on all nodes, (N, 6).
-        forces: Sums of these on the master nodes, (n, 6), updated.
+        forces: Sums of these on the leaders, (n, 6), updated.
     """
     master, led = masters
     for k in range(edges.shape[0]):

@@ -84,7 +84,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
     """All contacts by impacts of a run.
 
     Attributes:
-        told: What they did in the last step, see
+        statistics: What they did in the last step, see
             :data:`~fem_lie.contact.impact.records.REPORT_SIZE`.
         history: What they did in all steps of the run.
         reactions: Impulses of the joints with those of contacts, over the step, shape (m,).
@@ -107,7 +107,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
 
     def _forget(self) -> None:
         """No contact has taken part."""
-        self.told[:], self.reactions[:], self.work = 0.0, 0.0, 0.0
+        self.statistics[:], self.reactions[:], self.work = 0.0, 0.0, 0.0
         self.overlap = self.violation = 0.0
         self._last = _NOTHING
 
@@ -193,7 +193,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
         """
         end, time = step.frames, step.time
         defect, joined = self._rates(end, V, time), np.zeros(len(smooth), dtype=np.bool_)
-        self.told[SWEEPS] = 0.0
+        self.statistics[SWEEPS] = 0.0
         # those that overlap without taking part join; this ends, for there are so many pairs
         while True:
             chosen = self._choose(smooth, joined, part)
@@ -225,7 +225,10 @@ class CoupledContacts(CoupledVelocities, Stateful):
     @property
     def failure(self) -> str:
         """Why the end of the last step cannot be accepted; empty if it can."""
-        residual, many = float(self.told[RESIDUAL]), f"{int(self.told[CONTACTS])} contacts"
+        residual, many = (
+            float(self.statistics[RESIDUAL]),
+            f"{int(self.statistics[CONTACTS])} contacts",
+        )
         advice = "are bodies wedged? Try smaller steps, or Penalty"
         if not residual <= LARGEST:
             return f"{many} did not settle (residual {residual:.0e}); {advice}"
@@ -263,8 +266,8 @@ class CoupledContacts(CoupledVelocities, Stateful):
             least = bounds.gaps(h, bounds.velocity if normal is None else normal, chosen)
             slid = bounds.rest[:, np.newaxis] * h * free[:, 1:]
             moved = self.part(chosen, end, Aims(least, slid), r)
-            self.told[SWEEPS] += moved.sweeps
-            self.told[RESIDUAL] = moved.residual
+            self.statistics[SWEEPS] += moved.sweeps
+            self.statistics[RESIDUAL] = moved.residual
             rows, r = moved.rows, moved.r
             v, impulses = self._throw(chosen, moved, end, V, defect, impulses, time)
             normal = self._rates_of(rows, moved.H, self._all_rows(v, time))[:, 0]
@@ -273,8 +276,8 @@ class CoupledContacts(CoupledVelocities, Stateful):
     # --- the end of the step ---
 
     def _tell(self, chosen: Chosen, gaps: Array, impulses: Array, speeds: Array) -> None:
-        self.told[CONTACTS] = len(chosen.pairs)
-        self.told[PENETRATION] = max(0.0, float(-gaps.min()))
+        self.statistics[CONTACTS] = len(chosen.pairs)
+        self.statistics[PENETRATION] = max(0.0, float(-gaps.min()))
         self.near.work.impulses[:] = 0.0
         self.near.work.impulses[chosen.pairs] = impulses
         slips = speeds[:, 1:]

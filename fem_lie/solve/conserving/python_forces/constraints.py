@@ -43,9 +43,9 @@ from fem_lie.lie.tuples import (
     scaled,
     store,
 )
-from fem_lie.solve.conserving.between.any_node import twists
-from fem_lie.solve.conserving.between.discrete_gradient import KNOWN, ROUND_OFF, beyond, factor_of
-from fem_lie.solve.conserving.between.mean_forces import add_resistance, solve_symmetric
+from fem_lie.solve.conserving.midpoint.any_node import twists
+from fem_lie.solve.conserving.midpoint.discrete_gradient import KNOWN, ROUND_OFF, beyond, factor_of
+from fem_lie.solve.conserving.midpoint.mean_forces import add_resistance, solve_symmetric
 from fem_lie.solve.conserving.step.dissipation import REMEMBERS
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.step.records import Model, Span, State, Step
@@ -160,9 +160,9 @@ def _add(
         left = sqrt(dot(force, force)) * length + sqrt(dot(moment, moment))
         grounded = left > _BALANCED * size
         square = _deformation(nodes, middle, step, length, grounded, s)
-        noise = ROUND_OFF * far
-        missing = beyond(gains[c] - made, noise)
-        factor = factor_of(missing, KNOWN * noise, square, ROUND_OFF * length**2)
+        round_off_level = ROUND_OFF * far
+        missing = beyond(gains[c] - made, round_off_level)
+        factor = factor_of(missing, KNOWN * round_off_level, square, ROUND_OFF * length**2)
         for a in range(count):
             pull = combined(1.0, load(f[a], 0), factor, load(s[a], 0))
             turn = combined(1.0, load(f[a], 3), factor * length**2, load(s[a], 3))
@@ -232,7 +232,7 @@ class OtherConstraints(Stateful):
         rolling = self._rolling
         gains[rolling] = 0.0
         if rolling.start < rolling.stop:
-            size = 0.5 * (1.0 + model.scheme.loss * state.lag[REMEMBERS]) * h
+            size = 0.5 * (1.0 + model.scheme.dissipation * state.filter_state[REMEMBERS]) * h
             change[rolling] = size * self._rates(along.end, this.V1)[rolling] - state.gap[rolling]
         B = middle.jacobian
         B.sort_indices()

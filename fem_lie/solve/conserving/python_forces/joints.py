@@ -13,17 +13,17 @@ from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, WORK
 from fem_lie.joints.equations.table import PackedJoints, joint_table, views
 from fem_lie.joints.equations.terms import spring_energy, unwrap, violations
 from fem_lie.lie.node_types import POSITION_GRADIENT
-from fem_lie.solve.conserving.outside.attachments import (
+from fem_lie.solve.conserving.python_forces.attachments import (
     AttachmentSpan,
     Rows,
     give,
     set_attachments,
     set_nodes,
 )
-from fem_lie.solve.conserving.rows.changes import weigh_cells
-from fem_lie.solve.conserving.rows.halves import CellTable
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.step.records import Model, Span, State, Step
+from fem_lie.solve.conserving.vector_cells.cell_table import CellTable
+from fem_lie.solve.conserving.vector_cells.force_changes import weigh_cells
 from fem_lie.system.equations import Equations
 
 _BACK = 1e-3
@@ -218,7 +218,7 @@ class Joints:
         return _spring_energy(self._pairs.joints, self._all(H))
 
     def _all(self, H: Array) -> Array:
-        """Rows of nodes, attachments, ground and prescribed motions."""
+        """Rows of nodes, grips, ground and prescribed motions."""
         return np.concatenate([H[: self._n], self._attachments.locate(H)[0], H[self._n :]])
 
     def memory(self) -> dict[str, Array]:

@@ -1,6 +1,6 @@
 """An element's step without its rigid part, and the balanced mean of its forces at both ends.
 
-Points 1 and 2 of :mod:`fem_lie.solve.conserving.between.discrete_gradient`.
+Points 1 and 2 of :mod:`fem_lie.solve.conserving.midpoint.discrete_gradient`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from fem_lie.lie.tuples import (
     scaled,
     store,
 )
-from fem_lie.solve.conserving.between.cayley import turned
+from fem_lie.solve.conserving.midpoint.cayley import turned
 
 Symmetric: TypeAlias = tuple[float, float, float, float, float, float]
 """Of a symmetric matrix (3, 3), row by row from the diagonal."""
@@ -194,7 +194,7 @@ def metric_and_fit(nodes: Indices, director: bool, path: Path) -> RigidPart:
 
 
 @inlined
-def _half_way(
+def _midpoint_frames(
     H0: Array, H1: Array, f0: Vector, f1: Vector, half: tuple[Vector, Vector, Vector]
 ) -> Vector:
     """``½ (Q R₀ f₀ + Qᵀ R₁ f₁)`` of forces in the node's frames, ``half`` columns of ``Q``."""
@@ -231,13 +231,13 @@ def mean_forces(
         i = nodes[a]
         t, r = load_row(mean[i], 3), minus(load_row(mean[i], 0), centre)
         # see shrunk and unshrunk
-        f = _half_way(H0[i], H1[i], load(F0[a], 0), load(F1[a], 0), half)
+        f = _midpoint_frames(H0[i], H1[i], load(F0[a], 0), load(F1[a], 0), half)
         f = combined(once, f, along * dot(ω, f), ω)
         if director:
-            g = _half_way(H0[i], H1[i], _on_director(F0[a]), _on_director(F1[a]), half)
+            g = _midpoint_frames(H0[i], H1[i], _on_director(F0[a]), _on_director(F1[a]), half)
             m = cross(t, combined(once, g, along * dot(ω, g), ω))
         else:
-            g = _half_way(H0[i], H1[i], load(F0[a], 3), load(F1[a], 3), half)
+            g = _midpoint_frames(H0[i], H1[i], load(F0[a], 3), load(F1[a], 3), half)
             m = combined(once, g, -along * once * dot(ω, g), ω)
         store(out[a], 0, f)
         store(out[a], 3, m)

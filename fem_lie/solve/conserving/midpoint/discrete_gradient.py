@@ -44,7 +44,7 @@ from fem_lie._jit import inlined, uncounted
 from fem_lie._jit.stack import blocks_at, stack
 from fem_lie.forms.cells import CellTable
 from fem_lie.forms.fixed_arrays import as_frames, as_sixes
-from fem_lie.solve.conserving.between.mean_forces import (
+from fem_lie.solve.conserving.midpoint.mean_forces import (
     Ends,
     Path,
     deformation,
@@ -102,11 +102,11 @@ def beyond(value: float, bound: float) -> float:
 
 
 @inlined
-def factor_of(missing: float, noise: float, square: float, least: float) -> float:
+def factor_of(missing: float, round_off_level: float, square: float, least: float) -> float:
     """``missing/|s|²``, bounded where ``|s|²`` is below ``least`` and what is missing is noise."""
     if missing == 0.0 or square == 0.0:
         return 0.0
-    share = noise / (abs(missing) + noise)
+    share = round_off_level / (abs(missing) + round_off_level)
     return missing / (square + share * share * least)
 
 
@@ -172,12 +172,12 @@ def add_elastic(
         mean_forces(mine, director, own, path.mean, fit, f[:count])
         square = deformation(mine, director, path, fit, s[:count], Ms[:count])
         done = _work(f[:count], s[:count])
-        noise, debt = round_off(own.F0, sqrt(fit.ρ2)) + unknown, W[e] - account[e]
-        missing = beyond(W1[e] - W[e] - done, KNOWN * noise)
-        missing += debt if abs(debt) > noise else 0.0
+        round_off_level, debt = round_off(own.F0, sqrt(fit.ρ2)) + unknown, W[e] - account[e]
+        missing = beyond(W1[e] - W[e] - done, KNOWN * round_off_level)
+        missing += debt if abs(debt) > round_off_level else 0.0
         # below the second a factor of noise would be as large as a stiffness by present forces
         least = max(0.01 * typical, ROUND_OFF * fit.ρ2)
-        factor = factor_of(missing, KNOWN * noise, square, least)
+        factor = factor_of(missing, KNOWN * round_off_level, square, least)
         work[e] = done + factor * square
         squares += square
         for a in range(count):

@@ -13,15 +13,13 @@ from fem_lie.forms.cell_forms import FormTable, each_cell, joined
 from fem_lie.forms.cells import Cells
 from fem_lie.forms.term import Term
 from fem_lie.lie.node_types import POSITION_GRADIENT
-from fem_lie.solve.conserving.between.end_forces import Pushes
-from fem_lie.solve.conserving.between.floating import packed_bodies
-from fem_lie.solve.conserving.between.product_rows import inertia_with_products, product_weights
-from fem_lie.solve.conserving.rows.changes import measure_cells
-from fem_lie.solve.conserving.rows.halves import CellTable as RowCells
+from fem_lie.solve.conserving.midpoint.end_forces import EndForces
+from fem_lie.solve.conserving.midpoint.products import inertia_with_products, product_weights
+from fem_lie.solve.conserving.midpoint.reduced_bodies import packed_bodies
 from fem_lie.solve.conserving.step.records import (
-    OUTSIDE,
-    LegEnds,
-    Legs,
+    ADDRESSES,
+    IncidencePositions,
+    Incidences,
     Masters,
     Model,
     Pieces,
@@ -31,6 +29,8 @@ from fem_lie.solve.conserving.step.records import (
     Step,
 )
 from fem_lie.solve.conserving.step.series import DENSE, WHOLE
+from fem_lie.solve.conserving.vector_cells.cell_table import CellTable as RowCells
+from fem_lie.solve.conserving.vector_cells.force_changes import measure_cells
 from fem_lie.solve.convergence import unknown_scaling
 from fem_lie.system.equations import Equations
 from fem_lie.system.nodes.masses import Loads
@@ -40,7 +40,7 @@ _LIGHT = 1e-12
 
 
 def start_state(
-    equations: Equations, cells: Cells, rows: RowCells, legs: Legs, *, dissipates: bool
+    equations: Equations, cells: Cells, rows: RowCells, incidences: Incidences, *, dissipates: bool
 ) -> State:
     """At rest at the frames of the start."""
     z = np.zeros
@@ -58,24 +58,24 @@ def start_state(
         account=z(count),
         w=z((n + p, 4, 3)),
         w_F=z((cells.places, 6)),
-        lag=z(13),
+        filter_state=z(13),
         carry=z((n, 6)),
-        books=z(TOTAL),
+        balance=z(TOTAL),
         trend=z((n, 6)),
         earlier=z((2, m)),
         sizes=z(3),
-        border=z((2, len(legs.nodes), 6)),
+        border=z((2, len(incidences.nodes), 6)),
         slow=z((2 if dissipates else 0, 6 * n + m)),
         share=z(2),
         probe=np.cos(np.arange(6 * n + m)),
-        lasting=z((2, len(rows.nodes) if dissipates else 0, 2, 3)),
+        cell_forces=z((2, len(rows.nodes) if dissipates else 0, 2, 3)),
         rates=z((2, n, 6)),
         within=z(p if dissipates else 0),
     )
 
 
-def room_for_step(
-    equations: Equations, cells: Cells, rows: RowCells, legs: Legs, *, dissipates: bool
+def step_workspace(
+    equations: Equations, cells: Cells, rows: RowCells, incidences: Incidences, *, dissipates: bool
 ) -> Step:
     """Memory of a step."""
     z, (p, bodies) = np.zeros, products_of(equations)
@@ -104,12 +104,12 @@ def room_for_step(
         r=z((5, 6 * n + m)),
         weights=z(m),
         filtered=z((3, total, 6)),
-        border=z((2, len(legs.nodes), 6)),
+        border=z((2, len(incidences.nodes), 6)),
         sums=z((3, 3, 3, 3)),
         own=z((3, n + p, 4, 3)),
         turnings=z((2, 3 if dissipates else 0, 6 * n)),
         gains=z(cells.count),
-        lasting=z((3, len(rows.nodes) if dissipates else 0, 2, 3)),
+        cell_forces=z((3, len(rows.nodes) if dissipates else 0, 2, 3)),
         changes=z((2, n if dissipates else 0, 6)),
         outer=z((n, 6)),
         moved=z((n + p, 4, 3)) if p else Span(*between).delta[:n],
@@ -165,21 +165,21 @@ def cells_of_rows(equations: Equations) -> RowCells:
     return cells
 
 
-def pushes_of(equations: Equations) -> Pushes:
+def end_forces_of(equations: Equations) -> EndForces:
     """Of terms that have secants."""
     known = equations.tables
-    return Pushes(known.terms, known.master, known.offset, equations.unknowns.moving)
+    return EndForces(known.terms, known.master, known.offset, equations.unknowns.moving)
 
 
-def legs_of(equations: Equations, follows: bool) -> Legs:
+def incidences_of(equations: Equations, follows: bool) -> Incidences:
     """Of all constraints, or none if the constraints in the matrix are left as they are."""
     border = equations.matrix.incidences
     nodes, rows = (border.nodes, border.rows) if follows else (border.nodes[:0], border.rows[:0])
-    return Legs(nodes, rows.astype(np.int64))
+    return Incidences(nodes, rows.astype(np.int64))
 
 
 def model_of(
-    equations: Equations, cells: Cells, rows: RowCells, scheme: Scheme, legs: Legs
+    equations: Equations, cells: Cells, rows: RowCells, scheme: Scheme, incidences: Incidences
 ) -> Model:
     """What a step sees of the scene."""
     known, unknowns = equations.tables, equations.unknowns
@@ -209,13 +209,13 @@ def model_of(
         probes=known.probes,
         driven=np.zeros(m),
         supported=known.supported.astype(np.int64),
-        legs=legs,
-        ends=ends_of(legs, n, unknowns.size),
+        incidences=incidences,
+        ends=incidence_positions_of(incidences, n, unknowns.size),
         kinds=known.kinds,
         arms=np.where(unknowns.lengths, 1.0, unknowns.length),
         rows=rows,
         of_frames=_of_frames(equations),
-        outside=np.zeros(OUTSIDE, dtype=np.int64),
+        addresses=np.zeros(ADDRESSES, dtype=np.int64),
         bodies=packed_bodies(known.floating),
         light=_without_inertia(equations),
     )
@@ -242,24 +242,24 @@ def _without_inertia(equations: Equations) -> Array:
 def _of_frames(equations: Equations) -> Array:
     """Weights of the unknowns of frames and of constraints between frames alone, else nil."""
     unknowns, vectors = equations.unknowns, equations.tables.kinds >= POSITION_GRADIENT
-    legs, touched = equations.matrix.incidences, np.zeros(unknowns.m, dtype=bool)
-    touched[legs.rows[vectors[legs.nodes]]] = True
+    incidences, touched = equations.matrix.incidences, np.zeros(unknowns.m, dtype=bool)
+    touched[incidences.rows[vectors[incidences.nodes]]] = True
     return np.where(np.append(np.repeat(vectors, 6), touched), 0.0, unknown_scaling(unknowns))
 
 
-def ends_of(legs: Legs, n: int, size: int) -> LegEnds:
+def incidence_positions_of(incidences: Incidences, n: int, size: int) -> IncidencePositions:
     """Of legs of ``n`` nodes: where they are too many for a dense matrix, none."""
-    nodes, at_node = np.unique(legs.nodes, return_inverse=True)
-    rows, at_row = np.unique(legs.constraints, return_inverse=True)
+    nodes, at_node = np.unique(incidences.nodes, return_inverse=True)
+    rows, at_row = np.unique(incidences.constraints, return_inverse=True)
     count = 6 * len(nodes) + len(rows)
     if count > DENSE:
         none = np.zeros(0, np.int64), np.zeros((2, 0), np.int64)
-        return LegEnds(*none, np.zeros((0, 0)), np.zeros((0, size)))
+        return IncidencePositions(*none, np.zeros((0, 0)), np.zeros((0, size)))
     own = 6 * nodes[:, None] + np.arange(6)
     unknowns = np.concatenate([own.ravel(), 6 * n + rows]).astype(np.int64)
     at = np.stack([6 * at_node, 6 * len(nodes) + at_row]).astype(np.int64)
     columns = np.zeros((count if count * size <= WHOLE else 0, size))
-    return LegEnds(unknowns, at, np.zeros((count, count)), columns)
+    return IncidencePositions(unknowns, at, np.zeros((count, count)), columns)
 
 
 def pieces_of(terms: Iterable[Term]) -> Pieces:

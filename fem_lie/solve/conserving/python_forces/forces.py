@@ -33,10 +33,10 @@ from fem_lie.lie.tuples import (
     scaled,
     store,
 )
-from fem_lie.solve.conserving.between.any_node import span_from_python
-from fem_lie.solve.conserving.between.end_forces import BESIDE, LOSS, ON_GROUND, Pushes
-from fem_lie.solve.conserving.outside.joints import Joints
-from fem_lie.solve.conserving.outside.other_constraints import OtherConstraints
+from fem_lie.solve.conserving.midpoint.any_node import span_from_python
+from fem_lie.solve.conserving.midpoint.end_forces import BESIDE, LOSS, ON_GROUND, EndForces
+from fem_lie.solve.conserving.python_forces.constraints import OtherConstraints
+from fem_lie.solve.conserving.python_forces.joints import Joints
 from fem_lie.solve.conserving.step.dissipation import LEAK
 from fem_lie.solve.conserving.step.records import (
     ERROR,
@@ -69,7 +69,7 @@ class StepInProgress(Protocol):
     size: float
 
 
-class Outside:
+class PythonForces:
     """Forces that Python adds, and corrections that it improves.
 
     Attributes:
@@ -84,8 +84,8 @@ class Outside:
         self,
         equations: Equations,
         run: StepInProgress,
-        contacts: Pushes,
-        shared: Outside | None = None,
+        contacts: EndForces,
+        shared: PythonForces | None = None,
     ) -> None:
         """Nothing is computed yet.
 
@@ -115,18 +115,18 @@ class Outside:
         )
         self._always = bool(self.joints or self._viscous or self._loads)
         self.touch(False)
-        run.model.outside[JOINTS] = self.joints is not None
+        run.model.addresses[JOINTS] = self.joints is not None
 
     def learn(self, secants: Secants | None) -> None:
         """Improve corrections by these from now on, or no more."""
         self.learns = secants
-        self._run.model.outside[LEARN] = 0 if secants is None else self._learn.address
+        self._run.model.addresses[LEARN] = 0 if secants is None else self._learn.address
 
     def touch(self, touching: bool) -> None:
         """Set :attr:`touching` for the present step; contacts that do not act store no energy."""
-        self.touching, outside = touching, self._run.model.outside
-        outside[FORCES] = self._add.address if touching or self._always else 0
-        outside[TOUCHES] = touching and self._frames_alone
+        self.touching, addresses = touching, self._run.model.addresses
+        addresses[FORCES] = self._add.address if touching or self._always else 0
+        addresses[TOUCHES] = touching and self._frames_alone
         if self.contacts is not None and not touching:
             self.contacts.energy = 0.0
 
@@ -147,7 +147,7 @@ class Outside:
         assert self.contacts is not None
         s, along = self._run.s, Span(*self._run.this.rows)
         # cells take back by themselves the energy that round-off has brought in
-        leak = 0.0 if len(s.W) else float(s.lag[LEAK])
+        leak = 0.0 if len(s.W) else float(s.filter_state[LEAK])
         ends = Ends(s.H, along.end, along.mean, along.delta)
         self.contacts.set(ends, leak, self._contact_forces)
 
@@ -168,12 +168,12 @@ class Outside:
 
     def check(self) -> None:
         """Raise the error that has ended compiled code, if there was one."""
-        self._run.model.outside[ERROR] = 0
+        self._run.model.addresses[ERROR] = 0
         self._add.check()
         self._learn.check()
 
     def _failed(self) -> None:
-        self._run.model.outside[ERROR] = 1
+        self._run.model.addresses[ERROR] = 1
 
     def _improve(self) -> None:
         assert self.learns is not None

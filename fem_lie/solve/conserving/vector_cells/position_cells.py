@@ -27,24 +27,24 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.between.mean_forces import add_resistance, shrunk, unshrunk
-from fem_lie.solve.conserving.rows.cells import (
+from fem_lie.solve.conserving.midpoint.mean_forces import add_resistance, shrunk, unshrunk
+from fem_lie.solve.conserving.vector_cells.cell_table import (
+    ENERGY,
+    FORCES,
+    NOTHING,
+    POSITIONS,
+    CellTable,
+    are_positions,
+    largest_cell,
+    room_of,
+)
+from fem_lie.solve.conserving.vector_cells.cells import (
     Energies,
     Nodes,
     Work,
     factor_beside,
     memory,
     solve_thin,
-)
-from fem_lie.solve.conserving.rows.halves import (
-    ENERGY,
-    FORCES,
-    NOTHING,
-    PLACES,
-    CellTable,
-    are_places,
-    largest_cell,
-    room_of,
 )
 
 
@@ -81,7 +81,7 @@ def _set_out(cells: CellTable, e: int, nodes: Nodes, count: int, work: Work) -> 
         mean, centre = plus(mean, seen), plus(centre, middle)
     mean, centre = scaled(1.0 / count, mean), scaled(1.0 / count, centre)
     back = mean
-    if cells.sees[e] == PLACES:
+    if cells.sees[e] == POSITIONS:
         back = scaled(-1.0, origin)
     for a in range(count):
         store_row(work.d[a], 0, minus(load_row(work.d[a], 0), back))
@@ -105,7 +105,7 @@ def _turn(work: Work, count: int) -> Vector:
 
 
 @compiled
-def add_of_places(
+def add_position_cells(
     cells: CellTable,
     nodes: Nodes,
     energies: Energies,
@@ -118,7 +118,7 @@ def add_of_places(
         cells: All cells.
         nodes: What they do.
         energies: Of the cells.
-        factors: As of :func:`~fem_lie.solve.conserving.rows.cells.add_elastic`.
+        factors: As of :func:`~fem_lie.solve.conserving.vector_cells.cells.add_elastic`.
         out: Forces on both halves, (n, 6), updated.
 
     Returns:
@@ -142,7 +142,7 @@ def _add_all(
     found, squares = vector_at(place, size), 0.0
     for e in range(cells.sees.shape[0]):
         begin, count = cells.first[e], cells.first[e + 1] - cells.first[e]
-        if not are_places(cells, e):
+        if not are_positions(cells, e):
             continue
         _set_out(cells, e, nodes, count, work)
         found[0] = 0.0
@@ -154,7 +154,7 @@ def _add_all(
         for k in range(6 * count):
             found[k] = 0.0
         _ask(cells, e, FORCES, work.other, count, place)
-        made = square = noise = ρ2 = 0.0
+        made = square = round_off_level = ρ2 = 0.0
         for a in range(count):
             arm, push = load_row(work.r[a], 0), shrunk(ω, load(found, 6 * a))
             s = minus(load_row(work.d[a], 0), cross(ω, arm))
@@ -162,9 +162,9 @@ def _add_all(
             store_row(work.f[a], 0, push)
             made, square = made + dot(push, s), square + dot(s, s)
             reach = dot(arm, arm)
-            noise += sqrt(dot(push, push) * reach)
+            round_off_level += sqrt(dot(push, push) * reach)
             ρ2 += reach / count
-        known = (made, square, noise, ρ2, cells.cancels[e])
+        known = (made, square, round_off_level, ρ2, cells.cancels[e])
         factor = factor_beside(energies, e, factors, known)
         squares += square
         beside = factor + factors[0]

@@ -3,8 +3,8 @@
 An attachment frame is a function of its nodes. Its position is a sum over their coordinates, so
 that it moves by ``J_x Δr``, exactly. It turns by the vector ψ of Cayley's map that is between both
 ends, and ``J_ω Δr``, with the Jacobian in the middle of the step, is that to second order. The
-difference is corrected as in :mod:`..rows.cells`: with the step ``s`` of the attachment's nodes
-without their rigid part, in their metric ``M``, ::
+difference is corrected as in :mod:`..vector_cells.cells`: with the step ``s`` of the attachment's
+nodes without their rigid part, in their metric ``M``, ::
 
     ψ = D Δr,        D = J_ω + (ψ − J_ω Δr) ⊗ M s/|s|²
 
@@ -36,18 +36,18 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.rows.cells import (
+from fem_lie.solve.conserving.vector_cells.cell_table import (
+    CellTable,
+    gather,
+    has_position,
+    largest_cell,
+)
+from fem_lie.solve.conserving.vector_cells.cells import (
     Work,
     memory,
     part_of,
     rotation_of,
     take_centre,
-)
-from fem_lie.solve.conserving.rows.halves import (
-    CellTable,
-    gather,
-    has_place,
-    largest_cell,
 )
 
 _STILL = 1e-12
@@ -107,7 +107,7 @@ def set_nodes(kinds: Indices, moved: Rows, step: Array, mean: Array, delta: Arra
     for i in range(kinds.shape[0]):
         if kinds[i] < POSITION_GRADIENT:
             mean[i], delta[i] = moved.mean[i], moved.delta[i]
-        elif has_place(kinds[i]):
+        elif has_position(kinds[i]):
             mean[i] = moved.middle[i]
             store_row(delta[i], 0, load(step[i], 0))
 

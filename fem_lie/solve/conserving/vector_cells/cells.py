@@ -20,7 +20,7 @@ Cells that see directions fixed in space, such as a clamped end of a discrete ro
 keep: ``C = 1``, and ``s`` is the step without its translation.
 
 What of energies is round-off is left out, and made up as in
-:mod:`fem_lie.solve.conserving.between.discrete_gradient`.
+:mod:`fem_lie.solve.conserving.midpoint.discrete_gradient`.
 """
 
 from __future__ import annotations
@@ -45,22 +45,22 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.between.discrete_gradient import KNOWN, ROUND_OFF, beyond, factor_of
-from fem_lie.solve.conserving.between.mean_forces import (
+from fem_lie.solve.conserving.midpoint.discrete_gradient import KNOWN, ROUND_OFF, beyond, factor_of
+from fem_lie.solve.conserving.midpoint.mean_forces import (
     add_resistance,
     shrunk,
     solve_symmetric,
     unshrunk,
 )
-from fem_lie.solve.conserving.rows.halves import (
+from fem_lie.solve.conserving.vector_cells.cell_table import (
     NOTHING,
-    PLACES,
+    POSITIONS,
     CellTable,
-    are_places,
+    are_positions,
     energy_of,
     forces_of,
     gather,
-    has_place,
+    has_position,
     largest_cell,
 )
 
@@ -97,12 +97,14 @@ def factor_beside(
         known: Work of the mean forces, ``|s|²``, what round-off of forces goes by, the cell's size
             squared, and the error of its energy where that is a difference of larger numbers.
     """
-    (_, typical, unknown), (made, square, noise, ρ2, cancels) = factors, known
-    noise = ROUND_OFF * noise + unknown + cancels
+    (_, typical, unknown), (made, square, round_off_level, ρ2, cancels) = factors, known
+    round_off_level = ROUND_OFF * round_off_level + unknown + cancels
     debt = energies.start[e] - energies.account[e]
-    missing = beyond(energies.end[e] - energies.start[e] - made, KNOWN * noise)
-    missing += debt if abs(debt) > noise else 0.0
-    factor = factor_of(missing, KNOWN * noise, square, max(0.01 * typical, ROUND_OFF * ρ2))
+    missing = beyond(energies.end[e] - energies.start[e] - made, KNOWN * round_off_level)
+    missing += debt if abs(debt) > round_off_level else 0.0
+    factor = factor_of(
+        missing, KNOWN * round_off_level, square, max(0.01 * typical, ROUND_OFF * ρ2)
+    )
     energies.work[e] = made + factor * square
     return factor
 
@@ -153,11 +155,11 @@ def take_centre(cells: CellTable, e: int, halves: Array) -> Vector:
     """Take the mean of the places out of halves (k, 2, 3); returns it."""
     begin, count, centre = cells.first[e], 0, (0.0, 0.0, 0.0)
     for a in range(halves.shape[0]):
-        if has_place(cells.kinds[begin + a]):
+        if has_position(cells.kinds[begin + a]):
             centre, count = plus(centre, load_row(halves[a], 0)), count + 1
     centre = scaled(1.0 / max(count, 1), centre)
     for a in range(halves.shape[0]):
-        if has_place(cells.kinds[begin + a]):
+        if has_position(cells.kinds[begin + a]):
             store_row(halves[a], 0, minus(load_row(halves[a], 0), centre))
     return centre
 
@@ -236,7 +238,7 @@ def set_out(cells: CellTable, e: int, nodes: Nodes, work: Work) -> None:
         for k in range(2):
             moved = load(nodes.step[mine[a]], 3 * k)
             start = load_row(r[a], k)
-            seen = minus(moved, origin) if k == 0 and has_place(kinds[a]) else moved
+            seen = minus(moved, origin) if k == 0 and has_position(kinds[a]) else moved
             store_row(d[a], k, moved)
             store_row(r[a], k, combined(1.0, start, 0.5, seen))
             store_row(other[a], k, plus(start, seen))
@@ -278,7 +280,7 @@ def _add_all(
     """The same with the memory for a cell."""
     repay, squares = factors[0], 0.0
     for e in range(cells.sees.shape[0]):
-        if are_places(cells, e):
+        if are_positions(cells, e):
             continue
         begin, count = cells.first[e], cells.first[e + 1] - cells.first[e]
         r, d, f = room.r[:count], room.d[:count], room.f[:count]
@@ -287,12 +289,12 @@ def _add_all(
         energies.end[e] = energy_of(cells, e, nodes.H, work.other, work.rows)
         take_centre(cells, e, r)
         ω = (0.0, 0.0, 0.0)
-        if cells.sees[e] < PLACES:
+        if cells.sees[e] < POSITIONS:
             take_centre(cells, e, d)
         if cells.sees[e] == NOTHING:
             ω = rotation_of(cells, e, work)
         _mean_forces(cells, e, nodes.H, ω, work)
-        made, square, noise, ρ2 = 0.0, 0.0, 0.0, 0.0
+        made, square, round_off_level, ρ2 = 0.0, 0.0, 0.0, 0.0
         for a in range(count):
             for k in range(2):
                 weight, arm = cells.weights[begin + a, k], load_row(r[a], k)
@@ -301,9 +303,9 @@ def _add_all(
                 push = load_row(f[a], k)
                 made += dot(push, s)
                 square += weight * dot(s, s)
-                noise += sqrt(dot(push, push) * dot(arm, arm))
+                round_off_level += sqrt(dot(push, push) * dot(arm, arm))
                 ρ2 += weight * dot(arm, arm) / count
-        known = (made, square, noise, ρ2, cells.cancels[e])
+        known = (made, square, round_off_level, ρ2, cells.cancels[e])
         factor = factor_beside(energies, e, factors, known)
         squares += square
         for a in range(count):

@@ -42,7 +42,7 @@ from fem_lie.lie.tuples import (
 )
 
 
-def half_way(H: Array, end: Array, count: int) -> Array:
+def midpoint_frames(H: Array, end: Array, count: int) -> Array:
     """Frames half-way to the end along screws: the means of what turns as a whole are strained."""
     middle = end.copy()
     step = lie.se3_relative(H[:count], end[:count])
@@ -116,7 +116,7 @@ def span_one(H: Array, step: Array, delta: Array, mean: Array, end: Array, middl
 
 @compiled
 def follow(A: Array, master: Indices, offset: Array, out: Array) -> None:
-    """Rows (x, d₁, d₂, d₃) of all nodes from their master nodes: linear, so for increments too.
+    """Rows (x, d₁, d₂, d₃) of all nodes from those of their leaders: linear, so for increments too.
 
     Shapes (≥ n, 4, 3), (N,), (N, 4, 3), (N, 4, 3); for increments the same.
     """
