@@ -1,4 +1,4 @@
-"""``python -m fem_lie``: versions, solvers, BLAS and caches; compiles or clears them if asked."""
+"""``python -m fem_lie``: report versions, solvers, BLAS and caches; compile or clear caches."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SOLVERS = ("mumps", "umfpack", "klu", "superlu", "suitesparse", "ptscotch", "hy
 
 
 def caches() -> dict[str, Path]:
-    """Folders of what was compiled, by name; some may not exist yet."""
+    """Cache folders by name; some may not exist yet."""
     found = {"forms": Path(dolfinx.jit.get_options()["cache_dir"])}
     if FOLDER is not None:
         found["machine-code"] = FOLDER
@@ -32,17 +32,17 @@ def caches() -> dict[str, Path]:
 
 
 def size(folder: Path) -> tuple[int, int]:
-    """Number of files in a folder and in those in it, and their bytes."""
+    """Number of files in a folder and its subfolders, and their bytes."""
     sizes = []
     for path in folder.rglob("*") if folder.is_dir() else ():
-        with suppress(FileNotFoundError):  # another process may remove what is old
+        with suppress(FileNotFoundError):  # another process may remove old files
             if path.is_file():
                 sizes.append(path.stat().st_size)
     return len(sizes), sum(sizes)
 
 
 def versions() -> list[tuple[str, str]]:
-    """What is installed, and its version."""
+    """Installed packages and their versions."""
     petsc = ".".join(map(str, PETSc.Sys.getVersion()))
     scalars = "complex" if PETSc.ScalarType().dtype.kind == "c" else "real"
     found = [
@@ -63,7 +63,7 @@ def _version(name: str) -> str:
 
 
 def report() -> str:
-    """All of it as text."""
+    """Report as text."""
     lines = [f"{name:13} {version}" for name, version in versions()]
     solvers = [name for name in _SOLVERS if PETSc.Sys.hasExternalPackage(name)]
     blas = _blas.find()

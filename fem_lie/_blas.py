@@ -1,7 +1,7 @@
-"""Which BLAS the factorisations of this environment call.
+"""The BLAS that the factorisations of this environment call.
 
 As a script it prints that in one line, with a warning if it is the reference implementation. It
-imports nothing of the package, so that ``tools/setup --status`` can ask at once.
+imports nothing of the package, so that ``tools/setup --status`` is fast.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 from petsc4py import PETSc
 
 _TEXTS = {"openblas_get_config": "", "bli_info_get_version_str": "BLIS "}
-"""Functions without arguments that return a text, and what stands before it."""
+"""Functions without arguments that return a text, and its prefix."""
 _OTHERS = {"MKL_Get_Version": "Intel MKL", "ATL_buildinfo": "ATLAS", "flexiblas_chain": "FlexiBLAS"}
 """Functions by which other optimised libraries are recognised."""
 
@@ -69,13 +69,13 @@ def describe(path: Path) -> Blas:
 
 
 def find(library: Path | None = None) -> Blas:
-    """The BLAS that ``library`` calls, by default the one of PETSc and its solvers.
+    """The BLAS that ``library`` calls, by default that of PETSc and its solvers.
 
-    The dynamic linker is asked where ``dgemm`` of that library stands, so alternatives,
-    ``LD_LIBRARY_PATH`` and run paths count as they do in a run.
+    The dynamic linker resolves ``dgemm`` of that library, so alternatives, ``LD_LIBRARY_PATH`` and
+    run paths count as they do in a run.
 
     Raises:
-        AttributeError: ``library`` is linked to no BLAS.
+        AttributeError: ``library`` is not linked to a BLAS.
     """
     user = ctypes.CDLL(str(PETSc.__file__ if library is None else library))
     found = _SymbolInfo()

@@ -1,6 +1,6 @@
-"""Every difference between versions: DOLFINx 0.9 is the target, the tests also pass with 0.11.
+"""All differences between versions: DOLFINx 0.9 is the target, the tests also pass with 0.11.
 
-Where a branch stands for 0.9 (or 0.10) alone, a comment says with which version it can go.
+If a branch is only for 0.9 (or 0.10), a comment says with which version it can go.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def custom_form(
 
 
 class _WithoutVariables(MultiFunction):
-    """What variables stand for in their place."""
+    """Replaces variables by their operands."""
 
     expr = MultiFunction.reuse_if_untouched
 
@@ -72,10 +72,10 @@ class _WithoutVariables(MultiFunction):
 
 
 def expression(value: Expr, points: npt.ArrayLike) -> fem.Expression:
-    """An expression at points of its cells, compiled once for all that are made alike.
+    """An expression at points of its cells, compiled once for all equal expressions.
 
-    FFCx names what it compiles after the count of each ``ufl.variable``, so derivatives with
-    respect to one are taken first.
+    FFCx names compiled expressions by the count of each ``ufl.variable``, so derivatives with
+    respect to one are expanded first.
     """
     if has_type(value, Variable):
         lowered = apply_derivatives(apply_algebra_lowering(value))
@@ -107,7 +107,7 @@ def geometry_dofmap(mesh: dolfinx.mesh.Mesh) -> npt.NDArray[np.int32]:
 
 
 def kinds_of_cells(mesh: dolfinx.mesh.Mesh) -> list[str]:
-    """Names of the kinds of cells of a mesh, several if its topology is mixed."""
+    """Names of the cell types of a mesh, several for a mixed topology."""
     topology = mesh.topology._cpp_object if hasattr(mesh.topology, "_cpp_object") else mesh.topology
     return [kind.name for kind in topology.entity_types[mesh.topology.dim]]
 
@@ -127,13 +127,13 @@ def create_line_mesh(
     cells: npt.NDArray[np.int64],
     degree: int = 1,
 ) -> dolfinx.mesh.Mesh:
-    """Line mesh in space from points ``(n, 3)`` and cells ``(m, degree + 1)``, each rank its part.
+    """Line mesh in space from points ``(n, 3)`` and cells ``(m, degree + 1)``, on all ranks.
 
     The call is by keyword: two arguments were swapped in 0.10.
 
     Raises:
         ValueError: The mesh branches, there are several ranks, and this DOLFINx would cut it.
-        RuntimeError: The mesh was cut all the same.
+        RuntimeError: The mesh was cut nevertheless.
     """
     total = comm.allreduce(len(points))
     valence = comm.allreduce(np.bincount(cells[:, :2].ravel(), minlength=total))
@@ -144,18 +144,18 @@ def create_line_mesh(
     if BRANCHING_IN_PARALLEL:
         options["max_facet_to_cell_links"] = max(2, largest)
     mesh = dolfinx.mesh.create_mesh(comm, cells=cells, x=points, e=element, **options)
-    wanted, found = np.count_nonzero(valence), mesh.topology.index_map(0).size_global
-    if found != wanted:
+    expected, found = np.count_nonzero(valence), mesh.topology.index_map(0).size_global
+    if found != expected:
         raise RuntimeError(
-            f"DOLFINx cut the line mesh: {found} vertices instead of {wanted}; use one process"
+            f"DOLFINx cut the line mesh: {found} vertices instead of {expected}; use one process"
         )
     return mesh
 
 
 def check_branches(mesh: dolfinx.mesh.Mesh) -> None:
-    """Refuse a line mesh on several ranks of which it is seen that it branches, where 0.9 may cut.
+    """Refuse a branching line mesh on several ranks if 0.9 may have cut it.
 
-    A mesh that was cut has two vertices at one place, as separate lines may have, and passes.
+    A mesh that was cut has two vertices at one point, as separate lines may have, and passes.
 
     Raises:
         ValueError: It branches; on every rank.
@@ -183,8 +183,8 @@ def _refuse_branches(comm: MPI.Intracomm, valence: int) -> None:
 def ghost_options(mode: GhostMode = GhostMode.shared_facet) -> dict[str, Any]:
     """Options of ``dolfinx.mesh.create_mesh``: by default processes copy neighbouring cells.
 
-    From 0.10 on a partitioner wants to know how many cells meet at a facet. The branch can go with
-    0.9.
+    From 0.10 on a partitioner needs the number of cells that meet at a facet. The branch can go
+    with 0.9.
     """
     limit = (2,) if VERSION >= (0, 10) else ()
     return {"partitioner": dolfinx.mesh.create_cell_partitioner(mode, *limit)}
@@ -193,11 +193,9 @@ def ghost_options(mode: GhostMode = GhostMode.shared_facet) -> dict[str, Any]:
 def create_surface_mesh(
     points: npt.NDArray[np.float64], cells: npt.NDArray[np.int64], cell: str, degree: int
 ) -> dolfinx.mesh.Mesh:
-    """Mesh on this process alone, from points ``(n, gdim)`` and cells as DOLFINx orders them.
+    """Surface or volume mesh on this process, from points ``(n, gdim)`` and cells.
 
-    Volumes are meshed likewise.
-
-    The call is by keyword: two arguments were swapped in 0.10.
+    Cells are in DOLFINx's order. The call is by keyword: two arguments were swapped in 0.10.
     """
     element = basix.ufl.element("Lagrange", cell, degree, shape=(points.shape[1],))
     return dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=points, e=element)
@@ -206,9 +204,9 @@ def create_surface_mesh(
 def refined(
     mesh: dolfinx.mesh.Mesh, cells: npt.NDArray[np.int32]
 ) -> tuple[dolfinx.mesh.Mesh, npt.NDArray[np.int32]]:
-    """A mesh of simplices with these cells cut, and the cell that each of its cells is a part of.
+    """Mesh of simplices with some cells refined, and the parent of each of its cells.
 
-    DOLFINx gives parents in the order in which it made the cells, before it gave them numbers.
+    DOLFINx returns parents in the order of creation of the cells, before renumbering.
     """
     topology, dim = mesh.topology, mesh.topology.dim
     topology.create_entities(1)
@@ -221,7 +219,7 @@ def refined(
 
 
 def gmsh_order(cell: str, nodes: int) -> npt.NDArray[np.int64]:
-    """Where DOLFINx's nodes of a cell stand among gmsh's, shape (nodes,)."""
+    """Positions of DOLFINx's nodes of a cell in gmsh's order, shape (nodes,)."""
     kind = dolfinx.cpp.mesh.to_type(cell)
     return np.asarray(dolfinx.cpp.io.perm_gmsh(kind, nodes), dtype=np.int64)
 
@@ -229,26 +227,26 @@ def gmsh_order(cell: str, nodes: int) -> npt.NDArray[np.int64]:
 def is_made_of(
     mesh: dolfinx.mesh.Mesh, points: npt.NDArray[np.float64], cells: npt.NDArray[np.int64]
 ) -> bool:
-    """Whether a mesh has these points (n, 3) and cells (m, k), by its own numbers."""
+    """Whether a mesh has these points (n, 3) and cells (m, k), in its own numbering."""
     return np.array_equal(mesh.geometry.x, points) and np.array_equal(geometry_dofmap(mesh), cells)
 
 
 def drawn_surface(grid: Any, subdivision: int) -> Any:
-    """Surface of a pyvista grid, curved cells in pieces.
+    """Surface of a pyvista grid, with curved cells subdivided.
 
-    From pyvista 0.47 on the filter warns unless it is told how; before, it cannot be. Can go with
-    older ones.
+    From pyvista 0.47 on the filter warns unless an algorithm is chosen; before, there was no
+    choice. Can go with older versions.
     """
-    told = "algorithm" in inspect.signature(grid.extract_surface).parameters
-    options = {"algorithm": "dataset_surface"} if told else {}
+    selectable = "algorithm" in inspect.signature(grid.extract_surface).parameters
+    options = {"algorithm": "dataset_surface"} if selectable else {}
     return grid.extract_surface(nonlinear_subdivision=subdivision, **options)
 
 
 @contextmanager
 def slepc_errors() -> Iterator[None]:
-    """Raise what SLEPc reports as ``PETSc.Error``, as petsc4py does.
+    """Raise errors of SLEPc as ``PETSc.Error``, as petsc4py does.
 
-    slepc4py 3.25.1, beside DOLFINx 0.11, hides it as the cause of a ``SystemError``; 3.22 does not.
+    slepc4py 3.25.1, with DOLFINx 0.11, hides it as the cause of a ``SystemError``; 3.22 does not.
     Can go when the newest slepc4py raises ``PETSc.Error`` again and 3.25 is no longer in use.
     """
     try:

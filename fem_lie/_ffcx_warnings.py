@@ -16,8 +16,8 @@ import warnings
 def _import_ffcx() -> None:
     """Import FFCx, and revert its capture of warnings.
 
-    If FFCx was imported before, it cannot be known who made the capture. It is then reverted unless
-    a handler receives the captured warnings, for those are seen.
+    If FFCx was imported before, the origin of the capture is unknown. It is then reverted unless a
+    handler receives the captured warnings.
     """
     imported_before = "ffcx" in sys.modules
     show = warnings.showwarning

@@ -28,7 +28,7 @@ from dolfinx import fem
 from fem_lie._jit import shipped
 
 _log = logging.getLogger(__name__)
-_PATIENCE = 5  # seconds that FFCx waits for a library before it is looked who compiles
+_PATIENCE = 5  # seconds that FFCx waits for a library before the check for compiling processes
 _GAVE_UP = re.compile(r"JIT compilation timed out.*remove (\S+\.c)\)", re.DOTALL)
 
 Compiled = TypeVar("Compiled")

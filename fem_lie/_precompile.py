@@ -1,7 +1,7 @@
-"""Compiles beforehand what most runs need: ``python -m fem_lie --compile``.
+"""Compile beforehand what most runs need: ``python -m fem_lie --compile``.
 
-Small scenes are run, each in a process of its own, as many at once as there are cores. What they
-compile is kept in the caches of FFCx and of this package, where every later run finds it.
+Small scenes are run, each in a process of its own, as many at once as there are cores. The compiled
+code stays in the caches of FFCx and of this package for all later runs.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _SECTION = fl.Section.rectangle(0.01, 0.01, _STEEL)
 
 
 def _mechanism() -> fl.Scene:
-    """A beam falls from a ball joint, with one on a hinge at its end and a rigid body on that."""
+    """A beam on a ball joint, with a beam on a hinge at its end that carries a rigid body."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), _SECTION, cells=4))
     two = scene.add(fl.Beam.straight((0.5, 0, 0), (0.5, 0.5, 0), _SECTION, cells=4))
@@ -73,18 +73,18 @@ SCENES: dict[str, Callable[[], None]] = {
     "shells": _shells,
     "beams": _beams,
 }
-"""What is run, by name; what takes longest to compile comes first."""
+"""Scenes by name; those that take longest to compile come first."""
 
 
 def precompile(jobs: int | None = None) -> None:
     """Run all scenes, unless that was done with these sources, this numba and this processor.
 
     Args:
-        jobs: How many at once; ``None``: as many as this process may use cores.
+        jobs: Number of simultaneous processes; ``None``: number of available cores.
 
     Raises:
-        RuntimeError: A scene fails; with what it wrote.
-        OSError: Nothing can be kept, as no cache folder can be written.
+        RuntimeError: A scene fails; with its output.
+        OSError: No cache folder is writable.
     """
     if machine_code.FOLDER is None:
         raise OSError("compiled code cannot be kept: the cache folder cannot be written")
@@ -97,7 +97,7 @@ def precompile(jobs: int | None = None) -> None:
 
 
 def forget() -> None:
-    """Let the next :func:`precompile` run all scenes, as after a cache was cleared."""
+    """Make the next :func:`precompile` run all scenes, as after a cache was cleared."""
     for mark in _marks():
         mark.unlink(missing_ok=True)
 
@@ -107,7 +107,7 @@ def _marks() -> Iterator[Path]:
 
 
 def _fingerprint() -> str:
-    """Of all sources, of Python and numba, and of the processor."""
+    """Fingerprint of all sources, of Python and numba, and of the processor."""
     digest = hashlib.sha256(f"{sys.version} {fl.__file__} {llvm.get_host_cpu_name()}".encode())
     digest.update(machine_code.numba.__version__.encode())
     for source in sorted(machine_code.PACKAGE.rglob("*.py")):
@@ -116,10 +116,10 @@ def _fingerprint() -> str:
 
 
 def write_generic(folder: Path, jobs: int | None = None) -> None:
-    """Write machine code for a generic processor of this architecture, as wheels bring it.
+    """Write machine code for a generic processor of this architecture, for wheels.
 
     Args:
-        folder: Where; it is made.
+        folder: Target folder, which is created.
         jobs: As for :func:`precompile`.
 
     Raises:
@@ -137,7 +137,7 @@ def write_generic(folder: Path, jobs: int | None = None) -> None:
 
 
 class _Bar:
-    """How many scenes are through, and what is compiled."""
+    """Progress of scenes and compiled functions."""
 
     def __init__(self) -> None:
         self._bar = tqdm(total=len(SCENES), desc="compiling", unit="scene", disable=None)
@@ -150,14 +150,14 @@ class _Bar:
         self._bar.close()
 
     def function(self, name: str) -> None:
-        """Another function was compiled."""
+        """Count a compiled function."""
         with self._lock:
             self._functions += 1
             self._bar.set_postfix_str(f"{self._functions} functions, {name}", refresh=False)
             self._bar.update(0)
 
     def scene(self) -> None:
-        """A scene is through."""
+        """Count a finished scene."""
         with self._lock:
             self._bar.update()
 
@@ -191,13 +191,13 @@ def _run_one(name: str, environment: dict[str, str], bar: _Bar) -> None:
 
 
 class _Reports(event.Listener):
-    """Writes a line for each function that was compiled."""
+    """Writes a line for each compiled function."""
 
     def on_start(self, event: Any) -> None:
-        """It begins."""
+        """Note the start of a compilation."""
 
     def on_end(self, event: Any) -> None:
-        """It is compiled."""
+        """Write the line."""
         function = event.data["dispatcher"].py_func
         print(f"{_COMPILED}{function.__module__}.{function.__qualname__}", flush=True)
 

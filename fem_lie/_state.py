@@ -1,8 +1,8 @@
-"""The state of a run by the names of its attributes: copied, put back and written in one place.
+"""State of a run by the names of its attributes: copying, restoring and writing.
 
-A class names in ``STATE`` the attributes on which what comes next depends; those of its base
-classes count, too. An attribute is an array, a number, a tuple or list of arrays, or an object that
-has a state of its own, whose names then follow after a dot; nothing is kept of ``None``.
+A class names in ``STATE`` the attributes that determine the next steps; those of its base classes
+are included. An attribute is an array, a number, a tuple or list of arrays, or an object with a
+state of its own, whose names follow after a dot; ``None`` has no state.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from fem_lie._arrays import Array
 
 
 class HasState(Protocol):
-    """What can be saved and restored."""
+    """An object whose state can be saved and restored."""
 
     def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
+        """State that determines the next steps, as arrays by name."""
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
+        """Restore the state of :meth:`memory`."""
 
 
 def attributes(*names: str) -> tuple[str, ...]:
@@ -31,28 +31,28 @@ def attributes(*names: str) -> tuple[str, ...]:
 
 
 class Stateful:
-    """What has a state: the attributes that ``STATE`` names."""
+    """An object whose state is the attributes named in ``STATE``."""
 
     STATE: ClassVar[tuple[str, ...]] = ()
     _of_all: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls) -> None:
-        """Collect what base classes have, which comes first."""
+        """Collect the names of base classes, which come first."""
         super().__init_subclass__()
         bases = reversed(cls.__mro__)
         cls._of_all = tuple(name for base in bases for name in vars(base).get("STATE", ()))
 
     def memory(self) -> dict[str, Array]:
-        """All that the next steps depend on."""
+        """State that determines the next steps, as arrays by name."""
         return saved(self, self._of_all)
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
+        """Restore the state of :meth:`memory`."""
         put_back(self, self._of_all, kept)
 
 
 def saved(owner: object, names: Iterable[str]) -> dict[str, Array]:
-    """Copies of what attributes are, by their names; ``s.H`` is an attribute of an attribute."""
+    """Copies of attributes by name; ``s.H`` is an attribute of an attribute."""
     found: dict[str, Array] = {}
     for name in names:
         _add(found, name, getattr(*_place(owner, name)))
@@ -60,9 +60,10 @@ def saved(owner: object, names: Iterable[str]) -> dict[str, Array]:
 
 
 def arrays_of(owner: object, names: Iterable[str]) -> dict[str, Array]:
-    """The arrays that :func:`saved` copies, by the same names, if the state has arrays only.
+    """Arrays that :func:`saved` copies, by the same names, if the state consists of arrays only.
 
-    A state that is copied in every step is copied faster by them; they must stay the same objects.
+    A state that is copied in every step is copied faster with these; the arrays must stay the same
+    objects.
     """
     found: dict[str, Array] = {}
     for name in names:
@@ -78,7 +79,7 @@ def arrays_of(owner: object, names: Iterable[str]) -> dict[str, Array]:
 
 
 def put_back(owner: object, names: Iterable[str], kept: Mapping[str, Array]) -> None:
-    """Make attributes what :func:`saved` found; arrays of the same shape stay where they are."""
+    """Set attributes to those of :func:`saved`; arrays of same shape are overwritten in place."""
     for name in names:
         holder, last = _place(owner, name)
         value = getattr(holder, last)
@@ -111,7 +112,7 @@ def _add(found: dict[str, Array], name: str, value: Any) -> None:
 
 
 def _in_place(name: str, value: Any, kept: Mapping[str, Array]) -> bool:
-    """Put back what is no attribute's new value; whether it was."""
+    """Restore a value in place, if possible; return whether it was."""
     if isinstance(value, np.ndarray):
         if value.shape != kept[name].shape:
             return False
@@ -128,12 +129,12 @@ def _in_place(name: str, value: Any, kept: Mapping[str, Array]) -> bool:
 
 
 def _items(values: tuple[Any, ...] | list[Any]) -> Iterator[tuple[str, Any]]:
-    """Of a record by the names of its fields."""
+    """Items by name of the fields of a record, or by number."""
     names = getattr(values, "_fields", range(len(values)))
     return ((str(name), value) for name, value in zip(names, values, strict=True))
 
 
 def part_of(kept: Mapping[str, Array], name: str) -> dict[str, Array]:
-    """What was saved of the attribute of this name, by names of its own."""
+    """State of the attribute of this name, by names of its own."""
     front = f"{name}."
     return {n.removeprefix(front): array for n, array in kept.items() if n.startswith(front)}

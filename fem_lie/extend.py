@@ -1,7 +1,7 @@
-"""What elements, joints, bodies, error estimates and time schemes of one's own are made of.
+"""Parts for elements, joints, bodies, error estimates and time schemes of your own.
 
-Each of these is one new file outside the package; ``docs/how_to`` has a whole one for each. What a
-scene is made of stands in :mod:`fem_lie` itself; here is what scenes do not show.
+Each of these is one file outside the package; ``docs/how_to`` has an example of each. The parts of
+scenes are in :mod:`fem_lie` itself; this module has what scenes do not show.
 
 * **Elements from a UFL energy**: :class:`CellData`, :func:`cellwise`, :func:`present_values`,
   :class:`NodalFrames`, :func:`local_frame_forms`, :class:`LocalFrameForms`, :class:`FrameMap` of

@@ -1,7 +1,7 @@
-"""Calls of compiled functions by their addresses, for what few scenes need.
+"""Calls of compiled functions by their addresses, for code that few scenes need.
 
-A call by name compiles what is called with its caller, whether it is ever called or not. A call by
-address compiles nothing: who puts the address of a callback there has it compiled.
+A call by name compiles the called function with its caller, whether it is ever called or not. A
+call by address compiles nothing; whoever provides the address of a callback has it compiled.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Calls of Python functions from compiled code that Python has called.
 
-What is compiled asks for something that only Python can do in the middle of its work, and goes on:
-simpler than to come back and to be called again. A call takes some microseconds.
+Compiled code uses them for work that only Python can do, and continues: simpler than to return and
+to be called again. A call takes some microseconds.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from numba.extending import intrinsic
 
 
 class CalledBack:
-    """A Python function without arguments at an address, which it keeps as long as it lives.
+    """A Python function without arguments at an address, which is valid during its life.
 
-    Errors cannot pass through compiled code: the first one waits until it is asked for.
+    Errors cannot pass through compiled code: the first one is stored until :meth:`check`.
 
     Attributes:
-        address: For :func:`call_back`.
+        address: Address for :func:`call_back`.
     """
 
     def __init__(self, function: Callable[[], None], failed: Callable[[], None]) -> None:
-        """At a new address.
+        """Create the callback.
 
         Args:
-            function: To be called.
+            function: Function to call.
             failed: Called after an error, so that compiled code can end early.
         """
         self._function, self._failed = function, failed
@@ -43,7 +43,7 @@ class CalledBack:
             return
         try:
             self._function()
-        except BaseException as error:  # raised again by Python that has called compiled code
+        except BaseException as error:  # raised again by the Python caller of the compiled code
             self._error = error
             self._failed()
 

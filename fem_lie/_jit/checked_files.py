@@ -1,4 +1,4 @@
-"""Files of the cache with a checksum: what was cut, emptied or altered is never executed."""
+"""Files of the cache with a checksum: truncated, empty or altered files are never executed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _checksum(data: bytes) -> bytes:
 
 
 def write_checked(path: Path, data: bytes) -> None:
-    """Write a file that appears under its name only when it is whole.
+    """Write a file that appears under its name only when it is complete.
 
     Raises:
         OSError: The disk is full, or there is another reason.
@@ -39,7 +39,7 @@ def write_checked(path: Path, data: bytes) -> None:
 
 
 def read_checked(path: Path) -> bytes | None:
-    """What :func:`write_checked` has written; ``None`` if it is not there or is damaged."""
+    """Contents of a file of :func:`write_checked`; ``None`` if it is missing or damaged."""
     try:
         content = path.read_bytes()
     except FileNotFoundError:
@@ -52,7 +52,7 @@ def read_checked(path: Path) -> bytes | None:
 
 
 def unpickled(data: bytes | None) -> Any:
-    """What was pickled; ``None`` for nothing, and for records of modules that are not there.
+    """Unpickled object; ``None`` for nothing, and for records of modules that do not exist.
 
     Versions of the package share a cache, and a function that is the same in two of them may have
     been compiled for records that one of them does not have.
@@ -64,18 +64,18 @@ def unpickled(data: bytes | None) -> Any:
 
 
 class CheckedFiles(IndexDataCacheFile):
-    """The index and the data of one function in numba's cache, each with a checksum.
+    """Index and data of one function in numba's cache, each with a checksum.
 
-    Processes that write at the same time can leave an index that names the data of another
-    signature: so the data say which signature they are for.
+    Processes that write simultaneously can leave an index with the name of the data of another
+    signature: the data therefore contain their signature.
     """
 
     def save(self, key: Any, data: Any) -> None:
-        """Write what is compiled for a signature."""
+        """Write the compiled code of a signature."""
         super().save(key, (key, data))
 
     def load(self, key: Any) -> Any:
-        """What is compiled for a signature, or ``None``."""
+        """Compiled code of a signature, or ``None``."""
         saved_for, data = super().load(key) or (None, None)
         return data if saved_for == key else None
 

@@ -1,7 +1,7 @@
 """Copies between arrays of equal shapes in compiled code.
 
-``target[:] = source`` is more to numba: it looks whether both overlap and whether the source is to
-be broadcast, and has a message with both shapes ready, whose text takes seconds to compile.
+``target[:] = source`` is more to numba: it checks for overlap and broadcasting, and has an error
+message with both shapes, whose text takes seconds to compile.
 """
 
 from __future__ import annotations

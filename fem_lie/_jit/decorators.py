@@ -54,16 +54,16 @@ def inlined_series(function: F) -> F:
 
 
 class Callback:
-    """A C callback, compiled or loaded when its address is first asked for."""
+    """A C callback, compiled or loaded on first use of its address."""
 
     def __init__(self, function: Callable[..., Any], signature: Any) -> None:
-        """Nothing is compiled yet."""
+        """Store the function without compiling it."""
         self._function, self._signature = function, signature
         update_wrapper(cast(Any, self), function)
 
     @cached_property
     def made(self) -> Any:
-        """The callback of numba, which it keeps in its cache."""
+        """The callback of numba, which it stores in its cache."""
         signature, options = normalize_signature(self._signature), {"error_model": "numpy"}
         made = CalledByAddress(self._function, signature, {}, options, pipeline_class=_Passes)
         if can_be_cached(self._function):
@@ -74,7 +74,7 @@ class Callback:
 
     @property
     def address(self) -> int:
-        """Where it is; it is there as long as this object."""
+        """Address, valid during the life of this object."""
         return int(self.made.address)
 
 
@@ -91,34 +91,34 @@ def callback(signature: Any) -> Callable[[Callable[..., Any]], Callback]:
 
 
 def uncounted(function: F) -> F:
-    """As :func:`compiled`, without counting who refers to arrays, of which it makes none.
+    """As :func:`compiled`, without reference counts of arrays, of which it creates none.
 
-    For loops over records of many arrays: to take one of a record, or a part of one, is counted up
-    and down again, which can take twice as long as what is done with it. Arrays that it makes or
-    returns are errors; those it is given are its callers'.
+    For loops over records of many arrays: taking one of a record, or a part of one, is counted up
+    and down again, which can take twice as long as the work. Arrays that it creates or returns are
+    errors; its arguments belong to the callers.
     """
     return _njit(function, **{_COUNTED: False})
 
 
 def inlined_uncounted(function: F) -> F:
-    """As :func:`inlined`, without that counting: for what :func:`uncounted` functions call."""
+    """As :func:`inlined`, without reference counts: for functions that :func:`uncounted` ones call."""
     return _njit(function, forceinline=True, **{_COUNTED: False})
 
 
 def linked(function: F) -> F:
-    """As :func:`compiled`, for what mostly calls compiled functions that take most of the time.
+    """As :func:`compiled`, for functions whose time is mostly that of compiled functions they call.
 
-    Their code is linked in as it was optimised for itself; doing that anew at each level of calls
-    is what compiling a loop over steps would take longest for.
+    The code of these is linked as it was optimised by itself; optimising it again at each level of
+    calls would dominate the compilation of loops over steps.
     """
     return _njit(function, _LINKED)
 
 
 _COUNTED = "_nrt"
-"""Numba's name for what counts references."""
+"""Numba's name of the option for reference counts."""
 
 _OPTIMISED, _LINKED, _USERS_LEVEL = 3, 1, config.OPT
-"""Levels of optimisation; what a user sets for numba is the highest."""
+"""Optimisation levels; the user's setting of numba is the highest."""
 
 
 def _njit(function: F, level: int = _OPTIMISED, **options: Any) -> F:
@@ -127,7 +127,7 @@ def _njit(function: F, level: int = _OPTIMISED, **options: Any) -> F:
     return cast(F, update_wrapper(cast(Any, unmade), function))
 
 
-# what is not said is inherited from the caller that is compiled first
+# unset options are inherited from the caller that is compiled first
 _OPTIONS: dict[str, Any] = {
     "nopython": True,
     "boundscheck": None,
@@ -138,12 +138,12 @@ _OPTIONS: dict[str, Any] = {
 
 
 class _Passes(Compiler):
-    """The passes of numba, which otherwise finds their order again for each function."""
+    """Passes of numba, whose order it would otherwise find again for each function."""
 
     _managers: ClassVar[list[PassManager]] = []
 
     def define_pipelines(self) -> list[PassManager]:
-        """The same for all functions."""
+        """The same passes for all functions."""
         self._managers.extend([] if self._managers else super().define_pipelines())
         return self._managers
 
@@ -152,7 +152,7 @@ class _Dispatcher(CPUDispatcher):
     """A compiled function.
 
     Attributes:
-        level: Of optimisation.
+        level: Optimisation level.
     """
 
     level: int
@@ -168,33 +168,33 @@ class _Dispatcher(CPUDispatcher):
 
 
 class _ForCallers(_Dispatcher):
-    """What compiled functions call."""
+    """A function for compiled callers."""
 
     def enable_caching(self) -> None:
-        """Keep what callers take in."""
+        """Cache the code for callers."""
         self._cache = SafeCache(self.py_func)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """The types that a call has; of constants it takes the type, and not each value."""
+        """Types of a call; constants count by their type instead of their value."""
         named = {name: numba.types.unliteral(each) for name, each in kws.items()}
         return super().get_call_template([numba.types.unliteral(each) for each in args], named)
 
     def compile(self, sig: Any) -> Any:
-        """Compile what callers take in."""
+        """Compile the code for callers."""
         with global_compiler_lock, without_machine_code(self.targetctx.codegen()):
             return super().compile(sig)
 
 
 class _CalledFromPython(_Dispatcher):
-    """A compiled function; others that are compiled call what it calls.
+    """A compiled function for Python; compiled callers use the function behind it.
 
-    What takes arguments from Python is more code than most functions are: a record of fifty arrays
-    takes 0.7 s to compile. So functions have it only if they are called from Python.
+    Unpacking arguments from Python is more code than most functions: a record of fifty arrays takes
+    0.7 s to compile. Functions therefore have it only if they are called from Python.
 
     Attributes:
-        function: What is compiled.
-        options: Of numba.
-        level_for_callers: Of optimisation, of what compiled functions call.
+        function: The Python function.
+        options: Options of numba.
+        level_for_callers: Optimisation level of the code for compiled callers.
     """
 
     function: Callable[..., Any]
@@ -203,7 +203,7 @@ class _CalledFromPython(_Dispatcher):
     level = _LINKED
 
     def enable_caching(self) -> None:
-        """Keep what is called from Python."""
+        """Cache the code for Python."""
         self._cache = EntranceCache(self.py_func)
 
     def compile(self, sig: Any) -> Any:
@@ -214,7 +214,7 @@ class _CalledFromPython(_Dispatcher):
 
     @cached_property
     def for_callers(self) -> CPUDispatcher:
-        """What compiled functions call."""
+        """The function for compiled callers."""
         options = _OPTIONS | self.options | {"no_cpython_wrapper": True}
         inner = _ForCallers(self.function, targetoptions=options, pipeline_class=_Passes)
         inner.level = self.level_for_callers
@@ -228,19 +228,19 @@ class _CalledFromPython(_Dispatcher):
 
 
 class _Unmade(_CalledFromPython):
-    """A function that was not called from Python yet; what numba knows of it is made then.
+    """A function that Python has not called yet; its numba dispatcher is created at the first call.
 
     Most functions are called by compiled ones, whose machine code is loaded, or not at all, and
-    what numba keeps of one takes half a millisecond to make.
+    creating a dispatcher takes half a millisecond.
     """
 
     def __call__(self, *args: Any, **named: Any) -> Any:
-        """Call it, for the first time."""
+        """Create the dispatcher and call it."""
         self._make()
         return self(*args, **named)
 
     def __getattr__(self, name: str) -> Any:
-        """What numba knows of it."""
+        """Create the dispatcher and return its attribute."""
         self._make()
         return getattr(self, name)
 
@@ -250,7 +250,9 @@ class _Unmade(_CalledFromPython):
                 return
             self.__class__ = _CalledFromPython
             entrance = _entrance(self.function, self)
-            options = _OPTIONS | self.options | {_COUNTED: True}  # arguments from Python are
+            options = (
+                _OPTIONS | self.options | {_COUNTED: True}
+            )  # arguments from Python are counted
             CPUDispatcher.__init__(self, entrance, targetoptions=options, pipeline_class=_Passes)
             update_wrapper(self, self.function)
             if can_be_cached(self.function):
@@ -258,7 +260,7 @@ class _Unmade(_CalledFromPython):
 
 
 def _entrance(function: Callable[..., Any], inner: Any) -> Callable[..., Any]:
-    """A function that calls ``inner`` and stands in the place of ``function``."""
+    """Function that calls ``inner`` with the signature of ``function``."""
     names = ", ".join(inspect.signature(function).parameters)
     source = f"def entrance({names}):\n    return inner({names})"
     scope = {"inner": inner}

@@ -1,9 +1,9 @@
-"""What is made and kept of a function: machine code if it is called, or else what callers take in.
+"""Code that is compiled and cached of a function: machine code, or intermediate code for callers.
 
-numba makes machine code of every function and keeps it with the intermediate code that is put into
-others that call it, and sets up all that it needs to compile before it loads either. Here what
-Python or C calls is called by nothing compiled, and what compiled functions call by nothing else:
-each has one half, and nothing is set up that is not wanted.
+numba makes machine code of every function and caches it with the intermediate code that is put into
+callers, and sets up its compiler before it loads either. Here no compiled function calls one that
+Python or C calls: each function has one of the two kinds of code, and the compiler is set up only
+if it is needed.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ _log = logging.getLogger(__name__)
 
 
 class _TakenInCode(CompileResultCacheImpl):
-    """Keeps what compiled functions call."""
+    """Caches the intermediate code of functions for compiled callers."""
 
     _locator_classes = (ForCallers,)
 
 
 class SafeCache(FunctionCache):
-    """A cache whose files have checksums, and without which a run goes on."""
+    """A cache with checksums of its files; a run continues without it if it fails."""
 
     _impl_class = _TakenInCode
-    _failed = False  # of all caches of this process: said once
+    _failed = False  # of all caches of this process: one warning
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        """Find where the code of a function is kept."""
+        """Find the cache folder of a function."""
         super().__init__(function)
         locator = self._impl.locator
         self._cache_file = WithShipped(
@@ -60,12 +60,12 @@ class SafeCache(FunctionCache):
 
 
 class _MachineCode(CompileResultCacheImpl):
-    """Keeps of the intermediate code what is called, without what it does."""
+    """Caches machine code, with the names of called functions instead of their intermediate code."""
 
     _locator_classes = (ByContent,)
 
     def reduce(self, compiled: Any) -> Any:
-        """What is kept of a compiled function: what it calls, and what numba keeps."""
+        """Cached data of a compiled function."""
         module, names = compiled.library._final_module, compiled.fndesc
         (name, kind, (machine_code, _)), *others = super().reduce(compiled)
         own = [each for part in (module.functions, module.global_variables) for each in part]
@@ -79,7 +79,7 @@ class _MachineCode(CompileResultCacheImpl):
         return outside, ((name, kind, (machine_code, left)), *others)
 
     def rebuild(self, target_context: Any, kept: Any) -> Any:
-        """The compiled function."""
+        """Compiled function from the cached data."""
         outside, function = kept
         rtsys.initialize(target_context)
         if not all(llvm.address_of_symbol(each) for each in outside):
@@ -88,21 +88,21 @@ class _MachineCode(CompileResultCacheImpl):
 
 
 class EntranceCache(SafeCache):
-    """Of a function that nothing compiled calls."""
+    """Cache of a function that no compiled function calls."""
 
     _impl_class = _MachineCode
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """What is kept for arguments of these types, or ``None``."""
+        """Cached code for arguments of these types, or ``None``."""
         with self._guard_against_spurious_io_errors():
             return self._load_overload(sig, target_context)
 
 
 class CalledByAddress(CFunc):
-    """A C callback whose machine code is kept so."""
+    """A C callback with such a cache."""
 
     def enable_caching(self) -> None:
-        """Keep it."""
+        """Enable the cache."""
         self._cache = EntranceCache(self._pyfunc)
 
     def compile(self) -> None:
@@ -112,7 +112,7 @@ class CalledByAddress(CFunc):
 
 
 def set_environments(library: JITCodeLibrary) -> None:
-    """Let what was taken in know where Python keeps its constants; what is loaded knows it."""
+    """Pass the addresses of Python's constants to inlined code; loaded code knows them."""
     for each in library._final_module.global_variables:
         environment = lookup_environment(each.name)
         if environment is not None:
@@ -123,7 +123,7 @@ def set_environments(library: JITCodeLibrary) -> None:
 
 
 class _TakenIn(JITCodeLibrary):
-    """Optimised code that is put into what calls it: no machine code is made of it by itself."""
+    """Optimised intermediate code for callers, without machine code of its own."""
 
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()
@@ -131,17 +131,17 @@ class _TakenIn(JITCodeLibrary):
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:
-        """None."""
+        """None: there is no machine code."""
         return 0
 
     def serialize_using_object_code(self) -> Any:
-        """What is kept."""
+        """Data for the cache."""
         return self.serialize_using_bitcode()
 
 
 @contextmanager
 def without_machine_code(codegen: Any) -> Iterator[None]:
-    """All that is compiled or loaded inside is for callers that are compiled."""
+    """Context in which code is compiled or loaded for compiled callers only."""
     before = dict(vars(codegen))
     codegen._library_class, codegen.set_env = _TakenIn, _no_environment
     try:
@@ -154,4 +154,4 @@ def without_machine_code(codegen: Any) -> Iterator[None]:
 
 
 def _no_environment(name: str, environment: Any) -> None:
-    """There is no machine code that could know it."""
+    """Do nothing: there is no machine code with an environment."""

@@ -1,11 +1,11 @@
-"""Where numba's machine code is kept: in folders that say by their names what went into it.
+"""Cache folders of numba's machine code, whose names are fingerprints of the sources.
 
-numba keys the cached machine code of a function by the place and the date of its own file. A
+numba keys the cached machine code of a function by the path and the date of its own file. A
 function that has inlined a helper of another file would therefore survive a change of that helper,
-and a second checkout would compile all anew. Here each file's machine code lies in a folder that
-carries a fingerprint of what went into it: the code, without comments and docstrings, of that file
-and of all files of the package that it imports, at one or more removes, numba and Python. What
-changes is made anew with all that depends on it, and nothing else.
+and a second checkout would compile everything again. Here each file's machine code lies in a folder
+whose name is a fingerprint of its inputs: the code, without comments and docstrings, of that file
+and of all files of the package that it imports, directly or indirectly, numba and Python. A change
+recompiles all that depends on it, and nothing else.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ from fem_lie._jit.checked_files import read_checked, write_checked
 
 PACKAGE = Path(__file__).parents[1]
 _FORMAT = 1
-"""Of what is kept: counted up when files of another format would not be understood."""
+"""Version of the format of cached files."""
 _WITHOUT_INFLUENCE = ("checked_files", "machine_code", "progress", "shipped")
-"""Files of this folder that keep and report machine code, and do not change it."""
+"""Files of this folder that store and report machine code without changing it."""
 _KEEP_FOLDERS, _KEEP_SOURCES = 12, 2000  # of each file, of all
 
 
 class ByContent(_CacheLocator):
-    """Tells numba the folder of a function's file; its name says all that a date could."""
+    """Locator of numba's cache for the folder of a function's file; its name replaces a date."""
 
     _COPY = "only"
 
@@ -60,23 +60,25 @@ class ByContent(_CacheLocator):
         return self._folder.name
 
     def get_disambiguator(self) -> str:
-        return self._COPY  # of its name in its file; its line may change with a comment
+        return (
+            self._COPY
+        )  # number among equal names in its file; the line may change with a comment
 
 
 class ForCallers(ByContent):
-    """Likewise for what compiled functions call."""
+    """The same for code for compiled callers."""
 
     _COPY = "inner"
 
 
 def can_be_cached(function: Callable[..., Any]) -> bool:
-    """Whether there is a folder for it; functions that were typed in stand in no file."""
+    """Whether there is a folder for it; interactively defined functions are in no file."""
     return FOLDER is not None and Path(inspect.getfile(function)).is_file()
 
 
 @cache
 def _folder_of(file: Path) -> Path:
-    """The folder for the machine code of this state of ``file``, marked as in use."""
+    """Folder of the machine code of this state of ``file``, marked as in use."""
     assert FOLDER is not None
     digest = hashlib.sha256(f"{_FORMAT} {numba.__version__} {sys.version}".encode())
     for source in sorted(_with_all_it_imports(file)):
@@ -93,15 +95,15 @@ def _folder_of(file: Path) -> Path:
 
 
 def _name_of(file: Path) -> str:
-    """Of a file of this package with the names of its rooms: several files have the same stem."""
+    """Name of a file of this package with those of its packages: several files have the same stem."""
     inside = file.relative_to(PACKAGE) if file.is_relative_to(PACKAGE) else Path(file.name)
     return ".".join(inside.with_suffix("").parts)
 
 
 def _with_all_it_imports(file: Path) -> set[Path]:
-    """``file`` and what it imports of this package, at one or more removes.
+    """``file`` and all files of this package that it imports, directly or indirectly.
 
-    Without the files that keep and report machine code.
+    Without the files that store and report machine code.
     """
     here = Path(__file__)
     beside = {here.with_stem(name) for name in _WITHOUT_INFLUENCE}
@@ -115,7 +117,7 @@ def _with_all_it_imports(file: Path) -> set[Path]:
 
 
 def _code(source: bytes) -> str:
-    """Fingerprint of a file without its comments and docstrings; kept, as it takes a while."""
+    """Fingerprint of a file without comments and docstrings; cached, as it takes a while."""
     assert FOLDER is not None
     name = hashlib.sha256(sys.version.encode() + source).hexdigest()[:32]
     kept = FOLDER / "sources" / name
@@ -150,7 +152,7 @@ _IMPORT = re.compile(
 
 @cache
 def _imports(file: Path) -> list[Path]:
-    """Files of this package that ``file`` imports when it is loaded; not for type hints alone."""
+    """Files of this package that ``file`` imports at run time, not only for type hints."""
     files: list[Path] = []
     for package, names, module in _IMPORT.findall(file.read_text(encoding="utf-8")):
         place = PACKAGE.joinpath(*(package or module).split(".")[1:])
@@ -163,16 +165,16 @@ def _imports(file: Path) -> list[Path]:
 
 
 def _of_module(place: Path) -> tuple[Path, Path]:
-    """Where a module may be, as a file or as a folder."""
+    """Candidate files of a module, as a file or as a folder."""
     return place.with_suffix(".py"), place / "__init__.py"
 
 
 def _keep_last(paths: Iterable[Path], number: int) -> None:
-    """Remove all of ``paths`` but those that processes have started with last.
+    """Remove all of ``paths`` but the most recently used ones.
 
-    A process that still runs with one keeps its loaded code, and numba makes the folder again.
+    A running process keeps its loaded code, and numba creates the folder again.
     """
-    with suppress(FileNotFoundError):  # another process may be at the same work
+    with suppress(FileNotFoundError):  # another process may do the same
         for path in sorted(paths, key=lambda path: path.stat().st_mtime)[:-number]:
             if path.is_dir():
                 shutil.rmtree(path, ignore_errors=True)
@@ -200,10 +202,10 @@ def _prepare_base() -> Path | None:
 
 
 def _check_owner(folder: Path) -> None:
-    """Refuse a folder into which somebody else can write: what is in it is executed.
+    """Refuse a folder into which another user can write, as its contents are executed.
 
     Raises:
-        PermissionError: Somebody else owns it or can write into it.
+        PermissionError: Another user owns it or can write into it.
     """
     status = folder.stat()
     mode = stat.S_IMODE(status.st_mode)
@@ -216,4 +218,4 @@ def _check_owner(folder: Path) -> None:
 
 
 FOLDER = _prepare_base()
-"""Of all machine code; None where nothing can be written."""
+"""Folder of all machine code; ``None`` if nothing is writable."""

@@ -1,4 +1,4 @@
-"""What is being compiled, how much of it is left, and how long that has taken."""
+"""Progress of compilation: current function, estimate of the rest, and time."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tqdm import tqdm
 
 from fem_lie._jit.machine_code import PACKAGE
 
-_DELAY = 1.0  # seconds, before which no bar is shown
+_DELAY = 1.0  # seconds before a bar is shown
 
 
 def _functions_called(function: FunctionType) -> Iterator[FunctionType]:
@@ -30,7 +30,7 @@ def _functions_called(function: FunctionType) -> Iterator[FunctionType]:
 
 
 def count_functions(function: FunctionType) -> int:
-    """How many functions are compiled for one at most, with all that it calls at any remove."""
+    """Upper bound of the number of functions compiled for one, with all that it calls."""
     found, left = {function}, [function]
     while left:
         new = set(_functions_called(left.pop())) - found
@@ -40,21 +40,21 @@ def count_functions(function: FunctionType) -> int:
 
 
 class Compiling(event.Listener):
-    """Says once in a process that machine code of this package is made, and shows how far it is.
+    """Logs once per process that machine code is compiled, and shows a progress bar.
 
     Attributes:
-        seconds: How long that has taken in this process.
-        functions: How many functions were compiled, for each set of argument types.
+        seconds: Time of compilation in this process.
+        functions: Number of functions compiled, for each set of argument types.
     """
 
     def __init__(self) -> None:
-        """Nothing was made yet."""
+        """Start with nothing compiled."""
         self.seconds, self.functions = 0.0, 0
         self._depth, self._begin, self._said = 0, 0.0, False
         self._bar: tqdm[Any] | None = None
 
     def on_start(self, event: Any) -> None:
-        """A function begins to be compiled, for itself or for another one."""
+        """Note the start of the compilation of a function."""
         function = event.data["dispatcher"].py_func
         own = str(function.__module__).startswith(f"{PACKAGE.name}.")
         if own and not self._said:
@@ -78,7 +78,7 @@ class Compiling(event.Listener):
         self._depth += 1
 
     def on_end(self, event: Any) -> None:
-        """It is done."""
+        """Note its end."""
         self._depth -= 1
         self.functions += 1
         if self._bar is not None:

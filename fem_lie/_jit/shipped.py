@@ -1,7 +1,7 @@
-"""Machine code for a generic processor that a wheel brings beside the sources.
+"""Machine code for a generic processor that comes with a wheel.
 
-Its folders carry the same names as those of the user's cache: they say which sources, which numba
-and which Python the code was made of and with. Code of anything else is not found, and compiled.
+Its folders have the names of those of the user's cache: fingerprints of the sources, numba and
+Python. Other code is not found, and compiled.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from llvmlite import binding as llvm
 from fem_lie._jit.checked_files import CheckedFiles
 
 FOLDER = Path(__file__).parents[1] / "_machine_code"
-"""Where it lies; a checkout has none."""
+"""Folder of the shipped machine code; a checkout has none."""
 
 _GENERIC = {
     "x86_64": ("x86-64-v3", "avx avx2 bmi bmi2 cx16 f16c fma lzcnt movbe popcnt sse4.2 xsave"),
     "aarch64": ("generic", "neon"),
 }
-"""Of an architecture: LLVM's name of the generic processor, and what a processor must have."""
+"""For each architecture: LLVM's name of the generic processor, and required features."""
 
 
 def generic_processor() -> tuple[str, str]:
-    """LLVM's name of the generic processor of this architecture, and the features that it has.
+    """LLVM's name of the generic processor of this architecture, and its features.
 
     Raises:
         ValueError: No machine code is shipped for this architecture.
@@ -40,7 +40,7 @@ def generic_processor() -> tuple[str, str]:
 
 @cache
 def has_all() -> bool:
-    """Whether this processor has all that the generic one has."""
+    """Whether this processor has all features of the generic one."""
     if platform.machine() not in _GENERIC:
         return False
     features = llvm.get_host_cpu_features()
@@ -48,17 +48,17 @@ def has_all() -> bool:
 
 
 class WithShipped(CheckedFiles):
-    """Files of the user's cache, and where these have nothing, those that came with the package."""
+    """Files of the user's cache, and of the shipped one where these have nothing."""
 
     def __init__(self, folder: str, base: str, stamp: str) -> None:
-        """Find the files of one function in a folder of the cache, whose name is the stamp."""
+        """Find the files of one function in a cache folder, whose name is the stamp."""
         super().__init__(folder, base, stamp)
         self._shipped: CheckedFiles | None = None
         if FOLDER.is_dir() and has_all():
             self._shipped = CheckedFiles(str(FOLDER / stamp), base, stamp)
 
     def load(self, key: Any) -> Any:
-        """What is compiled for a signature, or ``None``."""
+        """Compiled code of a signature, or ``None``."""
         found = super().load(key)
         if found is not None or self._shipped is None:
             return found

@@ -14,10 +14,10 @@ from fem_lie._jit.decorators import inlined
 
 @intrinsic
 def stack(typing_context, size):  # type: ignore[no-untyped-def]
-    """Where uninitialised doubles stand in the caller's stack frame, until it returns.
+    """Address of uninitialised doubles in the caller's stack frame, valid until it returns.
 
-    They cost no allocation, and arrays there no counting of references, which small functions
-    spend a third of their time on.
+    They need no allocation, and arrays there no reference counts, which take a third of the time of
+    small functions.
     """
 
     def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
@@ -28,17 +28,17 @@ def stack(typing_context, size):  # type: ignore[no-untyped-def]
 
 @inlined
 def vector_at(place: Any, count: int) -> Any:
-    """The numbers at a place, here and below also for functions that count no references."""
+    """Vector at an address, as the following also for functions without reference counts."""
     return numba.carray(place, (count,))
 
 
 @inlined
 def matrix_at(place: Any, rows: int, columns: int) -> Any:
-    """The matrix at a place."""
+    """Matrix at an address."""
     return numba.carray(place, (rows, columns))
 
 
 @inlined
 def blocks_at(place: Any, count: int, rows: int, columns: int) -> Any:
-    """Matrices of one shape at a place."""
+    """Matrices of one shape at an address."""
     return numba.carray(place, (count, rows, columns))

@@ -1,1 +1,1 @@
-"""Several ranks that all run the same script: who writes, factors they share, and how they end."""
+"""Several MPI ranks that run the same script: output, shared factors, and termination."""

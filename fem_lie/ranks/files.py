@@ -1,4 +1,4 @@
-"""Files on several ranks: the first one writes those that were asked for."""
+"""Files on several ranks: the first rank writes the files of the user."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ _PREFIX, _ALIVE = "fem_lie_rank_", "alive"
 
 @cache
 def _folder() -> Path:
-    """Of a rank that is not the first, until it ends."""
+    """Temporary folder of a rank other than the first, until it ends."""
     _remove_left_over()
     made = Path(tempfile.mkdtemp(prefix=_PREFIX))
     atexit.register(shutil.rmtree, made, ignore_errors=True)
-    # it is open, and so locked, as long as the process lives, whatever ends that; before it is
+    # the file is open, and so locked, as long as the process lives, however it ends; before it is
     # locked it has another name
     begun = made / f"{_ALIVE}.part"
     fcntl.flock(os.open(begun, os.O_CREAT | os.O_WRONLY), fcntl.LOCK_EX)
@@ -32,18 +32,18 @@ def _folder() -> Path:
 
 
 def _remove_left_over() -> None:
-    """Remove folders of ranks that were ended before they could do so."""
+    """Remove folders of ranks that were killed."""
     for folder in Path(tempfile.gettempdir()).glob(f"{_PREFIX}*"):
         try:
             with (folder / _ALIVE).open("rb") as file:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:  # it lives, is another user's, or is just being made
+        except OSError:  # in use, of another user, or just being created
             continue
         shutil.rmtree(folder, ignore_errors=True)
 
 
 def place(path: str | os.PathLike[str]) -> Path:
-    """Where this rank writes what goes to ``path`` row by row: others than the first, aside."""
+    """Path for output row by row: ``path`` on the first rank, a temporary file on others."""
     if first() or _folder() in Path(path).parents:
         return Path(path)
     aside = _folder() / f"{crc32(os.fsencode(Path(path).absolute().parent)):x}"
@@ -52,9 +52,9 @@ def place(path: str | os.PathLike[str]) -> Path:
 
 
 def place_to_go_on(path: Path, beside: Sequence[Path]) -> Path:
-    """As :func:`place`, with a copy of a file and of those files beside it that exist.
+    """As :func:`place`, with a copy of the existing file and its companions.
 
-    All ranks wait until all have theirs.
+    All ranks wait until all have their copies.
     """
     if not several():
         return path
@@ -68,7 +68,7 @@ def place_to_go_on(path: Path, beside: Sequence[Path]) -> Path:
 
 
 def write_once(path: str | os.PathLike[str], write: Callable[[], None]) -> None:
-    """Write on the first rank; its error is that of all.
+    """Write on the first rank; its error is raised on all.
 
     Raises:
         OSError: As ``write``, on all ranks.
@@ -86,6 +86,6 @@ def write_once(path: str | os.PathLike[str], write: Callable[[], None]) -> None:
 
 
 def before_reading(path: str | os.PathLike[str]) -> None:
-    """Wait until all ranks have done what comes before, such as the first one writing the file."""
+    """Wait until all ranks have finished earlier work, such as writing the file."""
     if several():
         meet(f"reading {path}")

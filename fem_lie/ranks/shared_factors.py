@@ -1,4 +1,4 @@
-"""Factors of one matrix on all ranks, and what the solution on subdomains took."""
+"""Factors of one matrix on all ranks, and statistics of solutions on subdomains."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from fem_lie.ranks.together import first, meet, several
 
 
 class Subdomains(NamedTuple):
-    """Of a run or a search for equilibrium, one subdomain on each rank.
+    """Statistics of a run or an equilibrium on subdomains, one per rank.
 
     Attributes:
-        number: Of subdomains.
-        interface: Unknowns that several of them have.
-        made: How often matrix and preconditioner were made, also for a new border alone.
-        solutions: Systems of equations solved.
-        iterations: Of the Krylov method in all of these.
+        number: Number of subdomains.
+        interface: Number of unknowns that several of them have.
+        made: Number of matrices with preconditioner, also for new constraints only.
+        solutions: Number of linear systems solved.
+        iterations: Number of Krylov iterations in all of these.
     """
 
     number: int
@@ -33,12 +33,12 @@ class Subdomains(NamedTuple):
 
     @property
     def per_solution(self) -> float:
-        """Iterations of a solution, in the mean."""
+        """Mean number of iterations of a solution."""
         return self.iterations / max(self.solutions, 1)
 
 
 FROM = 20_000
-"""Unknowns from which on factors are shared, unless PETSc's option ``shared_from`` says another."""
+"""Unknowns from which factors are shared, unless PETSc's option ``shared_from`` is set."""
 
 _FROM = "shared_from"
 
@@ -46,13 +46,13 @@ _log = logging.getLogger(__name__)
 
 
 def shared(size: int, prefix: str, *, spreads: bool = True) -> bool:
-    """Whether all ranks factorise a matrix together; what is small each of them does by itself.
+    """Whether all ranks factorise a matrix together; each rank factorises small ones by itself.
 
     Args:
-        size: Unknowns.
-        prefix: Of PETSc's options.
-        spreads: Whether that takes less time than what each would do; with the option
-            ``shared_from`` size alone decides.
+        size: Number of unknowns.
+        prefix: Prefix of PETSc's options.
+        spreads: Whether this is faster than one factorisation per rank; with the option
+            ``shared_from`` only the size counts.
     """
     if not several():
         return False
@@ -69,16 +69,16 @@ def shared(size: int, prefix: str, *, spreads: bool = True) -> bool:
 
 
 class SharedMatrix:
-    """Rows of a matrix by ranks, as equal in number as can be; all methods are called on all.
+    """Matrix distributed by rows, as evenly as possible; all methods are collective.
 
     Attributes:
-        matrix: PETSc's, on all ranks.
+        matrix: The PETSc matrix on all ranks.
     """
 
     def __init__(self, csr: tuple[Array, Indices, Indices]) -> None:
-        """Take this rank's rows of values, columns, row pointers; :meth:`take` reads them anew."""
+        """Take this rank's rows of values, columns, row pointers; :meth:`take` updates values."""
         world = MPI.COMM_WORLD
-        # what nobody uses any more on any rank can only be freed by all together
+        # objects without references on any rank are freed by all ranks together
         PETSc.garbage_cleanup(PETSc.COMM_WORLD)
         self._values, columns, pointers = csr
         n = len(pointers) - 1
@@ -95,20 +95,20 @@ class SharedMatrix:
         self._b, self._x = self.matrix.createVecs()
 
     def take(self) -> None:
-        """Take the values as they are now.
+        """Copy the current values.
 
         Raises:
-            RanksError: The ranks are not at the same place, or have other values.
+            RanksError: The ranks are at different points, or have different values.
         """
         meet("a factorisation", self._values)
         self.matrix.setValuesCSR(*self._pattern, self._values[self._inside])
         self.matrix.assemble()
 
     def solve(self, ksp: PETSc.KSP, b: Array, x: Array) -> None:
-        """Solve ``A x = b``: ``b`` of this rank's rows is read, all of ``x`` is set, alike on all.
+        """Solve ``A x = b``: reads this rank's rows of ``b``, and sets all of ``x`` on all ranks.
 
         Raises:
-            RanksError: The ranks are not at the same place, or have other right-hand sides.
+            RanksError: The ranks are at different points, or have different right-hand sides.
         """
         meet("a solution", b)
         self._b.array[:] = b[self._rows]

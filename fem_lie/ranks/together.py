@@ -1,4 +1,4 @@
-"""Ranks that do the same: where they meet they make sure of it, and they end together."""
+"""MPI ranks that do the same work: checks at synchronisation points, and a common termination."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ import numpy as np
 from fem_lie._arrays import Array
 
 SAME = 1e-8
-"""How far apart, relatively, the same numbers of two ranks may be: round-off grows."""
+"""Largest relative difference of the same numbers on two ranks, as round-off grows."""
 
 PATIENCE = 1.0
-"""Seconds that ranks leave to the first one to tell of an error that all have."""
+"""Seconds that other ranks wait so that the first one can report an error of all."""
 
 
 class RanksError(RuntimeError):
-    """Ranks do not do the same; raised on all of them."""
+    """Ranks do different work; raised on all of them."""
 
 
 def several() -> bool:
@@ -33,27 +33,27 @@ def several() -> bool:
 
 
 def first() -> bool:
-    """Whether this is the rank that writes."""
+    """Whether this is the first rank, which writes."""
     return int(MPI.COMM_WORLD.rank) == 0
 
 
 def meet(place: str, numbers: Array | None = None) -> None:
-    """Wait for all ranks, and make sure that they are at the same place with the same numbers.
+    """Wait for all ranks, and check that they are at the same point with the same numbers.
 
     Args:
-        place: Where this rank is, for the message.
-        numbers: What has to be the same on all but for round-off; it must have one size.
+        place: Description of the point, for the message.
+        numbers: Numbers that must be equal on all ranks up to round-off; always of one size.
 
     Raises:
-        RanksError: They are not.
+        RanksError: They differ.
     """
     world = MPI.COMM_WORLD
     size = 0.0 if numbers is None else float(np.abs(numbers).sum())
-    told = world.allgather((place, size))
-    if len({name for name, _ in told}) > 1:
-        where = ", ".join(f"rank {k} at {name}" for k, (name, _) in enumerate(told))
+    gathered = world.allgather((place, size))
+    if len({name for name, _ in gathered}) > 1:
+        where = ", ".join(f"rank {k} at {name}" for k, (name, _) in enumerate(gathered))
         raise RanksError(f"all ranks have to do the same, but they are apart: {where}")
-    sizes = np.array([number for _, number in told])
+    sizes = np.array([number for _, number in gathered])
     if np.ptp(sizes) > SAME * sizes.max():
         raise RanksError(
             f"all ranks have to do the same, but at {place} their numbers differ: sums of sizes "
@@ -63,29 +63,29 @@ def meet(place: str, numbers: Array | None = None) -> None:
 
 
 def from_first(work: str, error: OSError | None) -> None:
-    """Raise on all ranks what went wrong on the first, of which the others know nothing.
+    """Raise an error of the first rank on all ranks.
 
     Args:
-        work: What was done, for the place where ranks meet.
-        error: Of the first rank; others give ``None``.
+        work: Description of the work, for the synchronisation point.
+        error: Error of the first rank; ``None`` on others.
 
     Raises:
         OSError: That of the first rank.
     """
     meet(work)
-    told = MPI.COMM_WORLD.bcast(error)
-    if told is not None:
-        raise told
+    raised = MPI.COMM_WORLD.bcast(error)
+    if raised is not None:
+        raise raised
 
 
 @cache
 def end_together() -> None:
-    """See to it that an error on one rank is the end of all, with one message.
+    """Terminate all ranks, with one message, if one of them raises an error.
 
-    The package calls it when it is imported: a rank that fails before its first scene would wait
-    for ever for the others at the end. From then on what a rank does not catch ends all of them. A
-    rank that comes to the end of its script waits for the others there, and is told if they wait
-    for it elsewhere.
+    The package calls it on import: a rank that fails before its first scene would otherwise leave
+    the others waiting at the end. From then on an uncaught error on one rank terminates all. A rank
+    at the end of its script waits for the others there, and reports an error if they wait
+    elsewhere.
     """
     if several():
         sys.excepthook = _end_all
@@ -93,17 +93,19 @@ def end_together() -> None:
 
 
 def _end_all(kind: type[BaseException], error: BaseException, at: TracebackType | None) -> None:
-    """Tell once, and end all ranks."""
+    """Print the error once, and terminate all ranks."""
     world = MPI.COMM_WORLD
     if world.rank:
-        time.sleep(PATIENCE)  # what all have the first one tells, and then this one is gone
+        time.sleep(
+            PATIENCE
+        )  # an error of all ranks is reported by the first, which then ends this one
     text = "".join(traceback.format_exception(kind, error, at))
     print(f"rank {world.rank} of {world.size} ends all:\n{text}", file=sys.stderr, flush=True)
     world.Abort(1)
 
 
 def _at_end() -> None:
-    """The last place where ranks meet."""
+    """Last synchronisation point."""
     try:
         meet("the end of the script")
     except RanksError as error:
