@@ -1,5 +1,4 @@
-"""The compiler: decorators of compiled functions, and a disk cache of machine code that detects
-changes.
+"""The compiler: decorators of compiled functions, and a disk cache that detects changes.
 
 Parts of numba that it does not document are used where the documented ones are too slow. Each
 release may change them, so the project's metadata admit only releases with which the tests have

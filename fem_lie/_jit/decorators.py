@@ -101,7 +101,7 @@ def uncounted(function: F) -> F:
 
 
 def inlined_uncounted(function: F) -> F:
-    """As :func:`inlined`, without reference counts: for functions that :func:`uncounted` ones call."""
+    """As :func:`inlined`, without reference counts, for calls by :func:`uncounted` functions."""
     return _njit(function, forceinline=True, **{_COUNTED: False})
 
 

@@ -60,7 +60,7 @@ class SafeCache(FunctionCache):
 
 
 class _MachineCode(CompileResultCacheImpl):
-    """Caches machine code, with the names of called functions instead of their intermediate code."""
+    """Caches machine code, with names of called functions instead of intermediate code."""
 
     _locator_classes = (ByContent,)
 

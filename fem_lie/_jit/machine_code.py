@@ -60,9 +60,7 @@ class ByContent(_CacheLocator):
         return self._folder.name
 
     def get_disambiguator(self) -> str:
-        return (
-            self._COPY
-        )  # number among equal names in its file; the line may change with a comment
+        return self._COPY  # number among equal names: lines change with comments
 
 
 class ForCallers(ByContent):
@@ -95,7 +93,7 @@ def _folder_of(file: Path) -> Path:
 
 
 def _name_of(file: Path) -> str:
-    """Name of a file of this package with those of its packages: several files have the same stem."""
+    """Name of a file with those of its packages, as several files have the same stem."""
     inside = file.relative_to(PACKAGE) if file.is_relative_to(PACKAGE) else Path(file.name)
     return ".".join(inside.with_suffix("").parts)
 
