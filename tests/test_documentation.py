@@ -14,6 +14,7 @@ DOCS = ROOT / "docs"
 MOST_WORDS = 35_000
 LINK = re.compile(r"!?\[([^\]]*)\]\(([^)\s]+)\)")
 PICTURE = re.compile(r"!\[([^\]]*)\]\([^)\s]+\)")
+COMMAND = re.compile(r"(?:tests|benchmarks|demos|studies)/\w+\.py|-m (?:benchmarks|studies)\.\w+")
 MADE = "gallery", "lessons", "reference", "scenes", "_pages"
 """Folders whose pages are made with the site."""
 
@@ -50,3 +51,14 @@ def test_pages_for_users_are_short():
 def test_pictures_have_alternative_texts(page):
     texts = PICTURE.findall(page.read_text(encoding="utf-8"))
     assert all(len(text.split()) >= 3 for text in texts), texts
+
+
+@pytest.mark.parametrize("page", [pytest.param(p, id=str(p.relative_to(ROOT))) for p in PAGES])
+def test_commands_run_files_that_exist(page):
+    commands = COMMAND.findall(page.read_text(encoding="utf-8"))
+    named = {text.removeprefix("-m ").removesuffix(".py").replace(".", "/") for text in commands}
+    assert [
+        name
+        for name in sorted(named - {"demos/x", "studies/NAME"})
+        if not (ROOT / f"{name}.py").exists()
+    ] == []
