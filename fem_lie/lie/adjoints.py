@@ -24,7 +24,12 @@ from fem_lie.lie.tuples import (
 
 @inlined
 def adjoint(H: Array, out: Array) -> None:
-    """``Ad(H) = [[R, x̂R], [0, R]]``."""
+    """``Ad(H) = [[R, x̂R], [0, R]]``.
+
+    Args:
+        H: Frame, shape (4, 3).
+        out: The result, written in place.
+    """
     x, d1, d2, d3 = load_frame(H)
     m1, m2, m3 = cross(x, d1), cross(x, d2), cross(x, d3)
     R = (d1[0], d2[0], d3[0], d1[1], d2[1], d3[1], d1[2], d2[2], d3[2])
@@ -34,7 +39,13 @@ def adjoint(H: Array, out: Array) -> None:
 
 @inlined
 def apply_adjoint(H: Array, v: Array, out: Array) -> None:
-    """``Ad(H) v``: the twist ``v`` of the frame H in the frame that H is given in."""
+    """``Ad(H) v``: the twist ``v`` of the frame H in the frame that H is given in.
+
+    Args:
+        H: Frame, shape (4, 3).
+        v: Twist, shape (6,).
+        out: The result, written in place.
+    """
     x, d1, d2, d3 = load_frame(H)
     ω = rotate(d1, d2, d3, load(v, 3))
     store(out, 0, plus(rotate(d1, d2, d3, load(v, 0)), cross(x, ω)))
@@ -43,7 +54,13 @@ def apply_adjoint(H: Array, v: Array, out: Array) -> None:
 
 @inlined
 def apply_adjoint_inverse(H: Array, v: Array, out: Array) -> None:
-    """``Ad(H)⁻¹ v``."""
+    """``Ad(H)⁻¹ v``.
+
+    Args:
+        H: Frame, shape (4, 3).
+        v: Twist, shape (6,).
+        out: The result, written in place.
+    """
     x, d1, d2, d3 = load_frame(H)
     u, ω = load(v, 0), load(v, 3)
     store(out, 0, rotate_back(d1, d2, d3, minus(u, cross(x, ω))))
@@ -52,7 +69,13 @@ def apply_adjoint_inverse(H: Array, v: Array, out: Array) -> None:
 
 @inlined
 def apply_adjoint_transposed(H: Array, f: Array, out: Array) -> None:
-    """``Ad(H)ᵀ f``."""
+    """``Ad(H)ᵀ f``.
+
+    Args:
+        H: Frame, shape (4, 3).
+        f: Force and moment, shape (6,).
+        out: The result, written in place.
+    """
     x, d1, d2, d3 = load_frame(H)
     n, m = load(f, 0), load(f, 3)
     store(out, 0, rotate_back(d1, d2, d3, n))
@@ -61,7 +84,13 @@ def apply_adjoint_transposed(H: Array, f: Array, out: Array) -> None:
 
 @inlined
 def apply_adjoint_inverse_transposed(H: Array, f: Array, out: Array) -> None:
-    """``Ad(H)⁻ᵀ f``: the force ``f`` on the frame H in the frame that H is given in."""
+    """``Ad(H)⁻ᵀ f``: the force ``f`` on the frame H in the frame that H is given in.
+
+    Args:
+        H: Frame, shape (4, 3).
+        f: Force and moment, shape (6,).
+        out: The result, written in place.
+    """
     x, d1, d2, d3 = load_frame(H)
     n = rotate(d1, d2, d3, load(f, 0))
     store(out, 3, plus(rotate(d1, d2, d3, load(f, 3)), cross(x, n)))
@@ -70,7 +99,13 @@ def apply_adjoint_inverse_transposed(H: Array, f: Array, out: Array) -> None:
 
 @inlined
 def apply_ad(v: Array, w: Array, out: Array) -> None:
-    """``ad(v) w``, the Lie bracket."""
+    """``ad(v) w``, the Lie bracket.
+
+    Args:
+        v: Twist, shape (6,).
+        w: Twist, shape (6,).
+        out: The result, written in place.
+    """
     ω, q = load(v, 3), load(w, 3)
     translation = plus(cross(ω, load(w, 0)), cross(load(v, 0), q))
     store(out, 3, cross(ω, q))
@@ -79,7 +114,13 @@ def apply_ad(v: Array, w: Array, out: Array) -> None:
 
 @inlined
 def apply_ad_transposed(v: Array, p: Array, out: Array) -> None:
-    """``ad(v)ᵀ p``."""
+    """``ad(v)ᵀ p``.
+
+    Args:
+        v: Twist, shape (6,).
+        p: Force or momentum (n, m), shape (6,).
+        out: The result, written in place.
+    """
     u, ω, n, m = load(v, 0), load(v, 3), load(p, 0), load(p, 3)
     store(out, 0, cross(n, ω))
     store(out, 3, plus(cross(n, u), cross(m, ω)))
@@ -87,6 +128,11 @@ def apply_ad_transposed(v: Array, p: Array, out: Array) -> None:
 
 @inlined
 def coadjoint_matrix(p: Array, out: Array) -> None:
-    """``P(p) = [[0, n̂], [n̂, m̂]]`` of ``p = (n, m)``: ``ad(v)ᵀ p = P(p) v``."""
+    """``P(p) = [[0, n̂], [n̂, m̂]]`` of ``p = (n, m)``: ``ad(v)ᵀ p = P(p) v``.
+
+    Args:
+        p: Force or momentum (n, m), shape (6,).
+        out: The result, written in place.
+    """
     n, m = shifted_hat(0.0, load(p, 0)), shifted_hat(0.0, load(p, 3))
     store_codual(out, n, m)

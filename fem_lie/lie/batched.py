@@ -44,7 +44,12 @@ FRAME, MATRIX, TWIST, VECTOR = (4, 3), (3, 3), (6,), (3,)
 
 
 def frame(x: ArrayLike, R: ArrayLike) -> Array:
-    """Frames ``(…, 4, 3)`` of positions ``x``, ``(…, 3)``, and rotations ``R``, ``(…, 3, 3)``."""
+    """Frames ``(…, 4, 3)`` of positions ``x``, ``(…, 3)``, and rotations ``R``, ``(…, 3, 3)``.
+
+    Args:
+        x: Positions, shape (…, 3).
+        R: Rotation matrices, shape (…, 3, 3).
+    """
     x, R = _checked("x", x, VECTOR), _checked("R", R, MATRIX)
     batch = np.broadcast_shapes(x.shape[:-1], R.shape[:-2])
     H = np.empty(batch + FRAME)
@@ -53,17 +58,29 @@ def frame(x: ArrayLike, R: ArrayLike) -> Array:
 
 
 def position(H: ArrayLike) -> Array:
-    """Positions ``x``, shape ``(…, 3)``, of frames ``(…, 4, 3)``: a view."""
+    """Positions ``x``, shape ``(…, 3)``, of frames ``(…, 4, 3)``: a view.
+
+    Args:
+        H: Frames, shape (…, 4, 3).
+    """
     return _checked("H", H, FRAME)[..., 0, :]
 
 
 def rotation(H: ArrayLike) -> Array:
-    """Rotation matrices ``R``, shape ``(…, 3, 3)``, of frames ``(…, 4, 3)``: a view."""
+    """Rotation matrices ``R``, shape ``(…, 3, 3)``, of frames ``(…, 4, 3)``: a view.
+
+    Args:
+        H: Frames, shape (…, 4, 3).
+    """
     return np.swapaxes(_checked("H", H, FRAME)[..., 1:, :], -1, -2)
 
 
 def homogeneous(H: ArrayLike) -> Array:
-    """Homogeneous matrices ``[[R, x], [0, 1]]``, shape ``(…, 4, 4)``, of frames ``(…, 4, 3)``."""
+    """Homogeneous matrices ``[[R, x], [0, 1]]``, shape ``(…, 4, 4)``, of frames ``(…, 4, 3)``.
+
+    Args:
+        H: Frames, shape (…, 4, 3).
+    """
     H = _checked("H", H, FRAME)
     M = np.zeros((*H.shape[:-2], 4, 4))
     M[..., :3, :3], M[..., :3, 3], M[..., 3, 3] = rotation(H), position(H), 1.0
@@ -74,6 +91,9 @@ def hat(v: ArrayLike) -> Array:
     """``v̂`` with ``v̂ w = v × w``, shape ``(…, 3, 3)``, of vectors ``(…, 3)``.
 
     Of twists ``(…, 6)``: ``[[θ̂, u], [0, 0]]``, shape ``(…, 4, 4)``.
+
+    Args:
+        v: Vectors, shape (…, 3).
     """
     v = np.asarray(v, dtype=np.float64)
     if v.shape[-1:] == TWIST:
@@ -87,7 +107,11 @@ def hat(v: ArrayLike) -> Array:
 
 
 def vee(M: ArrayLike) -> Array:
-    """Inverse of :func:`hat`; of a ``(…, 3, 3)`` block that is not skew, the skew part counts."""
+    """Inverse of :func:`hat`; of a ``(…, 3, 3)`` block that is not skew, the skew part counts.
+
+    Args:
+        M: Matrices, shape (…, 3, 3).
+    """
     M = np.asarray(M, dtype=np.float64)
     if M.shape[-2:] == (4, 4):
         return np.concatenate([M[..., :3, 3], vee(M[..., :3, :3])], axis=-1)
@@ -100,43 +124,77 @@ def vee(M: ArrayLike) -> Array:
 
 
 def so3_exp(theta: ArrayLike) -> Array:
-    """Rotation matrices ``(…, 3, 3)`` of rotation vectors ``(…, 3)``."""
+    """Rotation matrices ``(…, 3, 3)`` of rotation vectors ``(…, 3)``.
+
+    Args:
+        theta: Rotation vectors, rad, shape (…, 3).
+    """
     return np.swapaxes(_map(exp_so3, MATRIX, theta=(theta, VECTOR)), -1, -2)
 
 
 def so3_log(R: ArrayLike) -> Array:
-    """Rotation vectors ``(…, 3)``, ``|θ| ≤ π``, of rotation matrices ``(…, 3, 3)``."""
+    """Rotation vectors ``(…, 3)``, ``|θ| ≤ π``, of rotation matrices ``(…, 3, 3)``.
+
+    Args:
+        R: Rotation matrices, shape (…, 3, 3).
+    """
     R = np.swapaxes(_checked("R", R, MATRIX), -1, -2)
     return _map(log_so3, VECTOR, R=(R, MATRIX))
 
 
 def so3_tangent(theta: ArrayLike) -> Array:
-    """``T(θ)``, shape ``(…, 3, 3)``: ``RᵀδR = (T δθ)^`` for ``R = exp θ̂``."""
+    """``T(θ)``, shape ``(…, 3, 3)``: ``RᵀδR = (T δθ)^`` for ``R = exp θ̂``.
+
+    Args:
+        theta: Rotation vectors, rad, shape (…, 3).
+    """
     return _map(tangent_so3, MATRIX, theta=(theta, VECTOR))
 
 
 def so3_tangent_inverse(theta: ArrayLike) -> Array:
-    """``T⁻¹(θ)``, shape ``(…, 3, 3)``, for ``|θ| < 2π``."""
+    """``T⁻¹(θ)``, shape ``(…, 3, 3)``, for ``|θ| < 2π``.
+
+    Args:
+        theta: Rotation vectors, rad, shape (…, 3).
+    """
     return _map(tangent_inverse_so3, MATRIX, theta=(theta, VECTOR))
 
 
 def so3_tangent_derivative(theta: ArrayLike, w: ArrayLike) -> Array:
-    """``∂(T(θ) w)/∂θ``, shape ``(…, 3, 3)``."""
+    """``∂(T(θ) w)/∂θ``, shape ``(…, 3, 3)``.
+
+    Args:
+        theta: Rotation vectors, rad, shape (…, 3).
+        w: Vectors, shape (…, 3).
+    """
     return _map(tangent_derivative_so3, MATRIX, theta=(theta, VECTOR), w=(w, VECTOR))
 
 
 def so3_tangent_inverse_derivative(theta: ArrayLike, w: ArrayLike) -> Array:
-    """``∂(T⁻¹(θ) w)/∂θ``, shape ``(…, 3, 3)``."""
+    """``∂(T⁻¹(θ) w)/∂θ``, shape ``(…, 3, 3)``.
+
+    Args:
+        theta: Rotation vectors, rad, shape (…, 3).
+        w: Vectors, shape (…, 3).
+    """
     return _map(tangent_inverse_derivative_so3, MATRIX, theta=(theta, VECTOR), w=(w, VECTOR))
 
 
 def so3_cayley(psi: ArrayLike) -> Array:
-    """Rotation matrices ``cay ψ``, shape ``(…, 3, 3)``; ``ψ = 2 tan(θ/2)`` along the axis."""
+    """Rotation matrices ``cay ψ``, shape ``(…, 3, 3)``; ``ψ = 2 tan(θ/2)`` along the axis.
+
+    Args:
+        psi: Cayley vectors, shape (…, 3).
+    """
     return np.swapaxes(_map(cayley_so3, MATRIX, psi=(psi, VECTOR)), -1, -2)
 
 
 def so3_cayley_tangent(psi: ArrayLike) -> Array:
-    """``C(ψ)``, shape ``(…, 3, 3)``: ``RᵀδR = (C δψ)^`` for ``R = cay ψ``."""
+    """``C(ψ)``, shape ``(…, 3, 3)``: ``RᵀδR = (C δψ)^`` for ``R = cay ψ``.
+
+    Args:
+        psi: Cayley vectors, shape (…, 3).
+    """
     return _map(cayley_tangent_so3, MATRIX, psi=(psi, VECTOR))
 
 
@@ -144,58 +202,106 @@ def so3_cayley_tangent(psi: ArrayLike) -> Array:
 
 
 def se3_exp(d: ArrayLike) -> Array:
-    """Frames ``exp(d)``, shape ``(…, 4, 3)``, of twists ``(…, 6)``."""
+    """Frames ``exp(d)``, shape ``(…, 4, 3)``, of twists ``(…, 6)``.
+
+    Args:
+        d: Twists, shape (…, 6).
+    """
     return _map(exp_se3, FRAME, d=(d, TWIST))
 
 
 def se3_log(H: ArrayLike) -> Array:
-    """Twists ``log(H)``, shape ``(…, 6)``, ``|θ| ≤ π``, of frames ``(…, 4, 3)``."""
+    """Twists ``log(H)``, shape ``(…, 6)``, ``|θ| ≤ π``, of frames ``(…, 4, 3)``.
+
+    Args:
+        H: Frames, shape (…, 4, 3).
+    """
     return _map(log_se3, TWIST, H=(H, FRAME))
 
 
 def se3_retract(H: ArrayLike, d: ArrayLike) -> Array:
-    """Frames ``H exp(d)``, shape ``(…, 4, 3)``, of frames and twists ``(…, 6)``."""
+    """Frames ``H exp(d)``, shape ``(…, 4, 3)``, of frames and twists ``(…, 6)``.
+
+    Args:
+        H: Frames, shape (…, 4, 3).
+        d: Twists, shape (…, 6).
+    """
     return _map(retract, FRAME, H=(H, FRAME), d=(d, TWIST))
 
 
 def se3_relative(A: ArrayLike, B: ArrayLike) -> Array:
-    """Twists ``log(A⁻¹B)``, shape ``(…, 6)``, of frames ``(…, 4, 3)``."""
+    """Twists ``log(A⁻¹B)``, shape ``(…, 6)``, of frames ``(…, 4, 3)``.
+
+    Args:
+        A: Frames, shape (…, 4, 3).
+        B: Frames, shape (…, 4, 3).
+    """
     return _map(relative, TWIST, A=(A, FRAME), B=(B, FRAME))
 
 
 def se3_compose(A: ArrayLike, B: ArrayLike) -> Array:
-    """Frames ``A B``, shape ``(…, 4, 3)``: ``B``, given in ``A``, as ``A`` itself is given."""
+    """Frames ``A B``, shape ``(…, 4, 3)``: ``B``, given in ``A``, as ``A`` itself is given.
+
+    Args:
+        A: Frames, shape (…, 4, 3).
+        B: Frames, shape (…, 4, 3).
+    """
     return _map(compose, FRAME, A=(A, FRAME), B=(B, FRAME))
 
 
 def se3_inverse(H: ArrayLike) -> Array:
-    """Frames ``H⁻¹``, shape ``(…, 4, 3)``."""
+    """Frames ``H⁻¹``, shape ``(…, 4, 3)``.
+
+    Args:
+        H: Frames, shape (…, 4, 3).
+    """
     return _map(inverse, FRAME, H=(H, FRAME))
 
 
 def se3_tangent(d: ArrayLike) -> Array:
-    """``T₆(d)``, shape ``(…, 6, 6)``: ``H⁻¹δH = (T₆ δd)^`` for ``H = exp d``."""
+    """``T₆(d)``, shape ``(…, 6, 6)``: ``H⁻¹δH = (T₆ δd)^`` for ``H = exp d``.
+
+    Args:
+        d: Twists, shape (…, 6).
+    """
     return _map(tangent, (6, 6), d=(d, TWIST))
 
 
 def se3_tangent_inverse(d: ArrayLike) -> Array:
-    """``T₆⁻¹(d)``, shape ``(…, 6, 6)``, for ``|θ| < 2π``."""
+    """``T₆⁻¹(d)``, shape ``(…, 6, 6)``, for ``|θ| < 2π``.
+
+    Args:
+        d: Twists, shape (…, 6).
+    """
     return _map(tangent_inverse, (6, 6), d=(d, TWIST))
 
 
 def se3_tangent_inverse_transposed_derivative(d: ArrayLike, f: ArrayLike) -> Array:
-    """``G(d, f) = ∂(T₆⁻ᵀ(d) f)/∂d``, shape ``(…, 6, 6)``, of twists and forces ``(…, 6)``."""
+    """``G(d, f) = ∂(T₆⁻ᵀ(d) f)/∂d``, shape ``(…, 6, 6)``, of twists and forces ``(…, 6)``.
+
+    Args:
+        d: Twists, shape (…, 6).
+        f: Forces, shape (…, 6).
+    """
     kernel = tangent_inverse_transposed_derivative
     return _map(kernel, (6, 6), d=(d, TWIST), f=(f, TWIST))
 
 
 def se3_adjoint(H: ArrayLike) -> Array:
-    """``Ad(H)``, shape ``(…, 6, 6)``, of frames ``(…, 4, 3)``."""
+    """``Ad(H)``, shape ``(…, 6, 6)``, of frames ``(…, 4, 3)``.
+
+    Args:
+        H: Frames, shape (…, 4, 3).
+    """
     return _map(adjoint, (6, 6), H=(H, FRAME))
 
 
 def se3_ad(v: ArrayLike) -> Array:
-    """``ad(v)``, shape ``(…, 6, 6)``, of twists ``(…, 6)``: ``ad(v) w`` is the Lie bracket."""
+    """``ad(v)``, shape ``(…, 6, 6)``, of twists ``(…, 6)``: ``ad(v) w`` is the Lie bracket.
+
+    Args:
+        v: Twists, shape (…, 6).
+    """
     v = _checked("v", v, TWIST)
     M = np.zeros(v.shape + TWIST)
     M[..., :3, :3] = M[..., 3:, 3:] = hat(v[..., 3:])
@@ -204,17 +310,29 @@ def se3_ad(v: ArrayLike) -> Array:
 
 
 def se3_coadjoint(p: ArrayLike) -> Array:
-    """``P(p)``, shape ``(…, 6, 6)``, of forces or momenta ``(…, 6)``: ``ad(v)ᵀ p = P(p) v``."""
+    """``P(p)``, shape ``(…, 6, 6)``, of forces or momenta ``(…, 6)``: ``ad(v)ᵀ p = P(p) v``.
+
+    Args:
+        p: Forces or momenta, shape (…, 6).
+    """
     return _map(coadjoint_matrix, (6, 6), p=(p, TWIST))
 
 
 def se3_cayley(d: ArrayLike) -> Array:
-    """Frames ``cay(d)``, shape ``(…, 4, 3)``, of twists ``(…, 6)``."""
+    """Frames ``cay(d)``, shape ``(…, 4, 3)``, of twists ``(…, 6)``.
+
+    Args:
+        d: Twists, shape (…, 6).
+    """
     return _map(cayley_se3, FRAME, d=(d, TWIST))
 
 
 def se3_cayley_tangent(d: ArrayLike) -> Array:
-    """``C₆(d)``, shape ``(…, 6, 6)``: ``H⁻¹δH = (C₆ δd)^`` for ``H = cay d``."""
+    """``C₆(d)``, shape ``(…, 6, 6)``: ``H⁻¹δH = (C₆ δd)^`` for ``H = cay d``.
+
+    Args:
+        d: Twists, shape (…, 6).
+    """
     return _map(cayley_tangent_se3, (6, 6), d=(d, TWIST))
 
 

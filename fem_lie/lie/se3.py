@@ -51,14 +51,25 @@ from fem_lie.lie.tuples import (
 
 @inlined
 def exp_se3(d: Array, out: Array) -> None:
-    """Frame ``exp(d) = (exp θ̂, Tᵀ(θ) u)`` of ``d = (u, θ)``."""
+    """Frame ``exp(d) = (exp θ̂, Tᵀ(θ) u)`` of ``d = (u, θ)``.
+
+    Args:
+        d: Increment (u, θ), shape (6,).
+        out: The result, written in place.
+    """
     p, r1, r2, r3 = exponential(load(d, 0), load(d, 3))
     store_frame(out, p, r1, r2, r3)
 
 
 @inlined
 def retract(H: Array, d: Array, out: Array) -> None:
-    """Frame ``H exp(d)``."""
+    """Frame ``H exp(d)``.
+
+    Args:
+        H: Frame, shape (4, 3).
+        d: Increment (u, θ), shape (6,).
+        out: The result, written in place.
+    """
     p, r1, r2, r3 = exponential(load(d, 0), load(d, 3))
     x, d1, d2, d3 = load_frame(H)
     moved = plus(x, rotate(d1, d2, d3, p))
@@ -67,14 +78,25 @@ def retract(H: Array, d: Array, out: Array) -> None:
 
 @inlined
 def log_se3(H: Array, out: Array) -> None:
-    """Twist ``log(H)`` with ``|θ| ≤ π``."""
+    """Twist ``log(H)`` with ``|θ| ≤ π``.
+
+    Args:
+        H: Frame, shape (4, 3).
+        out: The result, written in place.
+    """
     x, d1, d2, d3 = load_frame(H)
     _store_log(out, x, d1, d2, d3)
 
 
 @inlined
 def relative(A: Array, B: Array, out: Array) -> None:
-    """Twist ``log(A⁻¹B)`` with ``|θ| ≤ π``."""
+    """Twist ``log(A⁻¹B)`` with ``|θ| ≤ π``.
+
+    Args:
+        A: Frame, shape (4, 3).
+        B: Frame, shape (4, 3).
+        out: The result, written in place.
+    """
     xa, a1, a2, a3 = load_frame(A)
     xb, b1, b2, b3 = load_frame(B)
     _store_log(
@@ -88,7 +110,13 @@ def relative(A: Array, B: Array, out: Array) -> None:
 
 @inlined
 def compose(A: Array, B: Array, out: Array) -> None:
-    """Frame ``A B = (R_A R_B, x_A + R_A x_B)``."""
+    """Frame ``A B = (R_A R_B, x_A + R_A x_B)``.
+
+    Args:
+        A: Frame, shape (4, 3).
+        B: Frame, shape (4, 3).
+        out: The result, written in place.
+    """
     xa, a1, a2, a3 = load_frame(A)
     xb, b1, b2, b3 = load_frame(B)
     moved = plus(xa, rotate(a1, a2, a3, xb))
@@ -97,7 +125,12 @@ def compose(A: Array, B: Array, out: Array) -> None:
 
 @inlined
 def inverse(H: Array, out: Array) -> None:
-    """Frame ``H⁻¹ = (Rᵀ, −Rᵀx)``."""
+    """Frame ``H⁻¹ = (Rᵀ, −Rᵀx)``.
+
+    Args:
+        H: Frame, shape (4, 3).
+        out: The result, written in place.
+    """
     x, (a, b, c), (d, e, f), (g, h, i) = load_frame(H)
     back = rotate_back((a, b, c), (d, e, f), (g, h, i), x)
     store_frame(out, negative(back), (a, d, g), (b, e, h), (c, f, i))
@@ -105,7 +138,11 @@ def inverse(H: Array, out: Array) -> None:
 
 @inlined
 def reorthonormalise(H: Array) -> None:
-    """One Newton-Schulz step ``R ← R(3I − RᵀR)/2`` in place; the error of ``RᵀR`` is squared."""
+    """One Newton-Schulz step ``R ← R(3I − RᵀR)/2`` in place; the error of ``RᵀR`` is squared.
+
+    Args:
+        H: Frame, shape (4, 3).
+    """
     _, d1, d2, d3 = load_frame(H)
     a, b, c = 0.5 * dot(d1, d2), 0.5 * dot(d2, d3), 0.5 * dot(d3, d1)
     store_row(H, 1, minus(_stretched(d1), combined(a, d2, c, d3)))
@@ -118,67 +155,130 @@ def reorthonormalise(H: Array) -> None:
 
 @inlined
 def tangent(d: Array, out: Array) -> None:
-    """``T₆(d)``, the right Jacobian of exp: ``H⁻¹δH = (T₆(d) δd)^``."""
+    """``T₆(d)``, the right Jacobian of exp: ``H⁻¹δH = (T₆(d) δd)^``.
+
+    Args:
+        d: Increment (u, θ), shape (6,).
+        out: The result, written in place.
+    """
     _store_matrix(tangent_coefficients(_angle2(d)), 1.0, d, out)
 
 
 @inlined
 def tangent_inverse(d: Array, out: Array) -> None:
-    """``T₆⁻¹(d)``, for ``|θ| < 2π``."""
+    """``T₆⁻¹(d)``, for ``|θ| < 2π``.
+
+    Args:
+        d: Increment (u, θ), shape (6,).
+        out: The result, written in place.
+    """
     _store_matrix(inverse_coefficients(_angle2(d)), 1.0, d, out)
 
 
 @inlined
 def tangent_inverse_minus(d: Array, out: Array) -> None:
-    """``T₆⁻¹(−d) = T₆⁻¹(d) Ad(exp −d)``."""
+    """``T₆⁻¹(−d) = T₆⁻¹(d) Ad(exp −d)``.
+
+    Args:
+        d: Increment (u, θ), shape (6,).
+        out: The result, written in place.
+    """
     _store_matrix(inverse_coefficients(_angle2(d)), -1.0, d, out)
 
 
 @inlined
 def apply_tangent(d: Array, v: Array, out: Array) -> None:
-    """``T₆(d) v``."""
+    """``T₆(d) v``.
+
+    Args:
+        d: Increment (u, θ), shape (6,).
+        v: Twist, shape (6,).
+        out: The result, written in place.
+    """
     _store_twist(tangent_coefficients(_angle2(d)), 1.0, d, v, out)
 
 
 @inlined
 def apply_tangent_transposed(d: Array, f: Array, out: Array) -> None:
-    """``T₆ᵀ(d) f``."""
+    """``T₆ᵀ(d) f``.
+
+    Args:
+        d: Increment (u, θ), shape (6,).
+        f: Force and moment, shape (6,).
+        out: The result, written in place.
+    """
     _store_force(tangent_coefficients(_angle2(d)), -1.0, d, f, out)
 
 
 @inlined
 def apply_tangent_inverse(d: Array, v: Array, out: Array) -> None:
-    """``T₆⁻¹(d) v``."""
+    """``T₆⁻¹(d) v``.
+
+    Args:
+        d: Increment (u, θ), shape (6,).
+        v: Twist, shape (6,).
+        out: The result, written in place.
+    """
     _store_twist(inverse_coefficients(_angle2(d)), 1.0, d, v, out)
 
 
 @inlined
 def apply_tangent_inverse_minus(d: Array, v: Array, out: Array) -> None:
-    """``T₆⁻¹(−d) v``."""
+    """``T₆⁻¹(−d) v``.
+
+    Args:
+        d: Increment (u, θ), shape (6,).
+        v: Twist, shape (6,).
+        out: The result, written in place.
+    """
     _store_twist(inverse_coefficients(_angle2(d)), -1.0, d, v, out)
 
 
 @inlined
 def apply_tangent_inverse_transposed(d: Array, f: Array, out: Array) -> None:
-    """``T₆⁻ᵀ(d) f``."""
+    """``T₆⁻ᵀ(d) f``.
+
+    Args:
+        d: Increment (u, θ), shape (6,).
+        f: Force and moment, shape (6,).
+        out: The result, written in place.
+    """
     _store_force(inverse_coefficients(_angle2(d)), -1.0, d, f, out)
 
 
 @inlined
 def apply_tangent_inverse_transposed_minus(d: Array, f: Array, out: Array) -> None:
-    """``T₆⁻ᵀ(−d) f``."""
+    """``T₆⁻ᵀ(−d) f``.
+
+    Args:
+        d: Increment (u, θ), shape (6,).
+        f: Force and moment, shape (6,).
+        out: The result, written in place.
+    """
     _store_force(inverse_coefficients(_angle2(d)), 1.0, d, f, out)
 
 
 @inlined
 def tangent_inverse_transposed_derivative(d: Array, f: Array, out: Array) -> None:
-    """``G(d, f) = ∂(T₆⁻ᵀ(d) f)/∂d``."""
+    """``G(d, f) = ∂(T₆⁻ᵀ(d) f)/∂d``.
+
+    Args:
+        d: Increment (u, θ), shape (6,).
+        f: Force and moment, shape (6,).
+        out: The result, written in place.
+    """
     _store_derivative(1.0, d, f, out)
 
 
 @inlined
 def tangent_inverse_transposed_derivative_minus(d: Array, f: Array, out: Array) -> None:
-    """``G(−d, f)``: ``∂(T₆⁻ᵀ(δ) f)/∂δ`` at ``δ = −d``; the derivative is by δ, not by d."""
+    """``G(−d, f)``: ``∂(T₆⁻ᵀ(δ) f)/∂δ`` at ``δ = −d``; the derivative is by δ, not by d.
+
+    Args:
+        d: Increment (u, θ), shape (6,).
+        f: Force and moment, shape (6,).
+        out: The result, written in place.
+    """
     _store_derivative(-1.0, d, f, out)
 
 
@@ -187,7 +287,12 @@ def tangent_inverse_transposed_derivative_minus(d: Array, f: Array, out: Array) 
 
 @inlined
 def cayley_se3(d: Array, out: Array) -> None:
-    """Frame ``cay(d) = (I − ½X)⁻¹(I + ½X)``, ``X = d̂``: rotation ``cay ψ`` of ``d = (u, ψ)``."""
+    """Frame ``cay(d) = (I − ½X)⁻¹(I + ½X)``, ``X = d̂``: rotation ``cay ψ`` of ``d = (u, ψ)``.
+
+    Args:
+        d: Increment (u, θ), shape (6,).
+        out: The result, written in place.
+    """
     p, r1, r2, r3 = cayley(load(d, 0), load(d, 3))
     store_frame(out, p, r1, r2, r3)
 
@@ -197,6 +302,10 @@ def cayley_tangent_se3(d: Array, out: Array) -> None:
     """``C₆(d) = [[A, −½ûC], [0, C]]``, ``A = (I + ½ψ̂)⁻¹``: ``H⁻¹δH = (C₆(d) δd)^``, ``H = cay d``.
 
     From ``H⁻¹δH = (I + ½X)⁻¹ δX (I − ½X)⁻¹``; ``C(ψ)`` is that of SO(3).
+
+    Args:
+        d: Increment (u, θ), shape (6,).
+        out: The result, written in place.
     """
     u, ψ = load(d, 0), load(d, 3)
     r = 1.0 / (1.0 + 0.25 * dot(ψ, ψ))

@@ -32,20 +32,35 @@ from fem_lie.lie.tuples import (
 
 @inlined
 def exp_so3(theta: Array, out: Array) -> None:
-    """Director rows of ``exp θ̂``."""
+    """Director rows of ``exp θ̂``.
+
+    Args:
+        theta: Rotation vector, rad, shape (3,).
+        out: The result, written in place.
+    """
     _, r1, r2, r3 = exponential((0.0, 0.0, 0.0), load(theta, 0))
     store_rows(out, 0, r1, r2, r3)
 
 
 @inlined
 def log_so3(D: Array, out: Array) -> None:
-    """Rotation vector of the director rows ``D``, ``|θ| ≤ π``."""
+    """Rotation vector of the director rows ``D``, ``|θ| ≤ π``.
+
+    Args:
+        D: Director rows, shape (3, 3).
+        out: The result, written in place.
+    """
     store(out, 0, rotation_vector(load_row(D, 0), load_row(D, 1), load_row(D, 2)))
 
 
 @inlined
 def tangent_so3(theta: Array, out: Array) -> None:
-    """``T(θ)``: ``RᵀδR = (T(θ) δθ)^``."""
+    """``T(θ)``: ``RᵀδR = (T(θ) δθ)^``.
+
+    Args:
+        theta: Rotation vector, rad, shape (3,).
+        out: The result, written in place.
+    """
     t = load(theta, 0)
     k, _ = tangent_coefficients(dot(t, t))
     store_block(out, 0, 0, matrix(k, t))
@@ -53,7 +68,12 @@ def tangent_so3(theta: Array, out: Array) -> None:
 
 @inlined
 def tangent_inverse_so3(theta: Array, out: Array) -> None:
-    """``T⁻¹(θ)``, for ``|θ| < 2π``."""
+    """``T⁻¹(θ)``, for ``|θ| < 2π``.
+
+    Args:
+        theta: Rotation vector, rad, shape (3,).
+        out: The result, written in place.
+    """
     t = load(theta, 0)
     k, _ = inverse_coefficients(dot(t, t))
     store_block(out, 0, 0, matrix(k, t))
@@ -61,7 +81,13 @@ def tangent_inverse_so3(theta: Array, out: Array) -> None:
 
 @inlined
 def apply_tangent_so3(theta: Array, w: Array, out: Array) -> None:
-    """``T(θ) w``."""
+    """``T(θ) w``.
+
+    Args:
+        theta: Rotation vector, rad, shape (3,).
+        w: Vector, shape (3,).
+        out: The result, written in place.
+    """
     t = load(theta, 0)
     k, _ = tangent_coefficients(dot(t, t))
     store(out, 0, blend(k, t, load(w, 0)))
@@ -69,7 +95,13 @@ def apply_tangent_so3(theta: Array, w: Array, out: Array) -> None:
 
 @inlined
 def apply_tangent_transposed_so3(theta: Array, w: Array, out: Array) -> None:
-    """``Tᵀ(θ) w = T(−θ) w``."""
+    """``Tᵀ(θ) w = T(−θ) w``.
+
+    Args:
+        theta: Rotation vector, rad, shape (3,).
+        w: Vector, shape (3,).
+        out: The result, written in place.
+    """
     t = load(theta, 0)
     k, _ = tangent_coefficients(dot(t, t))
     store(out, 0, blend(k, negative(t), load(w, 0)))
@@ -77,7 +109,13 @@ def apply_tangent_transposed_so3(theta: Array, w: Array, out: Array) -> None:
 
 @inlined
 def apply_tangent_inverse_so3(theta: Array, w: Array, out: Array) -> None:
-    """``T⁻¹(θ) w``."""
+    """``T⁻¹(θ) w``.
+
+    Args:
+        theta: Rotation vector, rad, shape (3,).
+        w: Vector, shape (3,).
+        out: The result, written in place.
+    """
     t = load(theta, 0)
     k, _ = inverse_coefficients(dot(t, t))
     store(out, 0, blend(k, t, load(w, 0)))
@@ -85,7 +123,13 @@ def apply_tangent_inverse_so3(theta: Array, w: Array, out: Array) -> None:
 
 @inlined
 def apply_tangent_inverse_transposed_so3(theta: Array, w: Array, out: Array) -> None:
-    """``T⁻ᵀ(θ) w = T⁻¹(−θ) w``."""
+    """``T⁻ᵀ(θ) w = T⁻¹(−θ) w``.
+
+    Args:
+        theta: Rotation vector, rad, shape (3,).
+        w: Vector, shape (3,).
+        out: The result, written in place.
+    """
     t = load(theta, 0)
     k, _ = inverse_coefficients(dot(t, t))
     store(out, 0, blend(k, negative(t), load(w, 0)))
@@ -93,7 +137,13 @@ def apply_tangent_inverse_transposed_so3(theta: Array, w: Array, out: Array) -> 
 
 @inlined
 def tangent_derivative_so3(theta: Array, w: Array, out: Array) -> None:
-    """``∂(T(θ) w)/∂θ``."""
+    """``∂(T(θ) w)/∂θ``.
+
+    Args:
+        theta: Rotation vector, rad, shape (3,).
+        w: Vector, shape (3,).
+        out: The result, written in place.
+    """
     t = load(theta, 0)
     k, dk = tangent_coefficients(dot(t, t))
     store_block(out, 0, 0, blend_derivative(k, dk, t, load(w, 0)))
@@ -101,7 +151,13 @@ def tangent_derivative_so3(theta: Array, w: Array, out: Array) -> None:
 
 @inlined
 def tangent_inverse_derivative_so3(theta: Array, w: Array, out: Array) -> None:
-    """``∂(T⁻¹(θ) w)/∂θ``."""
+    """``∂(T⁻¹(θ) w)/∂θ``.
+
+    Args:
+        theta: Rotation vector, rad, shape (3,).
+        w: Vector, shape (3,).
+        out: The result, written in place.
+    """
     t = load(theta, 0)
     k, dk = inverse_coefficients(dot(t, t))
     store_block(out, 0, 0, blend_derivative(k, dk, t, load(w, 0)))
@@ -109,7 +165,12 @@ def tangent_inverse_derivative_so3(theta: Array, w: Array, out: Array) -> None:
 
 @inlined
 def cayley_so3(psi: Array, out: Array) -> None:
-    """Director rows of ``cay ψ = I + (ψ̂ + ½ψ̂²)/(1 + |ψ|²/4)``."""
+    """Director rows of ``cay ψ = I + (ψ̂ + ½ψ̂²)/(1 + |ψ|²/4)``.
+
+    Args:
+        psi: Cayley vector ψ, shape (3,).
+        out: The result, written in place.
+    """
     t = load(psi, 0)
     x = dot(t, t)
     r = 1.0 / (1.0 + 0.25 * x)
@@ -119,7 +180,12 @@ def cayley_so3(psi: Array, out: Array) -> None:
 
 @inlined
 def cayley_tangent_so3(psi: Array, out: Array) -> None:
-    """``C(ψ) = (I − ½ψ̂)/(1 + |ψ|²/4)``: ``RᵀδR = (C(ψ) δψ)^`` for ``R = cay ψ``."""
+    """``C(ψ) = (I − ½ψ̂)/(1 + |ψ|²/4)``: ``RᵀδR = (C(ψ) δψ)^`` for ``R = cay ψ``.
+
+    Args:
+        psi: Cayley vector ψ, shape (3,).
+        out: The result, written in place.
+    """
     t = load(psi, 0)
     r = 1.0 / (1.0 + 0.25 * dot(t, t))
     store_block(out, 0, 0, shifted_hat(r, scaled(-0.5 * r, t)))
@@ -127,6 +193,11 @@ def cayley_tangent_so3(psi: Array, out: Array) -> None:
 
 @inlined
 def cayley_tangent_inverse_so3(psi: Array, out: Array) -> None:
-    """``C⁻¹(ψ) = I + ½ψ̂ + ¼ψψᵀ``."""
+    """``C⁻¹(ψ) = I + ½ψ̂ + ¼ψψᵀ``.
+
+    Args:
+        psi: Cayley vector ψ, shape (3,).
+        out: The result, written in place.
+    """
     t = load(psi, 0)
     store_block(out, 0, 0, matrix((1.0, 0.5, 0.25), t))
