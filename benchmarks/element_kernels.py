@@ -69,7 +69,7 @@ def bodies(derived: bool = False) -> dict[str, Callable[[], Any]]:
 
     def shell() -> Any:
         mesh = fl.surface(lambda a, b: (a, b, 0.2 * a * b), (side, side))
-        return fl.Shell(mesh, layer, parameters=fl.Parameters.SIX)
+        return fl.Shell(mesh, layer, drilling=True)
 
     def page() -> Any:
         file = HERE / "docs" / "how_to" / "gradient_element.py"

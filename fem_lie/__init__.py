@@ -52,7 +52,6 @@ from fem_lie.elements.rods.discrete import DiscreteCable
 from fem_lie.elements.rods.discrete_rod import DiscreteRod
 from fem_lie.elements.rods.isogeometric import IsogeometricCable
 from fem_lie.elements.rods.kirchhoff import Kirchhoff
-from fem_lie.elements.shells.drilling import Parameters
 from fem_lie.elements.shells.element import (
     Displacement,
     HellingerReissner,
@@ -335,7 +334,6 @@ __all__ = [
     "NodeAxes",
     "Orthotropic",
     "Page",
-    "Parameters",
     "Parametrisation",
     "PathEnds",
     "PathOptions",

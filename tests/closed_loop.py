@@ -12,7 +12,7 @@ def closed_loop(
     u: UnitSystem = METRES,
     *,
     gravity: float = 9.81,
-    parameters: fl.Parameters = fl.Parameters.AUTOMATIC,
+    drilling: bool | None = None,
 ) -> fl.Scene:
     """Ground, beam, plate, beam, rigid body, ground: a hinge about y, and spherical joints.
 
@@ -28,7 +28,7 @@ def closed_loop(
         fl.Shell(
             fl.surface(lambda a, b: u.length([0.1 + 0.4 * a, 0.2 * b, 0.5]), (4, 2)),
             fl.ShellSection.layer(u.length(0.01), steel),
-            parameters=parameters,
+            drilling=drilling,
             name="plate",
         )
     )
@@ -41,7 +41,7 @@ def closed_loop(
     scene.add(fl.Revolute(fl.ground(), left.point("start"), axis=(0, 1, 0), name="root"))
     scene.add(fl.Spherical(left.point("end"), nearest(plate, high), name="near"))
     corner = nearest(plate, far)
-    if parameters == fl.Parameters.SIX:
+    if drilling:
         scene.add(fl.Revolute(corner, right.point("start"), axis=(0, 1, 0), name="far"))
     else:
         scene.add(fl.Spherical(corner, right.point("start"), name="far"))

@@ -62,9 +62,9 @@ def _slender(element: str) -> SlenderData:
     return SlenderData("body", element, section, 3, None, START, END, BOW, UP)
 
 
-def _shell(formulation: str, cell: str = "quadrilateral", parameters: str = "AUTOMATIC") -> Any:
+def _shell(formulation: str, cell: str = "quadrilateral", drilling: bool | None = None) -> Any:
     along = np.array([1.0, 0.3, 0.0])
-    return ShellData("body", _PLATE, (2, 2), formulation, None, _CORNERS, along, cell, parameters)
+    return ShellData("body", _PLATE, (2, 2), formulation, None, _CORNERS, along, cell, drilling)
 
 
 def _patch(element: str) -> PatchData:
@@ -102,7 +102,7 @@ BODIES: dict[str, Any] = {
     "shell, Hellinger-Reissner": _shell("HR"),
     "shell, Hu-Washizu": _shell("HW"),
     "shell, triangles": _shell("HR", "triangle"),
-    "shell, six parameters": _shell("HR", parameters="SIX"),
+    "shell, six parameters": _shell("HR", drilling=True),
     "thin shell": _patch("thin shell"),
     "ANCF shell": _patch("ANCF shell"),
     "solid, hexahedra 1": _block("hexahedron", 1),

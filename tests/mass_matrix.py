@@ -1,4 +1,4 @@
-"""The mass matrix in twists of a frame from its Gram matrix, beside the sums of compiled code."""
+"""The mass matrix in twists of a frame from its director mass matrix, beside the sums of compiled code."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ import fem_lie as fl
 from fem_lie import lie
 
 
-def mass_matrix_6x6(gram: npt.ArrayLike) -> fl.extend.Array:
+def mass_matrix_6x6(mass_matrix: npt.ArrayLike) -> fl.extend.Array:
     """Mass matrix of local velocities (translation, rotation): ``[[m I, −m ĉ], [m ĉ, J]]``.
 
     Args:
-        gram: Gram matrix of (x, d₁, d₂, d₃), shape (4, 4), see :func:`gram_from_rigid`.
+        mass_matrix: Mass matrix of (x, d₁, d₂, d₃), shape (4, 4), see :func:`gram_from_rigid`.
 
     Returns:
         Symmetric matrix, shape (6, 6); J is about the frame's origin.
     """
-    G = np.asarray(gram, dtype=np.float64)
+    G = np.asarray(mass_matrix, dtype=np.float64)
     E = G[1:, 1:]
     M = np.empty((6, 6))
     M[:3, :3] = G[0, 0] * np.eye(3)

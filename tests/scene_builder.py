@@ -139,7 +139,7 @@ def _(item: data.ShellData, built: Built) -> None:
         fl.ShellSection.layer(s.thickness, fl.Material(s.E, s.nu, s.density)),
         along=item.along,
         formulation=FORMULATIONS[item.formulation],
-        parameters=fl.Parameters[item.parameters],
+        drilling=item.drilling,
         name=item.name,
     )
     if item.clamped is not None:

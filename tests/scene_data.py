@@ -106,7 +106,7 @@ class ShellData:
     corners: Annotated[np.ndarray, Quantity(1, moves=POINT)]
     along: Annotated[np.ndarray, Quantity(moves=VECTOR)]
     cell: str = "quadrilateral"
-    parameters: str = "AUTOMATIC"
+    drilling: bool | None = None
 
 
 @dataclass(frozen=True)

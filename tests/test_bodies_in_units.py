@@ -79,7 +79,7 @@ BODIES: dict[str, Callable[[UnitSystem], fl.Body]] = {
     "spline cable": spline,
     "net": net,
     "shell": lambda u: fl.Shell(sheet(u), layer(u)),
-    "shell of six": lambda u: fl.Shell(sheet(u), layer(u), parameters=fl.Parameters.SIX),
+    "shell of six": lambda u: fl.Shell(sheet(u), layer(u), drilling=True),
     "triangles": lambda u: fl.Shell(sheet(u, "triangle"), layer(u)),
     "thin shell": lambda u: fl.ThinShell(patch(u), layer(u)),
     "beam of gradients": lambda u: fl.AncfBeam(bow(u, 2), bar(u)),

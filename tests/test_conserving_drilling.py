@@ -22,7 +22,7 @@ def sheet(cell: str = "quadrilateral") -> fl.Shell:
     """A bent strip of soft cells whose nodes have drilling rotation."""
     mesh = fl.surface(lambda a, b: (a, 0.4 * (b - 0.5), 0.1 * a * a), (2, 2), cell=cell)
     layer = fl.ShellSection.layer(0.03, fl.Material(4e6, 0.3, 1000.0))
-    return fl.Shell(mesh, layer, parameters=fl.Parameters.SIX)
+    return fl.Shell(mesh, layer, drilling=True)
 
 
 def flying(cell: str = "quadrilateral") -> fl.Scene:

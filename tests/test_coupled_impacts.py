@@ -497,11 +497,11 @@ def test_a_beam_that_bounces_never_gains_energy():
 # --- directions without inertia ---
 
 
-def bouncing_plate(parameters, friction: float, joint=None) -> fl.Scene:
+def bouncing_plate(drilling, friction: float, joint=None) -> fl.Scene:
     """Its nodes fall on the floor one after the other; a corner may carry a body by a joint."""
     mesh = fl.surface(lambda a, b: (a, 0.6 * b, 0.02 + 0.1 * a + 0.05 * b), (3, 2))
     section = fl.ShellSection.layer(0.02, fl.Material(1e8, 0.3, 1000.0))
-    plate = fl.Shell(mesh, section, parameters=parameters)
+    plate = fl.Shell(mesh, section, drilling=drilling)
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     scene.add(plate)
     balls = fl.Vertices([fl.Point(plate, k) for k in range(len(plate.frames))], 0.01)
@@ -525,8 +525,8 @@ def check_plate(result: fl.Result) -> None:
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_a_plate_whose_drilling_has_no_inertia_bounces_as_one_of_five_parameters(friction):
     places = []
-    for parameters in (fl.Parameters.FIVE, fl.Parameters.SIX):
-        result = run(bouncing_plate(parameters, friction), 0.12, 1e-3)
+    for drilling in (False, True):
+        result = run(bouncing_plate(drilling, friction), 0.12, 1e-3)
         check_plate(result)
         places.append(result.frames[:, :12, 0])
     assert np.linalg.norm(places[1] - places[0], axis=2).max() < 2e-3
@@ -534,7 +534,7 @@ def test_a_plate_whose_drilling_has_no_inertia_bounces_as_one_of_five_parameters
 
 @pytest.mark.parametrize("joint", [fl.Revolute, fl.Fixed])
 def test_a_plate_bounces_with_a_body_on_a_joint_that_holds_its_drilling(joint):
-    result = run(bouncing_plate(fl.Parameters.AUTOMATIC, 0.3, joint), 0.12, 1e-3)
+    result = run(bouncing_plate(None, 0.3, joint), 0.12, 1e-3)
     check_plate(result)
 
 

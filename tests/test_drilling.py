@@ -9,13 +9,19 @@ from tests.assembled import Assembled
 
 MATERIAL = fl.Material(100.0, 0.3, 2.0)
 SHEAR = 100.0 / 2.6
-Parameters = fl.Parameters
 
 
-def plate(thickness: float, parameters: Parameters = Parameters.SIX) -> fl.Shell:
+def plate(
+    thickness: float, drilling: bool | None = True, *, convected_axes: bool = False
+) -> fl.Shell:
     """Of size 1, four by four cells."""
     mesh = fl.surface(lambda a, b: (a, b, 0.0), (4, 4))
-    return fl.Shell(mesh, fl.ShellSection.layer(thickness, MATERIAL), parameters=parameters)
+    return fl.Shell(
+        mesh,
+        fl.ShellSection.layer(thickness, MATERIAL),
+        drilling=drilling,
+        convected_axes=convected_axes,
+    )
 
 
 @pytest.mark.parametrize("over_cell", [0.04, 0.4, 4.0, 40.0])
@@ -58,7 +64,7 @@ def test_cells_where_a_node_alone_takes_a_moment_are_as_stiff_as_the_membrane(co
 )
 def test_cells_resist_moments_of_friction_at_a_node(law, radius, friction, stiff):
     """Forces on a ball about a node have a moment about it, forces at the node itself none."""
-    scene, shell = fl.Scene(), plate(0.01, Parameters.SIX)
+    scene, shell = fl.Scene(), plate(0.01)
     scene.add(shell)
     balls = fl.Vertices([shell.point("00")], radius)
     floor = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -1))
@@ -70,7 +76,7 @@ def test_cells_resist_moments_of_friction_at_a_node(law, radius, friction, stiff
 
 
 def test_five_parameters_do_for_contacts_at_nodes():
-    scene, shell = fl.Scene(), plate(0.01, Parameters.AUTOMATIC)
+    scene, shell = fl.Scene(), plate(0.01, None)
     scene.add(shell)
     floor = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -1))
     ball = fl.Sphere(shell.point("00"), 0.01)
@@ -80,9 +86,7 @@ def test_five_parameters_do_for_contacts_at_nodes():
 
 def test_an_unloaded_shell_of_warped_cells_has_no_drilling_stress():
     mesh = fl.surface(lambda a, b: (a + 0.2 * b * b, b + 0.1 * a * a, 0.8 * a * b), (3, 2))
-    shell = fl.Shell(
-        mesh, fl.ShellSection.layer(0.1, MATERIAL), parameters=Parameters.SIX, kink_angle=1.5
-    )
+    shell = fl.Shell(mesh, fl.ShellSection.layer(0.1, MATERIAL), drilling=True, kink_angle=1.5)
     scene = fl.Scene()
     scene.add(shell)
     system = Assembled(scene, dynamics=False)
@@ -91,7 +95,7 @@ def test_an_unloaded_shell_of_warped_cells_has_no_drilling_stress():
 
 def test_frames_with_joints_are_not_carried_along():
     """The axes of the joint are written in them."""
-    scene, shell = fl.Scene(), plate(0.1, Parameters.FIVE_CARRIED)
+    scene, shell = fl.Scene(), plate(0.1, None, convected_axes=True)
     scene.add(shell)
     scene.add(fl.Spherical(shell.point("00"), fl.ground()))
     system = Assembled(scene, dynamics=False)

@@ -267,7 +267,7 @@ def test_thousand_bodies_are_thousand_single_runs():
 
 def test_invariants_are_sums_over_bodies():
     result = fl.GeneralisedAlpha().run(loaded(5), duration=0.1, step=0.01)
-    mass = np.array([body.gram[0, 0] for body in loaded(5).bodies])
+    mass = np.array([body.mass_matrix[0, 0] for body in loaded(5).bodies])
     R, v = result.frames[:, :, 1:], result.velocities
     speed = np.einsum("tnkj,tnk->tnj", R, v[..., :3])
     spin = np.einsum("tnkj,tnk->tnj", R, v[..., 3:] @ FULL)

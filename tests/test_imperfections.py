@@ -150,11 +150,11 @@ def test_what_follows_an_imperfect_node_goes_with_it(imperfection):
 def topheavy(length: float = 1.0):
     """A shaft whose mass lies above its axis, which bearings hold: under gravity it tips over."""
     GJ, mass, height = 3.0 * length**2, 2.0, 0.1 * length
-    gram = mass * np.diag([1.0, 0.0, 1e-3 * length**2, 0.0])
-    gram[0, 3] = gram[3, 0] = mass * height
-    gram[3, 3] = mass * (height**2 + 1e-3 * length**2)
+    mass_matrix = mass * np.diag([1.0, 0.0, 1e-3 * length**2, 0.0])
+    mass_matrix[0, 3] = mass_matrix[3, 0] = mass * height
+    mass_matrix[3, 3] = mass * (height**2 + 1e-3 * length**2)
     stiff = [1e4, 1e4, 1e4, GJ, 1e3 * length**2, 1e3 * length**2]
-    section = fl.Section.from_stiffness(stiff, gram)
+    section = fl.Section.from_stiffness(stiff, mass_matrix)
     # GJ (π/2L)² = m g h
     scene = fl.Scene(gravity=(0, 0, -GJ * (np.pi / 2 / length) ** 2 / (mass * height)))
     beam = scene.add(

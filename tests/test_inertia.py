@@ -31,10 +31,10 @@ class Body:
         self.rng = rng
         self.dense = np.zeros((n, 4, n, 4))
         for i in range(n - 1):
-            gram = random_gram(rng)
+            mass_matrix = random_mass_matrix(rng)
             for a in (i, i + 1):
                 for b in (i, i + 1):
-                    self.dense[a, :, b] += gram * (2.0 if a == b else 1.0) / 6
+                    self.dense[a, :, b] += mass_matrix * (2.0 if a == b else 1.0) / 6
         rows = np.repeat(np.arange(n), np.diff(self.indptr))
         self.blocks = np.array(
             [self.dense[i, :, j] for i, j in zip(rows, self.indices, strict=True)]
@@ -59,8 +59,8 @@ def on_se3(H: np.ndarray) -> np.ndarray:
     return np.zeros(len(H), dtype=np.int64)
 
 
-def random_gram(rng: np.random.Generator) -> np.ndarray:
-    """Gram matrix of ten random masses: any body, its centre of mass off the origin."""
+def random_mass_matrix(rng: np.random.Generator) -> np.ndarray:
+    """Mass matrix of ten random masses: any body, its centre of mass off the origin."""
     points = np.column_stack([np.ones(10), rng.normal(size=(10, 3)) + rng.normal(size=3)])
     return np.einsum("p,pa,pb->ab", rng.uniform(0.1, 1.0, 10), points, points)
 
@@ -138,7 +138,7 @@ def test_force_is_dalemberts(seed):
 def test_one_block_is_a_rigid_body(seed):
     """``M v̇ − ad(v)ᵀ M v`` with the 6×6 mass matrix, the centre of mass anywhere."""
     rng = np.random.default_rng(seed)
-    G = random_gram(rng)
+    G = random_mass_matrix(rng)
     H = lie.se3_exp(rng.normal(size=(1, 6)))
     v, a = rng.normal(size=(2, 1, 6))
     out, load, r = np.empty_like(H), np.empty_like(H), np.zeros((1, 6))
@@ -157,9 +157,9 @@ def test_one_block_is_a_rigid_body(seed):
 def test_mass_matrix_gives_the_kinetic_energy_of_points(seed):
     rng = np.random.default_rng(seed)
     points, masses, v = rng.normal(size=(10, 3)) + 1, rng.uniform(0.1, 1, 10), rng.normal(size=6)
-    gram = np.einsum("p,pa,pb->ab", masses, *[np.column_stack([np.ones(10), points])] * 2)
+    mass_matrix = np.einsum("p,pa,pb->ab", masses, *[np.column_stack([np.ones(10), points])] * 2)
     energy = 0.5 * (masses * ((v[:3] + np.cross(v[3:], points)) ** 2).sum(axis=1)).sum()
-    assert 0.5 * v @ mass_matrix_6x6(gram) @ v == pytest.approx(energy, rel=1e-13)
+    assert 0.5 * v @ mass_matrix_6x6(mass_matrix) @ v == pytest.approx(energy, rel=1e-13)
 
 
 @given(seed=seeds)
@@ -168,12 +168,12 @@ def test_gram_from_rigid_is_that_of_points(seed):
     """Mass, centre and inertia tensor say the same as the points that they come from."""
     rng = np.random.default_rng(seed)
     points, masses = rng.normal(size=(10, 3)) + 1, rng.uniform(0.1, 1, 10)
-    gram = np.einsum("p,pa,pb->ab", masses, *[np.column_stack([np.ones(10), points])] * 2)
+    mass_matrix = np.einsum("p,pa,pb->ab", masses, *[np.column_stack([np.ones(10), points])] * 2)
     centre = masses @ points / masses.sum()
     arms = points - centre
     inner = (arms**2).sum(axis=1)[:, np.newaxis, np.newaxis] * np.eye(3)
     J = np.einsum("p,pij->ij", masses, inner - np.einsum("pi,pj->pij", arms, arms))
-    np.testing.assert_allclose(fl.gram_from_rigid(masses.sum(), J, centre), gram, rtol=1e-12)
+    np.testing.assert_allclose(fl.gram_from_rigid(masses.sum(), J, centre), mass_matrix, rtol=1e-12)
 
 
 @given(seed=seeds)

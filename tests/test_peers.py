@@ -38,8 +38,8 @@ def test_double_pendulum_is_that_of_the_demo(case):
     given, (scene, *beams) = descriptions.double_pendulum(case, 4), pendulum(case, 4)
     for described, beam in zip(given["beams"], beams, strict=True):
         assert_same_beam(described, beam)
-        gram = fl.gram_from_rigid(described["mass"], described["inertia"])
-        np.testing.assert_allclose(beam.density, [gram] * 4, rtol=1e-12, atol=1e-18)
+        mass_matrix = fl.gram_from_rigid(described["mass"], described["inertia"])
+        np.testing.assert_allclose(beam.density, [mass_matrix] * 4, rtol=1e-12, atol=1e-18)
         R = np.array(described["frames"])
         along = np.einsum("nji,nj->ni", R, described["velocities"])
         turning = R.transpose(0, 2, 1) @ described["spin"]
@@ -65,8 +65,8 @@ def test_rigid_bodies_are_ours(given, scene):
     for described, body in zip(given["bodies"], scene.bodies, strict=True):
         np.testing.assert_allclose(body.frames[0, 0], described["centre"], atol=1e-15)
         np.testing.assert_array_equal(body.frames[0, 1:], np.eye(3))
-        gram = fl.gram_from_rigid(described["mass"], described["inertia"])
-        np.testing.assert_allclose(body.gram, gram, rtol=1e-12, atol=1e-18)
+        mass_matrix = fl.gram_from_rigid(described["mass"], described["inertia"])
+        np.testing.assert_allclose(body.mass_matrix, mass_matrix, rtol=1e-12, atol=1e-18)
         np.testing.assert_allclose(body.velocities[0, 3:], described["spin"], atol=1e-15)
     assert len(given["joints"]) == len(scene.joints)
     np.testing.assert_array_equal(scene.gravity, given["gravity"])

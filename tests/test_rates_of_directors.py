@@ -35,14 +35,14 @@ def test_told_velocities_are_those_of_the_frames(name):
 def test_rates_of_a_turning_frame_give_its_velocity():
     """Whatever the inertia, in part or none."""
     rng = np.random.default_rng(1)
-    grams = np.zeros((5, 4, 4))
-    grams[:, 0, 0] = 1.0
-    grams[1, 3, 3] = 1e-6
-    grams[2, 1:, 1:] = np.diag([0.0, 2.0, 1e-3])
+    matrices = np.zeros((5, 4, 4))
+    matrices[:, 0, 0] = 1.0
+    matrices[1, 3, 3] = 1e-6
+    matrices[2, 1:, 1:] = np.diag([0.0, 2.0, 1e-3])
     for k in (3, 4):
         points = rng.normal(size=(6, 3))
-        grams[k, 1:, 1:] = points.T @ points
-    mass = Inertia(np.arange(6), np.arange(5), grams)
+        matrices[k, 1:, 1:] = points.T @ points
+    mass = Inertia(np.arange(6), np.arange(5), matrices)
     H, v = lie.se3_exp(rng.normal(size=(5, 6))), rng.normal(size=(5, 6))
     rates = np.empty((5, 4, 3))
     rates[:, 0] = np.einsum("nk,nkj->nj", v[:, :3], H[:, 1:])

@@ -199,11 +199,10 @@ def test_a_prescribed_motion_has_the_force_that_drives_it():
 @pytest.mark.parametrize("drills", [False, True], ids=["five parameters", "six"])
 def test_guides_and_edges_of_a_shell_carry_what_loads_it(drills):
     """A quarter of a plate: two planes of symmetry, one edge on rollers, the other free."""
-    parameters = fl.Parameters.SIX if drills else fl.Parameters.FIVE
     shell = fl.Shell(
         fl.surface(lambda a, b: (2 * a, b, 0.0), (6, 4)),
         fl.ShellSection.layer(0.02, fl.Material(2.1e11, 0.3, 7850.0)),
-        parameters=parameters,
+        drilling=drills,
         name="plate",
     )
     shell.symmetry("a=0", (1, 0, 0))

@@ -46,7 +46,7 @@ def test_what_is_missed_is_how_far_nodes_go_elsewhere():
     for merged in (False, True):
         scene = rod()
         (body,) = scene.bodies
-        body.begins_at = fl.lie.se3_retract(body.frames, bent)
+        body.start_frames = fl.lie.se3_retract(body.frames, bent)
         if merged:
             body.masters = one
             body.velocities[:] = rigid_twists(bent)
@@ -99,7 +99,7 @@ def test_followers_keep_the_deformation_in_which_solvers_begin():
     (body,) = scene.bodies
     bent = np.zeros((9, 6))
     bent[:, 1] = 0.02 * np.linspace(0.0, 1.0, 9) ** 2
-    body.begins_at = fl.lie.se3_retract(body.frames, bent)
+    body.start_frames = fl.lie.se3_retract(body.frames, bent)
     body.velocities[:] = 0.0
     free = fl.GeneralisedAlpha().run(scene, duration=1e-3, step=1e-3, progress=False)
     body.masters = np.zeros(9, dtype=int)

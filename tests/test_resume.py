@@ -98,7 +98,7 @@ CHANGES = {
     "spring": ({"spring": (4.0, 0.1, 0.9)}, "stiffness, damping and rest of Spring"),
     "damper": ({"spring": (3.0, 0.2, 0.9)}, "stiffness, damping and rest of Spring"),
     "rest": ({"spring": (3.0, 0.1, 1.0)}, "stiffness, damping and rest of Spring"),
-    "inertia": ({"inertia": (0.3, 0.2, 0.2)}, "gram of rigidbody 1"),
+    "inertia": ({"inertia": (0.3, 0.2, 0.2)}, "mass_matrix of rigidbody 1"),
     "force": ({"force": (0, 0, 3.0)}, r"force of load 1 \(PointLoad\)"),
     "following": ({"following": True}, r"following of load 1 \(PointLoad\) \(True, was False"),
     "history": ({"history": cos}, "history of load 1"),

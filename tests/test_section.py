@@ -14,14 +14,14 @@ SIZE = st.floats(1e-3, 10.0)
 
 
 def _gauss(section, width, height):
-    """Gram matrix of a rectangle by 2×2 Gauss points, exact for second moments."""
+    """Mass matrix of a rectangle by 2×2 Gauss points, exact for second moments."""
     xi = np.array([-1, 1]) / np.sqrt(3)
-    gram = np.zeros((4, 4))
+    mass_matrix = np.zeros((4, 4))
     for y in 0.5 * width * xi:
         for z in 0.5 * height * xi:
             shape = np.array([1.0, 0.0, y, z])
-            gram += STEEL.density * 0.25 * width * height * np.outer(shape, shape)
-    return gram
+            mass_matrix += STEEL.density * 0.25 * width * height * np.outer(shape, shape)
+    return mass_matrix
 
 
 @given(SIZE, SIZE)
@@ -125,7 +125,7 @@ def test_a_tube_is_a_circle_less_its_hole():
 
 
 def _random_body(seed):
-    """Point masses: mass, tensor about the centre, centre, and the Gram matrix by definition."""
+    """Point masses: mass, tensor about the centre, centre, and the mass matrix by definition."""
     rng = np.random.default_rng(seed)
     m, x = rng.uniform(0.5, 2.0, 6), rng.normal(size=(6, 3))
     centre = m @ x / m.sum()
@@ -137,18 +137,20 @@ def _random_body(seed):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_gram_matrix_of_point_masses(seed):
-    mass, J, centre, gram = _random_body(seed)
-    np.testing.assert_allclose(fl.gram_from_rigid(mass, J, centre), gram, rtol=1e-12, atol=1e-12)
+    mass, J, centre, mass_matrix = _random_body(seed)
+    np.testing.assert_allclose(
+        fl.gram_from_rigid(mass, J, centre), mass_matrix, rtol=1e-12, atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_kinetic_energy_is_the_same_in_directors_and_in_local_velocities(seed):
-    mass, J, centre, gram = _random_body(seed)
+    mass, J, centre, mass_matrix = _random_body(seed)
     rng = np.random.default_rng(100 + seed)
     v, R = rng.normal(size=6), lie.so3_exp(rng.normal(size=3))
     qdot = np.vstack([R @ v[:3], (R @ lie.hat(v[3:])).T])
     in_directors = 0.5 * np.einsum("ab,aj,bj", fl.gram_from_rigid(mass, J, centre), qdot, qdot)
-    assert 0.5 * v @ mass_matrix_6x6(gram) @ v == pytest.approx(in_directors, rel=1e-12)
+    assert 0.5 * v @ mass_matrix_6x6(mass_matrix) @ v == pytest.approx(in_directors, rel=1e-12)
 
 
 def test_section_inertia_is_that_of_a_flat_rigid_body():
@@ -166,7 +168,7 @@ def test_section_inertia_is_that_of_a_flat_rigid_body():
         ({"mass": 2.0}, (0, 0, 0)),
         ({"mass": 2.0, "polar": 0.5}, (0.5, 0.25, 0.25)),
         ({"mass": 2.0, "rotary": (0.3, 0.1)}, (0.4, 0.3, 0.1)),
-        ({"gram": fl.gram_from_rigid(2.0, (0.4, 0.3, 0.1))}, (0.4, 0.3, 0.1)),
+        ({"mass_matrix": fl.gram_from_rigid(2.0, (0.4, 0.3, 0.1))}, (0.4, 0.3, 0.1)),
     ],
 )
 def test_inertia_of_a_section_is_what_its_name_says(given, moments):

@@ -174,7 +174,7 @@ def test_what_shell_surfaces_refuse():
     ):
         with pytest.raises(ValueError, match=message):
             fl.Contact(a, b, how).check()
-    five = fl.Shell(one.mesh, LAYER, parameters=fl.Parameters.FIVE)
+    five = fl.Shell(one.mesh, LAYER, drilling=False)
     scene = fl.Scene()
     scene.add(five)
     scene.add(ball)

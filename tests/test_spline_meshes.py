@@ -83,9 +83,9 @@ def test_functions_are_independent_and_as_many_as_points_that_do_not_hang_have_v
     N, weights = basis(mesh)
     assert mesh.levels.max() >= 2
     assert N.shape[1] == 4 * int((mesh.hanging() < 0).sum())
-    gram = N.T @ (weights[:, np.newaxis] * N)
-    size = np.sqrt(np.diag(gram))
-    least = np.linalg.eigvalsh(gram / np.outer(size, size))[0]
+    products = N.T @ (weights[:, np.newaxis] * N)
+    size = np.sqrt(np.diag(products))
+    least = np.linalg.eigvalsh(products / np.outer(size, size))[0]
     assert least > 1e-5
 
 

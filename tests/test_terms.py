@@ -55,13 +55,12 @@ def branch(**options) -> fl.Scene:
     return scene_with(fl.Beam(mesh, SECTION, **options))
 
 
-def shell(formulation, cell="quadrilateral", degree=1, parameters=None) -> fl.Scene:
+def shell(formulation, cell="quadrilateral", degree=1, drilling=False) -> fl.Scene:
     def place(a, b):
         return (2.0 * a, b, 0.3 * a * b)
 
     mesh = fl.surface(place, (2, 1), cell=cell, degree=degree)
-    given = fl.Parameters.FIVE if parameters is None else parameters
-    return scene_with(fl.Shell(mesh, LAYER, formulation=formulation, parameters=given))
+    return scene_with(fl.Shell(mesh, LAYER, formulation=formulation, drilling=drilling))
 
 
 def cable(**options) -> fl.Scene:
@@ -335,7 +334,6 @@ HELD = "loads on points that are not nodes"
 TOUCH = "contacts by penalty"
 MASS = fl.Damping(mass=0.7)
 VISCOUS = fl.Damping(stiffness=0.3)
-SIX = fl.Parameters.SIX
 
 
 class Case(NamedTuple):
@@ -371,10 +369,10 @@ TERMS: dict[str, Case] = {
     "assumed shear shell": Case(lambda: shell(fl.Displacement()), "elements"),
     "quadratic shell": Case(lambda: shell(fl.Displacement(), "triangle", 2), "elements"),
     "shell with six parameters": Case(
-        lambda: shell(fl.HellingerReissner(), parameters=SIX), "elements"
+        lambda: shell(fl.HellingerReissner(), drilling=True), "elements"
     ),
     "drilling": Case(
-        lambda: shell(fl.HellingerReissner(), parameters=SIX),
+        lambda: shell(fl.HellingerReissner(), drilling=True),
         "drilling of shells with six parameters",
     ),
     "pressure on a beam": Case(lambda: pressed(beam()), "pressure on beams"),

@@ -35,15 +35,15 @@ def beam(length=1.0, width=0.02, height=0.04, cells=16, clamped=True, **options)
 
 def timoshenko(section: fl.Section, plane: int, length: float, count: int) -> np.ndarray:
     """Clamped-free frequencies: zeros of the determinant of the transfer of (w, φ, M, Q)."""
-    D, gram = np.diag(section.stiffness), np.diag(section.inertia)
-    EI, GA, rotary = (D[4], D[2], gram[3]) if plane == 2 else (D[5], D[1], gram[2])
-    unit = np.sqrt(EI / gram[0]) / length**2
+    D, mass_matrix = np.diag(section.stiffness), np.diag(section.inertia)
+    EI, GA, rotary = (D[4], D[2], mass_matrix[3]) if plane == 2 else (D[5], D[1], mass_matrix[2])
+    unit = np.sqrt(EI / mass_matrix[0]) / length**2
     scales = np.array([1, 1 / length, EI / length**2, EI / length**3])
 
     def determinant(omega: float) -> float:
         A = np.zeros((4, 4))
         A[0, 1], A[0, 3], A[1, 2] = 1, 1 / GA, 1 / EI
-        A[2, 1], A[2, 3], A[3, 0] = -rotary * omega**2, -1, -gram[0] * omega**2
+        A[2, 1], A[2, 3], A[3, 0] = -rotary * omega**2, -1, -mass_matrix[0] * omega**2
         return float(np.linalg.det(expm(length * A * scales / scales[:, np.newaxis])[2:, 2:]))
 
     return zeros(determinant, unit, count)
@@ -66,13 +66,13 @@ def test_clamped_beam(length, bound):
     """
     scene, _ = beam(length)
     section = fl.Section.rectangle(0.02, 0.04, STEEL)
-    D, gram = np.diag(section.stiffness), np.diag(section.inertia)
+    D, mass_matrix = np.diag(section.stiffness), np.diag(section.inertia)
     waves = (2 * np.arange(6) + 1) * np.pi / (2 * length)
     families = [
         timoshenko(section, 2, length, 6),
         timoshenko(section, 3, length, 6),
-        waves * np.sqrt(D[3] / (gram[2] + gram[3])),
-        waves * np.sqrt(D[0] / gram[0]),
+        waves * np.sqrt(D[3] / (mass_matrix[2] + mass_matrix[3])),
+        waves * np.sqrt(D[0] / mass_matrix[0]),
     ]
     modes = fl.vibrations(scene)
     expected = np.sort(np.concatenate(families))[:6]
@@ -84,9 +84,9 @@ def test_clamped_beam(length, bound):
 def test_orders_of_torsion_and_extension():
     """Errors of frequencies fall with the fourth power of the element size; rods have none so."""
     section = fl.Section.rectangle(0.1, 0.1, STEEL)
-    D, gram = np.diag(section.stiffness), np.diag(section.inertia)
+    D, mass_matrix = np.diag(section.stiffness), np.diag(section.inertia)
     wave = np.pi / 2
-    speeds = np.sqrt([D[3] / (2 * gram[2]), D[0] / gram[0]])
+    speeds = np.sqrt([D[3] / (2 * mass_matrix[2]), D[0] / mass_matrix[0]])
     errors = []
     for cells in (4, 8):
         scene, _ = beam(width=0.1, height=0.1, cells=cells)
@@ -105,11 +105,11 @@ def test_orders_of_bending():
             scene.add(fl.Revolute(point, fl.ground(), axis=(0, 1, 0)))
         pinned = fl.vibrations(scene, 4).frequencies
         section = fl.Section.rectangle(0.02, 0.04, STEEL)
-        D, gram, wave = np.diag(section.stiffness), np.diag(section.inertia), np.pi / 10.0
+        D, mass_matrix, wave = np.diag(section.stiffness), np.diag(section.inertia), np.pi / 10.0
         # the slow branch of Timoshenko's dispersion relation
-        b = gram[0] * (D[4] * wave**2 + D[2]) + gram[3] * D[2] * wave**2
+        b = mass_matrix[0] * (D[4] * wave**2 + D[2]) + mass_matrix[3] * D[2] * wave**2
         c = D[2] * D[4] * wave**4
-        exact = np.sqrt(2 * c / (b + np.sqrt(b**2 - 4 * gram[0] * gram[3] * c)))
+        exact = np.sqrt(2 * c / (b + np.sqrt(b**2 - 4 * mass_matrix[0] * mass_matrix[3] * c)))
         clamped = fl.vibrations(beam(0.5, cells=cells)[0], 6).frequencies
         third = timoshenko(section, 3, 0.5, 3)[2]
         errors.append([np.abs(pinned / exact - 1).min(), np.abs(clamped / third - 1).min()])
@@ -130,10 +130,15 @@ def test_inertia_of_the_beam_element_is_that_of_the_rod():
     energy, *momenta = inertia.invariants(
         system.kinds, system.frames, system.velocities[: system.count], *system.inertia, *work
     )
-    length, gram = np.linalg.norm(axis), np.diag(section.inertia)
-    mass, R = gram[0] * length, body.frames[0, 1:].T
+    length, mass_matrix = np.linalg.norm(axis), np.diag(section.inertia)
+    mass, R = mass_matrix[0] * length, body.frames[0, 1:].T
     across = mass * length**2 / 12
-    J = R @ np.diag([gram[2] + gram[3], gram[3], gram[2]]) @ R.T * length
+    J = (
+        R
+        @ np.diag([mass_matrix[2] + mass_matrix[3], mass_matrix[3], mass_matrix[2]])
+        @ R.T
+        * length
+    )
     J += across * (np.eye(3) - np.outer(axis, axis) / length**2)
     centre = place + axis / 2
     velocity = shift + np.cross(omega, centre)

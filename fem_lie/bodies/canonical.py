@@ -13,7 +13,7 @@ from fem_lie.bodies.body import Body, Point
 
 _OF_A_BODY = (
     "frames",
-    "begins_at",
+    "start_frames",
     "velocities",
     "masters",
     "elements",
@@ -21,7 +21,7 @@ _OF_A_BODY = (
     "lengths",
     "stiffness",
     "density",
-    "gram",
+    "mass_matrix",
     "damping",
     "axes",
     "formulation",

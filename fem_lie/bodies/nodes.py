@@ -110,7 +110,7 @@ class Nodes(ABC):
         uncoupled: Whether statics moves its nodes, and those that follow them or that they follow,
             by ``x + R u``, ``R exp(η₁, η₂, 0) exp(η₃)``, and not by ``H exp(h)``.
         compound: Whether a point of it is several nodes.
-        begins_at: Frames from which solvers go on, if not from ``frames``, where nothing is
+        start_frames: Frames from which solvers go on, if not from ``frames``, where nothing is
             strained; shape (n, 4, 3).
     """
 
@@ -125,7 +125,7 @@ class Nodes(ABC):
         self.masters: Indices = np.arange(count) if masters is None else masters
         self.held: Flags = np.zeros((count, 6), dtype=bool)
         self.supports = np.full((count, 3, 3), np.nan)
-        self.begins_at: Array | None = None
+        self.start_frames: Array | None = None
 
     @property
     @abstractmethod
@@ -234,14 +234,14 @@ class Nodes(ABC):
     def check(self) -> None:
         """Raise ``ValueError`` if frames or velocities of nodes have been set to what is none."""
         check_nodes(self.label, self.node_types, self.frames, self.velocities)
-        if self.begins_at is None:
+        if self.start_frames is None:
             return
-        if self.begins_at.shape != self.frames.shape:
+        if self.start_frames.shape != self.frames.shape:
             raise ValueError(
-                f"{self.label} begins at frames of shape {self.begins_at.shape}, wanted "
+                f"{self.label} begins at frames of shape {self.start_frames.shape}, wanted "
                 f"{self.frames.shape}"
             )
-        check_nodes(self.label, self.node_types, self.begins_at, self.velocities)
+        check_nodes(self.label, self.node_types, self.start_frames, self.velocities)
 
     def require_frames(self, what: str) -> None:
         """Refuse what takes hold of frames if the nodes have none.

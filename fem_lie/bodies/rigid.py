@@ -34,7 +34,7 @@ class RigidBody(Body):
     position, with the axes of the body.
 
     Attributes:
-        gram: Constant inertia matrix of (x, d₁, d₂, d₃), shape (4, 4).
+        mass_matrix: Constant inertia matrix of (x, d₁, d₂, d₃), shape (4, 4).
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -70,7 +70,7 @@ class RigidBody(Body):
         """
         tensor = numbers(inertia, "inertia")
         tensor = np.diag(tensor) if tensor.shape == (3,) else tensor
-        self.gram = gram_from_rigid(mass, tensor)
+        self.mass_matrix = gram_from_rigid(mass, tensor)
         R = np.eye(3) if rotation is None else _proper(rotation)
         super().__init__(
             lie.frame(vector(position, 3, "position"), R)[np.newaxis],
@@ -80,7 +80,7 @@ class RigidBody(Body):
             size=float(np.sqrt(np.trace(tensor) / mass)),
             points={"centre": 0},
             # the box of uniform density with the same second moments, m b²/12 each
-            box=np.sqrt(12.0 * np.diag(self.gram)[1:].clip(0.0) / mass),
+            box=np.sqrt(12.0 * np.diag(self.mass_matrix)[1:].clip(0.0) / mass),
             name=name,
         )
 

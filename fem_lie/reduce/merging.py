@@ -301,7 +301,7 @@ class _Run:
             place = np.full(unknowns.total, -1)
             place[nodes] = np.arange(len(nodes))
             body.masters = place[masters[nodes]]
-            body.begins_at = look.state.frames[nodes]
+            body.start_frames = look.state.frames[nodes]
             body.velocities[:] = twists[nodes]
         scene.began = Began(look.state.time)
         return self._scheme.run(scene, duration=span, step=self._step, progress=False)

@@ -227,7 +227,7 @@ def rectangle_torsion_constant(width: float, height: float) -> float:
 def gram_from_rigid(
     mass: float, inertia: npt.ArrayLike, centre: npt.ArrayLike = (0.0, 0.0, 0.0)
 ) -> Array:
-    """Gram matrix of (x, d₁, d₂, d₃) of a rigid body, or of a section (then all per length).
+    """Mass matrix of (x, d₁, d₂, d₃) of a rigid body, or of a section (then all per length).
 
     ``G_xx = m``, ``G_xk = m c_k``, ``G_kl = ½ tr(J) δ_kl − J_kl + m c_k c_l``, the second moments
     of the mass distribution about the frame's origin.

@@ -2,7 +2,7 @@
 
 The section lies in the plane of e₂ and e₃, with coordinates y along e₂ and z along e₃; e₁ is the
 beam's axis. Stiffness acts on strains ``(Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃)``: stretch, two shears, twist, two
-curvatures. Inertia is the Gram matrix of ``q = (x, d₁, d₂, d₃)`` per length: a point of the section
+curvatures. Inertia is the mass matrix of ``q = (x, d₁, d₂, d₃)`` per length: a point of the section
 is ``x + y d₂ + z d₃``, so its kinetic energy is ``½ Σ G_ab q̇_a·q̇_b`` with
 ``G = ∫ρ (1, 0, y, z) ⊗ (1, 0, y, z) dA`` (:mod:`fem_lie.lie.node_types.inertia`).
 
@@ -70,16 +70,16 @@ def semidefinite(value: Array, size: int, what: str) -> Array:
     return matrix
 
 
-def section_gram(
-    gram: npt.ArrayLike | None,
+def section_mass_matrix(
+    mass_matrix: npt.ArrayLike | None,
     mass: float | None,
     polar: float | None,
     rotary: npt.ArrayLike | None,
 ) -> Array | None:
-    """Gram matrix of (x, d₁, d₂, d₃) per length, or ``None`` if nothing is given.
+    """Mass matrix of (x, d₁, d₂, d₃) per length, or ``None`` if nothing is given.
 
     Args:
-        gram: The matrix itself, shape (4, 4).
+        mass_matrix: The matrix itself, shape (4, 4).
         mass: Mass per length.
         polar: Moment of inertia per length about e₁, of which e₂ and e₃ have half each.
         rotary: Moments of inertia per length about e₂ and e₃, shape (2,).
@@ -87,13 +87,13 @@ def section_gram(
     Raises:
         ValueError: More than one of them, or moments without a mass; wrong shapes.
     """
-    if gram is not None:
-        matrix = numbers(gram, "gram")
+    if mass_matrix is not None:
+        matrix = numbers(mass_matrix, "mass_matrix")
         if mass is not None or polar is not None or rotary is not None:
-            raise ValueError("give the Gram matrix, or mass= with polar= or rotary=, not both")
+            raise ValueError("give mass_matrix=, or mass= with polar= or rotary=, not both")
         if matrix.shape != (4, 4):
             raise ValueError(
-                f"the Gram matrix of (x, d₁, d₂, d₃) must have shape (4, 4), got {matrix.shape}; a "
+                f"the mass matrix of (x, d₁, d₂, d₃) must have shape (4, 4), got {matrix.shape}; a "
                 "section of which the mass and moments of inertia per length are known has mass=…, "
                 "polar=J₁ or mass=…, rotary=(J₂, J₃)"
             )
@@ -124,7 +124,7 @@ class Section:
 
     Attributes:
         stiffness: Symmetric positive definite, shape (6, 6), on (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃).
-        inertia: Gram matrix of (x, d₁, d₂, d₃) per length, shape (4, 4), or ``None`` if the section
+        inertia: Mass matrix of (x, d₁, d₂, d₃) per length, shape (4, 4), or ``None`` if the section
             is for statics only.
         outline: Corners (y, z) of the outer boundary, shape (k, 2), for drawing; or ``None``.
         properties: Area, moments and so on, if they are known: ``print(section.properties)``.
@@ -217,7 +217,7 @@ class Section:
     def from_stiffness(
         cls,
         stiffness: npt.ArrayLike,
-        gram: npt.ArrayLike | None = None,
+        mass_matrix: npt.ArrayLike | None = None,
         *,
         mass: float | None = None,
         polar: float | None = None,
@@ -228,8 +228,8 @@ class Section:
 
         Args:
             stiffness: Symmetric positive definite, shape (6, 6), or its diagonal, shape (6,).
-            gram: Gram matrix of (x, d₁, d₂, d₃) per length, shape (4, 4): positive semidefinite
-                with a positive mass. A section of mass m per length with the inertia J about its
+            mass_matrix: Mass matrix of (x, d₁, d₂, d₃) per length, shape (4, 4): positive
+                semidefinite with a positive mass. A section of mass m per length with the inertia J about its
                 centroid ``centre`` has ``fl.gram_from_rigid(m, J, centre)``.
             mass: Or mass per length, on the axis.
             polar: With it, moment of inertia per length about e₁, of which e₂ and e₃ have half
@@ -245,7 +245,7 @@ class Section:
         D = numbers(stiffness, "stiffness")
         return cls(
             np.diag(D) if D.ndim == 1 else D,
-            section_gram(gram, mass, polar, rotary),
+            section_mass_matrix(mass_matrix, mass, polar, rotary),
             None if outline is None else numbers(outline, "outline"),
         )
 

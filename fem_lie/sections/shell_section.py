@@ -2,7 +2,7 @@
 
 Stiffness acts on the strains of :mod:`fem_lie.elements.shells.strains`, ``(E₁₁, E₂₂, 2E₁₂, K₁₁,
 K₂₂, 2K₁₂, γ₁, γ₂)``, of the reference surface; at the height ``z`` along the director the strain is
-``E + z K``, in plane stress. Inertia is the Gram matrix of ``(x, t)`` per area: a point is
+``E + z K``, in plane stress. Inertia is the mass matrix of ``(x, t)`` per area: a point is
 ``x + z t``, so its kinetic energy is ``½ Σ G_ab q̇_a·q̇_b`` with ``G = ∫ρ (1, z) ⊗ (1, z) dz``.
 
 Lamination theory: R. M. Jones, *Mechanics of Composite Materials* (1999), ch. 2 and 4.
@@ -105,7 +105,7 @@ class ShellSection:
 
     Attributes:
         stiffness: Symmetric positive definite, shape (8, 8).
-        inertia: Gram matrix of (x, t) per area, shape (2, 2).
+        inertia: Mass matrix of (x, t) per area, shape (2, 2).
         thickness: Of all plies.
     """
 

@@ -121,8 +121,8 @@ class WarpingFields:
         self.centroid = x @ self.mass_E @ one / self.EA
         self.r = x - self.centroid[:, np.newaxis]
         self.EI = self.r @ self.mass_E @ self.r.T
-        gram = np.vstack([one, np.zeros_like(one), self.r])
-        self.inertia = gram @ mass_rho @ gram.T
+        coordinates = np.vstack([one, np.zeros_like(one), self.r])
+        self.inertia = coordinates @ mass_rho @ coordinates.T
         self._solver = splu(
             self.stiffness[1:, 1:].tocsc(),
             permc_spec="MMD_AT_PLUS_A",

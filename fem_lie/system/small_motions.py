@@ -197,8 +197,8 @@ class SmallMotions:
         force = self.weight * r[:n]
         self.multipliers: Array = np.zeros(system.m)
         if system.m:
-            gram = scipy.sparse.linalg.splu((self.B @ self.B.T).tocsc())
-            self.multipliers = -gram.solve(self.B @ force)
+            normal_factors = scipy.sparse.linalg.splu((self.B @ self.B.T).tocsc())
+            self.multipliers = -normal_factors.solve(self.B @ force)
         # without joints the residual is the sum of all forces
         self.force = max(applied, float(np.abs(force).max(initial=0.0)))
         self.left = float(np.abs(force + self.B.T @ self.multipliers).max(initial=0.0))

@@ -25,7 +25,7 @@ class FrameRows:
     Attributes:
         kinds: Type of each moving node, shape (n,), see :mod:`fem_lie.lie.node_types`.
         frames: Initial frames, shape (n + 1 + p, 4, 3).
-        begins_at: Current frames at the start of a run, at the time of the scene.
+        start_frames: Current frames at the start of a run, at the time of the scene.
         velocities: Initial local velocities, same rows, (…, 6).
         held: Unknowns of the moving nodes that are zero, shape (n, 6).
         lengths: Whether the first and the last three unknowns of the moving nodes are lengths,
@@ -54,10 +54,10 @@ class FrameRows:
         self._breaks = declared([motion.motion for motion in scene.motions], kinks=True)
         fixed = np.array([lie.frame(np.zeros(3), np.eye(3)), *self.prescribed(0.0)])
         self.frames = np.concatenate([numbering.frames, fixed])
-        self.begins_at = self.frames
-        if numbering.begins_at is not numbering.frames or scene.motions:
+        self.start_frames = self.frames
+        if numbering.start_frames is not numbering.frames or scene.motions:
             now = np.concatenate([fixed[:1], self.prescribed(scene.began.time)])
-            self.begins_at = np.concatenate([numbering.begins_at, now])
+            self.start_frames = np.concatenate([numbering.start_frames, now])
         self.velocities = np.concatenate([numbering.velocities, np.zeros((len(fixed), 6))])
         # supports along fixed axes are exact where translations are along fixed axes
         guided = np.isfinite(numbering.supports[:, 0, 0])

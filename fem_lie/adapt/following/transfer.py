@@ -166,7 +166,7 @@ def transfer(
     """Let a scene go on where another one has come to, whose bodies have other meshes.
 
     Bodies are matched by their names. Those of ``onto`` get frames at which solvers begin
-    (``begins_at``) and velocities, and ``onto`` the time from which its histories are asked for, or
+    (``start_frames``) and velocities, and ``onto`` the time from which its histories are asked for, or
     the load factor, and full turns of joints. Times of its results count from there.
 
     Args:
@@ -192,7 +192,7 @@ def transfer(
         >>> coarse, fine = build(mesh), build(fl.refine(mesh, range(4)))
         >>> result = fl.GeneralisedAlpha().run(coarse, duration=0.1, step=0.02)
         >>> told = fl.transfer(result, coarse, fine)
-        >>> bool(told.momentum_error < 1e-12), fine.bodies[0].begins_at.shape
+        >>> bool(told.momentum_error < 1e-12), fine.bodies[0].start_frames.shape
         (True, (9, 4, 3))
     """
     require_states(result)
@@ -230,7 +230,7 @@ def transfer(
     _check_joints(equations, H)
     frames, twists = told.frames, told.twists
     for body, own in equations.unknowns.bodies.items():
-        body.begins_at = np.array(frames[own])
+        body.start_frames = np.array(frames[own])
         body.velocities[:] = twists[own]
     onto.began = began
     return _told(result, at, scene, equations, H, v)

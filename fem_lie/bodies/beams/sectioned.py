@@ -102,7 +102,7 @@ class Sectioned(Body):
         elements: Nodes of each element, shape (m, k).
         lengths: Arc length of each element, unloaded, shape (m,).
         stiffness: Section stiffness of each element, shape (m, 6, 6).
-        density: Gram matrix of inertia per length of each element, shape (m, 4, 4).
+        density: Mass matrix of inertia per length of each element, shape (m, 4, 4).
         has_mass: Whether all sections have inertia.
         sections: Of each element.
     """

@@ -31,7 +31,7 @@ class AncfShell(SmoothSurface):
 
     Attributes:
         formulation: The element.
-        gram: Inertia of (r, d) per area of each cell, shape (m, 2, 2).
+        section_mass: Inertia of (r, d) per area of each cell, shape (m, 2, 2).
 
     Example:
         >>> flat = fl.smooth_patch(lambda a, b: np.array([a, b, 0.0]), (2, 2))
@@ -63,7 +63,7 @@ class AncfShell(SmoothSurface):
         instance(formulation, AncfPlate | None, "AncfShell: formulation", "an AncfPlate or None")
         self.formulation = AncfPlate() if formulation is None else formulation
         super().__init__(patches, section, along=along, damping=damping, joined=joined, name=name)
-        self.gram = np.array([section.inertia for section in self.sections])
+        self.section_mass = np.array([section.inertia for section in self.sections])
 
     def surface_rule(self) -> tuple[Array, Array, Array]:
         """As the element says."""
@@ -114,4 +114,4 @@ class AncfShell(SmoothSurface):
 
     def element_inertia(self) -> Array:
         """Constant matrix of the rows of each cell's nodes, shape (m, 8, 4, 8, 4)."""
-        return self.on_nodes(self.formulation.inertia(self.vectors(), self.gram))
+        return self.on_nodes(self.formulation.inertia(self.vectors(), self.section_mass))

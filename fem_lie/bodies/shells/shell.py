@@ -1,4 +1,4 @@
-"""Shells: positions and directors on surface meshes, five or six unknowns at each node."""
+"""Shells with shear: positions and directors on surface meshes, five or six unknowns at a node."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import dolfinx
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices, choice, instance, log_coincident, number
+from fem_lie._arrays import Array, Indices, instance, log_coincident, number
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.bodies.nodes import HeldRotation, Turning
 from fem_lie.bodies.shells.assembly import ShellAssembly, weighted_surface_cells
@@ -26,7 +26,7 @@ from fem_lie.bodies.shells.placing import (
     section_per_cell,
 )
 from fem_lie.bodies.shells.supports import SupportedSurface
-from fem_lie.elements.shells.drilling import Parameters, drilling_stiffness
+from fem_lie.elements.shells.drilling import drilling_stiffness
 from fem_lie.elements.shells.element import HellingerReissner, ShellFormulation
 from fem_lie.lie.motions import Group
 from fem_lie.mesh.reading import surface_from_dolfinx
@@ -37,25 +37,26 @@ from fem_lie.sections.shell_section import ShellSection
 _log = logging.getLogger(__name__)
 
 _FACETS = radians(10.0)  # a circle of 18 cells
-_FIVE = (Parameters.FIVE, Parameters.FIVE_CARRIED)
 
 
 class Shell(SupportedSurface):
-    """A shell of any 8×8 section on a surface, which may have kinks and branches.
+    """Shear-deformable shell with an 8×8 section stiffness on a surface, with kinks and branches.
 
-    A node has a position and a director, which may tilt against the surface. Its frame has the
-    director third. Turning about the director is an unknown of six-parameter shells only, see
-    :class:`~fem_lie.elements.shells.drilling.Parameters`. At a kink or branch each smooth side has
-    nodes of its own, with directors of its own; they follow the first of them rigidly.
+    A node has a position and a director, which is the third axis of its frame and need not be
+    normal to the surface. Rotation about the director, the drilling rotation, is an unknown of
+    shells with ``drilling=True`` only, see :mod:`fem_lie.elements.shells.drilling`. At a kink or
+    branch, each smooth side has its own nodes and directors; they are rigidly attached to the node
+    of the first side.
 
     Attributes:
         connectivity: Nodes of each cell, shape (m, k).
-        own_mesh: The surface on these nodes: cut open along kinks and branches.
+        own_mesh: Surface mesh on these nodes, cut along kinks and branches.
         stiffness: Section stiffness of each cell, shape (m, 8, 8).
-        density: Gram matrix of inertia per area of each cell, shape (m, 2, 2).
+        density: Mass matrix per area in (position, director) of each cell, shape (m, 2, 2).
         axes: Vector in each cell whose projection onto the surface is e₁ of its strains, (m, 3).
-        formulation: The element.
-        parameters: As the user chose.
+        formulation: Finite element of the cells.
+        drilling: Whether nodes have a drilling rotation; ``None``: only if something needs it.
+        convected_axes: Whether frames rotate about their directors with the mid-surface.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -78,40 +79,48 @@ class Shell(SupportedSurface):
         along: npt.ArrayLike | Director | None = None,
         formulation: ShellFormulation | None = None,
         kink_angle: float = KINK_ANGLE,
-        parameters: Parameters = Parameters.AUTOMATIC,
+        drilling: bool | None = None,
+        convected_axes: bool = False,
         name: str = "",
     ) -> None:
-        """Place nodal frames.
+        """Create the nodes, with one director on each smooth side.
 
         Args:
-            mesh: The surface, or DOLFINx's own mesh of it, see
+            mesh: Surface mesh, or a DOLFINx mesh, see
                 :func:`~fem_lie.mesh.reading.surface_from_dolfinx`.
             section: One for all cells, one for each named group of cells, or a function of the
-                centre of a cell, shape (3,) (varying thickness).
-            director: Unit normal as a function of the place, shape (3,), to the side of the cells'
-                normals and no more than ``kink_angle`` off them, of a surface without kinks and
-                branches; default: the mean of the mesh's normals on each smooth side.
-            along: e₁ of the sections' axes before projection onto the surface: one vector, or a
-                function of the centre of a cell; default: from the first to the second corner.
-            formulation: The element; default: :class:`HellingerReissner`.
-            kink_angle: Largest angle, rad, between neighbouring cells that is still smooth.
-            parameters: Five or six at each node.
-            name: For messages and results.
+                centre of a cell, shape (3,), for variable thickness.
+            director: Unit director as a function of the position, shape (3,), on the side of the
+                cells' normals and within ``kink_angle`` of them; only for surfaces without kinks
+                and branches. Default: mean normal of the cells on each smooth side.
+            along: Direction of e₁ of the section axes before projection onto the surface: one
+                vector, or a function of the centre of a cell; default: from the first to the second
+                corner.
+            formulation: Finite element; default: :class:`HellingerReissner`.
+            kink_angle: Largest angle between neighbouring cells of a smooth surface, rad.
+            drilling: Whether nodes have the rotation about the director as a sixth unknown. Default
+                ``None``: yes if a joint, link, prescribed motion or moment acts on the rotation of
+                a node, or if the surface has kinks or branches.
+            convected_axes: Rotate the frames about their directors with the mid-surface after each
+                step. The motion does not depend on it, but the iteration matrix of a rotating shell
+                stays valid longer. Only without drilling rotation.
+            name: Name in messages and results.
 
         Raises:
-            ValueError: A cell without section, an element that is not for these cells, a kink or
-                branch with five parameters, or a director that is not finite, lies in the surface
-                or points to the other side.
+            ValueError: A cell has no section, the element does not support the cells, a surface
+                with ``drilling=False`` has a kink or branch, ``drilling`` and ``convected_axes``
+                are both true, or a director is not finite, lies in the surface or points to the
+                other side.
         """
         if isinstance(mesh, dolfinx.mesh.Mesh):
             mesh = surface_from_dolfinx(mesh)
         instance(mesh, SurfaceMesh, "Shell: mesh", "a SurfaceMesh; see surface()")
-        known = "a ShellSection, a dict of them by groups of cells or a function of the place"
+        known = "a ShellSection, a dict of them by groups of cells or a function of the position"
         instance(section, ShellSection | Mapping | Callable, "Shell: section", known)
         instance(formulation, ShellFormulation | None, "Shell: formulation", "an element or None")
         number(kink_angle, "Shell: kink_angle")
         if director is not None:
-            instance(director, Callable, "Shell: director", "a function of the place or None")
+            instance(director, Callable, "Shell: director", "a function of the position or None")
         self.mesh, self.source = mesh, mesh.source
         self.formulation = HellingerReissner() if formulation is None else formulation
         self.formulation.measures_for(mesh.cell, mesh.degree)
@@ -121,7 +130,11 @@ class Shell(SupportedSurface):
         self.density = np.array([s.inertia for s in sections])
         self.has_mass = all(s.inertia[0, 0] > 0 for s in sections)
         self.axes = axes_along(mesh, centres, along)
-        self.parameters = choice(parameters, Parameters, "Shell: parameters")
+        instance(drilling, bool | None, "Shell: drilling", "True, False or None")
+        instance(convected_axes, bool, "Shell: convected_axes", "True or False")
+        if drilling and convected_axes:
+            raise ValueError("expected convected_axes=True without drilling=True, got both")
+        self.drilling, self.convected_axes = False if convected_axes else drilling, convected_axes
         patches = mesh.patches(kink_angle if director is None else pi)
         self.connectivity = patches.cells
         directors = (
@@ -149,28 +162,35 @@ class Shell(SupportedSurface):
 
     @property
     def kind(self) -> Hashable:
-        """Shells of one formulation and kind of cell go together."""
+        """Key of shells that are assembled together: same formulation and cell type."""
         return type(self), self.formulation, self.mesh.cell, self.mesh.degree
 
     def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
-        """Whether it has six parameters; errors as in the base class."""
+        """Whether nodes have a drilling rotation, given the rotations that joints and loads need.
+
+        Args:
+            holds: Rotations of nodes that joints, motions and moments act on.
+
+        Raises:
+            ValueError: The shell has ``drilling=False``, and one of them needs it.
+        """
         needed = [hold for hold in holds if hold.needed]
         for hold in needed:
-            if not (self._tilts(hold) and self.parameters in _FIVE):
+            if not (self._tilts(hold) and self.drilling is False):
                 self._refuse_with_five(hold.what)
-        if self.parameters in _FIVE:
-            return False
-        return self.parameters is Parameters.SIX or self._has_kinks or bool(needed)
+        if self.drilling is not None:
+            return self.drilling
+        return self._has_kinks or bool(needed)
 
     def drilling_given(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
-        """Whether it has kinks or is held about a director, and how stiff the cells are then."""
+        """Whether nodes have a drilling rotation for these holds, and its stiffness, shape (m,)."""
         drills = self.drills(holds)
         return drills, self.drilling_stiffness(holds) if drills else None
 
     def drilling_stiffness(self, holds: Sequence[HeldRotation]) -> Array:
-        """γ of each cell, see :mod:`fem_lie.elements.shells.drilling`, shape (m,).
+        """Drilling stiffness γ of each cell, :mod:`fem_lie.elements.shells.drilling`, (m,), N/m.
 
-        Several nodes that one rigid thing holds take its moments by forces.
+        Moments that a rigid part applies to several nodes act by forces, and do not raise γ.
         """
         bound: dict[int, set[Hashable]] = {}
         for hold in holds:
@@ -184,35 +204,35 @@ class Shell(SupportedSurface):
         return drilling_stiffness(self.stiffness, areas, self.mesh.cells, alone)
 
     def _log_turns(self, kink_angle: float) -> None:
-        """Say in the log that normals of cells are far from their common director."""
+        """Log the largest angle between normals of cells and the director that they share."""
         directors, normals = self.frames[self.connectivity, 3], self.mesh.normals
         cosine = np.einsum("mkj,mkj->mk", directors, normals)
         if cosine.min() < cos(_FACETS):
-            place = self.frames[self.connectivity.ravel()[cosine.argmin()], 0]
+            position = self.frames[self.connectivity.ravel()[cosine.argmin()], 0]
             _log.info(
-                "%s: normals of cells are up to %.0f° off their common director, at %s; where "
-                "neighbours turn by no more than kink_angle = %.0f° the surface is smooth",
-                *(self.label, degrees(np.arccos(cosine.min())), place, degrees(kink_angle)),
+                "%s: normals of cells are up to %.0f° off their common director, at %s; neighbours "
+                "within kink_angle = %.0f° of each other count as smooth",
+                *(self.label, degrees(np.arccos(cosine.min())), position, degrees(kink_angle)),
             )
 
     def _tilts(self, hold: HeldRotation) -> bool:
-        """Whether it is a moment across the director."""
+        """Whether a moment about ``hold.axis`` is perpendicular to the director of its node."""
         axis = hold.axis
         if axis is None:
             return False
         return bool(abs(axis @ self.frames[hold.node, 3]) < 1e-9 * np.linalg.norm(axis))
 
     def _refuse_with_five(self, what: str) -> None:
-        if self.parameters in _FIVE:
+        if self.drilling is False:
             raise ValueError(
-                f"{what} needs nodes that turn about all axes, but {self.label} was given "
-                f"parameters={self.parameters}: leave that out, or say Parameters.SIX (Spherical "
-                "and InPlane joints at a node itself need no more than five)"
+                f"{what} needs nodes that rotate about all axes, but {self.label} has "
+                "drilling=False: omit it, or pass drilling=True (Spherical and InPlane joints at "
+                "a node itself need no drilling rotation)"
             )
 
     @classmethod
     def assemble(cls, bodies: Sequence[Shell], holds: Holds = NO_HOLDS) -> ShellAssembly:
-        """All of one :attr:`kind` together, with drilling if the first of them drills."""
+        """Assemble all shells of one :attr:`kind`, with drilling if the first of them needs it."""
         if not bodies[0].drills(holds.get(bodies[0], ())):
             return ShellAssembly(bodies)
         each = [body.drilling_stiffness(holds.get(body, ())) for body in bodies]
@@ -220,15 +240,20 @@ class Shell(SupportedSurface):
 
     @property
     def elastic_cells(self) -> Indices:
-        """See the base class."""
+        """Nodes of each cell with strain energy, shape (m, k)."""
         return self.connectivity
 
     def weighted_cells(self, cells: Indices, weights: Array) -> ShellAssembly:
-        """See the base class; cells do not drill."""
+        """Assembly of some cells with weighted energies, without drilling.
+
+        Args:
+            cells: Indices of the cells, shape (s,).
+            weights: Factor of the energy of each, shape (s,).
+        """
         return weighted_surface_cells(self, cells, weights)
 
     def edges(self, name: str) -> tuple[Indices, Array]:
-        """Nodes of the edges of a named curve, and the length that each carries, both (e, 2 or 3).
+        """Nodes of a named curve's edges and their consistent lengths, both (e, 2 or 3), m.
 
         Raises:
             ValueError: There is no such curve; the message lists those that exist.
@@ -238,7 +263,7 @@ class Shell(SupportedSurface):
         if edges.shape[1] == 2:
             length = np.linalg.norm(x[:, 1] - x[:, 0], axis=1)
             return edges, np.outer(length, [0.5, 0.5])
-        # the parabola through three points, by three points of Gauss
+        # the parabola through three points, integrated by three Gauss points
         s, w = np.polynomial.legendre.leggauss(3)
         N = np.array([0.5 * s * (s - 1), 0.5 * s * (s + 1), 1 - s * s])
         dN = np.array([s - 0.5, s + 0.5, -2 * s])
@@ -246,7 +271,7 @@ class Shell(SupportedSurface):
         return edges, np.einsum("g,kg,eg->ek", w, N, speed)
 
     def turning(self) -> Turning:
-        """Along all edges of the cells."""
+        """Edges of the cells, along which rotations are limited."""
         ends = np.array(basix.topology(basix.CellType[self.mesh.cell])[1])
         along, limit = self.connectivity[:, ends], self._largest_turn()
         if self.mesh.degree == 2:
@@ -257,16 +282,16 @@ class Shell(SupportedSurface):
         return Turning(along.reshape(len(elements), -1), elements, limit, whole=False)
 
     def _largest_turn(self) -> float:
-        """Along an edge of a cell, rad."""
+        """Largest rotation along an edge of a cell that the element represents, rad."""
         return self.formulation.measures_for(self.mesh.cell, self.mesh.degree).largest_turn
 
     def areas(self) -> Array:
-        """Area that each node of each cell carries, shape (m, k)."""
+        """Consistent weights in area of the nodes of each cell, shape (m, k), m²."""
         shapes, weights = self._measure()
         return np.einsum("gk,mg->mk", shapes, weights)
 
     def element_inertia(self) -> Array:
-        """Constant matrix of (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, 4, k, 4)."""
+        """Consistent mass matrix in (x, d₁, d₂, d₃) of each cell, shape (m, k, 4, k, 4)."""
         shapes, weights = self._measure()
         blocks = np.zeros((*self.mesh.cells.shape, 4, self.mesh.cells.shape[1], 4))
         mass = np.einsum("gi,gj,mg,mab->miajb", shapes, shapes, weights, self.density)
@@ -276,7 +301,7 @@ class Shell(SupportedSurface):
         return blocks
 
     def cells_of(self, group: str | None = None) -> Indices:
-        """Cells of a named group (default: all).
+        """Cells of a named group (default: all cells).
 
         Raises:
             ValueError: There is no such group; the message lists those that exist.
@@ -284,7 +309,7 @@ class Shell(SupportedSurface):
         return np.arange(len(self.mesh.cells)) if group is None else self.mesh.group(group)
 
     def _measure(self) -> tuple[Array, Array]:
-        """Shape functions (g, k) and weights times area (m, g) at points of integration."""
+        """Shape functions (g, k), and quadrature weights times area (m, g)."""
         cell, degree = self.mesh.cell, self.mesh.degree
         points, w = rule(cell, 2 * degree + 2)
         table = tabulated(cell, degree, points)

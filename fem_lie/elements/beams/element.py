@@ -31,7 +31,7 @@ class CellData:
     Attributes:
         lengths: Arc length of each unloaded cell, shape (m,).
         stiffness: Section stiffness on (Γ, κ), shape (m, 6, 6).
-        density: Gram matrix of inertia per length, shape (m, 4, 4), zero without mass.
+        density: Mass matrix of inertia per length, shape (m, 4, 4), zero without mass.
         eigenstrain: Strain without stress, a DG0 function of shape (6,) that changes with time.
         viscosity: Stress per strain rate (Γ̇, κ̇), shape (m, 6, 6), or ``None``.
         slopes: ``|dr/dξ|`` of cubics at both ends, zero for lines that are none, shape (m, 2).

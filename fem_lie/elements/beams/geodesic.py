@@ -280,7 +280,7 @@ def smooth_inertia(density: Array, stiffness: Array, lengths: Array, slope: Arra
     of its width some (kr)² θ²/10 is left, with r its radius of gyration and k the wave number.
 
     Args:
-        density: Gram matrix of inertia per length, shape (m, 4, 4).
+        density: Mass matrix of inertia per length, shape (m, 4, 4).
         stiffness: Section stiffness, shape (m, 6, 6).
         lengths: Length ℓ of the elements, shape (m,).
         slope: Derivative of ``x`` by arc length in the nodal frames, shape (m, 3).
@@ -308,7 +308,7 @@ _POINTS, _WEIGHTS = 0.5 * (_GAUSS[0] + 1), 0.5 * _GAUSS[1]
 
 
 def _difference_inertia(density: Array, stiffness: Array, lengths: Array) -> Array:
-    """``a`` of :func:`smooth_inertia` as a Gram matrix of (d₁, d₂, d₃), shape (m, 3, 3)."""
+    """``a`` of :func:`smooth_inertia` as a mass matrix of (d₁, d₂, d₃), shape (m, 3, 3)."""
     mass, E = density[:, 0, 0], density[:, 1:, 1:]
     tensor = np.trace(E, axis1=1, axis2=2)[:, np.newaxis, np.newaxis] * np.eye(3) - E
     weight = np.sqrt([1 / 12, 1 / 6, 1 / 6])

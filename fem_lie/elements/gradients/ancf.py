@@ -221,7 +221,7 @@ class AncfElement:
         """Constant matrix of the rows of cells' nodes, shape (m, 4, 4, 4, 4).
 
         Args:
-            density: Gram matrix of (x, d₁, d₂, d₃) per length, shape (m, 4, 4).
+            density: Mass matrix of (x, d₁, d₂, d₃) per length, shape (m, 4, 4).
             lengths: Shape (m,).
         """
         s, w = 0.5 + 0.5 * _POINTS, 0.5 * _WEIGHTS

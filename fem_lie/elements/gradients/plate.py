@@ -270,7 +270,7 @@ class AncfPlate:
 
         Args:
             q: Vectors of the interpolation, unloaded, shape (m, 16, 3).
-            density: Gram matrix of (r, d) per area, shape (m, 2, 2).
+            density: Mass matrix of (r, d) per area, shape (m, 2, 2).
         """
         x, w = hermite.gauss(_POINTS + 1)
         at = hermite.products(x, x)

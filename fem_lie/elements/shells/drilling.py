@@ -1,27 +1,24 @@
-"""Drilling of six-parameter shells: the strain, how stiff, and as a term of a system.
+"""Drilling rotation of six-parameter shells: strain, penalty stiffness, and term of a system.
 
-The energy ``∫ ½ γ c²`` of ``c = a₁·x,₂ − a₂·x,₁`` (:mod:`.drilling_strain`), with tangents
-``a = Σ Nᵢ Rᵢ Aᵢ`` that nodes carry, stands beside the forms of five parameters. Positions and
-directors are in it as products of vectors, so that cells of any type and degree need no form.
+The energy ``∫ ½ γ c²`` with ``c = a₁·x,₂ − a₂·x,₁`` is added to the forms of five-parameter shells;
+``a = Σ Nᵢ Rᵢ Aᵢ`` are tangents that rotate with the nodes. Positions and directors enter it as
+products of vectors, so that it needs no UFL form for any cell type and degree.
 
-The drilling rotation of a six-parameter shell, tied to the rotation of its mid-surface.
+In orthonormal reference coordinates with nodal tangents ``a_i = R A_i``, ``R`` is the rotation of
+the mid-surface in the sense of the polar decomposition exactly if ``c = a₁·x,₂ − a₂·x,₁ = 0``. (Fox
+& Simo, CMAME 98 (1992) 329.) A stress τ with as many parameters in a cell as it has nodes imposes
+this weakly (perturbed Lagrangian ``τ c − τ²/2γ``; Hughes & Brezzi, CMAME 72 (1989) 105). With fewer
+parameters, drilling rotations that alternate from node to node have no energy. Elements without
+independent fields use ``½ γ c²`` at the quadrature points.
 
-With orthonormal reference coordinates and tangents ``a_i = R A_i`` that nodes carry, ``R`` turns
-with the mid-surface, as the polar decomposition of its deformation says, exactly if
-``c = a₁·x,₂ − a₂·x,₁ = 0``. (Fox & Simo, CMAME 98 (1992) 329.) A stress τ with as
-many parameters in a cell as it has nodes makes it so weakly (perturbed Lagrangian ``τ c − τ²/2γ``;
-Hughes & Brezzi, CMAME 72 (1989) 105). Fewer leave drilling that alternates from node to node
-without energy. Elements without fields of their own have ``½ γ c²`` at the points of integration.
-
-The drilling is continuous and the rotation of the mid-surface is not; the energy of the difference
-is γ times its square. So γ belongs to the scale of bending, ``G t³/h²`` for cells of size h, or
-below: with the often recommended ``G t``, thin shells lock.
+The drilling rotation is continuous and the rotation of the mid-surface is not; the energy of the
+difference is γ times its square. So γ has to be of the order of the bending stiffness ``G t³/h²``
+for cells of size h, or smaller: with the often recommended ``G t``, thin shells lock.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from enum import Enum, auto
 
 import basix
 import numpy as np
@@ -103,22 +100,6 @@ FRACTION = 0.01
 """γ over ``G t³/h²``; from 1 to 1e-8 nothing changes (docs/measured/six_parameters.md)."""
 
 _SHEAR, _TWIST = 2, 5  # of the eight strains
-
-
-class Parameters(Enum):
-    """Unknowns of the nodes of a shell.
-
-    ``AUTOMATIC``: five, or six where something needs the sixth: a joint, link, prescribed motion or
-    moment that takes hold of the rotation of a node, a kink or a branch. ``FIVE``: a place and a
-    director. ``FIVE_CARRIED``: the same, and the frames are turned about their directors as the
-    mid-surface turns, after each time step: nothing depends on it but how long a matrix can be
-    kept. ``SIX``: whole frames.
-    """
-
-    AUTOMATIC = auto()
-    FIVE = auto()
-    FIVE_CARRIED = auto()
-    SIX = auto()
 
 
 def drilling_stiffness(

@@ -53,7 +53,9 @@ def applies(scene: Scene, policy: Policy) -> bool:
         return False
     holding = scene.joints, scene.connections, scene.clamps, scene.motions, scene.links
     held = any(holding) or any(body.held.any() for body in scene.bodies)
-    rigid = all(isinstance(body, RigidBody) and not body.gram[0, 1:].any() for body in scene.bodies)
+    rigid = all(
+        isinstance(body, RigidBody) and not body.mass_matrix[0, 1:].any() for body in scene.bodies
+    )
     nodal = [load for load in scene.loads if isinstance(load, NodalLoad)]
     simple = len(nodal) == len(scene.loads) and not any(load.on_directors().any() for load in nodal)
     return bool(scene.bodies) and rigid and simple and not held and policy.rule() is not None
@@ -70,7 +72,7 @@ def packed_bodies(equations: Equations) -> tuple[Array, Array, Bodies]:
     blocks, sizes = np.empty((n, 4, 4)), np.empty(n)
     for body, nodes in unknowns.bodies.items():
         assert isinstance(body, RigidBody)
-        blocks[nodes], sizes[nodes] = body.gram, body.size
+        blocks[nodes], sizes[nodes] = body.mass_matrix, body.size
     trace = np.trace(blocks[:, 1:, 1:], axis1=1, axis2=2)
     J = trace[:, np.newaxis, np.newaxis] * np.eye(3) - blocks[:, 1:, 1:]
     scaling = np.column_stack([1.0 / sizes, np.full(n, ROTATION)])

@@ -223,8 +223,11 @@ def _bodies(scene: Scene) -> Bodies:
     joints: dict[object, Joint] = {joint.b.body: joint for joint in scene.joints}
     for i, body in enumerate(scene.bodies):
         assert isinstance(body, RigidBody)
-        second = body.gram[1:, 1:]
-        found.mass[i], found.turning[i] = body.gram[0, 0], np.trace(second) * np.eye(3) - second
+        second = body.mass_matrix[1:, 1:]
+        found.mass[i], found.turning[i] = (
+            body.mass_matrix[0, 0],
+            np.trace(second) * np.eye(3) - second,
+        )
         joint, Z = joints.get(body), np.eye(6)
         if joint is not None:
             _, frame = joint.frames()

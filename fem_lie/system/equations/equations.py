@@ -160,7 +160,7 @@ class Equations:
         self._settles = any(term.local is not None for term in self._terms)
         self.unknowns = Unknowns.of(self._system)
         rows, began = self._system.rows, scene.began
-        self.start = Start(rows.begins_at, rows.velocities, self._system.frames)
+        self.start = Start(rows.start_frames, rows.velocities, self._system.frames)
         self._system.connections.remember(began.turned)
         self.tables = Tables.of(self._system)
         self.matrix: KKT = self._system.kkt

@@ -118,7 +118,7 @@ class Prescribed:
         Raises:
             ValueError: A history, motion or drive is not finite.
         """
-        self._system.connections.preload(self._system.rows.begins_at, preload)
+        self._system.connections.preload(self._system.rows.start_frames, preload)
         self._system.set_time(self._time, factor)
 
     def loads(self, H: Array) -> Array:

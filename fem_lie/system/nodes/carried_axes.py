@@ -26,7 +26,6 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.shells.shell import Shell
-from fem_lie.elements.shells.drilling import Parameters
 from fem_lie.lie.node_types import NodeType, Written, change_axes
 from fem_lie.lie.polar import PlainSurroundings, Surroundings, convect_axes, find_reference_axes
 from fem_lie.mesh.shapes import nodes_of, tabulated
@@ -227,9 +226,7 @@ class CarriedDrilling:
             joined: Master nodes with joints, whose axes belong to these.
         """
         chosen = [
-            body
-            for body in numbering.nodes
-            if isinstance(body, Shell) and body.parameters is Parameters.FIVE_CARRIED
+            body for body in numbering.nodes if isinstance(body, Shell) and body.convected_axes
         ]
         master = numbering.master_map.master
         self._parts = [

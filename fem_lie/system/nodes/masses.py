@@ -82,7 +82,7 @@ def inertia_of(
         if isinstance(body, RigidBody):
             rows.append(numbering.nodes[body])
             columns.append(numbering.nodes[body])
-            mass.append(body.gram[np.newaxis])
+            mass.append(body.mass_matrix[np.newaxis])
             if damps:
                 damping.append(np.zeros((1, 4, 4)))
     r, c = np.concatenate(rows), np.concatenate(columns)

@@ -149,7 +149,7 @@ class Numbering:
         drills: Whether the nodes of each body have drilling rotations.
         master_map: Master node of each node.
         frames: Initial frames of the master nodes, shape (count, 4, 3).
-        begins_at: Current frames of the master nodes at the start of a run, which differ from the
+        start_frames: Current frames of the master nodes at the start of a run, which differ from the
             initial frames for bodies in a deformed configuration.
         velocities: Initial local velocities of the master nodes, shape (count, 6).
         groups: Group of each master node, shape (count,).
@@ -207,8 +207,8 @@ class Numbering:
     def _attach(self, links: Sequence[RigidLink]) -> None:
         frames, velocities = np.empty((self.total, 4, 3)), np.empty((self.total, 6))
         # one array for both if they are equal
-        elsewhere = any(body.begins_at is not None for body in self.nodes)
-        begins_at = np.empty_like(frames) if elsewhere else frames
+        elsewhere = any(body.start_frames is not None for body in self.nodes)
+        start_frames = np.empty_like(frames) if elsewhere else frames
         groups, kinds = np.empty((2, self.total), dtype=np.int64)
         supports, own = np.empty((self.total, 3, 3)), np.empty(self.total, dtype=bool)
         held, uncoupled = np.empty((self.total, 6), dtype=bool), np.empty(self.total, dtype=bool)
@@ -216,7 +216,7 @@ class Numbering:
         pairs = [(self._of_all(link.a), self._of_all(link.b)) for link in links]
         for body, nodes in self.nodes.items():
             frames[nodes], velocities[nodes] = body.frames, body.velocities
-            begins_at[nodes] = body.frames if body.begins_at is None else body.begins_at
+            start_frames[nodes] = body.frames if body.start_frames is None else body.start_frames
             groups[nodes], kinds[nodes] = body.group, body.node_types
             held[nodes], uncoupled[nodes] = body.held, body.uncoupled
             own[nodes], straight[nodes] = body.held.any(axis=1), body.goes_straight
@@ -227,10 +227,10 @@ class Numbering:
             masters = body.masters[follows]
             pairs += [(int(nodes[a]), int(nodes[b])) for a, b in zip(masters, follows, strict=True)]
         # attached nodes follow from the current configuration at the start, which may be deformed
-        self.master_map = MasterMap(begins_at, pairs)
+        self.master_map = MasterMap(start_frames, pairs)
         self.count = self.master_map.count
         self.frames = frames[self.master_map.masters]
-        self.begins_at = begins_at[self.master_map.masters] if elsewhere else self.frames
+        self.start_frames = start_frames[self.master_map.masters] if elsewhere else self.frames
         # length scale beside rotations; arbitrary for one node
         self._size = float(np.linalg.norm(np.ptp(frames[:, 0], axis=0))) or 1.0
         self.velocities = velocities[self.master_map.masters]
