@@ -1,4 +1,4 @@
-"""The mass matrix in twists of a frame from its director mass matrix, beside the sums of compiled code."""
+"""Mass matrix in twists of a frame from its director mass matrix, independent of compiled code."""
 
 from __future__ import annotations
 
