@@ -167,7 +167,7 @@ def transfer(
 
     Bodies are matched by their names. Those of ``onto`` get frames at which solvers begin
     (``start_frames``) and velocities, and ``onto`` the time from which its histories are asked for,
-    or     the load factor, and full turns of joints. Times of its results count from there.
+    or the load factor, and full turns of joints. Times of its results count from there.
 
     Args:
         result: Of dynamics, of statics or of a path of ``scene``.
