@@ -149,8 +149,8 @@ class Numbering:
         drills: Whether the nodes of each body have drilling rotations.
         master_map: Master node of each node.
         frames: Initial frames of the master nodes, shape (count, 4, 3).
-        start_frames: Current frames of the master nodes at the start of a run, which differ from the
-            initial frames for bodies in a deformed configuration.
+        start_frames: Current frames of the master nodes at the start of a run, which differ from
+            the initial frames for bodies in a deformed configuration.
         velocities: Initial local velocities of the master nodes, shape (count, 6).
         groups: Group of each master node, shape (count,).
         kinds: :class:`~fem_lie.lie.node_types.NodeType` of each master node, shape (count,).
