@@ -174,5 +174,5 @@ def test_what_cannot_be_sampled_is_said():
     with pytest.raises(ValueError, match="more than forces on nodes"):
         fl.sampled_statics(scene, sample)
     cable = fl.Cable.straight((0, 0, 0), (1, 0, 0), fl.Section.circle(0.01, RUBBER), cells=2)
-    with pytest.raises(ValueError, match="one by one"):
+    with pytest.raises(ValueError, match="individually"):
         cable.weighted_cells(np.arange(2), np.ones(2))

@@ -208,7 +208,7 @@ def test_bodies_that_are_others():
 def test_frames_to_begin_at_that_are_none():
     scene = free(LINE)
     scene.bodies[0].start_frames = np.zeros((2, 4, 3))
-    with pytest.raises(ValueError, match="begins at"):
+    with pytest.raises(ValueError, match="start_frames of"):
         at_rest(scene)
 
 

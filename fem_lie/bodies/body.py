@@ -1,7 +1,7 @@
-"""What a scene is made of: bodies with nodal frames, and points on them.
+"""Bodies with nodal frames, and points on them.
 
-A body is nodes with frames, inertia, and perhaps an elastic assembly shared with all bodies of its
-kind. It knows nothing of unknowns, solvers or other bodies.
+A body has nodes with frames, inertia, and unless it is rigid an elastic assembly that it shares
+with all bodies of its kind. It does not depend on unknowns, solvers or other bodies.
 """
 
 from __future__ import annotations
@@ -27,34 +27,34 @@ if TYPE_CHECKING:
     from fem_lie.forms.assembly import BodyTerm
 
 Holds: TypeAlias = Mapping["Body", Sequence[HeldRotation]]
-"""What takes hold of the rotations of each body's nodes in a scene; bodies may be missing."""
+"""Rotations of nodes of each body that joints, motions and moments act on, if any."""
 
 NO_HOLDS: Holds = MappingProxyType({})
 
 Where: TypeAlias = str | int | npt.ArrayLike
-"""Where a point of a body is: its name, the number of a node, or a position, shape (3,)."""
+"""Point of a body: its name, the number of a node, or a position, shape (3,)."""
 
 _NEAR = 1e-6
-"""Of the size of a body: how far a position may be from the point that is taken for it."""
+"""Largest distance of a position from the point taken for it, per size of the body."""
 
 
 AnyBody = TypeVar("AnyBody", bound="Body")
 
 
 class Body(Nodes):
-    """Nodes that move, with points that have names.
+    """Body with nodes and named points.
 
     Attributes:
         cells: Pairs of nodes, for drawing, shape (m, 2).
         outline: Outline of the section in (e₂, e₃), shape (k, 2), or of that of each cell, shape
             (m, k, 2), nan where there is none; or ``None``: for drawing.
         box: Edges of a box about a rigid body's frame, shape (3,), or ``None``: for drawing.
-        size: A length of the body, for tolerances.
-        group: On which its nodes move in time integration, see :meth:`set_group`.
-        faces: Corners of cells that are surfaces, for drawing, shape (m, 3 or 4).
-        thickness: Of those, shape (m,), for drawing.
-        source: DOLFINx's own mesh, if it was made of one.
-        name: How messages and results call it; the scene gives one if it is empty.
+        size: Characteristic length of the body, for tolerances.
+        group: Group on which its nodes move in time integration, see :meth:`set_group`.
+        faces: Corners of surface cells, for drawing, shape (m, 3 or 4).
+        thickness: Thickness of these cells, for drawing, shape (m,).
+        source: DOLFINx mesh from which the body was made, if any.
+        name: Name in messages and results; the scene chooses one if it is empty.
     """
 
     group: Group = Group.SE3
@@ -100,60 +100,60 @@ class Body(Nodes):
             group: SE(3) or R³×SO(3).
 
         Raises:
-            ValueError: It is no group.
+            ValueError: ``group`` is not a member of :class:`Group`.
         """
         self.group = choice(group, Group, f"{type(self).__name__}: group")
         return self
 
     @property
     def kind(self) -> Hashable:
-        """Bodies of one kind are assembled together by :meth:`assemble`."""
+        """Key of bodies that are assembled together by :meth:`assemble`."""
         return type(self).__name__
 
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm | None:
-        """The assembly of bodies of one kind, or ``None`` if they are rigid.
+        """Assembly of all bodies of one kind, or ``None`` if they are rigid.
 
         Args:
-            bodies: Of one :attr:`kind`; either all or none of them drill.
-            holds: What takes hold of the rotations of their nodes.
+            bodies: Bodies of one :attr:`kind`; either all or none of them have drilling rotations.
+            holds: Rotations of their nodes that joints, motions and moments act on.
         """
         return None
 
     @property
     def elastic_cells(self) -> Indices:
-        """Nodes of each cell that :meth:`weighted_cells` knows, shape (m, k); default: none."""
+        """Nodes of each cell for :meth:`weighted_cells`, shape (m, k); default: none."""
         return np.empty((0, 0), dtype=np.int64)
 
     def weighted_cells(self, cells: Indices, weights: Array) -> BodyTerm:
-        """Some elastic cells, each on nodes of its own, that it shares with no other.
+        """Assembly of some elastic cells with weighted energies, each on copies of its nodes.
 
         Args:
-            cells: Their numbers, shape (s,).
+            cells: Indices of the cells, shape (s,).
             weights: Factors of their energies, shape (s,).
 
         Returns:
-            On s k nodes, in the order of :attr:`elastic_cells`.
+            Term on s k nodes, in the order of :attr:`elastic_cells`.
 
         Raises:
-            ValueError: The body has no cells that can be taken one by one.
+            ValueError: Cells of this body cannot be assembled individually.
         """
         raise ValueError(
-            f"cells of {self.label} cannot be taken one by one: that is for beams and shells whose "
-            "nodes are frames"
+            f"cells of {self.label} cannot be assembled individually: expected a beam or a shell "
+            "whose nodes are frames"
         )
 
     def point(self, where: Where, *, tolerance: float | None = None) -> Point:
-        """The point at a name, a node or a position: what joints, loads and results take.
+        """Point with a name, at a node or at a position, for joints, loads and results.
 
         Args:
             where: Name of a point such as "end"; or the number of a node; or a position in the
-                reference configuration, shape (3,), which the closest material point is taken for.
+                reference configuration, shape (3,), for the closest material point.
             tolerance: Largest distance from a position, a length; default: 1e-6 of :attr:`size`.
 
         Raises:
-            ValueError: There is no such point; the message lists those that exist, or says how far
-                the closest one is away.
+            ValueError: There is no such point; the message lists those that exist, or gives the
+                distance of the closest one.
             TypeError: It is neither a name, nor a whole number, nor a position.
         """
         limit = _NEAR * self.size if tolerance is None else number(tolerance, "point: tolerance")
@@ -175,26 +175,26 @@ class Body(Nodes):
         """All points of a named set: a point, curve, face or group of cells.
 
         Raises:
-            ValueError: There is nothing of this name; the message lists what exists.
-            TypeError: It is no name.
+            ValueError: There is no such set; the message lists what exists.
+            TypeError: It is not a name.
         """
         return [self._numbered(int(node)) for node in self.nodes(where)]
 
     def _named(self, name: str) -> Point:
-        """The point with a name; errors as of :meth:`point`."""
+        """Point with a name; raises as :meth:`point`."""
         if name not in self._points:
             known = ", ".join(sorted(self._points)) or "none"
             raise ValueError(f"{self.label} has no point {name!r}; it has: {known}")
         return Point(self, self._points[name], name)
 
     def _numbered(self, node: int) -> Point:
-        """The point at a node; errors as of :meth:`point`."""
+        """Point at a node; raises as :meth:`point`."""
         if not -len(self.frames) <= node < len(self.frames):
             raise ValueError(f"{self.label} has nodes 0 … {len(self.frames) - 1}, got {node}")
         return Point(self, node % len(self.frames), f"node {node}")
 
     def _closest(self, position: Array) -> Point:
-        """The material point closest to a position, of those that can be attached to: nodes."""
+        """Material point closest to a position, among those that joints can act on: nodes."""
         nodes = np.flatnonzero(self.node_types < NodeType.MIXED_DERIVATIVE)
         away = np.linalg.norm(self.frames[nodes, 0] - position, axis=1)
         return self._numbered(int(nodes[away.argmin()]))
@@ -206,7 +206,7 @@ class Body(Nodes):
 
     @property
     def label(self) -> str:
-        """The name, or the class if there is none yet."""
+        """Name of the body, or its class if it has none yet."""
         return self.name or type(self).__name__
 
     @property
@@ -224,12 +224,12 @@ class Body(Nodes):
         """Add a rigid motion to the initial velocities.
 
         Args:
-            velocity: Of translation, global components, shape (3,), length per time.
+            velocity: Translational velocity, global components, shape (3,), length per time.
             omega: Angular velocity, global components, shape (3,), rad per time.
-            about: A point of a body, or a position, that the rotation leaves at rest.
+            about: Point of a body, or position, through which the axis of rotation passes.
 
         Raises:
-            ValueError: There is an angular velocity, but nothing that it is about.
+            ValueError: ``omega`` is not zero and ``about`` is missing.
         """
         translation, spin = vector(velocity, 3, "velocity"), vector(omega, 3, "omega")
         if about is None and np.any(spin):
@@ -243,16 +243,16 @@ class Body(Nodes):
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A node of a body, or ground (``body`` is ``None``): where joints and loads are attached.
+    """Point of a body, or of ground (``body`` is ``None``), for joints and loads.
 
-    Or a point of a body that is not a node: it has an attachment frame, on which joints and loads
-    act as on the frame of a node.
+    It is a node, or a point with an attachment frame, on which joints and loads act as on the frame
+    of a node.
 
     Attributes:
-        body: Whose it is.
-        node: Which of its nodes; of an attachment the first of those that move it.
-        name: For messages.
-        attachment: How the frame follows from those of nodes, if it is none of them.
+        body: Body of the point.
+        node: Number of its node; for an attachment frame, the first node that it depends on.
+        name: Name in messages.
+        attachment: Attachment frame as a function of nodal coordinates; ``None`` for a node.
     """
 
     body: Body | None
@@ -261,7 +261,7 @@ class Point:
     attachment: AttachmentFrame | None = None
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` or ``TypeError`` if there is no such body or node."""
+        """Check the arguments: ``ValueError`` or ``TypeError`` if there is no such body or node."""
         instance(
             self.attachment,
             AttachmentFrame | None,
@@ -299,14 +299,14 @@ class Point:
 
     @property
     def any_attachment(self) -> AttachmentFrame | None:
-        """What says where it is, if not the frame of its node."""
+        """Attachment frame of the point, or ``None`` if it has the frame of its node."""
         return self.joint_attachment if self.attachment is None else self.attachment
 
     @property
     def joint_attachment(self) -> AttachmentFrame | None:
-        """By what joints hold it, if not by the frame of its node.
+        """Attachment frame for joints, or ``None`` if they act on the frame of the node.
 
-        That is its attachment, or that of a node without a frame.
+        It is the point's own, unless that is rigid, or the one of a node without a frame.
         """
         if self.body is None:
             return None
@@ -315,7 +315,7 @@ class Point:
         return None if self.attachment.kind.rigid else self.attachment
 
     def same(self, other: Point) -> bool:
-        """Whether it is the same place."""
+        """Whether the other point is the same material point."""
         if self.body is not other.body or (self.attachment is None) != (other.attachment is None):
             return False
         return (
@@ -326,7 +326,7 @@ class Point:
 
     @property
     def size(self) -> float:
-        """A length of the body."""
+        """Characteristic length of the body."""
         return 1.0 if self.body is None else self.body.size
 
     @property

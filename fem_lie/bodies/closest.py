@@ -1,4 +1,4 @@
-"""Points of lines and surfaces that are closest to a position in the reference configuration."""
+"""Closest points of lines and surfaces to a position in the reference configuration."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from fem_lie._arrays import Array
 
 AT_NODE = 1e-9
-"""Of the size of a body: closer to a node than this is at the node."""
+"""Points closer to a node than this fraction of the body's size are the node."""
 
 _STEP = 1e-6  # of differences along a cell
 _ROUNDS = 30
@@ -18,12 +18,12 @@ _SMALL = 1e-15
 
 
 def near_cells(position: Array, corners: Array) -> list[int]:
-    """Cells that may hold the point closest to a position.
+    """Cells that may contain the point closest to a position.
 
     Args:
         position: Shape (3,).
-        corners: Of the cells, shape (m, k, 3); the cells are no longer than twice what their
-            corners span.
+        corners: Corners of the cells, shape (m, k, 3); cells are at most twice as long as the
+            extent of their corners.
     """
     away = np.linalg.norm(corners - position, axis=2).min(axis=1)
     size = np.linalg.norm(np.ptp(corners, axis=1), axis=1)
@@ -33,12 +33,12 @@ def near_cells(position: Array, corners: Array) -> list[int]:
 def closest_on_lines(
     position: Array, ends: Array, line: Callable[[int, float], Array]
 ) -> tuple[int, float]:
-    """The element, and the part of it from 0 to 1, whose point is closest to a position.
+    """Element whose point is closest to a position, and the fraction of it from 0 to 1.
 
     Args:
         position: Shape (3,).
-        ends: Of the elements, shape (m, 2, 3).
-        line: Position at a part of an element, shape (3,).
+        ends: Ends of the elements, shape (m, 2, 3).
+        line: Position at a fraction of an element, shape (3,).
     """
 
     def foot(element: int) -> float:
@@ -59,11 +59,11 @@ def closest_on_lines(
 def closest_on_surface(
     position: Array, corners: Array, surface: Callable[[int, Array], Array]
 ) -> tuple[int, Array]:
-    """The cell, and the coordinates in it from 0 to 1, whose point is closest to a position.
+    """Cell whose point is closest to a position, and the coordinates in it from 0 to 1.
 
     Args:
         position: Shape (3,).
-        corners: Of the cells, shape (m, 4, 3).
+        corners: Corners of the cells, shape (m, 4, 3).
         surface: Position and tangents at coordinates (2,) of a cell, shape (3, 3).
     """
 

@@ -1,6 +1,6 @@
-"""The nodes of a body: what they are, what holds them, and how they move at first.
+"""Nodes of a body: types, constraints, and initial motion.
 
-What holds rotations of nodes is passed to bodies, which know nothing of joints.
+Rotations that joints and loads act on are passed to bodies, which do not depend on joints.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from fem_lie.lie.node_types.floating import WithinFrame
 
 
 class HeldRotation(NamedTuple):
-    """Something that takes hold of the rotation of a node.
+    """Rotation of a node that a joint, prescribed motion, moment or contact acts on.
 
     Attributes:
-        node: Which one.
-        other: What holds it, the same for all nodes that are held by the same rigid thing.
-        what: Its name for messages.
-        axis: The only axis of its moment, if there is but one, global components.
-        needed: Whether the node must rotate about all axes for it. A shell of five parameters
-            leaves out the moment of a contact about a director.
+        node: Number of the node.
+        other: Key of the rigid part at the other side, equal for all nodes that it holds.
+        what: Name of the item in messages.
+        axis: Axis of the moment in global components, if it has one axis only.
+        needed: Whether the node must be able to rotate about all axes. Contact on a shell without
+            drilling rotation may omit the moment about a director.
     """
 
     node: int
@@ -38,19 +38,19 @@ class HeldRotation(NamedTuple):
 
 
 class FoldedElementError(ArithmeticError):
-    """An element turns farther than it may."""
+    """Error of a state in which an element rotates by more than it can represent."""
 
 
 @dataclass(frozen=True, eq=False)
 class Turning:
-    """Along which nodes the elements of a body turn, and how far they may.
+    """Limit of the relative rotation along the elements of a body.
 
     Attributes:
-        nodes: Nodes from end to end, shape (w, 2 or 3).
-        elements: Number of the element of each of these rows, shape (w,).
-        limit: Largest sum of the turns from node to node, rad.
-        whole: Whether whole frames turn, or third directors.
-        lengths: Unloaded arc length of each row, if its axial strain and shear are to be judged.
+        nodes: Nodes along each line in an element, from end to end, shape (w, 2 or 3).
+        elements: Element of each line, shape (w,).
+        limit: Largest sum of the rotations from node to node, rad.
+        whole: Whether rotations of whole frames are limited, or of their third directors only.
+        lengths: Unloaded arc length of each line, if its axial strain and shear are checked, too.
     """
 
     nodes: Indices
@@ -64,13 +64,13 @@ _ORTHONORMAL = 1e-8  # as of prescribed motions
 
 
 def check_nodes(label: str, kinds: Indices, frames: Array, velocities: Array) -> None:
-    """Refuse what is no node, and velocities that are none.
+    """Check nodal coordinates and velocities that a user may have set.
 
     Args:
-        label: Of the body, for messages.
-        kinds: What its nodes are, shape (n,).
-        frames: Their rows, shape (n, 4, 3).
-        velocities: Wanted of shape (n, 6).
+        label: Label of the body, for messages.
+        kinds: Type of each node, shape (n,).
+        frames: Nodal coordinates, shape (n, 4, 3).
+        velocities: Velocities; expected shape (n, 6).
 
     Raises:
         ValueError: Axes are not right-handed and orthonormal, or numbers not finite.
@@ -87,38 +87,41 @@ def check_nodes(label: str, kinds: Indices, frames: Array, velocities: Array) ->
     bad = np.flatnonzero(~(finite & (gap <= _ORTHONORMAL) & right))
     if len(bad):
         raise ValueError(
-            f"frames of {label} must be a place and right-handed orthonormal axes; that of node "
+            f"frames of {label} must be a position and right-handed orthonormal axes; that of node "
             f"{bad[0]} is\n{frames[bad[0]]}"
         )
 
 
 Follower: TypeAlias = Callable[[Array], None]
-"""Turns the axes of a body's nodes as they have moved, in their rows (n, 4, 3), with
-:func:`fem_lie.lie.node_types.set_axes`; it may set rows that nothing depends on, too."""
+"""Function that rotates the axes of a body's nodes with its deformation.
+
+It changes their coordinates (n, 4, 3) by :func:`fem_lie.lie.node_types.set_axes`, and may set
+vectors that no equation uses.
+"""
 
 
 class Nodes(ABC):
-    """Nodes that move, and what differs between those of bodies.
+    """Nodes of a body, and the properties in which those of bodies differ.
 
     Attributes:
         frames: Initial frames of the nodes, shape (n, 4, 3), see :mod:`fem_lie.lie`.
         velocities: Initial local velocities (translation, rotation), shape (n, 6).
-        masters: The node that each node follows rigidly, itself if it is free, shape (n,).
-        held: Which unknowns (translation, rotation) of the nodes are zero, shape (n, 6).
+        masters: Master node to which each node is rigidly attached, itself if independent, (n,).
+        held: Mask of the unknowns (translation, rotation) that are zero, shape (n, 6).
         supports: Axes fixed in space along which ``held`` translations are, nan where they are the
             node's own, shape (n, 3, 3).
-        uncoupled: Whether statics moves its nodes, and those that follow them or that they follow,
-            by ``x + R u``, ``R exp(η₁, η₂, 0) exp(η₃)``, and not by ``H exp(h)``.
-        compound: Whether a point of it is several nodes.
-        start_frames: Frames from which solvers go on, if not from ``frames``, where nothing is
-            strained; shape (n, 4, 3).
+        uncoupled: Whether statics moves its nodes, their masters and nodes attached to them by ``x
+            + R u``, ``R exp(η₁, η₂, 0) exp(η₃)`` instead of ``H exp(h)``.
+        compound: Whether a point consists of several nodes.
+        start_frames: Current configuration at the start of a run, if it is not the strain-free
+            configuration ``frames``; shape (n, 4, 3).
     """
 
     uncoupled: ClassVar[bool] = False
     compound: ClassVar[bool] = False
 
     def __init__(self, frames: Array, masters: Indices | None) -> None:
-        """Keep copies of the frames; nothing is held, and velocities start at zero."""
+        """Copy the frames; nothing is held, and velocities are zero."""
         self.frames = np.array(frames, dtype=np.float64)
         count = len(self.frames)
         self.velocities = np.zeros((count, 6))
@@ -130,7 +133,7 @@ class Nodes(ABC):
     @property
     @abstractmethod
     def label(self) -> str:
-        """For messages."""
+        """Name of the body in messages."""
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Elements of a named group (default: all).
@@ -138,10 +141,10 @@ class Nodes(ABC):
         Raises:
             ValueError: The body has no elements, or no such group.
         """
-        raise ValueError(f"{self.label} has no cells to put a load on")
+        raise ValueError(f"{self.label} has no cells for a load")
 
     def consistent_shares(self) -> tuple[Indices, Array]:
-        """Nodes of each element, shape (m, k), and the length that each of them carries, (m, k).
+        """Nodes of each element and their consistent weights in length, both of shape (m, k).
 
         Raises:
             ValueError: The body has no elements.
@@ -149,7 +152,7 @@ class Nodes(ABC):
         raise ValueError(f"{self.label} has no cells to put a load on")
 
     def consistent_levers(self) -> Array:
-        """What a unit line force on each element does on the directors of its nodes, (m, k, 3).
+        """Consistent weights on directors of a unit line force on each element, (m, k, 3).
 
         Raises:
             ValueError: The body has no elements.
@@ -158,50 +161,51 @@ class Nodes(ABC):
 
     @property
     def node_type(self) -> NodeType:
-        """What its nodes are."""
+        """Type of the nodes."""
         return NodeType.FRAME
 
     @property
     def node_types(self) -> Indices:
-        """What each of them is, shape (n,), where a point is several nodes; default: all alike."""
+        """Type of each node, shape (n,); default: all are :attr:`node_type`."""
         return np.full(len(self.frames), int(self.node_type), dtype=np.int64)
 
     @property
     def node_lengths(self) -> Flags:
-        """Which halves of the unknowns of each node are lengths, shape (n, 2).
+        """Mask of the two vector unknowns of each node that are lengths, shape (n, 2).
 
-        The others have no dimension: rotations, slopes. Default: all first ones, no second one.
+        Others are dimensionless: rotations, position gradients. Default: the first is a length.
         """
         return np.tile([True, False], (len(self.frames), 1))
 
     @property
     def edge_frames(self) -> Indices:
-        """Nodes with frames along the edge to another node, and those others, shape (k, 2).
+        """Nodes with a frame on the edge to another node, and the other nodes, shape (k, 2).
 
-        Such a frame turns about the edge by its own unknown, and with the edge as both nodes move.
+        Such a frame rotates about the edge by its own unknown, and with the edge as both nodes
+        move.
         """
         return np.empty((0, 2), dtype=np.int64)
 
     @property
     def absent(self) -> Flags:
-        """Which unknowns its nodes have not, beside those that their kind has not, (n, 6)."""
+        """Mask of unknowns that nodes do not have, beyond those absent in their type, (n, 6)."""
         return np.zeros((len(self.frames), 6), dtype=bool)
 
     @property
     def goes_straight(self) -> bool:
         """Whether statics moves its frames, too, by ``x + R u``, ``R exp(η)``.
 
-        The places of its other nodes move along straight lines; what a large rotation would take
-        the frame of an end aside is more than the edges beside it are long.
+        Position nodes move along straight lines. A screw motion by a large rotation would move the
+        frame at an end of a rod away from them by more than the length of an edge.
         """
         return False
 
     def follower(self) -> Follower | None:
-        """What turns the axes of its nodes where a state is accepted, if they do not themselves."""
+        """Function that rotates nodal axes with an accepted state, or ``None`` if nodes do so."""
         return None
 
     def attachment_of(self, node: int) -> AttachmentFrame | None:
-        """By what joints hold a node: ``None`` if it has a frame."""
+        """Attachment frame by which joints hold a node; ``None`` if it has a frame."""
         return None
 
     @property
@@ -210,47 +214,44 @@ class Nodes(ABC):
         return False
 
     def within_frame(self) -> WithinFrame | None:
-        """Of a body that deforms within one frame, with inertia that nodes do not have each.
-
-        ``None`` of any other body.
-        """
+        """Modal mass and stiffness of a body that deforms within one frame; ``None`` for others."""
         return None
 
     def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
-        """Whether its nodes turn about their third directors.
+        """Whether its nodes have rotations about their third directors.
 
         Args:
-            holds: What takes hold of their rotations.
+            holds: Rotations of nodes that joints, motions and moments act on.
 
         Raises:
-            ValueError: They would have to, but cannot.
+            ValueError: The holds need such rotations, but the nodes cannot have them.
         """
         return True
 
     def drilling_given(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
-        """Whether its nodes drill if these things hold them, and how stiff its cells are then."""
+        """Whether nodes have drilling rotations for these holds, and the stiffness of each cell."""
         return self.drills(holds), None
 
     def check(self) -> None:
-        """Raise ``ValueError`` if frames or velocities of nodes have been set to what is none."""
+        """Raise ``ValueError`` if a user has set invalid frames or velocities."""
         check_nodes(self.label, self.node_types, self.frames, self.velocities)
         if self.start_frames is None:
             return
         if self.start_frames.shape != self.frames.shape:
             raise ValueError(
-                f"{self.label} begins at frames of shape {self.start_frames.shape}, wanted "
-                f"{self.frames.shape}"
+                f"start_frames of {self.label}: expected shape {self.frames.shape}, got "
+                f"{self.start_frames.shape}"
             )
         check_nodes(self.label, self.node_types, self.start_frames, self.velocities)
 
     def require_frames(self, what: str) -> None:
-        """Refuse what takes hold of frames if the nodes have none.
+        """Raise an error if an item acts on frames and the nodes have none.
 
         Args:
-            what: It, for the message.
+            what: Name of the item in the message.
 
         Raises:
-            ValueError: They have none.
+            ValueError: The nodes are not frames.
         """
         if self.node_type != NodeType.FRAME:
             raise ValueError(
@@ -260,15 +261,15 @@ class Nodes(ABC):
             )
 
     def require_direction(self, node: int) -> None:
-        """Raise ``ValueError`` if a node has none that a clamp could hold."""
+        """Raise ``ValueError`` if a node has no direction that a clamp could hold."""
         return
 
     def turning(self) -> Turning | None:
-        """How far its elements may turn from end to end, or ``None`` if it has none."""
+        """Limit of rotations along its elements, or ``None`` if it has no such elements."""
         return None
 
     def add_rigid_motion(self, translation: Array, spin: Array, about: Array) -> None:
-        """Add a rigid motion to the initial velocities, global components; ``about`` at rest."""
+        """Add a rigid motion, in global components and about ``about``, to the velocities."""
         self.velocities += rigid_motions(self.node_types, self.frames, about) @ [
             *translation,
             *spin,

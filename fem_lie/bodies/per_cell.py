@@ -1,4 +1,4 @@
-"""What is given for named groups of cells, cell by cell."""
+"""Sections of each cell from those of named groups of cells."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ Given = TypeVar("Given")
 def of_groups(
     given: Mapping[str, Given],
     kind: type[Given],
-    wanted: str,
+    expected: str,
     count: int,
     group: Callable[[str], Indices],
 ) -> list[Given]:
-    """The section of each cell; where groups overlap the last one counts.
+    """Section of each cell; where groups overlap, the last one is used.
 
     Args:
         given: Sections of named groups.
-        kind: Their class.
-        wanted: That in words, as "a Section".
+        kind: Class of the sections.
+        expected: The class in words, as "a Section".
         count: Number of cells.
-        group: Cells of a group.
+        group: Function that returns the cells of a group.
 
     Raises:
-        ValueError: A cell has none, or there is no such group.
-        TypeError: Something given is of another class.
+        ValueError: A cell has no section, or there is no such group.
+        TypeError: A section is of another class.
     """
     chosen: dict[int, Given] = {}
     for name, value in given.items():
-        instance(value, kind, f"the section of {name!r}", wanted)
+        instance(value, kind, f"the section of {name!r}", expected)
         chosen |= {int(cell): value for cell in group(name)}
     missing = [cell for cell in range(count) if cell not in chosen]
     if missing:

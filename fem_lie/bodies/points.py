@@ -1,4 +1,4 @@
-"""Points of bodies and of what does not move: what arguments are checked by."""
+"""Points of bodies and of ground, and checks of arguments that are points."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from fem_lie._arrays import instance
 from fem_lie.bodies.body import Point
 
 A_POINT = "a point such as body.point('end'), body.point(3) or ground()"
-"""What a point is, for messages."""
+"""Description of a point, for messages."""
 
 
 def require_point(value: object, what: str) -> None:
-    """Refuse what is no point of a body and not ground.
+    """Raise an error unless ``value`` is a point of a body or of ground.
 
     Args:
-        value: What was given.
-        what: For what, as "PointLoad: point".
+        value: Value to check.
+        what: Name of the argument, as "PointLoad: point".
 
     Raises:
         TypeError: It is something else.
@@ -23,22 +23,22 @@ def require_point(value: object, what: str) -> None:
 
 
 def require_node(point: Point, what: str) -> None:
-    """Refuse points that are no nodes where unknowns of a node are needed.
+    """Raise an error unless the point is a node, where unknowns of a node are needed.
 
     Args:
         point: A point.
-        what: For what, as "a clamp".
+        what: What needs it, as "a clamp".
 
     Raises:
-        ValueError: It is none.
+        ValueError: It is not a node.
     """
     if point.attachment is not None and not point.attachment.kind.rigid:
         raise ValueError(
-            f"{what} needs a node, got {point.label}, which is none: hold it by a joint such as "
-            "Fixed, or put a node of the mesh there"
+            f"{what} expected a node, got {point.label}, which is not a node: hold it by a joint "
+            "such as Fixed, or place a node of the mesh there"
         )
 
 
 def ground() -> Point:
-    """What does not move."""
+    """Point of the ground, which is fixed in space."""
     return Point(None)

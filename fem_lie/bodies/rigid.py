@@ -16,7 +16,7 @@ _ORTHOGONAL = 1e-8
 
 
 def _proper(rotation: npt.ArrayLike) -> Array:
-    """``rotation`` as a matrix; errors as in :class:`RigidBody`."""
+    """``rotation`` as a matrix; raises as :class:`RigidBody`."""
     R = numbers(rotation, "rotation")
     orthogonal = R.shape == (3, 3) and np.abs(R.T @ R - np.eye(3)).max() <= _ORTHOGONAL
     if not orthogonal or np.linalg.det(R) < 0:
@@ -25,16 +25,16 @@ def _proper(rotation: npt.ArrayLike) -> Array:
 
 
 class RigidBody(Body):
-    """A rigid body whose frame is at its centre of mass.
+    """Rigid body with its frame at the centre of mass.
 
-    On R³×SO(3), where it moves if nothing else is said, it flies and spins more accurately; on
-    SE(3) it turns more accurately about a fixed axis (docs/measured/groups.md).
+    It moves on R³×SO(3) by default, which is more accurate for free flight and spin; SE(3) is more
+    accurate for rotation about a fixed axis (docs/measured/groups.md).
 
     ``point("centre")`` is the centre of mass, ``point((x, y, z))`` the material point at a
     position, with the axes of the body.
 
     Attributes:
-        mass_matrix: Constant inertia matrix of (x, d₁, d₂, d₃), shape (4, 4).
+        mass_matrix: Constant mass matrix of (x, d₁, d₂, d₃), shape (4, 4).
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -54,19 +54,19 @@ class RigidBody(Body):
         *,
         name: str = "",
     ) -> None:
-        """Place the body.
+        """Create the body at rest.
 
         Args:
             mass: Mass.
             inertia: Inertia tensor about the centre of mass in the body's axes, shape (3, 3), or
-                its three principal values.
+                its three principal values, mass times length squared.
             position: Centre of mass, global components.
             rotation: Body axes as columns, shape (3, 3); default: global axes.
-            name: For messages and results.
+            name: Name in messages and results.
 
         Raises:
-            ValueError: The mass is not positive, the inertia not that of a body, or the rotation
-                not a rotation.
+            ValueError: The mass is not positive, no body can have the inertia, or ``rotation`` is
+                not a rotation matrix.
         """
         tensor = numbers(inertia, "inertia")
         tensor = np.diag(tensor) if tensor.shape == (3,) else tensor
@@ -85,7 +85,7 @@ class RigidBody(Body):
         )
 
     def _closest(self, position: Array) -> Point:
-        """The material point at any position; its axes are those of the body."""
+        """Material point at any position, with the axes of the body."""
         H = self.frames[0]
         offset = np.vstack([H[1:] @ (position - H[0]), np.eye(3)])
         name = ", ".join(f"{component:g}" for component in position)
