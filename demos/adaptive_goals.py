@@ -1,4 +1,4 @@
-"""Meshes for one number: a critical load, a frequency, a deflection, each to a wanted accuracy.
+"""Meshes for one number: a critical load, a frequency, a deflection, each to a given accuracy.
 
 The arch of deep_arch.py, hinged at one end and clamped at the other, carries no more than a limit
 load. There the tangent is singular; its null vector is the dual solution, and the load at which

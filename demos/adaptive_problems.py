@@ -1,4 +1,4 @@
-"""What meshes follow the error in: an L-shaped plate, and a pinched cylinder.
+"""Problems of adaptive_shell.py: an L-shaped plate, and a pinched cylinder.
 
 The plate: three unit squares around a corner of 270 degrees, thickness 0.1, E = 1e6, nu = 0.3,
 clamped all around, under pressure. Bending moments at the corner are unbounded. The goal is the

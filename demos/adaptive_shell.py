@@ -1,4 +1,4 @@
-"""A mesh that follows the error: an L-shaped plate, or a pinched cylinder.
+"""Adaptive meshes of shells: an L-shaped plate, or a pinched cylinder.
 
 Where a solution is singular, as at the corner of the plate, equal elements waste nearly all of
 themselves. Both problems are in adaptive_problems.py.

@@ -1,4 +1,4 @@
-"""Meshes and steps that follow a motion, by one tolerance.
+"""Adaptive meshes and steps for a travelling wave, with one tolerance.
 
 A smooth push sends a wave into a free rod of twenty metres; it is half a metre long, and its shape
 does not change as it runs. Elements are small where it is, and nowhere else: every 40 µs the mesh

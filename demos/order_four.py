@@ -1,4 +1,4 @@
-"""Fourth order that conserves: steps that are made of steps of energy-momentum.
+"""Conservation with order four: compositions of the energy-momentum scheme.
 
 fem_lie.Composed makes each step of steps of another scheme, of which some go back in time, so that
 the errors of second order cancel. Each of them keeps energy and angular momentum to round-off, so

@@ -1,4 +1,4 @@
-"""A strip with a nonlinear section law of one's own, in a plain DOLFINx script.
+"""A strip with a nonlinear user-defined section law, in a plain DOLFINx script.
 
 The first of three ways to use fem_lie: no scene, no beam, no solver of ours (newton_on_frames.py
 has forty lines of PETSc). The energy of a beam in positions x and directors d_1, d_2, d_3 of its

@@ -1,4 +1,4 @@
-"""How far two results are from each other in what a shell carries."""
+"""How far two results are from each other in the stress of a shell."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What local frames are worth: the same motions with the iteration matrix in three kinds of frames.
+"""The benefit of local frames: the same motions with the iteration matrix in three kinds of frames.
 
 In formulations of multibody dynamics with a global vector of velocity and rotation vectors along
 fixed axes the iteration matrix turns with the bodies: as soon as one has turned by some 20 degrees,

@@ -1,4 +1,4 @@
-"""A rope swings down from a pin: places and slopes, no rotations."""
+"""A rope swings down from a pin: positions and slopes, no rotations."""
 
 import fem_lie as fl
 
