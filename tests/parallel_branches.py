@@ -30,11 +30,11 @@ def lines(comm, arms: int, cells: int = 8) -> tuple[np.ndarray, np.ndarray]:
 def outcome(comm, make) -> str:
     """Number of vertices, or the error; the same on all ranks, or it says so."""
     try:
-        told = str(make().topology.index_map(0).size_global)
+        found = str(make().topology.index_map(0).size_global)
     except ValueError as error:
-        told = str(error)
-    everywhere = comm.allgather(told)
-    return told if len(set(everywhere)) == 1 else f"not the same: {everywhere}"
+        found = str(error)
+    everywhere = comm.allgather(found)
+    return found if len(set(everywhere)) == 1 else f"not the same: {everywhere}"
 
 
 def of_dolfinx(comm, arms: int) -> dolfinx.mesh.Mesh:

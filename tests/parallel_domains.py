@@ -28,6 +28,6 @@ if __name__ == "__main__":
     faulthandler.dump_traceback_later(500, exit=True)
     for kind in ("statics", "dynamics"):
         PETSc.Options(f"fem_lie_{kind}_")["domains"] = sys.argv[2]
-    arrays, told = results()
+    arrays, statistics = results()
     if MPI.COMM_WORLD.rank == 0:
-        np.savez(Path(sys.argv[1]), told=np.array(told), **arrays)
+        np.savez(Path(sys.argv[1]), statistics=np.array(statistics), **arrays)

@@ -225,7 +225,7 @@ def test_the_frequency_of_a_plate_with_a_hole():
 
 
 def test_goals_behind_corners():
-    """Nodes that follow others stand between: those of the second leg have other numbers."""
+    """Attached nodes lie between: those of the second branch have other numbers."""
     record = adaptive_goals.main("frame", pictures=False)
     assert 0.0 < record["error"] < 0.01
     assert record["effectivity"] == pytest.approx(1.0, rel=0.1)

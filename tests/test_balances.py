@@ -23,7 +23,7 @@ def run(scene, scheme, kind="constant", duration=T, step=H):
 
 
 def check(result, scheme, work, loss, loads, reactions, within):
-    """What was booked at the end, and that it closes; ``within``: of second order in the step."""
+    """Balance at the end, and that it closes; ``within``: of second order in the step."""
     scale = max(abs(work), abs(loss), 1e-300)
     np.testing.assert_allclose(result.balance[-1, 0], work, rtol=0, atol=within * scale)
     np.testing.assert_allclose(result.balance[-1, 1], loss, rtol=0, atol=within * scale)
@@ -161,7 +161,7 @@ ON_BEAM = {
 @each
 @pytest.mark.parametrize("loads", ON_BEAM)
 def test_a_cantilever_with_damping(scheme, loads):
-    """Its clamp holds against loads and the damping that goes with mass; all that is booked."""
+    """Its clamp holds against loads and the damping that goes with mass; the whole balance."""
     fine, rough = (
         run(cantilever(*ON_BEAM[loads]), scheme, duration=0.2, step=h) for h in (2e-3, 4e-3)
     )

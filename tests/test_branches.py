@@ -19,12 +19,12 @@ def test_branches_on_one_rank_are_whole():
 @pytest.mark.parametrize("ranks", [2, 3])
 def test_branches_on_several_ranks_are_whole_or_refused(ranks, tmp_path):
     on_ranks(parallel_branches, ranks, tmp_path / "out.json")
-    told = json.loads((tmp_path / "out.json").read_text())
-    assert told["ours 2"] == told["of_dolfinx 2"] == "17"
+    outcomes = json.loads((tmp_path / "out.json").read_text())
+    assert outcomes["ours 2"] == outcomes["of_dolfinx 2"] == "17"
     if tuple(map(int, dolfinx.__version__.split(".")[:2])) >= (0, 10):
-        assert told["ours 3"] == "25"
+        assert outcomes["ours 3"] == "25"
         return
-    assert told["ours 3"].startswith("3 cells meet at a vertex: DOLFINx 0.9")
-    assert told["ours 3"].endswith(f"got {ranks}; use one, or DOLFINx 0.10 or later")
+    assert outcomes["ours 3"].startswith("3 cells meet at a vertex: DOLFINx 0.9")
+    assert outcomes["ours 3"].endswith(f"got {ranks}; use one, or DOLFINx 0.10 or later")
     # DOLFINx has cut a user's mesh into one more vertex, or has not, and then it is refused
-    assert told["of_dolfinx 3"] in ("26", told["ours 3"])
+    assert outcomes["of_dolfinx 3"] in ("26", outcomes["ours 3"])

@@ -1,4 +1,4 @@
-"""What a scene leaves out: it says so, it can be told otherwise, and the motion stays the same."""
+"""Terms that a scene leaves out of the matrix: logs, overrides, and an unchanged motion."""
 
 import logging
 

@@ -26,14 +26,14 @@ def ring(count: int) -> np.ndarray:
     return np.stack([k, (k + 1) % count], axis=1)
 
 
-def star(legs: int, length: int) -> np.ndarray:
+def star(arms: int, length: int) -> np.ndarray:
     """Chains that hang on node 0."""
-    found = [np.append(0, np.arange(length) + 1 + leg * length) for leg in range(legs)]
+    found = [np.append(0, np.arange(length) + 1 + arm * length) for arm in range(arms)]
     return np.concatenate([np.stack([nodes[1:], nodes[:-1]], axis=1) for nodes in found])
 
 
 def grid(side: int, cells: int) -> np.ndarray:
-    """A net: knots with threads of some nodes between."""
+    """A net: junctions with cables of some nodes between."""
     knots, pairs, more = np.arange(side * side).reshape(side, side), [], side * side
     for a, b in ((knots[1:], knots[:-1]), (knots[:, 1:], knots[:, :-1])):
         for one, two in zip(a.ravel(), b.ravel(), strict=True):
@@ -99,7 +99,7 @@ def test_solutions_are_those_of_the_whole_matrix(name, seed):
         assert free.sum() - len(plan.order) == left
     A = sp.csr_matrix(kkt.csr).toarray()
     solver = fl.extend.DirectSolver(kkt, "test_condensed_", CHAINS)
-    for _ in range(2):  # factors are made anew in the same memory
+    for _ in range(2):  # refactorised in the same memory
         solver.factorise()
         b = np.random.default_rng(seed).normal(size=len(A))
         solver.right_hand_side[:] = b

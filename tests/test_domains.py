@@ -182,8 +182,8 @@ def test_refuses_more_domains_than_parts_between_joints():
 
 @pytest.fixture(scope="module")
 def alone():
-    found, told = parallel_domains.results()
-    assert told == (None, None)
+    found, statistics = parallel_domains.results()
+    assert statistics == (None, None)
     return found
 
 
@@ -195,12 +195,12 @@ def test_two_subdomains_find_what_one_rank_finds(alone, tmp_path, way):
         for name, wanted in alone.items():
             size = np.abs(wanted).max()
             np.testing.assert_allclose(found[name], wanted, rtol=0, atol=1e-7 * size, err_msg=name)
-        for count, interface, made, solutions, iterations in found["told"]:
+        for count, interface, made, solutions, iterations in found["statistics"]:
             assert count == 2
             assert interface > 0
             assert solutions >= made > 0
             assert iterations <= 10 * solutions
-        assert found["told"][0][3] == found["asked"]  # of statics, none is refined
+        assert found["statistics"][0][3] == found["asked"]  # of statics, none is refined
 
 
 @pytest.mark.parametrize(

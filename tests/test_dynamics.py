@@ -160,7 +160,7 @@ def test_fast_heavy_top_keeps_one_matrix(group, step, bound):
     end = [0.60555056138, 0.5989576818, -0.52398302743]
     assert np.linalg.norm(result.position(top.point("centre"))[-1] - end) < bound
     assert result.factorisations == 1
-    # full Newton takes two as well: the kept matrix is as good as a new one
+    # full Newton takes two as well: the frozen matrix is as good as a new one
     assert result.iterations[-1] < 2.1 * (len(result.times) - 1)
     force, exact = force_on_ground(scene, result, step)
     assert np.abs(force - exact).max() < 0.01 * np.abs(exact).max()
@@ -184,7 +184,7 @@ def test_joint_force_of_the_top_is_of_second_order_from_the_first_step(group, pa
 @groups
 @maps
 def test_full_newton_converges_quadratically_at_any_spin(group, parametrisation):
-    """0.15 rad in a step: with ``(BT)ᵀ`` as border the rate is 0.075, and 6 iterations."""
+    """0.15 rad in a step: with ``(BT)ᵀ`` as constraint columns the rate is 0.075, and 6 iterations."""
     scheme = fl.GeneralisedAlpha(
         radius=0.9, policy=fl.EveryIteration(), parametrisation=parametrisation
     )

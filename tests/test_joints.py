@@ -48,7 +48,7 @@ def drives(a, b):
 
 
 def gear(a, b):
-    """On one carrier ``a``: both of its ties share a node."""
+    """On one carrier ``a``: both of its definitions share a node."""
     wheel = fl.Revolute(a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS)
     rack = fl.Prismatic(b.point("centre"), a.point("centre"), at=(1, 1, 0), axis=(0, 1, 0))
     return [fl.Gear(wheel.angle, rack.displacement, -1.7)]
@@ -99,7 +99,7 @@ class Case:
         self.connections = connections_of(name)
         table = self.connections.table
         frames = np.repeat(random_frames(rng, 2)[np.newaxis], len(table.nodes), axis=0)
-        # of two ties with exchanged sides: each node keeps its frame
+        # of two definitions with exchanged sides: each node keeps its frame
         frames = np.take_along_axis(frames, table.nodes[:, :, np.newaxis, np.newaxis], axis=1)
         self.table = table._replace(frames=frames, turned=np.zeros(len(table.nodes)))
         # joint frames apart from each other, but not with axes against each other: no angle there
@@ -233,7 +233,7 @@ def test_internal_forces_balance_and_are_invariant(name, seed):
 
 
 def forbidden(definition, A: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """What the selection and functions of a tie make of two frames."""
+    """What the selection and functions of a definition yield for two frames."""
     z, of_z = np.empty(12), np.empty(3)
     relative_motion(A, B, z)
     functions.values(z, definition.angle, 0.0, of_z)
@@ -241,7 +241,7 @@ def forbidden(definition, A: np.ndarray, B: np.ndarray) -> np.ndarray:
 
 
 def allowed(definition, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Two frames, with some motion between them that the tie allows."""
+    """Two frames, with some motion between them that the definition allows."""
     A = random_frames(rng, 1)[0]
     found = least_squares(
         lambda twist: forbidden(definition, A, lie.se3_compose(A, lie.se3_exp(twist))),

@@ -23,7 +23,7 @@ def test_versions_solvers_and_caches():
 
 
 def test_caches_are_cleared_when_asked_for(tmp_path, monkeypatch, capsys):
-    """One of them alone, and its size is told."""
+    """One cache only, whose size is reported."""
     kept = tmp_path / "kept"
     gone = tmp_path / "gone"
     for folder in (kept, gone):

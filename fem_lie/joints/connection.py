@@ -215,11 +215,11 @@ class Coordinate(NamedTuple):
         Raises:
             TypeError: It is not a coordinate.
         """
-        wanted = "a coordinate of a joint such as joint.angle"
+        expected = "a coordinate of a joint such as joint.angle"
         if isinstance(value, Connection):
             known = ", ".join(value.coordinate_names) or "none"
-            wanted = f"{wanted} ({type(value).__name__} has: {known})"
-        instance(value, Coordinate, what, wanted)
+            expected = f"{expected} ({type(value).__name__} has: {known})"
+        instance(value, Coordinate, what, expected)
 
     @property
     def label(self) -> str:

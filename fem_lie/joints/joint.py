@@ -95,7 +95,7 @@ class Joint(Connection):
         e1 = self._first_axis(e3)
         # written out: np.cross is slow for single vectors
         (a, b, c), (x, y, z) = e3, e1
-        return np.array([self._place(), e1, (b * z - c * y, c * x - a * z, a * y - b * x), e3])
+        return np.array([self._position(), e1, (b * z - c * y, c * x - a * z, a * y - b * x), e3])
 
     def frames(self) -> tuple[Array, Array]:
         """Frames A and B in the initial configuration."""
@@ -134,12 +134,12 @@ class Joint(Connection):
     def _angle(self, name: str, angle: Array) -> Coordinate:
         return self._function(name, joint_functions.ANGLE, angle)
 
-    def _given_place(self, at: npt.ArrayLike, what: str) -> Array:
+    def _given_position(self, at: npt.ArrayLike, what: str) -> Array:
         return vector(at, 3, f"{self.label}: {what}")
 
-    def _place(self) -> Array:
+    def _position(self) -> Array:
         if self.at is not None:
-            return self._given_place(self.at, "at")
+            return self._given_position(self.at, "at")
         moving = [point for point in (self.a, self.b) if not point.is_ground]
         if not moving:
             raise ValueError(f"{self.label}: both points are ground; a joint needs a body")

@@ -86,7 +86,7 @@ class RollingDisc(Joint):
         """
         axis = self._direction(self.axis, "axis")
         normal = self._direction(self.normal, "normal")
-        centre = self.b.position if self.at is None else self._given_place(self.at, "at")
+        centre = self.b.position if self.at is None else self._given_position(self.at, "at")
         up = normal - (normal @ axis) * axis
         tilt = float(np.linalg.norm(up))
         if not tilt > 1e-9:
@@ -104,5 +104,5 @@ class RollingDisc(Joint):
             )
         ]
 
-    def _place(self) -> Array:
+    def _position(self) -> Array:
         return self.b.position

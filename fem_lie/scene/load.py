@@ -49,7 +49,7 @@ def amplitudes(histories: Mapping[int, History], times: npt.ArrayLike) -> Array:
     return factors
 
 
-def at_places(force: Field, places: Array, what: str) -> Array:
+def at_points(force: Field, places: Array, what: str) -> Array:
     """Values of a force per area or volume at points of the unloaded configuration, both (m, g, 3).
 
     Raises:
@@ -67,13 +67,14 @@ class Sum(Protocol):
     def nodes(self, body: Body) -> Indices:
         """Numbers of a body's nodes in the numbering that terms of this sum use."""
 
-    def add_nodal(self, body: Body, force: Array, levers: Array, *, following: bool) -> None:
+    def add_nodal(self, body: Body, force: Array, on_directors: Array, *, following: bool) -> None:
         """Add nodal forces.
 
         Args:
             body: The loaded body.
             force: Force and moment at each node, shape (n, 6).
-            levers: Additional forces on the directors d₁, d₂, d₃ of each node, shape (n, 3, 3).
+            on_directors: Additional forces on the directors d₁, d₂, d₃ of each node, shape (n, 3,
+                3).
             following: Whether components refer to the nodal frames instead of global axes.
         """
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, number
 from fem_lie.bodies.solids.faces import Faces
 from fem_lie.bodies.solids.solid import Solid
-from fem_lie.scene.load import Carrier, Field, History, Load, NodalLoad, Sum, at_places
+from fem_lie.scene.load import Carrier, Field, History, Load, NodalLoad, Sum, at_points
 from fem_lie.scene.pressure import SurfacePushes
 
 SOLID = Carrier("solid", Solid, "a Solid")
@@ -57,7 +57,7 @@ class FaceLoad(NodalLoad):
         rule = faces.rule
         areas = np.linalg.norm(rule.normals(x, faces.nodes), axis=2)
         what = f"FaceLoad on {self.solid.label}"
-        density = at_places(self.force, rule.places(x, faces.nodes), what)
+        density = at_points(self.force, rule.places(x, faces.nodes), what)
         values = np.zeros((len(x), 6))
         shares = np.einsum("gk,fg,fgj->fkj", rule.values, areas, density)
         np.add.at(values[:, :3], faces.nodes, shares)
@@ -157,7 +157,7 @@ class BulkLoad(NodalLoad):
     def nodal(self) -> Array:
         """Consistent nodal forces, shape (n, 6)."""
         rule, chosen = self.solid.rule, self.solid.cells_of(self.cells)
-        density = at_places(self.force, rule.places[chosen], f"BulkLoad on {self.solid.label}")
+        density = at_points(self.force, rule.places[chosen], f"BulkLoad on {self.solid.label}")
         shares = np.einsum("gk,mg,mgj->mkj", rule.values, rule.volumes[chosen], density)
         values = np.zeros((len(self.solid.frames), 6))
         np.add.at(values[:, :3], self.solid.connectivity[chosen], shares)

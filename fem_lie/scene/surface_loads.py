@@ -12,7 +12,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.thin_shells.smooth_surface import SmoothSurface
 from fem_lie.mesh.shapes import FaceRule
-from fem_lie.scene.load import Carrier, Field, History, NodalLoad, at_places
+from fem_lie.scene.load import Carrier, Field, History, NodalLoad, at_points
 
 SHELL = Carrier("shell", Shell | SmoothSurface, "a Shell, ThinShell or AncfShell")
 
@@ -66,7 +66,7 @@ class EdgeLoad(NodalLoad):
     def nodal(self) -> Array:
         """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""
         if isinstance(self.shell, SmoothSurface):
-            return on_places(self._on_rows(self.shell))
+            return on_positions(self._on_rows(self.shell))
         nodes, lengths = self.shell.edges(self.curve)
         density = np.concatenate([self.force, self.moment]).astype(np.float64).reshape(2, 3)
         at_nodes = np.broadcast_to(density, (*nodes.shape, 2, 3))
@@ -130,7 +130,7 @@ class SurfaceLoad(NodalLoad):
     def nodal(self) -> Array:
         """Consistent nodal forces of the interpolation, shape (n, 6)."""
         if isinstance(self.shell, SmoothSurface):
-            return on_places(self._on_rows(self.shell))
+            return on_positions(self._on_rows(self.shell))
         values = np.zeros((len(self.shell.frames), 6))
         chosen = self.shell.cells_of(self.cells)
         shares = self._scaled(self.shell, self._factors())
@@ -155,7 +155,7 @@ class SurfaceLoad(NodalLoad):
 
     def _density(self, places: Array) -> Array:
         """Load at points of the unloaded surface (c, g, 3), same shape."""
-        return at_places(self.force, places, f"{type(self).__name__} on {self.shell.label}")
+        return at_points(self.force, places, f"{type(self).__name__} on {self.shell.label}")
 
     def _scaled(self, shell: Shell, factors: Array) -> Array:
         """Consistent nodal forces of the loaded cells times a factor of each cell, (c, k, 3)."""
@@ -245,7 +245,7 @@ class MassLoad(SurfaceLoad):
         return values
 
 
-def on_places(rows: Array) -> Array:
+def on_positions(rows: Array) -> Array:
     """Nodal loads (n, 6) from forces on nodal coordinates (n, 4, 3): the forces on positions."""
     return np.concatenate([rows[:, 0], np.zeros((len(rows), 3))], axis=1)
 
@@ -276,5 +276,5 @@ def _senses(shell: Shell, edges: Indices) -> Array:
     known, number = np.unique(key, return_inverse=True)
     sense = np.repeat(sides_of(shell), round_.shape[1]) * forward
     total = np.bincount(number.ravel(), weights=sense)
-    wanted, forward = keys(edges[:, :2])
-    return np.asarray(forward * total[np.searchsorted(known, wanted)])
+    sought, forward = keys(edges[:, :2])
+    return np.asarray(forward * total[np.searchsorted(known, sought)])

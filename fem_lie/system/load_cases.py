@@ -63,7 +63,7 @@ class _Case:
         """Numbers of a body's nodes."""
         return self._numbering.nodes[body]
 
-    def add_nodal(self, body: Body, force: Array, levers: Array, *, following: bool) -> None:
+    def add_nodal(self, body: Body, force: Array, on_directors: Array, *, following: bool) -> None:
         """Add nodal forces (n, 6) and forces on directors (n, 3, 3).
 
         A force fixed in space on an attached node is a constant force on ``q`` of its master node.
@@ -72,12 +72,12 @@ class _Case:
         masters = master_map.master[nodes]
         if following:
             # of forces fₖ on the directors: Σ eₖ × fₖ
-            moment = force[:, 3:] + np.cross(np.eye(3), levers).sum(axis=1)
+            moment = force[:, 3:] + np.cross(np.eye(3), on_directors).sum(axis=1)
             values = np.concatenate([force[:, :3], moment], axis=1)
             turn = lie.se3_adjoint(lie.se3_inverse(master_map.offset[nodes]))
             np.add.at(self.following, masters, np.einsum("nji,nj->ni", turn, values))
         else:
-            forces = np.concatenate([force[:, np.newaxis, :3], levers], axis=1)
+            forces = np.concatenate([force[:, np.newaxis, :3], on_directors], axis=1)
             moved = master_map.linear()[nodes].transpose(0, 2, 1) @ forces
             np.add.at(self.dead, masters, moved)
             np.add.at(self.moment, masters, force[:, 3:])

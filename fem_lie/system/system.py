@@ -22,7 +22,7 @@ from fem_lie.scene import Scene
 from fem_lie.system.constraints import Connections
 from fem_lie.system.describe import refuse
 from fem_lie.system.load_cases import LoadCases
-from fem_lie.system.nodes.carried_axes import CarriedAxes, CarriedDrilling, FollowingAxes
+from fem_lie.system.nodes.convected_axes import BodyAxes, ConvectedAxes, ConvectedDrilling
 from fem_lie.system.nodes.element_turns import ElementTurns
 from fem_lie.system.nodes.masses import Loads, floating_of, inertia_of, lumped, weight_of
 from fem_lie.system.nodes.numbering import numbering_for
@@ -55,9 +55,9 @@ class System:
         terms: All terms that add forces and stiffness besides inertia, nodal loads and constraints.
         elastic: Terms of bodies.
         tangent: Tangent matrix; it is filled into ``kkt``.
-        carried_drilling: Frames that follow the mid-surface, to be rotated after each step.
-        carried_axes: Axes of position nodes that follow their neighbourhood.
-        carried: All convected axes.
+        convected_drilling: Frames that follow the mid-surface, to be rotated after each step.
+        convected_axes: Axes of position nodes that follow their neighbourhood.
+        convected: All convected axes.
         in_one_sum: Whether :meth:`residual` is the compiled sum of :attr:`Forces.table` only, apart
             from held unknowns.
         turns: Rotations of elements from end to end.
@@ -137,11 +137,11 @@ class System:
         self.turns = ElementTurns(self.numbering)
         self.kkt, self.supports = self.tangent.kkt, self.tangent.supports
         self._guided = bool(self.supports)
-        self.carried_drilling = CarriedDrilling(numbering, self.held, self.connections.nodes)
-        self.carried_axes = CarriedAxes(numbering, self.held, self.connections.bound)
-        following = FollowingAxes(numbering, self.connections.nodes)
-        self.carried: list[CarriedDrilling | CarriedAxes | FollowingAxes] = [
-            each for each in (self.carried_drilling, self.carried_axes, following) if each
+        self.convected_drilling = ConvectedDrilling(numbering, self.held, self.connections.nodes)
+        self.convected_axes = ConvectedAxes(numbering, self.held, self.connections.bound)
+        following = BodyAxes(numbering, self.connections.nodes)
+        self.convected: list[ConvectedDrilling | ConvectedAxes | BodyAxes] = [
+            each for each in (self.convected_drilling, self.convected_axes, following) if each
         ]
         self._check_redundant()
         self._still = np.zeros((self.count, 6))

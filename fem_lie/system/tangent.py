@@ -29,10 +29,10 @@ from fem_lie.system.parts import Parts, Vectors
 from fem_lie.system.terms.all_terms import Terms
 from fem_lie.system.time_state import Plan, TimeState
 
-Wanted: TypeAlias = Callable[[Term], bool]
+TermSelection: TypeAlias = Callable[[Term], bool]
 """Whether a term is included."""
 
-WantedViscosity: TypeAlias = Callable[[Term, ViscousForces], bool]
+ViscositySelection: TypeAlias = Callable[[Term, ViscousForces], bool]
 """Whether the viscous forces of a term are included."""
 
 
@@ -318,14 +318,18 @@ class Tangent:
             floating_tangents.tangents(motion, kinds, bodies, place, factors, parts)
 
     def add_terms(
-        self, H: Array, kept: Sequence[Array], wanted: Wanted = every, ends: Ends | None = None
+        self,
+        H: Array,
+        kept: Sequence[Array],
+        selected: TermSelection = every,
+        ends: Ends | None = None,
     ) -> None:
         """Add the stiffness of terms, with their independent stress, to ``K``.
 
         Args:
             H: Frames.
             kept: Forces of terms, see :meth:`~fem_lie.system.terms.all_terms.Terms.add_forces`.
-            wanted: Selection of terms.
+            selected: Selection of terms.
             ends: Ends of a step, for terms with forces over a step; default: all terms at ``H``.
         """
         for (term, place, _), forces in zip(self._of_terms, kept, strict=True):
@@ -333,7 +337,7 @@ class Tangent:
                 if ends is not None and term.over_step is not None:
                     blocks = term.over_step.tangent_over_step(ends, H)
                     add_at(self.parts.blocks, place, blocks)
-                elif wanted(term):
+                elif selected(term):
                     term.add_tangent(H, forces, place, self.parts.blocks)
 
     def put_beside(self, H: Array, kinds: Indices, d: Array) -> None:
@@ -390,7 +394,7 @@ class Tangent:
         H: Array,
         v: Array,
         factor: float,
-        wanted: Callable[[Term, ViscousForces], bool] = _all,
+        selected: Callable[[Term, ViscousForces], bool] = _all,
     ) -> None:
         """Add derivatives of viscous forces in twists, times ``factor``, to ``A``.
 
@@ -400,11 +404,11 @@ class Tangent:
             H: Frames.
             v: Twists.
             factor: ∂v/∂d.
-            wanted: Selection of terms.
+            selected: Selection of terms.
         """
         for term, in_K, in_A in self._of_terms:
             viscosity = term.viscosity
-            if viscosity is not None and wanted(term, viscosity):
+            if viscosity is not None and selected(term, viscosity):
                 by_twists, by_frames = viscosity.viscous_tangent(H, v)
                 with self._divided(really=self._divides(term)):
                     add_at(self.parts.blocks, in_A, factor * by_twists)

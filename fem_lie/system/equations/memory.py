@@ -107,11 +107,11 @@ class Memory:
             motion: Velocities, accelerations and so on, shape (k, n, 6); default: none.
             written: Representation of these components.
         """
-        for carried in self._system.carried:
+        for axes in self._system.convected:
             if motion is None or written is None:
-                carried.turn(H)
+                axes.turn(H)
             else:
-                carried.turn_motion(H, motion, self._system.kinds, written)
+                axes.turn_motion(H, motion, self._system.kinds, written)
 
     def memory(self) -> dict[str, Array]:
         """State of the history variables."""

@@ -259,8 +259,8 @@ class Tables(NamedTuple):
             pairs_of_all=connections.all_pairs(system.frames, system.kinds),
             edges=_edges(system.numbering.nodes),
             turns=connections.first.turns,
-            around=system.carried_axes.plain,
-            drills=any(each is not system.carried_axes for each in system.carried),
+            around=system.convected_axes.plain,
+            drills=any(each is not system.convected_axes for each in system.convected),
         )
 
 

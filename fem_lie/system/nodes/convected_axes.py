@@ -34,7 +34,7 @@ from fem_lie.system.nodes.numbering import Numbering
 _NO_MOTION, _NOTHING = np.empty((0, 0, 6)), np.empty(0, dtype=np.int64)
 
 
-class CarriedAxes:
+class ConvectedAxes:
     """Convected axes of position nodes.
 
     Attributes:
@@ -124,7 +124,7 @@ class _Part(NamedTuple):
         return found
 
 
-class FollowingAxes:
+class BodyAxes:
     """Convected axes that bodies define."""
 
     def __init__(self, numbering: Numbering, joined: Indices) -> None:
@@ -156,7 +156,7 @@ class FollowingAxes:
             H[part.nodes] = part.followed(H[part.nodes])
 
     def turn_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
-        """Rotate the axes and transform components of motions, as :class:`CarriedAxes` does."""
+        """Rotate the axes and transform components of motions, as :class:`ConvectedAxes` does."""
         for part in self._parts:
             before = H[part.nodes]
             after = part.followed(before)
@@ -213,7 +213,7 @@ def _turn_motion(motion: Array, kinds: Indices, local: Flags, lag: Array) -> Non
                     _turn_rows(motion[k, i], 0, c, s)
 
 
-class CarriedDrilling:
+class ConvectedDrilling:
     """Frames of five-parameter shells that rotate about their directors with the mid-surface."""
 
     def __init__(self, numbering: Numbering, held: Flags, joined: Indices) -> None:
