@@ -184,7 +184,7 @@ def test_joint_force_of_the_top_is_of_second_order_from_the_first_step(group, pa
 @groups
 @maps
 def test_full_newton_converges_quadratically_at_any_spin(group, parametrisation):
-    """0.15 rad in a step: with ``(BT)ᵀ`` as constraint columns the rate is 0.075, and 6 iterations."""
+    """0.15 rad in a step: with ``(BT)ᵀ`` as columns the rate is 0.075, and 6 iterations."""
     scheme = fl.GeneralisedAlpha(
         radius=0.9, policy=fl.EveryIteration(), parametrisation=parametrisation
     )

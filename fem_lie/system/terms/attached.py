@@ -149,7 +149,7 @@ class AttachedTerm(Term):
         self._nodes.collect(forces, out)
 
     def near(self, nodes: Flags) -> AttachedCells | None:
-        """The same forces on some nodes alone, if that is less work."""
+        """Forces on some nodes only, if that is less work, or ``None``."""
         if self.term.tables is None:
             return None
         table = of_some_cells(self.term.tables[0], nodes[self._nodes.master])
@@ -157,7 +157,7 @@ class AttachedTerm(Term):
 
     @property
     def following(self) -> FollowingTable | None:
-        """Forces as such a sum over nodes that follow those of the equations."""
+        """Cells with attached nodes, if not all nodes are master nodes."""
         if self.term.tables is None or self._nodes.direct:
             return None
         return FollowingTable(self.term.tables[0], self._nodes.master, self._nodes.offset)
@@ -167,18 +167,18 @@ class AttachedTerm(Term):
         return self.term.linear_forces(self._nodes.frames(H), kept, self._nodes.twists(h))
 
     def tangent(self, H: Array, kept: Array) -> Array:
-        """Derivative of the forces in the twists of the nodes, (pairs, 6, 6)."""
+        """Derivative of the forces in the twists of the master nodes, (pairs, 6, 6)."""
         return self._nodes.blocks(self.term.tangent(self._nodes.frames(H), kept), self.term.pairs)
 
     def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
-        """Add :meth:`tangent` to blocks of a larger matrix."""
+        """Add :meth:`tangent` to blocks ``K`` at ``place``."""
         if self._nodes.direct:
             self.term.add_tangent(H[self._nodes.where], kept, place, K)
         else:
             super().add_tangent(H, kept, place, K)
 
     def geometric(self, H: Array) -> Array | None:
-        """What the derivative has beside :meth:`tangent`, of forces that are not carried."""
+        """Part of derivative that does not depend on stored forces, (pairs, 6, 6), or ``None``."""
         blocks = self.term.geometric(self._nodes.frames(H))
         return None if blocks is None else self._nodes.blocks(blocks, self.term.pairs)
 
@@ -197,16 +197,16 @@ class AttachedTerm(Term):
 
     @property
     def contents(self) -> object:
-        """All that the forces are made of, but for the amplitude."""
+        """Data on which the forces depend, without the amplitude."""
         return self.term.contents
 
     @property
     def seen(self) -> Array:
-        """The places for which :attr:`pairs` were found; default: they stay."""
+        """Positions at which the node pairs were found; empty if the pairs are constant."""
         return self.term.seen
 
     def see_again(self, seen: Array) -> None:
-        """Have the pairs again that there were when :attr:`seen` was copied."""
+        """Restore the node pairs of :attr:`seen`."""
         self.term.see_again(seen)
 
     @property

@@ -40,7 +40,7 @@ class AttachedViscosity(ViscousForces):
         nodes.collect(forces, out)
 
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
-        """Their derivatives in the twists, and in those of frames if that is not left out."""
+        """Derivatives of the forces in twists, and in frames unless these are neglected."""
         nodes, pairs = self._nodes, self._term.pairs
         by_twists, by_frames = self._of.viscous_tangent(nodes.frames(H), nodes.twists(v))
         in_frames = None if by_frames is None else nodes.blocks(by_frames, pairs)
@@ -61,15 +61,15 @@ class AttachedStress(LinearisedStress):
 
     @property
     def carried(self) -> Array:
-        """Present values, flat."""
+        """Values of the independent stress, flat."""
         return self._of.carried
 
     def restore(self, carried: Array) -> None:
-        """Have the values again that :attr:`carried` had when it was copied."""
+        """Restore the values of :attr:`carried`."""
         self._of.restore(carried)
 
     def carry(self, H: Array, h: Array) -> None:
-        """Update to the end of the increment ``h`` (n, 6), from frames ``H``."""
+        """Update the stress along the increment ``h`` (n, 6) from frames ``H``."""
         self._of.carry(self._nodes.frames(H), self._nodes.twists(h))
 
     def reset_stress(self, H: Array) -> None:
@@ -77,7 +77,7 @@ class AttachedStress(LinearisedStress):
         self._of.reset_stress(self._nodes.frames(H))
 
     def clear_stress(self) -> None:
-        """Have none: a tangent without geometric stiffness."""
+        """Set the stress to zero: a tangent without geometric stiffness."""
         self._of.clear_stress()
 
 
@@ -117,18 +117,18 @@ class AttachedPassage(PassageCheck):
         self._of.check_passage(self._nodes.frames(start), self._nodes.frames(end))
 
     def watch(self, start: Array, end: Array, h: float, middle: Array | None) -> None:
-        """Note a step of a scheme that does not conserve energy."""
+        """Record a step of a scheme that does not conserve energy."""
         nodes = self._nodes
         half = None if middle is None else nodes.frames(middle)
         self._of.watch(nodes.frames(start), nodes.frames(end), h, half)
 
     @property
     def watched(self) -> Array:
-        """What :meth:`watch` has noted, flat."""
+        """Record of steps of :meth:`watch`, flat."""
         return self._of.watched
 
     def watch_again(self, watched: Array) -> None:
-        """Have noted again what was :attr:`watched` once."""
+        """Restore the record of :attr:`watched`."""
         self._of.watch_again(watched)
 
 
@@ -140,7 +140,7 @@ class AttachedStepForces(StepForces):
         self._term, self._of, self._nodes, self.steady = term, of, nodes, of.steady
 
     def add_over_step(self, ends: Ends, out: Array, ground: Array) -> Done:
-        """Add the forces."""
+        """Add the forces over a step to ``out`` and ``ground``."""
         return self._of.add_over_step(ends, out, ground)
 
     def tangent_over_step(self, ends: Ends, H: Array) -> Array:
@@ -149,7 +149,7 @@ class AttachedStepForces(StepForces):
         return self._nodes.blocks(blocks, self._term.pairs)
 
     def overlaps(self, H: Array) -> bool:
-        """Whether there are any such forces at frames ``H``."""
+        """Whether there are forces at frames ``H``."""
         return self._of.overlaps(self._nodes.frames(H))
 
 
