@@ -158,7 +158,7 @@ def test_steps_that_converge_slowly_are_given_time():
 
 def test_policies_that_make_no_matrix_make_no_parts(caplog):
     caplog.set_level(logging.WARNING)
-    with pytest.raises(fl.ConvergenceError, match="a policy that may make new matrices"):
+    with pytest.raises(fl.ConvergenceError, match="a policy that may refactorise"):
         fl.EnergyMomentum(policy=fl.Never()).run(scene(4), duration=12 * STEP, step=STEP)
     assert "parts" not in caplog.text
 

@@ -1,1 +1,1 @@
-"""Schemes that conserve energy and momenta, or dissipate."""
+"""Energy- and momentum-conserving schemes, with optional numerical dissipation."""

@@ -1,33 +1,32 @@
-"""Schemes that conserve energy, momentum and angular momentum to round-off, and what they refuse.
+"""Schemes that conserve energy, momentum and angular momentum to round-off.
 
-With ``q = (x, d₁, d₂, d₃)`` of the nodes, the constant matrix of inertia ``G``, velocities ``V``
-and increments ``Δq`` that come from a translation and a Cayley rotation of each node
+With ``q = (x, d₁, d₂, d₃)`` of the nodes, the constant mass matrix ``G``, velocities ``V``, and
+increments ``Δq`` from a translation and a Cayley rotation of each node
 (:mod:`fem_lie.solve.conserving.midpoint.cayley`)::
 
     V₁ = 2 Δq/h − V
     L(q̄)ᵀ [G (V₁ − V)/h − dead] + elastic forces + joint forces − loads = 0,      Φ(q₁) = 0
 
-``L(q̄)`` turns motions of the nodes into those of the *mean* ``q̄ = ½(q + q₁)``, so that the work
-of every force is that on ``Δq`` without any error:
+``L(q̄)`` maps motions of the nodes to increments of the *mean* ``q̄ = ½(q + q₁)``, so that every
+force does its exact work on ``Δq``:
 
 - *inertia:* ``(V₁ − V)·G Δq/h = ½ V₁·G V₁ − ½ V·G V``, and the angular momentum ``Σ q × G V``
-  changes by ``Σ q̄ × (forces)`` alone;
-- *elements:* forces that do the work ``W₁ − W`` and have neither a resultant nor a moment, for any
+  changes by ``Σ q̄ × (forces)`` only;
+- *elements:* forces do the work ``W₁ − W`` and have neither a resultant nor a moment, for any
   objective energy (:mod:`fem_lie.solve.conserving.midpoint.discrete_gradient`);
 - *joints:* ``Φ`` is bilinear in ``q``, and its gradient at ``q̄`` does the work ``λ (Φ₁ − Φ) = 0``
-  (:mod:`fem_lie.solve.conserving.step.joints`); constraints between more than two frames, and those
-  of velocities, have a discrete gradient (:mod:`.python_forces.constraints`);
-- *loads* at the middle of the step: gravity and constant forces have a potential, the work of all
-  others is counted, and so is what viscous forces take.
+  (:mod:`fem_lie.solve.conserving.step.joints`); constraints between more than two frames, and
+  velocity constraints, have a discrete gradient (:mod:`.python_forces.constraints`);
+- *loads* act at the midpoint of the step: gravity and constant forces have a potential; the work of
+  all others and of viscous forces enters the energy balance.
 
-The scheme is of second order. It damps nothing: what a step does not resolve stays. Multipliers act
-over a step; joint forces are reported at its end
-(:mod:`fem_lie.solve.conserving.midpoint.end_forces`). The iteration goes on until nothing but
-round-off changes, with a matrix in local frames that is kept as the policy says. Bodies' groups
-have no meaning for it. Nodes that are no frames have rows whose increments add: for these ``L`` is
-constant, and they stand in one system with frames (:mod:`fem_lie.solve.conserving.vector_cells`).
-Reduced-order bodies have further rows with inertia
-(:mod:`fem_lie.solve.conserving.midpoint.reduced_bodies`).
+The scheme is of second order. It has no numerical damping: oscillations that a step does not
+resolve remain. Multipliers act over a step; joint forces are reported at its end
+(:mod:`fem_lie.solve.conserving.midpoint.end_forces`). The iteration continues down to round-off,
+with a frozen matrix in local frames. The groups of bodies do not matter for this scheme. Nodes with
+vector coordinates have additive increments: their ``L`` is constant, and they are solved together
+with frames (:mod:`fem_lie.solve.conserving.vector_cells`). Reduced-order bodies have further
+coordinates with inertia (:mod:`fem_lie.solve.conserving.midpoint.reduced_bodies`).
 
 Sources: Simo, Tarnow & Doblaré, IJNME 38 (1995) 1431; Gonzalez, J. Nonlinear Sci. 6 (1996) 449;
 Romero & Armero, IJNME 54 (2002) 1683; Betsch & Leyendecker, IJNME 67 (2006) 499.
@@ -59,14 +58,14 @@ from fem_lie.system.equations import Equations
 _WITHOUT_FRAMES = (
     "nodes without frames (Cable, Net, ThinShell, AncfBeam, AncfShell, Solid, reduced-order bodies)"
 )
-"""Bodies with nodes that have no rotation of their own."""
+"""Bodies with nodes that have no rotational degrees of freedom."""
 
 
 def refuse_scene(equations: Equations) -> None:
-    """Refuse scenes with something that has no forces over a step.
+    """Raise an error for scenes with features that have no forces over a step.
 
     Raises:
-        ValueError: Says what there is.
+        ValueError: The message names the feature.
     """
     unknowns, known = equations.unknowns, equations.tables
     vectors, drilling = has_vector_nodes(equations), ", ".join(unknowns.drilling)
@@ -97,7 +96,7 @@ def refuse_scene(equations: Equations) -> None:
 
 
 def _refuse_joints(equations: Equations) -> None:
-    """Refuse joints that scenes with nodes without frames do not have."""
+    """Raise an error for joints that are not supported with nodes without frames."""
     pairs = equations.tables.pairs_of_all
     reasons = {
         "velocity constraints, joints that slide or roll, or joints between the nodes of a Beam": (
@@ -110,7 +109,10 @@ def _refuse_joints(equations: Equations) -> None:
 
 
 def _has_forces_over_steps(term: Term, kinds: Indices) -> bool:
-    """Whether steps have the forces of a term, as cells of nodes of one sort or in other sums."""
+    """Whether a step has forces of the term.
+
+    Cells of nodes of one sort, or terms with such forces.
+    """
     viscosity = term.viscosity
     constant = viscosity is not None and viscosity.rates is not None
     if term.over_step or constant or term.within_joints or acts_in_the_middle(term):
@@ -126,18 +128,18 @@ def _has_forces_over_steps(term: Term, kinds: Indices) -> bool:
 
 @dataclass(frozen=True)
 class EnergyMomentum(Integrator):
-    """Options of the scheme; :meth:`run` integrates.
+    """Energy-momentum conserving scheme; :meth:`run` integrates.
 
-    ``result.balance`` follows the work of loads and drives, and the loss by damping;
-    ``result.balance_error`` says how well energy, work and loss close.
+    ``result.balance`` contains the work of loads and drives, and the loss by damping;
+    ``result.balance_error`` is the error of the energy balance.
 
     Attributes:
-        tolerance: 0: iterate until only round-off changes, which conserves to round-off. Otherwise
-            the predicted error of the iteration in each step over the largest motion in a step;
-            energy and momenta are then kept to some hundred times that, and
-            ``result.balance_error`` and the errors of momenta say how well.
-        policy: When to factorise.
-        max_iterations: More in one step are a failure.
+        tolerance: 0: iterate down to round-off, which conserves to round-off. Otherwise the
+            predicted iteration error in each step over the largest motion in a step. Energy and
+            momenta are then conserved to some hundred times this value; see
+            ``result.balance_error`` and the errors of momenta.
+        policy: When to refactorise the iteration matrix.
+        max_iterations: Largest number of iterations of a step.
 
     Example:
         >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
@@ -161,13 +163,13 @@ class EnergyMomentum(Integrator):
         return self.equations(scene)
 
     def equations(self, scene: Scene) -> Equations:
-        """Those of a scene; ``ValueError`` names what the scheme cannot do."""
-        # translations are global, so the derivatives in velocities are those of R³×SO(3)
+        """Equations of a scene; ``ValueError`` if the scheme does not support the scene."""
+        # translations are global, so derivatives by velocities are those of R³×SO(3)
         equations = Equations(scene, dynamics=True, group=Group.R3xSO3)
         refuse_scene(equations)
         if self.policy.secants and not has_vector_nodes(equations):
             raise ValueError(
-                "conserving schemes learn from corrections where nodes have no frames (Cable, Net, "
+                "conserving schemes use secants where nodes have no frames (Cable, Net, "
                 f"ThinShell, Solid): expected secants=0 without these, got {self.policy.secants}"
             )
         return equations
@@ -181,27 +183,27 @@ class EnergyMomentum(Integrator):
         def begin(equations: Equations, control: Control) -> ConservingSteps:
             if any(term.over_step is not None for term in equations.tables.terms):
                 raise ValueError(
-                    "conserving schemes have contacts by penalty in constant steps: expected the "
-                    "step size as a number and a scene without discontinuities"
+                    "conserving schemes support contacts by penalty with constant steps only: "
+                    "expected the step size as a number and a scene without discontinuities"
                 )
             return ConservingSteps(self.options(), equations, control)
 
         return begin
 
     def options(self) -> Options:
-        """What a run is told."""
+        """Options of a run."""
         return Options(self.tolerance, self.policy, self.max_iterations)
 
 
 @dataclass(frozen=True)
 class EnergyDecaying(EnergyMomentum):
-    """:class:`EnergyMomentum` with dissipation at high frequencies.
+    """:class:`EnergyMomentum` with numerical dissipation at high frequencies.
 
-    Kinetic and elastic energy, less the work of loads, does not increase in any step, whatever the
+    Kinetic and elastic energy, minus the work of loads, does not increase in any step, whatever the
     scene and the step. Momenta are conserved as by :class:`EnergyMomentum`. Linear problems are
     integrated by an A-stable two-step method of second order, between the trapezoidal rule
     (``radius`` 1) and BDF2 (``radius`` 0); see :mod:`fem_lie.solve.conserving.step.dissipation`.
-    What was dissipated is the third column of ``result.balance``.
+    The dissipated energy is the third column of ``result.balance``.
 
     Attributes:
         radius: Spectral radius at infinite frequency, in [0, 1]; 1 conserves.
@@ -226,6 +228,6 @@ class EnergyDecaying(EnergyMomentum):
             raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
 
     def options(self) -> Options:
-        """See the base class."""
+        """Options of a run, with the dissipation parameter."""
         loss = (1.0 - self.radius) / (3.0 + self.radius)
         return Options(self.tolerance, self.policy, self.max_iterations, loss, 1.0 - loss)

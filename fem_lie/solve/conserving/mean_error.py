@@ -1,20 +1,20 @@
-"""How wrong one step of a conserving scheme is, from what the step itself has computed.
+"""Local error of one step of a conserving scheme, from quantities of the step itself.
 
 In ``q = (x, d₁, d₂, d₃)`` these schemes are the trapezoidal rule. With the mean acceleration
-``A = (V₁ − V)/h`` and ``g`` what dissipation adds to the mean velocity::
+``A = (V₁ − V)/h`` and the contribution ``g`` of dissipation to the mean velocity::
 
     q(exact) − q₁ = h²/12 (q̈ − q̈₁) − h g + O(h⁴)
 
-up to what constraints, of joints and of rigid directors, take back: the error is what is left
-between motions that they allow, nearest in the metric of inertia. The accelerations at the ends are
-not known, but the forces are, so the equations of motion are asked at both ends how wrong they are
-with ``A``, in one frame::
+up to the part across the constraints of joints and of rigid directors: the error is its projection
+on admissible motions, orthogonal in the metric of inertia. The accelerations at the ends are
+unknown, but the forces are known. So the residuals ρ of the equations of motion with ``A`` are
+evaluated at both ends and compared in one frame::
 
     M d̃ = h²/12 (ρ₁ − ρ) − h Lᵀ G g          ρ = Lᵀ G A − forces + Bᵀ λ
 
-with the joint forces λ of the step: what they lack is across the joints. Nothing of the step before
-is needed, and a load that jumps within the step is seen by it. As in generalised-α, one
-solution with the kept factors makes the error of the defect::
+with the joint forces λ of the step: their error is across the joints. No earlier step is needed,
+and a load that jumps within the step contributes. As in generalised-α, one solution with the frozen
+factors gives the error from the defect::
 
     S e + Bᵀ μ = m M d̃          B e = 0
 
@@ -49,7 +49,7 @@ class End(NamedTuple):
     Attributes:
         H: Frames of all rows.
         V: Velocities of (x, d₁, d₂, d₃) and of products, (n + p, 4, 3).
-        time: On the step's side, if something jumps there.
+        time: Time; on the side of the step at a discontinuity.
     """
 
     H: Array
@@ -58,15 +58,15 @@ class End(NamedTuple):
 
 
 class MeanError:
-    """The error of each step of one run."""
+    """Local errors of the steps of a run."""
 
     def __init__(self, equations: Equations, mass: Inertia, bodies: PackedBodies) -> None:
-        """For equations whose matrix is factorised elsewhere.
+        """Set up for equations whose matrix is factorised elsewhere.
 
         Args:
-            equations: Of the scene.
-            mass: Matrix of inertia of all rows, those of products last, (n + p).
-            bodies: Those of reduced order.
+            equations: Equations of the scene.
+            mass: Mass matrix of all nodal coordinates, products last, (n + p).
+            bodies: Reduced-order bodies.
         """
         unknowns, n = equations.unknowns, equations.unknowns.moving
         self._equations, self._size, self._kinds = equations, 6 * n, unknowns.kinds
@@ -84,12 +84,12 @@ class MeanError:
 
         Args:
             h: Step size.
-            start: The start of the step.
-            end: Its end; loads are left as they are there.
-            delta: Increments of all rows, (n + p, 4, 3).
-            weights: Multipliers of the step.
+            start: Start of the step.
+            end: End of the step; loads keep their values there.
+            delta: Increments of all nodal coordinates, (n + p, 4, 3).
+            weights: Lagrange multipliers of the step.
             mass: Factor of the mass matrix in the iteration matrix that will be used.
-            r: Shape (size,), overwritten.
+            r: Right-hand side, shape (size,), overwritten.
         """
         equations, size = self._equations, self._size
         A = np.asarray((end.V - start.V) / h, dtype=np.float64)
@@ -110,7 +110,7 @@ class MeanError:
             equations.prescribed(at.time).act()
         twist[:] = 0.0
         pull_all_back(self._kinds, at.H, at.V[:n], 1.0, twist.reshape(-1))
-        # each director of a frame has its part of the rotation twice
+        # the directors of a frame contain each part of the rotation twice
         twist[self._kinds < POSITION_GRADIENT, 3:] *= 0.5
         now = TimeState(at.H, twist, self._still, weights)
         equations.residual(now, self._ones, self._r, self._found)
@@ -130,8 +130,8 @@ class MeanError:
 def _compare(kinds: Indices, H: Array, H1: Array, before: Array, factor: float, r: Array) -> None:
     """``r = factor (r − before)``, (n, 6): forces along the axes of ``H1``, moments in the body.
 
-    Both are O(h), so moments may be compared in the body: a bar that resists bending ten thousand
-    times as much as twist gets no twist from how bending moments have turned.
+    Both are O(h), so moments may be compared in body axes: in a bar that is ten thousand times
+    stiffer in bending than in torsion, the rotation of bending moments then causes no twist.
     """
     for i in range(r.shape[0]):
         a1, a2, a3 = axes(kinds[i], H[i])

@@ -1,4 +1,4 @@
-"""Memory of a run of a conserving scheme, and what of the scene its steps see."""
+"""Set-up of a run of a conserving scheme: the state, and the constant model of the scene."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ from fem_lie.system.equations import Equations
 from fem_lie.system.nodes.masses import Loads
 
 _LIGHT = 1e-12
-"""Moment of inertia over the largest one of a node that is none."""
+"""Moments of inertia below this fraction of the largest one of a node are treated as zero."""
 
 
 def start_state(
     equations: Equations, cells: Cells, rows: RowCells, incidences: Incidences, *, dissipates: bool
 ) -> State:
-    """At rest at the frames of the start."""
+    """State at rest at the initial frames."""
     z = np.zeros
     n, m = equations.unknowns.moving, equations.unknowns.m
     p, bodies = products_of(equations)
@@ -77,7 +77,7 @@ def start_state(
 def step_workspace(
     equations: Equations, cells: Cells, rows: RowCells, incidences: Incidences, *, dissipates: bool
 ) -> Step:
-    """Memory of a step."""
+    """Allocate the arrays of a step."""
     z, (p, bodies) = np.zeros, products_of(equations)
     count = cells.count + len(rows.sees) + bodies
     unknowns, frames = equations.unknowns, equations.start.frames
@@ -119,18 +119,18 @@ def step_workspace(
 
 
 def has_vector_nodes(equations: Equations) -> bool:
-    """Whether there are nodes that are no frames."""
+    """Whether there are nodes with vector coordinates."""
     return bool((equations.unknowns.kinds >= POSITION_GRADIENT).any())
 
 
 def products_of(equations: Equations) -> tuple[int, int]:
-    """Coordinates of reduced-order bodies, each with a row of products; how many bodies."""
+    """Number of modal coordinates (each has products with inertia), and of reduced-order bodies."""
     sizes = equations.tables.floating.sizes
     return int(sizes.sum()), len(sizes)
 
 
 def assemblies_of_frames(equations: Equations) -> list[tuple[slice, BodyTerm]]:
-    """Those of bodies whose nodes are frames with inertia of their own."""
+    """Assemblies of bodies whose nodes are frames with inertia of their own."""
     known = equations.tables
     kinds = known.kinds[known.master]
     return [
@@ -141,7 +141,7 @@ def assemblies_of_frames(equations: Equations) -> list[tuple[slice, BodyTerm]]:
 
 
 def cells_of_rows(equations: Equations) -> RowCells:
-    """Cells of all terms on nodes that are no frames, measured at the start."""
+    """Cells of all terms on nodes with vector coordinates, with their initial metric."""
     kinds = equations.tables.kinds
     tables = [term.tables for term in equations.tables.terms if not term.load]
     parts = [both for both in tables if both is not None]
@@ -166,13 +166,16 @@ def cells_of_rows(equations: Equations) -> RowCells:
 
 
 def end_forces_of(equations: Equations) -> EndForces:
-    """Of terms that have secants."""
+    """Terms whose forces over a step are secants."""
     known = equations.tables
     return EndForces(known.terms, known.master, known.offset, equations.unknowns.moving)
 
 
 def incidences_of(equations: Equations, follows: bool) -> Incidences:
-    """Of all constraints, or none if the constraints in the matrix are left as they are."""
+    """Incidences of all constraints.
+
+    None if the constraint block of the frozen matrix is used as it is.
+    """
     border = equations.matrix.incidences
     nodes, rows = (border.nodes, border.rows) if follows else (border.nodes[:0], border.rows[:0])
     return Incidences(nodes, rows.astype(np.int64))
@@ -181,7 +184,7 @@ def incidences_of(equations: Equations, follows: bool) -> Incidences:
 def model_of(
     equations: Equations, cells: Cells, rows: RowCells, scheme: Scheme, incidences: Incidences
 ) -> Model:
-    """What a step sees of the scene."""
+    """Constant arrays of the scene for steps."""
     known, unknowns = equations.tables, equations.unknowns
     n, m = unknowns.moving, unknowns.m
     loads = Loads(*(array.copy() for array in known.loads))
@@ -230,7 +233,7 @@ def _without_inertia(equations: Equations) -> Array:
     E[rows[own]] = mass.blocks[: len(rows)][own, 1:, 1:]
     J = np.trace(E, axis1=1, axis2=2)[:, np.newaxis, np.newaxis] * np.eye(3) - E
     held = unknowns.held[:, 3:] | (unknowns.kinds >= POSITION_GRADIENT)[:, np.newaxis]
-    # what is held counts as heavy
+    # fixed rotations count as having inertia
     size = np.maximum(np.abs(J).max(axis=(1, 2)), 1.0 * ~J.any(axis=(1, 2)))
     J[:, np.arange(3), np.arange(3)] += size[:, np.newaxis] * held
     moments, axes = np.linalg.eigh(J)
@@ -240,7 +243,7 @@ def _without_inertia(equations: Equations) -> Array:
 
 
 def _of_frames(equations: Equations) -> Array:
-    """Weights of the unknowns of frames and of constraints between frames alone, else nil."""
+    """Norm weights of unknowns of frames and of constraints between frames only, else zero."""
     unknowns, vectors = equations.unknowns, equations.tables.kinds >= POSITION_GRADIENT
     incidences, touched = equations.matrix.incidences, np.zeros(unknowns.m, dtype=bool)
     touched[incidences.rows[vectors[incidences.nodes]]] = True
@@ -248,7 +251,10 @@ def _of_frames(equations: Equations) -> Array:
 
 
 def incidence_positions_of(incidences: Incidences, n: int, size: int) -> IncidencePositions:
-    """Of legs of ``n`` nodes: where they are too many for a dense matrix, none."""
+    """Positions of the incidences of ``n`` nodes in the dense inverse.
+
+    None if there are too many.
+    """
     nodes, at_node = np.unique(incidences.nodes, return_inverse=True)
     rows, at_row = np.unique(incidences.constraints, return_inverse=True)
     count = 6 * len(nodes) + len(rows)
@@ -263,7 +269,7 @@ def incidence_positions_of(incidences: Incidences, n: int, size: int) -> Inciden
 
 
 def pieces_of(terms: Iterable[Term]) -> Pieces:
-    """All pieces under pressure, with the present one."""
+    """All line segments under pressure, with the current pressure."""
     found = [term.pieces for term in terms if term.pieces is not None]
     return Pieces(
         np.concatenate([np.zeros((0, 2), dtype=np.int64), *(part.nodes for part in found)]),

@@ -1,4 +1,4 @@
-"""A run of a conserving scheme: its results and checkpoints; steps in :mod:`.steps`."""
+"""Run of a conserving scheme: results and checkpoints; the steps are in :mod:`.steps`."""
 
 from __future__ import annotations
 
@@ -30,18 +30,19 @@ from fem_lie.solve.recording.recorder import History
 _log = logging.getLogger(__name__)
 
 _AT_A_TIME = 20_000
-"""Steps times unknowns, some milliseconds, after which the loop comes back to be interrupted."""
+"""Steps times unknowns (some milliseconds) after which the loop returns, so that it can be
+interrupted."""
 _CANCELLED = 1e-13
-"""Of the largest energy of a run, errors of energies that are reported."""
+"""Relative error of energies, over the largest one of a run, above which a warning is logged."""
 
 
 class Run(Steps):
-    """One integration."""
+    """Run with constant steps."""
 
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> History:
-        """See the base class."""
+        """Create the history of results."""
         return History(self.equations.info, plan, progress, store)
 
     # --- steps ---
@@ -49,13 +50,13 @@ class Run(Steps):
     def _advance(self, history: History) -> bool:
         first = history.row
         made = self._reaches(history)
-        # steps of the compiled loop are seen by the rows that it has filled
+        # rows that the compiled loop has filled in show which steps it has made
         self._turning.note(self.this.step[self._framed, 3:])
         self._turning.note(self.h * history.velocities[first : history.row, self._framed_rows, 3:])
         return made
 
     def _reaches(self, history: History) -> bool:
-        """Whether the next step at which there is something to do is reached."""
+        """Advance to the next step with something to do; return whether it was reached."""
         if self._alone:
             return self._stretch(history)
         last = history.next_stop(self.index)
@@ -65,7 +66,7 @@ class Run(Steps):
 
     @property
     def _alone(self) -> bool:
-        """Whether the compiled loop makes and records the next steps without anything beside."""
+        """Whether the compiled loop can make and record the next steps by itself."""
         tables, s = self.equations.tables, self.s
         ruled = self.rule is not None and self._factors is not None
         known = len(s.weights) == 0 or s.sizes[-1] > 0.0
@@ -79,7 +80,10 @@ class Run(Steps):
         )
 
     def _stretch(self, history: History) -> bool:
-        """As many steps as can be made and recorded by the loop alone; whether one was made."""
+        """Make as many steps as the loop can make and record by itself.
+
+        Return whether one was made.
+        """
         assert self.rule is not None
         most = max(1, _AT_A_TIME // self.equations.unknowns.size)
         last, wanted = history.stretch(self.index, most)
@@ -117,7 +121,7 @@ class Run(Steps):
 
     @property
     def _table(self) -> Indices | None:
-        """Of the sum of all forces, if they are one."""
+        """Packed arrays of the sum of all forces, if they are one compiled sum."""
         return self._found.table if self.equations.tables.in_one_sum else None
 
     def _failure(self, steps: int) -> str:
@@ -149,24 +153,24 @@ class Run(Steps):
         return history.result(int(self.counts[0]), history.seconds, divided=self.division.divided)
 
     def _warn_of_cancellation(self) -> None:
-        """Say which laws lose the digits of small strains, where that is seen in the energy."""
+        """Warn of constitutive laws that lose the digits of small strains, if energies show it."""
         cancels, most = self.row_cells.cancels, float(self.s.filter_state[ENERGY])
         error = float(np.linalg.norm(cancels))
         if error > _CANCELLED * most:
             _log.warning(
-                "energies of %d cells are differences of larger numbers, and known to %.1e of %.1e "
-                "only: energy is conserved no better. Write the law with fem_lie.log1p, expm1 and "
+                "energies of %d cells are differences of larger numbers, wrong by %.1e of %.1e: "
+                "energy is conserved no better. Write the law with fem_lie.log1p, expm1 and "
                 "det_minus_one, which keep all digits of small strains",
                 *(np.count_nonzero(cancels), error, most),
             )
 
     def keep(self, history: History) -> None:
-        """Keep the present state."""
+        """Record the current state."""
         s, row, weights = self.s, history.row, self.s.weights
         if Record.FORCES in history.filled:
             weights = self._end_weights()
         if self._changing:
-            # drives are violated by what they are not at the end
+            # drives are violated by their difference from the target at the end
             self.equations.prescribed(self._end).act()
         motion = s.V, self.local(s.V[: self.moving], s.H)
         self._filled.by_both(history, s.H, motion, weights, s.balance)
@@ -181,9 +185,9 @@ class Run(Steps):
         )
 
     def _end_weights(self) -> Array:
-        """Multipliers at the end of the last step, see :mod:`.between.end_forces`.
+        """Multipliers at the end of the last step, see :mod:`.midpoint.end_forces`.
 
-        In the first two steps, and in those after an event, by the equations of motion.
+        In the first two steps, and after an event, they are those of the equations of motion.
         """
         equations, s, n = self.equations, self.s, self.moving
         if len(s.weights) == 0 or self.index == 0:
@@ -194,12 +198,12 @@ class Run(Steps):
         v[:n] = self.local(s.V[:n], s.H)
         solver = DirectSolver(equations.matrix, PREFIX)
         _, weights = accelerations(equations, solver, s.H, v, self._end, self.h)
-        # the kept factors are those of this matrix
+        # the frozen factors are those of this matrix
         equations.matrix.csr[0][:] = matrix
         return weights
 
     def _reactions(self, weights: Array) -> Array:
-        """Of supports, by the equations of motion at the end of the step."""
+        """Reactions of supports, from the equations of motion at the end of the step."""
         s, (end, v, rates) = self.s, np.empty((3, self.moving, 6))
         rates_at_end(s.rates, s.sizes, end)
         V = s.V[: self.moving]
@@ -209,7 +213,7 @@ class Run(Steps):
     # --- checkpoints ---
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
+        """Restore the state that :meth:`memory` returned."""
         super().restore(kept)
         self._set_size(self.size)
         if self._changing:
@@ -220,6 +224,6 @@ class Run(Steps):
         self._factors = self._frozen_factors(kept)
 
     def _frozen_factors(self, kept: Mapping[str, Array]) -> Factors | None:
-        """Those with which a restored run goes on, if there are any."""
+        """Factors with which a restarted run continues, if there are any."""
         stale = np.isinf(self.numbers[corrections.EXCESS])
         return None if stale else self._with_inverse(factorise(self.equations.matrix))

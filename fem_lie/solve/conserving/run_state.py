@@ -1,4 +1,4 @@
-"""State of a run of a conserving scheme: its start, its loads in time, its matrices."""
+"""State of a run of a conserving scheme: start of a step, loads in time, matrices."""
 
 from __future__ import annotations
 
@@ -56,15 +56,14 @@ PREFIX = "fem_lie_dynamics_"
 
 @dataclass(frozen=True)
 class Options:
-    """What a conserving scheme is told.
+    """Options of a conserving scheme.
 
     Attributes:
-        tolerance: See :class:`~fem_lie.solve.conserving.energy_momentum.EnergyMomentum`, likewise
-            ``policy`` and ``max_iterations``.
-        policy: When to factorise.
-        max_iterations: More in one step are a failure.
-        dissipation: χ of :mod:`fem_lie.solve.conserving.step.dissipation`.
-        filter_gain: μ.
+        tolerance: See :class:`~fem_lie.solve.conserving.energy_momentum.EnergyMomentum`.
+        policy: When to refactorise the iteration matrix.
+        max_iterations: Largest number of iterations of a step.
+        dissipation: Dissipation parameter χ, see :mod:`fem_lie.solve.conserving.step.dissipation`.
+        filter_gain: Filter gain μ.
     """
 
     tolerance: float
@@ -78,18 +77,19 @@ _ARRAYS = ("s", "counters", "numbers")
 """Arrays that a step changes."""
 
 _PARTS = ("cells", "_python_forces.joints")
-"""Objects whose state it changes, beside that of the equations."""
+"""Further objects whose state a step changes."""
 
 
 class RunState(DividedIntegration[History]):
-    """What steps start from, and what they are made with.
+    """State of a run of a conserving scheme.
 
     Attributes:
-        s: Between steps.
-        this: The present step.
-        size: Of the next step, or part of one.
-        unpredicted: Steps to come that begin from no motion.
-        follows: Whether solutions have the constraints of their step, whatever is in the matrix.
+        s: State between steps.
+        this: The current step.
+        size: Size of the next step or sub-step.
+        unpredicted: Number of steps to come that begin without a prediction.
+        follows: Whether solutions use the current constraint Jacobian, whatever the matrix
+            contains.
     """
 
     STATE = attributes(
@@ -108,13 +108,13 @@ class RunState(DividedIntegration[History]):
         step: float,
         shared: RunState | None = None,
     ) -> None:
-        """Allocate everything; nothing is computed yet.
+        """Allocate all arrays without computing anything.
 
         Args:
-            options: Of the scheme.
-            equations: Of the scene.
+            options: Options of the scheme.
+            equations: Equations of the scene.
             step: Step size.
-            shared: A run of the same equations whose state this one changes, too; default: none.
+            shared: A run of the same equations with which this one shares its state; default: none.
         """
         super().__init__(options.policy, equations, step)
         self.options, self.rule, self.size = options, options.policy.rule(), self.h
@@ -123,7 +123,7 @@ class RunState(DividedIntegration[History]):
         kinds = equations.tables.kinds
         self._kinds, self._vectors = kinds, np.flatnonzero(kinds >= POSITION_GRADIENT)
         of_all = kinds[equations.tables.master] < POSITION_GRADIENT
-        # to take all is no copy
+        # a full slice makes no copy
         self._framed = self._framed_rows = slice(None)
         if len(self._vectors):
             self._framed, self._framed_rows = (
@@ -150,7 +150,8 @@ class RunState(DividedIntegration[History]):
         self._python_forces: PythonForces = PythonForces(
             equations, self, self._end_forces, python_forces
         )
-        # what follows its surroundings is turned after each step, and what joints miss led back
+        # convected axes are rotated after each step, and constraint violations of joints are
+        # reduced
         known, turns = equations.tables, len(self._vectors) > 0
         turns &= known.drills or len(known.around[0]) > 0
         self._each = turns or self._python_forces.between or options.policy.secants > 0
@@ -161,8 +162,8 @@ class RunState(DividedIntegration[History]):
         self.numbers = np.zeros(corrections.NUMBERS)
         self.counts, self.unpredicted = np.zeros(2, dtype=np.int64), 0
         self._factors: Factors | None = None
-        self._kept = -1  # the last step of which the compiled loop has filled in a row
-        self._lost = False  # whether each iteration of the present step has a matrix
+        self._kept = -1  # last step whose row the compiled loop has filled in
+        self._lost = False  # whether each iteration of the current step refactorises
         self._filled = ResultRow(equations)
         self._r, still = np.empty(equations.unknowns.size), np.zeros((self.moving, 6))
         now = TimeState(*equations.start[:2], still, self.s.weights)
@@ -171,25 +172,25 @@ class RunState(DividedIntegration[History]):
 
     @property
     def _node_measure(self) -> Array:
-        """Of unknowns in lengths of the model, nil for multipliers, (6 n + m,)."""
+        """Norm weights of unknowns, in lengths of the model, zero for multipliers, (6 n + m,)."""
         measure = self.model.measure.copy()
         measure[6 * self.moving :] = 0.0
         return measure
 
     @property
     def frames(self) -> Array:
-        """See the base class."""
+        """Current frames of all rows."""
         return self.s.H
 
     @property
     def index(self) -> int:
-        """See the base class."""
+        """Number of steps made, including the current one."""
         return int(self.counters[corrections.STEPS])
 
     def local(self, V: Any, H: Array) -> Array:
-        """Velocities (n, 6) along the axes of nodes ``H`` from rates (n, 4, 3) of their rows.
+        """Velocities (n, 6) along the axes of nodes ``H`` from coordinate rates (n, 4, 3).
 
-        Of frames twists, of other nodes the rates of their coordinate vectors.
+        These are twists of frames, and rates of the coordinate vectors of other nodes.
         """
         out, unused, still = np.zeros((3, len(V), 6))
         turning = self.equations.tables.turning
@@ -198,12 +199,12 @@ class RunState(DividedIntegration[History]):
 
     @property
     def asks(self) -> bool:
-        """Whether there is something to do in Python before and after each step."""
+        """Whether Python has something to do before and after each step."""
         return self._each
 
     @property
     def joints(self) -> Joints | OtherConstraints | None:
-        """Those whose forces Python finds, if there are any."""
+        """Joints whose forces are evaluated in Python, if there are any."""
         return self._python_forces.joints
 
     def spatial(self, H: Array, v: Array, rates: Array) -> Array:
@@ -215,7 +216,10 @@ class RunState(DividedIntegration[History]):
     # --- start ---
 
     def start(self) -> None:
-        """Velocities, multipliers, energies and constraints at the start; scaling."""
+        """Compute initial velocities, multipliers, energies and constraints.
+
+        Scale the constraints.
+        """
         equations, s, n = self.equations, self.s, self.moving
         frames, v = equations.start[:2]
         check_velocities(equations, self.size)
@@ -234,7 +238,7 @@ class RunState(DividedIntegration[History]):
         self.numbers[corrections.EXCESS] = np.inf
 
     def _push_products(self, H: Array, V: Array) -> None:
-        """Set the rates of products, which come last in ``V`` (n + p, 4, 3), by those of rows."""
+        """Set the rates of products, which come last in ``V`` (n + p, 4, 3)."""
         n = self.moving
         if len(V) > n:
             found = np.empty((2, *V[n:].shape))
@@ -261,24 +265,24 @@ class RunState(DividedIntegration[History]):
         return arrays_of(self, _ARRAYS)
 
     def saved(self) -> dict[str, Array]:
-        """A copy of what a step changes."""
+        """A copy of the state that a step changes."""
         copies = {name: array.copy() for name, array in self._arrays.items()}
         return copies | saved(self, (*_PARTS, "equations.memory"))
 
     def take_back(self, state: Mapping[str, Array]) -> None:
-        """Be as when the state was :meth:`saved`."""
+        """Restore a :meth:`saved` state."""
         for name, array in self._arrays.items():
             array[...] = state[name]
         put_back(self, (*_PARTS, "equations.memory"), state)
 
     def _resize(self, h: float) -> None:
-        """Make the state that of the start of a step of another size, see :mod:`.variable`."""
+        """Set the state as the start of a step of another size, see :mod:`.variable`."""
         s, r = self.s, h / self.size
         s.w[:], s.w_F[:], s.carry[:] = r * s.w, r * s.w_F, s.carry / r
         s.cell_forces[1, :], s.within[:] = r * s.cell_forces[1], r * s.within
         s.filter_state[LENGTH] *= r * r
         self.numbers[corrections.MOTION] *= r
-        # round-off of a larger step is none of a smaller one
+        # round-off of a larger step is not that of a smaller one
         self.numbers[corrections.FLOOR] = 0.0
         self._set_size(h)
 
@@ -290,7 +294,7 @@ class RunState(DividedIntegration[History]):
     # --- loads ---
 
     def _set_time(self, start: float, end: float) -> None:
-        """Loads in the middle of the next step, prescribed motions at its end."""
+        """Set loads at the midpoint of the next step, and prescribed motions at its end."""
         equations, rows, n = self.equations, Span(*self.this.rows), self.moving
         self._set_loads(0.5 * (start + end))
         if equations.unknowns.driven:
@@ -302,12 +306,12 @@ class RunState(DividedIntegration[History]):
             rows.mean[n + 1 :], rows.delta[n + 1 :] = 0.5 * (before + after), after - before
 
     def _take_loads(self) -> None:
-        # the weight on products stays as it is
+        # the weight of products is constant
         for array, value in zip(self.model.loads, self.equations.tables.loads, strict=True):
             array[: self.moving] = value
 
     def _set_loads(self, time: float) -> None:
-        """Forces of the loads at ``time``; strains without stress do work when they change."""
+        """Forces of the loads at ``time``; initial strains do work when they change."""
         self.equations.prescribed(time).act()
         self._take_loads()
         self.model.pressure.across[:] = pieces_of(self.equations.tables.terms).across
@@ -321,7 +325,7 @@ class RunState(DividedIntegration[History]):
     # --- matrix ---
 
     def _factorise(self) -> None:
-        """New matrix for the present step."""
+        """Assemble and factorise the matrix of the current step."""
         if self._python_forces.learns is not None:
             self._python_forces.learns.forget()
         self._fill_here(self.model.scale)
@@ -332,22 +336,22 @@ class RunState(DividedIntegration[History]):
         self.numbers[corrections.EXCESS] = 0.0
 
     def _with_inverse(self, factors: Factors) -> Factors:
-        """The same, with what :mod:`.step.series` wants of the inverse."""
+        """The factors, with the columns of the inverse for :mod:`.step.series`."""
         ends = self.model.ends
         if len(ends.unknowns):
             set_inverse(factors.plain, ends, self.this.r)
         return factors
 
     def _fill_here(self, scale: Array | None) -> Array:
-        """The matrix, not yet factorised: in the middle of the step as it is, or at its start.
+        """Assemble the matrix at the midpoint of the current iterate, or at the start of the step.
 
-        An end that is only predicted has stresses that are not there.
+        A predicted end may have stresses that do not occur.
 
         Args:
-            scale: Of the constraints; without one they are taken where the step starts.
+            scale: Scale of the constraints; ``None``: choose one at the start of the step.
 
         Returns:
-            The scale of the constraints in it.
+            The scale of the constraints in the matrix.
         """
         s, this, n = self.s, self.this, self.moving
         if self.counters[corrections.ITERATION] > 1:
@@ -371,17 +375,18 @@ class RunState(DividedIntegration[History]):
         return self._fill(H, v, a, joints_at, forces_at, scale=scale)
 
     def _age(self) -> float:
-        """Steps to the middle of the matrix's likely life: as old as the last one became.
+        """Number of steps to the midpoint of the likely life of the matrix: that of the last one.
 
-        No correction beside the matrix makes up for joints that Python evaluates, and so far ahead
-        they are wrong: with these it is made for the present step.
+        No low-rank correction of the matrix accounts for joints that are evaluated in Python, and
+        extrapolating them this far is inaccurate: with such joints the matrix is that of the
+        current step.
         """
         if self._lost or self._python_forces.joints is not None:
             return 0.0
         return float((self.index - self.counts[1]) // 2)
 
     def _at_start(self) -> Array:
-        """Frames at the start of the step, other nodes in the middle of what is predicted of it."""
+        """Frames at the start of the step, other nodes at the midpoint of the predicted step."""
         s, along, own = self.s, Span(*self.this.rows), self._vectors
         if not len(own):
             return s.H
@@ -392,13 +397,13 @@ class RunState(DividedIntegration[History]):
         return H
 
     def _midpoint_frames(self, end: Array) -> Array:
-        """The nodes at the midpoint of the step: frames along screws, others along lines."""
+        """Nodes at the midpoint of the step: frames along screw motions, others along lines."""
         H = midpoint_frames(self.s.H, end, self.moving)
         H[self._vectors] = Span(*self.this.rows).middle[self._vectors]
         return H
 
     def _moved(self, H: Array, v: Array, steps: float) -> Array:
-        """Nodes so many steps later."""
+        """Nodes extrapolated by this number of steps."""
         n, ahead, own = self.moving, H.copy(), self._vectors
         ahead[:n] = lie.se3_retract(H[:n], steps * self.size * v)
         if len(own):
@@ -417,16 +422,16 @@ class RunState(DividedIntegration[History]):
         *,
         scale: Array | None,
     ) -> Array:
-        """The matrix at frames ``H``; returns the scale of its constraints.
+        """Assemble the matrix at frames ``H``; returns the scale of its constraints.
 
-        Constraints are to hold at the end of a step, ``joints_at``, by forces at its mean.
+        Constraints are evaluated at the end of a step, ``joints_at``; their forces act at its mean.
         """
         equations, n = self.equations, self.moving
         now = TimeState(H, np.zeros_like(equations.start.velocities), a, self.s.weights)
         now.v[:n] = v
         now.v[self._vectors] = 0.0
         equations.residual(now, self.model.scale, self._r, self._found)
-        # the first step conserves, see filtered
+        # the first step conserves, see filtered forces
         h, still = (
             (1.0 + self.options.dissipation * self.s.filter_state[REMEMBERS]) * self.size,
             np.zeros((n, 6)),
@@ -434,7 +439,7 @@ class RunState(DividedIntegration[History]):
         plan = Plan(still, scale, 4.0 / h**2, 2.0 / h, joints_at, forces_at)
         if self._python_forces.touching and self.counters[corrections.ITERATION] > 1:
             plan = plan._replace(ends=self._end_forces.ends)
-        # unknowns are along half-way axes, elements and constraints are felt at the end
+        # unknowns are along midpoint axes, elements and constraints are differentiated at the end
         lag = 0.5 * self.size * v[:, 3:]
         lag[self._vectors] = 0.0
         plan = plan._replace(stressed=H, choices=self.choices, lag=lag)

@@ -1,10 +1,10 @@
 """Steps of a run of a conserving scheme: one by one, and many in one compiled loop.
 
-A step begins with a prediction, and ends when nothing but round-off changes. Where that fails with
-the matrix that is kept, new ones are made until it converges fast: first from no motion at all, for
-what is predicted has the waves that the step does not resolve as large as their velocities say, far
-beyond what they are at its end; then from the prediction. Where that fails, too, the step is made
-in parts (:mod:`fem_lie.solve.division`), each of which conserves as a step does.
+A step begins with a prediction and ends at round-off. If it does not converge with the frozen
+matrix, it is repeated with new matrices until it converges fast: first without a prediction,
+because predicted unresolved oscillations are far larger than those at the end; then with the
+prediction. If this fails, too, the step is divided (:mod:`fem_lie.solve.division`); each sub-step
+conserves like a step.
 """
 
 from __future__ import annotations
@@ -30,22 +30,24 @@ from fem_lie.system.nodes.fixed_axes import wrenches
 from fem_lie.system.nodes.sums import residual
 
 PlainSupports: TypeAlias = tuple[Indices, Array, Flags, Indices, Array, Array]
-"""A :class:`Supports`, as compiled functions are quicker to call with."""
+"""Plain tuple of :class:`Supports`, with which compiled functions are called faster."""
 
 ROW, WANTED, NEAR = 0, 1, 2
-"""Of ``place``: next row of results, how many of the wanted ones there are, and whether an element
-turns nearly too far in the last one."""
+"""Indices into ``place``: next row of results, number of requested rows filled in, and whether an
+element is near its rotation limit in the last one."""
 
 
 class Supports(NamedTuple):
-    """What reactions of a state are made of.
+    """Arrays for the reactions of a state.
 
     Attributes:
-        table: For the sum of all forces, see :func:`fem_lie.system.nodes.sums.residual`.
-        turning: Of directors, see :func:`~fem_lie.lie.node_types.inertia.turning_of`.
+        table: Packed arrays of the sum of all forces, see
+            :func:`fem_lie.system.nodes.sums.residual`.
+        turning: Angular velocities per rate of the directors, see
+            :func:`~fem_lie.lie.node_types.inertia.turning_of`.
         held: Which unknowns are zero, (n, 6).
-        nodes: Those that are held from outside, (s,).
-        rows: Reactions of all rows, (rows, s, 6); no rows if nobody asks for them.
+        nodes: Supported nodes, (s,).
+        rows: Reactions in all rows of results, (rows, s, 6); no rows if they are not recorded.
         ones: Factors of the constraints, (m,).
     """
 
@@ -71,21 +73,21 @@ def run(
     place: Indices,
     last: int,
 ) -> int:
-    """Go on until step ``last`` as :func:`fem_lie.solve.conserving.step.loop.run`, which see.
+    """Advance to step ``last`` as :func:`fem_lie.solve.conserving.step.loop.run`, filling in rows.
 
     Args:
-        model: See there, and so on.
-        starts: See there. Multipliers of three steps are known.
-        steps: See there.
-        factors: See there.
-        options: See there.
-        counters: See there.
-        numbers: See there.
-        results: What of the scene is in rows, the rows, see
-            :mod:`~fem_lie.solve.recording.result_row`, and the steps that have one.
-        supports: Whose reactions are in rows, see :class:`Supports`.
-        place: Where the results are, see :data:`ROW`, (3,), updated.
-        last: Step to reach; the end of an earlier one is where an element turns too far.
+        model: As in that function.
+        starts: As in that function. Multipliers of three steps are known.
+        steps: As in that function.
+        factors: As in that function.
+        options: As in that function.
+        counters: As in that function.
+        numbers: As in that function.
+        results: Constant arrays of the scene and arrays of all rows, see
+            :mod:`~fem_lie.solve.recording.result_row`, and the numbers of the recorded steps.
+        supports: Supports whose reactions are recorded, see :class:`Supports`.
+        place: Position in the rows, see :data:`ROW`, (3,), updated.
+        last: Last step; the loop returns earlier if an element exceeds its rotation limit.
     """
     wanted = results[2]
     while counters[STEPS] < last:
@@ -114,7 +116,10 @@ def _fill(
     row: int,
     counters: Indices,
 ) -> bool:
-    """Fill in a row with the present state; returns whether an element turns nearly too far."""
+    """Fill in a row with the current state.
+
+    Returns whether an element is near its rotation limit.
+    """
     s, (scene, rows), (_, _, (h, _, _)) = state_of(starts), results, packed
     kinds = model_of(packed).kinds
     weights, n = s.weights, kinds.shape[0]
@@ -132,7 +137,7 @@ def _fill(
 def _fill_reactions(
     packed: PackedModel, starts: Indices, supports: PlainSupports, row: int
 ) -> None:
-    """Fill in the reactions of the present state, by the equations of motion there."""
+    """Fill in the reactions of the current state, from the equations of motion."""
     (table, turning, held, nodes, rows, ones), s = supports, state_of(starts)
     kinds, n = model_of(packed).kinds, s.rates.shape[1]
     rates, v, a = np.empty((n, 6)), np.empty((n, 6)), np.empty((n, 6))
@@ -148,40 +153,45 @@ def _fill_reactions(
 _log = logging.getLogger(__name__)
 
 _FALLBACK = 1, 40.0
-"""Patience, and the cost of a matrix in iterations, of a step that failed."""
+"""Patience, and cost of a matrix in iterations, for a step that failed."""
 _SLOW = 4
-"""Times as many iterations as else may be made with new matrices: they converge surely from no
-motion, and slowly where much energy is in waves that the step does not resolve."""
+"""Factor of the iteration limit with new matrices: without a prediction they converge reliably, but
+slowly if much energy is in oscillations that the step does not resolve."""
 _LONG, _SETTLED = 20, 1e-11
-"""Iterations without progress after which increments of this size, in lengths, are round-off."""
+"""Iterations without progress after which increments of this size, in lengths of the model, are
+round-off."""
 _UNPREDICTED = 8
-"""Steps that begin without a prediction after one that had no end with it."""
+"""Number of steps without a prediction after one that did not converge with it."""
 _LEARNT, _SPIRALS = 8, 10.0
-"""Corrections that one learns from where the matrix alone fails, and the most that they may grow
-by."""
+"""Number of secants if new matrices fail, and the largest ratio of successive corrections."""
 _SHARE = 0.4
-"""Of the cost of a matrix, what a step may go on for instead: the next steps gain by it, too."""
+"""Fraction of the cost of a matrix that a step may spend on further iterations instead: earlier
+steps share the gain."""
 
 
 class Steps(RunState):
-    """How steps are made.
+    """Steps of a run of a conserving scheme.
 
     Attributes:
-        endures: Whether a matrix is kept that makes a step slow, as long as another one costs more.
+        endures: Whether a matrix stays frozen even if a step is slow, as long as a new one costs
+            more.
     """
 
     endures = True
 
     @property
     def divides(self) -> bool:
-        """Whether a step that failed may be made in parts, by the policy.
+        """Whether the policy allows a failed step to be divided.
 
-        Unlike contradictions, surfaces that go through each other in it are no reason against.
+        Unlike contradictory constraints, surfaces that pass through each other do not prevent it.
         """
         return self._may_fall_back
 
     def _go_to(self, last: int, start: float, end: float) -> bool:
-        """Make all steps up to ``last``, the first from ``start`` to ``end``; whether they were."""
+        """Make all steps up to ``last``, the first from ``start`` to ``end``.
+
+        Return whether they converged.
+        """
         first, size = self.index, end - start
         while self.index < last:
             past = (self.index - first) * size
@@ -190,7 +200,10 @@ class Steps(RunState):
         return True
 
     def _next(self, last: int, start: float, end: float) -> bool:
-        """Make the next step or, where that takes no parts, some up to ``last``; whether it was."""
+        """Make the next step, or several up to ``last`` if none is divided.
+
+        Return whether it was made.
+        """
         first = self.index
         if not self.division.level:
             self._set_end(start, end + (last - first - 1) * (end - start))
@@ -202,18 +215,18 @@ class Steps(RunState):
         return self._cover()
 
     def attempt(self, start: float, end: float) -> bool:
-        """See :class:`~fem_lie.solve.division.Divisible`."""
+        """Make a step, see :class:`~fem_lie.solve.division.Divisible`."""
         self.counters[corrections.STEPS] = self.begun
         self._set_end(start, end)
         return self._goes(self.begun + 1) or self._fallback_converged()
 
     def resize(self, time: float, size: float) -> None:
-        """See :class:`~fem_lie.solve.division.Divisible`."""
+        """Start steps of another size, see :class:`~fem_lie.solve.division.Divisible`."""
         self._resize(self.part_size)
         self._forget_iteration()
 
     def _forget_iteration(self) -> None:
-        """Begin the next step anew, with a matrix of its own size."""
+        """Reset the iteration history, so that the next step refactorises for its own size."""
         self._factors, self.numbers[corrections.EXCESS] = None, np.inf
         self.counters[corrections.ITERATION] = self.counters[corrections.ASKED] = 0
 
@@ -223,7 +236,7 @@ class Steps(RunState):
             self._set_time(start, end)
 
     def _goes(self, last: int) -> bool:
-        """Whether steps up to ``last`` are made with the matrix that is kept."""
+        """Whether steps up to ``last`` converge with the frozen matrix."""
         rule = (1, 0.0) if self.rule is None else self.rule
         while self.unpredicted and self.index < last:
             if not self._make(rule, still=True):
@@ -232,22 +245,22 @@ class Steps(RunState):
         return self.index == last or self._go(last, rule) != loop.FAILED
 
     def _fallback_converged(self) -> bool:
-        """The step that failed, otherwise; whether it is made."""
+        """Repeat the failed step with the fallback methods; return whether it converged."""
         _log.info("step %d: the iteration matrix is too old, new matrices", self.index + 1)
         self.s.weights[:] = self.this.weights
         numbers = self.numbers
         stalled = self.counters[corrections.STALLS] >= _LONG and not len(self._vectors)
-        # cells of nodes that are no frames keep an old matrix from its end likewise
+        # cells on nodes with vector coordinates also prevent convergence with an old matrix
         if stalled and numbers[corrections.LEAST] <= _SETTLED:
             numbers[corrections.FLOOR] = numbers[corrections.LEAST]
-        # a step that surfaces go through does so again
+        # a step in which surfaces pass through each other would repeat it
         return not self.reason and self._again()
 
     def _again(self) -> bool:
-        """The step that failed from its start, with new matrices until it converges fast."""
+        """Repeat the failed step from its start, with new matrices until it converges fast."""
         if len(self._vectors) and self._make_learning():
             return True
-        # from no motion contacts are those of the start of the step
+        # without a prediction contacts are those at the start of the step
         predicted_first = self._python_forces.touching and not len(self._vectors)
         for still in (False, True) if predicted_first else (True, False):
             self.numbers[corrections.EXCESS] = np.inf
@@ -260,10 +273,10 @@ class Steps(RunState):
         return False
 
     def _make_learning(self) -> bool:
-        """The step with one new matrix, whose corrections learn from each other.
+        """Make the step with one new matrix and secants from earlier corrections.
 
-        What cells feel of the rotation of a step is not in the matrix: a few directions, in which
-        no matrix helps.
+        The matrix does not contain the effect of the rotation of a step on cells: a few directions,
+        in which no matrix helps.
         """
         kept = self._python_forces.learns
         self._python_forces.learn(Secants(_LEARNT, self._node_measure, growth=_SPIRALS))
@@ -277,13 +290,13 @@ class Steps(RunState):
         return made
 
     def _make(self, rule: tuple[int, float], *, still: bool, always: bool = False) -> bool:
-        """Make one step; whether it is.
+        """Make one step; return whether it converged.
 
         Args:
-            rule: When a matrix is made, see :meth:`~fem_lie.solve.motion.policies.Policy.rule`.
-            still: From no motion at all. What is predicted has waves that the step does not resolve
-                as large as their velocities say, far beyond what they are at its end.
-            always: Whatever else the policy says.
+            rule: Refactorisation rule, see :meth:`~fem_lie.solve.motion.policies.Policy.rule`.
+            still: Start without a prediction, in which unresolved oscillations are far larger than
+                at the end of the step.
+            always: Ignore the other options of the policy.
         """
         self.reason = ""
         self._begin()
@@ -292,7 +305,7 @@ class Steps(RunState):
         return self._go(self.index + 1, rule, always=always) != loop.FAILED
 
     def _begin(self) -> None:
-        """Predict the next step, before a matrix for it is made."""
+        """Predict the next step, before its matrix is assembled."""
         counters, numbers, packed = self.counters, self.numbers, self._packed
         counters[corrections.ITERATION], counters[corrections.ASKED] = 1, 0
         counters[corrections.STALLS] = counters[corrections.GROWTHS] = 0
@@ -311,7 +324,7 @@ class Steps(RunState):
     def _go_each(
         self, last: int, rule: tuple[int, float], limit: int, *, always: bool = False
     ) -> int:
-        """The same where there is something to do in Python before and after each step."""
+        """The same if Python has something to do before and after each step."""
         python_forces = self._python_forces
         while self.index < last:
             self.reason = ""
@@ -326,8 +339,8 @@ class Steps(RunState):
     def _meet(self, last: int, rule: tuple[int, float], limit: int, *, always: bool = False) -> int:
         """Make step ``last``, the next one, of a scene with contacts.
 
-        Contacts that do not act at its predicted end are not evaluated in it. If they do at the end
-        that is found, the step is made again with them.
+        Contacts that do not act at the predicted end are not evaluated in the step. If they act at
+        the computed end, the step is repeated with them.
         """
         python_forces, before = self._python_forces, self.saved()
         if self._end_forces.act_always:
@@ -348,7 +361,7 @@ class Steps(RunState):
         return code
 
     def _go_on(self) -> None:
-        """What is to be done after a step."""
+        """Tasks after a step."""
         s, python_forces, memory = self.s, self._python_forces, self.equations.memory
         memory.accept(s.H)
         if python_forces.joints is not None:
@@ -389,7 +402,7 @@ class Steps(RunState):
                 return loop.FAILED
 
     def _refactorised(self) -> bool:
-        """Make a new matrix; whether it has factors."""
+        """Factorise a new matrix; return whether it is regular."""
         try:
             self._factorise()
         except SingularMatrixError:
@@ -398,7 +411,7 @@ class Steps(RunState):
         return True
 
     def _restart_step(self) -> int:
-        """Make the present step by full Newton, for kept constraints would lead it astray."""
+        """Repeat the current step by full Newton: the frozen Jacobian would mislead it."""
         self.counters[corrections.ASKED], self._lost = 0, True
         rule = 1, 0.0
         if self._each:
@@ -410,6 +423,6 @@ class Steps(RunState):
         return code
 
     def _given(self, rule: tuple[int, float], limit: int) -> tuple[float, int, int, float, float]:
-        """What the loop is told."""
+        """Options for the loop."""
         spare = _SHARE * rule[1] if self.endures and np.isfinite(rule[1]) else 0.0
         return self.options.tolerance, limit, *rule, spare

@@ -1,10 +1,10 @@
-"""Conserving schemes with a step that changes.
+"""Conserving schemes with variable steps.
 
-Energy and momenta are numbers of the frames and velocities at one time, and each step conserves
-them, whatever its size and that of the step before. So nothing of the state may be touched where
-the size changes, but for what belongs to a size and not to the motion: the memory of changes
-(:mod:`.filtered`), which is of the order h, and the force that round-off has left over, whose
-impulse is what counts. When h becomes ``r h``::
+Energy and momenta are functions of frames and velocities at one time, and each step conserves them,
+whatever its size and that of the previous step. So a change of the size must not change the state,
+except for quantities that belong to the size and not to the motion: the filter state of order h
+(:mod:`.step.dissipation`), and the force left over by round-off, whose impulse is what counts. When
+h becomes ``r h``::
 
     w ← r w          carry ← carry / r
 """
@@ -38,19 +38,19 @@ from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
 
 _USUAL = 4
-"""Iterations of a step with a matrix that is young enough for an estimate of the error, too."""
+"""Usual iterations of a step with a matrix recent enough for the error estimate."""
 
 
 class ConservingSteps(Run):
-    """State of one integration with steps that change; see :class:`~.variable_steps.Stepper`."""
+    """Conserving scheme with variable steps; see :class:`~.variable_steps.Stepper`."""
 
-    follows = False  # matrices of all levels have their own constraints
+    follows = False  # the matrix of each step size has its own constraint Jacobian
     endures = (
-        False  # the estimate is solved for with the same matrix, and needs present constraints
+        False  # the error estimate uses the same matrix, and needs the current constraint Jacobian
     )
 
     def __init__(self, options: Options, equations: Equations, control: Control) -> None:
-        """Nothing is computed yet; ``control`` says on which level steps are."""
+        """Set up without computing anything; ``control`` holds the level of the step size."""
         super().__init__(options, equations, control.size)
         self.control = control
         self.levels = Levels[Factors](rigid=equations.unknowns.rigid)
@@ -64,23 +64,23 @@ class ConservingSteps(Run):
 
     @property
     def increment(self) -> float:
-        """See the protocol."""
+        """Size of the last increment of the iteration."""
         return float(self.numbers[corrections.INCREMENT])
 
     @property
     def factorisations(self) -> int:
-        """See the protocol."""
+        """Number of factorisations so far."""
         return int(self.counts[0])
 
     # --- the size of the step ---
 
     def begin(self, h: float) -> None:
-        """See the protocol."""
+        """Start at time 0 with steps of size ``h``."""
         self._set_size(h)
         self.start()
 
     def set_step(self, time: float, h: float) -> None:
-        """See the protocol."""
+        """Set the state at ``time`` as the start of a step of size ``h``."""
         s, r = self.s, h / self.size
         if abs(r - 1.0) > 1e-12:
             self._resize(h)
@@ -105,7 +105,7 @@ class ConservingSteps(Run):
         self.levels.keep(self._factors, self.model.scale)
 
     def pass_event(self, time: float) -> None:
-        """Forget changes of velocity; what is driven gets its new velocity by an impulse."""
+        """Reset the filter state; driven unknowns get their new velocity by an impulse."""
         s = self.s
         s.filter_state[REMEMBERS], s.filter_state[LENGTH], s.w[:], s.w_F[:], s.sizes[:] = (
             0.0,
@@ -121,7 +121,7 @@ class ConservingSteps(Run):
             self._restart_rates(time)
 
     def _restart_rates(self, time: float) -> None:
-        """Accelerations after a jump, for reactions."""
+        """Accelerations after a discontinuity, for reactions."""
         equations, s, n = self.equations, self.s, self.moving
         self._end, v = time, equations.start.velocities.copy()
         v[:n] = self.local(s.V[:n], s.H)
@@ -130,7 +130,10 @@ class ConservingSteps(Run):
         s.rates[:] = self.spatial(s.H, v, found)
 
     def _kick(self, time: float) -> None:
-        """Make velocities satisfy drives and motions after ``time``, whose work is counted."""
+        """Make velocities satisfy drives and motions after ``time``.
+
+        The work enters the balance.
+        """
         equations, s, n = self.equations, self.s, self.moving
         v, change = equations.start.velocities.copy(), np.empty_like(s.V)
         v[:n] = self.local(s.V[:n], s.H)
@@ -153,26 +156,26 @@ class ConservingSteps(Run):
         return np.array(inertia.invariants_of_rates(rows, s.V, *self.model.inertia, work))
 
     def calm(self, time: float, h: float) -> None:
-        """Nothing: waves have energy, which is conserved."""
+        """No effect: the energy of unresolved oscillations is conserved."""
 
     # --- steps ---
 
     @property
     def divides(self) -> bool:
-        """Not here: what chooses the size of steps chooses smaller ones."""
+        """Not supported: the step size control chooses smaller steps."""
         return False
 
     def step_to(self, start: float, end: float, index: int, lands: bool) -> int:
-        """See the protocol."""
+        """Make step ``index``; return its iterations, 0 if it failed."""
         done = self._go_to(self.index + 1, start, end)
         return int(self.counters[corrections.LAST]) if done else 0
 
     def saved(self) -> dict[str, Array]:
-        """See the protocol."""
+        """A copy of the state that a step changes."""
         return super().saved() | saved(self, ["unpredicted"])
 
     def take_back(self, state: Mapping[str, Array]) -> None:
-        """See the protocol; what was learned of iterations stays."""
+        """Restore a saved state; the iteration history stays."""
         counters, numbers = self.counters.copy(), self.numbers.copy()
         super().take_back(state)
         for counter in (corrections.STEPS, corrections.TOTAL):
@@ -183,12 +186,12 @@ class ConservingSteps(Run):
         self.unpredicted = int(state["unpredicted"])
 
     def follow(self, other: ConservingSteps, state: Mapping[str, Array]) -> None:
-        """See the protocol."""
+        """Take the state that another stepper has saved."""
         self.take_back(state)
         self._set_size(other.size)
 
     def estimate(self, before: Mapping[str, Array], start: float, end: float) -> StepError:
-        """See the protocol."""
+        """Error of the step that was made from the state ``before``."""
         s, h, V = self.s, self.size, before["s.V"]
         ends = End(before["s.H"], V, start + side(start, h)), End(s.H, s.V, end - side(end, h))
         r, y, x = self._solution
@@ -201,21 +204,21 @@ class ConservingSteps(Run):
     def recorder(
         self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None
     ) -> GrowingHistory:
-        """See the protocol."""
+        """Create the history of results."""
         return GrowingHistory(self.equations.info, plan, progress, store)
 
     def leave_balance(self) -> None:
-        """Nothing: what acts from outside is in the sums that a step is made of."""
+        """No effect: the energy balance is part of the sums of a step."""
 
     def _frozen_factors(self, kept: Mapping[str, Array]) -> None:
-        """None, for checkpoints have those of no size."""
+        """``None``: checkpoints contain no factors, because the step size varies."""
 
     def refactorise_at(self, time: float) -> None:
-        """See the protocol."""
+        """Drop all matrices and factorise that of the current state."""
         self.levels = Levels[Factors](rigid=self.levels.rigid)
         self._scales.clear()
         self._factors = None
 
     def record(self, recorder: GrowingHistory, index: int, iterations: int) -> None:
-        """See the protocol."""
+        """Record the current state in the next row."""
         self.keep(recorder)

@@ -1,1 +1,4 @@
-"""What lies between both ends of a step: of nodes that turn, and of cells as discrete gradients."""
+"""Kinematics and forces at the midpoint of a step.
+
+Cayley rotations, discrete gradients of cells.
+"""

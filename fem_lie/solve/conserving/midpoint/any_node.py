@@ -1,25 +1,23 @@
-"""Mean and increment over a step of nodes of any type and of frames along edges; compiled.
+"""Mean and increment over a step of nodes of any type, and of frames along edges; compiled.
 
-Frames turn by Cayley's map (:mod:`.cayley`); of other nodes the coordinates whose increments add
-move along a straight line. An increment of a node is six numbers along global axes: of a frame its
-translation and the vector of Cayley's map, of other nodes both coordinate vectors.
+Frames rotate by the Cayley map (:mod:`.cayley`); the coordinate vectors of other nodes move along
+straight lines. An increment of a node is six numbers along global axes: the translation and the
+vector of the Cayley map of a frame, or both coordinate vectors of another node.
 
-Frames along the edges of discrete rods over a step; compiled.
-
-Such a frame has the tangent of the edge ``e = x_j − x_i`` from its node i to another node j, and a
-single unknown, its rotation α about that. Elements see it turn with its edge, by the vector of
-Cayley's map::
+A frame along an edge of a discrete rod has the tangent of the edge ``e = x_j − x_i`` from its node
+i to another node j, and a single unknown, its rotation α about the tangent. In elements it rotates
+with its edge, by the vector of the Cayley map::
 
     ψ = e̅ × Δe/|e̅|² + α e̅/|e̅|
 
 A moment ``m`` on it is the couple ``∓ m × e̅/|e̅|²`` on both nodes and the torque ``m·e̅/|e̅|`` on
-α. These do the work ``m·ψ`` exactly and have, where there is no torque, the moment ``m``. The rigid
-rotation of a rod is one of all its frames. Where the edge is stretched, ψ turns one tangent into
-the other to third order: the frame at the end of the step is turned on to its edge by the smallest
-rotation, of which no energy depends, and rates of its directors with it.
+α. These do the work ``m·ψ`` exactly and have, if there is no torque, the moment ``m``. The rigid
+rotation of a rod rotates all its frames. If the edge is stretched, ψ maps one tangent to the other
+to third order: the frame at the end of the step is rotated onto its edge by the smallest rotation,
+on which no energy depends, together with the rates of its directors.
 
-The inertia of the frame is that of its rotation α about the tangent at the start of the step. What
-the tangent turns of its moment of momentum is left out of this inertia
+The inertia of the frame is that of its rotation α about the tangent at the start of the step. This
+inertia omits the change of its angular momentum with the direction of the tangent
 (:mod:`fem_lie.elements.rods.discrete_rod`).
 """
 
@@ -70,15 +68,15 @@ def _edge(rows: Array, i: int, j: int) -> Vector:
 def turn_edges(
     edges: Indices, start: Array, rows: tuple[Array, Array, Array, Array, Array], steps: Array
 ) -> None:
-    """Let frames turn with their edges.
+    """Rotate frames with their edges.
 
     Args:
         edges: Nodes with such frames and the other nodes of their edges, (k, 2).
         start: All nodes at the start of the step, (N, 4, 3).
-        rows: Increments, means, ends, nodes in the middle of the step, and increments with all
-            digits, (N, 4, 3) each, of which directors of such frames are overwritten.
-        steps: Translations and rotations, (N, 6), with the rotation of such a node about its
-            tangent alone, which is overwritten.
+        rows: Increments, means, ends, midpoint nodes, and increments with all digits, (N, 4, 3)
+            each, of which directors of such frames are overwritten.
+        steps: Translations and rotations, (N, 6); on entry the rotation of such a node is that
+            about its tangent only; overwritten.
     """
     delta, mean, end, middle, exact = rows
     for k in range(edges.shape[0]):
@@ -109,15 +107,15 @@ def pull_edges(
     on_all: Array,
     forces: Array,
 ) -> None:
-    """Replace moments on frames that turn with their edges, in the forces on the leaders.
+    """Distribute moments on frames along edges to the forces on the master nodes.
 
     Args:
-        edges: As of :func:`turn_edges`.
+        edges: As in :func:`turn_edges`.
         start: All nodes at the start of the step, (N, 4, 3).
         mean: Means of these.
-        masters: Who leads each of them, (N,), and means of these, (≥ n, 4, 3).
+        masters: Master node of each node, (N,), and means of the master nodes, (≥ n, 4, 3).
         on_all: Forces on all nodes, (N, 6).
-        forces: Sums of these on the leaders, (n, 6), updated.
+        forces: Sums of these on the master nodes, (n, 6), updated.
     """
     master, led = masters
     for k in range(edges.shape[0]):
@@ -135,7 +133,7 @@ def pull_edges(
 
 @uncounted
 def go_along_edge(rows: Array, i: int, j: int, out: Array) -> None:
-    """Axes of node ``i``, turned on to its edge by the smallest rotation, into ``out`` (4, 3)."""
+    """Axes of node ``i``, rotated onto its edge by the smallest rotation, into ``out`` (4, 3)."""
     for r in range(1, 4):
         store_row(out, r, load_row(rows[i], r))
     rotate_onto(out, _edge(rows, i, j))
@@ -143,14 +141,14 @@ def go_along_edge(rows: Array, i: int, j: int, out: Array) -> None:
 
 @inlined
 def turned_with(before: Array, after: Array, a: Vector) -> Vector:
-    """A vector along the axes of rows ``before``, along those of ``after``."""
+    """A vector with the components along axes ``after`` that it had along ``before``."""
     own = rotate_back(load_row(before, 1), load_row(before, 2), load_row(before, 3), a)
     return rotate(load_row(after, 1), load_row(after, 2), load_row(after, 3), own)
 
 
 @inlined_uncounted
 def as_rows(kind: int, coordinates: Array, out: Array) -> None:
-    """Both coordinate vectors (6,) of a node that is no frame as rows (4, 3); others are zero."""
+    """Both coordinate vectors (6,) of a node other than a frame as rows (4, 3); others are zero."""
     at = first_vector(kind)
     for k in range(4):
         store_row(out, k, (0.0, 0.0, 0.0))
@@ -160,7 +158,7 @@ def as_rows(kind: int, coordinates: Array, out: Array) -> None:
 
 @inlined_uncounted
 def rates_of(kind: int, H: Array, V: Array, out: Array) -> None:
-    """Rates (6,) of increments, from those of the rows, (4, 3)."""
+    """Rates (6,) of increments, from those of the nodal coordinates, (4, 3)."""
     if kind < POSITION_GRADIENT:
         store(out, 0, load_row(V, 0))
         store(out, 3, spin(H, V))
@@ -175,14 +173,14 @@ def rates_of(kind: int, H: Array, V: Array, out: Array) -> None:
 def span_all(
     kinds: Indices, H: Array, step: Array, rows: tuple[Array, Array, Array, Array]
 ) -> None:
-    """Increments, means, ends and mid-step configurations of all nodes that move.
+    """Increments, means, ends and midpoint configurations of all nodes that move.
 
     Args:
         kinds: Types of the nodes, (n,).
-        H: Rows at the start, (≥ n, 4, 3).
+        H: Nodes at the start, (≥ n, 4, 3).
         step: Increments, (n, 6).
-        rows: Increments of rows, means, ends, and nodes in the middle of the step, whose axes those
-            of the unknowns are, (≥ n, 4, 3) each, overwritten.
+        rows: Increments, means, ends, and midpoint nodes, whose axes are those of the unknowns, (≥
+            n, 4, 3) each, overwritten.
     """
     delta, mean, end, middle = rows
     H, step, delta, mean = as_frames(H), as_sixes(step), as_frames(delta), as_frames(mean)
@@ -211,7 +209,7 @@ def span_from_python(
 
 @compiled
 def keep_axes(kinds: Indices, end: Array, H: Array) -> None:
-    """Give rows ``H`` the axes of ``end``, (≥ n, 4, 3), where those of a node follow its slope."""
+    """Give nodes ``H`` (≥ n, 4, 3) the axes of ``end``, if these follow a position gradient."""
     for i in range(kinds.shape[0]):
         if kinds[i] == POSITION_GRADIENT:
             store_row(H[i], 2, load_row(end[i], 2))
@@ -231,12 +229,13 @@ def twists(
 
     Args:
         kinds: Types of the nodes, (n,).
-        turning: Of directors, see :func:`~fem_lie.lie.node_types.inertia.turning_of`.
-        H: Rows of the nodes.
-        V: Rates of all rows, (n, 4, 3).
-        rates: Of the rates of increments, (n, 6).
-        v: Overwritten.
-        a: Overwritten.
+        turning: Angular velocities per rate of the directors, see
+            :func:`~fem_lie.lie.node_types.inertia.turning_of`.
+        H: Nodes.
+        V: Rates of all nodal coordinates, (n, 4, 3).
+        rates: Accelerations of increments, (n, 6).
+        v: Velocities, overwritten.
+        a: Their rates, overwritten.
     """
     own = np.empty(6)
     inertia.local_twists(H, V, turning, v)

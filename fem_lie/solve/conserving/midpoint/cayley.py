@@ -1,20 +1,18 @@
-"""Mean configuration, increments and rotations between the two levels of a step; compiled.
+"""Mean configuration, increments and rotations over a step, by the Cayley map; compiled.
 
-A node turns by the spatial vector ψ with the Cayley map, ``R₁ = cay(ψ) R``. Its directors' mean and
-increment are then, exactly,
+A node rotates by the spatial vector ψ with the Cayley map, ``R₁ = cay(ψ) R``. Mean and increment of
+its directors are then, exactly::
 
     d̄ = (I − ½ψ̂)⁻¹ d = (d + ½ ψ×d + ¼ ψ (ψ·d)) / (1 + ¼|ψ|²),        d₁ − d = ψ × d̄,
 
-so that a moment ``Σ d̄_k × f_k`` does the work ``Σ f_k · (d₁_k − d_k)`` on ψ without any error, and
-directors stay orthonormal. (Betsch & Leyendecker, IJNME 67 (2006) 499; Romero & Armero, IJNME 54
-(2002) 1683.) Increments are never differences of configurations: they have all their digits,
-however small the step, and the configuration is their compensated sum.
+so that a moment ``Σ d̄_k × f_k`` does exactly the work ``Σ f_k · (d₁_k − d_k)`` on ψ, and directors
+stay orthonormal. (Betsch & Leyendecker, IJNME 67 (2006) 499; Romero & Armero, IJNME 54 (2002)
+1683.) Increments are never differences of configurations: they have all their digits, however small
+the step, and the configuration is their compensated sum.
 
-How far nodes turn in a step of a conserving scheme, and how much too slowly.
-
-A node that turns at a constant rate ``ω`` is turned by the Cayley map of ``h ω`` in a step, by the
-angle ``2 atan(h ω/2)`` instead of ``h ω``: ``(h ω)²/12`` of it is missing. Energy and momenta do
-not show it, for they are those of ``ω``.
+Rotation error: a node that rotates at a constant rate ``ω`` is rotated in a step by the Cayley map
+of ``h ω``, by the angle ``2 atan(h ω/2)`` instead of ``h ω``, which is too small by a fraction
+``(h ω)²/12``. Energy and momenta do not show this, because they are those of ``ω``.
 """
 
 from __future__ import annotations
@@ -43,7 +41,7 @@ from fem_lie.lie.tuples import (
 
 
 def midpoint_frames(H: Array, end: Array, count: int) -> Array:
-    """Frames half-way to the end along screws: the means of what turns as a whole are strained."""
+    """Frames at the midpoint along screw motions: means of rotating frames would be strained."""
     middle = end.copy()
     step = lie.se3_relative(H[:count], end[:count])
     middle[:count] = lie.se3_retract(H[:count], 0.5 * step)
@@ -60,7 +58,7 @@ def mean_of(ψ: Vector, d: Vector) -> Vector:
 
 @inlined
 def half(ψ: Vector) -> Vector:
-    """The vector of the half-way rotation: ``cay(half ψ)² = cay(ψ)``."""
+    """The vector of the half rotation: ``cay(half ψ)² = cay(ψ)``."""
     return scaled(1.0 / (1.0 + sqrt(1.0 + 0.25 * dot(ψ, ψ))), ψ)
 
 
@@ -72,13 +70,13 @@ def turned(ψ: Vector, d: Vector) -> Vector:
 
 @inlined
 def left_moment(moment: Vector, f: Vector, u: Vector) -> Vector:
-    """About the mean place of a node that moves by ``u``, of force and moment where it starts."""
+    """Moment about the mean position of a node that moves by ``u``, from ``moment`` and ``f``."""
     return minus(moment, cross(scaled(0.5, u), f))
 
 
 @compiled
 def span(H: Array, step: Array, delta: Array, mean: Array, end: Array, middle: Array) -> None:
-    """Increments, means, ends and half-way frames of all nodes that move.
+    """Increments, means, ends and midpoint frames of all nodes that move.
 
     Args:
         H: Frames at the start, (n, 4, 3).
@@ -86,7 +84,7 @@ def span(H: Array, step: Array, delta: Array, mean: Array, end: Array, middle: A
         delta: Increments of (x, d₁, d₂, d₃), (n, 4, 3), overwritten like the following.
         mean: Means.
         end: Frames at the end.
-        middle: Mean positions with the half-way rotations.
+        middle: Mean positions with the half rotations.
     """
     H, step, delta, mean = as_frames(H), as_sixes(step), as_frames(delta), as_frames(mean)
     end, middle = as_frames(end), as_frames(middle)
@@ -116,9 +114,9 @@ def span_one(H: Array, step: Array, delta: Array, mean: Array, end: Array, middl
 
 @compiled
 def follow(A: Array, master: Indices, offset: Array, out: Array) -> None:
-    """Rows (x, d₁, d₂, d₃) of all nodes from those of their leaders: linear, so for increments too.
+    """Coordinates (x, d₁, d₂, d₃) of all nodes from those of their masters, or increments.
 
-    Shapes (≥ n, 4, 3), (N,), (N, 4, 3), (N, 4, 3); for increments the same.
+    The map is linear. Shapes (≥ n, 4, 3), (N,), (N, 4, 3), (N, 4, 3).
     """
     for i in range(master.shape[0]):
         L, C = A[master[i]], offset[i]
@@ -130,14 +128,17 @@ def follow(A: Array, master: Indices, offset: Array, out: Array) -> None:
 
 @compiled
 def advance(q: Array, rest: Array, delta: Array) -> None:
-    """``q += delta`` with the digits that do not fit into ``q`` kept in ``rest``; (n, 4, 3)."""
+    """``q += delta``, compensated: digits beyond double precision are kept in ``rest``.
+
+    (n, 4, 3).
+    """
     q, rest, delta = as_frames(q), as_frames(rest), as_frames(delta)
     for i in range(delta.shape[0]):
         for k in range(4):
             for j in range(3):
                 term = delta[i, k, j] + rest[i, k, j]
                 total = q[i, k, j] + term
-                # |q| may be smaller than the term: Knuth's sum, not Dekker's
+                # |q| may be smaller than the term: Knuth's summation, not Dekker's
                 part = total - q[i, k, j]
                 rest[i, k, j] = (q[i, k, j] - (total - part)) + (term - part)
                 q[i, k, j] = total
@@ -145,7 +146,7 @@ def advance(q: Array, rest: Array, delta: Array) -> None:
 
 @inlined
 def spin(H: Array, V: Array) -> Vector:
-    """Angular velocity of rates of a frame."""
+    """Angular velocity of a frame from its rates."""
     twice = (0.0, 0.0, 0.0)
     for k in range(1, 4):
         twice = plus(twice, cross(load_row(H, k), load_row(V, k)))
@@ -155,27 +156,27 @@ def spin(H: Array, V: Array) -> Vector:
 _log = logging.getLogger(__name__)
 
 _FAR = radians(10.0)
-"""Rotation in a step from which on it is reported."""
+"""Rotation in a step above which a warning is logged."""
 
 
 class Turning:
-    """The largest rotation in a step of a run."""
+    """Largest rotation in a step of a run."""
 
     def __init__(self) -> None:
-        """Nothing has turned yet."""
+        """Start with no rotation."""
         self._largest = 0.0
 
     def note(self, rotations: Array) -> None:
         """Take rotation vectors of nodes in a step, or ``h ω``, into account.
 
         Args:
-            rotations: Shape (…, 3), rad.
+            rotations: Rotation vectors, shape (…, 3), rad.
         """
         squares = np.einsum("...i,...i->...", rotations, rotations)
         self._largest = max(self._largest, float(squares.max(initial=0.0)) ** 0.5)
 
     def report(self) -> None:
-        """Log a warning if nodes turn far in a step."""
+        """Log a warning if nodes rotate far in a step."""
         if self._largest <= _FAR:
             return
         missing = 1.0 - 2.0 * atan(0.5 * self._largest) / self._largest

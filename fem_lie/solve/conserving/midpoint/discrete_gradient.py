@@ -1,35 +1,37 @@
-"""Elastic forces of a step that do exactly the work by which the stored energy changes.
+"""Elastic forces of a step whose work is exactly the change of the stored energy.
 
-For *any* element with an objective energy ``W``, known by its energy and its nodal forces at both
-ends of the step alone. Nodal forces and moments conjugate to ``(Δx, ψ)`` are, for one element::
+They apply to *any* element with an objective energy ``W``, and need only its energy and nodal
+forces at both ends of the step. Nodal forces and moments conjugate to ``(Δx, ψ)`` are, for one
+element::
 
     f = P [ C ½ (Q f₀ + Qᵀ f₁) ] + (ΔW − f·s)/|s|² M s
 
-1. *Mean.* The element's rigid part of the step, translation and rotation ω, is fitted to its nodes
-   in a metric ``M`` (1 on translations, a length squared on rotations). ``Q = cay(ω)^½`` turns the
-   forces of both ends half-way. Means of positions and directors that turn are shrunk by ``C = ½(Q
-   + Qᵀ)``, and what is left of an increment beside a rotation of the mean is ``C⁻¹`` times the
-   deformation; so forces are shrunk (moments, whose ψ has ``C⁻¹`` and ``1 + ¼|ω|²``, get both), and
-   the work of the mean is exact to third order in the *deformation* of the step, whatever its
-   rotation. Else it had an error of second order, as large as ``|ω|²/4`` of the whole.
-2. *Balance.* ``P`` takes out what net force and moment the mean has: ``M`` times a rigid motion, so
-   the sum of forces, and of moments about the mean configuration, is zero to round-off.
-3. *Energy.* ``s`` is the step without its rigid part: ``M s`` has no net force and no net moment,
+1. *Mean.* The rigid part of the element's increment, translation and rotation ω, is fitted to its
+   nodes in a metric ``M`` (1 on translations, a length squared on rotations). ``Q = cay(ω)^½``
+   rotates the forces of both ends to the midpoint. Means of rotating positions and directors are
+   shrunk by ``C = ½(Q + Qᵀ)``, and the deviation of an increment from a rotation of the mean is
+   ``C⁻¹`` times the deformation. So forces are shrunk, too (moments, whose ψ has ``C⁻¹`` and
+   ``1 + ¼|ω|²``, get both factors), and the work of the mean is exact to third order in the
+   *deformation* of the step, whatever its rotation. Otherwise the error would be of second order,
+   as large as ``|ω|²/4`` of the whole.
+2. *Balance.* ``P`` removes the resultant and the moment of the mean: ``M`` times a rigid motion, so
+   that the sum of forces, and of moments about the mean configuration, is zero to round-off.
+3. *Energy.* ``s`` is the increment without its rigid part: ``M s`` has no resultant and no moment,
    and the factor, Gonzalez' discrete gradient (J. Nonlinear Sci. 6 (1996) 449) in the quotient by
-   rigid motions, makes the work ``ΔW``. It is of third order, zero for quadratic energies of
-   strains without rotation in the element, and regular where ``s`` vanishes.
+   rigid motions, makes the work equal to ``ΔW``. It is of third order, zero for quadratic energies
+   of strains without rotation in the element, and regular where ``s`` vanishes.
 
 So linear and angular momentum and energy are exact for every element. For strains quadratic in the
-nodes' coordinates, the mean is that of Simo, Tarnow & Doblaré (IJNME 38 (1995) 1431), stress from
-both ends, lever from the mean configuration, to third order.
+nodal coordinates, the mean is that of Simo, Tarnow & Doblaré (IJNME 38 (1995) 1431), stress from
+both ends, moment arm from the mean configuration, to third order.
 
-``W`` itself has round-off: the ulp of positions times the force; and of the scene's energy no less
-can be told than the element's part of an ulp. Below that the factor would be noise, and the
-iteration would not settle. So it acts on what is beyond, and each element has an account of the
-work that was done on it: when energy and account differ by more than round-off at the start of a
-step, the step makes that up. Nothing adds up. Where an element deforms much less in a step than
-others do, or by less than positions can show, its part of round-off waits for a step in which it
-deforms more: divided by a small ``s``, whose sign is open, it would be no function of the motion.
+``W`` itself has round-off: the ulp of positions times the force, and the element's share of the ulp
+of the scene's energy. A factor below this level would be round-off, and the iteration would not
+converge. So the factor corrects only the excess, and each element has an account of the work done
+on it: if energy and account differ by more than round-off at the start of a step, the step corrects
+this. Errors do not accumulate. If an element deforms much less in a step than others do, or less
+than positions can resolve, its round-off is corrected in a later step with more deformation:
+divided by a small ``s`` of undetermined sign, the factor would not be a function of the motion.
 """
 
 from __future__ import annotations
@@ -55,16 +57,16 @@ from fem_lie.solve.conserving.midpoint.mean_forces import (
 ROUND_OFF = 16 * float(np.finfo(np.float64).eps)
 """Relative error of positions and energies."""
 KNOWN = 16.0
-"""Errors of energies from which the energy of a single step counts as known."""
+"""Factor on round-off above which the energy change of a single step counts as known."""
 
 
 class Energies(NamedTuple):
-    """Of all elements, each of shape (M,).
+    """Energies of all elements, each of shape (M,).
 
     Attributes:
-        start: Stored at the start of the step.
-        end: At its end.
-        account: Work done on them up to its start.
+        start: Stored energy at the start of the step.
+        end: Stored energy at its end.
+        account: Work done on the elements up to its start.
     """
 
     start: Array
@@ -73,12 +75,12 @@ class Energies(NamedTuple):
 
 
 class Filtered(NamedTuple):
-    """Forces ``F₁ − F₀`` of all elements and those of a memory, balanced as elastic forces are.
+    """Force changes ``F₁ − F₀`` of all elements and their filter state, both balanced.
 
     Attributes:
-        wanted: Whether there are such.
-        memory: Forces in the frames of the nodes, (places, 6).
-        out: Both, forces and moments on all nodes, global components, (≥ 2, N, 6), overwritten.
+        wanted: Whether these forces are computed.
+        memory: Filter state: forces in the frames of the nodes, (places, 6).
+        out: Both, as forces and moments on all nodes, global components, (≥ 2, N, 6), overwritten.
     """
 
     wanted: bool
@@ -97,13 +99,13 @@ def _work(f: Array, s: Array) -> float:
 
 @inlined
 def beyond(value: float, bound: float) -> float:
-    """What ``value`` exceeds ``±bound`` by."""
+    """The part of ``value`` outside of ``±bound``."""
     return value - bound if value > bound else value + bound if value < -bound else 0.0
 
 
 @inlined
 def factor_of(missing: float, round_off_level: float, square: float, least: float) -> float:
-    """``missing/|s|²``, bounded where ``|s|²`` is below ``least`` and what is missing is noise."""
+    """``missing/|s|²``, bounded where ``|s|²`` is below ``least`` and ``missing`` is round-off."""
     if missing == 0.0 or square == 0.0:
         return 0.0
     share = round_off_level / (abs(missing) + round_off_level)
@@ -112,7 +114,7 @@ def factor_of(missing: float, round_off_level: float, square: float, least: floa
 
 @inlined
 def round_off(F: Array, reach: float) -> float:
-    """Error of an energy that forces ``F`` (k, 6) in the frames of an element let one expect."""
+    """Expected round-off of the energy of an element with forces ``F`` (k, 6)."""
     size = 0.0
     for a in range(F.shape[0]):
         size += reach * max(abs(F[a, 0]), abs(F[a, 1]), abs(F[a, 2]))
@@ -135,17 +137,18 @@ def add_elastic(
 
     Args:
         cells: All cells.
-        ends: Of the step.
-        path: Between them.
-        energies: Of the cells.
-        work: Done on each element in this step, shape (M,), overwritten.
-        factors: Of ``M s`` in forces beside, whose work is on no account; ``|s|²`` of an element on
-            the average, before; and what of its energy cannot be seen in that of the scene.
-        filtered: What is balanced beside.
+        ends: Nodes and forces at both ends of the step.
+        path: Means and increments.
+        energies: Energies of the cells.
+        work: Work done on each element in this step, shape (M,), overwritten.
+        factors: Factor of ``M s`` in further forces, whose work is not accounted for; mean ``|s|²``
+            of an element in the previous iteration; and the energy of an element that the round-off
+            of the scene's energy hides.
+        filtered: Further forces that are balanced.
         out: Forces and moments on all nodes, global components, (N, 6), updated.
 
     Returns:
-        The sum of ``|s|²``, and the works of what is balanced beside.
+        The sum of ``|s|²``, and the works of the further forces.
     """
     unknowns, first, nodes = cells.unknowns, cells.first, cells.nodes
     H0, H1 = as_frames(ends.H0), as_frames(ends.H1)
@@ -175,7 +178,8 @@ def add_elastic(
         round_off_level, debt = round_off(own.F0, sqrt(fit.ρ2)) + unknown, W[e] - account[e]
         missing = beyond(W1[e] - W[e] - done, KNOWN * round_off_level)
         missing += debt if abs(debt) > round_off_level else 0.0
-        # below the second a factor of noise would be as large as a stiffness by present forces
+        # below the second bound a round-off factor would be as large as a stiffness by current
+        # forces
         least = max(0.01 * typical, ROUND_OFF * fit.ρ2)
         factor = factor_of(missing, KNOWN * round_off_level, square, least)
         work[e] = done + factor * square

@@ -1,10 +1,11 @@
-"""Forces over a step: of constraints at its ends, and of terms that Python is asked for.
+"""Multipliers at ends of steps, and secant forces of terms over a step, such as contacts.
 
-A multiplier λ of a conserving step is the force over that step: of second order in its middle, but
-for a part that changes its sign from step to step. Velocities that satisfy the constraints of each
-mean ``q̄`` miss those at the ends of steps by ``c h²`` once in two steps; the joint takes that
-difference back and forth, with the force ``±2 c h``. So the force at the end of a step, a straight
-line through three of its past values and what alternates with an impulse of constant size, is::
+A multiplier λ of a conserving step is the force over that step: of second order at its midpoint,
+except for a part that changes its sign from step to step. Velocities that satisfy the constraints
+of each mean ``q̄`` violate those at the ends of steps by ``c h²`` once in two steps; the joint
+reverses this difference in each step, with the force ``±2 c h``. So the force at the end of a step
+is extrapolated linearly from three past values, such that an alternating part with an impulse of
+constant size cancels::
 
     λ(t₁) = Σ wₖ λₖ,      Σ wₖ = 1,   Σ wₖ (t₁ − tₖ) = 0,   Σ wₖ (−1)ᵏ/hₖ = 0,
 
@@ -31,9 +32,9 @@ def at_end(last: Array, earlier: Array, sizes: Array) -> Array:
     """Multipliers at the end of the last step, shape (m,).
 
     Args:
-        last: Those over the last step.
-        earlier: Those over the two before, the later one first, (2, m).
-        sizes: Of these three steps, the last one first, (3,).
+        last: Multipliers over the last step.
+        earlier: Those over the two steps before, the later one first, (2, m).
+        sizes: Sizes of these three steps, the last one first, (3,).
     """
     h1, h2, h3 = sizes[0], sizes[1], sizes[2]
     after = 0.5 * h1, h1 + 0.5 * h2, h1 + h2 + 0.5 * h3
@@ -49,14 +50,13 @@ def at_end(last: Array, earlier: Array, sizes: Array) -> Array:
 def rates_at_end(rates: Array, sizes: Array, out: Array) -> None:
     """Accelerations of increments (n, 6) at the end of the last step.
 
-    Mean accelerations of a step are those of its middle; the end is half a step further, along the
-    line through the last two of them: of second order.
+    Mean accelerations of a step are those at its midpoint. They are extrapolated linearly by half a
+    step from the last two of them: second order.
 
     Args:
-        rates: Means over the last step and the one before, or at the instant where it began,
-            (2, n, 6).
-        sizes: Of these steps; nil at an instant.
-        out: Overwritten.
+        rates: Means over the last step and the one before, or at its initial time, (2, n, 6).
+        sizes: Sizes of these steps; zero for a single time.
+        out: Accelerations, overwritten.
     """
     whole = sizes[0] + sizes[1]
     share = sizes[0] / whole if whole > 0.0 else 0.0
@@ -66,39 +66,40 @@ def rates_at_end(rates: Array, sizes: Array, out: Array) -> None:
 
 
 ON_GROUND, LOSS = 0, 1
-"""Rows of pushes after those of the nodes: on ground, and what was lost, in its first number."""
+"""Rows of end forces after those of the nodes: on the ground, and dissipated energy (first
+number)."""
 BESIDE = 2
-"""How many these are."""
+"""Number of these rows."""
 
 _MOST = 0.5
-"""Part by which forces may be changed to do the work that is wanted of them."""
+"""Largest fraction by which forces may be changed to correct their work."""
 _DIGITS = 1e-11
-"""Part of what is stored that is round-off, which may wait likewise."""
+"""Fraction of the stored energy that is round-off, whose correction may be deferred."""
 _LITTLE = 1e-2
-"""Part of what is stored: forces that do less work take back less of what earlier steps left."""
+"""Fraction of the stored energy: forces that do less work correct less of the earlier error."""
 
 
 class EndForces(Stateful):
-    """The forces of terms that have secants, such as contacts, on the nodes that lead.
+    """Forces on the master nodes of terms with secant forces, such as contacts.
 
     Attributes:
-        energy: That terms which push have stored at the end of the last step.
-        ahead: At the end of the step that is looked at.
-        held: As energy, of steady terms.
-        debt: By how much more was stored than the work on what pushes.
-        ends: Of that step, of all nodes.
+        energy: Energy stored by active terms at the end of the last step.
+        ahead: The same at the current end of the step.
+        held: Energy stored by steady terms.
+        debt: Excess of the stored energy over the work on these terms.
+        ends: All nodes at both ends of the step.
     """
 
     STATE = attributes("energy", "debt", "held")
 
     def __init__(self, terms: Sequence[Term], master: Indices, offset: Array, moving: int) -> None:
-        """Choose the terms.
+        """Select the terms.
 
         Args:
-            terms: All that add forces.
-            master: Of each node, (N,).
-            offset: Frame of each in that of its leader, (N, 4, 3).
-            moving: Nodes that lead.
+            terms: All terms with forces.
+            master: Master node of each node, (N,).
+            offset: Frame of each node in the frame of its master, (N, 4, 3).
+            moving: Number of master nodes that move.
         """
         self._terms = [term for term in terms if term.over_step is not None]
         self._master, self._offset = master, offset
@@ -112,30 +113,31 @@ class EndForces(Stateful):
         self.ends = Ends(*np.zeros((4, total, 4, 3)))
 
     def __bool__(self) -> bool:
-        """Whether there are any."""
+        """Whether there are any such terms."""
         return bool(self._terms)
 
     @property
     def act_always(self) -> bool:
-        """Whether some act in all steps."""
+        """Whether some of them act in all steps."""
         return bool(self._steady)
 
     def overlap(self, H: Array) -> bool:
-        """Whether anything pushes at frames ``H``."""
+        """Whether any of them acts at frames ``H``."""
         return any(forces.overlaps(H) for _, forces in (*self._acting, *self._steady))
 
     def at_rest(self, H: Array) -> None:
-        """Find the stored energy at frames ``H``."""
+        """Compute the stored energy at frames ``H``."""
         self.energy = sum(term.energy(H) for term, _ in self._acting)
         self.held = sum(term.energy(H) for term, _ in self._steady)
 
     def set(self, ends: Ends, leak: float, out: Array) -> None:
-        """Forces over a step, into ``out``; on nodes that are no frames along increments.
+        """Forces over a step, into ``out``; along increments on nodes other than frames.
 
         Args:
-            ends: Of the nodes that lead, (≥ n, 4, 3) each.
-            leak: Energy that round-off has brought in, which they take back with the debt.
-            out: Forces and moments on these, on ground, and the energy that is lost, (n + 2, 6).
+            ends: Master nodes over the step, (≥ n, 4, 3) each.
+            leak: Energy added by round-off, which these forces remove together with the debt.
+            out: Forces and moments on the nodes and on the ground, and the dissipated energy, (n +
+                2, 6).
         """
         for given, own in zip(ends, self.ends, strict=True):
             if self._trivial:
@@ -148,7 +150,7 @@ class EndForces(Stateful):
         self._add_steady(out, ends.mean)
 
     def _add_all(self, out: Array) -> float:
-        """Forces of what pushes on leaders and on ground; the work that is kept."""
+        """Forces of active terms on master nodes and ground; returns the work that is stored."""
         n = len(out) - BESIDE
         self._on_all[:] = self._ground[:] = out[:] = 0.0
         work, self.ahead = 0.0, 0.0
@@ -161,7 +163,7 @@ class EndForces(Stateful):
         return work - float(out[n + LOSS, 0])
 
     def _lead(self, mean: Array, out: Array) -> None:
-        """Add what was found to leaders, which have these means."""
+        """Transfer forces to the master nodes, which have these means."""
         if self._trivial:
             out[: len(self._on_all)] += self._on_all
         else:
@@ -183,8 +185,8 @@ class EndForces(Stateful):
         self._lead(mean, out)
 
     def _settle_debt(self, work: float, leak: float, out: Array) -> None:
-        """Change forces by what is stored beyond the work on it."""
-        # by digits of places, and where places follow
+        """Correct the forces by the excess of the stored energy over their work."""
+        # by the digits of positions, and of dependent positions
         missing = self.ahead - self.energy - work
         little = _LITTLE * (self.ahead + self.energy)
         earlier = self.debt + leak
@@ -196,12 +198,12 @@ class EndForces(Stateful):
         self._owed = self.debt + missing - part * work
 
     def accept(self) -> None:
-        """Make the end of the step with the last forces the start of the next one."""
+        """Make the end of the step, with the last forces, the start of the next one."""
         self.energy, self.debt, self.held = self.ahead, self._owed, self._held_ahead
 
 
 def _part(missing: float, work: float) -> float:
-    """By which forces are changed for missing work: little where they do none."""
+    """Relative change of forces for missing work: small if they do little work."""
     if work == 0.0 or missing == 0.0:
         return 0.0
     part = missing / work
@@ -209,10 +211,10 @@ def _part(missing: float, work: float) -> float:
 
 
 def _part_of_earlier(missing: float, work: float, little: float) -> float:
-    """The same of what may wait: goes to zero with the work.
+    """The same for deferred corrections: it tends to zero with the work.
 
-    Between surfaces that rest on each other work is of either sign from one iteration to the next,
-    and forces that jumped with it would have no equilibrium.
+    Between resting surfaces the work changes its sign from one iteration to the next, and forces
+    that jumped with it would have no equilibrium.
     """
     if abs(work) >= little:
         return _part(missing, work)

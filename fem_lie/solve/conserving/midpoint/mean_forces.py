@@ -1,4 +1,4 @@
-"""An element's step without its rigid part, and the balanced mean of its forces at both ends.
+"""Increment of an element without its rigid part, and balanced mean of its forces at both ends.
 
 Points 1 and 2 of :mod:`fem_lie.solve.conserving.midpoint.discrete_gradient`.
 """
@@ -27,7 +27,7 @@ from fem_lie.lie.tuples import (
 from fem_lie.solve.conserving.midpoint.cayley import turned
 
 Symmetric: TypeAlias = tuple[float, float, float, float, float, float]
-"""Of a symmetric matrix (3, 3), row by row from the diagonal."""
+"""Symmetric matrix (3, 3), row by row from the diagonal."""
 
 
 class Ends(NamedTuple):
@@ -35,9 +35,9 @@ class Ends(NamedTuple):
 
     Attributes:
         H0: Frames of all nodes at the start, (N, 4, 3).
-        H1: At the end.
+        H1: Frames at the end.
         F0: Forces of all elements at the start, in the frames of their nodes, (places, 6).
-        F1: At the end.
+        F1: Forces at the end.
     """
 
     H0: Array
@@ -47,7 +47,7 @@ class Ends(NamedTuple):
 
 
 class Path(NamedTuple):
-    """What is between the ends, of all nodes.
+    """Means and increments of all nodes.
 
     Attributes:
         mean: Means of (x, d₁, d₂, d₃), (N, 4, 3).
@@ -61,15 +61,15 @@ class Path(NamedTuple):
 
 
 class RigidPart(NamedTuple):
-    """Of an element's step.
+    """Rigid part of an element's increment.
 
     Attributes:
         centre: Mean of its nodes.
-        ρ2: Their mean square distance from it: what rotations are measured by.
+        ρ2: Their mean square distance from the centre, the metric of rotations.
         shift: Translation.
-        ω: Rotation, as a vector of Cayley's map.
-        inverse: Of the metric of rotations about the centre, its six numbers.
-        half: Columns of the half-way rotation ``cay(ω)^½``.
+        ω: Rotation, as a vector of the Cayley map.
+        inverse: Inverse of the metric of rotations about the centre, six numbers.
+        half: Columns of the half rotation ``cay(ω)^½``.
         k: ``√(1 + ¼|ω|²)``.
     """
 
@@ -111,7 +111,7 @@ def solve_symmetric(A: Array, b: Vector) -> Vector:
 
 @inlined
 def _resisting(director: bool, ρ2: float, t: Vector, w: Vector) -> Vector:
-    """The metric on rotations: ``ρ² w``, or ``ρ² t×(w×t)`` for a node that is a director."""
+    """The metric on rotations: ``ρ² w``, or ``ρ² t×(w×t)`` for a director node."""
     return scaled(ρ2, cross(t, cross(w, t))) if director else scaled(ρ2, w)
 
 
@@ -164,7 +164,7 @@ def _times(A: Symmetric, v: Vector) -> Vector:
 
 @inlined
 def metric_and_fit(nodes: Indices, director: bool, path: Path) -> RigidPart:
-    """The rigid part of an element's step, and the metric of rotations about it."""
+    """The rigid part of an element's increment, and the metric of rotations about it."""
     mean, delta, step = path
     share = 1.0 / nodes.shape[0]
     centre, shift = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -206,7 +206,7 @@ def _midpoint_frames(
 
 @inlined
 def _on_director(f: Array) -> Vector:
-    """Force along the frame's axes on its third director that is the moment ``f[3:5]``."""
+    """Force along the frame's axes on its third director, equivalent to the moment ``f[3:5]``."""
     return f[4], -f[3], 0.0
 
 
@@ -219,9 +219,9 @@ def mean_forces(
     fit: RigidPart,
     out: Array,
 ) -> None:
-    """Mean of the forces (k, 6) at both ends, freed of its net force and moment; into ``out``.
+    """Mean of the forces (k, 6) at both ends, without its resultant and moment, into ``out``.
 
-    The forces in ``ends`` are those of the element alone.
+    The forces in ``ends`` are those of the element only.
     """
     H0, H1, F0, F1 = ends
     centre, ρ2, _, ω, inverse, half, k = fit
@@ -255,7 +255,7 @@ def mean_forces(
 def deformation(
     nodes: Indices, director: bool, path: Path, fit: RigidPart, s: Array, Ms: Array
 ) -> float:
-    """The step without its rigid part, ``s`` and ``M s`` (k, 6); returns ``|s|²``."""
+    """The increment without its rigid part, ``s`` and ``M s`` (k, 6); returns ``|s|²``."""
     mean, delta, step = path
     centre, ρ2, shift, ω, _, _, _ = fit
     square = 0.0

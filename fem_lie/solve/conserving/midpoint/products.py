@@ -1,6 +1,6 @@
-r"""Products ``z_a d_k`` of reduced-order bodies as rows with inertia, at one time; compiled.
+r"""Products ``z_a d_k`` of reduced-order bodies as coordinates with inertia, at one time; compiled.
 
-What they are, and what is done with them over a step, is in :mod:`.floating`.
+Definitions, and their use over a step, are in :mod:`.reduced_bodies`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from fem_lie.lie.node_types.inertia import Inertia, multiply
 
 
 def inertia_with_products(mass: Inertia, bodies: Floating) -> Inertia:
-    """The matrix of inertia of the rows of nodes, and of products after these."""
+    """The mass matrix of nodal coordinates, followed by products."""
     if not bodies.sizes.sum():
         return mass
     n, blocks = len(mass.indptr) - 1, [mass.blocks]
@@ -32,7 +32,7 @@ def inertia_with_products(mass: Inertia, bodies: Floating) -> Inertia:
         frame = nodes_of(bodies.integers, body)[0]
         _, G = parts_of(*bodies, body)
         m = (len(G) - 4) // 3
-        # rows of G with one director stand together
+        # rows of G with the same director are contiguous
         at = np.concatenate([[np.arange(4)], 4 + np.arange(3 * m).reshape(3, m).T], axis=None)
         own = np.zeros((m + 1, 4, m + 1, 4))
         some = np.zeros((m + 1, 4), dtype=bool)
@@ -49,7 +49,10 @@ def inertia_with_products(mass: Inertia, bodies: Floating) -> Inertia:
 
 
 def product_numbers(part: Floating, nodes: Indices, whole: Floating) -> Indices:
-    """Numbers of the products of some bodies among those of all; ``nodes``: theirs in all."""
+    """Indices of the products of some bodies among those of all.
+
+    ``nodes``: indices of their nodes.
+    """
     first = np.cumsum(whole.sizes) - whole.sizes
     frames = [int(nodes_of(whole.integers, body)[0]) for body in range(len(first))]
     rows: list[Indices] = [np.empty(0, dtype=np.int64)]
@@ -60,7 +63,7 @@ def product_numbers(part: Floating, nodes: Indices, whole: Floating) -> Indices:
 
 
 def product_weights(mass: Inertia, n: int, gravity: Array) -> Array:
-    """Weight on rows (p, 4, 3) of the products, the rows of ``mass`` behind the first ``n``."""
+    """Weight (p, 4, 3) of the products, the rows of ``mass`` after the first ``n``."""
     falling = np.zeros((len(mass.indptr) - 1, 4, 3))
     weight = np.zeros_like(falling)
     falling[:, 0] = gravity
@@ -70,7 +73,7 @@ def product_weights(mass: Inertia, n: int, gravity: Array) -> Array:
 
 @compiled
 def products_at(integers: Indices, numbers: Array, H: Array, out: Array) -> None:
-    """Rows (m, 4, 3) of the products at frames ``H``."""
+    """Products (m, 4, 3) at frames ``H``."""
     first = 0
     for body in range(integers[0]):
         nodes, (interfaces, G) = nodes_of(integers, body), parts_of(integers, numbers, body)
@@ -93,9 +96,9 @@ def product_rates(
 
     Args:
         integers: See :class:`~fem_lie.lie.node_types.floating.Floating`.
-        numbers: Likewise.
-        motion: Frames, and first and second rates of the rows of all nodes, (≥ n, 4, 3).
-        out: Overwritten.
+        numbers: See :class:`~fem_lie.lie.node_types.floating.Floating`.
+        motion: Frames, and first and second rates of all nodal coordinates, (≥ n, 4, 3).
+        out: Rates, overwritten.
     """
     first, (H, rates, seconds) = 0, motion
     for body in range(integers[0]):
@@ -123,7 +126,7 @@ def product_rates(
 
 @compiled
 def add_on_rows(integers: Indices, numbers: Array, H: Array, F: Array, out: Array) -> None:
-    """Add forces ``F`` (m, 4, 3) on products at frames ``H`` to those on rows, (n, 4, 3)."""
+    """Add forces ``F`` (m, 4, 3) on products at frames ``H`` to those on nodes, (n, 4, 3)."""
     first = 0
     for body in range(integers[0]):
         nodes, (interfaces, G) = nodes_of(integers, body), parts_of(integers, numbers, body)
@@ -161,13 +164,13 @@ def stored_energies(integers: Indices, numbers: Array, H: Array, W: Array) -> No
         W[body] = 0.5 * energy
 
 
-# --- all rows, of nodes and of products ---
+# --- nodal coordinates and products ---
 
 
 def accelerations(
     kinds: Indices, bodies: tuple[Indices, Array], H: Array, twist: Array, out: Array
 ) -> None:
-    """Set the second rates of all rows (n + p, 4, 3) at steady twists (n, 6)."""
+    """Set the second rates of nodes and products (n + p, 4, 3) at steady twists (n, 6)."""
     n = len(kinds)
     inertia.accelerations(kinds, H, twist, np.zeros_like(twist), out[:n])
     if len(out) > n:
@@ -186,7 +189,7 @@ def add_inertia(
     factor: float,
     forces: Array,
 ) -> None:
-    """Add ``factor Lᵀ G q`` of all rows (n + p, 4, 3) at frames ``H`` to ``forces``, (n, 6)."""
+    """Add ``factor Lᵀ G q``, with ``q`` (n + p, 4, 3), at frames ``H`` to ``forces``, (n, 6)."""
     n, work = len(kinds), np.empty_like(q)
     multiply(*mass, q, work)
     add_on_rows(*bodies, H, work[n:], work[:n])

@@ -1,9 +1,9 @@
-r"""Reduced-order bodies over a step: kinetic and stored energy and all momenta exactly; compiled.
+r"""Reduced-order bodies over a step with exact kinetic and stored energy and momenta; compiled.
 
-Such a body has the frame ``(x, d_k)`` of its first node and coordinates ``z`` within it
+Such a body has the frame ``(x, d_k)`` of its first node and modal coordinates ``z`` in it
 (:mod:`fem_lie.lie.node_types.floating_coordinates`). Its inertia is a constant matrix ``G`` of
-``Q = (x, d_k, z_a d_k)``, so the *products* ``z_a d_k`` are further rows with a velocity ``U`` of
-their own, which the trapezoidal rule changes like that of any row: ``U₁ = 2 ΔQ/h − U``. Forces
+``Q = (x, d_k, z_a d_k)``, so the *products* ``z_a d_k`` are further coordinates with a velocity
+``U`` of their own, which the trapezoidal rule changes like any other: ``U₁ = 2 ΔQ/h − U``. Forces
 ``F = G (U₁ − U)/h`` do the work ``F·ΔQ = ½ U₁·G U₁ − ½ U·G U``. With means, increments, and the
 vector ψ of the frame's Cayley rotation these are exact::
 
@@ -11,16 +11,17 @@ vector ψ of the frame's Cayley rotation these are exact::
     Δ(z_a d_k) = z̄_a Δd_k + Δz_a d̄_k = ψ × m_ak + Δz_a c_k
     m_ak = ½ (z_a d_k + (z_a d_k)₁) = z̄_a d̄_k + ¼ Δz_a Δd_k,      c_k = d̄_k − ¼ ψ × Δd_k
 
-The last form of the increment is a rotation of the *mean of the product*, and the rest. Its
+The last form of the increment is a rotation of the *mean of the product*, and the remainder. Its
 transpose gives the frame the moment ``Σ m_ak × F_ak``, so that the angular momentum ``Σ Q × G U``
-changes by moments of other forces alone, and the coordinates the forces ``Σ_k c_k·F_ak``, with no
-error of the work. The energy ``½ eᵀ K e`` of strains ``e_a = z_a + ½ Q_abc z_b z_c`` changes by
-``½ (e + e₁)ᵀ K J(z̄) Δz``, for e is quadratic; and Δz knows nothing of rigid motions of the means.
+changes by moments of other forces only, and the coordinates the forces ``Σ_k c_k·F_ak``, with exact
+work. The energy ``½ eᵀ K e`` of strains ``e_a = z_a + ½ Q_abc z_b z_c`` changes by
+``½ (e + e₁)ᵀ K J(z̄) Δz``, because e is quadratic; and Δz does not depend on rigid motions of the
+means.
 
-Rows of the products of all bodies follow those of the nodes, ``(0, z_a d_1, z_a d_2, z_a d_3)`` of
-one coordinate after the other, and have their place in the matrix of inertia
-(:mod:`.product_rows`). What is done here is called by address, so that scenes without such bodies
-do not compile it.
+Products of all bodies follow the nodal coordinates, ``(0, z_a d_1, z_a d_2, z_a d_3)`` for one
+modal coordinate after the other, and have their rows in the mass matrix (:mod:`.products`). The
+functions of this module are called by address, so that scenes without such bodies do not compile
+them.
 """
 
 from __future__ import annotations
@@ -48,17 +49,17 @@ from fem_lie.lie.node_types.forces import add_along_increments
 from fem_lie.lie.tuples import Vector, combined, cross, dot, load, load_row, plus, store
 
 PackedBodies: TypeAlias = tuple[Indices, Array]
-"""Integers and numbers of :class:`~fem_lie.lie.node_types.floating.Floating`, and at the end of the
-first the addresses of what is done with them here."""
+"""Integers and numbers of :class:`~fem_lie.lie.node_types.floating.Floating`; the last integers are
+the addresses of the functions of this module."""
 
 _SPAN, _ELASTIC, _INERTIA = -3, -2, -1
 START, CHANGE, STRESS = 0, 1, 2
-"""Of the coordinates of all bodies over a step: their values at its start, their increments, and
-the increments of stresses ``K e``; shape (3, m)."""
+"""Modal coordinates of all bodies over a step: values at its start, increments, and increments of
+stresses ``K e``; shape (3, m)."""
 
 
 def packed_bodies(bodies: Floating) -> PackedBodies:
-    """The bodies of a scene."""
+    """Pack the bodies of a scene."""
     functions = (_span, _add_elastic, _add_inertia) if bodies.integers[0] else ()
     addresses = np.array([function.address for function in functions], dtype=np.int64)
     return np.concatenate([bodies.integers, addresses]), bodies.numbers
@@ -75,10 +76,10 @@ def dot_of(x: Array, y: Array) -> float:
 
 @uncounted
 def _gather(nodes: Indices, H: Array, rest: Array, mean: Array, delta: Array, q: Array) -> None:
-    """Rows of a body's nodes at the start, at the mean, and increments, (3, k, 4, 3).
+    """Coordinates of a body's nodes at the start, at the mean, and increments, (3, k, 4, 3).
 
-    Positions are those from the first node: differences of large numbers are exact, and those of
-    the digits that do not fit into these have all digits.
+    Positions are relative to the first node: differences of large numbers are exact, and those of
+    the digits beyond double precision have all digits.
     """
     first = nodes[0]
     for i in range(nodes.shape[0]):
@@ -101,15 +102,17 @@ def span_products(
     means: Array,
     moved: Array,
 ) -> None:
-    """Set coordinates and products over a step.
+    """Set modal coordinates and products over a step.
 
     Args:
-        bodies: Of the scene.
-        nodes: Rows at the start, and digits that do not fit into them, (≥ n, 4, 3).
-        along: Means and increments of these rows, (≥ n, 4, 3).
-        within: Values and increments of coordinates, see :data:`START`, updated.
-        means: Of the products, (p, 4, 3), overwritten.
-        moved: Increments of rows, those of the products, which come last, overwritten, (≥ p, 4, 3).
+        bodies: Reduced-order bodies of the scene.
+        nodes: Nodal coordinates at the start, and their digits beyond double precision, (≥ n, 4,
+            3).
+        along: Means and increments of nodal coordinates, (≥ n, 4, 3).
+        within: Values and increments of modal coordinates, see :data:`START`, updated.
+        means: Means of the products, (p, 4, 3), overwritten.
+        moved: Increments of nodal coordinates and products; the products, which come last, are
+            overwritten, (≥ p, 4, 3).
     """
     (integers, numbers), (H, rest), (mean, delta) = bodies, nodes, along
     arrays = integers, numbers, H, rest, mean, delta, within, means, moved
@@ -137,7 +140,7 @@ def _span(
     count: int,
     every: int,
 ) -> None:
-    """:func:`span_products` of so many integers, numbers, rows, nodes that move, and all rows."""
+    """:func:`span_products`, called by address with the sizes of all arrays."""
     p = every - count
     _span_all(
         numba.carray(integers_at, (size,)),
@@ -194,13 +197,13 @@ def _span_all(
 def _add_within(
     kinds: Indices, nodes: Indices, g: Array, middle: Array, interfaces: Array, out: Array
 ) -> None:
-    """Add forces ``g`` (m,) on coordinates to those along increments of the nodes, (n, 6)."""
+    """Add forces ``g`` (m,) on modal coordinates to forces along increments, (n, 6)."""
     k = nodes.shape[0]
     f = blocks_at(stack(12 * k), k, 4, 3)
     f[:] = 0.0
     spread(g, middle, interfaces, f)
     for i in range(k):
-        # of positions only differences are in ``middle``, and no moment is due to them
+        # positions in ``middle`` are differences, and cause no moment
         add_along_increments(kinds[nodes[i]], middle[i], f[i], out[nodes[i]])
 
 
@@ -219,16 +222,16 @@ def add_elastic(
     """Add elastic forces over a step, whose work is the change of the stored energy.
 
     Args:
-        bodies: Of the scene.
+        bodies: Reduced-order bodies of the scene.
         kinds: Types of the nodes, (n,).
-        nodes: As of :func:`span_products`.
-        along: Likewise.
-        within: Coordinates over the step; increments of stresses are set, (3, m).
-        memory: Of such increments, (m,), or (0,) where nothing dissipates.
-        energies: Stored at the end, and the work of the step, (bodies,), overwritten.
+        nodes: As in :func:`span_products`.
+        along: As in :func:`span_products`.
+        within: Modal coordinates over the step; increments of stresses are set, (3, m).
+        memory: Filter state of such increments, (m,), or (0,) without dissipation.
+        energies: Stored energy at the end, and the work of the step, (bodies,), overwritten.
         out: Forces along increments, (n, 6), and those of increments of stresses and of their
-            memory, (2, n, 6) or (2, 0, 6), updated.
-        works: Of the last two, (2,), updated.
+            filter state, (2, n, 6) or (2, 0, 6), updated.
+        works: Works of the last two, (2,), updated.
     """
     (integers, numbers), (H, rest), (mean, delta) = bodies, nodes, along
     (end, work), (forces, changes) = energies, out
@@ -266,7 +269,7 @@ def _add_elastic(
     kept: int,
     changed: int,
 ) -> None:
-    """:func:`add_elastic` of so many integers, numbers, rows, nodes that move, and coordinates."""
+    """:func:`add_elastic`, called by address with the sizes of all arrays."""
     integers = numba.carray(integers_at, (size,))
     _add_all_elastic(
         integers,
@@ -311,7 +314,7 @@ def _add_all_elastic(
         for a in range(m):
             z[a], stress[a], further[a] = values[a] + 0.5 * dz[a], 0.0, 0.0
         add_times(K, e, stress)
-        # of the strains at the mean nothing but their derivative is wanted
+        # only the derivative of the strains at the mean is needed
         strains(Q, z, J, g)
         for a in range(m):
             change[a] = dot_of(J[a], dz)
@@ -356,15 +359,15 @@ def add_inertia(
     """Add forces ``F`` on products as forces along increments.
 
     Args:
-        bodies: Of the scene.
+        bodies: Reduced-order bodies of the scene.
         kinds: Types of the nodes, (n,).
-        nodes: As of :func:`span_products`.
-        along: Likewise.
+        nodes: As in :func:`span_products`.
+        along: As in :func:`span_products`.
         step: Increments, (n, 6).
-        within: Coordinates over the step, (3, m).
-        means: Of the products, (p, 4, 3).
-        F: Forces on rows, those on the products last, (n + p, 4, 3).
-        out: Updated, (n, 6).
+        within: Modal coordinates over the step, (3, m).
+        means: Means of the products, (p, 4, 3).
+        F: Forces on nodal coordinates and products, products last, (n + p, 4, 3).
+        out: Forces along increments, updated, (n, 6).
     """
     (integers, numbers), (H, rest), (mean, delta) = bodies, nodes, along
     arrays = integers, kinds, numbers, H, rest, mean, delta, step, within, means, F, out
@@ -392,7 +395,7 @@ def _add_inertia(
     count: int,
     p: int,
 ) -> None:
-    """:func:`add_inertia` of so many integers, numbers, rows, nodes that move, and products."""
+    """:func:`add_inertia`, called by address with the sizes of all arrays."""
     _add_all_inertia(
         numba.carray(integers_at, (size,)),
         numba.carray(numbers_at, (length,)),

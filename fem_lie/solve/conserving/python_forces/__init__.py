@@ -1,1 +1,1 @@
-"""Forces over a step that compiled steps ask Python for: joints on attachment frames, viscosity."""
+"""Forces over a step that compiled steps request from Python."""

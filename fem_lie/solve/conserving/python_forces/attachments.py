@@ -1,15 +1,15 @@
 """Attachment frames of joints at nodes without frames, over a step; compiled.
 
-An attachment frame is a function of its nodes. Its position is a sum over their coordinates, so
-that it moves by ``J_x Δr``, exactly. It turns by the vector ψ of Cayley's map that is between both
-ends, and ``J_ω Δr``, with the Jacobian in the middle of the step, is that to second order. The
-difference is corrected as in :mod:`..vector_cells.cells`: with the step ``s`` of the attachment's
-nodes without their rigid part, in their metric ``M``, ::
+An attachment frame is a function of its nodes. Its position is a linear combination of their
+coordinates, so that its increment is ``J_x Δr``, exactly. It rotates by the vector ψ of the Cayley
+map between both ends, and ``J_ω Δr``, with the Jacobian at the midpoint of the step, approximates ψ
+to second order. The difference is corrected as in :mod:`..vector_cells.cells`: with the increment
+``s`` of the attachment's nodes without their rigid part, in their metric ``M``::
 
     ψ = D Δr,        D = J_ω + (ψ − J_ω Δr) ⊗ M s/|s|²
 
-A moment ``m`` on the attachment is ``Dᵀ m`` on its nodes. Its work is that on ψ, exactly, and it
-has the resultant and the moment that it has: those of ``J_ωᵀ m``, for ``M s`` has none.
+A moment ``m`` on the attachment is applied as ``Dᵀ m`` on its nodes. It does its exact work on ψ,
+and has the resultant and the moment of ``J_ωᵀ m``, because ``M s`` has neither.
 """
 
 from __future__ import annotations
@@ -51,16 +51,16 @@ from fem_lie.solve.conserving.vector_cells.cells import (
 )
 
 _STILL = 1e-12
-"""Of ``|s|²`` over the square of the size: what is missing is round-off there."""
+"""``|s|²`` over the square of the size below which the correction is round-off."""
 
 
 class Rows(NamedTuple):
-    """Of all nodes, (n, 4, 3).
+    """Coordinates of all nodes over a step, (n, 4, 3).
 
     Attributes:
         mean: Means.
         delta: Increments.
-        middle: Nodes in the middle of the step.
+        middle: Nodes at the midpoint of the step.
     """
 
     mean: Array
@@ -69,15 +69,15 @@ class Rows(NamedTuple):
 
 
 class AttachmentSpan(NamedTuple):
-    """Attachments over a step; each has an entry for each of its nodes.
+    """Attachments over a step, with an entry for each of their nodes.
 
     Attributes:
         cells: Their nodes and metric.
-        turns: Of which of them more than the place is seen, (g,).
-        start: Frames, (g, 4, 3).
-        middle: With the nodes in the middle of the step.
-        end: At its end.
-        J: Twist of its attachment by the motion of each entry along its axes, (e, 6, 6).
+        turns: Attachments whose rotation matters, (g,).
+        start: Frames at the start, (g, 4, 3).
+        middle: Frames with the nodes at the midpoint of the step.
+        end: Frames at the end.
+        J: Twist of the attachment per motion of each entry along its axes, (e, 6, 6).
         left: ``ψ − J_ω Δr``, global components, (g, 3).
         beside: ``M s/|s|²``, (e, 2, 3).
     """
@@ -94,14 +94,14 @@ class AttachmentSpan(NamedTuple):
 
 @compiled
 def set_nodes(kinds: Indices, moved: Rows, step: Array, mean: Array, delta: Array) -> None:
-    """Means and increments (n, 4, 3) of frames, and of the positions of other nodes: axes stay.
+    """Means and increments (n, 4, 3) of frames, and of positions of nodes with constant axes.
 
     Args:
         kinds: Types of the nodes, (n,).
-        moved: Means, increments and nodes in the middle of the step.
+        moved: Means, increments and midpoint nodes.
         step: Increments, (n, 6).
-        mean: Overwritten, as ``delta``.
-        delta: See there.
+        mean: Means, overwritten.
+        delta: Increments, overwritten.
     """
     delta[: kinds.shape[0]] = 0.0
     for i in range(kinds.shape[0]):
@@ -119,14 +119,14 @@ def set_attachments(
     mean: Array,
     delta: Array,
 ) -> None:
-    """Means and increments (g, 4, 3) of attachments, and how they turn.
+    """Means and increments (g, 4, 3) of attachments, and their rotations.
 
     Args:
-        span: The attachments, of which ``left`` and ``beside`` are overwritten.
-        nodes: Rows at the start of the step, digits that do not fit into them, rows in the middle,
-            (≥ n, 4, 3), and increments of halves, (n, 6).
-        mean: Overwritten.
-        delta: Overwritten.
+        span: The attachments; ``left`` and ``beside`` are overwritten.
+        nodes: Nodal coordinates at the start of the step, their digits beyond double precision,
+            coordinates at the midpoint, (≥ n, 4, 3), and increments of coordinate vectors, (n, 6).
+        mean: Means, overwritten.
+        delta: Increments, overwritten.
     """
     cells, (H, rest, middle, step) = span.cells, nodes
     room = memory(largest_cell(cells.first))
@@ -155,7 +155,7 @@ def set_attachments(
 
 @inlined
 def _turn(before: Array, after: Array, mean: Array, delta: Array) -> Vector:
-    """Sets means and increments of the axes; returns the vector of Cayley's map."""
+    """Set means and increments of the axes; returns the vector of the Cayley map."""
     twice, trace = (0.0, 0.0, 0.0), 0.0
     for k in range(1, 4):
         d, other = load_row(before, k), load_row(after, k)
@@ -171,7 +171,7 @@ def _turn(before: Array, after: Array, mean: Array, delta: Array) -> Vector:
 def _deform(
     cells: CellTable, g: int, H: Array, rest: Array, step: Array, work: Work, out: Array
 ) -> None:
-    """``M s/|s|²`` of one attachment into its entries of ``out``, zero where it is round-off."""
+    """``M s/|s|²`` of one attachment into its entries of ``out``, zero at round-off."""
     r, d, begin = work.r, work.d, cells.first[g]
     count = r.shape[0]
     mine, kinds = cells.nodes[begin : begin + count], cells.kinds[begin : begin + count]
@@ -203,11 +203,11 @@ def give(
     """Add forces and moments on nodes and attachments, (n + g, 6), to ``forces`` (n, 6).
 
     Args:
-        kinds: Of the nodes.
+        kinds: Types of the nodes.
         span: The attachments.
-        middle: Rows of the nodes in the middle of the step.
+        middle: Nodes at the midpoint of the step.
         on_rows: Forces and moments, global components.
-        forces: Along increments, updated.
+        forces: Forces along increments, updated.
     """
     cells, n = span.cells, forces.shape[0]
     for i in range(n):

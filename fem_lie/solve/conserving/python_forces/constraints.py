@@ -1,19 +1,19 @@
-"""Constraints that no pair of frames has, over a step: sliding, rolling, joints within elements.
+"""Constraints between more than two frames, over a step: sliding, rolling, joints within elements.
 
-Any constraint ``Φ`` of frames has a discrete gradient. With its Jacobian ``J`` in the middle of the
-step, in the increments ``Δ = (Δx, ψ)`` of the nodes, and ``s``, the step without its rigid part, in
-the metric ``M`` (1 on translations, the square of the model's length on rotations)::
+Any constraint ``Φ`` of frames has a discrete gradient. With its Jacobian ``J`` at the midpoint of
+the step, the increments ``Δ = (Δx, ψ)`` of the nodes, and the increment ``s`` without its rigid
+part, in the metric ``M`` (1 on translations, the square of the model's length on rotations)::
 
     D = J + (ΔΦ − J Δ)/|s|² M s,        λ D Δ = λ ΔΦ
 
-So its forces ``λ D`` do no work where the constraint holds at both ends, and, as neither ``J`` nor
-``M s`` has a resultant or a moment about the means, momenta are kept. Where ground is the other
-side, or something is held, there is none to keep, and ``s`` is the whole step. The factor is of
+So its forces ``λ D`` do no work if the constraint holds at both ends, and, as neither ``J`` nor
+``M s`` has a resultant or a moment about the means, momenta are conserved. On the ground or with
+fixed unknowns there are no momenta to conserve, and ``s`` is the whole increment. The factor is of
 third order in the step.
 
-Constraints of velocities hold at the end of the step, ``W(H₁) v₁ = 0``. Their forces are along
-``D`` with ``D Δ = 0``, and do no work either. (Gonzalez, J. Nonlinear Sci. 6 (1996) 449, in the
-quotient by rigid motions, as :mod:`..between.discrete_gradient` has it for elements.)
+Velocity constraints hold at the end of the step, ``W(H₁) v₁ = 0``. Their forces are along ``D``
+with ``D Δ = 0``, and do no work either. (Gonzalez, J. Nonlinear Sci. 6 (1996) 449, in the quotient
+by rigid motions, as in :mod:`..midpoint.discrete_gradient` for elements.)
 """
 
 from __future__ import annotations
@@ -52,11 +52,11 @@ from fem_lie.solve.conserving.step.records import Model, Span, State, Step
 from fem_lie.system.equations import Equations
 
 _BALANCED = 1e-9
-"""Resultant and moment of a row over the size of its parts that are round-off."""
+"""Resultant and moment of a constraint row, over the size of its parts, that are round-off."""
 
 
 class _Sparse(NamedTuple):
-    """Rows of the Jacobian along the axes of the nodes, as of ``csr_matrix``."""
+    """Rows of the Jacobian along the axes of the nodes, in the format of ``csr_matrix``."""
 
     indptr: Indices
     indices: Indices
@@ -65,7 +65,7 @@ class _Sparse(NamedTuple):
 
 @compiled
 def _row_of(B: _Sparse, c: int, middle: Array, f: Array, nodes: Indices) -> int:
-    """Nodes of row ``c``, and forces on them in global components; returns how many."""
+    """Nodes of row ``c``, and forces on them in global components; returns their number."""
     count, begin, end = 0, B.indptr[c], B.indptr[c + 1]
     f[:] = 0.0
     last = -1
@@ -89,7 +89,10 @@ def _row_of(B: _Sparse, c: int, middle: Array, f: Array, nodes: Indices) -> int:
 def _deformation(
     nodes: Indices, middle: Array, step: Array, length: float, whole: bool, s: Array
 ) -> float:
-    """The step of some nodes (k, 6), without its rigid part but for ``whole``; ``|s|²``."""
+    """Increments of some nodes (k, 6), without their rigid part unless ``whole``.
+
+    Returns ``|s|²``.
+    """
     count, square = nodes.shape[0], 0.0
     for a in range(count):
         s[a] = step[nodes[a]]
@@ -130,12 +133,12 @@ def _add(
     """Add forces ``λ D`` of the constraints from the ``first`` on.
 
     Args:
-        B: Jacobian in the middle of the step.
-        first: The first of these constraints.
+        B: Jacobian at the midpoint of the step.
+        first: Index of the first of these constraints.
         gains: ``D Δ`` of all constraints, (m,).
-        weights: Multipliers, (m,).
-        motion: Nodes in the middle of the step, and increments, (n, 6).
-        length: Of the model.
+        weights: Lagrange multipliers, (m,).
+        motion: Nodes at the midpoint of the step, and increments, (n, 6).
+        length: Length of the model.
         sums: Forces along increments, (n, 6), and losses, see
             :class:`~fem_lie.solve.conserving.step.records.Step`; updated.
     """
@@ -186,7 +189,7 @@ def _add_pairs(
     out: Array,
     losses: Array,
 ) -> None:
-    """Forces of joints between two frames, and increments of all targets."""
+    """Add forces of joints between two frames, and increments of all targets."""
     (mean, delta), ground = along, losses[BY_REACTIONS:]
     work, loss = add_joints(mean, delta, joints, weights, driven, h, change, out, ground)
     losses[WORK] += work
@@ -203,7 +206,7 @@ class OtherConstraints(Stateful):
     """All joints of a scene of frames, some of which are between more than two of them."""
 
     def __init__(self, equations: Equations) -> None:
-        """No step has begun."""
+        """Set up before the first step."""
         unknowns, joints, m = equations.unknowns, equations.tables.joints, equations.unknowns.m
         self._equations, self._joints, self._n = equations, joints, unknowns.moving
         rows = views(joints).rows
@@ -213,11 +216,11 @@ class OtherConstraints(Stateful):
         self._length = unknowns.length
 
     def begin(self, H: Array) -> None:
-        """A step from rows ``H``."""
+        """Begin a step from nodes ``H``."""
         self._start[:] = self._equations.constraints(H).values
 
     def add_forces(self, model: Model, state: State, this: Step, h: float) -> None:
-        """Add forces to ``this.outer``; increments of constraints, and balances."""
+        """Add forces to ``this.outer``; compute increments of constraints, and balances."""
         along, own, change = Span(*this.rows), self._own, this.change
         rows = along.mean, along.delta
         driven = model.driven
@@ -241,7 +244,7 @@ class OtherConstraints(Stateful):
         _add(sparse, own.start, gains, state.weights, motion, self._length, sums)
 
     def _by_motions(self, start: Array, end: Array) -> Array:
-        """What prescribed motions alone change of the constraints, (m,)."""
+        """Changes of the constraints by prescribed motions only, (m,)."""
         v = np.zeros((len(end), 6))
         v[self._n + 1 :] = lie.se3_relative(start[self._n + 1 :], end[self._n + 1 :])
         middle = end.copy()
@@ -249,23 +252,23 @@ class OtherConstraints(Stateful):
         return self._equations.constraints(middle).rates(v)[0]
 
     def _rates(self, H: Array, V: Array) -> Array:
-        """First rates of all constraints at rows ``H`` with the rates ``V`` of all rows, (m,)."""
+        """First rates of all constraints at nodes ``H`` with the coordinate rates ``V``, (m,)."""
         v, unused, still = np.zeros((3, len(H), 6))
         n, known = self._n, self._equations.tables
         twists(known.kinds, known.turning, H, V[:n], still[:n], v[:n], unused[:n])
         return self._equations.constraints(H).rates(v)[0]
 
     def accept(self, H: Array, driven: Array, gap: Array) -> None:
-        """Take what constraints violate at rows ``H`` for their ``gap``, (m,), which is no sum.
+        """Set ``gap`` (m,) to the constraint violations at nodes ``H``; it is not accumulated.
 
         Args:
-            H: Rows at the end of a step.
+            H: Nodes at the end of a step.
             driven: Increments of the targets in it, (m,).
-            gap: Updated.
+            gap: Constraint violations, updated.
         """
         if not self._equations.unknowns.driven:
             gap[self._own] = self._equations.constraints(H).values[self._own]
 
     def energy(self, H: Array) -> float:
-        """Of springs at rows ``H``."""
+        """Energy of springs at nodes ``H``."""
         return _spring_energy(self._joints, H)

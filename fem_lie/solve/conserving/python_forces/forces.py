@@ -1,9 +1,8 @@
-"""Forces over a step that only Python can find, added when compiled steps ask for them.
+"""Forces over a step that are evaluated in Python, when compiled steps request them.
 
-They are those of joints that hold on to attachment frames or to nodes without frames, viscous
-forces of cells of such nodes, contact forces, and loads that turn with bodies or act on points that
-are no nodes. Such loads are those at the middle of the step, along whose increments
-they do their work.
+They are forces of joints on attachment frames or on nodes without frames, viscous forces of cells
+of such nodes, contact forces, and loads that rotate with bodies or act on points other than nodes.
+Such loads are evaluated at the midpoint of the step, and do their work along its increments.
 """
 
 from __future__ import annotations
@@ -54,13 +53,13 @@ from fem_lie.system.equations import Equations
 
 
 class StepInProgress(Protocol):
-    """What of a run the forces depend on.
+    """Data of a run on which the forces depend.
 
     Attributes:
         s: Start of the step.
         this: The step.
-        model: What its steps see of the scene.
-        size: Of the step.
+        model: Constant arrays of the scene.
+        size: Step size.
     """
 
     s: State
@@ -70,14 +69,14 @@ class StepInProgress(Protocol):
 
 
 class PythonForces:
-    """Forces that Python adds, and corrections that it improves.
+    """Callbacks of compiled steps: forces, and improved corrections.
 
     Attributes:
-        joints: Those of the scene, if compiled steps do not have them by themselves.
+        joints: Joints of the scene, unless compiled steps evaluate them.
         between: Whether there is anything to do between two steps.
         contacts: Contacts among these forces, if there are any.
-        touching: Whether contacts may act in the present step. If not, they are not evaluated.
-        learns: Corrections that learn from those before; none where there are no secants.
+        touching: Whether contacts may act in the current step. If not, they are not evaluated.
+        learns: Secants of corrections; ``None`` if there are none.
     """
 
     def __init__(
@@ -87,13 +86,13 @@ class PythonForces:
         contacts: EndForces,
         shared: PythonForces | None = None,
     ) -> None:
-        """Nothing is computed yet.
+        """Set up without computing anything.
 
         Args:
-            equations: Of the scene.
-            run: Whose steps ask for these forces.
-            contacts: Of the scene.
-            shared: That of another run whose state is that of this one, too; default: none.
+            equations: Equations of the scene.
+            run: Run whose steps request these forces.
+            contacts: Contacts of the scene.
+            shared: Callbacks of another run with which the state is shared; default: none.
         """
         known, n = equations.tables, equations.unknowns.moving
         self._run, self._kinds, vectors = run, known.kinds, known.kinds >= POSITION_GRADIENT
@@ -105,7 +104,7 @@ class PythonForces:
         self._loads = [term for term in known.terms if acts_in_the_middle(term)]
         self._twists, self._forces = np.zeros((2, n, 6))
         self.contacts, self.touching = contacts if contacts else None, False
-        # the other nodes have criteria of their own for the end of an iteration
+        # the other nodes have their own convergence criteria
         self._frames_alone = not vectors.any()
         self._contact_forces = np.zeros((n + BESIDE, 6))
         self.between = bool(self.joints or self.contacts)
@@ -118,12 +117,12 @@ class PythonForces:
         run.model.addresses[JOINTS] = self.joints is not None
 
     def learn(self, secants: Secants | None) -> None:
-        """Improve corrections by these from now on, or no more."""
+        """Improve corrections by these secants from now on; ``None``: no longer."""
         self.learns = secants
         self._run.model.addresses[LEARN] = 0 if secants is None else self._learn.address
 
     def touch(self, touching: bool) -> None:
-        """Set :attr:`touching` for the present step; contacts that do not act store no energy."""
+        """Set :attr:`touching` for the current step; contacts that do not act store no energy."""
         self.touching, addresses = touching, self._run.model.addresses
         addresses[FORCES] = self._add.address if touching or self._always else 0
         addresses[TOUCHES] = touching and self._frames_alone
@@ -132,11 +131,11 @@ class PythonForces:
 
     @property
     def pushes(self) -> bool:
-        """Whether the last contact forces are other than zero."""
+        """Whether the last contact forces are nonzero."""
         return bool(self._contact_forces.any())
 
     def look_ahead(self) -> None:
-        """Find out whether contacts act at the end of the step as it is predicted."""
+        """Determine whether contacts act at the predicted end of the step."""
         run, along = self._run, Span(*self._run.this.rows)
         rows = along.delta, along.mean, along.end, along.middle
         span_from_python(self._kinds, run.s.H, run.this.step, rows)
@@ -146,7 +145,7 @@ class PythonForces:
     def _find_contact_forces(self) -> None:
         assert self.contacts is not None
         s, along = self._run.s, Span(*self._run.this.rows)
-        # cells take back by themselves the energy that round-off has brought in
+        # cells themselves correct the energy that round-off has added
         leak = 0.0 if len(s.W) else float(s.filter_state[LEAK])
         ends = Ends(s.H, along.end, along.mean, along.delta)
         self.contacts.set(ends, leak, self._contact_forces)
@@ -160,14 +159,14 @@ class PythonForces:
             self.contacts.overlap(self._run.s.H)
 
     def begin(self) -> None:
-        """A step begins from the present state."""
+        """Begin a step from the current state."""
         if self.joints is not None:
             self.joints.begin(self._run.s.H)
         if self.learns is not None:
             self.learns.forget()
 
     def check(self) -> None:
-        """Raise the error that has ended compiled code, if there was one."""
+        """Raise the error of a callback, if there was one."""
         self._run.model.addresses[ERROR] = 0
         self._add.check()
         self._learn.check()
@@ -203,7 +202,7 @@ class PythonForces:
 
 
 def joints_of(equations: Equations) -> Joints | OtherConstraints | None:
-    """Those of a scene, if some are between more than two frames or with nodes without frames."""
+    """Joints of a scene, if some act on more than two frames or on nodes without frames."""
     if (equations.tables.kinds < POSITION_GRADIENT).all():
         return OtherConstraints(equations) if equations.unknowns.other_constraints else None
     joints = Joints(equations)
@@ -211,19 +210,19 @@ def joints_of(equations: Equations) -> Joints | OtherConstraints | None:
 
 
 def acts_in_the_middle(term: Term) -> bool:
-    """Whether a term is a load whose forces over a step are those at its middle."""
+    """Whether a term is a load that acts at the midpoint of a step."""
     return term.load and term.pieces is None and term.over_step is None
 
 
 def _viscous(terms: Sequence[Term]) -> list[ViscousForces]:
-    """Those whose damping goes with strain rates."""
+    """Terms with viscous forces by strain rates."""
     found = [t.viscosity for t in terms if not t.within_joints]
     return [viscosity for viscosity in found if viscosity is not None and viscosity.rates is None]
 
 
 @compiled
 def _mean_rates(kinds: Indices, middle: Array, step: Array, h: float, out: Array) -> None:
-    """Mean velocities (n, 6) along the axes of the nodes in the middle of the step."""
+    """Mean velocities (n, 6) along the axes of the nodes at the midpoint of the step."""
     for i in range(out.shape[0]):
         d1, d2, d3 = axes(kinds[i], middle[i])
         for at in (0, 3):
@@ -235,8 +234,7 @@ def _mean_rates(kinds: Indices, middle: Array, step: Array, h: float, out: Array
 def _add_viscous(kinds: Indices, middle: Array, rates: Array, forces: Array, out: Array) -> float:
     """Add forces (n, 6) along these axes, at these velocities, to ``out``; returns their power.
 
-    They do not oppose rigid motions: these are motions of the middle of the step, by
-    ``ω × r̄``, however far the step turns.
+    They do not oppose rigid motions ``ω × r̄`` of the midpoint, however far the step rotates.
     """
     power = 0.0
     for i in range(rates.shape[0]):
@@ -256,9 +254,9 @@ def _add_load(
 
     Args:
         kinds: Types of the nodes, (n,).
-        middle: Nodes in the middle of the step.
+        middle: Nodes at the midpoint of the step.
         step: Increments, (n, 6).
-        forces: Along the axes of the nodes, with the sign of a residual, (n, 6).
+        forces: Forces along the axes of the nodes, with the sign of a residual, (n, 6).
         out: Forces along increments, (n, 6), updated.
         losses: See :class:`~fem_lie.solve.conserving.step.records.Step`, updated.
     """

@@ -1,4 +1,4 @@
-"""Joints, springs and drives over steps of nodes of any kind: on nodes and on attachments."""
+"""Joints, springs and drives over steps, on nodes of any type and on attachments."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ from fem_lie.solve.conserving.vector_cells.force_changes import weigh_cells
 from fem_lie.system.equations import Equations
 
 _BACK = 1e-3
-"""Of what is seen of constraints, counted in each step."""
+"""Fraction of the constraint violation that is removed in each step."""
 
 
 class _Rows(NamedTuple):
     """Nodes, attachments, ground and prescribed motions over a step.
 
     Attributes:
-        mean: Of positions and axes, (L, 4, 3).
+        mean: Means of positions and axes, (L, 4, 3).
         delta: Increments.
-        forces: And moments on nodes and attachments, (n + g, 6).
+        forces: Forces and moments on nodes and attachments, (n + g, 6).
     """
 
     mean: Array
@@ -48,9 +48,9 @@ class _Nodes(NamedTuple):
     """All nodes over a step.
 
     Attributes:
-        H: Rows at the start, (≥ n, 4, 3).
-        rest: Digits that do not fit into them, (n, 4, 3).
-        moved: Between both ends.
+        H: Nodal coordinates at the start, (≥ n, 4, 3).
+        rest: Their digits beyond double precision, (n, 4, 3).
+        moved: Means, increments and midpoints.
         step: Increments, (n, 6).
     """
 
@@ -61,11 +61,11 @@ class _Nodes(NamedTuple):
 
 
 class _Sums(NamedTuple):
-    """What joints add to.
+    """Sums to which joints add.
 
     Attributes:
         change: Increments of constraints, (m,).
-        losses: See :class:`~fem_lie.solve.conserving.step.records.Step`, likewise ``outer``.
+        losses: See :class:`~fem_lie.solve.conserving.step.records.Step`.
         outer: Forces along increments, (n, 6).
     """
 
@@ -129,12 +129,12 @@ class Joints:
     """All joints of a scene.
 
     Attributes:
-        needed: Whether any of them holds on to an attachment or to a node that is no frame.
-        reached: Values of the constraints at the start, and of increments of their targets, (m,).
+        needed: Whether any of them acts on an attachment or on a node other than a frame.
+        reached: Constraint values at the start, and accumulated increments of their targets, (m,).
     """
 
     def __init__(self, equations: Equations) -> None:
-        """Measure the attachments at the start."""
+        """Compute the initial metric of the attachments."""
         pairs = equations.tables.pairs_of_all
         assert pairs is not None, "refused before"
         self._pairs, self._attachments = pairs, pairs.attachments
@@ -177,11 +177,11 @@ class Joints:
         _violations(pairs.joints, rows, self.reached)
 
     def begin(self, H: Array) -> None:
-        """A step from rows ``H``."""
+        """Begin a step from nodes ``H``."""
         self._span.start[:] = self._attachments.locate(H)[0]
 
     def add_forces(self, model: Model, state: State, this: Step, h: float) -> None:
-        """Add forces to ``this.outer``; increments of constraints, and balances."""
+        """Add forces to ``this.outer``; compute increments of constraints, and balances."""
         span, rows, along, n = self._span, self._rows, Span(*this.rows), self._n
         span.middle[:], span.J[:] = self._attachments.locate(along.middle)
         if span.turns.any():
@@ -195,16 +195,16 @@ class Joints:
         _add_forces(self.kinds, packed, span, nodes, rows, weights, model.driven, h, sums)
 
     def accept(self, H: Array, driven: Array, gap: Array) -> None:
-        """Count turns at rows ``H``, and lead ``gap`` (m,) to what constraints miss there.
+        """Count revolutions at nodes ``H``, and correct ``gap`` (m,) towards the violation there.
 
-        It is a sum of increments, whose round-off adds up where an attachment's rotation has it
-        each time. What is seen at the rows has that of single states, so it counts a little each
-        time.
+        ``gap`` is a sum of increments, whose round-off accumulates if that of an attachment's
+        rotation is systematic. The violation at the nodes has the round-off of a single state only,
+        so a small fraction of the difference is removed in each step.
 
         Args:
-            H: Rows at the end of a step.
+            H: Nodes at the end of a step.
             driven: Increments of the targets in it, (m,).
-            gap: Updated.
+            gap: Constraint violations, updated.
         """
         frames, found = self._all(H), np.empty_like(gap)
         if self._pairs.turns:
@@ -214,19 +214,19 @@ class Joints:
         gap += _BACK * (found - self.reached - gap)
 
     def energy(self, H: Array) -> float:
-        """Of springs at rows ``H``."""
+        """Energy of springs at nodes ``H``."""
         return _spring_energy(self._pairs.joints, self._all(H))
 
     def _all(self, H: Array) -> Array:
-        """Rows of nodes, grips, ground and prescribed motions."""
+        """Frames of nodes, attachments, ground and prescribed motions."""
         return np.concatenate([H[: self._n], self._attachments.locate(H)[0], H[self._n :]])
 
     def memory(self) -> dict[str, Array]:
-        """What the next steps depend on: angles that are counted, and :attr:`reached`."""
+        """State for the next steps: counted angles, and :attr:`reached`."""
         turned = views(self._pairs.joints).turned
         return {"turned": turned.copy(), "reached": self.reached.copy()}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called."""
+        """Restore the state that :meth:`memory` returned."""
         views(self._pairs.joints).turned[:] = kept["turned"]
         self.reached[:] = kept["reached"]

@@ -1,1 +1,1 @@
-"""Cells whose nodes have rows with increments that add: their forces over a step."""
+"""Forces over a step of cells whose nodes have vector coordinates with additive increments."""

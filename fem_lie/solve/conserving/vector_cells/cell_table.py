@@ -1,7 +1,7 @@
-"""Rows of nodes whose increments add, and those of a cell as its kernels take them; compiled.
+"""Vector coordinates of nodes, and their packing for the kernels of cells; compiled.
 
-A node has up to two such rows, :func:`~fem_lie.lie.node_types.node_type.straight` of them; here
-they are halves of six numbers, along global axes.
+A node has :func:`~fem_lie.lie.node_types.node_type.vector_count`, one or two, such vectors. Here
+they are the two halves of six numbers, along global axes.
 """
 
 from __future__ import annotations
@@ -36,23 +36,23 @@ from fem_lie.lie.tuples import (
 FORCES, ENERGY = 0, 1
 """Kernels of a cell."""
 NOTHING, DIRECTIONS, POSITIONS = 0, 1, 2
-"""What of space the energy of a cell sees; of places it sees directions, too."""
+"""Invariance of the energy of a cell: under rigid motions, only under translations, or neither."""
 
 
 class CellTable(NamedTuple):
     """All cells of a scene.
 
     Attributes:
-        calls: For forces and for the energy, see :class:`~fem_lie.forms.cell_forms.EachCell`,
-            shape (M, 2, 6).
-        first: First place of each cell in ``nodes``, shape (M + 1,).
+        calls: Kernels of forces and energy, see :class:`~fem_lie.forms.cell_forms.EachCell`, shape
+            (M, 2, 6).
+        first: Index of the first node of each cell in ``nodes``, shape (M + 1,).
         nodes: Nodes of the cells.
-        kinds: What these are, see :mod:`fem_lie.lie.node_types`.
-        weights: Of both halves of each place where increments are measured, zero for what a node
-            has not, shape (places, 2).
-        sees: What of space the energy sees, shape (M,).
-        cancels: Error of the energy of each cell where it is a difference of larger numbers, beyond
-            what round-off of positions explains, and nil elsewhere, shape (M,).
+        kinds: Types of these nodes, see :mod:`fem_lie.lie.node_types`.
+        weights: Metric of increments of both vectors of each node, zero for missing ones, shape
+            (places, 2).
+        sees: Invariance of the energy, see :data:`NOTHING`, shape (M,).
+        cancels: Error of the energy of each cell if it is a difference of larger numbers, beyond
+            the round-off of positions, else zero, shape (M,).
     """
 
     calls: Indices
@@ -66,13 +66,13 @@ class CellTable(NamedTuple):
 
 @inlined
 def has_position(kind: int) -> bool:
-    """Whether the first half of such a node is a place, which translations move."""
+    """Whether the first vector of such a node is a position, which translations move."""
     return first_vector(kind) == 0
 
 
 @inlined_uncounted
 def are_positions(cells: CellTable, e: int) -> bool:
-    """Whether the nodes of a cell are places and nothing else."""
+    """Whether all nodes of a cell are position nodes."""
     alone = True
     for a in range(cells.first[e], cells.first[e + 1]):
         alone = alone and has_position(cells.kinds[a]) and vector_count(cells.kinds[a]) == 1
@@ -81,14 +81,14 @@ def are_positions(cells: CellTable, e: int) -> bool:
 
 @uncounted
 def gather(kinds: Indices, nodes: Indices, H: Array, rest: Array, out: Array) -> None:
-    """Halves (k, 2, 3) of a cell's nodes, seen from its first node.
+    """Vectors (k, 2, 3) of a cell's nodes, positions relative to its first node.
 
     Args:
-        kinds: Of the nodes of the cell.
+        kinds: Types of the nodes of the cell.
         nodes: Their numbers.
-        H: Rows of all nodes, (≥ n, 4, 3).
-        rest: Digits of these that do not fit into them, (≥ n, 4, 3).
-        out: Overwritten.
+        H: All nodes, (≥ n, 4, 3).
+        rest: Their digits beyond double precision, (≥ n, 4, 3).
+        out: Vectors, overwritten.
     """
     out[:] = 0.0
     origin = nodes[0]
@@ -99,14 +99,15 @@ def gather(kinds: Indices, nodes: Indices, H: Array, rest: Array, out: Array) ->
             for j in range(3):
                 value, digits = H[i, at + k, j], rest[i, at + k, j]
                 if k == 0 and at == 0:
-                    # differences of the large parts are exact, those of the small have all digits
+                    # differences of the large parts are exact, those of the small parts have all
+                    # digits
                     value, digits = value - H[origin, 0, j], digits - rest[origin, 0, j]
                 out[a, k, j] = value + digits
 
 
 @inlined_uncounted
 def write_node(kind: int, H: Array, halves: Array, out: Array) -> None:
-    """Rows (4, 3) of a node with these halves, and axes as simple as may be; ``H``: at present."""
+    """Node (4, 3) with these vectors and simple axes; ``H``: the current node."""
     at = first_vector(kind)
     out[:] = 0.0
     for k in range(vector_count(kind)):
@@ -124,7 +125,7 @@ def write_node(kind: int, H: Array, halves: Array, out: Array) -> None:
 
 @inlined
 def room_of(calls: Indices) -> int:
-    """Coefficients that must have room where they are not with the cell."""
+    """Size of the workspace for coefficients that are not stored with the cell."""
     return calls[4] + calls[5] if calls[5] > 0 else 1
 
 
@@ -143,7 +144,7 @@ def _call(cells: CellTable, e: int, which: int, rows: Array, place: Pointer) -> 
 
 @uncounted
 def energy_of(cells: CellTable, e: int, H: Array, halves: Array, rows: Array) -> float:
-    """Of a cell whose nodes have these halves (k, 2, 3); ``rows`` (k, 4, 3) is work."""
+    """Energy of a cell with these vectors (k, 2, 3); ``rows`` (k, 4, 3) is workspace."""
     begin = cells.first[e]
     for a in range(rows.shape[0]):
         write_node(cells.kinds[begin + a], H[cells.nodes[begin + a]], halves[a], rows[a])
@@ -156,7 +157,7 @@ def energy_of(cells: CellTable, e: int, H: Array, halves: Array, rows: Array) ->
 
 @uncounted
 def forces_of(cells: CellTable, e: int, H: Array, halves: Array, rows: Array, out: Array) -> None:
-    """Forces (k, 2, 3) on a cell whose nodes have these halves (k, 2, 3); ``rows`` is work."""
+    """Forces (k, 2, 3) on a cell with these vectors (k, 2, 3); ``rows`` is workspace."""
     begin, count = cells.first[e], rows.shape[0]
     for a in range(count):
         write_node(cells.kinds[begin + a], H[cells.nodes[begin + a]], halves[a], rows[a])
@@ -174,7 +175,7 @@ def forces_of(cells: CellTable, e: int, H: Array, halves: Array, rows: Array, ou
 
 @inlined
 def spread(kind: int, halves: Array, out: Array) -> None:
-    """Halves (6,) as rows (4, 3); the others are zero."""
+    """Vectors (6,) as nodal coordinates (4, 3); the others are zero."""
     at = first_vector(kind)
     out[:] = 0.0
     for k in range(vector_count(kind)):
@@ -183,7 +184,7 @@ def spread(kind: int, halves: Array, out: Array) -> None:
 
 @inlined
 def gathered(kind: int, rows: Array, out: Array) -> None:
-    """Inverse of :func:`spread`; halves that a node has not are zero."""
+    """Inverse of :func:`spread`; missing vectors are zero."""
     at = first_vector(kind)
     out[:] = 0.0
     for k in range(vector_count(kind)):
@@ -192,7 +193,7 @@ def gathered(kind: int, rows: Array, out: Array) -> None:
 
 @compiled
 def largest_cell(first_places: Indices) -> int:
-    """Nodes of the largest cell, at least one."""
+    """Number of nodes of the largest cell, at least one."""
     most = 1
     for e in range(first_places.shape[0] - 1):
         most = max(most, first_places[e + 1] - first_places[e])

@@ -1,25 +1,26 @@
 """Elastic forces of a step on nodes with vector coordinates, whose work is the energy change.
 
-For *any* cell with an objective energy ``W``, known by its energy and its nodal forces alone. The
-rows of its nodes are vectors ``r`` that turn with a rigid motion, places from their centre. Of one
-step with means ``r̄`` and increments ``Δr``::
+They apply to *any* cell with an objective energy ``W``, and need only its energy and nodal forces.
+The coordinates of its nodes are vectors ``r`` that rotate with a rigid motion; positions are
+relative to their centre. With means ``r̄`` and increments ``Δr`` of a step::
 
     f = C f(C⁻¹ r̄) + (ΔW − f·s)/|s|² M s
 
-1. *Mean.* The rigid part of the step, a translation and a rotation, is fitted in a metric ``M``
-   (1 on places, a length squared on slopes). With the rotation ``Q`` half-way, means of vectors
-   that turn are shrunk by ``C = ½ (Q + Qᵀ)``: without that a cell that turns by θ had a strain of
-   ``θ²/8``. Forces at the unshrunk mean have neither resultant nor moment about it, and as
-   ``(C a) × (C b) = det(C) C⁻¹ (a × b)``, those above have none about the mean: whatever C is, to
-   round-off, and so without any balance of small differences, which straight lines do not allow.
-2. *Energy.* ``s`` is the step without its rigid part, so that ``M s`` has no resultant and no
+1. *Mean.* The rigid part of the step, a translation and a rotation, is fitted in a metric ``M`` (1
+   on positions, a length squared on position gradients). With half of the rotation ``Q``, means of
+   rotating vectors are shrunk by ``C = ½ (Q + Qᵀ)``: without a correction a cell that rotates by θ
+   would have a strain of ``θ²/8``. Forces at the unshrunk mean have neither resultant nor moment
+   about it, and as ``(C a) × (C b) = det(C) C⁻¹ (a × b)``, the forces above have none about the
+   mean. This holds for any C, to round-off, and so without balancing small differences, which is
+   impossible for nodes on a straight line.
+2. *Energy.* ``s`` is the increment without its rigid part, so that ``M s`` has no resultant and no
    moment; the factor is that of Gonzalez' discrete gradient (J. Nonlinear Sci. 6 (1996) 449) in the
    quotient by rigid motions. It is of third order in the deformation of the step.
 
-Cells that see directions fixed in space, such as a clamped end of a discrete rod, have no moment to
-keep: ``C = 1``, and ``s`` is the step without its translation.
+Cells whose energy depends on directions fixed in space, such as a clamped end of a discrete rod,
+conserve no angular momentum: ``C = 1``, and ``s`` is the increment without its translation.
 
-What of energies is round-off is left out, and made up as in
+Round-off of energies is not corrected at once, but accounted for as in
 :mod:`fem_lie.solve.conserving.midpoint.discrete_gradient`.
 """
 
@@ -66,13 +67,13 @@ from fem_lie.solve.conserving.vector_cells.cell_table import (
 
 
 class Energies(NamedTuple):
-    """Of all cells, each of shape (M,).
+    """Energies of all cells, each of shape (M,).
 
     Attributes:
-        start: Stored at the start of the step.
-        account: Work done on them up to there.
-        end: Stored at the end, overwritten.
-        work: Done in the step, overwritten.
+        start: Stored energy at the start of the step.
+        account: Work done on the cells up to its start.
+        end: Stored energy at the end, overwritten.
+        work: Work done in the step, overwritten.
     """
 
     start: Array
@@ -88,14 +89,14 @@ def factor_beside(
     factors: tuple[float, float, float],
     known: tuple[float, float, float, float, float],
 ) -> float:
-    """Factor of ``M s`` by which a cell's work is the change of its energy; notes the work.
+    """Factor of ``M s`` by which a cell's work is the change of its energy; records the work.
 
     Args:
-        energies: Of all cells, with that at the end of this one.
-        e: The cell.
-        factors: As of :func:`add_elastic`.
-        known: Work of the mean forces, ``|s|²``, what round-off of forces goes by, the cell's size
-            squared, and the error of its energy where that is a difference of larger numbers.
+        energies: Energies of all cells, with that at the end of this one.
+        e: Index of the cell.
+        factors: As in :func:`add_elastic`.
+        known: Work of the mean forces, ``|s|²``, scale of the round-off of forces, the cell's size
+            squared, and the error of its energy if that is a difference of larger numbers.
     """
     (_, typical, unknown), (made, square, round_off_level, ρ2, cancels) = factors, known
     round_off_level = ROUND_OFF * round_off_level + unknown + cancels
@@ -110,20 +111,20 @@ def factor_beside(
 
 
 _THIN = 1e-12
-"""Of the metric of rotations, about an axis along which all of a cell lies."""
+"""Fraction of the metric of rotations below which a cell is a line along an axis."""
 _SWEEPS = 3
-"""That make good for it about the others."""
+"""Number of iterations that correct for it about the other axes."""
 
 
 class Work(NamedTuple):
-    """Memory for one cell after the other.
+    """Workspace for one cell after the other.
 
     Attributes:
-        r: Halves of its nodes at the mean, from the centre, (k, 2, 3), as the next three.
-        d: Increments, then those without the rigid part.
+        r: Vectors of its nodes at the mean, from the centre, (k, 2, 3), like the next three.
+        d: Increments, later without the rigid part.
         f: Forces.
-        other: Halves at which something is asked for.
-        rows: Rows of the nodes, (k, 4, 3).
+        other: Vectors at which kernels are evaluated.
+        rows: Nodes, (k, 4, 3).
         A: Metric of rotations, (3, 3).
     """
 
@@ -137,7 +138,7 @@ class Work(NamedTuple):
 
 @compiled
 def memory(most: int) -> Work:
-    """For cells of that many nodes."""
+    """Workspace for cells of up to ``most`` nodes."""
     halves = np.empty((4, most, 2, 3))
     A = np.empty((3, 3))
     return Work(halves[0], halves[1], halves[2], halves[3], np.empty((most, 4, 3)), A)
@@ -145,14 +146,14 @@ def memory(most: int) -> Work:
 
 @inlined
 def part_of(work: Work, count: int) -> Work:
-    """That of it which so many nodes take."""
+    """The part of a workspace for ``count`` nodes."""
     r, d, f, other, rows, A = work
     return Work(r[:count], d[:count], f[:count], other[:count], rows[:count], A)
 
 
 @uncounted
 def take_centre(cells: CellTable, e: int, halves: Array) -> Vector:
-    """Take the mean of the places out of halves (k, 2, 3); returns it."""
+    """Subtract the mean position from vectors (k, 2, 3); returns it."""
     begin, count, centre = cells.first[e], 0, (0.0, 0.0, 0.0)
     for a in range(halves.shape[0]):
         if has_position(cells.kinds[begin + a]):
@@ -166,7 +167,7 @@ def take_centre(cells: CellTable, e: int, halves: Array) -> Vector:
 
 @inlined_uncounted
 def solve_thin(A: Array, b: Vector) -> Vector:
-    """``A⁻¹ b`` of a metric of rotations (3, 3), nothing about an axis along which all lies."""
+    """``A⁻¹ b`` of a metric of rotations (3, 3), zero about an axis on which all nodes lie."""
     thin = _THIN * (A[0, 0] + A[1, 1] + A[2, 2])
     if thin == 0.0:
         return 0.0, 0.0, 0.0
@@ -187,7 +188,7 @@ def solve_thin(A: Array, b: Vector) -> Vector:
 
 @uncounted
 def rotation_of(cells: CellTable, e: int, work: Work) -> Vector:
-    """The vector of Cayley's map that fits the increments ``d`` of the means ``r`` best."""
+    """Best fit of a rotation to the increments ``d`` of the means ``r``, as a Cayley vector."""
     r, d, A, begin = work.r, work.d, work.A, cells.first[e]
     A[:] = 0.0
     b = (0.0, 0.0, 0.0)
@@ -216,9 +217,9 @@ class Nodes(NamedTuple):
     """Start of a step, and its increments.
 
     Attributes:
-        H: Rows at the start, (≥ n, 4, 3).
-        rest: Digits that do not fit into them, (n, 4, 3).
-        step: Increments of both halves, (n, 6).
+        H: Nodes at the start, (≥ n, 4, 3).
+        rest: Their digits beyond double precision, (n, 4, 3).
+        step: Increments of both vectors, (n, 6).
     """
 
     H: Array
@@ -228,7 +229,7 @@ class Nodes(NamedTuple):
 
 @inlined_uncounted
 def set_out(cells: CellTable, e: int, nodes: Nodes, work: Work) -> None:
-    """Means ``r`` from the first node and increments ``d`` of a cell, and halves at the end."""
+    """Means ``r`` from the first node, increments ``d``, and vectors at the end of a cell."""
     r, d, other, begin = work.r, work.d, work.other, cells.first[e]
     mine = cells.nodes[begin : cells.first[e + 1]]
     kinds = cells.kinds[begin : cells.first[e + 1]]
@@ -252,15 +253,16 @@ def add_elastic(
     factors: tuple[float, float, float],
     out: Array,
 ) -> float:
-    """Add the elastic forces of a step to ``out``, but of cells of places.
+    """Add the elastic forces of a step to ``out``, except of cells of position nodes.
 
     Args:
         cells: All cells.
-        nodes: What they do.
-        energies: Of the cells.
-        factors: Of ``M s`` in forces beside, whose work is on no account; ``|s|²`` of a cell on the
-            average, before; and what of its energy cannot be seen in that of the scene.
-        out: Forces on both halves, (n, 6), updated.
+        nodes: Nodes and increments.
+        energies: Energies of the cells.
+        factors: Factor of ``M s`` in further forces, whose work is not accounted for; mean ``|s|²``
+            of a cell in the previous iteration; and the energy of a cell that the round-off of the
+            scene's energy hides.
+        out: Forces on both vectors, (n, 6), updated.
 
     Returns:
         The sum of ``|s|²``.
@@ -277,7 +279,7 @@ def _add_all(
     room: Work,
     out: Array,
 ) -> float:
-    """The same with the memory for a cell."""
+    """The same with a workspace for a cell."""
     repay, squares = factors[0], 0.0
     for e in range(cells.sees.shape[0]):
         if are_positions(cells, e):
@@ -319,7 +321,7 @@ def _add_all(
 
 @compiled
 def energies_at(cells: CellTable, H: Array, rest: Array, W: Array) -> None:
-    """Energies ``W`` (M,) of all cells at rows ``H``."""
+    """Energies ``W`` (M,) of all cells at nodes ``H``."""
     room = memory(largest_cell(cells.first))
     for e in range(W.shape[0]):
         here = slice(cells.first[e], cells.first[e + 1])

@@ -1,14 +1,13 @@
-"""Changes of elastic forces over a step, the metric of each cell and its round-off level; compiled.
+"""Changes of elastic forces over a step, which dissipation filters; metric and round-off of cells.
 
-What :mod:`fem_lie.solve.conserving.step.dissipation` filters. Forces of a cell are known along
-global axes and turn with it: those of the start, and what is remembered, are turned by its rotation
-to the end of the step, where the change is told. What acts is turned back half-way and shrunk, as
-elastic forces are (:mod:`.cells`), and freed of the resultant and of the moment about the mean that
-this gives it.
+Forces of a cell are stored along global axes and rotate with it: the forces at the start, and the
+filter state, are rotated with the cell to the end of the step, where the change is computed. The
+filtered forces are rotated back to the midpoint and shrunk, as elastic forces are (:mod:`.cells`),
+and their resultant and moment about the mean are removed.
+:mod:`fem_lie.solve.conserving.step.dissipation` has the filter.
 
-What is found of each cell once: its metric, what of space it sees, the round-off of its energy.
-
-Compiled.
+Constants of each cell are computed once: its metric, the invariance and the round-off of its
+energy. All functions are compiled.
 """
 
 from __future__ import annotations
@@ -59,24 +58,25 @@ from fem_lie.solve.conserving.vector_cells.cells import (
 )
 
 _FEEL, _SEEN = 0.05, 1e-6
-"""Motions, in lengths of a cell, by which it is seen whether forces balance, and to what."""
+"""Displacements, in lengths of a cell, with which its invariance is tested, and the tolerance."""
 _MIXED = (1 / 39) ** 2
-"""Weight of a mixed derivative, times lengths, beside that of a place: of the squares of Hermite's
-cubic functions on an edge, slopes have 1/39 of what places have, and this is across both."""
+"""Weight of a mixed derivative, times lengths, relative to that of a position: for Hermite's cubic
+functions on an edge, gradients have 1/39 of the squares of positions, and this applies across
+both."""
 _NEXT, _SAMPLES, _USUAL = 1e-9, 6, 16.0
-"""Motions, in lengths of a cell, whose work is compared with the change of its energy; how many;
-and how many times the round-off of a well-written energy the difference may be."""
+"""Displacements, in lengths of a cell, over which work and energy change are compared; their
+number; and the allowed difference, as a multiple of the round-off of a well-conditioned energy."""
 
 
 @compiled
 def measure_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> None:
-    """Set the weights of all cells, what they see of space, and what cancels, at rows ``H``.
+    """Set the metric, invariance and energy error of all cells at nodes ``H``.
 
     Args:
-        cells: Their ``weights``, ``sees`` and ``cancels`` are set.
-        lengths: Which halves of the nodes are lengths, others having no dimension, (n, 2).
-        H: Rows of all nodes, (≥ n, 4, 3).
-        rest: Digits of these that do not fit into them, (≥ n, 4, 3).
+        cells: Cells; ``weights``, ``sees`` and ``cancels`` are set.
+        lengths: Which vectors of the nodes are lengths, others being dimensionless, (n, 2).
+        H: All nodes, (≥ n, 4, 3).
+        rest: Their digits beyond double precision, (≥ n, 4, 3).
     """
     room = memory(largest_cell(cells.first))
     for e in range(cells.first.shape[0] - 1):
@@ -91,7 +91,7 @@ def measure_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> No
 
 @compiled
 def weigh_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> None:
-    """Set the weights alone, see :func:`measure_cells`."""
+    """Set the metric only, see :func:`measure_cells`."""
     room = memory(largest_cell(cells.first))
     for e in range(cells.first.shape[0] - 1):
         here = slice(cells.first[e], cells.first[e + 1])
@@ -103,7 +103,10 @@ def weigh_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> None
 
 @inlined
 def _weigh(cells: CellTable, lengths: Flags, e: int, r: Array) -> None:
-    """1 for places; as much for a slope of the usual size as for a place at the usual distance."""
+    """Metric: 1 for positions.
+
+    A gradient of the usual size counts like a position at usual distance.
+    """
     begin, far, long, places, slopes = cells.first[e], 0.0, 0.0, 0, 0
     for a in range(r.shape[0]):
         for k in range(2):
@@ -113,7 +116,7 @@ def _weigh(cells: CellTable, lengths: Flags, e: int, r: Array) -> None:
             elif dot(arm, arm) > 0.0 and not lengths[cells.nodes[begin + a], k]:
                 long, slopes = long + dot(arm, arm), slopes + 1
     share, mixed = far / places * slopes / long if slopes > 0 else 0.0, _MIXED
-    if far == 0.0:  # at one position there is no length, and slopes say all of a rotation
+    if far == 0.0:  # at one position there is no length, and gradients determine the rotation
         share, mixed = 1.0, 0.0
     for a in range(r.shape[0]):
         i = cells.nodes[begin + a]
@@ -124,7 +127,7 @@ def _weigh(cells: CellTable, lengths: Flags, e: int, r: Array) -> None:
 
 @inlined
 def _shake(cells: CellTable, e: int, r: Array, part: float, phase: float, out: Array) -> None:
-    """Set ``out`` to halves ``r`` that are moved by that part of the cell's size, each otherwise.
+    """Set ``out`` to vectors ``r`` displaced by ``part`` of the cell's size, each differently.
 
     ``out`` may be ``r``.
     """
@@ -143,10 +146,10 @@ def _shake(cells: CellTable, e: int, r: Array, part: float, phase: float, out: A
 
 @inlined
 def _cancelled(cells: CellTable, e: int, H: Array, work: Work) -> float:
-    """Error of the energy of a cell beyond that which round-off of its positions makes.
+    """Error of the energy of a cell beyond the round-off of its positions.
 
-    Over a motion by 1e-9 of the cell's size the mean of the forces at both ends does the work by
-    which the energy changes, to 1e-27 of a stiffness: what is between them is round-off.
+    Over a displacement of 1e-9 of the cell's size the mean of the forces at both ends does the work
+    of the energy change, to 1e-27 of a stiffness: the difference between them is round-off.
     """
     r, f, here, error, usual = work.r, work.f, work.other, 0.0, 0.0
     forces_of(cells, e, H, r, work.rows, f)
@@ -168,7 +171,7 @@ def _cancelled(cells: CellTable, e: int, H: Array, work: Work) -> float:
 
 @inlined
 def _seen(cells: CellTable, e: int, H: Array, work: Work) -> int:
-    """What a cell sees: whether its forces, a little deformed, have a resultant or a moment."""
+    """Invariance of a cell: whether its forces, slightly deformed, have a resultant or a moment."""
     r, f, begin = work.r, work.f, cells.first[e]
     _shake(cells, e, r, _FEEL, 0.0, r)
     forces_of(cells, e, H, r, work.rows, f)
@@ -186,14 +189,14 @@ def _seen(cells: CellTable, e: int, H: Array, work: Work) -> int:
 
 
 class CellForces(NamedTuple):
-    """Forces of all cells on both halves of each place, global components, (places, 2, 3) each.
+    """Forces of all cells on both vectors of each node, global components, (places, 2, 3) each.
 
     Attributes:
-        start: At the start of the step.
-        memory: Of changes, there.
-        end: At the end, overwritten like the following.
-        change: From the start, as the end has it.
-        kept: The memory, as the end has it.
+        start: Forces at the start of the step.
+        memory: Filter state at the start.
+        end: Forces at the end, overwritten like the following.
+        change: Change from the start, rotated to the end.
+        kept: Filter state, rotated to the end.
     """
 
     start: Array
@@ -205,7 +208,7 @@ class CellForces(NamedTuple):
 
 @inlined
 def _balance(cells: CellTable, e: int, work: Work) -> None:
-    """Take the resultant and the moment about the mean out of ``work.f``, as far as none is due."""
+    """Remove resultant and moment about the mean from ``work.f``, as invariance demands."""
     r, f, begin = work.r, work.f, cells.first[e]
     if cells.sees[e] < POSITIONS:
         take_centre(cells, e, f)
@@ -223,7 +226,7 @@ def _balance(cells: CellTable, e: int, work: Work) -> None:
 
 @inlined
 def _add(cells: CellTable, e: int, ω: Vector, given: Array, work: Work, out: Array) -> float:
-    """Add forces (k, 2, 3), as the end has them, to those on all nodes; returns their work."""
+    """Add forces (k, 2, 3), rotated to the end, to those on all nodes; returns their work."""
     begin, back, made = cells.first[e], scaled(-1.0, half(ω)), 0.0
     for a in range(given.shape[0]):
         for k in range(2):
@@ -242,13 +245,13 @@ def _add(cells: CellTable, e: int, ω: Vector, given: Array, work: Work, out: Ar
 def add_changes(
     cells: CellTable, nodes: Nodes, cell_forces: CellForces, out: Array
 ) -> tuple[float, float]:
-    """Add changes of elastic forces to ``out[0]`` and their memory to ``out[1]``.
+    """Add changes of elastic forces to ``out[0]`` and their filter state to ``out[1]``.
 
     Args:
         cells: All cells.
-        nodes: What they do.
-        cell_forces: What of their forces is known, and becomes so.
-        out: On both halves, (2, n, 6), updated.
+        nodes: Nodes and increments.
+        cell_forces: Forces and filter state, updated.
+        out: Forces on both vectors, (2, n, 6), updated.
 
     Returns:
         The works of both.
@@ -282,7 +285,7 @@ def add_changes(
 
 @compiled
 def forces_at(cells: CellTable, H: Array, rest: Array, out: Array) -> None:
-    """Forces (places, 2, 3) of all cells at rows ``H``."""
+    """Forces (places, 2, 3) of all cells at nodes ``H``."""
     room = memory(largest_cell(cells.first))
     for e in range(cells.sees.shape[0]):
         here = slice(cells.first[e], cells.first[e + 1])

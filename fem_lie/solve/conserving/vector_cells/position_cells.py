@@ -1,8 +1,8 @@
-"""Elastic forces of a step on cells whose nodes are places and nothing else; compiled.
+"""Elastic forces of a step on cells of position nodes only; compiled.
 
-What :mod:`.cells` says, for edges and bends of ropes and nets: half of what other nodes have, axes
-that need no turning, and of an edge a rotation in closed form. A net has tens of thousands of these
-cells, and its steps hardly do anything else.
+The method is that of :mod:`.cells`, specialised to edges and bends of ropes and nets: half of the
+coordinates of other nodes, no axes to rotate, and the rotation of an edge in closed form. A net has
+tens of thousands of these cells, and its steps spend nearly all their time on them.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ from fem_lie.solve.conserving.vector_cells.cells import (
 
 @inlined_uncounted
 def _ask(cells: CellTable, e: int, which: int, places: Array, count: int, found: Pointer) -> None:
-    """Add the energy, or forces (k, 6), of a cell at places (k, 2, 3), along global axes."""
+    """Add the energy, or forces (k, 6), of a cell at positions (k, 2, 3), along global axes."""
     calls = cells.calls[e, which]
     w = coefficients(calls[1], calls[4], calls[5], stack(room_of(calls)))
     rows = blocks_at(w, count, 4, 3)
@@ -64,14 +64,14 @@ def _ask(cells: CellTable, e: int, which: int, places: Array, count: int, found:
 
 @inlined_uncounted
 def _set_out(cells: CellTable, e: int, nodes: Nodes, count: int, work: Work) -> None:
-    """Means ``r`` and increments ``d`` from their centres, and places at the end."""
+    """Means ``r`` and increments ``d`` relative to their centres, and positions at the end."""
     H, rest, step = nodes
     begin, first = cells.first[e], cells.nodes[cells.first[e]]
     x, digits, origin = load_row(H[first], 0), load_row(rest[first], 0), load(step[first], 0)
     mean = centre = (0.0, 0.0, 0.0)
     for a in range(count):
         i = cells.nodes[begin + a]
-        # differences of the large parts are exact, those of the small have all digits
+        # differences of the large parts are exact, those of the small parts have all digits
         start = plus(minus(load_row(H[i], 0), x), minus(load_row(rest[i], 0), digits))
         seen = minus(load(step[i], 0), origin)
         middle = combined(1.0, start, 0.5, seen)
@@ -90,13 +90,13 @@ def _set_out(cells: CellTable, e: int, nodes: Nodes, count: int, work: Work) -> 
 
 @inlined_uncounted
 def _turn(work: Work, count: int) -> Vector:
-    """The vector of Cayley's map that fits the increments ``d`` of the means ``r`` best."""
+    """Best fit of a rotation to the increments ``d`` of the means ``r``, as a Cayley vector."""
     r, d, A, b, square = work.r, work.d, work.A, (0.0, 0.0, 0.0), 0.0
     for a in range(count):
         arm = load_row(r[a], 0)
         b, square = plus(b, cross(arm, load_row(d[a], 0))), square + dot(arm, arm)
     if count == 2:
-        # on a line, across which b is
+        # nodes on a line, to which b is perpendicular
         return scaled(1.0 / square, b) if square > 0.0 else b
     A[:] = 0.0
     for a in range(count):
@@ -112,14 +112,14 @@ def add_position_cells(
     factors: tuple[float, float, float],
     out: Array,
 ) -> float:
-    """Add the elastic forces of a step of cells of places to ``out``, and of no others.
+    """Add the elastic forces of a step of cells of position nodes to ``out``, and of no others.
 
     Args:
         cells: All cells.
-        nodes: What they do.
-        energies: Of the cells.
-        factors: As of :func:`~fem_lie.solve.conserving.vector_cells.cells.add_elastic`.
-        out: Forces on both halves, (n, 6), updated.
+        nodes: Nodes and increments.
+        energies: Energies of the cells.
+        factors: As in :func:`~fem_lie.solve.conserving.vector_cells.cells.add_elastic`.
+        out: Forces on both vectors, (n, 6), updated.
 
     Returns:
         The sum of ``|s|²``.
@@ -136,7 +136,7 @@ def _add_all(
     work: Work,
     out: Array,
 ) -> float:
-    """The same with the memory for a cell."""
+    """The same with a workspace for a cell."""
     size = 6 * work.r.shape[0]
     place = stack(size)
     found, squares = vector_at(place, size), 0.0
