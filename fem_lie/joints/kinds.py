@@ -271,7 +271,7 @@ class Universal(_WithSecondAxis):
         return self._angle("second angle", rows({10: 1.0}, {11: 1.0}))
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Both angles."""
+        """The two angles."""
         return self.angle, self.second_angle
 
 

@@ -21,8 +21,8 @@ from fem_lie.linear.factors import Solution
 
 Kept = TypeVar("Kept")
 
-KEPT = 4
-"""Step sizes whose factorisations are kept at the same time."""
+MOST = 4
+"""Number of step sizes whose factorisations are stored at the same time."""
 
 REACH = 2.1
 """Largest ratio of two ``m`` for which the matrix of a stiff scene serves the other step."""
@@ -85,7 +85,7 @@ class Levels(Generic[Kept]):
     def make_room(self) -> Kept | None:
         """Delete the factorisation that the next one replaces: of this level, or the oldest."""
         old = [slot for slot in self._slots if _near(slot.mass, self._wanted)]
-        if not old and len(self._slots) == KEPT:
+        if not old and len(self._slots) == MOST:
             old = [min(self._slots, key=lambda slot: slot.age)]
         if not old:
             return None
@@ -99,15 +99,15 @@ class Levels(Generic[Kept]):
         self._slots.append(self._now)
 
 
-class KeptFactors(DirectSolver):
-    """A solver that keeps factorisations of several step sizes.
+class StoredFactors(DirectSolver):
+    """Solver with stored factorisations for several step sizes.
 
     Attributes:
-        levels: Those.
+        levels: The selection among them.
     """
 
     def __init__(self, like: DirectSolver, *, rigid: bool) -> None:
-        """Nothing is factorised yet.
+        """Start without factorisations.
 
         Args:
             like: A solver for the same matrix.
@@ -119,11 +119,11 @@ class KeptFactors(DirectSolver):
 
     @property
     def usable(self) -> bool:
-        """Whether there is a factorisation that serves the present step."""
+        """Whether a factorisation serves the current step."""
         return self.levels.present is not None
 
     def keep(self, scale: Array) -> None:
-        """Factorise the matrix as it is now, with constraints times ``scale``, for this step.
+        """Factorise the current matrix, with constraints times ``scale``, for this step.
 
         Raises:
             SingularMatrixError: It cannot be factorised.
@@ -134,7 +134,7 @@ class KeptFactors(DirectSolver):
         self.levels.keep(solver, scale)
 
     def solve(self) -> None:
-        """Solve with the factorisation that is in use, not yet scaled by ``levels.factor``."""
+        """Solve with the selected factorisation, not yet scaled by ``levels.factor``."""
         solver = self.levels.present
         assert solver is not None
         solver.right_hand_side[:] = self.right_hand_side
@@ -148,20 +148,20 @@ class KeptFactors(DirectSolver):
         return Solution.none() if solver is None else solver.by_call
 
     def times(self, x: Array) -> Array:
-        """The matrix that is in use times ``x``."""
+        """Product of the selected matrix with ``x``."""
         assert self.levels.present is not None
         return self.levels.present.times(x)
 
     def forget(self) -> None:
-        """Have no factorisation of any step size."""
+        """Delete all factorisations."""
         self.levels = Levels[DirectSolver](rigid=self.levels.rigid)
 
     def memory(self) -> dict[str, Array]:
-        """How many factorisations there were: those of several sizes are in no checkpoint."""
+        """Number of factorisations; the factors themselves are not in checkpoints."""
         return {"made": np.array(self.factorisations)}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Be as when :meth:`memory` was called, without factorisations."""
+        """Restore the state of :meth:`memory`, without factorisations."""
         self.forget()
         self.factorisations = int(kept["made"])
 

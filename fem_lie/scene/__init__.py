@@ -1,4 +1,4 @@
-"""What there is: bodies, joints, loads, supports and choices."""
+"""Scenes: bodies, joints, loads, supports and choices."""
 
 from fem_lie.scene.scene import Scene
 

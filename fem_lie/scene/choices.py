@@ -9,14 +9,14 @@ from fem_lie._arrays import flag
 
 @dataclass(frozen=True)
 class Choices:
-    """What goes into the iteration matrix of dynamics; the equations always have everything.
+    """Terms of the iteration matrix of dynamics; the equations always have all terms.
 
     A term that is left out costs iterations, never accuracy. ``None`` leaves the choice to the
     scene, which logs it.
 
     Attributes:
-        gyroscopic: Derivatives of gyroscopic and centrifugal forces. Default: if anything turns
-            by more than :data:`SPIN_PER_STEP` in a step at the start.
+        gyroscopic: Derivatives of gyroscopic and centrifugal forces. Default: if anything initially
+            rotates by more than :data:`SPIN_PER_STEP` in a step.
         geometric: Geometric stiffness of elements and joints. Default: yes.
     """
 

@@ -51,7 +51,7 @@ from fem_lie._jit import compiled
 from fem_lie._state import arrays_of, attributes
 from fem_lie.lie.node_types import all_to_group, cubic_term, from_group, push_all_forward
 from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.linear.levels import KeptFactors
+from fem_lie.linear.levels import StoredFactors
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.start import set_start
@@ -164,7 +164,7 @@ class AlphaSteps(Run):
         """Set up without computing anything; ``control`` holds the level of the step size."""
         super().__init__(options, equations, control.size)
         self.control = control
-        self.factors = KeptFactors(self._starter, rigid=equations.unknowns.rigid)
+        self.factors = StoredFactors(self._starter, rigid=equations.unknowns.rigid)
         self.solver = self.factors
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self._speed, self._scales = 0.0, dict[int, tuple[Array, Array]]()

@@ -21,8 +21,8 @@ from fem_lie.system.constraint_sets.relative_motions import RelativeMotions
 from fem_lie.system.nodes.held_attachments import HeldAttachments
 from fem_lie.system.nodes.numbering import Numbering
 
-_NO_LEVER = 1e-9
-"""Of the extent of a scene: joints do not ask for more of two points that coincide."""
+_NO_ARM = 1e-9
+"""Smallest moment arm of a point, over the extent of a scene."""
 
 
 class AllPairs(NamedTuple):
@@ -68,7 +68,7 @@ def all_pairs(
     for each in attached:
         rows.append(np.concatenate([each.rows.moving, n + np.arange(g), each.rows.fixed + g]))
     table = _joined(tables, rows)
-    seen = _seen(table, n + g, _NO_LEVER * float(np.ptp(frames[:, 0], axis=0).max(initial=0.0)))
+    seen = _seen(table, n + g, _NO_ARM * float(np.ptp(frames[:, 0], axis=0).max(initial=0.0)))
     table.frames[:, :, 0][~np.append(seen, np.ones(len(frames) - n, dtype=bool))[table.nodes]] = 0.0
     whole = np.append(kinds < POSITION_GRADIENT, [kind.turns for kind in attachments.kinds]).astype(
         bool
@@ -118,7 +118,7 @@ def _seen(table: JointTable, count: int, short: float) -> Flags:
         if partly and (table.rows[own] < m).all() and not c.any():
             partly = bool(np.linalg.matrix_rank(S[:, :3]) < 3)
         for side, row in enumerate(table.nodes[j].tolist()):
-            lever = bool(np.abs(table.frames[j, side, 0]).max() > short)
+            arm = bool(np.abs(table.frames[j, side, 0]).max() > short)
             if row < count:
-                seen[row] |= turned or lever or (side == 0 and partly)
+                seen[row] |= turned or arm or (side == 0 and partly)
     return seen

@@ -161,7 +161,7 @@ class AttachedLowRank(LowRankTangent):
         self._of, self._nodes = of, nodes
 
     def stiff_rows(self, H: Array) -> StiffRows:
-        """What counts of the tangent, by few rows."""
+        """Few stiff rows that represent the tangent approximately, on master nodes."""
         found = self._of.stiff_rows(self._nodes.frames(H))
         nodes, rows = self._nodes.rows(found.nodes, found.rows)
         return StiffRows(nodes, rows, found.stiffness)
