@@ -42,7 +42,7 @@ def test_it_leaves_freely_and_touches_when_it_comes_back(law, jointed):
     assert 0.08 < z.min(initial=1.0, where=t > back - 1e-2)
     assert z[-1] > 0.2
     found = fl.contact_forces(result, scene.contacts[0])
-    pushed = np.unique(found.states[found.places[:, 0] == 0])
+    pushed = np.unique(found.states[found.points[:, 0] == 0])
     assert len(pushed)
     assert t[pushed.min()] > back - 5e-3
 

@@ -48,7 +48,7 @@ def test_amplitude_of_a_mode_is_the_displacement_on_the_nodes(far, unit):
     scene, _ = column(28, length=length, far=far)
     modes = fl.buckling(scene, 7)
     np.testing.assert_allclose(modes.factors, np.arange(1, 8) ** 2, rtol=0.04)
-    assert not modes.turns_only.any()
+    assert not modes.rotation_only.any()
     for mode in (1, 4, 7):
         wanted = 1e-3 * length
         other = fl.imperfect(scene, fl.ModeImperfection(modes, mode, wanted))
@@ -171,7 +171,7 @@ def test_a_mode_that_only_turns_is_one_of_its_own(unit):
     scene, beam = topheavy(1.0 / LENGTHS[unit])
     modes = fl.buckling(scene, 1)
     assert modes.factors[0] == pytest.approx(1.0, rel=2e-3)
-    assert modes.turns_only.tolist() == [True]
+    assert modes.rotation_only.tolist() == [True]
     assert "turns only" in str(modes)
     assert np.linalg.norm(modes.shape(1)[:, 3:], axis=1).max() == pytest.approx(1.0)
     with pytest.raises(ValueError, match="only turns: give angle="):
@@ -180,10 +180,10 @@ def test_a_mode_that_only_turns_is_one_of_its_own(unit):
     turns = lie.so3_log(lie.rotation(beam.frames).transpose(0, 2, 1) @ lie.rotation(other.frames))
     assert np.linalg.norm(turns, axis=1).max() == pytest.approx(0.01, rel=1e-10)
     (point,) = fl.follow_path(scene, 1.1).critical
-    assert point.turns_only[0]
-    with pytest.raises(ValueError, match="mode 1 only turns"):
+    assert point.rotation_only[0]
+    with pytest.raises(ValueError, match="mode 1 has rotations only"):
         fl.branch(scene, point)
-    with pytest.raises(ValueError, match="mode 1 only turns"):
+    with pytest.raises(ValueError, match="mode 1 has rotations only"):
         point.moved(1, 0.1)
 
 

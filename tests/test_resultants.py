@@ -342,7 +342,7 @@ def test_nothing_is_averaged_across_a_jump():
     x = shell.frames[:, 0] * [1, 1.01, 1]
     result = states(shell, directed(x, np.tile([0, 0, 1.0], (len(x), 1))))
     found = fl.resultants(result, shell)
-    node = found.places.patches.node
+    node = found.stress_points.patches.node
     assert len(node) == len(x) + 3
     value = found.smooth("N22")
     middle = np.abs(shell.frames[node, 0, 0] - 1) < 1e-9
@@ -363,7 +363,7 @@ def test_nothing_is_averaged_where_bending_alone_jumps():
     mesh = fl.surface(lambda a, b: (2 * a, b, 0.0), (4, 2))
     shell = fl.Shell(mesh, lambda centre: outside if centre[0] < 1 else inside, along=(1, 0, 0))
     found = fl.resultants(states(shell, shell.frames), shell)
-    assert len(found.places.patches.node) == len(shell.frames) + 3
+    assert len(found.stress_points.patches.node) == len(shell.frames) + 3
 
 
 def test_means_of_distorted_cells_are_means_over_their_area():
@@ -393,8 +393,8 @@ def test_nothing_is_averaged_across_a_kink():
     shell = fl.Shell(fl.surface(roof, (4, 2)), LAYER, kink_angle=np.pi, along=(0, 1, 0))
     result = states(shell, shell.frames)
     found = fl.resultants(result, shell)
-    assert len(found.places.patches.node) == len(shell.frames) + 3
-    assert len(fl.resultants(result, shell, kink_angle=np.pi).places.patches.node) == 15
+    assert len(found.stress_points.patches.node) == len(shell.frames) + 3
+    assert len(fl.resultants(result, shell, kink_angle=np.pi).stress_points.patches.node) == 15
 
 
 # --- equilibrium ---
@@ -600,8 +600,8 @@ def test_hdf5_file_holds_everything(tmp_path):
         np.testing.assert_array_equal(file["averaged"], found.nodal)
         for name in ("in_cells", "at_points", "points", "areas", "cut_forces", "cut_moments"):
             np.testing.assert_array_equal(file[name], getattr(found, name))
-        np.testing.assert_array_equal(file["axes"], found.places.shared)
-        places = file["places"][()][file["cells"][()]]
+        np.testing.assert_array_equal(file["axes"], found.stress_points.shared)
+        places = file["positions"][()][file["cells"][()]]
         np.testing.assert_array_equal(places, shell.mesh.points[shell.mesh.cells])
 
 

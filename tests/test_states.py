@@ -98,7 +98,7 @@ def test_an_animation_has_an_image(results, kind):
 def test_stresses_are_those_of_a_series_of_states(results, kind):
     """What has frames of a single state is named, and not taken for as many states as nodes."""
     scene, beam, _ = column("fixed-free", 4)
-    with pytest.raises(TypeError, match="wanted is a result of statics, a path or dynamics, got"):
+    with pytest.raises(TypeError, match="expected a result of statics, a path or dynamics, got"):
         fl.section_forces(results[kind], beam, scene)
 
 

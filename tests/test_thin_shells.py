@@ -346,7 +346,7 @@ def test_moments_balance_the_load():
     scene.add(fl.EdgeLoad(body, "a=1", force=(0, 0, 0.4)))
     result = fl.statics(scene)
     found = fl.thin_resultants(result, body)
-    arms = result.position("strip.10")[-1][0] - found.places[..., 0]
+    arms = result.position("strip.10")[-1][0] - found.positions[..., 0]
     # a force upwards at the end bends the normals back
     np.testing.assert_allclose(np.abs(found.moments[..., 0]), 0.4 * arms, atol=0.02)
     mean = found.moments[..., 0].mean(axis=1)

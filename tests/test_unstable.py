@@ -45,7 +45,7 @@ def test_a_limit_load_on_the_way_is_told_though_the_end_is_stable():
     with pytest.warns(fl.UnstableEquilibriumWarning, match=r"maximum near 0\.8") as told:
         result = fl.follow_loads(scene)
     assert len(told) == 1
-    assert result.stable.all() and len(result.turned_back) == 1
+    assert result.stable.all() and len(result.load_maxima) == 1
     assert maxima([0.5, 1.0]) == ()
     assert maxima([0.5, 0.9, 0.3, 0.4, 0.2, 1.0]) == (0.9, 0.4)
 
@@ -136,7 +136,7 @@ def test_branch_refuses_to_come_back_on_the_path_it_leaves():
         station=station,
         frames=path.frames[4],
         shapes=tangent[np.newaxis],
-        turns_only=np.array([False]),
+        rotation_only=np.array([False]),
     )
     with pytest.raises(fl.ConvergenceError, match="leads back onto the path"):
         fl.branch(scene, false)

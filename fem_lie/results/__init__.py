@@ -1,4 +1,4 @@
-"""What was found: histories, equilibria, paths, modes and files."""
+"""Results: histories, equilibria, paths, modes and files."""
 
 from fem_lie.results.history import Result
 

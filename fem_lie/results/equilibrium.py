@@ -1,4 +1,4 @@
-"""Equilibrium as a result: states under given loads, with tables, forces and pictures."""
+"""Results of statics: equilibrium states, with tables, forces and pictures."""
 
 from __future__ import annotations
 
@@ -29,24 +29,25 @@ class StaticResult(StateSeries, Displaced):
     """Equilibrium states.
 
     Attributes:
-        factors: Load factors of the accepted steps, shape (k,), the last is 1.
-        frames: Frames at them, shape (k, nodes, 4, 3).
-        joint_forces: Force and moment of each joint on its point ``a``, at the joint and in the
-            axes that it has on that side, shape (k, j, 6).
-        iterations: Linear solves of each accepted step, shape (k,).
-        failed_iterations: Linear solves of steps that were given up.
+        factors: Load factors of the accepted steps, shape (k,); the last is 1.
+        frames: Frames of all nodes at these factors, shape (k, nodes, 4, 3).
+        joint_forces: Force and moment of each joint on its point ``a``, about the joint and in its
+            axes on that side, shape (k, j, 6).
+        iterations: Number of linear solutions in each accepted step, shape (k,).
+        failed_iterations: Number of linear solutions in rejected steps.
         info: Bodies and joints.
-        initial: Frames of the unloaded configuration, shape (nodes, 4, 3).
-        steady_rotation: Of the frame in which this is an equilibrium, at load factor 1.
+        initial: Frames of the undeformed configuration, shape (nodes, 4, 3).
+        steady_rotation: Rotation of the frame in which this is an equilibrium, at load factor 1.
         seconds: Wall time from the first assembly to the last solution, without set-up.
-        reactions: Force and moment of each support on its node, about it, global components, see
-            :meth:`reaction`, shape (k, s, 6).
-        negative_pivots: Negative eigenvalues of the tangent at each state on what constraints leave
-            free, shape (k,): with none it is stable. Under loads without potential it is 1 if their
-            number is odd, else 0; −1 where the matrix could not be factorised.
-        factorisations: Of the matrix, in all.
-        turned_back: Load factors at which the load had a maximum on the way, roughly.
-        subdomains: What the solution on these took, if there are any.
+        reactions: Force and moment of each support on its node, about the node, global components,
+            see :meth:`reaction`, shape (k, s, 6).
+        negative_pivots: Number of negative eigenvalues of the tangent stiffness at each state, on
+            the null space of the constraints, shape (k,); a state with none is stable. Under loads
+            without a potential it is 1 if their number is odd, else 0; −1 if the matrix could not
+            be factorised.
+        factorisations: Number of factorisations of the matrix.
+        load_maxima: Load factors, approximately, at which the load had a maximum along the path.
+        subdomains: Statistics of the domain decomposition, if it was used.
     """
 
     factors: Array
@@ -63,20 +64,20 @@ class StaticResult(StateSeries, Displaced):
         default_factory=lambda: np.empty(0, dtype=np.int64), kw_only=True
     )
     factorisations: int = field(default=0, kw_only=True)
-    turned_back: tuple[float, ...] = field(default=(), kw_only=True)
+    load_maxima: tuple[float, ...] = field(default=(), kw_only=True)
     subdomains: Subdomains | None = field(default=None, kw_only=True)
 
     @property
     def stable(self) -> Flags:
-        """Which states are stable, shape (k,); under loads without potential: as far as is known.
+        """Whether each state is stable, shape (k,), by ``negative_pivots``.
 
-        See ``negative_pivots``.
+        Under loads without a potential an even number of negative eigenvalues is not detected.
         """
         return np.asarray(self.negative_pivots == 0)
 
     @property
     def total_iterations(self) -> int:
-        """Linear solutions in all."""
+        """Number of linear solutions, including rejected steps."""
         return int(self.iterations.sum()) + self.failed_iterations
 
     def plot(
@@ -85,7 +86,7 @@ class StaticResult(StateSeries, Displaced):
         path: str | os.PathLike[str] | None = None,
         units: Units = SI,
     ) -> Figure:
-        """Displacements of points over the load factor; saved if there is a path."""
+        """Plot displacements of points over the load factor; saved if ``path`` is given."""
         moved = [(label_of(point), self.displacement(point)) for point in points]
         return diagrams.displacements(self.factors, moved, path, units=units)
 
@@ -100,17 +101,17 @@ class StaticResult(StateSeries, Displaced):
         title: str = "",
         units: Units = SI,
     ) -> None:
-        """Draw the unloaded bodies and equilibrium states, the later the darker.
+        """Draw the undeformed bodies and equilibrium states; later states are darker.
 
         Args:
             path: Name of the ``.png`` file.
-            at: Which states: whole numbers are indices, others load factors, of which the nearest
-                is taken; default: all if they are seven at most, or so many of them, evenly.
-            trace: Points whose paths through all states are drawn, too.
-            frames: Draw the nodal frames of the last state.
-            arrows: Forces at the last state, such as :meth:`~fem_lie.ContactForces.arrows` has.
-            title: Above the picture.
-            units: For the axes.
+            at: States to draw: integers are indices, floats load factors, of which the nearest is
+                taken. Default: all, or seven that are evenly spaced if there are more.
+            trace: Points whose paths through all states are drawn.
+            frames: Whether to draw the nodal frames of the last state.
+            arrows: Forces in the last state, such as :meth:`~fem_lie.ContactForces.arrows` returns.
+            title: Title of the picture.
+            units: Units of the axes.
 
         Raises:
             ValueError: There is no such state.
@@ -124,7 +125,7 @@ class StaticResult(StateSeries, Displaced):
         )
 
     def _row(self, state: int | float) -> int:
-        """Number of a state that is asked for by its index or by a load factor."""
+        """Index of a state that is given by its index or by a load factor."""
         count = len(self.factors)
         if isinstance(state, int | np.integer):
             if not -count <= state < count:
@@ -133,38 +134,38 @@ class StaticResult(StateSeries, Displaced):
         return nearest(self.factors, state, "a load factor")
 
     def _along(self, units: Units) -> tuple[Array, str, str]:
-        """Load factors."""
+        """Load factors, and their label."""
         return self.factors, "load factor", ""
 
     def _diagrams(
         self, rows: Indices, trace: Sequence[Point | str | int], units: Units
     ) -> Sequence[Diagram]:
-        """The path of the first of the points."""
+        """Diagram of the displacement of the first traced point."""
         if not trace:
             return ()
         moved = np.linalg.norm(self.displacement(trace[0]), axis=-1)
         return (along_a_load(moved, self.factors, label_of(trace[0]), rows, units.length),)
 
     def _instants(self, images: int) -> Indices:
-        """Numbers of so many states at most, evenly."""
+        """Indices of at most so many evenly spaced states."""
         return evenly(len(self.factors), images)
 
     def _traces(self, points: Sequence[Point | str | int]) -> list[Array]:
-        """Paths of points through all states, from the unloaded one on."""
+        """Paths of points through all states, starting from the undeformed configuration."""
         starts = [self.info.frame(point, self.initial)[np.newaxis, 0] for point in points]
         return [np.vstack(parts) for parts in zip(starts, super()._traces(points), strict=True)]
 
 
 @dataclass(frozen=True)
 class PathResult(StaticResult):
-    """Equilibrium states at the wanted loads.
+    """Equilibrium states at prescribed loads, from :func:`~fem_lie.follow_loads`.
 
-    ``factors`` are the wanted load factors, ``iterations`` all linear solutions on the way to each
-    of them, without those of failed steps.
+    ``factors`` are the prescribed load factors; ``iterations`` are the numbers of linear solutions
+    on the path to each of them, without those of failed steps.
 
     Attributes:
-        load_steps: Number of accepted steps, those between the wanted loads included.
-        failed_steps: Number of steps that were given up.
+        load_steps: Number of accepted steps, including those between the prescribed loads.
+        failed_steps: Number of rejected steps.
         seconds: Wall time from the first assembly to the last solution.
     """
 
@@ -173,4 +174,4 @@ class PathResult(StaticResult):
     seconds: float
 
 
-_DRAWN = 7  # states in a picture, beside the unloaded one
+_DRAWN = 7  # states in a picture, without the undeformed configuration

@@ -1,7 +1,7 @@
-"""Results in an HDF5 file: one data set for each array, one group for each body and joint.
+"""Result files in HDF5: one data set for each array, one group for each body and joint.
 
-From version 11 on all contents have checksums, see :mod:`fem_lie.results.storage`. Each
-version from 10 on can be read.
+Since version 11 all contents have checksums, see :mod:`fem_lie.results.storage`. Files of version
+10 and later can be read.
 """
 
 from __future__ import annotations
@@ -39,18 +39,18 @@ _FORMAT, _VERSION = "fem_lie results", 11
 _NUMBERS = "numbers"
 _BLOCK = 2**26  # bytes of rows that are copied together
 NUMBERS = ("factorisations", "k_updates", "phi_updates", "divided", "seconds")
-"""What a result says of the work, the last in seconds."""
+"""Scalar statistics of a run; the last one is in seconds."""
 
 
 class Stored(NamedTuple):
-    """What is in a file.
+    """Contents of a file.
 
     Attributes:
-        arrays: By their names in :class:`~fem_lie.Result`, one row for each time.
-        numbers: Those of :data:`NUMBERS`.
+        arrays: Arrays by their names in :class:`~fem_lie.Result`, with one row for each time.
+        numbers: Values of :data:`NUMBERS`.
         info: Bodies and joints.
-        steps: The steps that were made, if they changed.
-        contacts: What contacts by impacts did in each step, if there are any.
+        steps: History of the steps, if the step size was variable.
+        contacts: History of contacts with impacts, if there are any.
     """
 
     arrays: dict[str, Array]
@@ -61,11 +61,11 @@ class Stored(NamedTuple):
 
 
 def write(path: str | os.PathLike[str], result: Stored) -> None:
-    """Write a file that appears under its name only when it is whole."""
+    """Write a file; it appears under its name only when it is complete."""
     import h5py
 
     target = Path(path)
-    # made in memory: a library that cannot write to a full disk ends the process
+    # written in memory first: the HDF5 library aborts the process when the disk is full
     with h5py.File(target.name, "w", driver="core", backing_store=False) as file:
         file.attrs.update({"format": _FORMAT, "version": _VERSION})
         for name, values in result.arrays.items():
@@ -82,43 +82,43 @@ def write(path: str | os.PathLike[str], result: Stored) -> None:
         file.flush()
         image = file.id.get_file_image()
     try:
-        with _unfinished(target) as unfinished, unfinished.open("wb", buffering=0) as place:
-            write_all(place.fileno(), image, 0)
-            os.fsync(place.fileno())
+        with _unfinished(target) as unfinished, unfinished.open("wb", buffering=0) as file:
+            write_all(file.fileno(), image, 0)
+            os.fsync(file.fileno())
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(target)) from error
 
 
 def create(path: Path, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], rows: int) -> None:
-    """Write a file with room for rows of arrays, see :mod:`fem_lie.results.storage`.
+    """Create a file with space for rows of arrays, see :mod:`fem_lie.results.storage`.
 
     Args:
-        path: Of the file.
+        path: Name of the file.
         info: Bodies and joints.
-        shapes: Of a row of each array.
-        rows: How many of each there will be at most.
+        shapes: Shape of a row of each array.
+        rows: Largest number of rows.
     """
-    with _unfinished(path) as place:
-        _write_empty(place, info, shapes, rows)
+    with _unfinished(path) as unfinished_path:
+        _write_empty(unfinished_path, info, shapes, rows)
 
 
 def enlarge(
     path: Path, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], filled: int, rows: int
 ) -> None:
-    """Replace a file made by :func:`create` by one with room for more rows.
+    """Replace a file that :func:`create` made by one with space for more rows.
 
     Args:
-        path: Of the file.
+        path: Name of the file.
         info: Bodies and joints.
-        shapes: Of a row of each array.
-        filled: Rows that are in it.
-        rows: How many of each there will be at most.
+        shapes: Shape of a row of each array.
+        filled: Number of rows that the file has.
+        rows: Largest number of rows of the new file.
     """
     size = 8 * sum(prod(shape) for shape in shapes.values())
     many = max(1, _BLOCK // size)
-    with _unfinished(path) as place:
-        _write_empty(place, info, shapes, rows)
-        new, known = ResultRows(place), ResultRows(path).read(filled)
+    with _unfinished(path) as unfinished_path:
+        _write_empty(unfinished_path, info, shapes, rows)
+        new, known = ResultRows(unfinished_path), ResultRows(path).read(filled)
         for first in range(0, filled, many):
             new.write(first, {name: rows[first : first + many] for name, rows in known.items()})
         new.sync()
@@ -126,13 +126,13 @@ def enlarge(
 
 @contextmanager
 def _unfinished(path: Path) -> Iterator[Path]:
-    """A place for a file that gets its name when it is whole."""
-    place = path.with_name(f".{path.name}.{os.getpid()}.part")
+    """Temporary path of a file that is renamed when it is complete."""
+    unfinished_path = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        yield place
-        os.replace(place, path)
+        yield unfinished_path
+        os.replace(unfinished_path, path)
     finally:
-        place.unlink(missing_ok=True)
+        unfinished_path.unlink(missing_ok=True)
 
 
 def _write_empty(
@@ -156,7 +156,7 @@ def _write_empty(
 
 
 def finish(path: Path, numbers: dict[str, float]) -> None:
-    """Set factorisations and seconds of a file made by :func:`create`, where they are."""
+    """Set the number of factorisations and the wall time of a file that :func:`create` made."""
     import h5py
 
     with h5py.File(path, "r+") as file:
@@ -167,7 +167,7 @@ _GROUPS: dict[type, str] = {StepHistory: "steps", ContactSteps: "contacts"}
 
 
 def add(path: Path, record: StepHistory | ContactSteps) -> None:
-    """Put what is known of each step into a file made by :func:`create`."""
+    """Add the history of steps or contacts to a file that :func:`create` made."""
     import h5py
 
     group = _GROUPS[type(record)]
@@ -190,7 +190,7 @@ def _write_info(file: Any, info: SceneInfo) -> None:
 
 
 def read(path: str | os.PathLike[str], names: Sequence[str]) -> Stored:
-    """Read arrays of these names, and all else that :func:`write` wrote.
+    """Read arrays of these names, and all other contents that :func:`write` wrote.
 
     For errors see :meth:`fem_lie.Result.load`.
     """
@@ -216,17 +216,17 @@ def read(path: str | os.PathLike[str], names: Sequence[str]) -> Stored:
 
 _DAMAGES = (
     DamagedError,
-    # what h5py raises where the structure of a file is damaged
+    # exceptions of h5py for a damaged file structure
     *(OSError, KeyError, ValueError, TypeError, RuntimeError, MemoryError, OverflowError),
     *(AttributeError, IndexError),
 )
 
 
 def require_version(path: Path) -> None:
-    """Refuse a file of an older version, to which no rows can be added.
+    """Refuse a file of an older version, because rows cannot be added to it.
 
     Raises:
-        ValueError: It is of another version than is written.
+        ValueError: The file has another version than the present one.
     """
     import h5py
 
@@ -268,7 +268,7 @@ _READERS: dict[int, Callable[[Any, Sequence[str]], Stored]] = {
 
 
 def _named(values: Sequence[float]) -> dict[str, float]:
-    """Numbers of the run by name; all but the seconds are counts."""
+    """Statistics of the run by name; all except the seconds are integers."""
     return {
         name: float(value) if name == NUMBERS[-1] else int(value)
         for name, value in zip(NUMBERS, values, strict=True)
@@ -276,13 +276,13 @@ def _named(values: Sequence[float]) -> dict[str, float]:
 
 
 def _packed(numbers: Mapping[str, float]) -> Array:
-    """Numbers of the run and their checksum: one attribute, written in one piece."""
+    """Statistics of the run and their checksum, as one attribute."""
     values = np.array([float(numbers[name]) for name in NUMBERS])
     return np.append(values, zlib.crc32(values.tobytes()))
 
 
 def _with_info(file: Any, arrays: dict[str, Array], numbers: dict[str, float], mass: Any) -> Stored:
-    """What all versions have in common, and these."""
+    """Contents of a file of any version, with these arrays and statistics."""
     steps = _read_record(file, "steps", StepHistory)
     contacts = _read_record(file, "contacts", ContactSteps)
     info = SceneInfo(

@@ -1,4 +1,4 @@
-"""What an integrator found: histories, how to look them up, to keep them and to draw them."""
+"""Results of dynamics: histories, with access by point and joint, files and pictures."""
 
 from __future__ import annotations
 
@@ -44,42 +44,44 @@ _DRAWN = 6  # states in a picture
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Result(Balanced, StateSeries):
-    """Histories at the T times that were kept.
+    """Histories at the T recorded times.
 
-    Of what a run did not record, see :class:`fem_lie.Record`, looking raises ``AttributeError``.
+    Access to a quantity that was not recorded raises ``AttributeError``, see
+    :class:`fem_lie.Record`.
 
     Attributes:
-        times: Shape (T,).
+        times: Recorded times, shape (T,).
         frames: Frames of the N nodes, shape (T, N, 4, 3): position, then the directors e₁, e₂, e₃
             in global components (:mod:`fem_lie.lie`).
-        velocities: Local velocities (translation, rotation), shape (T, N, 6).
-        joint_forces: Force and moment of each joint on its point ``a``, at the joint and in the
-            axes that it has on that side, shape (T, j, 6).
-        reactions: Force and moment of each support on its node, about it, global components, see
-            :meth:`reaction`, shape (T, s, 6).
+        velocities: Velocities (translation, rotation) in the nodes' own axes, shape (T, N, 6).
+        joint_forces: Force and moment of each joint on its point ``a``, about the joint and in its
+            axes on that side, shape (T, j, 6).
+        reactions: Force and moment of each support on its node, about the node, global components,
+            see :meth:`reaction`, shape (T, s, 6).
         joint_coordinates: Relative coordinates of all joints, see :meth:`coordinate`, (T, c).
-        joint_violations: Largest violation of a constraint of each joint, shape (T, j).
+        joint_violations: Largest constraint violation of each joint, shape (T, j).
         kinetic: Kinetic energy, shape (T,).
-        elastic: Elastic energy, that of springs included, shape (T,).
-        potential: That of gravity and of forces fixed in space without a history, shape (T,).
+        elastic: Elastic energy, including that of springs, shape (T,).
+        potential: Potential energy of gravity and of constant forces fixed in space, shape (T,).
         momentum: Linear momentum, global components, shape (T, 3).
-        angular_momentum: About the origin, global components, shape (T, 3).
-        balance: Work of all that acts and has no potential (see :mod:`fem_lie.bodies.balances`),
-            loss by damping, and numerical loss as far as the scheme knows it, each up to these
-            times, shape (T, 3).
-        impulses: Of loads (gravity included) and of reactions, force before moment about the
-            origin, up to these times, global components, shape (T, 2, 6).
-        iterations: Newton iterations so far, shape (T,).
+        angular_momentum: Angular momentum about the origin, global components, shape (T, 3).
+        balance: Work of all forces without a potential (see :mod:`fem_lie.bodies.balances`),
+            dissipation by damping, and numerical dissipation as far as the scheme computes it, each
+            accumulated since the start, shape (T, 3).
+        impulses: Impulses of loads (including gravity) and of reactions, force before moment about
+            the origin, accumulated since the start, global components, shape (T, 2, 6).
+        iterations: Number of Newton iterations since the start, shape (T,).
         factorisations: Number of factorisations in the whole run.
-        k_updates: Number of those in which mass and stiffness matrix were new.
-        phi_updates: Number of those in which the constraint Jacobian was new.
-        divided: Steps of constant size that were made in parts, because no solution was found in
-            full.
+        k_updates: Number of those with updated mass and stiffness matrices.
+        phi_updates: Number of those with an updated constraint Jacobian.
+        divided: Number of steps of constant size that did not converge and were divided into
+            sub-steps.
         seconds: Wall time of the time loop.
         info: Bodies and joints.
-        steps: All steps and their errors, if they were asked for.
-        contacts: What contacts by impacts did in each step, if there are any.
-        subdomains: What the solution on these took, if there are any; not in files.
+        steps: All steps and their error estimates, if the step size was variable or errors were
+            requested.
+        contacts: Statistics and forces of contacts with impacts in each step, if there are any.
+        subdomains: Statistics of the domain decomposition, if it was used; not stored in files.
     """
 
     times: Array
@@ -116,7 +118,7 @@ class Result(Balanced, StateSeries):
 
     @property
     def recorded(self) -> Record:
-        """What was recorded, if it was not all."""
+        """Which quantities were recorded."""
         missing = (RECORDED_BY[name] for name in _ARRAYS if vars(self)[name] is None)
         return reduce(lambda record, part: record & ~part, missing, Record.ALL)
 
@@ -132,19 +134,20 @@ class Result(Balanced, StateSeries):
         return self.info.twist(point, self.frames, self.velocities)
 
     def coordinate(self, joint: Connection | str, name: str | None = None) -> Array:
-        """Relative coordinate of a joint, shape (T,): angle in rad, unwrapped, or a length.
+        """Relative coordinate of a joint, shape (T,): an unwrapped angle in rad, or a length.
 
         Args:
             joint: A joint, spring or drive of the scene, or its name.
-            name: Such as "angle" or "displacement", for joints with several of them.
+            name: Name of the coordinate, such as "angle" or "displacement", for joints with
+                several.
 
         Raises:
-            ValueError: There is none.
+            ValueError: There is no such joint or coordinate.
         """
         return self.joint_coordinates[:, self.info.coordinate(joint, name)]
 
     def joint_violation(self, joint: Connection | str) -> Array:
-        """Largest violation of a joint's constraints, shape (T,).
+        """Largest constraint violation of a joint, shape (T,).
 
         Raises:
             ValueError: There is no such joint.
@@ -152,10 +155,10 @@ class Result(Balanced, StateSeries):
         return self.joint_violations[:, self.info.joint(joint)]
 
     def index(self, time: float) -> int:
-        """Number of the kept time that is nearest to ``time``.
+        """Index of the recorded time that is nearest to ``time``.
 
         Raises:
-            ValueError: It is not finite.
+            ValueError: The time is not finite.
         """
         return nearest(self.times, time, "time")
 
@@ -163,30 +166,31 @@ class Result(Balanced, StateSeries):
         """The same motion at other times, for plots, or to compare runs with different steps.
 
         Frames and velocities are interpolated by cubics on SE(3) between the recorded times, and
-        positions and velocities of nodes that are no frames by cubics in space: both are of fourth
-        order in the distance of these times. Position gradients and the axes of such nodes,
-        forces, energies and momenta are of second order.
+        positions and velocities of nodes without frames by cubics in space; both are of fourth
+        order in the distance of these times. Position gradients and the axes of such nodes, forces,
+        energies and momenta are of second order.
 
         Args:
-            times: Shape (K,), within those that were kept; no turn between two by π or more.
+            times: Shape (K,), within the recorded times; no node may rotate by π or more between
+                two recorded times.
 
         Raises:
-            ValueError: Times that are not within, or a file that does not say what nodes are.
-            AttributeError: There are no velocities.
+            ValueError: Times are outside the recorded ones, or the file does not have node types.
+            AttributeError: Velocities were not recorded.
         """
         rows = self._kept | {"velocities": self.velocities}
         return Result(**vars(self) | resampled(rows, self.info.node_types, times))
 
     @property
     def _kept(self) -> dict[str, Array]:
-        """All arrays that there are."""
+        """All arrays that were recorded."""
         return {name: vars(self)[name] for name in _ARRAYS if vars(self)[name] is not None}
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write everything to an HDF5 file; an old file is replaced only when the new is whole.
+        """Write all contents to an HDF5 file, replacing an existing file in one step.
 
         Raises:
-            OSError: It cannot be written, as on a full disk; the message names it.
+            OSError: The file cannot be written, for example because the disk is full.
         """
         numbers = {name: getattr(self, name) for name in NUMBERS}
         stored = Stored(self._kept, numbers, self.info, self.steps, self.contacts)
@@ -194,11 +198,11 @@ class Result(Balanced, StateSeries):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
-        """Read what :meth:`save` wrote, to the last bit.
+        """Read a file that :meth:`save` wrote; all values are bitwise equal.
 
         Raises:
             FileNotFoundError: There is no such file.
-            ValueError: It is not a file of results, or one of another version.
+            ValueError: The file is not a file of results, or has an unsupported version.
         """
         before_reading(path)
         found = read(path, _ARRAYS)
@@ -211,11 +215,11 @@ class Result(Balanced, StateSeries):
         """Write a time series for ParaView.
 
         Args:
-            path: Name of the ``.pvd`` file; the data of each time go to a folder beside it.
-            forces: Section forces of beams at all times, to be in the file, too.
+            path: Name of the ``.pvd`` file; the data of each time go to a folder of the same name.
+            forces: Section forces of beams at all times, to be written, too.
 
         Raises:
-            ValueError: The name does not end in ``.pvd``, or there are forces at other times.
+            ValueError: The name does not end in ``.pvd``, or section forces are at other times.
         """
         from fem_lie.pictures.vtk import write_series
 
@@ -225,14 +229,14 @@ class Result(Balanced, StateSeries):
     def plot_energies(
         self, path: str | os.PathLike[str] | None = None, *, units: Units = SI
     ) -> Figure:
-        """Energies and the change of their sum over time; saved if there is a path."""
+        """Plot energies and the change of their sum over time; saved if ``path`` is given."""
         parts = self.kinetic, self.elastic, self.potential
         return diagrams.energies(self.times, *parts, path, units=units)
 
     def plot_momentum(
         self, path: str | os.PathLike[str] | None = None, *, units: Units = SI
     ) -> Figure:
-        """Momentum and angular momentum over time; saved if there is a path."""
+        """Plot linear and angular momentum over time; saved if ``path`` is given."""
         parts = self.momentum, self.angular_momentum
         return diagrams.momenta(self.times, *parts, path, units=units)
 
@@ -242,9 +246,9 @@ class Result(Balanced, StateSeries):
         path: str | os.PathLike[str] | None = None,
         units: Units = SI,
     ) -> Figure:
-        """Positions of points over time; saved if there is a path."""
-        places = [(label_of(point), self.position(point)) for point in points]
-        return diagrams.positions(self.times, places, path, units=units)
+        """Plot positions of points over time; saved if ``path`` is given."""
+        positions = [(label_of(point), self.position(point)) for point in points]
+        return diagrams.positions(self.times, positions, path, units=units)
 
     def picture(
         self,
@@ -257,16 +261,16 @@ class Result(Balanced, StateSeries):
         title: str = "",
         units: Units = SI,
     ) -> None:
-        """Draw the bodies at several times, the later the darker.
+        """Draw the bodies at several times; later states are darker.
 
         Args:
             path: Name of the ``.png`` file.
-            times: Default: six from the first to the last.
-            trace: Points whose paths are drawn, too.
-            frames: Draw the nodal frames at the last of the times.
-            arrows: Forces then, such as :meth:`~fem_lie.ContactForces.arrows` has.
-            title: Above the picture.
-            units: For the axes.
+            times: Default: six times from the first to the last.
+            trace: Points whose paths are drawn.
+            frames: Whether to draw the nodal frames at the last of the times.
+            arrows: Forces at that time, such as :meth:`~fem_lie.ContactForces.arrows` returns.
+            title: Title of the picture.
+            units: Units of the axes.
         """
         rows = self._instants(_DRAWN) if times is None else [self.index(time) for time in times]
         drawn, paths = self.frames[rows], self._traces(trace)
@@ -276,20 +280,20 @@ class Result(Balanced, StateSeries):
         )
 
     def _along(self, units: Units) -> tuple[Array, str, str]:
-        """Times."""
+        """Times, and their label."""
         return self.times, "time", units.time
 
     def _diagrams(
         self, rows: Indices, trace: Sequence[Point | str | int], units: Units
     ) -> Sequence[Diagram]:
-        """Energies, if they were recorded."""
+        """Diagram of energies, if they were recorded."""
         if Record.ENERGIES not in self.recorded:
             return ()
         parts = {"kinetic": self.kinetic, "elastic": self.elastic, "potential": self.potential}
         return energies(self.times, parts, rows, units)
 
     def _instants(self, images: int) -> Indices:
-        """Numbers of the states at evenly spaced times."""
+        """Indices of the states at evenly spaced times."""
         at = np.linspace(self.times[0], self.times[-1], images)
         return np.array([self.index(time) for time in at])
 

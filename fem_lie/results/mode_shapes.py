@@ -1,4 +1,4 @@
-"""Shapes of modes: one of them, frames beside a state along it, pictures; those of buckling."""
+"""Mode shapes: access to single modes, states along a mode, pictures; buckling modes."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from fem_lie.pictures.page.content import drawn
 from fem_lie.pictures.page.page import Page, Slider, page
 from fem_lie.pictures.stage import SI, Canvas, Units
 
-LARGEST_TURN = 0.5
-"""Rad: pictures show no more unless they are told to."""
+LARGEST_ROTATION = 0.5
+"""Largest rotation in pictures, rad, unless an amplitude is given."""
 
-_PHASES = 49  # of one swing in a page
-_PART = 0.1  # of the model: the largest displacement in pictures
+_PHASES = 49  # states of one oscillation in a page
+_PART = 0.1  # largest displacement in pictures, relative to the length of the model
 
 _Shapes = TypeVar("_Shapes", bound=npt.NDArray[Any])
 
@@ -32,9 +32,9 @@ class ModeLook(NamedTuple):
     """How a mode is drawn.
 
     Attributes:
-        title: Above the picture.
+        title: Title of the picture.
         size: Length of the model.
-        parts: Of the amplitude: those at which it is drawn, the last in full colour.
+        parts: Fractions of the amplitude at which the mode is drawn, the last in full colour.
     """
 
     title: str
@@ -43,22 +43,22 @@ class ModeLook(NamedTuple):
 
 
 class ModeShapes(ABC):
-    """Shapes in which a structure becomes unstable.
+    """Mode shapes of an instability.
 
     Attributes:
         shapes: Local increments (translation, rotation) of all nodes, shape (k, n, 6).
-        turns_only: Which of them have no displacement beyond round-off, shape (k,).
-        frames: The state beside which they are, shape (n, 4, 3).
+        rotation_only: Whether each mode has no displacement beyond round-off, shape (k,).
+        frames: The reference state, shape (n, 4, 3).
         info: Bodies and joints.
     """
 
     shapes: Array
-    turns_only: Flags
+    rotation_only: Flags
     frames: Array
     info: SceneInfo
 
     def shape(self, mode: int) -> Array:
-        """Increments of all nodes, shape (n, 6).
+        """Mode shape: increments of all nodes, shape (n, 6).
 
         Raises:
             ValueError: There is no such mode; they are counted from 1.
@@ -66,14 +66,14 @@ class ModeShapes(ABC):
         return chosen(self.shapes, mode)
 
     def displacing_shape(self, mode: int) -> Array:
-        """Increments of all nodes, shape (n, 6), of a mode whose amplitude is a displacement.
+        """Mode shape, shape (n, 6), of a mode whose amplitude is a displacement.
 
         Raises:
-            ValueError: There is no such mode, or it only turns.
+            ValueError: There is no such mode, or it has rotations only.
         """
         shape = self.shape(mode)
-        if self.turns_only[mode - 1]:
-            raise ValueError(f"mode {mode} only turns: it has no displacement for an amplitude")
+        if self.rotation_only[mode - 1]:
+            raise ValueError(f"mode {mode} has rotations only, so its amplitude is no displacement")
         return shape
 
     def picture(
@@ -85,18 +85,20 @@ class ModeShapes(ABC):
         title: str | None = None,
         units: Units = SI,
     ) -> None:
-        """Draw a mode; of a critical point the state, too.
+        """Draw a mode; for a critical point, with the critical state.
 
         Args:
             path: Name of the ``.png`` file.
             mode: Counted from 1.
-            amplitude: Largest displacement; default: a tenth of the model, less where it would turn
-                by more than half a radian, and so much where it only turns.
-            title: Above the picture; default: what it is, and the load factor.
-            units: For the axes.
+            amplitude: Largest displacement. Default: a tenth of the length of the model, or less so
+                that no node rotates by more than half a radian; a mode with rotations only has this
+                largest rotation.
+            title: Title of the picture; default: description and load factor.
+            units: Units of the axes.
 
         Raises:
-            ValueError: There is no such mode, or one that only turns has no such amplitude.
+            ValueError: There is no such mode, or an amplitude is given for a mode with rotations
+                only.
         """
         look = self._look(mode)
         frames = self._frames(mode, amplitude, np.asarray(look.parts))
@@ -113,15 +115,15 @@ class ModeShapes(ABC):
         title: str | None = None,
         units: Units = SI,
     ) -> Page:
-        """A page in which a mode swings about its state; see :meth:`StateSeries.page`.
+        """HTML page in which a mode oscillates about the state; see :meth:`StateSeries.page`.
 
         Args:
             mode: Counted from 1.
-            path: Name of the ``.html`` file; a notebook shows the answer without one.
+            path: Name of the ``.html`` file; a notebook shows the returned page without one.
             amplitude: As for :meth:`picture`.
-            seconds: How long one swing plays.
-            title: Above the page; default: what it is, and the load factor.
-            units: For the axes.
+            seconds: Duration of one oscillation.
+            title: Title of the page; default: description and load factor.
+            units: Units of the axes.
 
         Raises:
             ValueError: As for :meth:`picture`, or the name does not end in ``.html``.
@@ -132,7 +134,7 @@ class ModeShapes(ABC):
         return page(path, content, slider, (), self._look(mode).title if title is None else title)
 
     def _frames(self, mode: int, amplitude: float | None, parts: Array) -> Array:
-        """Frames beside the state at parts of an amplitude."""
+        """Frames along the mode at fractions of an amplitude."""
         shape = self.shape(mode) if amplitude is None else self.displacing_shape(mode)
         fitting = self._fitting(mode, self._look(mode).size)
         largest = fitting if amplitude is None else number(amplitude, "amplitude")
@@ -140,25 +142,25 @@ class ModeShapes(ABC):
 
     @abstractmethod
     def _look(self, mode: int) -> ModeLook:
-        """How a mode is drawn, unless told otherwise."""
+        """How a mode is drawn by default."""
 
     def _fitting(self, mode: int, size: float) -> float:
-        """Factor of a shape in a picture of a model with this length."""
+        """Factor of a mode shape in a picture of a model with this length."""
         turn = float(np.abs(self.shape(mode)[:, 3:]).max())
-        fitting = LARGEST_TURN / turn if turn > 0 else np.inf
-        return fitting if self.turns_only[mode - 1] else min(_PART * size, fitting)
+        fitting = LARGEST_ROTATION / turn if turn > 0 else np.inf
+        return fitting if self.rotation_only[mode - 1] else min(_PART * size, fitting)
 
 
 @dataclass(frozen=True, eq=False)
 class BucklingModes(ModeShapes):
-    """Load factors at which an unloaded structure buckles by linear theory, the lowest first.
+    """Buckling load factors and modes of linear buckling analysis, the lowest first.
 
     Attributes:
-        factors: Shape (k,).
-        shapes: Local increments (translation, rotation) of all nodes, shape (k, n, 6), the largest
-            displacement is 1, or the largest rotation of a mode that only turns.
-        turns_only: Which modes have rotations, but no displacement beyond round-off, shape (k,).
-        frames: The unloaded configuration, shape (n, 4, 3).
+        factors: Load factors, shape (k,).
+        shapes: Local increments (translation, rotation) of all nodes, shape (k, n, 6). The largest
+            displacement is 1, or the largest rotation of a mode with rotations only.
+        rotation_only: Whether each mode has no displacement beyond round-off, shape (k,).
+        frames: The undeformed configuration, shape (n, 4, 3).
         size: Length of the model.
         info: Bodies and joints.
         seconds: Wall time, without set-up.
@@ -166,7 +168,7 @@ class BucklingModes(ModeShapes):
 
     factors: Array
     shapes: Array
-    turns_only: Flags
+    rotation_only: Flags
     frames: Array
     size: float
     info: SceneInfo
@@ -178,13 +180,13 @@ class BucklingModes(ModeShapes):
 
     def __str__(self) -> str:
         """One line for each mode."""
-        marks = ["  turns only" if turns else "" for turns in self.turns_only]
+        marks = ["  turns only" if turns else "" for turns in self.rotation_only]
         rows = enumerate(zip(self.factors, marks, strict=True), start=1)
         lines = [f"{number:4}  {factor:.8g}{mark}" for number, (factor, mark) in rows]
         return "\n".join(["mode  load factor", *lines])
 
     def displacement(self, mode: int) -> Array:
-        """Of all nodes, global components, shape (n, 3).
+        """Displacements of all nodes in a mode, global components, shape (n, 3).
 
         Raises:
             ValueError: There is no such mode; they are counted from 1.
@@ -197,11 +199,11 @@ class BucklingModes(ModeShapes):
 
 
 def chosen(shapes: _Shapes, mode: int) -> _Shapes:
-    """One of the shapes, counted from 1.
+    """One of the mode shapes, counted from 1.
 
     Raises:
         ValueError: There is no such mode.
-        TypeError: It is no whole number.
+        TypeError: The number is not an integer.
     """
     instance(mode, int | np.integer, "mode", "a whole number")
     if not 1 <= mode <= len(shapes):
@@ -211,5 +213,5 @@ def chosen(shapes: _Shapes, mode: int) -> _Shapes:
 
 
 def moved_along(shape: Array, frames: Array, amplitudes: Array) -> Array:
-    """Frames (k, n, 4, 3) beside ``frames`` along a shape (n, 6), at amplitudes (k,)."""
+    """Frames (k, n, 4, 3) along a mode shape (n, 6) from ``frames``, at amplitudes (k,)."""
     return lie.se3_retract(frames, amplitudes[:, np.newaxis, np.newaxis] * shape)

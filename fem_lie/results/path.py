@@ -1,4 +1,4 @@
-"""A path of equilibrium as a result: states, stability, critical points, pictures."""
+"""Equilibrium paths as results: states, stability, critical points, pictures."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-_BESIDE = (0.0, 0.5, 1.0)  # in pictures of a mode: the critical state, and parts of the amplitude
+_BESIDE = (0.0, 0.5, 1.0)  # in pictures of a mode: fractions of the amplitude
 
 
 class Critical(Enum):
-    """Kinds of critical points.
+    """Types of critical points.
 
-    At a ``LIMIT`` point the load has an extremum along the path; at a ``BIFURCATION`` it goes on,
-    and other paths cross.
+    At a ``LIMIT`` point the load has an extremum along the path. At a ``BIFURCATION`` other paths
+    cross, and the load does not have an extremum in general.
     """
 
     LIMIT = "limit point"
@@ -38,13 +38,13 @@ class Critical(Enum):
 
 @dataclass(frozen=True, eq=False)
 class PathState(Displaced):
-    """One state, for functions that observe a path or stop it.
+    """One state of a path, for functions that observe or stop a path.
 
     Attributes:
         factor: Load factor.
-        frames: Of all nodes, shape (n, 4, 3).
-        initial: The same, unloaded.
-        negative_pivots: Negative eigenvalues of the tangent.
+        frames: Frames of all nodes, shape (n, 4, 3).
+        initial: Frames of the undeformed configuration, shape (n, 4, 3).
+        negative_pivots: Number of negative eigenvalues of the tangent stiffness.
         info: Bodies and joints.
     """
 
@@ -57,26 +57,27 @@ class PathState(Displaced):
 
 @dataclass(frozen=True, eq=False)
 class CriticalPoint(Displaced, ModeShapes):
-    """A point of a path where the tangent is singular.
+    """A point of a path at which the tangent stiffness is singular.
 
     Attributes:
         kind: Limit point or bifurcation.
-        factor: Load factor: the extremum, or the middle of the bracket.
-        bracket: Load factors of the states between which it was located.
-        negative_pivots: Negative eigenvalues of the tangent before and after; 0 and 1 for an even
-            and an odd number if the loads have no potential.
-        has_potential: Whether the loads have one. If not, as with moments about fixed axes, the
-            determinant of the tangent changes its sign there; flutter is not looked for.
-        eigenvalues: Smallest eigenvalues of the tangent there, in units of energy; none if SLEPc
-            found none.
-        shapes: Their modes: local increments of all nodes, the largest displacement is 1, or the
-            largest rotation of a mode that only turns, shape (k, n, 6).
-        turns_only: Which of them have no displacement beyond round-off, shape (k,).
-        station: The state before it.
-        index: Its number among the states of the path.
+        factor: Load factor: the extremum, or the midpoint of the bracket.
+        bracket: Load factors of the states between which the point was located.
+        negative_pivots: Number of negative eigenvalues of the tangent stiffness before and after; 0
+            and 1 for an even and an odd number if the loads have no potential.
+        has_potential: Whether the loads have a potential. If not, as for moments about fixed axes,
+            the determinant of the tangent stiffness changes its sign at the point; flutter is not
+            detected.
+        eigenvalues: Smallest eigenvalues of the tangent stiffness, in units of energy; empty if
+            SLEPc did not converge.
+        shapes: Their modes: local increments of all nodes, shape (k, n, 6). The largest
+            displacement is 1, or the largest rotation of a mode with rotations only.
+        rotation_only: Whether each mode has no displacement beyond round-off, shape (k,).
+        station: The last state of the path before the point.
+        index: Index of that state among the states of the path.
         frames: Frames of all nodes in the numbering of the system, shape (n, 4, 3); for those of a
             point see :meth:`position`, :meth:`displacement` and :meth:`rotation`.
-        initial: The same, unloaded.
+        initial: Frames of the undeformed configuration, shape (n, 4, 3).
         info: Bodies and joints.
     """
 
@@ -87,7 +88,7 @@ class CriticalPoint(Displaced, ModeShapes):
     has_potential: bool
     eigenvalues: Array
     shapes: Array
-    turns_only: Flags
+    rotation_only: Flags
     station: Station
     index: int
     frames: Array
@@ -96,22 +97,23 @@ class CriticalPoint(Displaced, ModeShapes):
 
     @property
     def crossed(self) -> bool:
-        """Whether it is a bifurcation that the path has passed from one side branch to the other.
+        """Whether the path itself is a branch that passes through the bifurcation.
 
-        Then the load turns there, but the number of negative pivots is the same on both sides.
+        The load then has an extremum there, but the number of negative pivots is the same on both
+        sides.
         """
         before, after = self.negative_pivots
         return self.kind is Critical.BIFURCATION and before == after
 
     def moved(self, mode: int, amplitude: float) -> Array:
-        """Frames beside the critical state, along a mode, shape (n, 4, 3).
+        """Frames along a mode from the critical state, shape (n, 4, 3).
 
         Args:
             mode: Counted from 1.
             amplitude: Largest displacement.
 
         Raises:
-            ValueError: There is no such mode, or it only turns.
+            ValueError: There is no such mode, or it has rotations only.
         """
         along = np.array([number(amplitude, "amplitude")])
         return moved_along(self.displacing_shape(mode), self.frames, along)[0]
@@ -121,7 +123,7 @@ class CriticalPoint(Displaced, ModeShapes):
         return ModeLook(f"{self.kind.value} at load factor {self.factor:.6g}", size, _BESIDE)
 
     def __str__(self) -> str:
-        """One line."""
+        """One line: type, load factor, stability."""
         before, after = self.negative_pivots
         return (
             f"{self.kind.value} at load factor {self.factor:.8g} "
@@ -132,21 +134,22 @@ class CriticalPoint(Displaced, ModeShapes):
 
 @dataclass(frozen=True)
 class EquilibriumPath(StaticResult):
-    """States of equilibrium along a path, critical points among them.
+    """Equilibrium states along a path, with critical points.
 
-    ``factors``, ``frames`` and ``iterations`` are those of the states, the first being where the
-    path began.
+    ``factors``, ``frames`` and ``iterations`` are those of the states; the first state is the start
+    of the path.
 
     Attributes:
-        negative_pivots: Negative eigenvalues of the tangent at each state, shape (k,); a state with
-            none is stable.
-        critical: Limit points and bifurcations, in their order.
-        observed: The quantities that were observed, each of shape (k,).
-        complete: Whether the path came to its wanted end.
-        reason: Why it ended.
-        failed_steps: Number of steps that were given up, or repeated shorter.
-        locating_iterations: Linear solutions that went into locating points.
-        stations: The states, to begin with again: ``follow_path(scene, start=path.stations[3])``.
+        negative_pivots: Number of negative eigenvalues of the tangent stiffness at each state,
+            shape (k,); a state with none is stable.
+        critical: Limit points and bifurcations, in order.
+        observed: Observed quantities by name, each of shape (k,).
+        complete: Whether the path reached the requested end.
+        reason: Why the path ended.
+        failed_steps: Number of steps that were rejected, or repeated with a smaller size.
+        locating_iterations: Number of linear solutions to locate critical points.
+        stations: The states as starting points of other paths: ``follow_path(scene,
+            start=path.stations[3])``.
     """
 
     negative_pivots: Indices
@@ -174,7 +177,7 @@ class EquilibriumPath(StaticResult):
 
     @property
     def total_iterations(self) -> int:
-        """Linear solutions in all."""
+        """Number of linear solutions, including rejected steps and those that located points."""
         return super().total_iterations + self.locating_iterations
 
     def plot_path(
@@ -189,20 +192,20 @@ class EquilibriumPath(StaticResult):
         shape: bool = True,
         units: Units = SI,
     ) -> Figure:
-        """Load over a quantity, stable states drawn through and unstable ones dashed.
+        """Plot the load over a quantity; stable parts are solid, unstable parts dashed.
 
         Args:
-            values: Of all states, shape (k,), or the name of an observed quantity.
-            path: Name of the file if it is to be saved.
-            label: What the values are.
-            load: Load at factor 1, and what it is.
+            values: Values at all states, shape (k,), or the name of an observed quantity.
+            path: Name of the file if the plot is to be saved.
+            label: Label of the values.
+            load: Load at factor 1, and its label.
             others: Further paths with their values, such as branches.
-            reference: Values, loads and name of points to be drawn with it.
-            shape: Draw the last state beside the curve.
-            units: For the axes.
+            reference: Values, loads and label of reference points.
+            shape: Whether to draw the last state next to the curve.
+            units: Units of the axes.
 
         Raises:
-            ValueError: Nothing was observed under this name, or the values are not of all states.
+            ValueError: No quantity of this name was observed, or the values have a wrong shape.
         """
         own = self._values(values)
         name = label or (values if isinstance(values, str) else "")
@@ -236,31 +239,31 @@ class EquilibriumPath(StaticResult):
 
 
 class Metric(Protocol):
-    """How long a way along a path is."""
+    """Norm of an increment along a path."""
 
     def norm(self, u: Array, d: float, /) -> float:
-        """Of displacements (n, 3) and a change of the load factor."""
+        """Norm of displacements (n, 3) and a change of the load factor."""
 
 
 @dataclass(frozen=True, eq=False)
 class Station:
-    """A polished state on a path, with what the next step needs.
+    """An equilibrium state on a path, with all that the next step needs.
 
     Attributes:
         factor: Load factor.
-        state: Of the model: frames, multipliers, carried stress.
-        places: Positions of the nodes, shape (n, 3).
-        velocity: Displacements per change of the load factor, shape (n, 3).
+        state: State of the model: frames, Lagrange multipliers, stresses of mixed elements.
+        positions: Positions of the nodes, shape (n, 3).
+        velocity: Derivative of displacements in the load factor, shape (n, 3).
         response: ``K⁻¹f``.
         sign: Direction of the load factor along the path, ±1.
-        negative: Negative eigenvalues of the tangent.
-        iterations: Linear solutions of the step that led here.
-        test: Smallest eigenvalue of the tangent if asked for, or nan.
+        negative: Number of negative eigenvalues of the tangent stiffness.
+        iterations: Number of linear solutions of the step to this state.
+        test: Smallest eigenvalue of the tangent stiffness if requested, or nan.
     """
 
     factor: float
     state: Any
-    places: Array
+    positions: Array
     velocity: Array
     response: Array
     sign: float

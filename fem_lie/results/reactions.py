@@ -1,7 +1,7 @@
-"""Forces of what holds a scene: clamps, supports of bodies, prescribed motions.
+"""Reactions: forces and moments of clamps, supports of bodies and prescribed motions.
 
-They are what the equations of motion, or of equilibrium, lack at what is held. A motion that is
-prescribed is a joint to something that moves, and has the force of that joint.
+Reactions are the residuals of the equations of motion, or of equilibrium, at constrained degrees of
+freedom. A prescribed motion is a joint to a moving frame; its reaction is the force of that joint.
 """
 
 from __future__ import annotations
@@ -28,30 +28,31 @@ def reaction(
     joint_forces: Array,
     reactions: Array,
 ) -> Array:
-    """Force and moment that supports exert together, global components, shape (k, 6).
+    """Resultant force and moment of supports, global components, shape (k, 6).
 
     Args:
-        supports: Clamps, prescribed motions, or points (or their names) that a body holds. What
-            holds the same node counts once; moments are about the first, where it is in each state.
+        supports: Clamps, prescribed motions, or points (or their names) at which a body is held.
+            Supports of the same node count once. Moments are about the first support, at its
+            position in each state.
         info: Bodies, joints and supports.
-        frames: Of all nodes in k states, shape (k, N, 4, 3).
-        joint_forces: Of all joints, shape (k, j, 6).
-        reactions: Of all supports, each about its node, shape (k, s, 6).
+        frames: Frames of all nodes in k states, shape (k, N, 4, 3).
+        joint_forces: Forces of all joints, shape (k, j, 6).
+        reactions: Forces of all supports, each about its node, shape (k, s, 6).
 
     Raises:
-        ValueError: None is given, or something does not hold anything.
+        ValueError: No support is given, or one of them holds nothing.
     """
     if not supports:
         raise ValueError("give at least one clamp, support or prescribed motion")
-    place = info.frame(_point(supports[0]), frames)[:, 0]
-    total, counted = np.zeros((len(place), 6)), set[tuple[str, int]]()
+    about = info.frame(_point(supports[0]), frames)[:, 0]
+    total, counted = np.zeros((len(about), 6)), set[tuple[str, int]]()
     for support in supports:
         key, at, wrench = _of(support, info, frames, joint_forces, reactions)
         if key not in counted:
             counted.add(key)
-            lever = at - place
+            arm = at - about
             total += wrench
-            total[:, 3:] += np.cross(lever, wrench[:, :3])
+            total[:, 3:] += np.cross(arm, wrench[:, :3])
     return total
 
 
@@ -62,7 +63,7 @@ def _point(support: Support) -> Point | str:
 def _of(
     support: Support, info: SceneInfo, frames: Array, joint_forces: Array, reactions: Array
 ) -> tuple[tuple[str, int], Array, Array]:
-    """What it is, where its moment is about (k, 3), and its force and moment, shape (k, 6)."""
+    """Identifier of a support, its position (k, 3), and its force and moment, shape (k, 6)."""
     if isinstance(support, PrescribedMotion):
         joint = info.joint(f"motion of {support.point.label}")
         at = info.frame(support.point, frames)

@@ -1,6 +1,7 @@
-"""What of each state a run keeps, and the steps that it made.
+"""Which quantities a run records at each state, and the history of its steps.
 
-A step of a small scene takes thirty microseconds, and to say all of its end a third as long again.
+A step of a small scene takes thirty microseconds; computing all quantities at its end takes ten
+more.
 """
 
 from __future__ import annotations
@@ -22,21 +23,22 @@ INVARIANTS: dict[str, int | slice] = {
     "momentum": slice(1, 4),
     "angular_momentum": slice(4, 7),
 }
-"""Where they are among the seven numbers that a run computes as one array."""
+"""Indices in the array of seven numbers that a run computes together."""
 
 
 class Record(Flag):
-    """What is kept of each state, beside its time, frames and iterations; joined by ``|``.
+    """Quantities recorded at each state, besides time, frames and iterations; joined by ``|``.
 
-    What was not asked for is not computed, and looking at it says what to ask for.
+    A quantity that is not recorded is not computed; access to it raises an error that names the
+    flag.
 
     Attributes:
-        FRAMES: Nothing beside.
+        FRAMES: No further quantities.
         VELOCITIES: Velocities; :meth:`Result.resampled` and damping within bodies need them.
-        ENERGIES: Kinetic, elastic and potential energy, work and losses.
-        MOMENTA: Both momenta, and impulses. Their errors are measured with ``ENERGIES``, too.
-        FORCES: Those of joints, and reactions.
-        COORDINATES: Relative coordinates of joints, and how far constraints are violated.
+        ENERGIES: Kinetic, elastic and potential energy, work and dissipation.
+        MOMENTA: Linear and angular momentum, and impulses. Their errors need ``ENERGIES``, too.
+        FORCES: Joint forces and reactions.
+        COORDINATES: Relative coordinates and constraint violations of joints.
         ALL: All of these.
     """
 
@@ -49,8 +51,8 @@ class Record(Flag):
     ALL = VELOCITIES | ENERGIES | MOMENTA | FORCES | COORDINATES
 
 
-BOOKED = Record.ENERGIES | Record.MOMENTA
-"""For any of these, what acts from outside is summed up in each step."""
+WITH_BALANCE = Record.ENERGIES | Record.MOMENTA
+"""For any of these, work and impulses of external forces are accumulated in each step."""
 
 _BY = {
     Record.VELOCITIES: ("velocities",),
@@ -60,11 +62,11 @@ _BY = {
     Record.COORDINATES: ("joint_coordinates", "joint_violations"),
 }
 RECORDED_BY = {name: part for part, names in _BY.items() for name in names}
-"""Part of each quantity that may be missing."""
+"""Flag of each quantity that is optional."""
 
 
 def row_shapes(info: SceneInfo, nodes: int) -> dict[str, tuple[int, ...]]:
-    """Shape of what each array of a result has for one time, see :class:`fem_lie.Result`."""
+    """Shape of each array of a result for a single time, see :class:`fem_lie.Result`."""
     joints = len(info.joints)
     return {
         "times": (),
@@ -86,23 +88,23 @@ def row_shapes(info: SceneInfo, nodes: int) -> dict[str, tuple[int, ...]]:
 
 
 def is_kept(name: str, record: Record) -> bool:
-    """Whether the array of this name is in a result of a run with ``record``."""
+    """Whether the array of this name is recorded in a run with ``record``."""
     return name not in RECORDED_BY or RECORDED_BY[name] in record
 
 
 def if_recorded() -> Any:
-    """Field of a result that may not have been recorded; for type checkers an array."""
+    """Field of a result that may not have been recorded; type checkers see an array."""
     return _Recorded()
 
 
 class _Recorded:
-    """An array that a run has recorded; ``None`` is given for one that it has not."""
+    """Descriptor of an array that may not have been recorded: it is then set to ``None``."""
 
     def __set_name__(self, owner: type, name: str) -> None:
         self._name = name
 
     def __get__(self, result: object | None, owner: type | None = None) -> Array | None:
-        # what dataclasses take for the default
+        # dataclasses read the default here
         if result is None:
             return None
         found: Array | None = vars(result)[self._name]
@@ -122,20 +124,20 @@ Recorded = TypeVar("Recorded")
 
 
 def with_others(result: Recorded, others: Mapping[str, Any]) -> Recorded:
-    """A copy of a result in which some fields are others, whatever was recorded.
+    """A copy of a result in which some fields are replaced, whatever was recorded.
 
-    ``dataclasses.replace`` looks at all fields, and so asks for what is not there.
+    ``dataclasses.replace`` accesses all fields, and would fail for those that were not recorded.
 
     Args:
         result: A dataclass, some of whose fields may be :func:`if_recorded`.
-        others: By the names of the fields.
+        others: New values by the names of the fields.
     """
     kept = {each.name: vars(result)[each.name] for each in fields(result)}  # type: ignore[arg-type]
     return type(result)(**kept | dict(others))
 
 
 class Balanced:
-    """How well a motion keeps what must not change, see :mod:`fem_lie.bodies.balances`.
+    """Conservation errors of a motion, see :mod:`fem_lie.bodies.balances`.
 
     Attributes are those of :class:`fem_lie.Result`.
     """
@@ -157,16 +159,17 @@ class Balanced:
 
     @property
     def energy_error(self) -> float:
-        """Largest gap between the change of energy and work less loss, over the energy in play.
+        """Largest error of the energy balance, relative to the largest energy exchanged.
 
-        That is the largest energy that is turned over, see :mod:`fem_lie.bodies.balances`: never
-        a matter of where the potential is zero.
+        The error is the change of energy minus work plus dissipation. The reference is the energy
+        exchanged so far, see :mod:`fem_lie.bodies.balances`; it does not depend on the zero of the
+        potential.
         """
         return self._relative_energy(balances.energy_gaps(self.total_energy, self.balance))
 
     @property
     def balance_error(self) -> float:
-        """:attr:`energy_error` without what the scheme says it loses: the third of ``balance``."""
+        """:attr:`energy_error` without the numerical dissipation, the third column of balance."""
         gaps = balances.energy_gaps(self.total_energy, self.balance)
         return self._relative_energy(gaps + self.balance[:, 2] - self.balance[0, 2])
 
@@ -177,17 +180,18 @@ class Balanced:
 
     @property
     def momentum_error(self) -> float:
-        """Largest gap between the change of momentum and impulses, over the momentum in play.
+        """Largest difference of linear momentum and impulses, relative to the momentum exchanged.
 
-        That is the largest momentum that is turned over, see :mod:`fem_lie.bodies.balances`.
+        See :mod:`fem_lie.bodies.balances` for the reference value.
         """
         return self._relative_momentum(self.momentum, slice(0, 3), 1.0)
 
     @property
     def angular_momentum_error(self) -> float:
-        """Largest gap between the change of angular momentum and its impulses, as above.
+        """Largest difference of angular momentum and angular impulses, relative to that exchanged.
 
-        About the origin; a momentum at the largest distance from it counts as turned over, too.
+        About the origin; the reference includes the linear momentum times the largest distance from
+        it.
         """
         arm = balances.reach(self.frames[:, :, 0])
         return self._relative_momentum(self.angular_momentum, slice(3, 6), arm)
@@ -201,17 +205,17 @@ class Balanced:
 
 @dataclass(frozen=True, eq=False)
 class StepHistory:
-    """All S steps of a run, kept or not, and the local error of each.
+    """All S steps of a run, recorded or not, with error estimates.
 
     Attributes:
-        times: At the ends of the steps, shape (S,).
+        times: Ends of the steps, shape (S,).
         sizes: Step sizes, shape (S,).
         translation: Estimated error of positions in the step, the largest of all nodes, shape (S,).
         rotation: Estimated error of rotations in the step, the largest of all nodes, rad.
-        nodes: The nodes with these two errors, shape (S, 2).
-        measured_translation: Error of positions, measured by a refined step; nan if it was not.
+        nodes: Nodes with these two errors, shape (S, 2).
+        measured_translation: Error of positions, measured by a refined step; nan if not measured.
         measured_rotation: Error of rotations, rad, measured in the same way.
-        rejected: Ends of the steps that were not accepted, shape (R,).
+        rejected: Ends of the rejected steps, shape (R,).
     """
 
     times: Array
@@ -233,7 +237,7 @@ class StepHistory:
 
     @property
     def ratios(self) -> Array:
-        """Estimated over measured errors of positions and of rotations, shape (S, 2)."""
+        """Ratios of estimated to measured errors of positions and of rotations, shape (S, 2)."""
         estimated = np.stack([self.translation, self.rotation], axis=1)
         measured = np.stack([self.measured_translation, self.measured_rotation], axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -242,20 +246,20 @@ class StepHistory:
 
 @dataclass(frozen=True, eq=False)
 class ContactSteps:
-    """All S steps of a run, kept or not.
+    """Contacts with impacts in all S steps of a run, recorded or not.
 
     Attributes:
-        times: At the ends of the steps, shape (S,).
-        contacts: How many took part, zero in free flight, shape (S,).
-        sweeps: Over these, in all passes.
-        cone_residual: What is left of Coulomb's law, as a part of the largest impulse.
-        penetration: The deepest overlap at the end.
-        impact_loss: Energy that impulses along normals took.
-        friction_loss: Energy that friction took.
-        each: Contacts that pushed in the last step before each state that was kept, one after the
-            other: time, a number for the contact, those of both its places, gap, position
-            (3), impulse on the first side in that step (3), its velocity across the normal at the
-            end (3), whether it sticks; :func:`~fem_lie.contact_forces` reads it, shape (k, 15).
+        times: Ends of the steps, shape (S,).
+        contacts: Number of active contacts, zero in free flight, shape (S,).
+        sweeps: Number of sweeps over the contacts, in all passes.
+        cone_residual: Residual of Coulomb's law, relative to the largest impulse.
+        penetration: Largest overlap at the end.
+        impact_loss: Energy dissipated by normal impulses.
+        friction_loss: Energy dissipated by friction.
+        each: Active contacts in the last step before each recorded state, one after the other:
+            time, number of the contact, numbers of both points, gap, position (3), impulse on the
+            first side in that step (3), its tangential velocity at the end (3), whether it sticks;
+            see :func:`~fem_lie.contact_forces`, shape (k, 15).
     """
 
     times: Array
@@ -268,7 +272,7 @@ class ContactSteps:
     each: Array
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` if lengths differ."""
+        """Raise ``ValueError`` if the lengths of the arrays differ."""
         for field in fields(self)[:-1]:
             if (shape := getattr(self, field.name).shape) != self.times.shape:
                 raise ValueError(f"{field.name} has the shape {shape}, not {self.times.shape}")

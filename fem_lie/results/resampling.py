@@ -1,10 +1,10 @@
-"""Motion between the recorded times: cubic interpolation, on SE(3) where nodes are frames.
+"""Motion between recorded times: cubic interpolation, on SE(3) for nodes with frames.
 
 **Frames.** Between ``H₀, v₀`` and ``H₁, v₁`` at a distance Δ, ``H(s) = H₀ exp(p(s))`` with the
-cubic ``p`` that has ``p(0) = 0``, ``p(1) = ξ = log(H₀⁻¹ H₁)``, ``p′(0) = Δ v₀`` and
-``p′(1) = Δ T(ξ)⁻¹ v₁``; the velocity is ``T(p) p′/Δ``. A steady screw motion is met exactly, any
-other to fourth order. So are nodes with a position and one position gradient, whose length is
-interpolated linearly.
+cubic ``p`` that has ``p(0) = 0``, ``p(1) = ξ = log(H₀⁻¹ H₁)``, ``p′(0) = Δ v₀`` and ``p′(1) = Δ
+T(ξ)⁻¹ v₁``; the velocity is ``T(p) p′/Δ``. The interpolation is exact for a steady screw motion and
+of fourth order otherwise. The same holds for nodes with a position and one position gradient, whose
+length is interpolated linearly.
 
 **Other nodes with a position** have convected axes that do not follow from their velocities. Their
 position is the cubic Hermite interpolation in space, of fourth order; their axes rotate steadily
@@ -30,15 +30,15 @@ from fem_lie.lie.node_types import MODAL, POSITION_GRADIENT, has_position
 _OTHERWISE = ("times", "frames", "velocities", "iterations")
 
 _SAME = 1e-9
-"""Part of an interval within which two times are the same."""
+"""Fraction of an interval within which two times are equal."""
 
 
 def resampled(rows: Mapping[str, Array], kinds: Indices, times: npt.ArrayLike) -> dict[str, Array]:
-    """:func:`between` at times that are checked; see :meth:`fem_lie.Result.resampled`."""
+    """Checked version of :func:`between`; see :meth:`fem_lie.Result.resampled`."""
     at: Array = np.asarray(times, dtype=np.float64).reshape(-1)
     kept = rows["times"]
     if len(kept) < 2 or not len(at):
-        raise ValueError(f"wanted times between two that were kept, got {len(at)} and {len(kept)}")
+        raise ValueError(f"expected times between two recorded ones, got {len(at)} and {len(kept)}")
     slack = _SAME * (kept[-1] - kept[0])
     if not (at.min() >= kept[0] - slack and at.max() <= kept[-1] + slack):
         raise ValueError(
@@ -51,10 +51,11 @@ def between(rows: Mapping[str, Array], kinds: Indices, at: Array) -> dict[str, A
     """Arrays of results at times ``at`` (K,) within those of the rows.
 
     Args:
-        rows: Times, frames, velocities, iterations by these names, and others, which are taken
-            linearly; two rows of one time are the sides of a jump, of which the later one counts.
+        rows: Times, frames, velocities, iterations by these names, and other arrays, which are
+            interpolated linearly. Two rows with the same time are the sides of a jump, of which the
+            later one counts.
         kinds: Node type of each node, :class:`~fem_lie.lie.node_types.NodeType`, shape (N,).
-        at: Times; states that were kept at them are given as they are.
+        at: Times; states that were recorded at them are returned unchanged.
     """
     kept = rows["times"]
     row = np.clip(np.searchsorted(kept, at, side="right") - 1, 0, max(len(kept) - 2, 0))
@@ -75,12 +76,12 @@ def between(rows: Mapping[str, Array], kinds: Indices, at: Array) -> dict[str, A
 
 
 class _Interval(NamedTuple):
-    """States of some nodes at both ends of K intervals, and where in these the motion is wanted.
+    """States of some nodes at both ends of K intervals, and the fraction of each interval.
 
     Attributes:
-        H0: Nodal rows at the start, shape (K, n, 4, 3).
+        H0: Nodal coordinates at the start, shape (K, n, 4, 3).
         v0: Recorded velocities at the start, shape (K, n, 6).
-        H1: Nodal rows at the end.
+        H1: Nodal coordinates at the end.
         v1: Recorded velocities at the end.
         Δ: Lengths of the intervals, shape (K, 1, 1).
         s: Fraction of each, from 0 to 1, shape (K, 1, 1).
@@ -110,7 +111,7 @@ class _Interval(NamedTuple):
 def _motion(
     rows: Mapping[str, Array], kinds: Indices, row: Indices, part: Array
 ) -> tuple[Array, Array]:
-    """Frames (K, N, 4, 3) and velocities (K, N, 6) in parts (K,) of the intervals after rows."""
+    """Frames (K, N, 4, 3), velocities (K, N, 6) at fractions (K,) of the intervals after rows."""
     H, v = rows["frames"], rows["velocities"]
     found, rates = np.empty((len(row), *H.shape[1:])), np.empty((len(row), *v.shape[1:]))
     Δ, s = np.diff(rows["times"])[row, None, None], part[:, np.newaxis, np.newaxis]
@@ -142,7 +143,7 @@ def _on_screws(given: _Interval, kinds: Indices) -> tuple[Array, Array]:
 
 
 def _with_unit_rows(H: Array, v: Array) -> tuple[Array, Array, Array]:
-    """Frames and velocities along unit vectors, and the length of the first: gradients have one."""
+    """Frames and velocities along unit vectors, and the length of the position gradient."""
     H, v = H.copy(), v.copy()
     stretch = np.linalg.norm(H[:, :, 1], axis=-1, keepdims=True)
     H[:, :, 1] /= stretch
@@ -151,7 +152,7 @@ def _with_unit_rows(H: Array, v: Array) -> tuple[Array, Array, Array]:
 
 
 def _in_space(given: _Interval, kinds: Indices) -> tuple[Array, Array]:
-    """Positions, and gradients along convected axes, which are rotated steadily."""
+    """Positions, and position gradients along convected axes, which rotate steadily."""
     H0, H1 = given.H0, given.H1
     axes, later = (_axes(kinds, H) for H in (H0, H1))
     local, new = (np.einsum("knri,knai->knra", H, e) for H, e in ((H0, axes), (H1, later)))

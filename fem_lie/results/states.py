@@ -1,4 +1,4 @@
-"""States of a scene, whatever found them: where points are, what holds them, and animations."""
+"""States of a scene, from any solver: positions of points, reactions, and animations."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from fem_lie.results.reactions import Support, reaction
 
 
 class Located:
-    """Where points are, in one state or in k states.
+    """Access to positions of points, in one state or in k states.
 
     Attributes:
         frames: Frames of the N nodes, shape (N, 4, 3), or (k, N, 4, 3).
@@ -47,7 +47,7 @@ class Located:
     def rotation(self, point: Point | str | int) -> Array:
         """Rotation of a point's frame, local to global, shape (3, 3), or (k, 3, 3) in k states.
 
-        Of a node of a cable the first column is its slope, as long as that is.
+        At a node of a cable the first column is the position gradient, which is not a unit vector.
 
         Args:
             point: As for :meth:`position`.
@@ -59,10 +59,10 @@ class Located:
 
 
 class Displaced(Located):
-    """States away from a configuration without loads.
+    """States with displacements from the undeformed configuration.
 
     Attributes:
-        initial: Frames of the unloaded configuration, shape (N, 4, 3).
+        initial: Frames of the undeformed configuration, shape (N, 4, 3).
     """
 
     initial: Array
@@ -80,7 +80,7 @@ class Displaced(Located):
 
 
 class StateSeries(Located, ABC):
-    """States one after the other, of a motion or along a load.
+    """A sequence of states: a motion, or equilibria along a load.
 
     Attributes:
         joint_forces: Force and moment of each joint on its point ``a``, shape (k, j, 6).
@@ -99,18 +99,18 @@ class StateSeries(Located, ABC):
         return np.asarray(self.joint_forces[:, self.info.joint(joint)])
 
     def reaction(self, *supports: Support) -> Array:
-        """Force and moment of a clamp, guide or prescribed motion, or of several together, (k, 6).
+        """Force and moment of a clamp, roller or prescribed motion, or of several together, (k, 6).
 
         Args:
             supports: :class:`~fem_lie.Clamp`, :class:`~fem_lie.PrescribedMotion`, or points (or
-                their names) at which a body is held, as by ``Shell.roller``. What holds the same
-                node counts once.
+                their names) at which a body is held, as by ``Shell.roller``. Supports of the same
+                node count once.
 
         Returns:
-            What they exert on the bodies, global components; moments about the first of them.
+            Resultant on the bodies, global components; moments are about the first support.
 
         Raises:
-            ValueError: None is given, or something is not held.
+            ValueError: No support is given, or one of them holds nothing.
         """
         return reaction(supports, self.info, self.frames, self.joint_forces, self.reactions)
 
@@ -124,16 +124,16 @@ class StateSeries(Located, ABC):
         title: str = "",
         units: Units = SI,
     ) -> None:
-        """Draw the states one after the other as an animated picture.
+        """Draw the states as an animated picture.
 
         Args:
             path: Name of the ``.gif`` file.
-            images: Number of images, evenly spaced in time; of states that are no motion at most so
-                many of them.
-            seconds: How long it plays.
-            trace: Points whose paths are drawn, too.
-            title: Above the picture.
-            units: For the axes.
+            images: Number of images, evenly spaced in time; for equilibria the largest number of
+                images.
+            seconds: Duration.
+            trace: Points whose paths are drawn.
+            title: Title of the picture.
+            units: Units of the axes.
 
         Raises:
             ValueError: The name does not end in ``.gif``, there is no such point, or no image.
@@ -159,24 +159,26 @@ class StateSeries(Located, ABC):
         title: str = "",
         units: Units = SI,
     ) -> Page:
-        """A page in which the states move: one HTML file for any browser, without a network.
+        """HTML page with the states as an animation: one file for any browser, without a network.
 
-        One turns it, goes nearer, plays it and goes through the states with a slider; diagrams
-        run along: energies of a motion, or the path of the first traced point of an equilibrium.
+        The user rotates and zooms the model, plays the animation and selects states with a slider.
+        Diagrams are synchronised: energies of a motion, or the path of the first traced point of an
+        equilibrium.
 
         Args:
-            path: Name of the ``.html`` file; a notebook shows the answer without one.
-            states: At most so many, evenly spaced; between them places are interpolated.
-            seconds: How long all of them play.
-            trace: Points whose paths are drawn, too.
+            path: Name of the ``.html`` file; a notebook shows the returned page without one.
+            states: Largest number of states, evenly spaced; positions between them are
+                interpolated.
+            seconds: Duration of the animation.
+            trace: Points whose paths are drawn.
             colours: Values of bodies in all states of this result, such as
                 :meth:`fem_lie.results.stresses.section_forces.SectionForces.colours`.
-            title: Above the page.
-            units: For the axes.
+            title: Title of the page.
+            units: Units of the axes.
 
         Raises:
-            ValueError: The name does not end in ``.html``, there is no such point, or no state,
-                or colours are not those of this result.
+            ValueError: The name does not end in ``.html``, there is no such point, or no state, or
+                colours are not those of this result.
         """
         rows = np.unique(self._instants(whole(states, "states")))
         shown = [one.rows(rows, len(self.frames)) for one in colours]
@@ -187,17 +189,17 @@ class StateSeries(Located, ABC):
 
     @abstractmethod
     def _along(self, units: Units) -> tuple[Array, str, str]:
-        """What tells the states apart, shape (k,), what that is called, and its unit."""
+        """Parameter of the states, shape (k,), its name, and its unit."""
 
     @abstractmethod
     def _diagrams(
         self, rows: Indices, trace: Sequence[Point | str | int], units: Units
     ) -> Sequence[Diagram]:
-        """What runs along beside the states of a page."""
+        """Diagrams that are synchronised with the states of a page."""
 
     @abstractmethod
     def _instants(self, images: int) -> Indices:
-        """Numbers of the states in an animation."""
+        """Indices of the states in an animation."""
 
     def _traces(self, points: Sequence[Point | str | int]) -> list[Array]:
         """Paths of points through all states."""
@@ -213,21 +215,21 @@ class States(Protocol):
 
     @property
     def info(self) -> SceneInfo:
-        """Which nodes are those of the body."""
+        """Bodies and the numbers of their nodes."""
 
 
 def require_states(value: object) -> None:
-    """Raise ``TypeError`` if it is no result of statics, of a path or of dynamics."""
+    """Raise ``TypeError`` if a value is not a result of statics, of a path or of dynamics."""
     if not hasattr(value, "info") or np.ndim(getattr(value, "frames", 0.0)) != 4:
-        raise TypeError(f"wanted is a result of statics, a path or dynamics, got {shown(value)}")
+        raise TypeError(f"expected a result of statics, a path or dynamics, got {shown(value)}")
 
 
 def state_number(step: int, count: int) -> int:
-    """Number of one of ``count`` states, counted from the end if ``step`` is negative.
+    """Index of one of ``count`` states, counted from the end if ``step`` is negative.
 
     Raises:
         ValueError: There is no such state.
-        TypeError: It is no whole number.
+        TypeError: The index is not an integer.
     """
     instance(step, SupportsIndex, "step", "the number of a state")
     if not -count <= step < count:
@@ -236,10 +238,11 @@ def state_number(step: int, count: int) -> int:
 
 
 def nodes_in(info: SceneInfo, body: Body, where: str = "that result") -> Indices:
-    """Numbers that the nodes of a body have in what was found.
+    """Numbers of the nodes of a body in a result.
 
     Raises:
-        ValueError: The body is not there, or has another number of nodes there.
+        ValueError: The result does not have the body, or the body has another number of nodes
+            there.
     """
     nodes = info.body(body.name).nodes
     if len(nodes) != len(body.frames):
@@ -250,20 +253,20 @@ def nodes_in(info: SceneInfo, body: Body, where: str = "that result") -> Indices
 
 
 def evenly(count: int, most: int) -> Indices:
-    """Numbers of ``most`` of ``count`` states, first and last among them, or of all."""
+    """Indices of ``most`` evenly spaced of ``count`` states, with first and last, or of all."""
     return np.linspace(0, count - 1, min(most, count)).round().astype(np.int64)
 
 
 def nearest(values: Array, wanted: float, what: str) -> int:
-    """Number of the state whose time, or load factor, is nearest to the one that is wanted.
+    """Index of the state whose time, or load factor, is nearest to ``wanted``.
 
     Raises:
-        ValueError: It is not finite.
-        TypeError: It is no number.
+        ValueError: The value is not finite.
+        TypeError: The value is not a number.
     """
     return int(np.abs(values - number(wanted, what)).argmin())
 
 
 def label_of(point: Point | str | int) -> str:
-    """What diagrams call a point."""
+    """Label of a point in diagrams."""
     return point if isinstance(point, str) else str(getattr(point, "label", f"node {point}"))

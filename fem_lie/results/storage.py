@@ -1,17 +1,14 @@
-"""Rows of a results file written while a run goes on, and checksums of its contents.
+"""Rows of a results file that are written during a run, and checksums of the contents.
 
-Checksums of what is in a file of results, so that a flipped bit is an error.
+*Checksums.* HDF5's own checksums (Fletcher-32) are per chunk: a process that ends while it fills a
+chunk leaves a wrong checksum, and all rows of the chunk are lost. So each row of results has a
+CRC-32, which is written before the row is counted, and each group has one of all of its contents. A
+single flipped bit is an error when the file is read.
 
-HDF5's own checksums (Fletcher-32) are of chunks: a process that ends while it fills a chunk leaves
-one whose checksum is wrong, and with it all rows of the chunk are lost. So each row of results has
-a CRC-32, which is written before the row is counted, and each group has one of all that is in it.
-
-Rows of the arrays of a results file, written while a run goes on.
-
-The structure of the file does not change meanwhile: a process that ends, in whatever way, leaves a
-file that can be read, with all rows that were counted. Writing goes by system calls that report a
-full disk, never through mapped memory, where that is the end of the process. A row's checksum is
-written before the row is counted, and the count stands there twice.
+*Rows.* The structure of the file does not change during a run: a process that ends in any way
+leaves a readable file with all rows that were counted. Rows are written by system calls that report
+a full disk, not through mapped memory, where a full disk ends the process. The number of rows is
+stored twice.
 """
 
 from __future__ import annotations
@@ -26,12 +23,12 @@ import numpy as np
 import numpy.typing as npt
 
 CHECKSUM = "checksum"
-"""Attribute of a group with the checksum of what is in it."""
+"""Attribute of a group with the checksum of its contents."""
 
 NAMES = "contents"
-"""Group, and its attribute, with the names of all that is in the file."""
+"""Group, and its attribute, with the names of all contents of the file."""
 
-_BLOCK = 2**20  # bytes of rows that are copied together for their checksums
+_BLOCK = 2**20  # bytes of rows per block when checksums are computed
 
 
 class DamagedError(Exception):
@@ -39,10 +36,10 @@ class DamagedError(Exception):
 
 
 def row_checksums(arrays: Mapping[str, npt.NDArray[Any]]) -> npt.NDArray[np.int64]:
-    """CRC-32 of each row of arrays, which follow each other by name; shape (n,).
+    """CRC-32 of each row of arrays, which are concatenated by name; shape (n,).
 
     Args:
-        arrays: The same number n of rows of each.
+        arrays: Arrays with the same number n of rows.
     """
     count = len(next(iter(arrays.values())))
     parts = [
@@ -62,7 +59,7 @@ def check_rows(arrays: Mapping[str, npt.NDArray[Any]], checksums: npt.NDArray[np
     """Compare rows of arrays with their checksums, shape (n,).
 
     Raises:
-        DamagedError: Rows do not agree; the first is named.
+        DamagedError: Some rows do not agree; the first of them is named.
     """
     wrong = row_checksums(arrays) != checksums
     if wrong.any():
@@ -73,17 +70,17 @@ def check_rows(arrays: Mapping[str, npt.NDArray[Any]], checksums: npt.NDArray[np
 
 
 def seal(file: Any) -> None:
-    """Give all groups of an HDF5 file checksums, and one of them the names of what is there."""
+    """Add checksums to all groups of an HDF5 file, and the list of its contents."""
     file[NAMES].attrs[NAMES] = _names(file)
     for group in groups(file):
         group.attrs[CHECKSUM] = _content(group)
 
 
 def check(file: Any) -> None:
-    """Compare what is in a file and its groups with names and checksums.
+    """Compare the contents of a file and of its groups with the list and the checksums.
 
     Raises:
-        DamagedError: Something is missing, or does not agree; the group is named.
+        DamagedError: Contents are missing or do not agree; the group is named.
     """
     if file[NAMES].attrs[NAMES] != _names(file):
         raise DamagedError(f"it has {_names(file)}, but should have {file[NAMES].attrs[NAMES]}")
@@ -114,7 +111,7 @@ def _content(group: Any) -> int:
 
 
 def _bytes(name: str, value: Any) -> bytes:
-    """Name, type, shape and contents of a value, strings of any length included."""
+    """Name, type, shape and contents of a value, including strings of any length."""
     array = np.asarray(value)
     contents = repr(array.tolist()).encode() if array.dtype.hasobject else array.tobytes()
     return f"{name} {array.dtype.str} {array.shape} ".encode() + contents
@@ -124,8 +121,8 @@ COUNT, CHECKSUMS = "rows", "checksums"
 """Data sets of the number of rows, shape (2,), and of their checksums, shape (rows,)."""
 
 
-class _Place(NamedTuple):
-    """Where a data set is in the file; without an offset it has no values."""
+class _Location(NamedTuple):
+    """Location of a data set in the file; without an offset it has no values."""
 
     offset: int | None
     kind: np.dtype[Any]
@@ -136,30 +133,30 @@ class ResultRows:
     """The data sets of a file made by :func:`fem_lie.results.file.create`."""
 
     def __init__(self, path: Path) -> None:
-        """Find their places."""
+        """Find the locations of the data sets."""
         import h5py
 
         self._path = path
         with h5py.File(path, "r") as file:
-            self._places = {
-                name: _Place(item.id.get_offset(), item.dtype, item.shape)
+            self._locations = {
+                name: _Location(item.id.get_offset(), item.dtype, item.shape)
                 for name, item in file.items()
                 if isinstance(item, h5py.Dataset)
             }
 
     @property
-    def room(self) -> int:
-        """Rows that there can be."""
-        return self._places[CHECKSUMS].shape[0]
+    def capacity(self) -> int:
+        """Largest number of rows."""
+        return self._locations[CHECKSUMS].shape[0]
 
     def write(self, first: int, rows: Mapping[str, npt.NDArray[Any]]) -> None:
-        """Write rows from ``first`` on, the same number of each array, and count them.
+        """Write rows from ``first`` on, the same number for each array, and count them.
 
         Raises:
-            OSError: The disk is full, or there is another reason.
+            OSError: The file cannot be written, for example because the disk is full.
         """
         stored = {
-            name: np.ascontiguousarray(values, dtype=self._places[name].kind)
+            name: np.ascontiguousarray(values, dtype=self._locations[name].kind)
             for name, values in rows.items()
         }
         checksums = row_checksums(stored)
@@ -169,20 +166,20 @@ class ResultRows:
             self._write(file.fileno(), COUNT, np.full(2, first + len(checksums)), 0)
 
     def _write(self, descriptor: int, name: str, values: npt.NDArray[Any], first: int) -> None:
-        offset, kind, shape = self._places[name]
+        offset, kind, shape = self._locations[name]
         if offset is not None:
             row = kind.itemsize * int(np.prod(shape[1:], dtype=np.int64))
             write_all(descriptor, values.tobytes(), offset + first * row)
 
     def sync(self) -> None:
-        """Wait until all that was written is on the disk."""
+        """Wait until all data are on the disk."""
         with self._path.open("r+b", buffering=0) as file:
             os.fsync(file.fileno())
 
     def read(self, count: int) -> dict[str, npt.NDArray[Any]]:
-        """The first rows of all arrays, mapped into memory: what is not looked at costs nothing."""
+        """The first rows of all arrays, mapped into memory, so that unused arrays cost nothing."""
         found: dict[str, npt.NDArray[Any]] = {}
-        for name, (offset, kind, shape) in self._places.items():
+        for name, (offset, kind, shape) in self._locations.items():
             if offset is None:
                 found[name] = np.empty(shape, dtype=kind)[:count]
             elif name not in (COUNT, CHECKSUMS):
@@ -192,7 +189,7 @@ class ResultRows:
 
 
 def write_all(descriptor: int, data: bytes | memoryview, offset: int) -> None:
-    """Write all of ``data``, however many calls that takes."""
+    """Write all of ``data``, in as many calls as needed."""
     view = memoryview(data)
     while len(view):
         done = os.pwrite(descriptor, view, offset)

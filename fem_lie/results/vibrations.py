@@ -1,4 +1,4 @@
-"""Small vibrations as a result: eigenvalues, shapes, tables and pictures."""
+"""Small vibrations as a result: eigenvalues, mode shapes, tables and pictures."""
 
 from __future__ import annotations
 
@@ -15,35 +15,35 @@ from fem_lie.pictures import bodies
 from fem_lie.pictures.page.content import drawn
 from fem_lie.pictures.page.page import Page, Slider, page
 from fem_lie.pictures.stage import SI, Canvas, Units
-from fem_lie.results.mode_shapes import LARGEST_TURN, chosen
+from fem_lie.results.mode_shapes import LARGEST_ROTATION, chosen
 
 Complex = npt.NDArray[np.complex128]
 
 _GROWS = 1e-6  # real part over absolute value; less is round-off
-_PHASES = 49  # of one swing in a page
+_PHASES = 49  # states of one oscillation in a page
 
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """Motions ``H exp(Re(φ exp(s t)))`` about an equilibrium, the slowest first.
+    """Vibration modes ``H exp(Re(φ exp(s t)))`` about an equilibrium, the slowest first.
 
     Attributes:
-        eigenvalues: ``s``, 1/time, shape (k,); of a pair of conjugates the one that turns forward.
-        shapes: ``φ``: local increments (translation, rotation) of all nodes, shape (k, n, 6), the
-            largest displacement is ``size``, or the largest rotation of a mode that only turns is
-            1, as in torsion.
-        turns_only: Which of them have no displacement beyond round-off, shape (k,).
-        frames: The equilibrium, shape (n, 4, 3); in steady rotation in the turning frame.
+        eigenvalues: ``s``, 1/time, shape (k,); of a conjugate pair the one with positive frequency.
+        shapes: Mode shapes ``φ``: local increments (translation, rotation) of all nodes, shape (k,
+            n, 6). The largest displacement is ``size``; a mode with rotations only, as in torsion,
+            has the largest rotation 1.
+        rotation_only: Whether each mode has no displacement beyond round-off, shape (k,).
+        frames: The equilibrium, shape (n, 4, 3); in a steady rotation, in the rotating frame.
         size: Length of the model.
-        residuals: ``|P⁻¹ Q(s) φ|`` over ``|φ|`` in terms of the mass, shape (k,): how much a step
-            of inverse iteration changes a mode, with ``P`` the equations at a shift. Modes above
-            1e-5 are computed again by another method, or refused.
+        residuals: ``|P⁻¹ Q(s) φ|`` over ``|φ|`` in the norm of the mass matrix, shape (k,): the
+            change of a mode in a step of inverse iteration, with ``P`` the equations at a shift.
+            Modes above 1e-5 are computed again by another method, or rejected.
         info: Bodies and joints.
     """
 
     eigenvalues: Complex
     shapes: Complex
-    turns_only: Flags
+    rotation_only: Flags
     frames: Array
     size: float
     residuals: Array
@@ -55,27 +55,27 @@ class Modes:
 
     @property
     def frequencies(self) -> Array:
-        """Angular frequencies of the motions, rad per time, shape (k,)."""
+        """Angular frequencies, rad per time, shape (k,)."""
         return np.asarray(self.eigenvalues.imag)
 
     @property
     def hertz(self) -> Array:
-        """Cycles per time, shape (k,)."""
+        """Frequencies, cycles per time, shape (k,)."""
         return np.asarray(self.frequencies / (2 * np.pi))
 
     @property
     def damping_ratios(self) -> Array:
-        """``−Re s/|s|``: 1 and more does not swing, less than 0 grows; 0 for rigid motion."""
+        """Damping ratios ``−Re s/|s|``: 1 is overdamped, negative grows; 0 for rigid motion."""
         size = np.abs(self.eigenvalues)
         return np.asarray(0.0 - self.eigenvalues.real / np.where(size > 0, size, 1.0))
 
     @property
     def unstable(self) -> Flags:
-        """Which of them grow, shape (k,)."""
+        """Whether each mode grows, shape (k,)."""
         return np.asarray(self.eigenvalues.real > _GROWS * np.abs(self.eigenvalues))
 
     def table(self, *, units: Units = SI) -> str:
-        """One line for each mode."""
+        """Table with one line for each mode."""
         lines = [f"mode  frequency [rad/{units.time}]  {cycles(units):>9}  damping ratio"]
         rows = zip(self.frequencies, self.hertz, self.damping_ratios, self.unstable, strict=True)
         for number, (omega, hertz, ratio, grows) in enumerate(rows, start=1):
@@ -92,9 +92,9 @@ class Modes:
 
         Args:
             mode: Counted from 1, as in the table.
-            amplitude: Largest displacement over ``size``; or largest rotation where that is more
-                than half a radian otherwise.
-            phases: Angles of the oscillation, shape (k,).
+            amplitude: Largest displacement over ``size``; or the largest rotation if that would
+                exceed half a radian.
+            phases: Phase angles of the oscillation, shape (k,).
 
         Raises:
             ValueError: There is no such mode, or the amplitude is not positive.
@@ -103,7 +103,7 @@ class Modes:
         if not 0.0 < amplitude < np.inf:
             raise ValueError(f"amplitude must be positive, got {amplitude!r}")
         turn = np.abs(shape[:, 3:]).max()
-        factor = min(amplitude, LARGEST_TURN / turn) if turn > 0 else amplitude
+        factor = min(amplitude, LARGEST_ROTATION / turn) if turn > 0 else amplitude
         swing = np.exp(1j * np.asarray(phases, dtype=np.float64))
         increments = factor * (swing[:, np.newaxis, np.newaxis] * shape).real
         return lie.se3_retract(self.frames, increments)
@@ -117,14 +117,14 @@ class Modes:
         title: str | None = None,
         units: Units = SI,
     ) -> None:
-        """Draw half a swing of a mode.
+        """Draw half an oscillation of a mode.
 
         Args:
             path: Name of the ``.png`` file.
             mode: Counted from 1, as in the table.
             amplitude: See :meth:`moved`.
-            title: Above the picture; default: number and frequency.
-            units: For the axes.
+            title: Title of the picture; default: number and frequency.
+            units: Units of the axes.
         """
         frames = self.moved(mode, amplitude, np.linspace(np.pi, 0.0, 7))
         name = self._title(mode, title, units)
@@ -141,16 +141,16 @@ class Modes:
         title: str | None = None,
         units: Units = SI,
     ) -> None:
-        """Draw one swing of a mode as an animated picture, without growth or decay.
+        """Draw one oscillation of a mode as an animated picture, without growth or decay.
 
         Args:
             path: Name of the ``.gif`` file.
             mode: Counted from 1, as in the table.
             amplitude: See :meth:`moved`.
             images: Number of images.
-            seconds: How long one swing plays.
-            title: Above the picture; default: number and frequency.
-            units: For the axes.
+            seconds: Duration of one oscillation.
+            title: Title of the picture; default: number and frequency.
+            units: Units of the axes.
         """
         phases = np.linspace(0.0, 2 * np.pi, whole(images, "images"), endpoint=False)
         frames, name = self.moved(mode, amplitude, phases), self._title(mode, title, units)
@@ -167,15 +167,17 @@ class Modes:
         title: str | None = None,
         units: Units = SI,
     ) -> Page:
-        """A page in which a mode swings, without growth or decay; see :meth:`StateSeries.page`.
+        """HTML page in which a mode oscillates without growth or decay.
+
+        See :meth:`StateSeries.page` for its controls.
 
         Args:
             mode: Counted from 1, as in the table.
-            path: Name of the ``.html`` file; a notebook shows the answer without one.
+            path: Name of the ``.html`` file; a notebook shows the returned page without one.
             amplitude: See :meth:`moved`.
-            seconds: How long one swing plays.
-            title: Above the page; default: number and frequency.
-            units: For the axes.
+            seconds: Duration of one oscillation.
+            title: Title of the page; default: number and frequency.
+            units: Units of the axes.
         """
         phases = np.linspace(0.0, 2 * np.pi, _PHASES)
         content = drawn(self.info, self.moved(mode, amplitude, phases), (), (), units)

@@ -140,7 +140,7 @@ def shell_fields(
 
 
 def _shell_fields(found: Resultants, shapes: Array, compliance: Array) -> StressFields:
-    places, number = found.places, found.places.patches.number
+    places, number = found.stress_points, found.stress_points.patches.number
     nodal = in_axes(found.averaged[number], places.shared[number], places.section_at_nodes)
     own = in_axes(found.at_points, places.asked, places.section)
     return StressFields(own, shapes @ nodal, found.areas, compliance)

@@ -38,7 +38,7 @@ from fem_lie.results.stresses.nodal_values import axes_along, extrapolation, slo
 from fem_lie.results.stresses.section_forces import SectionForces, section_forces
 from fem_lie.results.stresses.shell_stress import (
     ShellStress,
-    StressPlaces,
+    StressPoints,
     between,
     integration,
     turned,
@@ -67,7 +67,7 @@ class EdgeLayers:
 
     @classmethod
     def of(
-        cls, shell: Shell, places: StressPlaces, ends: Indices, edges: Indices, turns: Array
+        cls, shell: Shell, places: StressPoints, ends: Indices, edges: Indices, turns: Array
     ) -> EdgeLayers:
         """Those of a shell.
 
@@ -118,7 +118,7 @@ class EdgeLayers:
 
 
 def _couples(
-    shell: Shell, places: StressPlaces, number: Indices, along: Array, weight: Array
+    shell: Shell, places: StressPoints, number: Indices, along: Array, weight: Array
 ) -> csr_matrix:
     """``∫ M_ij N,i τ_j + Q_i τ_i N`` with the shape function N of one end each, times a weight."""
     m, k = places.patches.number.shape
@@ -316,7 +316,7 @@ class ShellEdges:
                 f"{mesh.degree}: take Recovery()"
             )
         ends = np.array(basix.topology(basix.CellType[mesh.cell])[1], dtype=np.int64)
-        places = StressPlaces.in_sections(shell, KINK_ANGLE)
+        places = StressPoints.in_sections(shell, KINK_ANGLE)
         a, b = _common(places.patches.number, ends)
         m, c = len(mesh.cells), len(ends)
         known = np.isin(np.arange(m * c), [a, b])

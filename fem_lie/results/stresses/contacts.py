@@ -1,4 +1,4 @@
-"""What acts in a contact, in each state of a result."""
+"""Contact forces in each state of a result."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from fem_lie.results.states import nodes_in, require_states, state_number
 
 @dataclass(frozen=True, eq=False)
 class ContactForces:
-    """All places that touch in T states, one after the other.
+    """All active contact points in T states, one state after the other.
 
     Attributes:
-        states: Number of the state of each row, among the T, increasing, shape (k,).
-        places: Numbers of the places of both sides, in the order of their surfaces, shape (k, 2);
-            a plane or a hollow is on the second side.
-        gaps: Negative where surfaces overlap, shape (k,).
-        positions: Point of the first side that is nearest to the second, global components, (k, 3).
-        forces: On the first side, global components, shape (k, 3); of impacts the impulse of the
-            last step over its size.
+        states: Index of the state of each row, among the T, increasing, shape (k,).
+        points: Numbers of the points of both sides, in the order of their surfaces, shape (k, 2); a
+            plane or a hollow sphere is on the second side.
+        gaps: Gaps, negative where surfaces overlap, shape (k,).
+        positions: Closest point of the first side, global components, shape (k, 3).
+        forces: Contact force on the first side, global components, shape (k, 3); for impacts the
+            impulse of the last step divided by the step size.
         count: T.
-        impulses: Of impacts: in the last step, shape (k, 3).
-        slips: Of impacts: velocity of the first side across the normal, shape (k, 3).
-        sticks: Of impacts: whether that is none, to round-off, shape (k,).
+        impulses: For impacts: impulse in the last step, shape (k, 3).
+        slips: For impacts: tangential velocity of the first side, shape (k, 3).
+        sticks: For impacts: whether that is zero to round-off, shape (k,).
     """
 
     states: Indices
-    places: Indices
+    points: Indices
     gaps: Array
     positions: Array
     forces: Array
@@ -46,19 +46,19 @@ class ContactForces:
 
     @property
     def total(self) -> Array:
-        """Force on the first side in each state, shape (T, 3)."""
+        """Resultant on the first side in each state, shape (T, 3)."""
         found = np.zeros((self.count, 3))
         np.add.at(found, self.states, self.forces)
         return found
 
     @property
     def touching(self) -> Indices:
-        """How many places touch in each state, shape (T,)."""
+        """Number of active contact points in each state, shape (T,)."""
         return np.bincount(self.states, minlength=self.count)
 
     @property
     def penetration(self) -> Array:
-        """The deepest overlap in each state, zero where nothing touches, shape (T,)."""
+        """Largest overlap in each state, zero without contact, shape (T,)."""
         found = np.zeros(self.count)
         np.maximum.at(found, self.states, -self.gaps)
         return found
@@ -67,7 +67,7 @@ class ContactForces:
         """Forces in a state, for pictures: ``result.picture(name, arrows=found.arrows())``.
 
         Args:
-            state: Number of the state among the T; default: the last one.
+            state: Index of the state among the T; default: the last one.
 
         Raises:
             ValueError: There is no such state.
@@ -79,16 +79,16 @@ class ContactForces:
 def contact_forces(
     result: Result | StaticResult, contact: Contact, steps: Sequence[int] | None = None
 ) -> ContactForces:
-    """What acts in a contact, in states of a result.
+    """Contact forces of a contact in states of a result.
 
     Args:
-        result: Of dynamics, of statics or of a path, in which the contact was.
-        contact: It.
-        steps: Which states; default: all.
+        result: A result of dynamics, of statics or of a path, of a scene with the contact.
+        contact: The contact.
+        steps: Indices of the states; default: all.
 
     Raises:
-        ValueError: A body of it is not in the result, or there is no such step, or it is one by
-            impacts and the result has none.
+        ValueError: A body of the contact is not in the result, or there is no such step, or the
+            contact has impacts and the result has none.
     """
     require_states(result)
     instance(contact, Contact, "contact", "a Contact")
@@ -101,18 +101,18 @@ def contact_forces(
     if not term.ignores:
         found = [_in_state(term, result, k) for k in chosen]
     else:
-        # what is ignored depends on all states before
+        # ignored pairs depend on all earlier states
         every = [_in_state(term, result, k) for k in range(max(chosen, default=-1) + 1)]
         found = [every[k] for k in chosen]
     states = np.repeat(np.arange(len(found)), [len(each[0]) for each in found])
-    places, gaps, positions, forces = (np.concatenate(part) for part in zip(*found, strict=True))
-    return ContactForces(states, places, gaps, positions, forces, len(found))
+    points, gaps, positions, forces = (np.concatenate(part) for part in zip(*found, strict=True))
+    return ContactForces(states, points, gaps, positions, forces, len(found))
 
 
 def _in_state(
     term: ContactTerm, result: Result | StaticResult, k: int
 ) -> tuple[Indices, Array, Array, Array]:
-    """Places, gaps, positions and forces of those that touch."""
+    """Points, gaps, positions and forces of active contact points."""
     H = np.ascontiguousarray(result.frames[k])
     if term.ignores:
         term.accept(H)
@@ -123,11 +123,11 @@ def _in_state(
 
 
 def _of_impacts(result: Result | StaticResult, key: int, chosen: Sequence[int]) -> ContactForces:
-    """Those that pushed in the last steps before states, in the order of these."""
-    told = result.contacts if isinstance(result, Result) else None
-    if told is None or not isinstance(result, Result):
+    """Contacts with an impulse in the last step before each of the states."""
+    recorded = result.contacts if isinstance(result, Result) else None
+    if recorded is None or not isinstance(result, Result):
         raise ValueError("contact_forces: the result has no contacts by impacts")
-    step, rows = float(told.times[0]), told.each[told.each[:, 1] == key]
+    step, rows = float(recorded.times[0]), recorded.each[recorded.each[:, 1] == key]
     here = [np.flatnonzero(np.abs(rows[:, 0] - result.times[k]) < 0.49 * step) for k in chosen]
     states = np.repeat(np.arange(len(here)), [len(each) for each in here])
     rows = rows[np.concatenate([*here, np.zeros(0, dtype=np.int64)])]

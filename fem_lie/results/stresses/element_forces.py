@@ -1,8 +1,8 @@
 """Forces and moments at the ends of each element of a beam, in given states.
 
-The elements are assembled as the scene assembles them, but torn apart: each has nodes of its own.
-Then the residual is the force and moment on each end of each element, whatever the element is, and
-what meets at a node adds up to the residual of the scene there.
+The elements are assembled as in the scene, but disconnected: each has nodes of its own. The
+residual is then the force and moment on each end of each element, for any formulation, and the sum
+over the elements at a node is the residual of the scene there.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from fem_lie.sections.orientation import middle_frames
 
 
 class ElementForces:
-    """The elements of a beam, each for itself; shapes as in :class:`~.beams.beam.Beam`."""
+    """The disconnected elements of a beam; shapes as in :class:`~.beams.beam.Beam`."""
 
     def __init__(self, beam: Beam) -> None:
         self._elements, self._formulation = beam.elements, beam.formulation
@@ -40,18 +40,18 @@ class ElementForces:
         return self._assembly.viscosity is not None
 
     def set_eigenstrain(self, strains: Array) -> None:
-        """Strains without stress of all elements, shape (m, 6)."""
+        """Set the eigenstrains of all elements, shape (m, 6)."""
         self._assembly.set_eigenstrain(strains)
 
     def at_ends(self, frames: Array, velocities: Array | None = None) -> Array:
-        """What holds both ends of each element against its neighbours, shape (m, 2, 6).
+        """Section force and moment at both ends of each element, shape (m, 2, 6).
 
-        Force and moment that the rest of the beam beyond the end exerts if the end is the second,
-        and the contrary if it is the first: both are those of a section whose normal is e₁.
+        They act on the element at its second end, and from it at its first end: both are those of a
+        section whose normal is e₁.
 
         Args:
-            frames: Of the beam's nodes, shape (n, 4, 3).
-            velocities: Local twists of the nodes, shape (n, 6); without, nothing is viscous.
+            frames: Frames of the beam's nodes, shape (n, 4, 3).
+            velocities: Twists of the nodes, shape (n, 6); default: no viscous forces.
         """
         assembly, order = self._assembly, self._assembly.order
         H, forces = np.empty((assembly.count, 4, 3)), np.zeros((assembly.count, 6))
@@ -65,18 +65,20 @@ class ElementForces:
         return np.stack([-on_nodes[:, 0], on_nodes[:, 1]], axis=1)
 
     def of_strain(self, frames: Array) -> Array:
-        """Elastic force and moment at the points of integration, shape (m, g, 6).
+        """Elastic force and moment at the integration points, shape (m, g, 6).
 
         Args:
-            frames: Of the beam's nodes, shape (n, 4, 3).
+            frames: Frames of the beam's nodes, shape (n, 4, 3).
 
         Raises:
-            ValueError: The element is a user's own whose energy is not strain and law.
+            ValueError: The element is user-defined and its energy is not a ``StrainEnergy``.
         """
         assembly = self._assembly
         stress = assembly.forms.stress
         if stress is None:
-            raise ValueError("the energy of this element is no StrainEnergy: it has no stress")
+            raise ValueError(
+                "the energy of this element is not a StrainEnergy, so it has no stress"
+            )
         H = np.empty((assembly.count, 4, 3))
         H[assembly.order] = frames[self._elements].reshape(-1, 4, 3)
         assembly.reset_stress(H)
@@ -87,16 +89,16 @@ class ElementForces:
 
 
 def in_the_middle(elements: Indices, frames: Array, ends: Array) -> Array:
-    """Mean of what both ends carry to the middle of each element, shape (T, m, 6).
+    """Mean of the section forces of both ends, moved to the middle of each element, (T, m, 6).
 
-    There is one value for elements of two nodes: loads act on nodes, so that between them force and
-    moment are in equilibrium with those at the ends. A node in the middle has loads of its own, and
-    force and moment jump there by as much.
+    Elements of two nodes have one value: loads act on nodes, so between them force and moment are
+    in equilibrium with those at the ends. A node in the middle has loads of its own, and force and
+    moment jump there by these loads.
 
     Args:
         elements: Nodes of each element, shape (m, k).
-        frames: Of the beam's nodes, shape (T, n, 4, 3).
-        ends: At the ends, shape (T, m, 2, 6).
+        frames: Frames of the beam's nodes, shape (T, n, 4, 3).
+        ends: Section forces at the ends, shape (T, m, 2, 6).
     """
     a, b = frames[:, elements[:, 0]], frames[:, elements[:, 1]]
     middle = frames[:, elements[:, 2]] if elements.shape[1] == 3 else middle_frames(a, b)
@@ -108,10 +110,11 @@ def in_the_middle(elements: Indices, frames: Array, ends: Array) -> Array:
 
 
 def single_forces(scene: Scene, beam: Beam) -> Indices:
-    """Nodes of a beam at which something other than loads along the line may act.
+    """Nodes of a beam at which concentrated forces may act.
 
-    Those of joints, springs, links, supports and point loads, all of an element within which one is
-    attached, and those of kinks and branches; all of them if something slides along it.
+    These are the nodes of joints, springs, links, supports and point loads, all nodes of an element
+    with an attachment inside, and those of kinks and branches; all nodes if a joint slides along
+    the beam.
     """
     sliding = [item for item in (*scene.joints, *scene.connections) if isinstance(item, Sliding)]
     if any(item.beam is beam for item in sliding):
@@ -142,19 +145,19 @@ def single_forces(scene: Scene, beam: Beam) -> Indices:
 
 
 def without_jumps(beam: Beam, ends: Array, single: Indices) -> Array:
-    """Values at the ends of elements that go on without a jump, shape (T, m, 2, 6).
+    """Section forces at the ends of elements, continuous between elements, shape (T, m, 2, 6).
 
-    What acts along the line is, in part, at the nodes. The jump at a node between two elements
-    belongs to both by their lengths; at the other end of an element that has no such neighbour, its
-    value is wrong by as much in the opposite direction. Moments of elements with a bowed axis are
-    right in the mean: a load ``−ΔV/ℓ`` makes them quadratic, and adds ``ℓ ΔV/12`` at both ends.
+    Part of a distributed load acts at the nodes. The jump at a node between two elements is
+    distributed to both by their lengths. At the other end of an element that has no such neighbour,
+    the value has the opposite error. Moments of elements with a curved axis are exact in the mean:
+    a load ``−ΔV/ℓ`` makes them quadratic, and adds ``ℓ ΔV/12`` at both ends.
 
-    So values are of second order everywhere, exact for a constant load on a straight line, and as
-    they were where nothing jumps.
+    Values are of second order everywhere, exact for a constant load on a straight line, and
+    unchanged where there is no jump.
 
     Args:
         beam: The beam.
-        ends: Shape (T, m, 2, 6).
+        ends: Section forces, shape (T, m, 2, 6).
         single: Nodes at which values may jump.
     """
     before, behind = neighbours(beam.elements, single)
@@ -178,7 +181,7 @@ def without_jumps(beam: Beam, ends: Array, single: Indices) -> Array:
 
 
 def neighbours(elements: Indices, single: Indices) -> tuple[Indices, Indices]:
-    """Pairs of elements that go on from one to the next: two at a node, head to tail."""
+    """Pairs of consecutive elements: two at a node, end to start."""
     count = elements.max() + 1
     meeting = np.bincount(elements[:, :2].ravel(), minlength=count) == 2
     meeting[single] = False

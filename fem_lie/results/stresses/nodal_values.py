@@ -1,4 +1,4 @@
-"""Values in the cells of a surface mesh: nodal values, and as DOLFINx functions."""
+"""Values in the cells of a surface mesh: nodal values, and DOLFINx functions."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ from fem_lie.mesh.shapes import nodes_of, tabulated
 from fem_lie.mesh.surfaces import SurfaceMesh
 
 ElementMaker = Callable[[str, int, tuple[int, ...]], Any]
-"""From cell, degree and shape of the values to an element."""
+"""Creates an element from cell, degree and shape of the values."""
 
 
 def LAGRANGE(cell: str, degree: int, shape: tuple[int, ...]) -> Any:
-    """Continuous."""
+    """Continuous Lagrange element."""
     return basix.ufl.element("Lagrange", cell, degree, shape=shape)
 
 
 def DISCONTINUOUS(cell: str, degree: int, shape: tuple[int, ...]) -> Any:
-    """The same nodes in each cell for itself."""
+    """Discontinuous Lagrange element with the same nodes."""
     return basix.ufl.element("DG", cell, degree, shape=shape)
 
 
 def quadrature(points: int) -> ElementMaker:
-    """The points of integration of a rule of this degree."""
+    """Quadrature element of a rule of this degree."""
 
     def element(cell: str, degree: int, shape: tuple[int, ...]) -> Any:
         return basix.ufl.quadrature_element(cell, value_shape=shape, degree=points)
@@ -43,24 +43,25 @@ def quadrature(points: int) -> ElementMaker:
     return element
 
 
-def dolfinx_surface(mesh: SurfaceMesh, places: Array) -> dolfinx.mesh.Mesh:
-    """The mesh with its nodes at ``places`` (n, 3); DOLFINx gives cells another order."""
+def dolfinx_surface(mesh: SurfaceMesh, positions: Array) -> dolfinx.mesh.Mesh:
+    """The mesh with nodes at ``positions`` (n, 3); DOLFINx reorders the cells."""
     return _compat.create_surface_mesh(
-        np.array(places, dtype=np.float64), mesh.cells, mesh.cell, mesh.degree
+        np.array(positions, dtype=np.float64), mesh.cells, mesh.cell, mesh.degree
     )
 
 
 def cells_function(
     mesh: dolfinx.mesh.Mesh, of: SurfaceMesh, values: Array, element: ElementMaker, name: str
 ) -> fem.Function:
-    """A function by its values in each cell.
+    """A function from its values in each cell.
 
     Args:
-        mesh: From :func:`dolfinx_surface`.
-        of: What that was made of.
-        values: At the nodes or points of each cell of the surface, shape (m, q) or (m, q, b).
-        element: What the function is made of.
-        name: Its name.
+        mesh: Mesh from :func:`dolfinx_surface`.
+        of: The surface mesh that it was made from.
+        values: Values at the nodes or points of each cell of the surface, shape (m, q) or (m, q,
+            b).
+        element: Element of the function.
+        name: Name of the function.
     """
     chosen = element(of.cell, of.degree, values.shape[2:])
     f = fem.Function(fem.functionspace(mesh, chosen), name=name)
@@ -75,7 +76,7 @@ class CellPoints:
 
     Attributes:
         shapes: Values of the shape functions, shape (q, k).
-        slopes: Their derivatives, shape (2, q, k).
+        slopes: Derivatives of the shape functions, shape (2, q, k).
     """
 
     shapes: Array
@@ -89,11 +90,11 @@ class CellPoints:
 
     @classmethod
     def nodes(cls, mesh: SurfaceMesh) -> CellPoints:
-        """At the nodes of the cells."""
+        """Tabulate at the nodes of the cells."""
         return cls.of(mesh, node_coordinates(mesh))
 
-    def places(self, x: Array) -> Array:
-        """Places, shape (m, q, 3), for nodes at ``x`` of each cell, shape (m, k, 3)."""
+    def positions(self, x: Array) -> Array:
+        """Positions, shape (m, q, 3), for nodes at ``x`` of each cell, shape (m, k, 3)."""
         return np.einsum("qk,mkj->mqj", self.shapes, x)
 
     def tangents(self, x: Array) -> Array:
@@ -109,9 +110,9 @@ def node_coordinates(mesh: SurfaceMesh) -> Array:
 def extrapolation(mesh: SurfaceMesh, points: Array) -> Array:
     """Matrix (k, g) from values at points (g, 2) to the nodes of the cell.
 
-    By the linear field on a triangle, the bilinear one on a quadrilateral, that is nearest at the
-    points: for elements of second degree, too, whose stress is more accurate by an order in this
-    part of it.
+    The field is the least-squares fit of a linear function on a triangle, or a bilinear one on a
+    quadrilateral, also for elements of second degree, whose stress is more accurate by one order in
+    this part of it.
     """
 
     def monomials(X: Array) -> Array:
@@ -141,7 +142,7 @@ def axes_along(normals: Array, direction: Array) -> Array:
 
 
 def unit(v: Array) -> Array:
-    """Vectors (..., 3) over their length."""
+    """Normalised vectors (..., 3)."""
     return np.asarray(v / np.linalg.norm(v, axis=-1, keepdims=True))
 
 
@@ -149,19 +150,19 @@ def slopes_along(axes: Array, tangents: Array, slopes: Array) -> Array:
     """Derivatives along e₁ and e₂, shape (..., 2, 3), from those along reference coordinates.
 
     Args:
-        axes: Unloaded, shape (..., 3, 3).
+        axes: Undeformed axes, shape (..., 3, 3).
         tangents: ``X,α``, shape (..., 2, 3).
-        slopes: Of a vector, shape (..., 2, 3).
+        slopes: Derivatives of a vector, shape (..., 2, 3).
     """
     jacobian = np.einsum("...aj,...ij->...ai", tangents, axes[..., :2, :])
     return np.asarray(np.linalg.solve(jacobian, slopes), dtype=np.float64)
 
 
-def carried_axes(axes: Array, tangents: Array, moved: Array) -> Array:
-    """Axes as the deformation takes them along, made orthonormal again in the nearest way.
+def convected_axes(axes: Array, tangents: Array, moved: Array) -> Array:
+    """Axes convected by the deformation, orthonormalised by the polar decomposition.
 
     Args:
-        axes: Unloaded, shape (..., 3, 3).
+        axes: Undeformed axes, shape (..., 3, 3).
         tangents: ``X,α``, shape (..., 2, 3).
         moved: ``x,α``, shape (..., 2, 3).
     """
@@ -173,12 +174,12 @@ def carried_axes(axes: Array, tangents: Array, moved: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class SharedValues:
-    """Corners of cells (nodes of cells, to be exact) that share a value.
+    """Groups of cell nodes that share a nodal value.
 
     Attributes:
-        number: Of the value of each node of each cell, shape (m, k).
-        node: Node of each value, shape (p,), sorted; without a jump it is all nodes.
-        edge: Which values are at an edge, a kink or a jump, shape (p,).
+        number: Index of the value of each node of each cell, shape (m, k).
+        node: Node of each value, shape (p,), sorted; without a jump these are all nodes.
+        edge: Whether each value is at an edge, a kink or a jump, shape (p,).
     """
 
     number: Indices
@@ -186,13 +187,13 @@ class SharedValues:
     edge: Flags
 
     def mean(self, values: Array) -> Array:
-        """Mean over the cells of each patch, shape (p, ...), of values of shape (m, k, ...)."""
+        """Means over cells that share a value, shape (p, ...), of values of shape (m, k, ...)."""
         each = values.reshape(self.number.size, -1)
         return np.asarray(self._mean @ each).reshape(-1, *values.shape[2:])
 
     @cached_property
     def _mean(self) -> csr_matrix:
-        """From values of nodes of cells to their means, (p, m k)."""
+        """Averaging matrix, shape (p, m k)."""
         number = self.number.ravel()
         share = 1.0 / np.bincount(number, minlength=len(self.node))
         return csr_matrix((share[number], (number, np.arange(len(number)))))
@@ -201,12 +202,12 @@ class SharedValues:
 def shared_values(
     mesh: SurfaceMesh, smooth: Callable[[Indices, Indices, Indices, Indices], Flags]
 ) -> SharedValues:
-    """Join what is smooth across edges.
+    """Group cell nodes at which the surface is smooth across edges.
 
     Args:
         mesh: The surface.
-        smooth: Of cells ``a`` and ``b`` and the places ``i`` and ``j`` of a common node among
-            their nodes, whether they may share its value.
+        smooth: For cells ``a`` and ``b`` and the local indices ``i`` and ``j`` of a common node,
+            whether they may share its value.
     """
     k = mesh.cells.shape[1]
     a, b, i, j = _common_nodes(mesh)
@@ -215,12 +216,12 @@ def shared_values(
     size = mesh.cells.size
     graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(size, size))
     _, label = connected_components(graph, directed=False)
-    # numbered by nodes, so that they are the nodes where nothing jumps
+    # numbered by nodes, so that numbers are those of the nodes if there is no jump
     pairs, number = np.unique(
         np.column_stack([mesh.cells.ravel(), label]), axis=0, return_inverse=True
     )
     number = number.ravel()
-    # inside, there are as many common edges around a node as cells
+    # in the interior there are as many common edges around a node as cells
     links = np.bincount(number[rows], minlength=len(pairs))
     edge = links < np.bincount(number)
     return SharedValues(
@@ -229,7 +230,7 @@ def shared_values(
 
 
 def _common_nodes(mesh: SurfaceMesh) -> tuple[Indices, Indices, Indices, Indices]:
-    """All ``(a, b, i, j)`` of :func:`shared_values`, where an edge is common to both cells."""
+    """All ``(a, b, i, j)`` of :func:`shared_values` for edges that two cells share."""
     round_ = _round(mesh)
     c = len(round_)
     ends = np.sort(mesh.cells[:, round_[:, :2]], axis=2).reshape(-1, 2)
@@ -242,7 +243,7 @@ def _common_nodes(mesh: SurfaceMesh) -> tuple[Indices, Indices, Indices, Indices
         first, second = order[same], order[same + step]
         p, q = round_[first % c], round_[second % c]
         a, b = first // c, second // c
-        # the nodes of the edge come in the opposite order, or the same if the sides differ
+        # the nodes of the edge have the opposite order, or the same if the orientations differ
         for i in range(round_.shape[1]):
             for j in range(round_.shape[1]):
                 equal = mesh.cells[a, p[:, i]] == mesh.cells[b, q[:, j]]
@@ -253,7 +254,7 @@ def _common_nodes(mesh: SurfaceMesh) -> tuple[Indices, Indices, Indices, Indices
 
 
 def _round(mesh: SurfaceMesh) -> Indices:
-    """Places of the nodes of each edge among those of the cell, ends first, shape (c, 2 or 3)."""
+    """Local indices of the nodes of each edge, ends first, shape (c, 2 or 3)."""
     cell = basix.CellType[mesh.cell]
     ends = np.array(basix.topology(cell)[1], dtype=np.int64)
     if mesh.degree == 1:
@@ -262,7 +263,7 @@ def _round(mesh: SurfaceMesh) -> Indices:
 
 
 def nearby(patches: SharedValues) -> tuple[Indices, Indices]:
-    """Values at an edge, and the cells that share a value with their cells, as pairs."""
+    """Pairs of a value at an edge and a cell that shares a value with one of its cells."""
     m, k = patches.number.shape
     rows, columns = patches.number.ravel(), np.repeat(np.arange(m), k)
     around = csr_matrix((np.ones(m * k), (rows, columns)), shape=(len(patches.node), m))
@@ -271,16 +272,17 @@ def nearby(patches: SharedValues) -> tuple[Indices, Indices]:
     return edge[pairs.row], pairs.col.astype(np.int64)
 
 
-def planes(which: Indices, places: Array, values: Array, count: int) -> Array:
-    """Value at the origin of the plane nearest to points of each of ``count`` sets, (count, b).
+def planes(which: Indices, positions: Array, values: Array, count: int) -> Array:
+    """Value at the origin of the least-squares plane of each of ``count`` sets of points.
 
-    Where the points are on a line, or there is one alone, the plane does not rise across.
+    Where the points of a set are collinear, or there is only one, the plane has no slope in the
+    undetermined directions. The result has the shape (count, b).
 
     Args:
         which: Set of each point, shape (r,).
-        places: Its place in the plane, shape (r, 2).
-        values: Shape (r, b).
-        count: Number of sets, each with a point.
+        positions: Coordinates of the points in the plane, shape (r, 2).
+        values: Values at the points, shape (r, b).
+        count: Number of sets, each with at least one point.
     """
     number = np.bincount(which, minlength=count)[:, np.newaxis]
 
@@ -289,8 +291,8 @@ def planes(which: Indices, places: Array, values: Array, count: int) -> Array:
         np.add.at(sums, which, parts)
         return sums
 
-    middle, mean = total(places) / number, total(values) / number
-    d, change = places - middle[which], values - mean[which]
+    middle, mean = total(positions) / number, total(values) / number
+    d, change = positions - middle[which], values - mean[which]
     matrix = total(np.einsum("ri,rj->rij", d, d))
     slope = np.linalg.pinv(matrix, rcond=1e-6, hermitian=True) @ total(
         np.einsum("ri,rb->rib", d, change)

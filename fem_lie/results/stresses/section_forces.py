@@ -1,6 +1,6 @@
-"""Section forces of beams: axial and shear forces, torques and bending moments along them.
+"""Section forces of beams: axial and shear forces, torques and bending moments.
 
-In each state of a result, at both ends and in the middle of each element::
+They are computed in each state of a result, at both ends and in the middle of each element::
 
     found = fl.section_forces(result, beam, scene)
     found.raw("My"), found.mean("My"), found.smooth("My")    # ends, middles, without jumps
@@ -8,9 +8,10 @@ In each state of a result, at both ends and in the middle of each element::
     found.write_vtk("forces.pvd")
     result.page("motion.html", colours=[found.colours("N")])
 
-A section whose normal is e₁ carries the force and moment that the beam beyond it exerts, in
+The section with normal e₁ transmits the force and moment that the beam beyond it exerts, in
 components along its own e₁, e₂, e₃: N, V_y, V_z and T, M_y, M_z, about the point of the beam's
-axis. A positive N pulls, a positive M_y pulls where z > 0 and a positive M_z where y < 0.
+axis. A positive N is tension; a positive M_y gives tension where z > 0 and a positive M_z where y <
+0.
 """
 
 from __future__ import annotations
@@ -51,15 +52,15 @@ QUANTITIES = (*COMPONENTS, "V", "M", "stress max", "stress min")
 
 
 def of_forces(name: str, values: Array, sections: Sequence[Section]) -> Array:
-    """A quantity, shape (T, m, e).
+    """Values of a quantity, shape (T, m, e).
 
     Args:
-        name: One of :data:`QUANTITIES`: "V" and "M" are the amounts of shear and of bending.
-        values: Force and moment at e places of each element, shape (T, m, e, 6).
-        sections: Of each element.
+        name: One of :data:`QUANTITIES`: "V" and "M" are the magnitudes of shear and of bending.
+        values: Force and moment at e points of each element, shape (T, m, e, 6).
+        sections: Section of each element.
 
     Raises:
-        ValueError: There is no such quantity, or no such stress.
+        ValueError: There is no such quantity, or a section has no such stress.
     """
     if name not in QUANTITIES:
         raise ValueError(f"there is no section force {name!r}; there are: {', '.join(QUANTITIES)}")
@@ -76,7 +77,7 @@ def outer_stress(values: Array, sections: Sequence[Section]) -> Array:
 
     Args:
         values: As in :func:`of_forces`.
-        sections: Of each cell, m of them.
+        sections: Section of each cell, m of them.
 
     Raises:
         ValueError: A section has no properties or no outline.
@@ -111,16 +112,16 @@ def diagrams(
     path: str | os.PathLike[str] | None,
     units: Units,
 ) -> Figure:
-    """One diagram for each quantity, one line for each smooth piece of the beam and each state.
+    """One diagram for each quantity, one line for each smooth segment of the beam and each state.
 
-    Pieces of a beam with kinks or branches are drawn one after the other.
+    Segments of a beam with kinks or branches are drawn one after the other.
 
     Args:
-        beam: The beam; m elements.
-        quantities: Name and values at both ends of each element, shape (T, m, 2), of each.
-        steps: Which of the T states, the later the darker.
-        path: Name of the picture; saved if there is one.
-        units: For the labels.
+        beam: The beam, with m elements.
+        quantities: Names, and values at both ends of each element, shape (T, m, 2).
+        steps: Indices of the states; later ones are darker.
+        path: Name of the picture; saved if given.
+        units: Units of the labels.
     """
     figure, axes = figure_of_rows(len(quantities), f"Section forces of {beam.label}", units)
     figure.set_size_inches(8.0, 1.2 + _HEIGHT * len(quantities))
@@ -150,14 +151,14 @@ def section_forces(
     """Section forces of a beam in states of a result.
 
     Args:
-        result: Of dynamics, of statics or of a path, in which the beam was.
+        result: A result of dynamics, of statics or of a path, of a scene with the beam.
         beam: The beam.
-        scene: What was solved: strains without stress are among its loads.
-        steps: Which states; default: all.
+        scene: The scene that was solved; its loads include eigenstrains.
+        steps: Indices of the states; default: all.
 
     Raises:
         ValueError: The beam is not in that scene or result, there is no such step, or its elements
-            do not bend within.
+            have no bending.
     """
     require_states(result)
     require_scene(scene)
@@ -183,7 +184,7 @@ def section_forces(
 
 
 def _strains(scene: Scene, beam: Beam, times: Array, factors: Array) -> Array:
-    """Strains without stress at these times, shape (T, m, 6)."""
+    """Eigenstrains at these times, shape (T, m, 6)."""
     total = np.zeros((len(times), len(beam.elements), 6))
     for number, load in enumerate(scene.loads):
         if isinstance(load, StrainLoad) and load.body is beam:
@@ -197,21 +198,21 @@ def _strains(scene: Scene, beam: Beam, times: Array, factors: Array) -> Array:
 class SectionForces:
     """Section forces of a beam in T states; made by :func:`section_forces`.
 
-    Loads act on the nodes of elements, and so does inertia. In an element the force on a section is
-    constant in space and its moment linear, and both are in equilibrium with all that acts on nodes
-    and joints, to the tolerance of the solution: :attr:`ends`. From one element to the next they
-    jump by what acts on the node between them. Where that stands for loads along the line, or for
-    inertia, :attr:`middle` and :attr:`smooth_ends` are nearer to the truth.
+    Loads and inertia act on the nodes of elements. Within an element the force on a section is
+    constant in space and its moment linear; both are in equilibrium with all forces on nodes and
+    joints, to the tolerance of the solution: :attr:`ends`. Between elements they jump by the force
+    on the node. Where this force represents distributed loads or inertia, :attr:`middle` and
+    :attr:`smooth_ends` are more accurate.
 
     Attributes:
-        beam: The beam; m elements with n nodes.
+        beam: The beam, with m elements and n nodes.
         times: Times, or load factors, shape (T,).
-        frames: Of the nodes, shape (T, n, 4, 3).
-        strains: Without stress, shape (T, m, 6).
+        frames: Frames of the nodes, shape (T, n, 4, 3).
+        strains: Eigenstrains, shape (T, m, 6).
         ends: Elastic and viscous force and moment at both ends of each element, in the frames
             there, shape (T, m, 2, 6).
-        single: Nodes at which single forces may act: of joints, supports, point loads, branches.
-        elements: The beam's elements, each for itself.
+        single: Nodes at which concentrated forces may act: joints, supports, point loads, branches.
+        elements: The disconnected elements of the beam.
     """
 
     beam: Beam
@@ -226,13 +227,13 @@ class SectionForces:
     def middle(self) -> Array:
         """Force and moment in the middle of each element, in the frame there, shape (T, m, 6).
 
-        Those of both ends, carried there and averaged.
+        They are the mean of those at both ends, moved to the middle.
         """
         return in_the_middle(self.beam.elements, self.frames, self.ends)
 
     @cached_property
     def smooth_ends(self) -> Array:
-        """As :attr:`ends`, without jumps where no single force can act, shape (T, m, 2, 6).
+        """As :attr:`ends`, continuous where no concentrated force can act, shape (T, m, 2, 6).
 
         See :func:`fem_lie.results.stresses.element_forces.without_jumps`.
         """
@@ -240,7 +241,7 @@ class SectionForces:
 
     @property
     def components(self) -> tuple[str, ...]:
-        """Names of the six."""
+        """Names of the six components."""
         return COMPONENTS
 
     @property
@@ -255,7 +256,7 @@ class SectionForces:
 
     @cached_property
     def cut_moments(self) -> Array:
-        """Moments there, about the axis, global components, shape (T, m, 2, 3)."""
+        """Moments at both ends, about the axis, global components, shape (T, m, 2, 3)."""
         return self._in_space(self.ends[..., 3:])
 
     def _in_space(self, vectors: Array) -> Array:
@@ -263,14 +264,14 @@ class SectionForces:
         return np.asarray(np.einsum("tmik,tmikj->tmij", vectors, axes))
 
     def at_points(self, step: int = -1) -> Array:
-        """Elastic force and moment at the points of integration, shape (m, g, 6).
+        """Elastic force and moment at the integration points, shape (m, g, 6).
 
         In elements of two nodes it is the mean force and moment of the element, in axes that rotate
-        with the section; it differs from :attr:`middle` by a part of the order of the square of the
-        angle between both ends.
+        with the section; the relative difference from :attr:`middle` is of the order of the square
+        of the angle between both ends.
 
         Args:
-            step: Which of the states here.
+            step: Index of the state.
         """
         self.elements.set_eigenstrain(self.strains[step])
         return self.elements.of_strain(self.frames[step])
@@ -279,13 +280,13 @@ class SectionForces:
         """A quantity at both ends of each element, shape (T, m, 2).
 
         Args:
-            name: A component, "V" or "M" (the amounts of shear and of bending), "stress max" or
+            name: A component, "V" or "M" (the magnitudes of shear and of bending), "stress max" or
                 "stress min" (largest and smallest axial stress at the corners of the outline, see
                 :meth:`fem_lie.sections.section.Section.axial_stress`).
 
         Raises:
-            ValueError: There is no such quantity, or no such stress; likewise in the following
-                methods.
+            ValueError: There is no such quantity, or a section has no such stress; likewise in the
+                following methods.
         """
         return of_forces(name, self.ends, self.beam.sections)
 
@@ -294,7 +295,7 @@ class SectionForces:
         return of_forces(name, self.middle[:, :, np.newaxis], self.beam.sections)[:, :, 0]
 
     def smooth(self, name: str) -> Array:
-        """As :meth:`raw`, of :attr:`smooth_ends`."""
+        """As :meth:`raw`, for :attr:`smooth_ends`."""
         return of_forces(name, self.smooth_ends, self.beam.sections)
 
     def at(self, point: Point, name: str) -> Array:
@@ -305,7 +306,7 @@ class SectionForces:
             name: As for :meth:`raw`; values are those of :meth:`smooth`.
 
         Raises:
-            ValueError: The point is not one of the beam, or values jump there.
+            ValueError: The point is not a node of the beam, or values jump there.
         """
         if point.body is not self.beam:
             raise ValueError(f"{point.label} is not a point of {self.beam.label}")
@@ -321,11 +322,11 @@ class SectionForces:
     # --- pictures and files ---
 
     def colours(self, name: str, *, units: Units = SI) -> NodalColours:
-        """A quantity in all states for the colours of a page: means of :meth:`smooth` at nodes.
+        """A quantity in all states for the colours of a page: nodal means of :meth:`smooth`.
 
         Args:
             name: As for :meth:`raw`.
-            units: For the label.
+            units: Units of the label.
         """
         at_ends, nodes = self.smooth(name), self.beam.elements[:, :2].ravel()
         values = at_nodes(at_ends.reshape(len(at_ends), -1), nodes, self.frames.shape[1])
@@ -343,10 +344,10 @@ class SectionForces:
 
         Args:
             names: As for :meth:`raw`; default: the six components.
-            steps: Which of the states here, the later the darker.
+            steps: Indices of the states; later ones are darker.
             smooth: Whether to draw :meth:`smooth`; default: :meth:`raw`.
             path: Name of the picture.
-            units: For the labels.
+            units: Units of the labels.
 
         Raises:
             ValueError: See :meth:`raw`.
@@ -358,8 +359,8 @@ class SectionForces:
     def write_vtk(self, path: str | os.PathLike[str]) -> None:
         """Write a ``.pvd`` file, and a folder of the same name with a ``.vtp`` file for each state.
 
-        Each element is a line with ends of its own. Point data: the six components at its ends, and
-        ``force`` and ``moment`` as vectors in space; cell data: the components in its middle.
+        Each element is a line with its own end points. Point data: the six components at its ends,
+        and ``force`` and ``moment`` as vectors in space; cell data: the components in its middle.
 
         Args:
             path: Name of the ``.pvd`` file.
@@ -372,5 +373,5 @@ class SectionForces:
         at_ends = {name: self.ends[..., i] for i, name in enumerate(self.components)}
         at_ends |= {"force": self.cut_forces, "moment": self.cut_moments}
         in_middle = {name: self.middle[..., i] for i, name in enumerate(self.components)}
-        places = self.frames[:, self.beam.elements[:, :2], 0]
-        write_elements(path, self.times, places, at_ends, in_middle)
+        positions = self.frames[:, self.beam.elements[:, :2], 0]
+        write_elements(path, self.times, positions, at_ends, in_middle)

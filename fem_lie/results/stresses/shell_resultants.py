@@ -1,6 +1,6 @@
-"""Stress resultants of shells: at points of integration, at nodes, as functions, in files.
+"""Stress resultants of shells: at integration points, at nodes, as functions, in files.
 
-What they are is said in :mod:`fem_lie.results.stresses.shell_values`::
+:mod:`fem_lie.results.stresses.shell_values` defines them::
 
     found = fl.resultants(result, shell, along=(1, 0, 0))
     found.raw("M11"), found.mean("M11"), found.smooth("M11")    # points, cells, nodes
@@ -40,7 +40,7 @@ from fem_lie.results.stresses.shell_stress import (
     QUANTITIES,
     Along,
     ShellStress,
-    StressPlaces,
+    StressPoints,
     quantity,
 )
 from fem_lie.results.stresses.shell_values import LARGEST_JUMP, ResultantValues
@@ -57,11 +57,11 @@ def resultants(
     """Stress resultants of a shell in one state of a result.
 
     Args:
-        result: Of statics, of a path or of dynamics, in which the shell was.
+        result: A result of statics, of a path or of dynamics, of a scene with the shell.
         shell: The shell.
-        step: Which state; default: the last.
-        along: e₁ before projection onto the unloaded surface: one vector, or a function of the
-            place; default: the axes of the sections (``Shell.axes``).
+        step: Index of the state; default: the last.
+        along: e₁ before projection onto the undeformed surface: one vector, or a function of the
+            position; default: the axes of the sections (``Shell.axes``).
         kink_angle: Largest angle, rad, between neighbouring cells across which nodal values are
             averaged.
 
@@ -104,16 +104,16 @@ def resultant_colours(
     """A quantity of a shell for the colours of a page, from :func:`resultant_series`.
 
     Args:
-        series: Of all states of the result that the page shows.
-        name: A quantity, see :meth:`Resultants.raw`; averaged, and at kinks the mean of all sides.
-        units: For the label.
+        series: Resultants of all states of the result that the page shows.
+        name: A quantity, see :meth:`Resultants.raw`; averaged, at kinks over all sides.
+        units: Units of the label.
 
     Raises:
         ValueError: There is no state, or no such quantity.
     """
     if not series:
         raise ValueError("colours need the resultants of at least one state, got none")
-    shell, nodes = series[0].shell, series[0].places.patches.node
+    shell, nodes = series[0].shell, series[0].stress_points.patches.node
     smooth = np.array([state.smooth(name) for state in series])
     values = at_nodes(smooth, nodes, len(shell.frames))
     return NodalColours(shell.name, values, f"{name} [{quantity(name).unit(units)}]")
@@ -129,20 +129,22 @@ def _of_states(
     instance(shell, Shell, "shell", "a Shell")
     nodes = nodes_in(result.info, shell)
     if along is None:
-        places = StressPlaces.in_sections(shell, kink_angle)
+        stress_points = StressPoints.in_sections(shell, kink_angle)
     else:
-        places = StressPlaces.of(shell, along, kink_angle)
+        stress_points = StressPoints.of(shell, along, kink_angle)
     stress = ShellStress.of(shell)
-    return [Resultants.of(shell, places, result.frames[step][nodes], stress) for step in steps]
+    return [
+        Resultants.of(shell, stress_points, result.frames[step][nodes], stress) for step in steps
+    ]
 
 
 @dataclass(frozen=True, eq=False)
 class Resultants(ResultantValues):
-    """Resultants of a shell in one state; made by :func:`resultants`."""
+    """Stress resultants of a shell in one state; made by :func:`resultants`."""
 
     @cached_property
     def mesh(self) -> dolfinx.mesh.Mesh:
-        """The unloaded surface as a DOLFINx mesh, on which the functions are."""
+        """The undeformed surface as a DOLFINx mesh, the domain of the functions."""
         return dolfinx_surface(self.shell.own_mesh, self.shell.own_mesh.points)
 
     @cached_property
@@ -155,13 +157,12 @@ class Resultants(ResultantValues):
 
         Args:
             name: A quantity, see :meth:`raw`; default: all eight components as a vector.
-            deformed: Whether it is on :attr:`deformed_mesh`.
+            deformed: Whether its domain is :attr:`deformed_mesh`.
 
         Raises:
-            ValueError: Beside those of :meth:`smooth`: something jumps (take
-                :meth:`cell_function`).
+            ValueError: As for :meth:`smooth`, or values jump (use :meth:`cell_function`).
         """
-        patches, count = self.places.patches, len(self.frames)
+        patches, count = self.stress_points.patches, len(self.frames)
         if len(patches.node) > count:
             raise ValueError(
                 f"resultants of {self.shell.label} jump at {len(patches.node) - count} nodes, at "
@@ -175,16 +176,16 @@ class Resultants(ResultantValues):
 
         Args:
             name: As for :meth:`function`.
-            deformed: Whether it is on :attr:`deformed_mesh`.
+            deformed: Whether its domain is :attr:`deformed_mesh`.
         """
         return self._function(name, self._of(name, self.in_cells), DISCONTINUOUS, deformed)
 
     def point_function(self, name: str | None = None, *, deformed: bool = False) -> fem.Function:
-        """Values at the points of integration, a function of a quadrature element.
+        """Values at the integration points, as a function of a quadrature element.
 
         Args:
             name: As for :meth:`function`.
-            deformed: Whether it is on :attr:`deformed_mesh`.
+            deformed: Whether its domain is :attr:`deformed_mesh`.
         """
         degree = self.shell.formulation.measures_for(
             self.shell.own_mesh.cell, self.shell.own_mesh.degree
@@ -203,8 +204,8 @@ class Resultants(ResultantValues):
         """Write the deformed surface for ParaView, pyvista or meshio.
 
         Point data: ``displacement``, ``director`` and the averaged values; cell data: means of the
-        cells, ``e1`` and ``e2`` of the axes, ``thickness``. A point where something jumps is there
-        several times. Components are left out of the point data where axes jump, see
+        cells, ``e1`` and ``e2`` of the axes, ``thickness``. A point at which values jump is written
+        once for each value. Components are not written as point data where axes jump, see
         :attr:`nodal`.
 
         Args:
@@ -215,8 +216,8 @@ class Resultants(ResultantValues):
         """
         from fem_lie.pictures.vtk import write_surface
 
-        node = self.places.patches.node
-        turning = self.places.jump <= LARGEST_JUMP
+        node = self.stress_points.patches.node
+        turning = self.stress_points.jump <= LARGEST_JUMP
         names = [name for name, each in QUANTITIES.items() if self._homogeneous or not each.layer]
         x = self.frames[node, 0]
         points = {n: self.smooth(n) for n in names if turning or not QUANTITIES[n].turns}
@@ -227,24 +228,27 @@ class Resultants(ResultantValues):
         cells = {name: self.mean(name) for name in names}
         cells |= {f"e{i + 1}": unit(self.axes[:, :, i].mean(axis=1)) for i in (0, 1)}
         cells["thickness"] = self.shell.thickness
-        write_surface(path, x, self.places.patches.number, self.shell.own_mesh, points, cells)
+        write_surface(
+            path, x, self.stress_points.patches.number, self.shell.own_mesh, points, cells
+        )
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write all values to an HDF5 file; an old file is replaced.
+        """Write all values to an HDF5 file; an existing file is replaced.
 
-        Data sets: ``places`` (p, 3) of the averaged values, ``cells`` (m, k) of them, ``averaged``
-        (p, 8) along ``axes`` (p, 3, 3); ``in_cells`` (m, k, 8), ``at_points`` (m, g, 8), ``points``
-        (m, g, 3), ``areas`` (m, g), ``cut_forces`` and ``cut_moments`` (m, g, 2, 3); all places and
-        axes of the unloaded shell. The attribute ``components`` names the eight.
+        Data sets: ``positions`` (p, 3) of the averaged values, ``cells`` (m, k) of them,
+        ``averaged`` (p, 8) along ``axes`` (p, 3, 3); ``in_cells`` (m, k, 8), ``at_points`` (m, g,
+        8), ``points`` (m, g, 3), ``areas`` (m, g), ``cut_forces`` and ``cut_moments`` (m, g, 2, 3);
+        all positions and axes are those of the undeformed shell. The attribute ``components`` names
+        the eight components.
         """
         import h5py
 
-        patches = self.places.patches
+        patches = self.stress_points.patches
         with h5py.File(path, "w") as file:
             file.attrs.update({"format": "fem_lie resultants", "version": 1})
             file.attrs["components"] = list(COMPONENTS)
-            file["places"] = self.shell.own_mesh.points[patches.node]
-            file["cells"], file["axes"] = patches.number, self.places.shared
+            file["positions"] = self.shell.own_mesh.points[patches.node]
+            file["cells"], file["axes"] = patches.number, self.stress_points.shared
             file["averaged"] = self.averaged
             for name in ("in_cells", "at_points", "points", "areas", "cut_forces", "cut_moments"):
                 file[name] = getattr(self, name)
@@ -258,24 +262,24 @@ class Resultants(ResultantValues):
         title: str = "",
         units: Units = SI,
     ) -> None:
-        """Draw the deformed shell, coloured by a quantity, and the outline of the unloaded one.
+        """Draw the deformed shell, coloured by a quantity, and the outline of the undeformed one.
 
         Args:
             path: Name of the ``.png`` file.
             name: A quantity, see :meth:`raw`.
             magnified: Factor of the displacements in the picture.
-            title: Above the picture; default: what is drawn.
-            units: For the axes and the scale of colours.
+            title: Title of the picture; default: what is drawn.
+            units: Units of the axes and the colour scale.
 
         Raises:
             ValueError: The name does not end in ``.png``; or see :meth:`smooth`.
         """
         from fem_lie.pictures.bodies import DrawnSurface, draw_values
 
-        node, X = self.places.patches.node, self.shell.own_mesh.points
+        node, X = self.stress_points.patches.node, self.shell.own_mesh.points
         draw_values(
             path,
-            DrawnSurface(self.shell.own_mesh, self.places.patches.number, X[node]),
+            DrawnSurface(self.shell.own_mesh, self.stress_points.patches.number, X[node]),
             X[node] + magnified * (self.frames[node, 0] - X[node]),
             self.smooth(name),
             f"{name} [{quantity(name).unit(units)}]",

@@ -1,4 +1,4 @@
-"""The stress resultants of a shell in given frames: where they are, and components by name."""
+"""Stress resultants of a shell at given frames: integration points, and components by name."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ COMPONENTS = ("N11", "N22", "N12", "M11", "M22", "M12", "Q1", "Q2")
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number made of the eight components.
+    """A scalar function of the eight components.
 
     Attributes:
-        name: How it is called.
-        of: From components (..., 8) and thickness (...) to values (...).
+        name: Name of the quantity.
+        of: Function from components (..., 8) and thickness (...) to values (...).
         unit: Its unit in the user's units.
         turns: Whether it depends on the axes.
-        layer: Whether it supposes a homogeneous layer.
+        layer: Whether it assumes a homogeneous layer.
     """
 
     name: str
@@ -90,10 +90,10 @@ QUANTITIES = {each.name: each for each in _ALL}
 
 
 def quantity(name: str) -> Quantity:
-    """What is called so.
+    """The quantity of this name.
 
     Raises:
-        ValueError: Nothing is; the message lists what there is.
+        ValueError: There is no such quantity; the message lists all.
     """
     if name not in QUANTITIES:
         raise ValueError(f"there is no resultant {name!r}; there are: {', '.join(QUANTITIES)}")
@@ -136,20 +136,20 @@ def principal(tensor: Array) -> tuple[Array, Array, Array]:
 
 
 def mises(stress: Array) -> Array:
-    """Von Mises' stress of a plane stress ``(σ₁₁, σ₂₂, σ₁₂)``, shape (..., 3)."""
+    """Von Mises stress of a plane stress ``(σ₁₁, σ₂₂, σ₁₂)``, shape (..., 3)."""
     a, b, c = np.moveaxis(stress, -1, 0)
     return np.asarray(np.sqrt(a * a - a * b + b * b + 3 * c * c))
 
 
 Along = npt.ArrayLike | Callable[[Array], npt.ArrayLike]
 
-_SECTION_JUMP = 0.2  # of the stiffness; more is not averaged across
-_SETTLED = 1e-9
+_SECTION_JUMP = 0.2  # relative change of the stiffness above which values are not averaged
+_CONVERGED = 1e-9
 _MOST_ROUNDS = 25
 
 
 class ShellStress:
-    """Resultants at the points of integration, in the axes of the sections.
+    """Stress resultants at the integration points, in the axes of the sections.
 
     Attributes:
         compliance: Inverse of the stiffness of each cell, shape (m, 8, 8).
@@ -157,7 +157,7 @@ class ShellStress:
 
     @classmethod
     def of(cls, shell: Shell) -> ShellStress:
-        """That of a shell, whose forms are made once."""
+        """The object of a shell, whose forms are compiled once."""
         if shell not in _STRESSES:
             _STRESSES[shell] = cls(shell)
         return _STRESSES[shell]
@@ -168,18 +168,18 @@ class ShellStress:
         self._unloaded = self._assembly.carried.copy()
         self._expression = _compat.expression(self._assembly.stress, rule)
         self._shape = len(shell.own_mesh.cells), len(rule), 8
-        # of forces and moments alike, in roots of energy: what a strain of one is of each
+        # one scale for forces and moments: square roots of energy
         diagonals = np.diagonal(shell.stiffness, axis1=-2, axis2=-1)
         self._scale = 1.0 / np.sqrt(diagonals)[:, np.newaxis]
         self._noise = 1e-12 * float((1.0 / self._scale[..., :3]).max())
         self.compliance = np.linalg.inv(shell.stiffness)
 
     def __call__(self, frames: Array) -> Array:
-        """Shape (m, g, 8)."""
+        """Stress resultants at frames, shape (m, g, 8)."""
         assembly = self._assembly
         H = np.empty_like(frames)
         H[assembly.order] = frames
-        # so that a state has the same values to the last bit whatever was asked before
+        # so that a state has bitwise the same values whatever was evaluated before
         assembly.restore(self._unloaded)
         assembly.reset_stress(H)
         found = self._carried()
@@ -189,10 +189,10 @@ class ShellStress:
             assembly.reset_stress(H)
             before, found = found, self._carried()
             change = np.abs(self._scale * (found - before)).max()
-            if change <= _SETTLED * np.abs(self._scale * found).max() + self._noise:
+            if change <= _CONVERGED * np.abs(self._scale * found).max() + self._noise:
                 return found
         raise RuntimeError(
-            f"the stress fields of the cells did not settle in {_MOST_ROUNDS} rounds: the last "
+            f"the stress fields of the cells did not converge in {_MOST_ROUNDS} rounds: the last "
             f"change is {change:.2e} of {np.abs(self._scale * found).max():.2e}"
         )
 
@@ -206,7 +206,7 @@ _STRESSES: WeakKeyDictionary[Shell, ShellStress] = WeakKeyDictionary()
 
 
 def integration(shell: Shell) -> tuple[Array, Array]:
-    """Reference coordinates (g, 2) and weights (g,) of the points of integration."""
+    """Reference coordinates (g, 2) and weights (g,) of the integration points."""
     mesh = shell.own_mesh
     degree = shell.formulation.measures_for(mesh.cell, mesh.degree).quadrature_degree
     points, weights = basix.make_quadrature(basix.CellType[mesh.cell], degree)
@@ -214,17 +214,17 @@ def integration(shell: Shell) -> tuple[Array, Array]:
 
 
 @dataclass(frozen=True, eq=False)
-class StressPlaces:
-    """What does not change with the state; axes are those of the unloaded shell.
+class StressPoints:
+    """Points at which stress resultants are evaluated, with undeformed axes.
 
     Attributes:
-        points: The points of integration.
-        areas: What they carry, shape (m, g).
-        section: Axes of the sections there, shape (m, g, 3, 3).
-        asked: Axes asked for there, shape (m, g, 3, 3).
+        points: The integration points.
+        areas: Integration weights (areas), shape (m, g).
+        section: Axes of the sections at these points, shape (m, g, 3, 3).
+        asked: Requested axes at these points, shape (m, g, 3, 3).
         section_at_nodes: Axes of the sections at the nodes of the cells, shape (m, k, 3, 3).
-        asked_at_nodes: Those asked for, shape (m, k, 3, 3).
-        patches: Which nodes of cells share a value.
+        asked_at_nodes: Requested axes at the nodes, shape (m, k, 3, 3).
+        patches: Groups of cell nodes that share a value.
         shared: Axes of these values, shape (p, 3, 3).
         jump: Largest angle, rad, at the nodes between ``asked_at_nodes`` and ``shared``.
     """
@@ -240,20 +240,20 @@ class StressPlaces:
     jump: float
 
     @classmethod
-    def in_sections(cls, shell: Shell, kink_angle: float) -> StressPlaces:
-        """In the axes of the sections, found once."""
-        kept = _PLACES.setdefault(shell, {})
+    def in_sections(cls, shell: Shell, kink_angle: float) -> StressPoints:
+        """The points with the axes of the sections, computed once."""
+        kept = _POINTS.setdefault(shell, {})
         if kink_angle not in kept:
             kept[kink_angle] = cls.of(shell, None, kink_angle)
         return kept[kink_angle]
 
     @classmethod
-    def of(cls, shell: Shell, along: Along | None, kink_angle: float) -> StressPlaces:
-        """Find them.
+    def of(cls, shell: Shell, along: Along | None, kink_angle: float) -> StressPoints:
+        """The points with requested axes.
 
         Args:
             shell: The shell.
-            along: e₁ of the axes asked for, see
+            along: e₁ of the requested axes, see
                 :func:`fem_lie.results.stresses.shell_resultants.resultants`.
             kink_angle: Largest angle, rad, between cells that share values.
         """
@@ -269,7 +269,7 @@ class StressPlaces:
             asked, asked_at_nodes = section, at_nodes
             shared = axes_along(normals, _mean_direction(groups, normals, at_nodes[:, :, 0]))
         else:
-            asked = axes_along(unit(across), _directions(along, points.places(x)))
+            asked = axes_along(unit(across), _directions(along, points.positions(x)))
             nodal = _directions(along, mesh.points)
             asked_at_nodes = axes_along(mesh.normals, nodal[mesh.cells])
             shared = axes_along(normals, nodal[groups.node])
@@ -287,7 +287,7 @@ class StressPlaces:
         )
 
 
-_PLACES: WeakKeyDictionary[Shell, dict[float, StressPlaces]] = WeakKeyDictionary()
+_POINTS: WeakKeyDictionary[Shell, dict[float, StressPoints]] = WeakKeyDictionary()
 
 
 def between(old: Array, new: Array) -> tuple[Array, Array]:
@@ -298,21 +298,21 @@ def between(old: Array, new: Array) -> tuple[Array, Array]:
 
 
 def in_axes(values: Array, old: Array, new: Array) -> Array:
-    """Components (..., 8) along the triads ``new`` of what they are along ``old``, (..., 3, 3)."""
+    """Components (..., 8) along the triads ``new`` from those along ``old``, (..., 3, 3)."""
     return values if old is new else turned(values, *between(old, new))
 
 
-def _directions(along: Along, places: Array) -> Array:
-    """The user's direction at places (..., 3)."""
+def _directions(along: Along, positions: Array) -> Array:
+    """The user's direction at positions (..., 3)."""
     if not callable(along):
-        return np.broadcast_to(vector(along, 3, "along"), places.shape)
-    flat = places.reshape(-1, 3)
-    found = [vector(along(place), 3, f"along at {place}") for place in flat]
-    return np.reshape(found, places.shape)
+        return np.broadcast_to(vector(along, 3, "along"), positions.shape)
+    flat = positions.reshape(-1, 3)
+    found = [vector(along(position), 3, f"along at {position}") for position in flat]
+    return np.reshape(found, positions.shape)
 
 
 def _mean_direction(groups: SharedValues, normals: Array, directions: Array) -> Array:
-    """Mean of unit vectors over patches, across their normals; one of them where they cancel."""
+    """Mean of unit vectors over groups, normal to the mean normal; one of them if they cancel."""
     mean = groups.mean(directions)
     mean -= np.einsum("pj,pj->p", mean, normals)[:, np.newaxis] * normals
     _, first = np.unique(groups.number, return_index=True)
@@ -322,7 +322,7 @@ def _mean_direction(groups: SharedValues, normals: Array, directions: Array) -> 
 
 
 def _smooth(shell: Shell, kink_angle: float) -> Callable[..., Flags]:
-    """Whether normals and sections of two cells at a common node are nearly the same."""
+    """Function that says whether normals and sections of two cells are nearly equal at a node."""
     normals, D = shell.own_mesh.normals, shell.stiffness
     A, bending = D[:, :3, :3], D[:, 3:6, 3:6]
 

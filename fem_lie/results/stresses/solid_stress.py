@@ -1,4 +1,4 @@
-"""Cauchy stress of solids, in any state: at points of integration, averaged at nodes, on files."""
+"""Cauchy stress of solids in any state: at integration points, averaged at nodes, in files."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ class SolidStresses:
 
     Attributes:
         solid: The solid, with m cells and n nodes.
-        frames: Rows of its nodes, shape (n, 4, 3).
-        at_points: At the points of integration of the energy, shape (m, g, 3, 3).
-        points: Places of these in the state, shape (m, g, 3).
-        nodal: Extrapolated linearly to the nodes in each cell, and averaged there by the volumes of
-            the cells, shape (n, 3, 3).
+        frames: Coordinates of its nodes, shape (n, 4, 3).
+        at_points: Stress at the integration points of the energy, shape (m, g, 3, 3).
+        points: Current positions of these points, shape (m, g, 3).
+        nodal: Stress extrapolated linearly to the nodes in each cell, and averaged there with the
+            volumes of the cells as weights, shape (n, 3, 3).
     """
 
     solid: Solid
@@ -42,12 +42,12 @@ class SolidStresses:
 
     @cached_property
     def von_mises(self) -> Array:
-        """``√(3/2 s:s)`` of the deviator at the nodes, shape (n,)."""
+        """Von Mises stress ``√(3/2 s:s)`` at the nodes, with the deviator s, shape (n,)."""
         return _von_mises(self.nodal)
 
     @cached_property
     def pressure(self) -> Array:
-        """``−tr σ/3`` at the nodes, shape (n,)."""
+        """Pressure ``−tr σ/3`` at the nodes, shape (n,)."""
         return np.asarray(-np.trace(self.nodal, axis1=1, axis2=2) / 3)
 
     def values(self, name: str) -> Array:
@@ -71,11 +71,11 @@ class SolidStresses:
 
     @property
     def displacement(self) -> Array:
-        """Of the nodes, shape (n, 3)."""
+        """Displacements of the nodes, shape (n, 3)."""
         return np.asarray(self.frames[:, 0] - self.solid.places)
 
     def function(self, name: str) -> fem.Function:
-        """A quantity as a continuous function of DOLFINx on the unloaded mesh, as VTX wants it.
+        """A quantity as a continuous DOLFINx function on the undeformed mesh, for VTX files.
 
         Args:
             name: ``"displacement"``, ``"stress"``, or as for :meth:`values`.
@@ -126,13 +126,13 @@ class SolidStresses:
         title: str = "",
         units: Units = SI,
     ) -> None:
-        """Draw the deformed solid, coloured by a quantity, and the outline of the unloaded one.
+        """Draw the deformed solid, coloured by a quantity, and the outline of the undeformed one.
 
         Args:
             path: Name of the ``.png`` file.
             name: As for :meth:`values`.
-            title: Above the picture; default: what is drawn.
-            units: For the axes and the scale of colours.
+            title: Title of the picture; default: what is drawn.
+            units: Units of the axes and the colour scale.
 
         Raises:
             ValueError: The name does not end in ``.png``, or there is no such quantity.
@@ -154,13 +154,13 @@ def solid_stresses(result: Located, solid: Solid, step: int = -1) -> SolidStress
     """Cauchy stress of a solid in one state of a result.
 
     Args:
-        result: Of statics, of a path or of dynamics, in which the solid was.
+        result: A result of statics, of a path or of dynamics, of a scene with the solid.
         solid: The solid.
-        step: Which state; default: the last.
+        step: Index of the state; default: the last.
 
     Raises:
         ValueError: The solid is not in that result, or there is no such step.
-        TypeError: It is no result, or no solid.
+        TypeError: An argument is not a result, or not a solid.
     """
     require_states(result)
     instance(solid, Solid, "solid_stresses: solid", "a Solid")
@@ -180,7 +180,7 @@ def solid_stresses(result: Located, solid: Solid, step: int = -1) -> SolidStress
 
 
 def _averaged(solid: Solid, points: Array, values: Array) -> Array:
-    """Of linear functions through the values in each cell, at the nodes, shape (n, 3, 3)."""
+    """Nodal stress from linear least-squares fits in each cell, shape (n, 3, 3)."""
     corners = nodes_of(solid.mesh.cell, solid.degree)
     if len(points) == 1:
         spread = np.ones((len(corners), 1))

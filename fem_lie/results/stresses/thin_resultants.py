@@ -1,4 +1,4 @@
-"""Forces and moments within thin shells, at the points of integration of their cells."""
+"""Stress resultants of thin shells at the integration points of their cells."""
 
 from __future__ import annotations
 
@@ -13,32 +13,32 @@ from fem_lie.results.states import StateSeries
 
 
 class ThinResultants(NamedTuple):
-    """What acts within a thin shell in one state, along the axes of its sections.
+    """Stress resultants and strains of a thin shell in one state, along the axes of its sections.
 
     Attributes:
-        places: Of the points of integration, shape (m, g, 3).
-        strains: ``(E₁₁, E₂₂, 2E₁₂, K₁₁, K₂₂, 2K₁₂)`` there, shape (m, g, 6).
-        forces: ``(N₁₁, N₂₂, N₁₂)`` per unloaded length, shape (m, g, 3).
-        moments: ``(M₁₁, M₂₂, M₁₂)`` per unloaded length, shape (m, g, 3).
+        positions: Current positions of the integration points, shape (m, g, 3).
+        strains: ``(E₁₁, E₂₂, 2E₁₂, K₁₁, K₂₂, 2K₁₂)``, shape (m, g, 6).
+        forces: ``(N₁₁, N₂₂, N₁₂)`` per undeformed length, shape (m, g, 3).
+        moments: ``(M₁₁, M₂₂, M₁₂)`` per undeformed length, shape (m, g, 3).
     """
 
-    places: Array
+    positions: Array
     strains: Array
     forces: Array
     moments: Array
 
 
 def thin_resultants(result: StateSeries, shell: ThinShell, state: int = -1) -> ThinResultants:
-    """Forces and moments within a thin shell, those of the assumed strains.
+    """Stress resultants of a thin shell in one state, from its assumed strains.
 
     Args:
-        result: What was found.
-        shell: A body of its scene.
-        state: Which of its states.
+        result: A result of a scene with the shell.
+        shell: The thin shell.
+        state: Index of the state.
 
     Raises:
-        ValueError: The scene has no such body.
-        TypeError: The body is no thin shell.
+        ValueError: The scene of the result does not have this body.
+        TypeError: The body is not a thin shell.
     """
     instance(shell, ThinShell, "thin_resultants: shell", "a ThinShell (of a Shell: resultants)")
     nodes = result.info.body(shell.name).nodes
@@ -47,5 +47,5 @@ def thin_resultants(result: StateSeries, shell: ThinShell, state: int = -1) -> T
     strains = term.strains(H)
     stress = np.einsum("mij,mgj->mgi", term.stiffness, strains)
     values, _, _ = shell.formulation.surface_rule()
-    places = np.einsum("ga,maj->mgj", values, shell.vectors(H))
-    return ThinResultants(places, strains, stress[..., :3], stress[..., 3:])
+    positions = np.einsum("ga,maj->mgj", values, shell.vectors(H))
+    return ThinResultants(positions, strains, stress[..., :3], stress[..., 3:])

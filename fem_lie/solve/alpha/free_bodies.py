@@ -21,7 +21,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._state import attributes
 from fem_lie.lie.node_types import all_from_local, move_all
 from fem_lie.results import Result
-from fem_lie.results.record import BOOKED, Record, with_others
+from fem_lie.results.record import WITH_BALANCE, Record, with_others
 from fem_lie.scene.load import amplitudes
 from fem_lie.solve.alpha.free_impacts import FreeImpacts, Interval, packed_bodies, packed_loads
 from fem_lie.solve.alpha.options import DAMPED, Options
@@ -310,7 +310,7 @@ class Run(Divided[History]):
     def _keep_rows(self, history: History, indices: Indices, iterations: Indices) -> None:
         """Energies and momenta of the steps ``indices``, whose frames are in the next rows."""
         rows = slice(history.row, history.row + len(indices))
-        if history.filled & BOOKED:
+        if history.filled & WITH_BALANCE:
             potential = np.empty(len(indices))
             invariants = history.invariants[rows]
             states = history.frames[rows], history.velocities[rows]

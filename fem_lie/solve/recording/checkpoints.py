@@ -134,9 +134,9 @@ class Checkpoints:
 
     def _make_room(self, filled: int, rows: int) -> None:
         """Enlarge the file if it has no space for this number of rows."""
-        if rows > self._file.room:
+        if rows > self._file.capacity:
             known = self._info, self._shapes
-            results_file.enlarge(self._path, *known, filled, max(rows, 2 * self._file.room))
+            results_file.enlarge(self._path, *known, filled, max(rows, 2 * self._file.capacity))
             self._file = ResultRows(self._path)
 
     def rows(self, count: int) -> dict[str, Array]:

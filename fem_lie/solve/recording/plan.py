@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import MOST, Array, Indices, instance, whole
-from fem_lie.results.record import BOOKED, Record
+from fem_lie.results.record import WITH_BALANCE, Record
 from fem_lie.solve.step_control import StepChoice, described, step_choice
 
 NEAR = 1e-9
@@ -43,7 +43,7 @@ class Saving:
     @property
     def with_balance(self) -> bool:
         """Whether the energy balance or the impulses are recorded."""
-        return bool(self.record & BOOKED)
+        return bool(self.record & WITH_BALANCE)
 
     @classmethod
     def chosen(

@@ -15,7 +15,7 @@ from fem_lie._arrays import Array
 from fem_lie.bodies import balances
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.forms.fixed_arrays import FixedArrays
-from fem_lie.results.record import BOOKED, INVARIANTS, Record, is_kept, row_shapes
+from fem_lie.results.record import INVARIANTS, WITH_BALANCE, Record, is_kept, row_shapes
 from fem_lie.results.resampling import between
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import NEAR, Saving
@@ -63,7 +63,7 @@ class Window:
         if store is not None:
             store.open(info, kept, rows if wanted is None else len(wanted))
         used = {name: shape for name, shape in shapes.items() if is_kept(name, filled)}
-        if filled & BOOKED:
+        if filled & WITH_BALANCE:
             used["invariants"] = (7,)
         self._names = (*used,)
         if self._passes:

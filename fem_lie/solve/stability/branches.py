@@ -114,7 +114,7 @@ def branch(
 
 def _on_path(station: Station, found: Station) -> bool:
     """Whether a state lies on the path through another one, as far as its tangent tells."""
-    moved = found.places - station.places
+    moved = found.positions - station.positions
     along = (found.factor - station.factor) * station.velocity
     return bool(np.linalg.norm(moved - along) < _BESIDE * np.linalg.norm(moved))
 

@@ -62,7 +62,7 @@ class ModeImperfection(Imperfection):
             if getattr(self, name) is not None:
                 number(getattr(self, name), f"ModeImperfection: {name}")
         self.modes.shape(self.mode)
-        turns = bool(self.modes.turns_only[self.mode - 1])
+        turns = bool(self.modes.rotation_only[self.mode - 1])
         wanted, other = (self.angle, self.amplitude) if turns else (self.amplitude, self.angle)
         if wanted is None or other is not None or not np.isfinite(wanted):
             has = "only turns: give angle=" if turns else "has displacements: give amplitude="

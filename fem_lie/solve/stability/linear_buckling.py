@@ -325,11 +325,11 @@ def buckling(
         raise ConvergenceError(_no_buckling(radius))
     shapes = np.array([model.increments(vector) for vector in vectors])
     equations = model.equations
-    shapes, turns_only = model.all_nodes(shapes.reshape(-1, unknowns.moving, 6))
+    shapes, rotation_only = model.all_nodes(shapes.reshape(-1, unknowns.moving, 6))
     modes = BucklingModes(
         factors=factors,
         shapes=shapes,
-        turns_only=turns_only,
+        rotation_only=rotation_only,
         frames=equations.report(equations.start.unloaded).frames.copy(),
         size=model.diameter,
         info=equations.info,

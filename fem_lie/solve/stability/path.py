@@ -149,7 +149,7 @@ def _critical(run: Pursuit, bracket: Bracket, index: int) -> CriticalPoint:
     except ConvergenceError as error:
         _log.warning("the critical modes at load factor %g: %s", first.factor, error)
         values, shapes = np.empty(0), np.empty((0, model.equations.unknowns.moving, 6))
-    moved, turns_only = model.all_nodes(shapes)
+    moved, rotation_only = model.all_nodes(shapes)
     # where a path crosses another one symmetrically its load turns, too, but no pivot does
     limit = first.sign != last.sign and first.negative != last.negative
     extremum = max if first.sign > 0 else min
@@ -162,7 +162,7 @@ def _critical(run: Pursuit, bracket: Bracket, index: int) -> CriticalPoint:
         has_potential=model.equations.unknowns.has_potential,
         eigenvalues=values,
         shapes=moved,
-        turns_only=turns_only,
+        rotation_only=rotation_only,
         station=first,
         index=index,
         frames=run.all_frames(first.state.frames).copy(),

@@ -96,10 +96,10 @@ class Pursuit:
 
     def follow(self, start: Station | None, backwards: bool) -> None:
         """Step until an end is reached."""
-        if start is not None and start.places.shape != self._places.shape:
+        if start is not None and start.positions.shape != self._places.shape:
             raise ValueError(
                 f"start=... must be a state of this scene with {len(self._places)} nodes, got "
-                f"{len(start.places)}"
+                f"{len(start.positions)}"
             )
         here = self._begin(start, backwards)
         self.found.stations.append(here)
@@ -170,7 +170,7 @@ class Pursuit:
 
     def _arc(self, here: Station) -> Arc:
         """The metric of a step: displacements over the largest so far."""
-        moved = here.places - self._places
+        moved = here.positions - self._places
         self._scale = max(self._scale, sqrt(float(np.sum(moved * moved)) / len(moved)))
         return Arc(self._scale, self._walker.load)
 
@@ -181,7 +181,7 @@ class Pursuit:
         """Length that is left to the wanted displacement."""
         if self._to == inf or self._fixed is None:
             return inf
-        return self._to - self._fixed.distance(here.places - self._places, 0.0)
+        return self._to - self._fixed.distance(here.positions - self._places, 0.0)
 
     def _step(self, here: Station, arc: Arc, length: float) -> Station | None:
         """The next state, or ``None`` if there is none or the path bends too much."""
@@ -214,7 +214,7 @@ class Pursuit:
 
         Where the load is much flatter between the states than at them, it may turn twice unseen.
         """
-        way = new.places - here.places, new.factor - here.factor
+        way = new.positions - here.positions, new.factor - here.factor
         ahead = arc.inner(*way, *here.direction(arc)) / arc.norm(*way)
         short = length <= _CORNER * self._resolution
         rates = here.direction(arc)[1], new.direction(arc)[1]
@@ -226,7 +226,7 @@ class Pursuit:
 
     def _angle(self, here: Station, new: Station, arc: Arc) -> float:
         """Between two tangents, or a tangent and the way between the states."""
-        way = new.places - here.places, new.factor - here.factor
+        way = new.positions - here.positions, new.factor - here.factor
         unit = arc.norm(*way)
         ends = [here.direction(arc), new.direction(arc)]
         cosines = [arc.inner(*ends[0], *ends[1])]

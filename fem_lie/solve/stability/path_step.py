@@ -93,7 +93,7 @@ class _Step(Iterated):
         model, origin, tolerance = self._model, self._origin, self._options.tolerance
         internal, load = model.forces()
         self.load, self._residual = load, internal - self.factor * load
-        self._moved = model.positions() - origin.places
+        self._moved = model.positions() - origin.positions
         self._changed = self.factor - origin.factor
         self._rest = self._length - self._control.distance(self._moved, self._changed)
         bound = max(abs(self.factor), self._least) * float(np.abs(load).max())
@@ -216,12 +216,12 @@ class Walker:
         velocity, places = model.translations(response), model.positions()
         if way is not None:
             before, arc = way
-            along = arc.inner(places - before.places, factor - before.factor, velocity, 1.0)
+            along = arc.inner(places - before.positions, factor - before.factor, velocity, 1.0)
             sign = 1.0 if along >= 0.0 else -1.0
         return Station(
             factor=factor,
             state=model.state(),
-            places=places,
+            positions=places,
             velocity=velocity,
             response=response,
             sign=sign,

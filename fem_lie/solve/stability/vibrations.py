@@ -92,12 +92,12 @@ def scaled(shape: Shape, lengths: Array) -> tuple[Shape, bool]:
         lengths: See :func:`node_lengths`.
     """
     shift, turn = (np.linalg.norm(shape[:, part], axis=1) for part in (slice(3), slice(3, 6)))
-    turns_only = bool(shift.max() <= _NIL * (lengths * turn).max())
-    size = turn if turns_only else shift
+    rotation_only = bool(shift.max() <= _NIL * (lengths * turn).max())
+    size = turn if rotation_only else shift
     node = int(size.argmax())
-    vector = shape[node, 3:] if turns_only else shape[node, :3]
+    vector = shape[node, 3:] if rotation_only else shape[node, :3]
     largest = vector[np.abs(vector).argmax()]
-    return np.asarray(shape * (np.abs(largest) / largest) / size[node]), turns_only
+    return np.asarray(shape * (np.abs(largest) / largest) / size[node]), rotation_only
 
 
 _log = logging.getLogger(__name__)
@@ -163,7 +163,7 @@ def vibrations(
     modes = Modes(
         eigenvalues=s,
         shapes=np.array([shape if turns else unknowns.length * shape for shape, turns in found]),
-        turns_only=np.array([turns for _, turns in found], dtype=np.bool_),
+        rotation_only=np.array([turns for _, turns in found], dtype=np.bool_),
         frames=equations.report(state.H).frames.copy(),
         size=unknowns.length,
         residuals=residuals,

@@ -395,5 +395,5 @@ def _result(
         negative_pivots=np.array(path.negative, dtype=np.int64),
         factorisations=model.factorisations,
         subdomains=model.subdomains,
-        turned_back=maxima(path.factors),
+        load_maxima=maxima(path.factors),
     )

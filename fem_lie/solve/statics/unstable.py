@@ -98,8 +98,8 @@ def warn_if_unstable(result: StaticResult) -> None:
             f"the equilibrium is unstable at load factor {factors}{more} (negative pivots "
             f"{', '.join(map(str, result.negative_pivots[unstable][:4]))}{more})"
         )
-    if result.turned_back:
-        factors = ", ".join(f"{factor:.3g}" for factor in result.turned_back)
+    if result.load_maxima:
+        factors = ", ".join(f"{factor:.3g}" for factor in result.load_maxima)
         sentences.append(
             f"the load had a maximum near {factors} on the way, where the structure snaps"
         )
