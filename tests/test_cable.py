@@ -730,12 +730,12 @@ REFUSED = {
     ),
     "element of cables": (
         lambda: fl.Beam(straight_line(), section(1, 1), formulation=fl.HermiteCable()),
-        "nodes with frames",
+        "whose nodes are frames",
     ),
     "group of cells": (added(lambda c: fl.LineLoad(c, (0, 0, 1), cells="all")), "group"),
     "pin of another": (
         lambda: cable_in_a_scene()[1].pin(cable_in_a_scene()[1].point("end")),
-        "its own",
+        "of another body",
     ),
     "spin": (lambda: fl.statics(cable_in_a_scene()[0], spin=(0, 0, 1)), "steady rotation"),
     "imperfection": (

@@ -239,10 +239,10 @@ REFUSED = {
     "kink of π": (lambda: fl.Net(POINTS, [[0, 2, 3, 1]], section(1, 1)), "goes back"),
     "edge without length": (
         lambda: fl.Net([(0, 0, 0), (0, 0, 0)], [[0, 1]], section(1, 1)),
-        "apart",
+        "distinct points",
     ),
     "one point": (lambda: fl.Net(POINTS, [[0]], section(1, 1)), "two points"),
-    "no thread": (lambda: fl.Net(POINTS, [], section(1, 1)), "threads"),
+    "no thread": (lambda: fl.Net(POINTS, [], section(1, 1)), "one cable"),
     "point without a thread": (lambda: fl.Net(POINTS, [[0, 1]], section(1, 1)), "point"),
     "edge twice": (
         lambda: fl.Net(POINTS, [[0, 1, 2], [1, 0, 3]], section(1, 1)),
@@ -263,7 +263,7 @@ REFUSED = {
     ),
     "slack": (lambda: fl.DiscreteCable(slack=-1.0), "positive"),
     "clamp in the middle": (lambda: (line := cable()).clamp(line.point(1)), "at ends"),
-    "clamp of another": (lambda: cable().clamp(cable().point("start")), "its own"),
+    "clamp of another": (lambda: cable().clamp(cable().point("start")), "of another body"),
     "clamp of a scene": (clamped, r"clamp\(point\)"),
     "direction by a joint": (revolute, "no directions"),
 }

@@ -105,5 +105,5 @@ def test_motion_is_the_same(make):
 
 def test_a_straight_cable_has_no_rotation_to_follow():
     straight = fl.Cable.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2)
-    with pytest.raises(ValueError, match="laid straight"):
+    with pytest.raises(ValueError, match="not straight"):
         straight.follow()

@@ -51,7 +51,7 @@ class BodyTerm(Term):
         inertia: In that pattern, or ``None`` without mass.
         around: If the axes of its nodes are to follow the motion, factors ``b_ik`` of each pair in
             that pattern, shape (nnz, 3): around node i the mean deformation is ``Σ x_k ⊗ b_ik``.
-        beside: Other terms on its nodes.
+        further_terms: Other terms on its nodes, such as springs and drilling.
     """
 
     label, of_bodies = "elements", True
@@ -64,7 +64,7 @@ class BodyTerm(Term):
         self.count = len(order)
         self.inertia: NodalInertia | None = None
         self.around: Array | None = None
-        self.beside: list[Term] = []
+        self.further_terms: list[Term] = []
         self._pattern = Pattern.of(cells, self.count)
         self.indptr, self.indices = self._pattern.indptr, self._pattern.indices
 
@@ -92,7 +92,7 @@ class BodyTerm(Term):
         """Be as when it was made; ``carried``: :attr:`carried_stress` then."""
         if self.stress_update is not None:
             self.stress_update.restore(carried)
-        for term in self.beside:
+        for term in self.further_terms:
             if term.stress_update is not None:
                 term.stress_update.clear_stress()
 

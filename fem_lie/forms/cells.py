@@ -107,7 +107,7 @@ class Cells:
         self._of_sums: list[Array] = []
         parts = [self._rows(where.start, assembly) for where, assembly in assemblies]
         for where, assembly in assemblies:
-            parts += [self._rows_of_sums(where.start, term) for term in assembly.beside]
+            parts += [self._rows_of_sums(where.start, term) for term in assembly.further_terms]
         nodes = [part.pop("nodes") for part in parts]
         sizes = np.concatenate([np.zeros(1), *(np.full(len(n), n.shape[1]) for n in nodes)])
         columns = {

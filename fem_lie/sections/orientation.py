@@ -27,11 +27,11 @@ Up = npt.ArrayLike | Mapping[str, npt.ArrayLike]
 
 @dataclass(frozen=True)
 class Twisted:
-    """A direction of sections that turns along the line.
+    """Direction of sections that rotates along the line.
 
     Attributes:
-        angle: By which the section is turned about e₁, rad, as a function of arc length.
-        up: What it is turned from; default: no twist.
+        angle: Rotation of the section about e₁, rad, as a function of arc length.
+        up: Direction that e₃ is closest to before rotation; default: frames without twist.
     """
 
     angle: Callable[[float], float] | None
@@ -47,17 +47,17 @@ _ALONG = 1e-6  # sine below which a direction is along the line
 
 
 class Chains:
-    """The smooth pieces of a line mesh.
+    """Smooth pieces of a line mesh.
 
     Attributes:
-        order: Cells, one chain after the other, each cell following the one before it, shape (m,).
-        first: Where each chain begins in ``order``.
-        arc: Arc length at the two ends of each cell from the start of its chain, shape (m, 2). The
+        order: Cells of all pieces, each cell after its predecessor, shape (m,).
+        first: Index in ``order`` of the first cell of each piece.
+        arc: Arc length at both ends of each cell from the start of its piece, shape (m, 2). The
             length of a cell is that of the circle with its tangents.
     """
 
     def __init__(self, mesh: LineMesh) -> None:
-        """Follow the line wherever exactly two cells meet head to tail with one tangent."""
+        """Find the pieces: cells continue each other if only they meet, with one tangent."""
         following = _smooth_successors(mesh)
         m = len(mesh.cells)
         has_predecessor = np.zeros(m, dtype=bool)
@@ -65,7 +65,7 @@ class Chains:
         done = np.zeros(m, dtype=bool)
         order: list[int] = []
         first: list[int] = []
-        # closed chains have no first cell: begin them at the lowest number
+        # closed pieces have no first cell: start them at the lowest number
         for start in [*np.flatnonzero(~has_predecessor), *range(m)]:
             if done[start]:
                 continue
@@ -87,7 +87,7 @@ class Chains:
             self.arc[cells, 0], self.arc[cells, 1] = s[:-1], s[1:]
 
     def require_one(self, what: str) -> None:
-        """Raise ``ValueError`` if there are several: arc length would mean nothing."""
+        """Raise ``ValueError`` if there are several pieces, so that arc length is not unique."""
         if len(self.first) > 1:
             raise ValueError(
                 f"{what} as a function of arc length needs one smooth line, got "
@@ -96,7 +96,7 @@ class Chains:
 
 
 def _smooth_successors(mesh: LineMesh) -> Indices:
-    """The cell that continues each cell smoothly, or −1."""
+    """Cell that continues each cell smoothly, or −1, shape (m,)."""
     n, m = len(mesh.points), len(mesh.cells)
     meeting = np.bincount(mesh.cells.ravel(), minlength=n) == 2
     starts = np.full(n, -1, dtype=np.int64)
@@ -113,29 +113,28 @@ def cell_frames(
     """Frames at both ends of each cell, shape (m, 2, 4, 3).
 
     Args:
-        mesh: The line.
+        mesh: Line mesh.
         chains: Its smooth pieces.
-        up: Direction nearest to which e₃ is to be, for all cells or for named groups of cells.
-            Where there is none the frame turns as little as can be (Bishop, Am. Math. Mon. 82
-            (1975) 246), from e₃ nearest to global z at the start of the chain, or nearest to x if
-            the chain begins along z.
-        twist: Angle about e₁ by which the section is turned then, rad, over arc length.
+        up: Direction that e₃ is closest to, for all cells or for named groups of cells. Other cells
+            have frames without twist (Bishop, Am. Math. Mon. 82 (1975) 246), starting with e₃
+            closest to global z, or to x if the piece starts along z.
+        twist: Additional angle of the sections about e₁, rad, as a function of arc length.
 
     Raises:
-        ValueError: ``up`` is along the line somewhere, or names a group that does not exist; twist
-            on a mesh of several pieces.
+        ValueError: ``up`` is along the line somewhere, or names a group that does not exist; or
+            twist is given for several pieces.
     """
     frames = np.empty((len(mesh.cells), 2, 4, 3))
     frames[:, :, 0] = mesh.points[mesh.cells]
     tangents = mesh.tangents / np.linalg.norm(mesh.tangents, axis=-1, keepdims=True)
     frames[:, :, 1] = tangents
-    wanted = _directions(mesh, up)
-    free = np.isnan(wanted[:, 0])
-    e2 = np.cross(wanted[~free, np.newaxis], tangents[~free])
+    directions = _directions(mesh, up)
+    free = np.isnan(directions[:, 0])
+    e2 = np.cross(directions[~free, np.newaxis], tangents[~free])
     sine = np.linalg.norm(e2, axis=-1, keepdims=True)
     if sine.min(initial=1.0) <= _ALONG:
-        place = frames[~free, :, 0][np.unravel_index(sine.argmin(), sine.shape[:2])]
-        raise ValueError(f"up = {up!r} is along the line at {place}: give another")
+        position = frames[~free, :, 0][np.unravel_index(sine.argmin(), sine.shape[:2])]
+        raise ValueError(f"up = {up!r} is along the line at {position}: expected another direction")
     frames[~free, :, 2] = e2 / sine
     frames[~free, :, 3] = np.cross(tangents[~free], frames[~free, :, 2])
     _transport(chains.order, chains.first, free, frames)
@@ -151,7 +150,7 @@ def cell_frames(
 
 
 def _directions(mesh: LineMesh, up: Up | None) -> Array:
-    """Unit vector for each cell, nan where there is none, shape (m, 3)."""
+    """Direction ``up`` of each cell as a unit vector, nan where it is not given, shape (m, 3)."""
     found = np.full((len(mesh.cells), 3), np.nan)
     if up is None:
         return found
@@ -168,7 +167,7 @@ def _directions(mesh: LineMesh, up: Up | None) -> Array:
 
 @compiled
 def _transport(order: Indices, first: Indices, free: Array, frames: Array) -> None:
-    """Rotation-minimising frames of the cells that are free, by double reflection.
+    """Rotation-minimising frames of the cells without ``up``, by double reflection.
 
     Wang, Jüttler, Zheng & Liu, ACM Trans. Graph. 27 (2008) 2: fourth order, exact on circles.
     """
@@ -200,7 +199,7 @@ def _transport(order: Indices, first: Indices, free: Array, frames: Array) -> No
 
 @compiled
 def _complete(frame: Array, e3: Array) -> None:
-    """Set e₂ and e₃ of a frame whose e₁ is known; ``e3`` becomes orthonormal to it."""
+    """Set e₂ and e₃ of a frame with known e₁; ``e3`` is made orthonormal to it."""
     e3 -= np.dot(e3, frame[1]) * frame[1]
     e3 /= np.sqrt(np.dot(e3, e3))
     copy_vector(e3, frame[3])
@@ -210,15 +209,15 @@ def _complete(frame: Array, e3: Array) -> None:
 
 
 def shared_nodes(mesh: LineMesh, frames: Array) -> tuple[Array, Indices, Indices]:
-    """One node for all ends of cells that have the same place and the same frame.
+    """Merge ends of cells with the same position and frame into one node.
 
     Args:
-        mesh: The line.
+        mesh: Line mesh.
         frames: See :func:`cell_frames`.
 
     Returns:
-        Frames of the nodes (N, 4, 3), the first ones being the points of the mesh in their order;
-        nodes of each cell (m, 2); and the node that each node follows, itself if it is free, (N,).
+        Frames of the nodes (N, 4, 3), the first ones at the points of the mesh in their order;
+        nodes of each cell (m, 2); and the master node of each node, itself if independent, (N,).
     """
     ends = frames.reshape(-1, 4, 3)
     point = mesh.cells.ravel()
@@ -244,5 +243,5 @@ def shared_nodes(mesh: LineMesh, frames: Array) -> tuple[Array, Indices, Indices
 
 
 def middle_frames(a: Array, b: Array) -> Array:
-    """Frames in the middle of the geodesics between frames (m, 4, 3)."""
+    """Midpoints of the geodesics between frames (m, 4, 3)."""
     return np.asarray(lie.se3_retract(a, 0.5 * lie.se3_relative(a, b)))

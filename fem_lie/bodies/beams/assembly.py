@@ -1,4 +1,4 @@
-"""All beams of one formulation, assembled together by DOLFINx; some elements alone; damping."""
+"""Assembly of all beams of one formulation by DOLFINx, of weighted elements, and damping."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 
 def mass_only(damping: Damping | None, what: str) -> Damping:
-    """What is given, or none.
+    """``damping``, or no damping if it is ``None``.
 
     Raises:
         ValueError: It damps strain.
-        TypeError: It is no damping.
+        TypeError: It is not a :class:`Damping`.
     """
     instance(damping, Damping | None, f"{what}: damping", "a Damping or None")
     given = Damping() if damping is None else damping
@@ -37,7 +37,7 @@ def mass_only(damping: Damping | None, what: str) -> Damping:
 
 
 class BeamData(Protocol):
-    """What the assembly asks of a beam, see :class:`~fem_lie.Beam`."""
+    """Data of a beam that the assembly reads, see :class:`~fem_lie.Beam`."""
 
     frames: Array
     elements: Indices
@@ -52,13 +52,14 @@ class BeamData(Protocol):
 
 
 class BeamAssembly(Assembly):
-    """All beams of one formulation, on one line mesh.
+    """Assembly of all beams of one formulation, on one line mesh.
 
-    A single one whose points and cells are those of a DOLFINx mesh that was given is on that mesh.
+    A single beam that was made from a DOLFINx mesh is assembled on that mesh, if points and cells
+    agree.
     """
 
     def __init__(self, bodies: Sequence[BeamData]) -> None:
-        """Merge the bodies' meshes and build the forms; coincident nodes stay apart."""
+        """Merge the meshes of the bodies and build the forms; coincident nodes stay separate."""
         formulation = bodies[0].formulation
         starts = np.cumsum([0] + [len(body.frames) for body in bodies])
         frames = np.concatenate([body.frames for body in bodies])
@@ -72,7 +73,7 @@ class BeamAssembly(Assembly):
         def gathered(name: str) -> Array:
             parts = [getattr(body, name) for body in bodies]
             if len(parts) == 1 and parts[0].strides[0] == 0:
-                return np.asarray(parts[0])  # one for all, wherever they are
+                return np.asarray(parts[0])  # one value for all elements, in any order
             return np.concatenate(parts)[permutation]
 
         lengths, eigenstrain = gathered("lengths"), cellwise(mesh, np.zeros((len(elements), 6)))
@@ -96,9 +97,9 @@ class BeamAssembly(Assembly):
 def _place(
     frames: Array, elements: Indices, degree: int, own: dolfinx.mesh.Mesh | None
 ) -> tuple[NodalFrames, Indices, Indices]:
-    """Nodal frames on a mesh of the elements, the place of each node there, and of each cell.
+    """Nodal frames on a mesh of the elements, and its index of each node and of each cell.
 
-    It is the given one where that has these elements and nothing else.
+    The mesh is ``own`` if that has these elements and no others.
     """
     corners = np.unique(elements[:, :2])
     number = np.full(len(frames), -1)
@@ -123,7 +124,7 @@ def _place(
 
 @dataclass(eq=False)
 class WeightedElements:
-    """See :class:`~fem_lie.bodies.beams.assembly.BeamData`."""
+    """Data of some elements, see :class:`~fem_lie.bodies.beams.assembly.BeamData`."""
 
     frames: Array
     elements: Indices
@@ -138,9 +139,12 @@ class WeightedElements:
 
 
 def weighted_elements(body: BeamData, elements: Indices, weights: Array) -> BeamAssembly:
-    """Some elements, their energy times weights (s,); see :meth:`~.body.Body.weighted_cells`."""
+    """Assembly of some elements with energies times weights (s,), on separate nodes.
+
+    See :meth:`~.body.Body.weighted_cells`.
+    """
     nodes = body.elements[elements]
-    apart = WeightedElements(
+    chosen = WeightedElements(
         frames=body.frames[nodes.ravel()],
         elements=np.arange(nodes.size).reshape(nodes.shape),
         lengths=body.lengths[elements],
@@ -149,4 +153,4 @@ def weighted_elements(body: BeamData, elements: Indices, weights: Array) -> Beam
         density=body.density[elements],
         formulation=body.formulation,
     )
-    return BeamAssembly([apart])
+    return BeamAssembly([chosen])

@@ -43,15 +43,16 @@ _AT_NODE = 1e-9  # of an element
 
 
 class Beam(LineBody):
-    """A beam of any 6×6 section along lines: straight or curved, twisted, kinked, branching.
+    """Shear-deformable beam with a 6×6 section stiffness along straight or curved lines.
 
-    Nodes ``0 … n−1`` are the points of the mesh; at kinks and branches further nodes, one for each
-    direction, follow them rigidly; nodes inside of elements come last.
+    Lines may be twisted, kinked and branching. Nodes ``0 … n−1`` are the points of the mesh. Kinks
+    and branches have further nodes, one for each direction, rigidly attached to the first; nodes
+    inside elements come last.
 
     Attributes:
         chains: Smooth pieces of the lines, and arc length along them.
-        standard: The element, unless another is given.
-        springs: Whether it has springs between elements that do not bend by themselves.
+        standard: Default finite element.
+        springs: Whether the body has rotational springs between elements without bending.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -77,28 +78,27 @@ class Beam(LineBody):
         rotary_inertia: bool = True,
         name: str = "",
     ) -> None:
-        """Place nodal frames: e₁ along the line, e₃ as near as can be to ``up``.
+        """Create the nodes: e₁ along the line, e₃ as close as possible to ``up``.
 
         Args:
-            mesh: The lines, or DOLFINx's own mesh of them, see
-                :func:`~fem_lie.mesh.reading.from_dolfinx`. All that meet at a point are rigidly
-                connected there.
+            mesh: Line mesh, or a DOLFINx mesh, see :func:`~fem_lie.mesh.reading.from_dolfinx`. All
+                lines that meet at a point are rigidly connected there.
             section: One for all cells, one for each named group of cells, or a function of arc
-                length (taper), evaluated in the middle of each cell.
-            up: Direction nearest to which e₃ is to be, for all cells or for named groups. Default:
-                no twist (Bishop's frame), from e₃ nearest to global z where the line begins, or
-                nearest to x if it begins along z. :class:`~.orientation.Twisted` turns the section
-                on from there.
-            formulation: The element; default: :attr:`standard`, of beams
+                length (taper), evaluated at the middle of each cell.
+            up: Direction that e₃ is closest to, for all cells or for named groups. Default: frames
+                without twist along the line (Bishop), starting with e₃ closest to global z, or to x
+                if the line starts along z. :class:`~.orientation.Twisted` rotates the sections
+                relative to that.
+            formulation: Finite element; default: :attr:`standard`, for beams
                 :class:`~fem_lie.elements.beams.geodesic.Geodesic`.
-            damping: Default: none.
-            rotary_inertia: Whether the section resists turning about e₂ and e₃; without, only about
-                e₁. Nothing is saved by it but a fast mode that is hardly ever wanted.
-            name: For messages and results.
+            damping: Damping of strain and of motion; default: none.
+            rotary_inertia: Whether sections have rotary inertia about e₂ and e₃. Without it only
+                the fast modes of these rotations vanish; rotary inertia about e₁ remains.
+            name: Name in messages and results.
 
         Raises:
-            ValueError: A cell without section, ``up`` along the line, or twist or taper on a mesh
-                of several pieces.
+            ValueError: A cell has no section, ``up`` is along the line, or twist or taper is given
+                for a mesh of several pieces.
         """
         mesh = line_of(mesh, type(self).__name__)
         self.source = mesh.source
@@ -117,12 +117,12 @@ class Beam(LineBody):
         formulation = self.standard if formulation is None else formulation
         if formulation.node_type != NodeType.FRAME:
             raise ValueError(
-                f"a Beam has nodes with frames, those of {formulation} have none: that is an "
+                f"Beam: expected a formulation whose nodes are frames, got {formulation}, an "
                 "element of cables"
             )
         if not (formulation.bends or self.springs):
             raise ValueError(
-                f"a Beam has elements that bend, {formulation} is one of rods: use Rod"
+                f"Beam: expected a formulation with bending, got {formulation}: use Rod"
             )
         placed = Placed(frames, elements, lengths, masters, elements)
         sections = section_per_cell(mesh, chains, section)
@@ -144,7 +144,10 @@ class Beam(LineBody):
         damping: Damping | None = None,
         name: str = "",
     ) -> Beam:
-        """Straight beam with ``cells`` equal elements; points "start" and "end"."""
+        """Straight beam from ``start`` to ``end`` with ``cells`` equal elements.
+
+        Its named points are "start" and "end"; other arguments as of :class:`Beam`.
+        """
         return cls(
             straight(start, end, cells),
             section,
@@ -166,11 +169,11 @@ class Beam(LineBody):
         damping: Damping | None = None,
         name: str = "",
     ) -> Beam:
-        """Straight pieces through points, shape (n, 3), rigidly joined at corners of any angle.
+        """Straight segments through points, shape (n, 3), rigidly joined at corners of any angle.
 
-        Points are "start", "end", "corner 1", "corner 2" and so on, groups of cells "piece 1" and
-        so on. If the last point is the first the line is closed. ``cells`` is the number of equal
-        elements of each piece, one for all or one each.
+        Named points are "start", "end", "corner 1", "corner 2" and so on, groups of cells "piece 1"
+        and so on. If the last point equals the first, the line is closed. ``cells`` is the number
+        of equal elements of each segment, one for all or one each.
         """
         return cls(
             polyline(points, cells),
@@ -193,7 +196,7 @@ class Beam(LineBody):
         damping: Damping | None = None,
         name: str = "",
     ) -> Beam:
-        """Beam along ``function(s)``, s from 0 to 1; points "start" and "end"."""
+        """Beam along the curve ``function(s)``, s from 0 to 1, with points "start" and "end"."""
         return cls(
             curve(function, cells),
             section,
@@ -204,14 +207,14 @@ class Beam(LineBody):
         )
 
     def point_in_cell(self, element: int, part: float) -> Point:
-        """The point within an element: a node, or between nodes as the element has it.
+        """Point within an element, as the element interpolates it, or one of its nodes.
 
         Args:
-            element: Its number.
-            part: Arc length from its first end over its length, unloaded, 0 to 1.
+            element: Index of the element.
+            part: Unloaded arc length from its first end over its length, 0 to 1.
 
         Raises:
-            ValueError: There is no such element, or the part is not one of it.
+            ValueError: There is no such element, or ``part`` is out of range.
         """
         self._check_place(element, part)
         nodes = self.elements[element]
@@ -223,21 +226,21 @@ class Beam(LineBody):
 
     @property
     def element_stiffness(self) -> Array:
-        """What the formulation makes of the section stiffness of each element, (m, 6, 6)."""
+        """Effective section stiffness of each element in its formulation, shape (m, 6, 6)."""
         a, b = self.frames[self.elements[:, :2]].transpose(1, 0, 2, 3)
         return self.formulation.effective_stiffness(self.stiffness, lie.se3_relative(a, b))
 
     def turning(self) -> Turning:
-        """Elements may turn as far as their formulation says, and are named as a whole."""
+        """Limit of the relative rotation of the frames at both ends of each element."""
         along = self.elements[:, [0, *range(2, self.elements.shape[1]), 1]]
         limit, numbers = self.formulation.largest_turn, np.arange(len(along))
-        # edges that bend against each other lean from the frames at their ends
+        # edges joined by rotational springs are inclined to the frames at their ends
         lengths = self.lengths if self.formulation.bends else None
         return Turning(along, numbers, limit, whole=True, lengths=lengths)
 
 
 def _refined(placed: Placed, formulation: Formulation) -> Placed:
-    """With nodes inside of the elements, if they have any."""
+    """Add the nodes inside elements, if the formulation has any."""
     if formulation.degree == 1:
         return placed
     if formulation.degree != 2:

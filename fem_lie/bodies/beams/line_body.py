@@ -1,4 +1,4 @@
-"""What all bodies along lines have, whatever their nodes are: elements of one formulation."""
+"""Bodies along lines, with elements of one formulation and any node type."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class Placed(NamedTuple):
     """Nodes and elements along a line.
 
     Attributes:
-        frames: Rows of the nodes, shape (n, 4, 3).
+        frames: Nodal coordinates, shape (n, 4, 3).
         elements: Nodes of each element: its two ends, then those inside, shape (m, degree + 1).
-        lengths: Arc length of each element, unloaded, shape (m,).
-        masters: The node that each node follows, itself if it is free, shape (n,).
-        pairs: Nodes that lines are drawn between, shape (any, 2).
+        lengths: Unloaded arc length of each element, shape (m,).
+        masters: Master node of each node, itself if independent, shape (n,).
+        pairs: Pairs of nodes between which lines are drawn, shape (any, 2).
     """
 
     frames: Array
@@ -39,13 +39,13 @@ class Placed(NamedTuple):
 
 
 class LineBody(Sectioned):
-    """A body along lines.
+    """Body along lines.
 
     Attributes:
         elements: Nodes of each element: its two ends, then those inside, shape (m, degree + 1).
-        formulation: The element.
-        damping: Of all elements.
-        slopes: ``|dr/dξ|`` at both ends of elements that are cubics, else zero, shape (m, 2).
+        formulation: Finite element of all cells.
+        damping: Damping of all elements.
+        slopes: ``|dr/dξ|`` at both ends of cubic elements, else zero, shape (m, 2).
     """
 
     def __init__(
@@ -57,15 +57,15 @@ class LineBody(Sectioned):
         damping: Damping | None,
         name: str,
     ) -> None:
-        """Take what is the same for all of them from mesh and sections.
+        """Set elements, sections, damping, drawing data and names.
 
         Args:
-            mesh: The lines, with names of points and groups.
-            placed: The nodes.
-            sections: Of each element.
-            formulation: The element.
-            damping: Default: none.
-            name: For messages and results.
+            mesh: Line mesh with names of points and groups.
+            placed: Nodes and elements.
+            sections: Section of each element.
+            formulation: Finite element.
+            damping: Damping; default: none.
+            name: Name in messages and results.
         """
         self.elements, self.lengths = placed.elements, placed.lengths
         self.slopes: Array = np.zeros((len(placed.elements), 2))
@@ -86,46 +86,54 @@ class LineBody(Sectioned):
 
     @property
     def node_type(self) -> NodeType:
-        """What the element says."""
+        """Node type of the formulation."""
         return self.formulation.node_type
 
     @property
     def kind(self) -> Hashable:
-        """Those of one formulation are assembled together."""
+        """Key of bodies that are assembled together: same class and formulation."""
         return type(self), self.formulation
 
     @property
     def slackens(self) -> bool:
-        """As the element says."""
+        """Whether the formulation is tension-only."""
         return self.formulation.slackens
 
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
-        """All of one :attr:`kind` together."""
+        """Assembly of all bodies of one :attr:`kind`."""
         return BeamAssembly(bodies)
 
     @property
     def elastic_cells(self) -> Indices:
-        """The elements of nodes that are frames."""
+        """Nodes of each element, shape (m, k), if they are frames; else none."""
         return self.elements if self.node_type is NodeType.FRAME else super().elastic_cells
 
     def weighted_cells(self, cells: Indices, weights: Array) -> Assembly:
-        """See the base class."""
+        """Assembly of some elements with weighted energies.
+
+        Args:
+            cells: Indices of the elements, shape (s,).
+            weights: Factors of their energies, shape (s,).
+
+        Raises:
+            ValueError: The nodes are not frames.
+        """
         if self.node_type is not NodeType.FRAME:
             super().weighted_cells(cells, weights)
         return weighted_elements(self, cells, weights)
 
     def attachment_of(self, node: int) -> AttachmentFrame | None:
-        """As the element says."""
+        """Attachment frame by which joints hold a node; ``None`` if it has a frame."""
         return self.formulation.attachment(node)
 
     def consistent_shares(self) -> tuple[Indices, Array]:
-        """Nodes of each element, and the length that each carries: integrals of their shapes."""
+        """Nodes of each element and integrals of their shape functions over its length, (m, k)."""
         ends = self.frames[self.elements[:, :2]]
         return self.elements, self.formulation.shares(ends, self.lengths)
 
     def consistent_levers(self) -> Array:
-        """As the element says, shape (m, k, 3)."""
+        """Consistent weights on directors of a unit line force on each element, (m, k, 3)."""
         levers = np.zeros((*self.elements.shape, 3))
         ends = self.frames[self.elements[:, :2]]
         levers[:, :2] = self.formulation.levers(ends, self.lengths)

@@ -1,4 +1,4 @@
-"""Bodies along lines whose elements have sections: how sections are given, and what follows."""
+"""Bodies along lines whose elements have cross-sections."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ Sections = Section | Mapping[str, Section] | Callable[[float], Section]
 
 
 def section_per_cell(mesh: LineMesh, chains: Chains, section: Sections) -> list[Section]:
-    """The section of each cell.
+    """Section of each cell.
 
     Raises:
-        ValueError: A cell has none, or several pieces share a function of arc length.
-        TypeError: Something given is no section.
+        ValueError: A cell has no section, or a function of arc length is given for several pieces.
+        TypeError: An entry is not a section.
     """
     if isinstance(section, Section):
         return [section] * len(mesh.cells)
@@ -41,12 +41,12 @@ def section_per_cell(mesh: LineMesh, chains: Chains, section: Sections) -> list[
 
 
 def log_open_profiles(label: str, sections: Sequence[Section], length: float) -> None:
-    """Say in the log which open thin-walled sections would resist twist by warping, too.
+    """Log open thin-walled sections whose warping stiffness the beam neglects.
 
     Args:
-        label: What the beam is called.
-        sections: Of its cells.
-        length: Of all of it.
+        label: Label of the beam.
+        sections: Sections of its cells.
+        length: Its total length.
     """
     for section in {id(each): each for each in sections}.values():
         known = section.properties
@@ -54,8 +54,8 @@ def log_open_profiles(label: str, sections: Sequence[Section], length: float) ->
             continue
         assert known.warping_constant is not None
         _log.warning(
-            "%s has an open thin-walled section and no stiffness against warping: where warping is "
-            "held or changes along the beam it is too soft in torsion, up to %.2g from there "
+            "%s has an open thin-walled section and no warping stiffness: where warping is held or "
+            "changes along the beam, it is too soft in torsion, up to %.2g from there "
             "(√(EI_ω/GJ)); AncfBeam(warping=%.4g) has the EI_ω of this section",
             label,
             known.warping_length,
@@ -64,9 +64,9 @@ def log_open_profiles(label: str, sections: Sequence[Section], length: float) ->
 
 
 def outline_of(sections: Sequence[Section], pieces: int) -> Array | None:
-    """Outline of all cells, or one for each piece of them, (m, k, 2): for drawing.
+    """Outline of all cells, or one for each of their drawn pieces, (m, k, 2); ``None`` if unknown.
 
-    Those with fewer corners repeat their last one.
+    Outlines with fewer corners repeat their last one.
     """
     given = [section.outline for section in sections]
     if all(outline is given[0] for outline in given):
@@ -81,7 +81,7 @@ def outline_of(sections: Sequence[Section], pieces: int) -> Array | None:
 
 
 def without_rotary_inertia(density: Array) -> Array:
-    """The same centre of mass and polar inertia J₁ about it, but J₂ = J₃ = 0.
+    """Mass matrices with the same centre of mass and J₁ about it, but J₂ = J₃ = 0.
 
     ``G_kl = ½ tr(J) δ_kl − J_kl`` about the centre of mass.
     """
@@ -96,25 +96,25 @@ def without_rotary_inertia(density: Array) -> Array:
 
 
 class Sectioned(Body):
-    """A body of elements with sections, which go by the names of groups of cells of its line.
+    """Body of elements with sections, which are given for named groups of cells of its line.
 
     Attributes:
         elements: Nodes of each element, shape (m, k).
-        lengths: Arc length of each element, unloaded, shape (m,).
+        lengths: Unloaded arc length of each element, shape (m,).
         stiffness: Section stiffness of each element, shape (m, 6, 6).
-        density: Mass matrix of inertia per length of each element, shape (m, 4, 4).
+        density: Mass matrix of (x, d₁, d₂, d₃) per length of each element, shape (m, 4, 4).
         has_mass: Whether all sections have inertia.
-        sections: Of each element.
+        sections: Section of each element.
     """
 
     elements: Indices
     lengths: Array
 
     def _take(self, sections: Sequence[Section], mesh: LineMesh) -> None:
-        """Sections of all elements, and the named sets of the mesh."""
+        """Set the sections of all elements, and the named sets of the mesh."""
         self.sections, self._groups = sections, dict(mesh.groups)
         self._sets = dict(mesh.named_points)
-        # many elements have few sections: of one alone there is one matrix
+        # many elements share few sections; a single section is stored once
         known = list({id(section): section for section in sections}.values())
         self.has_mass = all(section.inertia is not None for section in known)
         stiffness = np.array([section.stiffness for section in known])
@@ -154,20 +154,20 @@ class Sectioned(Body):
         return self._sets[where]
 
     def point_in_cell(self, element: int, part: float) -> Point:
-        """The point within an element; bodies whose elements have none between nodes refuse.
+        """Point within an element, if its formulation supports joints between nodes.
 
         Args:
-            element: Its number.
-            part: Arc length from its first end over its length, unloaded, 0 to 1.
+            element: Index of the element.
+            part: Unloaded arc length from its first end over its length, 0 to 1.
 
         Raises:
-            ValueError: There is no such element, or the part is not one of it, or points of the
-                elements cannot be attached to.
+            ValueError: There is no such element, ``part`` is out of range, or the formulation
+                supports joints at nodes only.
         """
-        raise ValueError(f"{self.label} is attached to at its nodes, and not between them")
+        raise ValueError(f"{self.label} has points at its nodes only, and none between them")
 
     def _closest(self, position: Array) -> Point:
-        """The closest point of the line: a node, or a point within an element."""
+        """Closest point of the line: a node, or a point within an element."""
         node = super()._closest(position)
         if np.linalg.norm(node.position - position) <= AT_NODE * self.size:
             return node
@@ -178,7 +178,7 @@ class Sectioned(Body):
         return self.point_in_cell(element, part).position
 
     def _check_place(self, element: int, part: float) -> None:
-        """Raise ``ValueError`` if there is no such element, or the part is not one of it."""
+        """Raise ``ValueError`` if there is no such element, or ``part`` is not from 0 to 1."""
         instance(element, int | np.integer, f"the number of an element of {self.label}", "whole")
         last = len(self.elements) - 1
         if not 0 <= element <= last:

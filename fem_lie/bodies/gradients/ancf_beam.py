@@ -204,7 +204,7 @@ class AncfBeam(SectionPoints):
             for part in body.restraints
         ]
         if found:
-            assembly.beside.append(Warping(WarpingSprings.joined(found), assembly.count))
+            assembly.further_terms.append(Warping(WarpingSprings.joined(found), assembly.count))
         return assembly
 
     @property

@@ -1,1 +1,1 @@
-"""Bodies along lines whose nodes are no frames."""
+"""Bodies along lines whose nodes are not frames, and rods without shear."""

@@ -1,4 +1,4 @@
-"""Cables: places and slopes along smooth lines."""
+"""Cables: positions and position gradients along smooth lines."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ if TYPE_CHECKING:
 
 
 class Cable(Threads):
-    """A cable along smooth lines: it resists stretch and bending, but neither shear nor torsion.
+    """Cable along smooth lines: axial and bending stiffness, without shear and torsion.
 
-    Its nodes are the points of the mesh, each with a place and a slope ``x' = dx/ds`` per
-    unstretched length, rows 0 and 1 of ``frames``; the others are carried along by the smallest
-    rotation, for drawing. Velocities, and what is held, are along ``x'/|x'|`` and these rows. It is
-    naturally straight: laid along a curve, it is bent.
+    Its nodes are the points of the mesh. Each has a position and a position gradient ``x' = dx/ds``
+    per unstretched length, rows 0 and 1 of ``frames``; rows 2 and 3 complete the axes, which rotate
+    with the tangent by the smallest rotation. Velocities and constraints are along ``x'/|x'|`` and
+    these rows. The cable is naturally straight: laid along a curve, it has bending moments.
 
-    :meth:`clamp` and :class:`~fem_lie.Clamp` hold place and direction, :meth:`pin` the place alone.
-    Joints see a node as a frame along its tangent that does not turn about it:
-    :class:`~fem_lie.Spherical` holds the place, :class:`~fem_lie.Revolute` about the tangent the
-    direction, too. Forces may act at nodes and along the cable, moments may not. That is so with
-    :class:`~fem_lie.HermiteCable`; nodes of :class:`~fem_lie.DiscreteCable` are places, which
-    :meth:`clamp`, :meth:`pin` and spherical joints hold.
+    :meth:`clamp` and :class:`~fem_lie.Clamp` hold position and direction, :meth:`pin` the position
+    only. Joints act on a node as on a frame along its tangent that does not rotate about it:
+    :class:`~fem_lie.Spherical` holds the position, :class:`~fem_lie.Revolute` about the tangent the
+    direction, too. Forces may act at nodes and along the cable, moments may not. This holds for
+    :class:`~fem_lie.HermiteCable`; nodes of :class:`~fem_lie.DiscreteCable` have positions only,
+    which :meth:`clamp`, :meth:`pin` and spherical joints hold.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -58,25 +58,25 @@ class Cable(Threads):
         damping: Damping | None = None,
         name: str = "",
     ) -> None:
-        """Place the nodes.
+        """Create the nodes.
 
         Args:
-            mesh: The line as it lies at the start, without corners and branches; or a DOLFINx
-                mesh of intervals in space.
-            section: Of which stretch ``EA``, bending ``EI``, alike about both axes, and the mass
-                per length count.
-            length: Of all of it, unstretched; default: that of the line.
-            formulation: The element; default: :class:`~fem_lie.HermiteCable`. Or
-                :class:`~fem_lie.DiscreteCable`; not one with frames.
-            damping: Of its motion in space, and of stretch and bending; of six times of damping
-                with strain the first and the last two count, which are alike.
-            name: How messages and results call it.
+            mesh: Line in its initial position, without corners and branches; or a DOLFINx mesh of
+                intervals in space.
+            section: Its axial stiffness ``EA``, bending stiffness ``EI``, equal about all axes, and
+                mass per length are used.
+            length: Unstretched length of the whole cable; default: that of the line.
+            formulation: Finite element: :class:`~fem_lie.HermiteCable` (default) or
+                :class:`~fem_lie.DiscreteCable`.
+            damping: Damping of motion, axial strain and bending; of the six relaxation times the
+                first and the last two are used, and the last two must be equal.
+            name: Name in messages and results.
 
         Raises:
-            ValueError: The line has corners or branches, the element has no unknowns for the
-                section or is one of frames, damping with bending is not alike about all axes, or
-                there is damping with strain and the element has none.
-            TypeError: An argument is of another kind than wanted.
+            ValueError: The line has corners or branches, the element does not support the section,
+                the nodes of the element are frames, bending damping differs between axes, or the
+                element does not support damping of strain.
+            TypeError: An argument has an unexpected type.
         """
         mesh = line_of(mesh, "Cable")
         self.source = mesh.source
@@ -88,8 +88,8 @@ class Cable(Threads):
         frames, elements, masters = shared_nodes(mesh, ends)
         if len(frames) != len(mesh.points) or np.bincount(mesh.cells.ravel()).max() > 2:
             raise ValueError(
-                "a Cable goes along smooth lines, but this one has corners or branches: make one "
-                "Cable of each smooth piece, or a Net of threads"
+                "Cable: expected a smooth line, got one with corners or branches: make one Cable "
+                "of each smooth piece, or a Net"
             )
         lengths, stretch = np.diff(chains.arc, axis=1)[:, 0], 1.0
         if length is not None:
@@ -125,6 +125,6 @@ class Cable(Threads):
         damping: Damping | None = None,
         name: str = "",
     ) -> Cable:
-        """Cable along ``function(s)``, s from 0 to 1; points "start" and "end"."""
+        """Cable along the curve ``function(s)``, s from 0 to 1, with points "start" and "end"."""
         mesh = curve(function, cells)
         return cls(mesh, section, length=length, damping=damping, name=name)

@@ -1,4 +1,4 @@
-"""Nets: threads that share nodes."""
+"""Nets: cables that share nodes."""
 
 from __future__ import annotations
 
@@ -18,10 +18,11 @@ from fem_lie.sections.section import Section
 
 
 class Net(Threads):
-    """Threads from point to point, knotted where they share one.
+    """Cables through points, connected where they share a point.
 
-    Each bends over its points; knots are hinges between threads. Nodes are the points, in their
-    order: :meth:`point`. What holds and loads them is as for :class:`~fem_lie.Cable`.
+    Each cable has bending stiffness at its points; at a shared point, cables are hinged to each
+    other. Nodes are the points, in their order. Supports and loads are those of
+    :class:`~fem_lie.Cable`.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -44,32 +45,34 @@ class Net(Threads):
         damping: Damping | None = None,
         name: str = "",
     ) -> None:
-        """Place the nodes.
+        """Create the nodes.
 
         Args:
-            points: Places, shape (n, 3).
-            threads: Numbers of the points along each, two or more; one that ends where it began is
-                closed.
-            section: Of all threads.
-            stretch: Lengths as they are laid over those unstretched, of all threads or of each.
-            formulation: The element; default: :class:`~fem_lie.DiscreteCable`.
-            damping: Of its motion in space.
-            name: How messages and results call it.
+            points: Positions, shape (n, 3).
+            threads: Indices of the points along each cable, two or more; a cable whose last point
+                is its first is closed.
+            section: Section of all cables.
+            stretch: Ratio of initial to unstretched length, of all cables or of each.
+            formulation: Finite element; default: :class:`~fem_lie.DiscreteCable`.
+            damping: Mass-proportional damping.
+            name: Name in messages and results.
 
         Raises:
-            ValueError: A thread has less than two points, turns back, or runs where another does; a
-                point has no thread; points of an edge are the same; a stretch is not positive, or
-                there is neither one nor one for each thread.
-            TypeError: An argument is of another kind than wanted.
+            ValueError: A cable has less than two points, reverses, or overlaps another; a point has
+                no cable; the points of an edge coincide; or ``stretch`` is not positive or has
+                another shape.
+            TypeError: An argument has an unexpected type.
         """
-        places, wanted = points_of(points), DiscreteCable | None
-        instance(formulation, wanted, "Net: formulation", "a DiscreteCable or None")
+        places, expected = points_of(points), DiscreteCable | None
+        instance(formulation, expected, "Net: formulation", "a DiscreteCable or None")
         edges, along = _followed(threads, len(places))
         chords = np.diff(places[edges], axis=1)[:, 0]
         lengths = np.linalg.norm(chords, axis=1)
         if not lengths.min() > 0.0:
             a, b = edges[lengths.argmin()]
-            raise ValueError(f"points of an edge of a net are apart, but {a} and {b} are the same")
+            raise ValueError(
+                f"Net: expected distinct points along a cable, got {a} and {b} at one position"
+            )
         tangents = chords / lengths[:, np.newaxis]
         mesh = LineMesh(places, edges, np.repeat(tangents[:, np.newaxis], 2, axis=1))
         frames = _frames(places, edges, tangents)
@@ -80,11 +83,11 @@ class Net(Threads):
 
 
 def _stretches(stretch: npt.ArrayLike, edges: list[int]) -> Array:
-    """Of each edge, of threads with so many."""
+    """Stretch of each edge; ``edges`` is the number of edges of each cable."""
     given = numbers(stretch, "Net: stretch")
     if given.shape not in ((), (len(edges),)):
         raise ValueError(
-            f"Net: stretch must be one number or {len(edges)}, one for each thread, got an array "
+            f"Net: stretch must be one number or {len(edges)}, one for each cable, got an array "
             f"of shape {given.shape}"
         )
     for value in given.ravel():
@@ -93,19 +96,21 @@ def _stretches(stretch: npt.ArrayLike, edges: list[int]) -> Array:
 
 
 def _followed(threads: Sequence[Sequence[int]], count: int) -> tuple[Indices, Successive]:
-    """Edges of all threads, shape (m, 2), and those that follow each other."""
+    """Edges of all cables, shape (m, 2), and pairs of successive edges."""
     edges: list[Indices] = []
     nodes: list[Indices] = []
     pairs: list[Indices] = []
     first = 0
     for number, thread in enumerate(threads):
-        path = indices_of(thread, count, f"points of thread {number}")
+        path = indices_of(thread, count, f"points of cable {number}")
         if len(path) < 2:
-            raise ValueError(f"a thread goes through two points or more, got {path.tolist()}")
+            raise ValueError(
+                f"each cable of a Net: expected two points or more, got {path.tolist()}"
+            )
         edges.append(np.column_stack([path[:-1], path[1:]]))
         own: Indices = np.arange(first, first + len(path) - 1)
         first += len(own)
-        # one that is closed goes on where it began
+        # a closed cable continues with its first edge
         closed = path[0] == path[-1]
         around, again = (
             (np.append(path, path[1]), np.append(own, own[0])) if closed else (path, own)
@@ -113,17 +118,17 @@ def _followed(threads: Sequence[Sequence[int]], count: int) -> tuple[Indices, Su
         nodes.append(np.column_stack([around[:-2], around[1:-1], around[2:]]))
         pairs.append(np.column_stack([again[:-1], again[1:]]))
     if not edges:
-        raise ValueError("a net has threads, got none")
+        raise ValueError("Net: expected at least one cable, got none")
     return np.concatenate(edges), Successive(np.concatenate(nodes), np.concatenate(pairs))
 
 
 def _frames(places: Array, edges: Indices, tangents: Array) -> Array:
-    """Places, with the first axis along any edge of each."""
+    """Nodal coordinates, with the first axis along any edge of each node."""
     first = np.zeros((len(places), 3))
     for side in (1, 0):
         first[edges[:, side]] = tangents
     across = np.eye(3)[np.abs(first).argmin(axis=1)]
     second = np.cross(across, first)
     norm = np.linalg.norm(second, axis=1, keepdims=True)
-    second = second / np.where(norm > 0, norm, 1.0)  # points without threads are refused later
+    second = second / np.where(norm > 0, norm, 1.0)  # points without cables are refused later
     return np.stack([places, first, second, np.cross(first, second)], axis=1)

@@ -1,4 +1,4 @@
-"""Rods: bodies along lines with frames, but without shear."""
+"""Rods: bodies along lines with nodal frames, without shear."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from fem_lie.sections.orientation import Twisted, Up
 
 _log = logging.getLogger(__name__)
 _STIFFER = 0.01  # in torsion, which is worth a warning
-_UNEVEN = 1.8  # at twice the element's stretch is not known any more
+_UNEVEN = 1.8  # at 2 the speed of the cubic at the middle is zero
 _TWICE, _DOUBLED = np.polynomial.legendre.leggauss(6)
 _POINTS, _WEIGHTS = 0.5 + 0.5 * _TWICE, 0.5 * _DOUBLED
 
 
 def _log_stiff_torsion(label: str, stiffness: Array) -> None:
-    """Say in the log how much stiffer sections twist about tension than about shear centres."""
+    """Log how much stiffer a section is in torsion about its tension centre than it should be."""
     ratio = float(torsion_about_centres(stiffness).max(initial=1.0))
     if ratio > 1.0 + _STIFFER:
         _log.warning(
@@ -45,18 +45,18 @@ def _log_stiff_torsion(label: str, stiffness: Array) -> None:
 
 
 class Rod(Beam):
-    """A :class:`~fem_lie.Beam` of elements that have no shear; it is made, held and asked alike.
+    """Shear-rigid :class:`~fem_lie.Beam`, with the same constructors, supports and queries.
 
-    The first axis of a node is the tangent there. Of a section stretch, torsion and bending count,
-    and what couples these; the axis may run anywhere in it. Sections whose shear centre is not
-    their tension centre, such as channels, are for a Beam: a rod twists about the tension centre,
-    and a warning in the log says how much stiffer that is. With :class:`~fem_lie.Kirchhoff`, the
-    default, all nodes have frames.
-    With :class:`~fem_lie.DiscreteRod`, which needs one smooth line that is not closed, both ends
-    have; other nodes are places, that turn about the edge that follows them and about nothing else.
+    The first axis of a node is the tangent. Axial, torsional and bending stiffness of the section
+    are used, with their couplings; the axis may be anywhere in the section. Sections whose shear
+    centre is not their tension centre, such as channels, need a Beam: a rod twists about the
+    tension centre, and a warning in the log gives the error. With :class:`~fem_lie.Kirchhoff`, the
+    default, all nodes have frames. With :class:`~fem_lie.DiscreteRod`, which needs one smooth open
+    line, only the two ends have; the other nodes have a position and a rotation about the edge that
+    follows them.
 
-    Along the mesh of a :class:`~fem_lie.Spline` the rod unloaded is that spline exactly, and stays
-    it with more knots.
+    Along the mesh of a :class:`~fem_lie.Spline` the unloaded rod is exactly that spline, also after
+    knot insertion.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -80,12 +80,12 @@ class Rod(Beam):
         rotary_inertia: bool = True,
         name: str = "",
     ) -> None:
-        """Place nodal frames; arguments as of :class:`~fem_lie.Beam`.
+        """Create the nodal frames; arguments as of :class:`~fem_lie.Beam`.
 
         Raises:
-            ValueError: As a beam; or the element is a :class:`~fem_lie.DiscreteRod` and the line
-                has corners, branches or no ends, or the section couples stretch and bending, or
-                there is damping with strain.
+            ValueError: As for a beam; or the element is a :class:`~fem_lie.DiscreteRod` and the
+                line has corners, branches or no ends, the section couples axial strain and bending,
+                or there is damping of strain.
         """
         super().__init__(
             mesh,
@@ -106,7 +106,7 @@ class Rod(Beam):
 
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
-        """All of one kind together, with the springs between edges."""
+        """Assembly of all rods of one kind, with the springs between their edges."""
         assembly = BeamAssembly(bodies)
         starts = np.cumsum([0, *(len(body.frames) for body in bodies)])
         found = [
@@ -116,26 +116,26 @@ class Rod(Beam):
         ]
         if found:
             joined = Corners(*(np.concatenate(column) for column in zip(*found, strict=True)))
-            assembly.beside.append(CornerSprings(joined, assembly.count))
+            assembly.further_terms.append(CornerSprings(joined, assembly.count))
         return assembly
 
     @property
     def goes_straight(self) -> bool:
-        """Those of edges do, whose places within do."""
+        """Whether statics moves its end frames by ``x + R u``: if it consists of edges."""
         return self._corners is not None
 
     @property
     def corners(self) -> Corners | None:
-        """Springs between its edges, if elements do not bend themselves."""
+        """Rotational springs between its edges; ``None`` if elements have bending stiffness."""
         return self._corners
 
     @property
     def edge_frames(self) -> Indices:
-        """All but the first, whose frame is that of the end."""
+        """Nodes with a frame on an edge, and the other nodes: all edges but the first."""
         return super().edge_frames if self._corners is None else self.elements[1:]
 
     def follower(self) -> Follower | None:
-        """Of edges: their frames go along with them by the smallest rotation."""
+        """Function that rotates the frames of edges with them by the smallest rotation."""
         if self._corners is None:
             return None
         inside, after = self.edge_frames.T
@@ -146,13 +146,13 @@ class Rod(Beam):
         return turn
 
     def add_rigid_motion(self, translation: Array, spin: Array, about: Array) -> None:
-        """As of all bodies; places between the ends turn about their edges alone."""
+        """Add a rigid motion; nodes between the ends rotate about their edges only."""
         super().add_rigid_motion(translation, spin, about)
         if self._corners is not None:
             self.velocities[self.elements[1:, 0], 4:] = 0.0
 
     def _follow_cubics(self, slopes: Array | None) -> None:
-        """Lie along these, if there are any, and not along what tangents alone tell."""
+        """Use the slopes of a spline, if given, instead of cubics with tangents only."""
         if slopes is None:
             return
         ends = self.frames[self.elements]
@@ -161,13 +161,13 @@ class Rod(Beam):
             k = int((mean / np.maximum(middle, 1e-300)).argmax())
             raise ValueError(
                 f"{self.label}: cell {k} of the spline is {mean[k] / middle[k]:.3g} times as fast "
-                f"at its ends as in the middle, wanted is less than {_UNEVEN}: insert more knots"
+                f"at its ends as in the middle, expected less than {_UNEVEN}: insert more knots"
             )
         self.slopes = slopes
         self.lengths = speeds_of_cubics(ends, slopes, _POINTS) @ _WEIGHTS
 
     def _made_of_edges(self, formulation: DiscreteRod) -> Corners:
-        """Hold what its nodes do not have, and find the springs."""
+        """Hold unknowns that nodes of a discrete rod do not have, and return its springs."""
         m = len(self.elements)
         order = self.chains.order
         one = len(self.chains.first) == 1 and len(self.frames) == m + 1

@@ -17,11 +17,11 @@ from fem_lie.sections.section import Section
 
 
 class SplineCable(Threads):
-    """A cable along a cubic spline, unstretched as it is laid, naturally straight.
+    """Cable along a cubic spline, unstretched in its initial position, naturally straight.
 
-    Its nodes are the knots, each with a place and a slope ``dr/du``, rows 0 and 1 of ``frames``;
-    all else is as of :class:`~fem_lie.Cable`. A curve whose ends meet with one slope is closed.
-    ``lengths`` are those of the parameter, whose mean speed is one.
+    Its nodes are the knots, with a position and a derivative ``dr/du``, rows 0 and 1 of ``frames``;
+    the rest is as of :class:`~fem_lie.Cable`. A curve whose ends meet with equal derivatives is
+    closed. ``lengths`` are parameter intervals, scaled to a mean speed of one.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -42,23 +42,24 @@ class SplineCable(Threads):
         damping: Damping | None = None,
         name: str = "",
     ) -> None:
-        """Place the nodes.
+        """Create the nodes.
 
         Args:
-            knots: The parameter ``u`` there, increasing, shape (n,).
-            places: Shape (n, 3).
-            slopes: ``dr/du``, shape (n, 3).
+            knots: Parameter ``u`` of the knots, increasing, shape (n,).
+            places: Positions of the knots, shape (n, 3).
+            slopes: Derivatives ``dr/du`` at the knots, shape (n, 3).
             section: As of a :class:`~fem_lie.Cable`.
-            formulation: The element; default: :class:`~fem_lie.IsogeometricCable`.
-            damping: Of its motion in space, and of its strain.
-            name: How messages and results call it.
+            formulation: Finite element; default: :class:`~fem_lie.IsogeometricCable`.
+            damping: Damping of motion and of strain.
+            name: Name in messages and results.
 
         Raises:
-            ValueError: Shapes do not fit, knots do not increase, or the curve stands still.
-            TypeError: An argument is of another kind than wanted.
+            ValueError: Shapes do not agree, knots do not increase, or the derivative vanishes
+                somewhere.
+            TypeError: An argument has an unexpected type.
         """
-        wanted = IsogeometricCable | None
-        instance(formulation, wanted, "SplineCable: formulation", "an IsogeometricCable or None")
+        expected = IsogeometricCable | None
+        instance(formulation, expected, "SplineCable: formulation", "an IsogeometricCable or None")
         line = Spline.checked(knots, places, slopes)
         element = IsogeometricCable() if formulation is None else formulation
         mesh, (u, x, rates) = line.mesh(), line
@@ -84,20 +85,20 @@ class SplineCable(Threads):
         damping: Damping | None = None,
         name: str = "",
     ) -> SplineCable:
-        """Along a cubic spline of SciPy's with doubled inner knots, of points in space.
+        """Cable along a cubic spline of SciPy with doubled inner knots.
 
         Args:
-            spline: Of degree 3, with control points of shape (n, 3).
+            spline: Spline of degree 3, with control points of shape (n, 3).
             section: As of a :class:`~fem_lie.Cable`.
-            cells: Of each piece between knots; more of them leave the curve as it is.
-            formulation: See the class; likewise the others.
-            damping: Likewise.
-            name: Likewise.
+            cells: Cells between two knots; the curve does not depend on it.
+            formulation: See :class:`SplineCable`.
+            damping: See :class:`SplineCable`.
+            name: Name in messages and results.
 
         Raises:
-            ValueError: It is of another degree or dimension, or has an inner knot that is not
-                doubled: with a simple one slopes cannot move by themselves, with one that is
-                tripled it has a corner.
+            ValueError: The spline has another degree or dimension, or an inner knot that is not
+                doubled: with a simple knot, derivatives are not independent; a triple knot is a
+                corner.
         """
         return cls(
             *Spline.of(spline, cells), section, formulation=formulation, damping=damping, name=name
@@ -114,20 +115,20 @@ class SplineCable(Threads):
         damping: Damping | None = None,
         name: str = "",
     ) -> SplineCable:
-        """Through points, by the smooth cubic spline over their distances.
+        """Cable along the smooth cubic spline through points, with their distances as knots.
 
-        If the last is the first it is closed.
+        It is closed if the last point equals the first.
 
         Args:
             points: Shape (n, 3).
             section: As of a :class:`~fem_lie.Cable`.
-            cells: Of each piece between points.
-            formulation: See the class; likewise the others.
-            damping: Likewise.
-            name: Likewise.
+            cells: Cells between two points.
+            formulation: See :class:`SplineCable`.
+            damping: See :class:`SplineCable`.
+            name: Name in messages and results.
 
         Raises:
-            ValueError: There are less than two points, or successive ones are the same.
+            ValueError: There are less than two points, or successive points coincide.
         """
         return cls(
             *Spline.through(points, cells),
@@ -150,20 +151,20 @@ class SplineCable(Threads):
         damping: Damping | None = None,
         name: str = "",
     ) -> SplineCable:
-        """Along a circle, of sixth order: slopes are those of the best cubics for arcs.
+        """Cable along a circle, by the cubics that approximate arcs to sixth order.
 
         Args:
-            centre: Of it.
-            radius: Of it.
-            normal: Of its plane; it goes round this.
+            centre: Centre of the circle, shape (3,).
+            radius: Radius.
+            normal: Normal of its plane, about which it is oriented.
             section: As of a :class:`~fem_lie.Cable`.
-            cells: Of all of it, 3 or more.
-            formulation: See the class; likewise the others.
-            damping: Likewise.
-            name: Likewise.
+            cells: Number of cells, 3 or more.
+            formulation: See :class:`SplineCable`.
+            damping: See :class:`SplineCable`.
+            name: Name in messages and results.
 
         Raises:
-            ValueError: The radius is not positive, there is no normal, or there are too few cells.
+            ValueError: The radius is not positive, the normal is zero, or there are too few cells.
         """
         return cls(
             *Spline.circle(centre, radius, normal, cells),

@@ -1,17 +1,17 @@
-"""What all cables and nets have: nodes with positions and slopes, and their convected axes.
+"""Common base of cables and nets, and convected axes of their nodes.
 
-Axes of threads' nodes that follow the motion of what is around them.
-
-Axes of a slope that go along by the smallest rotation of its tangent do not see a rotation about
-it, and those of a place stay as they are: a bent cable that whirls has a matrix that changes. Here
-the mean rotation ``Q`` of the whole body since the start is taken out first::
+The axes of a position-gradient node rotate with the tangent by the smallest rotation, which does
+not include rotation about the tangent; those of a position node do not rotate. A curved cable that
+rotates about its chord therefore has a matrix that changes. Convected axes remove the mean rotation
+``Q`` of the whole body since the start::
 
     A = Σ e ⊗ E over all edges,  Q = polar A,    R_i = polar(t ⊗ T + μ Q),  polar(Σ e ⊗ E + μ Q)
 
-with edges ``e`` and tangents ``t``, ``E`` and ``T`` at the start; the first is of a slope, the
-second of a place with the edges that it has. For small ``μ`` that is the smallest rotation of what
-``Q`` leaves, without its singularity. A superposed rigid motion turns all axes alike, so that
-nothing is different in them. It depends on the state alone.
+with edges ``e`` and tangents ``t``, and ``E`` and ``T`` at the start; the first ``R_i`` is that of
+a position-gradient node, the second that of a position node with its adjacent edges. For small
+``μ`` it is the smallest rotation relative to ``Q``, without its singularity. A superposed rigid
+motion rotates all axes equally, so that components do not change. The axes depend on the current
+state only.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from fem_lie.sections.material import Damping
 from fem_lie.sections.section import Section
 
 _MEAN = 0.1
-"""``μ``."""
+"""Weight ``μ`` of the mean rotation."""
 
 _STRAIGHT = 1e-6  # second singular value of A at the start over the first
 
@@ -48,9 +48,9 @@ _STRAIGHT = 1e-6  # second singular value of A at the start over the first
 def _turn(
     rows: Array, edges: Indices, begun: tuple[Array, Array], slopes: bool, moments: Array
 ) -> None:
-    """Turn the axes of ``rows`` (n, 4, 3); ``moments`` is room for (n + 1, 3, 3).
+    """Rotate the axes in ``rows`` (n, 4, 3); ``moments`` is a work array (n + 1, 3, 3).
 
-    ``begun`` are edges over their lengths (m, 3) and axes (n, 3, 3) at the start.
+    ``begun`` are unit edges (m, 3) and axes (n, 3, 3) at the start.
     """
     E, axes = begun
     n = rows.shape[0]
@@ -76,23 +76,23 @@ def _turn(
             continue
         new = axes[i] @ R.T
         if slopes:
-            beside = new[1] - (new[1] * tangent).sum() * tangent
-            size = np.sqrt((beside * beside).sum())
+            second = new[1] - (new[1] * tangent).sum() * tangent
+            size = np.sqrt((second * second).sum())
             if not size > _MEAN:
                 continue
-            rows[i, 2] = beside / size
+            rows[i, 2] = second / size
             rows[i, 3] = np.cross(tangent, rows[i, 2])
         else:
             rows[i, 1:] = new
 
 
 def following(frames: Array, edges: Indices, slopes: bool) -> Follower | None:
-    """What turns the axes, or ``None`` if the body is straight, so that its rotation is not known.
+    """Function that rotates the axes; ``None`` for a straight body, whose rotation is undefined.
 
     Args:
-        frames: At the start, shape (n, 4, 3).
+        frames: Nodal coordinates at the start, shape (n, 4, 3).
         edges: Pairs of nodes, shape (m, 2).
-        slopes: Whether nodes have slopes, which are in the second rows.
+        slopes: Whether nodes are position-gradient nodes.
     """
     chords = np.diff(frames[edges, 0], axis=1)[:, 0]
     E = chords / np.linalg.norm(chords, axis=1, keepdims=True)
@@ -112,11 +112,11 @@ def following(frames: Array, edges: Indices, slopes: bool) -> Follower | None:
 AnyThreads = TypeVar("AnyThreads", bound="Threads")
 
 _EI = 4
-"""Where it is in a section's stiffness on (Γ, κ)."""
+"""Index of ``EI`` in the section stiffness on (Γ, κ)."""
 
 
 class Threads(LineBody):
-    """Lines without directions across."""
+    """Body along lines without directions across them."""
 
     def __init__(
         self,
@@ -128,28 +128,30 @@ class Threads(LineBody):
         damping: Damping | None,
         name: str,
     ) -> None:
-        """Refuse what an element has no unknowns for.
+        """Check that the element supports the section and the damping.
 
         Args:
-            mesh: The lines.
-            placed: Their nodes.
-            successive: Elements that bend together, where elements do not bend themselves.
-            section: Of all of it.
-            formulation: The element.
-            damping: Default: none.
-            name: For messages and results.
+            mesh: Line mesh.
+            placed: Nodes and elements.
+            successive: Pairs of elements with a rotational spring, for elements without bending
+                stiffness.
+            section: Section of all elements.
+            formulation: Finite element.
+            damping: Damping; default: none.
+            name: Name in messages and results.
 
         Raises:
-            ValueError: The element has no unknowns for the section or the damping, or is one of
+            ValueError: The element does not support the section or the damping, or its nodes are
                 frames.
-            TypeError: An argument is of another kind than wanted.
+            TypeError: An argument has an unexpected type.
         """
         what = type(self).__name__
         instance(section, Section, f"{what}: section", "a Section")
         instance(damping, Damping | None, f"{what}: damping", "a Damping or None")
         if formulation.node_type == NodeType.FRAME:
             raise ValueError(
-                f"a {what} has nodes of places and slopes, those of {formulation} are frames"
+                f"{what}: expected a formulation with positions and position gradients, got "
+                f"{formulation}, whose nodes are frames"
             )
         formulation.check(section.stiffness)
         if damping is not None:
@@ -167,7 +169,7 @@ class Threads(LineBody):
 
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
-        """All of one kind together, with the springs between their elements."""
+        """Assembly of all bodies of one kind, with the springs between their elements."""
         assembly = BeamAssembly(bodies)
         starts = np.cumsum([0, *(len(body.frames) for body in bodies)])
         found = [
@@ -176,20 +178,20 @@ class Threads(LineBody):
             for part in body.bends
         ]
         if found:
-            assembly.beside.append(BendingSprings(Bends.joined(found), assembly.count))
+            assembly.further_terms.append(BendingSprings(Bends.joined(found), assembly.count))
         return assembly
 
     @property
     def bends(self) -> list[Bends]:
-        """Springs between its elements, and at clamped ends, if elements do not bend themselves."""
+        """Rotational springs between its elements, and at clamped ends; empty if elements bend."""
         if self._springs is None:
             return []
         edges = np.array([self._edge_at(node) for node in self._clamped], dtype=np.int64)
         ends = self.elements[edges]
         nodes = np.array(self._clamped, dtype=np.int64)
         other = np.where(ends[:, 0] == nodes, ends[:, 1], ends[:, 0])
-        # along the line at the end, and into it; as long as the edge, so that round-off of its
-        # direction is that of the edge in all units
+        # along the line into the body; scaled to the length of the edge, so that its round-off is
+        # that of the edge in all units
         tangents, inwards = self.frames[nodes, 1], self.frames[other, 0] - self.frames[nodes, 0]
         signs = np.sign(np.einsum("bj,bj->b", tangents, inwards))
         fixed = tangents * (signs * np.linalg.norm(inwards, axis=1))[:, np.newaxis]
@@ -197,50 +199,49 @@ class Threads(LineBody):
         return [self._springs, Bends.at_ends(pairs, fixed, self._flexibility[edges])]
 
     def follow(self: AnyThreads) -> AnyThreads:
-        """Let axes of the nodes follow the motion: ``Cable.curve(…).follow()``.
+        """Let nodal axes rotate with the body: ``Cable.curve(…).follow()``.
 
-        For cables that whirl or tumble, and nets that fall: nothing changes but the components in
-        which equations are written, so that the matrix stays good for longer. See
-        :mod:`fem_lie.bodies.rods.following`.
+        It is for cables that rotate or tumble, and for falling nets. The motion does not depend on
+        it, but the iteration matrix stays valid longer. See :mod:`fem_lie.bodies.rods.threads`.
 
         Raises:
-            ValueError: It is laid straight, so that its rotation is not known.
+            ValueError: The body is straight, so that its rotation about the line is undefined.
         """
         if self._following() is None:
             raise ValueError(
-                f"{self.label} is laid straight, and has no rotation about its line that its axes "
-                "could follow: lay it a little bent"
+                f"follow: expected a body that is not straight, got {self.label}, whose rotation "
+                "about its line is undefined: give it a small curvature"
             )
         self._follows = True
         return self
 
     def _closest(self, position: Array) -> Point:
-        """The closest node: between nodes nothing is attached."""
+        """Closest node: joints and loads act at nodes only."""
         return Body._closest(self, position)
 
     def follower(self) -> Follower | None:
-        """As :meth:`follow` says."""
+        """Function that rotates the axes, after a call of :meth:`follow`."""
         return self._following() if self._follows else None
 
     def _following(self) -> Follower | None:
         return following(self.frames, self.elements, self.node_type == NodeType.POSITION_GRADIENT)
 
     def pin(self, *points: Point) -> None:
-        """Hold the places of points of this body, and leave its directions there free.
+        """Hold the positions of points of this body, not its directions there.
 
         Raises:
-            ValueError: One is not a point of this body.
-            TypeError: One is no point.
+            ValueError: A point is not on this body.
+            TypeError: An argument is not a point.
         """
         for node in self._own(points, "pin"):
             self.held[node, :3] = True
 
     def clamp(self, *points: Point) -> None:
-        """Hold the places of points of this body, and its directions there.
+        """Hold the positions of points of this body, and its directions there.
 
         Raises:
-            ValueError: One is not a point of this body; one of a discrete rod is no end.
-            TypeError: One is no point.
+            ValueError: A point is not on this body, or is not an end of a discrete cable.
+            TypeError: An argument is not a point.
         """
         nodes = self._own(points, "clamp")
         if self._springs is not None:
@@ -251,33 +252,33 @@ class Threads(LineBody):
             self.held[node] |= np.array(TRAITS[self.node_type].clamped)
 
     def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
-        """Whether its nodes turn: as all but those that are places.
+        """Whether nodes rotate about their third axes: true unless they have positions only.
 
         Raises:
-            ValueError: They are, and something takes hold of their rotations.
+            ValueError: Nodes have positions only, and a joint or load acts on their rotations.
         """
         if self._springs is not None and any(hold.needed for hold in holds):
             self.require_direction(0)
         return True
 
     def require_direction(self, node: int) -> None:
-        """Raise ``ValueError`` if its nodes have none that a clamp could hold."""
+        """Raise ``ValueError`` if its nodes have no direction that a clamp could hold."""
         if self._springs is not None:
             raise ValueError(
-                f"{self.label} has places and no directions at its nodes: clamp its ends by "
-                "clamp(point), or hold places by pin(point) and spherical joints"
+                f"{self.label} has positions and no directions at its nodes: clamp its ends by "
+                "clamp(point), or hold positions by pin(point) and spherical joints"
             )
 
     @property
     def _flexibility(self) -> Array:
-        """``ℓ/EI`` of each element."""
+        """Bending flexibility ``ℓ/EI`` of each element, shape (m,)."""
         return np.asarray(self.lengths / self.stiffness[:, _EI, _EI])
 
     def _own(self, points: Sequence[Point], what: str) -> list[int]:
         for point in points:
             require_point(point, f"{type(self).__name__}.{what}: a point")
             if point.body is not self:
-                raise ValueError(f"{self.label} cannot hold {point.label}: it is not its own")
+                raise ValueError(f"{self.label} cannot hold {point.label}, a point of another body")
         return [point.node for point in points]
 
     def _edge_at(self, node: int) -> int:
@@ -291,7 +292,7 @@ class Threads(LineBody):
 
 
 def successive(elements: Indices) -> Successive:
-    """Elements (m, 2) that meet at a node that no other has."""
+    """Pairs of elements (m, 2) that meet at a node without other elements."""
     order = np.argsort(elements.ravel(), kind="stable")
     node = elements.ravel()[order]
     first = np.flatnonzero(node[:-1] == node[1:])
@@ -302,7 +303,7 @@ def successive(elements: Indices) -> Successive:
 
 
 def _check_damping(damping: Damping, formulation: Formulation) -> None:
-    """Refuse what the element has no forces for."""
+    """Raise ``ValueError`` if the element does not support the damping."""
     factors = damping.factors()
     if factors.any() and not formulation.viscous:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""All shells of one kind, assembled together by DOLFINx, and some cells alone."""
+"""Assembly of all shells of one kind by DOLFINx, and of weighted cells."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _LOCAL_ITERATIONS, _SETTLED = 20, 1e-13
 
 
 class ShellData(Protocol):
-    """What the assembly asks of a shell, see :class:`~fem_lie.Shell`."""
+    """Data of a shell that the assembly reads, see :class:`~fem_lie.Shell`."""
 
     frames: Array
     mesh: SurfaceMesh
@@ -40,25 +40,27 @@ class ShellData(Protocol):
     has_mass: bool
 
     def element_inertia(self) -> Array:
-        """Constant matrix of (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, 4, k, 4)."""
+        """Mass matrix in (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, 4, k, 4)."""
 
 
 class ShellAssembly(Assembly, LocalUnknowns):
-    """All shells of one formulation and kind of cell, on one surface mesh.
+    """Assembly of all shells of one formulation and cell type, on one surface mesh.
 
-    A single one whose nodes and cells are those of a DOLFINx mesh that was given is on that mesh.
+    A single shell that was made from a DOLFINx mesh is assembled on that mesh, if nodes and cells
+    agree.
 
     Attributes:
-        mesh: All of them, as DOLFINx orders nodes and cells.
-        stress: What is carried as ``(N, M, Q)`` at the points of integration, in UFL, shape (8,).
+        mesh: Mesh of all shells, with nodes and cells in the order of DOLFINx.
+        stress: Independent stress resultants ``(N, M, Q)`` at the quadrature points, in UFL, shape
+            (8,).
     """
 
     def __init__(self, bodies: Sequence[ShellData], drilling: Array | None = None) -> None:
-        """Merge the bodies' meshes and build the forms; coincident nodes stay apart.
+        """Merge the meshes of the bodies and build the forms; coincident nodes stay separate.
 
         Args:
-            bodies: Shells of one formulation and kind of cell.
-            drilling: Drilling stiffness γ of all their cells, shape (m,); default: five parameters.
+            bodies: Shells of one formulation and cell type.
+            drilling: Drilling stiffness γ of all cells, shape (m,); default: no drilling rotation.
         """
         first = bodies[0]
         starts = np.cumsum([0] + [len(body.frames) for body in bodies])
@@ -98,7 +100,7 @@ class ShellAssembly(Assembly, LocalUnknowns):
                 axes,
                 drilling[permutation],
             )
-            self.beside.append(moment)
+            self.further_terms.append(moment)
         rows = np.repeat(np.arange(self.count), np.diff(self.indptr))
         self._diagonal = np.flatnonzero(self.indices == rows)
         self._all = np.ones(self.count, dtype=bool)
@@ -109,14 +111,14 @@ class ShellAssembly(Assembly, LocalUnknowns):
 
     @property
     def tables(self) -> None:
-        """None: forces have five numbers for each node, and coefficients are packed anew."""
+        """``None``: forces have five components per node; coefficients are packed at each call."""
 
     def room(self) -> Array:
-        """For all forces, shape (count, 6)."""
+        """Zero array for the forces of all nodes, shape (count, 6)."""
         return np.zeros((self.count, 6))
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """Add elastic forces; what the cells carry is a coefficient and is packed anew."""
+        """Add elastic forces; independent fields are coefficients, packed at each call."""
         self._frames.frames[:] = H
         forces = fem.assemble_vector(self._forms.residual).array.reshape(-1, _FIVE)
         out.reshape(-1, 6)[:, :_FIVE] += forces
@@ -124,14 +126,14 @@ class ShellAssembly(Assembly, LocalUnknowns):
             kept[:, :_FIVE] = forces
 
     def energy(self, H: Array) -> float:
-        """Stored energy; mixed fields become those of these frames before."""
+        """Strain energy; independent fields are first solved for these frames."""
         if self._forms.local is not None:
             self.reset_stress(H)
         self._frames.frames[:] = H
         return float(fem.assemble_scalar(self._forms.energy))
 
     def tangent(self, H: Array, kept: Array) -> Array:
-        """Derivatives in twists, as of any other body, with the carried stress."""
+        """Tangent stiffness in twists, (nnz, 6, 6), with the current independent stress."""
         blocks = np.zeros((len(self.indices), 6, 6))
         blocks[:, :_FIVE, :_FIVE] = self._blocks(H, self._tangent)
         forces = kept * self._tangent.share(self.count)
@@ -140,15 +142,15 @@ class ShellAssembly(Assembly, LocalUnknowns):
 
     @property
     def local(self) -> LocalUnknowns | None:
-        """Mixed fields that do not follow linearly from frames."""
+        """Local unknowns, if independent fields depend nonlinearly on frames; else ``None``."""
         return self if self._nonlinear else None
 
     def condense(self, H: Array) -> None:
-        """Make mixed fields those of frames ``H``."""
+        """Solve the independent fields for frames ``H``."""
         self.reset_stress(H)
 
     def reset_stress(self, H: Array) -> None:
-        """Make stress true at ``H``: Newton's method in each cell if one solution is not enough."""
+        """Solve the stress for frames ``H``, by Newton's method in each cell if it is nonlinear."""
         for _ in range(_LOCAL_ITERATIONS if self._nonlinear else 1):
             before = self.carried.copy()
             super().reset_stress(H)
@@ -157,13 +159,13 @@ class ShellAssembly(Assembly, LocalUnknowns):
                 return
 
     def carry(self, H: Array, h: Array) -> None:
-        """Carry stress, or mixed fields, on by an increment."""
+        """Update the independent stress or fields linearly for an increment."""
         super().carry(H, h.reshape(-1, 6)[:, :_FIVE])
 
 
 @dataclass(eq=False)
-class SurfaceCellsApart:
-    """See :class:`~fem_lie.bodies.shells.assembly.ShellData`; the mesh tells the kind of cells."""
+class WeightedSurfaceCells:
+    """Data of some cells of a shell, see :class:`~fem_lie.bodies.shells.assembly.ShellData`."""
 
     frames: Array
     mesh: SurfaceMesh
@@ -175,14 +177,17 @@ class SurfaceCellsApart:
     source: dolfinx.mesh.Mesh | None = None
 
     def element_inertia(self) -> Array:
-        """None."""
+        """Empty array: weighted cells have no inertia."""
         return np.empty((0, 0, 4, 0, 4))
 
 
 def weighted_surface_cells(body: ShellData, cells: Indices, weights: Array) -> ShellAssembly:
-    """Some cells, their energy times weights (s,); see :meth:`~.body.Body.weighted_cells`."""
+    """Assembly of some cells with energies times weights (s,), on separate nodes.
+
+    See :meth:`~.body.Body.weighted_cells`.
+    """
     nodes = body.connectivity[cells]
-    apart = SurfaceCellsApart(
+    chosen = WeightedSurfaceCells(
         frames=body.frames[nodes.ravel()],
         mesh=body.mesh,
         connectivity=np.arange(nodes.size).reshape(nodes.shape),
@@ -190,4 +195,4 @@ def weighted_surface_cells(body: ShellData, cells: Indices, weights: Array) -> S
         axes=body.axes[cells],
         formulation=body.formulation,
     )
-    return ShellAssembly([apart])
+    return ShellAssembly([chosen])

@@ -23,24 +23,24 @@ _EQUAL = 1e-6  # components of unit vectors that are meant to be equal
 def section_per_cell(
     mesh: SurfaceMesh, centres: Array, section: ShellSections
 ) -> list[ShellSection]:
-    """The section of each cell.
+    """Section of each cell.
 
     Raises:
-        ValueError: A cell has none.
-        TypeError: Something given is no section.
+        ValueError: A cell has no section.
+        TypeError: An entry is not a section.
     """
     if isinstance(section, ShellSection):
         return [section] * len(mesh.cells)
     if not isinstance(section, Mapping):
         found = [section(centre) for centre in centres]
         for value in found:
-            instance(value, ShellSection, "the section at a place", "a ShellSection")
+            instance(value, ShellSection, "the section at a position", "a ShellSection")
         return found
     return of_groups(section, ShellSection, "a ShellSection", len(mesh.cells), mesh.group)
 
 
 def axes_along(mesh: SurfaceMesh, centres: Array, along: npt.ArrayLike | Director | None) -> Array:
-    """First axes of the sections, (m, 3), before projection onto the surface."""
+    """First axes of the sections before projection onto the surface, shape (m, 3)."""
     if along is None:
         x = mesh.points[mesh.cells]
         return np.asarray(x[:, 1] - x[:, 0])
@@ -58,7 +58,7 @@ def axes_along(mesh: SurfaceMesh, centres: Array, along: npt.ArrayLike | Directo
 
 
 def own_mesh(mesh: SurfaceMesh, patches: Patches) -> SurfaceMesh:
-    """The surface cut open along kinks and branches."""
+    """Surface mesh cut along kinks and branches."""
     if not len(patches.split):
         return mesh
     return SurfaceMesh(
@@ -72,8 +72,8 @@ def given_directors(
     """Directors from the user's function, checked against the cells' normals."""
     if len(patches.split):
         raise ValueError(
-            "a director as a function of the place needs a surface without branches; it branches "
-            f"at {mesh.points[patches.split[0]]}"
+            "a director as a function of the position needs a surface without branches; it "
+            f"branches at {mesh.points[patches.split[0]]}"
         )
     found = np.array([vector(director(x), 3, f"director at {x}") for x in mesh.points])
     size = np.linalg.norm(found, axis=1, keepdims=True)
@@ -90,16 +90,16 @@ def given_directors(
         raise ValueError(
             f"the director at {mesh.points[point]} is {found[point]}: it must point to the side of "
             f"the cells' normals and be normal to the surface, but is {off:.0f}° off one of them, "
-            f"more than the kink angle of {degrees(kink_angle):.0f}°. Turn the director or the "
-            "cells round, or give smaller cells"
+            f"more than the kink angle of {degrees(kink_angle):.0f}°. Reverse the director or the "
+            "cells, or use smaller cells"
         )
     return np.asarray(found)
 
 
 def frames_with(points: Array, directors: Array) -> Array:
-    """Frames with given third directors; e₁ nearest to the axis that is least along them.
+    """Frames with given third axes; e₁ is closest to the global axis least parallel to it.
 
-    Of axes that are equally so the first is taken: round-off must not choose.
+    Of axes that are equal up to round-off the first is taken.
     """
     H = np.empty((len(points), 4, 3))
     H[:, 0], H[:, 3] = points, directors

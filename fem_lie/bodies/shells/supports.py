@@ -15,10 +15,10 @@ from fem_lie.mesh.surfaces import SurfaceMesh
 
 
 class SupportedSurface(Body):
-    """A body on a surface mesh, its third directors normal to it or nearly so.
+    """Body on a surface mesh with third directors that are normal to it, or nearly so.
 
     Attributes:
-        mesh: The surface; its points are the first nodes of the body.
+        mesh: Surface mesh; its points are the first nodes of the body.
     """
 
     mesh: SurfaceMesh
@@ -32,47 +32,47 @@ class SupportedSurface(Body):
         return self.mesh.nodes(where)
 
     def clamp(self, name: str) -> list[Point]:
-        """Hold places and directors of a named curve, group of cells or group of points.
+        """Hold positions and directors of a named curve, group of cells or group of points.
 
         Returns:
-            The points that are held, for :meth:`fem_lie.Result.reaction`.
+            Held points, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
-            ValueError: There is nothing of this name; the message lists what exists.
+            ValueError: There is no such set; the message lists what exists.
         """
         self.held[self.nodes(name)] = True
         return self.points(name)
 
     def hinge(self, name: str) -> list[Point]:
-        """Hold the places, not the directors, of a named curve or group.
+        """Hold positions, not directors, of a named curve or group.
 
         Returns:
-            The points that are held, for :meth:`fem_lie.Result.reaction`.
+            Held points, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
-            ValueError: There is nothing of this name; the message lists what exists.
+            ValueError: There is no such set; the message lists what exists.
         """
         self.held[self.nodes(name), :3] = True
         return self.points(name)
 
     def symmetry(self, name: str, normal: npt.ArrayLike) -> list[Point]:
-        """Let the nodes of a named curve lie on a plane of symmetry.
+        """Hold the nodes of a named curve on a plane of symmetry.
 
-        Nodal frames are turned about their directors until e₁, or e₂ where two planes meet, is the
-        normal; they keep it, so that no translation along it and no tilt towards it is held exactly
-        in every state.
+        Nodal frames are rotated about their directors until e₁, or e₂ where two planes meet, is the
+        normal. The nodes have no translation along it and no rotation of the director out of the
+        plane, exactly in every state.
 
         Args:
             name: A named curve or group.
-            normal: Of the plane, global components.
+            normal: Normal of the plane, global components.
 
         Returns:
-            The points that are held, for :meth:`fem_lie.Result.reaction`.
+            Held points, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
-            ValueError: There is nothing of this name, the nodes are not in one plane with that
-                normal, a director is not in that plane, or a node is on planes that are not
-                perpendicular to each other.
+            ValueError: There is no such set, the nodes are not in one plane with that normal, a
+                director is not in that plane, or a node is on planes that are not perpendicular to
+                each other.
         """
         nodes, n = self.nodes(name), direction(normal, f"the normal of symmetry {name!r}")
         all_sides = np.isin(self.masters, nodes)
@@ -80,7 +80,7 @@ class SupportedSurface(Body):
         if np.ptp(heights) > 1e-6 * self.size or np.abs(tilts).max() > 1e-6:
             raise ValueError(
                 f"{name!r} of {self.label} is not on a plane of symmetry with the normal {n}: "
-                f"places vary by {np.ptp(heights):.2e} along it, directors by "
+                f"positions vary by {np.ptp(heights):.2e} along it, directors by "
                 f"{np.abs(tilts).max():.2e}; give an exact director"
             )
         for node in nodes:
@@ -90,17 +90,17 @@ class SupportedSurface(Body):
     def roller(self, name: str, normal: npt.ArrayLike) -> list[Point]:
         """Hold displacements along a direction fixed in space; directors stay free.
 
-        Two rollers along the same nodes are a diaphragm. What is held already stays so.
+        Two rollers at the same nodes are a diaphragm. Constraints of earlier calls remain.
 
         Args:
             name: A named point, curve or group.
             normal: The direction, global components.
 
         Returns:
-            The points that are held, for :meth:`fem_lie.Result.reaction`.
+            Held points, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
-            ValueError: There is nothing of this name, or the direction is zero.
+            ValueError: There is no such set, or the direction is zero.
         """
         nodes, n = self.nodes(name), direction(normal, f"the direction of roller {name!r}")
         for node in nodes:
@@ -108,13 +108,13 @@ class SupportedSurface(Body):
         return self.points(name)
 
     def _hold_along(self, node: int, along: Array) -> None:
-        """Hold one more translation of a node, along axes fixed in space from here on."""
+        """Hold one more translation of a node, along axes that are fixed in space."""
         held, axes = self.held[node], self.supports[node]
         own = axes if np.isfinite(axes[0, 0]) else self.frames[node, 1:]
         before = own[held[:3]]
         rest = along - before.T @ (before @ along)
         if np.linalg.norm(rest) <= 1e-9:
-            return  # held already, as where a diaphragm meets a plane of symmetry
+            return  # already held, as where a diaphragm meets a plane of symmetry
         known = np.vstack([before, rest / np.linalg.norm(rest)])
         # the others are any that are perpendicular
         free = np.linalg.svd(known)[2][len(known) :]
@@ -122,7 +122,7 @@ class SupportedSurface(Body):
         held[:3] = np.arange(3) < len(known)
 
     def _bind(self, node: int, normal: Array) -> None:
-        """Turn the frame of a node and hold what leaves the plane, drilling included."""
+        """Rotate the frame of a node and hold motions out of the plane, drilling included."""
         H, held = self.frames[node], self.held[node]
         if held.all():
             return

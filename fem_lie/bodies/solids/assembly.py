@@ -1,4 +1,4 @@
-"""The elements of one solid, assembled on its own mesh."""
+"""Assembly of the elements of one solid on its own mesh."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from fem_lie.sections.solid_materials import SolidMaterial
 
 
 class SolidData(Protocol):
-    """What the assembly asks of a solid, see :class:`~fem_lie.Solid`."""
+    """Data of a solid that the assembly reads, see :class:`~fem_lie.Solid`."""
 
     frames: Array
     mesh: VolumeMesh
@@ -32,13 +32,13 @@ class SolidData(Protocol):
 
 
 class SolidAssembly(Assembly):
-    """One solid; its nodes' axes follow the mean deformation of the cells around them."""
+    """Assembly of one solid; nodal axes rotate with the mean deformation of the adjacent cells."""
 
     def __init__(self, body: SolidData) -> None:
         """Build the forms.
 
         Args:
-            body: The solid; its unloaded places are those of its mesh.
+            body: The solid; its unloaded positions are those of its mesh.
         """
         nodal = NodalFrames(body.mesh.mesh, body.degree)
         cells = nodal.function.function_space.dofmap.list
@@ -49,7 +49,7 @@ class SolidAssembly(Assembly):
         slopes = body.rule.mean_slopes
         self.around = np.zeros((len(self.indices), 3))
         at = self._pattern.place.reshape(len(cells), slopes.shape[1], -1)
-        # each node of a cell sees the cell's mean deformation
+        # all nodes of a cell have the mean deformation of the cell
         shared = np.broadcast_to(slopes[:, np.newaxis], (*at.shape, 3))
         np.add.at(self.around, at, shared)
         if body.has_mass:
@@ -59,7 +59,7 @@ class SolidAssembly(Assembly):
 
 
 def _element_inertia(body: SolidData) -> Array:
-    """Consistent mass of the places of each cell's nodes, shape (m, k, 4, k, 4)."""
+    """Consistent mass matrix in the nodal coordinates of each cell, shape (m, k, 4, k, 4), kg."""
     N = body.rule.values
     weights = body.density[:, np.newaxis] * body.rule.volumes
     m, k = body.connectivity.shape

@@ -1,4 +1,4 @@
-"""Faces, curves and points of a solid: their nodes, and supports there."""
+"""Faces, curves and points of a solid: nodes, and supports."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from fem_lie.bodies.body import Body, Point
 from fem_lie.mesh.shapes import FaceRule, nodes_of
 
 FACETS = {"tetrahedron": "triangle", "hexahedron": "quadrilateral"}
-"""What faces of cells are."""
+"""Cell type of the facets of each cell type."""
 
 _DRAWN = {
     ("triangle", 1): ((0, 1, 2),),
@@ -25,7 +25,7 @@ _DRAWN = {
     ("triangle", 2): ((0, 5, 4), (5, 1, 3), (4, 3, 2), (3, 4, 5)),
     ("quadrilateral", 2): ((0, 4, 8, 5), (4, 1, 6, 8), (5, 8, 7, 2), (8, 6, 3, 7)),
 }
-"""Plane pieces of a face by its nodes, their corners one after the other."""
+"""Plane pieces of a facet, by indices of its nodes: corners in cyclic order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,10 +33,10 @@ class Faces:
     """Some facets of a mesh, as surface cells.
 
     Attributes:
-        nodes: Of each facet, in the order of Lagrange's cells, shape (f, k).
+        nodes: Nodes of each facet, in the order of Lagrange elements, shape (f, k).
         outward: 1 or −1 where ``x,₁ × x,₂`` points out of the body or into it; 0 between two cells.
         cell: ``"triangle"`` or ``"quadrilateral"``.
-        degree: Of the nodes.
+        degree: Degree of the interpolation.
     """
 
     nodes: Indices
@@ -46,24 +46,24 @@ class Faces:
 
     @property
     def rule(self) -> FaceRule:
-        """Points of integration."""
+        """Quadrature rule on a facet."""
         return FaceRule.of(self.cell, self.degree)
 
     def shares(self, x: Array) -> Array:
-        """Area that each node of each facet carries, nodes at ``x`` (n, 3); shape (f, k)."""
+        """Consistent areas of the nodes of each facet at positions ``x`` (n, 3), shape (f, k)."""
         rule = self.rule
         areas = np.linalg.norm(rule.normals(x, self.nodes), axis=2)
         return np.einsum("gk,fg->fk", rule.values, areas)
 
     def drawn(self) -> Indices:
-        """Corners of plane pieces, looking outward, shape (any, 3 or 4)."""
+        """Corners of plane pieces of the facets, oriented outwards, shape (any, 3 or 4)."""
         pieces = self.nodes[:, np.array(_DRAWN[self.cell, self.degree])]
         pieces = np.where(self.outward[:, None, None] < 0, pieces[:, :, ::-1], pieces)
         return np.asarray(pieces.reshape(-1, pieces.shape[2]))
 
 
 def faces_of(V: fem.FunctionSpace, facets: Indices, degree: int) -> Faces:
-    """Facets of the mesh of a Lagrange space, as its nodes have them."""
+    """Facets of the mesh of a Lagrange space, with its nodes."""
     mesh = V.mesh
     cell, x = mesh.topology.cell_name(), V.tabulate_dof_coordinates()
     to_cells, to_facets = connected(mesh)
@@ -81,7 +81,7 @@ def faces_of(V: fem.FunctionSpace, facets: Indices, degree: int) -> Faces:
 
 
 def connected(mesh: dolfinx.mesh.Mesh) -> tuple[Any, Any]:
-    """Cells of facets, and facets of cells."""
+    """Connectivity from facets to cells, and from cells to facets."""
     mesh.topology.create_entities(2)
     mesh.topology.create_connectivity(2, 3)
     mesh.topology.create_connectivity(3, 2)
@@ -89,7 +89,7 @@ def connected(mesh: dolfinx.mesh.Mesh) -> tuple[Any, Any]:
 
 
 def nodes_on(V: fem.FunctionSpace, dim: int, entities: Indices) -> Indices:
-    """Nodes of entities and of all that bounds them."""
+    """Nodes of mesh entities and their boundaries."""
     V.mesh.topology.create_entities(dim)
     V.mesh.topology.create_connectivity(dim, 3)
     V.mesh.topology.create_connectivity(3, dim)
@@ -98,16 +98,16 @@ def nodes_on(V: fem.FunctionSpace, dim: int, entities: Indices) -> Indices:
 
 
 def _facet_nodes(cell: str, degree: int) -> Indices:
-    """Nodes of each facet of the reference cell, in the order of Lagrange's cells, (f, k)."""
+    """Nodes of each facet of the reference cell, in the order of Lagrange elements, (f, k)."""
     kind = basix.CellType[cell]
     corners = np.asarray(basix.geometry(kind), dtype=np.float64)
-    places = nodes_of(cell, degree)
+    positions = nodes_of(cell, degree)
     on_facet = nodes_of(FACETS[cell], degree)
     found = []
     for vertices in basix.topology(kind)[2]:
         three: Array = corners[vertices[:3]]
-        wanted = three[0] + on_facet @ (three[1:] - three[0])
-        gaps = np.abs(places[np.newaxis] - wanted[:, np.newaxis]).max(axis=2)
+        expected = three[0] + on_facet @ (three[1:] - three[0])
+        gaps = np.abs(positions[np.newaxis] - expected[:, np.newaxis]).max(axis=2)
         found.append(gaps.argmin(axis=1))
     return np.array(found)
 
@@ -116,20 +116,20 @@ _SAME = 1e-9  # sine, as of directions that are meant to be equal
 
 
 class SupportedSolid(Body):
-    """A body whose nodes are places."""
+    """Body whose nodes have positions only."""
 
     @abstractmethod
     def nodes(self, where: str) -> Indices:
-        """Numbers of the nodes of a named part."""
+        """Numbers of the nodes of a named face, curve, point or group of cells."""
 
     def clamp(self, name: str) -> list[Point]:
         """Hold all nodes of a named face, curve, point or group of cells.
 
         Returns:
-            The points that are held, for :meth:`fem_lie.Result.reaction`.
+            Held points, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
-            ValueError: There is nothing of this name; the message lists what exists.
+            ValueError: There is no such set; the message lists what exists.
         """
         self.held[self.nodes(name), :3] = True
         return self.points(name)
@@ -137,18 +137,18 @@ class SupportedSolid(Body):
     def roller(self, name: str, normal: npt.ArrayLike) -> list[Point]:
         """Hold displacements along a direction fixed in space, as on a plane of symmetry.
 
-        The nodes' axes are turned so that one is that direction, and stay so. What is held already
-        stays held.
+        Nodal axes are rotated so that one is that direction, and do not rotate any more.
+        Constraints of earlier calls remain.
 
         Args:
             name: A named face, curve, point or group of cells.
             normal: The direction, global components.
 
         Returns:
-            The points that are held, for :meth:`fem_lie.Result.reaction`.
+            Held points, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
-            ValueError: There is nothing of this name, or the direction is zero.
+            ValueError: There is no such set, or the direction is zero.
         """
         n = direction(normal, f"the direction of roller {name!r}")
         for node in self.nodes(name):
@@ -166,7 +166,7 @@ class SupportedSolid(Body):
         free = axes[~held]
         match = np.abs(free @ rest)
         if match.max() < 1.0 - _SAME:
-            free = _beside(np.vstack([before, rest]))
+            free = _perpendicular(np.vstack([before, rest]))
             known = np.vstack([before, rest])
             turned = np.vstack([known, free])
             turned[2] *= np.sign(np.linalg.det(turned))
@@ -178,6 +178,6 @@ class SupportedSolid(Body):
         held[np.flatnonzero(~held)[match.argmax()]] = True
 
 
-def _beside(known: Array) -> Array:
-    """Unit vectors across some that are across each other, shape (3 − k, 3)."""
+def _perpendicular(known: Array) -> Array:
+    """Unit vectors perpendicular to ``known`` (k, 3), which is orthonormal, shape (3 − k, 3)."""
     return np.asarray(np.linalg.svd(known)[2][len(known) :])

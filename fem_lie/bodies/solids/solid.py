@@ -1,4 +1,4 @@
-"""Solid bodies: places of nodes in hexahedra or tetrahedra, axes that follow the motion."""
+"""Solid bodies: hexahedra or tetrahedra with nodal positions and convected axes."""
 
 from __future__ import annotations
 
@@ -42,27 +42,27 @@ SolidMaterials = SolidMaterial | Mapping[str, SolidMaterial]
 
 
 class Solid(SupportedSolid):
-    """A body of hexahedra or tetrahedra, of any hyperelastic material.
+    """Solid of hexahedra or tetrahedra, of any hyperelastic material.
 
-    Its nodes are places. Their axes turn with the cells around them as states are accepted, which
-    changes nothing but the components in which equations are written: a body that tumbles keeps its
-    matrix. Axes along which places are held, or to which joints are bound, stay as they are.
+    Its nodes have positions. Their axes rotate with the adjacent cells when a state is accepted.
+    The motion does not depend on these axes, but the matrix of a tumbling body changes less. Axes
+    along which nodes are held, or to which joints are bound, do not rotate.
 
-    Joints, springs, drives and moments hold on to a patch of nodes by :meth:`point`; forces and
-    supports act on nodes, too.
+    Joints, springs, drives and moments act on a patch of nodes by :meth:`point`; forces and
+    supports may act on nodes, too.
 
     Attributes:
-        mesh: As it is unloaded.
-        degree: Of the interpolation of places.
+        mesh: Unloaded mesh.
+        degree: Degree of the interpolation of positions.
         connectivity: Nodes of each cell, shape (m, k).
-        places: Of the nodes, unloaded, shape (n, 3).
-        material: The law of all cells.
-        parameters: That the law takes in each cell, shape (m, p).
-        density: Of each cell, shape (m,).
+        places: Unloaded positions of the nodes, shape (n, 3).
+        material: Constitutive law of all cells.
+        parameters: Parameters of the law in each cell, shape (m, p).
+        density: Mass density of each cell, shape (m,).
         has_mass: Whether all cells have a density.
-        formulation: The element.
-        damping: Of its motion in space.
-        rule: Integrals over the cells.
+        formulation: Finite element.
+        damping: Mass-proportional damping.
+        rule: Quadrature rule of the cells.
 
     Example:
         >>> rubber = fl.NeoHooke(E=1e6, nu=0.3)
@@ -79,22 +79,22 @@ class Solid(SupportedSolid):
         damping: Damping | None = None,
         name: str = "",
     ) -> None:
-        """Place the nodes.
+        """Create the nodes.
 
         Args:
-            mesh: The volume, or DOLFINx's own mesh of it.
-            material: Of all cells, or one for each named group, of one law.
-            degree: Of the interpolation, 1 or 2; default: that of the mesh.
-            formulation: The element; default: :class:`~fem_lie.MeanDilatation` for hexahedra of
+            mesh: Volume mesh, or a DOLFINx mesh.
+            material: Material of all cells, or one for each named group, all of one law.
+            degree: Degree of the interpolation, 1 or 2; default: that of the mesh.
+            formulation: Finite element; default: :class:`~fem_lie.MeanDilatation` for hexahedra of
                 degree 1, else :class:`~fem_lie.Isoparametric`.
-            damping: With mass only.
-            name: How messages and results call it.
+            damping: Mass-proportional damping.
+            name: Name in messages and results.
 
         Raises:
-            ValueError: The mesh is no volume or has inverted cells, a cell has no material or that
-                of another law, the element is not for these cells, tetrahedra of degree 1 would
-                lock, or there is damping with strain.
-            TypeError: An argument is of another kind than wanted.
+            ValueError: The mesh has no volume cells or inverted cells, a cell has no material or
+                another law, the element does not support the cells, tetrahedra of degree 1 would
+                lock, or there is damping of strain.
+            TypeError: An argument has an unexpected type.
         """
         if isinstance(mesh, dolfinx.mesh.Mesh):
             mesh = VolumeMesh(mesh)
@@ -148,21 +148,21 @@ class Solid(SupportedSolid):
         damping: Damping | None = None,
         name: str = "",
     ) -> Solid:
-        """Box with edges along the axes, cut into equal cells.
+        """Box with edges along the axes, divided into equal cells.
 
         Its faces are "a=0", "a=1", "b=0", … with a, b and c along x, y and z, its edges the curves
         "a=0,b=0" and so on, its corners the points "000" to "111".
 
         Args:
-            lengths: Of its edges, shape (3,).
-            material: See the class, as the others.
-            cells: Numbers along x, y and z.
+            lengths: Lengths of its edges, shape (3,).
+            material: See :class:`Solid`.
+            cells: Numbers of cells along x, y and z.
             origin: Corner with the smallest coordinates.
             cell: ``"hexahedron"`` or ``"tetrahedron"``.
-            degree: Of the interpolation.
-            formulation: The element.
-            damping: With mass only.
-            name: For messages and results.
+            degree: Degree of the interpolation.
+            formulation: Finite element.
+            damping: Mass-proportional damping.
+            name: Name in messages and results.
         """
         mesh = brick(lengths, cells, origin=origin, cell=cell)
         return cls(
@@ -170,12 +170,12 @@ class Solid(SupportedSolid):
         )
 
     def _take(self, material: SolidMaterials) -> list[SolidMaterial]:
-        """Law, parameters and density of the cells; returns the materials, each once."""
+        """Set law, parameters and density of the cells; return the distinct materials."""
         count = self.mesh.cells
         if isinstance(material, Mapping):
-            wanted = "a SolidMaterial such as NeoHooke(E, nu, density)"
+            expected = "a SolidMaterial such as NeoHooke(E, nu, density)"
             kind: Any = SolidMaterial
-            each = of_groups(material, kind, wanted, count, self.mesh.group)
+            each = of_groups(material, kind, expected, count, self.mesh.group)
         else:
             instance(material, SolidMaterial, "Solid: material", "a SolidMaterial or one per group")
             each = [material] * count
@@ -193,13 +193,13 @@ class Solid(SupportedSolid):
         return list({id(of): of for of in each}.values())
 
     def _points_by_name(self) -> dict[str, int]:
-        """Nodes of points that are one node each."""
+        """Nodes of the named points that are one node each."""
         named = {key: nodes_on(self._space, *self.mesh.part(key)) for key in self.mesh.named_points}
         return {key: int(nodes[0]) for key, nodes in named.items() if len(nodes) == 1}
 
     @cached_property
     def skin(self) -> Faces:
-        """All facets that bound the body."""
+        """All facets of the boundary."""
         topology = self.mesh.mesh.topology
         topology.create_connectivity(2, 3)
         facets = dolfinx.mesh.exterior_facet_indices(topology)
@@ -207,28 +207,28 @@ class Solid(SupportedSolid):
 
     @property
     def node_type(self) -> NodeType:
-        """Places."""
+        """Nodes with positions only."""
         return NodeType.POSITION
 
     @property
     def kind(self) -> Hashable:
-        """Each by itself, on its own mesh."""
+        """The solid itself: each solid is assembled on its own mesh."""
         return self
 
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> SolidAssembly:
-        """The one solid."""
+        """Assembly of the only body."""
         (body,) = bodies
         return SolidAssembly(body)
 
     @property
     def space(self) -> fem.FunctionSpace:
-        """Lagrange's, whose nodes are those of the body, on the unloaded mesh."""
+        """Lagrange space on the unloaded mesh whose nodes are those of the body."""
         return self._space
 
     @property
     def volume(self) -> float:
-        """Unloaded."""
+        """Unloaded volume."""
         return float(self.rule.volumes.sum())
 
     def nodes(self, where: str) -> Indices:
@@ -237,7 +237,7 @@ class Solid(SupportedSolid):
         return nodes_on(self._space, *self.mesh.part(where))
 
     def facets(self, name: str) -> Faces:
-        """A named face, as surface cells.
+        """Facets of a named face, as surface cells.
 
         Raises:
             ValueError: There is no such face; the message lists those that exist.
@@ -251,20 +251,21 @@ class Solid(SupportedSolid):
         tolerance: float | None = None,
         axes: npt.ArrayLike | None = None,
     ) -> Point:
-        """The point at a name, a node or a position; of a named set the frame in its mean.
+        """Point with a name, at a node or at a position; for a named set, its mean frame.
 
-        That frame is for joints, springs, drives, motions and loads. Its position is the mean of
-        those of the nodes, on a face by the areas that they carry; it rotates by the mean rotation
-        of the set, which may deform. What acts on it is spread over the nodes with these weights.
+        The mean frame is for joints, springs, drives, motions and loads. Its position is the mean
+        of those of the nodes, on a face weighted by their consistent areas; its rotation is the
+        mean rotation of the set, which may deform. Forces on it are distributed to the nodes with
+        the same weights.
 
         Args:
             where: As of any body; or the name of a face, curve, group of cells, or several points.
             tolerance: As of any body, to the closest node.
-            axes: Of the frame of a set, unloaded, as rows, shape (3, 3); default: global ones.
+            axes: Unloaded axes of the frame of a set as rows, shape (3, 3); default: global axes.
 
         Raises:
-            ValueError: As of any body, or the nodes of a set are on a line, or the axes are not
-                right-handed and orthonormal, or those of a single node.
+            ValueError: As of any body; or the nodes of a set are collinear, the axes are not
+                right-handed and orthonormal, or axes are given for a single node.
             TypeError: As of any body.
         """
         if not isinstance(where, str):
@@ -277,7 +278,7 @@ class Solid(SupportedSolid):
         return self._mean(where, nodes, np.eye(3) if axes is None else axes)
 
     def _mean(self, name: str, nodes: Indices, axes: npt.ArrayLike) -> Point:
-        """The frame in the mean of a named set."""
+        """Point with the mean frame of a named set."""
         weights: Array = np.ones(len(nodes))
         if name in self.mesh.faces:
             faces, total = self.facets(name), np.zeros(len(self.frames))
@@ -286,8 +287,8 @@ class Solid(SupportedSolid):
         chosen = numbers(axes, f"axes of {self.label}.{name}")
         if chosen.shape != (3, 3) or not _is_rotation(chosen):
             raise ValueError(
-                f"axes of {self.label}.{name} must be three unit vectors as rows, each across the "
-                f"others, right-handed; got\n{chosen}"
+                f"axes of {self.label}.{name}: expected three orthonormal, right-handed rows, "
+                f"got\n{chosen}"
             )
         attachment = in_the_mean([int(node) for node in nodes], self.places[nodes], weights, chosen)
         return Point(self, int(nodes[0]), name, attachment)

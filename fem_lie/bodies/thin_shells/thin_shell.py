@@ -129,7 +129,7 @@ class ThinShell(SmoothSurface):
             for part in body.seams
         ]
         if found:
-            assembly.beside.append(SeamSprings(SeamPoints.joined(found), assembly.count))
+            assembly.further_terms.append(SeamSprings(SeamPoints.joined(found), assembly.count))
         return assembly
 
     def element_inertia(self) -> Array:
