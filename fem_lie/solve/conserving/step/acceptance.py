@@ -1,4 +1,4 @@
-"""The end of a step of a conserving scheme becomes the start of the next one."""
+"""Acceptance of a step of a conserving scheme: its end becomes the start of the next one."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     given = model.kinds, model.arms, middle, step, solution_of(this.r).residual
     _keep_what_is_left(*given, share, filter_state, state.carry)
     if χ > 0.0:
-        # the first step knows of no change before
+        # in the first step there is no earlier change
         μ = μ if filter_state[REMEMBERS] > 0.0 else 1.0
         filter_state[REMEMBERS] = 1.0
         remember(filter_state, μ)
@@ -129,7 +129,8 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
 def _calm(light: Array, H: Array, step: Array, h: float, V: Array) -> None:
     """Give rotations without inertia their mean rate in the step.
 
-    Nothing balances their rates at its end, ``2 Δ/h − V``, whose sign would change in each step.
+    Nothing balances their rates at its end, ``2 Δ/h − V``, whose sign would alternate from step to
+    step.
     """
     for i in range(light.shape[0]):
         d1, d2, d3 = load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3)
@@ -143,7 +144,7 @@ def _calm(light: Array, H: Array, step: Array, h: float, V: Array) -> None:
 
 @uncounted
 def _go_along_edges(packed: PackedModel, starts: Indices, steps: Indices) -> None:
-    """Turn frames on to their edges, and what is along their axes with them."""
+    """Rotate frames onto their edges, together with vectors along their axes."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     edges, master, before = model.masters.edges, model.masters.master, span_of(this.rows).end
     for k in range(edges.shape[0]):
@@ -180,7 +181,10 @@ def _product(V: Array, p: Array) -> float:
 
 @inlined
 def _learn_of_rows(μ: float, found: Array, cell_forces: Array) -> None:
-    """Forces at the end, and ``w += μ (ΔF − w)`` of them; (3, places, 2, 3), (2, places, 2, 3)."""
+    """Forces at the end, and their filter, ``w += μ (ΔF − w)``.
+
+    (3, places, 2, 3), (2, places, 2, 3).
+    """
     for a in range(cell_forces.shape[1]):
         for k in range(2):
             for j in range(3):
@@ -214,7 +218,7 @@ def _keep_what_is_left(
     filter_state: Array,
     carry: Array,
 ) -> None:
-    """Forces and energy that the next step makes up for, from the residual ``r``."""
+    """Residual forces ``r`` and energy that the next step corrects."""
     gain = square = 0.0
     for i in range(step.shape[0]):
         left, u, ψ = r[6 * i : 6 * i + 6], load(step[i], 0), load(step[i], 3)
@@ -245,15 +249,15 @@ def _work_of_loads(
     step: Array,
     losses: Array,
 ) -> float:
-    """Work in the step of all loads without a potential; adds the forces of all to ``losses``.
+    """Work in the step of all non-conservative loads; adds the forces of all loads to ``losses``.
 
     Args:
         kinds: Types of the nodes, (n,).
-        loads: In the middle of the step.
-        constant: Those that have a potential, (n, 4, 3).
+        loads: Loads at the midpoint of the step.
+        constant: Those with a potential, (n, 4, 3).
         rows: :class:`~fem_lie.solve.conserving.step.records.Span`.
         step: Increments, (n, 6).
-        losses: Updated.
+        losses: Work, forces and moments, updated.
     """
     dead, moment, following = loads
     _, mean, middle, delta = span_of(rows)
@@ -278,7 +282,7 @@ def _work_of_loads(
 
 @inlined
 def _work_on_products(model: Model, this: Step) -> float:
-    """The same of forces on products; adds their moments to ``losses``."""
+    """The same for forces on products; adds their moments to ``losses``."""
     n, dead, work = this.step.shape[0], model.loads.dead, 0.0
     for a in range(this.products.shape[0]):
         force, constant, moved = dead[n + a], model.conservative[n + a], this.moved[n + a]

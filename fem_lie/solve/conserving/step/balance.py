@@ -1,6 +1,6 @@
 """Balances of a step that conserves energy and momenta, on all nodes, compiled.
 
-Formulas in :mod:`fem_lie.solve.conserving.energy_momentum`.
+Formulas are in :mod:`fem_lie.solve.conserving.energy_momentum`.
 """
 
 from __future__ import annotations
@@ -52,15 +52,15 @@ from fem_lie.system.nodes.masses import Loads
 
 @linked
 def packed_residual(model: PackedModel, state: Indices, step: Indices) -> None:
-    """:func:`residual` with forces anew, from Python."""
+    """:func:`residual` with evaluation of all forces, from Python."""
     residual(model, state, step, True)
 
 
 @uncounted
 def residual(packed: PackedModel, starts: Indices, steps: Indices, reevaluate: bool) -> None:
-    """Balance of momenta over the step, times 2/(1 + χ), along half-way frames; constraints.
+    """Balance of momenta over the step, times 2/(1 + χ), along midpoint frames; constraints.
 
-    Not ``anew`` cells keep the forces and energies that they had last.
+    Without ``reevaluate`` cells keep their last forces and energies.
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     held, scheme, losses, forces = model.held, model.scheme, this.losses, this.forces
@@ -79,7 +79,7 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, reevaluate: b
         add_filtered_forces(packed, starts, steps)
     _add_momenta(packed, starts, steps)
     if addresses[FORCES] != 0:
-        # rates at the end of the step are known
+        # the rates at the end of the step are known
         _add_outer(addresses, this.outer, forces)
     _add_loads(kinds, model.loads, along.middle, forces)
     if addresses[JOINTS] == 0:
@@ -104,7 +104,7 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, reevaluate: b
 
 @uncounted
 def _span_products(packed: PackedModel, starts: Indices, steps: Indices) -> None:
-    """Coordinates and products of reduced-order bodies, and increments of all rows with inertia."""
+    """Modal coordinates and products of reduced-order bodies, and increments with inertia."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     along, moved = span_of(this.rows), this.moved
     for i in range(this.step.shape[0]):
@@ -116,7 +116,7 @@ def _span_products(packed: PackedModel, starts: Indices, steps: Indices) -> None
 
 @inlined
 def _make_up(kinds: Indices, carry: Array, step: Array, forces: Array) -> None:
-    """Begin with what the last step has left over: momenta are compensated sums."""
+    """Start the forces with the remainder of the last step: momenta are compensated sums."""
     for i in range(forces.shape[0]):
         f, moment = load(carry[i], 0), load(carry[i], 3)
         if kinds[i] < POSITION_GRADIENT:
@@ -127,7 +127,7 @@ def _make_up(kinds: Indices, carry: Array, step: Array, forces: Array) -> None:
 
 @uncounted
 def _add_outer(addresses: Indices, outer: Array, forces: Array) -> None:
-    """Add the forces that are asked for outside of compiled code."""
+    """Add the forces that Python evaluates."""
     for i in range(outer.shape[0]):
         for k in range(6):
             outer[i, k] = 0.0
@@ -141,7 +141,7 @@ def _add_outer(addresses: Indices, outer: Array, forces: Array) -> None:
 def _add_reactions(
     kind: int, middle: Array, x: Vector, supported: Indices, r: Array, χ: float, losses: Array
 ) -> None:
-    """Add what is left over where a node at ``x`` is held from outside: the force that holds it."""
+    """Add the reaction of a supported node at ``x``, which balances its residual."""
     any_held = False
     for k in range(6):
         any_held = any_held or supported[k] != 0
@@ -156,7 +156,7 @@ def _add_reactions(
 
 @uncounted
 def _choose_memory(packed: PackedModel, starts: Indices, steps: Indices) -> None:
-    """β, and velocities with it."""
+    """Choose β, and velocities with it."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     V, w, filter_state, products, χ = (
         state.V,
@@ -172,7 +172,7 @@ def _choose_memory(packed: PackedModel, starts: Indices, steps: Indices) -> None
 
 @uncounted
 def _add_momenta(packed: PackedModel, starts: Indices, steps: Indices) -> None:
-    """Add rates of momenta, and damping that goes with mass."""
+    """Add rates of momenta, and mass-proportional damping."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     mass, damping, dead, scheme = model.inertia, model.damping, model.loads.dead, model.scheme
     h = scheme.h
@@ -223,14 +223,14 @@ def _add_momenta(packed: PackedModel, starts: Indices, steps: Indices) -> None:
 
 @uncounted
 def _on_rows(kinds: Indices, mean: Array, f: Array, forces: Array) -> None:
-    """Add forces on rows (n, 4, 3) to forces along increments (n, 6)."""
+    """Add forces on nodal coordinates (n, 4, 3) to forces along increments (n, 6)."""
     for i in range(forces.shape[0]):
         add_along_increments(kinds[i], mean[i], f[i], forces[i])
 
 
 @uncounted
 def _add_loads(kinds: Indices, loads: Loads, middle: Array, forces: Array) -> None:
-    """Subtract moments fixed in space and loads that follow the nodes in the middle of the step."""
+    """Subtract moments fixed in space and follower loads at the midpoint of the step."""
     moment, following = loads.moment, loads.following
     for i in range(forces.shape[0]):
         (d1, d2, d3), f = axes(kinds[i], middle[i]), following[i]

@@ -1,4 +1,4 @@
-"""Forces over a step that are written on all nodes: elements, their viscosity, and pressure."""
+"""Forces over a step on all nodes, attached ones included: elements, their viscosity, pressure."""
 
 from __future__ import annotations
 
@@ -54,15 +54,15 @@ from fem_lie.solve.conserving.vector_cells.position_cells import add_position_ce
 
 
 class Motion(NamedTuple):
-    """What all nodes do in a step, see :class:`~fem_lie.solve.conserving.step.records.Step`.
+    """Motion of all nodes in a step, see :class:`~fem_lie.solve.conserving.step.records.Step`.
 
     Attributes:
-        start: Frames at the start, (N, 4, 3), as the next five.
-        end: At the end.
+        start: Frames at the start, (N, 4, 3), like the next five.
+        end: Frames at the end.
         mean: Means.
-        middle: Half-way frames.
+        middle: Midpoint frames.
         delta: Increments.
-        exact: With the digits that do not fit into the frames.
+        exact: Increments with the digits beyond double precision of the frames.
         step: Translation and rotation, (N, 6).
     """
 
@@ -79,7 +79,7 @@ class Motion(NamedTuple):
 def add_from_nodes(packed: PackedModel, starts: Indices, steps: Indices, reevaluate: bool) -> None:
     """Add the forces of all cells and of pressure.
 
-    Not ``anew``: those that were found last, and energies by the work of these.
+    Without ``reevaluate``: the last forces, and energies by their work.
     """
     model, state = model_of(packed), state_of(starts)
     known = (
@@ -119,14 +119,14 @@ def _add_from_bodies(packed: PackedModel, starts: Indices, steps: Indices) -> No
 def _add_from_rows(
     packed: PackedModel, starts: Indices, steps: Indices, known: tuple[float, float]
 ) -> None:
-    """Add the forces of cells of nodes that are no frames.
+    """Add the forces of cells of nodes other than frames.
 
     Args:
         packed: The model.
         starts: The state.
         steps: The step.
-        known: Factor of forces that take back what round-off has brought in, and the sum of
-            ``|s|²`` over all cells in the last iteration.
+        known: Factor of forces that remove the energy added by round-off, and the sum of ``|s|²``
+            over all cells in the last iteration.
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     cells, filter_state, M, count = (
@@ -161,12 +161,12 @@ def _add_from_frames(
     reevaluate: bool,
     known: tuple[float, float],
 ) -> None:
-    """Add the forces of cells of frames and of pressure, which are on all nodes, to the leaders."""
+    """Add the forces of cells of frames and of pressure to those on the master nodes."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps_of)
     master, offset, trivial, edges = model.masters
     H, step, forces = state.H, this.step, this.forces
     rows, nodes, exact = span_of(this.rows), span_of(this.nodes), this.exact
-    if model.cells.x.shape[0] == 0:  # nothing but rigid bodies
+    if model.cells.x.shape[0] == 0:  # rigid bodies only
         return
     for i in range(step.shape[0]):
         for k in range(4):
@@ -216,10 +216,10 @@ def _add_from_frames(
 def _move_cells(
     packed: PackedModel, starts: Indices, steps: Indices, end: Array, further: Array
 ) -> None:
-    """Energies and works after so small a motion (N, 6) that forces stay what they are.
+    """Energies and works after a motion (N, 6) that is too small to change forces.
 
-    Together they are the work of the forces over the step, so nothing adds up; each has of it what
-    its forces at the end let one expect.
+    Together they are the work of the forces over the step, so that errors do not accumulate; each
+    cell gets the part of its forces at the end.
     """
     cells, state, this = model_of(packed).cells, state_of(starts), step_of(steps)
     first, nodes, F, filter_state, filtered = (
@@ -297,7 +297,7 @@ def _add_cells(
 
 @uncounted
 def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) -> None:
-    """Add forces of the changes of elastic forces less their memory, to the leaders."""
+    """Add forces of the changes of elastic forces minus their filter state, to the master nodes."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     masters, scheme = model.masters, model.scheme
     filter_state, given, losses = state.filter_state, this.filtered, this.losses
@@ -328,18 +328,18 @@ def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) ->
 
 @inlined
 def _repayment(filter_state: Array) -> float:
-    """Factor of forces that take back what round-off has brought in, as small as round-off is."""
+    """Factor of forces that remove the energy added by round-off, as small as round-off."""
     leak, squares = filter_state[LEAK], filter_state[SQUARES] + filter_state[ROW_SQUARES]
     if squares == 0.0:
         return 0.0
-    # a force of the whole size turns its sign with a deformation that is noise, and keeps it up
+    # a force of full size would change its sign with a round-off deformation, and maintain it
     most = 0.1 * filter_state[LIMIT] / sqrt(squares)
     return max(-most, min(most, leak / squares))
 
 
 @uncounted
 def _add_viscous(cells: CellTable, middle: Array, twists: Array, F: Array, out: Array) -> float:
-    """Add viscous forces at the half-way frames; returns their power."""
+    """Add viscous forces at the midpoint frames; returns their power."""
     first, nodes, power = cells.first, cells.nodes, 0.0
     elements.viscous_forces(cells, middle, twists, F)
     for e in range(first.shape[0] - 1):
@@ -355,7 +355,7 @@ def _add_viscous(cells: CellTable, middle: Array, twists: Array, F: Array, out: 
 
 @uncounted
 def _add_pressure(pressure: Pieces, motion: Motion, out: Array, losses: Array) -> float:
-    """Subtract ``½ (x_j − x_i) × ½ (R_i + R_j) w`` on both nodes of each piece; returns work."""
+    """Subtract ``½ (x_j − x_i) × ½ (R_i + R_j) w`` on both nodes of each segment; returns work."""
     pairs, across = pressure
     mean, middle, delta, work = motion.mean, motion.middle, motion.delta, 0.0
     for e in range(pairs.shape[0]):
@@ -375,7 +375,7 @@ def _add_pressure(pressure: Pieces, motion: Motion, out: Array, losses: Array) -
 
 @uncounted
 def collect(masters: Masters, this: Step, given: Array, forces: Array) -> None:
-    """Add forces and moments on all nodes, (N, 6), to those on their leaders, (n, 6)."""
+    """Add forces and moments on all nodes, (N, 6), to those on their master nodes, (n, 6)."""
     master, _, _, edges = masters
     all_means, mean = span_of(this.nodes).mean, span_of(this.rows).mean
     if edges.shape[0] > 0:

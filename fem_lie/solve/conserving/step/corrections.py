@@ -1,9 +1,9 @@
-"""When corrections of a step are at their end, and how those in one direction are hastened.
+"""Convergence of a step at round-off, and acceleration of corrections in one direction.
 
-A step is at its end when nothing but round-off changes any more. Increments fall until they are
-noise, and where that begins depends on the scene. What was reached before is reached again; what
-does not fall any more, and is as small as an increment can be, is noise; and what does not fall and
-is larger may be, which the loop then asks for.
+A step has converged when only round-off changes any more. Increments decrease until they are
+round-off, and the level at which they stop depends on the scene. A level that earlier steps reached
+is expected again; an increment that no longer decreases, and is as small as an increment can be, is
+round-off; one that no longer decreases and is larger may be, which the loop then tests.
 """
 
 from __future__ import annotations
@@ -18,68 +18,69 @@ from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
 from fem_lie.solve.convergence import DIVERGED, contraction, to_come
 
 _ALIKE, _SHARE = 0.2, 0.5
-"""How much corrections in one direction differ, and the most that one may leave over."""
+"""Largest relative difference of corrections in one direction, and the largest part that one
+leaves."""
 STEPS, ITERATION, TOTAL, BEST, ASKED, STALLS, LAST, NEEDED = 0, 1, 2, 3, 4, 5, 6, 7
 GROWTHS, COUNTERS = 8, 9
-"""Counters: steps made, iterations of the present one and of all, fewest, iteration agreed on,
-iterations since the increment fell to its least, iterations of the last step, those of the
-present one from whose outcome a better matrix would have had anything to gain, and the last
-iterations, one after the other, each with a larger increment than the one before; shape (9,)."""
+"""Indices of counters: steps made, iterations of the current one and of all, fewest, iteration of
+the last test, iterations since the increment fell to its least, iterations of the last step,
+iterations of the current one that a better matrix might have saved, and successive growing
+increments at the end; shape (9,)."""
 PREVIOUS, RATIO, MOTION, EXCESS, INCREMENT, LEAST, FLOOR, MARK, FELT = 0, 1, 2, 3, 4, 5, 6, 7, 8
 ASIDE, RECENT, HISTORY = 9, 10, 18
-"""Numbers: last increment, ratio, largest motion, iterations beyond the fewest, increment, the
-least of the present step, the least that round-off lets one expect, that of ``patience``
-iterations before, what round-off was seen to make of it in this step, by how much terms fell of
-what is beside the matrix, the last :data:`LEARNING` increments of nodes that are no frames, the
-newest first, and the last :data:`LOST` increments in a ring; shape (:data:`NUMBERS`,)."""
+"""Indices of numbers: last increment, ratio, largest motion, excess iterations, increment, the
+least of the current step, the round-off level reached by earlier steps, the increment ``patience``
+iterations before, the measured effect of round-off in this step, the reduction per term of the
+series for changes of the matrix, the last :data:`LEARNING` increments of nodes other than frames,
+the newest first, and the last :data:`LOST` increments in a ring; shape (:data:`NUMBERS`,)."""
 WINDOW, LEARNING, HALVED = 3, 8, 0.5
-"""Small increments are round-off where so many iterations did not bring them below that part of
-themselves; for nodes with vector coordinates. Corrections that learn from each other go up and down
-and are given more of them."""
+"""Small increments are round-off if this many iterations did not bring them below that fraction;
+for nodes with vector coordinates. Corrections with secants do not decrease monotonically and are
+given more iterations."""
 LOST = 25
-"""Iterations that do not bring increments beyond round-off below half lead to no solution, where
-there are such nodes."""
+"""Iterations without halving an increment above round-off after which a step has failed, if there
+are such nodes."""
 NUMBERS = HISTORY + LOST
 _GROWING = 7
-"""Increments in a row that grow lead to none either."""
+"""Successive growing increments after which it has failed."""
 UNKNOWN, NEW = 0, -1
-"""Instead of the fewest iterations: none was counted with this matrix, none of a whole step."""
+"""In place of the fewest iterations: none was counted with this matrix; none of a whole step."""
 ULPS = 1e3 * float(np.finfo(np.float64).eps)
 """Increments, in lengths of the model, that may be round-off."""
 FINE = 1e-2 * ULPS
-"""Increments that are."""
+"""Increments that are round-off."""
 SURE = 1e-3
-"""Ratio of increments that is not asked for again at the last digits."""
+"""Ratio of increments at which the matrix is good and round-off need not be tested."""
 _FLIPS, _SHORTER, _FARTHEST = 3, 0.5, 0.05
-"""Increments with contacts that fell no more, after which corrections are shortened to this
-fraction, and the largest increment of an iteration, in lengths of the model: beyond it, other
+"""Increments with contacts that no longer decrease, after which corrections are shortened to this
+fraction; and the largest increment of an iteration, in lengths of the model: beyond it, other
 contacts act."""
 _STAGNANT = 6
 """Iterations of a step without progress."""
 STALLED = 0.8
-"""Ratio of increments that is no progress any more."""
+"""Ratio of increments above which there is no progress."""
 
 
 @compiled
 def hasten(
     measure: Array, x: Array, slow: Array, known: Array, flags: tuple[bool, bool], fine: float
 ) -> None:
-    """Add to a correction what those would add that go on in one direction.
+    """Extrapolate corrections that continue in one direction.
 
-    The factor β of dissipation makes one direction of the matrix wrong, by a few per cent: of what
-    is wrong there the same share is left by each correction, and that is a geometric series.
+    The factor β of dissipation makes one direction of the matrix wrong by a few per cent: each
+    correction leaves the same fraction of the error there, and this is a geometric series.
 
     Args:
-        measure: Size of each unknown and scaled multiplier.
+        measure: Norm weight of each unknown and scaled multiplier.
         x: Correction, updated.
-        slow: That direction, of unit length, and the correction before, (2, size), updated.
-        known: The share, and how much was added before along the direction, (2,), updated.
+        slow: That direction, of unit length, and the previous correction, (2, size), updated.
+        known: The fraction, and the amount added before along the direction, (2,), updated.
         flags: Whether β is less than one, and whether the correction is the first one of a step.
-        fine: What of it is round-off.
+        fine: Round-off level of the correction.
     """
     (direction, before), (cut, first) = (slow[0], slow[1]), flags
     if cut and not first and size(measure, x) > fine:
-        # what the correction before has left over, of all that was made
+        # the part that the previous correction has left, of the total
         left = x + known[1] * direction
         square = _dot(measure, before, before)
         share = _dot(measure, left, before) / square
@@ -109,7 +110,7 @@ def _dot(measure: Array, x: Array, y: Array) -> float:
 
 @inlined
 def size(measure: Array, x: Array) -> float:
-    """Of the largest part; not a number, if any is."""
+    """Norm of the largest part; nan if any is."""
     largest = 0.0
     for k in range(x.shape[0]):
         part = abs(x[k]) * measure[k]
@@ -126,9 +127,9 @@ def size_of(measure: Array, x: Array) -> float:
 
 @inlined
 def lags(numbers: Array, tolerance: float, patience: int, spare: float, round_off: float) -> bool:
-    """Whether at its present rate the iteration would go on for more than ``spare`` iterations.
+    """Whether the iteration would need more than ``spare`` further iterations at its current rate.
 
-    Increments below ``round_off`` are noise.
+    Increments below ``round_off`` are round-off.
     """
     increment, before = numbers[INCREMENT], numbers[MARK]
     numbers[MARK] = increment
@@ -141,9 +142,9 @@ def lags(numbers: Array, tolerance: float, patience: int, spare: float, round_of
 
 @inlined
 def count(counters: Indices, numbers: Array) -> None:
-    """Note what the step that ends took beyond the fewest iterations with the present matrix.
+    """Record the excess over the fewest iterations with the current matrix.
 
-    One that was made within this step is not known yet.
+    A matrix that was refactorised within this step has no record yet.
     """
     counted = max(counters[NEEDED], 2)
     counters[LAST] = counters[ITERATION]
@@ -157,10 +158,10 @@ def count(counters: Indices, numbers: Array) -> None:
 
 @inlined
 def settled(counters: Indices, numbers: Array, steadily: bool) -> bool:
-    """Whether only round-off is left: it falls no more, or is as small as where it fell no more.
+    """Whether only round-off is left: no decrease, or as small as the last stagnant increment.
 
-    With ``steadily`` increments are compared with the one that has last fallen: those that fall
-    slowly, but steadily, are no round-off.
+    With ``steadily`` increments are compared with the last one that decreased: a slow, but steady
+    decrease is no round-off.
     """
     increment, least = numbers[INCREMENT], numbers[LEAST]
     if increment > STALLED * least:
@@ -172,7 +173,7 @@ def settled(counters: Indices, numbers: Array, steadily: bool) -> bool:
     numbers[LEAST] = min(increment, least)
     increment = numbers[INCREMENT]
     if increment <= 2.0 * numbers[FLOOR]:
-        # a lucky zero must not make the next steps wait for another
+        # an accidental zero must not make the next steps wait for another
         numbers[FLOOR] = max(min(increment, numbers[FLOOR]), 0.9 * numbers[FLOOR])
         return True
     if increment > ULPS or counters[STALLS] < (2 if increment < FINE else _STAGNANT):
@@ -183,9 +184,9 @@ def settled(counters: Indices, numbers: Array, steadily: bool) -> bool:
 
 @inlined
 def shorten(x: Array, increment: float, stalls: int) -> None:
-    """Shorten a correction ``x`` of a step in which contacts act, whose size is ``increment``.
+    """Shorten a correction ``x`` of size ``increment`` in a step with active contacts.
 
-    Contacts that stick and slip in turns are met between both.
+    Contacts that alternate between stick and slip converge in between.
     """
     factor = _SHORTER if stalls >= _FLIPS else 1.0
     if increment > _FARTHEST:
@@ -197,13 +198,16 @@ def shorten(x: Array, increment: float, stalls: int) -> None:
 
 @inlined
 def larger(a: float, b: float) -> float:
-    """The larger one of two numbers; not a number, if either is."""
+    """The larger one of two numbers; nan if either is."""
     return b if b > a or b != b else a
 
 
 @inlined
 def size_of_vectors(kinds: Indices, measure: Array, x: Array) -> float:
-    """Of the largest part of a correction ``x`` of nodes that are no frames; as :func:`size`."""
+    """Norm of the largest part of a correction ``x`` of nodes other than frames.
+
+    As :func:`size`.
+    """
     largest = 0.0
     for i in range(kinds.shape[0]):
         if kinds[i] >= POSITION_GRADIENT:
@@ -215,11 +219,11 @@ def size_of_vectors(kinds: Indices, measure: Array, x: Array) -> float:
 
 @inlined
 def stalls(numbers: Array, increment: float, window: int) -> bool:
-    """Whether an increment is more than half of the one ``window`` iterations before; records it.
+    """Whether an increment is more than half of that ``window`` iterations before; records it.
 
-    Stiff cells feel increments that still fall, however small these are, as forces. So nodes with
-    vector coordinates are corrected while they fall, and where an earlier step has ended is no
-    measure of round-off in this one.
+    In stiff cells even the smallest increments change forces. So nodes with vector coordinates are
+    corrected while increments decrease, and the level that an earlier step reached is no measure of
+    round-off.
     """
     before = numbers[RECENT + window - 1]
     for k in range(LEARNING - 1, 0, -1):
@@ -230,14 +234,14 @@ def stalls(numbers: Array, increment: float, window: int) -> bool:
 
 @inlined
 def is_lost(counters: Indices, numbers: Array, before: float) -> bool:
-    """Whether the iteration leads to no solution, where nodes have vector coordinates.
+    """Whether the iteration has failed, if nodes have vector coordinates.
 
-    Its increments have not been halved for long, grow steadily, or leave the model.
+    Its increments have not been halved for long, grow steadily, or exceed the length of the model.
 
     Args:
-        counters: Updated.
-        numbers: Updated.
-        before: The increment before this one.
+        counters: Counters, updated.
+        numbers: Numbers, updated.
+        before: The previous increment.
     """
     increment, at = numbers[INCREMENT], HISTORY + counters[ITERATION] % LOST
     counters[GROWTHS] = counters[GROWTHS] + 1 if increment > before else 0
@@ -248,24 +252,24 @@ def is_lost(counters: Indices, numbers: Array, before: float) -> bool:
 
 @inlined
 def stagnates(counters: Indices, numbers: Array) -> bool:
-    """Whether increments have ceased to fall where it is not known to be round-off."""
+    """Whether increments have ceased to decrease, and it is unknown whether this is round-off."""
     increment = numbers[INCREMENT]
     return counters[STALLS] >= _STAGNANT and increment > ULPS
 
 
 @inlined
 def converged(numbers: Array, tolerance: float, iteration: int, known: bool) -> bool:
-    """Whether what would follow is below the tolerance, or round-off, or nothing would.
+    """Whether the estimated further increments are below the tolerance, or round-off.
 
-    Round-off is told by the rate where the matrix is ``known`` to be good. Next to postures in
-    which constraints lose rank it is not: increments are small there, and what is missing is not.
+    Round-off is recognised by the rate if the matrix is ``known`` to be good. Near configurations
+    in which constraints lose rank it is not: increments are small there, but the error is not.
     """
     increment = numbers[INCREMENT]
     if iteration > 1 and (tolerance > 0.0 or (known and numbers[FLOOR] > 0.0)):
         ratio = contraction(increment, numbers[PREVIOUS], numbers[RATIO])
         numbers[RATIO] = ratio
         if tolerance == 0.0:
-            # the last digits come the slowest
+            # the last digits converge most slowly
             ratio = max(ratio, SURE)
         allowed = max(tolerance * numbers[MOTION], 2.0 * numbers[FLOOR])
         if to_come(increment, ratio) <= allowed:

@@ -1,34 +1,34 @@
-"""Velocities over a step: those of the midpoint rule, or with dissipation of what is not resolved.
+"""Mean velocities of a step: those of the midpoint rule, or with numerical dissipation.
 
 ::
 
     (q₁ − q)/h = V̄ + g,      V̄ = ½ (V + V₁),      g = ½ χ Π (ΔV − β w),      w ← w + μ (ΔV − w)
 
-With ``χ = 0`` nothing is lost. Otherwise ``w`` is a memory of the changes ``ΔV = V₁ − V``, so that
-``ΔV − w`` is of second order in h where the step resolves the motion. With the same done to elastic
-forces, linear problems are integrated by a two-step method of second order that is A-stable, with
-the eigenvalues −ρ and 0 at infinite frequency for ``χ = (1 − ρ)/(3 + ρ)``, ``μ = 1 − χ``: the
-trapezoidal rule for ρ = 1, BDF2 for ρ = 0.
+With ``χ = 0`` there is no dissipation. Otherwise ``w`` is the state of a filter of the changes
+``ΔV = V₁ − V``, so that ``ΔV − w`` is of second order in h if the step resolves the motion. With
+the same filter for elastic forces, linear problems are integrated by a two-step method of second
+order that is A-stable, with the eigenvalues −ρ and 0 at infinite frequency for
+``χ = (1 − ρ)/(3 + ρ)``, ``μ = 1 − χ``: the trapezoidal rule for ρ = 1, BDF2 for ρ = 0.
 
-The kinetic energy loses ``ΔV·G g``. ``Π`` takes the best rotation ``Ω × V̄`` out of its argument,
-in the metric of inertia: then ``Σ V̄ × G g = 0``, which is what angular momentum needs, and a body
-that turns steadily is not damped.
+The kinetic energy loses ``ΔV·G g``. ``Π`` removes the best fit of a rotation ``Ω × V̄`` from its
+argument, in the metric of inertia: then ``Σ V̄ × G g = 0``, which conserves angular momentum, and a
+body that rotates steadily is not damped.
 
 With changes ``Δ`` of velocities and of elastic forces as one vector, in the norm of inertia and
-compliance, what is lost is ``½ χ Δ·(Δ − β w)``. ``β w`` is the memory as far as it is not longer
-than the change, or, where it points the other way, than up to twice the change::
+compliance, the dissipated energy is ``½ χ Δ·(Δ − β w)``. ``β w`` is the filter state, limited to
+the length of the change, or, if it has the opposite direction, to up to twice the change::
 
     β = min(1, (|Δ| + max(−Δ·w, 0)/|w|)/|w|)
 
-By Cauchy and Schwarz nothing is gained, in any single step; and ``β w`` is a Lipschitz continuous
-function of the change that is nil where the change is, so it is defined where nothing deforms.
-``|Δ − β w| ≤ 2 |Δ − w|``: it costs no order. ``|w|²`` of elastic forces follows from the rule of
-``w``. Elements whose forces fall where they are deformed would lose less than nothing; as much as
-velocities lose is allowed to them.
+By the Cauchy-Schwarz inequality no single step gains energy; and ``β w`` is a Lipschitz continuous
+function of the change that vanishes with it, so it is defined where nothing deforms.
+``|Δ − β w| ≤ 2 |Δ − w|``: the order is not reduced. ``|w|²`` of elastic forces follows from the
+rule for ``w``. Elements whose forces decrease with deformation would have negative dissipation;
+this is limited to the dissipation of the velocities.
 
-All of this is sums ``Σ X_r (G Y)_s`` over the nodes, 3×3 numbers of each pair of V, w and
+All of this is sums ``Σ X_r (G Y)_s`` over the nodes, 3×3 numbers for each pair of V, w and
 ``δ = Δq/h − V``: with ``ΔV = a + χ P × V̄`` the means are ``V̄ = (I − ½ χ P̂)⁻¹ (V + ½ a)``, one
-matrix times what is known, and P and β are found among these numbers, without the nodes.
+matrix times known quantities, and P and β are computed from these sums without the nodes.
 
 (Relaxed variables for second order: Armero & Romero, CMAME 190 (2001) 6783. The energy of two-step
 methods: Dahlquist, BIT 18 (1978) 384.)
@@ -73,14 +73,14 @@ from fem_lie.solve.conserving.step.products import (
 from fem_lie.solve.conserving.step.records import Products
 
 MEMORY, ELASTIC, REMEMBERS, WORKS, LENGTH = 0, 1, 2, 3, 9
-"""Places in the array of lagged numbers: β, the share of elastic forces that is filtered, whether
-anything is remembered (0 or 1; without it there is no dissipation), works of the changes of elastic
-forces and of the memory, and ``|w|²`` of the latter."""
+"""Indices of the filter state: β, the fraction of elastic forces that is filtered, whether there is
+an earlier change (0 or 1; without it there is no dissipation), works of the changes of elastic
+forces and of their filter state, and ``|w|²`` of the latter."""
 LEAK, SQUARES, LIMIT, REPAID, ENERGY = 5, 6, 7, 8, 10
-"""And of energy that round-off has brought in, squares of the deformations of all elements, forces
-that are below round-off, energy taken back, and the largest energy so far."""
+"""Further indices: energy added by round-off, squares of the deformations of all elements, level of
+round-off forces, energy removed again, and the largest energy so far."""
 ROW_SQUARES, ROW_REPAID = 11, 12
-"""Squares and energy taken back of cells of nodes that are no frames, beside those of frames; shape
+"""Further indices: squares, and energy removed again, of cells of nodes other than frames; shape
 (13,)."""
 _EXACT = 1e-14
 
@@ -106,15 +106,15 @@ def set_turnings(
     h: float,
     out: Array,
 ) -> None:
-    """What P adds to the matrix: ``Y Zᵀ``, the columns of ``Z`` forces ``e × G V`` on the nodes.
+    """Contribution of P to the matrix: ``Y Zᵀ``; the columns of ``Z`` are forces ``e × G V``.
 
-    That of ``ΔV`` is ``χ P × V̄``, and ``P`` the rotation that is nearest to increments of V.
+    That of ``ΔV`` is ``χ P × V̄``, and ``P`` the best fit of a rotation to increments of V.
 
     Args:
-        products: At the start of the step.
-        frames: Types of the nodes, means, and mid-step configurations.
+        products: Products at the start of the step.
+        frames: Types of the nodes, means, and midpoint configurations.
         held: Which unknowns are zero, (n, 6).
-        χ: The loss.
+        χ: Dissipation parameter.
         h: Step size.
         out: ``Z`` and ``Y``, (2, 3, 6 n), overwritten.
     """
@@ -149,7 +149,10 @@ def set_turnings(
 
 @uncounted
 def choose_memory(sums: Array, χ: float, filter_state: Array) -> Vector:
-    """β and the share of elastic forces, for the velocities that they make; returns their ψ."""
+    """β and the filtered fraction of elastic forces, consistent with the velocities.
+
+    Returns their ψ.
+    """
     ψ = (0.0, 0.0, 0.0)
     for _ in range(TURNS):
         β, share = filter_state[MEMORY], filter_state[ELASTIC]
@@ -162,7 +165,7 @@ def choose_memory(sums: Array, χ: float, filter_state: Array) -> Vector:
 
 @uncounted
 def _choose_once(sums: Array, χ: float, ψ: Vector, filter_state: Array) -> None:
-    """The same for the velocities with the β that was, and their ψ."""
+    """The same for velocities with the previous β, and their ψ."""
     work = blocks_at(stack(36), 4, 3, 3)
     W, A, shifted, X = work[0], work[1], work[2], work[3]
     a, p, _ = changes(χ, filter_state[MEMORY])
@@ -200,7 +203,7 @@ def _remembered(change: float, common: float, memory: float) -> float:
     most = sqrt(change * memory)
     if common <= 0.0:
         return min(1.0, (most - common) / memory) if memory > 0.0 else 1.0
-    # metrics change between steps: what Cauchy and Schwarz say is made sure of
+    # metrics change between steps: the Cauchy-Schwarz inequality is enforced
     return min(1.0, change / max(most, common))
 
 
@@ -216,7 +219,7 @@ def remember(filter_state: Array, μ: float) -> None:
 
 @uncounted
 def velocity_loss(V: Array, V1: Array, delta: Array, h: float, rates: Array) -> float:
-    """``ΔV·G g`` with ``g = (q₁ − q)/h − V̄``: what the kinetic energy has lost, exactly.
+    """``ΔV·G g`` with ``g = (q₁ − q)/h − V̄``: the exact loss of kinetic energy.
 
     ``rates`` is ``G ΔV/h``, (n, 4, 3).
     """

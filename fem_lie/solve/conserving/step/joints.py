@@ -1,14 +1,14 @@
-"""How nodes move within a step, and the joints between them; compiled.
+"""Motion of nodes within a step, and the joints between them; compiled.
 
 ``z = (Δ, Q)``, the relative motion of the joint's frames, is bilinear in positions and directors
 ``q`` of its nodes, so ``z₁ − z₀ = z'(q̄)(q₁ − q₀)`` with the mean ``q̄``, exactly. Forces
 ``z'(q̄)ᵀ p`` therefore do the work ``p·(z₁ − z₀)``, which is zero for ``p = Sᵀλ`` and ``S z = 0``
-at both ends, and no net force or moment but that on the ground: ``z`` does not feel rigid motion.
-The constraints are followed by their increments, with all digits. (Gonzalez, J. Nonlinear Sci. 6
-(1996) 449, section 4; Betsch & Steinmann, Multibody Syst. Dyn. 8 (2002) 367.)
+at both ends. They have no resultant or moment except those on the ground, because rigid motions do
+not change ``z``. The constraints are integrated by their increments, with all digits. (Gonzalez, J.
+Nonlinear Sci. 6 (1996) 449, section 4; Betsch & Steinmann, Multibody Syst. Dyn. 8 (2002) 367.)
 
-Of terms that are functions of ``z`` the gradient is replaced by a secant ``g`` in its direction at
-the mean, ``g·Δz = f(z₁) − f(z)``; springs take the mean of their force at both ends.
+For functions of ``z`` the gradient is replaced by a secant ``g`` in its direction at the mean,
+``g·Δz = f(z₁) − f(z)``; springs take the mean of their force at both ends.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ from fem_lie.solve.conserving.step.records import Incidences, products_of, solut
 
 @inlined
 def _joint_frame(A: Array, C: Array, out: Array) -> None:
-    """Rows (x, d₁, d₂, d₃) of a joint's frame from those of its node."""
+    """Position and directors of a joint's frame from those of its node."""
     for k in range(4):
         for j in range(3):
             value = C[k, 0] * A[1, j] + C[k, 1] * A[2, j] + C[k, 2] * A[3, j]
@@ -101,13 +101,13 @@ def add_joints(
         mean: Means of (x, d₁, d₂, d₃) of all rows, ground and prescribed frames last.
         delta: Increments.
         packed: See :class:`~fem_lie.joints.equations.table.JointTable`.
-        weights: Multipliers, shape (m,).
+        weights: Lagrange multipliers, shape (m,).
         driven: Increments of the constraints' targets, shape (m,).
         h: Step size.
         change: Increments ``Σ g·z'(q̄) Δq`` without those of the targets, shape (m,), overwritten.
         out: Forces and moments on the moving nodes, global components, shape (n, 6), updated.
-        ground: What ground and prescribed frames do, force and moment about the origin, shape
-            (≥ 6,), updated.
+        ground: Force and moment about the origin of ground and prescribed frames, shape (≥ 6,),
+            updated.
 
     Returns:
         The work of prescribed frames and drives on the nodes, and the loss in dampers.
@@ -184,16 +184,16 @@ def border_at(
     frames: tuple[Array, Array, Array],
     out: Array,
 ) -> None:
-    """Rows and columns of the constraints in the matrix of a step.
+    """Constraint rows and columns of the matrix of a step.
 
     Args:
-        joints: Table of all joints.
-        incidences: Which nodes the constraints touch; rows of those that are no frames stay nil.
+        joints: Packed arrays of all joints.
+        incidences: Constraint-node incidences; rows of nodes other than frames stay zero.
         kinds: Types of the nodes, (n,).
         held: Which unknowns are zero, 0 or 1, (n, 6).
-        frames: At the end of the step, half-way, where the unknowns' axes are, and where forces
-            act.
-        out: Rows and columns, (2, legs, 6), overwritten.
+        frames: Frames at the end of the step, midpoint frames with the axes of the unknowns, and
+            frames at which forces act.
+        out: Rows and columns, (2, incidences, 6), overwritten.
     """
     end, axes, middle = frames
     table = joint_table(joints)
@@ -220,8 +220,8 @@ def packed_begin(model: PackedModel, state: Indices, step: Indices) -> float:
 def begin(packed: PackedModel, starts: Indices, steps: Indices) -> float:
     """Predict the step; returns the size of its largest motion.
 
-    Records are :class:`~fem_lie.solve.conserving.step.packing.Packed`, here and below: what is not
-    read of them is not passed.
+    Records are :class:`~fem_lie.solve.conserving.step.packing.Packed`, here and below: only the
+    fields that are read are passed.
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     H, V, trend, step, scheme = state.H, state.V, state.trend, this.step, model.scheme
@@ -243,7 +243,7 @@ def begin(packed: PackedModel, starts: Indices, steps: Indices) -> float:
 
 @inlined
 def hold(kind: int, H: Array, held: Indices, u: Vector, ψ: Vector, step: Array) -> None:
-    """``step = (u, ψ)`` without its parts along the held axes of the node."""
+    """``step = (u, ψ)`` without its components along the fixed axes of the node."""
     any_held = False
     for k in range(6):
         any_held = any_held or held[k] != 0
@@ -259,7 +259,7 @@ def hold(kind: int, H: Array, held: Indices, u: Vector, ψ: Vector, step: Array)
 
 @uncounted
 def compare(packed: PackedModel, starts: Indices, steps: Indices) -> None:
-    """What of the step as it is is not in the matrix: its constraints, and rotations of Π."""
+    """Differences of the current step from the matrix: constraint Jacobian, and rotations of Π."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     along, change, incidences, scheme = (
         span_of(this.rows),
@@ -304,5 +304,5 @@ def correct(packed: PackedModel, starts: Indices, steps: Indices) -> None:
         ψ = minus(load(step[i], 3), rotate(d1, d2, d3, load(dx, 3)))
         hold(kinds[i], H[i], held[i], u, ψ, step[i])
     for c in range(weights.shape[0]):
-        # the residual has 2/(1 + χ) times the forces, the matrix one times their derivatives
+        # the residual contains 2/(1 + χ) times the forces, the matrix their derivatives
         weights[c] -= 0.5 * (1.0 + χ) * scale[c] * x[6 * n + c]

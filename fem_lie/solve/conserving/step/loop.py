@@ -1,7 +1,7 @@
-"""Steps that conserve energy and momenta: prediction, and iteration to stagnation.
+"""Steps that conserve energy and momenta: prediction, and iteration down to round-off.
 
-One compiled loop goes through the steps and comes back to Python for a new matrix, for results and
-when a step fails.
+One compiled loop makes the steps and returns to Python for a new matrix, for results and when a
+step fails.
 """
 
 from __future__ import annotations
@@ -71,15 +71,18 @@ from fem_lie.solve.refactorisation import is_due
 
 DONE, MATRIX, FAILED, LOST = 0, 1, 2, 3
 _ULP = 4.0 * float(np.finfo(np.float64).eps)
-"""What unknowns are changed by, in lengths of the model, to see what round-off does."""
+"""Perturbation of unknowns, in lengths of the model, that measures the effect of round-off."""
 _FELT = 8.0
-"""Increments are round-off if they are at most as large as this many changes by it."""
+"""Increments are round-off if they are at most this multiple of the measured effect."""
 _ASTRAY = 1e-6
-"""Unless they are larger than this: far from any solution, where elements fold, all is felt."""
+"""Unless they are larger than this: far from any solution, where elements fold, round-off has large
+effects."""
 _SMALL = 0.1
-"""What of the constraints is not in the matrix, where a step may end by the rate of convergence."""
+"""Relative change of constraints since the matrix at which a step may end by the convergence
+rate."""
 _USUAL, _OF_ONE = 2, 0.1
-"""Terms for old constraints that cost nothing, and what others cost, in iterations."""
+"""Series terms for constraint changes that cost nothing, and the cost of further ones, in
+iterations."""
 
 
 @linked
@@ -93,21 +96,22 @@ def run(
     numbers: Array,
     last: int,
 ) -> int:
-    """Go on until step ``last``, or until a new matrix is wanted, or a step fails or would be lost.
+    """Advance to step ``last``, or until a matrix is needed, or a step fails or would fail.
 
-    It would be where the constraints of its predicted end are not nearly those of the matrix.
+    It would fail if the constraints of its predicted end differ too much from those of the matrix.
 
     Args:
         packed: The model, see :class:`~fem_lie.solve.conserving.step.packing.Packed`.
         starts: The state.
         steps: The step.
-        factors: Of the matrix.
-        options: Tolerance (0: until nothing changes), most iterations, patience and cost as of
-            :class:`~fem_lie.solve.motion.policies.Automatic`, and iterations that a step may go on
-            for where that was not enough; without such (0) a step is made with whatever it has.
-        counters: Shape (9,), updated.
-        numbers: Shape (:data:`.corrections.NUMBERS`,), updated.
-        last: Step to reach.
+        factors: Factors of the matrix.
+        options: Tolerance (0: down to round-off), largest number of iterations, patience and cost
+            as in :class:`~fem_lie.solve.motion.policies.Automatic`, and number of further
+            iterations allowed where this was not enough; with 0 a step is made with the existing
+            matrix.
+        counters: Counters, shape (9,), updated.
+        numbers: Numbers, shape (:data:`.corrections.NUMBERS`,), updated.
+        last: Last step.
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     tolerance, limit, patience, cost, spare = options
@@ -171,7 +175,7 @@ def run(
             call_back(addresses[LEARN])
         if ends.inverse.shape[0] == 0:
             numbers[EXCESS] += _OF_ONE * max(terms - _USUAL, 0)
-        # what learns knows the directions of its own corrections
+        # secants handle the directions of their own corrections
         if state.slow.shape[0] > 0 and addresses[LEARN] == 0:
             x, cut = solution_of(this.r).x, state.filter_state[MEMORY] < 1.0
             hasten(measure, x, state.slow, state.share, (cut, iteration == 1), noticed)
@@ -186,11 +190,11 @@ def run(
             stalled = stalls(numbers, moved, window) and moved <= round_off_level
             rests = moved <= ROUND_OFF or stalled
             if not vectors:
-                # what contacts make of round-off may be larger than this level
+                # the effect of round-off on contacts may be larger than this level
                 rests = stalled or moved > round_off_level or moved == 0.0
             if tolerance > 0.0:
                 own, rests = larger(own, moved), True
-        # at the last digits of cells without frames no matrix helps: policies do not count them
+        # no matrix helps at the last digits of cells without frames: policies do not count them
         if not vectors or before > round_off_level or moved <= own:
             counters[NEEDED] = iteration
         done = at_round_off = False
@@ -199,10 +203,10 @@ def run(
             at_round_off = settled(counters, numbers, touches)
             compares = moved <= round_off_level and addresses[LEARN] == 0
             if not at_round_off and compares and stagnates(counters, numbers):
-                # one sample of round-off may be small by chance
+                # a single sample of round-off may be small by chance
                 numbers[FELT] = max(_round_off(packed, starts, steps, factors), numbers[FELT])
                 at_round_off = numbers[INCREMENT] <= min(_FELT * numbers[FELT], _ASTRAY)
-            # matrices do not have the contacts of the end of the step
+            # matrices do not contain the contacts of the end of the step
             known = incidences.nodes.shape[0] == 0 or numbers[ASIDE] < _SMALL
             known = known and not touches
             done = at_round_off or converged(numbers, tolerance, iteration, known)
@@ -210,15 +214,15 @@ def run(
         numbers[INCREMENT] = larger(own, moved)
         if iteration == 1:
             numbers[MARK] = numbers[INCREMENT]
-        # with a matrix in each iteration contacts that change may take longer
+        # with a matrix in each iteration, changing contacts may need more iterations
         watched = vectors or (touches and patience > 1)
         lost = watched and is_lost(counters, numbers, before) and moved > round_off_level
         if done:
-            # a correction that is noise is not made: what is accepted must be of one piece
+            # a correction at round-off is not applied: the accepted state must be consistent
             if not at_round_off:
                 correct(packed, starts, steps)
-                # to move cells by less than their places can tell makes no other forces, but for
-                # what a support holds of them
+                # moving cells by less than the digits of their positions does not change forces,
+                # except for supported nodes
                 residual(packed, starts, steps, supported or numbers[INCREMENT] > FINE)
             accept(packed, starts, steps)
             count(counters, numbers)
@@ -237,7 +241,7 @@ def run(
 
 @linked
 def _round_off_level(packed: PackedModel, starts: Indices) -> float:
-    """Largest increment that may be round-off: far from the origin positions are known to less."""
+    """Largest increment that may be round-off: far from the origin positions are less exact."""
     model, H, far, vectors = model_of(packed), state_of(starts).H, 0.0, False
     for i in range(model.kinds.shape[0]):
         vectors = vectors or model.kinds[i] >= POSITION_GRADIENT
@@ -253,11 +257,11 @@ def _round_off_level(packed: PackedModel, starts: Indices) -> float:
 def _round_off(
     packed: PackedModel, starts: Indices, steps: Indices, factors: PlainFactors
 ) -> float:
-    """How much the correction changes with the unknowns' last digits.
+    """Change of the correction with the last digits of the unknowns.
 
-    That is what round-off makes of it in this scene and posture, where stiffness over inertia, or
-    constraints that are hardly independent, make much of it, and places far from the origin have
-    the fewer digits. An iteration that is at odds with its matrix does not feel it.
+    This is the effect of round-off in this scene and configuration. It is large if stiffness is
+    large over inertia, if constraints are nearly dependent, or if positions are far from the
+    origin. It does not depend on how well the matrix fits.
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     held, measure = model.held, model.measure

@@ -1,6 +1,7 @@
-"""Records of a step as tables of addresses, which is what Python hands to compiled code.
+"""Records of a step as packed arrays (tables of addresses), for calls of compiled code.
 
-A call from Python takes the longer the more arrays there are, and records longer than plain tuples.
+A call from Python takes longer the more arrays there are, and longer with records than with plain
+tuples.
 """
 
 from __future__ import annotations
@@ -42,21 +43,20 @@ from fem_lie.solve.conserving.vector_cells.cell_table import CellTable as RowCel
 from fem_lie.system.nodes.masses import Loads
 
 PackedModel: TypeAlias = tuple[Indices, tuple[bool, bool], tuple[float, float, float]]
-"""Table of the arrays of a :class:`Model`; whether all lead themselves, and ``viscous``; the
-scheme."""
+"""Addresses of the arrays of a :class:`Model`; ``trivial`` and ``viscous``; the scheme."""
 
 
 class Packed:
-    """Records by the addresses of their arrays, which must not be replaced by others.
+    """Records by the addresses of their arrays, which must not be replaced.
 
     Attributes:
-        model: For :func:`model_of`.
-        state: For :func:`state_of`.
-        step: For :func:`step_of`.
+        model: Argument of :func:`model_of`.
+        state: Argument of :func:`state_of`.
+        step: Argument of :func:`step_of`.
     """
 
     def __init__(self, model: Model, state: State, step: Step) -> None:
-        """In the order of the fields."""
+        """Pack the records in the order of their fields."""
         self._fixed = (
             FixedArrays(
                 (
@@ -98,13 +98,13 @@ class Packed:
         return self._fixed[0].table, flags, (*model.scheme,)
 
     def set_scheme(self, model: Model) -> None:
-        """Take the scheme of a ``model`` that differs in it alone."""
+        """Take the scheme of a ``model`` that differs in the scheme only."""
         self.model = self._model(model)
 
 
 @inlined
 def _integers3(table: Indices, k: int) -> Indices:
-    """Array ``k`` of ``table``, of integers and three dimensions."""
+    """Array ``k`` of ``table``, with three dimensions of integers."""
     shape = table[k, 1], table[k, 2], table[k, 3]
     return numba.carray(integer_pointer(table[k, 0]), shape)
 

@@ -1,6 +1,6 @@
-"""Sums over the nodes of velocities in the metric of inertia, and the rotation nearest to them.
+"""Sums over the nodes of velocities in the metric of inertia, and best fit of a rotation.
 
-``Σ X_r (G Y)_s`` of each pair of V, ``δ = Δq/h − V`` and w, see :mod:`.dissipation`.
+``Σ X_r (G Y)_s`` for each pair of V, ``δ = Δq/h − V`` and w, see :mod:`.dissipation`.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from fem_lie.solve.conserving.midpoint.mean_forces import solve_symmetric
 from fem_lie.solve.conserving.step.records import Products
 
 TURNS = 30
-"""Iterations for the rotation, and for β, at most."""
+"""Largest number of iterations for the rotation, and for β."""
 
 
 @uncounted
 def begin_products(mass: Inertia, V: Array, w: Array, products: Products) -> None:
-    """What of the sums is the same in all of a step."""
+    """Sums that are constant in a step."""
     indptr, indices, blocks = mass
     _, Gw, GV, sums = products
     inertia.multiply(indptr, indices, blocks, w, Gw)
@@ -44,7 +44,7 @@ def begin_products(mass: Inertia, V: Array, w: Array, products: Products) -> Non
 def set_products(
     mass: Inertia, V: Array, w: Array, delta: Array, h: float, products: Products
 ) -> None:
-    """What depends on the increments, shape (≥ n, 4, 3)."""
+    """Sums that depend on the increments, shape (≥ n, 4, 3)."""
     indptr, indices, blocks = mass
     δ, Gδ, _, sums = products
     for i in range(V.shape[0]):
@@ -90,7 +90,7 @@ def _transpose(sums: Array, x: int, y: int) -> None:
 
 @inlined
 def product(sums: Array, x: Vector, y: Vector, out: Array) -> None:
-    """The sums of two combinations of (V, δ, w), (3, 3)."""
+    """Sums of two linear combinations of (V, δ, w), (3, 3)."""
     for r in range(3):
         for s in range(3):
             total = 0.0
@@ -103,7 +103,7 @@ def product(sums: Array, x: Vector, y: Vector, out: Array) -> None:
 
 @inlined
 def changes(χ: float, β: float) -> tuple[Vector, Vector, Vector]:
-    """``a``, ``V + ½ a`` and ``a − β w`` as combinations of (V, δ, w)."""
+    """``a``, ``V + ½ a`` and ``a − β w`` as linear combinations of (V, δ, w)."""
     k = 2.0 / (1.0 + χ)
     kept = 0.5 * χ * β * k
     return (0.0, k, kept), (1.0, 0.5 * k, 0.5 * kept), (0.0, k, kept - β)
@@ -119,7 +119,7 @@ def make_means(ψ: Vector, M: Array) -> None:
 
 @inlined
 def make_squares(ψ: Vector, W: Array) -> None:
-    """The sums of V̄ with itself, from those of ``V + ½ a`` in ``W``."""
+    """Sums of V̄ with itself, from those of ``V + ½ a`` in ``W``."""
     make_means(ψ, W)
     for r in range(3):
         store_row(W, r, mean_of(ψ, load_row(W, r)))
@@ -162,11 +162,11 @@ def resistance(W: Array, A: Array) -> None:
 
 @inlined
 def nearest(A: Array, shifted: Array, right: Vector) -> Vector:
-    """Rotation that makes ``Ω × V̄`` nearest to ``b`` in the metric of inertia.
+    """Rotation for which ``Ω × V̄`` is the best fit to ``b`` in the metric of inertia.
 
     Args:
         A: See :func:`resistance`.
-        shifted: Work, (3, 3).
+        shifted: Workspace, (3, 3).
         right: ``Σ V̄ × G b``.
     """
     # motion along one line has no rotation about it
@@ -178,14 +178,14 @@ def nearest(A: Array, shifted: Array, right: Vector) -> Vector:
             shifted[r, s] = A[r, s]
         shifted[r, r] += least
     first = solve_symmetric(shifted, right)
-    # the shift taken back, but for directions without rotation
+    # remove the effect of the shift, except in directions without rotation
     rest = minus(right, times(A, first))
     return plus(first, solve_symmetric(shifted, rest))
 
 
 @uncounted
 def turning(sums: Array, χ: float, β: float, start: Vector) -> Vector:
-    """``χ P``: P is the rotation nearest to ``ΔV − β w``, over 1 + χ; ``start``: nearly that."""
+    """``χ P``: P is the rotation that fits ``ΔV − β w``, over 1 + χ; ``start``: initial guess."""
     work = blocks_at(stack(54), 6, 3, 3)
     W, A, shifted, X, kept, squared = work[0], work[1], work[2], work[3], work[4], work[5]
     _, p, b = changes(χ, β)

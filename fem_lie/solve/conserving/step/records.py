@@ -1,7 +1,7 @@
-"""What a step of a conserving scheme works on: the scene, the start of the step, the step.
+"""Records of a step of a conserving scheme: the model, the start of the step, the step.
 
-In Python and in compiled code these are the same records; between the two they are
-:class:`~fem_lie.solve.conserving.step.packing.Packed`.
+Python and compiled code use the same records;
+:class:`~fem_lie.solve.conserving.step.packing.Packed` passes them.
 """
 
 from __future__ import annotations
@@ -18,10 +18,9 @@ from fem_lie.solve.conserving.vector_cells.cell_table import CellTable as RowCel
 from fem_lie.system.nodes.masses import Loads
 
 FORCES, LEARN, JOINTS, ERROR, TOUCHES, ADDRESSES = 0, 1, 2, 3, 4, 5
-"""Indices into :attr:`Model.outside`: the address of the function that adds forces from outside of
-compiled code, and of the one that improves corrections; whether joints are among these forces, 0 or
-1; whether a called function has failed; whether contacts may act in the step, in a scene of frames
-alone; and its length."""
+"""Indices into :attr:`Model.addresses`: address of the callback that adds forces of Python, and of
+the one that improves corrections; whether joints are among these forces, 0 or 1; whether a callback
+has failed; whether contacts may act in the step, in a scene of frames only; and the length."""
 
 
 class Scheme(NamedTuple):
@@ -29,8 +28,8 @@ class Scheme(NamedTuple):
 
     Attributes:
         h: Step size.
-        dissipation: χ of :mod:`fem_lie.solve.conserving.step.dissipation`.
-        filter_gain: μ.
+        dissipation: Dissipation parameter χ, see :mod:`fem_lie.solve.conserving.step.dissipation`.
+        filter_gain: Filter gain μ.
     """
 
     h: float
@@ -39,13 +38,13 @@ class Scheme(NamedTuple):
 
 
 class Masters(NamedTuple):
-    """Which node follows which, see :class:`~fem_lie.system.nodes.numbering.Attachment`.
+    """Master nodes, see :class:`~fem_lie.system.nodes.numbering.Attachment`.
 
     Attributes:
-        master: Of each node, (N,).
-        offset: Frame of each node in that of its leader, (N, 4, 3).
-        trivial: Whether all lead themselves, and none has a frame that turns with an edge.
-        edges: Nodes with such frames, and the other nodes of these edges, (k, 2), see
+        master: Master node of each node, (N,).
+        offset: Frame of each node in the frame of its master, (N, 4, 3).
+        trivial: Whether all nodes are their own masters, and no frame rotates with an edge.
+        edges: Nodes with frames along edges, and the other nodes of these edges, (k, 2), see
             :mod:`fem_lie.solve.conserving.midpoint.any_node`.
     """
 
@@ -56,11 +55,11 @@ class Masters(NamedTuple):
 
 
 class Pieces(NamedTuple):
-    """Pieces of lines under pressure.
+    """Segments of lines under pressure.
 
     Attributes:
         pairs: Their nodes, (s, 2).
-        across: Axes across them times the pressure, (s, 3); they may be changed.
+        across: Axes across them times the pressure, (s, 3); may change in time.
     """
 
     pairs: Indices
@@ -68,11 +67,11 @@ class Pieces(NamedTuple):
 
 
 class Incidences(NamedTuple):
-    """Which nodes the constraints touch, see :class:`~fem_lie.linear.saddle_point.Incidences`.
+    """Constraint-node incidences, see :class:`~fem_lie.linear.saddle_point.Incidences`.
 
     Attributes:
-        nodes: Of each leg.
-        constraints: Likewise.
+        nodes: Node of each incidence.
+        constraints: Constraint of each incidence.
     """
 
     nodes: Indices
@@ -80,15 +79,16 @@ class Incidences(NamedTuple):
 
 
 class IncidencePositions(NamedTuple):
-    """The unknowns in which the matrix changes with the constraints, where these are few.
+    """Unknowns in which the matrix changes with the constraints, if these are few.
 
     Attributes:
-        unknowns: Which they are, (k,).
-        at: Of each leg, where among them its node begins and where its multiplier is, (2, legs).
-        inverse: Of the matrix that is kept, columns of the inverse in these unknowns, (k, k).
-            Without any (0, 0) all unknowns are solved for instead.
-        columns: The same in all unknowns, (k, 6 n + m), or, where these are too many, none: then a
-            solution is made for the sum of terms.
+        unknowns: Indices of these unknowns, (k,).
+        at: Positions among them of the node and of the multiplier of each incidence, (2,
+            incidences).
+        inverse: Inverse of the frozen matrix in these unknowns, columns first, (k, k). If empty (0,
+            0), the complete system is solved instead.
+        columns: The same in all unknowns, (k, 6 n + m), or empty, if there are too many: then the
+            complete system is solved for the sum of terms.
     """
 
     unknowns: Indices
@@ -98,36 +98,37 @@ class IncidencePositions(NamedTuple):
 
 
 class Model(NamedTuple):
-    """What does not change in a step.
+    """Constants of a step.
 
     Attributes:
-        cells: All cells.
-        joints: Table of all joints.
-        inertia: Mass matrix of the rows of nodes, and of products of reduced-order bodies, see
+        cells: All cells of frames.
+        joints: Packed arrays of all joints.
+        inertia: Mass matrix of nodal coordinates, and of products of reduced-order bodies, see
             :mod:`fem_lie.solve.conserving.midpoint.reduced_bodies`; n + p.
-        damping: The same of damping that goes with mass; without rows there is none.
-        masters: Who leads.
+        damping: Mass-proportional damping matrix; empty if there is none.
+        masters: Master nodes.
         held: Which unknowns are zero, 0 or 1, (n, 6).
-        measure: Size of each unknown and scaled multiplier, shape (6 n + m,).
-        scale: Factor of each constraint, (m,).
-        loads: In the middle of the step, ``dead`` of rows with inertia; they may be changed.
-        conservative: Those of ``loads.dead`` that have a potential, (n + p, 4, 3).
-        pressure: Where it acts.
+        measure: Norm weight of each unknown and scaled multiplier, shape (6 n + m,).
+        scale: Scale of each constraint, (m,).
+        loads: Loads at the midpoint of the step; ``dead`` on coordinates with inertia; may change
+            in time.
+        conservative: The part of ``loads.dead`` with a potential, (n + p, 4, 3).
+        pressure: Segments under pressure.
         viscous: Whether cells have viscous forces.
         scheme: Parameters.
-        probes: Table of the coordinates that results report.
-        driven: Increments of the constraints' targets in the step, (m,); they may be changed.
-        supported: Which unknowns are held from outside, 0 or 1, (n, 6).
-        incidences: Of the constraints.
-        ends: Of the legs.
+        probes: Packed arrays of the reported joint coordinates.
+        driven: Increments of the constraints' targets in the step, (m,); may change in time.
+        supported: Which unknowns have supports, 0 or 1, (n, 6).
+        incidences: Constraint-node incidences.
+        ends: Positions of the incidences in the dense inverse.
         kinds: Types of the nodes, (n,).
-        arms: Moment arm of both halves of each node, by which what acts on it is a force, (n, 2).
-        rows: Cells of nodes that are no frames.
-        of_frames: As ``measure`` for frames and constraints between these alone, else nil.
-        addresses: Addresses of :data:`FORCES` and :data:`LEARN`, nil without, and flags, (5,).
-        bodies: Those of reduced order.
-        light: Projectors on rotations of frames that have no inertia and are not held, in the axes
-            of the nodes, (n, 3, 3), or (0, 3, 3) if there are none.
+        arms: Moment arm of both halves of each node, which converts its loads to forces, (n, 2).
+        rows: Cells of nodes other than frames.
+        of_frames: As ``measure`` for frames and constraints between frames only, else zero.
+        addresses: Addresses of callbacks, zero without, and flags, see :data:`FORCES`, (5,).
+        bodies: Reduced-order bodies.
+        light: Projectors on free rotations of frames without inertia, in the axes of the nodes, (n,
+            3, 3), or (0, 3, 3) if there are none.
     """
 
     cells: CellTable
@@ -158,38 +159,38 @@ class Model(NamedTuple):
 
 
 class State(NamedTuple):
-    """Start of a step, and its end with index 1.
+    """Start of a step.
 
     Attributes:
         H: Frames of all rows, ground and prescribed motions last, (n + 1 + p, 4, 3).
-        rest: Digits of ``H`` that do not fit into it, (n, 4, 3).
+        rest: Digits of ``H`` beyond double precision, (n, 4, 3).
         V: Velocities of (x, d₁, d₂, d₃), and of products, (n + p, 4, 3).
-        weights: Multipliers, (m,).
+        weights: Lagrange multipliers, (m,).
         gap: Values of the constraints, (m,).
         F: Forces of the cells, in the frames of their nodes, (places, 6).
         W: Energies of the cells, frames first and reduced-order bodies last, (M,).
         account: Work done on each cell, (M,).
-        w: Memory of changes of velocity, (n + p, 4, 3).
-        w_F: Of changes of forces, (places, 6).
-        filter_state: Numbers of the last iteration, see
+        w: Filter state of changes of velocity, (n + p, 4, 3).
+        w_F: Filter state of changes of forces, (places, 6).
+        filter_state: Numbers of the filters and of round-off, see
             :mod:`fem_lie.solve.conserving.step.dissipation`, (13,).
-        carry: Forces left over by the last step, and moments about where the nodes are now, global
-            components, (n, 6).
-        balance: Work of loads and drives that has no potential, of damping, numerical loss, and
+        carry: Residual forces of the last step, and moments about the current positions of nodes,
+            global components, (n, 6).
+        balance: Work of non-conservative loads and drives, of damping, numerical dissipation, and
             impulses of loads and of reactions, (15,).
         trend: Half the change of the nodes' spatial velocities in the last step, per time, (n, 6).
         earlier: Multipliers of the two steps before the last one, (2, m).
-        sizes: Of the last three steps since the start or an event, 0 for those before, (3,).
-        border: Rows and columns of the constraints in the matrix, (2, legs, 6).
-        slow: Of :func:`~fem_lie.solve.conserving.step.corrections.hasten`, (2, 6 n + m); without
+        sizes: Sizes of the last three steps since the start or an event, 0 for those before, (3,).
+        border: Constraint rows and columns of the frozen matrix, (2, incidences, 6).
+        slow: See :func:`~fem_lie.solve.conserving.step.corrections.hasten`, (2, 6 n + m); without
             dissipation (0, 6 n + m).
-        share: Likewise, (2,).
-        probe: Of :func:`~fem_lie.solve.conserving.step.corrections.growth`, (6 n + m,).
-        cell_forces: Forces of cells of nodes that are no frames, and memory of their changes, see
-            :mod:`fem_lie.solve.conserving.vector_cells.force_changes`, (2, places, 2, 3); without
-            dissipation no places.
+        share: See :func:`~fem_lie.solve.conserving.step.corrections.hasten`, (2,).
+        probe: See :func:`~fem_lie.solve.conserving.step.series.growth`, (6 n + m,).
+        cell_forces: Forces of cells of nodes other than frames, and the filter state of their
+            changes, see :mod:`fem_lie.solve.conserving.vector_cells.force_changes`, (2, places, 2,
+            3); empty without dissipation.
         rates: Accelerations of increments: means over the last step and the one before, (2, n, 6).
-        within: Memory of changes of stresses of reduced-order bodies, (coordinates,); without
+        within: Filter state of changes of stresses of reduced-order bodies, (coordinates,); without
             dissipation (0,).
     """
 
@@ -219,13 +220,13 @@ class State(NamedTuple):
 
 
 class Products(NamedTuple):
-    """Of velocities in the metric of inertia, see :mod:`.dissipation`.
+    """Velocities in the metric of inertia, see :mod:`.dissipation`.
 
     Attributes:
         δ: ``Δq/h − V``, (n + p, 4, 3).
-        Gδ: That times the mass matrix.
-        GV: V times the mass matrix, likewise.
-        sums: Of each pair of (V, δ, w), (3, 3, 3, 3).
+        Gδ: The mass matrix times ``δ``.
+        GV: The mass matrix times ``V``.
+        sums: Sums for each pair of (V, δ, w), (3, 3, 3, 3).
     """
 
     δ: Array
@@ -235,46 +236,47 @@ class Products(NamedTuple):
 
 
 class Step(NamedTuple):
-    """What a step consists of, and memory without meaning between two of them.
+    """The current step, and workspace.
 
     Attributes:
         step: Spatial translation and rotation of the nodes, (n, 6).
         rows: :class:`Span` of all rows, (4, rows, 4, 3).
         V1: Velocities at the end, (n + p, 4, 3).
         F1: Forces of the cells at the end, (places, 6).
-        W1: Their energies, (M,).
-        work: Done on them in the step, (M,).
-        change: Of the constraints, (m,).
-        losses: Work of drives, of damping, numerical loss in the step, and forces and moments about
-            the origin of pressure and mass damping, and of reactions, (15,).
+        W1: Energies of the cells at the end, (M,).
+        work: Work done on them in the step, (M,).
+        change: Increments of the constraints, (m,).
+        losses: Work of drives, of damping, numerical dissipation in the step, and forces and
+            moments about the origin of pressure and mass damping, and of reactions, (15,).
         start: Frames of all nodes at the start, (N, 4, 3).
         nodes: :class:`Span` of all nodes, (4, N, 4, 3).
         exact: Increments of all nodes with ``rest``, (N, 4, 3).
         steps: Translation and rotation of all nodes, (N, 6).
-        twists: In half-way frames, (N, 6).
+        twists: Twists in midpoint frames, (N, 6).
         on_nodes: Forces on all nodes, (N, 6).
-        forces: On the leaders, (n, 6).
-        q: For inertia, (2, n + p, 4, 3).
+        forces: Forces on the master nodes, (n, 6).
+        q: Workspace for inertia, (2, n + p, 4, 3).
         F_viscous: Viscous forces of the cells, (places, 6).
         r: :class:`Solution` of the equations, (5, 6 n + m).
-        weights: Multipliers at the start of the step, (m,).
-        filtered: Forces of the changes of elastic forces, of their memory, and what of both acts,
-            on all nodes, (3, N, 6).
-        border: How the constraints differ from those in the matrix, (2, legs, 6).
-        sums: Of :class:`Products`, (3, 3, 3, 3).
-        own: Its arrays of the nodes, (3, n + p, 4, 3).
-        turnings: What the matrix lacks of dissipation, see :mod:`.dissipation`, (2, 3, 6 n);
-            without dissipation (2, 0, 6 n).
-        gains: Of the cells' energies, (M,).
-        cell_forces: Forces at the end of cells of nodes that are no frames, changes and what is
-            kept of the memory, see :mod:`fem_lie.solve.conserving.vector_cells.force_changes`, (3,
-            places, 2, 3).
-        changes: Changes of the forces of these cells, and their memory, (2, n, 6).
-        outer: Forces from outside of compiled code, as increments, (n, 6).
-        moved: Increments of all rows with inertia, (n + p, 4, 3); without products the same memory
-            as in ``rows``.
+        weights: Lagrange multipliers at the start of the step, (m,).
+        filtered: Forces of the changes of elastic forces, of their filter state, and the resulting
+            dissipative force, on all nodes, (3, N, 6).
+        border: Difference of constraint rows and columns from those of the matrix, (2, incidences,
+            6).
+        sums: Sums of :class:`Products`, (3, 3, 3, 3).
+        own: Arrays of :class:`Products`, (3, n + p, 4, 3).
+        turnings: Contribution of dissipation that the matrix lacks, see :mod:`.dissipation`, (2, 3,
+            6 n); without dissipation (2, 0, 6 n).
+        gains: Gains of the cells' energies, (M,).
+        cell_forces: Forces at the end of cells of nodes other than frames, their changes and filter
+            state, see :mod:`fem_lie.solve.conserving.vector_cells.force_changes`, (3, places, 2,
+            3).
+        changes: Forces on nodes of these changes and of their filter state, (2, n, 6).
+        outer: Forces of Python callbacks, along increments, (n, 6).
+        moved: Increments of all coordinates with inertia, (n + p, 4, 3); without products the same
+            memory as in ``rows``.
         products: Means of the products, (p, 4, 3).
-        within: Coordinates of reduced-order bodies over the step, see
+        within: Modal coordinates over the step, see
             :data:`~fem_lie.solve.conserving.midpoint.reduced_bodies.START`, (3, coordinates).
     """
 
@@ -312,14 +314,12 @@ class Step(NamedTuple):
 
 
 class Span(NamedTuple):
-    """What lies between both ends of a step, of k nodes, (k, 4, 3).
-
-    See :mod:`~fem_lie.solve.conserving.midpoint.cayley`.
+    """Kinematics over a step of k nodes, (k, 4, 3), see :mod:`..midpoint.cayley`.
 
     Attributes:
         end: Frames at the end.
         mean: Means of (x, d₁, d₂, d₃).
-        middle: Mean positions with the half-way rotations.
+        middle: Mean positions with the half rotations.
         delta: Increments of (x, d₁, d₂, d₃).
     """
 
@@ -330,14 +330,14 @@ class Span(NamedTuple):
 
 
 class Solution(NamedTuple):
-    """Of the equations, each of shape (6 n + m,).
+    """Solution of the equations; each array has shape (6 n + m,).
 
     Attributes:
-        residual: What is wrong.
-        x: The correction.
-        work: Of the solver.
-        rest: What of the equations a solution has not met.
-        term: The solution for that.
+        residual: Residual.
+        x: Correction.
+        work: Workspace of the solver.
+        rest: Remaining residual of a solution.
+        term: Solution for it.
     """
 
     residual: Array
@@ -349,17 +349,17 @@ class Solution(NamedTuple):
 
 @inlined
 def span_of(rows: Array) -> Span:
-    """Parts of ``rows`` (4, k, 4, 3)."""
+    """Unpack ``rows`` (4, k, 4, 3)."""
     return Span(rows[0], rows[1], rows[2], rows[3])
 
 
 @inlined
 def products_of(this: Step) -> Products:
-    """Parts of a step."""
+    """Unpack the products of a step."""
     return Products(this.own[0], this.own[1], this.own[2], this.sums)
 
 
 @inlined
 def solution_of(r: Array) -> Solution:
-    """Parts of ``r`` (5, size)."""
+    """Unpack ``r`` (5, size)."""
     return Solution(r[0], r[1], r[2], r[3], r[4])

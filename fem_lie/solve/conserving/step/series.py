@@ -1,15 +1,16 @@
-"""Corrections of a step by a matrix that is kept.
+"""Corrections of a step with a frozen matrix, by a series for its changes.
 
-What ages of a kept matrix first are the constraints, for bodies turn against each other; and the
-rotations of dissipation were never in it. Of what is not in it products are needed, no factors::
+The first part of a frozen matrix that becomes outdated is the constraint Jacobian, because bodies
+rotate against each other; and the rotations of dissipation were never in it. These changes ``ΔS``
+enter by products only, without factors::
 
     x = S⁻¹ r − S⁻¹ ΔS (S⁻¹ r) + …
 
-The border of ``ΔS`` has rows at the end of the step and columns in its middle. The series is cut
-off where the rest is as small as what else is not in the matrix.
+The constraint block of ``ΔS`` has rows at the end of the step and columns at its midpoint. The
+series is truncated when the remainder is as small as other changes of the matrix.
 
-Constraints touch the unknowns of a few nodes, and in these alone ``S⁻¹ ΔS`` is a small dense matrix
-times what is known: all terms cost less than one solution, and one more is made for their sum.
+Constraints involve the unknowns of few nodes, and in these ``S⁻¹ ΔS`` is a small dense matrix: all
+terms together cost less than one solution, and one solution is made for their sum.
 """
 
 from __future__ import annotations
@@ -23,15 +24,16 @@ from fem_lie.solve.conserving.step.corrections import size
 from fem_lie.solve.conserving.step.records import IncidencePositions, Incidences, solution_of
 
 MOST, MOST_DENSE = 4, 12
-"""Terms of the series, at most; and where they are products with a dense matrix."""
+"""Largest number of terms, and the same with a dense matrix."""
 DENSE = 60
-"""Unknowns that constraints touch, for which such products are quicker than solutions."""
+"""Largest number of unknowns in constraints for which the dense matrix is faster than solutions."""
 WHOLE = 50_000
-"""Numbers of whole columns of the inverse in these, which are quicker than a solution then, too."""
+"""Largest number of entries of complete columns of the inverse that are faster than a solution."""
 CLOSE, NEARLY = 1e-6, 1e-4
-"""Terms that are left out, over the first one: in the first correction of a step, and later."""
+"""Terms that are left out, relative to the first one: in the first correction of a step, and
+later."""
 FALLS = 0.5
-"""Where terms do not fall by this factor the series says nothing."""
+"""Ratio of successive terms above which the series does not converge."""
 
 
 @uncounted
@@ -48,20 +50,19 @@ def correction(
     """Solve for the correction.
 
     Args:
-        measure: Size of each unknown and scaled multiplier.
-        scale: Factor of each constraint.
+        measure: Norm weight of each unknown and scaled multiplier.
+        scale: Scale of each constraint.
         r: :class:`~fem_lie.solve.conserving.step.records.Solution` of the equations.
-        factors: Of the matrix.
-        incidences: Which nodes the constraints touch.
-        ends: In which unknowns, if these are few.
-        aside: What is not in the matrix: change of the border since it was made, (2, legs, 6), and
-            that of :func:`~fem_lie.solve.conserving.step.dissipation.set_turnings`.
-        enough: What may be left out, over the first term, and in lengths, and by how much terms
-            fell before.
+        factors: Factors of the matrix.
+        incidences: Constraint-node incidences.
+        ends: Their positions in the dense inverse, if there is one.
+        aside: Changes of the matrix: of its constraint block, (2, incidences, 6), and those of
+            :func:`~fem_lie.solve.conserving.step.dissipation.set_turnings`.
+        enough: Size of terms that may be left out, over the first term, and in lengths, and the
+            previous reduction per term.
 
     Returns:
-        The size of its largest part, how many terms of the series were taken, and by how much they
-        fell.
+        The size of the largest part, the number of terms, and the reduction per term.
     """
     residual, x, work, rest, term = solution_of(r)
     solve(factors, residual, work, x)
@@ -113,16 +114,16 @@ def _all_terms(
     change: Array,
     enough: tuple[float, float],
 ) -> tuple[int, float]:
-    """The sum of what the terms are solutions for, into ``rest``; how many, and how they fell.
+    """Right-hand side of the sum of all terms, into ``rest``; returns their number and reduction.
 
     Args:
-        measure: See :func:`correction`, likewise ``scale``, ``r``, ``legs`` and ``ends``.
-        scale: Factor of each constraint.
-        r: With the first term.
-        incidences: Which nodes the constraints touch.
-        ends: In which unknowns.
-        change: Of the border since the matrix was made, (2, legs, 6).
-        enough: Size of the first term, and what is left out.
+        measure: See :func:`correction`.
+        scale: See :func:`correction`.
+        r: Solution with the first term.
+        incidences: Constraint-node incidences.
+        ends: Their positions in the dense inverse.
+        change: Change of the constraint block, (2, incidences, 6).
+        enough: Size of the first term, and size of terms that may be left out.
     """
     _, x, _, rest, _ = solution_of(r)
     (before, allowed), count = enough, ends.inverse.shape[0]
@@ -154,7 +155,7 @@ def _all_terms(
 
 @uncounted
 def _add_columns(ends: IncidencePositions, rest: Array, x: Array) -> None:
-    """``x += S⁻¹ rest``, where ``rest`` is nil but in the unknowns of ``ends``; four at a time."""
+    """``x += S⁻¹ rest``, with ``rest`` nonzero in the unknowns of ``ends`` only; four at a time."""
     columns, unknowns = ends.columns, ends.unknowns
     count = columns.shape[0]
     for a in range(0, count - 3, 4):
@@ -180,22 +181,23 @@ def growth(
     change: Array,
     probe: Array,
 ) -> float:
-    """Ratio of the terms for old constraints in the direction in which they fall the least.
+    """Ratio of successive series terms in the direction in which they decrease least.
 
-    What an iteration does in other directions than that of its residual is not seen in it before
-    round-off has grown there. Where it is 1 or more next to a posture in which constraints lose
-    rank, the step ends in another branch.
+    An error of the iteration in other directions than its residual appears only after round-off has
+    grown there. If the ratio is 1 or more near a configuration in which constraints lose rank, the
+    step converges to another branch.
 
     Args:
-        measure: Size of each unknown and scaled multiplier.
-        scale: Factor of each constraint.
-        r: :class:`~fem_lie.solve.conserving.step.records.Solution` of the equations, of which
-            nothing but memory is used.
-        factors: Of the matrix.
-        incidences: Which nodes the constraints touch.
-        ends: In which unknowns, if these are few: then no others are looked at.
-        change: Of the border since the matrix was made, (2, legs, 6).
-        probe: That direction, by one step of the power method more each time, (6 n + m,), updated.
+        measure: Norm weight of each unknown and scaled multiplier.
+        scale: Scale of each constraint.
+        r: :class:`~fem_lie.solve.conserving.step.records.Solution` of the equations, used as
+            workspace.
+        factors: Factors of the matrix.
+        incidences: Constraint-node incidences.
+        ends: Their positions in the dense inverse: if there is one, only these unknowns are
+            examined.
+        change: Change of the constraint block, (2, incidences, 6).
+        probe: That direction, (6 n + m,), updated by one step of the power method.
     """
     _, _, work, rest, term = solution_of(r)
     count = ends.inverse.shape[0]
@@ -222,7 +224,7 @@ def growth(
 
 @compiled
 def set_inverse(factors: PlainFactors, ends: IncidencePositions, r: Array) -> None:
-    """Columns of the inverse in the unknowns of ``ends``, into it; ``r`` as above."""
+    """Set the inverse in the unknowns of ``ends``; ``r`` is workspace."""
     _, _, work, rest, term = solution_of(r)
     unknowns, whole = ends.unknowns, ends.columns.shape[0] > 0
     rest[:] = 0.0
