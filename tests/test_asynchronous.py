@@ -73,7 +73,7 @@ def test_resumed_to_the_last_bit(tmp_path):
 
 @pytest.mark.parametrize("courant", [0.0, 1.5, -1.0])
 def test_courant(courant):
-    with pytest.raises(ValueError, match=r"wanted 0 < courant ≤ 1"):
+    with pytest.raises(ValueError, match=r"expected 0 < courant ≤ 1"):
         fl.Asynchronous(courant)
 
 

@@ -1,1 +1,1 @@
-"""Steps that solve no equations: explicit ones, and of each element by itself."""
+"""Explicit schemes: synchronous, and asynchronous with a step size for each element."""

@@ -1,14 +1,14 @@
-r"""Asynchronous variational integration: every cell has a step of its own.
+r"""Asynchronous variational integration: every cell has its own step size.
 
-The discrete action has a term for each cell and each of its steps; what makes it stationary is that
-nodes fly freely, under dead loads alone, from one of their cells to the next, and that a cell which
-is due kicks its nodes by its force for its own step (Lew, Marsden, Ortiz & West, ARMA 167 (2003)
+The discrete action has a term for each cell and each of its steps. It is stationary if nodes move
+freely, under dead loads only, between the times of their cells, and if a cell that is due applies
+an impulse to its nodes, its force times its own step (Lew, Marsden, Ortiz & West, ARMA 167 (2003)
 85). Momentum and angular momentum are exact, and the energy does not drift. With equal steps this
-is the explicit scheme, of second order; otherwise it is at least of first.
+is the explicit scheme, of second order; otherwise it is at least of first order.
 
-The step of a cell is a part of ``2/ω`` of those of its nodes that wants the smallest
-(:mod:`.stable`). Cells beside a stiffer one so make steps as small as that one: with larger ones
-they would kick its vibration in resonance, which is what limits schemes of several steps.
+The step of a cell is a fraction of the smallest ``2/ω`` of its nodes (:mod:`.stable`). Cells next
+to a stiffer one therefore make steps as small as that one: with larger ones their impulses would
+excite its vibration in resonance, the known limit of multiple-step schemes.
 """
 
 from __future__ import annotations
@@ -37,18 +37,18 @@ from fem_lie.system.equations import Equations, TimeState
 
 _log = logging.getLogger(__name__)
 
-_SMALL = 1e-6  # of the model: over which forces are differentiated
+_SMALL = 1e-6  # over the length of the model: step of difference quotients of forces
 
 
 @dataclass(frozen=True)
 class Asynchronous(Integrator):
-    """Steps of each cell by itself; the ``step`` of :meth:`run` is the largest that any may make.
+    """Explicit scheme with a step of each cell; the ``step`` of :meth:`run` is the largest one.
 
-    For nets and other bodies whose nodes are places, some cells of which are much stiffer or
-    shorter than the others. Results are told at multiples of ``step``; their ``iterations`` are the
-    steps of cells. Without joints, springs, damping and contact; what holds places, gravity and
-    forces fixed in space are allowed. Work and impulses are booked by the trapezoidal rule over
-    ``step``.
+    It is meant for nets and other bodies with position nodes, some of whose cells are much stiffer
+    or shorter than the others. Results are reported at multiples of ``step``; their ``iterations``
+    are the steps of cells. Joints, springs, damping and contact are not supported; fixed positions,
+    gravity and forces fixed in space are. Work and impulses are integrated by the trapezoidal rule
+    over ``step``.
 
     Attributes:
         courant: Steps of cells over the largest stable ones.
@@ -66,7 +66,7 @@ class Asynchronous(Integrator):
     """
 
     _wanted_step: ClassVar[str] = (
-        "chooses the steps of cells by itself: wanted the largest one as a number and nothing "
+        "chooses the steps of cells by itself: expected the largest one as a number and no "
         "that jumps"
     )
 
@@ -76,7 +76,7 @@ class Asynchronous(Integrator):
         """Check the options."""
         number(self.courant, "courant")
         if not 0.0 < self.courant <= 1.0:
-            raise ValueError(f"wanted 0 < courant ≤ 1, for steps to be stable, got {self.courant}")
+            raise ValueError(f"expected 0 < courant ≤ 1 for stable steps, got {self.courant}")
 
     def _equations(self, scene: Scene) -> Equations:
         equations = Equations(scene, dynamics=True, without_coupling=True)
@@ -88,7 +88,7 @@ class Asynchronous(Integrator):
 
 
 class AsynchronousRun(Integration[Recorder]):
-    """One integration."""
+    """Run of the asynchronous scheme."""
 
     STATE = attributes(
         "flight.H",
@@ -103,11 +103,11 @@ class AsynchronousRun(Integration[Recorder]):
     )
 
     def __init__(self, equations: Equations, step: float, courant: float) -> None:
-        """Nothing is computed yet.
+        """Set up without computing anything.
 
         Args:
-            equations: Of the scene, with lumped inertia.
-            step: Largest step of a cell; results are told at its multiples.
+            equations: Equations of the scene, with lumped inertia.
+            step: Largest step of a cell; results are reported at its multiples.
             courant: Steps of cells over the largest stable ones.
         """
         super().__init__(Never(), equations, step)
@@ -139,7 +139,7 @@ class AsynchronousRun(Integration[Recorder]):
         self._still, self._none = np.zeros((n, 6)), np.zeros(0)
 
     def _own_steps(self, light: Array, courant: float) -> Array:
-        """Of all cells: ``2/ω`` of their nodes, see :mod:`fem_lie.solve.explicit.stable`."""
+        """Steps of all cells: ``2/ω`` of their nodes, see :mod:`fem_lie.solve.explicit.stable`."""
         size = _SMALL * self.equations.unknowns.length
         H = self.equations.start.frames.copy()
         K = events.stiffness_at_nodes(H, self._rows, self._nodes, size)
@@ -157,24 +157,24 @@ class AsynchronousRun(Integration[Recorder]):
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
-        """See the base class."""
+        """Create the history of results."""
         if not plan.saving.with_balance:
             self.balance.rest()
         return Recorder(self.equations, plan, progress, store)
 
     def start(self) -> None:
-        """See the base class."""
+        """Compute the initial state."""
         self._tell(0.0)
         self.balance.open(0.0, *self._now)
 
     @property
     def frames(self) -> Array:
-        """See the base class."""
+        """Current frames of all rows."""
         return self.shown.H
 
     @property
     def index(self) -> int:
-        """See the base class."""
+        """Number of steps made."""
         return self._made
 
     @property
@@ -203,7 +203,7 @@ class AsynchronousRun(Integration[Recorder]):
     def _failure(self, steps: int) -> str:
         return (
             f"step {self._made} of {steps} (h = {self.h:g}) failed: numbers are not finite; a "
-            "scene that becomes stiffer wants a smaller courant"
+            "scene that becomes stiffer needs a smaller courant"
         )
 
     def _record(self, history: Recorder) -> bool:
@@ -220,7 +220,7 @@ class AsynchronousRun(Integration[Recorder]):
 
 
 def _refuse(equations: Equations) -> None:
-    """Raise ``ValueError`` for what the scheme cannot do."""
+    """Raise ``ValueError`` if the scheme does not support the scene."""
     unknowns, tables = equations.unknowns, equations.tables
     mass_damping = len(tables.damping.indptr) > 0
     viscous = mass_damping or any(term.viscosity is not None for term in tables.terms)

@@ -1,7 +1,7 @@
-"""Steps of each cell by itself, compiled: a queue of cells, and nodes that fly between them.
+"""Asynchronous steps of cells, compiled: a queue of cells, and free motion of nodes between them.
 
-A node flies under its dead loads from one of its cells to the next; a cell that is due brings its
-nodes to its time, and its forces kick them for a step of its own.
+A node moves under its dead loads from the time of one of its cells to the next. A cell that is due
+brings its nodes to its time and applies the impulses of its forces for its own step.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from fem_lie.solve.explicit.loop import cell_forces, room_for
 
 
 class Flight(NamedTuple):
-    """Nodes that fly.
+    """Nodes in free motion.
 
     Attributes:
-        H: Frames of all rows; places are those of the nodes' own times.
-        v: Velocities in space, (n, 3).
-        times: Of the nodes, (n,).
+        H: Frames of all rows; positions are those at the nodes' own times.
+        v: Velocities in global components, (n, 3).
+        times: Times of the nodes, (n,).
         fall: Accelerations by dead loads, (n, 3).
-        light: One over their masses, zero of those that are held whole, (n,).
-        held: Which components along their axes are zero, (n, 3).
+        light: Inverse masses, zero for fixed nodes, (n,).
+        held: Which components along the nodes' axes are zero, (n, 3).
     """
 
     H: Array
@@ -43,15 +43,15 @@ PlainFlight: TypeAlias = tuple[Array, Array, Array, Array, Array, Flags]
 
 
 class Queue(NamedTuple):
-    """Cells of all forms, one after the other, in the order in which they are due.
+    """Cells of all forms, and the order in which they are due.
 
     Attributes:
-        rows: Of the forms, see :class:`~fem_lie.forms.cell_forms.FormTable`.
-        nodes: Of their cells.
-        form: Of each cell, (m,).
-        steps: Of each cell, (m,).
-        made: Steps that each has made, (m,).
-        heap: Cells, of which none is due before that at half its place, (m,).
+        rows: Packed forms, see :class:`~fem_lie.forms.cell_forms.FormTable`.
+        nodes: Nodes of their cells.
+        form: Form of each cell, (m,).
+        steps: Step size of each cell, (m,).
+        made: Number of steps made by each cell, (m,).
+        heap: Binary heap of the cells by their due times, (m,).
     """
 
     rows: Indices
@@ -72,7 +72,7 @@ def _due(e: int, steps: Array, made: Indices) -> float:
 
 @compiled
 def _sift(steps: Array, made: Indices, heap: Indices) -> None:
-    """Put the first of the heap where it belongs."""
+    """Move the first cell of the heap to its position."""
     at, count, e = 0, heap.shape[0], heap[0]
     time = _due(e, steps, made)
     while True:
@@ -93,7 +93,7 @@ def _sift(steps: Array, made: Indices, heap: Indices) -> None:
 
 @inlined
 def _fly(flight: PlainFlight, i: int, time: float) -> None:
-    """Bring a node to a time."""
+    """Move a node to a time."""
     H, v, times, fall, light, _ = flight
     dt = time - times[i]
     if dt != 0.0 and light[i] > 0.0:
@@ -106,7 +106,7 @@ def _fly(flight: PlainFlight, i: int, time: float) -> None:
 
 @inlined
 def _kick(flight: PlainFlight, i: int, size: float, force: Array) -> None:
-    """Change a node's velocity by a force along its axes for a time."""
+    """Change a node's velocity by the impulse of a force along its axes."""
     H, v, _, _, light, held = flight
     if light[i] > 0.0:
         for k in range(3):
@@ -118,7 +118,7 @@ def _kick(flight: PlainFlight, i: int, size: float, force: Array) -> None:
 
 @compiled
 def run(flight: PlainFlight, queue: PlainQueue, end: float) -> int:
-    """Make all steps of cells that are due before a time; returns how many."""
+    """Make all steps of cells that are due before a time; returns their number."""
     H = flight[0]
     rows, nodes, form, steps, made, heap = queue
     width, most = room_for(rows)
@@ -131,7 +131,7 @@ def run(flight: PlainFlight, queue: PlainQueue, end: float) -> int:
     while True:
         e = heap[0]
         time = _due(e, steps, made)
-        # those that are due with it come after it: what is told lies between
+        # cells that are due at that time follow: reported states lie in between
         if time >= end - 1e-9 * steps[e]:
             return count
         row = rows[form[e]]
@@ -140,7 +140,7 @@ def run(flight: PlainFlight, queue: PlainQueue, end: float) -> int:
         for i in range(first, first + row[NODES]):
             _fly(flight, nodes[i], time)
         cell_forces(H, row, nodes, cell, data, place)
-        # the first is half a step: forces stand for the time around them
+        # the first impulse is half a step: forces represent the time around them
         size = steps[e] if made[e] > 0 else 0.5 * steps[e]
         for i in range(row[NODES]):
             _kick(flight, nodes[first + i], size, forces[6 * i : 6 * i + 6])
@@ -151,12 +151,12 @@ def run(flight: PlainFlight, queue: PlainQueue, end: float) -> int:
 
 @compiled
 def state_at(flight: PlainFlight, queue: PlainQueue, time: float, out: PlainFlight) -> None:
-    """All nodes at one time, with the velocities that forces up to then have made.
+    """All nodes at one time, with the velocities due to forces up to then.
 
     Args:
         flight: The nodes.
         queue: The cells, none of which is due before that time.
-        time: Which.
+        time: The time.
         out: A copy of the nodes, overwritten.
     """
     rows, nodes, _, steps, made, _ = queue
@@ -178,7 +178,7 @@ def state_at(flight: PlainFlight, queue: PlainQueue, time: float, out: PlainFlig
 
 @compiled
 def stiffness_at_nodes(H: Array, rows: Indices, nodes: Indices, size: float) -> Array:
-    """Derivative of each cell's force on each of its nodes in the place of this node, (…, 3, 3).
+    """Derivative of each cell's force on each of its nodes by the position of this node, (…, 3, 3).
 
     By central differences over a length; in the order of ``nodes``.
     """

@@ -1,21 +1,22 @@
 """Explicit steps on the group with lumped inertia: the scheme, and a run of it.
 
-Inertia is lumped: each node has its own, and momenta are its own (:mod:`.nodes`). A step is::
+Inertia is lumped: the mass matrix is block diagonal, so that each node has its own momentum
+(:mod:`.nodes`). A step is::
 
     p ← p − ½ h f(H),    H ← H moved for h with the constant momenta p,    p ← p − ½ h f(H)
 
-with forces ``f`` without inertia. Places and slopes move by central differences; frames turn as
-free rigid bodies turn by the discrete mechanics of Moser & Veselov, exactly on the group, about
-their mass centres. It is the variational scheme of the trapezoidal rule (Verlet; Marsden & West,
-Acta Numerica 10 (2001) 357): symmetric, symplectic, of second order; momentum and angular momentum
-are exact, energy goes up and down and does not drift. Damping in proportion to mass multiplies
-momenta by ``exp(−½ h α)`` before and after nodes are moved, which is exact without forces.
+with forces ``f`` without inertia. Positions and position gradients move by central differences;
+frames rotate about their mass centres as free rigid bodies by the discrete mechanics of Moser &
+Veselov, exactly on the group. It is the variational scheme of the trapezoidal rule (Verlet; Marsden
+& West, Acta Numerica 10 (2001) 357): symmetric, symplectic, of second order; momentum and angular
+momentum are exact, and the energy oscillates without drift. Mass-proportional damping multiplies
+momenta by ``exp(−½ h α)`` before and after the motion, which is exact without forces.
 
-Steps are stable up to ``2/ω`` of the largest frequency, of which cells give an upper bound at the
-start (:mod:`.stable`); larger ones are refused. Joints are kept closed by multipliers on the
-block-diagonal inertia (:mod:`.joints`); they make no frequency larger. Without them forces, and all
-else in a step, are one compiled loop; only loads that change in time, pressure and contact come
-back to Python.
+Steps are stable up to ``2/ω`` of the largest frequency, for which cells give an upper bound at the
+start (:mod:`.stable`); larger steps raise an error. Joints are kept closed by multipliers with the
+block-diagonal inertia (:mod:`.joints`); they do not raise any frequency. Without joints one
+compiled loop makes the steps with all forces; only time-dependent loads, pressure and contact
+return to Python.
 """
 
 from __future__ import annotations
@@ -57,17 +58,19 @@ from fem_lie.system.equations import Equations, TimeState
 _log = logging.getLogger(__name__)
 
 _AT_A_TIME = 20_000_000
-"""Steps times unknowns, a second or so, after which the loop comes back to be interrupted."""
+"""Steps times unknowns (about a second) after which the loop returns, so that it can be
+interrupted."""
 
 _NOWHERE: Indices = np.empty((0, 5), dtype=np.int64)
 _CELLS = slice(10, 12)
-"""In the table of :func:`~fem_lie.system.nodes.sums.residual`: forms of cells, and their nodes."""
+"""Entries of the packed arrays of :func:`~fem_lie.system.nodes.sums.residual`: forms of cells, and
+their nodes."""
 
 
 class ExplicitRun(Integration[Recorder]):
-    """One integration.
+    """Run of the explicit scheme.
 
-    Between steps there are frames and momenta, both at the same time, and the forces there.
+    The state between steps is frames and momenta at the same time, and the forces there.
     """
 
     STATE = attributes("H", "p", "v", "r", "reaction", "counters", "_joints", "balance")
@@ -75,13 +78,13 @@ class ExplicitRun(Integration[Recorder]):
     def __init__(
         self, equations: Equations, step: float, masses: nodes.Masses, limit: StableStep
     ) -> None:
-        """Allocate everything; nothing is computed yet.
+        """Allocate all arrays without computing anything.
 
         Args:
-            equations: Of the scene, with lumped inertia.
+            equations: Equations of the scene, with lumped inertia.
             step: Step size.
-            masses: Of its nodes.
-            limit: The largest stable step at the start.
+            masses: Lumped inertia of its nodes.
+            limit: Largest stable step at the start.
         """
         super().__init__(Never(), equations, step)
         self.carried = equations.memory
@@ -101,12 +104,12 @@ class ExplicitRun(Integration[Recorder]):
         balance, table = self.balance, self._forces.table
         self._summed = known.in_one_sum and table is not None and not m
         self._supported = len(supports) > 0
-        # points whose axes are those of what is around them; cables have the tangent for theirs
+        # points with convected axes of their surroundings; cables have those of the tangent
         self._follows = bool(np.isin(masses.kinds, (SURFACE_GRADIENT, MIXED_DERIVATIVE)).any())
         self._remembers = any(term.passage or term.path for term in known.terms)
         self.counters = np.zeros(2, dtype=np.int64)
         others = _NOWHERE if table is None else table.copy()
-        # the loop sums cells by itself
+        # the loop itself sums the cells
         others[_CELLS, 1] = 0
         packed = loop.Packed(
             masses,
@@ -133,7 +136,7 @@ class ExplicitRun(Integration[Recorder]):
 
     @property
     def _balance_in_loop(self) -> bool:
-        """Whether the compiled loop books all but what holds nodes."""
+        """Whether the compiled loop updates the energy balance, except for supports."""
         balance = self.balance
         return not balance.empty and balance.compiled_but_held and self._summed
 
@@ -144,46 +147,46 @@ class ExplicitRun(Integration[Recorder]):
 
     @property
     def _most(self) -> int:
-        """Steps at a time."""
+        """Number of steps between two returns to Python."""
         return 1 if self._changing or self._looks else max(1, _AT_A_TIME // (6 * self._n))
 
     @property
     def _looks(self) -> bool:
-        """Whether books have to be asked after each step."""
+        """Whether the energy balance is updated in Python after each step."""
         return not self.balance.empty and not self._balance_in_loop
 
     @property
     def _instant(self) -> TimeState:
-        """At rest: forces depend on places alone."""
+        """State at rest: forces depend on positions only."""
         return TimeState(self.H, self._rest, self._rest, self._none)
 
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
-        """See the base class."""
+        """Create the history of results."""
         if not plan.saving.with_balance:
             self.balance.rest()
         return Recorder(self.equations, plan, progress, store)
 
     @property
     def frames(self) -> Array:
-        """See the base class."""
+        """Current frames of all rows."""
         return self.H
 
     @property
     def index(self) -> int:
-        """See the base class."""
+        """Number of steps made."""
         return int(self.counters[loop.STEP])
 
     def start(self) -> None:
-        """See the base class."""
+        """Compute the initial momenta and forces."""
         if self._joints is not None:
             check_velocities(self.equations, self.h)
         nodes.momenta((*self.masses,), self.H, self.equations.start.velocities, self.p)
         nodes.twists((*self.masses,), self.H, self.p, self.v)
         self.balance.open(0.0, *self._moving)
         if self._balance_in_loop:
-            # without what holds nodes, which is booked by itself
+            # without supports, which are accounted for separately
             loop.look(self._packed.table, self._how, 0.0)
         if self._how[1]:
             loop.weigh(self._packed.table, self._balance_in_loop)
@@ -223,7 +226,7 @@ class ExplicitRun(Integration[Recorder]):
             self.balance.add(self.h, self.index * self.h, *self._moving)
 
     def _joined(self, joints: Joints) -> bool:
-        """The next step, with joints; whether it is made."""
+        """Make the next step with joints; return whether it was made."""
         self.counters[loop.STEP] += 1
         start = self.H.copy()
         if not joints.step(self.h, self.H, self.p, self.r) or not self._remembered(start):
@@ -259,7 +262,7 @@ class ExplicitRun(Integration[Recorder]):
         return wanted
 
     def _turn_axes(self) -> None:
-        """Let the axes of points follow them, and write forces along the new ones."""
+        """Update convected axes, and write forces along the new ones."""
         before = self.H.copy()
         self.equations.memory.rotate_axes(self.H)
         nodes.write_in_new_axes(self.masses.kinds, before, self.H, self.r)
@@ -279,12 +282,13 @@ def limit_of(equations: Equations, masses: nodes.Masses) -> StableStep:
 
 @dataclass(frozen=True)
 class Explicit(Integrator):
-    """Explicit steps; :meth:`run` makes constant ones, :meth:`stable_step` tells how large.
+    """Explicit scheme with constant steps; :meth:`stable_step` returns the largest stable one.
 
-    For nets, impacts and waves: where steps have to be as small as the time in which a wave passes
-    an element anyway. It supports all nodes but those of reduced-order bodies, damping in
-    proportion to mass, supports, joints, springs, loads and contact by penalty. Joints take small
-    equations of their own in each step (:mod:`.joints`), and steps are made from Python then.
+    It is meant for nets, impacts and waves: problems whose steps have to be as small as the time in
+    which a wave passes an element anyway. It supports all nodes except those of reduced-order
+    bodies, mass-proportional damping, supports, joints, springs, loads and contact by penalty.
+    Joints need a small system of equations in each step (:mod:`.joints`), and steps are then made
+    from Python.
 
     Example:
         >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
@@ -297,10 +301,10 @@ class Explicit(Integrator):
     """
 
     def stable_step(self, scene: Scene) -> float:
-        """The largest step at which the scene is stable at its start, infinite without stiffness.
+        """Largest stable step of the scene at its start; infinite without stiffness.
 
         Raises:
-            ValueError: The scheme cannot make steps of the scene, or there is no such step.
+            ValueError: The scheme does not support the scene, or no step is stable.
         """
         require_scene(scene)
         equations = self._equations(scene)
@@ -317,14 +321,14 @@ class Explicit(Integrator):
         if not step <= limit.step:
             where = node_name(equations, limit.node)
             raise ValueError(
-                f"Explicit: wanted a stable step, at most {limit.step:.4g} for the cells around "
+                f"Explicit: expected a stable step, at most {limit.step:.4g} for the cells around "
                 f"{where}, got {step:g}"
             )
         return ExplicitRun(equations, step, masses, limit)
 
 
 def _refuse(equations: Equations) -> None:
-    """Raise ``ValueError`` for what the scheme cannot do."""
+    """Raise ``ValueError`` if the scheme does not support the scene."""
     refuse_floating(equations)
     unknowns, tables = equations.unknowns, equations.tables
     dampers = bool(np.any(joint_table(tables.joints).springs[:, 1] != 0.0))

@@ -1,14 +1,14 @@
-r"""Joints in explicit steps: multipliers on inertia that is block-diagonal (RATTLE, on the group).
+r"""Joints in explicit steps: multipliers with block-diagonal inertia (RATTLE, on the group).
 
-With the rows ``B`` of the constraints on the twists of nodes a step is::
+With the constraint Jacobian ``B`` on the twists of nodes a step is::
 
     p ← p − ½ h f(H₀) − B(H₀)ᵀ μ,    H₁ = H₀ moved for h with p,     Φ(H₁) = 0
     p ← p − ½ h f(H₁) − B(H₁)ᵀ ν,    B(H₁) v₁ = 0
 
-Impulses ``μ`` and ``ν`` take small equations alone, with ``B M⁻¹ Bᵀ``: ``μ`` is iterated until
-only round-off changes. The step is symmetric and variational as that without joints, joints and
-their velocities hold at its ends, and momenta are exact (Andersen, J. Comput. Phys. 52 (1983) 24).
-Multipliers that are told are those of the equations of motion there.
+The impulses ``μ`` and ``ν`` solve small systems with ``B M⁻¹ Bᵀ``; ``μ`` is iterated down to
+round-off. The step is symmetric and variational like that without joints, position and velocity
+constraints hold at its ends, and momenta are exact (Andersen, J. Comput. Phys. 52 (1983) 24).
+Reported multipliers are those of the equations of motion there.
 """
 
 from __future__ import annotations
@@ -29,32 +29,33 @@ from fem_lie.system.equations import Equations, TimeState
 
 _MOST = 50
 _FINE, _ROUND_OFF_LEVEL, _FALLS = 1e-15, 1e-11, 0.5
-"""Violations, over the model, that are none; those that are round-off if they do not fall."""
+"""Constraint violations, over the length of the model, that are zero; that are round-off if they do
+not decrease; and the ratio above which they do not."""
 
 
 class _Rows(NamedTuple):
-    """Of the constraints at frames: ``B`` and the factors of ``B M⁻¹ Bᵀ``."""
+    """Constraints at frames: ``B`` and the factors of ``B M⁻¹ Bᵀ``."""
 
     B: sp.csr_matrix
     factors: SuperLU
 
 
 class Joints(Stateful):
-    """Keeps constraints closed.
+    """Keeps constraints closed in explicit steps.
 
     Attributes:
-        left: Violation over the model that was left by the last step.
+        left: Constraint violation after the last step, over the length of the model.
     """
 
     STATE = attributes("impulses")
 
     def __init__(self, equations: Equations, masses: nodes.Masses, decay: Array) -> None:
-        """Nothing is found yet.
+        """Set up without computing anything.
 
         Args:
-            equations: Of the scene, with lumped inertia.
-            masses: Of its nodes.
-            decay: Of momenta over half a step, see :func:`.nodes.decay`.
+            equations: Equations of the scene, with lumped inertia.
+            masses: Lumped inertia of its nodes.
+            decay: Decay of momenta over half a step, see :func:`.nodes.decay`.
         """
         self._decay = decay
         unknowns = equations.unknowns
@@ -127,12 +128,12 @@ class Joints(Stateful):
             self._push(rows, rows.factors.solve(rows.B @ self._v.ravel()), H, p)
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """See the base class; what belongs to frames is found anew."""
+        """Restore a state, and recompute the constraint rows at its frames."""
         super().restore(kept)
         self.restart()
 
     def restart(self) -> None:
-        """Find what belongs to frames anew."""
+        """Recompute the constraint rows at the current frames."""
         self._rows = None
 
     def forces(self, H: Array, v: Array) -> tuple[Array, Array]:

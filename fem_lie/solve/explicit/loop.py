@@ -23,7 +23,7 @@ from fem_lie.system.outer_forces import look_and_sum_up
 
 @compiled
 def room_for(rows: Indices) -> tuple[int, int]:
-    """Most coefficients of a cell, and most of its forces."""
+    """Largest numbers of coefficients and of forces of a cell."""
     width = most = 1
     for f in range(rows.shape[0]):
         width = max(width, rows[f, APART] + rows[f, WIDTH])
@@ -35,18 +35,18 @@ def room_for(rows: Indices) -> tuple[int, int]:
 def cell_forces(
     H: Array, row: Indices, nodes: Indices, e: int, data: Pointer, place: Pointer
 ) -> int:
-    """Forces on the nodes of cell ``e`` of a form; the cell's own data are not written to.
+    """Forces on the nodes of cell ``e`` of a form; the stored data of the cell are not changed.
 
     Args:
         H: Frames of the nodes, shape (≥ count, 4, 3).
-        row: Of the table.
-        nodes: Of the table.
-        e: Which cell.
-        data: Room for all coefficients of a cell.
-        place: Six numbers of each of its nodes, overwritten.
+        row: Row of the packed forms.
+        nodes: Nodes of the cells of the form.
+        e: Index of the cell.
+        data: Workspace for all coefficients of a cell.
+        place: Six numbers for each of its nodes, overwritten.
 
     Returns:
-        Where its nodes begin in ``nodes``.
+        Index of its first node in ``nodes``.
     """
     count, width, apart = row[NODES], row[WIDTH], row[APART]
     first = row[FIRST] + count * e
@@ -72,14 +72,14 @@ def cell_forces(
 def add_all(H: Array, rows: Indices, nodes: Indices, r: Array) -> None:
     """Add the forces of all cells to a residual.
 
-    With many cells most of the time would be spent on writing frames to the data of each, which
-    then go back to memory: here they are written to one place, over and over.
+    With many cells most of the time would be spent on writing frames to the data of each, and from
+    there to memory: here they are written to the same workspace for all cells.
 
     Args:
         H: Frames of the nodes, shape (≥ n, 4, 3).
-        rows: Of the table.
-        nodes: Of the table.
-        r: Shape (6 n,), updated.
+        rows: Packed forms.
+        nodes: Nodes of their cells.
+        r: Residual, shape (6 n,), updated.
     """
     width, most = room_for(rows)
     data, place = stack(width), stack(most)
@@ -94,27 +94,27 @@ def add_all(H: Array, rows: Indices, nodes: Indices, r: Array) -> None:
 
 
 DONE, RESIDUAL = range(2)
-"""Why the loop has come back: the last step is made; a residual is wanted."""
+"""Why the loop returns: the last step is made; a residual is needed."""
 
 STEP, PHASE = range(2)
-"""What is counted: steps made, and where in one the loop is."""
+"""Indices of counters: number of steps made, and phase within a step."""
 BETWEEN, MOVED, WEIGHED = range(3)
-"""Between steps; where forces are wanted; where they are known."""
+"""Phases: between steps; forces are needed; forces are known."""
 
 PlainSteps: TypeAlias = tuple[float, bool, bool, bool, bool, bool]
-"""A :class:`Steps` at the door from Python."""
+"""Plain tuple of :class:`Steps`."""
 
 
 class Steps(NamedTuple):
-    """How steps are made.
+    """Options of the loop.
 
     Attributes:
-        h: Their size.
+        h: Step size.
         summed: Whether forces are one compiled sum.
-        accounts: Whether this loop updates the energy balance.
-        held: Whether something is held from outside.
-        loads: Whether books look at loads.
-        joints: Whether they look at springs.
+        accounts: Whether the loop updates the energy balance.
+        held: Whether there are supports.
+        loads: Whether loads contribute to the balance.
+        joints: Whether springs contribute to it.
     """
 
     h: float
@@ -134,18 +134,18 @@ class Packed(NamedTuple):
         p: Momenta, (n, 6).
         v: Twists, (n, 6).
         rest: Zeros, (n, 6).
-        none: Multipliers, and their scale, of which there are none.
+        none: Multipliers, and their scale: empty.
         r: Residual, (6 n,).
-        held: Which of it is zero.
-        supports: Nodes that are held from outside, and which of their unknowns, as numbers.
-        reaction: Force and moment of these about the origin, (6,).
-        forces: Of the residual without cells, see :func:`~fem_lie.system.nodes.sums.residual`.
+        held: Fixed components of the residual.
+        supports: Supported nodes, and which of their unknowns, as numbers.
+        reaction: Force and moment of the supports about the origin, (6,).
+        forces: Packed residual without cells, see :func:`~fem_lie.system.nodes.sums.residual`.
         balance_table: See :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
-        balance: What they have summed up.
+        balance: Energy balance and impulses so far.
         counters: See :data:`STEP`.
-        decay: Of momenta over half a step, see :func:`~fem_lie.solve.explicit.nodes.decay`.
-        rows: Of cells, see :class:`~fem_lie.forms.cell_forms.FormTable`.
-        nodes: Of these.
+        decay: Decay of momenta over half a step, see :func:`~fem_lie.solve.explicit.nodes.decay`.
+        rows: Packed forms of cells, see :class:`~fem_lie.forms.cell_forms.FormTable`.
+        nodes: Nodes of these cells.
     """
 
     masses: Masses
@@ -168,7 +168,7 @@ class Packed(NamedTuple):
 
     @property
     def arrays(self) -> list[Any]:
-        """One after the other."""
+        """The arrays, in order."""
         masses, H, p, v, rest, none, r, held, supports, *others = self
         return [*masses, H, p, v, rest, none, r, held, *supports, *others]
 
@@ -214,7 +214,7 @@ def _packed(table: Indices) -> Packed:
 def reactions(
     kinds: Indices, H: Array, r: Array, nodes: Indices, held: Indices, out: Array
 ) -> None:
-    """Resultant about the origin of what holds nodes, (6,), from their residual at rest."""
+    """Resultant of the supports about the origin, (6,), from the nodes' residual at rest."""
     own = np.empty(6)
     out[:] = 0.0
     for s in range(nodes.shape[0]):
@@ -227,7 +227,7 @@ def reactions(
 
 @linked
 def weigh(table: Indices, held: bool) -> None:
-    """Forces at the frames as they are, in one sum, and what holds nodes there."""
+    """Forces at the current frames, in one sum, and support reactions there."""
     this = _packed(table)
     rest, none = this.rest, this.none
     residual(this.H, rest, rest, none, none, this.r, this.forces)
@@ -241,14 +241,14 @@ def weigh(table: Indices, held: bool) -> None:
 
 @inlined
 def _add_reaction(balance: Array, reaction: Array, h: float) -> None:
-    """Half a step of it."""
+    """Add half a step of it to the balance."""
     for k in range(6):
         balance[BY_REACTIONS + k] += 0.5 * h * reaction[k]
 
 
 @linked
 def look(table: Indices, steps: PlainSteps, h: float) -> None:
-    """Book what loads and springs did for a time ``h`` that ends."""
+    """Account for loads and springs over the last time ``h``."""
     this, how = _packed(table), Steps(*steps)
     twists(_masses(table), this.H, this.p, this.v)
     end = this.H, this.v, this.none, this.none
@@ -257,7 +257,7 @@ def look(table: Indices, steps: PlainSteps, h: float) -> None:
 
 @linked
 def _close(table: Indices, steps: PlainSteps) -> None:
-    """Second half of the forces of a step."""
+    """Apply the forces of the second half of a step."""
     this, how = _packed(table), Steps(*steps)
     masses = _masses(table)
     kick(masses, this.H, this.r, 0.5 * how.h, this.p)
@@ -267,12 +267,12 @@ def _close(table: Indices, steps: PlainSteps) -> None:
 
 @linked
 def run(table: Indices, steps: PlainSteps, last: int) -> int:
-    """Go on to the end of step ``last``; returns why it came back.
+    """Advance to the end of step ``last``; returns why the loop returned.
 
     Args:
-        table: Of fixed arrays, see :class:`Packed`.
-        steps: How steps are made.
-        last: Step to reach.
+        table: Packed arrays, see :class:`Packed`.
+        steps: Options of the loop.
+        last: Last step.
     """
     this, how = _packed(table), Steps(*steps)
     counters, masses = this.counters, _masses(table)

@@ -1,12 +1,13 @@
-"""Momenta of single nodes, and how nodes move with them: compiled.
+"""Momenta of single nodes, and their motion with constant momenta; compiled.
 
-Nodes without coupling have momenta of their own, ``p = (m ẋ, spin)`` in space: of frames the spin
-about the mass centre, of places and slopes the rates of both rows times their masses. A free node
-keeps them. Rotation over a step is that of Moser & Veselov: with the increment ``F`` in the body::
+With lumped inertia nodes have momenta of their own, ``p = (m ẋ, spin)`` in global components: for
+frames the spin is the angular momentum about the mass centre; for position and position-gradient
+nodes momenta are the rates of both vectors times their masses. A free node conserves them.
+Rotations over a step are those of Moser & Veselov: with the increment ``F`` in the body::
 
     Σ E_kl e_k × F e_l = h Rᵀ spin            F = cay(ψ):  J ψ + ½ ψ × J ψ = (1 + ¼ ψ·ψ) h Rᵀ spin
 
-(Commun. Math. Phys. 139 (1991) 217); of directors ``sin φ = h |spin|/E``.
+(Commun. Math. Phys. 139 (1991) 217); for directors ``sin φ = h |spin|/E``.
 """
 
 from __future__ import annotations
@@ -43,28 +44,28 @@ from fem_lie.lie.tuples import (
 )
 
 STILL, STRAIGHT, FRAME, DIRECTOR, AXIAL = 0, 1, 2, 3, 4
-"""How a node moves: not at all, by rows whose increments add, as a frame, by its third axis, or
-with a rotation about its first axis."""
+"""How a node moves: not at all, by additive vectors, as a frame, by its third axis, or with a
+rotation about its first axis."""
 
 _ROUND_OFF, _MOST = 4.0 * float(np.finfo(np.float64).eps), 50
 _SMALL = 1e-10
-"""Of a rotation, corrections that are round-off if they do not fall any more."""
+"""Corrections below this fraction of a rotation are round-off if they no longer decrease."""
 
 
 class Masses(NamedTuple):
-    """Inertia of nodes without coupling.
+    """Lumped inertia of nodes.
 
     Attributes:
-        kinds: What they are, (n,).
+        kinds: Types of the nodes, (n,).
         ways: How they move, see :data:`STILL`, (n,).
-        masses: Of both straight rows, 1 of a second that is none; of frames the first counts,
-            (n, 2).
+        masses: Masses of both vectors, 1 for a missing one; for frames the first is the mass, (n,
+            2).
         centre: Mass centre of frames in their axes, (n, 3).
-        turning: Moments of inertia about it, in the axes, (n, 3, 3).
-        inverse: Of these, zero about axes without, (n, 3, 3).
-        edges: Nodes whose first axis is the direction to another node, and leaders of the latter,
+        turning: Inertia tensors about it, in the nodes' axes, (n, 3, 3).
+        inverse: Their inverses, zero about axes without inertia, (n, 3, 3).
+        edges: Nodes whose first axis is the direction to another node, and masters of the latter,
             (k, 2).
-        ends: Positions of these other nodes in the frames of their leaders, (k, 3).
+        ends: Positions of these other nodes in the frames of their masters, (k, 3).
     """
 
     kinds: Indices
@@ -115,13 +116,13 @@ def kick(masses: PlainMasses, H: Array, r: Array, size: float, p: Array) -> None
 
 @compiled
 def write_in_new_axes(kinds: Indices, before: Array, after: Array, r: Array) -> None:
-    """Components along the axes of nodes that were turned, of forces ``r`` (≥ 6 n,).
+    """Transform forces ``r`` (≥ 6 n,) along the axes of nodes to rotated axes.
 
     Args:
         kinds: Types of the nodes, (n,).
         before: Nodes with their old axes.
         after: The same with their new axes.
-        r: Updated.
+        r: Forces, updated.
     """
     f = np.empty(6)
     for i in range(kinds.shape[0]):
@@ -141,7 +142,7 @@ def decay(factors: Array, p: Array) -> None:
 
 @compiled
 def _turn_by(J: Array, inverse: Array, a: Vector) -> Vector:
-    """``ψ`` with ``J ψ + ½ ψ × J ψ = (1 + ¼ ψ·ψ) a``; not a number if there is none near."""
+    """``ψ`` with ``J ψ + ½ ψ × J ψ = (1 + ¼ ψ·ψ) a``; nan if there is no solution nearby."""
     ψ = _times(inverse, a)
     K, right, before = np.empty((3, 3)), np.empty(3), np.inf
     for _ in range(_MOST):
@@ -158,7 +159,7 @@ def _turn_by(J: Array, inverse: Array, a: Vector) -> Vector:
         step = _solved(K, right)
         ψ = minus(ψ, step)
         now, size = dot(step, step), dot(ψ, ψ)
-        # of inertia that differs much between axes, round-off is more than that of ψ
+        # if inertia differs much between axes, round-off is larger than that of ψ
         if now <= _ROUND_OFF**2 * size or (now >= before and now <= _SMALL**2 * size):
             return ψ
         before = now
@@ -167,7 +168,7 @@ def _turn_by(J: Array, inverse: Array, a: Vector) -> Vector:
 
 @inlined
 def _solved(K: Array, right: Array) -> Vector:
-    """By Cramer's rule."""
+    """Solution by Cramer's rule."""
     a, b, c = (
         (K[0, 0], K[1, 0], K[2, 0]),
         (K[0, 1], K[1, 1], K[2, 1]),
@@ -187,7 +188,7 @@ def _by_cayley(ψ: Vector, e: Vector) -> Vector:
 
 @inlined
 def _by_angle(a: Vector, sine: float, e: Vector) -> Vector:
-    """``e`` turned about the unit vector ``a``."""
+    """``e`` rotated about the unit vector ``a``."""
     angle = asin(sine) if sine <= 1.0 else nan
     once = cross(a, e)
     return combined(1.0, combined(1.0, e, sin(angle), once), 1.0 - cos(angle), cross(a, once))
@@ -197,7 +198,7 @@ def _by_angle(a: Vector, sine: float, e: Vector) -> Vector:
 def _drift_frame(
     H: Array, way: int, inertia: tuple[Array, Array, Array], h: float, motion: tuple[Vector, Vector]
 ) -> None:
-    """A frame with a velocity of the mass centre, and a spin about it."""
+    """Move a frame with a velocity of the mass centre, and a spin about it."""
     (centre, J, inverse), (v, spin) = inertia, motion
     d1, d2, d3 = _axes(H)
     c = load(centre, 0)
@@ -224,7 +225,7 @@ def _drift_frame(
 
 @compiled
 def drift(masses: PlainMasses, p: Array, h: float, H: Array) -> None:
-    """Move all nodes for a time ``h`` with the momenta they have."""
+    """Move all nodes for a time ``h`` with constant momenta."""
     kinds, ways, weight, centre, turning, inverse, edges, ends = masses
     d = np.empty(6)
     for i in range(kinds.shape[0]):
@@ -243,7 +244,7 @@ def drift(masses: PlainMasses, p: Array, h: float, H: Array) -> None:
             continue
         spin = load(p[i], 3)
         if way == DIRECTOR:
-            # no more than round-off is along the axis
+            # only round-off is along the axis
             d3 = load_row(H[i], 3)
             spin = combined(1.0, spin, -dot(spin, d3), d3)
         v = scaled(1.0 / weight[i, 0], load(p[i], 0))
@@ -254,7 +255,7 @@ def drift(masses: PlainMasses, p: Array, h: float, H: Array) -> None:
 
 @compiled
 def _go_along_edges(edges: Indices, ends: Array, p: Array, H: Array) -> None:
-    """Turn frames on to their edges by the smallest rotation, and spins about them likewise."""
+    """Rotate frames onto their edges by the smallest rotation, together with their spins."""
     for k in range(edges.shape[0]):
         i, j = edges[k, 0], edges[k, 1]
         d1, d2, d3 = _axes(H[j])
@@ -266,7 +267,7 @@ def _go_along_edges(edges: Indices, ends: Array, p: Array, H: Array) -> None:
 
 @compiled
 def momenta(masses: PlainMasses, H: Array, v: Array, p: Array) -> None:
-    """Those of twists ``v`` (≥ n, 6) in the axes of the nodes."""
+    """Momenta of twists ``v`` (≥ n, 6) in the axes of the nodes."""
     kinds, ways, weight, centre, turning, _, _, _ = masses
     for i in range(kinds.shape[0]):
         p[i] = 0.0

@@ -1,12 +1,12 @@
-"""Inertia of nodes by themselves, and the largest step at which explicit steps are stable.
+"""Lumped inertia of nodes, and the largest stable step of explicit schemes.
 
 With the stiffness ``K`` as a sum over cells of ``k`` nodes, and ``x·K_e x ≤ k Σ_i x_i·K_e,ii x_i``
-of each cell whose stiffness has no negative part, no squared frequency is larger than the largest
-of::
+for each cell with a positive semidefinite stiffness, no squared frequency exceeds the largest
+eigenvalue of::
 
     M_i⁻¹ Σ_e k K_e,ii
 
-over all nodes. A node's are those of the cells around it; of equal bars in a row, and of nets of
+over all nodes, with the sum over the cells around a node. For equal bars in a row, and nets of
 them, this is the largest frequency itself. Steps are stable up to ``2/ω``.
 """
 
@@ -24,20 +24,20 @@ from fem_lie.solve.motion.integrator import refuse
 from fem_lie.system.equations import Equations
 
 _NODES = 2
-"""In rows of tables of cells: how many nodes these have."""
+"""Column of packed forms with the number of nodes of a cell."""
 _FEW, _MANY = 2, 4
-"""Nodes of springs and contacts, and of cells of which nothing is said."""
+"""Number of nodes of springs and contacts, and default for other cells."""
 _NEGLIGIBLE = 1e-10
 _WITHOUT = 0, 0, 0, 1, 2
-"""Axes about which a node that moves in each way needs no rotary inertia."""
+"""Number of axes about which a node that moves in each way needs no rotary inertia."""
 
 
 class StableStep(NamedTuple):
-    """The largest one.
+    """Largest stable step.
 
     Attributes:
         step: Its size.
-        node: Of the equations, around which cells are the stiffest for their mass.
+        node: Node whose surrounding cells are the stiffest for their mass.
     """
 
     step: float
@@ -45,7 +45,7 @@ class StableStep(NamedTuple):
 
 
 def masses_of(equations: Equations) -> Masses:
-    """Inertia of the nodes; ``ValueError`` says which steps it cannot make."""
+    """Lumped inertia of the nodes; ``ValueError`` names unsupported ones."""
     kinds, held = equations.unknowns.kinds, equations.unknowns.held
     G = equations.tables.inertia.blocks
     n = len(kinds)
@@ -86,7 +86,7 @@ def _of_vectors(kinds: Indices, G: Array) -> Array:
 
 
 def damping_rates(equations: Equations, masses: Masses) -> Array:
-    """Rates at which damping of mass takes momenta of each node, (n, 2); (0, 2) without.
+    """Decay rates of the momenta of each node by mass damping, (n, 2); (0, 2) without.
 
     Raises:
         ValueError: Damping of a frame is not proportional to its inertia.
@@ -113,13 +113,13 @@ def damping_rates(equations: Equations, masses: Masses) -> Array:
 
 
 def _turns(ways: Array, held: Flags) -> Flags:
-    """Which nodes are frames that turn."""
+    """Which nodes are frames that rotate."""
     whole = (ways == FRAME) & ~held[:, 3:].all(axis=1)
     return np.asarray(whole | np.isin(ways, (DIRECTOR, AXIAL)))
 
 
 def _check_masses(equations: Equations, ways: Array, weights: Array, J: Array) -> None:
-    """Refuse nodes without inertia, and frames that are held in part."""
+    """Raise ``ValueError`` for nodes without inertia, and for frames that are partly fixed."""
     held, free = equations.unknowns.held, _turns(ways, equations.unknowns.held)
     light = (weights[:, 0] <= 0) & (ways != STILL)
     light |= (weights[:, 1] <= 0) & (ways == STRAIGHT)
@@ -137,19 +137,19 @@ def _check_masses(equations: Equations, ways: Array, weights: Array, J: Array) -
     partly |= (ways == FRAME) & free & held[:, 3:].any(axis=1)
     if partly.any():
         raise ValueError(
-            "Explicit: a frame may be held whole, in its rotation or at its place, but "
-            f"{_node_names(equations, partly)} is held in part: use GeneralisedAlpha"
+            "Explicit: a frame may be fixed as a whole, in its rotation or in its position, but "
+            f"{_node_names(equations, partly)} is fixed in part: use GeneralisedAlpha"
         )
 
 
 def _node_names(equations: Equations, chosen: Flags) -> str:
-    """The first of some nodes."""
+    """Name of the first of some nodes."""
     node = int(equations.unknowns.masters[int(np.flatnonzero(chosen)[0])])
     return node_name(equations, node)
 
 
 def node_name(equations: Equations, node: int) -> str:
-    """One of all nodes, as messages call it."""
+    """Name of a node in messages."""
     for body, nodes in equations.unknowns.bodies.items():
         place = np.flatnonzero(nodes == node)
         if len(place):
@@ -158,11 +158,11 @@ def node_name(equations: Equations, node: int) -> str:
 
 
 def stable_step(equations: Equations, masses: Masses, H: Array) -> StableStep:
-    """The largest step at frames ``H``; infinite if there is no stiffness.
+    """Largest stable step at frames ``H``; infinite if there is no stiffness.
 
     Args:
-        equations: Of the scene, with lumped inertia.
-        masses: Of its nodes.
+        equations: Equations of the scene, with lumped inertia.
+        masses: Lumped inertia of its nodes.
         H: Frames of all rows.
     """
     n, held = len(masses.kinds), equations.unknowns.held | (masses.ways == STILL)[:, np.newaxis]
@@ -202,7 +202,7 @@ def in_axes(masses: Masses) -> Array:
 
 
 def _cell_size(term: Term) -> int:
-    """How many nodes its cells have."""
+    """Number of nodes of its cells."""
     table = None
     if term.tables is not None:
         table = term.tables[0]
@@ -214,7 +214,7 @@ def _cell_size(term: Term) -> int:
 
 
 def refuse_floating(equations: Equations) -> None:
-    """Raise ``ValueError`` for reduced-order bodies: no lumped mass is theirs."""
+    """Raise ``ValueError`` for reduced-order bodies, whose mass cannot be lumped."""
     floating = equations.unknowns.floating
     names = ", ".join(floating)
     refuse(

@@ -1,1 +1,1 @@
-"""Rigid bodies by velocities in their own frames, which edges and rolling discs bind there."""
+"""Hamel's scheme: rigid bodies by velocities in their own frames, with nonholonomic constraints."""

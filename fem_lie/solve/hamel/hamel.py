@@ -1,19 +1,21 @@
 """Hamel's form: velocities in moving frames are the variables; the scheme, and a run of it.
 
-Of a rigid body the variables are the velocities ``ξ = (V, W)`` of the mass centre along its axes.
-An edge binds a constant component of them, ``ξ = Z η``; what is left are the ``η``. Over a step
-with the means ``ξ̄ = ½ (ξ₀ + ξ₁) = Z η̄``, ``R₁ = R₀ cay(h W̄)`` and ``R̄ = ½ (R₀ + R₁)``::
+The variables of a rigid body are the velocities ``ξ = (V, W)`` of the mass centre and the rotation
+along its axes. A knife edge fixes a constant component of them, ``ξ = Z η``; the remaining
+variables are ``η``. Over a step with the means ``ξ̄ = ½ (ξ₀ + ξ₁) = Z η̄``, ``R₁ = R₀ cay(h W̄)``
+and ``R̄ = ½ (R₀ + R₁)``::
 
     Zᵀ [M (ξ₁ − ξ₀)/h − (m V̄ × W̄, J W̄ × W̄) − (m R̄ᵀ g, 0)] = 0,        x₁ = x₀ + h R̄ V̄
 
-which are Hamel's equations: no multipliers, and the edge holds at the ends and within. Times
-``ξ̄``, they say that kinetic energy and that of gravity stay, to round-off. A disc that rolls on a
-plane with the normal ``N`` has the velocity ``v̄ = c̄ × w̄`` of its rotation alone, with the arm to
-the point of contact ``c̄ = −ρ (N − γ̄ d̄)/σ̄``, where ``d̄`` and ``σ̄`` are means over the step of
-its axis and of ``σ = |N × d|``, and ``γ̄ = N·d̄``. That is a discrete gradient: the disc stays on
-the plane to round-off, and the force in the contact does no work. Within steps the disc does not
-slip; at their ends the velocities that are told are those of rolling, and the energy of these goes
-up and down with the step squared and does not drift, for that of the steps stays.
+which are Hamel's equations: there are no multipliers, and the edge constraint holds at the ends and
+in between. Multiplied by ``ξ̄``, they conserve kinetic energy and that of gravity to round-off. A
+disc that rolls on a plane with the normal ``N`` has the velocity ``v̄ = c̄ × w̄`` due to its
+rotation only, with the moment arm to the contact point ``c̄ = −ρ (N − γ̄ d̄)/σ̄``, where ``d̄`` and
+``σ̄`` are means over the step of its axis and of ``σ = |N × d|``, and ``γ̄ = N·d̄``. This is a
+discrete gradient: the disc stays on the plane to round-off, and the contact force does no work.
+Within steps the disc does not slip; at their ends the reported velocities are those of rolling, and
+their energy oscillates with the square of the step size without drift, because that of the steps is
+conserved.
 
 The schemes are symmetric, of second order. Sources: Ball & Zenkov, in Geometry, Mechanics, and
 Dynamics (2015) 477; Shi, Berchenko-Kogan, Zenkov & Bloch, J. Nonlinear Sci. 27 (2017) 241.
@@ -50,24 +52,24 @@ from fem_lie.system.equations import Equations
 
 PREFIX = "fem_lie_dynamics_"
 _AT_A_TIME = 20_000
-"""Steps times bodies after which the loop comes back to be interrupted."""
+"""Steps times bodies after which the loop returns, so that it can be interrupted."""
 
 _CHANGED = "H", "s", "impulses"
-"""What a step changes."""
+"""State that a step changes."""
 
 
 class HamelRun(DividedIntegration[Recorder]):
-    """One integration."""
+    """Run of Hamel's scheme."""
 
     STATE = attributes("H", "s", "impulses", "_made")
 
     def __init__(self, equations: Equations, size: float, bodies: step.Bodies) -> None:
-        """Nothing is computed yet.
+        """Set up without computing anything.
 
         Args:
-            equations: Of the scene.
+            equations: Equations of the scene.
             size: Step size.
-            bodies: What stays the same of them.
+            bodies: Constants of the bodies.
         """
         super().__init__(Automatic(), equations, size)
         self._bodies, n = bodies, equations.unknowns.moving
@@ -78,11 +80,11 @@ class HamelRun(DividedIntegration[Recorder]):
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
-        """See the base class."""
+        """Create the history of results."""
         return Recorder(self.equations, plan, progress, store)
 
     def start(self) -> None:
-        """See the base class."""
+        """Compute the initial velocities."""
         check_velocities(self.equations, self.h)
         self.s[:] = self.equations.start.velocities[: len(self.s)]
         rolls = self._bodies.radius > 0.0
@@ -90,7 +92,7 @@ class HamelRun(DividedIntegration[Recorder]):
 
     @property
     def _rolling(self) -> Array:
-        """Velocities in space of mass centres whose discs do not slip, (n, 3); of others any."""
+        """Velocities in space of mass centres of discs that do not slip, (n, 3)."""
         bodies, found = self._bodies, np.zeros((len(self.s), 3))
         for i in np.flatnonzero(bodies.radius > 0.0):
             arm = step.contact(self.H[i], bodies.disc[i], bodies.normal[i], bodies.radius[i])
@@ -99,25 +101,28 @@ class HamelRun(DividedIntegration[Recorder]):
 
     @property
     def frames(self) -> Array:
-        """See the base class."""
+        """Current frames of all rows."""
         return self.H
 
     @property
     def index(self) -> int:
-        """See the base class."""
+        """Number of steps made, including the current one."""
         return self._made
 
     def _advance(self, history: Recorder) -> bool:
         most = max(1, _AT_A_TIME // len(self.s))
         last = min(history.next_stop(self._made), self._made + most)
         whole = not self.division.level and self._go(self.h, last - self._made)
-        # steps before one that fails are made again, one at a time
+        # steps before a failed one are repeated one by one
         made = whole or self._cover()
         history.count = self._made
         return made
 
     def _go(self, h: float, count: int) -> bool:
-        """Make so many steps of a size; whether all were, otherwise none is."""
+        """Make ``count`` steps of a size.
+
+        Return whether all converged, otherwise the state is restored.
+        """
         before = saved(self, _CHANGED)
         step.run(self.H, self.s, (*self._bodies,), h, count, self.impulses)
         if not np.isfinite(self.s).all():
@@ -127,17 +132,18 @@ class HamelRun(DividedIntegration[Recorder]):
         return True
 
     def attempt(self, start: float, end: float) -> bool:
-        """See the base class."""
+        """Make a step; return whether it converged."""
         self._made = self.begun
         return self._go(self.part_size, 1)
 
     def resize(self, time: float, size: float) -> None:
-        """See the base class; velocities are of no size."""
+        """Start steps of another size; velocities do not depend on it."""
 
     def _failure(self, steps: int) -> str:
         return (
-            f"step {self.index + 1} of {steps} (h = {self.h:g}) failed: no velocity was found, or "
-            f"a disc lies in its plane. Nor was it in {2**HALVINGS} parts; a smaller step may help"
+            f"step {self.index + 1} of {steps} (h = {self.h:g}) failed: velocities did not converge, "
+            f"or a disc lies in its plane. Nor did it work in {2**HALVINGS} sub-steps; a smaller "
+            "step may help"
         )
 
     # --- results ---
@@ -170,9 +176,9 @@ class HamelRun(DividedIntegration[Recorder]):
 
 @dataclass(frozen=True)
 class Hamel(Integrator):
-    """Rigid bodies under gravity, each free, on an edge or a disc that rolls on the ground.
+    """Rigid bodies under gravity, each free, on a knife edge, or a disc that rolls on the ground.
 
-    What binds velocities (:class:`~fem_lie.KnifeEdge`, :class:`~fem_lie.RollingDisc`) is solved for
+    Velocity constraints (:class:`~fem_lie.KnifeEdge`, :class:`~fem_lie.RollingDisc`) are eliminated
     in the frames of the bodies, without multipliers; joint forces in results are those of the
     equations of motion. :meth:`run` makes constant steps.
 
@@ -198,7 +204,7 @@ class Hamel(Integrator):
 
 
 def _refuse(scene: Scene) -> None:
-    """Raise ``ValueError`` for what the scheme cannot do."""
+    """Raise ``ValueError`` if the scheme does not support the scene."""
     bound = [joint.b.body for joint in scene.joints]
     kinds = KnifeEdge | RollingDisc
     on_ground = all(isinstance(j, kinds) and j.a.is_ground for j in scene.joints)
@@ -214,7 +220,7 @@ def _refuse(scene: Scene) -> None:
 
 
 def _bodies(scene: Scene) -> Bodies:
-    """What stays the same of all bodies of a scene, in their order."""
+    """Constants of all bodies of a scene, in their order."""
     n, z = len(scene.bodies), np.zeros
     found = Bodies(
         z(n), z((n, 3, 3)), z((n, 6, 6)), z((n, 6, 6)), z(n, dtype=np.int64), z(n), z((n, 2, 3)),
@@ -248,5 +254,5 @@ def _bodies(scene: Scene) -> Bodies:
 
 
 def _complement(row: Array) -> Array:
-    """Orthonormal columns across a row, (6, 5)."""
+    """Orthonormal columns perpendicular to a row, (6, 5)."""
     return np.asarray(np.linalg.svd(row[np.newaxis])[2][1:].T)

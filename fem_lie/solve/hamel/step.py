@@ -1,4 +1,4 @@
-"""Steps of single rigid bodies in their own frames, compiled; formulas in :mod:`.hamel`."""
+"""Steps of single rigid bodies in their own frames, compiled; formulas are in :mod:`.hamel`."""
 
 from __future__ import annotations
 
@@ -29,23 +29,23 @@ from fem_lie.solve.conserving.midpoint.cayley import mean_of, turned
 
 _MOST = 200
 _ROUND_OFF, _ROUND_OFF_LEVEL = 1e-16, 1e-11
-"""Changes of velocities, over the largest, that are round-off; that may be if they do not fall."""
+"""Relative changes of velocities that are round-off; and that are if they do not decrease."""
 
 
 class Bodies(NamedTuple):
-    """What stays the same of all bodies.
+    """Constants of all bodies.
 
     Attributes:
-        mass: Shape (n,).
-        turning: Moments of inertia in their axes, (n, 3, 3).
-        allowed: Bases of the velocities, three of translation and three of rotation, that are
-            allowed in their axes, (n, 6, 6); the first ``columns`` columns count.
-        inverse: Inverse of the inertia in these, (n, 6, 6).
-        columns: How many they are, (n,).
-        radius: Of discs that roll, 0 of others, (n,).
-        disc: Centres and axes of discs in their axes, (n, 2, 3).
-        normal: Of the planes, (n, 3).
-        gravity: Shape (3,).
+        mass: Masses, (n,).
+        turning: Inertia tensors in the bodies' axes, (n, 3, 3).
+        allowed: Bases of the admissible velocities, three of translation and three of rotation, in
+            the bodies' axes, (n, 6, 6); only the first ``columns`` columns are used.
+        inverse: Inverse of the inertia in these bases, (n, 6, 6).
+        columns: Numbers of admissible velocities, (n,).
+        radius: Radii of rolling discs, 0 for others, (n,).
+        disc: Centres and axes of discs in the bodies' axes, (n, 2, 3).
+        normal: Normals of the planes, (n, 3).
+        gravity: Acceleration of gravity, (3,).
     """
 
     mass: Array
@@ -69,7 +69,7 @@ def _times(A: Array, v: Vector) -> Vector:
 
 @inlined
 def _largest(change: float, size: float, previous: float) -> bool:
-    """Whether a change is at its end."""
+    """Whether a change is round-off, so that the iteration ends."""
     return change <= _ROUND_OFF * size or (
         change <= _ROUND_OFF_LEVEL * size and change > 0.5 * previous
     )
@@ -77,7 +77,7 @@ def _largest(change: float, size: float, previous: float) -> bool:
 
 @inlined
 def _arm(b: Vector, d: Vector, N: Vector, radius: float, sine: float) -> Vector:
-    """From the mass centre to the point of contact, of a disc at ``b`` with the axis ``d``."""
+    """Vector from the mass centre to the contact point, for a disc at ``b`` with the axis ``d``."""
     down = combined(1.0, N, -dot(N, d), d)
     return combined(1.0, b, -radius / sine, down)
 
@@ -90,7 +90,7 @@ def _sine(d: Vector, N: Vector) -> float:
 
 @compiled
 def contact(H: Array, disc: Array, N: Array, radius: float) -> Vector:
-    """From the mass centre to the point of contact at a frame (4, 3)."""
+    """Vector from the mass centre to the contact point at a frame (4, 3)."""
     d1, d2, d3 = load_row(H, 1), load_row(H, 2), load_row(H, 3)
     b, d = rotate(d1, d2, d3, load_row(disc, 0)), rotate(d1, d2, d3, load_row(disc, 1))
     up = load(N, 0)
@@ -114,7 +114,7 @@ def _slide(
     h: float,
     out: Array,
 ) -> None:
-    """A body of which components of the velocity in its axes are bound, or none."""
+    """Step of a free body, or of one with constrained velocity components in its axes."""
     mass, J, Z, inverse, count = inertia
     d1, d2, d3 = load_row(H, 1), load_row(H, 2), load_row(H, 3)
     V0, W0 = load(s, 0), load(s, 3)
@@ -165,7 +165,7 @@ def _roll(
     h: float,
     out: Array,
 ) -> None:
-    """A disc that rolls: its rotation tells all."""
+    """Step of a rolling disc, which its rotation determines."""
     (mass, J), (radius, disc, normal) = inertia, plane
     d1, d2, d3 = load_row(H, 1), load_row(H, 2), load_row(H, 3)
     N, b, axis = load(normal, 0), load_row(disc, 0), load_row(disc, 1)
@@ -200,7 +200,7 @@ def _roll(
         previous = change
         if attempt == _MOST - 1:
             W = nan, nan, nan
-    # what W has changed last is round-off: motion is that of one and the same rotation
+    # the last change of W is round-off: the motion uses one and the same rotation
     ψ = scaled(h, rotate(d1, d2, d3, W))
     store(out, 0, F)
     store(out, 3, cross(arm, F))
@@ -211,16 +211,17 @@ def _roll(
 
 @compiled
 def run(H: Array, s: Array, bodies: PlainBodies, h: float, steps: int, impulses: Array) -> None:
-    """So many steps of all bodies.
+    """Make ``steps`` steps of all bodies.
 
     Args:
         H: Frames at their mass centres, (≥ n, 4, 3), updated.
-        s: Velocities: of translation, of discs in space and of others in their axes, and of
-            rotation in the axes, (n, 6), updated.
+        s: Velocities: translation (of discs in space, of others in their axes), and rotation in the
+            axes, (n, 6), updated.
         bodies: See :class:`Bodies`.
         h: Step size.
-        steps: How many.
-        impulses: Of gravity and of contacts, force and moment about the origin, (2, 6), updated.
+        steps: Number of steps.
+        impulses: Impulses of gravity and of contacts, force and moment about the origin, (2, 6),
+            updated.
     """
     mass, turning, allowed, inverse, count, radius, disc, normal, gravity = bodies
     g, out = load(gravity, 0), np.empty(6)

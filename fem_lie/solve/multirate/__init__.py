@@ -1,1 +1,1 @@
-"""Steps of each body's own size, with multipliers between bodies of different sizes."""
+"""Multi-rate scheme: a step size for each body, with multipliers between bodies."""

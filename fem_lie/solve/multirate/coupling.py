@@ -1,4 +1,4 @@
-"""Multipliers between bodies with steps of their own, by a fixed point that is accelerated."""
+"""Lagrange multipliers between bodies of different step sizes, by an accelerated fixed point."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from fem_lie.system.equations import Equations
 
 
 class Mixed:
-    """Guesses of ``x = F(x)``, and what ``F`` made of them."""
+    """Anderson acceleration of the fixed point ``x = F(x)``."""
 
     def __init__(self, depth: int) -> None:
-        """Nothing is known yet.
+        """Start without guesses.
 
         Args:
-            depth: How many of the last guesses count.
+            depth: Number of earlier guesses used.
         """
         self._depth = depth
         self._given: list[Array] = []
         self._found: list[Array] = []
 
     def next(self, given: Array, found: Array) -> Array:
-        """The guess after ``given``, of which ``found`` was made, both (k,).
+        """Next guess after ``given``, for which ``F`` gave ``found``, both (k,).
 
-        It is that at which the changes from guess to guess, taken as linear, leave the least over.
+        It is the linear combination of earlier guesses with the smallest residual.
         """
         self._given, self._found = (
             [*kept, new][-self._depth - 1 :]
@@ -43,40 +43,42 @@ class Mixed:
 
 
 _FIRST, _TRIED = 1e-10, 1e-8
-"""Motion, over the model, by which the response to multipliers is found: of all of its mass at
-first, then that of the joints."""
+"""Displacement, over the length of the model, with which the response to multipliers is computed:
+of all mass at first, then that of the joints."""
 _SETTLED, _FALLS = 1e-12, 0.5
-"""Violations, over the model, that are round-off if they do not fall by the second."""
+"""Violations, over the length of the model, that are round-off if their ratio exceeds the second
+number."""
 _FINE = 5e-15
 _DEPTH = 6
-"""Tries from which the next one is made."""
+"""Number of earlier tries for the next one."""
 _UPDATED = 12
-"""Tries of a step after which the response is found anew."""
+"""Number of tries of a step after which the response is recomputed."""
 _IN_VAIN = 2 * _UPDATED
-"""Tries in which violations do not halve, after which a step has failed."""
+"""Number of tries without halving violations after which a step has failed."""
 
 
 class Coupling(Stateful):
     """Keeps joints between domains closed at the ends of whole steps.
 
     Attributes:
-        weights: Multipliers of the last whole step, and of the one before, (2, m).
-        gap: Violation of the constraints, (m,).
-        response: How much multipliers change the constraints over a whole step, (m, m).
-        unit: What of each multiplier has a small effect, (m,).
-        tries: Whole steps that were tried.
-        found: How often the response was found by trying.
+        weights: Lagrange multipliers of the last whole step, and of the one before, (2, m).
+        gap: Constraint violations, (m,).
+        response: Derivative of the constraints at the end of a whole step by the multipliers, (m,
+            m).
+        unit: Value of each multiplier with a small effect, (m,).
+        tries: Number of tried whole steps.
+        found: Number of times that the response was computed.
     """
 
     STATE = attributes("weights", "gap", "response", "unit", "made", "tries", "found")
 
     def __init__(self, between: Equations, whole: Equations, domains: tuple[Domain, ...]) -> None:
-        """Nothing is computed yet.
+        """Set up without computing anything.
 
         Args:
-            between: Of all bodies and the joints between domains.
-            whole: Of the scene.
-            domains: In which all moving nodes are.
+            between: Equations of all bodies and the joints between domains.
+            whole: Equations of the scene.
+            domains: Domains, which contain all moving nodes.
         """
         unknowns, n, m = between.unknowns, whole.unknowns.moving, between.unknowns.m
         pairs = between.tables.pairs_of_all
@@ -97,25 +99,25 @@ class Coupling(Stateful):
         self._change = np.zeros(m)
 
     def resize(self, size: float) -> None:
-        """Whole steps have another size, and the response to multipliers another value."""
+        """Change the size of whole steps, and scale the response to multipliers."""
         for domain in self._domains:
             domain.resize_whole(size)
         self.found = self.made = 0
         self._guess_unit(size)
 
     def _guess_unit(self, size: float) -> None:
-        """What of each multiplier has a small effect in a whole step, if all of the mass moves."""
+        """Value of each multiplier with a small effect in a whole step, if all mass moves."""
         force = self._mass * self._length / size**2
         self.unit[:] = _FIRST * np.where(self._angular, force * self._length, force)
 
     def step(self, start: float, most: int) -> bool:
-        """A whole step of all domains; whether one was found that keeps the joints closed.
+        """Make a whole step of all domains; return whether the joints could be kept closed.
 
-        If none was, the state is that of its start.
+        If not, the state is that at its start.
 
         Args:
-            start: When it begins.
-            most: Tries.
+            start: Time at its start.
+            most: Largest number of tries.
         """
         self._start = start
         for domain in self._domains:
@@ -127,7 +129,7 @@ class Coupling(Stateful):
         return made
 
     def _close(self, most: int) -> bool:
-        """Whole steps until the joints are closed at their end; whether they are."""
+        """Repeat whole steps until the joints are closed at their end; return whether they are."""
         for domain in self._domains:
             self._moved[domain.rows] = domain.h * domain.count * domain.s.V[: domain.moving]
         λ = 2.0 * self.weights[0] - self.weights[1] if self.made > 1 else self.weights[0].copy()
@@ -161,7 +163,7 @@ class Coupling(Stateful):
     def _mix(
         self, learnt: Mixed, given: tuple[Array, Array], found: tuple[Array, Array]
     ) -> tuple[Array, Array]:
-        """Multipliers, and motion of the nodes that joints touch, for the next try."""
+        """Multipliers, and motion of the nodes with joints, for the next try."""
         m, length = len(self.unit), self._length
         before, after = (
             np.concatenate([λ / self.unit * _TRIED, moved.ravel() / length])
@@ -171,7 +173,7 @@ class Coupling(Stateful):
         return np.asarray(mixed[:m] * self.unit / _TRIED), length * mixed[m:].reshape(-1, 4, 3)
 
     def _try(self, λ: Array) -> Array | None:
-        """Violations at the end of a whole step with multipliers ``λ``, if it can be made."""
+        """Violations at the end of a whole step with multipliers ``λ``, if it converges."""
         H = np.empty((len(self._at) + len(self._ground), 4, 3))
         H[len(self._at) :] = self._ground
         whole = np.empty_like(self._moved)
@@ -190,7 +192,10 @@ class Coupling(Stateful):
         return np.asarray(self.gap + self._change)
 
     def _find_response(self, λ: Array) -> bool:
-        """By trying each multiplier by itself; whether all steps could be made, with an effect."""
+        """Compute the response by a step for each multiplier.
+
+        Return whether all steps converged.
+        """
         first, columns = self._try(λ), []
         for c, size in enumerate(self.unit):
             tried = λ.copy()

@@ -1,11 +1,10 @@
-"""Scenes divided by sizes of steps: the parts, the joints between them, and steps of a part.
+"""Domains of different step sizes: subscenes, joints between them, and steps of a domain.
 
-Joints between bodies with steps of their own: over a whole step, as over one of each.
-
+Joints between bodies of different step sizes act over a whole step as over a single one.
 Constraints are bilinear in ``q = (x, d₁, d₂, d₃)`` of their nodes, so that with the means ``q̄``
-and increments ``Δq`` of a whole step ``Φ(q₁) − Φ(q₀) = Φ'(q̄) Δq``, however many steps a body has
-made meanwhile. Multipliers ``λ`` act over the whole step by forces on ``q`` that do not change in
-it, with the force and the moment of ``Φ'(q̄)ᵀ λ``::
+and increments ``Δq`` of a whole step ``Φ(q₁) − Φ(q₀) = Φ'(q̄) Δq``, whatever number of steps a body
+has made. Multipliers ``λ`` act over the whole step by constant forces on ``q``, with the force and
+the moment of ``Φ'(q̄)ᵀ λ``::
 
     P = (f, a × d̄₁, a × d̄₂, a × d̄₃),            Σ d̄ₖ × (a × d̄ₖ) = m
 
@@ -39,14 +38,14 @@ from fem_lie.system.equations import Equations
 
 
 def domains(scene: Scene, counts: Mapping[Body, int]) -> tuple[dict[int, Scene], Scene]:
-    """The scene of the bodies of each number of steps, and that of the joints between these.
+    """Subscenes of the bodies with each number of steps, and that of the joints between them.
 
     Args:
-        scene: The whole.
-        counts: Steps of bodies in a whole one; of others it is one.
+        scene: The scene.
+        counts: Number of steps of bodies in a whole step; others make one.
 
     Raises:
-        ValueError: What is between two of them is no joint.
+        ValueError: A connection between two subscenes is not a joint.
     """
     of = {body: counts.get(body, 1) for body in scene.bodies}
     parts = {count: _empty(scene) for count in sorted(set(of.values()))}
@@ -63,7 +62,7 @@ def domains(scene: Scene, counts: Mapping[Body, int]) -> tuple[dict[int, Scene],
         else:
             named = ", ".join(body.label for body in bodies if body is not None)
             raise ValueError(
-                f"MultiRate: between bodies with steps of their own there may be joints alone, got "
+                f"MultiRate: expected only joints between bodies with steps of their own, got "
                 f"{type(item).__name__} between {named}; give these steps of one size"
             )
     for item in scene.links:
@@ -78,7 +77,10 @@ def _empty(scene: Scene) -> Scene:
 
 
 def _items(scene: Scene) -> Iterable[tuple[Any, Iterable[Body | None]]]:
-    """All but the bodies, with those that it is between; links first, which joints may sit on."""
+    """All items except bodies, with the bodies that they connect.
+
+    Links first, for joints on them.
+    """
     yield from ((link, [link.a.body, link.b.body]) for link in scene.links)
     yield from ((item, item.bodies) for item in (*scene.joints, *scene.connections))
     yield from ((contact, contact.bodies) for contact in scene.contacts)
@@ -88,7 +90,7 @@ def _items(scene: Scene) -> Iterable[tuple[Any, Iterable[Body | None]]]:
 
 
 def rows_of(part: Equations, whole: Equations) -> Indices:
-    """Which of the moving nodes of the whole are those of a part."""
+    """Indices of the moving nodes of a domain among those of the scene."""
     node = np.empty(part.unknowns.total, dtype=np.int64)
     for body, own in part.unknowns.bodies.items():
         node[own] = whole.unknowns.bodies[body]
@@ -106,15 +108,15 @@ def joined(
     weights: Array,
     out: tuple[Array, Array],
 ) -> None:
-    """Changes of the constraints over a whole step, and forces that stay the same in it.
+    """Changes of the constraints over a whole step, and constant forces in it.
 
     Args:
-        kinds: Types of the moving nodes, (n,); of those that are no frames positions are joined.
-        H: Rows at its start, (≥ n + 1, 4, 3); ground is not touched.
-        moved: Their increments of the moving nodes, (n, 4, 3).
-        joints: Table of the joints.
-        weights: Multipliers, (m,).
-        out: The changes, (m,), and forces on the rows, (n, 4, 3); overwritten.
+        kinds: Types of the moving nodes, (n,); for nodes other than frames positions are joined.
+        H: Nodes at its start, (≥ n + 1, 4, 3); the ground is not involved.
+        moved: Increments of the moving nodes, (n, 4, 3).
+        joints: Packed arrays of the joints.
+        weights: Lagrange multipliers, (m,).
+        out: The changes, (m,), and forces on nodal coordinates, (n, 4, 3); overwritten.
     """
     change, forces = out
     n = moved.shape[0]
@@ -156,12 +158,12 @@ def _turning(d: Array, m: Vector) -> Vector:
 
 
 class Domain(Run):
-    """Its steps are those of energy-momentum; a whole step can be made again from its start.
+    """Domain with energy-momentum steps; a whole step can be repeated from its start.
 
     Attributes:
-        rows: Its moving nodes, of those of the whole scene.
-        count: Steps in a whole one.
-        before: The state from which whole steps are made.
+        rows: Indices of its moving nodes among those of the scene.
+        count: Number of steps in a whole step.
+        before: State at the start of whole steps.
     """
 
     STATE = attributes("h")
@@ -171,14 +173,14 @@ class Domain(Run):
     def __init__(
         self, options: Options, equations: Equations, whole: float, count: int, rows: Indices
     ) -> None:
-        """Nothing is computed yet.
+        """Set up without computing anything.
 
         Args:
-            options: Of the scheme.
-            equations: Of the bodies and what is between them.
+            options: Options of the scheme.
+            equations: Equations of the bodies and their connections.
             whole: Size of a whole step.
-            count: Steps in it.
-            rows: Moving nodes, of those of the whole scene.
+            count: Number of steps in it.
+            rows: Indices of moving nodes among those of the scene.
         """
         self._acting = np.zeros((equations.unknowns.moving, 4, 3))
         super().__init__(options, equations, whole / count)
@@ -189,17 +191,17 @@ class Domain(Run):
 
     @property
     def divides(self) -> bool:
-        """Not here: whole steps are made in parts."""
+        """Not supported: whole steps are divided instead."""
         return False
 
     def begin(self) -> None:
-        """Keep the present state: whole steps are made from it until this is called again."""
+        """Save the current state: whole steps start from it until the next call."""
         self.before = State(*(array.copy() for array in self.s))
         self._own, self._V1, self._first = self.cells.memory(), self.this.V1.copy(), self.index
         self._end_forces_before = self._end_forces.memory()
 
     def go_back(self) -> None:
-        """Return to the state that is kept."""
+        """Restore the saved state."""
         for array, value in zip(self.s, self.before, strict=True):
             array[:] = value
         self.this.V1[:] = self._V1
@@ -208,15 +210,15 @@ class Domain(Run):
         counters = self.counters
         counters[corrections.STEPS] = self._first
         counters[corrections.ITERATION] = counters[corrections.ASKED] = 0
-        # no matrix is younger than the state
+        # no matrix is newer than the state
         self.counts[1] = min(int(self.counts[1]), self._first)
 
     def go(self, forces: Array, start: float) -> bool:
-        """A whole step from the state that is kept; whether it is made.
+        """Make a whole step from the saved state; return whether it converged.
 
         Args:
-            forces: On ``(x, d₁, d₂, d₃)`` of all moving nodes of the scene, (n, 4, 3), which stay
-                the same in all its steps. Their work is in the books.
+            forces: Constant forces on ``(x, d₁, d₂, d₃)`` of all moving nodes of the scene, (n, 4,
+                3). Their work enters the energy balance.
             start: Time of that state.
         """
         self.go_back()
@@ -230,7 +232,7 @@ class Domain(Run):
         return True
 
     def resize_whole(self, size: float) -> None:
-        """Make the state that of the start of a whole step of another size."""
+        """Set the state as the start of a whole step of another size."""
         self.h = size / self.count
         self._resize(self.h)
         self._forget_iteration()
@@ -241,18 +243,18 @@ class Domain(Run):
 
     @property
     def stored(self) -> float:
-        """Energy of cells and of contacts."""
+        """Stored energy of cells and contacts."""
         return float(self.s.W.sum()) + self._end_forces.energy + self._end_forces.held
 
     @property
     def moved(self) -> Array:
-        """What a whole step has changed of (x, d₁, d₂, d₃), (n, 4, 3)."""
+        """Increments of (x, d₁, d₂, d₃) over a whole step, (n, 4, 3)."""
         return np.asarray(self.s.H[: self.moving] - self.before.H[: self.moving])
 
     # --- checkpoints ---
 
     def memory(self) -> dict[str, Array]:
-        """With the factors, which are those of no state in particular."""
+        """State with the factors of the matrix, which belong to no particular state."""
         kept = super().memory()
         return kept if self._factors is None else kept | self._factors.arrays()
 

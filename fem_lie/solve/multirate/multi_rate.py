@@ -1,22 +1,23 @@
-"""Bodies with steps of their own: the scheme, and a run of it.
+"""Multi-rate scheme: a step size for each body, and a run of it.
 
-Stiff or fine bodies make several steps in a whole one, the others one; each is a step of
-energy-momentum by itself. Joints between them hold at the ends of whole steps, by multipliers that
-act over a whole step: their forces on ``q = (x, d₁, d₂, d₃)`` of the nodes stay the same in it, so
-that their work is a product of two increments over the whole step, and that of both sides together
-is zero (:mod:`fem_lie.solve.multirate.domain`). As all bodies keep their energy but for this
-work, the energy of all is kept. Within whole steps the two sides of such a joint move apart by the
-order of the whole step squared; momentum is exact, angular momentum is not: the steps of a body do
-not have the same mean places as the whole one. The scheme is symmetric, of second order.
+Stiff or finely meshed bodies make several steps in a whole step, the others one; each is a step of
+the energy-momentum scheme. Joints between them hold at the ends of whole steps, by multipliers that
+act over a whole step: their forces on ``q = (x, d₁, d₂, d₃)`` of the nodes are constant in it, so
+that their work is a product of two increments over the whole step, and the sum over both sides is
+zero (:mod:`fem_lie.solve.multirate.domain`). As the energy of each body changes by this work only,
+the total energy is conserved. Within whole steps the two sides of such a joint separate by the
+order of the whole step squared. Momentum is exact; angular momentum is not, because the mean
+positions of the steps of a body differ from those of the whole step. The scheme is symmetric, of
+second order.
 
-Multipliers are found by trying whole steps, from what the last two were, with the response of the
-joints to them, which is found once by trying each, and with what the last tries tell
-(:mod:`fem_lie.solve.multirate.coupling`).
+Multipliers are found by repeating whole steps. The first guess uses the last two steps; the next
+ones use the response of the joints, which is computed once by a step for each multiplier, and
+Anderson acceleration (:mod:`fem_lie.solve.multirate.coupling`).
 
-Steps are said to the scheme, as all that concerns time; a scene says what there is. Sources of the
-idea: Prakash & Hjelmstad, IJNME 61 (2004) 2183; Mahjoubi, Gravouil, Combescure & Greffet, CMAME 198
-(2009) 1069; Leyendecker & Ober-Blöbaum, in Multibody Dynamics (2013) 97 (constraints at the ends of
-whole steps alone).
+Step sizes are options of the scheme, like everything about time integration; the scene describes
+the model. Related work: Prakash & Hjelmstad, IJNME 61 (2004) 2183; Mahjoubi, Gravouil, Combescure &
+Greffet, CMAME 198 (2009) 1069; Leyendecker & Ober-Blöbaum, in Multibody Dynamics (2013) 97
+(constraints at the ends of whole steps only).
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ from fem_lie.system.equations import Equations, TimeState
 
 
 class MultiRateRun(DividedIntegration[History]):
-    """One integration."""
+    """Run of the multi-rate scheme."""
 
     STATE = attributes("_coupling", "_made", "_domains")
 
@@ -63,14 +64,14 @@ class MultiRateRun(DividedIntegration[History]):
         parts: Mapping[int, Equations],
         between: Equations,
     ) -> None:
-        """Nothing is computed yet.
+        """Set up without computing anything.
 
         Args:
-            options: Of the scheme of all steps.
-            equations: Of the whole scene.
+            options: Options of the scheme of all steps.
+            equations: Equations of the whole scene.
             step: Size of whole steps.
-            parts: Equations of the bodies of each number of steps in a whole one.
-            between: Those of all bodies and the joints between parts.
+            parts: Equations of the bodies with each number of steps in a whole step.
+            between: Equations of all bodies and the joints between domains.
         """
         super().__init__(options.policy, equations, step)
         self.carried = equations.memory
@@ -93,25 +94,25 @@ class MultiRateRun(DividedIntegration[History]):
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> History:
-        """See the base class."""
+        """Create the history of results."""
         return History(self.equations.info, plan, progress, store)
 
     def start(self) -> None:
-        """See the base class."""
+        """Compute the initial states of all domains."""
         check_velocities(self.equations, self.h)
         for domain in self._domains:
             domain.start()
 
     @property
     def frames(self) -> Array:
-        """See the base class."""
+        """Current frames of all rows."""
         for domain in self._domains:
             self.H[domain.rows] = domain.s.H[: domain.moving]
         return self.H
 
     @property
     def index(self) -> int:
-        """See the base class."""
+        """Number of steps made, including the current one."""
         return self._made
 
     def _advance(self, history: History) -> bool:
@@ -120,18 +121,18 @@ class MultiRateRun(DividedIntegration[History]):
         return done
 
     def attempt(self, start: float, end: float) -> bool:
-        """See the base class."""
+        """Make a whole step; return whether it converged."""
         return self._coupling.step(start, self.options.max_iterations)
 
     def resize(self, time: float, size: float) -> None:
-        """See the base class."""
+        """Start whole steps of another size."""
         self._coupling.resize(self.part_size)
 
     def _failure(self, steps: int) -> str:
         text = (
             f"step {self.index + 1} of {steps} (h = {self.h:g}) failed: joints between bodies with "
             f"steps of their own were left open by {self._coupling.left:.2g} of the model, or a "
-            "step of a body was not found; a smaller step may help"
+            "step of a body did not converge; a smaller step may help"
         )
         return self._nor_in_parts(text)
 
@@ -185,7 +186,7 @@ class MultiRateRun(DividedIntegration[History]):
             self._solver = DirectSolver(equations.matrix, PREFIX)
         n, ones = equations.unknowns.moving, np.ones(equations.unknowns.m)
         still = np.zeros((n, 6))
-        # elements' own unknowns are those of the domains, and not yet known to the equations
+        # internal unknowns of elements are those of the domains, not yet set in these equations
         equations.residual(TimeState(H, v, still, 0.0 * ones), ones, self._r)
         time, size = self.index * self.h, self.h / max(d.count for d in self._domains)
         return accelerations(equations, self._solver, H, v, time, size, sweeps=2)
@@ -193,17 +194,18 @@ class MultiRateRun(DividedIntegration[History]):
 
 @dataclass(frozen=True)
 class MultiRate(Integrator):
-    """Options of the scheme; :meth:`run` integrates with constant whole steps.
+    """Multi-rate scheme; :meth:`run` integrates with constant whole steps.
 
-    Bodies of different steps may be joined by joints; links, springs, drives and contact between
-    them are refused, and so are drives, prescribed motions and strains that change. Loads that
-    change act as they are in the middle of the steps of their body. ``result.iterations`` are the
-    whole steps that were tried; the first column of ``result.balance`` has the work of loads, and
-    that of multipliers between bodies of different steps, which is round-off.
+    Bodies with different steps may be connected by joints. Links, springs, drives and contact
+    between them raise an error, and so do drives, prescribed motions and time-dependent initial
+    strains. Time-dependent loads are evaluated at the midpoints of the steps of their body.
+    ``result.iterations`` are the tried whole steps; the first column of ``result.balance`` contains
+    the work of loads, and that of multipliers between bodies with different steps, which is
+    round-off.
 
     Attributes:
-        steps: How many steps each of these bodies makes in a whole one; all others make one.
-        scheme: Of which steps are made; its policy decides for each size of steps.
+        steps: Number of steps of each of these bodies in a whole step; all others make one.
+        scheme: Scheme of the steps; its policy decides for each size of steps.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -235,7 +237,7 @@ class MultiRate(Integrator):
         instance(self.scheme, EnergyMomentum, "MultiRate: scheme", "EnergyMomentum()")
         if isinstance(self.scheme, EnergyDecaying):
             raise ValueError(
-                "MultiRate couples steps that keep energy: wanted EnergyMomentum(), got "
+                "MultiRate couples steps that conserve energy: expected EnergyMomentum(), got "
                 f"{self.scheme}"
             )
 
@@ -244,7 +246,7 @@ class MultiRate(Integrator):
         if strange:
             known = ", ".join(body.label for body in scene.bodies)
             raise ValueError(
-                f"MultiRate: {strange[0]} has steps of its own and is not in the scene; wanted "
+                f"MultiRate: {strange[0]} has steps of its own and is not in the scene; expected "
                 f"bodies among {known}"
             )
         domains(scene, self.steps)
@@ -283,7 +285,7 @@ class MultiRate(Integrator):
 
 
 def _check_alike(part: Equations, whole: Equations) -> None:
-    """Raise ``ValueError`` where nodes turn or not by what is between bodies of different steps."""
+    """Raise ``ValueError`` if drilling rotations depend on joints between domains."""
     rows = rows_of(part, whole)
     if (part.unknowns.kinds != whole.unknowns.kinds[rows]).any():
         raise ValueError(
