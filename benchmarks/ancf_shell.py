@@ -3,7 +3,7 @@
 ``python -m benchmarks.ancf_shell``: what the residual and the matrix of a cell cost, beside those
 of a thin shell; matrices that ``Automatic`` makes of a sheet that swings from an edge and of one
 that tumbles freely, by generalised-alpha in own axes and in fixed ones, of plates and of thin
-shells with or without seams. ``--modulus E``: of a stiffer sheet, which bends and does not whip.
+shells with or without couplings. ``--modulus E``: a stiffer sheet, which bends and does not whip.
 ``--conserving N``: N steps of energy-momentum of the second.
 """
 
@@ -40,12 +40,12 @@ def thin(modulus: float = MODULUS, cells: int = CELLS) -> fl.ThinShell:
 
 
 def sewn(modulus: float = MODULUS) -> fl.ThinShell:
-    """Of two patches with other parameters along their seam."""
+    """Of two patches with other parameters along their coupling."""
     patches = {
         "left": fl.smooth_patch(lambda a, b: bent(0.5 * a, b), (2, 4)),
         "right": fl.smooth_patch(lambda a, b: bent(0.5 + 0.5 * a, 0.7 * b + 0.3 * b * b), (2, 4)),
     }
-    return fl.ThinShell(patches, layer(modulus), seams=[fl.Seam("left.a=1", "right.a=0")])
+    return fl.ThinShell(patches, layer(modulus), couplings=[fl.Seam("left.a=1", "right.a=0")])
 
 
 def swinging(make: Made, modulus: float) -> fl.Scene:

@@ -65,7 +65,7 @@ def bodies(derived: bool = False) -> dict[str, Callable[[], Any]]:
                 lambda a, b: (1 + a, 0.5 * (b + b**2), 0.1 * a * (b + b**2)), (2, CELLS // 4)
             ),
         }
-        return fl.ThinShell(patches, layer, seams=[fl.Seam("left.a=1", "right.a=0", 3.0)])
+        return fl.ThinShell(patches, layer, couplings=[fl.Seam("left.a=1", "right.a=0", 3.0)])
 
     def shell() -> Any:
         mesh = fl.surface(lambda a, b: (a, b, 0.2 * a * b), (side, side))
@@ -96,12 +96,12 @@ def bodies(derived: bool = False) -> dict[str, Callable[[], Any]]:
         ),
         "ANCF plate": lambda: fl.AncfShell(patch(), layer),
         "thin shell": lambda: fl.ThinShell(patch(), layer),
-        "seam of thin shells": sewn,
+        "coupling of thin shells": sewn,
         "drilling": shell,
     }
 
 
-BESIDE = ("bends", "corners", "warping", "seam")
+BESIDE = ("bends", "corners", "warping", "coupling")
 """Elements that stand beside others of the same body."""
 
 

@@ -1,7 +1,7 @@
 """A net of ten thousand elements without torsion: what a step costs, and how far it has converged.
 
 A square net of a side of 1 m, of 12 by 12 meshes whose sides are divided into 1, 2, 4 … elements,
-32 of which make 9984. Threads of 100 N and 10 g/m are stretched by 2 % and pinned at their ends;
+32 of which make 9984. Cables of 100 N and 10 g/m are stretched by 2 % and pinned at their ends;
 the net is hit, off its middle and obliquely, with velocities up to 4 m/s that are smooth over it.
 
 Beside each refinement is the largest distance of any knot at any of ten times from where the

@@ -23,21 +23,21 @@ import numpy as np
 
 import fem_lie as fl
 
-Threads = fl.Cable | fl.Net | fl.Rod
+CableBody = fl.Cable | fl.Net | fl.Rod
 
 
 def section(EI: float) -> fl.Section:
     return fl.Section.from_stiffness([1e4] * 3 + [EI] * 3, mass=1.0)
 
 
-def swinging(EI: float) -> tuple[fl.Scene, Threads, float]:
+def swinging(EI: float) -> tuple[fl.Scene, CableBody, float]:
     """Dropped from the horizontal, a little bent."""
     cable = fl.Cable.curve(lambda s: (s, 0, 1e-2 * s * s), section(EI), cells=20)
     cable.pin(cable.point("start"))
     return falling(cable), cable, 1e-3
 
 
-def whirling() -> tuple[fl.Scene, Threads, float]:
+def whirling() -> tuple[fl.Scene, CableBody, float]:
     """A rope between two hands, 10 rad/s."""
     cable = fl.Cable.curve(lambda s: (s, 2 * s * (1 - s), 0), section(1e-1), cells=20)
     cable.pin(cable.point("start"), cable.point("end"))
@@ -45,7 +45,7 @@ def whirling() -> tuple[fl.Scene, Threads, float]:
     return falling(cable), cable, 1e-3
 
 
-def tumbling() -> tuple[fl.Scene, Threads, float]:
+def tumbling() -> tuple[fl.Scene, CableBody, float]:
     """A free bent rod."""
     cable = fl.Cable.curve(lambda s: (s, 0.5 * s * s, 0.2 * s**3), section(1.0), cells=20)
     cable.add_velocity(omega=(3.0, 4.0, 2.0), about=cable.point(10))
@@ -81,7 +81,7 @@ def rod(held: bool, formulation: fl.Formulation | None) -> tuple[fl.Scene, fl.Ro
     return scene, body, 1e-3
 
 
-def net(held: bool) -> tuple[fl.Scene, Threads, float]:
+def net(held: bool) -> tuple[fl.Scene, CableBody, float]:
     """Of 8 by 8 meshes: hung by two corners from the horizontal, or free and turning."""
     n = 9
     s = np.linspace(0, 1, n)
@@ -96,13 +96,13 @@ def net(held: bool) -> tuple[fl.Scene, Threads, float]:
     return falling(body), body, 1e-3
 
 
-def falling(body: Threads) -> fl.Scene:
+def falling(body: CableBody) -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(body)
     return scene
 
 
-SCENES: dict[str, Callable[[], tuple[fl.Scene, Threads, float]]] = {
+SCENES: dict[str, Callable[[], tuple[fl.Scene, CableBody, float]]] = {
     "swinging, EI = 1": lambda: swinging(1.0),
     "swinging, EI = 0.01": lambda: swinging(1e-2),
     "whirling": whirling,

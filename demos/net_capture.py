@@ -3,7 +3,7 @@
 A hexagonal net of threads without torsion has masses at its corners and flies towards a fixed rigid
 ball. A rope runs through rings at the points of its edge; both its ends are tied to a mass beside
 the net, which is pulled after the ball is met, and the edge is drawn together below the ball:
-within its outline in the end, so that it does not come out. Threads and rope are discrete cables,
+within its outline in the end, so that it does not come out. Cables and rope are discrete cables,
 which touch the ball with balls about their nodes, by penalty; rings hold the rope by springs
 without length that slide along it, without friction.
 

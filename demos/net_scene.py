@@ -14,7 +14,7 @@ THREAD = fl.Section.circle(1e-3, fl.Material(E=1e8, nu=0.3, density=1000.0))
 
 
 LAID = fl.DiscreteCable(natural=True)
-"""Threads are naturally as they are laid: straight ones about hexagons would spring open."""
+"""Cables are naturally as they are laid: straight ones about hexagons would spring open."""
 
 
 def corner(k: float) -> np.ndarray:

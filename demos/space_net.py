@@ -1,6 +1,6 @@
 """Deployment of a space net: masses at its corners pull it open.
 
-A square net of meshes of 0.25 m, 80 cable elements per thread from knot to knot. Threads are laid
+A square net of meshes of 0.25 m, 80 cable elements per thread from knot to knot. Cables are laid
 in waves, and masses at the corners, which hang on joints, fly outwards; nothing else acts, so that
 momenta stay. Steps are those of generalised-α.
 

@@ -255,7 +255,7 @@ REFUSED = {
     "stretch": (lambda: fl.Net(POINTS[:3], [[0, 1, 2]], section(1, 1), stretch=0.0), "stretch"),
     "stretches": (
         lambda: fl.Net(POINTS[:3], [[0, 1], [1, 2]], section(1, 1), stretch=[1.0]),
-        "2, one for each thread",
+        "2, one for each cable",
     ),
     "damping": (
         lambda: fl.Net(POINTS[:3], [[0, 1, 2]], section(1, 1), damping=fl.Damping(stiffness=1.0)),

@@ -380,7 +380,7 @@ def test_what_cannot_be_is_refused():
         fl.refine(mesh, [4])
     with pytest.raises(ValueError, match="onto"):
         fl.refine(mesh, [0], onto=lambda x: x)
-    with pytest.raises(ValueError, match="leave out joined"):
+    with pytest.raises(ValueError, match="omit joined"):
         fl.ThinShell(mesh, LAYER, joined=True)
     with pytest.raises(TypeError, match="SplineMesh"):
         fl.spline_mesh(mesh)

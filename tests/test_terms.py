@@ -137,8 +137,8 @@ def sewn() -> fl.Scene:
             lambda a, b: (1 + a, 0.5 * (b + b**2), 0.1 * a * (b + b**2)), (1, 1)
         ),
     }
-    seams = [fl.Seam("left.a=1", "right.a=0", 3.0)]
-    return scene_with(fl.ThinShell(patches, LAYER, seams=seams))
+    couplings = [fl.Seam("left.a=1", "right.a=0", 3.0)]
+    return scene_with(fl.ThinShell(patches, LAYER, couplings=couplings))
 
 
 def sprung_within() -> fl.Scene:
@@ -384,7 +384,7 @@ TERMS: dict[str, Case] = {
         lambda: pressed(shell(fl.Displacement(), "triangle", 2)), "pressure on shells"
     ),
     "thin shell": Case(thin_shell, "elements"),
-    "seam of thin shells": Case(sewn, "seams"),
+    "coupling of thin shells": Case(sewn, "couplings"),
     "plate with shear": Case(plate, "elements"),
     "pressure on a plate with shear": Case(lambda: pressed(plate()), "pressure on thin shells"),
     "beam of slopes": Case(ancf, "elements"),

@@ -381,8 +381,8 @@ def kinked():
     ("make", "message"),
     [
         (lambda: fl.smooth_patch(flat, (0, 2)), "cells along a must be at least 1, got 0"),
-        (lambda: fl.smooth_patch(lambda a, b: [a, 0, 0], (2, 2)), "neither zero nor along"),
-        (lambda: fl.smooth_patch(lambda a, b: [a, np.nan, 0], (2, 2)), "the place at"),
+        (lambda: fl.smooth_patch(lambda a, b: [a, 0, 0], (2, 2)), "neither zero nor parallel"),
+        (lambda: fl.smooth_patch(lambda a, b: [a, np.nan, 0], (2, 2)), "the position at"),
         (lambda: fl.ThinShell(kinked(), LAYER), "parametrisations do not agree"),
         (lambda: fl.ThinShell({}, LAYER), "at least one patch"),
         (lambda: Shell().body.clamp("c=0"), "no edge or corner 'c=0'; it has: a=0"),
@@ -403,7 +403,7 @@ def test_bad_input(make, message):
 def test_directions_that_cannot_be_held_together():
     body = Shell(flat).body
     body.roller("00", (1, 1, 0))
-    with pytest.raises(ValueError, match="neither along nor across"):
+    with pytest.raises(ValueError, match="neither parallel nor perpendicular"):
         body.roller("00", (1, 0, 0))
 
 

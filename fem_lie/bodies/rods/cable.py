@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import instance, positive
 from fem_lie.bodies.beams.line_body import Placed
-from fem_lie.bodies.rods.threads import Threads, successive
+from fem_lie.bodies.rods.cable_body import CableBody, successive
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.rods.cable import HermiteCable
 from fem_lie.mesh.curves import curve, straight
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import dolfinx
 
 
-class Cable(Threads):
+class Cable(CableBody):
     """Cable along smooth lines: axial and bending stiffness, without shear and torsion.
 
     Its nodes are the points of the mesh. Each has a position and a position gradient ``x' = dx/ds``

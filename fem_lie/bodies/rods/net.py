@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices, indices_of, instance, numbers, points_of, positive
 from fem_lie.bodies.beams.line_body import Placed
-from fem_lie.bodies.rods.threads import Threads
+from fem_lie.bodies.rods.cable_body import CableBody
 from fem_lie.elements.rods.bends import Successive
 from fem_lie.elements.rods.discrete import DiscreteCable
 from fem_lie.mesh.lines import LineMesh
@@ -17,7 +17,7 @@ from fem_lie.sections.material import Damping
 from fem_lie.sections.section import Section
 
 
-class Net(Threads):
+class Net(CableBody):
     """Cables through points, connected where they share a point.
 
     Each cable has bending stiffness at its points; at a shared point, cables are hinged to each
@@ -37,7 +37,7 @@ class Net(Threads):
     def __init__(
         self,
         points: npt.ArrayLike,
-        threads: Sequence[Sequence[int]],
+        cables: Sequence[Sequence[int]],
         section: Section,
         *,
         stretch: npt.ArrayLike = 1.0,
@@ -49,7 +49,7 @@ class Net(Threads):
 
         Args:
             points: Positions, shape (n, 3).
-            threads: Indices of the points along each cable, two or more; a cable whose last point
+            cables: Indices of the points along each cable, two or more; a cable whose last point
                 is its first is closed.
             section: Section of all cables.
             stretch: Ratio of initial to unstretched length, of all cables or of each.
@@ -65,7 +65,7 @@ class Net(Threads):
         """
         places, expected = points_of(points), DiscreteCable | None
         instance(formulation, expected, "Net: formulation", "a DiscreteCable or None")
-        edges, along = _followed(threads, len(places))
+        edges, along = _followed(cables, len(places))
         chords = np.diff(places[edges], axis=1)[:, 0]
         lengths = np.linalg.norm(chords, axis=1)
         if not lengths.min() > 0.0:
@@ -76,7 +76,7 @@ class Net(Threads):
         tangents = chords / lengths[:, np.newaxis]
         mesh = LineMesh(places, edges, np.repeat(tangents[:, np.newaxis], 2, axis=1))
         frames = _frames(places, edges, tangents)
-        lengths = lengths / _stretches(stretch, [len(thread) - 1 for thread in threads])
+        lengths = lengths / _stretches(stretch, [len(cable) - 1 for cable in cables])
         placed = Placed(frames, edges, lengths, np.arange(len(places)), edges)
         element = DiscreteCable() if formulation is None else formulation
         super().__init__(mesh, placed, along, section, element, damping, name)
@@ -95,14 +95,14 @@ def _stretches(stretch: npt.ArrayLike, edges: list[int]) -> Array:
     return np.repeat(np.broadcast_to(given, len(edges)), edges)
 
 
-def _followed(threads: Sequence[Sequence[int]], count: int) -> tuple[Indices, Successive]:
+def _followed(cables: Sequence[Sequence[int]], count: int) -> tuple[Indices, Successive]:
     """Edges of all cables, shape (m, 2), and pairs of successive edges."""
     edges: list[Indices] = []
     nodes: list[Indices] = []
     pairs: list[Indices] = []
     first = 0
-    for number, thread in enumerate(threads):
-        path = indices_of(thread, count, f"points of cable {number}")
+    for number, cable in enumerate(cables):
+        path = indices_of(cable, count, f"points of cable {number}")
         if len(path) < 2:
             raise ValueError(
                 f"each cable of a Net: expected two points or more, got {path.tolist()}"

@@ -8,7 +8,7 @@ from scipy.interpolate import BSpline
 
 from fem_lie._arrays import instance
 from fem_lie.bodies.beams.line_body import Placed
-from fem_lie.bodies.rods.threads import Threads, successive
+from fem_lie.bodies.rods.cable_body import CableBody, successive
 from fem_lie.elements.rods.isogeometric import IsogeometricCable
 from fem_lie.mesh.curves import Spline
 from fem_lie.sections.material import Damping
@@ -16,7 +16,7 @@ from fem_lie.sections.orientation import Chains, cell_frames, shared_nodes
 from fem_lie.sections.section import Section
 
 
-class SplineCable(Threads):
+class SplineCable(CableBody):
     """Cable along a cubic spline, unstretched in its initial position, naturally straight.
 
     Its nodes are the knots, with a position and a derivative ``dr/du``, rows 0 and 1 of ``frames``;

@@ -1,1 +1,1 @@
-"""Thin shells on smooth patches: places, slopes and mixed derivatives."""
+"""Thin shells on smooth patches, with positions, surface gradients and mixed derivatives."""

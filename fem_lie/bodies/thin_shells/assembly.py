@@ -1,4 +1,4 @@
-"""All thin shells of one element, assembled together, and the axes of their nodes."""
+"""Assembly of all thin shells of one element, and the axes of their nodes."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ def _unit(a: Vector) -> Vector:
 
 @inlined
 def surface_axes(along: Vector, across: Vector) -> tuple[Vector, Vector, Vector]:
-    """The polar rotation of the slopes' directions and the normal."""
+    """Polar rotation of the directions of two surface gradients, and the normal."""
     a, b = _unit(along), _unit(across)
-    # bisectors are across each other; of slopes across each other the axes are along them
+    # bisectors are perpendicular; axes of perpendicular gradients are along these
     inner, outer = _unit(plus(a, b)), _unit(minus(a, b))
     half = np.sqrt(0.5)
     first = combined(half, inner, half, outer)
@@ -49,11 +49,12 @@ def surface_axes(along: Vector, across: Vector) -> tuple[Vector, Vector, Vector]
 
 @compiled
 def follow_surface(rows: Array, moves: Flags) -> None:
-    """Turn the axes of all points, and tell the second nodes where they are.
+    """Rotate the axes of all points with the surface, and copy positions to the second nodes.
 
     Args:
-        rows: Of the SURFACE_GRADIENT nodes, then of the MIXED_DERIVATIVE ones, shape (2 n, 4, 3).
-        moves: Points whose axes turn, shape (n,).
+        rows: Coordinates of the SURFACE_GRADIENT nodes, then of the MIXED_DERIVATIVE nodes, shape
+            (2 n, 4, 3).
+        moves: Points whose axes rotate, shape (n,).
     """
     n = moves.shape[0]
     for i in range(n):
@@ -65,11 +66,11 @@ def follow_surface(rows: Array, moves: Flags) -> None:
 
 
 MEMBRANE_AND_BENDING = slice(0, 6)
-"""Of the eight strains of a section those that a shell without shear has."""
+"""Those of the eight section strains that a shell without shear has."""
 
 
 class ThinShellData(Protocol):
-    """What the assembly asks of a thin shell, see :class:`~fem_lie.ThinShell`."""
+    """Data of a thin shell that the assembly reads, see :class:`~fem_lie.ThinShell`."""
 
     frames: Array
     connectivity: Indices
@@ -81,23 +82,23 @@ class ThinShellData(Protocol):
     has_mass: bool
 
     def vectors(self) -> Array:
-        """Vectors of the interpolation of each cell, shape (m, 16, 3)."""
+        """Hermite vectors of each cell, shape (m, 16, 3)."""
 
     def element_inertia(self) -> Array:
-        """Constant matrix of the rows of each cell's nodes, shape (m, 8, 4, 8, 4)."""
+        """Mass matrix in the nodal coordinates of each cell, shape (m, 8, 4, 8, 4)."""
 
 
 class ThinShellAssembly(CarryingCellTerm, BodyTerm):
-    """Thin shells of one element; nodes and cells are as in the bodies, one after the other.
+    """Assembly of thin shells of one element, with nodes and cells in the order of the bodies.
 
     Attributes:
-        rule: Tables of the element.
-        turned: From covariant strains at the points to those along sections' axes, (m, g, 6, 6).
-        stiffness: Of the sections, shape (m, 6, 6).
+        rule: Quadrature tables of the element.
+        turned: Transformation of covariant strains at the points to the section axes, (m, g, 6, 6).
+        stiffness: Section stiffness, shape (m, 6, 6).
     """
 
     def __init__(self, bodies: Sequence[ThinShellData]) -> None:
-        """Put the data of all cells together; coincident nodes stay apart."""
+        """Pack the data of all cells; coincident nodes stay separate."""
         starts = np.cumsum([0] + [len(body.frames) for body in bodies])
         pairs = zip(bodies, starts[:-1], strict=True)
         cells = np.concatenate([body.connectivity + start for body, start in pairs])
@@ -115,7 +116,7 @@ class ThinShellAssembly(CarryingCellTerm, BodyTerm):
             np.zeros((len(cells), 12 * NODES)),
             head,
             sampled,
-            # of all points side by side
+            # components first, so that points are contiguous
             strains.transpose(0, 2, 1),
             D[:, :, above[0], above[1]].transpose(0, 2, 1),
             np.zeros_like(strains),
@@ -149,26 +150,26 @@ class ThinShellAssembly(CarryingCellTerm, BodyTerm):
 
     @property
     def contents(self) -> tuple[str, list[Array], list[Array]]:
-        """What the energy is: its name, the tables of the element, and the data of the cells."""
+        """Name of the energy, tables of the element, and data of the cells, for fingerprints."""
         return "bicubic Hermite thin shell", [self._tables.copy()], [self._contents]
 
     def strains(self, H: Array) -> Array:
-        """Strains along the sections' axes at the points of integration, shape (m, g, 6)."""
+        """Strains along the section axes at the quadrature points, shape (m, g, 6)."""
         found = np.empty((len(self.cells), 6, self._points))
         kernels.all_strains(H, *self._place, found)
         return np.asarray(np.einsum("mgij,mjg->mgi", self.turned, found))
 
     def carry(self, H: Array, h: Array) -> None:
-        """See the base class."""
+        """Update the independent stress linearly for an increment ``h`` of all nodes."""
         kernels.carry_stress(H, h.reshape(-1, 6), *self._place)
 
 
 def mass_matrices(formulation: BicubicHermite, q: Array, density: Array) -> Array:
-    """``∫ ρ Nₐ N_b dA`` of cells with vectors ``q`` (m, 16, 3), shape (m, 16, 16).
+    """Mass matrices ``∫ ρ Nₐ N_b dA`` of cells with vectors ``q`` (m, 16, 3), shape (m, 16, 16).
 
     Args:
-        formulation: Its points of integration are taken, one more in either direction.
-        q: See above.
+        formulation: Finite element; one quadrature point more than its own is used per direction.
+        q: Hermite vectors of the cells.
         density: Mass per area of each cell, shape (m,).
     """
     values, slopes, weights = formulation.surface_rule(1)

@@ -1,4 +1,4 @@
-"""Sections of the cells of thin shells, however they are given."""
+"""Sections of the cells of thin shells."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ ThinSections = ShellSection | Mapping[str, ShellSection] | Callable[[Array], She
 def section_per_cell(
     section: ThinSections, middles: Array, cells_of: Callable[[str], Indices], label: str
 ) -> list[ShellSection]:
-    """The section of each cell.
+    """Section of each cell.
 
     Args:
-        section: One for all, one for each patch, or a function of the middle of a cell.
-        middles: Of the cells, shape (m, 3).
-        cells_of: Cells of a patch by its name.
-        label: Of the body, for messages.
+        section: One for all cells, one for each patch, or a function of the centre of a cell.
+        middles: Centres of the cells, shape (m, 3).
+        cells_of: Function that returns the cells of a named patch.
+        label: Label of the body, for messages.
 
     Raises:
-        ValueError: A cell has none.
-        TypeError: It is of another kind than wanted.
+        ValueError: A cell has no section.
+        TypeError: An entry has an unexpected type.
     """
-    known = "a ShellSection, a dict of them by patches or a function of the place"
+    known = "a ShellSection, a dict of them by patches or a function of the position"
     instance(section, ShellSection | Mapping | Callable, "ThinShell: section", known)
     if isinstance(section, ShellSection):
         return [section] * len(middles)

@@ -1,4 +1,4 @@
-"""Integrals over cells of a thin shell and along its edges: where, and how the vectors share."""
+"""Quadrature over cells of a thin shell and along its edges."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from fem_lie.mesh.bicubic import hermite
 from fem_lie.mesh.bicubic.patch_coupling import Edge
 
 _POINTS = 5
-"""Of Gauss' rule: products of cubics on a surface of cubics."""
+"""Gauss points per direction: for products of cubics on a bicubic surface."""
 
 
 class Quadrature(NamedTuple):
-    """Points on cells as they lie.
+    """Quadrature points on cells in their initial configuration.
 
     Attributes:
-        cells: Which, shape (c,).
-        values: Of the interpolation's functions, shape (c, g, 16).
-        places: Shape (c, g, 3).
+        cells: Indices of the cells, shape (c,).
+        values: Shape functions at the points, shape (c, g, 16).
+        places: Positions of the points, shape (c, g, 3).
         weights: Areas or lengths, shape (c, g).
     """
 
@@ -36,7 +36,7 @@ Table = Callable[[Array], Array]
 
 
 def over_cells(cells: Indices, q: Array, shapes: Table) -> Quadrature:
-    """Points on cells with vectors ``q`` (c, 16, 3) of an interpolation."""
+    """Quadrature over cells with vectors ``q`` (c, 16, 3) and shape functions ``shapes``."""
     x, w = hermite.gauss(_POINTS)
     table = shapes(hermite.products(x, x))
     r1, r2 = (np.einsum("ga,caj->cgj", table[:, k], q) for k in (hermite.ALONG, hermite.ACROSS))
@@ -45,7 +45,7 @@ def over_cells(cells: Indices, q: Array, shapes: Table) -> Quadrature:
 
 
 def along_edge(edge: Edge, q: Array, shapes: Table) -> Quadrature:
-    """Points on an edge of cells with vectors ``q`` (c, 16, 3) of an interpolation."""
+    """Quadrature along an edge of cells with vectors ``q`` (c, 16, 3)."""
     x, w = hermite.gauss(_POINTS)
     points = np.full((_POINTS, 2), float(edge.side))
     points[:, 0 if edge.along == 0 else 1] = x

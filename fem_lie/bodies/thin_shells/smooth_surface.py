@@ -1,4 +1,4 @@
-"""Smooth surfaces of points with twelve unknowns: what thin shells and plates with shear have."""
+"""Common base of thin shells and ANCF plates: smooth surfaces, twelve unknowns at a point."""
 
 from __future__ import annotations
 
@@ -42,29 +42,30 @@ _NODE = np.array([unwrap(node_of)(a) for a in range(VECTORS)])
 _HALF = np.array([unwrap(half_of)(a) for a in range(VECTORS)])
 _ROW = _HALF + _NODE // CORNERS
 _AT_A_POINT = np.array([[[1.0, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 0, 1]]])
-"""Place, ∂u and ∂v of a point, in its rows."""
+"""Weights of position, ∂u and ∂v in the coordinates of a point."""
 Direction = Callable[[Array], npt.ArrayLike]
 
 
 class SmoothSurface(HeldSurface):
-    """A body on smooth patches; subclasses say what the fourth vector of a point is.
+    """Body on smooth patches; subclasses define the fourth vector of a point.
 
-    A point has a place and the derivatives ``∂u, ∂v`` in parameters that are lengths, and a fourth
-    vector. It is two nodes: row 0 and 1 of ``frames[i]`` are place and ∂u, rows 1 and 2 of
-    ``frames[points + i]`` the fourth and ∂v. Rows 2 and 3 of the first are axes that follow the
-    surface: the last is the normal.
+    A point has a position, the derivatives ``∂u, ∂v`` in parameters that are lengths, and a fourth
+    vector. It is two nodes: rows 0 and 1 of ``frames[i]`` are position and ∂u, rows 1 and 2 of
+    ``frames[points + i]`` the fourth vector and ∂v. Rows 2 and 3 of the first node are axes that
+    rotate with the surface; the last is the normal.
 
     Attributes:
-        points_count: Number of points; nodes are twice as many.
-        connectivity: Nodes of each cell: four places with ∂u, and the others, shape (m, 8).
-        sizes: What ∂u, ∂v and the fourth are multiplied by in each cell, and which of its corners
-            hang, shape (m, 4).
-        sections: Of each cell.
+        points_count: Number of points; there are twice as many nodes.
+        connectivity: Nodes of each cell: four with position and ∂u, then the others, shape (m, 8).
+        sizes: Factors of ∂u, ∂v and the fourth vector in each cell, and a code of its hanging
+            corners, shape (m, 4).
+        sections: Section of each cell.
         stiffness: Section stiffness of each cell, shape (m, 8, 8).
         density: Mass per area of each cell, shape (m,).
         axes: Vector in each cell whose projection onto the surface is e₁ of its strains, (m, 3).
-        damping: Of its motion in space.
-        table: Values and derivatives along ξ and η at points (g, 2), shape (g, 3 or more, 16).
+        damping: Mass-proportional damping.
+        table: Shape functions and derivatives along ξ and η at points (g, 2), shape (g, 3 or more,
+            16).
     """
 
     table: ClassVar[Callable[[Array], Array]]
@@ -78,33 +79,33 @@ class SmoothSurface(HeldSurface):
         along: npt.ArrayLike | Direction | None = None,
         damping: Damping | None = None,
         joined: bool | None = None,
-        seams: Sequence[Seam] = (),
+        couplings: Sequence[Seam] = (),
         name: str = "",
     ) -> None:
-        """Place the nodes.
+        """Create the nodes.
 
         Args:
-            patches: One, whose edges are "a=0", "a=1", "b=0", "b=1" and whose corners are "00",
-                "10", "01", "11"; or several by names, which stand before: "roof.a=0", "roof.00"; or
-                a mesh of cells of several sizes on such patches, which says what is joined.
-            section: One for all cells, one for each patch, or a function of the middle of a cell,
+            patches: One patch, with edges "a=0", "a=1", "b=0", "b=1" and corners "00", "10", "01",
+                "11"; or several by names, which prefix those of edges and corners: "roof.a=0",
+                "roof.00"; or a spline mesh with cells of several sizes, which defines what is
+                joined.
+            section: One for all cells, one for each patch, or a function of the centre of a cell,
                 shape (3,).
-            along: e₁ of the sections' axes before projection onto the surface: one vector, or a
-                function of the middle of a cell; default: along a.
-            damping: With mass only.
-            joined: Whether edges that lie on each other are one, as smooth surfaces go on; default:
-                those of several patches.
-            seams: Edges that lie on each other with other parameters, and are sewn together.
-            name: For messages and results.
+            along: e₁ of the section axes before projection onto the surface: one vector, or a
+                function of the centre of a cell; default: along a.
+            damping: Mass-proportional damping.
+            joined: Whether coincident edges are joined smoothly; default: if there are several
+                patches.
+            couplings: Coincident edges with different parametrisations, coupled by springs.
+            name: Name in messages and results.
 
         Raises:
-            ValueError: There is no patch, parametrisations of edges that are to be one do not
-                agree, a patch has no section, ``along`` is normal to the surface, or there is
-                damping with strain.
-            TypeError: An argument is of another kind than wanted.
+            ValueError: There is no patch, parametrisations of joined edges do not agree, a patch
+                has no section, ``along`` is normal to the surface, or there is damping of strain.
+            TypeError: An argument has an unexpected type.
         """
         text(name, "ThinShell: name")
-        surface = surface_of(patches, joined, seams, name or "ThinShell")
+        surface = surface_of(patches, joined, couplings, name or "ThinShell")
         self.damping = mass_only(damping, "ThinShell")
         self._edges, self._groups = surface.edges, surface.groups
         self._corners = surface.corners
@@ -134,42 +135,42 @@ class SmoothSurface(HeldSurface):
 
     @abstractmethod
     def surface_rule(self) -> tuple[Array, Array, Array]:
-        """Values (g, 16), slopes (g, 2, 16) and weights (g,) for integrals over a cell."""
+        """Values (g, 16), slopes (g, 2, 16) and weights (g,) of a quadrature rule over a cell."""
 
     @abstractmethod
     def fourth(self, surface: Joined) -> tuple[Array, Array]:
-        """The fourth vector of each point (n, 3), and what it is multiplied by in cells (m,)."""
+        """Fourth vector of each point (n, 3), and its factor in each cell (m,)."""
 
     @property
     def node_type(self) -> NodeType:
-        """Of the nodes that have places."""
+        """Type of the nodes with positions."""
         return NodeType.SURFACE_GRADIENT
 
     @property
     def node_types(self) -> Indices:
-        """See the base class."""
+        """Type of each node, shape (n,)."""
         kinds = [int(NodeType.SURFACE_GRADIENT), int(NodeType.MIXED_DERIVATIVE)]
         return np.repeat(kinds, self.points_count).astype(np.int64)
 
     def attachment_of(self, node: int) -> AttachmentFrame:
-        """The frame of the surface: along a, and the normal."""
+        """Attachment frame of the surface: first axis along a, third axis normal."""
         if node >= self.points_count:
             raise ValueError(
-                f"{self.label} has points 0 … {self.points_count - 1}, got {node}: the nodes after "
-                "these have no places"
+                f"{self.label} has points 0 … {self.points_count - 1}, got {node}: further nodes "
+                "have no positions"
             )
         return on_surface((node, node + self.points_count), _AT_A_POINT)
 
     def point_in_cell(self, cell: int, ξ: float, η: float) -> Point:
-        """The point within a cell, to which joints, springs and loads may be attached.
+        """Point within a cell, for joints, springs and loads.
 
         Args:
-            cell: Its number.
+            cell: Index of the cell.
             ξ: From 0 to 1 along a.
             η: From 0 to 1 along b.
 
         Raises:
-            ValueError: There is no such cell, or the place is not in it.
+            ValueError: There is no such cell, or ``ξ`` or ``η`` is out of range.
         """
         if not 0 <= cell < len(self.connectivity):
             raise ValueError(f"{self.label} has cells 0 … {len(self.connectivity) - 1}, got {cell}")
@@ -184,11 +185,11 @@ class SmoothSurface(HeldSurface):
         shares = np.zeros((NODES, 2, 3))
         shares[_NODE, _HALF] = (shapes @ self.extraction()[cell]).T
         nodes = self.connectivity[cell]
-        place = f"({ξ:g}, {η:g}) in cell {cell}"
-        return Point(self, int(nodes[0]), place, on_surface(nodes, shares))
+        name = f"({ξ:g}, {η:g}) in cell {cell}"
+        return Point(self, int(nodes[0]), name, on_surface(nodes, shares))
 
     def _closest(self, position: Array) -> Point:
-        """The closest point of the surface: a node, or a point within a cell."""
+        """Closest point of the surface: a node, or a point within a cell."""
         node = super()._closest(position)
         if np.linalg.norm(node.position - position) <= AT_NODE * self.size:
             return node
@@ -203,7 +204,7 @@ class SmoothSurface(HeldSurface):
         return self.point_in_cell(cell, float(ξ), float(η))
 
     def follower(self) -> Follower:
-        """Axes follow the surface, but where components along them are held."""
+        """Function that rotates the axes with the surface, except where components are held."""
         moves: Flags = ~self.axes_are_held()
 
         def follow(rows: Array) -> None:
@@ -226,16 +227,16 @@ class SmoothSurface(HeldSurface):
         return self._groups[group]
 
     def vectors(self, frames: Array | None = None) -> Array:
-        """Vectors of the interpolation of each cell, shape (m, 16, 3).
+        """Hermite vectors of each cell, shape (m, 16, 3).
 
         Args:
-            frames: Rows of the nodes, shape (n, 4, 3); default: as it lies.
+            frames: Nodal coordinates, shape (n, 4, 3); default: initial ones.
         """
         rows = (self.frames if frames is None else frames)[self.connectivity]
         return np.asarray(self.extraction() @ rows[:, _NODE, _ROW])
 
     def extraction(self) -> Array:
-        """The matrix of each cell that makes these of the rows of its nodes, shape (m, 16, 16)."""
+        """Matrix of each cell from nodal coordinates to its Hermite vectors, shape (m, 16, 16)."""
         found = np.zeros((len(self.sizes), VECTORS, VECTORS))
         at = np.arange(VECTORS)
         found[:, at, at] = np.tile(np.insert(self.sizes[:, :3], 0, 1.0, axis=1), 4)
@@ -244,35 +245,35 @@ class SmoothSurface(HeldSurface):
         return found
 
     def on_rows(self, cells: Indices, values: Array) -> Array:
-        """Sums of what acts on the vectors of cells (c, 16, 3), on the rows of nodes (n, 4, 3)."""
+        """Forces on nodal coordinates (n, 4, 3) of forces on vectors of cells (c, 16, 3)."""
         found = np.zeros((len(self.frames), 4, 3))
         nodes, back = self.connectivity[cells][:, _NODE], self.extraction()[cells].swapaxes(1, 2)
         np.add.at(found, (nodes, _ROW), back @ values)
         return found
 
     def on_cells(self, group: str | None = None) -> Quadrature:
-        """Points of integration on a patch (default: all)."""
+        """Quadrature over the cells of a patch (default: all)."""
         cells = self.cells_of(group)
         return over_cells(cells, self.vectors()[cells], type(self).table)
 
     def on_edge(self, name: str) -> Quadrature:
-        """Points of integration on an edge.
+        """Quadrature along an edge.
 
         Raises:
             ValueError: There is no such edge.
         """
         edge = self.edge(name)
         if edge.along < 0:
-            raise ValueError(f"{name!r} of {self.label} is a corner, wanted an edge")
+            raise ValueError(f"{name!r} of {self.label} is a corner, expected an edge")
         return along_edge(edge, self.vectors()[edge.cells], type(self).table)
 
     def consistent(self, at: Quadrature, density: Array) -> Array:
-        """Forces on the rows of all nodes, shape (n, 4, 3), of densities (c, g, 3) at points."""
+        """Consistent nodal forces (n, 4, 3) of force densities (c, g, 3) at quadrature points."""
         on_vectors = np.einsum("cg,cga,cgj->caj", at.weights, at.values, density)
         return self.on_rows(at.cells, on_vectors)
 
     def on_nodes(self, M: Array) -> Array:
-        """Matrices of the vectors of cells (m, 16, 16) on the rows of nodes, (m, 8, 4, 8, 4)."""
+        """Matrices of cells (m, 16, 16) in nodal coordinates, shape (m, 8, 4, 8, 4)."""
         E, found = self.extraction(), np.zeros((len(M), NODES, 4, NODES, 4))
         i, a = np.meshgrid(range(VECTORS), range(VECTORS), indexing="ij")
         shares = E.swapaxes(1, 2) @ M @ E
@@ -280,7 +281,7 @@ class SmoothSurface(HeldSurface):
         return found
 
     def _drawn(self) -> Indices:
-        """Corners of cells for pictures: those that hang are drawn at one end of their edge."""
+        """Corners of cells for pictures; a hanging corner is drawn at one end of its edge."""
         found, own = self._corners.copy(), self.sizes[:, 3].astype(np.int64)
         for k in range(2):
             cells = np.flatnonzero(own >> (2 + k) & 1)
@@ -291,7 +292,7 @@ class SmoothSurface(HeldSurface):
         return found
 
     def middles(self) -> Array:
-        """Middle of each cell, shape (m, 3)."""
+        """Centre of each cell, shape (m, 3)."""
         return np.asarray(self.vectors()[:, ::4].mean(axis=1))
 
     def _axes_along(self, along: npt.ArrayLike | Direction | None, middles: Array) -> Array:

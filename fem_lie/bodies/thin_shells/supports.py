@@ -1,7 +1,7 @@
-"""Supports of thin shells: clamps, hinges, planes of symmetry, directions held in space.
+"""Supports of thin shells: clamps, hinges, planes of symmetry, rollers.
 
-A place that is held along an edge has a derivative along it that is held, too. What is held is
-along the axes of a point, which then stay as they are.
+Where positions are held along an edge, their derivative along it is held, too. Constraints are
+along the axes of a point, which then do not rotate.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ _ACROSS = 1e-6  # components of slopes that are meant to be normal to a plane
 _KINDS = np.array([int(NodeType.SURFACE_GRADIENT), int(NodeType.MIXED_DERIVATIVE)])
 
 PLACE, ALONG_A, ALONG_B, MIXED = range(4)
-"""Vectors of a point."""
+"""Vectors of a point: position, surface gradients along a and b, mixed derivative or director."""
 
 _HALVES = ((0, 0), (0, 1), (1, 1), (1, 0))
-"""Of each vector: whether it is in the point's second node, and which half of its motion it is."""
+"""Of each vector: 1 if the second node of the point has it, and its index in that node."""
 
 
 class HeldSurface(Body):
-    """A body of points with places and slopes.
+    """Body of points with positions and surface gradients.
 
     Attributes:
-        points_count: Number of points; their second nodes follow the first ones.
-        fourth_is_director: Whether their fourth vector is across the thickness, as it is sheared,
+        points_count: Number of points; their second nodes come after all first nodes.
+        fourth_is_director: Whether the fourth vector of a point is a director across the thickness,
             and not the mixed derivative.
     """
 
@@ -42,10 +42,10 @@ class HeldSurface(Body):
     _edges: dict[str, Edge]
 
     def edge(self, name: str) -> Edge:
-        """An edge, or a corner as an edge of one point.
+        """Edge, or corner as an edge of one point.
 
         Raises:
-            ValueError: There is nothing of this name; the message lists what exists.
+            ValueError: There is no such edge; the message lists what exists.
         """
         if name in self._edges:
             return self._edges[name]
@@ -60,13 +60,13 @@ class HeldSurface(Body):
         return self.edge(where).points
 
     def clamp(self, name: str) -> list[Point]:
-        """Hold places and normals of an edge or corner; strains across the edge stay free.
+        """Hold positions and normals of an edge or corner; strains across the edge stay free.
 
         Returns:
-            The points that are held, for :meth:`fem_lie.Result.reaction`.
+            Held points, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
-            ValueError: There is nothing of this name; the message lists what exists.
+            ValueError: There is no such edge; the message lists what exists.
         """
         edge = self.edge(name)
         for point in map(int, edge.points):
@@ -84,13 +84,13 @@ class HeldSurface(Body):
         return self.points(name)
 
     def hinge(self, name: str) -> list[Point]:
-        """Hold the places of an edge or corner, not the normals.
+        """Hold the positions of an edge or corner, not the normals.
 
         Returns:
-            The points that are held, for :meth:`fem_lie.Result.reaction`.
+            Held points, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
-            ValueError: There is nothing of this name; the message lists what exists.
+            ValueError: There is no such edge; the message lists what exists.
         """
         edge = self.edge(name)
         for point in edge.points:
@@ -105,15 +105,15 @@ class HeldSurface(Body):
         Two rollers along the same edge are a diaphragm.
 
         Args:
-            name: Of the edge or corner.
+            name: Name of the edge or corner.
             normal: The direction, global components.
 
         Returns:
-            The points that are held, for :meth:`fem_lie.Result.reaction`.
+            Held points, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
-            ValueError: There is nothing of this name, the direction is zero, or a point is held
-                along others that are neither this one nor across it.
+            ValueError: There is no such edge, the direction is zero, or a point is held along
+                directions that are neither parallel nor perpendicular to it.
         """
         edge, n = self.edge(name), direction(normal, f"the direction of roller {name!r}")
         for point in edge.points:
@@ -124,14 +124,14 @@ class HeldSurface(Body):
         return self.points(name)
 
     def symmetry(self, name: str, normal: npt.ArrayLike) -> list[Point]:
-        """Let an edge lie on a plane of symmetry: the surface goes on as in a mirror.
+        """Hold an edge on a plane of symmetry: the surface continues as its mirror image.
 
         Args:
-            name: Of the edge.
-            normal: Of the plane, global components.
+            name: Name of the edge.
+            normal: Normal of the plane, global components.
 
         Returns:
-            The points that are held, for :meth:`fem_lie.Result.reaction`.
+            Held points, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
             ValueError: There is no such edge, it is not in a plane with that normal, or the
@@ -149,17 +149,17 @@ class HeldSurface(Body):
         return self.points(name)
 
     def axes_are_held(self) -> Flags:
-        """Points of which components along their axes are held, shape (n,)."""
+        """Mask of the points with held components along their axes, shape (n,)."""
         found = self.held.reshape(2, self.points_count, 2, 3).sum(axis=-1) % 3 > 0
         return np.asarray(found[0].any(axis=1) | found[1].any(axis=1))
 
     def _held(self, point: int, vector: int) -> Flags:
-        """What is held of a vector of a point, shape (3,), to be written into."""
+        """View of the constraints of a vector of a point, shape (3,)."""
         second, half = _HALVES[vector]
         return self.held[point + second * self.points_count, 3 * half : 3 * half + 3]
 
     def _axis_along(self, point: int, n: Array, name: str) -> int:
-        """The axis of a point that is along ``n``; its axes are turned if none is."""
+        """Index of the axis of a point along ``n``; its axes are rotated if there is none."""
         first, second = point, point + self.points_count
         rows = self.frames[first]
         axes = np.array([np.cross(rows[2], rows[3]), rows[2], rows[3]])
@@ -171,14 +171,15 @@ class HeldSurface(Body):
         if np.abs(axes[used] @ n).max(initial=0.0) > _AGREE:
             raise ValueError(
                 f"{name!r} of {self.label}: the point at {rows[0]} is held along "
-                f"{axes[used].tolist()} already, which are neither along nor across {n.tolist()}"
+                f"{axes[used].tolist()} already, neither parallel nor perpendicular to "
+                f"{n.tolist()}"
             )
         free = np.flatnonzero(~used)
         axis = int(free[np.abs(axes[free] @ n).argmax()])
         one, last = (axis + 1) % 3, (axis + 2) % 3
         if used[last] or (not used[one] and abs(axes[last] @ n) < abs(axes[one] @ n)):
             one, last = last, one
-        # the one that is used, or nearer to being across, changes least
+        # the axis that is used, or closer to perpendicular, changes least
         new = np.empty((3, 3))
         new[axis] = n * np.sign(axes[axis] @ n)
         new[one] = axes[one] - (axes[one] @ n) * n
@@ -201,6 +202,6 @@ class HeldSurface(Body):
         if height > _ACROSS * self.size or skew.max() > _ACROSS:
             raise ValueError(
                 f"{name!r} of {self.label} is not on a plane of symmetry with the normal {n}: "
-                f"places vary by {height:.2e} along it, and the sine between it and the parameter "
-                f"lines that end there is up to {skew.max():.2e}"
+                f"positions vary by {height:.2e} along it, and the sine between it and the "
+                f"parameter lines that end there is up to {skew.max():.2e}"
             )

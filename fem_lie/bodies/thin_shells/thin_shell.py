@@ -1,4 +1,4 @@
-"""Thin shells: smooth surfaces without shear, twelve unknowns at each point."""
+"""Thin shells: smooth surfaces without transverse shear, twelve unknowns at each point."""
 
 from __future__ import annotations
 
@@ -14,34 +14,34 @@ from fem_lie.bodies.thin_shells.assembly import ThinShellAssembly, mass_matrices
 from fem_lie.bodies.thin_shells.given_sections import ThinSections
 from fem_lie.bodies.thin_shells.smooth_surface import Direction, SmoothSurface
 from fem_lie.elements.thin_shells.bicubic import BicubicHermite
-from fem_lie.elements.thin_shells.seam import SeamPoints, SeamSprings
+from fem_lie.elements.thin_shells.coupling import CouplingPoints, CouplingSprings
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.mesh.bicubic import hermite
-from fem_lie.mesh.bicubic.patch_coupling import Joined, Seam, seam_points
+from fem_lie.mesh.bicubic.patch_coupling import Joined, Seam, coupling_points
 from fem_lie.mesh.bicubic.smooth_patch import SmoothPatch
 from fem_lie.mesh.bicubic.spline_mesh import SplineMesh
 from fem_lie.sections.material import Damping
 
 
 class ThinShell(SmoothSurface):
-    """A thin shell of any section on smooth patches; it is not sheared across its thickness.
+    """Thin (Kirchhoff-Love) shell of any section on smooth patches, without transverse shear.
 
-    A point of it has a place and the derivatives ``∂u, ∂v, ∂u∂v`` in parameters that are lengths,
-    which are continuous from cell to cell. It is two nodes: row 0 and 1 of ``frames[i]`` are place
+    A point has a position and the derivatives ``∂u, ∂v, ∂u∂v`` in parameters that are lengths,
+    which are continuous across cells. It is two nodes: rows 0 and 1 of ``frames[i]`` are position
     and ∂u, rows 1 and 2 of ``frames[points + i]`` ∂u∂v times an area and ∂v. Rows 2 and 3 of the
-    first are axes that follow the surface: the last is the normal. Rotary inertia is left out, as
-    shear is.
+    first node are axes that rotate with the surface; the last is the normal. Rotary inertia is
+    neglected.
 
     Attributes:
-        points_count: Number of points; nodes are twice as many.
-        connectivity: Nodes of each cell: four places with ∂u, and the others, shape (m, 8).
-        sizes: Of each cell: along u, along v, their product over the area that the mixed derivative
-            is multiplied by, and which of its corners hang, shape (m, 4).
-        stiffness: Section stiffness of each cell, shape (m, 8, 8); shear does not count.
+        points_count: Number of points; there are twice as many nodes.
+        connectivity: Nodes of each cell: four with position and ∂u, then the others, shape (m, 8).
+        sizes: For each cell, its sizes along u and v, their product over the area that scales the
+            mixed derivative, and a code of its hanging corners, shape (m, 4).
+        stiffness: Section stiffness of each cell, shape (m, 8, 8); that against shear is not used.
         density: Mass per area of each cell, shape (m,).
         axes: Vector in each cell whose projection onto the surface is e₁ of its strains, (m, 3).
-        formulation: The element.
-        damping: Of its motion in space.
+        formulation: Finite element.
+        damping: Mass-proportional damping.
 
     Example:
         >>> flat = fl.smooth_patch(lambda a, b: np.array([a, b, 0.0]), (2, 2))
@@ -59,31 +59,30 @@ class ThinShell(SmoothSurface):
         formulation: BicubicHermite | None = None,
         damping: Damping | None = None,
         joined: bool | None = None,
-        seams: Sequence[Seam] = (),
+        couplings: Sequence[Seam] = (),
         name: str = "",
     ) -> None:
-        """Place the nodes.
+        """Create the nodes.
 
         Args:
-            patches: One, whose edges are "a=0", "a=1", "b=0", "b=1" and whose corners are "00",
-                "10", "01", "11"; or several by names, which stand before: "roof.a=0", "roof.00"; or
-                a :func:`spline_mesh` of these, whose cells are of several sizes.
-            section: One for all cells, one for each patch, or a function of the middle of a cell,
+            patches: One patch, with edges "a=0", "a=1", "b=0", "b=1" and corners "00", "10", "01",
+                "11"; or several by names, which prefix those of edges and corners: "roof.a=0",
+                "roof.00"; or a :func:`spline_mesh` of these, with cells of several sizes.
+            section: One for all cells, one for each patch, or a function of the centre of a cell,
                 shape (3,).
-            along: e₁ of the sections' axes before projection onto the surface: one vector, or a
-                function of the middle of a cell; default: along a.
-            formulation: The element.
-            damping: With mass only.
-            joined: Whether edges that lie on each other are one, as smooth surfaces go on; default:
-                those of several patches.
-            seams: Edges that lie on each other with other parameters, and are sewn together.
-            name: For messages and results.
+            along: e₁ of the section axes before projection onto the surface: one vector, or a
+                function of the centre of a cell; default: along a.
+            formulation: Finite element; default: :class:`~fem_lie.BicubicHermite`.
+            damping: Mass-proportional damping.
+            joined: Whether coincident edges are joined smoothly; default: if there are several
+                patches.
+            couplings: Coincident edges with different parametrisations, coupled by springs.
+            name: Name in messages and results.
 
         Raises:
-            ValueError: There is no patch, parametrisations of edges that are to be one do not
-                agree, a patch has no section, ``along`` is normal to the surface, or there is
-                damping with strain.
-            TypeError: An argument is of another kind than wanted.
+            ValueError: There is no patch, parametrisations of joined edges do not agree, a patch
+                has no section, ``along`` is normal to the surface, or there is damping of strain.
+            TypeError: An argument has an unexpected type.
         """
         instance(formulation, BicubicHermite | None, "ThinShell: formulation", "an element or None")
         self.formulation = BicubicHermite() if formulation is None else formulation
@@ -93,45 +92,47 @@ class ThinShell(SmoothSurface):
             along=along,
             damping=damping,
             joined=joined,
-            seams=seams,
+            couplings=couplings,
             name=name,
         )
         cells = self.connectivity, self.sizes[:, :3]
-        self.seams = [
-            seam_points(seam, ends, self.vectors(), cells, self.stiffness)
-            for seam in seams
-            for ends in [(self._edges[seam.first], self._edges[seam.second])]
+        self.couplings = [
+            coupling_points(coupling, ends, self.vectors(), cells, self.stiffness)
+            for coupling in couplings
+            for ends in [(self._edges[coupling.first], self._edges[coupling.second])]
         ]
 
     def surface_rule(self) -> tuple[Array, Array, Array]:
-        """As the element says."""
+        """Quadrature rule of the formulation."""
         return self.formulation.surface_rule()
 
     def fourth(self, surface: Joined) -> tuple[Array, Array]:
-        """The mixed derivative, times the mean area of a cell."""
+        """Mixed derivative times the mean area of a cell, and its factor in each cell."""
         areas = surface.sizes.prod(axis=1)
         mean = float(areas.mean())
         return mean * surface.rows[:, 3], areas / mean
 
     @property
     def kind(self) -> Hashable:
-        """Thin shells of one element go together."""
+        """Key of thin shells that are assembled together: same class and formulation."""
         return type(self), self.formulation
 
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
-        """All of one :attr:`kind` together, with their seams."""
+        """Assembly of all bodies of one :attr:`kind`, with the springs that couple patches."""
         assembly = ThinShellAssembly(bodies)
         starts = np.cumsum([0, *(len(body.frames) for body in bodies)])
         found = [
             part._replace(nodes=part.nodes + start)
             for body, start in zip(bodies, starts, strict=False)
-            for part in body.seams
+            for part in body.couplings
         ]
         if found:
-            assembly.further_terms.append(SeamSprings(SeamPoints.joined(found), assembly.count))
+            assembly.further_terms.append(
+                CouplingSprings(CouplingPoints.joined(found), assembly.count)
+            )
         return assembly
 
     def element_inertia(self) -> Array:
-        """Constant matrix of the rows of each cell's nodes, shape (m, 8, 4, 8, 4)."""
+        """Mass matrix in the nodal coordinates of each cell, shape (m, 8, 4, 8, 4)."""
         return self.on_nodes(mass_matrices(self.formulation, self.vectors(), self.density))

@@ -9,7 +9,7 @@ The first is integrated at the three Lobatto points, the second at three Gauss p
 cable that bends without stretching ``|x′|`` of a cubic cannot be one everywhere: at the Lobatto
 points, of which two are the nodes, it can be, and nothing locks; at five Gauss points it does. A
 free end that carries no tension is kept from turning by its bending stiffness alone.
-Where it is pushed see :mod:`.thread_law`.
+Where it is pushed see :mod:`.cable_law`.
 
 (Gerstmayr & Irschik, *J. Sound Vib.* 318 (2008) 461: the strains; Gerstmayr &
 Shabana, *Nonlinear Dyn.* 45 (2006) 109: reduced integration of the stretch.)
@@ -49,7 +49,7 @@ from fem_lie._jit import callback, inlined
 from fem_lie.attachments.at_nodes import along_tangent
 from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
-from fem_lie.elements.rods.thread_law import check_section, stretch_energy
+from fem_lie.elements.rods.cable_law import check_section, stretch_energy
 from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, FrameMap, Pointer, frame_function
@@ -103,7 +103,7 @@ def packed(lengths: Array, stiffness: Array, speeds: Array | None, slack: float 
 
 @inlined
 def _stress(ε: float, slack: float) -> float:
-    """Over ``EA``; see :mod:`.thread_law`."""
+    """Over ``EA``; see :mod:`.cable_law`."""
     width, beyond = 0.5 * slack, ε - slack
     if ε > slack + width:
         return ε

@@ -19,7 +19,7 @@ import ufl
 from fem_lie._arrays import Array, positive
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
 from fem_lie.elements.rods.cable import pull_back_vectors, push_forward_vectors
-from fem_lie.elements.rods.thread_law import check_section, stretch_energy
+from fem_lie.elements.rods.cable_law import check_section, stretch_energy
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels.addresses import FrameMap

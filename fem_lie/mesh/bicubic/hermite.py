@@ -1,7 +1,7 @@
-"""Bicubic Hermite interpolation on the unit square: what it is made of, at points.
+"""Bicubic Hermite interpolation on the unit square.
 
 The surface on a cell is ``r(ξ, η) = Σ Nₐ(ξ, η) qₐ`` with sixteen vectors: at each corner, (0, 0),
-(1, 0), (0, 1), (1, 1), the place, its derivatives along ξ and η, and the mixed one.
+(1, 0), (0, 1), (1, 1), the position, its derivatives along ξ and η, and the mixed derivative.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ import numpy as np
 from fem_lie._arrays import Array
 
 VALUE, ALONG, ACROSS, BENT_ALONG, BENT_ACROSS, TWISTED = range(6)
-"""Derivatives in a table: none, ξ, η, ξξ, ηη, ξη."""
+"""Indices of a table: value, and derivatives in ξ, η, ξξ, ηη, ξη."""
 
 _ORDERS = ((0, 0), (1, 0), (0, 1), (2, 0), (0, 2), (1, 1))
 _CUBICS = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
-"""By powers: place and slope of the first end, then of the second."""
+"""Coefficients by powers: of value and derivative at the first end, then at the second."""
 
 
 def table(points: Array) -> Array:
@@ -24,35 +24,35 @@ def table(points: Array) -> Array:
     for k, (first, second) in enumerate(_ORDERS):
         along = _cubics(points[:, 0], first).reshape(-1, 2, 2)
         across = _cubics(points[:, 1], second).reshape(-1, 2, 2)
-        # corners: ξ runs first; at each of them place, ξ, η, ξη
+        # corners: ξ runs first; at each of them value, ξ, η, ξη
         found[:, k] = np.einsum("gai,gbj->gbaji", along, across).reshape(-1, 16)
     return found
 
 
 def _cubics(x: Array, order: int) -> Array:
-    """Derivatives of the four cubics at places (g,), shape (g, 4)."""
+    """Derivatives of the four cubics at points (g,), shape (g, 4)."""
     found = [np.polynomial.Polynomial(c).deriv(order)(x) for c in _CUBICS]
     return np.stack(found, axis=1)
 
 
 def gauss(count: int) -> tuple[Array, Array]:
-    """Points and weights of Gauss' rule on (0, 1)."""
+    """Points and weights of the Gauss rule on (0, 1)."""
     x, w = np.polynomial.legendre.leggauss(count)
     return 0.5 * (1.0 + x), 0.5 * w
 
 
 def lobatto() -> Array:
-    """The three points of Lobatto's rule on (0, 1)."""
+    """Points of the three-point Lobatto rule on (0, 1)."""
     return np.array([0.0, 0.5, 1.0])
 
 
 def products(first: Array, second: Array) -> Array:
-    """All pairs, the second runs first, shape (a b, 2)."""
+    """All pairs of points, the second index first, shape (a b, 2)."""
     return np.stack([a.ravel() for a in np.meshgrid(first, second, indexing="ij")], axis=1)
 
 
 def lagrange(nodes: Array, at: Array) -> Array:
-    """Values at places (g,) of the polynomials that are one at one of the nodes, (g, k)."""
+    """Values at points (g,) of the Lagrange polynomials of the nodes, shape (g, k)."""
     found = np.ones((len(at), len(nodes)))
     for k, node in enumerate(nodes):
         for other in np.delete(nodes, k):

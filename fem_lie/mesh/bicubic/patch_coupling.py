@@ -1,4 +1,4 @@
-"""Edges of patches, patches put together at corners, and coupled along edges."""
+"""Edges of patches, joined patches, and coupling of patches along edges."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from fem_lie._arrays import Array, Indices, positive, text
 from fem_lie.mesh.bicubic import hermite
 from fem_lie.mesh.bicubic.smooth_patch import SmoothPatch
 
-_PER_CELL = 2  # a cubic edge follows any other at two Gauss points per cell, and no further
+_PER_CELL = 2  # at more points than two per cell, cubic edges lock
 _SAMPLES, _PASSES = 9, 14
 _APART, _KINK = 0.05, radians(15.0)  # of a cell; between normals
 
 
 class Edge(NamedTuple):
-    """Points along an edge of a patch, or points alone.
+    """Points along an edge of a patch, or a single point.
 
     Attributes:
-        points: One after the other, shape (n,).
-        along: Which derivative is along them, 0 or 1, or −1 of a single point.
-        cells: Cell at each piece between two points, shape (n − 1,).
-        side: At which end of the cells' other parameter, 0 or 1.
+        points: Points in order along the edge, shape (n,).
+        along: Index of the derivative along the edge, 0 or 1, or −1 for a single point.
+        cells: Cell at each segment between two points, shape (n − 1,).
+        side: End of the cells' other parameter at which the edge is, 0 or 1.
     """
 
     points: Indices
@@ -36,14 +36,15 @@ class Edge(NamedTuple):
 
 @dataclass(frozen=True)
 class Seam:
-    """Two edges of patches that are held together: as smooth surfaces go on, whatever parameters.
+    """Smooth coupling of two coincident edges of patches with any parametrisations.
 
-    Places and normals are held by springs, at two points per cell of the edge that has more cells.
+    Positions and normals are coupled by springs, at two points per cell of the edge with more
+    cells.
 
     Attributes:
         first: Name of an edge, as of a :class:`~fem_lie.ThinShell`: "roof.a=1".
-        second: Of the other.
-        stiffness: Of these springs, in stiffness of the shell across a cell.
+        second: Name of the other edge.
+        stiffness: Stiffness of the springs, relative to that of the shell across a cell.
 
     Raises:
         ValueError: The stiffness is not positive.
@@ -53,7 +54,7 @@ class Seam:
         >>> left = fl.smooth_patch(lambda a, b: (a, b, 0), (2, 3))
         >>> right = fl.smooth_patch(lambda a, b: (1 + a, 0.5 * b + 0.5 * b**2, 0), (2, 2))
         >>> sides = {"left": left, "right": right}
-        >>> plate = fl.ThinShell(sides, steel, seams=[fl.Seam("left.a=1", "right.a=0")])
+        >>> plate = fl.ThinShell(sides, steel, couplings=[fl.Seam("left.a=1", "right.a=0")])
     """
 
     first: str
@@ -67,14 +68,14 @@ class Seam:
         positive(self.stiffness, "Seam: stiffness")
 
 
-class SeamPoints(NamedTuple):
-    """Points along seams.
+class CouplingPoints(NamedTuple):
+    """Points at which edges are coupled.
 
     Attributes:
-        nodes: Of the cell on one side, then of that on the other, shape (b, 16).
-        sizes: Of both cells, as :mod:`fem_lie.elements.thin_shells.rows` has them, shape (b, 6).
-        shapes: Of ``r``, ``r₁``, ``r₂`` of one side, then of the other, shape (b, 6, 16).
-        taken: ``D`` and ``C``, shape (b, 6).
+        nodes: Nodes of the cell on one side, then on the other, shape (b, 16).
+        sizes: Sizes of both cells, see :mod:`fem_lie.elements.thin_shells.rows`, shape (b, 6).
+        shapes: Shape functions of ``r``, ``r₁``, ``r₂`` of one side, then of the other, (b, 6, 16).
+        taken: Initial gaps ``D`` and ``C``, shape (b, 6).
         stiffness: ``w N`` and ``w M``, shape (b, 2).
     """
 
@@ -85,29 +86,29 @@ class SeamPoints(NamedTuple):
     stiffness: Array
 
     @classmethod
-    def joined(cls, parts: list[SeamPoints]) -> SeamPoints:
-        """All of several."""
+    def joined(cls, parts: list[CouplingPoints]) -> CouplingPoints:
+        """Concatenation of several records."""
         return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-def seam_points(
-    seam: Seam,
+def coupling_points(
+    coupling: Seam,
     edges: tuple[Edge, Edge],
     vectors: Array,
     cells: tuple[Indices, Array],
     stiffness: Array,
-) -> SeamPoints:
-    """Where both sides are held together.
+) -> CouplingPoints:
+    """Points at which both edges are coupled.
 
     Args:
-        seam: Of the edges.
-        edges: Both.
-        vectors: Of the interpolation of all cells, shape (m, 16, 3).
-        cells: Nodes of each, (m, 8), and sizes, (m, 3).
-        stiffness: Of their sections, shape (m, 8, 8).
+        coupling: The coupling.
+        edges: Both edges.
+        vectors: Hermite vectors of all cells, shape (m, 16, 3).
+        cells: Nodes of each cell, (m, 8), and sizes, (m, 3).
+        stiffness: Section stiffness of each cell, shape (m, 8, 8).
 
     Raises:
-        ValueError: The edges do not lie on each other, or meet with a kink.
+        ValueError: The edges are not coincident, or meet at a kink.
     """
     if len(edges[0].cells) < len(edges[1].cells):
         edges = edges[1], edges[0]
@@ -123,16 +124,16 @@ def seam_points(
     y, s1, s2 = np.einsum("bca,baj->cbj", second, vectors[other])
     lengths = np.linalg.norm((r1, r2)[A.along], axis=1) * np.tile(weights, len(A.cells))
     n, m = (_unit(np.cross(*slopes)) for slopes in ((r1, r2), (s1, s2)))
-    _check(seam, lengths, np.linalg.norm(x - y, axis=1), np.einsum("bj,bj->b", n, m))
+    _check(coupling, lengths, np.linalg.norm(x - y, axis=1), np.einsum("bj,bj->b", n, m))
     basis = np.stack([r1, r2, n], axis=-1)
     taken = np.concatenate([_solved(basis, y - x), _solved(basis, m - n)], axis=1)
-    # a cell's size across, by which stiffness of the shell is that of a spring
+    # size of a cell across the edge, which relates the stiffness of shell and spring
     across = np.linalg.norm((r2, r1)[A.along], axis=1)
     D = stiffness[own]
-    factor = seam.stiffness * lengths / across
+    factor = coupling.stiffness * lengths / across
     springs = np.stack([D[:, :2, :2].max(axis=(1, 2)), D[:, 3:5, 3:5].max(axis=(1, 2))], axis=1)
     nodes, sizes = cells
-    return SeamPoints(
+    return CouplingPoints(
         np.concatenate([nodes[own], nodes[other]], axis=1),
         np.concatenate([sizes[own], sizes[other]], axis=1),
         np.concatenate([first, second], axis=1),
@@ -142,14 +143,14 @@ def seam_points(
 
 
 def _shapes(edge: Edge, at: Array) -> Array:
-    """Of place and both slopes at places along pieces of an edge, shape (b, 3, 16)."""
+    """Shape functions of position and gradients at points along an edge, shape (b, 3, 16)."""
     points = np.full((len(at), 2), float(edge.side))
     points[:, edge.along] = at
     return np.asarray(hermite.table(points)[:, : hermite.ACROSS + 1])
 
 
 def _nearest(edge: Edge, q: Array, x: Array) -> tuple[Indices, Array]:
-    """Piece of an edge of cells with vectors ``q``, and where on it, next to places (b, 3)."""
+    """Segment of an edge, and parameter in it, closest to each position (b, 3)."""
     shape = len(x), len(q)
     low: Array = np.zeros(shape)
     high: Array = np.ones(shape)
@@ -167,18 +168,18 @@ def _nearest(edge: Edge, q: Array, x: Array) -> tuple[Indices, Array]:
     return piece, middle[np.arange(len(x)), piece]
 
 
-def _check(seam: Seam, lengths: Array, gaps: Array, cosines: Array) -> None:
+def _check(coupling: Seam, lengths: Array, gaps: Array, cosines: Array) -> None:
     far = gaps > _APART * _PER_CELL * lengths
     if far.any():
         raise ValueError(
-            f"the edges {seam.first!r} and {seam.second!r} are to be one seam, but are up to "
-            f"{gaps.max():.3g} from each other, with cells of about {_PER_CELL * lengths.max():.3g}"
+            f"the edges {coupling.first!r} and {coupling.second!r} are to be coupled, but are up "
+            f"to {gaps.max():.3g} from each other, with cells of about {_PER_CELL * lengths.max():.3g}"
         )
     if cosines.min() < cos(_KINK):
         raise ValueError(
-            f"the seam of {seam.first!r} and {seam.second!r} has a kink of "
-            f"{np.degrees(np.arccos(np.clip(cosines.min(), -1, 1))):.0f}° between normals; patches "
-            "are sewn together where the surface goes on smoothly, with normals to the same side"
+            f"the coupling of {coupling.first!r} and {coupling.second!r} has a kink of "
+            f"{np.degrees(np.arccos(np.clip(cosines.min(), -1, 1))):.0f}° between normals; "
+            "expected a smooth surface, with normals to the same side"
         )
 
 
@@ -190,17 +191,17 @@ def _unit(a: Array) -> Array:
     return np.asarray(a / np.linalg.norm(a, axis=-1, keepdims=True))
 
 
-def points_on(seams: Sequence[Seam], edges: dict[str, Edge], label: str) -> set[int]:
-    """Points on edges of seams.
+def points_on(couplings: Sequence[Seam], edges: dict[str, Edge], label: str) -> set[int]:
+    """Points on coupled edges.
 
     Raises:
         ValueError: There is no such edge.
     """
     found: set[int] = set()
-    for name in (name for seam in seams for name in (seam.first, seam.second)):
+    for name in (name for coupling in couplings for name in (coupling.first, coupling.second)):
         if name not in edges:
             known = ", ".join(edges)
-            raise ValueError(f"{label} has no edge {name!r} for a seam; it has: {known}")
+            raise ValueError(f"{label} has no edge {name!r} to couple; it has: {known}")
         found.update(int(point) for point in edges[name].points)
     return found
 
@@ -212,13 +213,13 @@ class Joined(NamedTuple):
     """Points and cells of all patches.
 
     Attributes:
-        rows: Place, ∂u, ∂v and ∂u∂v of each point, shape (n, 4, 3).
+        rows: Position, ∂u, ∂v and ∂u∂v of each point, shape (n, 4, 3).
         corners: Points of each cell: (0, 0), (1, 0), (0, 1), (1, 1), shape (m, 4).
-        sizes: Of each cell along u and v, shape (m, 2).
-        edges: By name.
+        sizes: Sizes of each cell along u and v, shape (m, 2).
+        edges: Edges by name.
         named: Corners of the patches by name.
         groups: Cells of each patch by name.
-        hanging: Which corners of each cell hang, as a code, shape (m,).
+        hanging: Code of the hanging corners of each cell, shape (m,).
     """
 
     rows: Array
@@ -231,19 +232,18 @@ class Joined(NamedTuple):
 
 
 def joined(
-    patches: Mapping[str, SmoothPatch], *, one: bool, label: str, seams: Sequence[Seam] = ()
+    patches: Mapping[str, SmoothPatch], *, one: bool, label: str, couplings: Sequence[Seam] = ()
 ) -> Joined:
-    """Number points and cells.
+    """Number the points and cells of all patches.
 
     Args:
-        patches: By name; one without a name is called "".
-        one: Whether points of edges at one place are one point.
-        label: Of the body, for messages.
-        seams: Edges whose points stay apart where slopes are not the same.
+        patches: Patches by name; a single patch without a name has the key "".
+        one: Whether coincident points of edges are merged.
+        label: Label of the body, for messages.
+        couplings: Coupled edges, whose points stay separate where gradients differ.
 
     Raises:
-        ValueError: Slopes of points that are to be one are not the same, or there is no edge of a
-            seam.
+        ValueError: Gradients of points to be merged differ, or a coupled edge does not exist.
     """
     rows, corners, sizes = [], [], []
     edges: dict[str, Edge] = {}
@@ -277,12 +277,12 @@ def joined(
         groups,
         np.zeros(cells),
     )
-    sewn = points_on(seams, edges, label)
-    return _merged(found, sewn, label) if one else found
+    coupled = points_on(couplings, edges, label)
+    return _merged(found, coupled, label) if one else found
 
 
-def _merged(found: Joined, sewn: set[int], label: str) -> Joined:
-    """Points of edges that are at one place made one, but for those that are sewn together."""
+def _merged(found: Joined, coupled: set[int], label: str) -> Joined:
+    """Merge coincident points of edges, except those on coupled edges."""
     outer = np.unique(np.concatenate([edge.points for edge in found.edges.values()]))
     size = float(np.linalg.norm(np.ptp(found.rows[:, 0], axis=0)))
     same: Indices = np.arange(len(found.rows))
@@ -291,7 +291,7 @@ def _merged(found: Joined, sewn: set[int], label: str) -> Joined:
         away = np.linalg.norm(found.rows[before, 0] - found.rows[point, 0], axis=1)
         near = before[away <= _PLACES * size]
         for other in near:
-            apart = {int(point), int(other)} <= sewn
+            apart = {int(point), int(other)} <= coupled
             if _same_slopes(found.rows[other], found.rows[point], size, label, refuse=not apart):
                 same[point] = same[other]
                 break
@@ -315,18 +315,18 @@ def _same_slopes(a: Array, b: Array, size: float, label: str, *, refuse: bool) -
             f"patches of {label} are to be joined at {a[0]}, where the parametrisations do not "
             "agree: derivatives along a, along b and mixed, of parameters that are lengths, are\n"
             f"{a[1:]} and\n{b[1:]}. Give functions with the same slopes on both sides (a along a, "
-            "of the same speed), sew the edges by a Seam, or say joined=False; a kink cannot be "
-            "joined"
+            "of the same speed), couple the edges by a Seam, or pass joined=False; a kink cannot "
+            "be joined"
         )
     return same
 
 
 def frames_of(rows: Array, fourth: Array) -> Array:
-    """Rows of the nodes, but for the axes, (2 n, 4, 3).
+    """Nodal coordinates without axes, shape (2 n, 4, 3).
 
     Args:
-        rows: Place and derivatives of each point, shape (n, 4, 3).
-        fourth: Its fourth vector, shape (n, 3).
+        rows: Position and derivatives of each point, shape (n, 4, 3).
+        fourth: Fourth vector of each point, shape (n, 3).
     """
     count = len(rows)
     frames = np.zeros((2 * count, 4, 3))

@@ -1,11 +1,9 @@
-"""Smooth patches that thin shells lie on, also of bicubic splines.
+"""Smooth patches for thin shells: from functions, and from bicubic splines.
 
-Patches of bicubic splines: exactly what a thin shell interpolates, whatever their knots.
-
-Between its knots a bicubic spline is a bicubic; one whose inner knots are single or doubled has
-continuous slopes. So it is the surface that a thin shell has with the spline's places, slopes and
-mixed derivatives at the knots: with doubled knots unknowns are as many as control points. More
-knots do not change the surface.
+Between its knots a bicubic spline is a bicubic polynomial; with single or double inner knots it has
+continuous gradients. So a thin shell with its positions, gradients and mixed derivatives at the
+knots represents it exactly; with double knots there are as many unknowns as control points. Knot
+insertion does not change the surface.
 """
 
 from __future__ import annotations
@@ -21,21 +19,21 @@ from scipy.interpolate import BSpline, make_interp_spline
 from fem_lie._arrays import Array, instance, numbers, vector, whole
 
 Surface = Callable[[float, float], npt.ArrayLike]
-"""A place (3,) for parameters (a, b) between 0 and 1, smooth."""
+"""Smooth function of the position (3,) at parameters (a, b) between 0 and 1."""
 
 _STEP, _STENCIL = 0.01, 9
-"""Of differences, in the parameters: at the edges they look to the inside."""
+"""Step and number of points of finite differences; one-sided at the edges."""
 
 
 @dataclass(frozen=True, eq=False)
 class SmoothPatch:
-    """A surface over a rectangle of parameters, by its places and derivatives at a grid of nodes.
+    """Surface over a rectangle of parameters, by positions and derivatives at a grid of nodes.
 
     Parameters are lengths: those of the middle lines along a and along b.
 
     Attributes:
-        rows: Place, ∂u, ∂v and ∂u∂v at the nodes, shape (na + 1, nb + 1, 4, 3).
-        sizes: Of the cells along u (na,) and along v (nb,).
+        rows: Position, ∂u, ∂v and ∂u∂v at the nodes, shape (na + 1, nb + 1, 4, 3).
+        sizes: Sizes of the cells along u (na,) and along v (nb,).
     """
 
     rows: Array
@@ -43,19 +41,19 @@ class SmoothPatch:
 
 
 def smooth_patch(function: Surface, cells: tuple[int, int]) -> SmoothPatch:
-    """A patch of ``cells`` equal cells on a surface given as a function, a and b from 0 to 1.
+    """Patch of ``cells`` equal cells on the surface of a function of a and b, from 0 to 1.
 
-    The surface between the nodes is the bicubic with the places and derivatives there; these are
-    found by differences of eighth order.
+    Between the nodes the surface is the bicubic with the positions and derivatives at the nodes;
+    derivatives are finite differences of eighth order.
 
     Args:
         function: ``function(a, b)``, shape (3,).
-        cells: Along a and along b.
+        cells: Numbers of cells along a and along b.
 
     Raises:
-        ValueError: There is no cell, a place is not finite, or the slopes at a node are zero or
-            along each other.
-        TypeError: The function is none, or the numbers of cells are not whole.
+        ValueError: There are no cells, a position is not finite, or the gradients at a node are
+            zero or parallel.
+        TypeError: ``function`` is not a function, or the numbers of cells are not whole.
     """
     place, grids = grid(function, cells, "smooth_patch")
     rows = np.array([[derivatives_of(place, a, b) for b in grids[1]] for a in grids[0]])
@@ -65,33 +63,33 @@ def smooth_patch(function: Surface, cells: tuple[int, int]) -> SmoothPatch:
 def grid(
     function: Surface, cells: tuple[int, int], what: str
 ) -> tuple[Callable[[float, float], Array], tuple[Array, Array]]:
-    """The function with its values checked, and the parameters of the nodes.
+    """The function with checked values, and the parameters of the nodes.
 
     Args:
         function: See :func:`smooth_patch`.
-        cells: Likewise.
-        what: Is to be made, for messages.
+        cells: See :func:`smooth_patch`.
+        what: Name of the caller, for messages.
     """
     instance(function, Callable, f"{what}: function", "a function of (a, b)")
     for name, count in zip("ab", cells, strict=True):
         whole(count, f"{what}: cells along {name}")
 
     def place(a: float, b: float) -> Array:
-        return vector(function(a, b), 3, f"the place at ({a:g}, {b:g})")
+        return vector(function(a, b), 3, f"the position at ({a:g}, {b:g})")
 
     nodes: list[Array] = [np.arange(count + 1.0) / count for count in cells]
     return place, (nodes[0], nodes[1])
 
 
 def from_rows(rows: Array, spans: tuple[Array, Array]) -> SmoothPatch:
-    """A patch with parameters that are lengths.
+    """Patch with parameters that are lengths.
 
     Args:
-        rows: Place, ∂a, ∂b and ∂a∂b at the nodes, shape (na + 1, nb + 1, 4, 3).
-        spans: Of the cells in a (na,) and in b (nb,).
+        rows: Position, ∂a, ∂b and ∂a∂b at the nodes, shape (na + 1, nb + 1, 4, 3).
+        spans: Parameter intervals of the cells in a (na,) and in b (nb,).
 
     Raises:
-        ValueError: Slopes at a node are zero or along each other.
+        ValueError: Gradients at a node are zero or parallel.
     """
     lengths = [float(np.linalg.norm(rows[..., 1 + k, :], axis=-1).mean()) or 1.0 for k in range(2)]
     rows = rows / np.array([1.0, *lengths, lengths[0] * lengths[1]])[:, np.newaxis]
@@ -100,7 +98,7 @@ def from_rows(rows: Array, spans: tuple[Array, Array]) -> SmoothPatch:
 
 
 def derivatives_of(place: Callable[[float, float], Array], a: float, b: float) -> Array:
-    """Place and ∂a, ∂b, ∂a∂b, shape (4, 3)."""
+    """Position and ∂a, ∂b, ∂a∂b, shape (4, 3)."""
     (x, first), (y, second) = _stencil(a), _stencil(b)
     values = np.array([[place(s, t) for t in y] for s in x])
     mixed = np.einsum("i,j,ijk->k", first, second, values)
@@ -109,9 +107,9 @@ def derivatives_of(place: Callable[[float, float], Array], a: float, b: float) -
 
 
 def _stencil(at: float) -> tuple[Array, Array]:
-    """Places within (0, 1) and the weights of a derivative at one of them."""
+    """Points within (0, 1), and the weights of the first derivative at ``at``."""
     last = _STENCIL - 1
-    # as many on either side as there is room for
+    # centred, as far as the interval permits
     low, high = round(at / _STEP), last - round((1.0 - at) / _STEP)
     before = min(max(last // 2, high), low)
     offsets = np.arange(_STENCIL) - float(before)
@@ -128,7 +126,7 @@ def _check_slopes(rows: Array) -> None:
     if len(bad):
         i, j = bad[0]
         raise ValueError(
-            "a smooth patch needs slopes along a and b that are neither zero nor along each other; "
+            "a smooth patch needs gradients along a and b that are neither zero nor parallel; "
             f"at {rows[i, j, 0]} they are {first[i, j]} and {second[i, j]} (of parameters that are "
             "lengths)"
         )
@@ -136,7 +134,7 @@ def _check_slopes(rows: Array) -> None:
 
 _DEGREE = 3
 _SMOOTH = 2
-"""Times that an inner knot may be there so that slopes are continuous."""
+"""Largest multiplicity of an inner knot with continuous gradients."""
 
 
 def bspline_patch(
@@ -146,18 +144,19 @@ def bspline_patch(
     *,
     pieces: tuple[int, int] = (1, 1),
 ) -> SmoothPatch:
-    """A patch that is a bicubic spline surface, exactly.
+    """Patch that represents a bicubic spline surface exactly.
 
     Args:
-        knots_a: Of the first parameter, increasing, four times at either end, shape (k,).
-        knots_b: Of the second, shape (l,).
+        knots_a: Knots of the first parameter, increasing, with multiplicity four at both ends,
+            shape (k,).
+        knots_b: Knots of the second parameter, shape (l,).
         controls: Control points, shape (k − 4, l − 4, 3).
-        pieces: Equal cells into which each span between two knots is cut, along a and along b.
+        pieces: Numbers of equal cells in each knot span, along a and along b.
 
     Raises:
-        ValueError: Knots do not increase, ends are not four times there, an inner knot is three
-            times there, which is a kink, there are not as many control points as knots ask for, or
-            slopes are zero or along each other.
+        ValueError: Knots do not increase, end knots do not have multiplicity four, an inner knot
+            has multiplicity three, which is a kink, the number of control points does not match, or
+            gradients are zero or parallel.
     """
     points = numbers(controls, "bspline_patch: controls")
     knots, cuts = [], []
@@ -165,11 +164,11 @@ def bspline_patch(
         knots.append(numbers(given, f"bspline_patch: knots_{name}"))
         cuts.append(whole(count, f"bspline_patch: pieces along {name}"))
         _check_knots(knots[-1], name)
-    wanted = tuple(len(each) - _DEGREE - 1 for each in knots)
-    if points.shape != (*wanted, 3):
+    expected = tuple(len(each) - _DEGREE - 1 for each in knots)
+    if points.shape != (*expected, 3):
         raise ValueError(
             f"a bicubic spline of {len(knots[0])} and {len(knots[1])} knots has control points of "
-            f"shape {(*wanted, 3)}, got {points.shape}"
+            f"shape {(*expected, 3)}, got {points.shape}"
         )
     at = [_cut(np.unique(each), count) for each, count in zip(knots, cuts, strict=True)]
     rows = [_evaluated(knots, points, at, orders) for orders in ((0, 0), (1, 0), (0, 1), (1, 1))]
@@ -177,18 +176,18 @@ def bspline_patch(
 
 
 def spline_patch(function: Surface, cells: tuple[int, int]) -> SmoothPatch:
-    """The bicubic spline through places of a surface, with its slopes at the edges.
+    """Bicubic spline through points of a surface, with its gradients at the edges.
 
-    Curvatures are continuous, as of a surface from a drawing; :func:`~fem_lie.smooth_patch` takes
-    slopes everywhere.
+    Curvatures are continuous, as for a surface from CAD; :func:`~fem_lie.smooth_patch` uses the
+    gradients at all nodes.
 
     Args:
         function: ``function(a, b)``, shape (3,), a and b from 0 to 1.
-        cells: Along a and along b.
+        cells: Numbers of cells along a and along b.
 
     Raises:
         ValueError: As :func:`~fem_lie.smooth_patch`.
-        TypeError: Likewise.
+        TypeError: As :func:`~fem_lie.smooth_patch`.
     """
     place, (a, b) = grid(function, cells, "spline_patch")
     given = np.empty((len(a) + 2, len(b) + 2, 3))
@@ -205,7 +204,7 @@ def spline_patch(function: Surface, cells: tuple[int, int]) -> SmoothPatch:
 
 
 def _through(at: Array, given: Array) -> Any:
-    """Spline along the first axis: its slope at the first place, all places, that at the last."""
+    """Spline along the first axis from slope, positions and slope in ``given``."""
     ends = [(1, given[0])], [(1, given[-1])]
     return make_interp_spline(at, given[1:-1], k=_DEGREE, bc_type=ends)
 
@@ -213,14 +212,14 @@ def _through(at: Array, given: Array) -> Any:
 def _evaluated(
     knots: list[Array], points: Array, at: list[Array], orders: tuple[int, int]
 ) -> Array:
-    """A derivative at a grid, shape (i, j, 3)."""
+    """Derivative of given orders on a grid, shape (i, j, 3)."""
     first = BSpline(knots[0], points, _DEGREE)(at[0], nu=orders[0])
     second = BSpline(knots[1], first.swapaxes(0, 1), _DEGREE)(at[1], nu=orders[1])
     return np.asarray(second.swapaxes(0, 1))
 
 
 def _cut(knots: Array, count: int) -> Array:
-    """Each span in equal parts."""
+    """Knots with each span divided into ``count`` equal parts."""
     inner = knots[:-1, np.newaxis] + np.diff(knots)[:, np.newaxis] * np.arange(count) / count
     return np.append(inner.ravel(), knots[-1])
 
@@ -233,11 +232,11 @@ def _check_knots(knots: Array, name: str) -> None:
         )
     found, times = np.unique(knots, return_counts=True)
     if len(found) < 2 or times[0] != _DEGREE + 1 or times[-1] != _DEGREE + 1:
-        raise ValueError(f"the first and last knot along {name} are there four times, got {knots}")
+        raise ValueError(f"end knots along {name}: expected multiplicity four, got {knots}")
     kinks = found[1:-1][times[1:-1] > _SMOOTH]
     if len(kinks):
         raise ValueError(
-            f"a thin shell has continuous slopes: inner knots along {name} are there once or "
-            f"twice, but three times and more at {kinks}, where the surface may have a kink; cut "
+            f"inner knots along {name}: expected multiplicity one or two, for continuous "
+            f"gradients, got three or more at {kinks}, where the surface may have a kink; divide "
             "it there"
         )

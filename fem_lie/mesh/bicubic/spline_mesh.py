@@ -1,15 +1,16 @@
-r"""Smooth patches of cells of several sizes: hierarchical splines with truncated functions.
+"""Hierarchical bicubic splines: smooth patches with cells of several sizes.
 
-Bicubics with continuous slopes on a grid are the splines with doubled knots, and nested: a cell can
-be cut in four. Functions of a level are active at its points where all cells around are of this
-level or finer. Truncated, so that they vanish with their slopes at all points of finer levels (C.
-Giannelli, B. Jüttler & H. Speleers, CAGD 29 (2012) 485), they are those that are one in one of the
-vectors of one point and zero in all others: a surface is still given by place, slopes and mixed
-derivative at its points, of which there are ``4 (points that do not hang)`` functions, as J. Deng
-et al., Graphical Models 70 (2008) 76, count them. In the middle of an edge of a larger cell hangs
-what that edge has there (:mod:`fem_lie.elements.thin_shells.rows`).
+Bicubics with continuous gradients on a grid are splines with double knots, and nested: a cell can
+be divided into four. Functions of a level are active at points where all adjacent cells have this
+level or a finer one. They are truncated, so that they vanish with their gradients at all points of
+finer levels (C. Giannelli, B. Jüttler & H. Speleers, CAGD 29 (2012) 485). So each function is one
+in one vector of one point and zero in all others: a surface is still given by position, gradients
+and mixed derivative at its points, with ``4 (points that do not hang)`` functions, as J. Deng et
+al., Graphical Models 70 (2008) 76, count them. A hanging node, at the midpoint of an edge of a
+larger cell, has the values of that edge (:mod:`fem_lie.elements.thin_shells.rows`).
 
-So that an edge has no end that hangs itself, cells that meet differ by one level at most.
+Adjacent cells differ by at most one level, so that the ends of an edge with a hanging node do not
+hang.
 """
 
 from __future__ import annotations
@@ -29,26 +30,26 @@ from fem_lie.mesh.bicubic.smooth_patch import SmoothPatch
 _Numbers = TypeVar("_Numbers", Array, Indices)
 
 _EDGES = np.array([[0, 1], [2, 3], [0, 2], [1, 3]])
-"""Corners of a cell's edges: first those along u."""
+"""Corners of a cell's edges; the first two are along u."""
 _NEW = np.array([[0.5, 0.0], [0.5, 1.0], [0.0, 0.5], [1.0, 0.5], [0.5, 0.5]])
-"""Where points of a cell are that is cut: in the middle of its edges, and its own."""
+"""New points of a divided cell: the midpoints of its edges, and its centre."""
 _QUARTERS = np.array([[0, 4, 6, 8], [4, 1, 8, 7], [6, 8, 2, 5], [8, 7, 5, 3]])
-"""Corners of its quarters among its own corners and these."""
+"""Corners of the four quarters, as indices of the cell's corners and new points."""
 
 
 @dataclass(frozen=True, eq=False)
 class SplineMesh:
-    """Cells of several levels on smooth patches, made by :func:`spline_mesh` and ``fl.refine``.
+    """Cells of several levels on smooth patches, created by :func:`spline_mesh` and ``fl.refine``.
 
     Attributes:
-        rows: Place, ∂u, ∂v and ∂u∂v of each point, those that hang too, shape (n, 4, 3).
+        rows: Position, ∂u, ∂v and ∂u∂v of each point, hanging points included, shape (n, 4, 3).
         cells: Corners of each cell: (0, 0), (1, 0), (0, 1), (1, 1), shape (m, 4).
-        sizes: Along u and v, shape (m, 2).
-        levels: How often each has been cut, shape (m,).
-        quarters: Which quarter of a larger cell each is, −1 of those that were given, shape (m,).
-        parents: Corners of that larger cell, shape (m, 4).
-        cuts: Both ends of each edge that was cut, and the point in its middle, shape (c, 3).
-        edges: By name.
+        sizes: Sizes along u and v, shape (m, 2).
+        levels: Level of each cell, shape (m,).
+        quarters: Quarter of its parent that each cell is, −1 for cells of level 0, shape (m,).
+        parents: Corners of the parent cell, shape (m, 4).
+        cuts: Both ends of each divided edge, and its midpoint, shape (c, 3).
+        edges: Edges by name.
         named: Corners of the patches by name.
         groups: Cells of each patch by name.
 
@@ -71,17 +72,17 @@ class SplineMesh:
     groups: dict[str, Indices]
 
     def middles(self, ends: Indices) -> Indices:
-        """Points in the middle of edges (…, 2), −1 where an edge is whole."""
+        """Midpoints of edges (…, 2), −1 for edges that are not divided."""
         if not len(self.cuts):
             return np.full(ends.shape[:-1], -1)
         known = _keys(self.cuts[:, :2], len(self.rows))
         order = np.argsort(known)
-        wanted = _keys(ends, len(self.rows))
-        at = order[np.minimum(np.searchsorted(known, wanted, sorter=order), len(order) - 1)]
-        return np.where(known[at] == wanted, self.cuts[at, 2], -1)
+        keys = _keys(ends, len(self.rows))
+        at = order[np.minimum(np.searchsorted(known, keys, sorter=order), len(order) - 1)]
+        return np.where(known[at] == keys, self.cuts[at, 2], -1)
 
     def hanging(self) -> Indices:
-        """Of each point the cell on whose edge it hangs, −1 of others, shape (n,)."""
+        """Cell on whose edge each point hangs, −1 for regular points, shape (n,)."""
         found = np.full(len(self.rows), -1)
         middles = self.middles(self.cells[:, _EDGES])
         cell, edge = np.nonzero(middles >= 0)
@@ -89,7 +90,7 @@ class SplineMesh:
         return found
 
     def cut(self, marked: Indices) -> SplineMesh:
-        """Cut cells in four, and as many more as differ by more than a level from those beside."""
+        """Divide cells into four, and neighbours that would differ by more than one level."""
         found = self
         while len(marked):
             found = _cut(found, marked)
@@ -97,14 +98,14 @@ class SplineMesh:
         return found
 
     def surface(self) -> Joined:
-        """Points that do not hang, and cells by these."""
+        """Points that do not hang, and cells in terms of these."""
         hang = self.hanging() >= 0
         own = np.arange(len(self.cells))
         flags, cells = [], self.cells.copy()
         for step in (1, 2):
             corner = np.where(self.quarters < 0, 0, self.quarters) ^ step
             flags.append((self.quarters >= 0) & hang[self.cells[own, corner]])
-            # in its stead the end of the edge
+            # replaced by the end of the edge
             cells[own, corner] = np.where(flags[-1], self.parents[own, corner], cells[own, corner])
         number = np.cumsum(~hang) - 1
         return Joined(
@@ -121,19 +122,18 @@ class SplineMesh:
 def spline_mesh(
     patches: SmoothPatch | Mapping[str, SmoothPatch], *, joined: bool | None = None
 ) -> SplineMesh:
-    """Patches whose cells can be cut one by one, with ``fl.refine`` or ``fl.adapt``.
+    """Hierarchical mesh of patches, which ``fl.refine`` or ``fl.adapt`` refine cell by cell.
 
-    Whatever is cut, the surface is the same: it is that of the patches, exactly.
+    The surface does not depend on the refinement: it is exactly that of the patches.
 
     Args:
-        patches: One, or several by names, as for a :class:`~fem_lie.ThinShell`.
-        joined: Whether edges that lie on each other are one, as smooth surfaces go on; default:
-            those of several patches.
+        patches: One patch, or several by names, as for a :class:`~fem_lie.ThinShell`.
+        joined: Whether coincident edges are joined smoothly; default: if there are several patches.
 
     Raises:
-        ValueError: There is no patch, parametrisations of edges that are to be one do not agree, or
-            a patch that is closed on itself has only two cells around.
-        TypeError: An argument is of another kind than wanted.
+        ValueError: There is no patch, parametrisations of joined edges do not agree, or a closed
+            patch has only two cells around.
+        TypeError: An argument has an unexpected type.
     """
     if isinstance(patches, SplineMesh):
         raise TypeError("spline_mesh: patches must be a list of SmoothPatch, got a SplineMesh")
@@ -155,14 +155,14 @@ def spline_mesh(
 
 
 def _check_edges(cells: Indices, count: int) -> None:
-    """Two ends must say which edge is meant; it is the upper one of one cell, at most."""
+    """Check that two ends define one edge, which is the upper one of at most one cell."""
     for first, second in (_EDGES[:2], _EDGES[2:]):
         for ends in (first, second):
             keys = _keys(cells[:, ends], count)
             if len(np.unique(keys)) < len(keys):
                 raise ValueError(
-                    "two edges of cells have the same ends: a spline mesh that is closed on itself "
-                    "needs three cells around, or more"
+                    "two edges of cells have the same ends: a closed spline mesh needs three "
+                    "cells around, or more"
                 )
 
 
@@ -171,11 +171,11 @@ def _keys(ends: Indices, count: int) -> Indices:
 
 
 def _too_large(mesh: SplineMesh) -> Indices:
-    """Cells with an edge that is cut twice, or on which a corner of a smaller quarter hangs."""
+    """Cells with an edge that is divided twice, or with a hanging corner of a smaller quarter."""
     ends = mesh.cells[:, _EDGES]
     middle = mesh.middles(ends)
-    halves = np.stack([ends, np.broadcast_to(middle[..., np.newaxis], ends.shape)], axis=-1)
-    twice = (middle >= 0) & (mesh.middles(halves) >= 0).any(axis=-1)
+    segments = np.stack([ends, np.broadcast_to(middle[..., np.newaxis], ends.shape)], axis=-1)
+    twice = (middle >= 0) & (mesh.middles(segments) >= 0).any(axis=-1)
     hanging = mesh.hanging()
     quarter = mesh.quarters >= 0
     at_own = hanging[mesh.cells[quarter, mesh.quarters[quarter]]]
@@ -183,7 +183,7 @@ def _too_large(mesh: SplineMesh) -> Indices:
 
 
 def _cut(mesh: SplineMesh, marked: Indices) -> SplineMesh:
-    """Cut cells in four, and none beside them."""
+    """Divide the marked cells into four, without their neighbours."""
     points, rows, cuts = _with_middles(mesh, marked)
     corners, pieces = mesh.cells[marked], np.tile(np.arange(4), len(marked))
     kept = np.delete(np.arange(len(mesh.cells)), marked)
@@ -210,7 +210,7 @@ def _cut(mesh: SplineMesh, marked: Indices) -> SplineMesh:
 
 
 def _with_middles(mesh: SplineMesh, marked: Indices) -> tuple[Indices, Array, Indices]:
-    """Corners of cells and the points of :data:`_NEW` (c, 9); rows of all points; all cut edges."""
+    """Corners and new points of cells (c, 9); coordinates of all points; all divided edges."""
     n, corners = len(mesh.rows), mesh.cells[marked]
     ends = corners[:, _EDGES]
     before = mesh.middles(ends).ravel()
@@ -220,14 +220,14 @@ def _with_middles(mesh: SplineMesh, marked: Indices) -> tuple[Indices, Array, In
     inner = n + int(fresh.sum()) + np.arange(len(marked))
     points = np.column_stack([corners, number[same].reshape(-1, 4), inner])
     rows = np.concatenate([mesh.rows, np.empty((int(fresh.sum()) + len(marked), 4, 3))])
-    # cells on both sides of an edge find the same
+    # cells on both sides of an edge give the same values
     rows[points[:, 4:]] = _between(mesh.rows[corners], mesh.sizes[marked])
     cuts = np.column_stack([ends.reshape(-1, 2)[first[fresh]], number[fresh]])
     return points, rows, np.concatenate([mesh.cuts, cuts])
 
 
 def _between(corners: Array, sizes: Array) -> Array:
-    """Rows of the points of :data:`_NEW` in cells with rows (c, 4, 4, 3), shape (c, 5, 4, 3)."""
+    """Coordinates of the new points of cells with corners (c, 4, 4, 3), shape (c, 5, 4, 3)."""
     ones = np.ones(len(sizes))
     scales = np.column_stack([ones, sizes, sizes.prod(axis=1)])[:, np.newaxis, :, np.newaxis]
     orders = [hermite.VALUE, hermite.ALONG, hermite.ACROSS, hermite.TWISTED]
@@ -237,7 +237,7 @@ def _between(corners: Array, sizes: Array) -> Array:
 
 
 def _of_quarters(edge: Edge, cells: Indices, parents: Indices) -> Edge:
-    """An edge whose cells have been cut: the quarters that lie on it, one after the other."""
+    """Edge after division of its cells, with the quarters along it in order."""
     start, step = (edge.side, 2) if edge.along else (2 * edge.side, 1)
     first = np.searchsorted(parents, edge.cells)
     whole = np.searchsorted(parents, edge.cells, "right") - first == 1
@@ -254,23 +254,25 @@ def _of_points(edge: Edge, hang: Flags, number: Indices) -> Edge:
 def surface_of(
     patches: SmoothPatch | Mapping[str, SmoothPatch] | SplineMesh,
     joined: bool | None,
-    seams: Sequence[Seam],
+    couplings: Sequence[Seam],
     label: str,
 ) -> Joined:
-    """Points and cells of what a body is put on.
+    """Points and cells of the surface of a body.
 
     Raises:
-        ValueError: There is no patch, they do not agree, or seams are given beside a spline mesh.
-        TypeError: It is nothing of the kind.
+        ValueError: There is no patch, patches do not agree, or couplings are given for a spline
+            mesh.
+        TypeError: ``patches`` has an unexpected type.
     """
     known = "a SmoothPatch, a dict of them by names, or a SplineMesh"
     instance(patches, SmoothPatch | Mapping | SplineMesh, f"{label}: patches", known)
     if joined is not None:
         flag(joined, f"{label}: joined")
     if isinstance(patches, SplineMesh):
-        if joined is not None or len(seams):
+        if joined is not None or len(couplings):
             raise ValueError(
-                f"{label} is on a SplineMesh, which says what is joined: leave out joined and seams"
+                f"{label} is on a SplineMesh, which defines what is joined: omit joined "
+                "and couplings"
             )
         return patches.surface()
     given = {"": patches} if isinstance(patches, SmoothPatch) else dict(patches)
@@ -280,9 +282,9 @@ def surface_of(
         text(key, f"{label}: the name of a patch")
         instance(patch, SmoothPatch, f"{label}: patch {key!r}", "a SmoothPatch")
     one = len(given) > 1 if joined is None else joined
-    return put_together(given, one=one, label=label, seams=seams)
+    return put_together(given, one=one, label=label, couplings=couplings)
 
 
 def hanging_code(quarter: Indices, along: Flags, across: Flags) -> Array:
-    """The last of a cell's sizes: which quarter it is, and which corners beside its own hang."""
+    """Code in the last of a cell's sizes: its quarter, and which corners next to its own hang."""
     return np.where(along | across, quarter + 4 * along + 8 * across, 0).astype(np.float64)

@@ -1,7 +1,7 @@
 r"""Patch coupling of thin shells: positions and normals of two cells at one point of their edges.
 
 With positions ``r``, covariant slopes ``r₁, r₂`` and normals ``n`` of both sides at a point of the
-seam, ``w`` its fraction of the length, ``N`` and ``M`` stiffness per length::
+coupling, ``w`` its fraction of the length, ``N`` and ``M`` stiffness per length::
 
     e = (r_A − r_B + D (r₁, r₂, n)_A, n_A − n_B + C (r₁, r₂, n)_A),    W = ½ w (N |e_r|² + M |e_n|²)
 
@@ -30,7 +30,7 @@ from fem_lie.forms.small_energy.cell import (
 from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
 from fem_lie.lie.node_types.node_type import NodeType
 from fem_lie.lie.tuples import Vector, cross, dot, scaled
-from fem_lie.mesh.bicubic.patch_coupling import SeamPoints
+from fem_lie.mesh.bicubic.patch_coupling import CouplingPoints
 
 
 @compiled
@@ -69,7 +69,7 @@ ELEMENT = element(
 )
 
 
-def _data(points: SeamPoints) -> Array:
+def _data(points: CouplingPoints) -> Array:
     """Data of the cells."""
     b = len(points.nodes)
     scales = np.ones((b, 2, 1, VECTORS))
@@ -127,12 +127,12 @@ def stress_of_point(A: Pointer, w: Pointer, h: Pointer) -> None:
     update_stress(ELEMENT, A, w, h)
 
 
-class SeamSprings(ElementCells):
-    """Points along seams, on the nodes of their assembly."""
+class CouplingSprings(ElementCells):
+    """Points along couplings, on the nodes of their assembly."""
 
-    label, of_bodies = "seams", True
+    label, of_bodies = "couplings", True
 
-    def __init__(self, points: SeamPoints, count: int) -> None:
+    def __init__(self, points: CouplingPoints, count: int) -> None:
         """Pack the points, on the nodes of an assembly of so many."""
         self._pattern, self._points = Pattern.of(points.nodes, count), points
         functions = CellFunctions(
@@ -141,6 +141,6 @@ class SeamSprings(ElementCells):
         self._bind(ELEMENT, functions, points.nodes, _data(points))
 
     @property
-    def contents(self) -> SeamPoints:
+    def contents(self) -> CouplingPoints:
         """The points."""
         return self._points

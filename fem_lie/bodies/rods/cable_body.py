@@ -109,13 +109,13 @@ def following(frames: Array, edges: Indices, slopes: bool) -> Follower | None:
     return turn
 
 
-AnyThreads = TypeVar("AnyThreads", bound="Threads")
+AnyCableBody = TypeVar("AnyCableBody", bound="CableBody")
 
 _EI = 4
 """Index of ``EI`` in the section stiffness on (Γ, κ)."""
 
 
-class Threads(LineBody):
+class CableBody(LineBody):
     """Body along lines without directions across them."""
 
     def __init__(
@@ -198,11 +198,11 @@ class Threads(LineBody):
         pairs = np.column_stack([nodes, other])
         return [self._springs, Bends.at_ends(pairs, fixed, self._flexibility[edges])]
 
-    def follow(self: AnyThreads) -> AnyThreads:
+    def follow(self: AnyCableBody) -> AnyCableBody:
         """Let nodal axes rotate with the body: ``Cable.curve(…).follow()``.
 
         It is for cables that rotate or tumble, and for falling nets. The motion does not depend on
-        it, but the iteration matrix stays valid longer. See :mod:`fem_lie.bodies.rods.threads`.
+        it, but the iteration matrix stays valid longer. See :mod:`fem_lie.bodies.rods.cable_body`.
 
         Raises:
             ValueError: The body is straight, so that its rotation about the line is undefined.

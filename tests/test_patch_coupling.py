@@ -4,20 +4,20 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from benchmarks import seams
+from benchmarks import couplings
 from demos import hemisphere
 
 LAYER = fl.ShellSection.layer(0.1, fl.Material(1e3, 0.3, 2.0))
 
 
 def test_hemisphere_of_four_patches():
-    """As good as one; without its seams it would not stand."""
-    errors, solutions = seams.pinched(seams.quarters(hemisphere.place, 8))
+    """As good as one; without its couplings it would not stand."""
+    errors, solutions = couplings.pinched(couplings.quarters(hemisphere.place, 8))
     assert np.abs(errors).max() < 0.01 and solutions <= 14
 
 
 def test_roof_of_two_patches_with_other_numbers_of_cells():
-    errors, _ = seams.roof(seams.halves(seams.vault, (4, 8), (4, 6)))
+    errors, _ = couplings.roof(couplings.halves(couplings.vault, (4, 8), (4, 6)))
     assert np.abs(errors).max() < 0.01
 
 
@@ -29,8 +29,8 @@ LEFT = patch(lambda a, b: (a, b, 0))
 
 
 def sewn(right, **options) -> fl.ThinShell:
-    seam = fl.Seam("left.a=1", options.pop("edge", "right.a=0"), **options)
-    return fl.ThinShell({"left": LEFT, "right": right}, LAYER, seams=[seam])
+    coupling = fl.Seam("left.a=1", options.pop("edge", "right.a=0"), **options)
+    return fl.ThinShell({"left": LEFT, "right": right}, LAYER, couplings=[coupling])
 
 
 def uneven(a, b):
@@ -45,13 +45,13 @@ def test_a_sewn_plate_is_unstressed_as_it_lies_and_moves_rigidly():
     assert (frequencies[:6] < 1e-4 * frequencies[6]).all()
 
 
-def test_parameters_that_agree_need_no_seam_and_get_none():
+def test_parameters_that_agree_need_no_coupling_and_get_none():
     """Points with the same slopes are one."""
     shell = sewn(patch(lambda a, b: (1 + a, b, 0)))
     assert shell.points_count == 15
 
 
-def test_without_a_seam_it_is_refused():
+def test_without_a_coupling_it_is_refused():
     with pytest.raises(ValueError, match="Seam"):
         fl.ThinShell({"left": LEFT, "right": patch(uneven)}, LAYER)
 

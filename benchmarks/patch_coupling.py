@@ -1,9 +1,10 @@
 """Thin shells of several patches sewn together, whose parametrisations do not agree along edges.
 
-``python -m benchmarks.seams``: the pinched hemisphere of two and of four patches, the pulled
-cylinder of two, and the roof of Scordelis & Lo of two, against the references of the demos. The
-parameter of the second patch runs up to half as fast or faster again along the seam, or it has two
-cells where the first has three. One patch of as many cells is beside them.
+``python -m benchmarks.patch_coupling``: the pinched hemisphere of two and of four patches, the
+pulled cylinder of two, and the roof of Scordelis & Lo of two, against the references of the demos.
+Along the coupling the parameter of the second patch has up to half the speed of the first or half
+as much again, or the second patch has two cells where the first has three. Results of one patch
+with as many cells are given for comparison.
 """
 
 from __future__ import annotations
@@ -39,13 +40,13 @@ def piece(
 
 
 def halves(place: Place, first: tuple[int, int], second: tuple[int, int]) -> dict[str, Any]:
-    """Two patches, side by side along a, and their seam."""
+    """Two patches, side by side along a, and their coupling."""
     return {
         "patches": {
             "left": piece(place, (0, 0.5), (0, 1), first, 0.0),
             "right": piece(place, (0.5, 1), (0, 1), second, 0.5),
         },
-        "seams": [fl.Seam("left.a=1", "right.a=0")],
+        "couplings": [fl.Seam("left.a=1", "right.a=0")],
     }
 
 
@@ -58,7 +59,7 @@ def quarters(place: Place, n: int) -> dict[str, Any]:
             "left top": piece(place, (0, 0.4), (0.6, 1), (n // 2 + 1, n // 2), -0.3),
             "right top": piece(place, (0.4, 1), (0.6, 1), (n // 2, n // 2), 0.3),
         },
-        "seams": [
+        "couplings": [
             fl.Seam("left.a=1", "right.a=0"),
             fl.Seam("left top.a=1", "right top.a=0"),
             fl.Seam("left.b=1", "left top.b=0"),
@@ -79,7 +80,7 @@ def _held(shell: fl.ThinShell, names: Mapping[str, str]) -> None:
 def pinched(made: dict[str, Any], thickness: float = THIN) -> tuple[list[float], int]:
     """Errors of both deflections of the hemisphere, and linear solutions."""
     section = fl.ShellSection.layer(thickness, fl.Material(6.825e7, 0.3, 1.0))
-    shell = fl.ThinShell(made["patches"], section, seams=made["seams"], name="hemisphere")
+    shell = fl.ThinShell(made["patches"], section, couplings=made["couplings"], name="hemisphere")
     _held(shell, made["patches"])
     shell.roller("left.00", (0, 0, 1))
     force, *wanted = hemisphere.CASES[thickness]
@@ -97,7 +98,7 @@ def pulled(made: dict[str, Any]) -> tuple[list[float], int]:
     """Errors of three deflections of the cylinder, and linear solutions."""
     d = pulled_cylinder
     section = fl.ShellSection.layer(d.THICKNESS, fl.Material(10.5e6, 0.3125, 1.0))
-    shell = fl.ThinShell(made["patches"], section, seams=made["seams"], name="cylinder")
+    shell = fl.ThinShell(made["patches"], section, couplings=made["couplings"], name="cylinder")
     _held(shell, made["patches"])
     for name in made["patches"]:
         shell.symmetry(f"{name}.b=0", (0, 0, 1))
@@ -113,7 +114,7 @@ def pulled(made: dict[str, Any]) -> tuple[list[float], int]:
 def roof(made: dict[str, Any]) -> tuple[list[float], int]:
     """Error of the sag in the middle of the free edge, small, and linear solutions."""
     section = fl.ShellSection.layer(0.25, fl.Material(4.32e8, 0.0, 1.0))
-    shell = fl.ThinShell(made["patches"], section, seams=made["seams"], name="roof")
+    shell = fl.ThinShell(made["patches"], section, couplings=made["couplings"], name="roof")
     shell.symmetry("left.a=0", (0, 1, 0))
     for name in made["patches"]:
         shell.symmetry(f"{name}.b=0", (1, 0, 0))
