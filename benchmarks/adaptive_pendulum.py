@@ -112,7 +112,7 @@ def main() -> None:
         share=given.share,
         least=float(norm),
     )
-    last, cells = found.stretches[-1], found.cells
+    last, cells = found.segments[-1], found.cells
     way = f"{cells.min()} … {cells.max()} elements, {found.steps.sum()} steps"
     report(way, last.scene, last.result, found.element_steps)
     for cells, steps in ((160, 100), (200, 100), (240, 100), (240, 150)):

@@ -30,7 +30,7 @@ from demos.truss_deployment import DIAMETERS
 from demos.truss_deployment import STEEL as TUBES
 from demos.truss_scene import Truss
 from fem_lie import lie
-from fem_lie.reduce.beside_rest import BesideRest
+from fem_lie.reduce.linearised import LinearisedBody
 
 WEIGHT = np.array([0.0, 0.0, -9.81])
 
@@ -69,7 +69,7 @@ def in_fixed_axes(few: fl.ReducedBody, spin: np.ndarray, times: np.ndarray) -> n
     """Places (s, n, 3) of the same shapes with small rotations about the state at rest."""
     part = fl.Scene()
     body = part.add(few.full)
-    rest, X, axes = BesideRest(part, None), body.frames, few.frames[0, 1:]
+    rest, X, axes = LinearisedBody(part, None), body.frames, few.frames[0, 1:]
     flat = few.shapes.reshape(*few.shapes.shape[:2], 2, 3) @ axes
     turns = np.zeros((3, len(X), 2, 3))
     turns[:, :, 1] = np.eye(3)[:, np.newaxis]

@@ -22,7 +22,7 @@ import fem_lie as fl
 from demos.rotating_beam import HEIGHT, LENGTH, STEEL, WIDTH, blade
 from fem_lie import lie
 from fem_lie.reduce.axes import expanded, local_motion
-from fem_lie.reduce.beside_rest import BesideRest
+from fem_lie.reduce.linearised import LinearisedBody
 
 RUBBER = fl.Material(E=5e6, nu=0.3, density=1100.0)
 FAST = 10.0
@@ -193,7 +193,7 @@ def bent(modes: int) -> dict[str, float]:
 def answering(shapes: int) -> dict[str, float]:
     """Error of the place where a load swings at half the first frequency: Krylov, normal modes."""
     scene, beam = cantilever(0.0)
-    rest = BesideRest(scene, None)
+    rest = LinearisedBody(scene, None)
     wrench = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
     load = np.zeros((17, 6))
     load[9] = wrench

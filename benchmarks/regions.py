@@ -79,17 +79,17 @@ def main(
     error = np.linalg.norm(deflections(body, merged.frames[:, nodes]) - wanted, axis=2)
     places = np.linalg.norm((merged.frames - full.frames[rows])[:, nodes, 0], axis=2)
     largest = float(np.linalg.norm(wanted, axis=2).max())
-    stretches = merged.stretches
+    stretches = merged.segments
     record = {
         "frames": float(merged.nodes),
-        "share": merged.share,
+        "share": merged.active_fraction,
         "deflection": largest,
         "deflection_error": float(error.max()) / largest,
         "place_error": float(places.max()) / largest,
         "momentum_error": merged.momentum_error,
         "energy_change": abs(merged.energy_change) / float(stretches[-1].result.kinetic[-1]),
         "stretches": float(len(stretches)),
-        "again": float(merged.again),
+        "again": float(merged.repeated),
         "seconds": middle - began,
         "full_seconds": end - middle,
     }

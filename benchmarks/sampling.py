@@ -19,8 +19,8 @@ from typing import NamedTuple
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.reduce.ecsw import CellsInShapes
-from fem_lie.reduce.sampled_statics import LoadsInShapes, equilibria, loads_of
+from fem_lie.reduce.ecsw import ReducedCells
+from fem_lie.reduce.sampled_statics import ReducedLoads, equilibria, loads_of
 
 RUBBER = fl.Material(E=5e6, nu=0.3, density=1100.0)
 LEVELS = np.linspace(0.125, 1.0, 8)
@@ -81,7 +81,7 @@ class Interpolated:
         """S. Chaturantabut & D. C. Sorensen, SIAM J. Sci. Comput. 32 (2010) 2737."""
         basis = states.basis
         count, self.m = len(basis.body.elastic_cells), len(basis)
-        every = CellsInShapes(basis, np.arange(count), np.ones(count))
+        every = ReducedCells(basis, np.arange(count), np.ones(count))
         snapshots = np.array([every.of_each(η).ravel() for η in states.coordinates])
         U = np.linalg.svd(snapshots, full_matrices=False)[2][:rank].T
         chosen = [int(np.abs(U[:, 0]).argmax())]
@@ -91,7 +91,7 @@ class Interpolated:
         cells, self.which = np.divmod(chosen, self.m)
         self.cells, self.place = np.unique(cells, return_inverse=True)
         self.matrix = U.reshape(count, self.m, rank).sum(axis=0) @ np.linalg.inv(U[chosen])
-        self.some = CellsInShapes(basis, self.cells, np.ones(len(self.cells)))
+        self.some = ReducedCells(basis, self.cells, np.ones(len(self.cells)))
 
     def forces(self, η: np.ndarray) -> np.ndarray:
         """Of all cells, as they are interpolated."""
@@ -128,7 +128,7 @@ class Case:
         basis = self.here(fl.pod(self.trained, self.trained_body, modes, axes=FIXED))
         return basis, basis.project(self.trained, axes=FIXED)
 
-    def row(self, shapes: str, basis: fl.Basis, cells, count: int, loads: LoadsInShapes) -> Row:
+    def row(self, shapes: str, basis: fl.Basis, cells, count: int, loads: ReducedLoads) -> Row:
         """Best of three."""
         best = np.inf
         for _ in range(3):
@@ -143,7 +143,7 @@ class Case:
     def with_all(self, shapes: str, basis: fl.Basis) -> Row:
         """Forces of all cells."""
         count = len(self.body.elastic_cells)
-        every = CellsInShapes(basis, np.arange(count), np.ones(count))
+        every = ReducedCells(basis, np.arange(count), np.ones(count))
         return self.row(shapes, basis, every, count, loads_of(self.scene, basis))
 
     def rows(self, most: int) -> list[Row]:
@@ -164,7 +164,7 @@ class Case:
                 sample = fl.ecsw(states, tolerance)
                 took = time.perf_counter() - began
                 row = self.row(
-                    f"ecsw {tolerance:g}", basis, sample.in_shapes(), len(sample.cells), loads
+                    f"ecsw {tolerance:g}", basis, sample.reduced_cells(), len(sample.cells), loads
                 )
                 print(f"{self.name} {row.shapes}: sampling took {took:.2f} s")
                 found.append(row)

@@ -63,7 +63,7 @@ def main(
         ahead=motion.ahead,
         share=0.6,
     )
-    last = found.stretches[-1]
+    last = found.segments[-1]
     true = exact(places, end)
 
     def error(scene: fl.Scene, result: fl.Result) -> float:
@@ -74,7 +74,7 @@ def main(
         "case": case,
         "tolerance": tolerance,
         "error": error(last.scene, last.result),
-        "meshes": len(found.stretches),
+        "meshes": len(found.segments),
         "cells": [int(found.cells.min()), int(found.cells.max())],
         "steps": int(found.steps.sum()),
         "element_steps": found.element_steps,

@@ -84,7 +84,7 @@ def strains(scene: fl.Scene, result: fl.Result, places: Any) -> Any:
 def draw(found: fl.AdaptedMotion[fl.LineMesh], path: str) -> None:
     """Elements over time, the smaller the darker."""
     boxes, sizes = [], []
-    for part in found.stretches:
+    for part in found.segments:
         x = np.sort(part.mesh.points[:, 0])
         low, high = part.begin, part.begin + part.result.times[-1]
         boxes += [[(a, low), (b, low), (b, high), (a, high)] for a, b in pairwise(x)]

@@ -10,7 +10,7 @@ from fem_lie.adapt.estimates.recovery import Recovery
 from fem_lie.adapt.estimates.residual import Residual
 from fem_lie.adapt.following.loads import AdaptedLoads, LoadStretch, adapt_loads
 from fem_lie.adapt.following.motion import adapt_motion
-from fem_lie.adapt.following.stretches import AdaptedMotion, Stretch
+from fem_lie.adapt.following.segments import AdaptedMotion, Stretch
 from fem_lie.adapt.following.transfer import Transferred, transfer
 from fem_lie.adapt.frequency import Frequency
 from fem_lie.adapt.goals import GoalError, goal_error

@@ -38,10 +38,10 @@ def test_it_is_the_path_on_a_fine_mesh():
     np.testing.assert_allclose(found.factors, LEVELS)
     assert (found.relative <= 0.05).all()
     assert len(set(found.cells)) > 1, "the mesh has changed"
-    assert found.stretches[-1].change is not None
+    assert found.segments[-1].change is not None
     assert found.solved < 3 * len(LEVELS)
     # where it goes on from is where it has come to
-    again = fl.follow_loads(cantilever(found.stretches[-1].mesh)).displacement("beam.end")[-1]
+    again = fl.follow_loads(cantilever(found.segments[-1].mesh)).displacement("beam.end")[-1]
     np.testing.assert_allclose(found.displacement("beam.end")[-1], again, rtol=1e-8)
 
 
@@ -69,7 +69,7 @@ def test_through_a_limit_point():
     with pytest.warns(fl.UnstableEquilibriumWarning, match="maximum"):
         fine = fl.follow_loads(arch(line(64)), [0.1, 1.0])
     assert fine.load_maxima, "there is a limit point"
-    for part, true in zip(found.stretches, fine.frames, strict=True):
+    for part, true in zip(found.segments, fine.frames, strict=True):
         low, lowest = (frames[:, 0, 2].min() for frames in (part.result.frames[-1], true))
         assert low == pytest.approx(lowest, abs=0.02)
     assert fine.frames[1, 32, 0, 2] < -1.0
@@ -114,7 +114,7 @@ def test_what_was_solved_is_counted():
     """One equilibrium for each load factor where the mesh is fine enough."""
     line = fl.straight((0, 0, 0), (10, 0, 0), 16)
     found = fl.adapt_loads(cantilever, line, [0.01, 0.02], tolerance=0.5)
-    assert found.solved == len(found.stretches) == 2
+    assert found.solved == len(found.segments) == 2
     assert (found.cells == 16).all()
 
 

@@ -24,7 +24,7 @@ def swung():
 
 
 def test_momenta_are_kept_and_energy_as_good_as_the_tolerance(swung):
-    assert len(swung.stretches) == 4
+    assert len(swung.segments) == 4
     assert len(set(swung.cells)) > 1
     assert swung.momentum_error < 1e-12
     total = swung.kinetic + swung.elastic + swung.potential
@@ -33,7 +33,7 @@ def test_momenta_are_kept_and_energy_as_good_as_the_tolerance(swung):
 
 def test_one_tolerance_for_space_and_time(swung):
     assert swung.space**2 + swung.time**2 == pytest.approx(swung.tolerance**2)
-    assert max(part.error for part in swung.stretches) <= swung.space
+    assert max(part.error for part in swung.segments) <= swung.space
     assert "7.07 % in space, 7.07 % in time" in str(swung)
 
 
@@ -64,7 +64,7 @@ def test_what_is_small_beside_what_comes_needs_no_fine_mesh():
     given = {"duration": 0.1, "every": 0.05, "tolerance": 0.1, "size": 1.0}
     largest = fl.adapt_motion(pendulum, LINE, **given, least=1e3)
     assert (largest.cells == len(LINE.cells)).all()
-    assert max(part.error for part in largest.stretches) < 0.01
+    assert max(part.error for part in largest.segments) < 0.01
 
 
 def test_a_shell_of_triangles():

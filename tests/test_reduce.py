@@ -9,7 +9,7 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.reduce.axes import expanded, local_motion
-from fem_lie.reduce.beside_rest import BesideRest
+from fem_lie.reduce.linearised import LinearisedBody
 
 STEEL = fl.Material(E=2e11, nu=0.3, density=7800.0)
 
@@ -66,7 +66,7 @@ def test_axes_of_shells_do_not_feel_turns_about_third_directors(rng):
     found = local_motion(body, frames, fl.MeanAxes())
     np.testing.assert_allclose(found.rigid, G, atol=1e-12)
     np.testing.assert_allclose(found.increments, 0.0, atol=1e-12)
-    with pytest.raises(ValueError, match="third directors"):
+    with pytest.raises(ValueError, match="drilling rotation"):
         local_motion(body, frames, fl.NodeAxes(0))
 
 
@@ -123,7 +123,7 @@ def test_vibrations_of_few_unknowns_are_found_though_they_come_in_pairs():
     scene, section = fl.Scene(), fl.Section.rectangle(0.05, 0.05, rubber)
     body = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=8))
     basis = fl.craig_bampton(scene, [body.point(4), body.point("start"), body.point("end")], 6)
-    rest = BesideRest(scene, None)
+    rest = LinearisedBody(scene, None)
     X = rest.vectors(basis.shapes[18:])
     np.testing.assert_allclose(X @ rest.pencil.M @ X.T, np.eye(6), atol=1e-10)
     k = np.diag(X @ rest.pencil.K @ X.T)
@@ -164,7 +164,7 @@ def test_a_basis_is_saved_for_its_mesh_alone(tmp_path):
     _, same = rod()
     np.testing.assert_array_equal(fl.load_basis(path, same).shapes, basis.shapes)
     for other in (rod(9)[1], rod(end=(1.0, 0.1, 0.0))[1]):
-        with pytest.raises(ValueError, match="of another mesh"):
+        with pytest.raises(ValueError, match="has another mesh"):
             fl.load_basis(path, other)
     with h5py.File(path, "r+") as file:
         file.attrs["version"] = 99
@@ -179,41 +179,41 @@ def test_a_basis_is_saved_for_its_mesh_alone(tmp_path):
 def test_what_cannot_be_reduced_is_said():
     scene, body = rod()
     free, loose = rod(clamped=False)
-    with pytest.raises(ValueError, match="is held"):
+    with pytest.raises(ValueError, match="fixed degrees of freedom"):
         fl.craig_bampton(scene, [body.point("start")], 2)
     with pytest.raises(ValueError, match="twice"):
         fl.craig_bampton(scene, [body.point("end"), body.point("end")], 2)
-    with pytest.raises(ValueError, match="no node of rod"):
+    with pytest.raises(ValueError, match="not a node of rod"):
         fl.craig_bampton(scene, [loose.point("end")], 2)
-    with pytest.raises(ValueError, match="no node of rod"):
+    with pytest.raises(ValueError, match="not a node of rod"):
         fl.craig_bampton(scene, [fl.ground()], 2)
     with pytest.raises(ValueError, match="fewer than the 48"):
         fl.craig_bampton(scene, [], 48)
-    with pytest.raises(ValueError, match="can move rigidly"):
+    with pytest.raises(ValueError, match="rigid-body modes"):
         fl.craig_bampton(free, [], 2)
     basis = fl.craig_bampton(scene, [], 2)
     with pytest.raises(ValueError, match="at most 2"):
         fl.reduced_frequencies(scene, basis, 3)
     with pytest.raises(ValueError, match="not the body"):
         fl.reduced_frequencies(free, basis, 2)
-    with pytest.raises(ValueError, match="shapes are 1 … 2, got 3"):
+    with pytest.raises(ValueError, match="modes are 1 … 2, got 3"):
         basis.picture("shape.png", 3)
     jointed, body_in_joint = rod(clamped=False)
     jointed.add(fl.Revolute(fl.ground(), body_in_joint.point("start"), axis=(0, 1, 0)))
-    with pytest.raises(ValueError, match="joints do not belong into its scene"):
+    with pytest.raises(ValueError, match="without joints"):
         fl.craig_bampton(jointed, [], 2)
     ends = fl.craig_bampton(free, [loose.point("start")], 2)
-    with pytest.raises(ValueError, match="that are held"):
+    with pytest.raises(ValueError, match="fixed nodes"):
         fl.reduced_frequencies(scene, fl.Basis(body, ends.shapes), 2)
     with pytest.raises(ValueError, match="shapes of rod"):
         fl.Basis(body, basis.shapes[:, :-1])
     with pytest.raises(ValueError, match="another mesh"):
         fl.Basis(rod(9)[1], np.ones((1, 10, 6))).project(fl.statics(scene))
     scene.add(fl.PointLoad(body.point("end"), force=(0, 0, 1e3)))
-    with pytest.raises(ValueError, match="not at rest"):
+    with pytest.raises(ValueError, match="no equilibrium"):
         fl.craig_bampton(scene, [], 2)
     scene.add(square()[1])
-    with pytest.raises(ValueError, match="has 2"):
+    with pytest.raises(ValueError, match="got 2"):
         fl.craig_bampton(scene, [], 2)
 
 
@@ -260,7 +260,7 @@ def test_what_has_no_reduced_equilibrium_is_said():
     with pytest.raises(ValueError, match="not the body"):
         fl.reduced_statics(rod()[0], basis)
     plate, shell = square()
-    with pytest.raises(ValueError, match="those of beams"):
+    with pytest.raises(ValueError, match="for beams only"):
         fl.reduced_statics(plate, fl.Basis(shell, np.ones((1, 16, 6))))
 
 
@@ -270,7 +270,7 @@ def test_krylov_shapes_match_moments_of_the_answer():
     wrench = (0.0, 1.0, 2.0, 0.1, 0.0, 0.0)
     basis = fl.krylov(scene, [(body.point("end"), wrench)], 2)
     assert len(basis) == 2
-    rest = BesideRest(scene, None)
+    rest = LinearisedBody(scene, None)
     load = np.zeros((1, 9, 6))
     load[0, -1] = wrench
     f = (load * rest.weight)[0][rest.free]
@@ -292,14 +292,14 @@ def test_krylov_shapes_match_moments_of_the_answer():
 
 def test_krylov_shapes_of_nothing_are_refused():
     scene, body = rod()
-    with pytest.raises(ValueError, match="that move"):
+    with pytest.raises(ValueError, match="free degrees of freedom"):
         fl.krylov(scene, [], 2)
-    with pytest.raises(ValueError, match="that move"):
+    with pytest.raises(ValueError, match="free degrees of freedom"):
         fl.krylov(scene, [(body.point("start"), np.ones(6))], 2)
-    with pytest.raises(ValueError, match="no node of rod"):
+    with pytest.raises(ValueError, match="not a node of rod"):
         fl.krylov(scene, [(fl.ground(), np.ones(6))], 2)
     free, loose = rod(clamped=False)
-    with pytest.raises(ValueError, match="can move rigidly"):
+    with pytest.raises(ValueError, match="rigid-body modes"):
         fl.krylov(free, [(loose.point("end"), np.ones(6))], 2)
     twice = fl.krylov(scene, [(body.point("end"), np.ones(6))] * 2, 2)
     assert len(twice) == 2

@@ -5,7 +5,7 @@ import pytest
 
 import fem_lie as fl
 from benchmarks import regions as net_benchmark
-from fem_lie.reduce.merging import Looking
+from fem_lie.reduce.merging import ActivityCheck
 
 PLASTIC = fl.Material(E=2e9, nu=0.3, density=1100.0)
 
@@ -34,7 +34,7 @@ def looking(scene, increments=None, twists=None):
     ordered, moving = np.empty_like(frames), np.empty((len(frames), 6))
     ordered[nodes] = frames
     moving[nodes] = body.velocities if twists is None else twists
-    return Looking(whole, ordered, moving, np.array([0.0]), 0.02)
+    return ActivityCheck(whole, ordered, moving, np.array([0.0]), 0.02)
 
 
 def test_what_is_missed_is_how_far_nodes_go_elsewhere():
@@ -86,7 +86,7 @@ def test_projected_twists_have_the_same_momenta_and_less_energy_by_what_is_told(
     assert len(np.unique(root)) == 3
     v, lost = look.projected(root)
     before, after = look.v.ravel(), v.ravel()
-    rigid = look.spread(np.zeros(9, dtype=int))
+    rigid = look.expansion(np.zeros(9, dtype=int))
     momenta = rigid.T @ (look.mass @ np.column_stack([before, after]))
     np.testing.assert_allclose(momenta[:, 1], momenta[:, 0], atol=1e-13 * np.abs(momenta).max())
     kinetic = 0.5 * after @ (look.mass @ after)
@@ -114,11 +114,11 @@ def test_a_struck_rod_is_split_and_merged_again():
     found = fl.merged_motion(build, duration=1.0, step=2e-3, every=0.01, tolerance=1e-4)
     full = fl.GeneralisedAlpha().run(build(), duration=1.0, step=2e-3, progress=False)
     assert found.times[-1] == pytest.approx(1.0)
-    frames = [part.frames for part in found.stretches]
+    frames = [part.frames for part in found.segments]
     assert frames[0] == frames[-1] == 1
     assert max(frames) > 5
-    assert found.share < 0.7
-    assert [part.change is None for part in found.stretches] == [True] + [False] * (len(frames) - 1)
+    assert found.active_fraction < 0.7
+    assert [part.change is None for part in found.segments] == [True] + [False] * (len(frames) - 1)
     assert found.momentum_error < 1e-12
     kinetic = full.kinetic[-1]
     assert abs(found.energy_change) < 1e-8 * kinetic
@@ -143,8 +143,8 @@ def test_what_stirs_at_the_first_look_is_made_again():
 
     found = fl.merged_motion(build, duration=0.14, step=2e-3, every=0.01, tolerance=1e-4)
     full = fl.GeneralisedAlpha().run(build(), duration=0.14, step=2e-3, progress=False)
-    assert found.again > 0
-    assert found.stretches[0].frames == 1 < found.stretches[-1].frames
+    assert found.repeated > 0
+    assert found.segments[0].frames == 1 < found.segments[-1].frames
     ends = [H[-1, :, 0] for H in (found.frames, full.frames)]
     bent = np.linalg.norm(ends[1][4] - 0.5 * (ends[1][0] + ends[1][-1]))
     assert bent > 5e-4

@@ -1,1 +1,1 @@
-"""Reduction: rigid motion taken out, bases of what is left in local frames, and their errors."""
+"""Model order reduction: floating frames, reduction bases in nodal frames, and error estimates."""

@@ -1,4 +1,4 @@
-"""The frame of a body that deforms, and its motion without that of the frame."""
+"""Floating frames of deformable bodies, and the motion of a body relative to its floating frame."""
 
 from __future__ import annotations
 
@@ -15,28 +15,28 @@ from fem_lie.results.states import StateSeries
 
 
 class Axes(Protocol):
-    """Which frame moves with a body."""
+    """Choice of the floating frame of a body."""
 
     def motion(self, body: Body, frames: Array) -> Array:
-        """The rigid motion ``G`` of the body away from its initial frames, shape (k, 4, 3).
+        """The rigid motion ``G`` of the body from its initial configuration, shape (k, 4, 3).
 
         Args:
-            body: Whose nodes they are.
-            frames: Of its nodes in k states, shape (k, n, 4, 3).
+            body: The body.
+            frames: Frames of its nodes in k states, shape (k, n, 4, 3).
         """
         ...
 
 
 @dataclass(frozen=True)
 class MeanAxes:
-    """Mean axes: of all rigid motions the one that is nearest to places and directors.
+    """Mean axes: the rigid motion closest to positions and directors of all nodes.
 
-    ``Σ |xᵢ − G Xᵢ|² + ℓ² |dᵢ − G Dᵢ|²`` is least, with the body's radius of gyration ``ℓ``: all
-    nodes count alike, and a straight line has a rotation about itself, too.
+    It minimises ``Σ |xᵢ − G Xᵢ|² + ℓ² |dᵢ − G Dᵢ|²`` with the body's radius of gyration ``ℓ``. All
+    nodes have the same weight, and a straight line has a rotation about its own axis, too.
     """
 
     def motion(self, body: Body, frames: Array) -> Array:
-        """See the protocol."""
+        """Mean rigid motion, shape (k, 4, 3)."""
         initial = body.frames
         start, now = initial[:, 0].mean(axis=0), frames[:, :, 0].mean(axis=1)
         arms = initial[:, 0] - start
@@ -53,40 +53,40 @@ class MeanAxes:
 
 @dataclass(frozen=True)
 class FixedAxes:
-    """No rigid motion is taken out: for a body that clamps hold."""
+    """The initial axes: no rigid motion is separated; for a clamped body."""
 
     def motion(self, body: Body, frames: Array) -> Array:
-        """See the protocol."""
+        """Identity, shape (k, 4, 3)."""
         return np.asarray(lie.se3_exp(np.zeros((len(frames), 6))))
 
 
 @dataclass(frozen=True)
 class NodeAxes:
-    """The frame of one node, such as that of a joint, moves with the body.
+    """The frame of one node, such as that of a joint, is the floating frame.
 
     Attributes:
-        node: Its number in the body.
+        node: Number of the node in the body.
     """
 
     node: int = 0
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` or ``TypeError`` if it is no number of a node."""
+        """Raise ``ValueError`` or ``TypeError`` if ``node`` is not the number of a node."""
         whole(self.node, "NodeAxes: node", 0)
 
     def motion(self, body: Body, frames: Array) -> Array:
-        """See the protocol; ``ValueError`` if the body has no such node."""
+        """Rigid motion of the node, (k, 4, 3); ``ValueError`` if the body has no such node."""
         if body.uncoupled:
             raise ValueError(
-                f"nodes of {body.label} need not turn about their third directors, and have no "
-                "axes for the whole body: take MeanAxes()"
+                f"nodes of {body.label} have no drilling rotation, so their frames are no floating "
+                "frame: use MeanAxes()"
             )
         start = body.point(self.node).frame
         return np.asarray(lie.se3_compose(frames[:, self.node], lie.se3_inverse(start)))
 
 
 def directors(body: Body) -> list[int]:
-    """Rows of frames that follow the body's rigid motion: of shells the third director alone."""
+    """Rows of frames that follow the rigid motion: for shells only the third director."""
     return [3] if body.uncoupled else [1, 2, 3]
 
 
@@ -94,8 +94,8 @@ class LocalMotion(NamedTuple):
     """Motion of a body as ``Hᵢ = G Hᵢ⁰ exp(hᵢ)``.
 
     Attributes:
-        rigid: ``G``, shape (k, 4, 3).
-        increments: ``h``: translation, rotation in the nodes' initial frames, shape (k, n, 6).
+        rigid: Rigid motion ``G`` of the floating frame, shape (k, 4, 3).
+        increments: ``h``: translation and rotation in the nodes' initial frames, shape (k, n, 6).
     """
 
     rigid: Array
@@ -106,24 +106,26 @@ def frames_of(result: StateSeries, body: Body) -> Array:
     """Frames of a body's nodes in all states of a result, shape (k, n, 4, 3).
 
     Raises:
-        ValueError: The result has no such body, or one with another mesh, or its nodes are no
+        ValueError: The result has no such body, or one with another mesh, or its nodes have no
             frames.
     """
-    instance(result, StateSeries, "result", "states that an integrator or statics has found")
+    instance(result, StateSeries, "result", "a result of dynamics or statics")
     instance(body, Body, "body", "a body of the scene")
     if body.node_type != NodeType.FRAME:
-        raise ValueError(f"local motion is that of frames, and nodes of {body.label} are none")
+        raise ValueError(
+            f"local motion needs nodes with frames, and nodes of {body.label} have none"
+        )
     nodes = result.info.body(body.name).nodes
     if len(nodes) != len(body.frames):
         raise ValueError(
-            f"{body.label} has {len(body.frames)} nodes, and in the result {len(nodes)}: that is "
-            "of another mesh"
+            f"{body.label} has {len(body.frames)} nodes, and {len(nodes)} in the result, which "
+            "has another mesh"
         )
     return np.asarray(result.frames[:, nodes])
 
 
 def local_motion(body: Body, frames: Array, axes: Axes) -> LocalMotion:
-    """Take the rigid motion out of frames (k, n, 4, 3) of a body's nodes."""
+    """Separate frames (k, n, 4, 3) of a body's nodes into rigid and local motion."""
     G = axes.motion(body, frames)
     back = lie.se3_compose(lie.se3_inverse(G)[:, np.newaxis], frames)
     relative = lie.se3_compose(lie.se3_inverse(body.frames), back)

@@ -1,21 +1,17 @@
-"""Bases of reduced-order bodies: POD, Krylov, Craig-Bampton, and modal derivatives.
+"""Reduction bases: POD, Krylov subspaces, Craig-Bampton modes, and modal derivatives.
 
-Krylov shapes: how a body answers to loads at known places, slowly at first.
+*Krylov modes* represent the response to loads at given points, at low frequencies. With the vectors
+``K⁻¹f, K⁻¹MK⁻¹f, …`` the response to a harmonic load matches the leading terms of its power series
+in the squared frequency: as many as there are vectors for each load, and twice as many at the point
+of the load (T.-J. Su & R. R. Craig, AIAA J. 29 (1991) 2121).
 
-With ``K⁻¹f, K⁻¹MK⁻¹f, …`` as shapes the answer to a load that swings has the first terms of its
-series in the square of the frequency right: as many as there are shapes for each load, and twice as
-many of that of the place where the load acts.
-(T.-J. Su & R. R. Craig, AIAA J. 29 (1991) 2121.)
+*Craig-Bampton modes* are interface modes and normal modes with fixed interfaces (R. R. Craig & M.
+C. C. Bampton, AIAA J. 6 (1968) 1313). The matrices are those of nodal increments in local frames,
+so that modes rotate with the body.
 
-Interface modes and normal modes with fixed interfaces.
-
-R. R. Craig & M. C. C. Bampton, AIAA J. 6 (1968) 1313. The matrices are those of nodal increments
-in local frames, so that shapes turn with the body.
-
-Modal derivatives: what shapes draw along when they are large, such as foreshortening.
-
-S. R. Idelsohn & A. Cardona, Comput. Methods Appl. Mech. Engrg. 49 (1985) 253, without inertia:
-``K θᵢⱼ = −∂²f/∂ηᵢ∂ηⱼ``.
+*Modal derivatives* are the second-order response to large amplitudes of modes, such as
+foreshortening (S. R. Idelsohn & A. Cardona, Comput. Methods Appl. Mech. Engrg. 49 (1985) 253),
+without inertia: ``K θᵢⱼ = −∂²f/∂ηᵢ∂ηⱼ``.
 """
 
 from __future__ import annotations
@@ -33,22 +29,23 @@ from fem_lie._arrays import Array, instance, vector, whole
 from fem_lie.bodies.body import Body, Point
 from fem_lie.reduce.axes import Axes, MeanAxes, frames_of, local_motion
 from fem_lie.reduce.basis import Basis
-from fem_lie.reduce.beside_rest import BesideRest, InShapes
+from fem_lie.reduce.linearised import LinearisedBody, ReducedForces
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.states import StateSeries
 from fem_lie.scene import Scene
 
 
 def pod(result: StateSeries, body: Body, modes: int, *, axes: Axes | None = None) -> Basis:
-    """Shapes that are nearest to all states of a result once rigid motion is taken out of them.
+    """Proper orthogonal decomposition (POD) of the local motion in all states of a result.
 
-    Left singular vectors of the snapshots, orthonormal with rotations times the body's size.
+    The modes are left singular vectors of the snapshots, orthonormal with rotations multiplied by
+    the size of the body.
 
     Args:
         result: The states.
-        body: Of which body of the scene.
-        modes: How many shapes.
-        axes: Which rigid motion is taken out; default: :class:`MeanAxes`.
+        body: A body of the scene.
+        modes: Number of modes.
+        axes: Floating frame; default: :class:`MeanAxes`.
 
     Raises:
         ValueError: The result has no such body, or fewer independent states than ``modes``.
@@ -62,38 +59,40 @@ def pod(result: StateSeries, body: Body, modes: int, *, axes: Axes | None = None
     rank = int((sizes > 1e-12 * body.size).sum())
     if modes > rank:
         raise ValueError(
-            f"modes must be at most {rank}, as many independent states has {body.label} in the "
-            f"result, got {modes}"
+            f"modes must be at most {rank}, the number of independent states of {body.label} in "
+            f"the result, got {modes}"
         )
     return Basis(body, shapes[:modes].reshape(modes, -1, 6) / scale)
 
 
-_NEW_SHAPE = 1e-8  # the least part of a shape that is in no other one
+_NEW_SHAPE = 1e-8  # least relative norm of the part of a mode that is orthogonal to the others
 
 
 def krylov(scene: Scene, inputs: Sequence[tuple[Point, npt.ArrayLike]], moments: int) -> Basis:
-    """Shapes that match moments of the answer to loads at nodes, about frequency zero.
+    """Krylov modes, which match moments of the response to nodal loads about frequency zero.
 
     Args:
-        scene: One body, held by clamps, without joints.
-        inputs: A node of it, and force before moment on it in its axes, (6,), for each load.
-        moments: How many shapes for each load; those that bring nothing new are left out.
+        scene: A single body, held by clamps, without joints.
+        inputs: For each load, a node of the body, and force and moment on it in its axes, (6,).
+        moments: Number of modes for each load; linearly dependent ones are omitted.
 
     Raises:
-        ValueError: No load is given, or one at no node of the body, or one that moves nothing; the
-            body can move rigidly.
+        ValueError: No load is given, or a load is not on a node of the body or moves nothing, or
+            the body has rigid-body modes.
     """
     whole(moments, "moments")
-    found = BesideRest(scene, None)
+    found = LinearisedBody(scene, None)
     loads: Array = np.zeros((len(inputs), *found.free.shape))
     for number, (point, wrench) in enumerate(inputs):
         instance(point, Point, "an input's place", "a point of a body")
         if point.body is not found.body or point.attachment is not None:
-            raise ValueError(f"{point.label} is no node of {found.body.label}: no load acts there")
+            raise ValueError(
+                f"{point.label} is not a node of {found.body.label}, so no load can act there"
+            )
         loads[number, found.place(point.node)] = vector(wrench, 6, f"the load at {point.label}")
     forces = (loads * found.weight)[:, found.free]
     if not len(forces) or not forces.any(axis=1).all():
-        raise ValueError("inputs must be loads that move what is free")
+        raise ValueError("inputs must be loads on free degrees of freedom")
     solve = found.factor().solve
     vectors: Array = np.empty((0, forces.shape[1]))
     for _ in range(moments):
@@ -120,37 +119,39 @@ def craig_bampton(
     *,
     at: StaticResult | None = None,
 ) -> Basis:
-    """Shapes of a body that is held at its interfaces alone.
+    """Craig-Bampton modes of a body that is held at its interfaces.
 
-    First come six for each interface, in its own axes: unit displacements and rotations of it with
-    the others held, and no force between; then the slowest vibrations with all interfaces held,
-    with unit mass. What the scene clamps is held in all of them.
+    The first six modes of each interface, in its own axes, are the static responses to unit
+    displacements and rotations of this interface with the others fixed. The remaining modes are the
+    vibration modes of lowest frequency with all interfaces fixed, normalised to unit mass. Clamped
+    degrees of freedom of the scene are fixed in all of them.
 
     Args:
-        scene: One body, with clamps if it has them, and no joints.
-        interfaces: Nodes of the body that joints will hold; none for a body with clamps alone.
-        modes: How many normal modes.
-        at: Equilibrium under loads beside which shapes are found; default: the initial frames.
+        scene: A single body, with or without clamps, without joints.
+        interfaces: Nodes of the body at which joints will act; empty for a clamped body.
+        modes: Number of normal modes.
+        at: Equilibrium under loads about which the body is linearised; default: the initial
+            configuration.
 
     Raises:
-        ValueError: An interface is no node of the body, comes twice or is clamped; the body can
-            still move rigidly; there are fewer modes.
+        ValueError: An interface is not a node of the body, or is given twice or clamped; the body
+            has rigid-body modes; there are fewer modes.
     """
-    return interface_modes(BesideRest(scene, at), interfaces, modes)
+    return interface_modes(LinearisedBody(scene, at), interfaces, modes)
 
 
-def interface_modes(found: BesideRest, interfaces: Sequence[Point], modes: int) -> Basis:
-    """:func:`craig_bampton` of a body that is linearised already."""
+def interface_modes(found: LinearisedBody, interfaces: Sequence[Point], modes: int) -> Basis:
+    """:func:`craig_bampton` for a linearised body."""
     whole(modes, "modes", 0)
     nodes = _nodes(found, interfaces)
     outside = np.zeros(found.free.shape, dtype=np.bool_)
     outside[nodes] = True
     inner = np.flatnonzero(~outside[found.free])
     number = np.cumsum(found.free).reshape(found.free.shape) - 1
-    outer = number[nodes].ravel()  # in the order of the interfaces, whatever that of the nodes
+    outer = number[nodes].ravel()  # in the order of the interfaces
     if modes >= len(inner):
         raise ValueError(
-            f"modes must be fewer than the {len(inner)} unknowns within {found.body.label}, "
+            f"modes must be fewer than the {len(inner)} inner unknowns of {found.body.label}, "
             f"got {modes}"
         )
     K, M = found.pencil.K.tocsc(), found.pencil.M.tocsc()
@@ -166,49 +167,53 @@ def interface_modes(found: BesideRest, interfaces: Sequence[Point], modes: int) 
 
 
 def _slowest(K: sp.csc_array, M: sp.csc_array, modes: int) -> Array:
-    """Vibrations of the least frequencies, (modes, f), with unit mass."""
+    """Vibration modes of lowest frequency, (modes, f), with unit mass."""
     size = K.shape[0]
     if size > _DENSE:
         shapes = scipy.sparse.linalg.eigsh(K, modes, M=M, sigma=0.0, v0=np.ones(size))[1]
-    else:  # Lanczos vectors may end early, or miss one of several equal frequencies
+    else:  # the Lanczos method may break down, or miss a multiple frequency
         some = (0, modes - 1)
         shapes = scipy.linalg.eigh(K.toarray(), M.toarray(), subset_by_index=some)[1]
     return np.asarray(shapes.T)
 
 
-def _nodes(rest: BesideRest, interfaces: Sequence[Point]) -> list[int]:
-    """Numbers of the interfaces' nodes among those that lead, or ``ValueError``."""
+def _nodes(rest: LinearisedBody, interfaces: Sequence[Point]) -> list[int]:
+    """Indices of the interfaces among the independent nodes, or ``ValueError``."""
     body, found = rest.body, list[int]()
     for point in interfaces:
         instance(point, Point, "an interface", "a point of a body")
         if point.body is not body or point.attachment is not None:
-            raise ValueError(f"{point.label} is no node of {body.label}, and so no interface of it")
+            raise ValueError(
+                f"{point.label} is not a node of {body.label}, so it cannot be an interface"
+            )
         place = rest.place(point.node)
         if place in found:
-            raise ValueError(f"{point.label} is an interface twice")
+            raise ValueError(f"{point.label} is given twice as an interface")
         if not rest.free[place].all():
-            raise ValueError(f"{point.label} is held, at least in part: it is no interface")
+            raise ValueError(
+                f"{point.label} has fixed degrees of freedom, so it cannot be an interface"
+            )
         found.append(place)
     return found
 
 
-_STEP = 1e-3  # of the body's size: how large a shape is in second differences
+_STEP = 1e-3  # increment of a mode in second differences, relative to the size of the body
 
-_NEW_DERIVATIVE = 1e-6  # the least part of a derivative that is in no other shape
+_NEW_DERIVATIVE = 1e-6  # least relative norm of a derivative orthogonal to the other modes
 
 
 def with_derivatives(scene: Scene, basis: Basis) -> Basis:
-    """The basis with its static modal derivatives behind it, those that are new alone.
+    """The basis with its static modal derivatives appended, without linearly dependent ones.
 
     Args:
-        scene: One body along a line, the basis' own, held by clamps.
-        basis: Shapes that leave clamps where they are.
+        scene: A single clamped body along a line, that of the basis.
+        basis: Modes that are zero at clamps.
 
     Raises:
         ValueError: The scene has other bodies or joints, or is not at rest.
     """
     instance(basis, Basis, "basis", "a Basis")
-    rest, reduced = BesideRest(scene, None), InShapes(scene, basis)
+    rest, reduced = LinearisedBody(scene, None), ReducedForces(scene, basis)
     solve = rest.factor().solve
     steps = np.diag(_STEP * basis.body.size / np.abs(basis.shapes).max(axis=(1, 2)))
     vectors = list(_orthonormal(rest.vectors(basis.shapes)))
@@ -230,8 +235,8 @@ def _orthonormal(vectors: Array) -> Array:
     return np.asarray(np.linalg.qr(vectors.T)[0].T)
 
 
-def _second_difference(reduced: InShapes, a: Array, b: Array) -> Array:
-    """Mixed second difference of all forces, (n, 6); its size does not matter."""
+def _second_difference(reduced: ReducedForces, a: Array, b: Array) -> Array:
+    """Mixed second difference of all forces, (n, 6), up to a factor."""
     return (
         reduced.forces(a + b)
         - reduced.forces(a - b)

@@ -1,4 +1,4 @@
-"""A basis of a body in its nodes' frames, states projected on it, and its file."""
+"""A reduction basis in the frames of a body's nodes, states projected onto it, and its file."""
 
 from __future__ import annotations
 
@@ -24,38 +24,38 @@ if TYPE_CHECKING:
     import h5py
 
 VERSION = 2
-_SAME = 1e-9  # of the body's size
+_SAME = 1e-9  # relative to the size of the body
 
 
 def write_mesh(file: h5py.File, what: str, body: Body) -> None:
-    """Write what the file has, such as ``basis``, its version, and the body's nodes and cells."""
+    """Write the type of the file, such as ``basis``, its version, and the nodes and cells."""
     file.attrs.update({"format": f"fem_lie {what}", "version": VERSION})
     file["frames"], file["cells"] = body.frames, body.cells
 
 
 def check_mesh(file: h5py.File, path: str | os.PathLike[str], what: str, body: Body) -> None:
-    """Refuse a file that is not of this body; where the body is does not matter.
+    """Refuse a file of another body; the position of the body does not matter.
 
     Raises:
-        ValueError: It has something else, or another version of it, or another mesh.
+        ValueError: The file has another type, version or mesh.
     """
     name = os.fspath(path)
     if file.attrs.get("format") != f"fem_lie {what}":
         raise ValueError(f"{name} has no {what}")
     if file.attrs["version"] != VERSION:
         raise ValueError(
-            f"{name} has version {file.attrs['version']} of the format, wanted {VERSION}: make it "
-            "anew"
+            f"{name} has version {file.attrs['version']} of the format, expected {VERSION}: "
+            "compute it again"
         )
     frames, cells = file["frames"][()], file["cells"][()]
     if frames.shape != body.frames.shape or not np.array_equal(cells, body.cells):
         raise ValueError(
-            f"{name} is of another mesh: {len(frames)} nodes and {len(cells)} cells, and "
+            f"{name} has another mesh: {len(frames)} nodes and {len(cells)} cells, but "
             f"{body.label} has {len(body.frames)} and {len(body.cells)}"
         )
     here, there = (lie.se3_compose(lie.se3_inverse(H[0]), H) for H in (body.frames, frames))
     if np.abs(here - there).max() > _SAME * max(1.0, body.size):
-        raise ValueError(f"{name} is of another mesh: its nodes are elsewhere in the body")
+        raise ValueError(f"{name} has another mesh: its nodes have other positions in the body")
 
 
 States = TypeVar("States", Result, StaticResult)
@@ -65,13 +65,13 @@ _WHAT = "basis"
 
 @dataclass(frozen=True, eq=False)
 class Reduced:
-    """States of a body in few numbers: ``Hᵢ = G Hᵢ⁰ exp(Φᵢ η)``.
+    """States of a reduced-order body: ``Hᵢ = G Hᵢ⁰ exp(Φᵢ η)``.
 
     Attributes:
-        basis: The shapes ``Φ``.
-        rigid: Rigid motion ``G`` of the body's axes, shape (k, 4, 3).
-        coordinates: ``η``, shape (k, m).
-        errors: Largest distance of a node from its place in the full state, shape (k,).
+        basis: The modes ``Φ``.
+        rigid: Rigid motion ``G`` of the floating frame, shape (k, 4, 3).
+        coordinates: Modal coordinates ``η``, shape (k, m).
+        errors: Largest distance of a node from its position in the full state, shape (k,).
     """
 
     basis: Basis
@@ -85,17 +85,17 @@ class Reduced:
         return expanded(self.basis.body, LocalMotion(self.rigid, increments))
 
     def within(self, result: States) -> States:
-        """The result with these frames of the body: for pictures, section forces and resultants.
+        """The result with these frames of the body, for pictures, section forces and resultants.
 
-        What else it tells, such as velocities, energies and joint forces, is still that of the full
-        states. Those of a motion must all have been recorded.
+        All other quantities, such as velocities, energies and joint forces, remain those of the
+        full states. The result must have recorded all optional quantities.
 
         Raises:
             ValueError: The result has other states, or not this body with this mesh.
         """
         if frames_of(result, self.basis.body).shape[0] != len(self.coordinates):
             raise ValueError(
-                f"the result has {len(result.frames)} states, and reduced are "
+                f"the result has {len(result.frames)} states, and the reduced states are "
                 f"{len(self.coordinates)}"
             )
         frames = result.frames.copy()
@@ -105,10 +105,10 @@ class Reduced:
 
 @dataclass(frozen=True, eq=False)
 class Basis:
-    """Shapes of small motion of a body, as local increments of its nodes.
+    """Reduction basis of a body: modes as local increments of its nodes.
 
-    They are seen in the nodes' own frames and know no place in space: a basis made in one posture
-    is that of all postures.
+    The modes are expressed in the nodes' own frames and do not depend on the position and
+    orientation of the body: a basis is valid in any configuration with small strains.
 
     Example:
         >>> steel = fl.Material(E=2e11, nu=0.3, density=7800.0)
@@ -122,43 +122,43 @@ class Basis:
         ((1, 9, 4, 3), True)
 
     Attributes:
-        body: Whose they are.
-        shapes: Translation, rotation of each node in its initial frame, shape (m, n, 6).
+        body: The body.
+        shapes: Modes: translation and rotation of each node in its initial frame, shape (m, n, 6).
     """
 
     body: Body
     shapes: Array
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` or ``TypeError`` if the shapes are not those of the body."""
+        """Raise ``ValueError`` or ``TypeError`` if the modes do not fit the body."""
         instance(self.body, Body, "Basis: body", "a body")
         wanted = (len(self.body.frames), 6)
         if self.shapes.ndim != 3 or self.shapes.shape[1:] != wanted or not len(self.shapes):
             raise ValueError(
-                f"Basis: shapes of {self.body.label} have shape (m, {wanted[0]}, 6), got "
+                f"Basis: shapes of {self.body.label} must have shape (m, {wanted[0]}, 6), got "
                 f"{self.shapes.shape}"
             )
         if not np.isfinite(self.shapes).all():
             raise ValueError("Basis: shapes must be finite numbers")
 
     def __len__(self) -> int:
-        """Number of shapes."""
+        """Number of modes."""
         return len(self.shapes)
 
     def project(self, result: StateSeries, *, axes: Axes | None = None) -> Reduced:
-        """The nearest states that have these shapes, with what they miss.
+        """Project states onto the basis by least squares, with the projection error.
 
         Args:
             result: States of a scene with this body.
-            axes: Which rigid motion is taken out; default: :class:`MeanAxes`. Shapes that leave a
-                node where it is want the :class:`NodeAxes` of that one.
+            axes: Floating frame; default: :class:`MeanAxes`. Modes that are zero at a node need the
+                :class:`NodeAxes` of that node.
 
         Raises:
             ValueError: The result has no such body, or one with another mesh.
         """
         frames = frames_of(result, self.body)
         motion = local_motion(self.body, frames, MeanAxes() if axes is None else axes)
-        scale = np.repeat([1.0, self.body.size], 3)  # turns count as displacements that far away
+        scale = np.repeat([1.0, self.body.size], 3)  # rotations are multiplied by this length
         flat = (self.shapes * scale).reshape(len(self), -1)
         wanted = (motion.increments * scale).reshape(len(frames), -1)
         coordinates = np.linalg.lstsq(flat.T, wanted.T, rcond=None)[0].T
@@ -167,18 +167,18 @@ class Basis:
         return Reduced(self, motion.rigid, coordinates, away.max(axis=1))
 
     def picture(self, path: str | os.PathLike[str], number: int, *, amplitude: float = 0.1) -> None:
-        """Draw a shape, half a swing of it.
+        """Draw half an oscillation of a mode.
 
         Args:
             path: Name of the ``.png`` file.
-            number: Counted from 1.
-            amplitude: Largest increment, displacement over the body's size or rotation.
+            number: Number of the mode, counted from 1.
+            amplitude: Largest increment: displacement over the size of the body, or rotation.
 
         Raises:
-            ValueError: There is no such shape.
+            ValueError: There is no such mode.
         """
         if not 1 <= whole(number, "number") <= len(self):
-            raise ValueError(f"shapes are 1 … {len(self)}, got {number}")
+            raise ValueError(f"modes are 1 … {len(self)}, got {number}")
         shape = self.shapes[number - 1] / np.repeat([self.body.size, 1.0], 3)
         shape = shape * (positive(amplitude, "amplitude") / np.abs(shape).max())
         moved = shape * np.repeat([self.body.size, 1.0], 3)
@@ -187,10 +187,10 @@ class Basis:
         draw(SceneInfo.of([self.body]), frames, path, canvas=Canvas(f"Shape {number}"))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write an HDF5 file with the shapes and the mesh that they belong to.
+        """Write an HDF5 file with the modes and the mesh.
 
         Raises:
-            OSError: It cannot be written.
+            OSError: The file cannot be written.
         """
         import h5py
 
@@ -200,15 +200,15 @@ class Basis:
 
 
 def load_basis(path: str | os.PathLike[str], body: Body) -> Basis:
-    """Shapes from a file of :meth:`Basis.save`, for a body with the same mesh anywhere in space.
+    """Basis from a file of :meth:`Basis.save`, for a body with the same mesh anywhere in space.
 
     Args:
         path: The HDF5 file.
         body: A body whose mesh is that of the file up to a rigid motion.
 
     Raises:
-        ValueError: The file has no basis, one of another version, or of another mesh.
-        OSError: It cannot be read.
+        ValueError: The file has no basis, or one of another version or mesh.
+        OSError: The file cannot be read.
     """
     import h5py
 

@@ -1,22 +1,22 @@
-"""Energy-conserving sampling and weighting: few cells whose weighted forces are those of all.
+"""Energy-conserving sampling and weighting (ECSW): a few weighted cells replace all cells.
 
-What all cells do in the shapes, ``Σ_e Φᵀ Tᵀ f_e``, is wanted in some states of training from few
-of them, ``Σ_e ξ_e Φᵀ Tᵀ f_e`` with weights ``ξ ≥ 0``. Such forces are the gradient of the energy
-``Σ_e ξ_e W_e``, so that the matrix stays symmetric. Forces are compared by the energy that they
-would store at rest, and each state counts alike. That is a least-squares problem with bounds, of
-which a vertex is wanted: of the singular vectors of the training as few are taken as the tolerance
-allows, and as many cells at most have weights then.
+The reduced force of all cells, ``Σ_e Φᵀ Tᵀ f_e``, is approximated in training states by a few of
+them, ``Σ_e ξ_e Φᵀ Tᵀ f_e`` with weights ``ξ ≥ 0``. These forces are the gradient of the energy
+``Σ_e ξ_e W_e``, so the matrix remains symmetric. Forces are compared in the energy norm of the
+stiffness at rest, and all states have the same weight. This is a least-squares problem with bounds,
+of which a vertex is computed: the number of singular vectors of the training forces follows from
+the tolerance, and at most as many cells have weights.
 
-C. Farhat, P. Avery, T. Chapman & J. Cortial, Int. J. Numer. Meth. Engng 98 (2014) 625, by the
+C. Farhat, P. Avery, T. Chapman & J. Cortial, Int. J. Numer. Meth. Engng 98 (2014) 625, with the
 singular vectors of J. A. Hernández, M. A. Caicedo & A. Ferrer, CMAME 313 (2017) 687.
 
-Energy, forces and matrix in few shapes that some cells of a body make, with weights.
-
-Nodes move as ``Hᵢ = Hᵢ⁰ exp dᵢ`` with ``dᵢ = Φᵢ η``, so that of forces ``f`` in their axes::
+*Reduced energy, forces and matrix.* Nodes move as ``Hᵢ = Hᵢ⁰ exp dᵢ`` with ``dᵢ = Φᵢ η``, so that
+with forces ``f`` in their axes::
 
     ∂W/∂η = Σ Φᵀ Tᵀ f          ∂²W/∂η² = Σ Φᵀ (Tᵀ K T + ∂(Tᵀ f)/∂d) Φ
 
-with ``T = T₆(d)`` and the cells' own matrix ``K``. That of all is symmetric in every state.
+with ``T = T₆(d)`` and the tangent stiffness ``K`` of the cells. The sum over all cells is symmetric
+in every state.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from fem_lie.reduce.basis import Basis, Reduced
 
 
 class Moved(NamedTuple):
-    """Some nodes in few shapes.
+    """Some nodes at given modal coordinates.
 
     Attributes:
         d: Increments ``Φ η``, shape (n, 6).
@@ -46,34 +46,34 @@ class Moved(NamedTuple):
     tangents: Array
 
 
-class NodesInShapes:
-    """Some nodes of a body, and the shapes there.
+class ReducedNodes:
+    """Some nodes of a body, and the modes there.
 
     Attributes:
-        shapes: ``Φ`` of each, shape (n, 6, m).
+        shapes: Modes ``Φ`` at each node, shape (n, 6, m).
     """
 
     def __init__(self, basis: Basis, nodes: Indices) -> None:
-        """Take what is needed; a node may come several times."""
+        """Select nodes; a node may be given several times."""
         self._start = basis.body.frames[nodes]
         self.shapes: Array = np.ascontiguousarray(basis.shapes[:, nodes].transpose(1, 2, 0))
 
     def at(self, coordinates: Array) -> Moved:
-        """The nodes at coordinates (m,)."""
+        """The nodes at modal coordinates (m,)."""
         d = self.shapes @ coordinates
         return Moved(d, np.asarray(lie.se3_retract(self._start, d)), lie.se3_tangent(d))
 
     def pulled(self, moved: Moved, forces: Array) -> Array:
-        """``Φᵀ Tᵀ f`` of each node, shape (n, m), of forces (n, 6)."""
+        """Reduced forces ``Φᵀ Tᵀ f`` of each node, shape (n, m), for nodal forces (n, 6)."""
         local = np.einsum("nij,ni->nj", moved.tangents, forces)
         return np.asarray(np.einsum("njm,nj->nm", self.shapes, local))
 
     def motions(self, moved: Moved) -> Array:
-        """``T Φ``, twists of the nodes, shape (n, 6, m)."""
+        """``T Φ``, twists of the nodes per modal velocity, shape (n, 6, m)."""
         return np.asarray(moved.tangents @ self.shapes)
 
     def bent(self, moved: Moved, forces: Array) -> Array:
-        """``Σ Φᵀ ∂(Tᵀ f)/∂d Φ``, shape (m, m).
+        """Geometric stiffness ``Σ Φᵀ ∂(Tᵀ f)/∂d Φ``, shape (m, m).
 
         From ``T⁻ᵀ g = f`` with ``g = Tᵀ f``: ``∂g/∂d = −Tᵀ ∂(T⁻ᵀ g)/∂d``.
         """
@@ -89,28 +89,28 @@ def summed(first: Array, second: Array) -> Array:
     return np.asarray(first.reshape(-1, m).T @ second.reshape(-1, m))
 
 
-class CellsInShapes:
+class ReducedCells:
     """Some cells of a body, with weights.
 
     Attributes:
-        nodes: Their nodes in the shapes, those of one cell after those of the other.
-        count: How many cells.
+        nodes: Nodes of all cells and the modes there, cell by cell.
+        count: Number of cells.
     """
 
     def __init__(self, basis: Basis, cells: Indices, weights: Array) -> None:
-        """Assemble these cells, and no others.
+        """Assemble these cells only.
 
         Args:
-            basis: The shapes.
+            basis: The modes.
             cells: Numbers of cells, shape (s,).
-            weights: Factors of their energies, shape (s,).
+            weights: Weights of their energies, shape (s,).
 
         Raises:
-            ValueError: The body has no cells that can be taken one by one.
+            ValueError: The cells of this body cannot be assembled individually.
         """
         self._term = basis.body.weighted_cells(cells, weights)
         self.count = len(cells)
-        self.nodes = NodesInShapes(basis, basis.body.elastic_cells[cells].ravel())
+        self.nodes = ReducedNodes(basis, basis.body.elastic_cells[cells].ravel())
         self._H = np.empty((self._term.count, 4, 3))
         self._r, self._order = np.empty((self._term.count, 6)), self._term.order
         rows, columns = self._term.pairs
@@ -123,13 +123,13 @@ class CellsInShapes:
         return self._term.energy(self._H)
 
     def of_each(self, coordinates: Array) -> Array:
-        """Forces in the shapes that each cell makes, shape (s, m)."""
+        """Reduced forces of each cell, shape (s, m)."""
         moved = self.nodes.at(coordinates)
         pulled = self.nodes.pulled(moved, self._forces(moved, self._term.room()))
         return np.asarray(pulled.reshape(self.count, -1, pulled.shape[1]).sum(axis=1))
 
     def forces(self, coordinates: Array) -> Array:
-        """Sum of these, shape (m,)."""
+        """Reduced forces, the sum over all cells, shape (m,)."""
         return np.asarray(self.of_each(coordinates).sum(axis=0))
 
     def forces_and_matrix(self, coordinates: Array) -> tuple[Array, Array]:
@@ -145,7 +145,7 @@ class CellsInShapes:
         return self.nodes.pulled(moved, forces).sum(axis=0), matrix
 
     def _forces(self, moved: Moved, kept: Array) -> Array:
-        """Of the nodes, in their axes, shape (n, 6)."""
+        """Nodal forces in the nodes' axes, shape (n, 6)."""
         self._H[self._order] = moved.frames
         self._r[:] = 0.0
         if self._term.local is not None:
@@ -158,13 +158,13 @@ _ROUND_OFF = 1e-12
 
 
 class CellSample(NamedTuple):
-    """Cells that stand for all in few shapes.
+    """Weighted cells that replace all cells of a reduced-order body.
 
     Attributes:
-        basis: The shapes.
+        basis: The modes.
         cells: Numbers of the cells, increasing, shape (s,).
-        weights: Factors of their energies, positive, shape (s,).
-        error: Of the forces of training, relative.
+        weights: Weights of their energies, positive, shape (s,).
+        error: Relative error of the training forces.
     """
 
     basis: Basis
@@ -172,13 +172,13 @@ class CellSample(NamedTuple):
     weights: Array
     error: float
 
-    def in_shapes(self) -> CellsInShapes:
+    def reduced_cells(self) -> ReducedCells:
         """Energy, forces and matrix of these cells."""
-        return CellsInShapes(self.basis, self.cells, self.weights)
+        return ReducedCells(self.basis, self.cells, self.weights)
 
 
 def ecsw(states: Reduced, tolerance: float) -> CellSample:
-    """Few cells, and weights that are not negative, with the forces of all in states of training.
+    """Choose a few cells with non-negative weights that reproduce the forces in training states.
 
     Example:
         >>> steel = fl.Material(E=2e11, nu=0.3, density=7800.0)
@@ -195,19 +195,19 @@ def ecsw(states: Reduced, tolerance: float) -> CellSample:
         0.1
 
     Args:
-        states: Of training, in the shapes: ``basis.project(result)``.
-        tolerance: Of the forces of training, relative, below 1.
+        states: Training states, projected on a basis: ``basis.project(result)``.
+        tolerance: Relative error of the training forces, below 1.
 
     Raises:
-        ValueError: The body has no cells that can be taken one by one, nothing is strained, or the
-            tolerance is beyond round-off.
+        ValueError: The cells of this body cannot be assembled individually, no state has strain, or
+            the tolerance is below round-off.
     """
     instance(states, Reduced, "states", "states in few shapes, of basis.project(result)")
     if positive(tolerance, "tolerance") >= 1.0:
         raise ValueError(f"tolerance must be below 1, got {tolerance!r}")
     basis = states.basis
     count = len(basis.body.elastic_cells)
-    forces = forces_of_training(CellsInShapes(basis, np.arange(count), np.ones(count)), states)
+    forces = forces_of_training(ReducedCells(basis, np.arange(count), np.ones(count)), states)
     left, sizes, right = np.linalg.svd(forces, full_matrices=False)
     wanted = forces.sum(axis=1)
     for rank in range(1, int((sizes > _ROUND_OFF * sizes[0]).sum()) + 1):
@@ -220,17 +220,18 @@ def ecsw(states: Reduced, tolerance: float) -> CellSample:
     raise ValueError(f"no weights have an error of {tolerance:g}: give a larger tolerance")
 
 
-def forces_of_training(cells: CellsInShapes, states: Reduced) -> Array:
-    """Forces of each cell in all shapes and states, in units of energy at rest, (k m, s).
+def forces_of_training(cells: ReducedCells, states: Reduced) -> Array:
+    """Reduced forces of each cell in all states, in the energy norm at rest, shape (k m, s).
 
-    Those of each state are over the norm of their sum; states without strain are left out.
+    The forces of each state are divided by the norm of their sum; states without strain are
+    omitted.
     """
     _, stiffness = cells.forces_and_matrix(np.zeros(len(states.basis)))
     try:
         root = np.linalg.cholesky(stiffness)
     except np.linalg.LinAlgError:
         raise ValueError(
-            "the shapes have rigid motions, which no cell resists: leave them out"
+            "the basis has rigid-body modes, which have no stiffness: omit them"
         ) from None
     found = [
         scipy.linalg.solve_triangular(root, cells.of_each(each).T, lower=True)
@@ -240,5 +241,5 @@ def forces_of_training(cells: CellsInShapes, states: Reduced) -> Array:
     most = max(sizes, default=0.0)
     some = [f / size for f, size in zip(found, sizes, strict=True) if size > _ROUND_OFF * most]
     if not some:
-        raise ValueError("states of training must have strain: there are no forces in any of them")
+        raise ValueError("expected training states with strain, got states without forces")
     return np.concatenate(some)

@@ -1,25 +1,24 @@
-"""Reduced-order bodies for scenes, made from full ones.
+"""Reduced-order bodies for scenes, made from full bodies.
 
-What shapes do to each other's strain: tension stiffens bending, and bending draws ends together.
+*Quadratic strains.* They represent how modes strain each other: tension stiffens bending, and
+bending draws the ends together. The third derivative ``C`` of the full body's energy in modal
+coordinates is computed by finite differences of its forces. Many energies ``½ eᵀ K e`` with ``e_a =
+z_a + ½ Q_abc z_b z_c`` have this derivative; they differ in which of three modes contains the
+quadratic term. Slender bodies bend without stretching: with modes in which ``K`` and the matrix of
+squared nodal *rotations* are diagonal, stretching is much stiffer than bending, and ``Q = C / (k_a
++ k_b + k_c)`` is the least ``Q`` that gives ``C``. (With mass instead of rotations, short bending
+waves are as stiff as long stretching waves, and a soft cantilever bends by a fifth too much at a
+tenth of its length.)
 
-The third derivative ``C`` of the full body's energy in its shapes is found by differences of its
-forces. Many energies ``½ eᵀ K e`` with ``e_a = z_a + ½ Q_abc z_b z_c`` have this derivative; they
-differ in which of three shapes takes up what the others draw. What is known is that slender bodies
-bend without stretching: in shapes in which ``K`` and the squares of nodes' *rotations* are diagonal
-stretching is stiffer than bending by far, and ``Q = C / (k_a + k_b + k_c)`` is the least ``Q`` that
-gives ``C``. (With mass in the place of rotations short waves of bending are as stiff as long ones
-of stretching, and a soft cantilever bends by a fifth too much at a tenth of its length.)
+Third derivatives without the fourth would make slender bodies buckle by bending. With the fourth
+derivatives of the full energy they would lock, because modes that shorten each part of a line as
+its bending requires are not in the basis.
 
-Third derivatives alone would make slender bodies buckle by bending; with the fourth ones of the
-full energy they would lock, for shapes that shorten every part of a line as its bending wants are
-not among them.
-
-Normal modes beside the answers to inertia of rigid motion, which make them statically complete.
-
-Few normal modes have the motion right, and moments beside a held edge wrong: all modes are in
-those. What a body does under its own weight and at slow accelerations of its frame is right with
-one more shape for each, the answer to that load.
-(E. L. Wilson, M.-W. Yuan & J. M. Dickens, Earthq. Eng. Struct. Dyn. 10 (1982) 813.)
+*Inertial modes.* Normal modes are completed by the static responses to inertia of rigid motion. A
+few normal modes represent the motion well, but not the moments next to a fixed edge, to which all
+modes contribute. The response to the body's own weight and to slow accelerations of its frame is
+exact with one more mode for each, the static response to that load (E. L. Wilson, M.-W. Yuan & J.
+M. Dickens, Earthq. Eng. Struct. Dyn. 10 (1982) 813).
 """
 
 from __future__ import annotations
@@ -37,26 +36,27 @@ from fem_lie.bodies.reduced.reduced_body import ReducedBody
 from fem_lie.lie.node_types import rigid_motions
 from fem_lie.reduce.bases import interface_modes
 from fem_lie.reduce.basis import Basis
-from fem_lie.reduce.beside_rest import BesideRest
+from fem_lie.reduce.linearised import LinearisedBody
 from fem_lie.scene import Scene
 from fem_lie.system.equations import TimeState
 
-_STRAIGHT = 1e-3  # what displacements over the body's size count beside rotations
-_STEP = 4e-3  # of the body's size: how large shapes are in differences
+_STRAIGHT = 1e-3  # weight of displacements over the body's size, relative to rotations
+_STEP = 4e-3  # increment of a mode in differences, relative to the size of the body
 _WEIGHTS = {1.0: 4.0 / 3.0, 2.0: -1.0 / 12.0}
-"""Of ``f(k s) + f(−k s)`` in the second derivative along ``s``, of fourth order where ``f(0) = 0``.
+"""Weights of ``f(k s) + f(−k s)`` in the second derivative along ``s``, of fourth order where
+``f(0) = 0``. Second-order differences would leave 1e-8 of it in round-off or in higher terms, for
+any step."""
 
-Plain differences leave 1e-8 of it in round-off or in higher terms, whatever the step."""
 
-
-def quadratic_strains(rest: BesideRest, frame: Array, shapes: Array, K: Array) -> Array:
-    """The ``Q`` (m, m, m) of :class:`~fem_lie.ReducedBody`.
+def quadratic_strains(rest: LinearisedBody, frame: Array, shapes: Array, K: Array) -> Array:
+    """Coefficients ``Q`` (m, m, m) of the quadratic strains of :class:`~fem_lie.ReducedBody`.
 
     Args:
-        rest: The full body alone.
-        frame: Within which shapes are seen, (4, 3).
-        shapes: Displacement and rotation of all its nodes, components along the frame, (m, n, 6).
-        K: Stiffness in them, (m, m).
+        rest: The linearised full body.
+        frame: Floating frame, (4, 3).
+        shapes: Modes: displacement and rotation of all nodes, components along the frame, (m, n,
+            6).
+        K: Stiffness in modal coordinates, (m, m).
     """
     C = _third_derivative(_Within(rest, frame, shapes))
     flat = shapes * np.repeat([_STRAIGHT / rest.body.size, 1.0], 3)
@@ -69,8 +69,8 @@ def quadratic_strains(rest: BesideRest, frame: Array, shapes: Array, K: Array) -
 def _principal_shapes(K: Array, rows: Array) -> tuple[Array, Array, Array]:
     """``k``, ``V`` and ``V⁻¹`` with ``VᵀKV = k`` and ``VᵀRV = 1``, ``R = rows rowsᵀ`` (m, m).
 
-    Stretching is 1e8 times as stiff as bending in ``R``, whose eigenvalues would leave as many
-    digits less; singular values of ``rows`` are their square roots.
+    Stretching is 1e8 times as stiff as bending in ``R``, so eight digits would be lost in its
+    eigenvalues; the singular values of ``rows`` are their square roots.
     """
     L = np.linalg.cholesky(K)
     U, s, _ = np.linalg.svd(scipy.linalg.solve_triangular(L, rows, lower=True), full_matrices=False)
@@ -79,9 +79,9 @@ def _principal_shapes(K: Array, rows: Array) -> tuple[Array, Array, Array]:
 
 
 class _Within:
-    """Forces of the full body whose frame stays, at the origin, where positions have all digits."""
+    """Forces of the full body with a fixed floating frame at the origin, for least round-off."""
 
-    def __init__(self, rest: BesideRest, frame: Array, shapes: Array) -> None:
+    def __init__(self, rest: LinearisedBody, frame: Array, shapes: Array) -> None:
         self._equations, body, leads = rest.equations, rest.body, rest.leads
         self._shapes = shapes[:, leads]
         self._inside = lie.se3_compose(lie.se3_inverse(frame), body.frames[leads])
@@ -91,7 +91,7 @@ class _Within:
         self.steps = np.diag(_STEP * body.size / reach)
 
     def forces(self, z: Array) -> Array:
-        """Forces on coordinates, (m,)."""
+        """Forces on modal coordinates, (m,)."""
         h = np.einsum("m,mni->ni", z, self._shapes)
         turned = lie.so3_exp(h[:, 3:])
         H = self._inside.copy()
@@ -110,13 +110,13 @@ class _Within:
 
 
 def _second_derivative(within: _Within, step: Array) -> Array:
-    """Of the forces along ``step``, (m,)."""
+    """Second derivative of the forces along ``step``, (m,)."""
     pairs = (w * (within.forces(k * step) + within.forces(-k * step)) for k, w in _WEIGHTS.items())
     return np.asarray(sum(pairs), dtype=np.float64)
 
 
 def _third_derivative(within: _Within) -> Array:
-    """Of the energy, (m, m, m), symmetric."""
+    """Third derivative of the energy, (m, m, m), symmetric."""
     steps = within.steps
     m = len(steps)
     own = [_second_derivative(within, step) for step in steps]
@@ -131,26 +131,27 @@ def _third_derivative(within: _Within) -> Array:
     return np.asarray((C + C.transpose(1, 2, 0) + C.transpose(2, 0, 1)) / 3.0, np.float64)
 
 
-_NEW = 1e-10  # the least square of a shape that is in no other one
+_NEW = 1e-10  # least squared relative norm of a mode orthogonal to the others
 
 
 def inertial_shapes(
     scene: Scene, interfaces: Sequence[Point], modes: int, *, spinning: bool = False
 ) -> Basis:
-    """Shapes with held interfaces: answers to inertia, and the slowest vibrations.
+    """Modes with fixed interfaces: static responses to inertia, and vibration modes.
 
-    They are the inner shapes of a :func:`reduced_body`, whose weight and accelerations they then
-    balance as all unknowns do. Shapes have unit mass and are in the order of their stiffness.
+    They are the inner modes of a :func:`reduced_body`, whose response to weight and accelerations
+    is then that of the full body. Modes have unit mass and are ordered by stiffness.
 
     Args:
-        scene: The body alone, free to move, as :func:`craig_bampton` wants it.
-        interfaces: Nodes that joints, loads and the like will take.
-        modes: How many vibrations, beside six answers to accelerations of translation and rotation.
-        spinning: Answers to centrifugal forces, too, six more for spins about any axes; those that
-            bring nothing new are left out.
+        scene: The body alone, free to move, as for :func:`craig_bampton`.
+        interfaces: Nodes at which joints, loads and the like will act.
+        modes: Number of vibration modes, in addition to six responses to accelerations of
+            translation and rotation.
+        spinning: Whether to add the responses to centrifugal forces, six more for rotations about
+            any axes; linearly dependent ones are omitted.
 
     Raises:
-        ValueError: As :func:`craig_bampton` says.
+        ValueError: As for :func:`craig_bampton`.
 
     Example:
         >>> steel = fl.Material(E=2e11, nu=0.3, density=7800.0)
@@ -161,13 +162,13 @@ def inertial_shapes(
         >>> len(inner), len(fl.reduced_body(part, ends, inner).stiffness)
         (10, 16)
     """
-    return answers_to_inertia(BesideRest(scene, None), interfaces, modes, spinning=spinning)
+    return answers_to_inertia(LinearisedBody(scene, None), interfaces, modes, spinning=spinning)
 
 
 def answers_to_inertia(
-    rest: BesideRest, interfaces: Sequence[Point], modes: int, *, spinning: bool = False
+    rest: LinearisedBody, interfaces: Sequence[Point], modes: int, *, spinning: bool = False
 ) -> Basis:
-    """:func:`inertial_shapes` of a body that is linearised already."""
+    """:func:`inertial_shapes` for a linearised body."""
     normal = interface_modes(rest, interfaces, modes).shapes[6 * len(interfaces) :]
     inside = rest.free.copy()
     inside[[rest.place(point.node) for point in interfaces]] = False
@@ -190,7 +191,7 @@ def answers_to_inertia(
 
 
 def _accelerations(body: Body, spinning: bool) -> Array:
-    """Of all nodes in their axes, (6 or 12, n, 6): rigid ones, and towards axes of spin."""
+    """Accelerations of all nodes in their axes, (6 or 12, n, 6): rigid and centripetal."""
     middle = body.frames[:, 0].mean(axis=0)
     rigid = rigid_motions(body.node_types, body.frames, middle).transpose(2, 0, 1)
     if not spinning:
@@ -215,25 +216,27 @@ def reduced_body(
     stretching: bool = True,
     name: str = "",
 ) -> ReducedBody:
-    """A body that moves with the frame of its first interface and deforms in few shapes.
+    """A reduced-order body, with the frame of its first interface as floating frame.
 
-    The shapes are interface modes of :func:`craig_bampton` and :func:`inertial_shapes`, or inner
-    shapes of another basis; those of the first interface are left out, for they and the others
-    together are rigid motions. The first interface is so the frame: strains and rotations within it
-    are to be small. What spins fast wants ``inertial_shapes(…, spinning=True)``.
+    Its modes are the interface modes of :func:`craig_bampton`, and inner modes: those of
+    :func:`inertial_shapes` or of another basis. The modes of the first interface are omitted,
+    because together with the others they are rigid motions. Strains and rotations relative to the
+    first interface must be small. For fast rotation use ``inertial_shapes(…, spinning=True)``.
 
     Args:
         scene: The full body alone, free to move, without joints and loads.
-        interfaces: Nodes that joints, loads and the like will take; the first is the frame.
-        modes: How many vibrations with held interfaces are shapes, beside six answers to inertia;
-            or other inner shapes, of which what interfaces have in them is taken out.
-        stretching: Whether tension stiffens bending, and bending draws ends together; otherwise
-            the stiffness is constant.
-        name: Of the new body; default: that of the full one.
+        interfaces: Nodes at which joints, loads and the like will act; the first is the floating
+            frame.
+        modes: Number of vibration modes with fixed interfaces, in addition to six responses to
+            inertia; or a basis of other inner modes, from which the interface modes are projected
+            out.
+        stretching: Whether to include quadratic strains, so that tension stiffens bending and
+            bending draws the ends together; otherwise the stiffness is constant.
+        name: Name of the new body; default: that of the full one.
 
     Raises:
-        ValueError: There is no interface, the basis is of another body, parts of the body are held,
-            the body has damping, or as :func:`craig_bampton` says.
+        ValueError: There is no interface, the basis is of another body, the body has fixed degrees
+            of freedom or damping, or as for :func:`craig_bampton`.
 
     Example:
         >>> steel = fl.Material(E=2e11, nu=0.3, density=7800.0)
@@ -248,15 +251,16 @@ def reduced_body(
         (11, 3)
     """
     if not len(interfaces):
-        raise ValueError("reduced_body: wanted an interface or more: the first is the frame")
-    rest = BesideRest(scene, None)
+        raise ValueError("reduced_body: interfaces: expected at least one, for the floating frame")
+    rest = LinearisedBody(scene, None)
     body = rest.body
     if not rest.free[:, :5].all():
         raise ValueError(
-            f"{body.label} is held: a reduced body is free, and held by its interfaces"
+            f"{body.label} has fixed degrees of freedom: expected a free body, held by its "
+            "interfaces"
         )
     if rest.pencil.C is not None:
-        raise ValueError(f"{body.label} has damping, and reduced bodies have none yet")
+        raise ValueError(f"{body.label} has damping, which reduced-order bodies do not support yet")
     shapes = _shapes(rest, interfaces, modes)
     nodes = [point.node for point in interfaces]
     V, K = rest.vectors(shapes), rest.pencil.K
@@ -274,41 +278,43 @@ def reduced_body(
     return ReducedBody(nodes, *matrices, body, points=points, quadratic=quadratic, name=label)
 
 
-def _shapes(rest: BesideRest, interfaces: Sequence[Point], modes: int | Basis) -> Array:
-    """Of the other interfaces, in axes of the first one, and inner ones, in nodal axes."""
+def _shapes(rest: LinearisedBody, interfaces: Sequence[Point], modes: int | Basis) -> Array:
+    """Modes of the other interfaces, in axes of the first, and inner modes, in nodal axes."""
     body, nodes = rest.body, [point.node for point in interfaces]
     static: Array = interface_modes(rest, interfaces, 0).shapes.reshape(len(nodes), _SIX, -1, _SIX)
     own = static[np.arange(len(nodes)), :, nodes].diagonal(axis1=1, axis2=2)
     static /= own[:, :, np.newaxis, np.newaxis].copy()
     within = modes if isinstance(modes, Basis) else answers_to_inertia(rest, interfaces, modes)
     if within.body is not body:
-        raise ValueError(f"the basis is of {within.body.label}, which is not the body of the scene")
+        raise ValueError(
+            f"the basis belongs to {within.body.label}, which is not the body of the scene"
+        )
     inner = within.shapes - np.einsum("mik,iknj->mnj", within.shapes[:, nodes], static)
     outer = np.einsum("iab,ibnj->ianj", turns(_turn(body, nodes[0])[nodes[1:]]), static[1:])
     return np.concatenate([outer.reshape(-1, *inner.shape[1:]), _scaled(inner, body.size)])
 
 
 def _turn(body: Body, first: int) -> Array:
-    """From axes of all nodes to those of the first interface, (n, 3, 3)."""
+    """Rotations from the axes of all nodes to those of the first interface, (n, 3, 3)."""
     return np.asarray(body.frames[first, 1:] @ body.frames[:, 1:].swapaxes(1, 2))
 
 
 def turns(R: Array) -> Array:
-    """Rotations of both halves of twists, shape (n, 6, 6), of (n, 3, 3)."""
+    """Block-diagonal rotations of twists, shape (n, 6, 6), for rotations (n, 3, 3)."""
     found = np.zeros((len(R), _SIX, _SIX))
     found[:, :3, :3] = found[:, 3:, 3:] = R
     return found
 
 
 def _scaled(shapes: Array, size: float) -> Array:
-    """Three times a length, three times an angle: as unknowns of nodes are measured."""
+    """Modes scaled as nodal unknowns are: three times to a length, three times to an angle."""
     largest = np.abs(shapes * np.repeat([1.0, size], 3)).max(axis=(1, 2))
     unit = np.where(np.arange(len(shapes)) % _SIX < 3, 1.0, size)
     return np.asarray(shapes * (unit / largest)[:, np.newaxis, np.newaxis])
 
 
-def _density(rest: BesideRest, shapes: Array, frame: Array) -> Array:
-    """Matrix of ``(x, d_k, z_a d_k)``: rows of all nodes are linear in these."""
+def _density(rest: LinearisedBody, shapes: Array, frame: Array) -> Array:
+    """Mass matrix of ``(x, d_k, z_a d_k)``, in which the coordinates of all nodes are linear."""
     leads, m = rest.leads, len(shapes)
     inside = lie.se3_compose(lie.se3_inverse(frame), rest.body.frames[leads])
     P = np.zeros((len(leads), 4, 4 + 3 * m))

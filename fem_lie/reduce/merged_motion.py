@@ -1,4 +1,4 @@
-"""A motion in stretches with regions that move with one frame each."""
+"""A motion in time segments with regions that move as rigid bodies."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ from fem_lie.results.history import Result
 
 
 class RegionStretch(NamedTuple):
-    """A part of a motion with the same regions.
+    """A time segment of a motion with constant regions.
 
     Attributes:
-        begin: When it begins; times of its result count from there.
-        result: Of this part, with all nodes; perhaps of more.
-        rows: Its last state that counts.
-        frames: How many frames moved by themselves.
-        change: What the change to these regions has done; ``None`` for the first.
+        begin: Start of the segment; times of its result are relative to it.
+        result: Result of the segment, with all nodes; it may extend beyond the segment.
+        rows: Index of the last state of the segment.
+        frames: Number of independent frames.
+        change: Momenta and energies before and after the change to these regions; ``None`` for the
+            first segment.
     """
 
     begin: float
@@ -32,51 +33,51 @@ class RegionStretch(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MergedMotion:
-    """What :func:`~fem_lie.merged_motion` has found; rows of times come twice where regions change.
+    """Result of :func:`~fem_lie.merged_motion`; times at which regions change are there twice.
 
     Attributes:
-        stretches: One after the other.
-        nodes: How many frames move by themselves without regions.
-        again: Stretches that were made in vain.
+        segments: Time segments in order.
+        nodes: Number of independent frames without regions.
+        repeated: Number of segments that were rejected and repeated.
     """
 
-    stretches: tuple[RegionStretch, ...]
+    segments: tuple[RegionStretch, ...]
     nodes: int
-    again: int
+    repeated: int
 
     @property
     def times(self) -> Array:
-        """Of all kept states, shape (T,)."""
+        """Times of all recorded states, shape (T,)."""
         return np.concatenate(
-            [part.begin + part.result.times[: part.rows + 1] for part in self.stretches]
+            [part.begin + part.result.times[: part.rows + 1] for part in self.segments]
         )
 
     @property
     def frames(self) -> Array:
-        """Of all nodes, shape (T, N, 4, 3)."""
-        return np.concatenate([part.result.frames[: part.rows + 1] for part in self.stretches])
+        """Frames of all nodes, shape (T, N, 4, 3)."""
+        return np.concatenate([part.result.frames[: part.rows + 1] for part in self.segments])
 
     @property
-    def share(self) -> float:
-        """Frames that moved by themselves over all that could, mean in time."""
-        spans = np.array([part.result.times[part.rows] for part in self.stretches])
-        frames = np.array([part.frames for part in self.stretches])
+    def active_fraction(self) -> float:
+        """Number of independent frames over that without regions, mean over time."""
+        spans = np.array([part.result.times[part.rows] for part in self.segments])
+        frames = np.array([part.frames for part in self.segments])
         return float(spans @ frames / (self.nodes * spans.sum()))
 
     @property
     def momentum_error(self) -> float:
         """Largest relative change of momenta where regions changed."""
-        changes = [part.change.momentum_error for part in self.stretches if part.change]
+        changes = [part.change.momentum_error for part in self.segments if part.change]
         return max(changes, default=0.0)
 
     @property
     def energy_change(self) -> float:
-        """Sum of what changes of regions have done to kinetic and elastic energy."""
-        return sum(part.change.energy_change for part in self.stretches if part.change)
+        """Sum of the changes of kinetic and elastic energy where regions changed."""
+        return sum(part.change.energy_change for part in self.segments if part.change)
 
     def __str__(self) -> str:
-        """How few frames there were, and what changes did."""
-        frames = [part.frames for part in self.stretches]
+        """One line: numbers of frames, and the errors of changes."""
+        frames = [part.frames for part in self.segments]
         return (
             f"{min(frames)} to {max(frames)} of {self.nodes} frames, {100 * self.share:.3g} % in "
             f"the mean of {len(frames)} stretches ({self.again} made in vain); momenta kept to "

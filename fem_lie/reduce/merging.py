@@ -1,20 +1,20 @@
-"""A motion whose inactive regions move with one frame each until they become active.
+"""Motion with inactive regions: each moves as a rigid body until it becomes active.
 
-A region keeps the deformation that it has when it is merged, with the energy of that; its nodes
-follow one of them rigidly. Which nodes need frames of their own is asked now and then, see
-:class:`Looking`: a stretch counts up to where no merged node stirs, and the next one has those that
-do free. Merging projects velocities by mass, which keeps both momenta; what it would take of the
-kinetic energy is bounded, and nodes wait until they have been quiet for a while.
+A region keeps the deformation that it has when it is merged, and its elastic energy; its nodes are
+rigidly attached to one of them. From time to time :class:`ActivityCheck` determines which nodes
+need independent frames: a segment is accepted up to the last check at which no merged node is
+active, and the next segment has the active nodes free. Velocities of merged nodes are projected
+with the mass matrix, which conserves linear and angular momentum. The loss of kinetic energy is
+bounded, and nodes are merged only after they have been inactive for some time.
 
-What regions with one frame each would miss of the next moments of a motion.
-
-Within a time ``τ`` from twists ``v`` and forces ``r`` nodes move by ``d``, with matrices of small
-motions beside the state, as if accelerations were constant::
+*Error estimate of merged regions.* Within a time ``τ`` from twists ``v`` and forces ``r`` nodes
+move by ``d``, with matrices linearised about the state and constant accelerations::
 
     A d = b,     A = 2 M / τ² + C / τ + K,     b = −r + (2 M / τ + C) v
 
-and with frames merged, so that twists are ``E w``, by ``E d_E`` with ``Eᵀ A E d_E = Eᵀ b``. What
-is missed is the difference: large where a wave comes, or where forces find no balance.
+With merged frames, for which twists are ``E w``, they move by ``E d_E`` with ``Eᵀ A E d_E = Eᵀ b``.
+The error is the difference; it is large where a wave arrives, or where forces are not in
+equilibrium.
 """
 
 from __future__ import annotations
@@ -44,26 +44,26 @@ from fem_lie.system.small_motions import linearised
 _ROUNDS = 20
 
 
-class Looking:
-    """A state of a scene without merged frames.
+class ActivityCheck:
+    """A state of a scene without merged frames, and the nodes that need independent frames.
 
     Attributes:
         H: Frames of all rows.
-        v: Twists of the nodes that lead, shape (n, 6).
-        mass: Matrix of these twists, (6 n, 6 n).
-        kinetic: Energy.
+        v: Twists of the independent nodes, shape (n, 6).
+        mass: Mass matrix of these twists, (6 n, 6 n).
+        kinetic: Kinetic energy.
     """
 
     def __init__(
         self, equations: Equations, frames: Array, twists: Array, times: Array, ahead: float
     ) -> None:
-        """Find what moves, and how far.
+        """Compute the motion of all nodes within the time ``ahead``.
 
         Args:
-            equations: Of the scene.
-            frames: Of all nodes, shape (N, 4, 3).
-            twists: Likewise, shape (N, 6).
-            times: At which loads are asked for, the present one first.
+            equations: Equations of the scene.
+            frames: Frames of all nodes, shape (N, 4, 3).
+            twists: Twists of all nodes, shape (N, 6).
+            times: Times at which loads are evaluated, the present one first.
             ahead: τ.
         """
         unknowns, system = equations.unknowns, equations.system
@@ -100,25 +100,25 @@ class Looking:
         return sp.bsr_matrix((blocks, kkt.indices, kkt.indptr), shape=(size, size)).tocsr()
 
     def merged(self, active: Flags) -> Indices:
-        """The node whose frame each follows, itself if it is active, shape (n,).
+        """The node to which each node is attached, itself if it is active, shape (n,).
 
-        What hangs together of the others is a region; one node alone is none, and what is held
-        follows nobody.
+        Connected components of inactive nodes are regions. A single node is no region, and fixed
+        nodes are not attached.
         """
         root = np.arange(len(active))
-        quiet = np.flatnonzero(~active & ~self._held)
-        count, region = connected_components(self._graph[quiet][:, quiet], directed=False)
+        inactive = np.flatnonzero(~active & ~self._held)
+        count, region = connected_components(self._graph[inactive][:, inactive], directed=False)
         first = np.full(count, len(active))
-        np.minimum.at(first, region, quiet)
-        root[quiet] = first[region]
+        np.minimum.at(first, region, inactive)
+        root[inactive] = first[region]
         return root
 
-    def beside(self, nodes: Flags) -> Flags:
+    def neighbourhood(self, nodes: Flags) -> Flags:
         """These nodes and those that share a cell with them, (n,)."""
         return np.asarray(self._graph @ nodes > 0.0)
 
-    def spread(self, root: Indices) -> sp.csr_matrix:
-        """``E``: twists of all nodes from those of the nodes that others follow, (6 n, 6 l)."""
+    def expansion(self, root: Indices) -> sp.csr_matrix:
+        """``E``: twists of all nodes from those of the independent nodes, (6 n, 6 l)."""
         leads, number = np.unique(root, return_inverse=True)
         offset = lie.se3_compose(lie.se3_inverse(self.H[root]), self.H[: len(root)])
         blocks = lie.se3_adjoint(lie.se3_inverse(offset))
@@ -126,10 +126,10 @@ class Looking:
         return sp.bsr_matrix((blocks, number, np.arange(len(root) + 1)), shape=shape).tocsr()
 
     def missed(self, root: Indices) -> Array:
-        """How far each node goes elsewhere within τ under the worst of the loads, shape (n,)."""
+        """Position error of each node within τ for the worst of the loads, shape (n,)."""
         if (root == np.arange(len(root))).all():
             return np.zeros(len(root))
-        E = self.spread(root)
+        E = self.expansion(root)
         free = np.asarray(abs(E[self._free]).sum(axis=0)).ravel() > 0.0
         E = E[:, free]
         own = splu((E.T @ self._A @ E).tocsc()).solve(E.T @ self._b)
@@ -137,7 +137,7 @@ class Looking:
         return np.asarray(np.linalg.norm(away[:, :3], axis=1).max(axis=1))
 
     def active(self, tolerance: float) -> Flags:
-        """Nodes that need frames of their own, so that no other one goes elsewhere by more."""
+        """Nodes that need independent frames, so that merged nodes are within the tolerance."""
         found: Flags = self._held.copy()
         for _ in range(_ROUNDS):
             away = self.missed(self.merged(found))
@@ -148,29 +148,30 @@ class Looking:
         return found
 
     def projected(self, root: Indices) -> tuple[Array, float]:
-        """Twists with merged frames that are nearest by mass, and the kinetic energy lost.
+        """Twists with merged frames, closest in the mass norm, and the loss of kinetic energy.
 
-        Both momenta stay as they are, for rigid motions are among those of merged frames.
+        Linear and angular momentum are conserved, for rigid motions are possible with merged
+        frames.
         """
-        E, v = self.spread(root), self.v.ravel()
+        E, v = self.expansion(root), self.v.ravel()
         own = splu((E.T @ self.mass @ E).tocsc()).solve(E.T @ (self.mass @ v))
         kept = E @ own
         lost = v - kept
         return kept.reshape(-1, 6), float(0.5 * lost @ (self.mass @ lost))
 
 
-_QUIET = 0.1  # of the tolerance: what splits a region is larger than what lets it merge again
-_AHEAD = 2.0  # stretches
-_INSTANTS = 5  # at which loads are asked for between two looks
-_LONGEST = 16  # of the shortest stretches, while nothing changes
-_WAITING = 5  # shortest stretches for which what is merged has been quiet
-_TRIES = 20  # for one stretch
-_PART = 0.1  # of what is left of that, for one merging
-_LOST = 1e-8  # of the kinetic energy: what all mergings together may take of it
+_INACTIVE = 0.1  # tolerance for merging over the tolerance for splitting a region
+_AHEAD = 2.0  # τ over the time between two checks
+_INSTANTS = 5  # evaluations of the loads between two checks
+_LONGEST = 16  # longest segment over the shortest, while all nodes are merged
+_WAITING = 5  # shortest segments for which nodes have to be inactive before they are merged
+_TRIES = 20  # attempts at one segment
+_PART = 0.1  # fraction of the remaining loss that one merging may use
+_LOST = 1e-8  # largest loss of kinetic energy by all mergings, relative
 
 
 class _State(NamedTuple):
-    """Where a stretch begins: frames and twists of all nodes."""
+    """Start of a segment: frames and twists of all nodes."""
 
     time: float
     frames: Array
@@ -186,19 +187,20 @@ def merged_motion(
     tolerance: float,
     scheme: Integrator | None = None,
 ) -> MergedMotion:
-    """Integrate with frames of quiet regions merged.
+    """Integrate in time with the frames of inactive regions merged.
 
     Args:
-        build: Makes the scene, each time anew: bodies whose nodes are frames, without joints.
+        build: Creates the scene, a new one in each call: bodies whose nodes have frames, without
+            joints.
         duration: End time.
-        step: Of time.
-        every: Shortest time between two changes, a multiple of the step.
-        tolerance: How far a merged node may go elsewhere within two such times, a length.
-        scheme: Default: ``GeneralisedAlpha()``.
+        step: Step size.
+        every: Shortest time between two changes of regions, a multiple of the step.
+        tolerance: Largest position error of a merged node within two such times, a length.
+        scheme: Time integration; default: ``GeneralisedAlpha()``.
 
     Raises:
-        ValueError: The scene has joints, contacts or nodes that are no frames.
-        ConvergenceError: A stretch failed.
+        ValueError: The scene has joints, contacts or nodes without frames.
+        ConvergenceError: A segment failed.
     """
     instance(build, Callable, "build", "a function that makes a Scene")
     instance(scheme, Integrator | None, "scheme", "a scheme such as GeneralisedAlpha, or None")
@@ -222,125 +224,127 @@ class _Run:
         tolerance: float,
         scheme: Integrator,
     ) -> None:
-        """Nothing has moved yet."""
+        """Store the options and the equations without regions."""
         self._build, self._scheme, self._step = build, scheme, step
         self._every, self._tolerance = every, tolerance
         self._whole = _whole(build())
-        self._again, self._lost = 0, 0.0
+        self._repeated, self._lost = 0, 0.0
 
     def until(self, duration: float) -> MergedMotion:
-        """From the beginning."""
+        """Integrate from the start to ``duration``."""
         whole, start = self._whole, self._whole.start
         master_map = whole.system.numbering.master_map
         frames, twists = master_map.frames(start.frames), master_map.twists(start.velocities)
-        look = self._looking(_State(whole.scene.began.time, frames, twists))
-        end, span = look.state.time + duration, self._every
-        active = look.active(self._tolerance)
-        stretches: list[RegionStretch] = []
-        while end - look.state.time > 0.5 * self._step:
-            found = self._quiet(look, active, min(span, end - look.state.time))
-            root = look.merged(found.active)
-            stretches.append(_stretch(found, root, look.state.time, stretches))
-            look, merged = found.look, not active.any()
+        check = self._check(_State(whole.scene.began.time, frames, twists))
+        end, span = check.state.time + duration, self._every
+        active = check.active(self._tolerance)
+        segments: list[RegionStretch] = []
+        while end - check.state.time > 0.5 * self._step:
+            found = self._inactive_segment(check, active, min(span, end - check.state.time))
+            root = check.merged(found.active)
+            segments.append(_segment(found, root, check.state.time, segments))
+            check, merged = found.check, not active.any()
             active = self._next(found)
             longer = min(2.0 * span, _LONGEST * self._every)
             span = longer if merged and not active.any() else _WAITING * self._every
-        return MergedMotion(tuple(stretches), whole.unknowns.moving, self._again)
+        return MergedMotion(tuple(segments), whole.unknowns.moving, self._repeated)
 
-    def _quiet(self, look: _Look, active: Flags, span: float) -> _Found:
-        """A stretch in which no merged node stirs, as far as there is none."""
+    def _inactive_segment(self, check: _Check, active: Flags, span: float) -> _Found:
+        """Integrate a segment in which no merged node becomes active, with repetitions."""
         for _ in range(_TRIES):
-            root = look.merged(active)
-            result = self._moved(look, root, span)
-            found = self._quiet_part(look, result, root, active)
+            root = check.merged(active)
+            result = self._moved(check, root, span)
+            found = self._inactive_part(check, result, root, active)
             if found.rows:
                 return found
-            active, span = active | found.stirs, self._every
-            self._again += 1
-        raise ConvergenceError(f"no regions are quiet after time {look.state.time:g}")
+            active, span = active | found.activated, self._every
+            self._repeated += 1
+        raise ConvergenceError(f"no regions are quiet after time {check.state.time:g}")
 
-    def _quiet_part(self, look: _Look, result: Result, root: Indices, active: Flags) -> _Found:
-        """Up to the last look at which nothing merged has stirred."""
-        found = _Found(result, 0, look, active, np.ones_like(active), np.zeros_like(active))
+    def _inactive_part(self, check: _Check, result: Result, root: Indices, active: Flags) -> _Found:
+        """The segment up to the last check at which all merged nodes are inactive."""
+        found = _Found(result, 0, check, active, np.ones_like(active), np.zeros_like(active))
         every, last = round(self._every / self._step), len(result.times) - 1
         for row in [*range(every, last, every), last]:
-            time = look.state.time + float(result.times[row])
+            time = check.state.time + float(result.times[row])
             state = _State(time, result.frames[row], result.velocities[row])
-            after = self._looking(state)
-            stirred = (after.missed(root) > self._tolerance) & (root != np.arange(len(root)))
-            if stirred.any():
-                return found._replace(stirs=after.beside(stirred))
+            after = self._check(state)
+            newly_active = (after.missed(root) > self._tolerance) & (root != np.arange(len(root)))
+            if newly_active.any():
+                return found._replace(activated=after.neighbourhood(newly_active))
             if active.any():
-                found = found._replace(calm=found.calm & ~after.active(_QUIET * self._tolerance))
-            found = found._replace(rows=row, look=after)
+                found = found._replace(
+                    inactive=found.inactive & ~after.active(_INACTIVE * self._tolerance)
+                )
+            found = found._replace(rows=row, check=after)
         return found
 
     def _next(self, found: _Found) -> Flags:
-        """Which nodes have frames of their own from now on."""
-        look, active = found.look, found.active
-        needed = look.active(self._tolerance) | found.stirs
+        """Which nodes have independent frames in the next segment."""
+        check, active = found.check, found.active
+        needed = check.active(self._tolerance) | found.activated
         if found.rows * self._step < (_WAITING - 0.5) * self._every:
             return needed | active
-        fewer = needed | (active & ~found.calm)
-        _, lost = look.projected(look.merged(fewer))
-        if lost > _PART * (_LOST - self._lost) * look.kinetic:
+        fewer = needed | (active & ~found.inactive)
+        _, lost = check.projected(check.merged(fewer))
+        if lost > _PART * (_LOST - self._lost) * check.kinetic:
             return needed | active
-        self._lost += lost / look.kinetic if lost > 0.0 else 0.0
+        self._lost += lost / check.kinetic if lost > 0.0 else 0.0
         return fewer
 
-    def _looking(self, state: _State) -> _Look:
-        return _Look(self._whole, state, self._every)
+    def _check(self, state: _State) -> _Check:
+        return _Check(self._whole, state, self._every)
 
-    def _moved(self, look: _Look, root: Indices, span: float) -> Result:
-        """From a state on, with merged frames."""
+    def _moved(self, check: _Check, root: Indices, span: float) -> Result:
+        """Result from a state on, with merged frames."""
         scene, unknowns = self._build(), self._whole.unknowns
         master_map = self._whole.system.numbering.master_map
-        twists = master_map.twists(look.projected(root)[0])
+        twists = master_map.twists(check.projected(root)[0])
         masters = unknowns.masters[root[master_map.master]]
         for body, nodes in zip(scene.bodies, unknowns.bodies.values(), strict=True):
             place = np.full(unknowns.total, -1)
             place[nodes] = np.arange(len(nodes))
             body.masters = place[masters[nodes]]
-            body.start_frames = look.state.frames[nodes]
+            body.start_frames = check.state.frames[nodes]
             body.velocities[:] = twists[nodes]
-        scene.began = Began(look.state.time)
+        scene.began = Began(check.state.time)
         return self._scheme.run(scene, duration=span, step=self._step, progress=False)
 
 
-class _Look(Looking):
-    """With the state that is looked at."""
+class _Check(ActivityCheck):
+    """An activity check with its state."""
 
     def __init__(self, whole: Equations, state: _State, every: float) -> None:
-        """See the base class; loads are those until the next look."""
+        """Check a state, with the loads until the next check."""
         times = state.time + every * np.linspace(0.0, 1.0, _INSTANTS)
         super().__init__(whole, state.frames, state.twists, times, _AHEAD * every)
         self.state = state
 
 
 class _Found(NamedTuple):
-    """The quiet part of a stretch.
+    """The accepted part of a segment.
 
     Attributes:
-        result: Of all of it.
-        rows: Its last state in this part; 0: there is none.
-        look: At that.
-        active: Which nodes had frames of their own.
-        calm: Which have been quiet at all looks.
-        stirs: Merged ones that stirred behind it, and those beside them.
+        result: Result of the whole segment.
+        rows: Index of the last accepted state; 0: there is none.
+        check: Check at that state.
+        active: Whether each node had an independent frame.
+        inactive: Whether each node was inactive at all checks.
+        activated: Merged nodes that became active after that state, and their neighbours.
     """
 
     result: Result
     rows: int
-    look: _Look
+    check: _Check
     active: Flags
-    calm: Flags
-    stirs: Flags
+    inactive: Flags
+    activated: Flags
 
 
-def _stretch(
+def _segment(
     found: _Found, root: Indices, begin: float, before: Sequence[RegionStretch]
 ) -> RegionStretch:
-    """With what the change did at its begin."""
+    """The segment, with the change of momenta and energies at its start."""
     change, result = None, found.result
     if before:
         last, row = before[-1].result, before[-1].rows
@@ -359,9 +363,13 @@ def _whole(scene: Scene) -> Equations:
     equations = Equations(scene, dynamics=True)
     unknowns = equations.unknowns
     if unknowns.m or scene.contacts or unknowns.floating:
-        raise ValueError("frames are merged in scenes without joints, contacts and reduced bodies")
+        raise ValueError(
+            "expected a scene without joints, contacts and reduced-order bodies to merge frames"
+        )
     if any(body.node_type is not NodeType.FRAME for body in scene.bodies):
-        raise ValueError("frames are merged, and nodes of some bodies are none")
+        raise ValueError("expected bodies whose nodes have frames to merge")
     if equations.supports or scene.motions:
-        raise ValueError("frames are merged in scenes without prescribed motions and turned axes")
+        raise ValueError(
+            "expected a scene without prescribed motions and rotated axes to merge frames"
+        )
     return equations

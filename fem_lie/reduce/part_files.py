@@ -1,4 +1,4 @@
-"""Reduced-order bodies in files, and full fields of those that moved."""
+"""Files of reduced-order bodies, and recovery of the full motion."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _ARRAYS = ("interfaces", "stiffness", "density", "shapes", "quadratic")
 
 
 def save_reduced(body: ReducedBody, path: str | os.PathLike[str]) -> None:
-    """Write an HDF5 file with a reduced body and the mesh that it was made of.
+    """Write an HDF5 file with a reduced-order body and the mesh of the full body.
 
     Args:
         body: The reduced-order body.
         path: The HDF5 file.
 
     Raises:
-        OSError: It cannot be written.
+        OSError: The file cannot be written.
     """
     import h5py
 
@@ -41,17 +41,17 @@ def save_reduced(body: ReducedBody, path: str | os.PathLike[str]) -> None:
 
 
 def load_reduced(path: str | os.PathLike[str], full: Body, *, name: str = "") -> ReducedBody:
-    """A reduced body from a file of :func:`save_reduced`, for any scene.
+    """A reduced-order body from a file of :func:`save_reduced`, for any scene.
 
     Args:
-        path: Of the file.
-        full: The body that it was made of, or one with the same mesh anywhere else: shapes know no
-            place. Nothing of it is solved again.
-        name: Of the reduced body; default: that which it had.
+        path: The HDF5 file.
+        full: The full body, or one with the same mesh anywhere else: modes do not depend on the
+            position. It is not solved again.
+        name: Name of the reduced-order body; default: its original name.
 
     Raises:
-        ValueError: The file has no reduced body, one of another version, or of another mesh.
-        OSError: It cannot be read.
+        ValueError: The file has no reduced-order body, or one of another version or mesh.
+        OSError: The file cannot be read.
     """
     import h5py
 
@@ -70,13 +70,13 @@ def load_reduced(path: str | os.PathLike[str], full: Body, *, name: str = "") ->
 
 
 def expand(result: Result, *bodies: ReducedBody) -> Result:
-    """The result with the full bodies in the place of reduced ones: fields, stresses, pictures.
+    """The result with full bodies instead of reduced-order ones: for fields, stresses, pictures.
 
-    Frames and velocities of all their nodes are those that the shapes make; everything else stays.
+    Frames and velocities of all nodes follow from the modes; everything else is unchanged.
 
     Args:
-        result: Of a scene with the bodies; all frames and velocities are recorded.
-        bodies: Which; the full ones have the names that they had where they were reduced.
+        result: Result of a scene with the bodies, with all frames and velocities recorded.
+        bodies: The reduced-order bodies; the full ones have their original names.
 
     Raises:
         ValueError: The result has no such body.
@@ -90,7 +90,7 @@ def expand(result: Result, *bodies: ReducedBody) -> Result:
     infos: list[BodyInfo] = []
     frames: list[Array] = []
     twists: list[Array] = []
-    node_of, at = np.full(1 + result.frames.shape[1], -1), 0  # the last: no node
+    node_of, at = np.full(1 + result.frames.shape[1], -1), 0  # the last entry: no node
     for info in result.info.bodies:
         H, few = result.frames[:, info.nodes], reduced.get(info.name)
         v = result.velocities[:, info.nodes] if moving else np.empty((len(H), 0, 6))
@@ -116,7 +116,7 @@ def expand(result: Result, *bodies: ReducedBody) -> Result:
 
 
 def renumbered(info: BodyInfo, node_of: Indices) -> BodyInfo:
-    """A body whose nodes have other numbers."""
+    """A body with other node numbers."""
     points = {name: int(node_of[node]) for name, node in info.points.items()}
     cells, faces = node_of[info.cells], node_of[info.faces]
     return replace(info, nodes=node_of[info.nodes], cells=cells, faces=faces, points=points)

@@ -1,4 +1,4 @@
-"""Equilibrium and small vibrations of a body in a reduced basis."""
+"""Equilibrium and small vibrations of a body in a reduction basis."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import scipy.sparse.linalg
 from fem_lie._arrays import Array, instance, whole
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.reduce.basis import Basis
-from fem_lie.reduce.beside_rest import BesideRest, InShapes
+from fem_lie.reduce.linearised import LinearisedBody, ReducedForces
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.solve.convergence import Verdict
@@ -22,29 +22,31 @@ from fem_lie.solve.refactorisation import Update
 def reduced_frequencies(
     scene: Scene, basis: Basis, count: int, *, at: StaticResult | None = None
 ) -> Array:
-    """The lowest angular frequencies of motions that have the shapes of a basis, (count,).
+    """The lowest angular frequencies of a body in a reduction basis, (count,).
 
-    The full equations beside the state, see :func:`~fem_lie.solve.stability.vibrations.vibrations`,
-    with ``h = Φ η``: of steady rotation the stress of its equilibrium stiffens the shapes made at
-    rest, and gyroscopic and centrifugal forces are those of the full mass matrix.
+    The full equations linearised about the state, see
+    :func:`~fem_lie.solve.stability.vibrations.vibrations`, are projected with ``h = Φ η``. In
+    steady rotation the stress of the equilibrium stiffens modes that were computed at rest;
+    gyroscopic and centrifugal forces are those of the full mass matrix.
 
     Args:
-        scene: One body, the basis' own.
-        basis: The shapes.
-        count: How many, rad per time.
-        at: Equilibrium of the scene, of a steady rotation, too; default: the initial frames.
+        scene: A single body, that of the basis.
+        basis: The modes.
+        count: Number of frequencies, rad per time.
+        at: Equilibrium of the scene, also of a steady rotation; default: the initial configuration.
 
     Raises:
-        ValueError: The basis is of another body, or has too few shapes; the state is no
-            equilibrium.
+        ValueError: The basis is of another body, or has too few modes; the state is no equilibrium.
     """
     instance(basis, Basis, "basis", "a Basis")
     whole(count, "count")
     if count > len(basis):
-        raise ValueError(f"count must be at most {len(basis)}, the number of shapes, got {count}")
-    found = BesideRest(scene, at)
+        raise ValueError(f"count must be at most {len(basis)}, the number of modes, got {count}")
+    found = LinearisedBody(scene, at)
     if found.body is not basis.body:
-        raise ValueError(f"the basis is of {basis.body.label}, which is not the body of the scene")
+        raise ValueError(
+            f"the basis belongs to {basis.body.label}, which is not the body of the scene"
+        )
     V = found.vectors(basis.shapes).T
     V, _ = np.linalg.qr(V)
     pencil, m = found.pencil, len(basis)
@@ -57,19 +59,19 @@ def reduced_frequencies(
 
 
 _MOST = 30
-_CONVERGED = 1e-9  # of the first residual
-_STEP = 1e-6  # of the body's size: differences that give the matrix
+_CONVERGED = 1e-9  # relative to the first residual
+_STEP = 1e-6  # increment for the numerical derivative, relative to the size of the body
 
 
 class ReducedEquilibrium(NamedTuple):
-    """An equilibrium in few shapes.
+    """An equilibrium of a reduced-order body.
 
     Attributes:
-        coordinates: ``η``, shape (m,).
-        frames: Of all nodes, shape (n, 4, 3).
-        error: Estimate of the largest distance of a node from its place with all unknowns: the
-            displacement that forces which shapes do not see would make of the body at rest.
-        iterations: In all.
+        coordinates: Modal coordinates ``η``, shape (m,).
+        frames: Frames of all nodes, shape (n, 4, 3).
+        error: Estimate of the largest distance of a node from its position in the full model: the
+            displacement of the body at rest due to the residual forces.
+        iterations: Total number of iterations.
     """
 
     coordinates: Array
@@ -79,28 +81,29 @@ class ReducedEquilibrium(NamedTuple):
 
 
 def reduced_statics(scene: Scene, basis: Basis, *, load_steps: int = 1) -> ReducedEquilibrium:
-    """Equilibrium under the full loads of motions ``Hᵢ = Hᵢ⁰ exp(Φᵢ η)``, by Newton's method.
+    """Equilibrium with motions ``Hᵢ = Hᵢ⁰ exp(Φᵢ η)`` under the full loads, by Newton's method.
 
-    Forces are those of all cells: the unknowns are few, the work of a residual is not.
+    Forces are those of all cells: there are few unknowns, but the residual costs as much as in the
+    full model.
 
     Args:
-        scene: One body along a line, the basis' own, held by clamps, with loads.
-        basis: Shapes that leave clamps where they are.
-        load_steps: In how many equal parts the loads are put on.
+        scene: A single clamped body along a line, that of the basis, with loads.
+        basis: Modes that are zero at clamps.
+        load_steps: Number of equal load steps.
 
     Raises:
         ValueError: The scene has other bodies or joints; no load acts.
-        ConvergenceError: No equilibrium was found.
+        ConvergenceError: Newton's method did not converge.
     """
     instance(basis, Basis, "basis", "a Basis")
     whole(load_steps, "load_steps")
-    reduced = InShapes(scene, basis)
+    reduced = ReducedForces(scene, basis)
     coordinates: Array = np.zeros(len(basis))
     iterations = 0
     reduced.load(1.0)
     size = float(np.linalg.norm(reduced.residual(coordinates)))
     if size == 0.0:
-        raise ValueError("no load acts on the shapes: there is nothing to find")
+        raise ValueError("no load acts on the modes")
     for part in range(1, load_steps + 1):
         reduced.load(part / load_steps)
         coordinates, needed = _newton(reduced, coordinates, size)
@@ -110,15 +113,15 @@ def reduced_statics(scene: Scene, basis: Basis, *, load_steps: int = 1) -> Reduc
 
 
 def _beyond(scene: Scene, forces: Array) -> float:
-    """Largest displacement by forces (n, 6) of the body at its initial frames."""
-    rest = BesideRest(scene, None, loaded=True)
+    """Largest displacement of the body at rest due to forces (n, 6)."""
+    rest = LinearisedBody(scene, None, loaded=True)
     vector = scipy.sparse.linalg.spsolve(rest.pencil.K.tocsc(), (forces * rest.weight)[rest.free])
     moved = rest.shapes(vector[np.newaxis])[0, :, :3]
     return float(np.linalg.norm(moved, axis=1).max())
 
 
-def _newton(reduced: InShapes, coordinates: Array, size: float) -> tuple[Array, int]:
-    """Coordinates where the residual is round-off of ``size``, and how often it took."""
+def _newton(reduced: ReducedForces, coordinates: Array, size: float) -> tuple[Array, int]:
+    """Coordinates at which the residual is round-off of ``size``, and the number of iterations."""
     equilibrium = _Equilibrium(reduced, coordinates.copy(), _CONVERGED * size)
     ended = iterate(equilibrium, _MOST)
     if not ended.converged:
@@ -130,13 +133,13 @@ def _newton(reduced: InShapes, coordinates: Array, size: float) -> tuple[Array, 
 
 
 class _Equilibrium(Iterated):
-    """Equilibrium of a reduced-order body: the residual is round-off.
+    """Equilibrium of a reduced-order body; it converges to round-off.
 
     Attributes:
-        found: Coordinates, shape (m,).
+        found: Modal coordinates, shape (m,).
     """
 
-    def __init__(self, reduced: InShapes, start: Array, bound: float) -> None:
+    def __init__(self, reduced: ReducedForces, start: Array, bound: float) -> None:
         self._reduced, self.found, self._bound = reduced, start, bound
         self._residual: Array
         self._tangent: Array
@@ -158,7 +161,7 @@ class _Equilibrium(Iterated):
         return Verdict.GOES_ON
 
 
-def _matrix(reduced: InShapes, at: Array) -> Array:
+def _matrix(reduced: ReducedForces, at: Array) -> Array:
     """Derivative of the residual by central differences, (m, m)."""
     reach = np.abs(reduced.basis.shapes).max(axis=(1, 2))
     steps = np.diag(_STEP * reduced.basis.body.size / reach)

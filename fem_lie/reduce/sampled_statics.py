@@ -1,4 +1,4 @@
-"""Equilibrium of a body in few shapes with the forces and the matrix of few cells."""
+"""Equilibrium of a reduced-order body with forces and tangent stiffness of sampled cells."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from fem_lie import lie
 from fem_lie._arrays import Array, instance, numbers
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.reduce.basis import Basis
-from fem_lie.reduce.beside_rest import equations_of
-from fem_lie.reduce.ecsw import CellSample, CellsInShapes, NodesInShapes, summed
+from fem_lie.reduce.ecsw import CellSample, ReducedCells, ReducedNodes, summed
+from fem_lie.reduce.linearised import equations_of
 from fem_lie.scene import Scene
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import Iterated, iterate
@@ -22,18 +22,18 @@ from fem_lie.system.nodes.sums import load_tangent, load_vector
 
 _MOST = 30
 
-_CONVERGED = 1e-7  # of the coordinates: how far the last solution may have moved them
+_CONVERGED = 1e-7  # norm of the last correction relative to the coordinates
 
 _HELD = 1e-6
 
 
 class SampledEquilibria(NamedTuple):
-    """Equilibria in few shapes.
+    """Equilibria of a reduced-order body.
 
     Attributes:
-        coordinates: ``η`` of each, shape (k, m).
-        frames: Of all nodes, shape (k, n, 4, 3).
-        iterations: In all.
+        coordinates: Modal coordinates ``η`` of each, shape (k, m).
+        frames: Frames of all nodes, shape (k, n, 4, 3).
+        iterations: Total number of iterations.
     """
 
     coordinates: Array
@@ -41,8 +41,8 @@ class SampledEquilibria(NamedTuple):
     iterations: int
 
 
-class LoadsInShapes:
-    """Nodal loads, at the nodes that they act on and nowhere else."""
+class ReducedLoads:
+    """Nodal loads, evaluated only at the nodes that they act on."""
 
     def __init__(self, equations: Equations, basis: Basis) -> None:
         """Find these nodes."""
@@ -50,12 +50,12 @@ class LoadsInShapes:
         acting = [each.reshape(len(each), -1).any(axis=1) for each in now]
         place = equations.unknowns.bodies[basis.body]
         own = np.flatnonzero(np.any(acting, axis=0)[place])
-        self._nodes = NodesInShapes(basis, own)
+        self._nodes = ReducedNodes(basis, own)
         self._dead, self._moment, self._following = (each[place[own]] for each in now)
         self._kinds = equations.unknowns.kinds[place[own]]
 
     def forces_and_matrix(self, coordinates: Array) -> tuple[Array, Array]:
-        """Forces (m,) that oppose the loads, and their derivative (m, m)."""
+        """Reduced forces (m,) opposite to the loads, and their derivative (m, m)."""
         nodes, count = self._nodes, len(self._kinds)
         moved = nodes.at(coordinates)
         forces, K = np.zeros((count, 6)), np.zeros((count, 6, 6))
@@ -69,32 +69,32 @@ class LoadsInShapes:
 def sampled_statics(
     scene: Scene, sample: CellSample, *, levels: Sequence[float] = (1.0,)
 ) -> SampledEquilibria:
-    """Equilibria of motions ``Hᵢ = Hᵢ⁰ exp(Φᵢ η)``, by Newton's method on a sample of cells.
+    """Equilibria with motions ``Hᵢ = Hᵢ⁰ exp(Φᵢ η)``, by Newton's method with sampled cells.
 
-    An iteration takes time for these cells and the nodes with loads.
+    The cost of an iteration is that of these cells and of the nodes with loads.
 
     Args:
-        scene: One body, that of the sample, held by clamps, with loads on nodes.
-        sample: Of :func:`ecsw`; its shapes leave clamps where they are.
-        levels: Factors of the loads, one equilibrium after the other.
+        scene: A single clamped body, that of the sample, with loads on nodes.
+        sample: Cells from :func:`ecsw`, with modes that are zero at clamps.
+        levels: Load factors, one equilibrium after the other.
 
     Raises:
         ValueError: The scene has other bodies or joints, loads that depend on more than the frame
-            of a node, or none; the shapes move what is held.
-        ConvergenceError: No equilibrium was found.
+            of a node, or no loads; a mode moves fixed degrees of freedom.
+        ConvergenceError: Newton's method did not converge.
     """
     instance(sample, CellSample, "sample", "cells with weights, of ecsw")
     steps = numbers(levels, "levels")
     if steps.ndim != 1 or not len(steps):
         raise ValueError(f"levels must be factors, one after the other, got {levels!r}")
-    loads, cells = loads_of(scene, sample.basis), sample.in_shapes()
+    loads, cells = loads_of(scene, sample.basis), sample.reduced_cells()
     return equilibria(cells, loads, sample.basis, steps)
 
 
 def equilibria(
-    cells: CellsInShapes, loads: LoadsInShapes, basis: Basis, levels: Array
+    cells: ReducedCells, loads: ReducedLoads, basis: Basis, levels: Array
 ) -> SampledEquilibria:
-    """At all levels, each from the one before."""
+    """Equilibria at all levels, each starting from the one before."""
     η: Array = np.zeros(len(basis))
     found, iterations = list[Array](), 0
     for level in levels:
@@ -107,38 +107,43 @@ def equilibria(
     return SampledEquilibria(coordinates, frames, iterations)
 
 
-def loads_of(scene: Scene, basis: Basis) -> LoadsInShapes:
-    """Loads on the nodes of the only body, or ``ValueError`` as :func:`sampled_statics` says."""
+def loads_of(scene: Scene, basis: Basis) -> ReducedLoads:
+    """Loads on the nodes of the only body; errors as in :func:`sampled_statics`."""
     body, equations = equations_of(scene)
     unknowns, system = equations.unknowns, equations.system
     if body is not basis.body:
-        raise ValueError(f"the basis is of {basis.body.label}, which is not the body of the scene")
+        raise ValueError(
+            f"the basis belongs to {basis.body.label}, which is not the body of the scene"
+        )
     if unknowns.total != unknowns.moving:
-        raise ValueError(f"nodes of {body.label} follow others: forces in few shapes need none")
+        raise ValueError(
+            f"nodes of {body.label} are rigidly attached to others, which reduced forces do not "
+            "support"
+        )
     if unknowns.drilling:
-        raise ValueError(f"{body.label} has six parameters: cells in few shapes have five")
+        raise ValueError(f"{body.label} has drilling rotations, which sampled cells do not support")
     strains = system.load_cases.contents[1]
     if strains or any(not term.of_bodies or term.load for term in system.terms):
         raise ValueError(
-            f"{body.label} has loads or springs that are more than forces on nodes: forces in few "
-            "shapes know no others"
+            f"{body.label} has loads or springs other than nodal forces, which sampled cells do "
+            "not support"
         )
     shapes = basis.shapes.transpose(1, 2, 0)
     held = unknowns.held[unknowns.bodies[body]]
     if body.uncoupled:
         held = held & ~np.eye(6, dtype=bool)[5]
     if np.abs(shapes[held]).max(initial=0.0) > _HELD * np.abs(shapes).max():
-        raise ValueError(f"shapes move nodes of {body.label} that are held")
-    loads = LoadsInShapes(equations, basis)
+        raise ValueError(f"modes move fixed nodes of {body.label}")
+    loads = ReducedLoads(equations, basis)
     if not loads.forces_and_matrix(np.zeros(len(basis)))[0].any():
-        raise ValueError("no load acts on the shapes: there is nothing to find")
+        raise ValueError("no load acts on the modes")
     return loads
 
 
 def _newton(
-    cells: CellsInShapes, loads: LoadsInShapes, level: float, start: Array
+    cells: ReducedCells, loads: ReducedLoads, level: float, start: Array
 ) -> tuple[Array, int]:
-    """Coordinates where loads times the level are balanced, and how many solutions it took."""
+    """Coordinates in equilibrium with the loads times the level, and the number of solutions."""
     equilibrium = _Equilibrium(cells, loads, level, start)
     ended = iterate(equilibrium, _MOST)
     if not ended.converged:
@@ -153,11 +158,11 @@ class _Equilibrium(Iterated):
     """Equilibrium of a reduced-order body with sampled cells.
 
     Attributes:
-        η: Coordinates, shape (m,).
+        η: Modal coordinates, shape (m,).
     """
 
     def __init__(
-        self, cells: CellsInShapes, loads: LoadsInShapes, level: float, start: Array
+        self, cells: ReducedCells, loads: ReducedLoads, level: float, start: Array
     ) -> None:
         self._cells, self._loads, self._level, self.η = cells, loads, level, start
         self._residual: Array
@@ -182,5 +187,5 @@ class _Equilibrium(Iterated):
         return moved / max(float(np.linalg.norm(self.η)), np.finfo(float).tiny)
 
     def judge(self, size: float) -> Verdict:
-        """By corrections: round-off of forces that stretch is large beside those that bend."""
+        """Verdict by corrections: round-off of stretching forces exceeds small bending forces."""
         return Verdict.CONVERGED if size <= _CONVERGED else Verdict.GOES_ON

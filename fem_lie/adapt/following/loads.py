@@ -4,7 +4,7 @@ A scene is a function of its mesh, as for :func:`~fem_lie.adapt`::
 
     found = fl.adapt_loads(shell, mesh, [0.25, 0.5, 0.75, 1.0], tolerance=0.05)
     print(found)                           # elements and error at each load factor
-    found.displacement("shell.tip"), found.stretches[-1].result
+    found.displacement("shell.tip"), found.segments[-1].result
 
 From one load factor to the next the state goes on. Where the error of the stress is larger than
 allowed there, the mesh is made anew, and the way from the last factor gone again on it; where
@@ -65,29 +65,29 @@ class AdaptedLoads(Generic[Followed]):
     """What :func:`~fem_lie.adapt_loads` has found.
 
     Attributes:
-        stretches: One for each load factor.
+        segments: One for each load factor.
         tolerance: What was asked for.
         solved: Equilibria that were found, those in vain included.
     """
 
-    stretches: tuple[LoadStretch[Followed], ...]
+    segments: tuple[LoadStretch[Followed], ...]
     tolerance: float
     solved: int
 
     @property
     def factors(self) -> Array:
         """Load factors, shape (k,)."""
-        return np.array([part.result.factors[-1] for part in self.stretches])
+        return np.array([part.result.factors[-1] for part in self.segments])
 
     @property
     def cells(self) -> Indices:
         """Elements at each of them, shape (k,)."""
-        return np.array([len(part.mesh.cells) for part in self.stretches], dtype=np.int64)
+        return np.array([len(part.mesh.cells) for part in self.segments], dtype=np.int64)
 
     @property
     def relative(self) -> Array:
         """Estimated error at each of them, over the norm of the stress, shape (k,)."""
-        return np.array([part.error.relative for part in self.stretches])
+        return np.array([part.error.relative for part in self.segments])
 
     def displacement(self, point: str) -> Array:
         """Of a named point such as "beam.end", shape (k, 3).
@@ -95,7 +95,7 @@ class AdaptedLoads(Generic[Followed]):
         Raises:
             ValueError: There is no such point.
         """
-        return np.array([part.result.displacement(point)[-1] for part in self.stretches])
+        return np.array([part.result.displacement(point)[-1] for part in self.segments])
 
     def __str__(self) -> str:
         """A line for each load factor."""
@@ -149,15 +149,15 @@ def adapt_loads(
     """
     _check(build, mesh, tolerance, estimate, onto)
     whole(most, "most")
-    stretches: list[LoadStretch[Followed]] = []
+    segments: list[LoadStretch[Followed]] = []
     now, solved = mesh, 0
     for level in increasing(levels):
         for _ in range(_TRIES):
-            _require_few(now, most, level, _found(stretches, tolerance, solved))
+            _require_few(now, most, level, _found(segments, tolerance, solved))
             try:
-                part = _stretch(build, now, level, body, arc_length, estimate, stretches)
+                part = _stretch(build, now, level, body, arc_length, estimate, segments)
             except ConvergenceError as error:
-                raise ConvergenceError(str(error), _found(stretches, tolerance, solved)) from None
+                raise ConvergenceError(str(error), _found(segments, tolerance, solved)) from None
             solved += 1
             fitted = _fitted(mesh, part, tolerance, onto)
             if part.error.relative <= tolerance:
@@ -168,17 +168,17 @@ def adapt_loads(
             raise ConvergenceError(
                 f"at load factor {level:g} the error is {part.error.relative:.2g} after {_TRIES} "
                 f"meshes, wanted {tolerance:g}",
-                _found(stretches, tolerance, solved),
+                _found(segments, tolerance, solved),
             )
-        stretches.append(part)
+        segments.append(part)
         now = fitted if len(fitted.cells) < _FEWER * len(now.cells) else now
-    return AdaptedLoads(tuple(stretches), tolerance, solved)
+    return AdaptedLoads(tuple(segments), tolerance, solved)
 
 
 def _found(
-    stretches: list[LoadStretch[Followed]], tolerance: float, solved: int
+    segments: list[LoadStretch[Followed]], tolerance: float, solved: int
 ) -> AdaptedLoads[Followed] | None:
-    return AdaptedLoads(tuple(stretches), tolerance, solved) if stretches else None
+    return AdaptedLoads(tuple(segments), tolerance, solved) if segments else None
 
 
 def _stretch(

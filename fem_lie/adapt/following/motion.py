@@ -4,7 +4,7 @@ A scene is a function of its mesh, as for :func:`~fem_lie.adapt`::
 
     found = fl.adapt_motion(rope, mesh, duration=0.01, every=2e-4, tolerance=0.05, size=1e-3)
     print(found)                           # what of the tolerance is for space and for time
-    found.times, found.kinetic, found.position("rope.end"), found.stretches[-1].result
+    found.times, found.kinetic, found.position("rope.end"), found.segments[-1].result
 
 Now and then the mesh is made anew from the coarse one, by the error of the stress that was found,
 and the state is carried to it. Where the error of a stretch was larger than allowed, it is made
@@ -23,7 +23,7 @@ import numpy as np
 from fem_lie._arrays import Array, instance, number, positive, whole
 from fem_lie.adapt.estimates.estimate import Estimated
 from fem_lie.adapt.estimates.recovery import fields_of
-from fem_lie.adapt.following.stretches import AdaptedMotion, Stretch, steps_of
+from fem_lie.adapt.following.segments import AdaptedMotion, Stretch, steps_of
 from fem_lie.adapt.following.transfer import Transferred, transfer
 from fem_lie.adapt.loop import named_body
 from fem_lie.adapt.refinement import Followed, Onto, Sizes, check_refinable, order_of
@@ -108,11 +108,11 @@ def adapt_motion(
     scheme = GeneralisedAlpha() if scheme is None else scheme
     steps = AdaptiveStep(allowed[1] * size / duration, first=min(1e-2 * every, 1e-3 * duration))
     meshes = _Meshes(mesh, ahead, onto, allowed[0])
-    stretches: list[Stretch[Followed]] = []
+    segments: list[Stretch[Followed]] = []
     now, time, scale, work = mesh, 0.0, float(least), 0
 
     def found() -> AdaptedMotion[Followed]:
-        return AdaptedMotion(tuple(stretches), tolerance, *allowed, work)
+        return AdaptedMotion(tuple(segments), tolerance, *allowed, work)
 
     while time < duration * (1.0 - 1e-12):
         span = min(every, duration - time)
@@ -121,10 +121,10 @@ def adapt_motion(
                 raise ConvergenceError(
                     f"at time {time:g} the tolerance needs {len(now.cells)} elements, more than "
                     f"{most}",
-                    found() if stretches else None,
+                    found() if segments else None,
                 )
-            scene, change = _begun(build, now, body, stretches[-1] if stretches else None)
-            result = _run(scheme, scene, span, steps, found if stretches else None)
+            scene, change = _begun(build, now, body, segments[-1] if segments else None)
+            result = _run(scheme, scene, span, steps, found if segments else None)
             work += len(now.cells) * steps_of(result)
             look = _look(result, named_body(scene, body, now), scene)
             most_stress = max(scale, look.stress)
@@ -137,10 +137,10 @@ def adapt_motion(
             raise ConvergenceError(
                 f"at time {time:g} the error in space is {error:.2g} after {_TRIES} meshes, wanted "
                 f"{allowed[0]:.2g}",
-                found() if stretches else None,
+                found() if segments else None,
             )
         scale = most_stress
-        stretches.append(Stretch(time, now, scene, result, error, change))
+        segments.append(Stretch(time, now, scene, result, error, change))
         time += span
         steps = _going_on(steps, result, span)
         now = meshes.fitted(now, look.squares[-1], scale, look.order, beyond=True)

@@ -1,4 +1,4 @@
-"""Matrices and forces of a single body in a basis, at rest and at large motion."""
+"""Matrices of a linearised body, and forces of a body in a reduction basis."""
 
 from __future__ import annotations
 
@@ -16,30 +16,30 @@ from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.system.equations import Equations, TimeState
 
-_LOST = 1e-13  # of the largest pivot
+_LOST = 1e-13  # relative to the largest pivot
 
 
-class BesideRest:
-    """A scene of one body, linearised beside rest, an equilibrium or a steady rotation.
+class LinearisedBody:
+    """A scene of a single body, linearised about rest, an equilibrium or a steady rotation.
 
     Attributes:
         body: The body.
-        equations: Its own.
-        free: Which unknowns of the nodes that lead are free, (l, 6).
-        weight: Units of these: lengths of the model and angles, (l, 6).
+        equations: Its equations.
+        free: Whether each unknown of the independent nodes is free, (l, 6).
+        weight: Scaling of these unknowns: lengths of the model and angles, (l, 6).
         pencil: Matrices of the free unknowns.
-        master: Number among these of the one that each node of the body follows, itself if it
-            leads, (n,).
-        leads: Which nodes of the body lead, in their order, (l,).
-        inertia: Matrix of (x, d₁, d₂, d₃) of the nodes that lead.
+        master: Index among the independent nodes of the master of each node of the body, itself if
+            it is independent, (n,).
+        leads: Independent nodes of the body, in order, (l,).
+        inertia: Mass matrix of (x, d₁, d₂, d₃) of the independent nodes.
     """
 
     def __init__(self, scene: Scene, at: StaticResult | None, *, loaded: bool = False) -> None:
-        """Linearise; ``loaded``: loads may act on initial frames that they do not balance.
+        """Linearise; if ``loaded``, loads may act that the initial configuration does not balance.
 
         Raises:
-            ValueError: There are several bodies, joints, nodes that are no frames, supports in
-                turned axes, or the state is no equilibrium.
+            ValueError: The scene has several bodies, joints, nodes without frames, or supports
+                along rotated axes, or the state is no equilibrium.
         """
         instance(at, StaticResult | None, "at", "a result of fl.statics or None")
         self.body, self.equations = equations_of(scene)
@@ -49,7 +49,9 @@ class BesideRest:
         if at is not None:
             state.move(at.frames)
         elif not (loaded or state.balanced()):
-            raise ValueError("the scene is not at rest as it is: give at=fl.statics(scene)")
+            raise ValueError(
+                "the initial configuration is no equilibrium: give at=fl.statics(scene)"
+            )
         self.free: Flags = ~equations.unknowns.held
         self.weight: Array = state.weight.reshape(-1, 6)
         self.pencil: Pencil = state.pencil()
@@ -58,14 +60,14 @@ class BesideRest:
         self.master: Indices = tables.master[nodes]
         place = np.argsort(nodes)
         self.leads: Indices = place[equations.unknowns.masters]
-        # the twist of a node from that of its master node
+        # maps the twist of the master to that of the node
         self._turn = lie.se3_adjoint(lie.se3_inverse(tables.offset[nodes]))
 
     def factor(self, some: Indices | None = None) -> scipy.sparse.linalg.SuperLU:
         """Factors of the stiffness of all or some of the free unknowns.
 
         Raises:
-            ValueError: Round-off has lost rigid motions.
+            ValueError: The stiffness is singular to round-off, because of rigid-body modes.
         """
         K = self.pencil.K.tocsc()
         try:
@@ -76,85 +78,92 @@ class BesideRest:
             pivots = np.abs(factors.U.diagonal())
             if pivots.min() > _LOST * pivots.max():
                 return factors
-        raise ValueError(f"{self.body.label} can move rigidly: it needs an interface or a clamp")
+        raise ValueError(
+            f"{self.body.label} has rigid-body modes: it needs an interface or a clamp"
+        )
 
     def shapes(self, vectors: Array) -> Array:
-        """Shapes (m, n, 6) of vectors (m, f) of the free unknowns."""
+        """Modes (m, n, 6) of vectors (m, f) of the free unknowns."""
         found = np.zeros((len(vectors), *self.free.shape))
         found[:, self.free] = vectors
         own = (found * self.weight)[:, self.master]
         return np.asarray(np.einsum("nij,mnj->mni", self._turn, own))
 
     def place(self, node: int) -> int:
-        """Number of a node of the body among those that lead.
+        """Index of a node of the body among the independent ones.
 
         Raises:
-            ValueError: It follows another.
+            ValueError: The node is rigidly attached to another.
         """
         found = int(self.master[node])
         if self.leads[found] != node:
-            raise ValueError(f"node {node} of {self.body.label} follows another one: take that one")
+            raise ValueError(
+                f"node {node} of {self.body.label} is rigidly attached to another: use its master"
+            )
         return found
 
     def vectors(self, shapes: Array) -> Array:
-        """Vectors (m, f) of shapes (m, n, 6).
+        """Vectors (m, f) of modes (m, n, 6).
 
         Raises:
-            ValueError: They move what is held.
+            ValueError: A mode moves fixed degrees of freedom.
         """
         scaled = shapes[:, self.leads] / self.weight
         if np.abs(scaled[:, ~self.free]).max(initial=0.0) > 1e-9 * np.abs(scaled).max(initial=0.0):
-            raise ValueError(f"shapes move nodes of {self.body.label} that are held")
+            raise ValueError(f"modes move fixed nodes of {self.body.label}")
         return np.asarray(scaled[:, self.free])
 
 
 def equations_of(scene: Scene) -> tuple[Body, Equations]:
-    """The only body of a scene, and its equations; ``ValueError`` as :class:`BesideRest` says."""
+    """The only body of a scene, and its equations; errors as in :class:`LinearisedBody`."""
     instance(scene, Scene, "scene", "a Scene")
     if len(scene.bodies) != 1:
-        raise ValueError(f"a basis is that of one body, the scene has {len(scene.bodies)}")
+        raise ValueError(f"expected a scene with one body for a basis, got {len(scene.bodies)}")
     body: Body = scene.bodies[0]
     if body.node_type != NodeType.FRAME:
-        raise ValueError(f"shapes are those of nodal frames, and nodes of {body.label} are none")
+        raise ValueError(f"a basis needs nodes with frames, and nodes of {body.label} have none")
     equations = Equations(scene, dynamics=True)
     if equations.unknowns.m:
-        raise ValueError("a basis is that of one body: joints do not belong into its scene")
+        raise ValueError("expected a scene without joints for a basis of one body")
     if equations.supports:
         raise ValueError(
-            f"nodes of {body.label} are held along turned axes: clamp it, or leave it free"
+            f"nodes of {body.label} are held along rotated axes: clamp it, or leave it free"
         )
     return body, equations
 
 
-class InShapes:
-    """A body at ``Hᵢ = Hᵢ⁰ exp(Φᵢ η)``, whose virtual motions are ``T(Φᵢ η) Φᵢ δη``.
+class ReducedForces:
+    """Forces of a body at ``Hᵢ = Hᵢ⁰ exp(Φᵢ η)``, with virtual motions ``T(Φᵢ η) Φᵢ δη``.
 
     Attributes:
-        basis: The shapes.
+        basis: The modes.
     """
 
     def __init__(self, scene: Scene, basis: Basis) -> None:
-        """Set the equations up; ``ValueError`` if the basis is not that of the only body."""
+        """Set up the equations; ``ValueError`` if the basis is not that of the only body."""
         body, self._equations = equations_of(scene)
         if body is not basis.body:
             raise ValueError(
-                f"the basis is of {basis.body.label}, which is not the body of the scene"
+                f"the basis belongs to {basis.body.label}, which is not the body of the scene"
             )
         if body.uncoupled:
             raise ValueError(
-                f"nodes of {body.label} need not turn about their third directors: forces in few "
-                "shapes are those of beams"
+                f"nodes of {body.label} have no drilling rotation: reduced forces are implemented "
+                "for beams only"
             )
         self.basis = basis
         unknowns = self._equations.unknowns
         if unknowns.total != unknowns.moving:
-            raise ValueError(f"nodes of {body.label} follow others: forces in few shapes need none")
+            raise ValueError(
+                f"nodes of {body.label} are rigidly attached to others, which reduced forces do "
+                "not support"
+            )
         self._free = ~unknowns.held
         self._scale, self._r = np.ones(unknowns.m), np.empty(unknowns.size)
         self._still = np.zeros((unknowns.moving, 6))
 
     def load(self, factor: float) -> None:
-        """Let the loads act times a factor."""
+        """Set the load factor."""
         self._equations.prescribed(factor).act(factor)
 
     def frames(self, coordinates: Array) -> Array:
@@ -162,7 +171,7 @@ class InShapes:
         return np.asarray(lie.se3_retract(self.basis.body.frames, self._increments(coordinates)))
 
     def forces(self, coordinates: Array) -> Array:
-        """What is left of equilibrium at all nodes, dual to increments, (n, 6); held ones none."""
+        """Residual of equilibrium at all nodes, dual to increments, (n, 6); zero if fixed."""
         H = self._equations.start.frames.copy()
         H[: len(self._free)] = self.frames(coordinates)
         state = TimeState(H, self._still, self._still, np.zeros(0))
@@ -172,7 +181,7 @@ class InShapes:
         return np.asarray(np.einsum("nij,ni->nj", T, forces))
 
     def residual(self, coordinates: Array) -> Array:
-        """What is left of equilibrium in the shapes, (m,)."""
+        """Residual of equilibrium in modal coordinates, (m,)."""
         shapes = self.basis.shapes
         return np.asarray(np.einsum("mni,ni->m", shapes, self.forces(coordinates)))
 

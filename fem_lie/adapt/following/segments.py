@@ -42,14 +42,14 @@ class AdaptedMotion(Generic[Followed]):
     Arrays over all times have two rows where the mesh changes: before and after.
 
     Attributes:
-        stretches: One for each mesh.
+        segments: One for each mesh.
         tolerance: What was asked for.
         space: Its part for the stress, of the largest norm of the stress so far.
         time: Its part for places, of the size of the motion.
         element_steps: Elements times steps, those made in vain included.
     """
 
-    stretches: tuple[Stretch[Followed], ...]
+    segments: tuple[Stretch[Followed], ...]
     tolerance: float
     space: float
     time: float
@@ -58,42 +58,42 @@ class AdaptedMotion(Generic[Followed]):
     @property
     def times(self) -> Array:
         """Of all kept states, shape (T,)."""
-        return np.concatenate([part.begin + part.result.times for part in self.stretches])
+        return np.concatenate([part.begin + part.result.times for part in self.segments])
 
     @property
     def cells(self) -> Indices:
         """Elements of each mesh, shape (k,)."""
-        return np.array([len(part.mesh.cells) for part in self.stretches], dtype=np.int64)
+        return np.array([len(part.mesh.cells) for part in self.segments], dtype=np.int64)
 
     @property
     def steps(self) -> Indices:
         """Steps on each mesh, shape (k,)."""
-        return np.array([steps_of(part.result) for part in self.stretches], dtype=np.int64)
+        return np.array([steps_of(part.result) for part in self.segments], dtype=np.int64)
 
     @property
     def kinetic(self) -> Array:
         """Kinetic energy, shape (T,)."""
-        return np.concatenate([part.result.kinetic for part in self.stretches])
+        return np.concatenate([part.result.kinetic for part in self.segments])
 
     @property
     def elastic(self) -> Array:
         """Elastic energy, shape (T,)."""
-        return np.concatenate([part.result.elastic for part in self.stretches])
+        return np.concatenate([part.result.elastic for part in self.segments])
 
     @property
     def potential(self) -> Array:
         """Potential of gravity and of forces without a history, shape (T,)."""
-        return np.concatenate([part.result.potential for part in self.stretches])
+        return np.concatenate([part.result.potential for part in self.segments])
 
     @property
     def momentum(self) -> Array:
         """Linear momentum, shape (T, 3)."""
-        return np.concatenate([part.result.momentum for part in self.stretches])
+        return np.concatenate([part.result.momentum for part in self.segments])
 
     @property
     def angular_momentum(self) -> Array:
         """About the origin, shape (T, 3)."""
-        return np.concatenate([part.result.angular_momentum for part in self.stretches])
+        return np.concatenate([part.result.angular_momentum for part in self.segments])
 
     def position(self, point: str) -> Array:
         """Positions of a named point such as "beam.end", shape (T, 3).
@@ -101,22 +101,22 @@ class AdaptedMotion(Generic[Followed]):
         Raises:
             ValueError: There is no such point.
         """
-        return np.concatenate([part.result.position(point) for part in self.stretches])
+        return np.concatenate([part.result.position(point) for part in self.segments])
 
     @property
     def momentum_error(self) -> float:
         """Largest relative change of momenta where the mesh changed."""
-        changes = [part.change.momentum_error for part in self.stretches if part.change]
+        changes = [part.change.momentum_error for part in self.segments if part.change]
         return max(changes, default=0.0)
 
     @property
     def energy_change(self) -> float:
         """Sum of what changes of the mesh have done to the energy."""
-        return sum(part.change.energy_change for part in self.stretches if part.change)
+        return sum(part.change.energy_change for part in self.segments if part.change)
 
     def __str__(self) -> str:
         """What was allowed, and what it took."""
-        worst = max(part.error for part in self.stretches)
+        worst = max(part.error for part in self.segments)
         return (
             f"tolerance {100 * self.tolerance:.3g} %: {100 * self.space:.3g} % in space, "
             f"{100 * self.time:.3g} % in time\n"
