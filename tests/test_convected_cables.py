@@ -43,7 +43,7 @@ def tangent(body, rows) -> np.ndarray:
     assembly = type(body).assemble([body])
     H, found = np.empty_like(rows), []
     H[assembly.order] = rows
-    for term in (assembly, *assembly.beside):
+    for term in (assembly, *assembly.further_terms):
         forces = np.zeros((len(rows), 6))
         if term.stress_update is not None:
             term.stress_update.reset_stress(H)

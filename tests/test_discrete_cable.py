@@ -62,7 +62,7 @@ def ring(cells: int, natural: bool) -> tuple[fl.Net, float]:
     assembly = fl.Net.assemble([net])
     H = np.empty_like(net.frames)
     H[assembly.order] = net.frames
-    (springs,) = assembly.beside
+    (springs,) = assembly.further_terms
     return net, assembly.energy(H) + springs.energy(H)
 
 
@@ -164,7 +164,7 @@ class Bent:
         self.cable = fl.Cable(line, section(1e3, 10.0), formulation=element)
         self.cable.clamp(self.cable.point("start"), self.cable.point("end"))
         assembly = fl.Cable.assemble([self.cable])
-        (self.springs,) = assembly.beside
+        (self.springs,) = assembly.further_terms
         H = np.empty_like(self.cable.frames)
         H[assembly.order] = self.cable.frames
         self.h = rng.normal(size=(6, 6)) * (1, 1, 1, 0, 0, 0)
@@ -198,7 +198,7 @@ def test_springs_do_not_feel_rigid_motions():
     """Those between edges; what is clamped is so in space."""
     net, _ = ring(7, True)
     assembly = fl.Net.assemble([net])
-    (springs,) = assembly.beside
+    (springs,) = assembly.further_terms
     H = np.empty_like(net.frames)
     H[assembly.order] = net.frames
     H[:, 0] += 0.3 * np.random.default_rng(1).normal(size=(7, 3))

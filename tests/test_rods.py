@@ -204,7 +204,7 @@ def test_rigid_motion_changes_no_forces_or_matrix_of_edges():
     arc = fl.Rod.curve(
         lambda s: (3 * s, 0.4 * s * s, np.sin(s)), own, cells=4, formulation=fl.DiscreteRod()
     )
-    springs = fl.Rod.assemble([arc]).beside[0]
+    springs = fl.Rod.assemble([arc]).further_terms[0]
     twists = 0.2 * np.random.default_rng(0).normal(size=(5, 6))
     H = lie.se3_retract(arc.frames, twists)
     turned = H @ lie.so3_exp(1000 * np.array([0.6, 0.0, 0.8])).T

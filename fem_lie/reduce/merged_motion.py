@@ -79,7 +79,7 @@ class MergedMotion:
         """One line: numbers of frames, and the errors of changes."""
         frames = [part.frames for part in self.segments]
         return (
-            f"{min(frames)} to {max(frames)} of {self.nodes} frames, {100 * self.share:.3g} % in "
-            f"the mean of {len(frames)} stretches ({self.again} made in vain); momenta kept to "
+            f"{min(frames)} to {max(frames)} of {self.nodes} frames, {100 * self.active_fraction:.3g} % in "
+            f"the mean of {len(frames)} segments ({self.repeated} repeated); momenta kept to "
             f"{self.momentum_error:.1g}, energy changed by {self.energy_change:.2g}"
         )

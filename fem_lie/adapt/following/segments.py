@@ -120,7 +120,7 @@ class AdaptedMotion(Generic[Followed]):
         return (
             f"tolerance {100 * self.tolerance:.3g} %: {100 * self.space:.3g} % in space, "
             f"{100 * self.time:.3g} % in time\n"
-            f"{len(self.stretches)} meshes of {self.cells.min()} to {self.cells.max()} elements, "
+            f"{len(self.segments)} meshes of {self.cells.min()} to {self.cells.max()} elements, "
             f"{self.steps.sum()} steps, {self.element_steps} element steps; error in space up to "
             f"{100 * worst:.2g} %\nmomenta kept to {self.momentum_error:.1g}, energy changed by "
             f"{self.energy_change:.2g}"
