@@ -211,7 +211,7 @@ from fem_lie.solve.statics.statics import statics
 from fem_lie.solve.statics.unstable import UnstableEquilibriumWarning
 from fem_lie.solve.step_control import AdaptiveStep, ConstantStep
 from fem_lie.solve.variational.variational import Variational
-from fem_lie.system.nodes.element_turns import CoarseElementsWarning
+from fem_lie.system.nodes.element_rotations import CoarseElementsWarning
 
 __all__ = [
     "DECOUPLED",

@@ -211,13 +211,13 @@ class Statics:
     def negative_pivots(self) -> int:
         return self.ksp.getPC().getFactorMatrix().getMumpsInfog(NEGATIVE)
 
-    def check_turns(self, factor: float) -> None:
+    def check_rotations(self, factor: float) -> None:
         """Cells of these shells are fine enough for their turns."""
 
     def check_passage(self, before) -> None:
         """Nothing touches."""
 
-    def turn_hint(self) -> str:
+    def rotation_hint(self) -> str:
         return ""
 
     def _carried(self) -> fem.Function:

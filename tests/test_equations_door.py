@@ -54,12 +54,12 @@ VIEWS = {
         "velocities",
     },
     Report: {
-        "check_turns",
+        "check_rotations",
         "elastic",
         "frames",
         "joints",
         "reactions",
-        "turn_hint",
+        "rotation_hint",
         "twists",
     },
 }
@@ -69,8 +69,8 @@ IMPORTED = {f"equations.{name}" for name in ("Equations", "TimeState", "LinearSt
 
 COMPILED = {
     "nodes.numbering.expand_motion",
-    "nodes.element_turns.most_strained",
-    "nodes.element_turns.nearest",
+    "nodes.element_rotations.most_strained",
+    "nodes.element_rotations.nearest",
     "nodes.fixed_axes.wrenches",
     "nodes.masses.Loads",
     "nodes.sums.report_rates",

@@ -131,6 +131,6 @@ def test_tangent_of_a_shell_is_symmetric_and_the_derivative_of_the_residual():
         residuals.append(internal - load)
     model.restore(state)
     w = dx.copy()
-    model.equations.system.supports.turn(model.state().frames, w.reshape(-1, 6))
+    model.equations.system.supports.rotate(model.state().frames, w.reshape(-1, 6))
     derivative = (residuals[0] - residuals[1]) / (2 * step)
     np.testing.assert_allclose(matrix @ w * ~held, derivative, atol=2e-6)

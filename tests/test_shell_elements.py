@@ -372,13 +372,13 @@ class Truss:
     def negative_pivots(self) -> int:
         return int(self.k < 0)
 
-    def check_turns(self, factor: float) -> None:
+    def check_rotations(self, factor: float) -> None:
         """Bars have no turn that they must not make."""
 
     def check_passage(self, before) -> None:
         """Nothing touches."""
 
-    def turn_hint(self) -> str:
+    def rotation_hint(self) -> str:
         return ""
 
     def state(self):

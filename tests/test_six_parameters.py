@@ -563,7 +563,7 @@ def test_carried_frames_are_those_of_the_rigid_motion():
     moved = lie.se3_compose(motion, system.frames[: system.count])
     wrong = moved.copy()
     wrong[:, 1], wrong[:, 2] = moved[:, 2], -moved[:, 1]  # a quarter of a turn ahead
-    system.convected_drilling.turn(wrong)
+    system.convected_drilling.rotate(wrong)
     np.testing.assert_allclose(wrong, moved, atol=1e-13)
 
 

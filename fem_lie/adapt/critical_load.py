@@ -97,5 +97,5 @@ def _power(scene: Scene, point: CriticalPoint, twists: Array) -> float:
     H[: len(masters)] = point.frames[masters]
     forces = equations.prescribed(1.0).loads(H).reshape(-1, 6)
     own = twists[masters].copy()
-    equations.supports.turn(H, own)
+    equations.supports.rotate(H, own)
     return float((forces * own).sum())

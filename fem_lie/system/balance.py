@@ -145,7 +145,7 @@ class HeldForces:
         if not system.supports:
             return np.where(self._held[self.nodes], r[self.nodes], 0.0)
         found = np.where(self._held, r, 0.0)
-        system.supports.turn_back(H, found)
+        system.supports.rotate_back(H, found)
         return np.asarray(found[self.nodes])
 
     def _look_near(self, terms: NearTerms, state: TimeState) -> None:
@@ -159,7 +159,7 @@ class HeldForces:
             _add_joints(H, v, joints, multipliers, self._ends, self._of_ends, r)
         terms.add_forces(H, r)
         if system.supports:
-            system.supports.turn(H, r)
+            system.supports.rotate(H, r)
 
 
 def supported(system: System) -> Flags:

@@ -32,7 +32,7 @@ def _conserve(system: System) -> bool:
     H, count, rng = system.frames.copy(), system.count, np.random.default_rng(0)
     h = np.where(system.held, 0.0, 0.1 * rng.normal(size=(count, 6)))
     h *= system.units.reshape(-1, 6)
-    system.supports.turn_back(H, h)
+    system.supports.rotate_back(H, h)
     retract(H[:count], h)
     return all(_symmetric(load, system, H) for load in system.terms.loads)
 

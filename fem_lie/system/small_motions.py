@@ -57,7 +57,7 @@ def rigid_motions(system: System, H: Array, weight: Array) -> list[RigidMotions]
         for k in range(6):
             every = np.zeros((count, 6))
             every[nodes] = R[:, :, k]
-            system.supports.turn(H, every)
+            system.supports.rotate(H, every)
             R[:, :, k] = every[nodes]
         R = R.reshape(-1, 6) / weight.reshape(-1, 6)[nodes].reshape(-1, 1)
         stuck = (held & ~drills)[nodes].ravel()
@@ -213,7 +213,7 @@ class SmallMotions:
         system = self._system
         forces = r[: 6 * system.count].reshape(-1, 6).copy()
         if system.supports:
-            system.supports.turn(self.H, forces)
+            system.supports.rotate(self.H, forces)
         forces[system.held] = 0.0
         return float(np.abs(self.weight * forces.ravel()).max(initial=0.0))
 
@@ -233,7 +233,7 @@ class SmallMotions:
         kkt, held = self._system.kkt, self._system.held.ravel()
         if self._system.supports:
             blocks = blocks.copy()
-            self._system.supports.turn_blocks(self.H, blocks)
+            self._system.supports.rotate_blocks(self.H, blocks)
         size = (len(held), len(held))
         A = sp.bsr_matrix((blocks, kkt.indices, kkt.indptr), shape=size).tocsr()
         scale = sp.diags(self.weight)
@@ -275,8 +275,8 @@ class SmallMotions:
         h = np.zeros((system.count, 6), dtype=np.complex128)
         h[~system.held] = vector
         h *= self.weight.reshape(-1, 6)
-        system.supports.turn_back(self.H, h.real)
-        system.supports.turn_back(self.H, h.imag)
+        system.supports.rotate_back(self.H, h.real)
+        system.supports.rotate_back(self.H, h.imag)
         twists = system.numbering.master_map.twists
         shown = np.empty((2, *h.shape))
         for part, out in zip((h.real, h.imag), shown, strict=True):

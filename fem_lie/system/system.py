@@ -23,7 +23,7 @@ from fem_lie.system.constraints import Connections
 from fem_lie.system.describe import refuse
 from fem_lie.system.load_cases import LoadCases
 from fem_lie.system.nodes.convected_axes import BodyAxes, ConvectedAxes, ConvectedDrilling
-from fem_lie.system.nodes.element_turns import ElementTurns
+from fem_lie.system.nodes.element_rotations import ElementRotations
 from fem_lie.system.nodes.masses import Loads, floating_of, inertia_of, lumped, weight_of
 from fem_lie.system.nodes.numbering import numbering_for
 from fem_lie.system.nodes.sums import add_joints, nodal_residual, report, residual
@@ -60,7 +60,7 @@ class System:
         convected: All convected axes.
         in_one_sum: Whether :meth:`residual` is the compiled sum of :attr:`Forces.table` only, apart
             from held unknowns.
-        turns: Rotations of elements from end to end.
+        rotations: Rotations of elements from end to end.
         lengths: Whether the first and the last three unknowns of the nodes are lengths, shape (n,
             2); others have no dimension.
         length: Largest distance of two nodes, or size of a body: the length scale of tolerances.
@@ -134,7 +134,7 @@ class System:
             units=self.units,
             length=self.length,
         )
-        self.turns = ElementTurns(self.numbering)
+        self.rotations = ElementRotations(self.numbering)
         self.kkt, self.supports = self.tangent.kkt, self.tangent.supports
         self._guided = bool(self.supports)
         self.convected_drilling = ConvectedDrilling(numbering, self.held, self.connections.nodes)
@@ -244,7 +244,7 @@ class System:
         if self._any_uncoupled:
             found.inner[:] = r[: 6 * self.count].reshape(-1, 6) - found.outer
         if self._guided:
-            self.supports.turn(H, r[: 6 * self.count].reshape(-1, 6))
+            self.supports.rotate(H, r[: 6 * self.count].reshape(-1, 6))
 
     def applied(
         self,

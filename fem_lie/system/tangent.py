@@ -372,7 +372,7 @@ class Tangent:
         (place,) = (place for other, place, _ in self._of_terms if other is term)
         term.add_tangent(H, kept, place, self.parts.blocks)
         self.parts.add_K()
-        self.supports.turn_blocks(H, self.A)
+        self.supports.rotate_blocks(H, self.A)
         return sp.bsr_matrix((self.A, self.kkt.indices, self.kkt.indptr)).tocsr()
 
     def add_geometric(self, H: Array, multipliers: Array) -> None:
@@ -432,7 +432,7 @@ class Tangent:
         self._averages.put(self._rows)
         if self.supports:
             blocks = blocks.copy()
-            self.supports.turn_blocks(H, blocks)
+            self.supports.rotate_blocks(H, blocks)
             self.supports.rotate_constraints(H, self._rows)
         self._fill(blocks, self._rows, scale)
         self._filled = False
@@ -492,7 +492,7 @@ class Tangent:
         else:
             self.parts.add_K()
         if self.supports:
-            self.supports.turn_blocks(ahead, self.A)
+            self.supports.rotate_blocks(ahead, self.A)
             self.supports.rotate_constraints(ahead, columns)
             self.supports.rotate_constraints(ahead, self._rows)
         if plan.inertial:

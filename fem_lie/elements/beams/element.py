@@ -73,7 +73,7 @@ class Formulation(ABC):
 
     @property
     def largest_turn(self) -> float:
-        """Of an element from end to end, rad, see :mod:`fem_lie.system.nodes.element_turns`.
+        """Of an element from end to end, rad, see :mod:`fem_lie.system.nodes.element_rotations`.
 
         It is π, where a rotation has two logarithms, unless the element folds before.
         """

@@ -34,7 +34,7 @@ class StrainMeasures:
             third of the code to write.
         stresses: Stress fields of mixed elements, or ``None`` if there are none for these cells.
         largest_turn: Along an edge of a cell, rad: beyond it cells fold, see
-            :mod:`fem_lie.system.nodes.element_turns`.
+            :mod:`fem_lie.system.nodes.element_rotations`.
         bubble: Whether three-node triangles have a director bubble as unknowns of their own.
     """
 

@@ -284,7 +284,7 @@ class RunState(DividedIntegration[Recorder]):
             all_to_nodal_components(kinds, H1, self.dx)
         if self._guided:
             nodes = self.dx[: 6 * self._moving].reshape(-1, 6)
-            self.equations.supports.turn_back(H1, nodes)
+            self.equations.supports.rotate_back(H1, nodes)
         if self._secants is not None:
             if self.counters[ITERATION] == 1:
                 self._secants.forget()

@@ -63,7 +63,7 @@ def staleness(
         return r
 
     change = (moved(probe) - moved(-probe)) / (2.0 * probe)
-    equations.supports.turn(state.H1, x[:nodes].reshape(-1, 6))
+    equations.supports.rotate(state.H1, x[:nodes].reshape(-1, 6))
     solver.right_hand_side[:] = equations.matrix.times(x) - change
     solver.right_hand_side[nodes:] = 0.0
     solver.solve()

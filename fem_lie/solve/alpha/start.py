@@ -84,7 +84,7 @@ def velocity_defect(
     all_from_group(s.kinds, s.H, local)
     c = 1 / 6 - scheme.beta + 0.5 * (scheme.af - scheme.am)
     left = h**2 * (c * local + defect / 12)
-    equations.supports.turn(s.H, left)
+    equations.supports.rotate(s.H, left)
     rates = equations.constraints(s.H).jacobian @ left.ravel()
     # velocity constraints need no correction
     rates[len(rates) - equations.unknowns.of_velocities :] = 0.0

@@ -132,7 +132,7 @@ class TimeError:
         r[:] = 0.0
         forces = r[: 6 * n].reshape(n, 6)
         add_inertia_forces(self._equations, H1, self._q, mass, forces)
-        self._equations.supports.turn(H1, forces)
+        self._equations.supports.rotate(H1, forces)
         if self._held is not None:
             forces[self._held] = 0.0
 

@@ -76,7 +76,7 @@ def _check_held(equations: Equations, bound: float) -> None:
     """Check velocities of unknowns that bodies fix, such as drilling rotations of shells."""
     unknowns, (frames, given, _) = equations.unknowns, equations.start
     v = given[: unknowns.moving].copy()
-    equations.supports.turn(frames, v)
+    equations.supports.rotate(frames, v)
     wrong = unknowns.held & (np.abs(v) > bound * unknowns.units.reshape(-1, 6))
     wrong[:, 5] = False
     if wrong.any():
@@ -199,7 +199,7 @@ class _AtStart(Iterated):
         with _solvable():
             solver.solve()
         found, nodes = solver.solution, solver.solution[: 6 * n].reshape(n, 6)
-        self._equations.supports.turn_back(self._H, nodes)
+        self._equations.supports.rotate_back(self._H, nodes)
         self._rate[:n] -= nodes
         self.weights -= self._scale * found[6 * n :]
         return float(np.abs(found).max(initial=0.0))
@@ -272,5 +272,5 @@ def across_joints(
     solver.factorise()
     solver.solve()
     v = solver.solution[: 6 * n].reshape(n, 6).copy()
-    equations.supports.turn_back(H, v)
+    equations.supports.rotate_back(H, v)
     return v

@@ -121,7 +121,7 @@ class Driver(ABC, Stateful, Generic[Kept]):
             return
         time = float(history.times[history.row - 1])
         try:
-            self.equations.report(self.frames).check_turns(time)
+            self.equations.report(self.frames).check_rotations(time)
         except FoldedElementError as error:
             raise ConvergenceError(f"an element folds: {error}", self._result(history)) from None
 

@@ -28,7 +28,7 @@ from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.lie.node_types import all_result_twists, inertia, push_all_forward
 from fem_lie.lie.node_types.floating import PlainFloating
 from fem_lie.results.record import Record
-from fem_lie.system.nodes.element_turns import most_strained, nearest
+from fem_lie.system.nodes.element_rotations import most_strained, nearest
 from fem_lie.system.nodes.numbering import expand_motion
 from fem_lie.system.nodes.sums import report_rates
 

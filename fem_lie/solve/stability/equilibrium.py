@@ -162,7 +162,7 @@ class StableEquilibrium(SceneEquilibrium):
         h = np.zeros(6 * self._moving)
         h[self._free] = self.weight[self._free] * vector
         found = h.reshape(-1, 6)
-        self.equations.supports.turn_back(self._H, found)
+        self.equations.supports.rotate_back(self._H, found)
         return found
 
     def solve_free(self, b: Array) -> Array:
@@ -193,7 +193,7 @@ class StableEquilibrium(SceneEquilibrium):
         for _ in range(1 + _REFINED):
             x += self.solve_raw(np.asarray(b - A @ x, dtype=np.float64))
         found = np.asarray(x, dtype=np.float64)
-        self.equations.supports.turn_back(self._H, found[: 6 * self._moving].reshape(-1, 6))
+        self.equations.supports.rotate_back(self._H, found[: 6 * self._moving].reshape(-1, 6))
         return found
 
     def linear_state(self, dx: Array) -> LinearState:

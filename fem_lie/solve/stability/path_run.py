@@ -165,7 +165,7 @@ class Pursuit:
     def _hint(self, here: Station) -> str:
         """What to say of the state beyond which nothing goes."""
         self.model.restore(here.state)
-        hint = self.model.turn_hint()
+        hint = self.model.rotation_hint()
         return f".{hint}" if hint else self._passed
 
     def _arc(self, here: Station) -> Arc:

@@ -189,7 +189,7 @@ class Walker:
                 step.predict()
             if not iterate(step, self.options.max_iterations).converged:
                 raise LostError(step.count)
-            model.check_turns(step.factor)
+            model.check_rotations(step.factor)
             if step.load is not None:
                 self._last_load = step.load
             return self._station(step.factor, origin.sign, step.count, (origin, arc), probe)

@@ -139,7 +139,7 @@ class Equilibrium(Protocol):
         """Twists of the nodes that ``dx`` means, (n, 6), in their own axes, turns × diameter."""
         ...
 
-    def check_turns(self, factor: float) -> None:
+    def check_rotations(self, factor: float) -> None:
         """Refuse the present state if it is none of the structure.
 
         Raises:
@@ -152,7 +152,7 @@ class Equilibrium(Protocol):
         """Raise ``PassedThroughError`` if surfaces went through each other since a copied state."""
         ...
 
-    def turn_hint(self) -> str:
+    def rotation_hint(self) -> str:
         """What to say of the present state, if that may be why it does not go on."""
         ...
 
@@ -285,7 +285,7 @@ class _Follower(Iterated):
         try:
             done = iterate(self, self._options.max_iterations).converged
             if done:
-                model.check_turns(self._factor)
+                model.check_rotations(self._factor)
                 model.check_passage(before)
         except (FoldedElementError, LostBranchError, PassedThroughError) as error:
             done, self._refused = False, f" The step was refused: {error}."

@@ -226,7 +226,7 @@ class SceneEquilibrium:
             self._preload = min(1.0, part + step)
             try:
                 if self._settles(0.0):
-                    self.check_turns(0.0)
+                    self.check_rotations(0.0)
                     part, step = self._preload, 2.0 * step
                     continue
             except (FoldedElementError, LostBranchError):
@@ -259,7 +259,7 @@ class SceneEquilibrium:
         self._solver.solve()
         x = self._solver.solution.copy()
         nodes = x[: 6 * self._moving].reshape(-1, 6)
-        self.equations.supports.turn_back(self._H, nodes)
+        self.equations.supports.rotate_back(self._H, nodes)
         return x
 
     def negative_pivots(self) -> int:
@@ -297,14 +297,14 @@ class SceneEquilibrium:
         units = self.equations.unknowns.units / self.diameter
         return np.asarray(dx[: 6 * self._moving] / units).reshape(-1, 6)
 
-    def check_turns(self, factor: float) -> None:
+    def check_rotations(self, factor: float) -> None:
         """Refuse the present state if it is none of the structure.
 
         Raises:
             FoldedElementError: An element rotates too far for one state to be meant.
             LostBranchError: A joint rotates too far in the step.
         """
-        self.equations.report(self._H).check_turns(f"at load factor {factor:g}")
+        self.equations.report(self._H).check_rotations(f"at load factor {factor:g}")
 
     def check_passage(self, before: _State) -> None:
         """Raise ``PassedThroughError`` if surfaces went through each other since a state."""
@@ -325,9 +325,9 @@ class SceneEquilibrium:
         free = search.unresisted(search.allowed(self._H), internal - factor * load)
         return search.message(free, factor) if len(free) else ""
 
-    def turn_hint(self) -> str:
+    def rotation_hint(self) -> str:
         """Which element turns far, if that may be why it does not go on."""
-        return self.equations.report(self._H).turn_hint
+        return self.equations.report(self._H).rotation_hint
 
     def state(self) -> _State:
         """A copy of the present state; angles of joints are counted on from here."""

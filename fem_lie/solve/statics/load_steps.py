@@ -299,7 +299,7 @@ class LoadSteps(Iterated):
             LostBranchError: A joint or a prescribed motion does.
             PassedThroughError: Surfaces went through each other.
         """
-        self.equations.report(self.H).check_turns(f"at load factor {factor:g}")
+        self.equations.report(self.H).check_rotations(f"at load factor {factor:g}")
         if self._to_check and factor:
             self._check_held(factor)
         pivots = self._negative_pivots(factor)
@@ -368,7 +368,7 @@ class LoadSteps(Iterated):
         """Solve for a correction and apply it; returns its size over the units of the unknowns."""
         self._solver.solve()
         nodes = self._dx[: 6 * self._moving].reshape(-1, 6)
-        self.equations.supports.turn_back(self.H, nodes)
+        self.equations.supports.rotate_back(self.H, nodes)
         size = move(self.equations, self.H, self._dx, carried=self._options.carried_stress)
         self.multipliers -= self._scale * self._dx[6 * self._moving :]
         return size

@@ -109,9 +109,9 @@ class Memory:
         """
         for axes in self._system.convected:
             if motion is None or written is None:
-                axes.turn(H)
+                axes.rotate(H)
             else:
-                axes.turn_motion(H, motion, self._system.kinds, written)
+                axes.rotate_motion(H, motion, self._system.kinds, written)
 
     def memory(self) -> dict[str, Array]:
         """State of the history variables."""

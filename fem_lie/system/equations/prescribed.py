@@ -132,7 +132,7 @@ class Prescribed:
         loads = system.loads
         load_vector(system.kinds, H, loads.dead, loads.moment, loads.following, forces)
         forces += system.terms.of_loads(H)
-        system.supports.turn(H, forces)
+        system.supports.rotate(H, forces)
         forces[system.held] = 0.0
         return forces.ravel()
 

@@ -189,11 +189,11 @@ class Report:
         local, held = r[: 6 * system.count].reshape(-1, 6), system.held
         if system.supports:
             local[~held] = 0.0
-            system.supports.turn_back(H, local)
+            system.supports.rotate_back(H, local)
             held = np.ones_like(held)
         return wrenches(system.kinds, H, local, held, system.supported)
 
-    def check_turns(self, when: str | float) -> None:
+    def check_rotations(self, when: str | float) -> None:
         """Warn of elements near their largest rotation, and refuse ambiguous rotations.
 
         Args:
@@ -206,9 +206,9 @@ class Report:
                 prescribed motion are opposite.
         """
         self._system.connections.check_branch(self._state.H)
-        self._system.turns.check(self.frames, when)
+        self._system.rotations.check(self.frames, when)
 
     @property
-    def turn_hint(self) -> str:
+    def rotation_hint(self) -> str:
         """Hint for the message of a failure, if a large rotation of an element may be the cause."""
-        return self._system.turns.hint(self.frames)
+        return self._system.rotations.hint(self.frames)

@@ -229,7 +229,7 @@ class Tables(NamedTuple):
     def of(cls, system: System) -> Tables:
         """Packed arrays of a system."""
         master_map, connections = system.numbering.master_map, system.connections
-        limits, ends, whole, lengths, chords = system.turns.elements
+        limits, ends, whole, lengths, chords = system.rotations.elements
         rates = system.terms.rates
         all_felt = system.scene.redundant is not Redundant.MINIMUM_NORM or not system.m
         return cls(

@@ -80,11 +80,11 @@ class ConvectedAxes:
         """Whether there are convected axes."""
         return self.plain[0].size > 0
 
-    def turn(self, H: Array) -> None:
+    def rotate(self, H: Array) -> None:
         """Rotate the axes in the first rows of ``H`` (≥ n, 4, 3)."""
         convect_axes(H, self.plain, _NO_MOTION, _NOTHING)
 
-    def turn_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
+    def rotate_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
         """Rotate the axes, and transform the components of motions.
 
         Args:
@@ -150,12 +150,12 @@ class BodyAxes:
         """Whether there are convected axes."""
         return bool(self._parts)
 
-    def turn(self, H: Array) -> None:
+    def rotate(self, H: Array) -> None:
         """Rotate the axes in the first rows of ``H`` (≥ n, 4, 3)."""
         for part in self._parts:
             H[part.nodes] = part.followed(H[part.nodes])
 
-    def turn_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
+    def rotate_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
         """Rotate the axes and transform components of motions, as :class:`ConvectedAxes` does."""
         for part in self._parts:
             before = H[part.nodes]
@@ -246,13 +246,13 @@ class ConvectedDrilling:
         """Whether there are convected frames."""
         return bool(self._parts)
 
-    def turn(self, H: Array) -> None:
+    def rotate(self, H: Array) -> None:
         """Rotate the frames in the first rows of ``H`` (≥ n, 4, 3)."""
         for (cells, slopes), moves in zip(self._parts, self._moves_here, strict=True):
             _lag(H, cells, slopes, moves, self._lag)
             _turn_frames(H, self._lag)
 
-    def turn_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
+    def rotate_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
         """Rotate the frames, and transform the components of motions.
 
         Args:

@@ -85,15 +85,15 @@ class Supports:
         """Whether there are supported nodes."""
         return len(self.nodes) > 0
 
-    def turn(self, H: Array, r: Array) -> None:
+    def rotate(self, H: Array, r: Array) -> None:
         """Transform translations of ``r`` (n, 6) from local components to those along the axes."""
         r[self.nodes, :3] = np.einsum("kij,kj->ki", self._matrices(H), r[self.nodes, :3])
 
-    def turn_back(self, H: Array, d: Array) -> None:
+    def rotate_back(self, H: Array, d: Array) -> None:
         """Transform translations of ``d`` (n, 6) from components along the axes to local ones."""
         d[self.nodes, :3] = np.einsum("kji,kj->ki", self._matrices(H), d[self.nodes, :3])
 
-    def turn_blocks(self, H: Array, blocks: Array) -> None:
+    def rotate_blocks(self, H: Array, blocks: Array) -> None:
         """Transform rows and columns of the matrix, blocks (nnz, 6, 6)."""
         Q = self._matrices(H)
         rows, columns = self._rows, self._columns

@@ -95,7 +95,7 @@ def test_elements_far_from_the_limit_are_silent(name):
 @pytest.mark.parametrize(("name", "angle"), [("geodesic", 2.9), ("director 1", 2.9)])
 def test_statics_warns_near_the_limit(name, angle):
     scene, _ = bent(3, angle, BEAMS[name])
-    with pytest.warns(fl.CoarseElementsWarning, match=r"element \d of .* turns by 2\.9 rad"):
+    with pytest.warns(fl.CoarseElementsWarning, match=r"element \d of .* rotates by 2\.9 rad"):
         fl.statics(scene, load_steps=3)
 
 
@@ -104,7 +104,7 @@ def test_elements_that_would_have_to_turn_by_more_than_pi_are_named():
     scene, beam = bent(2, 3.3, fl.Geodesic())
     with (
         pytest.warns(fl.CoarseElementsWarning),
-        pytest.raises(fl.ConvergenceError, match=rf"element \d of {beam.label} turns by 3"),
+        pytest.raises(fl.ConvergenceError, match=rf"element \d of {beam.label} rotates by 3"),
     ):
         fl.statics(scene, load_steps=4, newton=fl.Newton(smallest_step=0.05))
 
@@ -117,7 +117,7 @@ def test_directors_of_three_nodes_do_not_fold_in_silence(road):
         with pytest.warns(fl.CoarseElementsWarning):
             path = road(scene)
         assert not path.complete and 0.5 < path.factors[-1] < 1.0
-        assert re.search(rf"element \d of {beam.label} turns by", path.reason)
+        assert re.search(rf"element \d of {beam.label} rotates by", path.reason)
         return
     with (
         pytest.warns(fl.CoarseElementsWarning),

@@ -43,7 +43,7 @@ class CoarseElementsWarning(UserWarning):
     """Elements rotate almost to their limit, or strain beyond the range of their law."""
 
 
-class Turn(NamedTuple):
+class Rotation(NamedTuple):
     """The element closest to its limit.
 
     Attributes:
@@ -61,8 +61,8 @@ class Turn(NamedTuple):
     def __str__(self) -> str:
         """Problem and remedy."""
         return (
-            f"element {self.element} of {self.body} turns by {self.angle:.3g} rad from end to end; "
-            f"elements of this kind fold at {self.limit:.3g} rad: use at least "
+            f"element {self.element} of {self.body} rotates by {self.angle:.3g} rad from end to "
+            f"end; elements of this type fold at {self.limit:.3g} rad: use at least "
             f"{max(2, int(np.ceil(2 * self.angle / self.limit)))} elements in its place"
         )
 
@@ -85,7 +85,7 @@ class Strains(NamedTuple):
     excessive: bool
 
 
-class ElementTurns:
+class ElementRotations:
     """Rotations and strains of all elements of a scene; it warns of each once."""
 
     def __init__(self, numbering: Numbering) -> None:
@@ -125,22 +125,22 @@ class ElementTurns:
         """
         return self._limits, self._nodes, self._whole, self._lengths, self._chords
 
-    def largest(self, frames: Array) -> Turn | None:
+    def largest(self, frames: Array) -> Rotation | None:
         """The element closest to its limit at frames of all nodes, (n, 4, 3), or ``None``."""
         if not self._any:
             return None
         row, angle, _ = nearest(frames, self._nodes, self._limits, self._whole)
-        return self._turn(row, angle)
+        return self._rotation(row, angle)
 
-    def _turn(self, row: int, angle: float) -> Turn:
-        return Turn(self._bodies[row], int(self._numbers[row]), angle, float(self._limits[row]))
+    def _rotation(self, row: int, angle: float) -> Rotation:
+        return Rotation(self._bodies[row], int(self._numbers[row]), angle, float(self._limits[row]))
 
     def hint(self, frames: Array) -> str:
         """Hint about the element closest to its limit for the message of a failure, or empty."""
-        turn = self.largest(frames)
-        if turn is None or turn.angle <= _SUSPECT * turn.limit:
+        rotation = self.largest(frames)
+        if rotation is None or rotation.angle <= _SUSPECT * rotation.limit:
             return ""
-        return f" There {turn}."
+        return f" There {rotation}."
 
     def check(self, frames: Array, when: str | float) -> None:
         """Warn once if an element is close to its limit.
@@ -157,12 +157,12 @@ class ElementTurns:
         row, angle, near = nearest(frames, self._nodes, self._limits, self._whole)
         if not near:
             return
-        turn = self._turn(row, angle)
-        if turn.angle > turn.limit:
-            raise FoldedElementError(f"{state} {turn}")
+        rotation = self._rotation(row, angle)
+        if rotation.angle > rotation.limit:
+            raise FoldedElementError(f"{state} {rotation}")
         if not self._warned:
             self._warned = True
-            warnings.warn(f"{state} {turn}", CoarseElementsWarning, stacklevel=2)
+            warnings.warn(f"{state} {rotation}", CoarseElementsWarning, stacklevel=2)
 
     def _check_strains(self, frames: Array, state: str) -> None:
         """Warn once of elements that strain, or lean, beyond their range."""
@@ -239,7 +239,7 @@ def nearest(H: Array, nodes: Indices, limits: Array, whole: Indices) -> Found:
     """
     worst, row, angle = -1.0, 0, 0.0
     for w in range(nodes.shape[0]):
-        turn = 0.0
+        rotation = 0.0
         for k in range(2):
             a, b = nodes[w, k], nodes[w, k + 1]
             if a == b:
@@ -250,8 +250,8 @@ def nearest(H: Array, nodes: Indices, limits: Array, whole: Indices) -> Found:
                     cosine += H[a, d, j] * H[b, d, j]
             if whole[w]:
                 cosine = 0.5 * (cosine - 1.0)
-            turn += np.arccos(min(1.0, max(-1.0, cosine)))
-        if turn > worst * limits[w]:
-            worst, row, angle = turn / limits[w], w, turn
+            rotation += np.arccos(min(1.0, max(-1.0, cosine)))
+        if rotation > worst * limits[w]:
+            worst, row, angle = rotation / limits[w], w, rotation
     # NaN is checked as well
     return row, angle, limits.shape[0] > 0 and not angle <= _NEAR * limits[row]
