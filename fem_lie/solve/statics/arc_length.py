@@ -299,7 +299,7 @@ class _Follower(Iterated):
         if self._length < self._options.smallest_step * self._model.diameter:
             raise ConvergenceError(
                 f"no equilibrium beyond load factor {self._factor:g}: steps of "
-                f"{2 * self._length:.1e} still fail.{self._refused or self._model.turn_hint()}",
+                f"{2 * self._length:.1e} still fail.{self._refused or self._model.rotation_hint()}",
                 self._path,
             )
 

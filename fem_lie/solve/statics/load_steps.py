@@ -226,7 +226,7 @@ class LoadSteps(Iterated):
             f"no equilibrium from load factor {reached:g} to {target:g}: after {self.iterations} "
             f"iterations the residual is {self.residual:.2e} and the last increment "
             f"{self.last:.2e} (tolerance {self._options.tolerance:g}). {self.advice()}"
-            f"{self._lost or self.equations.report(self.H).turn_hint}"
+            f"{self._lost or self.equations.report(self.H).rotation_hint}"
         )
 
     def advice(self) -> str:
