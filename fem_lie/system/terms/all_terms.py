@@ -262,7 +262,9 @@ def terms_of(
     master_map, everywhere = numbering.master_map, slice(0, numbering.total)
     found: list[Term] = []
     for where, assembly in numbering.assemblies:
-        found += [AttachedTerm(term, where, master_map) for term in (assembly, *assembly.further_terms)]
+        found += [
+            AttachedTerm(term, where, master_map) for term in (assembly, *assembly.further_terms)
+        ]
     found += [AttachedTerm(term, everywhere, master_map) for term in loads]
     nodes = numbering.nodes.__getitem__
     found += [AttachedTerm(each.term(nodes), everywhere, master_map) for each in contacts]
