@@ -24,19 +24,19 @@ PLACES = (np.arange(16000) + 0.5) / 16000
 FINE = 640, 2400
 
 
-def line(cells: int) -> fl.LineMesh:
+def line(cells: int) -> fl.mesh.LineMesh:
     """Equal elements, downwards."""
-    return fl.straight((0, 0, 0), (0, 0, -1), cells)
+    return fl.mesh.straight_line((0, 0, 0), (0, 0, -1), cells)
 
 
-def first(arm: int = 4) -> fl.LineMesh:
+def first(arm: int = 4) -> fl.mesh.LineMesh:
     """So many elements for the arm, one for its soft end."""
 
     def place(s: float) -> np.ndarray:
         s *= arm + 1
         return np.array([0.0, 0.0, -(SOFT * s / arm if s < arm else SOFT + (1 - SOFT) * (s - arm))])
 
-    return fl.curve(place, arm + 1)
+    return fl.mesh.curve(place, arm + 1)
 
 
 def push(time: float) -> float:
@@ -44,7 +44,7 @@ def push(time: float) -> float:
     return float(np.sin(np.pi * (time - BEGINS) / LASTS) ** 2) if time > BEGINS else 0.0
 
 
-def pendulum(mesh: fl.LineMesh) -> fl.Scene:
+def pendulum(mesh: fl.mesh.LineMesh) -> fl.Scene:
     """Hinged at its start, about y."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
 
@@ -53,7 +53,7 @@ def pendulum(mesh: fl.LineMesh) -> fl.Scene:
 
     arm = scene.add(fl.Beam(mesh, section, name="arm"))
     arm.add_velocity(omega=(0, -1, 0), about=(0, 0, 0))
-    scene.add(fl.Revolute(fl.ground(), arm.point("start"), axis=(0, 1, 0), name="hinge"))
+    scene.add(fl.joints.Revolute(fl.ground(), arm.point("start"), axis=(0, 1, 0), name="hinge"))
     scene.add(fl.PointLoad(arm.point("end"), force=(FORCE, 0, 0), history=push))
     return scene
 
@@ -102,7 +102,7 @@ def main() -> None:
         print(f"| {way} | {100 * error:.3g} % | {100 * away:.2g} % | {work} |", flush=True)
 
     print("| mesh | error of the stress | of the tip | element steps |\n| --- | --- | --- | --- |")
-    found = fl.adapt_motion(
+    found = fl.adaptivity.adapt_motion(
         pendulum,
         first(),
         duration=DURATION,

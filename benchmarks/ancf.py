@@ -51,7 +51,7 @@ def swinging(made: Made) -> tuple[fl.Scene, Any]:
     body = made.straight((0, 0, 0), (1, 0, 0), section(), cells=CELLS)
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(body)
-    scene.add(fl.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
     return scene, body
 
 
@@ -111,9 +111,9 @@ def main() -> None:
     for cells in (4, 8, 16, 32):
         print("{:4}: {:.1e}, {:.3f}".format(cells, *twisted(cells)))
     runs = (
-        ("slopes, fixed axes", fl.AncfBeam, fl.Components.INERTIAL),
-        ("slopes, own axes", fl.AncfBeam, fl.Components.LOCAL),
-        ("frames, own axes", fl.Beam, fl.Components.LOCAL),
+        ("slopes, fixed axes", fl.AncfBeam, fl.schemes.MatrixFrame.INERTIAL),
+        ("slopes, own axes", fl.AncfBeam, fl.schemes.MatrixFrame.LOCAL),
+        ("frames, own axes", fl.Beam, fl.schemes.MatrixFrame.LOCAL),
     )
     print("scene     nodes, axes         matrices  iterations per step  distance", flush=True)
     for name, scene_of in (("swinging", swinging), ("tumbling", tumbling)):

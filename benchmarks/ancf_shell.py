@@ -32,20 +32,24 @@ def bent(a: float, b: float) -> np.ndarray:
 
 
 def plate(modulus: float = MODULUS, cells: int = CELLS) -> fl.AncfShell:
-    return fl.AncfShell(fl.smooth_patch(bent, (cells, cells)), layer(modulus))
+    return fl.AncfShell(fl.mesh.smooth_patch(bent, (cells, cells)), layer(modulus))
 
 
 def thin(modulus: float = MODULUS, cells: int = CELLS) -> fl.ThinShell:
-    return fl.ThinShell(fl.smooth_patch(bent, (cells, cells)), layer(modulus))
+    return fl.ThinShell(fl.mesh.smooth_patch(bent, (cells, cells)), layer(modulus))
 
 
 def sewn(modulus: float = MODULUS) -> fl.ThinShell:
     """Of two patches with other parameters along their coupling."""
     patches = {
-        "left": fl.smooth_patch(lambda a, b: bent(0.5 * a, b), (2, 4)),
-        "right": fl.smooth_patch(lambda a, b: bent(0.5 + 0.5 * a, 0.7 * b + 0.3 * b * b), (2, 4)),
+        "left": fl.mesh.smooth_patch(lambda a, b: bent(0.5 * a, b), (2, 4)),
+        "right": fl.mesh.smooth_patch(
+            lambda a, b: bent(0.5 + 0.5 * a, 0.7 * b + 0.3 * b * b), (2, 4)
+        ),
     }
-    return fl.ThinShell(patches, layer(modulus), couplings=[fl.Seam("left.a=1", "right.a=0")])
+    return fl.ThinShell(
+        patches, layer(modulus), couplings=[fl.mesh.PatchCoupling("left.a=1", "right.a=0")]
+    )
 
 
 def swinging(make: Made, modulus: float) -> fl.Scene:
@@ -111,7 +115,7 @@ def main() -> None:
     for scene_name, scene_of in (("swinging", swinging), ("tumbling", tumbling)):
         for name, make in kinds.items():
             first = None
-            for axes in (fl.Components.INERTIAL, fl.Components.LOCAL):
+            for axes in (fl.schemes.MatrixFrame.INERTIAL, fl.schemes.MatrixFrame.LOCAL):
                 scheme = fl.GeneralisedAlpha(radius=0.8, components=axes)
                 scene = scene_of(make, options.modulus)
                 try:

@@ -30,9 +30,9 @@ from fem_lie.bodies.beams.assembly import BeamAssembly
 
 CELLS = (20, 20_000)
 FORMULATIONS = {
-    "geodesic": fl.Geodesic(),
-    "director1": fl.Director(1),
-    "director2": fl.Director(2),
+    "geodesic": fl.elements.GeodesicBeam(),
+    "director1": fl.elements.DirectorBeam(1),
+    "director2": fl.elements.DirectorBeam(2),
 }
 STIFFNESS = np.array([1e4, 4e3, 4e3, 1.0, 1.0, 1.0])
 
@@ -64,7 +64,7 @@ def beam(cells: int) -> Iterator[tuple[str, Callable[[], object]]]:
 
 def directors(cells: int) -> Iterator[tuple[str, Callable[[], object]]]:
     q = fl.NodalFrames(line(MPI.COMM_SELF, cells))
-    stretch, kappa = fl.director_strains(q)
+    stretch, kappa = fl.elements.director_strains(q)
     strain = ufl.as_vector([stretch[0] - 1, stretch[1], stretch[2], *kappa])
     D = ufl.as_vector([float(d) for d in STIFFNESS])
     dx = ufl.Measure("dx", metadata={"quadrature_degree": 1})

@@ -61,9 +61,9 @@ def against_explicit(cells: int, pieces: int, duration: float) -> dict[str, floa
     plans = {
         "fine": (fl.Explicit(), 4 * steps),
         "explicit": (fl.Explicit(), steps),
-        "asynchronous": (fl.Asynchronous(), 2),
-        "half": (fl.Asynchronous(0.4), 2),
-        "quarter": (fl.Asynchronous(0.2), 2),
+        "asynchronous": (fl.schemes.Asynchronous(), 2),
+        "half": (fl.schemes.Asynchronous(0.4), 2),
+        "quarter": (fl.schemes.Asynchronous(0.2), 2),
     }
     for name, (scheme, count) in plans.items():
         start = process_time()
@@ -88,11 +88,11 @@ def against_explicit(cells: int, pieces: int, duration: float) -> dict[str, floa
 
 def long_run(cells: int, pieces: int, events: int) -> dict[str, float]:
     """The energy over so many steps of cells."""
-    trial = fl.Asynchronous().run(net(cells, pieces), duration=0.01, step=1e-3)
+    trial = fl.schemes.Asynchronous().run(net(cells, pieces), duration=0.01, step=1e-3)
     duration = 1e-3 * round(10 * events / float(trial.iterations[-1]))
     steps = round(duration / 1e-3)
     start = process_time()
-    result = fl.Asynchronous().run(
+    result = fl.schemes.Asynchronous().run(
         net(cells, pieces), duration=steps * 1e-3, step=1e-3, save_every=max(1, steps // 1000)
     )
     seconds = process_time() - start

@@ -34,7 +34,9 @@ def bent_column() -> fl.Scene:
     load = scene.loads[0]
     assert isinstance(load, fl.PointLoad)
     scene.loads[0] = fl.PointLoad(beam.point("end"), force=[1.2 * f for f in load.force])
-    return fl.imperfect(scene, fl.ModeImperfection(fl.buckling(scene, 1), 1, 1e-3))
+    return fl.stability.apply_imperfections(
+        scene, fl.stability.ModeImperfection(fl.buckling(scene, 1), 1, 1e-3)
+    )
 
 
 def bent_strip() -> fl.Scene:
@@ -44,23 +46,23 @@ def bent_strip() -> fl.Scene:
     )
     load = 1.2 * lateral_torsional.prandtl(section.stiffness, lateral_torsional.LENGTH)
     scene = lateral_torsional.cantilever(section, 16, load)
-    mode = fl.ModeImperfection(fl.buckling(scene, 1), 1, lateral_torsional.WIDTH)
-    return fl.imperfect(scene, mode)
+    mode = fl.stability.ModeImperfection(fl.buckling(scene, 1), 1, lateral_torsional.WIDTH)
+    return fl.stability.apply_imperfections(scene, mode)
 
 
 def dented_cylinder() -> fl.Scene:
     """R/t = 100, random waves of 0.3 t; it has a limit point at about half the classical load."""
     t = 0.01
     wave = 2 * compressed_cylinder.half_wave(t)
-    waves = fl.RandomImperfection(0.3 * t, wave, 1, along=compressed_cylinder.outward)
-    return fl.imperfect(compressed_cylinder.cell(t, 6), waves)
+    waves = fl.stability.RandomImperfection(0.3 * t, wave, 1, along=compressed_cylinder.outward)
+    return fl.stability.apply_imperfections(compressed_cylinder.cell(t, 6), waves)
 
 
 def lopsided_strip() -> fl.Scene:
     """Bistable, its middle free, out of shape by a tenth of its thickness."""
     scene, _, h = bistable_strip.strip(6.0, 40, guided=False)
-    mode = fl.ModeImperfection(fl.buckling(scene, 1), 1, h / 60)
-    return fl.imperfect(scene, mode)
+    mode = fl.stability.ModeImperfection(fl.buckling(scene, 1), 1, h / 60)
+    return fl.stability.apply_imperfections(scene, mode)
 
 
 SCENES: dict[str, Callable[[], fl.Scene]] = {
@@ -80,8 +82,8 @@ def load_control(make: Callable[[], fl.Scene], carried: bool) -> str:
     """Iterations, and how far it came if it did not arrive."""
     path = fl.follow_path(
         make(),
-        control=fl.LoadControl(),
-        options=fl.PathOptions(locate=None, carried_stress=carried),
+        control=fl.stability.LoadControl(),
+        options=fl.stability.PathOptions(locate=None, carried_stress=carried),
     )
     return _row(path.total_iterations, path.factors[-1], path.complete)
 
@@ -90,7 +92,7 @@ def arc_length(make: Callable[[], fl.Scene], carried: bool) -> str:
     """Likewise, from load to load."""
     model = StableEquilibrium(make(), "benchmark_", carried_stress=carried)
     try:
-        found = fl.ArcLength().follow(model)
+        found = fl.stability.ArcLength().follow(model)
     except fl.ConvergenceError as error:
         found = error.result
         return _row(found.total_iterations, found.factors[-1] if found.factors else 0.0, False)
@@ -99,7 +101,9 @@ def arc_length(make: Callable[[], fl.Scene], carried: bool) -> str:
 
 def path(make: Callable[[], fl.Scene], carried: bool) -> str:
     """Likewise, all states polished."""
-    found = fl.follow_path(make(), options=fl.PathOptions(locate=None, carried_stress=carried))
+    found = fl.follow_path(
+        make(), options=fl.stability.PathOptions(locate=None, carried_stress=carried)
+    )
     return _row(found.total_iterations, found.factors[-1], found.complete)
 
 

@@ -15,18 +15,18 @@ from dataclasses import dataclass, field
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.scene.choices import Choices
+from fem_lie.scene.choices import MatrixTerms
 
 ALUMINIUM = fl.Material(E=70e9, nu=0.3, density=2700.0)
-Built = tuple[fl.Scene, fl.Point]
+Built = tuple[fl.Scene, fl.extend.Point]
 
 
 @dataclass(frozen=True)
 class Options:
     """What may be chosen."""
 
-    choices: Choices = field(default_factory=Choices)
-    group: fl.Group | None = None
+    choices: MatrixTerms = field(default_factory=MatrixTerms)
+    group: fl.lie.Group | None = None
     rotary_inertia: bool = True
     links: bool = True
 
@@ -35,10 +35,10 @@ def pendulum(options: Options) -> Built:
     """Two aluminium bars of 5 mm × 5 mm on spherical joints; the second turns at 5 rad/s."""
     scene = fl.Scene(choices=options.choices)
     section = fl.Section.rectangle(5e-3, 5e-3, ALUMINIUM)
-    group = options.group or fl.Group.SE3
+    group = options.group or fl.lie.Group.SE3
 
     def bar(start: tuple[float, ...], end: tuple[float, ...]) -> fl.Beam:
-        mesh = fl.LineMesh.from_cells(
+        mesh = fl.mesh.LineMesh.from_cells(
             np.linspace(start, end, 11),
             [(i, i + 1) for i in range(10)],
             named_points={"start": [0], "end": [10]},
@@ -47,8 +47,8 @@ def pendulum(options: Options) -> Built:
         return scene.add(beam)
 
     one, two = bar((0, 0, 0), (0.3, 0, 0)), bar((0.3, 0, 0), (0.3, 0.5, 0))
-    scene.add(fl.Spherical(fl.ground(), one.point("start")))
-    scene.add(fl.Spherical(one.point("end"), two.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.joints.Spherical(one.point("end"), two.point("start")))
     two.add_velocity(omega=(3, 0, -4), about=two.point("start"))
     return scene, two.point("end")
 
@@ -72,11 +72,11 @@ def rubber(options: Options) -> Built:
 def top(options: Options) -> Built:
     """The heavy top at 150 rad/s."""
     scene = fl.Scene((0, 0, -9.81), choices=options.choices)
-    group = fl.Group.R3xSO3 if options.group is None else options.group
+    group = fl.lie.Group.R3xSO3 if options.group is None else options.group
     inertia = (0.234375, 0.46875, 0.234375)
     body = scene.add(fl.RigidBody(15.0, inertia, (0, 1, 0)).set_group(group))
     body.add_velocity(omega=(0, 150, -4.61538), about=(0, 0, 0))
-    scene.add(fl.Spherical(fl.ground(), body.point("centre"), at=(0, 0, 0)))
+    scene.add(fl.joints.Spherical(fl.ground(), body.point("centre"), at=(0, 0, 0)))
     return scene, body.point("centre")
 
 
@@ -90,7 +90,7 @@ def grid(options: Options) -> Built:
         for i in range(4 - di)
         for j in range(4 - dj)
     ]
-    first: dict[tuple[int, int], fl.Point] = {}
+    first: dict[tuple[int, int], fl.extend.Point] = {}
     for a, b in ends:
         start, end = ((0.2 * p[0], 0.2 * p[1], 0.0) for p in (a, b))
         bar = scene.add(fl.Beam.straight(start, end, section, cells=4))
@@ -99,23 +99,23 @@ def grid(options: Options) -> Built:
             if knot not in first:
                 first[knot] = point
             elif options.links:
-                scene.add(fl.RigidLink(first.point(knot), point))
+                scene.add(fl.joints.RigidLink(first.point(knot), point))
             else:
-                scene.add(fl.Fixed(first.point(knot), point))
+                scene.add(fl.joints.Fixed(first.point(knot), point))
     return scene, first[3, 3]
 
 
 LEFT_OUT = {
     "all as chosen": Options(),
-    "gyroscopic terms in the matrix": Options(Choices(gyroscopic=True)),
-    "no gyroscopic terms in the matrix": Options(Choices(gyroscopic=False)),
-    "no geometric stiffness in the matrix": Options(Choices(geometric=False)),
+    "gyroscopic terms in the matrix": Options(MatrixTerms(gyroscopic=True)),
+    "no gyroscopic terms in the matrix": Options(MatrixTerms(gyroscopic=False)),
+    "no geometric stiffness in the matrix": Options(MatrixTerms(geometric=False)),
 }
-GROUPS = {"SE(3)": Options(group=fl.Group.SE3), "R³×SO(3)": Options(group=fl.Group.R3xSO3)}
-POLICIES: dict[str, fl.Policy] = {
-    "matrix kept: automatic": fl.Automatic(),
-    "matrix kept until 4 iterations": fl.Limit(4),
-    "new matrix in every iteration": fl.EveryIteration(),
+GROUPS = {"SE(3)": Options(group=fl.lie.Group.SE3), "R³×SO(3)": Options(group=fl.lie.Group.R3xSO3)}
+POLICIES: dict[str, fl.schemes.RefactorisationPolicy] = {
+    "matrix kept: automatic": fl.schemes.Automatic(),
+    "matrix kept until 4 iterations": fl.schemes.IterationLimit(4),
+    "new matrix in every iteration": fl.schemes.EveryIteration(),
 }
 CASES: list[tuple[Callable[[Options], Built], float, float, dict[str, Options]]] = [
     (
@@ -130,7 +130,9 @@ CASES: list[tuple[Callable[[Options], Built], float, float, dict[str, Options]]]
 ]
 
 
-def run(built: Built, step: float, duration: float, policy: fl.Policy) -> tuple[fl.Result, object]:
+def run(
+    built: Built, step: float, duration: float, policy: fl.schemes.RefactorisationPolicy
+) -> tuple[fl.Result, object]:
     scene, point = built
     scheme = fl.GeneralisedAlpha(policy=policy)
     result = scheme.run(scene, duration=duration, step=step, progress=False)
@@ -140,10 +142,10 @@ def run(built: Built, step: float, duration: float, policy: fl.Policy) -> tuple[
 def main() -> None:
     for build, step, duration, variants in CASES:
         refinement = 100 if build is top else 10
-        _, exact = run(build(Options()), step / refinement, duration, fl.Automatic())
+        _, exact = run(build(Options()), step / refinement, duration, fl.schemes.Automatic())
         print(f"\n{build.__doc__} h = {step:g} s, {duration:g} s\n")
         print("| | ms per step | iterations | matrices | error |\n|---|---|---|---|---|")
-        rows = [(name, options, fl.Automatic()) for name, options in variants.items()]
+        rows = [(name, options, fl.schemes.Automatic()) for name, options in variants.items()]
         rows += [(name, Options(), policy) for name, policy in POLICIES.items()]
         for name, options, policy in rows:
             results = [run(build(options), step, duration, policy) for _ in range(3)]

@@ -30,11 +30,11 @@ from scipy.optimize import brentq
 import fem_lie as fl
 
 STEEL = fl.Material(2e11, 0.3, 7850.0)
-ELEMENTS: dict[str, fl.Formulation] = {
-    "geodesic": fl.Geodesic(),
-    "director1": fl.Director(1),
-    "director2": fl.Director(2),
-    "rod": fl.Kirchhoff(),
+ELEMENTS: dict[str, fl.elements.BeamFormulation] = {
+    "geodesic": fl.elements.GeodesicBeam(),
+    "director1": fl.elements.DirectorBeam(1),
+    "director2": fl.elements.DirectorBeam(2),
+    "rod": fl.elements.KirchhoffRod(),
 }
 
 
@@ -43,15 +43,15 @@ def line(
     end: tuple[float, float, float],
     section: fl.Section,
     cells: int,
-    element: fl.Formulation,
+    element: fl.elements.BeamFormulation,
     up: tuple[float, float, float] | None = None,
 ) -> fl.Beam:
     """A straight beam, or a rod where the element has no shear."""
-    make = fl.Rod if isinstance(element, fl.Kirchhoff) else fl.Beam
+    make = fl.Rod if isinstance(element, fl.elements.KirchhoffRod) else fl.Beam
     return make.straight(start, end, section, cells=cells, up=up, formulation=element)
 
 
-def wire(cells: int, element: fl.Formulation) -> list[float]:
+def wire(cells: int, element: fl.elements.BeamFormulation) -> list[float]:
     """Errors of the deflection and of the first frequency."""
     radius, tension, length, force = 0.0005, 200.0, 0.6, 1e-3
     bending, mass = 2e11 * np.pi * radius**4 / 4, 7850.0 * np.pi * radius**2
@@ -61,8 +61,8 @@ def wire(cells: int, element: fl.Formulation) -> list[float]:
     )
     scene.add(hub)
     scene.add(fl.Clamp(wire.point("start")))
-    scene.add(fl.Prismatic(fl.ground(), hub.point("centre"), axis=(1, 0, 0)))
-    scene.add(fl.Fixed(hub.point("centre"), wire.point("end")))
+    scene.add(fl.joints.Prismatic(fl.ground(), hub.point("centre"), axis=(1, 0, 0)))
+    scene.add(fl.joints.Fixed(hub.point("centre"), wire.point("end")))
     scene.add(fl.PointLoad(hub.point("centre"), (tension, 0, 0)))
     middle = wire.point((length / 2, 0, 0))
     scene.add(fl.PointLoad(middle, (0, 0, force)))
@@ -82,7 +82,7 @@ def wire(cells: int, element: fl.Formulation) -> list[float]:
     return [deflection, frequency]
 
 
-def heavy_bar(cells: int, element: fl.Formulation) -> np.ndarray:
+def heavy_bar(cells: int, element: fl.elements.BeamFormulation) -> np.ndarray:
     """Position of the tip, and the largest stretch of a chord."""
     section = fl.Section.rectangle(0.02, 0.02, fl.Material(2.1e11, 0.3, 7800.0))
     scene = fl.Scene(gravity=(0, 0, -9.81))
@@ -93,7 +93,7 @@ def heavy_bar(cells: int, element: fl.Formulation) -> np.ndarray:
     return np.asarray(result.position(beam.point("end"))[-1])
 
 
-def bar(cells: int, element: fl.Formulation) -> list[float]:
+def bar(cells: int, element: fl.elements.BeamFormulation) -> list[float]:
     """Distance of the tip from the reference over the length."""
     return [float(np.linalg.norm(heavy_bar(cells, element) - reference(heavy_bar)) / 30)]
 
@@ -106,7 +106,7 @@ def rubber() -> fl.Section:
     )
 
 
-def falling(cells: int, element: fl.Formulation | None) -> np.ndarray:
+def falling(cells: int, element: fl.elements.BeamFormulation | None) -> np.ndarray:
     """Positions of the tip in time; without an element those of a cable."""
     section, ends = rubber(), ((0.0, 0.0, 0.0), (1.2, 0.0, 0.0))
     scene = fl.Scene(gravity=(0, 0, -9.81))
@@ -116,18 +116,18 @@ def falling(cells: int, element: fl.Formulation | None) -> np.ndarray:
         beam.pin(beam.point("start"))
     else:
         beam = scene.add(line(*ends, section, cells, element, up=(0, 0, 1)))
-        scene.add(fl.Spherical(fl.ground(), beam.point("start")))
+        scene.add(fl.joints.Spherical(fl.ground(), beam.point("start")))
     scheme = fl.GeneralisedAlpha(radius=0.6)
     return np.asarray(scheme.run(scene, duration=0.8, step=1e-3).position(beam.point("end")))
 
 
-def pendulum(cells: int, element: fl.Formulation) -> list[float]:
+def pendulum(cells: int, element: fl.elements.BeamFormulation) -> list[float]:
     """Largest distance of the tip over the length."""
     apart = falling(cells, element) - reference(falling)
     return [float(np.linalg.norm(apart, axis=1).max() / 1.2)]
 
 
-def spinning(cells: int, element: fl.Formulation) -> np.ndarray:
+def spinning(cells: int, element: fl.elements.BeamFormulation) -> np.ndarray:
     """First two frequencies of the strip across its plane of rotation."""
     section = fl.Section.rectangle(0.02, 0.001, fl.Material(7e10, 0.3, 2700.0))
     scene = fl.Scene()
@@ -136,41 +136,43 @@ def spinning(cells: int, element: fl.Formulation) -> np.ndarray:
     return np.asarray(fl.vibrations(scene, 3, spin=(0, 0, 100.0)).frequencies[[0, 2]])
 
 
-def strip(cells: int, element: fl.Formulation) -> list[float]:
+def strip(cells: int, element: fl.elements.BeamFormulation) -> list[float]:
     """Errors of the first two frequencies."""
     return list(spinning(cells, element) / reference(spinning) - 1)
 
 
-def loaded_blade(cells: int, element: fl.Formulation) -> np.ndarray:
+def loaded_blade(cells: int, element: fl.elements.BeamFormulation) -> np.ndarray:
     """First frequency of the blade with its mass."""
     section, scene = fl.Section.rectangle(0.05, 0.005, fl.Material(2.1e11, 0.3, 7800.0)), fl.Scene()
     blade = scene.add(line((0.1, 0, 0), (1.1, 0, 0), section, cells, element, up=(0, 0, 1)))
     mass = scene.add(fl.RigidBody(1000.0, (1.0, 1.0, 1.0), position=(1.1, 0, 0)))
     scene.add(fl.Clamp(blade.point("start")))
-    scene.add(fl.RigidLink(blade.point("end"), mass.point("centre")))
+    scene.add(fl.joints.RigidLink(blade.point("end"), mass.point("centre")))
     return np.asarray(fl.vibrations(scene, 1, spin=(0, 0, 20.0)).frequencies)
 
 
-def blade(cells: int, element: fl.Formulation) -> list[float]:
+def blade(cells: int, element: fl.elements.BeamFormulation) -> list[float]:
     """Error of the first frequency."""
     return list(loaded_blade(cells, element) / reference(loaded_blade) - 1)
 
 
-def guyed(cells: int, element: fl.Formulation) -> np.ndarray:
+def guyed(cells: int, element: fl.elements.BeamFormulation) -> np.ndarray:
     """Lowest factor of a load of 8 kN down and 2 kN along x."""
     tube, rope = fl.Section.tube(0.075, 0.08, STEEL), fl.Section.circle(0.006, STEEL)
     scene = fl.Scene()
     mast = scene.add(line((0, 0, 0), (0, 0, 20), tube, cells, element))
-    scene.add(fl.Universal(fl.ground(), mast.point("start"), axis=(1, 0, 0), second=(0, 1, 0)))
+    scene.add(
+        fl.joints.Universal(fl.ground(), mast.point("start"), axis=(1, 0, 0), second=(0, 1, 0))
+    )
     for side in (-8.0, 8.0):
         guy = scene.add(line((-12, side, 0), (0, 0, 20), rope, cells, element))
         scene.add(fl.Clamp(guy.point("start")))
-        scene.add(fl.Spherical(mast.point("end"), guy.point("end")))
+        scene.add(fl.joints.Spherical(mast.point("end"), guy.point("end")))
     scene.add(fl.PointLoad(mast.point("end"), (2e3, 0, -8e3)))
     return np.asarray(fl.buckling(scene, 1).factors)
 
 
-def mast(cells: int, element: fl.Formulation) -> list[float]:
+def mast(cells: int, element: fl.elements.BeamFormulation) -> list[float]:
     """Error of the load factor."""
     return list(guyed(cells, element) / reference(guyed) - 1)
 
@@ -182,16 +184,16 @@ def reference(case: Callable[..., np.ndarray]) -> np.ndarray:
     """What many elements give: rods, and for the pendulum a cable."""
     if case not in _REFERENCES:
         _REFERENCES[case] = {
-            heavy_bar: lambda: heavy_bar(256, fl.Kirchhoff()),
+            heavy_bar: lambda: heavy_bar(256, fl.elements.KirchhoffRod()),
             falling: lambda: falling(128, None),
-            spinning: lambda: spinning(128, fl.Director(2)),
-            loaded_blade: lambda: loaded_blade(128, fl.Director(2)),
-            guyed: lambda: guyed(80, fl.Director(2)),
+            spinning: lambda: spinning(128, fl.elements.DirectorBeam(2)),
+            loaded_blade: lambda: loaded_blade(128, fl.elements.DirectorBeam(2)),
+            guyed: lambda: guyed(80, fl.elements.DirectorBeam(2)),
         }[case]()
     return _REFERENCES[case]
 
 
-CASES: dict[str, Callable[[int, fl.Formulation], list[float]]] = {
+CASES: dict[str, Callable[[int, fl.elements.BeamFormulation], list[float]]] = {
     case.__name__: case for case in (wire, bar, pendulum, strip, blade, mast)
 }
 

@@ -97,8 +97,8 @@ def scene() -> fl.Scene:
     section = fl.Section.rectangle(0.01, 0.01, steel)
     rod = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4))
     body = scene.add(fl.RigidBody(1.0, (0.01, 0.02, 0.02), (1, 0, 0)))
-    scene.add(fl.Revolute(fl.ground(), rod.point("start"), axis=(0, 1, 0)))
-    scene.add(fl.Fixed(rod.point("end"), body.point("centre")))
+    scene.add(fl.joints.Revolute(fl.ground(), rod.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Fixed(rod.point("end"), body.point("centre")))
     return scene
 
 

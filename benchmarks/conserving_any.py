@@ -19,7 +19,7 @@ import numpy as np
 import fem_lie as fl
 from fem_lie.lie.node_types.node_type import axes
 from fem_lie.linear.factors import solve
-from fem_lie.mesh.curves import straight
+from fem_lie.mesh.curves import straight_line
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.step.records import Solution, Span
 from fem_lie.solve.secants import Secants
@@ -27,7 +27,7 @@ from fem_lie.system.equations import Equations
 
 DOWN = (0.0, 0.0, -9.81)
 ROPE = fl.Section.from_stiffness([2e3] * 3 + [0.2] * 3, mass=1.0)
-RUBBER = fl.SaintVenantKirchhoff(1e4, 0.3, 1.0)
+RUBBER = fl.sections.SaintVenantKirchhoff(1e4, 0.3, 1.0)
 
 
 class FixedAxesRun(Run):
@@ -90,8 +90,8 @@ def swinging_cable() -> fl.Scene:
 def whirling_rod() -> fl.Scene:
     """A discrete rod that flies and turns."""
     scene = fl.Scene()
-    shape = straight((0, 0, 0), (1, 0, 0), 20)
-    rod = scene.add(fl.Cable(shape, ROPE, formulation=fl.DiscreteCable()))
+    shape = straight_line((0, 0, 0), (1, 0, 0), 20)
+    rod = scene.add(fl.Cable(shape, ROPE, formulation=fl.elements.DiscreteCable()))
     rod.add_velocity(omega=(0.5, 6.0, 9.0), about=(0.4, 0, 0))
     return scene
 
@@ -110,7 +110,7 @@ def falling_net() -> fl.Scene:
 
 def flapping_plate() -> fl.Scene:
     """A thin plate that flies, turns and bends."""
-    patch = fl.smooth_patch(lambda a, b: np.array([a, 0.5 * b, 0.1 * np.sin(2 * a)]), (4, 2))
+    patch = fl.mesh.smooth_patch(lambda a, b: np.array([a, 0.5 * b, 0.1 * np.sin(2 * a)]), (4, 2))
     layer = fl.ShellSection.layer(0.02, fl.Material(2e3, 0.3, 1.0))
     scene = fl.Scene()
     plate = scene.add(fl.ThinShell(patch, layer))
@@ -126,7 +126,7 @@ def tumbling_brick() -> fl.Scene:
     return scene
 
 
-def tumbling(material: fl.SolidMaterial, cell: str, degree: int) -> Callable[[], fl.Scene]:
+def tumbling(material: fl.sections.SolidMaterial, cell: str, degree: int) -> Callable[[], fl.Scene]:
     """Soft bricks that tumble and wave, of other cells and materials."""
 
     def made() -> fl.Scene:
@@ -165,8 +165,8 @@ def joined_cables() -> fl.Scene:
     scene = fl.Scene(gravity=DOWN)
     first = scene.add(fl.Cable.straight((0, 0, 0), (0.5, 0, 0), ROPE, cells=4))
     second = scene.add(fl.Cable.straight((0.5, 0, 0), (1, 0, 0), ROPE, cells=4))
-    scene.add(fl.Spherical(fl.ground(), first.point("start")))
-    scene.add(fl.Spherical(first.point("end"), second.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), first.point("start")))
+    scene.add(fl.joints.Spherical(first.point("end"), second.point("start")))
     return scene
 
 
@@ -179,9 +179,9 @@ def hinged_bricks() -> fl.Scene:
     """Two bricks on a spring in a hinge between two faces, which fly and turn."""
     scene = fl.Scene()
     first, second = scene.add(block(0.0)), scene.add(block(0.5))
-    hinge = fl.Revolute(first.point("a=1"), second.point("a=0"), axis=(0, 1, 0.3))
+    hinge = fl.joints.Revolute(first.point("a=1"), second.point("a=0"), axis=(0, 1, 0.3))
     scene.add(hinge)
-    scene.add(fl.Spring(hinge.angle, 0.5))
+    scene.add(fl.joints.Spring(hinge.angle, 0.5))
     first.add_velocity(omega=(1.0, 3.0, 2.0), about=(0.2, 0, 0))
     second.add_velocity(omega=(1.0, 3.0, 2.0), about=(0.2, 0, 0))
     return scene
@@ -191,12 +191,12 @@ def driven_bricks() -> fl.Scene:
     """One brick turned by a motor, and one that hangs from it on a spring with a damper."""
     scene = fl.Scene(gravity=DOWN)
     first, second = scene.add(block(0.0)), scene.add(block(0.5))
-    motor = fl.Revolute(fl.ground(), first.point("a=0"), axis=(0, 1, 0))
-    hinge = fl.Revolute(first.point("a=1"), second.point("a=0"), axis=(0, 1, 0))
+    motor = fl.joints.Revolute(fl.ground(), first.point("a=0"), axis=(0, 1, 0))
+    hinge = fl.joints.Revolute(first.point("a=1"), second.point("a=0"), axis=(0, 1, 0))
     for joint in (motor, hinge):
         scene.add(joint)
-    scene.add(fl.Drive(motor.angle, lambda t: 2.0 * np.sin(3.0 * t) ** 2))
-    scene.add(fl.Spring(hinge.angle, 0.5, 0.01))
+    scene.add(fl.joints.Drive(motor.angle, lambda t: 2.0 * np.sin(3.0 * t) ** 2))
+    scene.add(fl.joints.Spring(hinge.angle, 0.5, 0.01))
     return scene
 
 
@@ -214,7 +214,7 @@ def rope_in_hand() -> fl.Scene:
 
     scene.add(fl.PrescribedMotion(held, motion))
     rope = scene.add(fl.Cable.straight((0.5, 0.1, 0.05), (1, 0.1, 0.05), ROPE, cells=3))
-    scene.add(fl.Spherical(brick.point("a=1"), rope.point("start")))
+    scene.add(fl.joints.Spherical(brick.point("a=1"), rope.point("start")))
     return scene
 
 
@@ -227,22 +227,22 @@ def towed_net() -> fl.Scene:
     grid = np.arange(16).reshape(4, 4)
     points = np.stack([x.ravel(), y.ravel(), np.zeros(16)], axis=1)
     net = scene.add(fl.Net(points, [*grid.tolist(), *grid.T.tolist()], soft))
-    scene.add(fl.Spherical(rope.point("end"), net.point(0)))
-    scene.add(fl.InPlane(fl.ground(), rope.point("start"), axis=(1, 0, 1)))
-    winch = scene.add(fl.Distance(fl.ground(), net.point(15), at=(1, 1, 1)))
-    scene.add(fl.Drive(winch.length, lambda t: 1.0 + 0.2 * np.sin(4.0 * t) ** 2))
-    beside = scene.add(fl.Distance(rope.point("start"), net.point(12)))
-    scene.add(fl.Spring(beside.length, 20.0, 0.5))
+    scene.add(fl.joints.Spherical(rope.point("end"), net.point(0)))
+    scene.add(fl.joints.InPlane(fl.ground(), rope.point("start"), axis=(1, 0, 1)))
+    winch = scene.add(fl.joints.Distance(fl.ground(), net.point(15), at=(1, 1, 1)))
+    scene.add(fl.joints.Drive(winch.length, lambda t: 1.0 + 0.2 * np.sin(4.0 * t) ** 2))
+    beside = scene.add(fl.joints.Distance(rope.point("start"), net.point(12)))
+    scene.add(fl.joints.Spring(beside.length, 20.0, 0.5))
     return scene
 
 
 def hung_sheet() -> fl.Scene:
     """A thin shell, one corner of which turns about an axis, in a weak field."""
-    patch = fl.smooth_patch(lambda a, b: np.array([a, 0.5 * b, 0.1 * np.sin(2 * a)]), (3, 2))
+    patch = fl.mesh.smooth_patch(lambda a, b: np.array([a, 0.5 * b, 0.1 * np.sin(2 * a)]), (3, 2))
     layer = fl.ShellSection.layer(0.05, fl.Material(2e4, 0.3, 1.0))
     scene = fl.Scene(gravity=(0, 0, -1.0))
     sheet = scene.add(fl.ThinShell(patch, layer))
-    scene.add(fl.Revolute(fl.ground(), sheet.point(0), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), sheet.point(0), axis=(0, 1, 0)))
     return scene
 
 
@@ -266,7 +266,7 @@ SCENES: dict[str, tuple[Callable[[], fl.Scene], float]] = {
     "whirling spline cable": (whirling_spline, 1e-3),
     "hexahedra of degree 2": (tumbling(RUBBER, "hexahedron", 2), 1e-3),
     "tetrahedra": (tumbling(RUBBER, "tetrahedron", 1), 1e-3),
-    "neo-Hooke": (tumbling(fl.NeoHooke(1e4, 0.3, 1.0), "hexahedron", 1), 1e-3),
+    "neo-Hooke": (tumbling(fl.sections.NeoHooke(1e4, 0.3, 1.0), "hexahedron", 1), 1e-3),
     **JOINED,
 }
 """With the size of steps."""

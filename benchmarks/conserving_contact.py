@@ -21,7 +21,7 @@ import fem_lie as fl
 
 SECTION = fl.Section.circle(0.02, fl.Material(2e8, 0.3, 1000.0))
 LAYER = fl.ShellSection.layer(0.02, fl.Material(1e8, 0.3, 1000.0))
-Case = tuple[fl.Scene, fl.Contact]
+Case = tuple[fl.Scene, fl.contact.Contact]
 
 
 def ball(place: tuple[float, ...], velocity: tuple[float, ...]) -> fl.RigidBody:
@@ -42,8 +42,10 @@ def box(k: float, μ: float = 0.0) -> Case:
     outer, one = fl.RigidBody(3.0, np.diag([0.4, 0.6, 0.9])), ball((0.1, 0.05, 0), (1, 0.7, 0.4))
     outer.add_velocity(omega=(0.5, 1, 2), about=outer.point("centre"))
     outer.add_velocity((-1 / 3, -0.7 / 3, -0.4 / 3))
-    inside = fl.Box(outer.point("centre"), (1, 1, 1), inside=True)
-    touch = fl.Contact(fl.Sphere(one.point("centre"), 0.1), inside, fl.Penalty(k, friction=μ))
+    inside = fl.contact.Box(outer.point("centre"), (1, 1, 1), inside=True)
+    touch = fl.contact.Contact(
+        fl.contact.Sphere(one.point("centre"), 0.1), inside, fl.contact.Penalty(k, friction=μ)
+    )
     return scene_of(outer, one, touch), touch
 
 
@@ -53,9 +55,11 @@ def corners(k: float, μ: float = 0.0) -> Case:
     one = fl.RigidBody(1.0, np.diag([0.02, 0.03, 0.04]), (0.1, 0.05, 0.5))
     one.add_velocity(omega=(2, 1, 3), about=one.point("centre"))
     one.add_velocity((0, 0, -1))
-    face = fl.Plane(table.point("centre"), (0, 0, 1))
-    touch = fl.Contact(
-        fl.Box(one.point("centre"), (0.3, 0.4, 0.5)), face, fl.Penalty(k, friction=μ)
+    face = fl.contact.Plane(table.point("centre"), (0, 0, 1))
+    touch = fl.contact.Contact(
+        fl.contact.Box(one.point("centre"), (0.3, 0.4, 0.5)),
+        face,
+        fl.contact.Penalty(k, friction=μ),
     )
     return scene_of(table, one, touch), touch
 
@@ -67,8 +71,10 @@ def beams(k: float, μ: float = 0.0) -> Case:
         ball((0.7, 0.2, 0.05), (0, 0, 0)),
     )
     beam.add_velocity((0, 5, 0))
-    nodes = fl.Vertices([fl.Point(beam, n) for n in range(len(beam.frames))], 0.02)
-    touch = fl.Contact(nodes, fl.Sphere(one.point("centre"), 0.15), fl.Penalty(k, friction=μ))
+    nodes = fl.contact.Vertices([fl.extend.Point(beam, n) for n in range(len(beam.frames))], 0.02)
+    touch = fl.contact.Contact(
+        nodes, fl.contact.Sphere(one.point("centre"), 0.15), fl.contact.Penalty(k, friction=μ)
+    )
     return scene_of(beam, one, touch), touch
 
 
@@ -78,7 +84,11 @@ def lines(k: float, angle: float, μ: float) -> Case:
     lower = fl.Beam.straight((-0.5, 0, 0), (0.5, 0, 0), SECTION, cells=6)
     upper = fl.Beam.straight((-c + 0.1, -s, 0.05), (c + 0.1, s, 0.05), SECTION, cells=6)
     upper.add_velocity((1, 0.5, -5))
-    touch = fl.Contact(fl.Line(lower, 0.02), fl.Line(upper, 0.02), fl.Penalty(k, friction=μ))
+    touch = fl.contact.Contact(
+        fl.contact.Line(lower, 0.02),
+        fl.contact.Line(upper, 0.02),
+        fl.contact.Penalty(k, friction=μ),
+    )
     return scene_of(lower, upper, touch), touch
 
 
@@ -89,14 +99,16 @@ def sheet(height: float, length: float, cells: int, slope: float = 0.0) -> fl.Sh
         x, y = length * (a - 0.5), length * (b - 0.5)
         return np.array([x, y, height + slope * (x + 0.5 * y)])
 
-    return fl.Shell(fl.surface(place, (cells, cells)), LAYER)
+    return fl.Shell(fl.mesh.parametric_surface(place, (cells, cells)), LAYER)
 
 
 def on_sheet(k: float, μ: float = 0.0) -> Case:
     """A ball thrown aslant on a free sheet."""
     one, lower = ball((0.1, 0.05, 0.115), (0.3, 0.2, -1)), sheet(0, 1, 6)
-    surface = fl.Skin(lower, smooth=False)
-    touch = fl.Contact(fl.Sphere(one.point("centre"), 0.1), surface, fl.Penalty(k, friction=μ))
+    surface = fl.contact.ShellSurface(lower, smooth=False)
+    touch = fl.contact.Contact(
+        fl.contact.Sphere(one.point("centre"), 0.1), surface, fl.contact.Penalty(k, friction=μ)
+    )
     return scene_of(lower, one, touch), touch
 
 
@@ -104,8 +116,11 @@ def sheets(k: float, μ: float = 0.0) -> Case:
     """A sheet that comes down aslant on a wider one."""
     lower, upper = sheet(0, 1, 5), sheet(0.045, 0.5, 4, 0.05)
     upper.add_velocity((0.5, 0.2, -2))
-    a, b = fl.Skin(upper, smooth=False), fl.Skin(lower, smooth=False)
-    touch = fl.Contact(a, b, fl.Penalty(k, friction=μ))
+    a, b = (
+        fl.contact.ShellSurface(upper, smooth=False),
+        fl.contact.ShellSurface(lower, smooth=False),
+    )
+    touch = fl.contact.Contact(a, b, fl.contact.Penalty(k, friction=μ))
     return scene_of(lower, upper, touch), touch
 
 
@@ -113,8 +128,10 @@ def slab(k: float, μ: float = 0.0) -> Case:
     """A sheet that comes down aslant on the face of a body."""
     table, upper = fl.RigidBody(3.0, np.diag([0.4, 0.6, 0.9])), sheet(0.035, 0.5, 4, 0.05)
     upper.add_velocity((0.5, 0.2, -2))
-    face = fl.Plane(table.point("centre"), (0, 0, 1))
-    touch = fl.Contact(face, fl.Skin(upper, smooth=False), fl.Penalty(k, friction=μ))
+    face = fl.contact.Plane(table.point("centre"), (0, 0, 1))
+    touch = fl.contact.Contact(
+        face, fl.contact.ShellSurface(upper, smooth=False), fl.contact.Penalty(k, friction=μ)
+    )
     return scene_of(table, upper, touch), touch
 
 
@@ -142,7 +159,7 @@ def run(
     result = scheme.run(scene, duration=count * size, step=size, progress=False)
     spent = (perf_counter() - began) / count
     some = range(0, len(result.times), max(1, len(result.times) // 2000))
-    found = fl.contact_forces(result, touch, some)
+    found = fl.post.contact_forces(result, touch, some)
     print(
         f"{name:8s} {periods:5.2f} periods {count:7d} steps, {(found.touching > 0).mean():4.0%} in "
         f"contact: energy {result.balance_error:.1e} momentum {result.momentum_error:.1e} angular "

@@ -17,30 +17,30 @@ import fem_lie as fl
 
 X, Y, Z = np.eye(3)
 
-Maker = Callable[[fl.Point, fl.Point], fl.Joint]
+Maker = Callable[[fl.extend.Point, fl.extend.Point], fl.joints.Joint]
 
 JOINTS: dict[str, Maker] = {
-    "fixed": lambda a, b: fl.Fixed(a, b, at=(0, 0, 0)),
-    "spherical": lambda a, b: fl.Spherical(a, b, at=(0, 0, 0)),
-    "revolute": lambda a, b: fl.Revolute(a, b, at=(0, 0, 0), axis=Y),
-    "universal": lambda a, b: fl.Universal(a, b, at=(0, 0, 0), axis=Y, second=Z),
-    "prismatic": lambda a, b: fl.Prismatic(a, b, at=(0, 0, 0), axis=X),
-    "cylindrical": lambda a, b: fl.Cylindrical(a, b, at=(0, 0, 0), axis=X),
-    "planar": lambda a, b: fl.Planar(a, b, at=(0, 0, 0), axis=Z),
-    "screw": lambda a, b: fl.Screw(a, b, at=(0, 0, 0), axis=X, pitch=0.3),
-    "in plane": lambda a, b: fl.InPlane(a, b, at=(0, 0, 0), axis=Z),
-    "distance": lambda a, b: fl.Distance(a, b),
+    "fixed": lambda a, b: fl.joints.Fixed(a, b, at=(0, 0, 0)),
+    "spherical": lambda a, b: fl.joints.Spherical(a, b, at=(0, 0, 0)),
+    "revolute": lambda a, b: fl.joints.Revolute(a, b, at=(0, 0, 0), axis=Y),
+    "universal": lambda a, b: fl.joints.Universal(a, b, at=(0, 0, 0), axis=Y, second=Z),
+    "prismatic": lambda a, b: fl.joints.Prismatic(a, b, at=(0, 0, 0), axis=X),
+    "cylindrical": lambda a, b: fl.joints.Cylindrical(a, b, at=(0, 0, 0), axis=X),
+    "planar": lambda a, b: fl.joints.Planar(a, b, at=(0, 0, 0), axis=Z),
+    "screw": lambda a, b: fl.joints.Screw(a, b, at=(0, 0, 0), axis=X, pitch=0.3),
+    "in plane": lambda a, b: fl.joints.InPlane(a, b, at=(0, 0, 0), axis=Z),
+    "distance": lambda a, b: fl.joints.Distance(a, b),
 }
 
 
-def two_bodies(kind: str, *, spring: float = 0.0) -> tuple[fl.Scene, fl.Joint]:
+def two_bodies(kind: str, *, spring: float = 0.0) -> tuple[fl.Scene, fl.joints.Joint]:
     """Two free bodies on a joint of :data:`JOINTS`; the spring is along its first coordinate."""
     scene = fl.Scene()
     one = scene.add(fl.RigidBody(2.0, (0.1, 0.25, 0.3), (-0.4, 0.1, 0.0)))
     two = scene.add(fl.RigidBody(1.0, (0.08, 0.05, 0.11), (0.5, 0.0, 0.2)))
     joint = scene.add(JOINTS[kind](one.point("centre"), two.point("centre")))
     if spring:
-        scene.add(fl.Spring(joint.coordinates()[0], stiffness=spring))
+        scene.add(fl.joints.Spring(joint.coordinates()[0], stiffness=spring))
     for body in (one, two):
         body.add_velocity(omega=(1.5, 2.0, 0.7), about=(0.0, 0.3, 0.0))
         body.add_velocity((0.3, -0.2, 0.1))

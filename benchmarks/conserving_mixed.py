@@ -16,7 +16,7 @@ import numpy as np
 
 import fem_lie as fl
 from benchmarks.conserving_any import DOWN, ROPE, block
-from fem_lie.mesh.curves import straight
+from fem_lie.mesh.curves import straight_line
 
 BAR = fl.Section.from_stiffness([2e3, 1e3, 1e3, 0.5, 0.4, 0.6], mass=1.0, rotary=(2e-3, 1e-3))
 SOFT = fl.Section.from_stiffness([200.0] * 3 + [0.02] * 3, mass=0.5)
@@ -27,7 +27,7 @@ def beam_and_cable() -> fl.Scene:
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), BAR, cells=4))
     cable = scene.add(fl.Cable.straight((1, 0, 0), (2, 0, 0), ROPE, cells=4))
-    scene.add(fl.Spherical(beam.point("end"), cable.point("start")))
+    scene.add(fl.joints.Spherical(beam.point("end"), cable.point("start")))
     for body in (beam, cable):
         body.add_velocity(omega=(0.3, 2.0, 3.0), about=(0.5, 0, 0))
     return scene
@@ -40,8 +40,8 @@ def crane() -> fl.Scene:
     scene.add(fl.Clamp(jib.point("start")))
     rope = scene.add(fl.Cable.straight((1, 0, 0), (1.4, 0, 0.2), ROPE, cells=3))
     weight = scene.add(fl.RigidBody(0.5, (1e-3, 2e-3, 3e-3), position=(1.4, 0.1, 0.2)))
-    scene.add(fl.Spherical(jib.point("end"), rope.point("start")))
-    scene.add(fl.Spherical(rope.point("end"), weight.point((1.4, 0.0, 0.2))))
+    scene.add(fl.joints.Spherical(jib.point("end"), rope.point("start")))
+    scene.add(fl.joints.Spherical(rope.point("end"), weight.point((1.4, 0.0, 0.2))))
     return scene
 
 
@@ -55,10 +55,10 @@ def solid_hub() -> fl.Scene:
     for body in (hub, left, right, rope, weight):
         scene.add(body)
         body.add_velocity(omega=(0.4, 0.2, 4.0), about=(0.25, 0.1, 0.05))
-    scene.add(fl.Fixed(hub.point("a=0"), left.point("start")))
-    scene.add(fl.Fixed(hub.point("a=1"), right.point("start")))
-    scene.add(fl.Spherical(hub.point("b=1"), rope.point("start")))
-    scene.add(fl.Spherical(rope.point("end"), weight.point("centre")))
+    scene.add(fl.joints.Fixed(hub.point("a=0"), left.point("start")))
+    scene.add(fl.joints.Fixed(hub.point("a=1"), right.point("start")))
+    scene.add(fl.joints.Spherical(hub.point("b=1"), rope.point("start")))
+    scene.add(fl.joints.Spherical(rope.point("end"), weight.point("centre")))
     return scene
 
 
@@ -66,12 +66,14 @@ def shell_and_thread() -> fl.Scene:
     """A shell that turns, and a thread without bending on one of its corners."""
     scene = fl.Scene()
     layer = fl.ShellSection.layer(0.02, fl.Material(2e4, 0.3, 50.0))
-    sheet = scene.add(fl.Shell(fl.surface(lambda a, b: (a, 0.5 * b, 0.1 * a * a), (3, 2)), layer))
+    sheet = scene.add(
+        fl.Shell(fl.mesh.parametric_surface(lambda a, b: (a, 0.5 * b, 0.1 * a * a), (3, 2)), layer)
+    )
     corner = sheet.points("a=1")[-1]
     end = corner.position + np.array([0.6, 0.0, 0.0])
-    shape = straight(corner.position, end, 6)
-    thread = scene.add(fl.Cable(shape, SOFT, formulation=fl.DiscreteCable()))
-    scene.add(fl.Spherical(corner, thread.point("start")))
+    shape = straight_line(corner.position, end, 6)
+    thread = scene.add(fl.Cable(shape, SOFT, formulation=fl.elements.DiscreteCable()))
+    scene.add(fl.joints.Spherical(corner, thread.point("start")))
     for body in (sheet, thread):
         body.add_velocity(omega=(2.0, 1.0, 3.0), about=(0.5, 0.2, 0))
     return scene
@@ -81,27 +83,27 @@ def driven_body() -> fl.Scene:
     """A body on a motor, a cable to a beam on a hinge with a spring and a damper, in gravity."""
     scene = fl.Scene(gravity=DOWN)
     wheel = scene.add(fl.RigidBody(1.0, (0.02, 0.03, 0.02)))
-    motor = scene.add(fl.Revolute(fl.ground(), wheel.point("centre"), axis=(0, 1, 0)))
-    scene.add(fl.Drive(motor.angle, lambda t: 2.0 * np.sin(3.0 * t) ** 2))
+    motor = scene.add(fl.joints.Revolute(fl.ground(), wheel.point("centre"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Drive(motor.angle, lambda t: 2.0 * np.sin(3.0 * t) ** 2))
     rope = scene.add(fl.Cable.straight((0.2, 0, 0), (0.7, 0, 0), SOFT, cells=3))
     arm = scene.add(fl.Beam.straight((0.7, 0, 0), (1.2, 0, 0), BAR, cells=2))
-    scene.add(fl.Spherical(wheel.point((0.2, 0, 0)), rope.point("start")))
-    scene.add(fl.Spherical(rope.point("end"), arm.point("start")))
-    hinge = scene.add(fl.Revolute(fl.ground(), arm.point("end"), axis=(0, 1, 0)))
-    scene.add(fl.Spring(hinge.angle, 1.0, 0.02))
-    arm.damping = fl.Damping(mass=0.2, stiffness=1e-3)
+    scene.add(fl.joints.Spherical(wheel.point((0.2, 0, 0)), rope.point("start")))
+    scene.add(fl.joints.Spherical(rope.point("end"), arm.point("start")))
+    hinge = scene.add(fl.joints.Revolute(fl.ground(), arm.point("end"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Spring(hinge.angle, 1.0, 0.02))
+    arm.damping = fl.sections.Damping(mass=0.2, stiffness=1e-3)
     return scene
 
 
 def thin_shell_on_beam() -> fl.Scene:
     """A thin shell on a hinge at the end of a beam, which turns about an axis on ground."""
-    patch = fl.smooth_patch(lambda a, b: np.array([a, 0.5 * b, 0.1 * np.sin(2 * a)]), (2, 2))
+    patch = fl.mesh.smooth_patch(lambda a, b: np.array([a, 0.5 * b, 0.1 * np.sin(2 * a)]), (2, 2))
     layer = fl.ShellSection.layer(0.05, fl.Material(2e4, 0.3, 1.0))
     scene = fl.Scene(gravity=(0, 0, -1.0))
     arm = scene.add(fl.Beam.straight((-0.5, 0, 0), (0, 0, 0), BAR, cells=2))
     sheet = scene.add(fl.ThinShell(patch, layer))
-    scene.add(fl.Revolute(fl.ground(), arm.point("start"), axis=(0, 1, 0)))
-    scene.add(fl.Revolute(arm.point("end"), sheet.point(0), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), arm.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(arm.point("end"), sheet.point(0), axis=(0, 1, 0)))
     return scene
 
 
@@ -110,7 +112,7 @@ def rod_and_cable() -> fl.Scene:
     scene = fl.Scene()
     rod = scene.add(fl.Rod.curve(lambda s: (s, 0.3 * s * s, 0.1 * s**3), BAR, cells=5))
     cable = scene.add(fl.Cable.straight((1, 0.3, 0.1), (1.5, 0.3, 0.1), ROPE, cells=3))
-    scene.add(fl.Spherical(rod.point("end"), cable.point("start")))
+    scene.add(fl.joints.Spherical(rod.point("end"), cable.point("start")))
     for body in (rod, cable):
         body.add_velocity(omega=(4.0, 2.0, 3.0), about=(0.5, 0.1, 0))
     return scene

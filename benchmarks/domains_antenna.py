@@ -39,7 +39,7 @@ def main() -> None:
     duration, h = (20.0, 2e-2) if nets else (4.0, 2e-2)
     made = Antenna(30, 30, duration, asked.elements, asked.cells, 1e-3)
     PETSc.Options("fem_lie_dynamics_")["domains"] = "bddc"
-    axes = fl.Components(int(asked.axes == "fixed"))
+    axes = fl.schemes.MatrixFrame(int(asked.axes == "fixed"))
     scheme = fl.GeneralisedAlpha(radius=0.0 if nets else 0.8, components=axes)
     found = scheme.run(
         made.scene, duration=asked.steps * h, step=h, save_every=asked.steps, progress=False

@@ -66,7 +66,9 @@ def square(n: int, thickness: float, static: bool, radius: float = np.inf) -> Bu
             return (a, b, 0.0)
         return (radius * np.sin(a / radius), b, radius * (1.0 - np.cos(a / radius)))
 
-    shell = fl.Shell(fl.surface(place, (n, n)), fl.ShellSection.layer(thickness, STEEL))
+    shell = fl.Shell(
+        fl.mesh.parametric_surface(place, (n, n)), fl.ShellSection.layer(thickness, STEEL)
+    )
     scene = fl.Scene()
     if static:
         shell.clamp("a=0")
@@ -100,7 +102,7 @@ def beams(n: int, static: bool) -> Built:
     cells = np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in lines])
     tangents = points[cells[:, 1]] - points[cells[:, 0]]
     tangents /= np.linalg.norm(tangents, axis=1)[:, np.newaxis]
-    mesh = fl.LineMesh(points, cells, np.stack([tangents, tangents], axis=1))
+    mesh = fl.mesh.LineMesh(points, cells, np.stack([tangents, tangents], axis=1))
     body = fl.Beam(mesh, BAR, up=(0, 0, 1), name="net")
     scene = fl.Scene()
     scene.add(body)

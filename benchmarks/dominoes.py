@@ -138,14 +138,14 @@ def compare_rows(inside: Path | None) -> None:
 
 def stack() -> tuple[fl.Scene, list[fl.RigidBody]]:
     """Cubes on each other and on the floor."""
-    scene, law = fl.Scene(gravity=(0, 0, -9.81)), fl.Impact(0.5)
-    below: fl.Surface = fl.Plane(fl.ground(), (0, 0, 1))
+    scene, law = fl.Scene(gravity=(0, 0, -9.81)), fl.contact.Impact(0.5)
+    below: fl.contact.ContactSurface = fl.contact.Plane(fl.ground(), (0, 0, 1))
     bodies = []
     for k in range(HEIGHT):
         at = 0, 0, (k + 0.5) * EDGE
         bodies.append(scene.add(fl.RigidBody(1.0, 3 * (EDGE**2 / 6,), at)))
-        above = fl.Box(bodies[-1].point("centre"), 3 * (EDGE,))
-        scene.add(fl.Contact(above, below, law))
+        above = fl.contact.Box(bodies[-1].point("centre"), 3 * (EDGE,))
+        scene.add(fl.contact.Contact(above, below, law))
         below = above
     return scene, bodies
 

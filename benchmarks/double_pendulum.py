@@ -13,13 +13,13 @@ import numpy as np
 
 import fem_lie as fl
 from demos.double_pendulum import POLICIES, STEP, pendulum
-from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.motion.policies import RefactorisationPolicy
 
 RUNS = 3
 DURATION = {1: 0.2, 2: 0.02, 3: 0.2}
 
 
-def run(case: int, policy: Policy, step: float) -> tuple[fl.Result, bool]:
+def run(case: int, policy: RefactorisationPolicy, step: float) -> tuple[fl.Result, bool]:
     """Results, and whether they reach the end."""
     scheme = fl.GeneralisedAlpha(radius=0.8, policy=policy)
     try:
@@ -33,7 +33,7 @@ def main() -> None:
     print("                          iterations  factor-   relative errors of  error of")
     print("case  policy     ms/step    per step  isations  energy   ang. mom.  tip [m]")
     for case, step in STEP.items():
-        reference = run(case, fl.EveryIteration(), step / 2)[0].position("bar II.end")[-1]
+        reference = run(case, fl.schemes.EveryIteration(), step / 2)[0].position("bar II.end")[-1]
         for name, policy in POLICIES.items():
             result, whole = min((run(case, policy, step) for _ in range(RUNS)), key=_seconds)
             steps = len(result.times) - 1

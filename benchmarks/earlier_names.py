@@ -11,17 +11,17 @@ import numpy as np
 
 
 def give_names(fl: ModuleType) -> None:
-    """Add the names of :class:`fem_lie.Body` that a package does not have yet.
+    """Add the names of :class:`fem_lie.extend.Body` that a package does not have yet.
 
     See ``CHANGELOG.md`` for the table of names.
     """
-    if hasattr(fl.Body, "point"):
+    if hasattr(fl.extend.Body, "point"):
         return
     extend = ModuleType("fem_lie.extend")
     extend.COLOURS = import_module("fem_lie.pictures.diagrams").COLOURS  # type: ignore[attr-defined]
     sys.modules["fem_lie.extend"] = extend
-    fl.Body.point = _point
-    rigid = fl.Body.add_velocity
+    fl.extend.Body.point = _point
+    rigid = fl.extend.Body.add_velocity
 
     def add_velocity(
         body: Any, linear: Any = (0, 0, 0), omega: Any = (0, 0, 0), about: Any = None
@@ -29,9 +29,9 @@ def give_names(fl: ModuleType) -> None:
         centre = (0, 0, 0) if about is None else getattr(about, "position", about)
         rigid(body, *(np.asarray(each, dtype=float) for each in (linear, omega, centre)))
 
-    fl.Body.add_velocity = add_velocity
-    fl.Body.set_group = fl.Body.on
-    fl.Body.nodes = lambda body, where: body.nodes_of(where)
+    fl.extend.Body.add_velocity = add_velocity
+    fl.extend.Body.set_group = fl.extend.Body.on
+    fl.extend.Body.nodes = lambda body, where: body.nodes_of(where)
     for cls in (fl.Shell, fl.Solid, fl.ThinShell):
         cls.roller = cls.guide
 

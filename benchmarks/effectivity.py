@@ -19,7 +19,7 @@ import numpy as np
 
 import fem_lie as fl
 from demos import hemisphere, pulled_cylinder
-from fem_lie.adapt.estimates.recovery import StressFields, fields_of
+from fem_lie.adaptivity.estimates.recovery import StressFields, fields_of
 from fem_lie.results.stresses.nodal_values import CellPoints
 from fem_lie.results.stresses.shell_stress import integration
 from studies import linear_shells
@@ -27,7 +27,11 @@ from studies import linear_shells
 Row = tuple[str, int, float, float]
 """Mesh, unknowns, true relative error, effectivity."""
 
-ESTIMATES: tuple[fl.ErrorEstimate, ...] = (fl.Recovery(), fl.Residual(), fl.Hierarchical())
+ESTIMATES: tuple[fl.adaptivity.ErrorEstimate, ...] = (
+    fl.adaptivity.RecoveryEstimate(),
+    fl.adaptivity.ResidualEstimate(),
+    fl.adaptivity.HierarchicalEstimate(),
+)
 
 
 # --- shells ---------------------------------------------------------------------------------------
@@ -46,7 +50,7 @@ class ShellCase(NamedTuple):
     build: Callable[[int], fl.Scene]
     solve: Callable[[fl.Scene], fl.StaticResult]
     meshes: tuple[int, ...]
-    places: Callable[[fl.SurfaceMesh, int], np.ndarray]
+    places: Callable[[fl.mesh.SurfaceMesh, int], np.ndarray]
 
 
 class Solved(NamedTuple):
@@ -69,21 +73,23 @@ class Solved(NamedTuple):
         return cls(scene, result, shell, fields, corners)
 
 
-def _grid(mesh: fl.SurfaceMesh, count: int) -> np.ndarray:
+def _grid(mesh: fl.mesh.SurfaceMesh, count: int) -> np.ndarray:
     along = len(mesh.points) // (count + 1)
     return np.stack(np.divmod(np.arange(len(mesh.points)), along), axis=1)
 
 
-def _plane(mesh: fl.SurfaceMesh, count: int) -> np.ndarray:
+def _plane(mesh: fl.mesh.SurfaceMesh, count: int) -> np.ndarray:
     return np.rint(mesh.points[:, :2] * count).astype(int)
 
 
-def shell_rows(case: ShellCase, estimate: fl.ErrorEstimate = ESTIMATES[0]) -> list[Row]:
+def shell_rows(case: ShellCase, estimate: fl.adaptivity.ErrorEstimate = ESTIMATES[0]) -> list[Row]:
     """Errors on all meshes but the finest, of one estimate."""
     return all_shell_rows(case, [estimate])[0]
 
 
-def all_shell_rows(case: ShellCase, estimates: Sequence[fl.ErrorEstimate]) -> list[list[Row]]:
+def all_shell_rows(
+    case: ShellCase, estimates: Sequence[fl.adaptivity.ErrorEstimate]
+) -> list[list[Row]]:
     """Errors on all meshes but the finest, of each estimate."""
     *meshes, finest = case.meshes
     fine = Solved.of(case, finest)
@@ -95,7 +101,9 @@ def all_shell_rows(case: ShellCase, estimates: Sequence[fl.ErrorEstimate]) -> li
         error = fine.fields.energy(true).sum()
         unknowns = 6 * len(coarse.shell.frames)
         for row, estimate in zip(rows, estimates, strict=True):
-            found = fl.space_error(coarse.result, coarse.shell, coarse.scene, estimate=estimate)
+            found = fl.adaptivity.space_error(
+                coarse.result, coarse.shell, coarse.scene, estimate=estimate
+            )
             ratio = found.effectivity(np.sqrt(error))
             row.append((f"{count}", unknowns, np.sqrt(error / norm), ratio))
     return rows
@@ -133,7 +141,7 @@ def hole(count: int) -> fl.Scene:
         along = np.array([np.cos(angle), np.sin(angle), 0.0])
         return 0.5 * (1 - b) * along + b * along / np.abs(along).max()
 
-    mesh = fl.surface(place, (count, count))
+    mesh = fl.mesh.parametric_surface(place, (count, count))
     rim = mesh.curve("b=1")
     right = rim[(mesh.points[rim, 0] > 1 - 1e-9).all(axis=1)]
     mesh = replace(mesh, curves={**mesh.curves, "right": right})
@@ -144,7 +152,7 @@ def hole(count: int) -> fl.Scene:
         shell.roller(name, (0, 0, 1))
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.EdgeLoad(shell, "right", force=(1.0, 0, 0)))
+    scene.add(fl.loads.EdgeLoad(shell, "right", force=(1.0, 0, 0)))
     return scene
 
 
@@ -160,14 +168,14 @@ def l_plate(count: int) -> fl.Scene:
     points = np.column_stack([np.array(list(number)) / count, np.zeros(len(number))])
     sides = np.array(cells)[:, [[0, 1], [0, 2], [1, 3], [2, 3]]].reshape(-1, 2)
     edges, met = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
-    mesh = fl.SurfaceMesh.from_cells(
+    mesh = fl.mesh.SurfaceMesh.from_cells(
         points, cells, "quadrilateral", curves={"rim": edges[met == 1]}
     )
     shell = fl.Shell(mesh, fl.ShellSection.layer(0.1, fl.Material(1e6, 0.3, 1.0)), name="plate")
     shell.clamp("rim")
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.SurfacePressure(shell, 0.01))
+    scene.add(fl.loads.SurfacePressure(shell, 0.01))
     return scene
 
 
@@ -186,7 +194,7 @@ def roof(count: int) -> fl.Scene:
         return np.array([25.0 * b, -25.0 * np.sin(angle), 25.0 * np.cos(angle)])
 
     section = fl.ShellSection.layer(0.25, fl.Material(4.32e8, 0.0, 1.0))
-    mesh = fl.surface(place, (count, count))
+    mesh = fl.mesh.parametric_surface(place, (count, count))
     shell = fl.Shell(mesh, section, director=linear_shells.about_x, name="roof")
     shell.symmetry("b=0", (1, 0, 0))
     shell.symmetry("a=0", (0, 1, 0))
@@ -232,9 +240,9 @@ SHELLS = {
 # --- beams ----------------------------------------------------------------------------------------
 
 FORMULATIONS = {
-    "geodesic": fl.Geodesic(),
-    "director 1": fl.Director(1),
-    "director 2": fl.Director(2),
+    "geodesic": fl.elements.GeodesicBeam(),
+    "director 1": fl.elements.DirectorBeam(1),
+    "director 2": fl.elements.DirectorBeam(2),
 }
 CELLS, FINEST = (8, 16, 32, 64), 1024
 
@@ -242,7 +250,7 @@ CELLS, FINEST = (8, 16, 32, 64), 1024
 Arc = tuple[fl.StaticResult, fl.Beam, fl.Scene]
 
 
-def arc(cells: int, formulation: fl.Formulation, force: Sequence[float]) -> Arc:
+def arc(cells: int, formulation: fl.elements.BeamFormulation, force: Sequence[float]) -> Arc:
     """An eighth of a circle of radius 100, clamped, under a force at its tip."""
     section = fl.Section.from_stiffness([1e7, 5e6, 5e6, 1e7 / 12, 1e7 / 12, 1e7 / 12])
     scene = fl.Scene()
@@ -263,9 +271,9 @@ BEAMS = {"curved cantilever": (0.0, 20.0, 0.0), "45 degree bend": (0.0, 0.0, 600
 
 
 def beam_rows(
-    formulation: fl.Formulation,
+    formulation: fl.elements.BeamFormulation,
     force: Sequence[float],
-    estimate: fl.ErrorEstimate = ESTIMATES[0],
+    estimate: fl.adaptivity.ErrorEstimate = ESTIMATES[0],
 ) -> list[Row]:
     """Errors on all meshes but the finest, of one estimate."""
     (fine,) = fields_of(*arc(FINEST, formulation, force))
@@ -280,13 +288,13 @@ def beam_rows(
         own = np.vander(at, q) @ np.linalg.inv(np.vander(0.5 * (1 + x), q))
         true = fine.recovered - np.einsum("aq,mqb->mab", own, coarse.own).reshape(fine.own.shape)
         error = fine.energy(true).sum()
-        found = fl.space_error(*solved, estimate=estimate).effectivity(np.sqrt(error))
+        found = fl.adaptivity.space_error(*solved, estimate=estimate).effectivity(np.sqrt(error))
         unknowns = 6 * cells * (1 if q == 2 else 2)
         rows.append((f"{cells}", unknowns, np.sqrt(error / norm), found))
     return rows
 
 
-def cost(estimate: fl.ErrorEstimate, repeats: int = 100) -> float:
+def cost(estimate: fl.adaptivity.ErrorEstimate, repeats: int = 100) -> float:
     """Time of an estimate over that of the elastic forces, 32 x 32 cells, in turns; the median."""
     scene = hemisphere.pinched(0.04, hemisphere.quarter(32))
     result = fl.follow_loads(scene, [0.1])
@@ -299,7 +307,7 @@ def cost(estimate: fl.ErrorEstimate, repeats: int = 100) -> float:
         row[0] = perf_counter()
         assembly.add_forces(frames, out)
         row[1] = perf_counter()
-        fl.space_error(result, shell, scene, estimate=estimate)
+        fl.adaptivity.space_error(result, shell, scene, estimate=estimate)
         row[2] = perf_counter()
     forces, seconds_of_it = np.median(np.diff(seconds, axis=1), axis=0)
     return float(seconds_of_it / forces)

@@ -28,9 +28,9 @@ def bar(part: float | None = 1.0) -> fl.Scene:
     """On its way to the wall, whose stiffness is a part of EA/ℓ; without one it is rigid."""
     beam = fl.Beam.straight((0, 0, 0), (-LENGTH, 0, 0), SECTION, cells=CELLS)
     beam.add_velocity((SPEED, 0, 0))
-    wall = fl.Plane(fl.ground(), (-1, 0, 0), at=(GAP, 0, 0))
-    law = fl.Impact() if part is None else fl.Penalty(part * STIFFNESS)
-    touch = fl.Contact(fl.Vertices([beam.point("start")]), wall, law)
+    wall = fl.contact.Plane(fl.ground(), (-1, 0, 0), at=(GAP, 0, 0))
+    law = fl.contact.Impact() if part is None else fl.contact.Penalty(part * STIFFNESS)
+    touch = fl.contact.Contact(fl.contact.Vertices([beam.point("start")]), wall, law)
     scene = fl.Scene()
     scene.add(beam)
     scene.add(touch)

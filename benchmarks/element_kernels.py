@@ -56,19 +56,21 @@ def bodies(derived: bool = False) -> dict[str, Callable[[], Any]]:
         return s, 0.1 * np.sin(6 * s), 0.05 * s * s
 
     def patch() -> Any:
-        return fl.smooth_patch(lambda a, b: (a, b, 0.2 * a * b), (side, side))
+        return fl.mesh.smooth_patch(lambda a, b: (a, b, 0.2 * a * b), (side, side))
 
     def sewn() -> Any:
         patches = {
-            "left": fl.smooth_patch(lambda a, b: (a, b, 0.2 * (a - 1) * b), (2, CELLS // 4)),
-            "right": fl.smooth_patch(
+            "left": fl.mesh.smooth_patch(lambda a, b: (a, b, 0.2 * (a - 1) * b), (2, CELLS // 4)),
+            "right": fl.mesh.smooth_patch(
                 lambda a, b: (1 + a, 0.5 * (b + b**2), 0.1 * a * (b + b**2)), (2, CELLS // 4)
             ),
         }
-        return fl.ThinShell(patches, layer, couplings=[fl.Seam("left.a=1", "right.a=0", 3.0)])
+        return fl.ThinShell(
+            patches, layer, couplings=[fl.mesh.PatchCoupling("left.a=1", "right.a=0", 3.0)]
+        )
 
     def shell() -> Any:
-        mesh = fl.surface(lambda a, b: (a, b, 0.2 * a * b), (side, side))
+        mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.2 * a * b), (side, side))
         return fl.Shell(mesh, layer, drilling=True)
 
     def page() -> Any:
@@ -78,17 +80,17 @@ def bodies(derived: bool = False) -> dict[str, Callable[[], Any]]:
 
     return {
         "bends of a discrete cable": lambda: fl.Cable(
-            fl.curve(wave, cells=CELLS), thread, formulation=fl.DiscreteCable()
+            fl.mesh.curve(wave, cells=CELLS), thread, formulation=fl.elements.DiscreteCable()
         ),
         "corners of a discrete rod": lambda: fl.Rod.curve(
-            wave, section, cells=CELLS, formulation=fl.DiscreteRod()
+            wave, section, cells=CELLS, formulation=fl.elements.DiscreteRod()
         ),
         "cable": page if derived else lambda: fl.Cable.curve(wave, thread, cells=CELLS),
         "geodesic beam": lambda: fl.Beam.curve(
-            wave, section, cells=CELLS, formulation=fl.Geodesic()
+            wave, section, cells=CELLS, formulation=fl.elements.GeodesicBeam()
         ),
         "Kirchhoff rod": lambda: fl.Rod.curve(
-            wave, section, cells=CELLS, formulation=fl.Kirchhoff()
+            wave, section, cells=CELLS, formulation=fl.elements.KirchhoffRod()
         ),
         "ANCF beam": lambda: fl.AncfBeam.curve(wave, section, cells=CELLS),
         "warping of an ANCF beam": lambda: fl.AncfBeam.curve(

@@ -26,18 +26,18 @@ def fall(stiffness: float, *, line: bool) -> tuple[fl.Result, float, float]:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     end = np.cos(tilt), 0, np.sin(tilt)
     beam = scene.add(fl.Beam.straight((0, 0, 0), end, section, cells=CELLS))
-    plane = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -0.03))
+    plane = fl.contact.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -0.03))
     if line:
-        surface, law = fl.Line(beam, RADIUS), fl.Penalty(stiffness * CELLS)
+        surface, law = fl.contact.Line(beam, RADIUS), fl.contact.Penalty(stiffness * CELLS)
     else:
-        nodes = [fl.Point(beam, k) for k in range(CELLS + 1)]
-        surface, law = fl.Vertices(nodes), fl.Penalty(stiffness)
-    contact = scene.add(fl.Contact(surface, plane, law))
+        nodes = [fl.extend.Point(beam, k) for k in range(CELLS + 1)]
+        surface, law = fl.contact.Vertices(nodes), fl.contact.Penalty(stiffness)
+    contact = scene.add(fl.contact.Contact(surface, plane, law))
     scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-6)
     before = process_time()
     result = scheme.run(scene, duration=0.4, step=1e-3, progress=False)
     seconds = process_time() - before
-    return result, float(fl.contact_forces(result, contact).penetration.max()), seconds
+    return result, float(fl.post.contact_forces(result, contact).penetration.max()), seconds
 
 
 def main() -> dict[tuple[bool, float], int]:

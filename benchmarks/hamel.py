@@ -18,18 +18,18 @@ from demos.rolling_disc import disc
 AHEAD = 0.3
 
 
-def sledge() -> tuple[fl.Scene, fl.Joint]:
+def sledge() -> tuple[fl.Scene, fl.joints.Joint]:
     """Chaplygin's, on a plane whose gravity is along it."""
     scene = fl.Scene(gravity=(0.5, 0, 0))
     body = scene.add(fl.RigidBody(1.5, (0.05, 0.05, 0.05)))
     at = (-AHEAD, 0, 0)
-    blade = scene.add(fl.KnifeEdge(fl.ground(), body.point("centre"), at=at, axis=(0, 1, 0)))
+    blade = scene.add(fl.joints.KnifeEdge(fl.ground(), body.point("centre"), at=at, axis=(0, 1, 0)))
     body.add_velocity(omega=(0, 0, 2.0), about=at)
     body.add_velocity((-0.5, 0, 0))
     return scene, blade
 
 
-def rolling() -> tuple[fl.Scene, fl.Joint]:
+def rolling() -> tuple[fl.Scene, fl.joints.Joint]:
     """The disc of the demo."""
     scene, _, contact = disc(np.radians(20.0), 12.0, 1.0)
     return scene, contact
@@ -38,11 +38,11 @@ def rolling() -> tuple[fl.Scene, fl.Joint]:
 def main(steps: int = 1_000_000, step: float = 1e-3, states: int = 1000) -> dict[str, float]:
     """Figures, printed."""
     record: dict[str, float] = {}
-    kept = fl.Record.ENERGIES | fl.Record.COORDINATES
+    kept = fl.schemes.Record.ENERGIES | fl.schemes.Record.COORDINATES
     for name, build in (("sledge", sledge), ("disc", rolling)):
         scene, joint = build()
         every, clock = max(1, steps // states), time.process_time()
-        result = fl.Hamel().run(
+        result = fl.schemes.Hamel().run(
             scene, duration=steps * step, step=step, save_every=every, record=kept
         )
         seconds = time.process_time() - clock

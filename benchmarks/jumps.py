@@ -31,7 +31,7 @@ STEPS = (2e-2, 1e-2, 5e-3)
 
 def load_error(scheme: str, at: float, announced: bool, step: float) -> float:
     """Of the displacement, the largest over the largest displacement."""
-    history = fl.Table((0, at, at), (0, 0, 1))
+    history = fl.loads.PiecewiseLinear((0, at, at), (0, 0, 1))
     scene, body = oscillator(history if announced else lambda t: history(t))
     result = SCHEMES[scheme].run(scene, duration=END, step=step, progress=False)
     exact, _ = after_step_force(result.times, at)
@@ -40,7 +40,7 @@ def load_error(scheme: str, at: float, announced: bool, step: float) -> float:
 
 def drive_error(scheme: str, at: float, announced: bool, step: float) -> float:
     """Of the velocity of the cart, the largest in m/s."""
-    motion = fl.Jumps(lambda t: 0.5 * ACCELERATION * max(t - at, 0.0) ** 2, (at,))
+    motion = fl.loads.PiecewiseSmooth(lambda t: 0.5 * ACCELERATION * max(t - at, 0.0) ** 2, (at,))
     scene, _ = driven(motion if announced else lambda t: motion(t))
     result = SCHEMES[scheme].run(scene, duration=END, step=step, progress=False)
     exact = ACCELERATION * np.maximum(result.times - at, 0.0)

@@ -32,7 +32,7 @@ def cantilever(
     force: tuple[float, float, float] = (0, 0, 0),
     moment: tuple[float, float, float] = (0, 0, 0),
     following: bool = False,
-    formulation: fl.Formulation | None = None,
+    formulation: fl.elements.BeamFormulation | None = None,
 ) -> fl.Scene:
     """A straight beam of length 10 along x, loaded at its tip."""
     scene, section = fl.Scene(), fl.Section.from_stiffness(stiffness)
@@ -44,7 +44,7 @@ def cantilever(
     return scene
 
 
-def helix(formulation: fl.Formulation | None = None) -> fl.Scene:
+def helix(formulation: fl.elements.BeamFormulation | None = None) -> fl.Scene:
     """Ten turns, coiled by a moment about z and drawn out by a force along it."""
     return cantilever(
         80,
@@ -66,18 +66,18 @@ def frame(load: float) -> fl.Scene:
     points = column + [(12.0 * k, 120.0, 0.0) for k in range(1, 11)]
     cells = [(k, k + 1) for k in range(20)]
     ends = {"foot": [0], "loaded": [12], "far": [20]}
-    mesh = fl.LineMesh.from_cells(points, cells, named_points=ends)
+    mesh = fl.mesh.LineMesh.from_cells(points, cells, named_points=ends)
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, section, up=(0, 0, 1), name="frame"))
     for name in ("foot", "far"):
-        scene.add(fl.Revolute(fl.ground(), beam.point(name), axis=(0, 0, 1)))
+        scene.add(fl.joints.Revolute(fl.ground(), beam.point(name), axis=(0, 0, 1)))
     scene.add(fl.PointLoad(beam.point("loaded"), force=(0, -load, 0)))
     return scene
 
 
 PROBLEMS: dict[str, Callable[[], fl.Scene]] = {
     "helix of ten turns": helix,
-    "the same of directors": lambda: helix(fl.Director(1)),
+    "the same of directors": lambda: helix(fl.elements.DirectorBeam(1)),
     "three turns by a moment": lambda: cantilever(
         40, [1e6] * 3 + [1e2] * 3, moment=(0, 0, 60 * np.pi)
     ),
@@ -88,7 +88,7 @@ PROBLEMS: dict[str, Callable[[], fl.Scene]] = {
     "Lee's frame, 1.08 of its limit": lambda: frame(20000.0),
     "deep arch, 1.1 of its limit": lambda: arch(40, "stretchable")[0],
     "hinged roof, 4 times its limit": lambda: roof(12.7, 4)[0],
-    "hemisphere, R/t = 1000": lambda: pinched(0.01, quarter(8), fl.HellingerReissner()),
+    "hemisphere, R/t = 1000": lambda: pinched(0.01, quarter(8), fl.elements.HellingerReissner()),
     "slit annulus": lambda: ring(4, 32),
 }
 

@@ -27,7 +27,7 @@ import numpy as np
 
 import fem_lie as fl
 from demos.elastica import BENDING, FORCE, LENGTH, elastica
-from fem_lie.mesh.curves import straight
+from fem_lie.mesh.curves import straight_line
 
 CELLS = (8, 16, 32)
 _EXACT = 1e-10  # over the length: what Newton's method leaves
@@ -66,8 +66,8 @@ def section(slenderness: float) -> fl.Section:
     return fl.Section.from_stiffness([EA, EA / 2, EA / 2, *[BENDING] * 3])
 
 
-def beam(formulation: fl.Formulation) -> Callable[[int, fl.Section], fl.Beam]:
-    body = fl.Rod if isinstance(formulation, fl.DiscreteRod) else fl.Beam
+def beam(formulation: fl.elements.BeamFormulation) -> Callable[[int, fl.Section], fl.Beam]:
+    body = fl.Rod if isinstance(formulation, fl.elements.DiscreteRod) else fl.Beam
 
     def make(cells: int, own: fl.Section) -> fl.Beam:
         return body.straight((0, 0, 0), TIP, own, cells=cells, formulation=formulation)
@@ -75,9 +75,9 @@ def beam(formulation: fl.Formulation) -> Callable[[int, fl.Section], fl.Beam]:
     return make
 
 
-def cable(formulation: fl.Formulation) -> Callable[[int, fl.Section], fl.Cable]:
+def cable(formulation: fl.elements.BeamFormulation) -> Callable[[int, fl.Section], fl.Cable]:
     def make(cells: int, own: fl.Section) -> fl.Cable:
-        return fl.Cable(straight((0, 0, 0), TIP, cells), own, formulation=formulation)
+        return fl.Cable(straight_line((0, 0, 0), TIP, cells), own, formulation=formulation)
 
     return make
 
@@ -95,22 +95,22 @@ def ancf(cells: int, own: fl.Section) -> fl.AncfBeam:
 
 
 LINES = {
-    "geodesic beam": Line(beam(fl.Geodesic()), inf, 4),
-    "director beam, 1": Line(beam(fl.Director(1)), inf, 2),
-    "director beam, 2": Line(beam(fl.Director(2)), 4, 4),
-    "Kirchhoff rod": Line(beam(fl.Kirchhoff()), 4, 4),
-    "discrete rod": Line(beam(fl.DiscreteRod()), 2, 2),
-    "cable": Line(cable(fl.HermiteCable()), 4, 4),
+    "geodesic beam": Line(beam(fl.elements.GeodesicBeam()), inf, 4),
+    "director beam, 1": Line(beam(fl.elements.DirectorBeam(1)), inf, 2),
+    "director beam, 2": Line(beam(fl.elements.DirectorBeam(2)), 4, 4),
+    "Kirchhoff rod": Line(beam(fl.elements.KirchhoffRod()), 4, 4),
+    "discrete rod": Line(beam(fl.elements.DiscreteRod()), 2, 2),
+    "cable": Line(cable(fl.elements.HermiteCable()), 4, 4),
     "spline": Line(spline, 4, 4),
-    "discrete cable": Line(cable(fl.DiscreteCable()), None, 2),
+    "discrete cable": Line(cable(fl.elements.DiscreteCable()), None, 2),
     "ANCF beam": Line(ancf, 4, 2, steps=16, thick=False),
 }
 
 
-def solved(scene: fl.Scene, end: fl.Point, steps: int) -> Found:
+def solved(scene: fl.Scene, end: fl.extend.Point, steps: int) -> Found:
     with warnings.catch_warnings():
         # what has no torsion turns out of its plane under a moment fixed in space, if it is let
-        warnings.simplefilter("ignore", fl.UnstableEquilibriumWarning)
+        warnings.simplefilter("ignore", fl.stability.UnstableEquilibriumWarning)
         result = fl.statics(scene, load_steps=steps)
     total = result.iterations.sum() + result.failed_iterations
     return Found(result.position(end)[-1] / LENGTH, float(total) / len(result.iterations))
@@ -134,7 +134,7 @@ def rolled_up(name: str, cells: int, slenderness: float) -> Found:
     if isinstance(body, fl.Cable | fl.SplineCable):
         tip = scene.add(fl.RigidBody(1.0, (1, 1, 1), position=TIP))
         tip.held[0, 3] = True  # about the tangent
-        scene.add(fl.Revolute(tip.point("centre"), body.point("end"), axis=(1, 0, 0)))
+        scene.add(fl.joints.Revolute(tip.point("centre"), body.point("end"), axis=(1, 0, 0)))
         point = tip.point("centre")
     scene.add(fl.PointLoad(point, moment=moment))
     return solved(scene, body.point("end"), line.steps)

@@ -19,18 +19,18 @@ import fem_lie as fl
 STEPS, STEP = 50, 1e-3
 
 
-def chain(bodies: int, redundant: fl.Redundant) -> fl.Scene:
+def chain(bodies: int, redundant: fl.joints.RedundantConstraints) -> fl.Scene:
     """Bodies of 1 kg and 1 m along x, hinged about z to each other and to the ground."""
     scene = fl.Scene(gravity=(0, -9.81, 0), redundant=redundant)
     last = fl.ground()
     for k in range(bodies):
         body = scene.add(fl.RigidBody(1.0, (0.01, 0.1, 0.1), (k + 0.5, 0, 0)))
-        scene.add(fl.Revolute(last, body.point("centre"), at=(k, 0, 0), axis=(0, 0, 1)))
+        scene.add(fl.joints.Revolute(last, body.point("centre"), at=(k, 0, 0), axis=(0, 0, 1)))
         last = body.point("centre")
     return scene
 
 
-def row(bodies: int, redundant: fl.Redundant) -> tuple[str, np.ndarray]:
+def row(bodies: int, redundant: fl.joints.RedundantConstraints) -> tuple[str, np.ndarray]:
     """A row of the table, and the joint forces."""
     scene = chain(bodies, redundant)
     begin = process_time()
@@ -44,12 +44,14 @@ def row(bodies: int, redundant: fl.Redundant) -> tuple[str, np.ndarray]:
 
 
 def main(sizes: tuple[int, ...] = (100, 200, 400)) -> None:
-    for redundant in fl.Redundant:  # machine code
+    for redundant in fl.joints.RedundantConstraints:  # machine code
         row(3, redundant)
     print("| bodies | redundant | s | factorisations | iterations per step |")
     print("|---" * 5 + "|")
     for bodies in sizes:
-        (refused, expected), (least, found) = (row(bodies, kind) for kind in fl.Redundant)
+        (refused, expected), (least, found) = (
+            row(bodies, kind) for kind in fl.joints.RedundantConstraints
+        )
         gap = np.abs(found - expected).max() / np.abs(expected).max()
         print(refused, f"{least} joint forces: {gap:.0e} apart", sep="\n", flush=True)
 

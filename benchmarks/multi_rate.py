@@ -1,9 +1,10 @@
 """A beam of 100 elements, half of which makes steps ten times smaller.
 
 A soft beam hangs from a joint with the ground, turns, swings and bends in space. Its halves are
-joined by a fixed joint, over which the multipliers of fem_lie.MultiRate act. Printed are the work
-that these multipliers did, at most, over the largest kinetic energy; the error of all energy; and
-seconds against energy-momentum with the small steps everywhere. Then the beam flies and bends
+joined by a fixed joint, over which the multipliers of fem_lie.schemes.MultiRate act. Printed are
+the work that these multipliers did, at most, over the largest kinetic energy; the error of all
+energy; and seconds against energy-momentum with the small steps everywhere. Then the beam flies and
+bends
 smoothly, and whole steps are halved: the observed order of frames and velocities.
 """
 
@@ -29,14 +30,14 @@ def beams(elements: int, weight: float) -> tuple[fl.Scene, fl.Beam, fl.Beam]:
     )
     for beam in (upper, lower):
         beam.add_velocity(omega=(0.5, 1.0, -2.0), about=(0, 0, 0))
-    scene.add(fl.Fixed(upper.point("end"), lower.point("start")))
+    scene.add(fl.joints.Fixed(upper.point("end"), lower.point("start")))
     return scene, upper, lower
 
 
 def swinging(elements: int) -> tuple[fl.Scene, fl.Beam]:
     """The scene under gravity, held at one end, and its lower half."""
     scene, upper, lower = beams(elements, 9.81)
-    scene.add(fl.Spherical(fl.ground(), upper.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), upper.point("start")))
     return scene, lower
 
 
@@ -56,7 +57,7 @@ def orders(elements: int, count: int, duration: float, numbers: tuple[int, ...])
     for steps in numbers:
         scene, lower = flying(elements)
         given = {"duration": duration, "step": duration / steps, "save_every": steps}
-        result = fl.MultiRate({lower: count}).run(scene, **given)
+        result = fl.schemes.MultiRate({lower: count}).run(scene, **given)
         ends.append((result.frames[-1], result.velocities[-1]))
     found = []
     for k in range(2):
@@ -70,7 +71,7 @@ def main(
 ) -> dict[str, float]:
     """Figures, printed."""
     scene, lower = swinging(elements)
-    scheme = fl.MultiRate({lower: count})
+    scheme = fl.schemes.MultiRate({lower: count})
     result = scheme.run(scene, duration=steps * step, step=step, save_every=10)
     energy = float(result.kinetic.max())
     record: dict[str, float] = {

@@ -135,7 +135,7 @@ def main(names: list[str]) -> None:
     for name in names or list(PROBLEMS):
         make = PROBLEMS[name]
         begin = time.perf_counter()
-        path = fl.follow_path(make(), options=fl.PathOptions(locate=None))
+        path = fl.follow_path(make(), options=fl.stability.PathOptions(locate=None))
         print(
             f"{name:9} fl.follow_path                {path.reason[:12]:12} "
             f"{path.factors[-1]:11.4f} {path.total_iterations:17} "

@@ -37,20 +37,23 @@ class Plan(NamedTuple):
 
 
 PLANS = {
-    "`Variational`": Plan(fl.Variational(), 2, (64, 128, 256), (64, 128, 256)),
+    "`Variational`": Plan(fl.schemes.Variational(), 2, (64, 128, 256), (64, 128, 256)),
     "`EnergyMomentum`": Plan(fl.EnergyMomentum(), 2, (64, 128, 256), (64, 128, 256)),
-    "`Composed`, five stages": Plan(fl.Composed(), 4, (32, 64, 128), (16, 32, 64)),
+    "`Composed`, five stages": Plan(fl.schemes.Composed(), 4, (32, 64, 128), (16, 32, 64)),
     "`Composed`, nine stages": Plan(
-        fl.Composed(composition=fl.NineStages()), 4, (16, 32, 64), (8, 16, 32)
+        fl.schemes.Composed(composition=fl.schemes.NineStages()), 4, (16, 32, 64), (8, 16, 32)
     ),
     "`Composed`, triple jump": Plan(
-        fl.Composed(composition=fl.TripleJump()), 4, (64, 128, 256), (32, 64, 128)
+        fl.schemes.Composed(composition=fl.schemes.TripleJump()), 4, (64, 128, 256), (32, 64, 128)
     ),
     "`Composed`, `Variational`, five stages": Plan(
-        fl.Composed(fl.Variational()), 4, (32, 64, 128), (32, 64, 128)
+        fl.schemes.Composed(fl.schemes.Variational()), 4, (32, 64, 128), (32, 64, 128)
     ),
     "`Composed`, `Variational`, triple jump": Plan(
-        fl.Composed(fl.Variational(), fl.TripleJump()), 4, (64, 128, 256), (128, 256, 512)
+        fl.schemes.Composed(fl.schemes.Variational(), fl.schemes.TripleJump()),
+        4,
+        (64, 128, 256),
+        (128, 256, 512),
     ),
     "`Explicit`": Plan(fl.Explicit(), 2, (128, 256, 512), (256, 512, 1024)),
 }
@@ -61,9 +64,11 @@ def pendulum() -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     one = scene.add(fl.RigidBody(1.0, (2e-3, 5e-3, 6e-3), position=(0.2, 0, 0)))
     two = scene.add(fl.RigidBody(0.7, (1e-3, 3e-3, 3e-3), position=(0.5, 0, 0)))
-    scene.add(fl.Revolute(fl.ground(), one.point("centre"), at=(0, 0, 0), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), one.point("centre"), at=(0, 0, 0), axis=(0, 1, 0)))
     scene.add(
-        fl.Revolute(one.point("centre"), two.point("centre"), at=(0.4, 0, 0), axis=(0, 1, 0.5))
+        fl.joints.Revolute(
+            one.point("centre"), two.point("centre"), at=(0.4, 0, 0), axis=(0, 1, 0.5)
+        )
     )
     return scene
 
@@ -97,14 +102,16 @@ def orders(
 def equal_steps() -> tuple[list[float], fl.Result]:
     """Of asynchronous ones that are all alike: orders, and the run with the smallest."""
     duration = 32 * fl.Explicit().stable_step(_net())
-    return orders(fl.Asynchronous(), _net, duration, (64, 128, 256))
+    return orders(fl.schemes.Asynchronous(), _net, duration, (64, 128, 256))
 
 
 def own_steps(duration: float = 0.02) -> list[float]:
     """Of cells with steps of their own: slopes."""
     parts = 0.4 * 0.5 ** np.arange(5)
     runs = [
-        fl.Asynchronous(part).run(_net(), duration=duration, step=duration / 2, save_every=2)
+        fl.schemes.Asynchronous(part).run(
+            _net(), duration=duration, step=duration / 2, save_every=2
+        )
         for part in parts
     ]
     fine = duration / np.ceil(8 * duration / fl.Explicit().stable_step(_net()))

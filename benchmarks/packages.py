@@ -31,7 +31,7 @@ SLOW = 3e9  # operations from which on KLU is left out
 def plate(cells: int) -> fl.Scene:
     """A clamped square."""
     scene = fl.Scene()
-    mesh = fl.surface(lambda a, b: (a, b, 0.0), (cells, cells))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (cells, cells))
     material = fl.Material(2.1e11, 0.3, 7850.0)
     shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.01, material)))
     for node in shell.points("a=0"):

@@ -47,42 +47,42 @@ document.body.append(report);
 """
 
 
-def pendulum() -> fl.Page:
+def pendulum() -> fl.post.Page:
     """Case 2 for 0.5 s."""
     scene, _, _ = double_pendulum.pendulum(2)
     result = fl.GeneralisedAlpha(radius=0.8).run(scene, step=double_pendulum.STEP[2], duration=0.5)
     return result.page(states=500, trace=["bar II.end"], title="Double pendulum")
 
 
-def hemisphere_in_colours() -> fl.Page:
+def hemisphere_in_colours() -> fl.post.Page:
     """R/t = 250, 60 steps of the load."""
     scene = hemisphere.pinched(0.04, hemisphere.quarter(32))
     result = fl.statics(scene, load_steps=60)
     shell = scene.bodies[0]
     assert isinstance(shell, fl.Shell)
-    colours = fl.resultant_colours(fl.resultant_series(result, shell), "mises top")
+    colours = fl.post.resultant_colours(fl.post.resultant_series(result, shell), "mises top")
     trace = ["hemisphere.00", "hemisphere.10"]
     return result.page(colours=[colours], trace=trace, title="Pinched hemisphere")
 
 
-def truss() -> fl.Page:
+def truss() -> fl.post.Page:
     """Two cells, thin tubes, the whole deployment."""
     section = fl.Section.tube(0.024, 0.025, truss_deployment.STEEL)
-    scene = truss_deployment.Truss(2, section, 10, 1, fl.Choices()).scene
+    scene = truss_deployment.Truss(2, section, 10, 1, fl.schemes.MatrixTerms()).scene
     result = fl.GeneralisedAlpha(radius=0.8).run(
         scene, duration=truss_deployment.DEPLOYMENT, step=2e-2
     )
     return result.page(states=300, title="Deployable truss")
 
 
-SCENES: dict[str, Callable[[], fl.Page]] = {
+SCENES: dict[str, Callable[[], fl.post.Page]] = {
     "pendulum": pendulum,
     "hemisphere": hemisphere_in_colours,
     "truss": truss,
 }
 
 
-def drawn(page: fl.Page, folder: Path) -> dict[str, float]:
+def drawn(page: fl.post.Page, folder: Path) -> dict[str, float]:
     """What headless Chromium says of a page."""
     browser = shutil.which("chromium")
     if browser is None:

@@ -29,14 +29,14 @@ def piece(
     b: tuple[float, float],
     cells: tuple[int, int],
     skew: float,
-) -> fl.SmoothPatch:
+) -> fl.mesh.SmoothPatch:
     """A part of a surface; ``skew`` makes its parameter b of uneven speed, from 1 ± skew."""
 
     def part(x: float, y: float) -> np.ndarray:
         uneven = y + skew * np.sin(np.pi * y) / np.pi
         return place(a[0] + (a[1] - a[0]) * x, b[0] + (b[1] - b[0]) * uneven)
 
-    return fl.smooth_patch(part, cells)
+    return fl.mesh.smooth_patch(part, cells)
 
 
 def halves(place: Place, first: tuple[int, int], second: tuple[int, int]) -> dict[str, Any]:
@@ -46,7 +46,7 @@ def halves(place: Place, first: tuple[int, int], second: tuple[int, int]) -> dic
             "left": piece(place, (0, 0.5), (0, 1), first, 0.0),
             "right": piece(place, (0.5, 1), (0, 1), second, 0.5),
         },
-        "couplings": [fl.Seam("left.a=1", "right.a=0")],
+        "couplings": [fl.mesh.PatchCoupling("left.a=1", "right.a=0")],
     }
 
 
@@ -60,10 +60,10 @@ def quarters(place: Place, n: int) -> dict[str, Any]:
             "right top": piece(place, (0.4, 1), (0.6, 1), (n // 2, n // 2), 0.3),
         },
         "couplings": [
-            fl.Seam("left.a=1", "right.a=0"),
-            fl.Seam("left top.a=1", "right top.a=0"),
-            fl.Seam("left.b=1", "left top.b=0"),
-            fl.Seam("right.b=1", "right top.b=0"),
+            fl.mesh.PatchCoupling("left.a=1", "right.a=0"),
+            fl.mesh.PatchCoupling("left top.a=1", "right top.a=0"),
+            fl.mesh.PatchCoupling("left.b=1", "left top.b=0"),
+            fl.mesh.PatchCoupling("right.b=1", "right top.b=0"),
         ],
     }
 

@@ -100,15 +100,19 @@ def pile(places: np.ndarray, walls: list[Wall], spin: float = 0.0) -> fl.Scene:
     """
     scene, moment = fl.Scene(gravity=(0, 0, -GRAVITY)), np.full(3, 0.4 * MASS * RADIUS**2)
     centres = [scene.add(fl.RigidBody(MASS, moment, place)).point("centre") for place in places]
-    balls, law, held_by = fl.Vertices(centres, RADIUS), fl.Impact(FRICTION), fl.ground()
+    balls, law, held_by = (
+        fl.contact.Vertices(centres, RADIUS),
+        fl.contact.Impact(FRICTION),
+        fl.ground(),
+    )
     if spin:
         drum = scene.add(fl.RigidBody(HEAVY, np.full(3, HEAVY), (0, 0, 0), name="drum"))
         drum.add_velocity(omega=(0, spin, 0), about=drum.point("centre"))
         scene.add(fl.PointLoad(drum.point("centre"), (0, 0, HEAVY * GRAVITY)))
         held_by = drum.point("centre")
-    scene.add(fl.Contact(balls, balls, law))
+    scene.add(fl.contact.Contact(balls, balls, law))
     for at, normal in walls:
-        scene.add(fl.Contact(balls, fl.Plane(held_by, normal, at), law))
+        scene.add(fl.contact.Contact(balls, fl.contact.Plane(held_by, normal, at), law))
     return scene
 
 

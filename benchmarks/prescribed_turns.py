@@ -34,7 +34,7 @@ SHAFT = fl.Section.from_stiffness(np.diag([1e4, 1e4, 1e4, 10.0, 1e2, 1e2]))
 """Soft in torsion: it does not buckle when it is twisted by three turns."""
 
 
-def turned(point: fl.Point, axis: Vector, degrees: float) -> fl.PrescribedMotion:
+def turned(point: fl.extend.Point, axis: Vector, degrees: float) -> fl.PrescribedMotion:
     """The point's frame rotates about an axis through itself, in proportion to time."""
     start, angle = point.frame.copy(), np.radians(degrees) * np.asarray(axis, dtype=np.float64)
     angle /= np.linalg.norm(axis)
@@ -45,50 +45,52 @@ def turned(point: fl.Point, axis: Vector, degrees: float) -> fl.PrescribedMotion
     return fl.PrescribedMotion(point, motion)
 
 
-def driven(scene: fl.Scene, point: fl.Point, axis: Vector, degrees: float) -> None:
+def driven(scene: fl.Scene, point: fl.extend.Point, axis: Vector, degrees: float) -> None:
     """The same by a joint with the ground and a drive."""
-    hinge = scene.add(fl.Revolute(fl.ground(), point, axis=axis))
-    scene.add(fl.Drive(hinge.angle, lambda t: t * np.radians(degrees)))
+    hinge = scene.add(fl.joints.Revolute(fl.ground(), point, axis=axis))
+    scene.add(fl.joints.Drive(hinge.angle, lambda t: t * np.radians(degrees)))
 
 
-def beam() -> tuple[fl.Body, fl.Point]:
+def beam() -> tuple[fl.extend.Body, fl.extend.Point]:
     """By its end."""
     body = fl.Beam.straight((0, 0, 0), (4, 0, 0), SECTION, cells=8)
     return body, body.point("end")
 
 
-def place() -> tuple[fl.Body, fl.Point]:
+def place() -> tuple[fl.extend.Body, fl.extend.Point]:
     """A beam by an attachment frame within an element."""
     body = fl.Beam.straight((0, 0, 0), (4, 0, 0), SECTION, cells=3)
     return body, body.point((1.7, 0, 0))
 
 
-def rod() -> tuple[fl.Body, fl.Point]:
+def rod() -> tuple[fl.extend.Body, fl.extend.Point]:
     """By its end."""
     body = fl.Rod.straight((0, 0, 0), (4, 0, 0), SECTION, cells=8)
     return body, body.point("end")
 
 
-def ancf() -> tuple[fl.Body, fl.Point]:
+def ancf() -> tuple[fl.extend.Body, fl.extend.Point]:
     """By an attachment frame at its end."""
     body = fl.AncfBeam.straight((0, 0, 0), (4, 0, 0), SECTION, cells=4)
     return body, body.point("end")
 
 
-def shell() -> tuple[fl.Body, fl.Point]:
+def shell() -> tuple[fl.extend.Body, fl.extend.Point]:
     """By a corner."""
-    mesh = fl.surface(lambda a, b: (2 * a, b, 0.0), (4, 2))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (2 * a, b, 0.0), (4, 2))
     body = fl.Shell(mesh, LAYER)
     return body, body.point("00")
 
 
-def solid() -> tuple[fl.Body, fl.Point]:
+def solid() -> tuple[fl.extend.Body, fl.extend.Point]:
     """By the attachment frame of a face."""
-    body = fl.Solid.brick((2.0, 0.5, 0.5), fl.SaintVenantKirchhoff(1e4, 0.3, 1.0), cells=(4, 1, 1))
+    body = fl.Solid.brick(
+        (2.0, 0.5, 0.5), fl.sections.SaintVenantKirchhoff(1e4, 0.3, 1.0), cells=(4, 1, 1)
+    )
     return body, body.point("a=0")
 
 
-def rigid() -> tuple[fl.Body, fl.Point]:
+def rigid() -> tuple[fl.extend.Body, fl.extend.Point]:
     """By its centre."""
     body = fl.RigidBody(1.0, (1, 1, 1), position=(0.3, 0.2, 0.1))
     return body, body.point("centre")
@@ -98,7 +100,9 @@ FREE = {"beam": beam, "place": place, "rod": rod, "ancf": ancf, "shell": shell, 
 FREE["rigid"] = rigid
 
 
-def free(make: Callable[[], tuple[fl.Body, fl.Point]], axis: Vector, degrees: float) -> float:
+def free(
+    make: Callable[[], tuple[fl.extend.Body, fl.extend.Point]], axis: Vector, degrees: float
+) -> float:
     """Error of a body that nothing else holds."""
     scene, (body, point) = fl.Scene(), make()
     scene.add(body)
@@ -127,11 +131,13 @@ def springs(axis: Vector, degrees: float) -> float:
     """Relative error of the moment of two torsion springs in series, through a rigid body."""
     scene = fl.Scene()
     first, second = (scene.add(fl.RigidBody(1.0, (1, 1, 1))) for _ in range(2))
-    grounded = scene.add(fl.Revolute(fl.ground(), first.point("centre"), axis=axis))
-    between = scene.add(fl.Revolute(first.point("centre"), second.point("centre"), axis=axis))
-    scene.add(fl.Spring(grounded.angle, stiffness=2.0))
-    spring = scene.add(fl.Spring(between.angle, stiffness=3.0))
-    scene.redundant = fl.Redundant.MINIMUM_NORM
+    grounded = scene.add(fl.joints.Revolute(fl.ground(), first.point("centre"), axis=axis))
+    between = scene.add(
+        fl.joints.Revolute(first.point("centre"), second.point("centre"), axis=axis)
+    )
+    scene.add(fl.joints.Spring(grounded.angle, stiffness=2.0))
+    spring = scene.add(fl.joints.Spring(between.angle, stiffness=3.0))
+    scene.redundant = fl.joints.RedundantConstraints.MINIMUM_NORM
     scene.add(turned(second.point("centre"), axis, degrees))
     moment = np.linalg.norm(fl.statics(scene).joint_force(spring)[-1][3:])
     return float(abs(moment / (1.2 * np.radians(degrees)) - 1.0))
@@ -142,7 +148,7 @@ def bar(degrees: float) -> float:
     found = []
     for by_joint in (False, True):
         scene = fl.Scene()
-        material = fl.SaintVenantKirchhoff(1e4, 0.0, 1.0)
+        material = fl.sections.SaintVenantKirchhoff(1e4, 0.0, 1.0)
         body = scene.add(fl.Solid.brick((8.0, 0.2, 0.2), material, cells=(16, 1, 1)))
         body.clamp("a=0")
         end = body.point("a=1")
@@ -150,7 +156,7 @@ def bar(degrees: float) -> float:
             driven(scene, end, (1, 0, 0), degrees)
         else:
             scene.add(turned(end, (1, 0, 0), degrees))
-        found.append(fl.statics(scene, newton=fl.Newton(tolerance=1e-12)).frames[-1])
+        found.append(fl.statics(scene, newton=fl.schemes.Newton(tolerance=1e-12)).frames[-1])
     return float(np.abs(found[0][:, 0] - found[1][:, 0]).max() / 8.0)
 
 

@@ -30,7 +30,9 @@ def place(a: float, b: float) -> np.ndarray:
 def press(mesh: int, load_steps: int = 60) -> tuple[np.ndarray, np.ndarray, float, float]:
     """Depths, forces of the whole cap, the largest overlap, and iterations per step."""
     section = fl.ShellSection.layer(THICKNESS, MATERIAL)
-    shell = fl.Shell(fl.surface(place, (mesh, mesh)), section, director=lambda x: x / RADIUS)
+    shell = fl.Shell(
+        fl.mesh.parametric_surface(place, (mesh, mesh)), section, director=lambda x: x / RADIUS
+    )
     shell.symmetry("a=0", (1, 0, 0))
     shell.symmetry("b=0", (0, 1, 0))
     shell.hinge("a=1")
@@ -45,12 +47,14 @@ def press(mesh: int, load_steps: int = 60) -> tuple[np.ndarray, np.ndarray, floa
     scene.add(shell)
     scene.add(ball)
     scene.add(fl.PrescribedMotion(ball.point("centre"), down))
-    nodes = [fl.Point(shell, node) for node in range(len(shell.frames))]
-    law = fl.Penalty(AREAL * (SIDE / mesh) ** 2)
-    surface = fl.Vertices(nodes, 0.5 * THICKNESS)
-    touch = scene.add(fl.Contact(surface, fl.Sphere(ball.point("centre"), BALL), law))
+    nodes = [fl.extend.Point(shell, node) for node in range(len(shell.frames))]
+    law = fl.contact.Penalty(AREAL * (SIDE / mesh) ** 2)
+    surface = fl.contact.Vertices(nodes, 0.5 * THICKNESS)
+    touch = scene.add(
+        fl.contact.Contact(surface, fl.contact.Sphere(ball.point("centre"), BALL), law)
+    )
     result = fl.statics(scene, levels=LEVELS, load_steps=load_steps)
-    found = fl.contact_forces(result, touch)
+    found = fl.post.contact_forces(result, touch)
     iterations = float(result.iterations.sum() / (len(result.factors) - 1))
     forces = 4.0 * np.abs(found.total[:, 2])
     return DEPTH * result.factors, forces, float(found.penetration.max()), iterations

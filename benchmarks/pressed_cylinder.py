@@ -60,7 +60,7 @@ def press(
 ) -> tuple[fl.StaticResult, np.ndarray, float]:
     """States, forces of a whole ring per width, and the largest overlap."""
     section = fl.ShellSection.layer(THICKNESS, fl.Material(E, 0.0, 1.0))
-    shell = fl.Shell(fl.surface(place, (mesh, 1)), section, director=inwards)
+    shell = fl.Shell(fl.mesh.parametric_surface(place, (mesh, 1)), section, director=inwards)
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (0, 0, 1))
     shell.symmetry("b=0", (1, 0, 0))
@@ -74,12 +74,14 @@ def press(
     scene.add(shell)
     scene.add(plate)
     scene.add(fl.PrescribedMotion(plate.point("centre"), down))
-    nodes = [fl.Point(shell, node) for node in range(len(shell.frames))]
-    surface = fl.Vertices(nodes, 0.5 * THICKNESS)
-    law = fl.Penalty(stiffness * WIDTH / mesh)
-    touch = scene.add(fl.Contact(surface, fl.Plane(plate.point("centre"), (0, 0, -1)), law))
+    nodes = [fl.extend.Point(shell, node) for node in range(len(shell.frames))]
+    surface = fl.contact.Vertices(nodes, 0.5 * THICKNESS)
+    law = fl.contact.Penalty(stiffness * WIDTH / mesh)
+    touch = scene.add(
+        fl.contact.Contact(surface, fl.contact.Plane(plate.point("centre"), (0, 0, -1)), law)
+    )
     result = fl.statics(scene, levels=PRESSED, load_steps=load_steps)
-    found = fl.contact_forces(result, touch)
+    found = fl.post.contact_forces(result, touch)
     # of a quarter, of the nodes in the plane of symmetry half
     return result, 2.0 * np.abs(found.total[:, 2]) / WIDTH, float(found.penetration.max())
 

@@ -35,7 +35,10 @@ STEPS, STEP = 20, 1e-3
 
 
 def motion(
-    scene: fl.Scene, scheme: Integrator, step: float | fl.AdaptiveStep = STEP, steps: int = STEPS
+    scene: fl.Scene,
+    scheme: Integrator,
+    step: float | fl.schemes.AdaptiveStep = STEP,
+    steps: int = STEPS,
 ) -> Numbers:
     """Frames, velocities, joint forces, energies and times of a run."""
     result = scheme.run(scene, duration=steps * STEP, step=step, progress=False)
@@ -51,7 +54,7 @@ def motion(
 
 def path() -> Numbers:
     """Of a column that buckles, and the point where it does."""
-    found = fl.follow_path(column(), fl.PathEnds(critical_points=1))
+    found = fl.follow_path(column(), fl.stability.PathEnds(critical_points=1))
     critical = np.array([point.factor for point in found.bifurcations])
     return {
         "frames": Values(found.frames, "of 1"),
@@ -70,13 +73,13 @@ def shell() -> Numbers:
     }
 
 
-def dropped(law: fl.Penalty | fl.Impact) -> fl.Scene:
+def dropped(law: fl.contact.Penalty | fl.contact.Impact) -> fl.Scene:
     """A ball just over the floor."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     ball = scene.add(fl.RigidBody(1.0, 4e-3 * np.eye(3), (0, 0, 0.1)))
     ball.add_velocity((0.3, 0, -0.5))
-    floor = fl.Plane(fl.ground(), (0, 0, 1))
-    scene.add(fl.Contact(fl.Sphere(ball.point("centre"), 0.1), floor, law))
+    floor = fl.contact.Plane(fl.ground(), (0, 0, 1))
+    scene.add(fl.contact.Contact(fl.contact.Sphere(ball.point("centre"), 0.1), floor, law))
     return scene
 
 
@@ -90,15 +93,15 @@ FIXED: dict[str, Callable[[], Numbers]] = {
     "path, with its bifurcation": path,
     "statics and vibrations of a shell": shell,
     "generalised-α, adaptive steps": lambda: motion(
-        pendulum(), fl.GeneralisedAlpha(), fl.AdaptiveStep(1e-4)
+        pendulum(), fl.GeneralisedAlpha(), fl.schemes.AdaptiveStep(1e-4)
     ),
     "generalised-α, net of cables": lambda: motion(net(), fl.GeneralisedAlpha()),
     "generalised-α, contact by penalty": lambda: motion(
-        dropped(fl.Penalty(1e5)), fl.GeneralisedAlpha()
+        dropped(fl.contact.Penalty(1e5)), fl.GeneralisedAlpha()
     ),
-    "generalised-α, impacts": lambda: motion(dropped(fl.Impact()), fl.GeneralisedAlpha()),
+    "generalised-α, impacts": lambda: motion(dropped(fl.contact.Impact()), fl.GeneralisedAlpha()),
     "energy-momentum, contact": lambda: motion(balls_in_a_box(), fl.EnergyMomentum()),
-    "variational": lambda: motion(pendulum(), fl.Variational()),
+    "variational": lambda: motion(pendulum(), fl.schemes.Variational()),
     "explicit, net of cables": lambda: motion(net(), fl.Explicit(), 1e-5, 1),
 }
 

@@ -21,22 +21,24 @@ STEPS = 1000
 SCHEMES = {
     "generalised-α": fl.GeneralisedAlpha(radius=0.8),
     "energy-momentum": fl.EnergyMomentum(),
-    "variational": fl.Variational(),
+    "variational": fl.schemes.Variational(),
 }
 RECORDS = {
-    "all": fl.Record.ALL,
-    "all but forces": fl.Record.ALL & ~fl.Record.FORCES,
-    "velocities and energies": fl.Record.VELOCITIES | fl.Record.ENERGIES,
-    "energies": fl.Record.ENERGIES,
-    "momenta": fl.Record.MOMENTA,
-    "forces": fl.Record.FORCES,
-    "coordinates": fl.Record.COORDINATES,
-    "velocities": fl.Record.VELOCITIES,
-    "frames alone": fl.Record.FRAMES,
+    "all": fl.schemes.Record.ALL,
+    "all but forces": fl.schemes.Record.ALL & ~fl.schemes.Record.FORCES,
+    "velocities and energies": fl.schemes.Record.VELOCITIES | fl.schemes.Record.ENERGIES,
+    "energies": fl.schemes.Record.ENERGIES,
+    "momenta": fl.schemes.Record.MOMENTA,
+    "forces": fl.schemes.Record.FORCES,
+    "coordinates": fl.schemes.Record.COORDINATES,
+    "velocities": fl.schemes.Record.VELOCITIES,
+    "frames alone": fl.schemes.Record.FRAMES,
 }
 
 
-def cost(scheme: fl.GeneralisedAlpha, record: fl.Record, steps: int) -> tuple[float, fl.Result]:
+def cost(
+    scheme: fl.GeneralisedAlpha, record: fl.schemes.Record, steps: int
+) -> tuple[float, fl.Result]:
     """Processor time of a run."""
     scene = pendulum(1)[0]
     start = thread_time()

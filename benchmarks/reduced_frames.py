@@ -26,18 +26,18 @@ SPIN = np.array([0.0, 1.0, 1.0])
 
 
 def part_of(
-    body: fl.Beam, points: list[fl.Point], modes: int, *, spinning: bool = True
-) -> fl.ReducedBody:
+    body: fl.Beam, points: list[fl.extend.Point], modes: int, *, spinning: bool = True
+) -> fl.reduction.ReducedOrderBody:
     """A rod as a reduced-order body."""
     scene = fl.Scene()
     scene.add(body)
-    inner = fl.inertial_shapes(scene, points, modes, spinning=spinning)
-    return fl.reduced_body(scene, points, inner)
+    inner = fl.reduction.inertial_modes(scene, points, modes, spinning=spinning)
+    return fl.reduction.reduced_order_body(scene, points, inner)
 
 
 def pieces(
     whole: fl.Beam, section: fl.Section, parts: int, modes: int, *, last: bool
-) -> list[fl.ReducedBody]:
+) -> list[fl.reduction.ReducedOrderBody]:
     """A straight rod in so many reduced bodies; ``last``: the end of all is an interface, too."""
     found, count = [], CELLS // parts
     for p in range(parts):
@@ -49,26 +49,28 @@ def pieces(
     return found
 
 
-def put_in(scene: fl.Scene, rods: Sequence[fl.ReducedBody]) -> None:
+def put_in(scene: fl.Scene, rods: Sequence[fl.reduction.ReducedOrderBody]) -> None:
     """Add them, each fixed to the next."""
     for rod in rods:
         scene.add(rod)
     for one, other in pairwise(rods):
-        scene.add(fl.Fixed(one.point("end"), other.point("start")))
+        scene.add(fl.joints.Fixed(one.point("end"), other.point("start")))
 
 
-def places(result: fl.Result, rods: Sequence[fl.ReducedBody]) -> np.ndarray:
+def places(result: fl.Result, rods: Sequence[fl.reduction.ReducedOrderBody]) -> np.ndarray:
     """Of all nodes of the full rods, (s, n, 3); those that two have come once."""
-    shown = fl.expand(result, *rods)
+    shown = fl.reduction.recover_full_motion(result, *rods)
     each = [shown.frames[:, shown.info.body(rod.name).nodes, 0] for rod in rods]
     return np.concatenate([each[0], *(x[:, 1:] for x in each[1:])], axis=1)
 
 
-def swung(rods: Sequence[fl.ReducedBody], spin: np.ndarray, step: float) -> np.ndarray:
+def swung(
+    rods: Sequence[fl.reduction.ReducedOrderBody], spin: np.ndarray, step: float
+) -> np.ndarray:
     """Places in the swing of reduction.py."""
     scene = fl.Scene(gravity=WEIGHT)
     put_in(scene, rods)
-    scene.add(fl.Spherical(fl.ground(), rods[0].point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), rods[0].point("start")))
     for rod in rods:
         rod.add_velocity(omega=spin, about=(0, 0, 0))
     return places(fl.GeneralisedAlpha().run(scene, duration=2.0, step=step), rods)
@@ -112,7 +114,7 @@ def swings(modulus: float, speed: float) -> dict[str, float]:
     return record
 
 
-def cranked(rods: Sequence[fl.ReducedBody]) -> fl.Scene:
+def cranked(rods: Sequence[fl.reduction.ReducedOrderBody]) -> fl.Scene:
     """The mechanism of slider_crank.py with these for its rod."""
     scene = fl.Scene(gravity=WEIGHT)
     middle, along = 0.5 * (crank.PIVOT + crank.CRANK_END), (crank.SLIDER - crank.CRANK_END) / 0.3
@@ -126,10 +128,10 @@ def cranked(rods: Sequence[fl.ReducedBody]) -> fl.Scene:
     for rod in rods:
         rod.add_velocity(start)
         rod.add_velocity(omega=np.cross(along, end - start) / 0.3, about=crank.CRANK_END)
-    scene.add(fl.Revolute(fl.ground(), arm.point("centre"), at=crank.PIVOT, axis=(1, 0, 0)))
-    scene.add(fl.Spherical(arm.point("centre"), rods[0].point("start"), at=crank.CRANK_END))
-    scene.add(fl.Spherical(slider.point("centre"), rods[-1].point("end"), at=crank.SLIDER))
-    scene.add(fl.Prismatic(fl.ground(), slider.point("centre"), axis=(1, 0, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), arm.point("centre"), at=crank.PIVOT, axis=(1, 0, 0)))
+    scene.add(fl.joints.Spherical(arm.point("centre"), rods[0].point("start"), at=crank.CRANK_END))
+    scene.add(fl.joints.Spherical(slider.point("centre"), rods[-1].point("end"), at=crank.SLIDER))
+    scene.add(fl.joints.Prismatic(fl.ground(), slider.point("centre"), axis=(1, 0, 0)))
     return scene
 
 

@@ -30,7 +30,7 @@ from demos.truss_deployment import DIAMETERS
 from demos.truss_deployment import STEEL as TUBES
 from demos.truss_scene import Truss
 from fem_lie import lie
-from fem_lie.reduce.linearised import LinearisedBody
+from fem_lie.reduction.linearised import LinearisedBody
 
 WEIGHT = np.array([0.0, 0.0, -9.81])
 
@@ -42,30 +42,34 @@ def away(found: fl.Result, full: fl.Result, name: str = "rod") -> np.ndarray:
 
 
 def part_of(
-    body: fl.Beam, points: list[fl.Point], modes: int, *, stretching: bool = True
-) -> fl.ReducedBody:
+    body: fl.Beam, points: list[fl.extend.Point], modes: int, *, stretching: bool = True
+) -> fl.reduction.ReducedOrderBody:
     """A rod as a reduced-order body."""
     scene = fl.Scene()
     scene.add(body)
-    inner = fl.inertial_shapes(scene, points, modes, spinning=True)
-    return fl.reduced_body(scene, points, inner, stretching=stretching)
+    inner = fl.reduction.inertial_modes(scene, points, modes, spinning=True)
+    return fl.reduction.reduced_order_body(scene, points, inner, stretching=stretching)
 
 
-def middle(body: fl.Beam) -> list[fl.Point]:
+def middle(body: fl.Beam) -> list[fl.extend.Point]:
     """Interfaces with the frame in the middle of 16 elements, where ends turn least from it."""
     return [body.point(8), body.point("start")]
 
 
-def few_swings(few: fl.ReducedBody, spin: np.ndarray, step: float) -> fl.Result:
+def few_swings(few: fl.reduction.ReducedOrderBody, spin: np.ndarray, step: float) -> fl.Result:
     """The swing of reduction.py."""
     scene = fl.Scene(gravity=WEIGHT)
     scene.add(few)
-    scene.add(fl.Spherical(fl.ground(), few.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), few.point("start")))
     few.add_velocity(omega=spin, about=few.point("start").position)
-    return fl.expand(fl.GeneralisedAlpha().run(scene, duration=2.0, step=step), few)
+    return fl.reduction.recover_full_motion(
+        fl.GeneralisedAlpha().run(scene, duration=2.0, step=step), few
+    )
 
 
-def in_fixed_axes(few: fl.ReducedBody, spin: np.ndarray, times: np.ndarray) -> np.ndarray:
+def in_fixed_axes(
+    few: fl.reduction.ReducedOrderBody, spin: np.ndarray, times: np.ndarray
+) -> np.ndarray:
     """Places (s, n, 3) of the same shapes with small rotations about the state at rest."""
     part = fl.Scene()
     body = part.add(few.full)
@@ -101,10 +105,10 @@ def postures(modulus: float, modes: int, count: int) -> dict[str, float]:
     made = straight_rod(np.eye(3), 16, modulus)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "rod.h5"
-        fl.save_reduced(part_of(made, middle(made), modes), path)
+        fl.reduction.save_reduced(part_of(made, middle(made), modes), path)
         for name, turned, speed in cases:
             full, body, _ = swing(turned, 16, speed, step, modulus)
-            few = fl.load_reduced(path, straight_rod(turned, 16, modulus))
+            few = fl.reduction.load_reduced(path, straight_rod(turned, 16, modulus))
             spin = speed * turned @ (0, 1, 1)
             found = few_swings(few, spin, step)
             size, fixed = amplitude(full, body), in_fixed_axes(few, spin, full.times)
@@ -123,7 +127,7 @@ def postures(modulus: float, modes: int, count: int) -> dict[str, float]:
     return record
 
 
-def crank_rod(rod: fl.Beam, modes: int, stretching: bool) -> fl.ReducedBody:
+def crank_rod(rod: fl.Beam, modes: int, stretching: bool) -> fl.reduction.ReducedOrderBody:
     """With its frame in the middle."""
     points = [rod.point(8), rod.point("start"), rod.point("end")]
     return part_of(rod, points, modes, stretching=stretching)
@@ -134,7 +138,9 @@ def slider_crank(modulus: float, modes: int, *, stretching: bool = True) -> dict
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-9)
     full = scheme.run(mechanism(flexible(16, modulus))[0], duration=1.0, step=5e-4)
     few = crank_rod(flexible(16, modulus), modes, stretching)
-    found = fl.expand(scheme.run(mechanism(few)[0], duration=1.0, step=5e-4), few)
+    found = fl.reduction.recover_full_motion(
+        scheme.run(mechanism(few)[0], duration=1.0, step=5e-4), few
+    )
     x = full.frames[:, full.info.body("rod").nodes, 0]
     largest, errors = float(off_chord(x)[0].max()), away(found, full)
     label = f"crank_{modulus:g}_{modes if stretching else 'constant'}"
@@ -151,21 +157,23 @@ class FewTruss(Truss):
         name, part = f"bar {len(self.bars)}", fl.Scene()
         bar = fl.Beam.straight(start, end, self.section, cells=self.elements, up=up, name=name)
         part.add(bar)
-        few = self.scene.add(fl.reduced_body(part, [bar.point("start"), bar.point("end")], 0))
+        few = self.scene.add(
+            fl.reduction.reduced_order_body(part, [bar.point("start"), bar.point("end")], 0)
+        )
         self.bars.append(few)
         return few
 
-    def _frame(self, level: int) -> list[fl.Point]:
+    def _frame(self, level: int) -> list[fl.extend.Point]:
         battens = self._battens(level)
         for i in range(4):
-            self.scene.add(fl.Fixed(battens[i - 1].point("end"), battens[i].point("start")))
+            self.scene.add(fl.joints.Fixed(battens[i - 1].point("end"), battens[i].point("start")))
         return [batten.point("start") for batten in battens]
 
     def _lower_frame(self, cell: int) -> None:
         for i, batten in enumerate(self._battens(cell)):
             for corner, end in ((i, batten.point("start")), ((i + 1) % 4, batten.point("end"))):
                 on = self.frames[cell][corner]
-                self.scene.add(fl.Clamp(end) if on.is_ground else fl.Fixed(on, end))
+                self.scene.add(fl.Clamp(end) if on.is_ground else fl.joints.Fixed(on, end))
 
 
 def truss(duration: float, step: float = 2e-3) -> dict[str, float]:
@@ -174,14 +182,16 @@ def truss(duration: float, step: float = 2e-3) -> dict[str, float]:
     scheme, steps, found, record = fl.GeneralisedAlpha(radius=0.8), round(duration / step), [], {}
     for name, kind in (("full", Truss), ("few", FewTruss)):
         began = time.process_time()
-        scene = kind(2, section, 10, 1, fl.Choices())
+        scene = kind(2, section, 10, 1, fl.schemes.MatrixTerms())
         record[f"truss_{name}_set_up_seconds"] = time.process_time() - began
         scheme.run(scene.scene, duration=step, step=step)
         began = time.process_time()
         result = scheme.run(scene.scene, duration=duration, step=step, save_every=10)
         record[f"truss_{name}_ms"] = 1e3 * (time.process_time() - began) / steps
         record[f"truss_{name}_iterations"] = float(result.iterations[-1]) / steps
-        found.append(fl.expand(result, *scene.bars) if kind is FewTruss else result)
+        found.append(
+            fl.reduction.recover_full_motion(result, *scene.bars) if kind is FewTruss else result
+        )
     names = [bar.name for bar in scene.bars]
     full, few = found
     bows = [

@@ -21,8 +21,8 @@ import scipy.sparse.linalg
 import fem_lie as fl
 from demos.rotating_beam import HEIGHT, LENGTH, STEEL, WIDTH, blade
 from fem_lie import lie
-from fem_lie.reduce.axes import expanded, local_motion
-from fem_lie.reduce.linearised import LinearisedBody
+from fem_lie.reduction.axes import expanded, local_motion
+from fem_lie.reduction.linearised import LinearisedBody
 
 RUBBER = fl.Material(E=5e6, nu=0.3, density=1100.0)
 FAST = 10.0
@@ -45,26 +45,28 @@ def swing(
     """Two seconds of it."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     body = scene.add(straight_rod(turned, cells, modulus))
-    scene.add(fl.Spherical(fl.ground(), body.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), body.point("start")))
     body.add_velocity(omega=spin * turned @ (0.0, 1.0, 1.0), about=(0, 0, 0))
     return fl.GeneralisedAlpha().run(scene, duration=2.0, step=step), body, scene
 
 
 def amplitude(result: fl.Result, body: fl.Beam) -> float:
     """Largest distance of a node from its place in the mean axes."""
-    motion = local_motion(body, result.frames, fl.MeanAxes())
+    motion = local_motion(body, result.frames, fl.reduction.MeanAxes())
     still = expanded(body, motion._replace(increments=np.zeros_like(motion.increments)))
     return float(np.linalg.norm((result.frames - still)[:, :, 0], axis=2).max())
 
 
-def missed_moments(basis: fl.Basis, result: fl.Result, body: fl.Beam, scene: fl.Scene) -> float:
+def missed_moments(
+    basis: fl.reduction.Basis, result: fl.Result, body: fl.Beam, scene: fl.Scene
+) -> float:
     """Largest error of a bending moment of all states, over the largest one."""
     shown = basis.project(result).within(result)
-    full, found = (fl.section_forces(r, body, scene).ends[..., 4:] for r in (result, shown))
+    full, found = (fl.post.section_forces(r, body, scene).ends[..., 4:] for r in (result, shown))
     return float(np.abs(found - full).max() / np.abs(full).max())
 
 
-def missed_in_fixed_axes(basis: fl.Basis, result: fl.Result) -> float:
+def missed_in_fixed_axes(basis: fl.reduction.Basis, result: fl.Result) -> float:
     """Largest distance of a node from where shapes in fixed axes have it, rigid ones beside them.
 
     As in linear theory: displacements are those of the shapes where they were made, and of small
@@ -92,10 +94,10 @@ def missed_by_displacements(trained: fl.Result, result: fl.Result, modes: int) -
 def postures(cells: int, modes: int, count: int) -> dict[str, float]:
     """One training, ``count`` other postures, and one swing at ten times the speed."""
     trained, body, _ = swing(np.eye(3), cells)
-    local = fl.pod(trained, body, modes)
+    local = fl.reduction.pod(trained, body, modes)
     alone = fl.Scene()
     free = alone.add(straight_rod(np.eye(3), cells))
-    ends = fl.craig_bampton(alone, [free.point("start"), free.point("end")], modes)
+    ends = fl.reduction.craig_bampton(alone, [free.point("start"), free.point("end")], modes)
     random = np.random.default_rng(1)
     others = [lie.so3_exp(random.uniform(-2.0, 2.0, 3)) for _ in range(count)]
     cases = [("trained", np.eye(3), 1.0), ("fast", np.eye(3), FAST)]
@@ -122,12 +124,12 @@ def spinning(modes: int) -> dict[str, float]:
     scene, beam = blade(16)
     lag = float(np.sqrt(beam.stiffness[0, 5, 5] / beam.density[0, 0, 0])) / LENGTH**2
     began = time.perf_counter()
-    basis = fl.craig_bampton(scene, [], modes)
+    basis = fl.reduction.craig_bampton(scene, [], modes)
     record = {f"blade_{modes}_set_up_seconds": time.perf_counter() - began}
     for speed in (0.0, 2.0, 5.0, 10.0):
         at = fl.statics(scene, spin=(0, 0, speed * lag))
         full = fl.vibrations(scene, 4, at=at).frequencies
-        error = fl.reduced_frequencies(scene, basis, 4, at=at) / full - 1
+        error = fl.reduction.reduced_frequencies(scene, basis, 4, at=at) / full - 1
         record[f"blade_{modes}_error_at_{speed:g}"] = float(np.abs(error).max())
     return record
 
@@ -140,8 +142,10 @@ def spinning_in_few_shapes(modes: int, stretching: bool = True) -> dict[str, flo
     section = fl.Section.rectangle(WIDTH, HEIGHT, STEEL)
     free = part.add(fl.Beam.straight((0, 0, 0), (LENGTH, 0, 0), section, cells=16))
     began = time.perf_counter()
-    inner = fl.inertial_shapes(part, [free.point("start")], modes, spinning=True)
-    body = few.add(fl.reduced_body(part, [free.point("start")], inner, stretching=stretching))
+    inner = fl.reduction.inertial_modes(part, [free.point("start")], modes, spinning=True)
+    body = few.add(
+        fl.reduction.reduced_order_body(part, [free.point("start")], inner, stretching=stretching)
+    )
     label = "body" if stretching else "constant"
     record = {f"{label}_{modes}_set_up_seconds": time.perf_counter() - began}
     few.add(fl.Clamp(body.point("start")))
@@ -171,18 +175,20 @@ def bent(modes: int) -> dict[str, float]:
     """
     scene, beam = cantilever(1.6e-3)
     still, same = cantilever(0.0)
-    linear = fl.craig_bampton(still, [], modes)
+    linear = fl.reduction.craig_bampton(still, [], modes)
     trained = fl.statics(cantilever(1.92e-3)[0], levels=np.linspace(0.1, 1.0, 10))
     bases = {
         "linear": linear,
-        "derivatives": fl.with_derivatives(still, linear),
-        "pod": fl.pod(trained, same, modes // 2, axes=fl.NodeAxes(0)),
+        "derivatives": fl.reduction.with_derivatives(still, linear),
+        "pod": fl.reduction.pod(trained, same, modes // 2, axes=fl.reduction.NodeAxes(0)),
     }
     full = fl.statics(scene).frames[-1, :, 0]
     away = float(np.linalg.norm(full - beam.frames[:, 0], axis=1).max())
     record = {"deflection": away}
     for name, basis in bases.items():
-        found = fl.reduced_statics(scene, fl.Basis(beam, basis.shapes), load_steps=8)
+        found = fl.reduction.reduced_statics(
+            scene, fl.reduction.Basis(beam, basis.shapes), load_steps=8
+        )
         error = np.linalg.norm(found.frames[:, 0] - full, axis=1).max()
         record[f"{name}_{modes}_shapes"] = float(len(basis))
         record[f"{name}_{modes}_error"] = float(error / away)
@@ -203,8 +209,8 @@ def answering(shapes: int) -> dict[str, float]:
     full = f @ scipy.sparse.linalg.spsolve(dynamic, f)
     record = {}
     bases = {
-        "krylov": fl.krylov(scene, [(beam.point(9), wrench)], shapes),
-        "normal": fl.craig_bampton(scene, [], shapes),
+        "krylov": fl.reduction.krylov(scene, [(beam.point(9), wrench)], shapes),
+        "normal": fl.reduction.craig_bampton(scene, [], shapes),
     }
     for name, basis in bases.items():
         V = rest.vectors(basis.shapes).T

@@ -19,21 +19,21 @@ from scipy.spatial import cKDTree
 import fem_lie as fl
 from benchmarks import effectivity
 
-ESTIMATE = fl.Residual()
+ESTIMATE = fl.adaptivity.ResidualEstimate()
 CORNERS = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
 
 
-def plate(mesh: fl.SurfaceMesh) -> fl.Scene:
+def plate(mesh: fl.mesh.SurfaceMesh) -> fl.Scene:
     """An L clamped all around, under pressure."""
     scene = fl.Scene()
     section = fl.ShellSection.layer(0.1, fl.Material(1e6, 0.3, 1.0))
     shell = scene.add(fl.Shell(mesh, section, name="plate"))
     shell.clamp("rim")
-    scene.add(fl.SurfacePressure(shell, 0.01))
+    scene.add(fl.loads.SurfacePressure(shell, 0.01))
     return scene
 
 
-def largest_corner(mesh: fl.SurfaceMesh) -> float:
+def largest_corner(mesh: fl.mesh.SurfaceMesh) -> float:
     """Largest angle of a cell, degrees."""
     p = mesh.points[mesh.cells][:, [0, 1, 3, 2]]
     a, b = np.roll(p, -1, 1) - p, np.roll(p, 1, 1) - p
@@ -41,7 +41,7 @@ def largest_corner(mesh: fl.SurfaceMesh) -> float:
     return float(np.degrees(np.arccos(cosine.min())))
 
 
-def report(way: str, mesh: fl.SurfaceMesh, relative: float, since: float) -> None:
+def report(way: str, mesh: fl.mesh.SurfaceMesh, relative: float, since: float) -> None:
     """A line of the table."""
     print(
         f"| {way} | {len(mesh.cells)} | {6 * len(mesh.points)} | {100 * relative:.2f} % | "
@@ -51,10 +51,10 @@ def report(way: str, mesh: fl.SurfaceMesh, relative: float, since: float) -> Non
 
 
 def by_patterns(tolerance: float) -> None:
-    """By ``fl.adapt``, for several parts of the error that are cut."""
+    """By ``fl.adaptivity.adapt``, for several parts of the error that are cut."""
     for part in (0.3, 0.5, 0.7):
         since, mesh = perf_counter(), effectivity.l_plate(4).bodies[0].mesh
-        found = fl.adapt(
+        found = fl.adaptivity.adapt(
             plate, mesh, tolerance=tolerance, solve=fl.statics, estimate=ESTIMATE, part=part
         )
         report(f"patterns, part {part}", found.mesh, found.relative[-1], since)
@@ -66,7 +66,9 @@ def by_equal(tolerance: float) -> None:
     while relative > tolerance:
         count *= 2
         scene = effectivity.l_plate(count)
-        found = fl.space_error(fl.statics(scene), scene.bodies[0], scene, estimate=ESTIMATE)
+        found = fl.adaptivity.space_error(
+            fl.statics(scene), scene.bodies[0], scene, estimate=ESTIMATE
+        )
         relative = found.relative
     report("equal", scene.bodies[0].mesh, relative, since)
 
@@ -76,7 +78,9 @@ def by_gmsh(tolerance: float) -> None:
     since, mesh = perf_counter(), effectivity.l_plate(4).bodies[0].mesh
     for _ in range(8):
         scene = plate(mesh)
-        found = fl.space_error(fl.statics(scene), scene.bodies[0], scene, estimate=ESTIMATE)
+        found = fl.adaptivity.space_error(
+            fl.statics(scene), scene.bodies[0], scene, estimate=ESTIMATE
+        )
         if found.relative <= tolerance:
             break
         size = np.linalg.norm(
@@ -90,7 +94,7 @@ def by_gmsh(tolerance: float) -> None:
     report("gmsh", mesh, found.relative, since)
 
 
-def meshed_anew(centres: np.ndarray, size: np.ndarray) -> fl.SurfaceMesh:
+def meshed_anew(centres: np.ndarray, size: np.ndarray) -> fl.mesh.SurfaceMesh:
     """Quadrilaterals of the L, of the sizes of those that were at the nearest places."""
     tree = cKDTree(centres[:, :2])
     gmsh.initialize()
@@ -124,7 +128,7 @@ def meshed_anew(centres: np.ndarray, size: np.ndarray) -> fl.SurfaceMesh:
     sides = np.sort(cells[:, [[0, 1], [0, 2], [1, 3], [2, 3]]].reshape(-1, 2), axis=1)
     edges, met = np.unique(sides, axis=0, return_counts=True)
     rim = edges[met == 1]
-    return fl.SurfaceMesh.from_cells(places, cells, "quadrilateral", curves={"rim": rim})
+    return fl.mesh.SurfaceMesh.from_cells(places, cells, "quadrilateral", curves={"rim": rim})
 
 
 def main() -> None:

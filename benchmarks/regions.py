@@ -16,14 +16,14 @@ import numpy as np
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.reduce.axes import expanded, local_motion
+from fem_lie.reduction.axes import expanded, local_motion
 
 PLASTIC = fl.Material(E=2e9, nu=0.3, density=1100.0)
 STRUCK, LASTS = 0.5, 0.02
 STEP = 2e-3
 
 
-def threads(count: int) -> fl.LineMesh:
+def threads(count: int) -> fl.mesh.LineMesh:
     """So many in each direction over a square of 1 m, one element from crossing to crossing."""
     number = np.arange(count * count).reshape(count, count)
     places = np.linspace(0.0, 1.0, count)
@@ -32,14 +32,14 @@ def threads(count: int) -> fl.LineMesh:
     cells = np.concatenate([np.column_stack([a.ravel(), b.ravel()]) for a, b, _ in both])
     along = [np.tile(direction, (a.size, 2, 1)) for a, _, direction in both]
     corner = {"corner": np.array([number[-1, -1]])}
-    return fl.LineMesh(points, cells, np.concatenate(along), named_points=corner)
+    return fl.mesh.LineMesh(points, cells, np.concatenate(along), named_points=corner)
 
 
 def net(count: int, force: float) -> fl.Scene:
     """It, and what strikes it."""
     scene = fl.Scene()
     section = fl.Section.rectangle(0.01, 0.01, PLASTIC)
-    damping = fl.Damping(stiffness=0.05)
+    damping = fl.sections.Damping(stiffness=0.05)
     body = fl.Beam(threads(count), section, up=(0, 0, 1), damping=damping, name="net")
     scene.add(body)
     body.add_velocity(omega=(1.0, 0.3, 2.0), about=(0.5, 0.5, 0.0))
@@ -53,9 +53,9 @@ def net(count: int, force: float) -> fl.Scene:
     return scene
 
 
-def deflections(body: fl.Body, frames: np.ndarray) -> np.ndarray:
+def deflections(body: fl.extend.Body, frames: np.ndarray) -> np.ndarray:
     """Of all nodes from their places in the mean axes, in these, (k, n, 3)."""
-    motion = local_motion(body, frames, fl.MeanAxes())
+    motion = local_motion(body, frames, fl.reduction.MeanAxes())
     still = expanded(body, motion._replace(increments=np.zeros_like(motion.increments)))
     away = (frames - still)[:, :, 0]
     return np.einsum("kij,kni->knj", lie.rotation(motion.rigid), away)
@@ -66,7 +66,7 @@ def main(
 ) -> dict[str, float]:
     """Figures, printed."""
     began = time.perf_counter()
-    merged = fl.merged_motion(
+    merged = fl.reduction.merged_motion(
         lambda: net(count, force), duration=duration, step=STEP, every=10 * STEP,
         tolerance=tolerance,
     )  # fmt: skip

@@ -42,12 +42,14 @@ def free(kind: str, ring: str, friction: float = 0.0) -> fl.Scene:
     scene.add(one)
     if ring == "body":
         other = scene.add(fl.RigidBody(0.01, 1e-5 * np.eye(3), at - [0, 0, 0.03]))
-        rings = fl.Rings([other.point("centre")], at=[at])
+        rings = fl.contact.Rings([other.point("centre")], at=[at])
     else:
         other = scene.add(fl.Net([at, at - [0, 0, 0.2], at - [0, 0, 0.4]], [[0, 1, 2]], THREAD))
-        rings = fl.Rings([other.point(0)])
+        rings = fl.contact.Rings([other.point(0)])
     other.add_velocity((2.0, 0, -1.0))
-    scene.add(fl.Contact(fl.Rope(one), rings, fl.Penalty(1e4, friction=friction)))
+    scene.add(
+        fl.contact.Contact(fl.contact.Rope(one), rings, fl.contact.Penalty(1e4, friction=friction))
+    )
     return scene
 
 
@@ -68,7 +70,7 @@ def arc(angle: float, cells: int) -> fl.Beam:
         return RADIUS * c - beyond * n, RADIUS * n + beyond * c, 0.0
 
     stiffness = [EXTENSION, EXTENSION / 3, EXTENSION / 3, BENDING, BENDING, BENDING]
-    element_law = fl.Geodesic(bending_flexibility=False)
+    element_law = fl.elements.GeodesicBeam(bending_flexibility=False)
     section = fl.Section.from_stiffness(stiffness)
     return fl.Beam.curve(place, section, cells=cells + 2 * TAIL, formulation=element_law)
 
@@ -93,8 +95,12 @@ def capstan(degrees: float, rings: int, cells: int, friction: float) -> dict[str
     motion = scene.add(fl.PrescribedMotion(rope.point("end"), pulled))
     scene.add(fl.PointLoad(rope.point("start"), force=-rope.frames[0, 1]))
     at = rope.frames[TAIL + cells // 2 + cells * np.arange(rings), 0]
-    law = fl.Penalty(SOFT, friction=friction)
-    scene.add(fl.Contact(fl.Rope(rope), fl.Rings([fl.ground()] * rings, at=at), law))
+    law = fl.contact.Penalty(SOFT, friction=friction)
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.Rope(rope), fl.contact.Rings([fl.ground()] * rings, at=at), law
+        )
+    )
     result = fl.statics(scene, load_steps=STEPS)
     force = result.reaction(motion)[STEPS // 2 :, :3]
     tension = np.linalg.norm(force, axis=1) / result.factors[STEPS // 2 :]

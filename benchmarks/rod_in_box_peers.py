@@ -158,7 +158,7 @@ print(json.dumps([end, float(np.diff(at).max()), float("nan"), seconds, steps]))
 
 def given(friction: float) -> dict[str, object]:
     """The scene, for peers."""
-    scene, rod, _ = demo.rod_in_box("spheres", fl.Impact(friction))
+    scene, rod, _ = demo.rod_in_box("spheres", fl.contact.Impact(friction))
     (box,) = (body for body in scene.bodies if body is not rod)
     assert isinstance(box, fl.RigidBody)
 
@@ -184,7 +184,7 @@ def given(friction: float) -> dict[str, object]:
 
 def ours(friction: float) -> list[float]:
     """Height of the first end, largest gain, overlap, seconds and steps."""
-    scene, rod, _ = demo.rod_in_box("spheres", fl.Impact(friction))
+    scene, rod, _ = demo.rod_in_box("spheres", fl.contact.Impact(friction))
     scheme, first = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-10), rod.point(demo.FIRST)
     scheme.run(scene, duration=STEP, step=STEP, progress=False)
     before = process_time()

@@ -17,23 +17,25 @@ import numpy as np
 import fem_lie as fl
 from fem_lie.mesh.curves import curve
 
-ELEMENTS: dict[str, fl.Formulation] = {
-    "places and slopes": fl.HermiteCable(),
-    "discrete": fl.DiscreteCable(),
-    "Kirchhoff rod": fl.Kirchhoff(),
-    "discrete rod": fl.DiscreteRod(),
+ELEMENTS: dict[str, fl.elements.BeamFormulation] = {
+    "places and slopes": fl.elements.HermiteCable(),
+    "discrete": fl.elements.DiscreteCable(),
+    "Kirchhoff rod": fl.elements.KirchhoffRod(),
+    "discrete rod": fl.elements.DiscreteRod(),
 }
 
 
-def cable(elements: int, element: fl.Formulation, bow: float = 0.0) -> fl.Cable | fl.Rod:
+def cable(
+    elements: int, element: fl.elements.BeamFormulation, bow: float = 0.0
+) -> fl.Cable | fl.Rod:
     section = fl.Section.from_stiffness([1e4] * 3 + [1.0] * 3, mass=0.1, polar=2e-5)
     mesh = curve(lambda s: (s, 3 * bow * s * s, bow * s**3), elements)
-    if isinstance(element, fl.Kirchhoff | fl.DiscreteRod):
+    if isinstance(element, fl.elements.KirchhoffRod | fl.elements.DiscreteRod):
         return fl.Rod(mesh, section, formulation=element)
     return fl.Cable(mesh, section, formulation=element)
 
 
-def residual(elements: int, element: fl.Formulation) -> float:
+def residual(elements: int, element: fl.elements.BeamFormulation) -> float:
     """Seconds per element."""
     body = cable(elements, element, bow=0.1)
     assembly = type(body).assemble([body])
@@ -52,7 +54,7 @@ def residual(elements: int, element: fl.Formulation) -> float:
     return (process_time() - start) / (10 * elements)
 
 
-def step(element: fl.Formulation) -> tuple[float, float]:
+def step(element: fl.elements.BeamFormulation) -> tuple[float, float]:
     """Seconds per step without what a run takes to begin, and iterations."""
     body, scene = cable(50, element), fl.Scene(gravity=(0, -9.81, 0))
     scene.add(body)

@@ -2,7 +2,7 @@
 
 Each scene is run by generalised-alpha with the policy ``Automatic``, the same step and tolerance:
 
-- fixed: equations in axes fixed in space, ``Components.INERTIAL``
+- fixed: equations in axes fixed in space, ``MatrixFrame.INERTIAL``
 - own: in the nodes' axes, which go along with tangents by the smallest rotation; those of places
   stay as they are, and rods have those of their frames and edges
 - following, of what has no frames: in axes from which the mean rotation of the body has been taken
@@ -54,7 +54,9 @@ def tumbling() -> tuple[fl.Scene, CableBody, float]:
     return scene, cable, 1e-3
 
 
-def rod(held: bool, formulation: fl.Formulation | None) -> tuple[fl.Scene, fl.Rod, float]:
+def rod(
+    held: bool, formulation: fl.elements.BeamFormulation | None
+) -> tuple[fl.Scene, fl.Rod, float]:
     """With EI = GJ = 1: dropped from the horizontal, a little bent, or free, bent and turning.
 
     Without a formulation it is laid along a spline, whose parameter is not arc length.
@@ -66,14 +68,14 @@ def rod(held: bool, formulation: fl.Formulation | None) -> tuple[fl.Scene, fl.Ro
         s, rate = 0.6 * u + 0.4 * u * u, 0.6 + 0.8 * u
         places = np.stack([s, bow[1] * s**3, bow[0] * s * s], axis=1)
         slopes = np.stack([rate, 3 * bow[1] * s * s * rate, 2 * bow[0] * s * rate], axis=1)
-        body = fl.Rod(fl.Spline.checked(u, places, slopes).mesh(), own)
+        body = fl.Rod(fl.mesh.Spline.checked(u, places, slopes).mesh(), own)
     else:
         body = fl.Rod.curve(
             lambda s: (s, bow[1] * s**3, bow[0] * s * s), own, cells=20, formulation=formulation
         )
     if held:
         scene = falling(body)
-        scene.add(fl.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
+        scene.add(fl.joints.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
         return scene, body, 1e-3
     body.add_velocity(omega=(3.0, 4.0, 2.0), about=body.point(10))
     scene = fl.Scene()
@@ -107,12 +109,12 @@ SCENES: dict[str, Callable[[], tuple[fl.Scene, CableBody, float]]] = {
     "swinging, EI = 0.01": lambda: swinging(1e-2),
     "whirling": whirling,
     "tumbling": tumbling,
-    "rod, swinging": lambda: rod(True, fl.Kirchhoff()),
-    "rod, tumbling": lambda: rod(False, fl.Kirchhoff()),
+    "rod, swinging": lambda: rod(True, fl.elements.KirchhoffRod()),
+    "rod, tumbling": lambda: rod(False, fl.elements.KirchhoffRod()),
     "spline rod, swinging": lambda: rod(True, None),
     "spline rod, tumbling": lambda: rod(False, None),
-    "edges, swinging": lambda: rod(True, fl.DiscreteRod()),
-    "edges, tumbling": lambda: rod(False, fl.DiscreteRod()),
+    "edges, swinging": lambda: rod(True, fl.elements.DiscreteRod()),
+    "edges, tumbling": lambda: rod(False, fl.elements.DiscreteRod()),
     "net, thrown": lambda: net(False),
     "net, hung": lambda: net(True),
 }
@@ -123,7 +125,9 @@ def run(name: str, axes: str, steps: int) -> fl.Result:
     if axes == "following":
         assert not isinstance(body, fl.Rod)
         body.follow()
-    components = fl.Components.INERTIAL if axes == "fixed" else fl.Components.LOCAL
+    components = (
+        fl.schemes.MatrixFrame.INERTIAL if axes == "fixed" else fl.schemes.MatrixFrame.LOCAL
+    )
     scheme = fl.GeneralisedAlpha(radius=0.8, components=components)
     return scheme.run(scene, duration=steps * step, step=step)
 

@@ -58,7 +58,7 @@ class Rotor:
     cells: int
     body: str = "beam"
     bearing: float | None = None
-    damping: fl.Damping | None = None
+    damping: fl.sections.Damping | None = None
 
     @property
     def section(self) -> fl.Section:
@@ -82,13 +82,13 @@ class Rotor:
         scene = fl.Scene()
         scene.add(shaft)
         scene.add(disc)
-        scene.add(fl.RigidLink(shaft.point("end"), disc.point("centre")))
+        scene.add(fl.joints.RigidLink(shaft.point("end"), disc.point("centre")))
         if self.bearing is None:
             scene.add(fl.Clamp(shaft.point("start")))
             return scene
         for end, axis in product((shaft.point("start"), shaft.point("end")), np.eye(3)[1:]):
-            joint = scene.add(fl.Distance(fl.ground(), end, at=end.position + axis))
-            scene.add(fl.Spring(joint.length, stiffness=self.bearing))
+            joint = scene.add(fl.joints.Distance(fl.ground(), end, at=end.position + axis))
+            scene.add(fl.joints.Spring(joint.length, stiffness=self.bearing))
         return scene
 
     def critical(self) -> float:
@@ -298,7 +298,7 @@ def main() -> None:
     parser.add_argument("--bearing", type=float)
     parser.add_argument("--stiffness-damping", type=float)
     options = parser.parse_args()
-    damping = options.stiffness_damping and fl.Damping(stiffness=options.stiffness_damping)
+    damping = options.stiffness_damping and fl.sections.Damping(stiffness=options.stiffness_damping)
     print("body  cells  shaft/disc  speed    dense    first  resolved  residual    growth  seconds")
     for body, cells, ratio in product(options.bodies, options.cells, options.ratios):
         rotor = Rotor(ratio, cells, body, options.bearing, damping)

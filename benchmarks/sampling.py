@@ -19,12 +19,12 @@ from typing import NamedTuple
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.reduce.ecsw import ReducedCells
-from fem_lie.reduce.sampled_statics import ReducedLoads, equilibria, loads_of
+from fem_lie.reduction.ecsw import ReducedCells
+from fem_lie.reduction.sampled_statics import ReducedLoads, equilibria, loads_of
 
 RUBBER = fl.Material(E=5e6, nu=0.3, density=1100.0)
 LEVELS = np.linspace(0.125, 1.0, 8)
-FIXED = fl.FixedAxes()
+FIXED = fl.reduction.FixedAxes()
 DOCS = Path(__file__).parents[1] / "docs" / "measured"
 
 
@@ -44,7 +44,7 @@ def cantilever(factor: float) -> tuple[fl.Scene, fl.Beam]:
 def plate(factor: float) -> tuple[fl.Scene, fl.Shell]:
     """A strip, turned by its length, with a force at a corner."""
     scene = fl.Scene()
-    mesh = fl.surface(lambda a, b: (a, 0.5 * b, 0.1 * a * b), (20, 20))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, 0.5 * b, 0.1 * a * b), (20, 20))
     shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.01, RUBBER), name="plate"))
     shell.clamp("a=0")
     if factor:
@@ -77,7 +77,7 @@ class Row(NamedTuple):
 class Interpolated:
     """DEIM of the forces of each cell in the shapes: those of few cells, times a matrix."""
 
-    def __init__(self, states: fl.Reduced, rank: int) -> None:
+    def __init__(self, states: fl.reduction.ReducedStates, rank: int) -> None:
         """S. Chaturantabut & D. C. Sorensen, SIAM J. Sci. Comput. 32 (2010) 2737."""
         basis = states.basis
         count, self.m = len(basis.body.elastic_cells), len(basis)
@@ -119,16 +119,18 @@ class Case:
         training, self.trained_body = self.make(1.2)
         self.trained = fl.statics(training, levels=np.linspace(0.1, 1.0, 10))
 
-    def here(self, basis: fl.Basis) -> fl.Basis:
+    def here(self, basis: fl.reduction.Basis) -> fl.reduction.Basis:
         """The same shapes of the body of the scene."""
-        return fl.Basis(self.body, basis.shapes)
+        return fl.reduction.Basis(self.body, basis.shapes)
 
-    def pod(self, modes: int) -> tuple[fl.Basis, fl.Reduced]:
+    def pod(self, modes: int) -> tuple[fl.reduction.Basis, fl.reduction.ReducedStates]:
         """Shapes of the training, and its states in them."""
-        basis = self.here(fl.pod(self.trained, self.trained_body, modes, axes=FIXED))
+        basis = self.here(fl.reduction.pod(self.trained, self.trained_body, modes, axes=FIXED))
         return basis, basis.project(self.trained, axes=FIXED)
 
-    def row(self, shapes: str, basis: fl.Basis, cells, count: int, loads: ReducedLoads) -> Row:
+    def row(
+        self, shapes: str, basis: fl.reduction.Basis, cells, count: int, loads: ReducedLoads
+    ) -> Row:
         """Best of three."""
         best = np.inf
         for _ in range(3):
@@ -140,7 +142,7 @@ class Case:
         asymmetry = float(np.abs(K - K.T).max() / np.abs(K).max())
         return Row(self.name, shapes, len(basis), count, float(error), 1e3 * best, asymmetry)
 
-    def with_all(self, shapes: str, basis: fl.Basis) -> Row:
+    def with_all(self, shapes: str, basis: fl.reduction.Basis) -> Row:
         """Forces of all cells."""
         count = len(self.body.elastic_cells)
         every = ReducedCells(basis, np.arange(count), np.ones(count))
@@ -150,10 +152,10 @@ class Case:
         """All of the table."""
         found, still = [], self.make(0.0)[0]
         for modes in (2, 4, 6, 8):
-            linear = fl.craig_bampton(still, [], modes)
+            linear = fl.reduction.craig_bampton(still, [], modes)
             found.append(self.with_all("linear", self.here(linear)))
             if self.name == "beam":
-                both = fl.with_derivatives(still, linear)
+                both = fl.reduction.with_derivatives(still, linear)
                 found.append(self.with_all("derivatives", self.here(both)))
         for modes in range(2, most + 1):
             basis, states = self.pod(modes)
@@ -161,7 +163,7 @@ class Case:
             found.append(self.with_all("pod", basis))
             for tolerance in (1e-2, 1e-3, 1e-4, 1e-6):
                 began = time.perf_counter()
-                sample = fl.ecsw(states, tolerance)
+                sample = fl.reduction.ecsw(states, tolerance)
                 took = time.perf_counter() - began
                 row = self.row(
                     f"ecsw {tolerance:g}", basis, sample.reduced_cells(), len(sample.cells), loads

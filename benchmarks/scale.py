@@ -38,7 +38,7 @@ def chain(bodies: int) -> fl.Scene:
     for k in range(bodies):
         rod = fl.RigidBody(MASS, (thin, thick, thick), ((k + 0.5) * LINK, 0.0, 0.0))
         scene.add(rod)
-        scene.add(fl.Spherical(before, rod.point("centre"), at=(k * LINK, 0.0, 0.0)))
+        scene.add(fl.joints.Spherical(before, rod.point("centre"), at=(k * LINK, 0.0, 0.0)))
         before = rod.point("centre")
     return scene
 
@@ -52,7 +52,7 @@ def weave(bodies: int) -> fl.Scene:
     scene = fl.Scene(gravity=(0.0, 0.0, -9.81))
     tube = fl.Section.circle(RADIUS, fl.Material(E=2.1e11, nu=0.3, density=7850.0))
     side = max(1, round((bodies / 2 * ACROSS) ** 0.5 / ACROSS)) * ACROSS
-    crossing: list[dict[tuple[int, int], fl.Point]] = [{}, {}]
+    crossing: list[dict[tuple[int, int], fl.extend.Point]] = [{}, {}]
     for way, found in enumerate(crossing):
         for row in range(side):
             # in a row the first is shorter, by an amount that changes from row to row
@@ -69,7 +69,7 @@ def weave(bodies: int) -> fl.Scene:
                 for k in range(begin, end):
                     found[(row, k) if way else (k, row)] = rod.point(k - begin)
     for place in crossing[0].keys() & crossing[1].keys():
-        scene.add(fl.Spherical(crossing[0][place], crossing[1][place]))
+        scene.add(fl.joints.Spherical(crossing[0][place], crossing[1][place]))
     return scene
 
 

@@ -81,7 +81,7 @@ class Layer(NamedTuple):
 
     steep: float = 20.0
 
-    def scene(self, mesh: fl.SplineMesh) -> fl.Scene:
+    def scene(self, mesh: fl.mesh.SplineMesh) -> fl.Scene:
         """Clamped, under the load of that deflection."""
         scene = fl.Scene()
         shell = scene.add(fl.ThinShell(mesh, SECTION, name="plate"))
@@ -119,7 +119,7 @@ class Layer(NamedTuple):
 class Force(NamedTuple):
     """That of the demo."""
 
-    def scene(self, mesh: fl.SplineMesh) -> fl.Scene:
+    def scene(self, mesh: fl.mesh.SplineMesh) -> fl.Scene:
         """Hinged."""
         return adaptive_splines.plate(mesh)
 
@@ -129,8 +129,8 @@ class Force(NamedTuple):
 
 
 def run(
-    case: Layer | Force, mesh: fl.SplineMesh, part: float, tolerance: float, most: int
-) -> Iterator[tuple[fl.SpaceError, fl.SplineMesh, int, float]]:
+    case: Layer | Force, mesh: fl.mesh.SplineMesh, part: float, tolerance: float, most: int
+) -> Iterator[tuple[fl.adaptivity.SpaceError, fl.mesh.SplineMesh, int, float]]:
     """Meshes with so much of the squared error cut each time: estimate, unknowns, true error."""
     while True:
         scene = case.scene(mesh)
@@ -138,12 +138,12 @@ def run(
         if unknowns > most:
             return
         result = fl.statics(scene)
-        found = fl.space_error(result, scene.bodies[0], scene)
+        found = fl.adaptivity.space_error(result, scene.bodies[0], scene)
         error = case.error(scene, result)
         yield found, mesh, unknowns, error
         if error <= tolerance:
             return
-        mesh = fl.refine(mesh, found.worst(part))
+        mesh = fl.adaptivity.refine(mesh, found.worst(part))
 
 
 def main() -> None:

@@ -24,9 +24,16 @@ from demos.hemisphere import CASES, RADIUS, pinched, quarter
 from fem_lie.elements.shells.strains import shear
 
 SMALL = 1e-6
-HR, HW, MITC4 = fl.HellingerReissner(), fl.HuWashizu(), fl.Displacement()
-PLUS, PLUS_MITC4 = fl.HellingerReissner(fl.MITC4_PLUS), fl.Displacement(fl.MITC4_PLUS)
-ELEMENTS: dict[str, tuple[fl.ShellFormulation, str]] = {
+HR, HW, MITC4 = (
+    fl.elements.HellingerReissner(),
+    fl.elements.HuWashizu(),
+    fl.elements.DisplacementBased(),
+)
+PLUS, PLUS_MITC4 = (
+    fl.elements.HellingerReissner(fl.elements.MITC4_PLUS),
+    fl.elements.DisplacementBased(fl.elements.MITC4_PLUS),
+)
+ELEMENTS: dict[str, tuple[fl.elements.ShellFormulation, str]] = {
     "HR": (HR, "quadrilateral"),
     "HW": (HW, "quadrilateral"),
     "MITC4": (MITC4, "quadrilateral"),
@@ -52,7 +59,7 @@ def header(*cells: str) -> None:
 
 def steps(most: int = 40) -> None:
     """The largest of equal load steps with which Newton's method arrives, on both hemispheres."""
-    plain = fl.Displacement(fl.StrainMeasures(shear=shear))
+    plain = fl.elements.DisplacementBased(fl.elements.StrainMeasures(shear=shear))
     cases = ((0.04, 16), (0.01, 24))
     header(
         "element",
@@ -67,7 +74,7 @@ def steps(most: int = 40) -> None:
 
 
 def largest_step(
-    thickness: float, mesh: int, formulation: fl.ShellFormulation, carried: bool, most: int
+    thickness: float, mesh: int, formulation: fl.elements.ShellFormulation, carried: bool, most: int
 ) -> str:
     """Steps, iterations, seconds and errors."""
     for count in range(1, most + 1):
@@ -76,7 +83,7 @@ def largest_step(
             result = fl.statics(
                 scene,
                 load_steps=count,
-                newton=fl.Newton(carried_stress=carried, smallest_step=0.99 / count),
+                newton=fl.schemes.Newton(carried_stress=carried, smallest_step=0.99 / count),
             )
         except fl.ConvergenceError:
             continue
@@ -117,7 +124,7 @@ def strip_deflection(
     radius: float,
     t: float,
     distortion: float,
-    formulation: fl.ShellFormulation,
+    formulation: fl.elements.ShellFormulation,
     cell: str,
 ) -> float:
     """The edges across the strip turn to and fro by ``distortion`` cells."""
@@ -127,7 +134,7 @@ def strip_deflection(
         return [radius * np.sin(angle), b, radius * np.cos(angle)]
 
     shell = fl.Shell(
-        fl.surface(place, (cells, 1), cell=cell),
+        fl.mesh.parametric_surface(place, (cells, 1), cell=cell),
         fl.ShellSection.layer(t, fl.Material(1e6, 0.0, 1.0)),
         director=lambda x: np.array([x[0], 0.0, x[2]]) / np.hypot(x[0], x[2]),
         formulation=formulation,
@@ -136,12 +143,12 @@ def strip_deflection(
     shell.clamp("a=0")
     # so small that it stays linear, whatever the thickness
     small = SMALL * radius / curved_beam(t, radius)
-    result = solved(shell, fl.EdgeLoad(shell, "a=1", force=(-small, 0, 0)))
+    result = solved(shell, fl.loads.EdgeLoad(shell, "a=1", force=(-small, 0, 0)))
     ends = [result.position(f"strip.{point}")[-1, 0] for point in ("10", "11")]
     return float(radius - np.mean(ends)) / small
 
 
-def solved(shell: fl.Shell, load: fl.EdgeLoad) -> fl.PathResult:
+def solved(shell: fl.Shell, load: fl.loads.EdgeLoad) -> fl.PathResult:
     """Equilibrium of a shell under one load."""
     scene = fl.Scene()
     scene.add(shell)
@@ -154,16 +161,19 @@ def solved(shell: fl.Shell, load: fl.EdgeLoad) -> fl.PathResult:
 
 def bending() -> None:
     """End moment to a quarter circle: error of the end's rotation, and of its place."""
-    elements = {"decoupled bending": fl.HellingerReissner(fl.DECOUPLED), "full form": HR}
+    elements = {
+        "decoupled bending": fl.elements.HellingerReissner(fl.elements.DECOUPLED),
+        "full form": HR,
+    }
     header("elements", *(f"{name}: rotation / place" for name in elements))
     for cells in (1, 2, 4, 8, 16):
         row(str(cells), *(rolled(cells, formulation) for formulation in elements.values()))
 
 
-def rolled(cells: int, formulation: fl.ShellFormulation) -> str:
+def rolled(cells: int, formulation: fl.elements.ShellFormulation) -> str:
     """Both errors: in rad, and over the length."""
     shell = fl.Shell(
-        fl.surface(lambda a, b: (ROLLED * a, b, 0.0), (cells, 1)),
+        fl.mesh.parametric_surface(lambda a, b: (ROLLED * a, b, 0.0), (cells, 1)),
         fl.ShellSection.layer(0.1, fl.Material(1.2e6, 0.0, 1.0)),
         formulation=formulation,
         name="strip",
@@ -172,7 +182,7 @@ def rolled(cells: int, formulation: fl.ShellFormulation) -> str:
     angle = pi / 2
     moment = angle * ROLLED_STIFFNESS / ROLLED
     try:
-        result = solved(shell, fl.EdgeLoad(shell, "a=1", moment=(0, -moment, 0)))
+        result = solved(shell, fl.loads.EdgeLoad(shell, "a=1", moment=(0, -moment, 0)))
     except fl.ConvergenceError:
         return "does not arrive"
     director = result.rotation("strip.10")[-1, :, 2]
@@ -240,24 +250,24 @@ def sphere_at(shift: Callable[[float, float], tuple[float, float]]) -> Place:
 
 
 def cantilever(
-    cells: tuple[int, int], place: Place, formulation: fl.ShellFormulation, cell: str
+    cells: tuple[int, int], place: Place, formulation: fl.elements.ShellFormulation, cell: str
 ) -> str:
     """Shortening and deflection under the full load of demos/cantilever_shear.py."""
     shell = fl.Shell(
-        fl.surface(place, cells, cell=cell),
+        fl.mesh.parametric_surface(place, cells, cell=cell),
         fl.ShellSection.layer(0.1, fl.Material(1.2e6, 0.0, 1.0)),
         formulation=formulation,
         name="strip",
     )
     shell.clamp("a=0")
-    result = solved(shell, fl.EdgeLoad(shell, "a=1", force=(0, 0, 4.0)))
+    result = solved(shell, fl.loads.EdgeLoad(shell, "a=1", force=(0, 0, 4.0)))
     moved = result.position("strip.10")[-1] - [10.0, 0.0, 0.0]
     return errors(-moved[0] / 3.289678, moved[2] / 6.700108)
 
 
-def hemisphere(place: Place, formulation: fl.ShellFormulation, cell: str) -> str:
+def hemisphere(place: Place, formulation: fl.elements.ShellFormulation, cell: str) -> str:
     """Deflections of demos/hemisphere.py, t = 0.04."""
-    scene = pinched(0.04, fl.surface(place, (16, 16), cell=cell), formulation)
+    scene = pinched(0.04, fl.mesh.parametric_surface(place, (16, 16), cell=cell), formulation)
     result = fl.follow_loads(scene)
     _, outward, inward = CASES[0.04]
     a = result.position("hemisphere.00")[-1, 0] - RADIUS

@@ -112,7 +112,7 @@ MIXED_SEEDS, CONSERVING_SEEDS = (0, 1, 2, 3), (0, 1, 3, 4, 7)
 
 ALPHA = fl.GeneralisedAlpha(radius=0.8)
 CONSERVING, DECAYING = fl.EnergyMomentum(), fl.EnergyDecaying()
-RUBBER = fl.NeoHooke(1e4, 0.3, 1.0)
+RUBBER = fl.sections.NeoHooke(1e4, 0.3, 1.0)
 SLENDER = fl.Section.circle(0.002, fl.Material(E=70e9, nu=0.3, density=2700.0))
 SOFT = fl.Section.rectangle(0.02, 0.02, fl.Material(E=2e7, nu=0.3, density=1200.0))
 DOWN = (0.0, 0.0, -9.81)
@@ -179,8 +179,12 @@ def pendulum_beside(*beside: str) -> fl.Scene:
         cable.clamp(cable.point("start"))
     if "ball" in beside:
         ball = scene.add(fl.RigidBody(1.0, 4e-3 * np.eye(3), (9, 0, 0.11)))
-        floor = fl.Plane(fl.ground(), (0, 0, 1))
-        scene.add(fl.Contact(fl.Sphere(ball.point("centre"), 0.1), floor, fl.Penalty(1e4)))
+        floor = fl.contact.Plane(fl.ground(), (0, 0, 1))
+        scene.add(
+            fl.contact.Contact(
+                fl.contact.Sphere(ball.point("centre"), 0.1), floor, fl.contact.Penalty(1e4)
+            )
+        )
     return scene
 
 
@@ -188,7 +192,7 @@ def truss(cells: int, elements: int) -> fl.Scene:
     """The deployable truss of thin tubes, with all its feet driven."""
     inner, outer = (0.5 * diameter for diameter in truss_deployment.DIAMETERS["thin"])
     section = fl.Section.tube(inner, outer, truss_deployment.STEEL)
-    return truss_scene.Truss(cells, section, elements, 4, fl.Choices()).scene
+    return truss_scene.Truss(cells, section, elements, 4, fl.schemes.MatrixTerms()).scene
 
 
 def chain(links: int) -> fl.Scene:
@@ -199,7 +203,7 @@ def chain(links: int) -> fl.Scene:
     for k in range(links):
         moments = (mass * radius**2 / 2, across, across)
         rod = scene.add(fl.RigidBody(mass, moments, ((k + 0.5) * length, 0, 0)))
-        scene.add(fl.Spherical(before, rod.point("centre"), at=(k * length, 0, 0)))
+        scene.add(fl.joints.Spherical(before, rod.point("centre"), at=(k * length, 0, 0)))
         before = rod.point("centre")
     return scene
 
@@ -213,12 +217,12 @@ def flying_bodies(count: int) -> fl.Scene:
     return scene
 
 
-def rod(formulation: fl.Formulation) -> fl.Scene:
+def rod(formulation: fl.elements.BeamFormulation) -> fl.Scene:
     """A rod without shear that is clamped and swings under its weight."""
     section = fl.Section.from_stiffness([1e4] * 3 + [1.0] * 3, mass=0.1, polar=2e-5)
     scene = fl.Scene(gravity=(0, -9.81, 0))
     body = scene.add(
-        fl.Rod(fl.straight((0, 0, 0), (1, 0, 0), 20), section, formulation=formulation)
+        fl.Rod(fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 20), section, formulation=formulation)
     )
     scene.add(fl.Clamp(body.point("start")))
     return scene
@@ -229,7 +233,7 @@ def ancf_beam() -> fl.Scene:
     section = fl.Section.from_stiffness([1e4, 4e3, 4e3, 1.0, 1.0, 1.0], mass=1.0, polar=1e-3)
     scene = fl.Scene(gravity=DOWN)
     beam = scene.add(fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), section, cells=8))
-    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
     return scene
 
 
@@ -241,7 +245,7 @@ def sheet(body: type[fl.ThinShell | fl.AncfShell]) -> fl.Scene:
 
     layer = fl.ShellSection.layer(0.02, fl.Material(1e6, 0.3, 100.0))
     scene = fl.Scene(gravity=DOWN)
-    scene.add(body(fl.smooth_patch(bent, (3, 3)), layer)).hinge("a=0")
+    scene.add(body(fl.mesh.smooth_patch(bent, (3, 3)), layer)).hinge("a=0")
     return scene
 
 
@@ -258,8 +262,8 @@ def reduced_crank() -> fl.Scene:
     part, rod_in_full = fl.Scene(), slider_crank.flexible(16, 2e9)
     part.add(rod_in_full)
     points = [rod_in_full.point(8), rod_in_full.point("start"), rod_in_full.point("end")]
-    inner = fl.inertial_shapes(part, points, 8, spinning=True)
-    return slider_crank.mechanism(fl.reduced_body(part, points, inner))[0]
+    inner = fl.reduction.inertial_modes(part, points, 8, spinning=True)
+    return slider_crank.mechanism(fl.reduction.reduced_order_body(part, points, inner))[0]
 
 
 def slider_on_beam() -> fl.Scene:
@@ -268,7 +272,7 @@ def slider_on_beam() -> fl.Scene:
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SOFT, cells=8))
     scene.add(fl.Clamp(beam.point("start")))
     body = scene.add(fl.RigidBody(0.05, (1e-5, 2e-5, 2e-5), (0.2, 0, 0)))
-    scene.add(fl.Collar(beam, body.point("centre"), at=(0.2, 0, 0)))
+    scene.add(fl.joints.Collar(beam, body.point("centre"), at=(0.2, 0, 0)))
     return scene
 
 
@@ -276,9 +280,9 @@ def dropped_beam() -> fl.Scene:
     """A soft beam that drops aslant on the ground, with impacts and friction."""
     scene = fl.Scene(gravity=DOWN)
     beam = scene.add(fl.Beam.straight((0, 0, 0.03), (1, 0, 0.13), SOFT, cells=8))
-    nodes = fl.Vertices([fl.Point(beam, n) for n in range(len(beam.frames))], 0.01)
-    floor = fl.Plane(fl.ground(), (0, 0, 1))
-    scene.add(fl.Contact(nodes, floor, fl.Impact(friction=0.3)))
+    nodes = fl.contact.Vertices([fl.extend.Point(beam, n) for n in range(len(beam.frames))], 0.01)
+    floor = fl.contact.Plane(fl.ground(), (0, 0, 1))
+    scene.add(fl.contact.Contact(nodes, floor, fl.contact.Impact(friction=0.3)))
     return scene
 
 
@@ -291,7 +295,11 @@ def beams_at_rest() -> fl.Scene:
     for beam in lower:
         scene.add(fl.Clamp(beam.point("start")))
         scene.add(fl.Clamp(beam.point("end")))
-        scene.add(fl.Contact(fl.Line(upper, 0.01), fl.Line(beam, 0.01), fl.Penalty(1e4)))
+        scene.add(
+            fl.contact.Contact(
+                fl.contact.Line(upper, 0.01), fl.contact.Line(beam, 0.01), fl.contact.Penalty(1e4)
+            )
+        )
     return scene
 
 
@@ -307,7 +315,7 @@ def rope_and_ball() -> fl.Scene:
     cable = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), thread, cells=8))
     ball = scene.add(fl.RigidBody(0.02, (1e-5, 2e-5, 2e-5), (1.1, 0, 0)))
     ball.velocities[0, [1, 5]] = 0.2, 2.0
-    scene.add(fl.Spherical(cable.point("end"), ball.point("centre"), at=(1, 0, 0)))
+    scene.add(fl.joints.Spherical(cable.point("end"), ball.point("centre"), at=(1, 0, 0)))
     return scene
 
 
@@ -322,13 +330,13 @@ def hung_cable() -> fl.Scene:
 
 def membrane() -> fl.Scene:
     """Cook's membrane of compressible rubber."""
-    cells = fl.block(cooks_membrane.place, (24, 24, 1))
-    panel = fl.Solid(cells, fl.NeoHooke(240.0, 0.3), name="panel")
+    cells = fl.mesh.parametric_volume(cooks_membrane.place, (24, 24, 1))
+    panel = fl.Solid(cells, fl.sections.NeoHooke(240.0, 0.3), name="panel")
     panel.clamp("a=0")
     panel.held[:, 2] = True
     scene = fl.Scene()
     scene.add(panel)
-    scene.add(fl.FaceLoad(panel, "a=1", (0, 10.0 / 16, 0)))
+    scene.add(fl.loads.FaceLoad(panel, "a=1", (0, 10.0 / 16, 0)))
     return scene
 
 
@@ -348,7 +356,9 @@ def pinched() -> fl.Scene:
 def governed() -> Outcome:
     """The governor with variable steps."""
     scheme, size = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-9), 1e-3
-    steps = fl.AdaptiveStep(governor.TOLERANCE * size, first=size / governor.FINER, largest=size)
+    steps = fl.schemes.AdaptiveStep(
+        governor.TOLERANCE * size, first=size / governor.FINER, largest=size
+    )
     result = scheme.run(governor.governor(1.0), duration=2.0, step=steps, progress=False)
     return Outcome(int(result.iterations[-1]), result.frames[-1, :, 0])
 
@@ -356,7 +366,7 @@ def governed() -> Outcome:
 def two_rates() -> Outcome:
     """A beam, one half of which makes steps ten times smaller."""
     scene, lower = multi_rate.swinging(20)
-    return moved(fl.MultiRate({lower: 10}), Motion(lambda: scene, 1e-3, 100))
+    return moved(fl.schemes.MultiRate({lower: 10}), Motion(lambda: scene, 1e-3, 100))
 
 
 def pressed_ring() -> Outcome:
@@ -415,7 +425,7 @@ def cable_of(name: str, cells: int, element: str) -> fl.Scene:
 
 def tumbling_in_box() -> fl.Scene:
     """A rod that falls within a box, with impacts and friction."""
-    return rod_in_box.rod_in_box("square", fl.Impact(0.2))[0]
+    return rod_in_box.rod_in_box("square", fl.contact.Impact(0.2))[0]
 
 
 ALPHA_MOTIONS = {
@@ -426,8 +436,8 @@ ALPHA_MOTIONS = {
     "collar on a beam": Motion(slider_on_beam, 1e-3, 500),
     "swinging cable": Motion(partial(cable_of, "swinging", 16, "cable"), 5e-4, 3000),
     "taut discrete cable": Motion(partial(cable_of, "taut", 32, "discrete"), 5e-4, 2000),
-    "Kirchhoff rod": Motion(partial(rod, fl.Kirchhoff()), 1e-3, 1000),
-    "discrete rod": Motion(partial(rod, fl.DiscreteRod()), 1e-3, 1000),
+    "Kirchhoff rod": Motion(partial(rod, fl.elements.KirchhoffRod()), 1e-3, 1000),
+    "discrete rod": Motion(partial(rod, fl.elements.DiscreteRod()), 1e-3, 1000),
     "net with a rope in rings": Motion(lambda: net_scene.capture(2, 2, 0.02)[0], 2e-4, 200),
     "tumbling plate": Motion(thrown_plate, 1e-3, 300),
     "thin shell": Motion(partial(sheet, fl.ThinShell), 1e-3, 500),
@@ -483,22 +493,28 @@ CASES: tuple[Case, ...] = (
         partial(random_motions, CONSERVING, MIXED_CONSERVING, CONSERVING_SEEDS),
     ),
     *motions("energy-decaying", DECAYING, DECAYING_MOTIONS),
-    *motions("variational", fl.Variational(), VARIATIONAL_MOTIONS),
-    *motions("Hamel", fl.Hamel(), {"rolling disc": Motion(lambda: hamel.rolling()[0], 1e-3, 5000)}),
+    *motions("variational", fl.schemes.Variational(), VARIATIONAL_MOTIONS),
+    *motions(
+        "Hamel",
+        fl.schemes.Hamel(),
+        {"rolling disc": Motion(lambda: hamel.rolling()[0], 1e-3, 5000)},
+    ),
     Case("explicit", "wave in a net", partial(explicit, wave, 2000, 0.9)),
     Case("explicit", "rope and ball", partial(explicit, rope_and_ball, 400, 0.1)),
     *motions(
         "asynchronous",
-        fl.Asynchronous(),
+        fl.schemes.Asynchronous(),
         {"net with short edges": Motion(lambda: asynchronous.net(10, 2), 0.01, 40)},
     ),
     Case("multi-rate", "beam of two rates", two_rates),
     *motions(
-        "composed", fl.Composed(), {"soft pendulum": Motion(soft_bars.soft_pendulum, 2e-3, 200)}
+        "composed",
+        fl.schemes.Composed(),
+        {"soft pendulum": Motion(soft_bars.soft_pendulum, 2e-3, 200)},
     ),
     *motions(
         "composed, variational",
-        fl.Composed(fl.Variational()),
+        fl.schemes.Composed(fl.schemes.Variational()),
         {"soft pendulum": Motion(soft_bars.soft_pendulum, 2e-3, 100)},
     ),
     Case("statics", "roll-up", partial(balanced, lambda: rollup.cantilever(600, 1e8)[0], 6)),

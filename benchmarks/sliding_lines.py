@@ -24,7 +24,9 @@ def force(angle: float, x: float) -> np.ndarray:
     middle = np.array([x, 0, 2 * RADIUS * (1 - DEEP)])
     along = 4.0 * np.array([np.cos(angle), np.sin(angle), 0.0])
     other = fl.Beam.straight(middle - along, middle + along, SECTION, cells=61)
-    contact = fl.Contact(fl.Line(one, RADIUS), fl.Line(other, RADIUS), fl.Penalty(1e6))
+    contact = fl.contact.Contact(
+        fl.contact.Line(one, RADIUS), fl.contact.Line(other, RADIUS), fl.contact.Penalty(1e6)
+    )
     H = np.concatenate([one.frames, other.frames])
     numbers = {one: np.arange(cells + 1), other: np.arange(62) + cells + 1}
     term = contact.term(numbers.__getitem__)

@@ -22,7 +22,9 @@ LAYER = fl.ShellSection.layer(THICK, fl.Material(1e9, 0.3, 1000.0))
 
 def flat(mesh: int) -> fl.Shell:
     """Two metres long, with cells across the direction of motion that are as wide as long."""
-    surface = fl.surface(lambda a, b: np.array([2 * a - 1, 0.4 * b, 0.0]), (2 * mesh, 4))
+    surface = fl.mesh.parametric_surface(
+        lambda a, b: np.array([2 * a - 1, 0.4 * b, 0.0]), (2 * mesh, 4)
+    )
     return fl.Shell(surface, LAYER)
 
 
@@ -34,10 +36,10 @@ def arc(mesh: int, x: float, cell: str) -> fl.Shell:
         φ = ARC * (a - 0.5)
         return np.array([x + RADIUS * np.sin(φ), 0.1 + 0.2 * b, middle - RADIUS * np.cos(φ)])
 
-    return fl.Shell(fl.surface(place, (mesh, 2), cell=cell), LAYER)
+    return fl.Shell(fl.mesh.parametric_surface(place, (mesh, 2), cell=cell), LAYER)
 
 
-def force(contact: fl.Contact) -> np.ndarray:
+def force(contact: fl.contact.Contact) -> np.ndarray:
     """On the first plate in the beginning."""
     bodies = contact.bodies
     first = np.cumsum([0, *(len(body.frames) for body in bodies)])
@@ -51,9 +53,13 @@ def slide(mesh: int, over: int, cell: str, points_on_arc: bool, gauss: int) -> t
     """Largest change of the force, and of its part along, over the mean force."""
     found, lower = [], flat(mesh)
     for x in np.linspace(0.0, over / mesh, 12 * over + 1):
-        upper = fl.Skin(arc(mesh, x, cell), gauss=gauss)
-        sides = (upper, fl.Skin(lower)) if points_on_arc else (fl.Skin(lower, gauss=gauss), upper)
-        found.append(force(fl.Contact(*sides, fl.Penalty(1e9))))
+        upper = fl.contact.ShellSurface(arc(mesh, x, cell), gauss=gauss)
+        sides = (
+            (upper, fl.contact.ShellSurface(lower))
+            if points_on_arc
+            else (fl.contact.ShellSurface(lower, gauss=gauss), upper)
+        )
+        found.append(force(fl.contact.Contact(*sides, fl.contact.Penalty(1e9))))
     forces = np.array(found)
     mean = np.abs(forces[:, 2]).mean()
     return float(np.ptp(forces[:, 2]) / mean), float(np.abs(forces[:, 0]).max() / mean)

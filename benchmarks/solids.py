@@ -21,7 +21,7 @@ import numpy as np
 import fem_lie as fl
 from demos.cooks_membrane import place
 
-STEP, LAW = 1e-3, fl.NeoHooke(1e4, 0.3, 1.0)
+STEP, LAW = 1e-3, fl.sections.NeoHooke(1e4, 0.3, 1.0)
 BRICKS = {1: (4, 3, 2), 2: (2, 2, 1)}
 """Cells for each degree."""
 SIZE, TURNS, CELLS = (1.0, 0.4, 0.2), 5, 16
@@ -31,7 +31,7 @@ SMALL = 1e-5
 # --- tumbling -------------------------------------------------------------------------------------
 
 
-def tumble(degree: int, steps: int, components: fl.Components) -> tuple[fl.Result, float]:
+def tumble(degree: int, steps: int, components: fl.schemes.MatrixFrame) -> tuple[fl.Result, float]:
     """A run and its seconds, without compilation."""
     body = fl.Solid.brick(SIZE, LAW, cells=BRICKS[degree], degree=degree, name="brick")
     body.add_velocity(omega=(1.0, 6.0, 0.3), about=(0.5, 0.2, 0.1))
@@ -52,8 +52,8 @@ def tumbling(steps: int) -> None:
     for degree, cells in BRICKS.items():
         count = steps if degree == 1 else steps // 5
         runs = {
-            "follow": tumble(degree, count, fl.Components.LOCAL),
-            "fixed": tumble(degree, count, fl.Components.INERTIAL),
+            "follow": tumble(degree, count, fl.schemes.MatrixFrame.LOCAL),
+            "fixed": tumble(degree, count, fl.schemes.MatrixFrame.INERTIAL),
         }
         ends = [found.frames[-1, :, 0] for found, _ in runs.values()]
         apart = float(np.abs(ends[0] - ends[1]).max())
@@ -113,17 +113,17 @@ def tetrahedra(_: int) -> None:
 def rise(nu: float, mesh: int, degree: int) -> float:
     """In plane strain."""
     panel = fl.Solid(
-        fl.block(place, (mesh, mesh, 1), cell="tetrahedron"),
-        fl.SaintVenantKirchhoff(1.0, nu),
+        fl.mesh.parametric_volume(place, (mesh, mesh, 1), cell="tetrahedron"),
+        fl.sections.SaintVenantKirchhoff(1.0, nu),
         degree=degree,
-        formulation=fl.Isoparametric(),
+        formulation=fl.elements.Isoparametric(),
         name="panel",
     )
     panel.clamp("a=0")
     panel.held[:, 2] = True
     scene = fl.Scene()
     scene.add(panel)
-    scene.add(fl.FaceLoad(panel, "a=1", (0.0, SMALL / 16, 0.0)))
+    scene.add(fl.loads.FaceLoad(panel, "a=1", (0.0, SMALL / 16, 0.0)))
     return float(fl.statics(scene).displacement(panel.point("110"))[-1, 1])
 
 

@@ -23,14 +23,14 @@ def main() -> None:
     _, outward, inward = hemisphere.CASES[given.thickness]
     print("| | cells | unknowns | estimated error | deflections outward, inward |")
     for way, part in (("equal cells", 1.0), ("cut by the estimate", 0.5)):
-        mesh = fl.spline_mesh(fl.smooth_patch(hemisphere.place, (4, 4)))
+        mesh = fl.mesh.spline_mesh(fl.mesh.smooth_patch(hemisphere.place, (4, 4)))
         while True:
             scene = hemisphere.pinched(given.thickness, mesh)
             unknowns = 6 * len(scene.bodies[0].frames)
             if unknowns > given.most:
                 break
             result = fl.follow_loads(scene)
-            found = fl.space_error(result, scene.bodies[0], scene)
+            found = fl.adaptivity.space_error(result, scene.bodies[0], scene)
             a = float(result.position("hemisphere.00")[-1, 0] - hemisphere.RADIUS)
             b = float(hemisphere.RADIUS - result.position("hemisphere.10")[-1, 1])
             print(
@@ -38,7 +38,7 @@ def main() -> None:
                 f"{100 * (a / outward - 1):.2f}, {100 * (b / inward - 1):.2f} % |",
                 flush=True,
             )
-            mesh = fl.refine(mesh, found.worst(part))
+            mesh = fl.adaptivity.refine(mesh, found.worst(part))
 
 
 if __name__ == "__main__":

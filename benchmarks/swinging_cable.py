@@ -36,7 +36,7 @@ LENGTH, STRETCH, RADIUS = 2.0, 1e4, 0.9
 GRAVITY = (0.0, 0.0, -9.81)
 PARTS = 8
 PEER = Path(__file__).parent / "peer_scenes" / "exudyn_cables.py"
-ELEMENTS = {"cable": fl.HermiteCable(), "discrete": fl.DiscreteCable()}
+ELEMENTS = {"cable": fl.elements.HermiteCable(), "discrete": fl.elements.DiscreteCable()}
 
 
 def laid(

@@ -28,11 +28,13 @@ E, NU = 2.0685e7, 0.3
 
 def cost() -> None:
     """Of a quarter of a cylinder with 40 × 40 cells, bent a little, and with 300 of these cut."""
-    patch = fl.smooth_patch(lambda a, b: (np.sin(a), np.cos(a), 2.0 * b), (CELLS, CELLS))
+    patch = fl.mesh.smooth_patch(lambda a, b: (np.sin(a), np.cos(a), 2.0 * b), (CELLS, CELLS))
     some = np.random.default_rng(0).choice(CELLS**2, 300, replace=False)
     section = fl.ShellSection.layer(0.02, fl.Material(1e7, 0.3, 1e3))
     columns = [per_cell(fl.ThinShell(patch, section))]
-    columns.append(per_cell(fl.ThinShell(fl.refine(fl.spline_mesh(patch), some), section)))
+    columns.append(
+        per_cell(fl.ThinShell(fl.adaptivity.refine(fl.mesh.spline_mesh(patch), some), section))
+    )
     print("| | µs per cell | where corners of cells hang |")
     print("| --- | --- | --- |")
     for name in columns[0]:
@@ -91,8 +93,8 @@ def shear() -> None:
 def deflections(mesh: int, factor: float, formulation: str) -> np.ndarray:
     """Of the crown at the loads."""
     G = E / (2 * (1 + NU))
-    ply = fl.Orthotropic(E, E, NU, G, factor * G, factor * G, 1.0)
-    section = fl.ShellSection.laminate([fl.Ply(semi_cylinder.THICKNESS, ply, 0.0)])
+    ply = fl.sections.Orthotropic(E, E, NU, G, factor * G, factor * G, 1.0)
+    section = fl.ShellSection.laminate([fl.sections.Ply(semi_cylinder.THICKNESS, ply, 0.0)])
     result = fl.follow_loads(semi_cylinder.pinched(mesh, section, formulation), LOADS)
     return np.asarray(semi_cylinder.RADIUS - result.position("shell.11")[:, 2])
 

@@ -52,7 +52,9 @@ def truss(size: int) -> float:
 
     steel = fl.Material(E=2.1e11, nu=0.3, density=7850.0)
     tube = fl.Section.tube(0.0275, 0.04, steel)
-    return _step(lambda cells: Truss(cells, tube, 10, 4, fl.Choices()).scene, size, 2e-3, 1)
+    return _step(
+        lambda cells: Truss(cells, tube, 10, 4, fl.schemes.MatrixTerms()).scene, size, 2e-3, 1
+    )
 
 
 def _step(make: Callable[[int], fl.Scene], size: int, step: float, small: int) -> float:

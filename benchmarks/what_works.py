@@ -58,15 +58,17 @@ SHORT_LOADED = (
 """Bodies of the short list with joints and with loads."""
 SCHEMES: dict[str, Callable[[Built], Integrator]] = {
     "GeneralisedAlpha": lambda built: fl.GeneralisedAlpha(),
-    "GeneralisedAlpha, index 2": lambda built: fl.GeneralisedAlpha(index=fl.Index.STABILISED_TWO),
+    "GeneralisedAlpha, index 2": lambda built: fl.GeneralisedAlpha(
+        index=fl.schemes.ConstraintIndex.STABILISED_TWO
+    ),
     "EnergyMomentum": lambda built: fl.EnergyMomentum(),
     "EnergyDecaying": lambda built: fl.EnergyDecaying(),
-    "Composed": lambda built: fl.Composed(),
-    "Variational": lambda built: fl.Variational(),
+    "Composed": lambda built: fl.schemes.Composed(),
+    "Variational": lambda built: fl.schemes.Variational(),
     "Explicit": lambda built: fl.Explicit(),
-    "Asynchronous": lambda built: fl.Asynchronous(),
-    "Hamel": lambda built: fl.Hamel(),
-    "MultiRate": lambda built: fl.MultiRate({built.bodies["body"]: 3}),
+    "Asynchronous": lambda built: fl.schemes.Asynchronous(),
+    "Hamel": lambda built: fl.schemes.Hamel(),
+    "MultiRate": lambda built: fl.schemes.MultiRate({built.bodies["body"]: 3}),
 }
 FINER = 4
 """Steps of the reference in one of a scheme."""

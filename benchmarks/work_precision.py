@@ -77,11 +77,11 @@ def four_bar() -> fl.Scene:
         scene.add(fl.Beam.straight(a, b, SOFT, cells=3, up=(0, 1, 0))) for a, b in pairwise(corners)
     )
     y, tilted = (0, 1, 0), (-np.sin(np.radians(5.0)), np.cos(np.radians(5.0)), 0)
-    crank = scene.add(fl.Revolute(fl.ground(), one.point("start"), axis=y))
-    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=y))
-    scene.add(fl.Revolute(two.point("end"), three.point("start"), axis=tilted))
-    scene.add(fl.Revolute(fl.ground(), three.point("end"), axis=y))
-    scene.add(fl.Drive(crank.angle, _turned))
+    crank = scene.add(fl.joints.Revolute(fl.ground(), one.point("start"), axis=y))
+    scene.add(fl.joints.Revolute(one.point("end"), two.point("start"), axis=y))
+    scene.add(fl.joints.Revolute(two.point("end"), three.point("start"), axis=tilted))
+    scene.add(fl.joints.Revolute(fl.ground(), three.point("end"), axis=y))
+    scene.add(fl.joints.Drive(crank.angle, _turned))
     return scene
 
 
@@ -102,16 +102,21 @@ METHODS = {
     ),
     "energy-momentum": Method(lambda tolerance: fl.EnergyMomentum(tolerance), _SECOND[:-1]),
     "energy-decaying": Method(lambda tolerance: fl.EnergyDecaying(tolerance), _SECOND[:-1]),
-    "variational": Method(lambda tolerance: fl.Variational(tolerance), _SECOND[:-2]),
+    "variational": Method(lambda tolerance: fl.schemes.Variational(tolerance), _SECOND[:-2]),
     "composed, five stages": Method(
-        lambda tolerance: fl.Composed(fl.EnergyMomentum(tolerance)), (20, 40, 80, 160, 320, 640)
+        lambda tolerance: fl.schemes.Composed(fl.EnergyMomentum(tolerance)),
+        (20, 40, 80, 160, 320, 640),
     ),
     "composed, nine stages": Method(
-        lambda tolerance: fl.Composed(fl.EnergyMomentum(tolerance), fl.NineStages()),
+        lambda tolerance: fl.schemes.Composed(
+            fl.EnergyMomentum(tolerance), fl.schemes.NineStages()
+        ),
         (11, 22, 44, 88, 176, 352),
     ),
     "composed, triple jump": Method(
-        lambda tolerance: fl.Composed(fl.EnergyMomentum(tolerance), fl.TripleJump()),
+        lambda tolerance: fl.schemes.Composed(
+            fl.EnergyMomentum(tolerance), fl.schemes.TripleJump()
+        ),
         (40, 80, 160, 320, 640, 1280),
     ),
 }
@@ -134,7 +139,9 @@ def make_references() -> None:
     with REFERENCES.open("w", newline="") as file:
         table = csv.writer(file)
         for name, problem in PROBLEMS.items():
-            near, far = (places(run(problem, fl.Composed(), n)) for n in (FINEST, FINEST // 2))
+            near, far = (
+                places(run(problem, fl.schemes.Composed(), n)) for n in (FINEST, FINEST // 2)
+            )
             gap = float(np.linalg.norm(near - far, axis=1).max() / problem.length)
             print(f"{name}: {FINEST} and {FINEST // 2} composed steps differ by {gap:.1e}")
             table.writerow([name, repr(gap), *map(repr, near.ravel().tolist())])

@@ -11,8 +11,8 @@ hole lie on the circle. The mode is smooth, and nearly all triangles are cut.
 An L-shaped frame has a corner that is a hundred times as stiff as its arms. Its tip sinks under a
 force; the elements of the corner need no cutting, and get none.
 
-Each is one call of `fl.adapt`. Reference: the same with a smaller tolerance, corrected by its
-estimate.
+Each is one call of `fl.adaptivity.adapt`. Reference: the same with a smaller tolerance, corrected
+by its estimate.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ FINER = 1 / 16
 """Tolerance of the reference over the tolerance."""
 
 
-def refined(case: Case, tolerance: float) -> fl.Adapted[Any]:
+def refined(case: Case, tolerance: float) -> fl.adaptivity.Adapted[Any]:
     """One call."""
-    return fl.adapt(
+    return fl.adaptivity.adapt(
         case.build,
         case.mesh(),
         tolerance=tolerance,

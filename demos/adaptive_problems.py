@@ -32,21 +32,21 @@ class Problem(NamedTuple):
     With ``fall`` meshes are generated again, each with this fraction of the error before.
     """
 
-    mesh: Callable[[], fl.SurfaceMesh]
-    equal: Callable[[], fl.SurfaceMesh]
-    build: Callable[[fl.SurfaceMesh], fl.Scene]
-    goal: fl.PointDisplacement
+    mesh: Callable[[], fl.mesh.SurfaceMesh]
+    equal: Callable[[], fl.mesh.SurfaceMesh]
+    build: Callable[[fl.mesh.SurfaceMesh], fl.Scene]
+    goal: fl.adaptivity.PointDisplacementGoal
     onto: Callable[[np.ndarray], np.ndarray] | None
     fall: float | None
 
 
-def l_plate(mesh: fl.SurfaceMesh) -> fl.Scene:
+def l_plate(mesh: fl.mesh.SurfaceMesh) -> fl.Scene:
     """The clamped plate."""
     section = fl.ShellSection.layer(0.1, fl.Material(1e6, 0.3, 1.0))
     scene = fl.Scene()
     shell = scene.add(fl.Shell(mesh, section, name="plate"))
     shell.clamp("rim")
-    scene.add(fl.SurfacePressure(shell, -1e-3))
+    scene.add(fl.loads.SurfacePressure(shell, -1e-3))
     return scene
 
 
@@ -55,7 +55,7 @@ def on_cylinder(x: np.ndarray) -> np.ndarray:
     return np.array([x[0], *(RADIUS * x[1:] / np.hypot(*x[1:]))])
 
 
-def eighth(pad: int = CELLS, cells: int = CELLS) -> fl.SurfaceMesh:
+def eighth(pad: int = CELLS, cells: int = CELLS) -> fl.mesh.SurfaceMesh:
     """From the force to the side, and from mid-length to a diaphragm.
 
     The pad is one of so many parts of each side; cells there are cut until it is made of them.
@@ -65,19 +65,19 @@ def eighth(pad: int = CELLS, cells: int = CELLS) -> fl.SurfaceMesh:
         angle = a * np.pi / 2
         return RADIUS * np.array([b, -np.sin(angle), np.cos(angle)])
 
-    mesh, parts = fl.surface(place, (cells, cells), cell="triangle"), cells
+    mesh, parts = fl.mesh.parametric_surface(place, (cells, cells), cell="triangle"), cells
     while parts < pad:
-        mesh, parts = fl.refine(mesh, under(mesh, parts), onto=on_cylinder), 2 * parts
+        mesh, parts = fl.adaptivity.refine(mesh, under(mesh, parts), onto=on_cylinder), 2 * parts
     return replace(mesh, groups={"pad": under(mesh, pad)})
 
 
-def under(mesh: fl.SurfaceMesh, parts: int) -> np.ndarray:
+def under(mesh: fl.mesh.SurfaceMesh, parts: int) -> np.ndarray:
     """Cells in the first of so many parts of each side."""
     x, y, z = mesh.points[mesh.cells].mean(axis=1).T
     return np.flatnonzero((x < RADIUS / parts) & (np.arctan2(-y, z) < np.pi / 2 / parts))
 
 
-def pinched_cylinder(mesh: fl.SurfaceMesh) -> fl.Scene:
+def pinched_cylinder(mesh: fl.mesh.SurfaceMesh) -> fl.Scene:
     """An eighth, with a quarter of a force."""
     section = fl.ShellSection.layer(3.0, fl.Material(3e6, 0.3, 1.0))
     shell = fl.Shell(
@@ -98,18 +98,18 @@ def pinched_cylinder(mesh: fl.SurfaceMesh) -> fl.Scene:
     return scene
 
 
-def plate_mesh() -> fl.SurfaceMesh:
+def plate_mesh() -> fl.mesh.SurfaceMesh:
     """Triangles a quarter of a side long."""
-    return fl.read_gmsh_surface(fl.run_gmsh_script(MESHES / "l_plate.geo"))
+    return fl.mesh.read_gmsh_surface(fl.mesh.run_gmsh_script(MESHES / "l_plate.geo"))
 
 
-PAD = fl.PointDisplacement("cylinder.00", (0, 0, -1))
+PAD = fl.adaptivity.PointDisplacementGoal("cylinder.00", (0, 0, -1))
 PROBLEMS = {
     "l_plate": Problem(
         plate_mesh,
         plate_mesh,
         l_plate,
-        fl.PointDisplacement("plate.middle", (0, 0, -1)),
+        fl.adaptivity.PointDisplacementGoal("plate.middle", (0, 0, -1)),
         None,
         0.75,
     ),

@@ -34,10 +34,12 @@ FINER = 0.25
 """Tolerance of the reference, over that which is asked for."""
 
 
-def refined(problem: Problem, tolerance: float, equal: bool) -> fl.Adapted[fl.SurfaceMesh]:
+def refined(
+    problem: Problem, tolerance: float, equal: bool
+) -> fl.adaptivity.Adapted[fl.mesh.SurfaceMesh]:
     """Meshes down to a tolerance, or as far as it goes."""
     try:
-        return fl.adapt(
+        return fl.adaptivity.adapt(
             problem.build,
             problem.equal() if equal else problem.mesh(),
             tolerance=tolerance,
@@ -69,7 +71,7 @@ def main(case: str = "l_plate", tolerance: float = 0.01, pictures: bool = True) 
     reference = refined(problem, FINER * tolerance, False).value
     error = reference - found.error.value
 
-    def true_unknowns(meshes: fl.Adapted[fl.SurfaceMesh]) -> float:
+    def true_unknowns(meshes: fl.adaptivity.Adapted[fl.mesh.SurfaceMesh]) -> float:
         errors = np.abs(reference - meshes.values) / abs(reference)
         return unknowns_at(meshes.unknowns, errors, tolerance)
 

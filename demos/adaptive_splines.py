@@ -31,9 +31,9 @@ SECTION = fl.ShellSection.layer(0.01, fl.Material(2e11, 0.3, 7800.0))
 EDGES = "a=0", "a=1", "b=0", "b=1"
 
 
-def square(cells: int) -> fl.SplineMesh:
+def square(cells: int) -> fl.mesh.SplineMesh:
     """Of side 1."""
-    return fl.spline_mesh(fl.smooth_patch(lambda a, b: (a, b, 0.0), (cells, cells)))
+    return fl.mesh.spline_mesh(fl.mesh.smooth_patch(lambda a, b: (a, b, 0.0), (cells, cells)))
 
 
 def middle(shell: fl.ThinShell) -> int:
@@ -42,7 +42,7 @@ def middle(shell: fl.ThinShell) -> int:
     return int(away.argmin())
 
 
-def plate(mesh: fl.SplineMesh) -> fl.Scene:
+def plate(mesh: fl.mesh.SplineMesh) -> fl.Scene:
     """Hinged, on any mesh."""
     scene = fl.Scene()
     shell = scene.add(fl.ThinShell(mesh, SECTION, name="plate"))
@@ -75,7 +75,7 @@ def equal(cells: int) -> tuple[int, float]:
 
 
 def main(tolerance: float = 0.003, cells: int = 8, pictures: bool = True) -> dict[str, Any]:
-    found = fl.adapt(plate, square(cells), tolerance=tolerance)
+    found = fl.adaptivity.adapt(plate, square(cells), tolerance=tolerance)
     error = true_error(found.scene, found.result)
     first, second = equal(2 * cells), equal(4 * cells)
     half = len(found.meshes) // 2

@@ -53,7 +53,7 @@ def main(
     motion = MOTIONS[case]
     end = motion.duration if duration is None else duration
     places = (np.arange(POINTS) + 0.5) / POINTS * motion.length
-    found = fl.adapt_motion(
+    found = fl.adaptivity.adapt_motion(
         motion.build,
         line(motion, motion.cells),
         duration=end,

@@ -93,7 +93,7 @@ def nets(laid: Cables, cells: int, slack: float) -> fl.Net:
     numbers = len(laid.knots) + np.arange(within[..., 0].size).reshape(len(within), -1)
     threads = np.concatenate([laid.ends[:, :1], numbers, laid.ends[:, 1:]], axis=1)
     places = np.concatenate([laid.knots, within.reshape(-1, 3)])
-    element = fl.DiscreteCable(slack=slack)
+    element = fl.elements.DiscreteCable(slack=slack)
     return fl.Net(
         places, threads.tolist(), CORD, stretch=1.0 + strains, formulation=element, name="net"
     )

@@ -50,7 +50,7 @@ def forces(antenna: Antenna, result: fl.Result) -> dict[str, float]:
             for joint in antenna.scene.joints
             if isinstance(joint, kind)
         )
-        for kind in (fl.Revolute, fl.Spherical, fl.Prismatic)
+        for kind in (fl.joints.Revolute, fl.joints.Spherical, fl.joints.Prismatic)
     }
     pushes = [np.abs(result.joint_force(drive)[late]).max() for drive in antenna.drives]
     return found | {"telescope_force": float(np.max(pushes))}

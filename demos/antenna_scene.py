@@ -80,16 +80,16 @@ class Antenna:
         self.scene, self.elements, self.duration = fl.Scene(), elements, duration
         self.section = fl.Section.tube(0.014, 0.016, CARBON)
         self.bars: list[fl.Beam] = []
-        self.telescopes: list[fl.Prismatic] = []
+        self.telescopes: list[fl.joints.Prismatic] = []
         phi = 2.0 * np.pi * np.arange(bays) / bays
         self.rim = RADIUS * np.stack([np.cos(phi), np.sin(phi), 0.0 * phi], axis=1)
         half = 0.5 * HEIGHT * UP
         self.uprights = [self._bar(x - half, x + half, x) for x in self.rim]
         turns = [self._bay(i) for i in range(bays)]
         for i in range(bays):
-            self.scene.add(fl.Gear(turns[i - 1][1].angle, turns[i][0].angle, ratio=1.0))
+            self.scene.add(fl.joints.Gear(turns[i - 1][1].angle, turns[i][0].angle, ratio=1.0))
         self.drives = [
-            self.scene.add(fl.Drive(joint.displacement, self.opened))
+            self.scene.add(fl.joints.Drive(joint.displacement, self.opened))
             for joint in self.telescopes[:: bays // driven]
         ]
         self.net: fl.Net | None = None
@@ -97,8 +97,10 @@ class Antenna:
             self.net = nets(cables(bays, PULL), cells, slack)
             self.scene.add(self.net)
             for i, upright in enumerate(self.uprights):
-                self.scene.add(fl.Spherical(upright.point("end"), self.net.point(i)))
-                self.scene.add(fl.Spherical(upright.point("start"), self.net.point(bays + i)))
+                self.scene.add(fl.joints.Spherical(upright.point("end"), self.net.point(i)))
+                self.scene.add(
+                    fl.joints.Spherical(upright.point("start"), self.net.point(bays + i))
+                )
 
     @property
     def side(self) -> float:
@@ -122,7 +124,7 @@ class Antenna:
         self.bars.append(self.scene.add(bar))
         return bar
 
-    def _bay(self, i: int) -> tuple[fl.Revolute, fl.Revolute]:
+    def _bay(self, i: int) -> tuple[fl.joints.Revolute, fl.joints.Revolute]:
         """From vertical i to the next; returns the joints at both ends of the upper longeron."""
         one, two = self.uprights[i], self.uprights[(i + 1) % len(self.uprights)]
         (foot1, foot2), (head1, head2) = (
@@ -131,8 +133,8 @@ class Antenna:
         across = foot1.position + foot2.position
         across = across * [1.0, 1.0, 0.0]
 
-        def hinge(a: fl.Point, b: fl.Point) -> fl.Revolute:
-            return self.scene.add(fl.Revolute(a, b, axis=across))
+        def hinge(a: fl.extend.Point, b: fl.extend.Point) -> fl.joints.Revolute:
+            return self.scene.add(fl.joints.Revolute(a, b, axis=across))
 
         low = self._bar(foot1.position, foot2.position, UP)
         hinge(foot1, low.point("start")), hinge(foot2, low.point("end"))
@@ -144,8 +146,8 @@ class Antenna:
         lower = self._bar(foot.position, foot.position + self.tube_length * along, across)
         upper = self._bar(head.position, head.position - self.tube_length * along, across)
         hinge(foot, lower.point("start"))
-        self.scene.add(fl.Spherical(head, upper.point("start")))
-        tips = fl.Prismatic(
+        self.scene.add(fl.joints.Spherical(head, upper.point("start")))
+        tips = fl.joints.Prismatic(
             lower.point("end"), upper.point("end"), at=lower.point("end").position, axis=along
         )
         self.telescopes.append(self.scene.add(tips))

@@ -9,13 +9,17 @@ import numpy as np
 import fem_lie as fl
 
 AnyShell = fl.Shell | fl.ThinShell | fl.AncfShell
-FORMULATIONS: dict[str, fl.ShellFormulation] = {
-    "HR": fl.HellingerReissner(),
-    "HW": fl.HuWashizu(),
-    "MITC4": fl.Displacement(),
-    "HR+": fl.HellingerReissner(fl.MITC4_PLUS),
+FORMULATIONS: dict[str, fl.elements.ShellFormulation] = {
+    "HR": fl.elements.HellingerReissner(),
+    "HW": fl.elements.HuWashizu(),
+    "MITC4": fl.elements.DisplacementBased(),
+    "HR+": fl.elements.HellingerReissner(fl.elements.MITC4_PLUS),
 }
-PATCHES = {"thin": fl.smooth_patch, "spline": fl.spline_patch, "ancf": fl.smooth_patch}
+PATCHES = {
+    "thin": fl.mesh.smooth_patch,
+    "spline": fl.mesh.spline_patch,
+    "ancf": fl.mesh.smooth_patch,
+}
 """What thin shells, without shear, lie on: the surface itself, or a spline through its nodes; and
 plates of places and three slopes."""
 KNOWN = [*FORMULATIONS, *PATCHES]
@@ -37,7 +41,7 @@ def any_shell(
         make = fl.AncfShell if formulation == "ancf" else fl.ThinShell
         return make(patch, section, along=along, name=name)
     return fl.Shell(
-        fl.surface(place, cells),
+        fl.mesh.parametric_surface(place, cells),
         section,
         director=director,
         along=along,

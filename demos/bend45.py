@@ -53,42 +53,42 @@ import fem_lie as fl
 HERE = Path(__file__).parent
 REFERENCE = np.array([47.15043857, 15.68480053, 53.47485879])
 FORCE = 600.0
-UNITS = fl.Units(length="length", force="force")
-Choice: TypeAlias = fl.Formulation | fl.AncfElement | None
+UNITS = fl.post.Units(length="length", force="force")
+Choice: TypeAlias = fl.elements.BeamFormulation | fl.elements.AncfElement | None
 FORMULATIONS: dict[str, Choice] = {
-    "geodesic": fl.Geodesic(),
-    "director1": fl.Director(1),
-    "director2": fl.Director(2),
-    "rod": fl.Kirchhoff(),
+    "geodesic": fl.elements.GeodesicBeam(),
+    "director1": fl.elements.DirectorBeam(1),
+    "director2": fl.elements.DirectorBeam(2),
+    "rod": fl.elements.KirchhoffRod(),
     "spline": None,
-    "discrete": fl.DiscreteRod(),
-    "plain": fl.Geodesic(bending_flexibility=False),
-    "ancf": fl.AncfElement(),
+    "discrete": fl.elements.DiscreteRod(),
+    "plain": fl.elements.GeodesicBeam(bending_flexibility=False),
+    "ancf": fl.elements.AncfElement(),
 }
 
 
 def solve(
     elements: int, load_steps: int, formulation: Choice
-) -> tuple[dict[str, Any], fl.StaticResult, fl.SectionForces | None]:
+) -> tuple[dict[str, Any], fl.StaticResult, fl.post.SectionForces | None]:
     """Load it; a record of numbers, the equilibrium states and the section forces of the last.
 
     Of sections that deform, and of edges, there are none.
     """
-    mesh = fl.read_gmsh(
-        fl.run_gmsh_script(HERE.parent / "meshes" / "bend45.geo", {"cells": elements})
+    mesh = fl.mesh.read_gmsh_lines(
+        fl.mesh.run_gmsh_script(HERE.parent / "meshes" / "bend45.geo", {"cells": elements})
     )
     EA, GA, EI = 1e7, 5e6, 1e7 / 12
     square = 0.5 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])  # for the picture only
     section = fl.Section.from_stiffness([EA, GA, GA, EI, EI, EI], outline=square)
     scene = fl.Scene()
     beam: fl.AncfBeam | fl.Beam
-    if isinstance(formulation, fl.AncfElement):
+    if isinstance(formulation, fl.elements.AncfElement):
         beam = scene.add(fl.AncfBeam(mesh, section, formulation=formulation, name="bend"))
         beam.clamp(beam.point("clamp"))
     elif formulation is None:
         points = mesh.points[np.argsort(np.linalg.norm(mesh.points, axis=1))]  # from the clamp on
         ends = {"clamp": np.array([0]), "tip": np.array([elements])}
-        line = replace(fl.Spline.through(points).mesh(), named_points=ends)
+        line = replace(fl.mesh.Spline.through(points).mesh(), named_points=ends)
         beam = scene.add(fl.Rod(line, section, name="bend"))
         scene.add(fl.Clamp(beam.point("clamp")))
     else:
@@ -109,7 +109,7 @@ def solve(
     }
     if isinstance(beam, fl.AncfBeam) or not beam.formulation.bends:
         return record, result, None
-    forces = fl.section_forces(result, beam, scene, steps=[-1])
+    forces = fl.post.section_forces(result, beam, scene, steps=[-1])
     for key, name in (("root_torque", "T"), ("root_moment", "My")):
         record[key] = float(forces.at(beam.point("clamp"), name)[-1])
     record["force_error"] = float(np.abs(forces.cut_forces - (0, 0, FORCE)).max() / FORCE)

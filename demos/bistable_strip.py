@@ -13,9 +13,10 @@ The force follows F1 until it meets the line of a mode. If the middle may not tu
 strips that are joined there) it falls on F3 below zero and comes back to F1: without a force the
 strip stays where it is, near D = 2, if Q > 2.31.
 
-Seen by the tangent, both places where a line of a mode is met are bifurcations: `fl.branch` enters
-the path of the mode at the first, which is unstable, and leaves it at the second onto the stable
-one. A strip whose middle may turn leaves F1 much earlier, with a lopsided mode, and comes back to
+Seen by the tangent, both places where a line of a mode is met are bifurcations:
+`fl.stability.switch_branch` enters the path of the mode at the first, which is unstable, and leaves
+it at the second onto the stable one. A strip whose middle may turn leaves F1 much earlier, with a
+lopsided mode, and comes back to
 it just below zero: it is bistable by a hair.
 """
 
@@ -33,11 +34,11 @@ import fem_lie as fl
 MATERIAL = fl.Material(3e9, 0.35, 1000.0)
 LENGTH, THICKNESS, WIDTH = 0.1, 5e-4, 5e-3
 BENDING = MATERIAL.E * WIDTH * THICKNESS**3 / 12
-UNITS = fl.Units()
-Paths = tuple[fl.EquilibriumPath, ...]
+UNITS = fl.post.Units()
+Paths = tuple[fl.stability.EquilibriumPath, ...]
 
 
-def strip(q: float, elements: int, *, guided: bool) -> tuple[fl.Scene, fl.Point, float]:
+def strip(q: float, elements: int, *, guided: bool) -> tuple[fl.Scene, fl.extend.Point, float]:
     """The strip, or half of it if its middle is guided; its middle; and h.
 
     At load factor 1 the force on the whole strip is 1000 EI h/L^3.
@@ -57,7 +58,9 @@ def strip(q: float, elements: int, *, guided: bool) -> tuple[fl.Scene, fl.Point,
         # a pin on the middle stays upright
         for name, lever in (("middle", 0.0), ("pin", h)):
             at = beam.point("end").position + np.array([0.0, 0.0, lever])
-            scene.add(fl.InPlane(fl.ground(), beam.point("end"), at=at, axis=(1, 0, 0), name=name))
+            scene.add(
+                fl.joints.InPlane(fl.ground(), beam.point("end"), at=at, axis=(1, 0, 0), name=name)
+            )
     else:
         scene.add(fl.Clamp(beam.point("end")))
     middle = beam.point(elements // 2)
@@ -69,11 +72,11 @@ def push(q: float, elements: int, *, guided: bool) -> Paths:
     """Paths to where it turns aside, from there, and to where it rests; D is over h."""
     scene, middle, h = strip(q, elements, guided=guided)
     watched = {"D": lambda state: float(-state.displacement(middle)[2] / h)}
-    first = fl.PathEnds(critical_points=1)
+    first = fl.stability.PathEnds(critical_points=1)
     before = fl.follow_path(scene, first, observe=watched)
-    turned = fl.branch(scene, before.critical[0])
+    turned = fl.stability.switch_branch(scene, before.critical[0])
     aside = fl.follow_path(scene, first, start=turned, observe=watched)
-    back = fl.branch(scene, aside.critical[0])
+    back = fl.stability.switch_branch(scene, aside.critical[0])
     return before, aside, fl.follow_path(scene, start=back, observe=watched)
 
 

@@ -37,10 +37,10 @@ JOINTS = [
 ]
 
 
-def frame(elements: int, joints: bool) -> tuple[fl.Scene, fl.Point]:
+def frame(elements: int, joints: bool) -> tuple[fl.Scene, fl.extend.Point]:
     """The scene and the end of the outrigger; of one mesh, or of parts with ``joints``."""
-    mesh = fl.read_gmsh(
-        fl.run_gmsh_script(HERE.parent / "meshes" / "frame.geo", {"cells": elements})
+    mesh = fl.mesh.read_gmsh_lines(
+        fl.mesh.run_gmsh_script(HERE.parent / "meshes" / "frame.geo", {"cells": elements})
     )
     scene = fl.Scene(gravity=(0, 0, -9.81))
     if joints:
@@ -49,20 +49,24 @@ def frame(elements: int, joints: bool) -> tuple[fl.Scene, fl.Point]:
             for group, section in SECTIONS.items()
         }
         for point, first, second in JOINTS:
-            scene.add(fl.Fixed(parts[first].point(point), parts[second].point(point), name=point))
+            scene.add(
+                fl.joints.Fixed(parts[first].point(point), parts[second].point(point), name=point)
+            )
     else:
         parts = dict.fromkeys(SECTIONS, scene.add(fl.Beam(mesh, SECTIONS, up=UP, name="frame")))
     end = parts["outrigger"].point("end")
     place = end.position + np.array([0.3, 0.3, -0.5])
     weight = scene.add(fl.RigidBody(300.0, (10, 10, 10), place))
     if joints:
-        scene.add(fl.Fixed(end, weight.point("centre"), at=end.position, name="weight"))
+        scene.add(fl.joints.Fixed(end, weight.point("centre"), at=end.position, name="weight"))
     else:
-        scene.add(fl.RigidLink(end, weight.point("centre")))
+        scene.add(fl.joints.RigidLink(end, weight.point("centre")))
     for foot in ("left foot", "right foot"):
         scene.add(fl.Clamp(parts["columns"].point(foot)))
-    scene.add(fl.Temperature(parts["girder"], 40.0, 1.2e-5, gradient=(0.0, 300.0), cells="girder"))
-    scene.add(fl.PressureLoad(parts["columns"], 800.0, (0, 1, 0), cells="columns"))
+    scene.add(
+        fl.loads.Temperature(parts["girder"], 40.0, 1.2e-5, gradient=(0.0, 300.0), cells="girder")
+    )
+    scene.add(fl.loads.PressureLoad(parts["columns"], 800.0, (0, 1, 0), cells="columns"))
     return scene, end
 
 

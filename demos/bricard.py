@@ -6,9 +6,9 @@ coordinates, 6 x 5 constraints. One of these follows from the others because of 
 there is one degree of freedom, and one joint force that the motion does not decide.
 
 fem_lie refuses such a scene unless it may choose the smallest of all possible joint forces:
-Scene(redundant=fl.Redundant.MINIMUM_NORM). The mechanism falls under gravity along -y from rest and
-comes back. Reference: maximal coordinates with least squares, 8 digits early, 7 at the end. Runs
-with --step, half of it and so on are extrapolated.
+Scene(redundant=fl.joints.RedundantConstraints.MINIMUM_NORM). The mechanism falls under gravity
+along -y from rest and comes back. Reference: maximal coordinates with least squares, 8 digits
+early, 7 at the end. Runs with --step, half of it and so on are extrapolated.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ EVERY = 0.25
 """Time between two rows of the reference."""
 
 
-def mechanism(redundant: fl.Redundant) -> tuple[fl.Scene, fl.RigidBody]:
+def mechanism(redundant: fl.joints.RedundantConstraints) -> tuple[fl.Scene, fl.RigidBody]:
     """The scene, and the bar from P2 to P3."""
     scene = fl.Scene(gravity=(0, -9.81, 0), redundant=redundant)
     along, across = 0.1**2 / 6, (1.0 + 0.1**2) / 12
@@ -40,14 +40,16 @@ def mechanism(redundant: fl.Redundant) -> tuple[fl.Scene, fl.RigidBody]:
         bars.append(scene.add(fl.RigidBody(1.0, inertia, 0.5 * (start + end))))
     sides = [fl.ground(), *(bar.point("centre") for bar in bars), fl.ground()]
     for k, (a, b) in enumerate(pairwise(sides)):
-        scene.add(fl.Revolute(a, b, at=POINTS[k], axis=AXES[k], name=f"hinge {k}"))
+        scene.add(fl.joints.Revolute(a, b, at=POINTS[k], axis=AXES[k], name=f"hinge {k}"))
     return scene, bars[2]
 
 
 def refusal(step: float) -> str:
     """What is said of the scene by default."""
     try:
-        fl.GeneralisedAlpha().run(mechanism(fl.Redundant.REFUSE)[0], duration=step, step=step)
+        fl.GeneralisedAlpha().run(
+            mechanism(fl.joints.RedundantConstraints.REFUSE)[0], duration=step, step=step
+        )
     except ValueError as error:
         return str(error)
     return ""
@@ -61,7 +63,7 @@ def main(
     corner = POINTS[3] - 0.5 * (POINTS[2] + POINTS[3])
     results = []
     for h in (step / 2**k for k in range(runs)):
-        scene, bar = mechanism(fl.Redundant.MINIMUM_NORM)
+        scene, bar = mechanism(fl.joints.RedundantConstraints.MINIMUM_NORM)
         result = scheme.run(scene, duration=duration, step=h, save_every=round(EVERY / h))
         path = result.position(bar.point("centre")) + result.rotation(bar.point("centre")) @ corner
         results.append(path[1:])

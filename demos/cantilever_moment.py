@@ -26,19 +26,19 @@ HERE = Path(__file__).parent
 LENGTH, WIDTH, THICKNESS, E = 12.0, 1.0, 0.1, 1.2e6
 STIFFNESS = E * WIDTH * THICKNESS**3 / 12
 CIRCLE = 2 * np.pi * STIFFNESS / LENGTH
-UNITS = fl.Units(length="length")
-FORMULATIONS: dict[str, fl.ShellFormulation] = {
-    "HR": fl.HellingerReissner(),
-    "HW": fl.HuWashizu(),
-    "MITC4": fl.Displacement(),
-    "decoupled": fl.HellingerReissner(fl.DECOUPLED),
+UNITS = fl.post.Units(length="length")
+FORMULATIONS: dict[str, fl.elements.ShellFormulation] = {
+    "HR": fl.elements.HellingerReissner(),
+    "HW": fl.elements.HuWashizu(),
+    "MITC4": fl.elements.DisplacementBased(),
+    "decoupled": fl.elements.HellingerReissner(fl.elements.DECOUPLED),
 }
 
 
-def strip(cells: int, formulation: fl.ShellFormulation) -> fl.Scene:
+def strip(cells: int, formulation: fl.elements.ShellFormulation) -> fl.Scene:
     """The cantilever, one cell wide."""
     shell = fl.Shell(
-        fl.surface(lambda a, b: (LENGTH * a, WIDTH * b, 0.0), (cells, 1)),
+        fl.mesh.parametric_surface(lambda a, b: (LENGTH * a, WIDTH * b, 0.0), (cells, 1)),
         fl.ShellSection.layer(THICKNESS, fl.Material(E, 0.0, 1.0)),
         formulation=formulation,
         name="strip",
@@ -46,7 +46,7 @@ def strip(cells: int, formulation: fl.ShellFormulation) -> fl.Scene:
     shell.clamp("a=0")
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.EdgeLoad(shell, "a=1", moment=(0, -CIRCLE / WIDTH, 0)))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", moment=(0, -CIRCLE / WIDTH, 0)))
     return scene
 
 

@@ -27,20 +27,20 @@ REFERENCE = {
     0.75: (2.544419, 6.032923),
     1.0: (3.289678, 6.700108),
 }
-UNITS = fl.Units(length="length")
+UNITS = fl.post.Units(length="length")
 
 
 def strip(cells: int) -> fl.Scene:
     """The cantilever, one cell wide."""
     shell = fl.Shell(
-        fl.surface(lambda a, b: (LENGTH * a, WIDTH * b, 0.0), (cells, 1)),
+        fl.mesh.parametric_surface(lambda a, b: (LENGTH * a, WIDTH * b, 0.0), (cells, 1)),
         fl.ShellSection.layer(THICKNESS, fl.Material(1.2e6, 0.0, 1.0)),
         name="strip",
     )
     shell.clamp("a=0")
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.EdgeLoad(shell, "a=1", force=(0, 0, FORCE / WIDTH)))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(0, 0, FORCE / WIDTH)))
     return scene
 
 

@@ -21,7 +21,7 @@ import fem_lie as fl
 DRUM, RADIUS, HELD = 0.1, 2e-4, 1.0
 EXTENSION, BENDING, PENALTY = 1e4, 1e-5, 1e6  # N, N m^2, N/m^2
 TAILS = 3  # elements of each
-ELEMENT = fl.Geodesic(bending_flexibility=False)
+ELEMENT = fl.elements.GeodesicBeam(bending_flexibility=False)
 
 
 def laid(angle: float) -> fl.Beam:
@@ -58,9 +58,9 @@ def main(
     scene.add(rope)
     motion = scene.add(fl.PrescribedMotion(rope.point("end"), pulled))
     scene.add(fl.PointLoad(rope.point("start"), force=-HELD * rope.frames[0, 1]))
-    drum = fl.Cylinder(fl.ground(), (0, 0, 0.4), DRUM)
-    law = fl.Penalty(PENALTY, friction=friction)
-    scene.add(fl.Contact(fl.Line(rope, RADIUS), drum, law, name="rope"))
+    drum = fl.contact.Cylinder(fl.ground(), (0, 0, 0.4), DRUM)
+    law = fl.contact.Penalty(PENALTY, friction=friction)
+    scene.add(fl.contact.Contact(fl.contact.Line(rope, RADIUS), drum, law, name="rope"))
     result = fl.statics(scene, load_steps=load_steps)
     forces = result.reaction(motion)[:, :3] @ start[1]
     ratio, wanted = float(forces[-1] / HELD), float(np.exp(friction * phi))

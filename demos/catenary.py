@@ -46,13 +46,13 @@ import fem_lie as fl
 
 LONGER = 1.01
 Cable = fl.AncfBeam | fl.Cable | fl.SplineCable | fl.Rod
-ELEMENTS: dict[str, fl.Formulation | fl.AncfElement] = {
-    "cable": fl.HermiteCable(),
-    "rod": fl.Kirchhoff(),
-    "slack": fl.HermiteCable(slack=1e-4),
-    "discrete": fl.DiscreteCable(),
-    "spline": fl.IsogeometricCable(slack=1e-4),
-    "ancf": fl.AncfElement(bending_flexibility=False),
+ELEMENTS: dict[str, fl.elements.BeamFormulation | fl.elements.AncfElement] = {
+    "cable": fl.elements.HermiteCable(),
+    "rod": fl.elements.KirchhoffRod(),
+    "slack": fl.elements.HermiteCable(slack=1e-4),
+    "discrete": fl.elements.DiscreteCable(),
+    "spline": fl.elements.IsogeometricCable(slack=1e-4),
+    "ancf": fl.elements.AncfElement(bending_flexibility=False),
 }
 
 
@@ -65,15 +65,15 @@ def section(longer: float = 1.0) -> fl.Section:
 def laid(element: str, elements: int) -> Cable:
     """The cable at the start."""
     made, own = ELEMENTS[element], section()
-    if isinstance(made, fl.IsogeometricCable):
+    if isinstance(made, fl.elements.IsogeometricCable):
         place, s = parabola(1.0), np.linspace(0, 1, elements + 1)
         rates = place(s + 0.5) - place(s - 0.5)  # exact on a parabola
         return fl.SplineCable(s, place(s), rates, own, formulation=made, name="cable")
     start = parabola(LONGER) if element != "slack" else lambda s: (SPAN * s, RISE * s, 0.0)
-    mesh = fl.curve(start, elements)
-    if isinstance(made, fl.AncfElement):
+    mesh = fl.mesh.curve(start, elements)
+    if isinstance(made, fl.elements.AncfElement):
         return fl.AncfBeam(mesh, own, length=LENGTH, formulation=made, name="cable")
-    if isinstance(made, fl.Kirchhoff):
+    if isinstance(made, fl.elements.KirchhoffRod):
         return fl.Rod(mesh, section(LONGER), formulation=made, name="cable")
     return fl.Cable(mesh, own, length=LENGTH, formulation=made, name="cable")
 
@@ -85,7 +85,7 @@ def hang(element: str, elements: int) -> tuple[dict[str, Any], fl.StaticResult, 
     s = np.concatenate([[0.0], np.cumsum(cable.consistent_shares()[1].sum(axis=1))])
     if isinstance(cable, fl.Rod):
         s *= LENGTH / s[-1]
-        scene.add(fl.Eigenstrain(cable, (1 / LONGER - 1, 0, 0, 0, 0, 0)))
+        scene.add(fl.loads.Eigenstrain(cable, (1 / LONGER - 1, 0, 0, 0, 0, 0)))
         cable.held[[0, -1], :3] = True
         cable.held[0, 3] = True  # it would turn about itself
     else:

@@ -37,19 +37,21 @@ import fem_lie as fl
 AMPLITUDES = (0.01, 0.03, 0.1, 0.3, 0.5)
 
 
-def rings(thickness: float, amplitude: float) -> fl.FieldImperfection:
+def rings(thickness: float, amplitude: float) -> fl.stability.FieldImperfection:
     """Outward in the middle of the cell: there the square mode has its node."""
     wave = half_wave(thickness)
 
-    return fl.FieldImperfection(lambda x: -amplitude * np.cos(np.pi * x[2] / wave) * outward(x))
+    return fl.stability.FieldImperfection(
+        lambda x: -amplitude * np.cos(np.pi * x[2] / wave) * outward(x)
+    )
 
 
 def knock_down(thickness: float, mesh: int) -> dict[float, float]:
     """Load at the first critical point with ring imperfections, by their amplitude over t."""
     perfect, loads = cell(thickness, mesh), {}
     for amplitude in AMPLITUDES:
-        wavy = fl.imperfect(perfect, rings(thickness, amplitude * thickness))
-        path = fl.follow_path(wavy, fl.PathEnds(critical_points=1))
+        wavy = fl.stability.apply_imperfections(perfect, rings(thickness, amplitude * thickness))
+        path = fl.follow_path(wavy, fl.stability.PathEnds(critical_points=1))
         loads[amplitude] = path.critical[0].factor
     return loads
 
@@ -57,9 +59,9 @@ def knock_down(thickness: float, mesh: int) -> dict[float, float]:
 def random_waves(thickness: float, mesh: int, seed: int) -> float | None:
     """Load at the first critical point with random waves of 0.3 t."""
     wave = 2 * half_wave(thickness)
-    random = fl.RandomImperfection(0.3 * thickness, wave, seed, along=outward)
-    until = fl.PathEnds(critical_points=1, load_range=(-0.1, 1.2))
-    path = fl.follow_path(fl.imperfect(cell(thickness, mesh), random), until)
+    random = fl.stability.RandomImperfection(0.3 * thickness, wave, seed, along=outward)
+    until = fl.stability.PathEnds(critical_points=1, load_range=(-0.1, 1.2))
+    path = fl.follow_path(fl.stability.apply_imperfections(cell(thickness, mesh), random), until)
     return path.critical[0].factor if path.critical else None
 
 

@@ -36,13 +36,13 @@ import fem_lie as fl
 
 REFERENCE, LOAD = 6.932, 100.0
 SHEAR, BULK = 80.1938, 400889.8
-PUBLISHED, SOFT = 32.25, fl.SaintVenantKirchhoff(0.07, 1 / 3)
+PUBLISHED, SOFT = 32.25, fl.sections.SaintVenantKirchhoff(0.07, 1 / 3)
 """Mean of those of small strains, and its material."""
 SMALL, SMALL_LOAD = 1e-6, 0.1
-ELEMENTS: dict[str, tuple[int, fl.SolidFormulation]] = {
-    "mean": (1, fl.MeanDilatation()),
-    "plain": (1, fl.Isoparametric()),
-    "quadratic": (2, fl.Isoparametric()),
+ELEMENTS: dict[str, tuple[int, fl.elements.SolidFormulation]] = {
+    "mean": (1, fl.elements.MeanDilatation()),
+    "plain": (1, fl.elements.Isoparametric()),
+    "quadratic": (2, fl.elements.Isoparametric()),
 }
 
 
@@ -61,24 +61,24 @@ def place(a: float, b: float, c: float) -> tuple[float, float, float]:
 
 def solve(
     element: str, mesh: int, load_steps: int, small: bool
-) -> tuple[dict[str, Any], fl.SolidStresses]:
+) -> tuple[dict[str, Any], fl.post.SolidStresses]:
     """Load it; a record of numbers, and the stress in the end."""
     degree, formulation = ELEMENTS[element]
-    material = SOFT if small else fl.Hyperelastic(rubber, parameters=(SHEAR, BULK))
+    material = SOFT if small else fl.sections.Hyperelastic(rubber, parameters=(SHEAR, BULK))
     load, unit, reference = (
         (SMALL * SMALL_LOAD, SMALL, PUBLISHED) if small else (LOAD, 1, REFERENCE)
     )
-    cells = fl.block(place, (mesh, mesh, 1))
+    cells = fl.mesh.parametric_volume(place, (mesh, mesh, 1))
     panel = fl.Solid(cells, material, degree=degree, formulation=formulation, name="panel")
     panel.clamp("a=0")
     panel.held[:, 2] = True
     scene = fl.Scene()
     scene.add(panel)
-    scene.add(fl.FaceLoad(panel, "a=1", (0, load / 16, 0)))
+    scene.add(fl.loads.FaceLoad(panel, "a=1", (0, load / 16, 0)))
     result = fl.statics(scene, load_steps=load_steps)
     corner = panel.point("110")
     rise = float(result.displacement(corner)[-1, 1]) / unit
-    stresses = fl.solid_stresses(result, panel)
+    stresses = fl.post.solid_stresses(result, panel)
     record = {
         "element": element,
         "mesh": mesh,
@@ -104,7 +104,7 @@ def main(
     if pictures:
         path = in_results("cooks_membrane.png")
         stresses.picture(
-            path, title="Cook's membrane", units=fl.Units(length="length", force="force")
+            path, title="Cook's membrane", units=fl.post.Units(length="length", force="force")
         )
     return record
 

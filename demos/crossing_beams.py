@@ -33,7 +33,7 @@ def led(beam: fl.Beam, node: int) -> fl.PrescribedMotion:
     def frame(t: float) -> np.ndarray:
         return start + t * np.array([SPEED, *np.zeros((3, 3))])
 
-    return fl.PrescribedMotion(fl.Point(beam, node), frame)
+    return fl.PrescribedMotion(fl.extend.Point(beam, node), frame)
 
 
 def main(
@@ -53,17 +53,17 @@ def main(
         scene.add(fl.Beam.straight(*ends, section, cells=cells)) for ends in (LOWER, UPPER)
     )
     for node in (0, cells):
-        scene.add(fl.Clamp(fl.Point(lower, node)))
+        scene.add(fl.Clamp(fl.extend.Point(lower, node)))
     upper.add_velocity(SPEED)
     for node in range(cells + 1):
         scene.add(led(upper, node))
-    lines = fl.Line(lower, RADIUS), fl.Line(upper, RADIUS)
-    contact = scene.add(fl.Contact(*lines, fl.Penalty(stiffness), name="beams"))
+    lines = fl.contact.Line(lower, RADIUS), fl.contact.Line(upper, RADIUS)
+    contact = scene.add(fl.contact.Contact(*lines, fl.contact.Penalty(stiffness), name="beams"))
     scheme = fl.GeneralisedAlpha(radius=0.5, tolerance=1e-8)
     result = scheme.run(scene, duration=1.0, step=step, progress=False)
-    at = result.position(fl.Point(lower, NODE * mesh))
+    at = result.position(fl.extend.Point(lower, NODE * mesh))
     moved = at[-1] - at[0]
-    forces = fl.contact_forces(result, contact)
+    forces = fl.post.contact_forces(result, contact)
     touching = np.flatnonzero(np.linalg.norm(forces.total, axis=1) > 0)
     if pictures:
         file, last = in_results("crossing_beams.png"), (0.0, 1.0)

@@ -31,10 +31,10 @@ VARIANTS = {
     "stretchable": (3e6, 3e10, (896.8413923, -72.92283728)),
     "stiff": (1e8, 1e8, (897.2891401, -73.04371536)),
 }
-UNITS = fl.Units(length="length")
+UNITS = fl.post.Units(length="length")
 
 
-def arch(elements: int, variant: str, *, across: float = 100.0) -> tuple[fl.Scene, fl.Point]:
+def arch(elements: int, variant: str, *, across: float = 100.0) -> tuple[fl.Scene, fl.extend.Point]:
     """The arch and its crown; ``across`` is the stiffness across the plane over that in it."""
     EA, GA, _ = VARIANTS[variant]
     strip = [(-0.5, -4.0), (0.5, -4.0), (0.5, 4.0), (-0.5, 4.0)]  # for the picture only
@@ -47,7 +47,7 @@ def arch(elements: int, variant: str, *, across: float = 100.0) -> tuple[fl.Scen
 
     scene = fl.Scene()
     beam = scene.add(fl.Beam.curve(place, section, cells=elements, up=(0, 0, 1), name="arch"))
-    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
+    scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
     scene.add(fl.Clamp(beam.point("end")))
     crown = beam.point(elements // 2)
     scene.add(fl.PointLoad(crown, force=(0, -FORCE, 0)))

@@ -31,16 +31,16 @@ def dominoes(count: int, floor_friction: float) -> tuple[fl.Scene, list[fl.Rigid
     """The scene and the dominoes along X, the lower front edge of the first at the origin."""
     scene = fl.Scene(gravity=(0, 0, -ROW.gravity))
     edges = np.array([ROW.thickness, WIDTH, ROW.height])
-    floor = fl.Plane(fl.ground(), (0, 0, 1))
+    floor = fl.contact.Plane(fl.ground(), (0, 0, 1))
     bodies, surfaces = [], []
     for k in range(count):
         place = k * (ROW.spacing + ROW.thickness) - ROW.thickness / 2, 0, ROW.height / 2
         body = scene.add(fl.RigidBody(1.0, box_inertia(1.0, edges), place, name=f"domino {k + 1}"))
-        surfaces.append(fl.Box(body.point("centre"), edges))
-        scene.add(fl.Contact(surfaces[-1], floor, fl.Impact(floor_friction)))
+        surfaces.append(fl.contact.Box(body.point("centre"), edges))
+        scene.add(fl.contact.Contact(surfaces[-1], floor, fl.contact.Impact(floor_friction)))
         bodies.append(body)
     for behind, front in pairwise(surfaces):
-        scene.add(fl.Contact(behind, front, fl.Impact()))
+        scene.add(fl.contact.Contact(behind, front, fl.contact.Impact()))
     bodies[0].add_velocity(omega=(0, PUSH, 0), about=bodies[0].point((0, 0, 0)))
     return scene, bodies
 

@@ -33,13 +33,17 @@ import fem_lie as fl
 REFERENCE = table("double_four_bar")
 INERTIA, HALF = (1e-9, 1.0 / 12.0, 1.0 / 12.0), np.array([0.5, 0.0, 0.0])
 Scheme = fl.GeneralisedAlpha | fl.EnergyMomentum
-Step = float | fl.AdaptiveStep
+Step = float | fl.schemes.AdaptiveStep
 Found = tuple[fl.Result, np.ndarray, dict[str, Any]]
 
 
 def mechanism(angle: float = np.pi / 2, speed: float = 1.0, pins: bool = False) -> fl.Scene:
     """The scene at an angle of the upright bars from x, which turn backwards with ``speed``."""
-    kind = fl.Redundant.REFUSE if pins else fl.Redundant.MINIMUM_NORM
+    kind = (
+        fl.joints.RedundantConstraints.REFUSE
+        if pins
+        else fl.joints.RedundantConstraints.MINIMUM_NORM
+    )
     scene = fl.Scene(gravity=(0, -9.81, 0), redundant=kind)
     along, z = np.array([np.cos(angle), np.sin(angle), 0.0]), np.array([0.0, 0.0, 1.0])
     axes = np.column_stack([along, np.cross(z, along), z])
@@ -49,18 +53,18 @@ def mechanism(angle: float = np.pi / 2, speed: float = 1.0, pins: bool = False) 
         bar = scene.add(fl.RigidBody(1.0, INERTIA, foot + 0.5 * along, axes, name=f"bar {k}"))
         bar.add_velocity(omega=-speed * z, about=foot)
         upright.append(bar.point("centre"))
-        scene.add(fl.Revolute(fl.ground(), upright[k], at=foot, axis=z))
+        scene.add(fl.joints.Revolute(fl.ground(), upright[k], at=foot, axis=z))
     for k in range(2):
         place = np.array([k + 0.5, 0.0, 0.0]) + along
         bar = scene.add(fl.RigidBody(1.0, INERTIA, place, name=f"top {k}"))
         bar.add_velocity(np.cross(-speed * z, along))
         left, right, top = place - HALF, place + HALF, bar.point("centre")
-        scene.add(fl.Revolute(upright[k], top, at=left, axis=z))
+        scene.add(fl.joints.Revolute(upright[k], top, at=left, axis=z))
         if pins:
             for normal in np.eye(3)[:2]:
-                scene.add(fl.InPlane(upright[k + 1], top, at=right, axis=normal))
+                scene.add(fl.joints.InPlane(upright[k + 1], top, at=right, axis=normal))
         else:
-            scene.add(fl.Revolute(top, upright[k + 1], at=right, axis=z))
+            scene.add(fl.joints.Revolute(top, upright[k + 1], at=right, axis=z))
     return scene
 
 
@@ -98,7 +102,10 @@ def main(
 ) -> dict[str, Any]:
     """``runs``: constant steps of step, step/2 and so on; each must divide 0.5 s."""
     alpha, conserving = fl.GeneralisedAlpha(radius=0.9, tolerance=tolerance), fl.EnergyMomentum()
-    halves, variable = [step / 2**k for k in range(runs)], fl.AdaptiveStep(1e-3, largest=0.02)
+    halves, variable = (
+        [step / 2**k for k in range(runs)],
+        fl.schemes.AdaptiveStep(1e-3, largest=0.02),
+    )
     found = [attempt(alpha, mechanism(), duration, h) for h in halves]
     shared = min(len(path) for _, path, _ in found)
     limit = extrapolated([path[:shared] for _, path, _ in found])

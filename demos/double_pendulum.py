@@ -43,10 +43,10 @@ SPIN = {1: (3, 0, -4), 2: (3, 0, -4), 3: (3, 0, 0)}
 STEP = {1: 1e-4, 2: 1e-5, 3: 1e-4}
 DURATION = {1: 1.0, 2: 0.5, 3: 1.0}
 POLICIES = {
-    "automatic": fl.Automatic(),
-    "every": fl.EveryIteration(),
-    "limit": fl.Limit(4),
-    "never": fl.Never(),
+    "automatic": fl.schemes.Automatic(),
+    "every": fl.schemes.EveryIteration(),
+    "limit": fl.schemes.IterationLimit(4),
+    "never": fl.schemes.FactoriseOnce(),
 }
 
 
@@ -62,11 +62,11 @@ def pendulum(case: int = 1, elements: int = 10) -> tuple[fl.Scene, fl.Beam, fl.B
     two = scene.add(
         fl.Beam.straight((0.3, 0, 0), (0.3, 0.5, 0), square, cells=elements, name="bar II")
     )
-    scene.add(fl.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), one.point("start")))
     if case == 3:
-        scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0)))
+        scene.add(fl.joints.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0)))
     else:
-        scene.add(fl.Spherical(one.point("end"), two.point("start")))
+        scene.add(fl.joints.Spherical(one.point("end"), two.point("start")))
     two.add_velocity(omega=SPIN[case], about=two.point("start"))
     return scene, one, two
 

@@ -31,7 +31,7 @@ from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 import fem_lie as fl
 
 LENGTH, BENDING, FORCE = 10.0, 100.0, 4.0
-UNITS = fl.Units(length="length")
+UNITS = fl.post.Units(length="length")
 
 
 def elastica(force: float) -> np.ndarray:

@@ -13,7 +13,8 @@ and its load has a maximum 14 % above the critical one, at which it snaps.
 
 Here the critical load is found in two ways: by linear buckling (one call, `fl.buckling`), and by
 following the straight column until the tangent gets a negative pivot; that bifurcation is located
-to 1e-6 of the load. Then the branch is entered (`fl.branch`) and followed as any other path. With
+to 1e-6 of the load. Then the branch is entered (`fl.stability.switch_branch`) and followed as any
+other path. With
 an imperfection in the shape of the first mode there is no bifurcation: the path bends into the
 branch. The column stretches a little (EA L^2/EI = 1e6), so both loads differ by beta^2/1e6.
 """
@@ -45,12 +46,14 @@ def column(ends: str, elements: int) -> tuple[fl.Scene, fl.Beam]:
     if bottom == "fixed":
         scene.add(fl.Clamp(beam.point("start")))
     else:
-        scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
+        scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
     if head != "free":
-        scene.add(fl.InPlane(fl.ground(), beam.point("end"), axis=(1, 0, 0)))
+        scene.add(fl.joints.InPlane(fl.ground(), beam.point("end"), axis=(1, 0, 0)))
     if head == "fixed":  # a stiff pin on top stays upright, too
         pin = (0, 0, 1.1 * LENGTH)
-        scene.add(fl.InPlane(fl.ground(), beam.point("end"), at=pin, axis=(1, 0, 0), name="pin"))
+        scene.add(
+            fl.joints.InPlane(fl.ground(), beam.point("end"), at=pin, axis=(1, 0, 0), name="pin")
+        )
     load = BETA[ends] ** 2 * BENDING / LENGTH**2
     scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, -load)))
     return scene, beam
@@ -66,15 +69,19 @@ def study(
     bent = {"deflection": lambda state: abs(state.position(middle)[0])}
     straight = fl.follow_path(scene, 1.1, observe=bent)
     point = straight.bifurcations[0]
-    until = fl.PathEnds(beyond, stop=lambda state: -state.position(beam.point("end"))[2])
-    branch = fl.follow_path(scene, until, start=fl.branch(scene, point), observe=bent)
-    out_of_shape = fl.imperfect(scene, fl.ModeImperfection(modes, 1, imperfection * LENGTH))
+    until = fl.stability.PathEnds(beyond, stop=lambda state: -state.position(beam.point("end"))[2])
+    branch = fl.follow_path(
+        scene, until, start=fl.stability.switch_branch(scene, point), observe=bent
+    )
+    out_of_shape = fl.stability.apply_imperfections(
+        scene, fl.stability.ModeImperfection(modes, 1, imperfection * LENGTH)
+    )
     imperfect = fl.follow_path(out_of_shape, until, observe=bent)
     load, deflection = branch.factors[-1], float(branch.observed["deflection"][-1])
     if file is not None:
         others = [(path, path.observed["deflection"]) for path in (straight, imperfect)]
         over = (1.0, "load over Euler's")
-        units = fl.Units(length="length")
+        units = fl.post.Units(length="length")
         branch.plot_path(
             "deflection", file, label="deflection", load=over, others=others, units=units
         )

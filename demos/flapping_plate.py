@@ -46,14 +46,16 @@ from fem_lie import lie
 
 def sheet(cells: tuple[int, int], A: float, nu: float) -> fl.Scene:
     """The hinged sheet with its drive of amplitude ``A``."""
-    mesh = fl.surface(lambda a, b: (LENGTH * a, given.CHORD * b, 0.0), cells)
+    mesh = fl.mesh.parametric_surface(lambda a, b: (LENGTH * a, given.CHORD * b, 0.0), cells)
     section = fl.ShellSection.layer(given.THICKNESS, fl.Material(given.E, nu, given.DENSITY))
     wing = fl.Shell(mesh, section, name="wing")
     wing.hinge("a=0")
     wing.add_velocity(omega=(0.0, -A * BEAT, 0.0), about=(0.0, 0.0, 0.0))
     scene = fl.Scene()
     scene.add(wing)
-    scene.add(fl.EdgeLoad(wing, "a=0", moment=(0, 1, 0), history=lambda t: given.moment(A, t)))
+    scene.add(
+        fl.loads.EdgeLoad(wing, "a=0", moment=(0, 1, 0), history=lambda t: given.moment(A, t))
+    )
     return scene
 
 

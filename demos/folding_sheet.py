@@ -26,7 +26,7 @@ import fem_lie as fl
 
 THICKNESS, MOST, ROUND = 0.02, 20.0, 0.002
 PRESSURES = np.array([4.0, 4.5, 5.0, 6.0, 8.0, 12.0, 16.0, 20.0])
-UNITS = fl.Units(length="R")
+UNITS = fl.post.Units(length="R")
 
 
 def place(a: float, b: float) -> np.ndarray:
@@ -45,18 +45,22 @@ def outwards(x: np.ndarray) -> np.ndarray:
     return np.cross(tangent, [0, 1, 0]) / np.linalg.norm(tangent)
 
 
-def tube(mesh: int, stiffness: float) -> tuple[fl.Scene, fl.Shell, fl.Contact]:
+def tube(mesh: int, stiffness: float) -> tuple[fl.Scene, fl.Shell, fl.contact.Contact]:
     """The scene, its shell with EI = 1 per width, and how it touches itself."""
     section = fl.ShellSection.layer(THICKNESS, fl.Material(12 / THICKNESS**3, 0.0, 1.0))
-    shell = fl.Shell(fl.surface(place, (mesh, 1)), section, director=outwards)
+    shell = fl.Shell(fl.mesh.parametric_surface(place, (mesh, 1)), section, director=outwards)
     for curve, normal in (("a=0", (1, 0, 0)), ("a=1", (1, 0, 0)), ("b=0", (0, 1, 0))):
         shell.symmetry(curve, normal)
-    scene, surface = fl.Scene(), fl.Skin(shell)
+    scene, surface = fl.Scene(), fl.contact.ShellSurface(shell)
     scene.add(shell)
-    side = fl.Point(shell, int(np.argmax(shell.frames[:, 0, 0])))
-    scene.add(fl.InPlane(fl.ground(), side, axis=(0, 0, 1)))
-    scene.add(fl.SurfacePressure(shell, -MOST))
-    return scene, shell, scene.add(fl.Contact(surface, surface, fl.Penalty(stiffness)))
+    side = fl.extend.Point(shell, int(np.argmax(shell.frames[:, 0, 0])))
+    scene.add(fl.joints.InPlane(fl.ground(), side, axis=(0, 0, 1)))
+    scene.add(fl.loads.SurfacePressure(shell, -MOST))
+    return (
+        scene,
+        shell,
+        scene.add(fl.contact.Contact(surface, surface, fl.contact.Penalty(stiffness))),
+    )
 
 
 def main(
@@ -65,7 +69,7 @@ def main(
     """``mesh``: cells of half the ring; ``stiffness``: of the contact, in EI/R⁴ over lengths."""
     scene, shell, contact = tube(mesh, stiffness)
     result = fl.statics(scene, load_steps=load_steps)
-    found = fl.contact_forces(result, contact)
+    found = fl.post.contact_forces(result, contact)
     at = [int(np.argmin(np.abs(MOST * result.factors - p))) for p in PRESSURES]
     wanted = collapse(PRESSURES, THICKNESS)
     ends = np.flatnonzero(shell.frames[:, 0, 0] < 1e-9)

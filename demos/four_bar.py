@@ -40,23 +40,23 @@ def bar(start: Any, end: Any, cells: int, of: Any, name: str) -> fl.Beam:
     return fl.Beam.straight(start, end, section, cells=cells, up=(0, 1, 0), name=name)
 
 
-def mechanism(cells: int, ramp: float) -> tuple[fl.Scene, fl.Beam, fl.Revolute]:
+def mechanism(cells: int, ramp: float) -> tuple[fl.Scene, fl.Beam, fl.joints.Revolute]:
     """The scene, bar AB and the joint at D."""
     scene = fl.Scene()
     one = scene.add(bar(A, B, cells, THICK, "AB"))
     two = scene.add(bar(B, C, cells, THICK, "BC"))
     three = scene.add(bar(C, D, cells, THIN, "CD"))
     y, tilted = (0, 1, 0), (-np.sin(DEFECT), np.cos(DEFECT), 0)
-    drive = scene.add(fl.Revolute(fl.ground(), one.point("start"), axis=y, name="A"))
-    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=y, name="B"))
-    scene.add(fl.Revolute(two.point("end"), three.point("start"), axis=tilted, name="C"))
-    last = scene.add(fl.Revolute(fl.ground(), three.point("end"), axis=y, name="D"))
+    drive = scene.add(fl.joints.Revolute(fl.ground(), one.point("start"), axis=y, name="A"))
+    scene.add(fl.joints.Revolute(one.point("end"), two.point("start"), axis=y, name="B"))
+    scene.add(fl.joints.Revolute(two.point("end"), three.point("start"), axis=tilted, name="C"))
+    last = scene.add(fl.joints.Revolute(fl.ground(), three.point("end"), axis=y, name="D"))
 
     def angle(t: float) -> float:
         s = min(t / ramp, 1.0)
         return SPEED * (ramp * s**4 * (2.5 - 3 * s + s**2) + max(t - ramp, 0.0))
 
-    scene.add(fl.Drive(drive.angle, angle, name="motor"))
+    scene.add(fl.joints.Drive(drive.angle, angle, name="motor"))
     return scene, one, last
 
 
@@ -72,7 +72,7 @@ def main(
     scene, one, last = mechanism(elements, ramp)
     steps = round((duration + ramp / 2) / step)
     result = fl.GeneralisedAlpha(radius=0.5).run(scene, duration=steps * step, step=step)
-    forces = fl.section_forces(result, one, scene)
+    forces = fl.post.section_forces(result, one, scene)
     values = np.column_stack(
         [
             result.position("AB.end"),

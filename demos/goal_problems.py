@@ -12,33 +12,33 @@ from deep_arch import ANGLE, BENDING, FORCE, RADIUS, VARIANTS
 import fem_lie as fl
 
 HOLE = 0.5
-PLAIN = fl.Geodesic(bending_flexibility=False)
+PLAIN = fl.elements.GeodesicBeam(bending_flexibility=False)
 
 
-def arch(mesh: fl.LineMesh) -> fl.Scene:
+def arch(mesh: fl.mesh.LineMesh) -> fl.Scene:
     """The stretchable arch, a hundred times as stiff across its plane."""
     EA, GA, _ = VARIANTS["stretchable"]
     section = fl.Section.from_stiffness([EA, GA, GA, 100 * BENDING, 100 * BENDING, BENDING])
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, section, up=(0, 0, 1), formulation=PLAIN, name="arch"))
-    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
+    scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
     scene.add(fl.Clamp(beam.point("end")))
     scene.add(fl.PointLoad(beam.point("crown"), force=(0, -FORCE, 0)))
     return scene
 
 
-def arch_line() -> fl.LineMesh:
+def arch_line() -> fl.mesh.LineMesh:
     """Eight cells, and the name of the crown."""
 
     def place(s: float) -> tuple[float, float, float]:
         angle = ANGLE * (s - 0.5)
         return RADIUS * np.sin(angle), RADIUS * np.cos(angle), 0.0
 
-    mesh = fl.curve(place, 8)
+    mesh = fl.mesh.curve(place, 8)
     return replace(mesh, named_points={**mesh.named_points, "crown": 4})
 
 
-def plate(mesh: fl.SurfaceMesh) -> fl.Scene:
+def plate(mesh: fl.mesh.SurfaceMesh) -> fl.Scene:
     """A quarter, of thickness 0.05."""
     section = fl.ShellSection.layer(0.05, fl.Material(1e6, 0.3, 1.0))
     shell = fl.Shell(mesh, section, name="plate")
@@ -50,14 +50,14 @@ def plate(mesh: fl.SurfaceMesh) -> fl.Scene:
     return scene
 
 
-def quarter() -> fl.SurfaceMesh:
+def quarter() -> fl.mesh.SurfaceMesh:
     """From the hole to the sides of the square."""
 
     def place(a: float, b: float) -> np.ndarray:
         along = np.array([np.cos(a * np.pi / 2), np.sin(a * np.pi / 2), 0.0])
         return HOLE * (1 - b) * along + b * along / np.abs(along).max()
 
-    return fl.surface(place, (4, 4), cell="triangle")
+    return fl.mesh.parametric_surface(place, (4, 4), cell="triangle")
 
 
 def out_of_hole(x: np.ndarray) -> np.ndarray:
@@ -65,7 +65,7 @@ def out_of_hole(x: np.ndarray) -> np.ndarray:
     return x * max(1.0, HOLE / np.hypot(*x[:2]))
 
 
-def frame(mesh: fl.LineMesh) -> fl.Scene:
+def frame(mesh: fl.mesh.LineMesh) -> fl.Scene:
     """Two arms and a stiff corner."""
     arm = fl.Section.rectangle(0.1, 0.1, fl.Material(1e9, 0.3, 1e3))
     corner = fl.Section.rectangle(0.1, 0.1, fl.Material(1e11, 0.3, 1e3))
@@ -77,9 +77,11 @@ def frame(mesh: fl.LineMesh) -> fl.Scene:
     return scene
 
 
-def frame_line() -> fl.LineMesh:
+def frame_line() -> fl.mesh.LineMesh:
     """Two metres up and two across, a quarter of a metre of each belonging to the corner."""
-    mesh = fl.polyline([(0, 0, 0), (0, 0, 1.75), (0, 0, 2), (0.25, 0, 2), (2, 0, 2)], [2, 1, 1, 2])
+    mesh = fl.mesh.polyline(
+        [(0, 0, 0), (0, 0, 1.75), (0, 0, 2), (0.25, 0, 2), (2, 0, 2)], [2, 1, 1, 2]
+    )
     return replace(mesh, groups={"arms": np.array([0, 1, 4, 5]), "corner": np.array([2, 3])})
 
 
@@ -88,13 +90,17 @@ class Case(NamedTuple):
 
     mesh: Callable[[], Any]
     build: Callable[[Any], fl.Scene]
-    goal: fl.CriticalLoad | fl.Frequency | fl.PointDisplacement
+    goal: (
+        fl.adaptivity.LimitLoadGoal
+        | fl.adaptivity.FrequencyGoal
+        | fl.adaptivity.PointDisplacementGoal
+    )
     onto: Callable[[np.ndarray], np.ndarray] | None = None
     part: float = 0.5
 
 
 CASES = {
-    "arch": Case(arch_line, arch, fl.CriticalLoad()),
-    "plate": Case(quarter, plate, fl.Frequency(1), out_of_hole, 0.9),
-    "frame": Case(frame_line, frame, fl.PointDisplacement("frame.end", (0, 0, -1))),
+    "arch": Case(arch_line, arch, fl.adaptivity.LimitLoadGoal()),
+    "plate": Case(quarter, plate, fl.adaptivity.FrequencyGoal(1), out_of_hole, 0.9),
+    "frame": Case(frame_line, frame, fl.adaptivity.PointDisplacementGoal("frame.end", (0, 0, -1))),
 }

@@ -38,7 +38,7 @@ FINER, TOLERANCE = 128, 0.1
 """First step over --step, and tolerance of the first milliseconds, m/s over --step."""
 
 
-def rod(scene: fl.Scene, side: float, axis: fl.Point, slider: fl.Point) -> None:
+def rod(scene: fl.Scene, side: float, axis: fl.extend.Point, slider: fl.extend.Point) -> None:
     """A rod with its mass, hinge and spring."""
     m, end, y = 0.3, 5.0, np.array([0, 1, 0])
     hinge, along = side * ASIDE * X, np.array([side * np.sin(START), 0, -np.cos(START)])
@@ -48,10 +48,10 @@ def rod(scene: fl.Scene, side: float, axis: fl.Point, slider: fl.Point) -> None:
     axes = np.column_stack([along, y, np.cross(along, y)])
     body = fl.RigidBody(m + end, inertia, hinge + lever * along, axes, name=f"rod {side:+.0f}")
     scene.add(body)
-    scene.add(fl.Revolute(axis, body.point("centre"), at=hinge, axis=(0, -side, 0)))
+    scene.add(fl.joints.Revolute(axis, body.point("centre"), at=hinge, axis=(0, -side, 0)))
     middle, bottom = hinge + 0.5 * along, slider.position + hinge
-    distance = fl.Distance(body.point("centre"), slider, at=middle, to=bottom)
-    scene.add(fl.Spring(distance.length, stiffness=8e5, damping=4e4, rest=0.5))
+    distance = fl.joints.Distance(body.point("centre"), slider, at=middle, to=bottom)
+    scene.add(fl.joints.Spring(distance.length, stiffness=8e5, damping=4e4, rest=0.5))
 
 
 def governor(speed: float) -> fl.Scene:
@@ -60,8 +60,8 @@ def governor(speed: float) -> fl.Scene:
     axis = scene.add(fl.RigidBody(0.3, (0.025, 0.025, 5e-6), (0, 0, 0), name="axis"))
     slider = scene.add(fl.RigidBody(3.0, (0.005, 0.005, 0.005), (0, 0, -0.5), name="slider"))
     middle, bead = axis.point("centre"), slider.point("centre")
-    scene.add(fl.Revolute(fl.ground(), middle, axis=(0, 0, 1), name="bearing"))
-    scene.add(fl.Prismatic(middle, bead, at=(0, 0, -0.5), axis=(0, 0, 1), name="guide"))
+    scene.add(fl.joints.Revolute(fl.ground(), middle, axis=(0, 0, 1), name="bearing"))
+    scene.add(fl.joints.Prismatic(middle, bead, at=(0, 0, -0.5), axis=(0, 0, 1), name="guide"))
     for side in (1.0, -1.0):
         rod(scene, side, middle, bead)
     for body in scene.bodies:
@@ -91,7 +91,7 @@ def main(
     reference = reference[(reference[:, 0] > 0) & (reference[:, 0] <= duration)]
     results = []
     for h in (step / 2**k for k in range(runs)):
-        variable = fl.AdaptiveStep(TOLERANCE * h, first=h / FINER, largest=h)
+        variable = fl.schemes.AdaptiveStep(TOLERANCE * h, first=h / FINER, largest=h)
         result = scheme.run(governor(speed), duration=duration, step=variable)
         results.append(motion(result, reference[:, 0]))
     errors, limit = largest_errors(results, reference[:, 1:])

@@ -17,21 +17,21 @@ from reference.catenary import GRAVITY, LENGTH, STRETCH, exact_frequencies
 
 import fem_lie as fl
 
-ELEMENTS = {"cable": fl.HermiteCable(), "discrete": fl.DiscreteCable()}
+ELEMENTS = {"cable": fl.elements.HermiteCable(), "discrete": fl.elements.DiscreteCable()}
 
 
 def main(element: str = "cable", elements: int = 32) -> dict[str, Any]:
     one_of("element", element, ELEMENTS)
     bending = 1e-10 * STRETCH * LENGTH**2
     section = fl.Section.from_stiffness([1e7] * 3 + [bending] * 3, mass=1.0)
-    mesh = fl.curve(lambda s: (0.0, 0.0, -LENGTH * s), elements)
+    mesh = fl.mesh.curve(lambda s: (0.0, 0.0, -LENGTH * s), elements)
     cable = fl.Cable(mesh, section, formulation=ELEMENTS[element])
     mass = fl.RigidBody(0.1 * LENGTH, (1e-3,) * 3, position=(0, 0, -LENGTH))
     mass.held[0, 3:] = True
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     for body in (cable, mass):
         scene.add(body)
-    scene.add(fl.Spherical(cable.point("end"), mass.point("centre")))
+    scene.add(fl.joints.Spherical(cable.point("end"), mass.point("centre")))
     cable.pin(cable.point("start"))
     found = fl.vibrations(scene, 6, at=fl.statics(scene)).frequencies
     error = np.abs(found / np.repeat(exact_frequencies(), 2) - 1).max()

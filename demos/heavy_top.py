@@ -49,14 +49,14 @@ from fem_lie import lie
 
 # time, centre of mass, unit quaternion (w, x, y, z) of the body's axes
 REFERENCE = table("heavy_top")
-MAPS = {"exponential": fl.Parametrisation.EXPONENTIAL, "cayley": fl.Parametrisation.CAYLEY}
+MAPS = {"exponential": fl.lie.Parametrisation.EXPONENTIAL, "cayley": fl.lie.Parametrisation.CAYLEY}
 
 
-def top(group: fl.Group) -> fl.Scene:
+def top(group: fl.lie.Group) -> fl.Scene:
     """A body on its tip."""
     scene, inertia = fl.Scene(gravity=(0, 0, -9.81)), (0.234375, 0.46875, 0.234375)
     body = scene.add(fl.RigidBody(15.0, inertia, (0, 1, 0), name="top").set_group(group))
-    scene.add(fl.Spherical(fl.ground(), body.point("centre"), at=(0, 0, 0), name="tip"))
+    scene.add(fl.joints.Spherical(fl.ground(), body.point("centre"), at=(0, 0, 0), name="tip"))
     body.add_velocity(omega=(0, 150, -4.61538), about=(0, 0, 0))
     return scene
 
@@ -69,17 +69,17 @@ def main(
     parametrisation: str = "exponential",
     pictures: bool = True,
 ) -> dict[str, Any]:
-    one_of("group", group, fl.Group.__members__)
+    one_of("group", group, fl.lie.Group.__members__)
     one_of("parametrisation", parametrisation, MAPS)
-    scene = top(fl.Group[group])
+    scene = top(fl.lie.Group[group])
     result, inertial = (
         fl.GeneralisedAlpha(
             radius=radius,
-            policy=fl.Limit(4),
+            policy=fl.schemes.IterationLimit(4),
             parametrisation=MAPS[parametrisation],
             components=components,
         ).run(scene, duration=duration, step=step)
-        for components in (fl.Components.LOCAL, fl.Components.INERTIAL)
+        for components in (fl.schemes.MatrixFrame.LOCAL, fl.schemes.MatrixFrame.INERTIAL)
     )
     steps = len(result.times) - 1
     position, rotation = errors(result)

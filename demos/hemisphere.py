@@ -47,25 +47,25 @@ def place(a: float, b: float) -> np.ndarray:
 
 def quarter(
     mesh: int, gmsh: bool = False, formulation: str = "HR"
-) -> fl.SurfaceMesh | fl.SmoothPatch:
+) -> fl.mesh.SurfaceMesh | fl.mesh.SmoothPatch:
     """Mesh of the quarter, by gmsh or by hand, or a patch for thin shells."""
     if formulation in PATCHES:
         return PATCHES[formulation](place, (mesh, mesh))
     if gmsh:
-        return fl.read_gmsh_surface(fl.run_gmsh_script(MODEL, {"cells": mesh}))
-    return fl.surface(place, (mesh, mesh))
+        return fl.mesh.read_gmsh_surface(fl.mesh.run_gmsh_script(MODEL, {"cells": mesh}))
+    return fl.mesh.parametric_surface(place, (mesh, mesh))
 
 
 def pinched(
     thickness: float,
-    mesh: fl.SurfaceMesh | fl.SmoothPatch | fl.SplineMesh,
-    formulation: fl.ShellFormulation | fl.AncfPlate | None = None,
+    mesh: fl.mesh.SurfaceMesh | fl.mesh.SmoothPatch | fl.mesh.SplineMesh,
+    formulation: fl.elements.ShellFormulation | fl.elements.AncfPlate | None = None,
 ) -> fl.Scene:
     """A quarter with its supports and loads."""
     section = fl.ShellSection.layer(thickness, fl.Material(6.825e7, 0.3, 1.0))
     shell: fl.Shell | fl.ThinShell | fl.AncfShell
-    if isinstance(mesh, fl.SmoothPatch | fl.SplineMesh):
-        make = fl.AncfShell if isinstance(formulation, fl.AncfPlate) else fl.ThinShell
+    if isinstance(mesh, fl.mesh.SmoothPatch | fl.mesh.SplineMesh):
+        make = fl.AncfShell if isinstance(formulation, fl.elements.AncfPlate) else fl.ThinShell
         shell = make(mesh, section, name="hemisphere")
     else:
         shell = fl.Shell(
@@ -93,14 +93,16 @@ def main(
     one_of("formulation", formulation, KNOWN)
     if gmsh and formulation in PATCHES:
         raise ValueError("thin shells lie on patches, which are no meshes: leave out gmsh")
-    element = fl.AncfPlate() if formulation == "ancf" else FORMULATIONS.get(formulation)
+    element = fl.elements.AncfPlate() if formulation == "ancf" else FORMULATIONS.get(formulation)
     fl.follow_loads(pinched(thickness, quarter(4, formulation=formulation), element))  # compiles
     result = fl.follow_loads(pinched(thickness, quarter(mesh, gmsh, formulation), element))
     a = float(result.position("hemisphere.00")[-1, 0] - RADIUS)
     b = float(RADIUS - result.position("hemisphere.10")[-1, 1])
     if pictures:
         file = in_results("hemisphere.png")
-        result.picture(file, title="Pinched hemisphere, a quarter", units=fl.Units(length="length"))
+        result.picture(
+            file, title="Pinched hemisphere, a quarter", units=fl.post.Units(length="length")
+        )
     return {
         "thickness": thickness,
         "mesh": mesh,

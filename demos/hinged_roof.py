@@ -30,7 +30,7 @@ PUBLISHED = {  # deflections and load factors of Sze, Liu & Lo, some of them
            (14.52, -0.1001), (16.961, -0.1271), (23.1, -0.0484), (30.023, 0.2403),
            (36.626, 0.8114)],
 }  # fmt: skip
-UNITS = fl.Units(length="mm")
+UNITS = fl.post.Units(length="mm")
 
 
 def place(a: float, b: float) -> np.ndarray:
@@ -39,10 +39,10 @@ def place(a: float, b: float) -> np.ndarray:
     return np.array([RADIUS * np.sin(angle), HALF_LENGTH * b, RADIUS * (np.cos(angle) - 1.0)])
 
 
-def roof(thickness: float, mesh: int) -> tuple[fl.Scene, fl.Point]:
+def roof(thickness: float, mesh: int) -> tuple[fl.Scene, fl.extend.Point]:
     """A quarter with its supports and a quarter of the load, and the centre."""
     shell = fl.Shell(
-        fl.surface(place, (mesh, mesh)),
+        fl.mesh.parametric_surface(place, (mesh, mesh)),
         fl.ShellSection.layer(thickness, fl.Material(3102.75, 0.3, 1.0)),
         director=lambda x: np.array([x[0], 0.0, x[2] + RADIUS]) / RADIUS,
         name="roof",
@@ -64,7 +64,7 @@ def turns(values: np.ndarray) -> bool:
 def main(thickness: float = 6.35, mesh: int = 16, pictures: bool = True) -> dict[str, Any]:
     if thickness not in LIMITS:
         raise ValueError(f"thickness must be one of {list(LIMITS)}, got {thickness}")
-    fl.follow_path(roof(thickness, 2)[0], fl.PathEnds(steps=1))  # compiles
+    fl.follow_path(roof(thickness, 2)[0], fl.stability.PathEnds(steps=1))  # compiles
     scene, centre = roof(thickness, mesh)
     path = fl.follow_path(scene, observe={"deflection": lambda s: -s.displacement(centre)[2]})
     upper, lower = path.limits

@@ -30,11 +30,11 @@ from command_line import one_of, run
 
 import fem_lie as fl
 
-POLICIES: dict[str, fl.Policy] = {
-    "auto": fl.Automatic(),
-    "secants": fl.Automatic(secants=3),
-    "nni4": fl.Limit(4),
-    "full": fl.EveryIteration(),
+POLICIES: dict[str, fl.schemes.RefactorisationPolicy] = {
+    "auto": fl.schemes.Automatic(),
+    "secants": fl.schemes.Automatic(secants=3),
+    "nni4": fl.schemes.IterationLimit(4),
+    "full": fl.schemes.EveryIteration(),
 }
 
 
@@ -54,7 +54,7 @@ def main(
 ) -> dict[str, Any]:
     one_of("policy", policy, POLICIES)
     antenna = Antenna(bays, driven, duration, elements, cells, slack)
-    kept, axes = POLICIES[policy], fl.Components(int(inertial))
+    kept, axes = POLICIES[policy], fl.schemes.MatrixFrame(int(inertial))
     scheme = fl.GeneralisedAlpha(radius=radius, policy=kept, components=axes)
     made = round(duration / step) if steps is None else steps
     every = max(1, made // 100)

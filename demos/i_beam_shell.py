@@ -53,8 +53,8 @@ FORCES = {"strong": (0.0, 0.0, 1e4), "weak": (0.0, 1e4, 0.0)}
 
 def of_shells(along: int, length: float, force: tuple[float, ...], torque: float = 0.0) -> fl.Scene:
     """Cantilever of shells with a rigid plate at its end."""
-    mesh = fl.read_gmsh_surface(
-        fl.run_gmsh_script(
+    mesh = fl.mesh.read_gmsh_surface(
+        fl.mesh.run_gmsh_script(
             HERE.parent / "meshes" / "i_beam.geo", {"along": along, "length": length}
         )
     )
@@ -67,7 +67,7 @@ def of_shells(along: int, length: float, force: tuple[float, ...], torque: float
     plate = scene.add(fl.RigidBody(1.0, inertia, position=(length, 0, 0), name="plate"))
     ends = {p.node: p for name in ("top end", "bottom end", "web end") for p in beam.points(name)}
     for point in ends.values():
-        scene.add(fl.RigidLink(plate.point("centre"), point))
+        scene.add(fl.joints.RigidLink(plate.point("centre"), point))
     scene.add(fl.PointLoad(plate.point("centre"), force=force, moment=(torque, 0, 0)))
     return scene
 

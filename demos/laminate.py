@@ -41,16 +41,16 @@ import fem_lie as fl
 
 HERE = Path(__file__).parent
 E2 = 1.0
-FIBRES = fl.Orthotropic(25 * E2, E2, 0.25, 0.5 * E2, 0.5 * E2, 0.2 * E2, 1.0)
+FIBRES = fl.sections.Orthotropic(25 * E2, E2, 0.25, 0.5 * E2, 0.5 * E2, 0.2 * E2, 1.0)
 CENTRE = (SIDE / 2, SIDE / 2)
 PLACES = {"w": CENTRE, "M11": CENTRE, "M22": CENTRE, "M12": (0.0, 0.0), "Q1": (0.0, SIDE / 2)}
-UNITS = fl.Units(length="a", force="E2 a²")
+UNITS = fl.post.Units(length="a", force="E2 a²")
 
 
 def cross_ply(thickness: float) -> fl.ShellSection:
     """Four equal plies, 0/90/90/0."""
     return fl.ShellSection.laminate(
-        [fl.Ply(thickness / 4, FIBRES, angle) for angle in (0.0, 90.0, 90.0, 0.0)]
+        [fl.sections.Ply(thickness / 4, FIBRES, angle) for angle in (0.0, 90.0, 90.0, 0.0)]
     )
 
 
@@ -58,11 +58,11 @@ def plate(
     section: fl.ShellSection,
     cells: int,
     load: float,
-    formulation: fl.ShellFormulation | None = None,
+    formulation: fl.elements.ShellFormulation | None = None,
 ) -> tuple[fl.Scene, fl.Shell]:
     """The simply supported square under a uniform load along its director."""
     shell = fl.Shell(
-        fl.surface(lambda a, b: (SIDE * a, SIDE * b, 0.0), (cells, cells)),
+        fl.mesh.parametric_surface(lambda a, b: (SIDE * a, SIDE * b, 0.0), (cells, cells)),
         section,
         along=(1, 0, 0),
         formulation=formulation,
@@ -80,9 +80,9 @@ def plate(
 
 def compare(
     result: fl.StaticResult, shell: fl.Shell, section: fl.ShellSection, load: float
-) -> tuple[fl.Resultants, dict[str, tuple[float, float]]]:
+) -> tuple[fl.post.Resultants, dict[str, tuple[float, float]]]:
     """Resultants, and found and exact values of each quantity."""
-    found = fl.resultants(result, shell)
+    found = fl.post.resultants(result, shell)
     info, pairs = result.info.body(shell.name), {}
     for name, (x, y) in PLACES.items():
         node = int(np.linalg.norm(shell.mesh.points[:, :2] - [x, y], axis=1).argmin())

@@ -35,7 +35,7 @@ import fem_lie as fl
 STEEL = fl.Material(210e9, 0.3, 7850.0)
 LENGTH, HEIGHT, WIDTH = 2.0, 0.1, 0.0025
 ROOT = brentq(lambda x: jv(-0.25, x), 1.9, 2.1, xtol=1e-14)
-UNITS = fl.Units()
+UNITS = fl.post.Units()
 
 
 def prandtl(stiffness: np.ndarray, length: float) -> float:
@@ -45,7 +45,7 @@ def prandtl(stiffness: np.ndarray, length: float) -> float:
 
 def cantilever(section: fl.Section, elements: int, load: float) -> fl.Scene:
     """Along x, its height along z."""
-    scene, end, by = fl.Scene(), (LENGTH, 0, 0), fl.Director(2)
+    scene, end, by = fl.Scene(), (LENGTH, 0, 0), fl.elements.DirectorBeam(2)
     beam = fl.Beam.straight(
         (0, 0, 0), end, section, cells=elements, up=(0, 0, 1), name="beam", formulation=by
     )
@@ -58,7 +58,7 @@ def cantilever(section: fl.Section, elements: int, load: float) -> fl.Scene:
 def plate(mesh: int, load: float) -> fl.Scene:
     """The strip as a shell in the plane of x and z."""
     strip = fl.Shell(
-        fl.surface(lambda a, b: (LENGTH * a, 0.0, HEIGHT * (b - 0.5)), (mesh, 4)),
+        fl.mesh.parametric_surface(lambda a, b: (LENGTH * a, 0.0, HEIGHT * (b - 0.5)), (mesh, 4)),
         fl.ShellSection.layer(WIDTH, STEEL),
         name="plate",
     )
@@ -74,7 +74,7 @@ def plate(mesh: int, load: float) -> fl.Scene:
 def study(scene: fl.Scene, file: Path | None) -> dict[str, Any]:
     """Both critical loads, over the one that was applied, and a picture of the branch."""
     linear = float(fl.buckling(scene, 1).factors[0])
-    path = fl.follow_path(scene, fl.PathEnds(2.0, critical_points=1))
+    path = fl.follow_path(scene, fl.stability.PathEnds(2.0, critical_points=1))
     point = path.critical[0]
     if file is not None:
         point.picture(file, amplitude=0.15 * LENGTH, units=UNITS)

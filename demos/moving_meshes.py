@@ -13,7 +13,7 @@ from matplotlib.collections import PolyCollection
 
 import fem_lie as fl
 
-PLAIN = fl.Geodesic(bending_flexibility=False)
+PLAIN = fl.elements.GeodesicBeam(bending_flexibility=False)
 
 # --- a wave in a rod ---
 
@@ -29,7 +29,7 @@ def push(time: float) -> float:
     return sin(pi * time / LASTS) ** 2 if 0.0 < time < LASTS else 0.0
 
 
-def rod(mesh: fl.LineMesh) -> fl.Scene:
+def rod(mesh: fl.mesh.LineMesh) -> fl.Scene:
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, BAR, formulation=PLAIN, name="line"))
     scene.add(fl.PointLoad(beam.point("start"), force=(FORCE, 0, 0), history=push))
@@ -58,8 +58,8 @@ MOTIONS = {
 }
 
 
-def line(motion: Motion, cells: int) -> fl.LineMesh:
-    return fl.straight((0, 0, 0), (motion.length, 0, 0), cells)
+def line(motion: Motion, cells: int) -> fl.mesh.LineMesh:
+    return fl.mesh.straight_line((0, 0, 0), (motion.length, 0, 0), cells)
 
 
 def uniform(motion: Motion, cells: int, steps: int, duration: float) -> tuple[fl.Scene, fl.Result]:
@@ -81,7 +81,7 @@ def strains(scene: fl.Scene, result: fl.Result, places: Any) -> Any:
     return d[which, 0] - 1.0
 
 
-def draw(found: fl.AdaptedMotion[fl.LineMesh], path: str) -> None:
+def draw(found: fl.adaptivity.AdaptedMotion[fl.mesh.LineMesh], path: str) -> None:
     """Elements over time, the smaller the darker."""
     boxes, sizes = [], []
     for part in found.segments:

@@ -65,7 +65,7 @@ def main(
 ) -> dict[str, Any]:
     scene, elements = capture(rings, cells, pull_from)
     started = process_time()
-    scheme = fl.EnergyMomentum(policy=fl.Automatic(secants=secants))
+    scheme = fl.EnergyMomentum(policy=fl.schemes.Automatic(secants=secants))
     result = scheme.run(scene, duration=time, step=step, progress=False)
     used = process_time() - started
     if pictures:
@@ -79,7 +79,7 @@ def main(
         "momentum_error": result.momentum_error,
         "angular_momentum_error": result.angular_momentum_error,
         "balance_error": result.balance_error,
-        "touching": int(fl.contact_forces(result, scene.contacts[1]).touching[-1]),
+        "touching": int(fl.post.contact_forces(result, scene.contacts[1]).touching[-1]),
         "mouth": wide,
         "height": height,
         "steps_in_parts": result.divided,

@@ -13,7 +13,7 @@ SIZE, BALL, SPEED, PULL = 1.0, 0.3, 10.0, 10.0
 THREAD = fl.Section.circle(1e-3, fl.Material(E=1e8, nu=0.3, density=1000.0))
 
 
-LAID = fl.DiscreteCable(natural=True)
+LAID = fl.elements.DiscreteCable(natural=True)
 """Cables are naturally as they are laid: straight ones about hexagons would spring open."""
 
 
@@ -68,14 +68,18 @@ def capture(rings: int, cells: int, start: float) -> tuple[fl.Scene, int]:
         mass.add_velocity((0.0, 0.0, -SPEED))
         masses.append(mass)
     for point, mass in zip(ends, [*masses, masses[-1]], strict=True):
-        scene.add(fl.Spherical(point, mass.point("centre")))
+        scene.add(fl.joints.Spherical(point, mass.point("centre")))
     k = 2.0 * THREAD.stiffness[0, 0] * rings * cells / SIZE
-    knots = fl.Rings([net.point(node) for node in edge])
-    scene.add(fl.Contact(fl.Rope(rope), knots, fl.Penalty(k), name="rings"))
-    every = [fl.Point(body, n) for body in (net, rope) for n in range(len(body.frames))]
-    ball = fl.Sphere(fl.ground(), BALL)
-    scene.add(fl.Contact(fl.Vertices(every, 1e-3), ball, fl.Penalty(2e2), name="net-ball"))
-    pull = fl.Table((0.0, start, start + 0.01), (0.0, 0.0, PULL))
+    knots = fl.contact.Rings([net.point(node) for node in edge])
+    scene.add(fl.contact.Contact(fl.contact.Rope(rope), knots, fl.contact.Penalty(k), name="rings"))
+    every = [fl.extend.Point(body, n) for body in (net, rope) for n in range(len(body.frames))]
+    ball = fl.contact.Sphere(fl.ground(), BALL)
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.Vertices(every, 1e-3), ball, fl.contact.Penalty(2e2), name="net-ball"
+        )
+    )
+    pull = fl.loads.PiecewiseLinear((0.0, start, start + 0.01), (0.0, 0.0, PULL))
     scene.add(fl.PointLoad(masses[-1].point("centre"), force=(0.0, 0.0, -1.0), history=pull))
     return scene, len(net.elements) + len(rope.elements)
 

@@ -28,7 +28,7 @@ def line(comm: MPI.Comm, elements: int) -> mesh.Mesh:
 class Cantilever:
     """Newton's method on the group, in twenty lines of PETSc."""
 
-    def __init__(self, q: fl.NodalFrames, forms: fl.LocalFrameForms) -> None:
+    def __init__(self, q: fl.NodalFrames, forms: fl.extend.LocalFrameForms) -> None:
         self.q, self.forms = q, forms
         V = q.increment.function_space
         clamp = fem.locate_dofs_geometrical(V, lambda x: np.isclose(x[0], 0.0))

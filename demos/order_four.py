@@ -1,8 +1,8 @@
 """Conservation with order four: compositions of the energy-momentum scheme.
 
-fem_lie.Composed makes each step of steps of another scheme, of which some go back in time, so that
-the errors of second order cancel. Each of them keeps energy and angular momentum to round-off, so
-all of them do. Three things are shown, of one case:
+fem_lie.schemes.Composed makes each step of steps of another scheme, of which some go back in time,
+so that the errors of second order cancel. Each of them keeps energy and angular momentum to
+round-off, so all of them do. Three things are shown, of one case:
 
 - the order, the one farthest from 4 of those of frames, velocities and joint forces;
 - errors of energy and angular momentum over many steps;
@@ -71,8 +71,8 @@ def main(
     pictures: bool = True,
 ) -> dict[str, Any]:
     one_of("case", case, CASES)
-    plan, how = CASES[case], fl.TripleJump() if triple else fl.FiveStages()
-    scheme, orders = fl.Composed(composition=how), {}
+    plan, how = CASES[case], fl.schemes.TripleJump() if triple else fl.schemes.FiveStages()
+    scheme, orders = fl.schemes.Composed(composition=how), {}
     runs = ends(scheme, plan.scene, plan.short, [(1 + 3 * triple) * n for n in plan.numbers])
     for name in ("frames", "velocities", "joint_forces"):
         last = [getattr(made, name)[-1] for made in runs]
@@ -96,11 +96,11 @@ def main(
     return record
 
 
-def costs(plan: Case, how: fl.Composition, repeats: int) -> list[np.ndarray]:
+def costs(plan: Case, how: fl.schemes.Composition, repeats: int) -> list[np.ndarray]:
     """Errors of places over the length, and least seconds, of both schemes by numbers of steps."""
-    end = ends(fl.Composed(), plan.timed, plan.long, [2560])[0].frames[-1, :, 0]
+    end = ends(fl.schemes.Composed(), plan.timed, plan.long, [2560])[0].frames[-1, :, 0]
     alpha = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-10)
-    both = (alpha, ALPHA), (fl.Composed(fl.EnergyMomentum(tolerance=ERROR), how), COMPOSED)
+    both = (alpha, ALPHA), (fl.schemes.Composed(fl.EnergyMomentum(tolerance=ERROR), how), COMPOSED)
     turns = [[[timed(s, plan, n) for n in ns] for s, ns in both] for _ in range(repeats)]
     curves = []
     for k, row in enumerate(turns[0]):

@@ -23,7 +23,7 @@ Bent by a moment M at its tip the strip becomes an arc of the curvature that sol
 an equation with one real root. The error against this closed form is of fourth order in the
 elements' length.
 
-A strain and a law (fl.StrainEnergy) say more than an energy: the stress can be carried as an
+A strain and a law (fl.extend.StrainEnergy) say more than an energy: the stress can be carried as an
 iterate (see rollup.py), and large steps converge for stiff sections, too. Both are run here.
 
 Before that the forms are checked on random large deformations: the residual against differences
@@ -55,10 +55,10 @@ MOMENT = BENDING * 1.5 * pi + STIFFENING * (1.5 * pi) ** 3  # makes three quarte
 
 def strip(
     msh: mesh.Mesh, stiffness_ratio: float, carried: bool = True
-) -> tuple[fl.NodalFrames, fl.LocalFrameForms]:
+) -> tuple[fl.NodalFrames, fl.extend.LocalFrameForms]:
     """The nodes' frames, and the forms of the energy in them."""
     q = fl.NodalFrames(msh, degree=2)
-    stretch, kappa = fl.director_strains(q)
+    stretch, kappa = fl.elements.director_strains(q)
     strain = ufl.as_vector([stretch[0] - 1, stretch[1], stretch[2], *kappa])
     EA = fem.Constant(msh, stiffness_ratio * BENDING / LENGTH**2)
     EI = fem.Constant(msh, BENDING)
@@ -69,7 +69,7 @@ def strip(
         return axial + EI / 2 * (s[3] ** 2 + s[4] ** 2 + s[5] ** 2) + c / 4 * s[5] ** 4
 
     dx = ufl.Measure("dx", domain=msh, metadata={"quadrature_degree": 3})
-    energy = fl.StrainEnergy(strain, law, dx)
+    energy = fl.extend.StrainEnergy(strain, law, dx)
     return q, fl.local_frame_forms(energy if carried else energy.form(), q)
 
 

@@ -32,7 +32,7 @@ import fem_lie as fl
 
 HERE = Path(__file__).parent
 RADIUS, HALF_LENGTH, THICKNESS, FORCE = 100.0, 100.0, 1.0, 12000.0
-UNITS = fl.Units(length="length")
+UNITS = fl.post.Units(length="length")
 # load factor: deflections inward under the force, and outward at a right angle from it
 PUBLISHED = {
     0.05: (9.561, -0.233),

@@ -10,7 +10,7 @@ import numpy as np
 import fem_lie as fl
 
 
-def of_path(*paths: fl.EquilibriumPath) -> dict[str, Any]:
+def of_path(*paths: fl.stability.EquilibriumPath) -> dict[str, Any]:
     """What paths took, together: steps, iterations, seconds."""
     return {
         "load_steps": sum(int((path.iterations > 0).sum()) - 1 for path in paths),

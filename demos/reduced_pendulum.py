@@ -14,8 +14,8 @@ The answers to accelerations make moments right beside the stiff edges, where th
 converge slowly. Energy is that of e = z + z Q z / 2, so that weight and centrifugal force stiffen
 bending. The inertia of rows (x, d_k) of all nodes is that of the full consistent matrix, projected
 once, with gyroscopic and centrifugal forces. Both models are integrated by the same scheme in the
-same steps. fem_lie.expand makes the full fields of the reduced motion, of which stress resultants
-and pictures are those of any shell.
+same steps. fem_lie.reduction.recover_full_motion makes the full fields of the reduced motion, of
+which stress resultants and pictures are those of any shell.
 
 The record has the number of coordinates, the largest distance of the lower hinge from that of the
 full model over the length of both plates, the same of the free end, the largest error of bending
@@ -39,33 +39,37 @@ LENGTH, WIDTH, THICKNESS, ANGLE = 0.5, 0.1, 15e-3, np.radians(30.0)
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
 
 
-def plate(scene: fl.Scene, x: float, name: str) -> tuple[fl.Shell, fl.Point, fl.Point]:
+def plate(
+    scene: fl.Scene, x: float, name: str
+) -> tuple[fl.Shell, fl.extend.Point, fl.extend.Point]:
     """A plate with stiff ends, and the middles of these."""
-    mesh = fl.surface(lambda a, b: (x + LENGTH * a, WIDTH * (b - 0.5), 0.0), (20, 4))
+    mesh = fl.mesh.parametric_surface(
+        lambda a, b: (x + LENGTH * a, WIDTH * (b - 0.5), 0.0), (20, 4)
+    )
     shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(THICKNESS, STEEL), name=name))
     ends = []
     for end in (x, x + LENGTH):
         edge = np.flatnonzero(np.abs(shell.frames[:, 0, 0] - end) < 1e-9)
         middle = edge[np.abs(shell.frames[edge, 0, 1]).argmin()]
         for node in edge[edge != middle]:
-            scene.add(fl.RigidLink(shell.point(middle), shell.point(node)))
+            scene.add(fl.joints.RigidLink(shell.point(middle), shell.point(node)))
         ends.append(shell.point(middle))
     return shell, *ends
 
 
-def hinged(scene: fl.Scene, points: list[fl.Point]) -> fl.Scene:
+def hinged(scene: fl.Scene, points: list[fl.extend.Point]) -> fl.Scene:
     """With both hinges, and weight."""
-    scene.add(fl.Revolute(fl.ground(), points[0], axis=(0, 1, 0)))
-    scene.add(fl.Revolute(points[1], points[2], axis=(0.2, 1, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), points[0], axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(points[1], points[2], axis=(0.2, 1, 0)))
     scene.gravity = 9.81 * np.array([np.cos(ANGLE), 0.0, -np.sin(ANGLE)])
     return scene
 
 
-def reduced(x: float, name: str, modes: int) -> fl.ReducedBody:
+def reduced(x: float, name: str, modes: int) -> fl.reduction.ReducedOrderBody:
     """A plate as a reduced-order body."""
     part = fl.Scene()
     _, *ends = plate(part, x, name)
-    return fl.reduced_body(part, ends, modes)
+    return fl.reduction.reduced_order_body(part, ends, modes)
 
 
 def main(
@@ -84,7 +88,7 @@ def main(
     fast = scheme.run(few, duration=duration, step=step)
     scheme.run(whole, duration=step, step=step)
     full = scheme.run(whole, duration=duration, step=step)
-    found = fl.expand(fast, *links)
+    found = fl.reduction.recover_full_motion(fast, *links)
     away = [
         np.linalg.norm(found.position(point) - full.position(point), axis=1) / (2 * LENGTH)
         for point in (first[1], second[1])

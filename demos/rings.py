@@ -37,7 +37,7 @@ MOMENT = (0.6, 0.0, 0.8)  # of length one: once around
 GAP = 1e-5  # of the ring, between its ends
 
 
-def helix(formulation: fl.Formulation, elements: int) -> tuple[float, float]:
+def helix(formulation: fl.elements.BeamFormulation, elements: int) -> tuple[float, float]:
     """Error of the tip over the length, and iterations per load step."""
     scene, ends = fl.Scene(), ((0, 0, 0), (LENGTH, 0, 0))
     rod = scene.add(fl.Rod.straight(*ends, SECTION, cells=elements, formulation=formulation))
@@ -57,14 +57,14 @@ def ring(discrete: bool, elements: int, natural: tuple[float, float, float]) -> 
         return float(np.sin(turn * s)), 1.0 - float(np.cos(turn * s)), 0.0
 
     scene = fl.Scene()
-    element = fl.DiscreteRod(natural=natural) if discrete else fl.Kirchhoff()
+    element = fl.elements.DiscreteRod(natural=natural) if discrete else fl.elements.KirchhoffRod()
     options: dict[str, Any] = {"up": (0, 0, 1), "formulation": element}
     rod = scene.add(fl.Rod.curve(circle, SECTION, cells=elements, **options))
     scene.add(fl.Clamp(rod.point("start")))
     scene.add(fl.Clamp(rod.point("end")))
     if not discrete:
         own = np.array([0, 0, 0, *natural]) - [0, 0, 0, 0, 0, 1.0]
-        scene.add(fl.Eigenstrain(rod, own))
+        scene.add(fl.loads.Eigenstrain(rod, own))
     return scene
 
 
@@ -81,7 +81,7 @@ def critical(unstable: Callable[[float], bool], below: float, above: float) -> f
 def buckles(discrete: bool, elements: int, natural: tuple[float, float, float]) -> bool:
     """Whether the plane ring is unstable."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", fl.UnstableEquilibriumWarning)
+        warnings.simplefilter("ignore", fl.stability.UnstableEquilibriumWarning)
         try:
             result = fl.statics(ring(discrete, elements, natural), load_steps=1)
         except fl.ConvergenceError:
@@ -93,7 +93,7 @@ def main(formulation: str = "rod", elements: int = 64) -> dict[str, Any]:
     if formulation not in ("rod", "discrete"):
         raise ValueError(f"formulation must be rod or discrete, got {formulation}")
     discrete = formulation == "discrete"
-    element = fl.DiscreteRod() if discrete else fl.Kirchhoff()
+    element = fl.elements.DiscreteRod() if discrete else fl.elements.KirchhoffRod()
     error, iterations = helix(element, elements)
     twist = critical(lambda angle: buckles(discrete, elements, (-angle / LENGTH, 0, 0)), 8.0, 14.0)
     curvature = critical(lambda k: buckles(discrete, elements, (0, 0, k)), 1.5, 3.0)

@@ -41,7 +41,9 @@ REFERENCES = {
 }
 
 
-def rod_in_box(ends: str, law: fl.Impact | fl.Penalty) -> tuple[fl.Scene, fl.RigidBody, fl.Contact]:
+def rod_in_box(
+    ends: str, law: fl.contact.Impact | fl.contact.Penalty
+) -> tuple[fl.Scene, fl.RigidBody, fl.contact.Contact]:
     """The scene, the rod, and what touches."""
     edges, middle = np.array([LENGTH, SIDE, SIDE]), (FIRST + SECOND) / 2
     outer, inner = (DENSITY * float(box.prod()) for box in (OUTER, INNER))
@@ -51,30 +53,30 @@ def rod_in_box(ends: str, law: fl.Impact | fl.Penalty) -> tuple[fl.Scene, fl.Rig
     rod = scene.add(fl.RigidBody(MASS, box_inertia(MASS, edges), middle, axes, name="rod"))
     box = scene.add(fl.RigidBody(outer - inner, moments, CENTRE, name="box"))
     scene.add(fl.PointLoad(rod.point("centre"), (0, 0, -GRAVITY * MASS)))
-    balls = fl.Vertices([rod.point(FIRST), rod.point(SECOND)], SIDE / 2)
-    surface = fl.Box(rod.point("centre"), edges) if ends == "square" else balls
-    walls = fl.Box(box.point("centre"), INNER, inside=True)
-    contact = scene.add(fl.Contact(surface, walls, law, name="rod in box"))
+    balls = fl.contact.Vertices([rod.point(FIRST), rod.point(SECOND)], SIDE / 2)
+    surface = fl.contact.Box(rod.point("centre"), edges) if ends == "square" else balls
+    walls = fl.contact.Box(box.point("centre"), INNER, inside=True)
+    contact = scene.add(fl.contact.Contact(surface, walls, law, name="rod in box"))
     return scene, rod, contact
 
 
-def law_of(law: str, friction: float, restitution: float) -> fl.Impact | fl.Penalty:
+def law_of(law: str, friction: float, restitution: float) -> fl.contact.Impact | fl.contact.Penalty:
     """By its name."""
     one_of("--law", law, ("impact", "penalty"))
     if law == "impact":
-        return fl.Impact(friction, restitution)
+        return fl.contact.Impact(friction, restitution)
     if friction or restitution:
         raise ValueError("--law penalty has neither friction nor restitution; give --friction 0")
-    return fl.Penalty(STIFFNESS, 2 * np.sqrt(STIFFNESS * MASS / 2), RAMP)
+    return fl.contact.Penalty(STIFFNESS, 2 * np.sqrt(STIFFNESS * MASS / 2), RAMP)
 
 
-def in_contact(result: fl.Result, contact: fl.Contact) -> tuple[int, float, float]:
+def in_contact(result: fl.Result, contact: fl.contact.Contact) -> tuple[int, float, float]:
     """Steps in which something touches, largest overlap and residual of the cones."""
     contacts = result.contacts
     if contacts is not None:
         count = int((contacts.contacts > 0).sum())
         return count, float(contacts.penetration.max()), float(contacts.cone_residual.max())
-    forces = fl.contact_forces(result, contact)
+    forces = fl.post.contact_forces(result, contact)
     return int((forces.touching > 0).sum()), float(forces.penetration.max()), 0.0
 
 

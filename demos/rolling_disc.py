@@ -67,7 +67,9 @@ def reference(tilt: float, spin: float, yaw: float, times: Any) -> Any:
     return run.y[:3].T
 
 
-def disc(tilt: float, spin: float, yaw: float) -> tuple[fl.Scene, fl.RigidBody, fl.RollingDisc]:
+def disc(
+    tilt: float, spin: float, yaw: float
+) -> tuple[fl.Scene, fl.RigidBody, fl.joints.RollingDisc]:
     """The scene, its body and its contact."""
     scene = fl.Scene(gravity=-GRAVITY * UP)
     x, R, velocity, omega = start(tilt, spin, yaw)
@@ -75,7 +77,7 @@ def disc(tilt: float, spin: float, yaw: float) -> tuple[fl.Scene, fl.RigidBody, 
     body.add_velocity(omega=omega, about=x)
     body.add_velocity(velocity)
     contact = scene.add(
-        fl.RollingDisc(fl.ground(), body.point("centre"), axis=R[:, 2], radius=RADIUS)
+        fl.joints.RollingDisc(fl.ground(), body.point("centre"), axis=R[:, 2], radius=RADIUS)
     )
     return scene, body, contact
 

@@ -34,7 +34,7 @@ from command_line import in_results, run
 import fem_lie as fl
 
 LENGTH, BENDING = 10.0, 100.0
-UNITS = fl.Units(length="length")
+UNITS = fl.post.Units(length="length")
 
 
 def cantilever(elements: int, stiffness_ratio: float) -> tuple[fl.Scene, fl.Beam]:
@@ -84,7 +84,9 @@ def plain(elements: int, load_steps: int, stiffness_ratio: float) -> dict[str, A
     """The same by Newton's method, step halving included."""
     scene, _ = cantilever(elements, stiffness_ratio)
     try:
-        result = fl.statics(scene, load_steps=load_steps, newton=fl.Newton(carried_stress=False))
+        result = fl.statics(
+            scene, load_steps=load_steps, newton=fl.schemes.Newton(carried_stress=False)
+        )
     except fl.ConvergenceError:
         return {"plain_converged": False}
     iterations = result.total_iterations

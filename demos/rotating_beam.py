@@ -41,7 +41,9 @@ def blade(elements: int) -> tuple[fl.Scene, fl.Beam]:
     return scene, beam
 
 
-def campbell(elements: int, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray, fl.Modes]:
+def campbell(
+    elements: int, speeds: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, fl.stability.Modes]:
     """First six frequencies at each speed over the first lag frequency scale, and references."""
     scene, beam = blade(elements)
     D, mass = np.diag(beam.stiffness[0]), beam.density[0, 0, 0]

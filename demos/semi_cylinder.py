@@ -39,7 +39,7 @@ import fem_lie as fl
 
 HERE = Path(__file__).parent
 RADIUS, LENGTH, THICKNESS, FORCE = 1.016, 3.048, 0.03, 2000.0
-UNITS = fl.Units(length="length")
+UNITS = fl.post.Units(length="length")
 # load factor: deflection of the crown
 REFERENCE = {
     "isotropic": {0.1: 0.161973, 0.2: 0.377751, 0.4: 1.145485, 0.7: 1.532459, 1.0: 1.717351},
@@ -53,9 +53,9 @@ def section(material: str) -> fl.ShellSection:
     if material == "isotropic":
         return fl.ShellSection.layer(THICKNESS, fl.Material(2.0685e7, 0.3, 1.0))
     E = 2.0685e7
-    ply = fl.Orthotropic(E, E / 4, 0.3, 7.956e6, 7.956e6, E / 4 / 2.6, 1.0)
+    ply = fl.sections.Orthotropic(E, E / 4, 0.3, 7.956e6, 7.956e6, E / 4 / 2.6, 1.0)
     angles = [float(angle) for angle in material.split("/")]
-    return fl.ShellSection.laminate([fl.Ply(THICKNESS / 3, ply, a) for a in angles])
+    return fl.ShellSection.laminate([fl.sections.Ply(THICKNESS / 3, ply, a) for a in angles])
 
 
 def place(a: float, b: float) -> np.ndarray:

@@ -32,7 +32,7 @@ import fem_lie as fl
 PIVOT, CRANK_END, SLIDER = np.array([[0, 0.1, 0.12], [0, 0.1, 0.2], [0.2, 0, 0]])
 SPEED, ROD_MASS, ROD_RADIUS = 6.0, 0.5, 0.008
 REFERENCE = table("slider_crank")
-Mechanism = tuple[fl.Scene, fl.Revolute, fl.Prismatic]
+Mechanism = tuple[fl.Scene, fl.joints.Revolute, fl.joints.Prismatic]
 EVERY = 0.05
 """Time between two rows of the reference."""
 
@@ -44,7 +44,7 @@ def flexible(elements: int, modulus: float) -> fl.Beam:
     return fl.Beam.straight(CRANK_END, SLIDER, section, cells=elements, name="rod")
 
 
-def mechanism(rod: fl.Body | None = None) -> Mechanism:
+def mechanism(rod: fl.extend.Body | None = None) -> Mechanism:
     """The scene, the crank's and the slider's joint; the rod is rigid if none is given."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     middle, J = 0.5 * (PIVOT + CRANK_END), (1e-4, 1e-4, 1e-5)
@@ -62,10 +62,12 @@ def mechanism(rod: fl.Body | None = None) -> Mechanism:
     scene.add(rod)
     rod.add_velocity(velocity_b)
     rod.add_velocity(omega=np.cross(along, speed - velocity_b) / 0.3, about=CRANK_END)
-    pivot = scene.add(fl.Revolute(fl.ground(), crank.point("centre"), at=PIVOT, axis=(1, 0, 0)))
-    scene.add(fl.Spherical(crank.point("centre"), rod.point(ends[0]), at=CRANK_END))
-    scene.add(fl.Spherical(slider.point("centre"), rod.point(ends[1]), at=SLIDER))
-    guide = scene.add(fl.Prismatic(fl.ground(), slider.point("centre"), axis=(1, 0, 0)))
+    pivot = scene.add(
+        fl.joints.Revolute(fl.ground(), crank.point("centre"), at=PIVOT, axis=(1, 0, 0))
+    )
+    scene.add(fl.joints.Spherical(crank.point("centre"), rod.point(ends[0]), at=CRANK_END))
+    scene.add(fl.joints.Spherical(slider.point("centre"), rod.point(ends[1]), at=SLIDER))
+    guide = scene.add(fl.joints.Prismatic(fl.ground(), slider.point("centre"), axis=(1, 0, 0)))
     return scene, pivot, guide
 
 

@@ -22,10 +22,10 @@ import fem_lie as fl
 HERE = Path(__file__).parent
 INNER, OUTER, THICKNESS, FORCE = 6.0, 10.0, 0.03, 0.8
 REFERENCE = 13.850, 17.487
-PATCHES = {"thin": fl.smooth_patch, "spline": fl.spline_patch}
+PATCHES = {"thin": fl.mesh.smooth_patch, "spline": fl.mesh.spline_patch}
 """What thin shells lie on."""
 FORMULATIONS = "HR", *PATCHES
-UNITS = fl.Units(length="length")
+UNITS = fl.post.Units(length="length")
 
 
 def place(a: float, b: float) -> np.ndarray:
@@ -43,11 +43,11 @@ def ring(radial: int, around: int, formulation: str = "HR") -> fl.Scene:
         patch = PATCHES[formulation](place, (radial, around))
         shell = fl.ThinShell(patch, section, name="ring")
     else:
-        shell = fl.Shell(fl.surface(place, (radial, around)), section, name="ring")
+        shell = fl.Shell(fl.mesh.parametric_surface(place, (radial, around)), section, name="ring")
     shell.clamp("b=1")
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.EdgeLoad(shell, "b=0", force=(0, 0, FORCE)))
+    scene.add(fl.loads.EdgeLoad(shell, "b=0", force=(0, 0, FORCE)))
     return scene
 
 

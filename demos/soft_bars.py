@@ -24,6 +24,6 @@ def soft_pendulum() -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.4, 0, 0), SOFT, cells=4))
     two = scene.add(fl.Beam.straight((0.4, 0, 0), (1, 0, 0), SOFT, cells=4))
-    scene.add(fl.Spherical(fl.ground(), one.point("start")))
-    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(0, 1, 0.3)))
+    scene.add(fl.joints.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.joints.Revolute(one.point("end"), two.point("start"), axis=(0, 1, 0.3)))
     return scene

@@ -34,7 +34,7 @@ from reference.impulse import balance
 import fem_lie as fl
 
 SIZE = np.array([0.2, 0.2, 0.05])
-RUBBER = fl.NeoHooke(5e6, 0.45, 1200.0)
+RUBBER = fl.sections.NeoHooke(5e6, 0.45, 1200.0)
 SPIN, RADIUS = 10.0, 0.8
 
 
@@ -46,7 +46,7 @@ def hub(cells: int) -> fl.Solid:
     )
 
 
-def model(cells: int, elements: int) -> tuple[fl.Scene, fl.Solid, list[fl.Joint]]:
+def model(cells: int, elements: int) -> tuple[fl.Scene, fl.Solid, list[fl.joints.Joint]]:
     """The scene, the hub, and the joints, whose first point is on the hub."""
     scene, body = fl.Scene(), hub(cells)
     half = 0.5 * SIZE[0]
@@ -60,14 +60,14 @@ def model(cells: int, elements: int) -> tuple[fl.Scene, fl.Solid, list[fl.Joint]
         scene.add(part)
         part.add_velocity(omega=(0, 0, SPIN), about=(0, 0, 0))
     joints = [
-        fl.Revolute(body.point("c=0"), fl.ground(), at=(0, 0, origin_of(body))),
-        fl.Fixed(body.point("a=0"), left.point("start")),
-        fl.Fixed(body.point("a=1"), right.point("start")),
-        fl.Spherical(body.point("b=1"), cable.point("start")),
+        fl.joints.Revolute(body.point("c=0"), fl.ground(), at=(0, 0, origin_of(body))),
+        fl.joints.Fixed(body.point("a=0"), left.point("start")),
+        fl.joints.Fixed(body.point("a=1"), right.point("start")),
+        fl.joints.Spherical(body.point("b=1"), cable.point("start")),
     ]
     for joint in joints:
         scene.add(joint)
-    scene.add(fl.Spherical(cable.point("end"), weight.point("centre")))
+    scene.add(fl.joints.Spherical(cable.point("end"), weight.point("centre")))
     return scene, body, joints
 
 
@@ -85,7 +85,7 @@ def main(
     pictures: bool = True,
 ) -> dict[str, Any]:
     scene, body, joints = model(cells, elements)
-    components = fl.Components.INERTIAL if fixed_axes else fl.Components.LOCAL
+    components = fl.schemes.MatrixFrame.INERTIAL if fixed_axes else fl.schemes.MatrixFrame.LOCAL
     scheme = fl.GeneralisedAlpha(radius=RADIUS, tolerance=5e-13, components=components)
     result = scheme.run(scene, duration=duration, step=step)
     spin = result.angular_momentum[:, 2]
@@ -103,7 +103,7 @@ def main(
     }
     if pictures:
         result.picture(in_results("solid_hub.png"))
-        stresses = fl.solid_stresses(result, body)
+        stresses = fl.post.solid_stresses(result, body)
         stresses.picture(in_results("solid_hub_stress.png"), title="von Mises stress of the hub")
     return record
 

@@ -48,7 +48,7 @@ def square_net(meshes: int, cells: int = CELLS) -> fl.Scene:
         weight = fl.RigidBody(mass, np.full(3, 1e-3 * mass), places[corner])
         weight.velocities[:, :3] = velocities[corner]
         scene.add(weight)
-        scene.add(fl.Spherical(net.point(int(corner)), weight.point("centre")))
+        scene.add(fl.joints.Spherical(net.point(int(corner)), weight.point("centre")))
     return scene
 
 

@@ -29,8 +29,8 @@ is the snap.
   where N, Q and e, k, g are force, shear force and strains along the meridian and N_t, M_t those
   around. This is what the shell solves, but for the cells.
 
-The shell knows nothing of that: a quarter in cells, a `fl.SurfacePressure`, which follows it, one
-call of `fl.follow_path`.
+The shell knows nothing of that: a quarter in cells, a `fl.loads.SurfacePressure`, which follows it,
+one call of `fl.follow_path`.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ from reference.spherical_cap import (
 
 import fem_lie as fl
 
-UNITS = fl.Units(length="a")
+UNITS = fl.post.Units(length="a")
 
 
 def place(a: float, b: float) -> np.ndarray:
@@ -63,10 +63,10 @@ def place(a: float, b: float) -> np.ndarray:
     return np.array([x, y, np.sqrt(RADIUS**2 - x * x - y * y) - RADIUS + RISE])
 
 
-def cap(thickness: float, mesh: int) -> tuple[fl.Scene, fl.Point]:
+def cap(thickness: float, mesh: int) -> tuple[fl.Scene, fl.extend.Point]:
     """A quarter of the cap under the classical pressure, and its top."""
     shell = fl.Shell(
-        fl.surface(place, (mesh, mesh)),
+        fl.mesh.parametric_surface(place, (mesh, mesh)),
         fl.ShellSection.layer(thickness, MATERIAL),
         director=lambda x: (x - [0.0, 0.0, RISE - RADIUS]) / RADIUS,
         name="cap",
@@ -78,7 +78,7 @@ def cap(thickness: float, mesh: int) -> tuple[fl.Scene, fl.Point]:
     scene = fl.Scene()
     scene.add(shell)
     # a positive one pushes to the side of the directors
-    scene.add(fl.SurfacePressure(shell, -classical(thickness)))
+    scene.add(fl.loads.SurfacePressure(shell, -classical(thickness)))
     return scene, shell.point("00")
 
 

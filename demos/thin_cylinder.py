@@ -36,7 +36,7 @@ def cell(thickness: float, mesh: int, slimness: float = 1.0) -> fl.Scene:
         return np.array([np.cos(a * width), np.sin(a * width), b * length])
 
     wall = fl.Shell(
-        fl.surface(place, (2 * mesh, 2 * mesh)),
+        fl.mesh.parametric_surface(place, (2 * mesh, 2 * mesh)),
         fl.ShellSection.layer(thickness, MATERIAL),
         director=outward,
         name="wall",
@@ -52,9 +52,11 @@ def cell(thickness: float, mesh: int, slimness: float = 1.0) -> fl.Scene:
     scene.add(wall)
     bar = box_inertia(1.0, np.array([0.05 * length, width, 0.05 * length]))  # for the picture only
     press = scene.add(fl.RigidBody(1.0, bar, place(0.5, 1), name="press"))
-    scene.add(fl.Prismatic(fl.ground(), press.point("centre"), axis=(0, 0, 1)))
+    scene.add(fl.joints.Prismatic(fl.ground(), press.point("centre"), axis=(0, 0, 1)))
     for point in top:
-        scene.add(fl.InPlane(press.point("centre"), point, at=point.position, axis=(0, 0, 1)))
+        scene.add(
+            fl.joints.InPlane(press.point("centre"), point, at=point.position, axis=(0, 0, 1))
+        )
     load = MATERIAL.E * thickness**2 / KOITER
     scene.add(fl.PointLoad(press.point("centre"), force=(0, 0, -load * width)))
     return scene
@@ -64,11 +66,11 @@ def buckles(ratio: float, mesh: int, pictures: bool) -> dict[str, Any]:
     """The perfect cylinder: load over the classical one, linear and on the path."""
     scene = cell(1.0 / ratio, mesh)
     modes = fl.buckling(scene, 2)
-    path = fl.follow_path(scene, fl.PathEnds(1.1, critical_points=1))
+    path = fl.follow_path(scene, fl.stability.PathEnds(1.1, critical_points=1))
     linear, point = float(modes.factors[0]), path.critical[0]
     for mode in (1, 2) if pictures else ():
         file = in_results(f"thin_cylinder_{ratio:g}_mode{mode}.png")
-        modes.picture(file, mode, amplitude=2 / ratio, units=fl.Units(length="R"))
+        modes.picture(file, mode, amplitude=2 / ratio, units=fl.post.Units(length="R"))
     effort = of_path(path)
     del effort["rejected_steps"]
     return {

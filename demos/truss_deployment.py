@@ -33,11 +33,11 @@ OBLIQUE = np.array([[1.0, 0.0], [0.4, 0.25], [0.0, 1.0]])  # side view, y into t
 COLOURS = 8 * ["#888888"] + 4 * ["#D55E00"] + 16 * ["#56B4E9"]  # of the bars of a cell
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7850.0)
 DIAMETERS = {"stiff": (0.055, 0.08), "thin": (0.023, 0.024)}
-POLICIES: dict[str, fl.Policy] = {
-    "full": fl.EveryIteration(),
-    "nni4": fl.Limit(4),
-    "frozen": fl.ConstraintsOnly(4),
-    "auto": fl.Automatic(),
+POLICIES: dict[str, fl.schemes.RefactorisationPolicy] = {
+    "full": fl.schemes.EveryIteration(),
+    "nni4": fl.schemes.IterationLimit(4),
+    "frozen": fl.schemes.ConstraintsOnly(4),
+    "auto": fl.schemes.Automatic(),
 }
 
 
@@ -56,10 +56,13 @@ def main(
     one_of("tubes", tubes, DIAMETERS)
     one_of("policy", policy, POLICIES)
     inner, outer = (0.5 * diameter for diameter in DIAMETERS[tubes])
-    section, choices = fl.Section.tube(inner, outer, STEEL), fl.Choices(geometric=tubes == "thin")
+    section, choices = (
+        fl.Section.tube(inner, outer, STEEL),
+        fl.schemes.MatrixTerms(geometric=tubes == "thin"),
+    )
     driven = (1 if cells <= 2 else 4) if driven is None else driven
     truss = Truss(cells, section, elements, driven, choices)
-    axes, kept = fl.Components(int(inertial)), POLICIES[policy]
+    axes, kept = fl.schemes.MatrixFrame(int(inertial)), POLICIES[policy]
     scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=tolerance, policy=kept, components=axes)
     steps, every = round(duration / step), max(1, round(duration / step) // 500)
     result = scheme.run(truss.scene, duration=steps * step, step=step, save_every=every)

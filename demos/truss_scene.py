@@ -65,7 +65,12 @@ class Truss:
     """
 
     def __init__(
-        self, cells: int, section: fl.Section, elements: int, driven: int, choices: fl.Choices
+        self,
+        cells: int,
+        section: fl.Section,
+        elements: int,
+        driven: int,
+        choices: fl.schemes.MatrixTerms,
     ) -> None:
         if cells < 1 or not 1 <= driven <= 4:
             raise ValueError(f"wanted cells ≥ 1 and 1 to 4 driven longerons, got {cells}, {driven}")
@@ -73,7 +78,7 @@ class Truss:
         self.driven = DRIVEN_FIRST[:driven]
         self.bars: list[fl.Beam] = []
         self.frames = [[fl.ground()] * 4]
-        tops: dict[int, fl.Revolute] = {}
+        tops: dict[int, fl.joints.Revolute] = {}
         for cell in range(cells):
             self._lower_frame(cell)
             self.frames.append(self._frame(cell + 1))
@@ -92,19 +97,23 @@ class Truss:
         places = corners(level, START)
         return [self._bar(places[i], places[(i + 1) % 4], UP) for i in range(4)]
 
-    def _frame(self, level: int) -> list[fl.Point]:
+    def _frame(self, level: int) -> list[fl.extend.Point]:
         battens = self._battens(level)
         for i in range(4):
-            self.scene.add(fl.RigidLink(battens[i - 1].point("end"), battens[i].point("start")))
+            self.scene.add(
+                fl.joints.RigidLink(battens[i - 1].point("end"), battens[i].point("start"))
+            )
         return [batten.point("start") for batten in battens]
 
     def _lower_frame(self, cell: int) -> None:
         for i, batten in enumerate(self._battens(cell)):
             for corner, end in ((i, batten.point("start")), ((i + 1) % 4, batten.point("end"))):
                 on = self.frames[cell][corner]
-                self.scene.add(fl.Clamp(end) if on.is_ground else fl.RigidLink(on, end))
+                self.scene.add(fl.Clamp(end) if on.is_ground else fl.joints.RigidLink(on, end))
 
-    def _longerons(self, cell: int, below: dict[int, fl.Revolute]) -> dict[int, fl.Revolute]:
+    def _longerons(
+        self, cell: int, below: dict[int, fl.joints.Revolute]
+    ) -> dict[int, fl.joints.Revolute]:
         """All four; takes and returns the hinges at the tops of the driven ones."""
         lower, upper = (corners(cell + k, START) for k in range(2))
         tops = {}
@@ -116,9 +125,9 @@ class Truss:
                 continue
             tops[i] = top
             if cell % 2:
-                self.scene.add(fl.Gear(below[i].angle, foot.angle, ratio=1.0))
+                self.scene.add(fl.joints.Gear(below[i].angle, foot.angle, ratio=1.0))
             else:
-                self.scene.add(fl.Drive(foot.angle, turned))
+                self.scene.add(fl.joints.Drive(foot.angle, turned))
         return tops
 
     def _telescope(self, cell: int, i: int, j: int) -> None:
@@ -134,10 +143,10 @@ class Truss:
         self._hinge(self.frames[cell][i], one.point("start"))
         self._hinge(self.frames[cell + 1][j], two.point("start"))
         self.scene.add(
-            fl.Prismatic(
+            fl.joints.Prismatic(
                 one.point("end"), two.point("end"), at=one.point("end").position, axis=along
             )
         )
 
-    def _hinge(self, a: fl.Point, b: fl.Point) -> fl.Revolute:
-        return self.scene.add(fl.Revolute(a, b, axis=AXIS))
+    def _hinge(self, a: fl.extend.Point, b: fl.extend.Point) -> fl.joints.Revolute:
+        return self.scene.add(fl.joints.Revolute(a, b, axis=AXIS))

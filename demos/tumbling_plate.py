@@ -24,15 +24,17 @@ from command_line import in_results, run
 import fem_lie as fl
 
 FORMULATIONS = {
-    "displacement": fl.Displacement(),
-    "hr": fl.HellingerReissner(),
-    "hw": fl.HuWashizu(),
+    "displacement": fl.elements.DisplacementBased(),
+    "hr": fl.elements.HellingerReissner(),
+    "hw": fl.elements.HuWashizu(),
 }
 
 
 def thrown(formulation: str, along: int, across: int) -> tuple[fl.Scene, fl.Shell]:
     """The scene and the plate."""
-    mesh = fl.surface(lambda a, b: np.array([0.3 * a, 0.2 * b, 0.0]), (along, across))
+    mesh = fl.mesh.parametric_surface(
+        lambda a, b: np.array([0.3 * a, 0.2 * b, 0.0]), (along, across)
+    )
     rubber = fl.Material(E=2e7, nu=0.45, density=1100.0)
     scene = fl.Scene()
     plate = scene.add(

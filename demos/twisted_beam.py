@@ -43,7 +43,7 @@ def solve(elements: int, load_steps: int) -> tuple[dict[str, Any], fl.StaticResu
             fl.Section.from_stiffness(STIFFNESS, outline=outline),
             cells=elements,
             name="blade",
-            up=fl.Twisted(lambda s: 0.5 * pi * s / LENGTH, (0, 0, 1)),
+            up=fl.sections.Twisted(lambda s: 0.5 * pi * s / LENGTH, (0, 0, 1)),
         )
     )
     scene.add(fl.Clamp(beam.point("start")))

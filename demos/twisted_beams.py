@@ -25,7 +25,7 @@ R, LENGTH, RADIUS, YOUNG = 0.0095, 5.0, 0.01, 1e9
 AREA, BENDING = np.pi * RADIUS**2, np.pi * RADIUS**4 / 4
 START, FIRST = 1.01 * RADIUS, 0.2  # radius at which they are laid, part in which they are stretched
 # softer in shear, as elements are by default, they are unstable under a tension over 12 EI/l^2
-ELEMENT = fl.Geodesic(bending_flexibility=False)
+ELEMENT = fl.elements.GeodesicBeam(bending_flexibility=False)
 # the helix on a circle of R is 1.01 L long
 HEIGHT = float(np.sqrt((1.01 * LENGTH) ** 2 - (2 * np.pi * R) ** 2))
 
@@ -41,7 +41,7 @@ def penalty() -> float:
 
 def end_motion(beam: fl.Beam, node: int, side: float) -> fl.PrescribedMotion:
     """An end goes up if it is the upper one, then round by a turn, and inwards."""
-    point, start = fl.Point(beam, node), beam.frames[node]
+    point, start = fl.extend.Point(beam, node), beam.frames[node]
     upper = start[0, 2] > 0
 
     def frame(part: float) -> np.ndarray:
@@ -74,12 +74,12 @@ def main(mesh: int = 16, load_steps: int = 30) -> dict[str, Any]:
         beam = scene.add(fl.Beam.straight(*ends, section, cells=mesh, formulation=ELEMENT))
         for node in (0, mesh):
             scene.add(end_motion(beam, node, side))
-        lines.append(fl.Line(beam, RADIUS))
-    contact = scene.add(fl.Contact(*lines, fl.Penalty(penalty()), name="beams"))
+        lines.append(fl.contact.Line(beam, RADIUS))
+    contact = scene.add(fl.contact.Contact(*lines, fl.contact.Penalty(penalty()), name="beams"))
     result = fl.statics(scene, load_steps=load_steps)
     beam = lines[0].beam
-    moved = result.position(fl.Point(beam, mesh // 2))[-1] - beam.frames[mesh // 2, 0]
-    overlap = fl.contact_forces(result, contact, [-1]).gaps
+    moved = result.position(fl.extend.Point(beam, mesh // 2))[-1] - beam.frames[mesh // 2, 0]
+    overlap = fl.post.contact_forces(result, contact, [-1]).gaps
     record = {
         "error": float(abs(np.hypot(START + moved[0], moved[1]) / R - 1)),
         "across": float(START + moved[0] + R),

@@ -1,7 +1,8 @@
 """The double pendulum by a variational integrator: exact momenta, and an energy without drift.
 
-fem_lie.Variational makes a discrete action stationary. What that keeps is kept exactly: here the
-angular momentum about the pivot. The energy is none of it. It goes up and down, with the square of
+fem_lie.schemes.Variational makes a discrete action stationary. What that keeps is kept exactly:
+here the angular momentum about the pivot. The energy is none of it. It goes up and down, with the
+square of
 the step, as long as the motion lasts, but goes nowhere: a line fitted to it over the whole run
 rises by less than it goes up and down. The bars are those of double_pendulum.py, as are the cases.
 
@@ -47,7 +48,7 @@ def main(
     h = (1e-3 if free else STEP[case]) if step is None else step
     scene = free_body() if free else pendulum(case, elements)[0]
     every = max(1, steps // 500)
-    scheme = fl.Variational(tolerance=tolerance)
+    scheme = fl.schemes.Variational(tolerance=tolerance)
     result = scheme.run(scene, duration=steps * h, step=h, save_every=every)
     energy = result.total_energy / result.total_energy[0] - 1.0
     slope, _ = np.polyfit(result.times, energy, 1)

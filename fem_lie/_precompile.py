@@ -36,9 +36,9 @@ def _mechanism() -> fl.Scene:
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), _SECTION, cells=4))
     two = scene.add(fl.Beam.straight((0.5, 0, 0), (0.5, 0.5, 0), _SECTION, cells=4))
     body = scene.add(fl.RigidBody(1.0, (0.01, 0.02, 0.02), (0.5, 0.5, 0)))
-    scene.add(fl.Spherical(fl.ground(), one.point("start")))
-    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0)))
-    scene.add(fl.Fixed(two.point("end"), body.point("centre")))
+    scene.add(fl.joints.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.joints.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0)))
+    scene.add(fl.joints.Fixed(two.point("end"), body.point("centre")))
     return scene
 
 
@@ -52,7 +52,7 @@ def _energy_momentum() -> None:
 
 def _shells() -> None:
     scene = fl.Scene(gravity=(0, 0, -9.81))
-    mesh = fl.surface(lambda a, b: (a, b, 0), (2, 2))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0), (2, 2))
     plate = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.01, _STEEL)))
     plate.clamp("a=0")
     fl.statics(scene)

@@ -33,7 +33,9 @@ scenes are in :mod:`fem_lie` itself; this module has what scenes do not show.
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, compiled
 from fem_lie._state import attributes
-from fem_lie.adapt.estimates.estimate import ElementErrors
+from fem_lie.adaptivity.estimates.estimate import ElementErrors
+from fem_lie.bodies.body import Body, Point
+from fem_lie.bodies.cells.element_body import ElementBody
 from fem_lie.contact.pairs.balls import BallGapPair
 from fem_lie.contact.pairs.pair import ContactPair, PenaltyPair, register_contact_pair
 from fem_lie.contact.sides.gap_functions import GAP_SIGNATURE, evaluate
@@ -46,7 +48,6 @@ from fem_lie.contact.sides.surfaces import (
 )
 from fem_lie.elements.beams.element import CellData, cellwise, present_values
 from fem_lie.forms.energy import StrainEnergy
-from fem_lie.forms.frames import NodalFrames, local_frame_forms
 from fem_lie.forms.kernels.addresses import FrameMap, frame_function
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.forms.small_energy import cell
@@ -73,7 +74,9 @@ from fem_lie.solve.iteration import FROZEN, NEWTON, Iterated, LinearRate, Quadra
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
 from fem_lie.solve.motion.integration import DividedIntegration, Integration
 from fem_lie.solve.motion.integrator import Integrator, check_kinds, refuse
+from fem_lie.solve.motion.policies import PolicyState
 from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.refactorisation import Refactorisation
 from fem_lie.solve.step_control import Control, StepChoice
 from fem_lie.system.equations import Equations, Plan, TimeState
 
@@ -87,6 +90,7 @@ __all__ = [
     "ROUND_OFF",
     "Array",
     "BallGapPair",
+    "Body",
     "Carrier",
     "CellData",
     "CellFunctions",
@@ -94,6 +98,7 @@ __all__ = [
     "Control",
     "DirectSolver",
     "DividedIntegration",
+    "ElementBody",
     "ElementErrors",
     "Equations",
     "FrameMap",
@@ -108,17 +113,19 @@ __all__ = [
     "Load",
     "LocalFrameForms",
     "Method",
-    "NodalFrames",
     "NodalLoad",
     "NodeType",
     "Pairs",
     "PenaltyPair",
     "Plan",
     "PlaneSurface",
+    "Point",
     "PointSurface",
+    "PolicyState",
     "PolyhedralSurface",
     "QuadraticRate",
     "Recorder",
+    "Refactorisation",
     "SingularMatrixError",
     "StepChoice",
     "StrainEnergy",
@@ -141,7 +148,6 @@ __all__ = [
     "failure",
     "frame_function",
     "iterate",
-    "local_frame_forms",
     "move_all",
     "node_types",
     "present_values",

@@ -14,7 +14,7 @@ THICKNESS = 0.04
 _, OUTWARD, INWARD = CASES[THICKNESS]
 
 
-def deflection(mesh: int, formulation: fl.ShellFormulation) -> tuple[float, int]:
+def deflection(mesh: int, formulation: fl.elements.ShellFormulation) -> tuple[float, int]:
     """Inward, over its reference, and linear solutions."""
     scene = pinched(THICKNESS, quarter(mesh), formulation)
     result = fl.follow_loads(scene)
@@ -22,7 +22,7 @@ def deflection(mesh: int, formulation: fl.ShellFormulation) -> tuple[float, int]
     return inward / INWARD, result.total_iterations
 
 
-mixed, plain = fl.HellingerReissner(), fl.Displacement()
+mixed, plain = fl.elements.HellingerReissner(), fl.elements.DisplacementBased()
 for cells in (4, 8):
     for name, formulation in (("mixed", mixed), ("plain", plain)):
         ratio, solutions = deflection(cells, formulation)
@@ -42,5 +42,5 @@ for cells in (12, 16):
 assert abs(deflection(16, mixed)[0] - 1) < 0.02
 
 # %%
-ratio, solutions = deflection(8, fl.Displacement(fl.MITC4_PLUS))
+ratio, solutions = deflection(8, fl.elements.DisplacementBased(fl.elements.MITC4_PLUS))
 print(f"MITC4+: {ratio:.3f}, {solutions} solutions")

@@ -63,7 +63,7 @@ CLASSICAL = METAL.E * T**2 / sqrt(3 * (1 - METAL.nu**2))
 with tempfile.TemporaryDirectory() as folder:
     file = Path(folder) / "panel.geo"
     file.write_text(PANEL)
-    mesh = fl.read_gmsh_surface(fl.run_gmsh_script(file, {"width": SIZE, "length": SIZE}))
+    mesh = fl.mesh.read_gmsh_surface(fl.mesh.run_gmsh_script(file, {"width": SIZE, "length": SIZE}))
 
 
 def outward(x: np.ndarray) -> np.ndarray:
@@ -83,9 +83,11 @@ def compressed() -> fl.Scene:
     scene = fl.Scene()
     scene.add(wall)
     plate = scene.add(fl.RigidBody(1.0, (1, 1, 1), (np.cos(SIZE / 2), np.sin(SIZE / 2), SIZE)))
-    scene.add(fl.Prismatic(fl.ground(), plate.point("centre"), axis=(0, 0, 1)))
+    scene.add(fl.joints.Prismatic(fl.ground(), plate.point("centre"), axis=(0, 0, 1)))
     for point in wall.points("top"):
-        scene.add(fl.InPlane(plate.point("centre"), point, at=point.position, axis=(0, 0, 1)))
+        scene.add(
+            fl.joints.InPlane(plate.point("centre"), point, at=point.position, axis=(0, 0, 1))
+        )
     scene.add(fl.PointLoad(plate.point("centre"), force=(0, 0, -CLASSICAL * SIZE)))
     return scene
 
@@ -105,10 +107,12 @@ assert abs(shapes.factors[0] - 1) < 0.03
 # %%
 def knock_down(amplitude: float) -> float:
     """With rings of this amplitude over the thickness, inward in the middle of the cell."""
-    rings = fl.FieldImperfection(
+    rings = fl.stability.FieldImperfection(
         lambda x: -amplitude * T * np.cos(pi * x[2] / HALF_WAVE) * outward(x)
     )
-    path = fl.follow_path(fl.imperfect(perfect, rings), fl.PathEnds(critical_points=1))
+    path = fl.follow_path(
+        fl.stability.apply_imperfections(perfect, rings), fl.stability.PathEnds(critical_points=1)
+    )
     return path.critical[0].factor
 
 

@@ -16,8 +16,10 @@ def driven(angle) -> fl.Result:
     wheel = fl.RigidBody(2.0, (0.1, 0.1, INERTIA), name="wheel")
     scene = fl.Scene()
     scene.add(wheel)
-    axle = scene.add(fl.Revolute(fl.ground(), wheel.point("centre"), axis=(0, 0, 1), name="axle"))
-    scene.add(fl.Drive(axle.angle, angle, name="motor"))
+    axle = scene.add(
+        fl.joints.Revolute(fl.ground(), wheel.point("centre"), axis=(0, 0, 1), name="axle")
+    )
+    scene.add(fl.joints.Drive(axle.angle, angle, name="motor"))
     return fl.GeneralisedAlpha().run(scene, duration=1.0, step=5e-3)
 
 
@@ -47,7 +49,7 @@ bar = fl.RigidBody(mass, (1e-6, J, J), position=(length / 2, 0, 0), name="bar")
 scene = fl.Scene(gravity=(0, 0, -g))
 scene.add(bar)
 hinge = scene.add(
-    fl.Revolute(fl.ground(), bar.point("centre"), at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+    fl.joints.Revolute(fl.ground(), bar.point("centre"), at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
 )
 fall = fl.GeneralisedAlpha(radius=1.0).run(scene, duration=0.8, step=1e-3)
 lowest = int(fall.position("bar.centre")[:, 2].argmin())

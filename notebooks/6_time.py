@@ -30,7 +30,7 @@ def order(scheme, steps: int) -> float:
     return float(np.log2(np.linalg.norm(a - b) / np.linalg.norm(b - c)))
 
 
-for scheme in (fl.GeneralisedAlpha(radius=0.9), fl.EnergyMomentum(), fl.Composed()):
+for scheme in (fl.GeneralisedAlpha(radius=0.9), fl.EnergyMomentum(), fl.schemes.Composed()):
     result = scheme.run(tumbling()[0], duration=1.0, step=0.02)
     found = order(scheme, 20)
     print(f"{type(scheme).__name__}: order {found:.2f}, energy {result.energy_error:.0e}")

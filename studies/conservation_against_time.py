@@ -42,8 +42,8 @@ def falling() -> tuple[fl.Scene, fl.Beam]:
         scene.add(fl.Beam.straight((a, 0, 0), (b, 0, 0), soft, cells=4))
         for a, b in ((0.0, 0.4), (0.4, 1.0))
     )
-    scene.add(fl.Spherical(fl.ground(), one.point("start")))
-    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(0, 1, 0.3)))
+    scene.add(fl.joints.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.joints.Revolute(one.point("end"), two.point("start"), axis=(0, 1, 0.3)))
     return scene, two
 
 

@@ -1,8 +1,8 @@
 """Knock-down of a compressed cylinder whose imperfection is a buckling mode: rings.
 
 The cell of `compressed_cylinder.py`, R/t = 100 and 500. Its rings are found among the modes of
-linear buckling, given as `fl.ModeImperfection` with amplitudes of 0.1, 0.5 and 1 thickness, and the
-path is followed to its first critical point.
+linear buckling, given as `fl.stability.ModeImperfection` with amplitudes of 0.1, 0.5 and 1
+thickness, and the path is followed to its first critical point.
 
 W. T. Koiter (The effect of axisymmetric imperfections on the buckling of cylindrical shells under
 axial compression, Proc. Kon. Ned. Akad. Wet. B66 (1963) 265) lets the rings, whose amplitude d
@@ -63,7 +63,7 @@ def koiter_pattern(relative: float) -> tuple[float, float]:
     return float(found.fun), float(found.x)
 
 
-def ring_mode(modes: fl.BucklingModes) -> tuple[int, int]:
+def ring_mode(modes: fl.stability.BucklingModes) -> tuple[int, int]:
     """The first mode that does not vary around, and the sign with which edges are inward."""
     wall = modes.info.body("wall").nodes
     x = modes.frames[wall, 0]
@@ -80,7 +80,7 @@ def ring_mode(modes: fl.BucklingModes) -> tuple[int, int]:
     return 1 + number, -int(np.sign(radial[number][x[:, 2].argmin()]))
 
 
-def _numbers(modes: fl.BucklingModes) -> range:
+def _numbers(modes: fl.stability.BucklingModes) -> range:
     return range(1, len(modes) + 1)
 
 
@@ -102,8 +102,10 @@ def knock_down(ratio: float, mesh: int, relative: float, slimness: float) -> dic
     modes = fl.buckling(perfect, MODES)
     mode, sign = ring_mode(modes)
     wanted = relative * thickness
-    rings = fl.imperfect(perfect, fl.ModeImperfection(modes, mode, sign * wanted))
-    path = fl.follow_path(rings, fl.PathEnds(critical_points=1, load_range=(-0.1, 1.2)))
+    rings = fl.stability.apply_imperfections(
+        perfect, fl.stability.ModeImperfection(modes, mode, sign * wanted)
+    )
+    path = fl.follow_path(rings, fl.stability.PathEnds(critical_points=1, load_range=(-0.1, 1.2)))
     point = path.critical[0] if path.critical else None
     return {
         "slimness": slimness,

@@ -29,7 +29,7 @@ from demos.command_line import in_results, one_of, run
 
 HERE = Path(__file__).parent
 SMALL = 1e-6
-UNITS = fl.Units(length="length")
+UNITS = fl.post.Units(length="length")
 
 
 class Case(NamedTuple):
@@ -109,7 +109,7 @@ def twisted(thickness: float, force: tuple[float, float, float]) -> Callable[[in
         section = fl.ShellSection.layer(thickness, fl.Material(29e6, 0.22, 1.0))
         shell = any_shell(formulation, place, (6 * mesh, mesh), section, normal)
         shell.clamp("a=0")
-        return scene_of(shell, fl.EdgeLoad(shell, "a=1", force=np.array(force) / 1.1))
+        return scene_of(shell, fl.loads.EdgeLoad(shell, "a=1", force=np.array(force) / 1.1))
 
     return build
 

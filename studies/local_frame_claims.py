@@ -47,12 +47,12 @@ from fem_lie.extend import COLOURS
 from fem_lie.system import System
 
 RESULTS = Path(__file__).parents[1] / "results"
-LOCAL, INERTIAL = fl.Components.LOCAL, fl.Components.INERTIAL
-SE3, APART = fl.Group.SE3, fl.Group.R3xSO3
-EXPONENTIAL, CAYLEY = fl.Parametrisation.EXPONENTIAL, fl.Parametrisation.CAYLEY
+LOCAL, INERTIAL = fl.schemes.MatrixFrame.LOCAL, fl.schemes.MatrixFrame.INERTIAL
+SE3, APART = fl.lie.Group.SE3, fl.lie.Group.R3xSO3
+EXPONENTIAL, CAYLEY = fl.lie.Parametrisation.EXPONENTIAL, fl.lie.Parametrisation.CAYLEY
 
 
-def pendulum(group: fl.Group, speed: float = 1.0) -> fl.Scene:
+def pendulum(group: fl.lie.Group, speed: float = 1.0) -> fl.Scene:
     """Two bars of aluminium, 0.3 m and 0.5 m, on spherical joints."""
     b = 5e-3
     aluminium = fl.Material(E=70e9, nu=0.3, density=2700.0)
@@ -62,24 +62,27 @@ def pendulum(group: fl.Group, speed: float = 1.0) -> fl.Scene:
     scene, corner = fl.Scene(), (0.3, 0, 0)
     one = scene.add(fl.Beam.straight((0, 0, 0), corner, square, cells=10).set_group(group))
     two = scene.add(fl.Beam.straight(corner, (0.3, 0.5, 0), square, cells=10).set_group(group))
-    scene.add(fl.Spherical(fl.ground(), one.point("start")))
-    scene.add(fl.Spherical(one.point("end"), two.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.joints.Spherical(one.point("end"), two.point("start")))
     two.add_velocity(omega=(3 * speed, 0, -4 * speed), about=two.point("start"))
     return scene
 
 
-def spinning(group: fl.Group) -> fl.Scene:
+def spinning(group: fl.lie.Group) -> fl.Scene:
     """The pendulum with ten times the speed."""
     return pendulum(group, speed=10.0)
 
 
 def net(
-    group: fl.Group, joint: type[fl.Joint] = fl.Fixed, radius: float = 4e-3, meshes: int = 4
+    group: fl.lie.Group,
+    joint: type[fl.joints.Joint] = fl.joints.Fixed,
+    radius: float = 4e-3,
+    meshes: int = 4,
 ) -> fl.Scene:
     """Bars of 0.25 m between the knots of a square net, thrown with a spin."""
     section = fl.Section.circle(radius, fl.Material(E=3e9, nu=0.35, density=1150.0))
     scene, side = fl.Scene(), 0.25
-    knots: dict[tuple[int, int], list[fl.Point]] = {}
+    knots: dict[tuple[int, int], list[fl.extend.Point]] = {}
     for i in range(meshes + 1):
         for j in range(meshes + 1):
             for k, m in ((i + 1, j), (i, j + 1)):
@@ -101,15 +104,15 @@ def net(
     return scene
 
 
-def slack(group: fl.Group) -> fl.Scene:
+def slack(group: fl.lie.Group) -> fl.Scene:
     """The net of thinner bars, on spherical joints."""
-    return net(group, fl.Spherical, 2e-3)
+    return net(group, fl.joints.Spherical, 2e-3)
 
 
 class Case(NamedTuple):
     """A scene, with the step and duration of its run."""
 
-    build: Callable[[fl.Group], fl.Scene]
+    build: Callable[[fl.lie.Group], fl.Scene]
     step: float
     duration: float
 
@@ -125,9 +128,9 @@ CASES = {
 class Variant(NamedTuple):
     """A description of the motion."""
 
-    group: fl.Group
-    components: fl.Components
-    parametrisation: fl.Parametrisation = EXPONENTIAL
+    group: fl.lie.Group
+    components: fl.schemes.MatrixFrame
+    parametrisation: fl.lie.Parametrisation = EXPONENTIAL
     geometric: bool | None = None
 
     @property
@@ -146,7 +149,10 @@ VARIANTS = (
     Variant(APART, LOCAL, CAYLEY),
     Variant(SE3, LOCAL, geometric=False),
 )
-POLICIES: dict[str, fl.Policy] = {"automatic": fl.Automatic(), "limit": fl.Limit(4)}
+POLICIES: dict[str, fl.schemes.RefactorisationPolicy] = {
+    "automatic": fl.schemes.Automatic(),
+    "limit": fl.schemes.IterationLimit(4),
+}
 KEPT = 50  # states of each run that are compared
 
 
@@ -174,7 +180,7 @@ def compare(name: str) -> tuple[dict[str, Any], fl.Result]:
     if name not in CASES:
         raise ValueError(f"scene must be one of {', '.join(CASES)}, got {name!r}")
     case = CASES[name]
-    reference = run(case, VARIANTS[0], fl.Automatic(), refined=4)
+    reference = run(case, VARIANTS[0], fl.schemes.Automatic(), refined=4)
     turns = np.linalg.norm(reference.velocities[:, :, 3:], axis=2).mean(axis=0)
     turns *= case.duration / (2 * np.pi)
     print(f"\n{name}: {turns.min():.1f} to {turns.max():.1f} revolutions")
@@ -195,14 +201,16 @@ def compare(name: str) -> tuple[dict[str, Any], fl.Result]:
     return record, reference
 
 
-def run(case: Case, variant: Variant, policy: fl.Policy, refined: int = 1) -> fl.Result:
+def run(
+    case: Case, variant: Variant, policy: fl.schemes.RefactorisationPolicy, refined: int = 1
+) -> fl.Result:
     """Integrate one variant; ``refined``: into how many a step is cut."""
     scheme = fl.GeneralisedAlpha(
         policy=policy, parametrisation=variant.parametrisation, components=variant.components
     )
     every = round(case.duration / case.step) // KEPT * refined
     scene = case.build(variant.group)
-    scene.choices = fl.Choices(geometric=variant.geometric)
+    scene.choices = fl.schemes.MatrixTerms(geometric=variant.geometric)
     return scheme.run(scene, duration=case.duration, step=case.step / refined, save_every=every)
 
 

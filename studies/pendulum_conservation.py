@@ -71,7 +71,7 @@ def main(
             raise ValueError("--resume needs the --file of the run that is to go on")
         result = scheme.resume(scene, file)
     else:
-        choice = h if tolerance is None else fl.AdaptiveStep(tolerance, first=h)
+        choice = h if tolerance is None else fl.schemes.AdaptiveStep(tolerance, first=h)
         result = scheme.run(scene, duration=steps * h, step=choice, save_every=every, file=file)
     record = {"case": case, "elements": elements, "step": h, "save_every": every}
     made = steps if result.steps is None else len(result.steps.times)
@@ -117,7 +117,7 @@ def constraint_error(result: fl.Result, one: fl.Beam, two: fl.Beam, scene: fl.Sc
     ]
     worst = max(float(np.linalg.norm(gap, axis=1).max()) for gap in gaps) / FIRST
     for joint in scene.joints:
-        if isinstance(joint, fl.Revolute):
+        if isinstance(joint, fl.joints.Revolute):
             axis = np.asarray(joint.axis, dtype=np.float64)
             ends = []
             for point in (joint.a, joint.b):

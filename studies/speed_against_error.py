@@ -59,7 +59,9 @@ class Method(NamedTuple):
     between: tuple[float, float]
 
 
-def cantilever(formulation: fl.Formulation) -> Callable[[float], tuple[np.ndarray, float]]:
+def cantilever(
+    formulation: fl.elements.BeamFormulation,
+) -> Callable[[float], tuple[np.ndarray, float]]:
     """Displacement of the tip, and seconds, for a number of elements."""
 
     def solve(elements: float) -> tuple[np.ndarray, float]:
@@ -72,7 +74,7 @@ def cantilever(formulation: fl.Formulation) -> Callable[[float], tuple[np.ndarra
                 section,
                 cells=int(elements),
                 formulation=formulation,
-                up=fl.Twisted(lambda s: np.pi / 20 * s, (0, 0, 1)),
+                up=fl.sections.Twisted(lambda s: np.pi / 20 * s, (0, 0, 1)),
             )
         )
         scene.add(fl.Clamp(beam.point("start")))
@@ -83,7 +85,7 @@ def cantilever(formulation: fl.Formulation) -> Callable[[float], tuple[np.ndarra
     return solve
 
 
-def pendulum(radius: float, group: fl.Group) -> Callable[[float], tuple[np.ndarray, float]]:
+def pendulum(radius: float, group: fl.lie.Group) -> Callable[[float], tuple[np.ndarray, float]]:
     """Tip of the pendulum, and seconds, for a step."""
 
     def solve(step: float) -> tuple[np.ndarray, float]:
@@ -93,8 +95,8 @@ def pendulum(radius: float, group: fl.Group) -> Callable[[float], tuple[np.ndarr
             scene.add(fl.Beam.straight((a, 0, 0), (b, 0, 0), soft, cells=4).set_group(group))
             for a, b in ((0.0, 0.4), (0.4, 1.0))
         )
-        scene.add(fl.Spherical(fl.ground(), one.point("start")))
-        scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(0, 1, 0.3)))
+        scene.add(fl.joints.Spherical(fl.ground(), one.point("start")))
+        scene.add(fl.joints.Revolute(one.point("end"), two.point("start"), axis=(0, 1, 0.3)))
         scheme = fl.GeneralisedAlpha(radius=radius, tolerance=1e-10)
         save = round(DURATION / step)
         result = scheme.run(scene, duration=DURATION, step=step, save_every=save)
@@ -104,14 +106,16 @@ def pendulum(radius: float, group: fl.Group) -> Callable[[float], tuple[np.ndarr
 
 
 STATICS = {
-    "geodesic": Method(cantilever(fl.Geodesic()), 2, (1e-6, 5e-3)),
-    "geodesic, without flexibility": Method(cantilever(fl.Geodesic(False)), 2, (1e-6, 1e-2)),
-    "director 1": Method(cantilever(fl.Director(1)), 2, (1e-6, 1e-2)),
-    "director 2": Method(cantilever(fl.Director(2)), 4, (1e-8, 1e-3)),
+    "geodesic": Method(cantilever(fl.elements.GeodesicBeam()), 2, (1e-6, 5e-3)),
+    "geodesic, without flexibility": Method(
+        cantilever(fl.elements.GeodesicBeam(False)), 2, (1e-6, 1e-2)
+    ),
+    "director 1": Method(cantilever(fl.elements.DirectorBeam(1)), 2, (1e-6, 1e-2)),
+    "director 2": Method(cantilever(fl.elements.DirectorBeam(2)), 4, (1e-8, 1e-3)),
 }
 DYNAMICS = {
     f"{group.name}, radius {radius:g}": Method(pendulum(radius, group), 2, (1e-8, 4e-5))
-    for group in fl.Group
+    for group in fl.lie.Group
     for radius in (0.0, 0.8, 1.0)
 }
 

@@ -36,12 +36,15 @@ RESULTS = Path(__file__).parents[1] / "results"
 THICKNESS = 0.04
 MESHES = (4, 6, 8, 12, 16, 24, 32)
 STEPS = {"plain Newton": 10, "carried stress": 3}
-ELEMENTS: dict[str, tuple[fl.ShellFormulation | None, str]] = {
-    "displacement": (fl.Displacement(fl.StrainMeasures(shear=shear)), "quadrilateral"),
-    "MITC4": (fl.Displacement(), "quadrilateral"),
-    "HR": (fl.HellingerReissner(), "quadrilateral"),
-    "HW": (fl.HuWashizu(), "quadrilateral"),
-    "MITC3+": (fl.HellingerReissner(), "triangle"),
+ELEMENTS: dict[str, tuple[fl.elements.ShellFormulation | None, str]] = {
+    "displacement": (
+        fl.elements.DisplacementBased(fl.elements.StrainMeasures(shear=shear)),
+        "quadrilateral",
+    ),
+    "MITC4": (fl.elements.DisplacementBased(), "quadrilateral"),
+    "HR": (fl.elements.HellingerReissner(), "quadrilateral"),
+    "HW": (fl.elements.HuWashizu(), "quadrilateral"),
+    "MITC3+": (fl.elements.HellingerReissner(), "triangle"),
     "thin": (None, "patch"),
 }
 
@@ -61,11 +64,11 @@ class Row(NamedTuple):
 def measure(element: str, method: str, mesh: int, repeats: int) -> Row | None:
     """Run it several times; the best time counts. ``None`` if it does not arrive."""
     formulation, cell = ELEMENTS[element]
-    cells: fl.SurfaceMesh | fl.SmoothPatch
+    cells: fl.mesh.SurfaceMesh | fl.mesh.SmoothPatch
     if formulation is None:
-        cells, per_node = fl.smooth_patch(place, (mesh, mesh)), 12
+        cells, per_node = fl.mesh.smooth_patch(place, (mesh, mesh)), 12
     else:
-        cells, per_node = fl.surface(place, (mesh, mesh), cell=cell), 5
+        cells, per_node = fl.mesh.parametric_surface(place, (mesh, mesh), cell=cell), 5
     times = []
     for _ in range(repeats):
         scene = pinched(THICKNESS, cells, formulation)
@@ -73,7 +76,7 @@ def measure(element: str, method: str, mesh: int, repeats: int) -> Row | None:
         carried = method == "carried stress"
         try:
             result = fl.statics(
-                scene, load_steps=STEPS[method], newton=fl.Newton(carried_stress=carried)
+                scene, load_steps=STEPS[method], newton=fl.schemes.Newton(carried_stress=carried)
             )
         except fl.ConvergenceError:
             return None

@@ -56,7 +56,7 @@ class Stages:
     """A run of the scheme."""
 
     def __init__(self, scene: fl.Scene, step: float, tolerance: float) -> None:
-        self.equations = fl.extend.Equations(scene, dynamics=True, group=fl.Group.SE3)
+        self.equations = fl.extend.Equations(scene, dynamics=True, group=fl.lie.Group.SE3)
         start, known = self.equations.start, self.equations.unknowns
         self.n, self.h, self.tolerance = known.moving, step, tolerance
         self.H, self.v = start.frames.copy(), start.velocities[: known.moving].copy()
@@ -129,7 +129,7 @@ def scene(damping: float) -> fl.Scene:
     """The pendulum, whose bars damp strains."""
     found = soft_pendulum()
     for bar in found.bodies:
-        bar.damping = fl.Damping(stiffness=damping)
+        bar.damping = fl.sections.Damping(stiffness=damping)
     return found
 
 

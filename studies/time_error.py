@@ -72,7 +72,7 @@ def main(
     if case == "tolerance":
         return follow_tolerance(rough, tolerance, pictures)
     scene = CASES[case]()
-    steps = fl.ConstantStep(step, refinement=refinement)
+    steps = fl.schemes.ConstantStep(step, refinement=refinement)
     result = fine.run(scene, duration=duration, step=steps)
     assert result.steps is not None
     record: dict[str, Any] = {"case": case, "scheme": scheme, "step": step, "radius": radius}
@@ -127,7 +127,7 @@ def pulse_of(phase: float) -> Callable[[float], float]:
     return lambda t: abs(sin(10.0 * t + phase))
 
 
-def rigid_pendulum(group: fl.Group = fl.Group.R3xSO3) -> fl.Scene:
+def rigid_pendulum(group: fl.lie.Group = fl.lie.Group.R3xSO3) -> fl.Scene:
     """Two rigid bars along +X."""
     scene, start, points = fl.Scene(gravity=GRAVITY), 0.0, [fl.ground()]
     for length, name in zip(LENGTHS, ("bar I", "bar II"), strict=True):
@@ -136,7 +136,7 @@ def rigid_pendulum(group: fl.Group = fl.Group.R3xSO3) -> fl.Scene:
         J = (mass * SIDE**2 / 6, across, across)
         bar = fl.RigidBody(mass, J, (start + length / 2, 0, 0), name=name).set_group(group)
         scene.add(bar)
-        scene.add(fl.Spherical(points[-1], bar.point("centre"), at=(start, 0, 0)))
+        scene.add(fl.joints.Spherical(points[-1], bar.point("centre"), at=(start, 0, 0)))
         points.append(bar.point("centre"))
         start += length
     return scene
@@ -152,7 +152,7 @@ def flexible_pendulum(cells: int = 5) -> fl.Scene:
     for length, name in zip(LENGTHS, ("bar I", "bar II"), strict=True):
         ends = (start, 0, 0), (start + length, 0, 0)
         bar = scene.add(fl.Beam.straight(*ends, square, cells=cells, name=name))
-        scene.add(fl.Spherical(point, bar.point("start")))
+        scene.add(fl.joints.Spherical(point, bar.point("start")))
         start, point = start + length, bar.point("end")
     return scene
 
@@ -169,7 +169,7 @@ def tip(result: fl.Result) -> np.ndarray:
 # --- numbers ------------------------------------------------------------------------------------
 
 
-def body_numbers(steps: fl.StepHistory) -> dict[str, Any]:
+def body_numbers(steps: fl.post.StepHistory) -> dict[str, Any]:
     """Translation and rotation together."""
     ratios = steps.ratios
     smooth = ratios[~holds_kink(steps)]
@@ -185,7 +185,7 @@ def body_numbers(steps: fl.StepHistory) -> dict[str, Any]:
     }
 
 
-def holds_kink(steps: fl.StepHistory) -> np.ndarray:
+def holds_kink(steps: fl.post.StepHistory) -> np.ndarray:
     """Whether the sine of a load changes its sign in a step."""
     ends = steps.times[:, np.newaxis]
     before, after = (
@@ -195,7 +195,7 @@ def holds_kink(steps: fl.StepHistory) -> np.ndarray:
     return (before != after).any(axis=1)
 
 
-def joint_numbers(steps: fl.StepHistory) -> dict[str, Any]:
+def joint_numbers(steps: fl.post.StepHistory) -> dict[str, Any]:
     """Likewise; the correlation is the smaller one of translation and rotation."""
     ratios = steps.ratios
     pairs = (
@@ -214,7 +214,7 @@ def joint_numbers(steps: fl.StepHistory) -> dict[str, Any]:
 
 def against_solver(scheme: fl.extend.Integrator, tolerance: float) -> dict[str, Any]:
     """The tip after 1 s, by steps that a tolerance chooses."""
-    result = scheme.run(rigid_pendulum(), duration=1.0, step=fl.AdaptiveStep(tolerance))
+    result = scheme.run(rigid_pendulum(), duration=1.0, step=fl.schemes.AdaptiveStep(tolerance))
     assert result.steps is not None
     end = tip(result)[-1]
     record: dict[str, Any] = {f"tip_{axis}": float(x) for axis, x in zip("xyz", end, strict=True)}
@@ -251,7 +251,7 @@ def follow_tolerance(
 # --- picture ------------------------------------------------------------------------------------
 
 
-def draw(steps: fl.StepHistory, case: str) -> None:
+def draw(steps: fl.post.StepHistory, case: str) -> None:
     """Estimates and errors over time, as the paper's figures 11 to 13."""
     figure = Figure(figsize=(10.0, 4.0), dpi=150, layout="constrained")
     for axes, name, unit, k in zip(

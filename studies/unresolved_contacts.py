@@ -15,7 +15,7 @@ from demos.command_line import run
 
 SCHEMES = {
     "GeneralisedAlpha": fl.GeneralisedAlpha(radius=0.8),
-    "Variational": fl.Variational(),
+    "Variational": fl.schemes.Variational(),
     "Explicit": fl.Explicit(),
     "EnergyMomentum": fl.EnergyMomentum(),
 }
@@ -27,11 +27,15 @@ def energy(scheme: Any, steps: int, phase: float) -> float:
     h = 1e-3 * np.pi / steps
     ball = fl.RigidBody(1.0, (1e-2,) * 3, position=(0, 0, RADIUS + (2.0 + phase) * h * SPEED))
     ball.add_velocity((0, 0, -SPEED))
-    scene, plane = fl.Scene(), fl.Plane(fl.ground(), (0, 0, 1))
+    scene, plane = fl.Scene(), fl.contact.Plane(fl.ground(), (0, 0, 1))
     scene.add(ball)
-    scene.add(fl.Contact(fl.Sphere(ball.point("centre"), RADIUS), plane, fl.Penalty(1e6)))
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.Sphere(ball.point("centre"), RADIUS), plane, fl.contact.Penalty(1e6)
+        )
+    )
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", fl.UnresolvedContactWarning)
+        warnings.simplefilter("ignore", fl.contact.UnresolvedContactWarning)
         result = scheme.run(scene, duration=(10 + 2 * steps) * h, step=h, progress=False)
     return float((result.velocity(ball.point("centre"))[-1, 2] / SPEED) ** 2)
 

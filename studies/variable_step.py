@@ -34,7 +34,7 @@ RESULTS = Path(__file__).parents[1] / "results"
 A, B, C, D = (0.0, 0.0, 0.0), (0.0, 0.0, 0.12), (0.24, 0.0, 0.12), (0.24, 0.0, 0.0)
 SPEED, TILT = 0.6, np.radians(5.0)
 START, RISE = 0.05, 0.5
-DAMPING = fl.Damping(stiffness=(0, 0, 0, 1e-4, 1e-4, 1e-4))
+DAMPING = fl.sections.Damping(stiffness=(0, 0, 0, 1e-4, 1e-4, 1e-4))
 # t and C; Exudyn 1.13, extrapolated from 9, 17 and 33 elements per bar
 REFERENCE = np.array(
     [
@@ -59,7 +59,7 @@ def main(
 ) -> dict[str, Any]:
     scheme = fl.GeneralisedAlpha(radius=radius)
 
-    def go(step: float | fl.AdaptiveStep) -> fl.Result:
+    def go(step: float | fl.schemes.AdaptiveStep) -> fl.Result:
         return scheme.run(four_bar(cells), duration=duration, step=step)
 
     times = np.linspace(0.0, duration, LOOKS)
@@ -113,11 +113,13 @@ def four_bar(cells: int) -> fl.Scene:
     )
     first = ab.point("start").frame.copy()
     scene.add(fl.PrescribedMotion(ab.point("start"), lambda t: turned(first, angle(t))))
-    scene.add(fl.Revolute(ab.point("end"), bc.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(ab.point("end"), bc.point("start"), axis=(0, 1, 0)))
     scene.add(
-        fl.Revolute(bc.point("end"), cd.point("start"), axis=(-np.sin(TILT), np.cos(TILT), 0))
+        fl.joints.Revolute(
+            bc.point("end"), cd.point("start"), axis=(-np.sin(TILT), np.cos(TILT), 0)
+        )
     )
-    scene.add(fl.Revolute(fl.ground(), cd.point("end"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), cd.point("end"), axis=(0, 1, 0)))
     return scene
 
 
@@ -135,8 +137,8 @@ def turned(frame: np.ndarray, about_y: float) -> np.ndarray:
     return moved
 
 
-def variable(tolerance: float) -> fl.AdaptiveStep:
-    return fl.AdaptiveStep(tolerance, largest=LARGEST)
+def variable(tolerance: float) -> fl.schemes.AdaptiveStep:
+    return fl.schemes.AdaptiveStep(tolerance, largest=LARGEST)
 
 
 def as_accurate(constant: np.ndarray, error: float) -> float:
@@ -154,7 +156,7 @@ def against_reference(result: fl.Result) -> float:
     return float(np.linalg.norm(found - rows[:, 1:], axis=1).max())
 
 
-def line(step: float | fl.AdaptiveStep, result: fl.Result, error: float) -> str:
+def line(step: float | fl.schemes.AdaptiveStep, result: fl.Result, error: float) -> str:
     label = f"h = {step:g} s" if isinstance(step, float) else f"tolerance {step.tolerance:.1e}"
     rejected = len(result.steps.rejected) if result.steps else 0
     steps = len(result.times) - 1

@@ -26,7 +26,9 @@ def closed_loop(
     left = scene.add(fl.Beam.straight(low, high, section, cells=2, name="left"))
     plate = scene.add(
         fl.Shell(
-            fl.surface(lambda a, b: u.length([0.1 + 0.4 * a, 0.2 * b, 0.5]), (4, 2)),
+            fl.mesh.parametric_surface(
+                lambda a, b: u.length([0.1 + 0.4 * a, 0.2 * b, 0.5]), (4, 2)
+            ),
             fl.ShellSection.layer(u.length(0.01), steel),
             drilling=drilling,
             name="plate",
@@ -38,22 +40,22 @@ def closed_loop(
             u.mass(3.0), u.inertia([0.02, 0.03, 0.04]), u.length([0.6, 0.1, 0.0]), name="block"
         )
     )
-    scene.add(fl.Revolute(fl.ground(), left.point("start"), axis=(0, 1, 0), name="root"))
-    scene.add(fl.Spherical(left.point("end"), nearest(plate, high), name="near"))
+    scene.add(fl.joints.Revolute(fl.ground(), left.point("start"), axis=(0, 1, 0), name="root"))
+    scene.add(fl.joints.Spherical(left.point("end"), nearest(plate, high), name="near"))
     corner = nearest(plate, far)
     if drilling:
-        scene.add(fl.Revolute(corner, right.point("start"), axis=(0, 1, 0), name="far"))
+        scene.add(fl.joints.Revolute(corner, right.point("start"), axis=(0, 1, 0), name="far"))
     else:
-        scene.add(fl.Spherical(corner, right.point("start"), name="far"))
-    scene.add(fl.Spherical(right.point("end"), block.point("centre"), at=foot, name="foot"))
+        scene.add(fl.joints.Spherical(corner, right.point("start"), name="far"))
+    scene.add(fl.joints.Spherical(right.point("end"), block.point("centre"), at=foot, name="foot"))
     scene.add(
-        fl.Spherical(
+        fl.joints.Spherical(
             block.point("centre"), fl.ground(), at=u.length([0.7, 0.1, -0.1]), name="ground"
         )
     )
     return scene
 
 
-def nearest(body: fl.Shell, place: np.ndarray) -> fl.Point:
+def nearest(body: fl.Shell, place: np.ndarray) -> fl.extend.Point:
     """The node of a body that is nearest to a place."""
     return body.point(int(np.linalg.norm(body.frames[:, 0] - place, axis=1).argmin()))

@@ -26,8 +26,8 @@ def oscillator(history: Callable[[float], float]) -> tuple[fl.Scene, fl.RigidBod
     """A mass on a spring under a force of size 4 that has this history."""
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(M, (0.1, 0.2, 0.3)))
-    slide = scene.add(fl.Prismatic(fl.ground(), body.point("centre"), axis=(1, 0, 0)))
-    scene.add(fl.Spring(slide.displacement, K))
+    slide = scene.add(fl.joints.Prismatic(fl.ground(), body.point("centre"), axis=(1, 0, 0)))
+    scene.add(fl.joints.Spring(slide.displacement, K))
     scene.add(fl.PointLoad(body.point("centre"), force=(4.0, 0, 0), history=history))
     return scene, body
 
@@ -37,10 +37,12 @@ def driven(function: Callable[[float], float]) -> tuple[fl.Scene, fl.RigidBody]:
     scene = fl.Scene()
     cart = scene.add(fl.RigidBody(1.0, (0.1, 0.2, 0.3), name="cart"))
     body = scene.add(fl.RigidBody(M, (0.1, 0.2, 0.3)))
-    slide = scene.add(fl.Prismatic(fl.ground(), cart.point("centre"), axis=(1, 0, 0)))
-    rail = scene.add(fl.Prismatic(cart.point("centre"), body.point("centre"), axis=(1, 0, 0)))
-    scene.add(fl.Spring(rail.displacement, K))
-    scene.add(fl.Drive(slide.displacement, function))
+    slide = scene.add(fl.joints.Prismatic(fl.ground(), cart.point("centre"), axis=(1, 0, 0)))
+    rail = scene.add(
+        fl.joints.Prismatic(cart.point("centre"), body.point("centre"), axis=(1, 0, 0))
+    )
+    scene.add(fl.joints.Spring(rail.displacement, K))
+    scene.add(fl.joints.Drive(slide.displacement, function))
     return scene, body
 
 

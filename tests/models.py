@@ -41,8 +41,8 @@ class Model:
     """An element on a small mesh, with its unloaded frames."""
 
     frames: fl.NodalFrames
-    forms: fl.LocalFrameForms
-    energy: fl.StrainEnergy | ufl.Form
+    forms: fl.extend.LocalFrameForms
+    energy: fl.extend.StrainEnergy | ufl.Form
     coordinates: fem.Function | None = None
     unloaded: np.ndarray = field(init=False)
 
@@ -144,10 +144,10 @@ def nonlinear_law(strain):
 
 def director_energy(
     q: fl.NodalFrames, law: Callable = nonlinear_law, degree: int = 1
-) -> fl.StrainEnergy:
-    stretch, curvature = fl.director_strains(q)
+) -> fl.extend.StrainEnergy:
+    stretch, curvature = fl.elements.director_strains(q)
     strain = ufl.as_vector([*stretch, *curvature]) - ufl.as_vector(STRAIN_0.tolist())
-    return fl.StrainEnergy(strain, law, measure(q.function.function_space.mesh, degree))
+    return fl.extend.StrainEnergy(strain, law, measure(q.function.function_space.mesh, degree))
 
 
 def _director_beam(comm, degree: int, carried: bool) -> Model:
@@ -180,7 +180,7 @@ def director_beam_midpoint(comm=MPI.COMM_SELF) -> Model:
     stretch, curvature, through = midpoint_strains(q)
     strain = ufl.as_vector([*stretch, *curvature]) - ufl.as_vector(STRAIN_0.tolist())
     dx = measure(q.function.function_space.mesh, 1)
-    energy = fl.StrainEnergy(strain, nonlinear_law, dx, through=through)
+    energy = fl.extend.StrainEnergy(strain, nonlinear_law, dx, through=through)
     return Model(q, fl.local_frame_forms(energy, q), energy)
 
 
@@ -206,8 +206,8 @@ def _geodesic_beam(mesh, stiffness=None, law=None, rest: bool = True) -> Model:
         section = stiffness(section, relative)
     energy = geodesic_energy(d, d0, ell, cellwise(mesh, section), mesh)
     if law is not None:
-        energy = fl.StrainEnergy(energy.strain, law, energy.dx, energy.weight)
-    forms = fl.LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
+        energy = fl.extend.StrainEnergy(energy.strain, law, energy.dx, energy.weight)
+    forms = fl.extend.LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
     return Model(q, forms, energy, d)
 
 
@@ -232,7 +232,7 @@ def kirchhoff_rod(comm=MPI.COMM_SELF) -> Model:
     relative = lie.se3_relative(ends[:, 0], ends[:, 1])
     d, length = (cellwise(mesh, a) for a in (relative, np.linalg.norm(relative[:, :3], axis=1)))
     energy = rod_energy(d, length, cellwise(mesh, np.tile(D, (len(ends), 1, 1))))
-    forms = fl.LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
+    forms = fl.extend.LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
     return Model(q, forms, energy, d)
 
 

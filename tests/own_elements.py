@@ -230,6 +230,6 @@ def random_body(name, count=3):
     inertia = np.zeros((count, k, 4, k, 4))
     for node, own in enumerate(active):
         inertia[:, node, own, node, own] = 0.5
-    return fl.ElementBody(
+    return fl.extend.ElementBody(
         rows, types, cells, element=of, functions=functions, data=data, inertia=inertia
     )

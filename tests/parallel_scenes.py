@@ -26,7 +26,7 @@ def share_factors():
 
 def sheet():
     """A curved strip, held along an edge and pulled at a corner."""
-    mesh = fl.surface(lambda a, b: (a, 0.4 * b, 0.1 * a * a), (4, 3))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, 0.4 * b, 0.1 * a * a), (4, 3))
     shell = fl.Shell(mesh, fl.ShellSection.layer(0.01, STEEL))
     shell.clamp("a=0")
     scene = fl.Scene()
@@ -43,8 +43,8 @@ def pendulum():
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(upper)
     scene.add(lower)
-    scene.add(fl.Revolute(fl.ground(), upper.point("start"), axis=(0, 1, 0)))
-    scene.add(fl.Revolute(upper.point("end"), lower.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), upper.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(upper.point("end"), lower.point("start"), axis=(0, 1, 0)))
     return scene
 
 

@@ -14,20 +14,20 @@ from fem_lie import lie
 from tests import scene_data as data
 
 FORMULATIONS: dict[str, Any] = {
-    "geodesic": fl.Geodesic(),
-    "geodesic, plain": fl.Geodesic(False),
-    "director 1": fl.Director(1),
-    "director 2": fl.Director(2),
-    "HR": fl.HellingerReissner(),
-    "MITC4": fl.Displacement(),
-    "HW": fl.HuWashizu(),
+    "geodesic": fl.elements.GeodesicBeam(),
+    "geodesic, plain": fl.elements.GeodesicBeam(False),
+    "director 1": fl.elements.DirectorBeam(1),
+    "director 2": fl.elements.DirectorBeam(2),
+    "HR": fl.elements.HellingerReissner(),
+    "MITC4": fl.elements.DisplacementBased(),
+    "HW": fl.elements.HuWashizu(),
 }
 SLENDER: dict[str, Callable[..., Any]] = {
-    "Kirchhoff rod": partial(fl.Rod, formulation=fl.Kirchhoff()),
-    "discrete rod": partial(fl.Rod, formulation=fl.DiscreteRod()),
+    "Kirchhoff rod": partial(fl.Rod, formulation=fl.elements.KirchhoffRod()),
+    "discrete rod": partial(fl.Rod, formulation=fl.elements.DiscreteRod()),
     "Hermite cable": lambda *line, up, **options: fl.Cable(*line, **options),
     "discrete cable": lambda *line, up, **options: fl.Cable(
-        *line, formulation=fl.DiscreteCable(), **options
+        *line, formulation=fl.elements.DiscreteCable(), **options
     ),
     "spline cable": lambda mesh, section, up, **options: fl.SplineCable.through(
         mesh.points, section, **options
@@ -45,9 +45,9 @@ class Built:
     clock: float
     bodies: dict[str, Any] = field(default_factory=dict)
     joints: dict[str, Any] = field(default_factory=dict)
-    faces: dict[data.PointRef, fl.Point] = field(default_factory=dict)
+    faces: dict[data.PointRef, fl.extend.Point] = field(default_factory=dict)
 
-    def point(self, ref: data.PointRef) -> fl.Point:
+    def point(self, ref: data.PointRef) -> fl.extend.Point:
         if ref.body is None:
             return fl.ground()
         body = self.bodies[ref.body]
@@ -56,7 +56,7 @@ class Built:
         _, is_node, number = ref.name.partition("node ")
         return body.point(int(number)) if is_node else body.point(ref.name)
 
-    def coordinate(self, ref: data.CoordinateRef) -> fl.Coordinate:
+    def coordinate(self, ref: data.CoordinateRef) -> fl.joints.Coordinate:
         return self.joints[ref.joint].coordinates()[ref.number]
 
     def history(
@@ -76,8 +76,8 @@ def build(
     given: data.SceneData,
     *,
     static: bool = False,
-    redundant: fl.Redundant = fl.Redundant.REFUSE,
-    strays: tuple[fl.Body, ...] = (),
+    redundant: fl.joints.RedundantConstraints = fl.joints.RedundantConstraints.REFUSE,
+    strays: tuple[fl.extend.Body, ...] = (),
 ) -> Built:
     """The scene; in statics histories run with the load factor. It does not have the ``strays``."""
     scene = fl.Scene(given.gravity, redundant=redundant)
@@ -116,7 +116,7 @@ def _(item: data.BeamData, built: Built) -> None:
             cells=item.cells,
             up=item.up,
             formulation=FORMULATIONS[item.formulation],
-            damping=fl.Damping(item.drag, item.viscosity),
+            damping=fl.sections.Damping(item.drag, item.viscosity),
             name=item.name,
         )
     )
@@ -135,7 +135,7 @@ def _(item: data.ShellData, built: Built) -> None:
 
     s = item.section
     shell = fl.Shell(
-        fl.surface(place, item.cells, cell=item.cell),
+        fl.mesh.parametric_surface(place, item.cells, cell=item.cell),
         fl.ShellSection.layer(s.thickness, fl.Material(s.E, s.nu, s.density)),
         along=item.along,
         formulation=FORMULATIONS[item.formulation],
@@ -152,8 +152,8 @@ def _(item: data.SlenderData, built: Built) -> None:
     def line(s: float) -> np.ndarray:
         return item.start + s * (item.end - item.start) + 4 * s * (1 - s) * item.bow
 
-    mesh, make = fl.curve(line, item.cells), SLENDER[item.element]
-    damping, section = fl.Damping(item.drag), _section(item.section)
+    mesh, make = fl.mesh.curve(line, item.cells), SLENDER[item.element]
+    damping, section = fl.sections.Damping(item.drag), _section(item.section)
     body = built.scene.add(make(mesh, section, up=item.up, damping=damping, name=item.name))
     if item.clamped is not None:
         if isinstance(body, fl.AncfBeam | fl.Cable):
@@ -165,7 +165,7 @@ def _(item: data.SlenderData, built: Built) -> None:
 
 @add.register
 def _(item: data.NetData, built: Built) -> None:
-    damping, section = fl.Damping(item.drag), _section(item.section)
+    damping, section = fl.sections.Damping(item.drag), _section(item.section)
     net = fl.Net(item.points, item.threads, section, damping=damping, name=item.name)
     if item.clamped is not None:
         net.pin(net.point(0))
@@ -179,8 +179,10 @@ def _(item: data.PatchData, built: Built) -> None:
 
     s = item.section
     section = fl.ShellSection.layer(s.thickness, fl.Material(s.E, s.nu, s.density))
-    patch = fl.smooth_patch(place, item.cells)
-    shell = PATCHES[item.element](patch, section, damping=fl.Damping(item.drag), name=item.name)
+    patch = fl.mesh.smooth_patch(place, item.cells)
+    shell = PATCHES[item.element](
+        patch, section, damping=fl.sections.Damping(item.drag), name=item.name
+    )
     if item.clamped is not None:
         shell.clamp(item.clamped)
     built.bodies[item.name] = built.scene.add(shell)
@@ -191,9 +193,9 @@ def _(item: data.BlockData, built: Built) -> None:
     def place(α: float, β: float, γ: float) -> np.ndarray:
         return item.corner + α * item.a + β * item.b + γ * item.c
 
-    mesh = fl.block(place, (1, 1, 1), cell=item.cell)
-    law = fl.NeoHooke(item.E, item.nu, item.density)
-    damping = fl.Damping(item.drag)
+    mesh = fl.mesh.parametric_volume(place, (1, 1, 1), cell=item.cell)
+    law = fl.sections.NeoHooke(item.E, item.nu, item.density)
+    damping = fl.sections.Damping(item.drag)
     solid = fl.Solid(mesh, law, degree=item.degree, damping=damping, name=item.name)
     if item.clamped is not None:
         solid.clamp(item.clamped)
@@ -207,11 +209,14 @@ def _(item: data.BlockData, built: Built) -> None:
 @add.register
 def _(item: data.ReducedData, built: Built) -> None:
     full = fl.Beam(
-        fl.straight(item.start, item.end, 4), _section(item.section), up=item.up, name=item.name
+        fl.mesh.straight_line(item.start, item.end, 4),
+        _section(item.section),
+        up=item.up,
+        name=item.name,
     )
     scene = fl.Scene()
     scene.add(full)
-    body = fl.reduced_body(
+    body = fl.reduction.reduced_order_body(
         scene, [full.point("start"), full.point("end")], item.modes, name=item.name
     )
     built.bodies[item.name] = built.scene.add(body)
@@ -219,10 +224,10 @@ def _(item: data.ReducedData, built: Built) -> None:
 
 @add.register
 def _(item: data.ContactData, built: Built) -> None:
-    ball = fl.Sphere(built.point(item.ball), item.radius)
-    plane = fl.Plane(fl.ground(), item.normal, item.at)
-    law = fl.Impact() if item.stiffness is None else fl.Penalty(item.stiffness)
-    built.scene.add(fl.Contact(ball, plane, law))
+    ball = fl.contact.Sphere(built.point(item.ball), item.radius)
+    plane = fl.contact.Plane(fl.ground(), item.normal, item.at)
+    law = fl.contact.Impact() if item.stiffness is None else fl.contact.Penalty(item.stiffness)
+    built.scene.add(fl.contact.Contact(ball, plane, law))
 
 
 _OWN = ("at", "axis", "second", "to", "normal", "pitch", "radius")
@@ -245,7 +250,7 @@ def _(item: data.SlidingData, built: Built) -> None:
 
 @add.register
 def _(item: data.LinkData, built: Built) -> None:
-    built.scene.add(fl.RigidLink(built.point(item.a), built.point(item.b)))
+    built.scene.add(fl.joints.RigidLink(built.point(item.a), built.point(item.b)))
 
 
 @add.register
@@ -270,23 +275,23 @@ def _(item: data.MotionData, built: Built) -> None:
 @add.register
 def _(item: data.SpringData, built: Built) -> None:
     coordinate = built.coordinate(item.coordinate)
-    built.scene.add(fl.Spring(coordinate, item.stiffness, item.damping, item.rest))
+    built.scene.add(fl.joints.Spring(coordinate, item.stiffness, item.damping, item.rest))
 
 
 @add.register
 def _(item: data.DriveData, built: Built) -> None:
     coordinate, history = built.coordinate(item.coordinate), built.history(item.history)
     if history is None:
-        built.scene.add(fl.Drive(coordinate))
+        built.scene.add(fl.joints.Drive(coordinate))
         return
     start = coordinate.start()
-    built.scene.add(fl.Drive(coordinate, lambda t: start + item.amplitude * history(t)))
+    built.scene.add(fl.joints.Drive(coordinate, lambda t: start + item.amplitude * history(t)))
 
 
 @add.register
 def _(item: data.GearData, built: Built) -> None:
     first, second = built.coordinate(item.first), built.coordinate(item.second)
-    built.scene.add(fl.Gear(first, second, item.ratio))
+    built.scene.add(fl.joints.Gear(first, second, item.ratio))
 
 
 @add.register
@@ -318,19 +323,19 @@ def _(item: data.LineLoadData, built: Built) -> None:
 @add.register
 def _(item: data.BeamPressureData, built: Built) -> None:
     beam, history = built.bodies[item.beam], built.history(item.history)
-    built.scene.add(fl.PressureLoad(beam, item.pressure, item.direction, history=history))
+    built.scene.add(fl.loads.PressureLoad(beam, item.pressure, item.direction, history=history))
 
 
 @add.register
 def _(item: data.EigenstrainData, built: Built) -> None:
     beam, history = built.bodies[item.beam], built.history(item.history)
-    built.scene.add(fl.Eigenstrain(beam, item.strain, history=history))
+    built.scene.add(fl.loads.Eigenstrain(beam, item.strain, history=history))
 
 
 @add.register
 def _(item: data.PreStressData, built: Built) -> None:
     beam, history = built.bodies[item.beam], built.history(item.history)
-    built.scene.add(fl.PreStress(beam, item.resultant, history=history))
+    built.scene.add(fl.loads.PreStress(beam, item.resultant, history=history))
 
 
 @add.register
@@ -342,29 +347,31 @@ def _(item: data.AreaLoadData, built: Built) -> None:
 @add.register
 def _(item: data.EdgeLoadData, built: Built) -> None:
     shell, history = built.bodies[item.shell], built.history(item.history)
-    load = fl.EdgeLoad(shell, item.curve, item.force, history=history, following=item.following)
+    load = fl.loads.EdgeLoad(
+        shell, item.curve, item.force, history=history, following=item.following
+    )
     built.scene.add(load)
 
 
 @add.register
 def _(item: data.SurfacePressureData, built: Built) -> None:
     shell, history = built.bodies[item.shell], built.history(item.history)
-    built.scene.add(fl.SurfacePressure(shell, item.pressure, history=history))
+    built.scene.add(fl.loads.SurfacePressure(shell, item.pressure, history=history))
 
 
 @add.register
 def _(item: data.FaceLoadData, built: Built) -> None:
     solid, history = built.bodies[item.solid], built.history(item.history)
-    built.scene.add(fl.FaceLoad(solid, item.face, item.force, history=history))
+    built.scene.add(fl.loads.FaceLoad(solid, item.face, item.force, history=history))
 
 
 @add.register
 def _(item: data.FacePressureData, built: Built) -> None:
     solid, history = built.bodies[item.solid], built.history(item.history)
-    built.scene.add(fl.FacePressure(solid, item.face, item.pressure, history=history))
+    built.scene.add(fl.loads.FacePressure(solid, item.face, item.pressure, history=history))
 
 
 @add.register
 def _(item: data.BulkLoadData, built: Built) -> None:
     solid, history = built.bodies[item.solid], built.history(item.history)
-    built.scene.add(fl.BulkLoad(solid, item.force, history=history))
+    built.scene.add(fl.loads.BulkLoad(solid, item.force, history=history))

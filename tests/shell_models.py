@@ -75,7 +75,7 @@ class Element:
     """A shell element under test."""
 
     name: str
-    measures: fl.StrainMeasures = fl.MITC4
+    measures: fl.elements.StrainMeasures = fl.elements.MITC4
     formulation: str = "HR"
     drilling: float | None = None
     distortion: float = 1.0  # of the cells of a patch
@@ -107,15 +107,15 @@ class Element:
 HR = Element("HR")
 HW = Element("HW", formulation="HW")
 DISPLACEMENT = Element("MITC4", formulation="displacement")
-PLUS = Element("HR, MITC4+", fl.MITC4_PLUS)
-PLUS_DISPLACEMENT = Element("MITC4+", fl.MITC4_PLUS, "displacement")
-BENT = Element("HR, decoupled bending", fl.DECOUPLED)
+PLUS = Element("HR, MITC4+", fl.elements.MITC4_PLUS)
+PLUS_DISPLACEMENT = Element("MITC4+", fl.elements.MITC4_PLUS, "displacement")
+BENT = Element("HR, decoupled bending", fl.elements.DECOUPLED)
 SIX = Element("HR, six parameters", drilling=0.3)
 SIX_DISPLACEMENT = Element("MITC4, six parameters", formulation="displacement", drilling=0.3)
-TRIANGLE = Element("MITC3+", fl.MITC3_PLUS)
-TRIANGLE_6 = Element("MITC6", fl.MITC6, "displacement")
+TRIANGLE = Element("MITC3+", fl.elements.MITC3_PLUS)
+TRIANGLE_6 = Element("MITC6", fl.elements.MITC6, "displacement")
 # it passes the patch test for parallelograms only
-QUADRILATERAL_9 = Element("MITC9", fl.MITC9, "displacement", distortion=0.0)
+QUADRILATERAL_9 = Element("MITC9", fl.elements.MITC9, "displacement", distortion=0.0)
 
 
 @dataclass
@@ -127,7 +127,7 @@ class Statics:
     """
 
     frames: fl.NodalFrames
-    forms: fl.LocalFrameForms
+    forms: fl.extend.LocalFrameForms
     held: np.ndarray
     loads: list[tuple[int, np.ndarray]]
     springs: list[tuple[int, np.ndarray, float]] = field(default_factory=list)

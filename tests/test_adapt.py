@@ -9,11 +9,16 @@ import pytest
 import fem_lie as fl
 from benchmarks import effectivity, refined_quadrilaterals
 from demos import adaptive_goals, adaptive_problems, adaptive_shell, deep_arch, goal_problems
-from fem_lie.adapt.loop import _calibration
+from fem_lie.adaptivity.loop import _calibration
 
 SECTION = fl.Section.from_stiffness([1e7, 5e6, 5e6, 1e6, 2e6, 1e6])
-PLAIN = fl.Geodesic(bending_flexibility=False)
-ELEMENTS = [fl.Geodesic(), PLAIN, fl.Director(1), fl.Director(2)]
+PLAIN = fl.elements.GeodesicBeam(bending_flexibility=False)
+ELEMENTS = [
+    fl.elements.GeodesicBeam(),
+    PLAIN,
+    fl.elements.DirectorBeam(1),
+    fl.elements.DirectorBeam(2),
+]
 
 
 def cantilever(mesh, formulation=PLAIN, force=(0, 2e3, 3e4)):
@@ -31,12 +36,12 @@ def sheet(mesh):
     section = fl.ShellSection.layer(0.1, fl.Material(1e6, 0.3, 1.0))
     shell = scene.add(fl.Shell(mesh, section, name="sheet"))
     shell.clamp("a=0")
-    scene.add(fl.EdgeLoad(shell, "a=1", force=(0.0, 0.0, 1e-3)))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(0.0, 0.0, 1e-3)))
     return scene
 
 
 def square(cells, cell="triangle"):
-    return fl.surface(lambda a, b: (a, b, 0.0), (cells, cells), cell=cell)
+    return fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (cells, cells), cell=cell)
 
 
 # --- the estimate ---------------------------------------------------------------------------------
@@ -54,7 +59,7 @@ def test_of_beams_it_is_the_error(formulation, force, monkeypatch):
 
 def test_of_shells_it_is_near_the_error():
     case = effectivity.SHELLS["plate with a hole"]
-    estimates = fl.Recovery(), fl.Hierarchical()
+    estimates = fl.adaptivity.RecoveryEstimate(), fl.adaptivity.HierarchicalEstimate()
     for rows in effectivity.all_shell_rows(case._replace(meshes=(8, 16, 48)), estimates):
         for *_, error, ratio in rows:
             assert error < 0.2
@@ -68,8 +73,10 @@ def test_cut_cells_find_nothing_that_is_not_missing(cell):
     scene, layer = fl.Scene(), fl.ShellSection.layer(0.1, fl.Material(1e6, 0.0, 1.0))
     shell = scene.add(fl.Shell(square(3, cell), layer, name="sheet"))
     shell.clamp("a=0")
-    scene.add(fl.EdgeLoad(shell, "a=1", force=(1e3, 0.0, 0.0)))
-    found = fl.space_error(fl.statics(scene), shell, scene, estimate=fl.Hierarchical())
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(1e3, 0.0, 0.0)))
+    found = fl.adaptivity.space_error(
+        fl.statics(scene), shell, scene, estimate=fl.adaptivity.HierarchicalEstimate()
+    )
     assert found.energy > 0
     assert found.relative < 1e-6
 
@@ -84,8 +91,8 @@ def test_cut_cells_of_a_plate_that_bends(cell):
         body = scene.bodies[0]
         found.append(
             [
-                fl.space_error(result, body, scene, estimate=e).relative
-                for e in (fl.Hierarchical(), fl.Recovery())
+                fl.adaptivity.space_error(result, body, scene, estimate=e).relative
+                for e in (fl.adaptivity.HierarchicalEstimate(), fl.adaptivity.RecoveryEstimate())
             ]
         )
     (coarse, _), (fine, recovered) = found
@@ -99,7 +106,7 @@ def test_nothing_is_wrong_with_what_is_constant():
     beam = scene.add(fl.Beam.straight((0, 0, 0), (10, 0, 0), SECTION, cells=5, name="beam"))
     scene.add(fl.Clamp(beam.point("start")))
     scene.add(fl.PointLoad(beam.point("end"), moment=(0, 1e5, 0), following=True))
-    found = fl.space_error(fl.statics(scene, load_steps=4), beam, scene)
+    found = fl.adaptivity.space_error(fl.statics(scene, load_steps=4), beam, scene)
     assert found.relative < 1e-8
     assert found.energy == pytest.approx(1e10 * 10 / 2e6, rel=1e-6)
 
@@ -115,7 +122,7 @@ def test_it_has_the_unit_of_energy(size):
     scene.add(beam)
     scene.add(fl.Clamp(beam.point("start")))
     scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, force)))
-    found = fl.space_error(fl.statics(scene), beam, scene)
+    found = fl.adaptivity.space_error(fl.statics(scene), beam, scene)
     expected = force**2 * (length / cells) ** 3 / (12 * D[4])
     np.testing.assert_allclose(found.squares, expected, rtol=1e-4)
 
@@ -127,9 +134,11 @@ def test_it_holds_in_motion():
         scene = fl.Scene(gravity=(0, 0, -9.81))
         section = fl.Section.rectangle(0.05, 0.05, fl.Material(1e7, 0.3, 1e3))
         rod = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=cells, name="rod"))
-        scene.add(fl.Revolute(fl.ground(), rod.point("start"), axis=(0, 1, 0)))
+        scene.add(fl.joints.Revolute(fl.ground(), rod.point("start"), axis=(0, 1, 0)))
         result = fl.GeneralisedAlpha().run(scene, duration=0.3, step=2e-3)
-        found.append([fl.space_error(result, rod, scene, step).relative for step in (80, 150)])
+        found.append(
+            [fl.adaptivity.space_error(result, rod, scene, step).relative for step in (80, 150)]
+        )
     assert (np.array(found[1]) < 0.6 * np.array(found[0])).all()
 
 
@@ -137,9 +146,11 @@ def test_forms_of_a_shell_are_made_once(monkeypatch):
     scene = sheet(square(4))
     shell = scene.bodies[0]
     result = fl.statics(scene)
-    first = fl.space_error(result, shell, scene)
+    first = fl.adaptivity.space_error(result, shell, scene)
     monkeypatch.setattr(fl.Shell, "assemble", never)
-    np.testing.assert_array_equal(fl.space_error(result, shell, scene).squares, first.squares)
+    np.testing.assert_array_equal(
+        fl.adaptivity.space_error(result, shell, scene).squares, first.squares
+    )
 
 
 # --- goals ----------------------------------------------------------------------------------------
@@ -147,12 +158,12 @@ def test_forms_of_a_shell_are_made_once(monkeypatch):
 
 @pytest.mark.parametrize("force", [1e2, 3e4])
 def test_the_error_of_a_goal_has_size_and_sign(force):
-    goal = fl.PointDisplacement("beam.end", (0, 0, 1))
+    goal = fl.adaptivity.PointDisplacementGoal("beam.end", (0, 0, 1))
     found = {}
     for cells in (8, 128):
-        scene = cantilever(fl.straight((0, 0, 0), (10, 0, 0), cells), force=(0, 0, force))
+        scene = cantilever(fl.mesh.straight_line((0, 0, 0), (10, 0, 0), cells), force=(0, 0, force))
         result = fl.statics(scene, load_steps=3)
-        found[cells] = fl.goal_error(result, scene.bodies, scene, goal)
+        found[cells] = fl.adaptivity.goal_error(result, scene.bodies, scene, goal)
     error = found[128].value + found[128].estimate - found[8].value
     assert found[8].estimate == pytest.approx(error, rel=0.03)
     assert found[8].relative >= abs(found[8].estimate) / (found[8].value + found[8].estimate)
@@ -160,51 +171,54 @@ def test_the_error_of_a_goal_has_size_and_sign(force):
 
 def test_a_goal_behind_a_joint():
     """A frame of two beams: where one ends a joint holds the next, and the dual goes through it."""
-    goal, found = fl.PointDisplacement("b.end", (0, 0, 1)), {}
+    goal, found = fl.adaptivity.PointDisplacementGoal("b.end", (0, 0, 1)), {}
     for cells in (4, 64):
         scene = fl.Scene()
-        line = fl.straight((0, 0, 0), (10, 0, 0), cells), fl.straight((10, 0, 0), (15, 0, 0), cells)
+        line = (
+            fl.mesh.straight_line((0, 0, 0), (10, 0, 0), cells),
+            fl.mesh.straight_line((10, 0, 0), (15, 0, 0), cells),
+        )
         a, b = (
             scene.add(fl.Beam(m, SECTION, formulation=PLAIN, name=n))
             for m, n in zip(line, "ab", strict=True)
         )
         scene.add(fl.Clamp(a.point("start")))
-        scene.add(fl.Fixed(a.point("end"), b.point("start")))
+        scene.add(fl.joints.Fixed(a.point("end"), b.point("start")))
         scene.add(fl.PointLoad(b.point("end"), force=(0, 0, 5e3)))
         result = fl.statics(scene, load_steps=2)
-        found[cells] = fl.goal_error(result, [a, b], scene, goal)
+        found[cells] = fl.adaptivity.goal_error(result, [a, b], scene, goal)
     error = found[64].value + found[64].estimate - found[4].value
     assert found[4].estimate == pytest.approx(error, rel=0.03)
 
 
 def test_a_limit_load():
     """The null vector of the tangent is the dual solution; reference by shooting."""
-    mesh = fl.refine(goal_problems.arch_line(), np.arange(8))
-    scene, goal = goal_problems.arch(mesh), fl.CriticalLoad()
+    mesh = fl.adaptivity.refine(goal_problems.arch_line(), np.arange(8))
+    scene, goal = goal_problems.arch(mesh), fl.adaptivity.LimitLoadGoal()
     path = goal.solve(scene)
     factors = path.factors.copy()
-    found = fl.goal_error(path, scene.bodies, scene, goal)
+    found = fl.adaptivity.goal_error(path, scene.bodies, scene, goal)
     error = deep_arch.VARIANTS["stretchable"][2][0] / deep_arch.FORCE - found.value
     assert error < -0.02
     assert found.estimate == pytest.approx(error, rel=0.1)
     np.testing.assert_array_equal(path.factors, factors)
     # loads twice as large, half the factor
     scene.add(fl.PointLoad(scene.bodies[0].point("crown"), force=(0, -deep_arch.FORCE, 0)))
-    again = fl.goal_error(goal.solve(scene), scene.bodies, scene, goal)
+    again = fl.adaptivity.goal_error(goal.solve(scene), scene.bodies, scene, goal)
     assert again.value == pytest.approx(0.5 * found.value, rel=1e-5)
     assert again.estimate == pytest.approx(0.5 * found.estimate, rel=1e-3)
 
 
 @pytest.mark.parametrize("mode", [1, 3])
 def test_a_frequency(mode):
-    goal, found = fl.Frequency(mode), {}
+    goal, found = fl.adaptivity.FrequencyGoal(mode), {}
     section = fl.Section.rectangle(0.05, 0.08, fl.Material(1e7, 0.3, 1e3))
     for cells in (8, 64):
         scene = fl.Scene()
-        line = fl.straight((0, 0, 0), (1, 0, 0), cells)
+        line = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), cells)
         beam = scene.add(fl.Beam(line, section, formulation=PLAIN, name="beam"))
         scene.add(fl.Clamp(beam.point("start")))
-        found[cells] = fl.goal_error(goal.solve(scene), [beam], scene, goal)
+        found[cells] = fl.adaptivity.goal_error(goal.solve(scene), [beam], scene, goal)
         assert found[cells].value == pytest.approx(
             fl.vibrations(scene, mode).frequencies[-1], rel=1e-8
         )
@@ -214,12 +228,14 @@ def test_a_frequency(mode):
 
 
 def test_the_frequency_of_a_plate_with_a_hole():
-    goal, found = fl.Frequency(1), {}
+    goal, found = fl.adaptivity.FrequencyGoal(1), {}
     mesh = goal_problems.quarter()
     for level in range(3):
         scene = goal_problems.plate(mesh)
-        found[level] = fl.goal_error(goal.solve(scene), scene.bodies, scene, goal)
-        mesh = fl.refine(mesh, np.arange(len(mesh.cells)), onto=goal_problems.out_of_hole)
+        found[level] = fl.adaptivity.goal_error(goal.solve(scene), scene.bodies, scene, goal)
+        mesh = fl.adaptivity.refine(
+            mesh, np.arange(len(mesh.cells)), onto=goal_problems.out_of_hole
+        )
     error = found[2].value + found[2].estimate - found[1].value
     assert found[1].estimate == pytest.approx(error, rel=0.2)
 
@@ -235,8 +251,8 @@ def test_goals_behind_corners():
 
 
 def test_arcs_stay_arcs():
-    mesh = fl.curve(lambda s: (np.cos(s), np.sin(s), 0.0), 4)
-    mesh = fl.refine(fl.refine(mesh, [1, 2]), [0, 3])
+    mesh = fl.mesh.curve(lambda s: (np.cos(s), np.sin(s), 0.0), 4)
+    mesh = fl.adaptivity.refine(fl.adaptivity.refine(mesh, [1, 2]), [0, 3])
     assert len(mesh.cells) == 8
     np.testing.assert_allclose(np.linalg.norm(mesh.points, axis=1), 1.0, atol=1e-12)
     across = np.einsum("mkj,mkj->mk", mesh.tangents, mesh.points[mesh.cells])
@@ -247,11 +263,11 @@ def test_arcs_stay_arcs():
 
 @pytest.mark.parametrize(("cell", "times"), [("triangle", 5), ("quadrilateral", 2)])
 def test_names_and_area_survive(cell, times):
-    mesh = fl.surface(lambda a, b: (a, b + 0.2 * a * b, 0.0), (4, 3), cell=cell)
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b + 0.2 * a * b, 0.0), (4, 3), cell=cell)
     mesh = replace(mesh, groups={"left": np.flatnonzero(mesh.points[mesh.cells, 0].max(1) < 0.6)})
     fine, rng = mesh, np.random.default_rng(5)
     for _ in range(times):
-        fine = fl.refine(fine, rng.choice(len(fine.cells), 6, replace=False))
+        fine = fl.adaptivity.refine(fine, rng.choice(len(fine.cells), 6, replace=False))
     around = [[0, 1], [1, 2], [2, 0]] if cell == "triangle" else [[0, 1], [1, 3], [3, 2], [2, 0]]
 
     def area(m, cells=slice(None)):
@@ -280,7 +296,7 @@ def test_quadrilaterals_by_all_patterns():
     """One, two, three and four marks, on every corner; cells between opposite marks are cut."""
     mesh, found = square(6, "quadrilateral"), {}
     for cells in ([14], [14, 20], [14, 21], [14, 15, 20], list(range(36))):
-        fine = fl.refine(mesh, cells)
+        fine = fl.adaptivity.refine(mesh, cells)
         p = fine.points[fine.cells][:, [0, 1, 3, 2]]
         corners = np.cross(np.roll(p, -1, 1) - p, np.roll(p, 1, 1) - p)[..., 2]
         assert np.abs(corners).min() > 1e-4
@@ -294,8 +310,8 @@ def test_quadrilaterals_by_all_patterns():
 def test_quadrilaterals_are_refined_where_stress_is_rough():
     """A corner of a plate, re-entrant: fewer cells than with equal ones, and names are kept."""
     mesh = effectivity.l_plate(4).bodies[0].mesh
-    build, estimate = refined_quadrilaterals.plate, fl.Residual()
-    found = fl.adapt(build, mesh, tolerance=0.2, solve=fl.statics, estimate=estimate)
+    build, estimate = refined_quadrilaterals.plate, fl.adaptivity.ResidualEstimate()
+    found = fl.adaptivity.adapt(build, mesh, tolerance=0.2, solve=fl.statics, estimate=estimate)
     assert found.error.relative <= 0.2
     size = np.ptp(found.mesh.points[found.mesh.cells], axis=1).max(axis=1)
     near = np.linalg.norm(found.mesh.points[found.mesh.cells].mean(axis=1)[:, :2] - 1, axis=1) < 0.1
@@ -304,7 +320,7 @@ def test_quadrilaterals_are_refined_where_stress_is_rough():
 
 def test_new_points_lie_on_the_true_surface():
     mesh = adaptive_problems.eighth()
-    fine = fl.refine(mesh, [0, 7, 30], onto=adaptive_problems.on_cylinder)
+    fine = fl.adaptivity.refine(mesh, [0, 7, 30], onto=adaptive_problems.on_cylinder)
     radius = np.hypot(*fine.points[:, 1:].T)
     np.testing.assert_allclose(radius, adaptive_problems.RADIUS, rtol=1e-12)
 
@@ -313,9 +329,9 @@ def test_new_points_lie_on_the_true_surface():
 
 
 def test_a_line_is_refined_where_it_bends():
-    found = fl.adapt(
+    found = fl.adaptivity.adapt(
         cantilever,
-        fl.straight((0, 0, 0), (10, 0, 0), 4),
+        fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 4),
         tolerance=0.02,
         solve=lambda scene: fl.statics(scene, load_steps=2),
     )
@@ -326,10 +342,10 @@ def test_a_line_is_refined_where_it_bends():
 
 def test_elements_grow_again_where_they_were_too_small():
     """Made anew from the first mesh: in the end all elements have about the same error."""
-    line = fl.straight((0, 0, 0), (10, 0, 0), 4)
-    goal = fl.PointDisplacement("beam.end", (0, 0, 1))
-    found = fl.adapt(cantilever, line, tolerance=2e-3, goal=goal, fall=0.3)
-    cut = fl.adapt(cantilever, line, tolerance=2e-3, goal=goal)
+    line = fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 4)
+    goal = fl.adaptivity.PointDisplacementGoal("beam.end", (0, 0, 1))
+    found = fl.adaptivity.adapt(cantilever, line, tolerance=2e-3, goal=goal, fall=0.3)
+    cut = fl.adaptivity.adapt(cantilever, line, tolerance=2e-3, goal=goal)
     assert 1e-3 < found.error.relative <= 2e-3
     assert found.unknowns[-1] <= cut.unknowns[-1]
     assert np.ptp(np.log2(found.error.squares)) < 4, "of the third power of sizes, which are halved"
@@ -338,24 +354,26 @@ def test_elements_grow_again_where_they_were_too_small():
 @pytest.mark.parametrize("fall", [0.0, 1.0, -0.5])
 def test_a_fall_that_is_none(fall):
     with pytest.raises(ValueError, match="fall"):
-        fl.adapt(never, square(2, "triangle"), tolerance=0.1, fall=fall)
+        fl.adaptivity.adapt(never, square(2, "triangle"), tolerance=0.1, fall=fall)
 
 
 def test_quadrilaterals_are_not_made_anew():
     with pytest.raises(ValueError, match="quadrilaterals"):
-        fl.adapt(never, square(2, "quadrilateral"), tolerance=0.1, fall=0.5)
+        fl.adaptivity.adapt(never, square(2, "quadrilateral"), tolerance=0.1, fall=0.5)
 
 
 def test_a_tip_is_as_accurate_as_was_asked_for():
-    goal = fl.PointDisplacement("beam.end", (0, 0, 1))
-    found = fl.adapt(
+    goal = fl.adaptivity.PointDisplacementGoal("beam.end", (0, 0, 1))
+    found = fl.adaptivity.adapt(
         cantilever,
-        fl.straight((0, 0, 0), (10, 0, 0), 4),
+        fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 4),
         tolerance=1e-3,
         goal=goal,
         solve=lambda scene: fl.statics(scene, load_steps=2),
     )
-    scene = cantilever(fl.straight((0, 0, 0), (10, 0, 0), 128), fl.Director(2))
+    scene = cantilever(
+        fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 128), fl.elements.DirectorBeam(2)
+    )
     true = goal.value(fl.statics(scene, load_steps=2))
     assert abs(found.error.value / true - 1) < 1e-3
     assert found.error.estimate == pytest.approx(true - found.error.value, rel=0.5)
@@ -371,9 +389,9 @@ def test_a_tip_is_as_accurate_as_was_asked_for():
     ],
 )
 def test_estimates_are_multiplied_by_what_was_missed(values, estimates, factor):
-    goal = fl.PointDisplacement("beam.end", (0, 0, 1))
+    goal = fl.adaptivity.PointDisplacementGoal("beam.end", (0, 0, 1))
     before, now = (
-        fl.GoalError(goal, value, (), (), (np.array([estimate]),))
+        fl.adaptivity.GoalError(goal, value, (), (), (np.array([estimate]),))
         for value, estimate in zip(values, estimates, strict=True)
     )
     assert _calibration(before, now) == pytest.approx(factor)
@@ -397,7 +415,7 @@ def test_unknowns_are_those_of_the_nodes(drilling):
         return scene
 
     mesh = square(2)
-    found = fl.adapt(build, mesh, tolerance=0.9, body="sheet")
+    found = fl.adaptivity.adapt(build, mesh, tolerance=0.9, body="sheet")
     assert found.mesh is mesh
     positions = 3 * len(build(mesh).bodies[1].frames)
     assert found.unknowns[0] == (5 + drilling) * len(mesh.points) + positions + 6
@@ -409,18 +427,20 @@ def test_a_mesh_that_is_fine_enough_is_never_cut(monkeypatch):
     def cut(*_args, **_options):
         raise AssertionError("a mesh was refined")
 
-    monkeypatch.setattr(import_module("fem_lie.adapt.loop"), "refine", cut)
+    monkeypatch.setattr(import_module("fem_lie.adaptivity.loop"), "refine", cut)
     mesh = square(2)
-    assert fl.adapt(sheet, mesh, tolerance=0.9).mesh is mesh
+    assert fl.adaptivity.adapt(sheet, mesh, tolerance=0.9).mesh is mesh
     for degree in ({"degree": 2}, {"degree": 2, "cell": "quadrilateral"}):
-        curved = fl.surface(lambda a, b: (a, b, 0.0), (2, 2), **degree)
+        curved = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (2, 2), **degree)
         with pytest.raises(ValueError, match="cells of degree 1 can be refined"):
-            fl.adapt(sheet, curved, tolerance=0.9)
+            fl.adaptivity.adapt(sheet, curved, tolerance=0.9)
 
 
 def test_too_many_unknowns_end_it_with_what_there_is():
     with pytest.raises(fl.ConvergenceError, match="needs more than 300 unknowns") as caught:
-        fl.adapt(cantilever, fl.straight((0, 0, 0), (10, 0, 0), 4), tolerance=1e-3, most=300)
+        fl.adaptivity.adapt(
+            cantilever, fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 4), tolerance=1e-3, most=300
+        )
     assert caught.value.result.unknowns[-1] <= 300
 
 
@@ -428,12 +448,14 @@ def test_pictures(tmp_path):
     scene = sheet(square(4))
     shell = scene.bodies[0]
     result = fl.statics(scene)
-    fl.space_error(result, shell, scene).picture(tmp_path / "shell.png")
-    goal = fl.PointDisplacement("sheet.11", (0, 0, 1))
-    fl.goal_error(result, [shell], scene, goal).picture(tmp_path / "goal.png")
-    line = cantilever(fl.straight((0, 0, 0), (10, 0, 0), 4))
+    fl.adaptivity.space_error(result, shell, scene).picture(tmp_path / "shell.png")
+    goal = fl.adaptivity.PointDisplacementGoal("sheet.11", (0, 0, 1))
+    fl.adaptivity.goal_error(result, [shell], scene, goal).picture(tmp_path / "goal.png")
+    line = cantilever(fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 4))
     beam = line.bodies[0]
-    fl.space_error(fl.statics(line, load_steps=2), beam, line).picture(tmp_path / "beam.png")
+    fl.adaptivity.space_error(fl.statics(line, load_steps=2), beam, line).picture(
+        tmp_path / "beam.png"
+    )
     assert all(path.stat().st_size > 5000 for path in tmp_path.glob("*.png"))
     assert len(list(tmp_path.glob("*.png"))) == 3
 
@@ -448,76 +470,85 @@ def never(mesh):
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan")])
 def test_a_tolerance_that_is_none(tolerance):
     with pytest.raises(ValueError, match="tolerance"):
-        fl.adapt(never, square(2), tolerance=tolerance)
+        fl.adaptivity.adapt(never, square(2), tolerance=tolerance)
 
 
 @pytest.mark.parametrize("part", [0.0, 1.5])
 def test_a_part_that_is_none(part):
     with pytest.raises(ValueError, match="part"):
-        fl.adapt(never, square(2), tolerance=0.1, part=part)
+        fl.adaptivity.adapt(never, square(2), tolerance=0.1, part=part)
 
 
 def test_meshes_that_cannot_be_refined():
     with pytest.raises(ValueError, match=r"cells of degree 1 .* got quadrilaterals of 2"):
-        quadratic = fl.surface(lambda a, b: (a, b, 0.0), (2, 2), degree=2)
-        fl.adapt(never, quadratic, tolerance=0.1)
+        quadratic = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (2, 2), degree=2)
+        fl.adaptivity.adapt(never, quadratic, tolerance=0.1)
     with pytest.raises(TypeError, match="mesh"):
-        fl.adapt(never, "plate", tolerance=0.1)
+        fl.adaptivity.adapt(never, "plate", tolerance=0.1)
     with pytest.raises(ValueError, match="cells"):
-        fl.refine(square(2), [99])
+        fl.adaptivity.refine(square(2), [99])
 
 
 def test_goals_that_are_none():
-    scene = cantilever(fl.straight((0, 0, 0), (10, 0, 0), 4))
+    scene = cantilever(fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 4))
     result = fl.statics(scene, load_steps=2)
     with pytest.raises(ValueError, match="middle"):
-        fl.goal_error(result, scene.bodies, scene, fl.PointDisplacement("beam.middle", (0, 0, 1)))
+        fl.adaptivity.goal_error(
+            result,
+            scene.bodies,
+            scene,
+            fl.adaptivity.PointDisplacementGoal("beam.middle", (0, 0, 1)),
+        )
     with pytest.raises(ValueError, match="along"):
-        fl.PointDisplacement("beam.end", (0, 0, 0))
-    bowed = cantilever(fl.straight((0, 0, 0), (10, 0, 0), 4), fl.Geodesic())
-    goal = fl.PointDisplacement("beam.end", (0, 0, 1))
+        fl.adaptivity.PointDisplacementGoal("beam.end", (0, 0, 0))
+    bowed = cantilever(fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 4), fl.elements.GeodesicBeam())
+    goal = fl.adaptivity.PointDisplacementGoal("beam.end", (0, 0, 1))
     with pytest.raises(ValueError, match="bending_flexibility=False"):
-        fl.goal_error(fl.statics(bowed, load_steps=2), bowed.bodies, bowed, goal)
+        fl.adaptivity.goal_error(fl.statics(bowed, load_steps=2), bowed.bodies, bowed, goal)
 
 
 def test_goals_of_no_use_are_refused_before_anything_is_solved():
     """The scene is made, and not solved."""
-    line = fl.straight((0, 0, 0), (10, 0, 0), 4)
-    middle = fl.PointDisplacement("beam.middle", (0, 0, 1))
+    line = fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 4)
+    middle = fl.adaptivity.PointDisplacementGoal("beam.middle", (0, 0, 1))
     with pytest.raises(ValueError, match="middle"):
-        fl.adapt(cantilever, line, tolerance=0.1, goal=middle, solve=never)
+        fl.adaptivity.adapt(cantilever, line, tolerance=0.1, goal=middle, solve=never)
 
     def warm(mesh):
         scene = cantilever(mesh)
-        scene.add(fl.Temperature(scene.bodies[0], 40.0, 1e-5))
+        scene.add(fl.loads.Temperature(scene.bodies[0], 40.0, 1e-5))
         return scene
 
     with pytest.raises(ValueError, match="in proportion"):
-        fl.adapt(warm, line, tolerance=0.1, goal=fl.CriticalLoad(), solve=never)
+        fl.adaptivity.adapt(
+            warm, line, tolerance=0.1, goal=fl.adaptivity.LimitLoadGoal(), solve=never
+        )
     with pytest.raises(ValueError, match="inertia"):
-        fl.adapt(cantilever, line, tolerance=0.1, goal=fl.Frequency(1), solve=never)
+        fl.adaptivity.adapt(
+            cantilever, line, tolerance=0.1, goal=fl.adaptivity.FrequencyGoal(1), solve=never
+        )
     with pytest.raises(ValueError, match="number"):
-        fl.CriticalLoad(0)
+        fl.adaptivity.LimitLoadGoal(0)
     with pytest.raises(ValueError, match="mode"):
-        fl.Frequency(0)
+        fl.adaptivity.FrequencyGoal(0)
     with pytest.raises(TypeError, match="goal"):
-        fl.adapt(never, line, tolerance=0.1, goal="tip")
+        fl.adaptivity.adapt(never, line, tolerance=0.1, goal="tip")
 
 
 def test_critical_loads_that_are_not_there():
-    scene = cantilever(fl.straight((0, 0, 0), (10, 0, 0), 4), force=(0, 0, 1e3))
+    scene = cantilever(fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 4), force=(0, 0, 1e3))
     path = fl.follow_path(scene)
     with pytest.raises(ValueError, match="0 limit points and 0 bifurcations, wanted limit point 1"):
-        fl.goal_error(path, scene.bodies, scene, fl.CriticalLoad())
+        fl.adaptivity.goal_error(path, scene.bodies, scene, fl.adaptivity.LimitLoadGoal())
     with pytest.raises(ValueError, match="inertia"):
-        fl.goal_error(path, scene.bodies, scene, fl.Frequency(1))
+        fl.adaptivity.goal_error(path, scene.bodies, scene, fl.adaptivity.FrequencyGoal(1))
 
 
 def test_modes_that_are_not_there():
     scene = goal_problems.frame(goal_problems.frame_line())
     result = fl.statics(scene)
     with pytest.raises(ValueError, match=r"mode must be 1 … 36, .* got 37"):
-        fl.goal_error(result, scene.bodies, scene, fl.Frequency(37))
+        fl.adaptivity.goal_error(result, scene.bodies, scene, fl.adaptivity.FrequencyGoal(37))
 
 
 def test_bodies_without_an_estimate():
@@ -525,23 +556,23 @@ def test_bodies_without_an_estimate():
     body = scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0), name="stone"))
     result = fl.GeneralisedAlpha().run(scene, duration=0.01, step=0.01)
     with pytest.raises(ValueError, match="Beams and Shells"):
-        fl.space_error(result, body, scene)
-    other = cantilever(fl.straight((0, 0, 0), (10, 0, 0), 4)).bodies[0]
+        fl.adaptivity.space_error(result, body, scene)
+    other = cantilever(fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 4)).bodies[0]
     with pytest.raises(ValueError, match="not in the scene"):
-        fl.space_error(result, other, scene)
+        fl.adaptivity.space_error(result, other, scene)
 
 
 def test_a_scene_without_a_body_on_the_mesh():
     def twice(mesh):
         scene = cantilever(mesh)
-        scene.add(fl.Beam(fl.straight((0, 5, 0), (1, 5, 0), 2), SECTION, name="other"))
+        scene.add(fl.Beam(fl.mesh.straight_line((0, 5, 0), (1, 5, 0), 2), SECTION, name="other"))
         return scene
 
-    line = fl.straight((0, 0, 0), (10, 0, 0), 4)
+    line = fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 4)
     with pytest.raises(ValueError, match="'beam', 'other'"):
-        fl.adapt(twice, line, tolerance=0.1)
+        fl.adaptivity.adapt(twice, line, tolerance=0.1)
     with pytest.raises(ValueError, match="must be on the mesh"):
-        fl.adapt(twice, line, tolerance=0.1, body="other")
+        fl.adaptivity.adapt(twice, line, tolerance=0.1, body="other")
 
 
 def test_demo():

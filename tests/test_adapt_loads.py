@@ -6,14 +6,14 @@ import pytest
 import fem_lie as fl
 
 SECTION = fl.Section.from_stiffness([1e7, 5e6, 5e6, 1e6, 2e6, 1e6])
-LINE = fl.straight((0, 0, 0), (10, 0, 0), 2)
+LINE = fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 2)
 LEVELS = [0.02, 0.2, 0.6, 1.0]
 
 
 def cantilever(mesh):
     """Bent far by the last load."""
     scene = fl.Scene()
-    beam = scene.add(fl.Beam(mesh, SECTION, formulation=fl.Geodesic(), name="beam"))
+    beam = scene.add(fl.Beam(mesh, SECTION, formulation=fl.elements.GeodesicBeam(), name="beam"))
     scene.add(fl.Clamp(beam.point("start")))
     scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 4e5)))
     return scene
@@ -25,13 +25,13 @@ def strip(mesh):
     layer = fl.ShellSection.layer(0.05, fl.Material(1e6, 0.0, 1.0))
     shell = scene.add(fl.Shell(mesh, layer, name="strip"))
     shell.clamp("a=0")
-    scene.add(fl.EdgeLoad(shell, "a=1", force=(0.0, 0.0, 2.0)))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(0.0, 0.0, 2.0)))
     return scene
 
 
 def test_it_is_the_path_on_a_fine_mesh():
-    found = fl.adapt_loads(cantilever, LINE, LEVELS, tolerance=0.05)
-    fine = cantilever(fl.straight((0, 0, 0), (10, 0, 0), 128))
+    found = fl.adaptivity.adapt_loads(cantilever, LINE, LEVELS, tolerance=0.05)
+    fine = cantilever(fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 128))
     tips = fl.follow_loads(fine, LEVELS).displacement("beam.end")
     size = np.linalg.norm(tips, axis=1)
     assert (np.linalg.norm(found.displacement("beam.end") - tips, axis=1) < 0.05**2 * size).all()
@@ -62,11 +62,11 @@ def test_through_a_limit_point():
         return np.array([x[0], 0.0, 0.4 * x[0] * (1 - x[0] / 10)])
 
     def line(cells):
-        return fl.curve(lambda s: above([10 * s]), cells)
+        return fl.mesh.curve(lambda s: above([10 * s]), cells)
 
-    with pytest.warns(fl.UnstableEquilibriumWarning, match="maximum"):
-        found = fl.adapt_loads(arch, line(4), [0.1, 1.0], tolerance=0.05, onto=above)
-    with pytest.warns(fl.UnstableEquilibriumWarning, match="maximum"):
+    with pytest.warns(fl.stability.UnstableEquilibriumWarning, match="maximum"):
+        found = fl.adaptivity.adapt_loads(arch, line(4), [0.1, 1.0], tolerance=0.05, onto=above)
+    with pytest.warns(fl.stability.UnstableEquilibriumWarning, match="maximum"):
         fine = fl.follow_loads(arch(line(64)), [0.1, 1.0])
     assert fine.load_maxima, "there is a limit point"
     for part, true in zip(found.segments, fine.frames, strict=True):
@@ -77,9 +77,11 @@ def test_through_a_limit_point():
 
 def test_shells_of_triangles():
     def mesh(a, b):
-        return fl.surface(lambda s, t: (2 * s, 0.5 * t, 0.0), (a, b), cell="triangle")
+        return fl.mesh.parametric_surface(
+            lambda s, t: (2 * s, 0.5 * t, 0.0), (a, b), cell="triangle"
+        )
 
-    found = fl.adapt_loads(strip, mesh(4, 1), [0.2, 0.6, 1.0], tolerance=0.2)
+    found = fl.adaptivity.adapt_loads(strip, mesh(4, 1), [0.2, 0.6, 1.0], tolerance=0.2)
     fine = fl.follow_loads(strip(mesh(48, 12)), [0.2, 0.6, 1.0])
     for name in ("strip.10", "strip.11"):
         gap = found.displacement(name) - fine.displacement(name)
@@ -90,7 +92,7 @@ def test_shells_of_triangles():
 
 def test_as_many_elements_as_are_allowed():
     with pytest.raises(fl.ConvergenceError, match="more than 20") as caught:
-        fl.adapt_loads(cantilever, LINE, LEVELS, tolerance=0.05, most=20)
+        fl.adaptivity.adapt_loads(cantilever, LINE, LEVELS, tolerance=0.05, most=20)
     assert caught.value.result is None or (caught.value.result.cells <= 20).all()
 
 
@@ -101,19 +103,19 @@ def never(mesh):
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan")])
 def test_a_tolerance_that_is_none(tolerance):
     with pytest.raises(ValueError, match="tolerance"):
-        fl.adapt_loads(never, LINE, LEVELS, tolerance=tolerance)
+        fl.adaptivity.adapt_loads(never, LINE, LEVELS, tolerance=tolerance)
 
 
 @pytest.mark.parametrize("most", [0, -3])
 def test_no_elements_at_all(most):
     with pytest.raises(ValueError, match="most"):
-        fl.adapt_loads(never, LINE, LEVELS, tolerance=0.1, most=most)
+        fl.adaptivity.adapt_loads(never, LINE, LEVELS, tolerance=0.1, most=most)
 
 
 def test_what_was_solved_is_counted():
     """One equilibrium for each load factor where the mesh is fine enough."""
-    line = fl.straight((0, 0, 0), (10, 0, 0), 16)
-    found = fl.adapt_loads(cantilever, line, [0.01, 0.02], tolerance=0.5)
+    line = fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 16)
+    found = fl.adaptivity.adapt_loads(cantilever, line, [0.01, 0.02], tolerance=0.5)
     assert found.solved == len(found.segments) == 2
     assert (found.cells == 16).all()
 
@@ -121,18 +123,18 @@ def test_what_was_solved_is_counted():
 @pytest.mark.parametrize("levels", [[], [0.5, 0.2], [-1.0]])
 def test_levels_that_do_not_grow(levels):
     with pytest.raises(ValueError, match="load factors must be positive and increase"):
-        fl.adapt_loads(never, LINE, levels, tolerance=0.1)
+        fl.adaptivity.adapt_loads(never, LINE, levels, tolerance=0.1)
 
 
 def test_what_is_not_followed():
-    squares = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+    squares = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
     with pytest.raises(ValueError, match="triangles of degree 1"):
-        fl.adapt_loads(never, squares, LEVELS, tolerance=0.1)
+        fl.adaptivity.adapt_loads(never, squares, LEVELS, tolerance=0.1)
 
     def warm(mesh):
         scene = cantilever(mesh)
-        scene.add(fl.Temperature(scene.bodies[0], 40.0, 1e-5))
+        scene.add(fl.loads.Temperature(scene.bodies[0], 40.0, 1e-5))
         return scene
 
     with pytest.raises(ValueError, match="in proportion"):
-        fl.adapt_loads(warm, LINE, LEVELS, tolerance=0.1)
+        fl.adaptivity.adapt_loads(warm, LINE, LEVELS, tolerance=0.1)

@@ -8,19 +8,21 @@ from demos import adaptive_wave
 
 MATERIAL = fl.Material(E=2e8, nu=0.3, density=7800.0)
 SECTION = fl.Section.rectangle(0.01, 0.01, MATERIAL)
-LINE = fl.straight((0, 0, 0), (1, 0, 0), 4)
+LINE = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 4)
 
 
 def pendulum(mesh):
     scene = fl.Scene(gravity=(0, 0, -9.81))
     arm = scene.add(fl.Beam(mesh, SECTION, name="arm"))
-    scene.add(fl.Revolute(fl.ground(), arm.point("start"), axis=(0, 1, 0), name="hinge"))
+    scene.add(fl.joints.Revolute(fl.ground(), arm.point("start"), axis=(0, 1, 0), name="hinge"))
     return scene
 
 
 @pytest.fixture(scope="module")
 def swung():
-    return fl.adapt_motion(pendulum, LINE, duration=0.2, every=0.05, tolerance=0.1, size=1.0)
+    return fl.adaptivity.adapt_motion(
+        pendulum, LINE, duration=0.2, every=0.05, tolerance=0.1, size=1.0
+    )
 
 
 def test_momenta_are_kept_and_energy_as_good_as_the_tolerance(swung):
@@ -52,7 +54,7 @@ def test_one_array_for_what_all_meshes_have(swung):
 
 
 def test_as_on_a_fine_mesh_with_small_steps(swung):
-    fine = pendulum(fl.straight((0, 0, 0), (1, 0, 0), 64))
+    fine = pendulum(fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 64))
     result = fl.GeneralisedAlpha().run(fine, duration=0.2, step=5e-4)
     gap = swung.position("arm.end")[-1] - result.position("arm.end")[-1]
     assert np.linalg.norm(gap) < swung.tolerance * 1.0
@@ -62,7 +64,7 @@ def test_as_on_a_fine_mesh_with_small_steps(swung):
 
 def test_what_is_small_beside_what_comes_needs_no_fine_mesh():
     given = {"duration": 0.1, "every": 0.05, "tolerance": 0.1, "size": 1.0}
-    largest = fl.adapt_motion(pendulum, LINE, **given, least=1e3)
+    largest = fl.adaptivity.adapt_motion(pendulum, LINE, **given, least=1e3)
     assert (largest.cells == len(LINE.cells)).all()
     assert max(part.error for part in largest.segments) < 0.01
 
@@ -77,9 +79,13 @@ def test_a_shell_of_triangles():
         return scene
 
     def mesh(a, b):
-        return fl.surface(lambda s, t: (0.5 * s, 0.2 * t, 0.0), (a, b), cell="triangle")
+        return fl.mesh.parametric_surface(
+            lambda s, t: (0.5 * s, 0.2 * t, 0.0), (a, b), cell="triangle"
+        )
 
-    found = fl.adapt_motion(flap, mesh(3, 1), duration=0.1, every=0.05, tolerance=0.3, size=0.5)
+    found = fl.adaptivity.adapt_motion(
+        flap, mesh(3, 1), duration=0.1, every=0.05, tolerance=0.3, size=0.5
+    )
     assert len(set(found.cells)) > 1
     assert found.momentum_error < 1e-12
     fine = fl.GeneralisedAlpha().run(flap(mesh(12, 5)), duration=0.1, step=2e-3)
@@ -109,23 +115,25 @@ def test_bad_numbers(wrong, told):
     """Before anything is made."""
     given = {"duration": 1.0, "every": 0.1, "tolerance": 0.1, "size": 1.0} | wrong
     with pytest.raises(ValueError, match=told):
-        fl.adapt_motion(never, LINE, **given)
+        fl.adaptivity.adapt_motion(never, LINE, **given)
 
 
 def test_what_cannot_be_refined():
-    square = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+    square = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
     given = {"duration": 1.0, "every": 0.1, "tolerance": 0.1, "size": 1.0}
     with pytest.raises(ValueError, match="triangles of degree 1"):
-        fl.adapt_motion(never, square, **given)
+        fl.adaptivity.adapt_motion(never, square, **given)
     with pytest.raises(TypeError, match="mesh"):
-        fl.adapt_motion(never, "line", **given)
+        fl.adaptivity.adapt_motion(never, "line", **given)
     with pytest.raises(ValueError, match="build must make one beam or shell"):
-        fl.adapt_motion(lambda mesh: fl.Scene(), LINE, **given)
+        fl.adaptivity.adapt_motion(lambda mesh: fl.Scene(), LINE, **given)
 
 
 def test_more_elements_than_are_allowed():
     with pytest.raises(fl.ConvergenceError, match="more than 5") as caught:
-        fl.adapt_motion(pendulum, LINE, duration=0.1, every=0.05, tolerance=0.01, size=1.0, most=5)
+        fl.adaptivity.adapt_motion(
+            pendulum, LINE, duration=0.1, every=0.05, tolerance=0.01, size=1.0, most=5
+        )
     assert caught.value.result is None
 
 

@@ -20,13 +20,13 @@ SHOWN = ("seconds", "info", "steps")
 """Of results, what is not compared: time, and what has no numbers of its own."""
 
 
-class Passed(fl.Decisions):
+class Passed(fl.extend.PolicyState):
     """Those of another policy, which have to be asked for."""
 
-    def __init__(self, inner: fl.Decisions) -> None:
+    def __init__(self, inner: fl.extend.PolicyState) -> None:
         self._inner = inner
 
-    def before_iteration(self, iteration: int) -> fl.Update | bool:
+    def before_iteration(self, iteration: int) -> fl.extend.Refactorisation | bool:
         return self._inner.before_iteration(iteration)
 
     def after_step(self, iterations: int) -> None:
@@ -40,10 +40,10 @@ class Passed(fl.Decisions):
         self._inner.answer(iterations, rate, staleness)
 
 
-class Asked(fl.Automatic):
+class Asked(fl.schemes.Automatic):
     """As Automatic, which no loop can decide by."""
 
-    def begin(self, bound: bool) -> fl.Decisions:
+    def begin(self, bound: bool) -> fl.extend.PolicyState:
         return Passed(super().begin(bound))
 
 
@@ -76,7 +76,7 @@ def test_the_double_pendulum_goes_through_the_loop(monkeypatch, case):
     calls, options = watched(monkeypatch), {"cost": 4.0, "refresh": 3.0}
     scene, step = pendulum(case)[0], STEP[case]
     given = {"duration": 400 * step, "step": step, "progress": False}
-    compiled = fl.GeneralisedAlpha(policy=fl.Automatic(**options)).run(scene, **given)
+    compiled = fl.GeneralisedAlpha(policy=fl.schemes.Automatic(**options)).run(scene, **given)
     assert calls["_iterate"] == 0 and calls["_advance"] < 20
     one_by_one = fl.GeneralisedAlpha(policy=Asked(**options)).run(scene, **given)
     assert calls["_iterate"] >= 400
@@ -86,15 +86,22 @@ def test_the_double_pendulum_goes_through_the_loop(monkeypatch, case):
 
 
 @pytest.mark.parametrize(
-    "policy", [fl.Limit(3), fl.ConstraintsOnly(3), fl.EveryIteration(), fl.Never()], ids=repr
+    "policy",
+    [
+        fl.schemes.IterationLimit(3),
+        fl.schemes.ConstraintsOnly(3),
+        fl.schemes.EveryIteration(),
+        fl.schemes.FactoriseOnce(),
+    ],
+    ids=repr,
 )
 def test_every_policy_with_a_rule_decides_likewise(policy):
     scene = pendulum(3)[0]
 
-    class Same(fl.Policy):
+    class Same(fl.schemes.RefactorisationPolicy):
         full_newton_fallback = policy.full_newton_fallback
 
-        def begin(self, bound: bool) -> fl.Decisions:
+        def begin(self, bound: bool) -> fl.extend.PolicyState:
             return Passed(policy.begin(bound))
 
     given = {"duration": 0.03, "step": 3e-4, "progress": False}
@@ -107,7 +114,7 @@ def test_what_is_kept_is_the_same(save):
     scene = pendulum(3)[0]
     given = {"duration": 0.02, "step": 2e-4, "progress": False} | save
     one, other = (
-        fl.GeneralisedAlpha(policy=p).run(scene, **given) for p in (fl.Automatic(), Asked())
+        fl.GeneralisedAlpha(policy=p).run(scene, **given) for p in (fl.schemes.Automatic(), Asked())
     )
     same(one, other)
 
@@ -116,7 +123,7 @@ def test_what_is_kept_is_the_same(save):
 def test_random_scenes_move_alike(seed):
     """With loads in time, motions, supports, shells, redundant joints and all else there is."""
     found = []
-    for policy in (fl.Automatic(cost=4.0, refresh=3.0), Asked(cost=4.0, refresh=3.0)):
+    for policy in (fl.schemes.Automatic(cost=4.0, refresh=3.0), Asked(cost=4.0, refresh=3.0)):
         scene = build(random_scene(seed), static=False).scene
         scheme = fl.GeneralisedAlpha(policy=policy)
         try:
@@ -128,10 +135,10 @@ def test_random_scenes_move_alike(seed):
 
 def test_steps_that_change_are_the_same():
     scene = pendulum(3)[0]
-    step = fl.AdaptiveStep(1e-3, first=1e-4)
+    step = fl.schemes.AdaptiveStep(1e-3, first=1e-4)
     one, other = (
         fl.GeneralisedAlpha(policy=p).run(scene, duration=0.05, step=step, progress=False)
-        for p in (fl.Automatic(), Asked())
+        for p in (fl.schemes.Automatic(), Asked())
     )
     same(one, other)
     np.testing.assert_array_equal(one.steps.sizes, other.steps.sizes)
@@ -141,7 +148,7 @@ def test_steps_that_change_are_the_same():
 def test_axes_of_solids_are_turned_in_the_loop(monkeypatch, held):
     """As after steps made one by one; where places are held, books look at forces there, too."""
     calls, options = watched(monkeypatch), {"cost": 4.0, "refresh": 3.0}
-    law = fl.NeoHooke(1e5, 0.3, 1000.0)
+    law = fl.sections.NeoHooke(1e5, 0.3, 1000.0)
     body = fl.Solid.brick((0.2, 0.1, 0.1), law, cells=(2, 1, 1), name="brick")
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(body)
@@ -149,7 +156,7 @@ def test_axes_of_solids_are_turned_in_the_loop(monkeypatch, held):
         body.roller("c=0", (0, 0, 1))
     body.add_velocity(omega=(0, 0, 20.0), about=(0, 0, 0))
     given = {"duration": 0.1, "step": 1e-3, "progress": False}
-    compiled = fl.GeneralisedAlpha(policy=fl.Automatic(**options)).run(scene, **given)
+    compiled = fl.GeneralisedAlpha(policy=fl.schemes.Automatic(**options)).run(scene, **given)
     assert calls["_iterate"] == 0
     assert calls["_advance"] < 20 or held
     one_by_one = fl.GeneralisedAlpha(policy=Asked(**options)).run(scene, **given)
@@ -161,7 +168,7 @@ def test_axes_of_solids_are_turned_in_the_loop(monkeypatch, held):
 @pytest.mark.parametrize("scene", [rigid_pendulum, lambda: bars()[0]], ids=["rigid", "bars"])
 def test_the_compiled_loop_of_the_variational_scheme_makes_the_same_steps(monkeypatch, scene):
     """To the last bit, with matrices that are made anew within it, and with what is booked."""
-    scheme = fl.Variational(policy=fl.Automatic(cost=3.0, patience=3))
+    scheme = fl.schemes.Variational(policy=fl.schemes.Automatic(cost=3.0, patience=3))
     plan = {"duration": 0.06, "step": 2e-3, "save_every": 5}
     quick = scheme.run(scene(), **plan)
     monkeypatch.setattr(VariationalRun, "_alone", property(lambda self: False))

@@ -11,9 +11,9 @@ from tests.body_alone import BodyAlone
 STEEL = fl.Material(1e3, 0.3, 2.0)
 SECTION = fl.Section.rectangle(0.2, 0.3, STEEL)
 ELEMENTS = {
-    "default": fl.AncfElement(),
-    "no flexibility": fl.AncfElement(bending_flexibility=False),
-    "other ratio": fl.AncfElement(poisson=-0.2),
+    "default": fl.elements.AncfElement(),
+    "no flexibility": fl.elements.AncfElement(bending_flexibility=False),
+    "other ratio": fl.elements.AncfElement(poisson=-0.2),
 }
 every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS.keys())
 
@@ -218,7 +218,7 @@ def test_a_hinged_beam_swings_as_one_of_frames_with_one_matrix():
         body = made.straight((0, 0, 0), (1, 0, 0), own, cells=cells)
         scene = fl.Scene(gravity=(0, 0, -9.81))
         scene.add(body)
-        scene.add(fl.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
+        scene.add(fl.joints.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
         result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.3, step=1e-3)
         return result.position(body.point("end")), result.k_updates
 
@@ -261,7 +261,7 @@ def test_restrained_warping_is_that_of_vlasov(slenderness):
 
 
 def test_corners_are_refused():
-    mesh = fl.LineMesh.from_cells([(0, 0, 0), (1, 0, 0), (1, 1, 0)], [(0, 1), (1, 2)])
+    mesh = fl.mesh.LineMesh.from_cells([(0, 0, 0), (1, 0, 0), (1, 1, 0)], [(0, 1), (1, 2)])
     with pytest.raises(ValueError, match="corners or branches"):
         fl.AncfBeam(mesh, SECTION)
 
@@ -269,7 +269,7 @@ def test_corners_are_refused():
 def test_damping_with_strain_is_refused():
     with pytest.raises(ValueError, match="with mass only"):
         fl.AncfBeam.straight(
-            (0, 0, 0), (1, 0, 0), SECTION, cells=2, damping=fl.Damping(stiffness=0.1)
+            (0, 0, 0), (1, 0, 0), SECTION, cells=2, damping=fl.sections.Damping(stiffness=0.1)
         )
 
 
@@ -284,4 +284,4 @@ def test_a_clamp_of_half_a_point_is_refused():
 @pytest.mark.parametrize("ratio", [0.5, -1.0, 0.7])
 def test_no_ratio_of_poisson(ratio):
     with pytest.raises(ValueError, match=r"between -1 and 0\.5"):
-        fl.AncfElement(poisson=ratio)
+        fl.elements.AncfElement(poisson=ratio)

@@ -11,7 +11,7 @@ from studies import linear_shells
 def strip(cells: int, thickness: float, **options) -> fl.AncfShell:
     """A cantilever of length 10 and width 1, without contraction."""
     section = fl.ShellSection.layer(thickness, fl.Material(1.2e6, 0.0, 1.0), shear_factor=1.0)
-    patch = fl.smooth_patch(lambda a, b: [10 * a, b, 0.0], (cells, 1))
+    patch = fl.mesh.smooth_patch(lambda a, b: [10 * a, b, 0.0], (cells, 1))
     body = fl.AncfShell(patch, section, name="strip", **options)
     body.clamp("a=0")
     return body
@@ -69,7 +69,7 @@ def test_a_hinged_plate_vibrates_with_rotary_inertia_and_shear():
     a, b, c = J * ρ * t, ρ * t * (D * k**2 + S) + J * S * k**2, S * k**2 * D * k**2
     ω = np.sqrt((b - np.sqrt(b**2 - 4 * a * c)) / (2 * a))
     section = fl.ShellSection.layer(t, fl.Material(E, ν, ρ), shear_factor=κ)
-    body = fl.AncfShell(fl.smooth_patch(lambda a, b: [a, 0.5 * b, 0.0], (8, 2)), section)
+    body = fl.AncfShell(fl.mesh.smooth_patch(lambda a, b: [a, 0.5 * b, 0.0], (8, 2)), section)
     for edge in ("a=0", "a=1"):
         body.hinge(edge)
     for edge in ("b=0", "b=1"):
@@ -80,7 +80,7 @@ def test_a_hinged_plate_vibrates_with_rotary_inertia_and_shear():
 
 
 def test_a_plate_that_is_thrown_keeps_its_energy():
-    patch = fl.smooth_patch(lambda a, b: [a, b, 0.1 * a * a], (2, 2))
+    patch = fl.mesh.smooth_patch(lambda a, b: [a, b, 0.1 * a * a], (2, 2))
     body = fl.AncfShell(patch, fl.ShellSection.layer(0.05, fl.Material(1e4, 0.3, 10.0)))
     body.add_velocity((0.3, 0, 0), omega=(1.0, 2.0, 0.5), about=(0, 0, 0))
     scene = fl.Scene()
@@ -91,11 +91,11 @@ def test_a_plate_that_is_thrown_keeps_its_energy():
 
 
 def test_bad_input():
-    patch = fl.smooth_patch(lambda a, b: [a, b, 0.0], (1, 1))
+    patch = fl.mesh.smooth_patch(lambda a, b: [a, b, 0.0], (1, 1))
     section = fl.ShellSection.layer(0.1, fl.Material(1.0, 0.3, 1.0))
     with pytest.raises(TypeError, match="AncfPlate"):
-        fl.AncfShell(patch, section, formulation=fl.BicubicHermite())
+        fl.AncfShell(patch, section, formulation=fl.elements.BicubicHermite())
     with pytest.raises(ValueError, match="between 0 and 1"):
-        fl.AncfPlate(share=2.0)
+        fl.elements.AncfPlate(share=2.0)
     with pytest.raises(ValueError, match="normal to the surface"):
         fl.AncfShell(patch, section, along=(0, 0, 1))

@@ -10,13 +10,13 @@ from benchmarks import asynchronous
 from tests.test_composed import flying, resumed_as_whole
 from tests.test_explicit import THREAD, net
 
-SCHEME = fl.Asynchronous()
+SCHEME = fl.schemes.Asynchronous()
 
 
 def test_equal_steps_are_explicit_ones():
     step = 0.4 * fl.Explicit().stable_step(net()[0])
     plan = {"duration": 200 * step, "step": step, "save_every": 20}
-    here = fl.Asynchronous(1.0).run(net()[0], **plan)
+    here = fl.schemes.Asynchronous(1.0).run(net()[0], **plan)
     there = fl.Explicit().run(net()[0], **plan)
     np.testing.assert_allclose(here.frames, there.frames, atol=1e-12)
     np.testing.assert_allclose(here.velocities, there.velocities, atol=1e-10)
@@ -40,10 +40,12 @@ def test_momenta_are_exact():
 
 def test_order():
     """One at least."""
-    exact = fl.Asynchronous(0.02).run(asynchronous.net(4, 1, 0.1), duration=0.01, step=2e-3)
+    exact = fl.schemes.Asynchronous(0.02).run(asynchronous.net(4, 1, 0.1), duration=0.01, step=2e-3)
     errors = []
     for courant in (0.4, 0.2, 0.1):
-        run = fl.Asynchronous(courant).run(asynchronous.net(4, 1, 0.1), duration=0.01, step=2e-3)
+        run = fl.schemes.Asynchronous(courant).run(
+            asynchronous.net(4, 1, 0.1), duration=0.01, step=2e-3
+        )
         errors.append(np.abs(run.frames[-1] - exact.frames[-1]).max())
     assert all(near <= 0.6 * far for far, near in pairwise(errors)), errors
 
@@ -74,7 +76,7 @@ def test_resumed_to_the_last_bit(tmp_path):
 @pytest.mark.parametrize("courant", [0.0, 1.5, -1.0])
 def test_courant(courant):
     with pytest.raises(ValueError, match=r"expected 0 < courant ≤ 1"):
-        fl.Asynchronous(courant)
+        fl.schemes.Asynchronous(courant)
 
 
 def test_other_nodes():
@@ -84,4 +86,4 @@ def test_other_nodes():
 
 def test_steps_that_change():
     with pytest.raises(ValueError, match=r"largest one as a number .* got AdaptiveStep"):
-        SCHEME.run(net()[0], duration=0.1, step=fl.AdaptiveStep(1e-4))
+        SCHEME.run(net()[0], duration=0.1, step=fl.schemes.AdaptiveStep(1e-4))

@@ -14,14 +14,14 @@ POINTS = [(0.0, 0, 0), (0.5, 0, 0), (1.0, 0, 0), (1.2, 0.5, 0), (1.4, 1.0, 0), (
 KINK, BRANCH = [(0, 1), (1, 2), (2, 3), (3, 4)], [(0, 1), (1, 2), (2, 3), (3, 4), (2, 5)]
 
 
-def mesh_of(cells, motion=None) -> fl.LineMesh:
+def mesh_of(cells, motion=None) -> fl.mesh.LineMesh:
     """Each arm is a group; the corner and the ends are named."""
     x = np.array(POINTS[: 1 + np.max(cells)])
     if motion is not None:
         x = motion[0] + x @ motion[1:]
     names = {"root": [0], "corner": [2], "tip": [4]} | ({"side": [5]} if len(x) == 6 else {})
     arms = {"trunk": [0, 1], "arm": [2, 3]} | ({"branch": [4]} if len(x) == 6 else {})
-    return fl.LineMesh.from_cells(x, cells, groups=arms, named_points=names)
+    return fl.mesh.LineMesh.from_cells(x, cells, groups=arms, named_points=names)
 
 
 def frame(cells, joints: bool, gravity=(0, 0, 0)):
@@ -34,7 +34,9 @@ def frame(cells, joints: bool, gravity=(0, 0, 0)):
     for part in parts.values():
         scene.add(part)
     for name in list(parts)[1:]:
-        scene.add(fl.Fixed(parts["trunk"].point("corner"), parts[name].point("corner"), name=name))
+        scene.add(
+            fl.joints.Fixed(parts["trunk"].point("corner"), parts[name].point("corner"), name=name)
+        )
     return scene, parts
 
 
@@ -64,9 +66,13 @@ LOADS = {
     "following line load on the arm": lambda p: [
         fl.LineLoad(p["arm"], (10, 20, 30), (10, 0, 0), cells="arm", following=True)
     ],
-    "pressure on the arm": lambda p: [fl.PressureLoad(p["arm"], 50.0, (0, 1, 1), cells="arm")],
-    "warm arm": lambda p: [fl.Temperature(p["arm"], 50.0, 1e-3, (20.0, 100.0), cells="arm")],
-    "pre-stressed arm": lambda p: [fl.PreStress(p["arm"], (100, 20, 5, 10, 5, 8), cells="arm")],
+    "pressure on the arm": lambda p: [
+        fl.loads.PressureLoad(p["arm"], 50.0, (0, 1, 1), cells="arm")
+    ],
+    "warm arm": lambda p: [fl.loads.Temperature(p["arm"], 50.0, 1e-3, (20.0, 100.0), cells="arm")],
+    "pre-stressed arm": lambda p: [
+        fl.loads.PreStress(p["arm"], (100, 20, 5, 10, 5, 8), cells="arm")
+    ],
 }
 
 
@@ -74,7 +80,7 @@ LOADS = {
 @pytest.mark.parametrize("name", LOADS)
 def test_one_mesh_is_beams_with_joints_in_statics(cells, name):
     def solve(scene, parts):
-        result = fl.statics(scene, load_steps=2, newton=fl.Newton(tolerance=1e-13))
+        result = fl.statics(scene, load_steps=2, newton=fl.schemes.Newton(tolerance=1e-13))
         return result.position(parts["arm"].point("tip"))[-1], parts["arm"].point("tip").position
 
     (mesh, start), (joints, _) = both(cells, LOADS[name], solve)
@@ -111,9 +117,9 @@ def test_a_branch_does_not_see_a_rigid_motion_of_all():
         scene.add(fl.Clamp(beam.point("root")))
         scene.add(fl.PointLoad(beam.point("tip"), R @ [5, -10, 20], R @ [3, 2, 1]))
         scene.add(fl.LineLoad(beam, (0, 5, 5), cells="branch", following=True))
-        scene.add(fl.PressureLoad(beam, 20.0, (0, 1, 0), cells="arm"))
+        scene.add(fl.loads.PressureLoad(beam, 20.0, (0, 1, 0), cells="arm"))
         tips.append(
-            fl.statics(scene, load_steps=2, newton=fl.Newton(tolerance=1e-13)).position(
+            fl.statics(scene, load_steps=2, newton=fl.schemes.Newton(tolerance=1e-13)).position(
                 beam.point("tip")
             )[-1]
         )
@@ -132,13 +138,13 @@ def test_clamp_joint_and_motion_on_a_node_that_follows():
             if support == "clamp":
                 scene.add(fl.Clamp(corner))
             elif support == "joint":
-                scene.add(fl.Fixed(fl.ground(), corner))
+                scene.add(fl.joints.Fixed(fl.ground(), corner))
             else:
                 scene.add(fl.PrescribedMotion(corner, lambda t, start=corner.frame: start))
             scene.add(fl.PointLoad(beam.point("tip"), force=(10, -20, 40)))
-            tips[node, support] = fl.statics(scene, newton=fl.Newton(tolerance=1e-13)).position(
-                beam.point("tip")
-            )[-1]
+            tips[node, support] = fl.statics(
+                scene, newton=fl.schemes.Newton(tolerance=1e-13)
+            ).position(beam.point("tip"))[-1]
     values = np.array(list(tips.values()))
     np.testing.assert_allclose(values, values[:1].repeat(9, axis=0), rtol=0, atol=1e-12)
 
@@ -154,14 +160,14 @@ def test_a_rigid_link_is_a_fixed_joint_at_an_offset(steps):
     for links in (True, False):
         scene = fl.Scene(gravity=(0, 0, -9.81))
         a = scene.add(rod((0, 0, 0), (1, 0, 0)))
-        b = scene.add(rod((1.3, 0.2, 0.4), (2, 1, 0), formulation=fl.Geodesic(False)))
+        b = scene.add(rod((1.3, 0.2, 0.4), (2, 1, 0), formulation=fl.elements.GeodesicBeam(False)))
         block = scene.add(fl.RigidBody(0.5, (0.02, 0.03, 0.04), (1.1, -0.2, 0.1)))
         for first, second in (
             (a.point("end"), block.point("centre")),
             (b.point("start"), block.point("centre")),
         ):
-            joint = fl.Fixed(first, second, at=first.position)
-            scene.add(fl.RigidLink(second, first) if links else joint)
+            joint = fl.joints.Fixed(first, second, at=first.position)
+            scene.add(fl.joints.RigidLink(second, first) if links else joint)
         scene.add(fl.Clamp(a.point("start")))
         scene.add(fl.PointLoad(block.point("centre"), force=(0, 5, 3), moment=(1, 2, 3)))
         scene.add(fl.PointLoad(b.point("start"), force=(1, 2, 1), following=True))
@@ -171,7 +177,7 @@ def test_a_rigid_link_is_a_fixed_joint_at_an_offset(steps):
                 scheme.run(scene, duration=steps * 1e-3, step=1e-3).position(b.point("end"))
             )
         else:
-            result = fl.statics(scene, load_steps=2, newton=fl.Newton(tolerance=1e-13))
+            result = fl.statics(scene, load_steps=2, newton=fl.schemes.Newton(tolerance=1e-13))
             tips.append(result.position(b.point("end")))
     assert np.linalg.norm(tips[0][-1] - [2, 1, 0]) > 1e-3
     np.testing.assert_allclose(tips[0], tips[1], rtol=0, atol=1e-8 if steps else 1e-12)
@@ -197,7 +203,7 @@ def test_linked_bodies_are_one_body():
             scene.add(body).add_velocity(omega=spin, about=centre)
             body.add_velocity(speed)
         for i, j in links:
-            scene.add(fl.RigidLink(bodies[i].point("centre"), bodies[j].point("centre")))
+            scene.add(fl.joints.RigidLink(bodies[i].point("centre"), bodies[j].point("centre")))
         scheme = fl.GeneralisedAlpha(radius=1.0, tolerance=1e-12)
         return scheme.run(scene, duration=0.5, step=5e-4)
 
@@ -226,7 +232,7 @@ def test_momentum_of_a_beam_with_a_body_beside_it():
     scene = fl.Scene()
     beam = scene.add(rod((0, 0, 0), (1, 0, 0)))
     block = scene.add(fl.RigidBody(0.5, (0.02, 0.03, 0.04), (1.2, 0.3, 0.1)))
-    scene.add(fl.RigidLink(beam.point("end"), block.point("centre")))
+    scene.add(fl.joints.RigidLink(beam.point("end"), block.point("centre")))
     for body in (beam, block):
         body.add_velocity(omega=(1, 2, 3), about=(0.3, 0, 0))
         body.add_velocity((0.3, 0, 1))
@@ -241,7 +247,7 @@ def test_energy_of_a_dead_force_on_a_body_that_follows():
     scene = fl.Scene()
     beam = scene.add(rod((0, 0, 0), (1, 0, 0)))
     block = scene.add(fl.RigidBody(0.5, (0.02, 0.03, 0.04), (1.0, 0.4, 0.0)))
-    scene.add(fl.RigidLink(beam.point("end"), block.point("centre")))
+    scene.add(fl.joints.RigidLink(beam.point("end"), block.point("centre")))
     scene.add(fl.Clamp(beam.point("start")))
     force = np.array([0.0, 3.0, 20.0])
     scene.add(fl.PointLoad(block.point("centre"), force=force))
@@ -255,7 +261,7 @@ def test_velocities_that_a_link_does_not_allow_are_refused():
     scene = fl.Scene()
     beam = scene.add(rod((0, 0, 0), (1, 0, 0), name="arm"))
     block = scene.add(fl.RigidBody(0.5, (0.02, 0.03, 0.04), (1.0, 0.4, 0.0), name="block"))
-    scene.add(fl.RigidLink(beam.point("end"), block.point("centre")))
+    scene.add(fl.joints.RigidLink(beam.point("end"), block.point("centre")))
     beam.add_velocity(omega=(0, 0, 2), about=(0, 0, 0))
     with pytest.raises(ValueError, match="velocities of block contradict a rigid link"):
         fl.extend.Equations(scene, dynamics=True)
@@ -266,8 +272,8 @@ def test_velocities_that_a_link_does_not_allow_are_refused():
 def test_a_joint_between_linked_points_is_redundant():
     scene = fl.Scene()
     a, b = scene.add(rod((0, 0, 0), (1, 2, 0.3))), scene.add(rod((1, 2, 0.3), (2, 1, 0)))
-    scene.add(fl.RigidLink(a.point("end"), b.point("start")))
+    scene.add(fl.joints.RigidLink(a.point("end"), b.point("start")))
     scene.add(fl.Clamp(a.point("start")))
-    scene.add(fl.Revolute(b.point("start"), a.point("end"), axis=(1, 1, 3), name="useless"))
+    scene.add(fl.joints.Revolute(b.point("start"), a.point("end"), axis=(1, 1, 3), name="useless"))
     with pytest.raises(ValueError, match=r"5 of 5 constraints are redundant.*useless"):
         fl.extend.Equations(scene, dynamics=True)

@@ -37,13 +37,13 @@ def with_bar(item_of_bar):
     return scene_with(body, item_of_bar(body))
 
 
-def branch() -> fl.LineMesh:
+def branch() -> fl.mesh.LineMesh:
     points = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (1, 1, 0)]
-    return fl.LineMesh.from_cells(points, [(0, 1), (1, 2), (1, 3)])
+    return fl.mesh.LineMesh.from_cells(points, [(0, 1), (1, 2), (1, 3)])
 
 
-def kink() -> fl.LineMesh:
-    return fl.LineMesh.from_cells([(0, 0, 0), (1, 0, 0), (1, 1, 0)], [(0, 1), (1, 2)])
+def kink() -> fl.mesh.LineMesh:
+    return fl.mesh.LineMesh.from_cells([(0, 0, 0), (1, 0, 0), (1, 1, 0)], [(0, 1), (1, 2)])
 
 
 CASES = {
@@ -62,10 +62,10 @@ CASES = {
         "length",
     ),
     "zero-length cell": (
-        lambda: fl.LineMesh.from_cells([(0, 0, 0), (0, 0, 0), (1, 0, 0)], [(0, 1), (1, 2)]),
+        lambda: fl.mesh.LineMesh.from_cells([(0, 0, 0), (0, 0, 0), (1, 0, 0)], [(0, 1), (1, 2)]),
         "length",
     ),
-    "director element of degree 3": (lambda: fl.Director(3), r"1 or 2, got 3"),
+    "director element of degree 3": (lambda: fl.elements.DirectorBeam(3), r"1 or 2, got 3"),
     "no cells": (lambda: fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=0), "0"),
     "unknown group of cells": (
         lambda: fl.Beam(
@@ -85,22 +85,22 @@ CASES = {
     ),
     "taper of a branching line": (lambda: fl.Beam(branch(), lambda s: SECTION), "one smooth line"),
     "twist of a line with a kink": (
-        lambda: fl.Beam(kink(), SECTION, up=fl.Twisted(lambda s: s)),
+        lambda: fl.Beam(kink(), SECTION, up=fl.sections.Twisted(lambda s: s)),
         "one smooth line",
     ),
     "link to ground": (
-        lambda: with_bar(lambda b: fl.RigidLink(fl.ground(), b.point("end"))),
+        lambda: with_bar(lambda b: fl.joints.RigidLink(fl.ground(), b.point("end"))),
         "ground",
     ),
     "pressure along the axis": (
-        lambda: attached(lambda b: fl.PressureLoad(b, 1.0, direction=(1, 0, 1))),
+        lambda: attached(lambda b: fl.loads.PressureLoad(b, 1.0, direction=(1, 0, 1))),
         "across the axis",
     ),
     "eigenstrain of three numbers": (
-        lambda: attached(lambda b: fl.Eigenstrain(b, (1, 0, 0))),
+        lambda: attached(lambda b: fl.loads.Eigenstrain(b, (1, 0, 0))),
         "6",
     ),
-    "negative damping": (lambda: bar(damping=fl.Damping(stiffness=-1.0)), "≥ 0"),
+    "negative damping": (lambda: bar(damping=fl.sections.Damping(stiffness=-1.0)), "≥ 0"),
     "up along the line": (lambda: bar(up=(1, 0, 0)), "along the line"),
     "nan load": (
         lambda: attached(lambda b: fl.PointLoad(b.point("end"), force=(0, NAN, 0))),
@@ -113,21 +113,21 @@ CASES = {
     "load on ground": (lambda: fl.Scene().add(fl.PointLoad(fl.ground())), "ground"),
     "nan gravity": (lambda: fl.Scene(gravity=(0, 0, NAN)), "nan"),
     "joint to a body that is not there": (
-        lambda: scene_with(fl.Spherical(fl.ground(), bar(name="stray").point("start"))),
+        lambda: scene_with(fl.joints.Spherical(fl.ground(), bar(name="stray").point("start"))),
         "stray is not in the scene",
     ),
     "joint between points apart": (
-        lambda: with_bar(lambda b: fl.Fixed(b.point("start"), b.point("end"))),
+        lambda: with_bar(lambda b: fl.joints.Fixed(b.point("start"), b.point("end"))),
         r"1 apart.*more than 1e-09 of the size 1.*at=\(0\.5, 0, 0\)",
     ),
     "joint without direction": (
         lambda: scene_with(
-            *(lambda b: (b, fl.Revolute(fl.ground(), b.point("end"), axis=(0, 0, 0))))(bar())
+            *(lambda b: (b, fl.joints.Revolute(fl.ground(), b.point("end"), axis=(0, 0, 0))))(bar())
         ),
         "axis",
     ),
     "joint of ground to ground": (
-        lambda: scene_with(fl.Fixed(fl.ground(), fl.ground())),
+        lambda: scene_with(fl.joints.Fixed(fl.ground(), fl.ground())),
         "ground",
     ),
     "body twice": (lambda: (lambda b: scene_with(b, b))(bar()), "already"),
@@ -152,8 +152,8 @@ CASES = {
     "tolerance zero": (lambda: run(scene_with(bar()), tolerance=0.0), "tolerance"),
     "save every zero": (lambda: run(scene_with(bar()), save_every=0), "save_every"),
     "no load steps": (lambda: fl.statics(scene_with(bar()), load_steps=0), "load_steps"),
-    "limit of one": (lambda: fl.Limit(1), "2"),
-    "free policy": (lambda: fl.Automatic(cost=0), "cost"),
+    "limit of one": (lambda: fl.schemes.IterationLimit(1), "2"),
+    "free policy": (lambda: fl.schemes.Automatic(cost=0), "cost"),
     "dynamics without inertia": (
         lambda: run(
             scene_with(
@@ -169,7 +169,7 @@ CASES = {
             (
                 lambda b: (
                     b.add_velocity((1, 0, 0)),
-                    scene_with(b, fl.Spherical(fl.ground(), b.point("start"))),
+                    scene_with(b, fl.joints.Spherical(fl.ground(), b.point("start"))),
                 )[1]
             )(bar())
         ),

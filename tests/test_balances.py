@@ -11,7 +11,7 @@ SCHEMES = {
     "energy momentum": fl.EnergyMomentum(),
     "energy decaying": fl.EnergyDecaying(radius=0.8),
 }
-STEPS = {"constant": lambda h: h, "estimated": fl.ConstantStep}
+STEPS = {"constant": lambda h: h, "estimated": fl.schemes.ConstantStep}
 T, H = 1.0, 1e-2
 
 each = pytest.mark.parametrize("scheme", SCHEMES)
@@ -67,8 +67,10 @@ def test_a_driven_pendulum(scheme, kind):
     m, J, length, alpha, g = 2.0, 0.3, 0.7, 1.5, 9.81
     scene = fl.Scene(gravity=(0, -g, 0))
     body = scene.add(fl.RigidBody(m, (0.1, 0.2, J), (length, 0, 0)))
-    hinge = scene.add(fl.Revolute(fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 0, 1)))
-    scene.add(fl.Drive(hinge.angle, lambda t: 0.5 * alpha * t**2))
+    hinge = scene.add(
+        fl.joints.Revolute(fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 0, 1))
+    )
+    scene.add(fl.joints.Drive(hinge.angle, lambda t: 0.5 * alpha * t**2))
     result = run(scene, scheme, kind)
     spin, angle = alpha * T, 0.5 * alpha * T**2
     inertia = J + m * length**2
@@ -89,8 +91,8 @@ def test_a_damped_oscillator(scheme, kind):
     m, c, k, x0 = 2.0, 1.2, 80.0, 0.1
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(m, (0.1, 0.2, 0.3)))
-    slide = scene.add(fl.Prismatic(fl.ground(), body.point("centre"), axis=(1, 0, 0)))
-    scene.add(fl.Spring(slide.displacement, k, c, rest=-x0))
+    slide = scene.add(fl.joints.Prismatic(fl.ground(), body.point("centre"), axis=(1, 0, 0)))
+    scene.add(fl.joints.Spring(slide.displacement, k, c, rest=-x0))
     result = run(scene, scheme, kind)
     decay = c / (2 * m)
     omega = np.sqrt(k / m - decay**2)
@@ -136,7 +138,7 @@ def test_a_shaken_hinge(scheme):
 
 def cantilever(*loads):
     scene = fl.Scene(gravity=(0, 0, -9.81))
-    damping = fl.Damping(mass=0.5, stiffness=1e-3)
+    damping = fl.sections.Damping(mass=0.5, stiffness=1e-3)
     beam = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), STEEL, cells=4, damping=damping))
     scene.add(fl.Clamp(beam.point("start")))
     for load in loads:
@@ -153,8 +155,8 @@ ON_BEAM = {
     "tip force": (lambda b: fl.PointLoad(b.point("end"), force=(0, 0.5, 1.0), history=ramp),),
     "following": (lambda b: fl.PointLoad(b.point("end"), force=(0, 0.5, 1.0), following=True),),
     "line load": (lambda b: fl.LineLoad(b, force=(0, 1.0, 2.0), history=ramp),),
-    "pressure": (lambda b: fl.PressureLoad(b, 2.0, history=ramp),),
-    "strain": (lambda b: fl.Eigenstrain(b, (0, 0, 0, 0, 0.5, 0), history=ramp),),
+    "pressure": (lambda b: fl.loads.PressureLoad(b, 2.0, history=ramp),),
+    "strain": (lambda b: fl.loads.Eigenstrain(b, (0, 0, 0, 0, 0.5, 0), history=ramp),),
 }
 
 

@@ -24,17 +24,19 @@ def rope(u: UnitSystem) -> fl.Section:
     return fl.Section.circle(u.length(0.02), rubber(u))
 
 
-def bow(u: UnitSystem, cells: int = 3) -> fl.LineMesh:
-    return fl.curve(lambda s: u.length([s, 0.1 * np.sin(np.pi * s), 0.05 * s * s]), cells)
+def bow(u: UnitSystem, cells: int = 3) -> fl.mesh.LineMesh:
+    return fl.mesh.curve(lambda s: u.length([s, 0.1 * np.sin(np.pi * s), 0.05 * s * s]), cells)
 
 
-def sheet(u: UnitSystem, cell: str = "quadrilateral") -> fl.SurfaceMesh:
-    return fl.surface(lambda a, b: u.length([a, 0.4 * b, 0.1 * a * a]), (2, 2), cell=cell)
+def sheet(u: UnitSystem, cell: str = "quadrilateral") -> fl.mesh.SurfaceMesh:
+    return fl.mesh.parametric_surface(
+        lambda a, b: u.length([a, 0.4 * b, 0.1 * a * a]), (2, 2), cell=cell
+    )
 
 
-def patch(u: UnitSystem) -> fl.SmoothPatch:
+def patch(u: UnitSystem) -> fl.mesh.SmoothPatch:
     """Whose mixed derivative is not nil."""
-    return fl.smooth_patch(
+    return fl.mesh.smooth_patch(
         lambda a, b: u.length([a, 0.4 * (b - 0.5), 0.1 * np.sin(1.5 * a) * (a + b)]), (2, 1)
     )
 
@@ -57,10 +59,10 @@ def net(u: UnitSystem) -> fl.Net:
     return fl.Net(points, [[0, 1, 3], [0, 2, 3], [1, 2]], rope(u))
 
 
-def reduced(u: UnitSystem) -> fl.ReducedBody:
+def reduced(u: UnitSystem) -> fl.reduction.ReducedOrderBody:
     scene = fl.Scene()
     full = scene.add(fl.Beam(bow(u, 4), bar(u)))
-    return fl.reduced_body(scene, [full.point("start"), full.point("end")], 3)
+    return fl.reduction.reduced_order_body(scene, [full.point("start"), full.point("end")], 3)
 
 
 def spline(u: UnitSystem) -> fl.SplineCable:
@@ -69,13 +71,13 @@ def spline(u: UnitSystem) -> fl.SplineCable:
     )
 
 
-BODIES: dict[str, Callable[[UnitSystem], fl.Body]] = {
+BODIES: dict[str, Callable[[UnitSystem], fl.extend.Body]] = {
     "geodesic beam": lambda u: fl.Beam(bow(u), bar(u)),
-    "director beam": lambda u: fl.Beam(bow(u), bar(u), formulation=fl.Director(2)),
+    "director beam": lambda u: fl.Beam(bow(u), bar(u), formulation=fl.elements.DirectorBeam(2)),
     "rod": lambda u: fl.Rod(bow(u), bar(u)),
-    "discrete rod": lambda u: fl.Rod(bow(u), bar(u), formulation=fl.DiscreteRod()),
+    "discrete rod": lambda u: fl.Rod(bow(u), bar(u), formulation=fl.elements.DiscreteRod()),
     "cable": lambda u: fl.Cable(bow(u), rope(u)),
-    "discrete cable": lambda u: fl.Cable(bow(u), rope(u), formulation=fl.DiscreteCable()),
+    "discrete cable": lambda u: fl.Cable(bow(u), rope(u), formulation=fl.elements.DiscreteCable()),
     "spline cable": spline,
     "net": net,
     "shell": lambda u: fl.Shell(sheet(u), layer(u)),
@@ -84,9 +86,9 @@ BODIES: dict[str, Callable[[UnitSystem], fl.Body]] = {
     "thin shell": lambda u: fl.ThinShell(patch(u), layer(u)),
     "beam of gradients": lambda u: fl.AncfBeam(bow(u, 2), bar(u)),
     "shell of gradients": lambda u: fl.AncfShell(patch(u), layer(u)),
-    "hexahedra": lambda u: solid(u, fl.NeoHooke),
+    "hexahedra": lambda u: solid(u, fl.sections.NeoHooke),
     "quadratic tetrahedra": lambda u: solid(
-        u, fl.SaintVenantKirchhoff, cell="tetrahedron", degree=2
+        u, fl.sections.SaintVenantKirchhoff, cell="tetrahedron", degree=2
     ),
     "rigid body": rigid,
     "reduced body": reduced,
@@ -99,10 +101,10 @@ TAKES = {
     "generalised-α": (fl.GeneralisedAlpha(), set(BODIES)),
     "conserving": (fl.EnergyMomentum(), set(BODIES)),
     "decaying": (fl.EnergyDecaying(radius=0.5), set(BODIES)),
-    "composed": (fl.Composed(), FRAMES | {"discrete rod"}),
-    "variational": (fl.Variational(), FRAMES | {"discrete rod"}),
+    "composed": (fl.schemes.Composed(), FRAMES | {"discrete rod"}),
+    "variational": (fl.schemes.Variational(), FRAMES | {"discrete rod"}),
     "explicit": (fl.Explicit(), set(BODIES) - REFUSED - OF_SLOPES - {"quadratic tetrahedra"}),
-    "asynchronous": (fl.Asynchronous(), {"discrete cable", "net", "hexahedra"}),
+    "asynchronous": (fl.schemes.Asynchronous(), {"discrete cable", "net", "hexahedra"}),
 }
 """Schemes, and the bodies that they take."""
 STEPS = {"explicit": 2e-6, "asynchronous": 2e-6}
@@ -161,7 +163,7 @@ def test_units_that_are_powers_of_two_change_no_bit(scheme, name):
     assert counts == others
 
 
-STEEL: dict[str, Callable[[fl.Material], fl.Body]] = {
+STEEL: dict[str, Callable[[fl.Material], fl.extend.Body]] = {
     "thin shell": lambda steel: fl.ThinShell(patch(METRES), fl.ShellSection.layer(0.005, steel)),
     "beam of gradients": lambda steel: fl.AncfBeam.straight(
         (0, 0, 0), (1, 0, 0), fl.Section.rectangle(0.02, 0.02, steel), cells=3
@@ -189,20 +191,20 @@ def test_steel_flies_in_full_steps(name):
 HELD = ("geodesic beam", "thin shell", "beam of gradients", "shell of gradients", "reduced body")
 
 
-def ends(body: fl.Body) -> tuple[fl.Point, fl.Point]:
+def ends(body: fl.extend.Body) -> tuple[fl.extend.Point, fl.extend.Point]:
     """Two points of a body of :data:`HELD`."""
-    if isinstance(body, fl.ReducedBody):
+    if isinstance(body, fl.reduction.ReducedOrderBody):
         return body.point(0), body.point(1)
     if isinstance(body, fl.ThinShell | fl.AncfShell):
         return body.point("00"), body.point("11")
     return body.point("start"), body.point("end")
 
 
-def hung(u: UnitSystem, name: str, gravity: float = 0.0) -> tuple[fl.Scene, fl.Point]:
+def hung(u: UnitSystem, name: str, gravity: float = 0.0) -> tuple[fl.Scene, fl.extend.Point]:
     """A body whose first point is fixed to the ground, and its last point."""
     scene = fl.Scene(gravity=u.acceleration([0, 0, -gravity]))
     first, last = ends(scene.add(BODIES[name](u)))
-    scene.add(fl.Fixed(fl.ground(), first, at=first.position))
+    scene.add(fl.joints.Fixed(fl.ground(), first, at=first.position))
     return scene, last
 
 
@@ -223,7 +225,7 @@ def vibrating(u: UnitSystem, name: str) -> np.ndarray:
 @cache
 def in_chosen_steps(u: UnitSystem, name: str) -> tuple[np.ndarray, int, int]:
     scene, tip = hung(u, name, 9.81)
-    scheme, step = fl.GeneralisedAlpha(tolerance=1e-11), fl.AdaptiveStep(u.velocity(1e-2))
+    scheme, step = fl.GeneralisedAlpha(tolerance=1e-11), fl.schemes.AdaptiveStep(u.velocity(1e-2))
     result = scheme.run(scene, duration=u.time(0.01), step=step, progress=False)
     path = u.inverse.length(result.position(tip)[-1])
     return path, len(result.times), int(result.iterations[-1])
@@ -232,11 +234,13 @@ def in_chosen_steps(u: UnitSystem, name: str) -> tuple[np.ndarray, int, int]:
 @cache
 def held_thrice(u: UnitSystem, name: str) -> np.ndarray:
     """Force and moment of each of three joints that hold one point, the smallest there are."""
-    scene = fl.Scene(redundant=fl.Redundant.MINIMUM_NORM, gravity=u.acceleration([0, 0, -9.81]))
+    scene = fl.Scene(
+        redundant=fl.joints.RedundantConstraints.MINIMUM_NORM, gravity=u.acceleration([0, 0, -9.81])
+    )
     point, _ = ends(scene.add(BODIES[name](u)))
-    for joint in (fl.Fixed, fl.Spherical):
+    for joint in (fl.joints.Fixed, fl.joints.Spherical):
         scene.add(joint(fl.ground(), point, at=point.position))
-    scene.add(fl.Revolute(fl.ground(), point, at=point.position, axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), point, at=point.position, axis=(0, 1, 0)))
     step = u.time(2e-3)
     scheme = fl.GeneralisedAlpha(tolerance=1e-11)
     result = scheme.run(scene, duration=5 * step, step=step, progress=False)
@@ -287,7 +291,7 @@ def on_a_hinge(u: UnitSystem) -> np.ndarray:
     """Forces and moments of a hinge at one point of a thin shell that falls."""
     scene, step = fl.Scene(gravity=u.acceleration([0, 0, -9.81])), u.time(5e-3)
     point = scene.add(fl.ThinShell(patch(u), layer(u))).point("00")
-    scene.add(fl.Revolute(fl.ground(), point, at=point.position, axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), point, at=point.position, axis=(0, 1, 0)))
     result = fl.EnergyMomentum().run(scene, duration=12 * step, step=step, progress=False)
     return u.inverse.wrench(result.joint_forces)
 
@@ -303,7 +307,7 @@ def test_a_hinge_rotates_with_a_point_of_a_thin_shell_alike(u):
 def swinging(u: UnitSystem) -> float:
     """Balance of energy of a rope of bars that is clamped at its end."""
     scene, step = fl.Scene(gravity=u.acceleration([0, 0, -9.81])), u.time(5e-3)
-    cable = scene.add(fl.Cable(bow(u), rope(u), formulation=fl.DiscreteCable()))
+    cable = scene.add(fl.Cable(bow(u), rope(u), formulation=fl.elements.DiscreteCable()))
     cable.clamp(cable.point("start"))
     result = fl.EnergyMomentum().run(scene, duration=12 * step, step=step, progress=False)
     return result.balance_error

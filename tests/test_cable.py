@@ -32,7 +32,7 @@ def heavy_cantilever(cells: int) -> np.ndarray:
     return (fl.statics(scene).position(cable.point("end"))[-1] - (2, 0, 0))[:2]
 
 
-SLACK = fl.HermiteCable(slack=1e-4)
+SLACK = fl.elements.HermiteCable(slack=1e-4)
 
 PUBLISHED = np.array([-0.501305855, -1.232510073])
 """Of Exudyn's ANCF cable, converged (L = 2, EA = 1e6, EI = 833.33, w = 78 · 9.81)."""
@@ -103,7 +103,7 @@ def hung(cells: int, EA: float, EI: float) -> tuple[fl.Scene, fl.Cable]:
     arc = np.concatenate([[0.0], arc]) / arc[-1]
     curve = lambda s: parabola(depth, np.interp(s, arc, t))  # noqa: E731
     points = np.array([curve(s) for s in np.linspace(0, 1, cells + 1)])
-    mesh = fl.LineMesh.from_cells(
+    mesh = fl.mesh.LineMesh.from_cells(
         points,
         np.column_stack([np.arange(cells), np.arange(1, cells + 1)]),
         named_points={"start": [0], "end": [cells]},
@@ -198,13 +198,13 @@ def weight_on_a_cable(cells: int) -> float:
     scene = fl.Scene(gravity=(0, -WEIGHT, 0))
     corners = np.array([[0.0, 0, 0], [4, -2.9, 0], [8, 1, 0]])
     pieces = [
-        fl.Cable(fl.straight(a, b, cells), section(EA, 1e-6), length=LENGTH / 2)
+        fl.Cable(fl.mesh.straight_line(a, b, cells), section(EA, 1e-6), length=LENGTH / 2)
         for a, b in pairwise(corners)
     ]
     for piece in pieces:
         scene.add(piece)
     for (a, b), load in zip(pairwise(pieces), weights, strict=False):
-        scene.add(fl.Spherical(a.point("end"), b.point("start")))
+        scene.add(fl.joints.Spherical(a.point("end"), b.point("start")))
         scene.add(fl.PointLoad(a.point("end"), (0, -load, 0)))
     pieces[0].pin(pieces[0].point("start"))
     pieces[-1].pin(pieces[-1].point("end"))
@@ -232,7 +232,7 @@ def tension(strain: float, EA: float, slack: float) -> float:
 def test_tension_of_a_slack_cable(strain):
     """Of a straight one, from its nodes' forces."""
     cable = fl.Cable(
-        fl.straight((0, 0, 0), (1 + strain, 0, 0), 2),
+        fl.mesh.straight_line((0, 0, 0), (1 + strain, 0, 0), 2),
         section(1e4, 1e-3),
         length=1.0,
         formulation=SLACK,
@@ -249,7 +249,7 @@ def test_slack_cables_find_the_only_equilibrium_from_anywhere():
     """Laid straight and a quarter too short, or along arches: the catenary below."""
     EA = 1e4
     for height in (0.0, 1.0, 8.0):
-        mesh = fl.curve(lambda s, h=height: (8 * s, s + h * s * (1 - s), 0.0), 16)
+        mesh = fl.mesh.curve(lambda s, h=height: (8 * s, s + h * s * (1 - s), 0.0), 16)
         cable = fl.Cable(mesh, section(EA, 1e-6), length=LENGTH, formulation=SLACK)
         scene = fl.Scene(gravity=(0, -WEIGHT, 0))
         scene.add(cable)
@@ -265,18 +265,18 @@ def test_one_of_two_guys_goes_slack():
     EA, slack, push = 1e3, 1e-3, 3.0
     scene = fl.Scene()
     mast = scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(0, 0, 1)))
-    foot = fl.Spherical(fl.ground(), mast.point((0, 0, 0)))
+    foot = fl.joints.Spherical(fl.ground(), mast.point((0, 0, 0)))
     scene.add(foot)
     mast.held[0, [3, 5]] = True
     for side in (-1.0, 1.0):
         guy = fl.Cable(
-            fl.straight((side, 0, 0), (0, 0, 1), 4),
+            fl.mesh.straight_line((side, 0, 0), (0, 0, 1), 4),
             section(EA, 1e-4),
-            formulation=fl.HermiteCable(slack=slack),
+            formulation=fl.elements.HermiteCable(slack=slack),
         )
         scene.add(guy)
         guy.pin(guy.point("start"))
-        scene.add(fl.Spherical(guy.point("end"), mast.point("centre")))
+        scene.add(fl.joints.Spherical(guy.point("end"), mast.point("centre")))
     scene.add(fl.PointLoad(mast.point("centre"), (push, 0, 0)))
     angle = fl.statics(scene).position(mast.point("centre"))[-1]
 
@@ -294,10 +294,10 @@ def test_one_of_two_guys_goes_slack():
     assert turn > 5e-3
 
 
-@pytest.mark.parametrize("element", [fl.HermiteCable(), SLACK], ids=["pushed", "slack"])
+@pytest.mark.parametrize("element", [fl.elements.HermiteCable(), SLACK], ids=["pushed", "slack"])
 def test_loose_cable_falls_and_is_caught(element):
     """It lies along an arch without tension; the energy stays in the books."""
-    arch = fl.curve(lambda s: (s, 0, 0.6 * s * (1 - s)), 8)
+    arch = fl.mesh.curve(lambda s: (s, 0, 0.6 * s * (1 - s)), 8)
     cable = fl.Cable(arch, section(1e3, 1e-2, 0.5), formulation=element)
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     scene.add(cable)
@@ -352,14 +352,14 @@ def test_forces_and_tangent_are_derivatives_of_the_energy():
 
 def every_kind() -> dict[str, fl.Cable]:
     """Bent ones whose closed forces differ: law, parameter, the way that cells run."""
-    own, bow = section(1e3, 10.0), fl.curve(lambda s: (3 * s, 0.3 * s * s, 0.2 * s**3), 3)
+    own, bow = section(1e3, 10.0), fl.mesh.curve(lambda s: (3 * s, 0.3 * s * s, 0.2 * s**3), 3)
     points = bow.points[[0, 2]]
-    back = fl.LineMesh.from_cells(points, [(1, 0)], named_points={"a": [0], "b": [1]})
+    back = fl.mesh.LineMesh.from_cells(points, [(1, 0)], named_points={"a": [0], "b": [1]})
     slopes = [(2.0, 1.0, 0.0), (1.5, 0.1, 0.0), (1.0, 0.3, 0.4)]
     spline = fl.SplineCable([0.0, 0.5, 2.0], [(0, 0, 0), (1, 0.3, 0), (3, 0.1, 0.2)], slopes, own)
     return {
         "pushed": fl.Cable(bow, own),
-        "slack": fl.Cable(bow, own, formulation=fl.HermiteCable(slack=0.1)),
+        "slack": fl.Cable(bow, own, formulation=fl.elements.HermiteCable(slack=0.1)),
         "backwards": fl.Cable(back, own),
         "spline": spline,
     }
@@ -398,7 +398,7 @@ def test_direction_of_the_cells_does_not_matter():
     for turned in (False, True):
         points = [(0, 0, 0), (1, 0, 0), (2, 0, 0)]
         cells = [(1, 0), (2, 1)] if turned else [(0, 1), (1, 2)]
-        mesh = fl.LineMesh.from_cells(points, cells, named_points={"a": [0], "b": [2]})
+        mesh = fl.mesh.LineMesh.from_cells(points, cells, named_points={"a": [0], "b": [2]})
         cable = fl.Cable(mesh, section(1e6, 833.0, 78.0))
         scene = fl.Scene(gravity=(0, -GRAVITY, 0))
         scene.add(cable)
@@ -466,7 +466,11 @@ def test_damping_with_strain():
     """A bending mode decays at ½ τ ω², and the books have what is lost."""
     factor, EI = 2e-2, 1.0
     cable = fl.Cable.straight(
-        (0, 0, 0), (1, 0, 0), section(1e5, EI), cells=4, damping=fl.Damping(stiffness=factor)
+        (0, 0, 0),
+        (1, 0, 0),
+        section(1e5, EI),
+        cells=4,
+        damping=fl.sections.Damping(stiffness=factor),
     )
     scene = fl.Scene()
     scene.add(cable)
@@ -520,27 +524,27 @@ def test_steps_that_change_follow_the_same_motion():
     cable.pin(cable.point("start"))
     scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-8)
     fixed = scheme.run(scene, duration=0.2, step=5e-4)
-    adaptive = scheme.run(scene, duration=0.2, step=fl.AdaptiveStep(tolerance=1e-4))
+    adaptive = scheme.run(scene, duration=0.2, step=fl.schemes.AdaptiveStep(tolerance=1e-4))
     ends = [result.position(cable.point("end"))[-1] for result in (fixed, adaptive)]
     np.testing.assert_allclose(*ends, atol=1e-3)
 
 
 OPTIONS = {
-    "fixed axes": {"components": fl.Components.INERTIAL},
-    "stabilised": {"index": fl.Index.STABILISED_TWO},
-    "Cayley": {"parametrisation": fl.Parametrisation.CAYLEY},
-    "every iteration": {"policy": fl.EveryIteration()},
+    "fixed axes": {"components": fl.schemes.MatrixFrame.INERTIAL},
+    "stabilised": {"index": fl.schemes.ConstraintIndex.STABILISED_TWO},
+    "Cayley": {"parametrisation": fl.lie.Parametrisation.CAYLEY},
+    "every iteration": {"policy": fl.schemes.EveryIteration()},
 }
 
 
 def swinging_on_a_joint(**options) -> fl.Result:
     """With damping, too."""
     cable = fl.Cable.straight(
-        (0, 0, 0), (1, 0, 0), section(1e3, 0.1, 0.5), cells=3, damping=fl.Damping(mass=1.0)
+        (0, 0, 0), (1, 0, 0), section(1e3, 0.1, 0.5), cells=3, damping=fl.sections.Damping(mass=1.0)
     )
     scene = fl.Scene(gravity=(0, 1, -GRAVITY))
     scene.add(cable)
-    scene.add(fl.Spherical(fl.ground(), cable.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), cable.point("start")))
     scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-10, **options)
     return scheme.run(scene, duration=0.1, step=1e-3)
 
@@ -578,7 +582,7 @@ def test_joints_hold_a_cable_as_pins_do():
     jointed = fl.Scene(gravity=(0, -WEIGHT, 0))
     jointed.add(cable)
     joints = [
-        jointed.add(fl.Spherical(fl.ground(), point))
+        jointed.add(fl.joints.Spherical(fl.ground(), point))
         for point in (cable.point("start"), cable.point("end"))
     ]
     found = fl.statics(jointed)
@@ -594,7 +598,7 @@ def test_revolute_joint_about_the_tangent_is_a_clamp():
         cable = fl.Cable.straight((0, 0, 0), (2, 0, 0), section(1e6, 833.0, 78.0), cells=4)
         scene = fl.Scene(gravity=(0, -GRAVITY, 0))
         scene.add(cable)
-        held = fl.Revolute(fl.ground(), cable.point("start"), axis=(1, 0, 0))
+        held = fl.joints.Revolute(fl.ground(), cable.point("start"), axis=(1, 0, 0))
         scene.add(fl.Clamp(cable.point("start")) if clamped else held)
         tips.append(fl.statics(scene).position(cable.point("end"))[-1])
     np.testing.assert_allclose(*tips, rtol=1e-8)
@@ -631,9 +635,9 @@ def test_a_force_that_follows_a_cable_is_that_on_a_body_at_its_tangent():
     scene.add(cable)
     scene.add(body)
     scene.add(fl.Clamp(cable.point("start")))
-    scene.add(fl.Revolute(cable.point("end"), body.point("centre"), axis=(1, 0, 0)))
+    scene.add(fl.joints.Revolute(cable.point("end"), body.point("centre"), axis=(1, 0, 0)))
     hinge = scene.add(
-        fl.Planar(fl.ground(), body.point("centre"), axis=(0, 0, 1), second=(1, 0, 0))
+        fl.joints.Planar(fl.ground(), body.point("centre"), axis=(0, 0, 1), second=(1, 0, 0))
     )
     assert hinge is not None
     scene.add(fl.PointLoad(body.point("centre"), force, following=True))
@@ -651,8 +655,8 @@ def crane(step: float) -> fl.Result:
     cable = scene.add(fl.Cable.straight((1, 0, 0), (1, 0, -1), section(1e4, 0.1, 0.1), cells=4))
     load = scene.add(fl.RigidBody(0.5, (1e-2, 1e-2, 1e-2), position=(1, 0, -1)))
     scene.add(fl.Clamp(beam.point("start")))
-    scene.add(fl.Revolute(beam.point("end"), cable.point("start"), axis=(0, 0, 1)))
-    scene.add(fl.Spherical(cable.point("end"), load.point("centre")))
+    scene.add(fl.joints.Revolute(beam.point("end"), cable.point("start"), axis=(0, 0, 1)))
+    scene.add(fl.joints.Spherical(cable.point("end"), load.point("centre")))
     return fl.GeneralisedAlpha(radius=0.9, tolerance=1e-8).run(scene, duration=0.2, step=step)
 
 
@@ -687,18 +691,18 @@ def added(make):
 
 
 def straight_line():
-    return fl.LineMesh.from_cells([(0, 0, 0), (1, 0, 0)], [(0, 1)])
+    return fl.mesh.LineMesh.from_cells([(0, 0, 0), (1, 0, 0)], [(0, 1)])
 
 
 def corner():
-    return fl.LineMesh.from_cells([(0, 0, 0), (1, 0, 0), (1, 1, 0)], [(0, 1), (1, 2)])
+    return fl.mesh.LineMesh.from_cells([(0, 0, 0), (1, 0, 0), (1, 1, 0)], [(0, 1), (1, 2)])
 
 
 REFUSED = {
     "moment": (added(lambda c: fl.PointLoad(c.point("end"), moment=(1, 0, 0))), "no rotation"),
     "line moment": (added(lambda c: fl.LineLoad(c, moment=(1, 0, 0))), "moment"),
     "rigid link": (
-        added(lambda c: fl.RigidLink(c.point("start"), c.point("end"))),
+        added(lambda c: fl.joints.RigidLink(c.point("start"), c.point("end"))),
         "positions and position gradients",
     ),
     "motion": (
@@ -718,18 +722,18 @@ REFUSED = {
             (1, 0, 0),
             section(1, 1),
             cells=1,
-            damping=fl.Damping(stiffness=(0, 0, 0, 0, 1, 2)),
+            damping=fl.sections.Damping(stiffness=(0, 0, 0, 0, 1, 2)),
         ),
         "damped alike",
     ),
-    "no strain to go slack at": (lambda: fl.HermiteCable(slack=0.0), "positive"),
-    "no strain": (lambda: fl.HermiteCable(slack="much"), "slack"),
+    "no strain to go slack at": (lambda: fl.elements.HermiteCable(slack=0.0), "positive"),
+    "no strain": (lambda: fl.elements.HermiteCable(slack="much"), "slack"),
     "element of beams": (
-        lambda: fl.Cable(straight_line(), section(1, 1), formulation=fl.Director()),
+        lambda: fl.Cable(straight_line(), section(1, 1), formulation=fl.elements.DirectorBeam()),
         "positions and position gradients",
     ),
     "element of cables": (
-        lambda: fl.Beam(straight_line(), section(1, 1), formulation=fl.HermiteCable()),
+        lambda: fl.Beam(straight_line(), section(1, 1), formulation=fl.elements.HermiteCable()),
         "whose nodes are frames",
     ),
     "group of cells": (added(lambda c: fl.LineLoad(c, (0, 0, 1), cells="all")), "group"),
@@ -739,8 +743,8 @@ REFUSED = {
     ),
     "spin": (lambda: fl.statics(cable_in_a_scene()[0], spin=(0, 0, 1)), "steady rotation"),
     "imperfection": (
-        lambda: fl.imperfect(
-            cable_in_a_scene()[0], fl.FieldImperfection(lambda x: (0.0, 0.0, 1e-3 * x[0]))
+        lambda: fl.stability.apply_imperfections(
+            cable_in_a_scene()[0], fl.stability.FieldImperfection(lambda x: (0.0, 0.0, 1e-3 * x[0]))
         ),
         "an imperfection",
     ),

@@ -77,11 +77,11 @@ class SoftBalls(fl.extend.Load):
     """All bodies push each other off."""
 
     carrier = fl.extend.Carrier("balls", tuple, "bodies")
-    balls: tuple[fl.Body, ...]
+    balls: tuple[fl.extend.Body, ...]
     history: Callable[[float], float] | None = None
 
     @property
-    def body(self) -> fl.Body:
+    def body(self) -> fl.extend.Body:
         return self.balls[0]
 
     def check(self) -> None:
@@ -130,7 +130,9 @@ def test_the_matrix_has_the_pairs_of_the_present_state():
     assert np.count_nonzero(np.abs(A.reshape(n, 6, n, 6)).max(axis=(1, 3))) == 4
 
 
-@pytest.mark.parametrize("step", [2e-3, fl.AdaptiveStep(1e-5)], ids=["constant", "adaptive"])
+@pytest.mark.parametrize(
+    "step", [2e-3, fl.schemes.AdaptiveStep(1e-5)], ids=["constant", "adaptive"]
+)
 def test_balls_bounce_off_and_conserve(step):
     """Momenta to round-off of the iteration, energy to the scheme's order, while pairs change."""
     scene, balls = billiard()

@@ -19,28 +19,28 @@ STEEL = fl.Material(2.1e11, 0.3, 7850.0)
 
 def cube(cells: int) -> fl.Scene:
     scene = fl.Scene()
-    mesh = fl.block(lambda a, b, c: (a, b, c), (cells,) * 3)
-    solid = scene.add(fl.Solid(mesh, fl.SaintVenantKirchhoff(1e9, 0.3, 1000.0)))
+    mesh = fl.mesh.parametric_volume(lambda a, b, c: (a, b, c), (cells,) * 3)
+    solid = scene.add(fl.Solid(mesh, fl.sections.SaintVenantKirchhoff(1e9, 0.3, 1000.0)))
     for node in solid.points("a=0"):
         scene.add(fl.Clamp(node))
-    scene.add(fl.FaceLoad(solid, "a=1", (0.0, 0.0, 1e3)))
+    scene.add(fl.loads.FaceLoad(solid, "a=1", (0.0, 0.0, 1e3)))
     return scene
 
 
 def plate(cells: int) -> fl.Scene:
     scene = fl.Scene()
-    mesh = fl.surface(lambda a, b: (a, b, 0.0), (cells, cells))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (cells, cells))
     shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.01, STEEL)))
     for node in shell.points("a=0"):
         scene.add(fl.Clamp(node))
-    scene.add(fl.EdgeLoad(shell, "a=1", (0.0, 0.0, 1e3)))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", (0.0, 0.0, 1e3)))
     return scene
 
 
 def lattice(bars: int) -> fl.Scene:
     """Two layers of bars, pinned where they cross."""
     scene, section = fl.Scene(), fl.Section.rectangle(0.001, 0.001, STEEL)
-    at: dict[tuple[int, int], list[fl.Point]] = {}
+    at: dict[tuple[int, int], list[fl.extend.Point]] = {}
     for layer in range(2):
         for row in range(bars):
             ends = [(0.01 * k, 0.01 * row, 0.0) for k in (0, bars - 1)]
@@ -50,7 +50,7 @@ def lattice(bars: int) -> fl.Scene:
             for k in range(bars):
                 at.setdefault((row, k) if layer else (k, row), []).append(beam.point(k))
     for one, two in at.values():
-        scene.add(fl.Revolute(one, two, axis=(0, 0, 1)))
+        scene.add(fl.joints.Revolute(one, two, axis=(0, 0, 1)))
     for k in range(bars):
         scene.add(fl.Clamp(at[0, k][0]))
     scene.add(fl.PointLoad(at[bars - 1, 0][0], force=(0.1, 0, 0)))
@@ -62,11 +62,11 @@ def polygon(bars: int, *, closed: bool) -> fl.Scene:
     places = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
     section = fl.Section.circle(0.005, STEEL)
     beams = [
-        scene.add(fl.Beam.straight(a, b, section, cells=2, formulation=fl.Director(2)))
+        scene.add(fl.Beam.straight(a, b, section, cells=2, formulation=fl.elements.DirectorBeam(2)))
         for a, b in pairwise(places)
     ]
     for one, two in pairwise(beams + beams[: int(closed)]):
-        scene.add(fl.Spherical(one.point("end"), two.point("start")))
+        scene.add(fl.joints.Spherical(one.point("end"), two.point("start")))
     return scene
 
 

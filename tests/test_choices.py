@@ -14,11 +14,11 @@ def pendulum(choices=None, spin=2.0, **options):
     scene = fl.Scene((0, 0, -9.81), choices=choices)
     points = np.linspace((0, 0, 0), (0.4, 0, 0), 5)
     ends = {"start": [0], "end": [4]}
-    mesh = fl.LineMesh.from_cells(points, [(i, i + 1) for i in range(4)], named_points=ends)
+    mesh = fl.mesh.LineMesh.from_cells(points, [(i, i + 1) for i in range(4)], named_points=ends)
     bar = scene.add(fl.Beam(mesh, SECTION, **options))
     body = scene.add(fl.RigidBody(0.1, (1e-4, 1e-4, 1e-4), (0.4, 0.1, 0)))
-    scene.add(fl.RigidLink(bar.point("end"), body.point("centre")))
-    scene.add(fl.Spherical(fl.ground(), bar.point("start")))
+    scene.add(fl.joints.RigidLink(bar.point("end"), body.point("centre")))
+    scene.add(fl.joints.Spherical(fl.ground(), bar.point("start")))
     for item in (bar, body):
         item.add_velocity(omega=(0, 0, spin), about=bar.point("start"))
     return scene, bar.point("end")
@@ -29,7 +29,7 @@ def run(scene, step=1e-3):
 
 
 @pytest.mark.parametrize(
-    "choices", [fl.Choices(g, k) for g in (True, False) for k in (True, False)]
+    "choices", [fl.schemes.MatrixTerms(g, k) for g in (True, False) for k in (True, False)]
 )
 def test_choices_change_the_iterations_and_not_the_motion(choices):
     scene, tip = pendulum(choices)
@@ -44,8 +44,8 @@ def test_choices_change_the_iterations_and_not_the_motion(choices):
     [
         (None, 2.0, "gyroscopic terms in the matrix: no"),
         (None, 20.0, "gyroscopic terms in the matrix: yes"),
-        (fl.Choices(gyroscopic=True), 0.0, "gyroscopic terms in the matrix: yes"),
-        (fl.Choices(geometric=False), 0.0, "geometric stiffness: no"),
+        (fl.schemes.MatrixTerms(gyroscopic=True), 0.0, "gyroscopic terms in the matrix: yes"),
+        (fl.schemes.MatrixTerms(geometric=False), 0.0, "geometric stiffness: no"),
         (None, 0.0, "6 nodes, 1 of them follow others, 3 constraints"),
         (None, 0.0, "5 nodes on SE(3), 0 on R³×SO(3), all with three rotations"),
         (None, 0.0, "matrix: Automatic"),

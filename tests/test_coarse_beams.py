@@ -12,7 +12,11 @@ from benchmarks import coarse_beams
 from benchmarks.coarse_beams import line
 
 STEEL = fl.Material(2.1e11, 0.3, 7800.0)
-ELEMENTS = {"geodesic": fl.Geodesic(), "director 1": fl.Director(1), "director 2": fl.Director(2)}
+ELEMENTS = {
+    "geodesic": fl.elements.GeodesicBeam(),
+    "director 1": fl.elements.DirectorBeam(1),
+    "director 2": fl.elements.DirectorBeam(2),
+}
 
 
 @pytest.fixture(params=ELEMENTS.values(), ids=ELEMENTS)
@@ -76,8 +80,8 @@ def test_heavy_bar_keeps_its_length(element, cells):
 
 def test_heavy_bar_of_four_elements_is_named_as_coarse():
     """Its chords were stretched by 42 % without a word."""
-    with pytest.warns(fl.CoarseElementsWarning, match="leans by .* use more elements"):
-        tip, chord = heavy_bar(4, fl.Geodesic())
+    with pytest.warns(fl.schemes.CoarseElementsWarning, match="leans by .* use more elements"):
+        tip, chord = heavy_bar(4, fl.elements.GeodesicBeam())
     assert chord <= 1.001
     assert np.linalg.norm(tip - (2.61142, 0.0, -28.94141)) <= 0.01 * 30
 
@@ -117,7 +121,7 @@ def test_absurd_strains_are_named():
     scene.add(bar)
     scene.add(fl.Clamp(bar.point("start")))
     scene.add(fl.PointLoad(bar.point("end"), (1e7, 0, 0)))
-    with pytest.warns(fl.CoarseElementsWarning, match="is stretched by 15%"):
+    with pytest.warns(fl.schemes.CoarseElementsWarning, match="is stretched by 15%"):
         fl.statics(scene)
 
 
@@ -128,16 +132,18 @@ def test_axis_that_leans_from_its_element_is_named():
     scene.add(strip)
     scene.add(fl.Clamp(strip.point("start")))
     scene.add(fl.PointLoad(strip.point("end"), (0, 0, 100 * section.stiffness[4, 4])))
-    with pytest.warns(fl.CoarseElementsWarning, match="use more elements"):
+    with pytest.warns(fl.schemes.CoarseElementsWarning, match="use more elements"):
         fl.statics(scene)
 
 
 def test_soft_pendulum_of_few_elements_swings_as_a_fine_one():
     """Rubber, 1.2 m: beyond a lean of 0.7 rad elements gained length, and the tip was 1 m off."""
     scene, section = fl.Scene(gravity=(0, 0, -9.81)), coarse_beams.rubber()
-    beam = scene.add(line((0, 0, 0), (1.2, 0, 0), section, 8, fl.Geodesic(), up=(0, 0, 1)))
-    scene.add(fl.Spherical(fl.ground(), beam.point("start")))
-    with pytest.warns(fl.CoarseElementsWarning):
+    beam = scene.add(
+        line((0, 0, 0), (1.2, 0, 0), section, 8, fl.elements.GeodesicBeam(), up=(0, 0, 1))
+    )
+    scene.add(fl.joints.Spherical(fl.ground(), beam.point("start")))
+    with pytest.warns(fl.schemes.CoarseElementsWarning):
         motion = fl.GeneralisedAlpha(radius=0.6).run(scene, duration=0.8, step=2e-3)
     tips = motion.position(beam.point("end"))[[200, 250, 300, 350, 400]]
     cable = [  # of 128 cable elements

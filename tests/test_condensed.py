@@ -161,7 +161,7 @@ def methods(equations: fl.extend.Equations) -> tuple[fl.extend.Method, ...]:
 
 def test_a_net_moves_as_with_factors_of_the_whole(monkeypatch):
     """Knots are what is left of a large net; chains of bodies on joints stay with their method."""
-    scheme = fl.GeneralisedAlpha(radius=0.5, policy=fl.EveryIteration())
+    scheme = fl.GeneralisedAlpha(radius=0.5, policy=fl.schemes.EveryIteration())
 
     def run() -> fl.Result:
         return scheme.run(square_net(2, 10), duration=3e-3, step=1e-3, progress=False)
@@ -183,6 +183,6 @@ def test_a_net_moves_as_with_factors_of_the_whole(monkeypatch):
     scene, last = fl.Scene(gravity=(0, 0, -9.81)), fl.ground()
     for k in range(20):
         body = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (k + 0.5, 0, 0)))
-        scene.add(fl.Spherical(last, body.point("centre"), at=(k, 0, 0)))
+        scene.add(fl.joints.Spherical(last, body.point("centre"), at=(k, 0, 0)))
         last = body.point("centre")
     assert methods(fl.extend.Equations(scene, dynamics=True)) == (Alone("lu", "klu"),)

@@ -16,7 +16,7 @@ BAR = fl.Section.rectangle(0.1, 0.1, fl.Material(2e3, 0.3, 20.0))
 CURVE = np.array([(0, 0, 0), (0.3, 0.05, 0), (0.6, 0, 0.05), (1, 0, 0)])
 
 
-def flung(body: fl.Body, spin=(0.3, 2.0, 3.0)) -> fl.Body:
+def flung(body: fl.extend.Body, spin=(0.3, 2.0, 3.0)) -> fl.extend.Body:
     """Flying, turning, and deforming as it does."""
     body.add_velocity(omega=spin, about=(0.4, 0.1, 0.0))
     x = body.frames[:, 0]
@@ -29,45 +29,49 @@ def flung(body: fl.Body, spin=(0.3, 2.0, 3.0)) -> fl.Body:
     return body
 
 
-def line(formulation: object, cells: int = 5) -> fl.Body:
-    return fl.Cable(fl.straight((0, 0, 0), (1, 0, 0), cells), SECTION, formulation=formulation)
+def line(formulation: object, cells: int = 5) -> fl.extend.Body:
+    return fl.Cable(
+        fl.mesh.straight_line((0, 0, 0), (1, 0, 0), cells), SECTION, formulation=formulation
+    )
 
 
-def net() -> fl.Body:
+def net() -> fl.extend.Body:
     x, y = np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 4), indexing="ij")
     points = np.stack([x.ravel(), y.ravel(), 0.05 * np.sin(3 * x * y).ravel()], axis=1)
     grid = np.arange(16).reshape(4, 4)
     return fl.Net(points, [*grid.tolist(), *grid.T.tolist()], SECTION)
 
 
-def sheet() -> fl.Body:
-    patch = fl.smooth_patch(lambda a, b: np.array([a, 0.5 * b, 0.1 * np.sin(2 * a)]), (3, 2))
+def sheet() -> fl.extend.Body:
+    patch = fl.mesh.smooth_patch(lambda a, b: np.array([a, 0.5 * b, 0.1 * np.sin(2 * a)]), (3, 2))
     layer = fl.ShellSection.layer(0.02, fl.Material(5e2, 0.3, 1.0))
     return fl.ThinShell(patch, layer)
 
 
-def brick(material: fl.SolidMaterial, cell: str = "hexahedron", degree: int = 1) -> fl.Body:
+def brick(
+    material: fl.sections.SolidMaterial, cell: str = "hexahedron", degree: int = 1
+) -> fl.extend.Body:
     return fl.Solid.brick((1.0, 0.4, 0.2), material, cells=(3, 1, 1), cell=cell, degree=degree)
 
 
-SAINT_VENANT = fl.SaintVenantKirchhoff(2e3, 0.3, 1.0)
+SAINT_VENANT = fl.sections.SaintVenantKirchhoff(2e3, 0.3, 1.0)
 
-BODIES: dict[str, Callable[[], fl.Body]] = {
-    "cable": lambda: line(fl.HermiteCable()),
+BODIES: dict[str, Callable[[], fl.extend.Body]] = {
+    "cable": lambda: line(fl.elements.HermiteCable()),
     "spline cable": lambda: fl.SplineCable.through(CURVE, SECTION),
     "beam of slopes": lambda: fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), BAR, cells=3),
-    "discrete cable": lambda: line(fl.DiscreteCable()),
+    "discrete cable": lambda: line(fl.elements.DiscreteCable()),
     "net": net,
     "thin shell": sheet,
     "hexahedra": lambda: brick(SAINT_VENANT),
     "hexahedra of degree 2": lambda: brick(SAINT_VENANT, degree=2),
     "tetrahedra": lambda: brick(SAINT_VENANT, "tetrahedron"),
-    "neo-Hooke": lambda: brick(fl.NeoHooke(2e3, 0.3, 1.0)),
+    "neo-Hooke": lambda: brick(fl.sections.NeoHooke(2e3, 0.3, 1.0)),
 }
 """A new body or element is tested by adding it here."""
 
 
-def flying(name: str) -> tuple[fl.Scene, fl.Body]:
+def flying(name: str) -> tuple[fl.Scene, fl.extend.Body]:
     scene = fl.Scene()
     return scene, scene.add(flung(BODIES[name]()))
 
@@ -102,7 +106,7 @@ def test_damping_of_mass_takes_what_it_says(name):
     """Energy falls by the loss alone, momentum as that of a point under the trapezoidal rule."""
     rate, step, steps = 0.8, 4e-3, 60
     body = flung(BODIES[name]())
-    body.damping = fl.Damping(mass=rate)
+    body.damping = fl.sections.Damping(mass=rate)
     scene = fl.Scene()
     scene.add(body)
     result = SCHEME.run(scene, duration=steps * step, step=step)
@@ -121,7 +125,7 @@ def test_damping_of_mass_takes_what_it_says(name):
 def test_damping_of_strain_takes_what_it_says(name):
     """Energy falls by the loss alone, which is never negative; momenta stay."""
     body = flung(BODIES[name]())
-    body.damping = fl.Damping(stiffness=2e-3)
+    body.damping = fl.sections.Damping(stiffness=2e-3)
     scene = fl.Scene()
     scene.add(body)
     result = SCHEME.run(scene, duration=0.24, step=4e-3)
@@ -136,7 +140,7 @@ def test_damping_of_strain_takes_what_it_says(name):
 def test_damping_of_strain_is_that_of_generalised_alpha():
     def run(scheme: fl.EnergyMomentum | fl.GeneralisedAlpha, step: float) -> fl.Result:
         body = flung(BODIES["cable"]())
-        body.damping = fl.Damping(stiffness=2e-3)
+        body.damping = fl.sections.Damping(stiffness=2e-3)
         scene = fl.Scene()
         scene.add(body)
         return scheme.run(scene, duration=0.04, step=step, save_every=10**6)
@@ -151,7 +155,7 @@ def test_damping_of_strain_is_that_of_generalised_alpha():
 def swinging() -> fl.Scene:
     """A cable on a pin in gravity, drawn by a force that comes and goes."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
-    cable = scene.add(line(fl.HermiteCable()))
+    cable = scene.add(line(fl.elements.HermiteCable()))
     cable.pin(cable.point("start"))
     scene.add(fl.LineLoad(cable, (0, 0.5, 0), history=lambda t: np.sin(9.0 * t)))
     return scene
@@ -160,7 +164,7 @@ def swinging() -> fl.Scene:
 def clamped() -> fl.Scene:
     """A discrete cable whose end keeps its direction."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
-    cable = scene.add(line(fl.DiscreteCable()))
+    cable = scene.add(line(fl.elements.DiscreteCable()))
     cable.clamp(cable.point("start"))
     return scene
 
@@ -300,12 +304,12 @@ def test_velocities_of_all_nodes_are_those_of_generalised_alpha(name):
         np.testing.assert_allclose(one, two, rtol=0, atol=1e-3 * np.abs(two).max(initial=1e-3))
 
 
-def with_a_hinge(scene: fl.Scene, cable: fl.Body) -> None:
-    scene.add(fl.Revolute(fl.ground(), cable.point("start"), axis=(1, 0, 0)))
+def with_a_hinge(scene: fl.Scene, cable: fl.extend.Body) -> None:
+    scene.add(fl.joints.Revolute(fl.ground(), cable.point("start"), axis=(1, 0, 0)))
 
 
-def with_a_lever(scene: fl.Scene, cable: fl.Body) -> None:
-    scene.add(fl.Spherical(fl.ground(), cable.point("start"), at=(0, 0, 1)))
+def with_a_lever(scene: fl.Scene, cable: fl.extend.Body) -> None:
+    scene.add(fl.joints.Spherical(fl.ground(), cable.point("start"), at=(0, 0, 1)))
 
 
 SCENES = {
@@ -326,13 +330,13 @@ def test_matrices_are_not_made_for_the_last_digits():
     """Steps that converge, if slowly, keep their matrix; a policy that counts is obeyed."""
     rope = fl.Section.from_stiffness([2e3] * 3 + [0.2] * 3, mass=1.0)
 
-    def run(policy: fl.Policy) -> fl.Result:
+    def run(policy: fl.schemes.RefactorisationPolicy) -> fl.Result:
         scene = fl.Scene(gravity=(0, 0, -9.81))
         cable = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), rope, cells=8))
         cable.pin(cable.point("start"))
         return fl.EnergyMomentum(policy=policy).run(scene, duration=1.6, step=8e-3)
 
-    kept, limited = run(fl.Automatic()), run(fl.Limit(4))
+    kept, limited = run(fl.schemes.Automatic()), run(fl.schemes.IterationLimit(4))
     # with patience for eight iterations, whatever they achieve, it were 107
     assert kept.factorisations <= 30
     assert limited.factorisations >= 200

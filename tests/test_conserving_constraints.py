@@ -15,7 +15,7 @@ TIME = 0.2
 SCHEMES = {
     "energy-momentum": fl.EnergyMomentum(),
     "decaying": fl.EnergyDecaying(radius=0.8),
-    "composed": fl.Composed(),
+    "composed": fl.schemes.Composed(),
 }
 each = pytest.mark.parametrize("name", SCHEMES)
 SECTION = fl.Section.rectangle(0.05, 0.04, fl.Material(4e6, 0.3, 1000.0))
@@ -23,7 +23,7 @@ SECTION = fl.Section.rectangle(0.05, 0.04, fl.Material(4e6, 0.3, 1000.0))
 
 def line() -> fl.Beam:
     """A bowed beam of six elements, of length one."""
-    curve = fl.curve(lambda s: (s, 0.05 * np.sin(np.pi * s), 0.0), 6)
+    curve = fl.mesh.curve(lambda s: (s, 0.05 * np.sin(np.pi * s), 0.0), 6)
     return fl.Beam(curve, SECTION, up=(0, 0, 1), name="beam")
 
 
@@ -38,7 +38,7 @@ def sliding(joint: str, *, free: bool = True, spin: float = 9.0) -> fl.Scene:
         for body in (beam, bead):
             body.add_velocity(omega=(0.5, 1.0, spin), about=(0, 0, 0))
     else:
-        scene.add(fl.Spherical(fl.ground(), beam.point("start")))
+        scene.add(fl.joints.Spherical(fl.ground(), beam.point("start")))
     return scene
 
 
@@ -53,13 +53,15 @@ def rolling(joint: str) -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     wheel = scene.add(fl.RigidBody(2.0, (0.02, 0.02, 0.03), (0, 0, 0.3)))
     if joint == "KnifeEdge":
-        scene.add(fl.KnifeEdge(fl.ground(), wheel.point("centre"), axis=(0, 1, 0)))
-        scene.add(fl.Planar(fl.ground(), wheel.point("centre"), axis=(0, 0, 1), second=(1, 0, 0)))
+        scene.add(fl.joints.KnifeEdge(fl.ground(), wheel.point("centre"), axis=(0, 1, 0)))
+        scene.add(
+            fl.joints.Planar(fl.ground(), wheel.point("centre"), axis=(0, 0, 1), second=(1, 0, 0))
+        )
         wheel.add_velocity(omega=(0, 0, 4.0), about=wheel.point("centre"))
         wheel.add_velocity((1.0, 0, 0))
     else:
         rim = {"axis": (0, 1, 0), "radius": 0.3, "normal": (0, 0, 1)}
-        scene.add(fl.RollingDisc(fl.ground(), wheel.point("centre"), **rim))
+        scene.add(fl.joints.RollingDisc(fl.ground(), wheel.point("centre"), **rim))
         wheel.add_velocity(omega=(0.3, 4.0, 0.8), about=(0, 0, 0))
     return scene
 
@@ -118,7 +120,9 @@ def test_travel_that_is_driven_does_work():
     bead = scene.add(fl.RigidBody(0.5, (0.002, 0.003, 0.004), tuple(beam.frames[2, 0])))
     reached = float(beam.lengths[:2].sum())
     scene.add(
-        fl.Collar(beam, bead.point("centre"), travel=lambda t: reached + 0.3 * np.sin(8 * t) ** 2)
+        fl.joints.Collar(
+            beam, bead.point("centre"), travel=lambda t: reached + 0.3 * np.sin(8 * t) ** 2
+        )
     )
     for body in (beam, bead):
         body.add_velocity(omega=(0, 0, 5.0), about=(0.5, 0, 0))
@@ -132,7 +136,9 @@ def test_travel_that_is_driven_does_work():
 
 @pytest.mark.parametrize("joint", ["Collar", "RollingDisc"])
 def test_steps_that_are_chosen(joint):
-    result = fl.EnergyMomentum().run(SCENES[joint](), duration=TIME, step=fl.AdaptiveStep(1e-4))
+    result = fl.EnergyMomentum().run(
+        SCENES[joint](), duration=TIME, step=fl.schemes.AdaptiveStep(1e-4)
+    )
     assert result.balance_error < 1e-10
     assert result.joint_violations.max() < 1e-10
 
@@ -150,9 +156,9 @@ def hinged(*, sprung: bool = False) -> fl.Scene:
     beam = scene.add(line())
     place = beam.point((0.4, 0.05 * np.sin(0.4 * np.pi), 0.0), tolerance=0.01)
     body = scene.add(fl.RigidBody(0.5, (0.002, 0.003, 0.004), tuple(place.position + 0.1)))
-    hinge = scene.add(fl.Revolute(place, body.point(tuple(place.position)), axis=(0, 0, 1)))
+    hinge = scene.add(fl.joints.Revolute(place, body.point(tuple(place.position)), axis=(0, 0, 1)))
     if sprung:
-        scene.add(fl.Spring(hinge.angle, 1.0))
+        scene.add(fl.joints.Spring(hinge.angle, 1.0))
     beam.add_velocity(omega=(0.5, 1.0, 4.0), about=(0, 0, 0))
     body.add_velocity(omega=(0.5, 1.0, 4.0), about=(0, 0, 0))
     return scene

@@ -33,7 +33,7 @@ def run(name, periods, count, scheme=None):
 )
 def test_energy_and_momenta_stay_over_impacts(name, periods, count):
     result, touch = run(name, periods, count)
-    found = fl.contact_forces(result, touch)
+    found = fl.post.contact_forces(result, touch)
     assert found.touching.max() > 0
     assert result.elastic.max() > 0.01 * result.kinetic[0]
     assert result.energy_error < 5e-12
@@ -44,7 +44,7 @@ def test_energy_and_momenta_stay_over_impacts(name, periods, count):
 @pytest.mark.parametrize(("name", "count"), [("lines90", 8), ("slab", 10)])
 def test_steps_in_contact_keep_their_matrix(name, count):
     result, touch = run(name, 0.2, count)
-    assert np.count_nonzero(fl.contact_forces(result, touch).touching) > 2
+    assert np.count_nonzero(fl.post.contact_forces(result, touch).touching) > 2
     assert result.factorisations <= 3
     assert result.divided == 0
 
@@ -54,14 +54,21 @@ def test_shell_surfaces_that_conserving_steps_refuse():
     for smooth, law, message in (
         (
             True,
-            fl.Penalty(1e6),
+            fl.contact.Penalty(1e6),
             "by penalty that rotate nodes of shells with six parameters",
         ),
-        (False, fl.Penalty(1e6, friction=0.3), "contacts by penalty with friction"),
-        (False, fl.Penalty(1e6, damping=1e3), "does not support contacts by penalty with damping"),
+        (False, fl.contact.Penalty(1e6, friction=0.3), "contacts by penalty with friction"),
+        (
+            False,
+            fl.contact.Penalty(1e6, damping=1e3),
+            "does not support contacts by penalty with damping",
+        ),
     ):
-        surfaces = fl.Skin(lower, smooth=smooth), fl.Skin(upper, smooth=smooth)
-        scene = scene_of(lower, upper, fl.Contact(*surfaces, law))
+        surfaces = (
+            fl.contact.ShellSurface(lower, smooth=smooth),
+            fl.contact.ShellSurface(upper, smooth=smooth),
+        )
+        scene = scene_of(lower, upper, fl.contact.Contact(*surfaces, law))
         with pytest.raises(ValueError, match=message):
             fl.EnergyMomentum().run(scene, duration=1e-2, step=1e-3, progress=False)
 
@@ -80,9 +87,13 @@ def test_what_ground_gives_is_booked():
     ball = fl.RigidBody(1.0, 4e-3 * np.eye(3), (0, 0, 1))
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(ball)
-    surface, law = fl.Sphere(ball.point("centre"), 0.1), fl.Penalty(1e4)
-    scene.add(fl.Contact(surface, fl.Plane(fl.ground(), (0.3, 0, 1), at=(0, 0, 0.5)), law))
-    scene.add(fl.Contact(surface, fl.Plane(fl.ground(), (-1, 0, 1), at=(0, 0, 0)), law))
+    surface, law = fl.contact.Sphere(ball.point("centre"), 0.1), fl.contact.Penalty(1e4)
+    scene.add(
+        fl.contact.Contact(surface, fl.contact.Plane(fl.ground(), (0.3, 0, 1), at=(0, 0, 0.5)), law)
+    )
+    scene.add(
+        fl.contact.Contact(surface, fl.contact.Plane(fl.ground(), (-1, 0, 1), at=(0, 0, 0)), law)
+    )
     result = fl.EnergyMomentum().run(scene, duration=1.5, step=5e-3, progress=False)
     assert result.impulses[-1, 1, 0] != 0.0
     assert result.energy_error < 1e-12

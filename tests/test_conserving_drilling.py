@@ -12,7 +12,7 @@ TIME = 0.05
 SCHEMES = {
     "energy-momentum": fl.EnergyMomentum(),
     "decaying": fl.EnergyDecaying(radius=0.8),
-    "composed": fl.Composed(),
+    "composed": fl.schemes.Composed(),
 }
 each = pytest.mark.parametrize("name", SCHEMES)
 CELLS = ("quadrilateral", "triangle")
@@ -20,7 +20,9 @@ CELLS = ("quadrilateral", "triangle")
 
 def sheet(cell: str = "quadrilateral") -> fl.Shell:
     """A bent strip of soft cells whose nodes have drilling rotation."""
-    mesh = fl.surface(lambda a, b: (a, 0.4 * (b - 0.5), 0.1 * a * a), (2, 2), cell=cell)
+    mesh = fl.mesh.parametric_surface(
+        lambda a, b: (a, 0.4 * (b - 0.5), 0.1 * a * a), (2, 2), cell=cell
+    )
     layer = fl.ShellSection.layer(0.03, fl.Material(4e6, 0.3, 1000.0))
     return fl.Shell(mesh, layer, drilling=True)
 

@@ -29,7 +29,7 @@ def test_all_steps_keep_the_branch(step: float) -> None:
 def test_few_steps_have_new_matrices() -> None:
     """What is costly is done next to flat postures alone: in a second there are four."""
     result = fl.EnergyMomentum().run(mechanism(pins=True), duration=1.0, step=1e-3)
-    always = fl.EnergyMomentum(policy=fl.EveryIteration())
+    always = fl.EnergyMomentum(policy=fl.schemes.EveryIteration())
     full = always.run(mechanism(pins=True), duration=1.0, step=1e-3)
     assert result.factorisations < 0.1 * full.factorisations
 

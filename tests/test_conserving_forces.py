@@ -15,18 +15,18 @@ END = 0.16
 def with_spring(kind: str) -> tuple[fl.Scene, fl.Connection]:
     scene, joint = two_bodies(kind)
     return scene, scene.add(
-        fl.Spring(joint.coordinates()[0], stiffness=20.0, damping=0.5, rest=0.1)
+        fl.joints.Spring(joint.coordinates()[0], stiffness=20.0, damping=0.5, rest=0.1)
     )
 
 
 def with_drive() -> tuple[fl.Scene, fl.Connection]:
     scene, joint = two_bodies("revolute")
-    return scene, scene.add(fl.Drive(joint.angle, lambda t: 8.0 * t**3))
+    return scene, scene.add(fl.joints.Drive(joint.angle, lambda t: 8.0 * t**3))
 
 
 def held_apart() -> tuple[fl.Scene, fl.Connection]:
     scene, joint = two_bodies("distance")
-    return scene, scene.add(fl.Drive(joint.length))
+    return scene, scene.add(fl.joints.Drive(joint.length))
 
 
 KINDS = [kind for kind in JOINTS if kind != "distance"]  # which only measures
@@ -73,7 +73,7 @@ def test_forces_of_joints_between_beams_are_of_second_order():
     """Two soft bars that swing: what is resolved of their waves is."""
 
     def run(step: float) -> np.ndarray:
-        scene, one, two = bars(gravity=(0, 0, -9.81), joint=fl.Revolute, cells=2)
+        scene, one, two = bars(gravity=(0, 0, -9.81), joint=fl.joints.Revolute, cells=2)
         for bar in (one, two):
             bar.velocities[:] = 0.0
         steps = round(END / step)

@@ -25,7 +25,7 @@ def test_springs_along_angles_and_displacements_store_what_they_take(kind):
 
 def test_what_a_damper_takes_is_in_the_balance():
     scene, joint = two_bodies("revolute")
-    scene.add(fl.Spring(joint.angle, stiffness=5.0, damping=0.5))
+    scene.add(fl.joints.Spring(joint.angle, stiffness=5.0, damping=0.5))
     result = fl.EnergyMomentum().run(scene, duration=0.4, step=2e-3)
     assert result.balance[-1, 1] > 1e-4
     assert result.balance_error <= 1e-12
@@ -33,7 +33,7 @@ def test_what_a_damper_takes_is_in_the_balance():
 
 def test_a_drive_does_the_work_that_the_balance_counts():
     scene, joint = two_bodies("revolute")
-    scene.add(fl.Drive(joint.angle, lambda t: 2.0 * t**3))
+    scene.add(fl.joints.Drive(joint.angle, lambda t: 2.0 * t**3))
     result = fl.EnergyMomentum().run(scene, duration=0.4, step=2e-3)
     assert abs(result.balance[-1, 0]) > 1e-4
     assert result.balance_error <= 1e-11

@@ -62,7 +62,7 @@ def hanging() -> fl.Scene:
     jib = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), BAR, cells=2))
     scene.add(fl.Clamp(jib.point("start")))
     rope = scene.add(fl.Cable.straight((1, 0, 0), (1.5, 0, 0), SOFT, cells=2))
-    scene.add(fl.Spherical(jib.point("end"), rope.point("start")))
+    scene.add(fl.joints.Spherical(jib.point("end"), rope.point("start")))
     pull = {"force": (0, 1.0, 0), "moment": (0.05, 0, 0)}
     scene.add(fl.PointLoad(jib.point("end"), **pull, history=lambda t: np.sin(20.0 * t)))
     return scene
@@ -72,7 +72,9 @@ def shells() -> fl.Scene:
     """A shell that flies, turns and waves."""
     layer = fl.ShellSection.layer(0.02, fl.Material(2e4, 0.3, 50.0))
     scene = fl.Scene()
-    sheet = scene.add(fl.Shell(fl.surface(lambda a, b: (a, 0.5 * b, 0.1 * a * a), (2, 2)), layer))
+    sheet = scene.add(
+        fl.Shell(fl.mesh.parametric_surface(lambda a, b: (a, 0.5 * b, 0.1 * a * a), (2, 2)), layer)
+    )
     sheet.add_velocity(omega=(2.0, 1.0, 3.0), about=(0.5, 0.2, 0))
     return scene
 
@@ -81,9 +83,9 @@ def beams() -> fl.Scene:
     """A beam with damping that turns on a hinge with a spring."""
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), BAR, cells=4))
-    beam.damping = fl.Damping(mass=0.2, stiffness=1e-3)
-    hinge = scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
-    scene.add(fl.Spring(hinge.angle, 1.0, 0.02))
+    beam.damping = fl.sections.Damping(mass=0.2, stiffness=1e-3)
+    hinge = scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Spring(hinge.angle, 1.0, 0.02))
     beam.add_velocity(omega=(0, 3.0, 0), about=(0, 0, 0))
     return scene
 
@@ -120,13 +122,13 @@ def test_resumed_to_the_last_bit(name, tmp_path):
 
 def with_pressure(scene: fl.Scene, beam: fl.Beam) -> None:
     """A load that turns with the beam."""
-    scene.add(fl.PressureLoad(beam, 2.0))
+    scene.add(fl.loads.PressureLoad(beam, 2.0))
 
 
 def with_a_strain(scene: fl.Scene, beam: fl.Beam) -> None:
     """A bimetal that bends as it warms."""
     strain = (0.01, 0, 0, 0, 0.3, 0)
-    scene.add(fl.Eigenstrain(beam, strain, history=lambda t: np.sin(20.0 * t)))
+    scene.add(fl.loads.Eigenstrain(beam, strain, history=lambda t: np.sin(20.0 * t)))
 
 
 def with_a_follower(scene: fl.Scene, beam: fl.Beam) -> None:
@@ -134,7 +136,7 @@ def with_a_follower(scene: fl.Scene, beam: fl.Beam) -> None:
     x = beam.point("start").position - np.array([0.2, 0.0, 0.1])
     body = scene.add(fl.RigidBody(0.3, (1e-3, 2e-3, 2e-3), position=x))
     body.add_velocity(omega=(0.3, 2.0, 3.0), about=(0.5, 0, 0))
-    scene.add(fl.RigidLink(beam.point("start"), body.point("centre")))
+    scene.add(fl.joints.RigidLink(beam.point("start"), body.point("centre")))
 
 
 def with_a_load_within(scene: fl.Scene, beam: fl.Beam) -> None:
@@ -180,7 +182,7 @@ def test_steps_that_follow_a_tolerance(name, scheme):
     exact = SCHEME.run(SCENES[name](), duration=0.02, step=5e-5, save_every=10**6)
     errors = []
     for tolerance in (1e-4, 1e-6):
-        result = scheme.run(SCENES[name](), duration=0.02, step=fl.AdaptiveStep(tolerance))
+        result = scheme.run(SCENES[name](), duration=0.02, step=fl.schemes.AdaptiveStep(tolerance))
         assert result.balance_error <= 1e-11
         assert max(result.momentum_error, result.angular_momentum_error) <= 1e-11
         errors.append(np.abs(result.frames[-1, :, 0] - exact.frames[-1, :, 0]).max())
@@ -201,7 +203,7 @@ def test_a_matrix_is_made_for_its_own_step(name, most):
 def test_a_resting_cable_costs_no_iterations(name):
     """Nor matrices, each at its price in iterations: what moves does not feel the cable."""
     plan = {"duration": 0.2, "step": 1e-3, "save_every": 100}
-    _, price = fl.Automatic().rule()
+    _, price = fl.schemes.Automatic().rule()
 
     def cost(scene: fl.Scene) -> float:
         result = SCHEME.run(scene, **plan)
@@ -213,10 +215,10 @@ def test_a_resting_cable_costs_no_iterations(name):
 def test_composed_steps_of_nodes_without_frames():
     """Of fourth order, and conserving."""
     plan = {"duration": 0.02, "save_every": 10**6}
-    exact = fl.Composed().run(SCENES["crane"](), step=1.25e-4, **plan)
+    exact = fl.schemes.Composed().run(SCENES["crane"](), step=1.25e-4, **plan)
     errors = []
     for step in (1e-3, 5e-4):
-        result = fl.Composed().run(SCENES["crane"](), step=step, **plan)
+        result = fl.schemes.Composed().run(SCENES["crane"](), step=step, **plan)
         assert max(result.balance_error, result.momentum_error) <= 1e-11
         errors.append(np.abs(result.frames[-1, :, 0] - exact.frames[-1, :, 0]).max())
     assert errors[1] <= errors[0] / 9.0
@@ -230,14 +232,14 @@ def test_steps_of_each_bodys_own_size():
         beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), BAR, cells=2))
         body = scene.add(fl.RigidBody(0.5, (1e-3, 2e-3, 3e-3), position=(1.1, 0, 0)))
         cable = scene.add(fl.Cable.straight((1.1, 0, 0), (2, 0, 0), SOFT, cells=2))
-        scene.add(fl.Spherical(beam.point("end"), body.point("centre"), at=(1, 0, 0)))
-        scene.add(fl.Spherical(body.point("centre"), cable.point("start")))
+        scene.add(fl.joints.Spherical(beam.point("end"), body.point("centre"), at=(1, 0, 0)))
+        scene.add(fl.joints.Spherical(body.point("centre"), cable.point("start")))
         for each in (beam, body, cable):
             each.add_velocity(omega=(0.3, 2.0, 3.0), about=(0.5, 0, 0))
         return scene
 
     scene = made()
-    scheme = fl.MultiRate(dict.fromkeys(scene.bodies[1:], 5))
+    scheme = fl.schemes.MultiRate(dict.fromkeys(scene.bodies[1:], 5))
     result = scheme.run(scene, duration=0.02, step=1e-3)
     assert max(result.energy_error, result.momentum_error) <= 1e-11
     assert result.angular_momentum_error <= 1e-11
@@ -248,7 +250,7 @@ def test_steps_of_each_bodys_own_size():
 
 
 def with_a_place_within(scene: fl.Scene, beam: fl.Beam) -> None:
-    scene.add(fl.Spherical(fl.ground(), beam.point_in_cell(0, 0.3)))
+    scene.add(fl.joints.Spherical(fl.ground(), beam.point_in_cell(0, 0.3)))
 
 
 def test_refused():

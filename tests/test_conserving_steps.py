@@ -35,9 +35,11 @@ def hinged() -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     wheel = scene.add(fl.RigidBody(1.0, (0.1, 0.2, 0.1), (0, 0, 0)))
     bob = scene.add(fl.RigidBody(0.5, (0.01, 0.02, 0.01), (0.5, 0, 0)))
-    scene.add(fl.Revolute(fl.ground(), wheel.point("centre"), axis=(0, 1, 0.1)))
+    scene.add(fl.joints.Revolute(fl.ground(), wheel.point("centre"), axis=(0, 1, 0.1)))
     scene.add(
-        fl.Revolute(wheel.point("centre"), bob.point("centre"), at=(0.4, 0, 0), axis=(0, 1, 0.1))
+        fl.joints.Revolute(
+            wheel.point("centre"), bob.point("centre"), at=(0.4, 0, 0), axis=(0, 1, 0.1)
+        )
     )
     for body in (wheel, bob):
         body.add_velocity(omega=20.0 * np.array([0, 1, 0.1]) / np.hypot(1, 0.1), about=(0, 0, 0))
@@ -87,7 +89,9 @@ class AnySize(fl.extend.StepChoice):
 # --- conservation ---
 
 
-@pytest.mark.parametrize("choice", [fl.AdaptiveStep(1e-2), AnySize(5e-4)], ids=["chosen", "any"])
+@pytest.mark.parametrize(
+    "choice", [fl.schemes.AdaptiveStep(1e-2), AnySize(5e-4)], ids=["chosen", "any"]
+)
 def test_energy_and_momenta_stay_when_steps_change(choice):
     scene, _, _ = bars()
     result = fl.EnergyMomentum().run(scene, duration=0.5, step=choice)
@@ -116,7 +120,9 @@ def test_energy_falls_and_momenta_stay_when_steps_change():
 def test_estimate_over_error_tends_to_one(make, scheme):
     away = []
     for h in (4e-3, 2e-3):
-        steps = scheme.run(make(), duration=0.2, step=fl.ConstantStep(h, refinement=PARTS)).steps
+        steps = scheme.run(
+            make(), duration=0.2, step=fl.schemes.ConstantStep(h, refinement=PARTS)
+        ).steps
         # the first steps have what is left of the start
         away.append(np.median(np.abs(MISSING * steps.ratios[5:] - 1.0), axis=0))
     assert (away[1] < 0.04).all()
@@ -124,7 +130,7 @@ def test_estimate_over_error_tends_to_one(make, scheme):
 
 def test_estimate_is_of_third_order():
     sizes = [
-        fl.EnergyMomentum().run(tumbling(), duration=0.2, step=fl.ConstantStep(h)).steps
+        fl.EnergyMomentum().run(tumbling(), duration=0.2, step=fl.schemes.ConstantStep(h)).steps
         for h in (2e-3, 1e-3)
     ]
     ratio = sizes[0].translation[-1] / sizes[1].translation[-1]
@@ -156,7 +162,7 @@ def test_flight_has_no_error():
     scene = fl.Scene(gravity=(0, 0, -9.81))
     body = scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0), name="body"))
     body.add_velocity((1, 0, 5))
-    steps = fl.EnergyMomentum().run(scene, duration=0.2, step=fl.ConstantStep(0.01)).steps
+    steps = fl.EnergyMomentum().run(scene, duration=0.2, step=fl.schemes.ConstantStep(0.01)).steps
     assert steps.translation.max() < 1e-13
     assert steps.rotation.max() < 1e-13
 
@@ -165,7 +171,7 @@ def test_flight_has_no_error():
 def test_estimating_changes_nothing(scheme):
     """Two runs differ by round-off: matrices are made at other times."""
     plain = scheme.run(turning_pendulum(), duration=0.1, step=2e-3)
-    watched = scheme.run(turning_pendulum(), duration=0.1, step=fl.ConstantStep(2e-3))
+    watched = scheme.run(turning_pendulum(), duration=0.1, step=fl.schemes.ConstantStep(2e-3))
     np.testing.assert_allclose(watched.frames, plain.frames, atol=1e-10)
     np.testing.assert_allclose(watched.times, plain.times, rtol=1e-12)
     assert np.isfinite(watched.steps.translation).all()
@@ -177,7 +183,7 @@ def test_estimating_changes_nothing(scheme):
 def test_global_error_follows_the_tolerance():
     tolerances, errors = 10.0 ** np.arange(-2, -5.5, -1), []
     for tolerance in tolerances:
-        choice = fl.AdaptiveStep(tolerance)
+        choice = fl.schemes.AdaptiveStep(tolerance)
         result = fl.EnergyMomentum().run(rigid_pendulum(), duration=1.0, step=choice)
         errors.append(np.linalg.norm(tip(result)[-1] - TIP))
         assert (result.steps.translation <= tolerance * result.steps.sizes).all()
@@ -191,7 +197,9 @@ def test_global_error_follows_the_tolerance():
 @each_scheme
 def test_jump_at_a_named_event(scheme):
     """Steps end there, and both sides are exact: rest, and a parabola."""
-    result = scheme.run(pushed(jump), duration=1.0, step=fl.AdaptiveStep(1e-6, events=(0.3,)))
+    result = scheme.run(
+        pushed(jump), duration=1.0, step=fl.schemes.AdaptiveStep(1e-6, events=(0.3,))
+    )
     assert (result.times == 0.3).sum() == 2
     assert len(result.steps.rejected) == 0
     exact = 1.5 * np.clip(result.times - 0.3, 0.0, None) ** 2
@@ -211,7 +219,7 @@ def test_jump_found_by_rejection():
     it in velocity: by six tolerances.
     """
     scene, when = pushed(lambda t: 1.0 if t >= 0.2957 else 0.0), 0.2957
-    result = fl.EnergyMomentum().run(scene, duration=1.0, step=fl.AdaptiveStep(1e-4))
+    result = fl.EnergyMomentum().run(scene, duration=1.0, step=fl.schemes.AdaptiveStep(1e-4))
     assert len(result.steps.rejected) >= 3
     near = np.searchsorted(result.steps.times, when)
     assert result.steps.sizes[near] < 1e-2 * result.steps.sizes.max()
@@ -222,7 +230,7 @@ def test_jump_found_by_rejection():
 
 def test_kink_of_a_drive():
     """The velocity of what is driven jumps with it, and that work is counted."""
-    choice = fl.AdaptiveStep(1e-4, events=(0.4,), largest=0.05)
+    choice = fl.schemes.AdaptiveStep(1e-4, events=(0.4,), largest=0.05)
     result = fl.EnergyMomentum().run(arm_that_stops(), duration=1.0, step=choice)
     event = int(np.flatnonzero(result.times == 0.4)[1])
     spin = result.velocity("arm.centre")[:, 5]
@@ -242,7 +250,7 @@ def test_rejected_steps_leave_the_state_as_it_was():
     """A first step that is far too large, and taken back: the same run as without it."""
     small, large = (
         fl.EnergyMomentum().run(
-            turning_pendulum(), duration=0.1, step=fl.AdaptiveStep(1e-4, first=first)
+            turning_pendulum(), duration=0.1, step=fl.schemes.AdaptiveStep(1e-4, first=first)
         )
         for first in (1e-2 * 2.0**-3.5, 1e-2)
     )
@@ -257,7 +265,9 @@ def test_tolerance_out_of_reach_names_time_error_and_body():
     expected = r"at time 0\.4\d+ a step of .* error of .* length per time, "
     expected += r"expected at most 1\.000e-03"
     with pytest.raises(fl.ConvergenceError, match=expected + ".*; ball limits it") as caught:
-        fl.EnergyMomentum().run(scene, duration=1.0, step=fl.AdaptiveStep(1e-3, smallest=1e-6))
+        fl.EnergyMomentum().run(
+            scene, duration=1.0, step=fl.schemes.AdaptiveStep(1e-3, smallest=1e-6)
+        )
     assert 0.4 < caught.value.result.times[-1] < 0.5
     assert len(caught.value.result.steps.times) == len(caught.value.result.times) - 1
 
@@ -266,9 +276,9 @@ def test_what_there_is_not_is_refused_before_a_file_is_made(tmp_path):
     scene, _, _ = bars()
     scheme, file = fl.EnergyMomentum(), tmp_path / "run.h5"
     with pytest.raises(ValueError, match="tolerance must be a positive finite number, got 0"):
-        scheme.run(scene, duration=1.0, step=fl.AdaptiveStep(0.0))
+        scheme.run(scene, duration=1.0, step=fl.schemes.AdaptiveStep(0.0))
     with pytest.raises(ValueError, match="redundant constraints: use GeneralisedAlpha"):
         redundant, _, _ = bars()
-        redundant.redundant = fl.Redundant.MINIMUM_NORM
+        redundant.redundant = fl.joints.RedundantConstraints.MINIMUM_NORM
         scheme.run(redundant, duration=1.0, step=0.1, file=file)
     assert not file.exists()

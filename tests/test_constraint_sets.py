@@ -21,7 +21,7 @@ SECTION = fl.Section.circle(0.01, fl.Material(2e9, 0.3, 1000.0))
 HERE = (0.35, 0, 0)
 
 
-def rail(scene: fl.Scene, element: fl.Formulation | None = None, **moved) -> fl.Beam:
+def rail(scene: fl.Scene, element: fl.elements.BeamFormulation | None = None, **moved) -> fl.Beam:
     start, end = moved.get("along", ((0, 0, 0), (1, 0, 0)))
     return scene.add(fl.Beam.straight(start, end, SECTION, cells=3, formulation=element))
 
@@ -30,13 +30,13 @@ def body(scene: fl.Scene, place=(0.4, 0.3, 0.1)) -> fl.RigidBody:
     return scene.add(fl.RigidBody(1.0, (1, 1.2, 1.4), place))
 
 
-def hinge_spring_drive(scene: fl.Scene, a: fl.Point, b: fl.Point) -> None:
+def hinge_spring_drive(scene: fl.Scene, a: fl.extend.Point, b: fl.extend.Point) -> None:
     """A hinge with a spring and damper, and the distance of both points, driven."""
-    hinge = scene.add(fl.Revolute(a, b, at=HERE, axis=(0.2, 0.3, 1)))
-    scene.add(fl.Spring(hinge.angle, stiffness=3.0, damping=0.7, rest=0.2))
-    reach = scene.add(fl.Distance(a, b, at=(0.4, 0.2, 0), to=(0.9, 0.4, 0.3)))
-    scene.add(fl.Spring(reach.length, stiffness=2.0, damping=0.4))
-    scene.add(fl.Screw(fl.ground(), b, at=(0, 0.5, 0.2), axis=(1, 0.2, 0), pitch=0.3))
+    hinge = scene.add(fl.joints.Revolute(a, b, at=HERE, axis=(0.2, 0.3, 1)))
+    scene.add(fl.joints.Spring(hinge.angle, stiffness=3.0, damping=0.7, rest=0.2))
+    reach = scene.add(fl.joints.Distance(a, b, at=(0.4, 0.2, 0), to=(0.9, 0.4, 0.3)))
+    scene.add(fl.joints.Spring(reach.length, stiffness=2.0, damping=0.4))
+    scene.add(fl.joints.Screw(fl.ground(), b, at=(0, 0.5, 0.2), axis=(1, 0.2, 0), pitch=0.3))
 
 
 def joints(scene):
@@ -49,7 +49,9 @@ def joints_on(element):
         hinge_spring_drive(scene, beam.point((0.42, 0, 0)), body(scene).point("centre"))
         other = rail(scene, element, along=((0.2, -0.5, 0), (0.2, 0.5, 0)))
         scene.add(
-            fl.Spherical(beam.point((0.2, 0, 0)), other.point((0.2, 0.07, 0)), at=(0.2, 0, 0))
+            fl.joints.Spherical(
+                beam.point((0.2, 0, 0)), other.point((0.2, 0.07, 0)), at=(0.2, 0, 0)
+            )
         )
 
     return build
@@ -58,48 +60,58 @@ def joints_on(element):
 def joints_on_branch(scene):
     """Nodes that follow others: those at the branch, and two of one element by a link."""
     ends = [(0, 0, 0), (0.3, 0, 0), (0.4, 0.3, 0), (0.5, 0, 0.3), (0.9, 0, 0.3)]
-    mesh = fl.LineMesh.from_cells(ends, [(0, 1), (1, 2), (1, 3), (3, 4)])
+    mesh = fl.mesh.LineMesh.from_cells(ends, [(0, 1), (1, 2), (1, 3), (3, 4)])
     tree = scene.add(fl.Beam(mesh, SECTION))
     hinge_spring_drive(scene, tree.point_in_cell(1, 0.4), body(scene).point("centre"))
     scene.add(
-        fl.RigidLink(tree.point(int(tree.elements[3, 0])), tree.point(int(tree.elements[3, 1])))
+        fl.joints.RigidLink(
+            tree.point(int(tree.elements[3, 0])), tree.point(int(tree.elements[3, 1]))
+        )
     )
     scene.add(
-        fl.Spherical(tree.point_in_cell(2, 0.3), tree.point_in_cell(3, 0.6), at=(0.5, 0, 0.2))
+        fl.joints.Spherical(
+            tree.point_in_cell(2, 0.3), tree.point_in_cell(3, 0.6), at=(0.5, 0, 0.2)
+        )
     )
 
 
 def blocks_on_averages(scene):
     """A body on an averaging attachment, which is joined to that of another solid."""
-    law = fl.SaintVenantKirchhoff(1e6, 0.3, 1000.0)
+    law = fl.sections.SaintVenantKirchhoff(1e6, 0.3, 1000.0)
     solid, other = (
         scene.add(fl.Solid.brick((0.4, 0.2, 0.1), law, cells=(1, 1, 1), name=name))
         for name in ("one", "other")
     )
     hinge_spring_drive(scene, solid.point("a=1"), body(scene).point("centre"))
     ends = solid.point("a=1"), other.point("b=0")
-    scene.add(fl.Revolute(*ends, at=(0.35, 0.05, 0.05), axis=(0.1, 1, 0)))
+    scene.add(fl.joints.Revolute(*ends, at=(0.35, 0.05, 0.05), axis=(0.1, 1, 0)))
 
 
 def sleeve(scene):
     beam, b = rail(scene), body(scene)
-    scene.add(fl.Sleeve(beam, b.point("centre"), at=HERE, travel=lambda t: 0.35))
+    scene.add(fl.joints.Sleeve(beam, b.point("centre"), at=HERE, travel=lambda t: 0.35))
 
 
 def collar_on_beam(scene):
     other = rail(scene, along=((0.35, -0.4, 0), (0.35, 0.6, 0)))
-    scene.add(fl.Collar(rail(scene), other.point((0.35, 0.07, 0)), at=HERE, travel=lambda t: 0.35))
+    scene.add(
+        fl.joints.Collar(rail(scene), other.point((0.35, 0.07, 0)), at=HERE, travel=lambda t: 0.35)
+    )
 
 
 def disc(scene):
     a, b = body(scene, (0, 0, 0)), body(scene, (0.3, 0.5, 0.8))
-    scene.add(fl.RollingDisc(a.point("centre"), b.point("centre"), axis=(0.2, 1, 0.3), radius=0.4))
+    scene.add(
+        fl.joints.RollingDisc(a.point("centre"), b.point("centre"), axis=(0.2, 1, 0.3), radius=0.4)
+    )
 
 
 def edge_on_beam(scene):
     a, beam = body(scene, (0, 0.2, 0)), rail(scene)
     scene.add(
-        fl.KnifeEdge(a.point("centre"), beam.point((0.47, 0, 0)), at=(0.4, 0.1, 0), axis=(0, 1, 1))
+        fl.joints.KnifeEdge(
+            a.point("centre"), beam.point((0.47, 0, 0)), at=(0.4, 0.1, 0), axis=(0, 1, 1)
+        )
     )
 
 
@@ -108,8 +120,8 @@ ON_ATTACHMENTS = "{} on points that are not nodes".format
 SETS = {
     "joints": (joints, JOINTS),
     "joints on geodesics": (joints_on(None), ON_ATTACHMENTS(JOINTS)),
-    "joints on two directors": (joints_on(fl.Director(1)), ON_ATTACHMENTS(JOINTS)),
-    "joints on three directors": (joints_on(fl.Director(2)), ON_ATTACHMENTS(JOINTS)),
+    "joints on two directors": (joints_on(fl.elements.DirectorBeam(1)), ON_ATTACHMENTS(JOINTS)),
+    "joints on three directors": (joints_on(fl.elements.DirectorBeam(2)), ON_ATTACHMENTS(JOINTS)),
     "joints on branches": (joints_on_branch, ON_ATTACHMENTS(JOINTS)),
     "joints on averages": (blocks_on_averages, ON_ATTACHMENTS(JOINTS)),
     "slides": (sleeve, SLIDES),
@@ -332,10 +344,10 @@ def test_what_goes_over_the_sets_names_none_of_them():
 
 
 BOUND = {
-    "fixed": lambda b: fl.Fixed(fl.ground(), b),
-    "prismatic": lambda b: fl.Prismatic(fl.ground(), b, axis=(0, 0, 1)),
-    "revolute": lambda b: fl.Revolute(fl.ground(), b, axis=(0, 0, 1)),
-    "cylindrical": lambda b: fl.Cylindrical(fl.ground(), b, axis=(0, 0, 1)),
+    "fixed": lambda b: fl.joints.Fixed(fl.ground(), b),
+    "prismatic": lambda b: fl.joints.Prismatic(fl.ground(), b, axis=(0, 0, 1)),
+    "revolute": lambda b: fl.joints.Revolute(fl.ground(), b, axis=(0, 0, 1)),
+    "cylindrical": lambda b: fl.joints.Cylindrical(fl.ground(), b, axis=(0, 0, 1)),
 }
 
 

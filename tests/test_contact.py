@@ -11,7 +11,7 @@ from tests.own_surface import Quartic
 
 GRAVITY, RADIUS = 9.81, 0.1
 SECTION = fl.Section.circle(0.02, fl.Material(2e9, 0.3, 1000.0))
-FLOOR = fl.Plane(fl.ground(), (0, 0, 2))
+FLOOR = fl.contact.Plane(fl.ground(), (0, 0, 2))
 
 
 def ball(place, velocity=(0.0, 0.0, 0.0), mass=1.0) -> fl.RigidBody:
@@ -32,10 +32,10 @@ def run(scene, duration, step, radius=1.0, **options) -> fl.Result:
     return scheme.run(scene, duration=duration, step=step, progress=False, **options)
 
 
-def dropped(law: fl.Penalty) -> tuple[fl.Scene, fl.RigidBody, fl.Contact]:
+def dropped(law: fl.contact.Penalty) -> tuple[fl.Scene, fl.RigidBody, fl.contact.Contact]:
     """A ball, one metre above the floor."""
     body = ball((0, 0, 1 + RADIUS))
-    contact = fl.Contact(fl.Sphere(body.point("centre"), RADIUS), FLOOR, law)
+    contact = fl.contact.Contact(fl.contact.Sphere(body.point("centre"), RADIUS), FLOOR, law)
     return scene_with(body, contact), body, contact
 
 
@@ -55,11 +55,11 @@ def flight(times: np.ndarray, stiffness: float) -> np.ndarray:
 
 def test_a_ball_bounces_as_the_closed_form():
     stiffness = 1e3
-    scene, body, contact = dropped(fl.Penalty(stiffness))
+    scene, body, contact = dropped(fl.contact.Penalty(stiffness))
     result = run(scene, 2.0, 5e-4)
     height = result.position(body.point("centre"))[:, 2] - RADIUS
     np.testing.assert_allclose(height, flight(result.times, stiffness), rtol=0, atol=2e-4)
-    found = fl.contact_forces(result, contact)
+    found = fl.post.contact_forces(result, contact)
     # ½ k δ² = m g (1 + δ)
     deepest = (GRAVITY + np.sqrt(GRAVITY**2 + 2 * stiffness * GRAVITY)) / stiffness
     assert found.penetration.max() == pytest.approx(deepest, rel=1e-4)
@@ -72,12 +72,12 @@ def test_a_ball_bounces_as_the_closed_form():
 def test_damping_takes_energy_and_never_pulls():
     """A critically damped ball comes to rest where its weight is carried; losses are booked."""
     stiffness = 1e3
-    scene, body, contact = dropped(fl.Penalty(stiffness, damping=2 * np.sqrt(stiffness)))
+    scene, body, contact = dropped(fl.contact.Penalty(stiffness, damping=2 * np.sqrt(stiffness)))
     result = run(scene, 3.0, 5e-4, radius=0.8)
     assert result.position(body.point("centre"))[-1, 2] - RADIUS == pytest.approx(
         -GRAVITY / stiffness, rel=1e-6
     )
-    forces = fl.contact_forces(result, contact).forces
+    forces = fl.post.contact_forces(result, contact).forces
     assert forces[:, 2].min() >= 0.0
     assert np.diff(result.balance[:, 1]).min() >= 0.0
     assert result.balance[-1, 1] == pytest.approx(GRAVITY * 1.0, rel=2e-2)
@@ -90,14 +90,16 @@ def test_momenta_of_free_balls_stay(hollow):
     if hollow:
         two = ball((0.1, 0, 0), mass=3.0)
         one = ball((0.3, 0.1, 0), (1.0, 0.3, -0.2))
-        surface = fl.Sphere(two.point((0.15, 0, 0)), 0.5, hollow=True)
+        surface = fl.contact.Sphere(two.point((0.15, 0, 0)), 0.5, hollow=True)
     else:
         two = ball((0.5, 0.05, 0.02), mass=3.0)
         one = ball((0, 0, 0), (1.0, 0, 0))
-        surface = fl.Sphere(two.point((0.5, 0.1, 0.0)), 2 * RADIUS)
-    touch = fl.Contact(surface, fl.Sphere(one.point("centre"), RADIUS), fl.Penalty(200.0))
+        surface = fl.contact.Sphere(two.point((0.5, 0.1, 0.0)), 2 * RADIUS)
+    touch = fl.contact.Contact(
+        surface, fl.contact.Sphere(one.point("centre"), RADIUS), fl.contact.Penalty(200.0)
+    )
     result = run(scene_with(one, two, touch, gravity=(0, 0, 0)), 2.0, 2e-3)
-    found = fl.contact_forces(result, touch)
+    found = fl.post.contact_forces(result, touch)
     assert found.touching.max() == 1
     assert found.penetration.max() > 0.01
     # the scheme keeps the momentum, and the angular momentum to its order
@@ -111,8 +113,10 @@ def test_a_round_end_of_a_beam_lies_on_a_plane():
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=8)
     bending = SECTION.stiffness[4, 4]
     gap, stiffness, force = 0.001, 300.0, 2.0
-    floor = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -0.02 - gap))
-    touch = fl.Contact(fl.Sphere(beam.point("end"), 0.02), floor, fl.Penalty(stiffness))
+    floor = fl.contact.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -0.02 - gap))
+    touch = fl.contact.Contact(
+        fl.contact.Sphere(beam.point("end"), 0.02), floor, fl.contact.Penalty(stiffness)
+    )
     scene = scene_with(
         beam,
         fl.Clamp(beam.point("start")),
@@ -124,7 +128,7 @@ def test_a_round_end_of_a_beam_lies_on_a_plane():
     down = -state.position(beam.point("end"))[-1, 2]
     own = 3 * bending
     assert down == pytest.approx((force + stiffness * gap) / (own + stiffness), rel=2e-3)
-    found = fl.contact_forces(state, touch)
+    found = fl.post.contact_forces(state, touch)
     assert found.total[-1, 2] == pytest.approx(stiffness * (down - gap), rel=1e-9)
 
 
@@ -157,11 +161,11 @@ def pile() -> tuple[fl.Scene, list[fl.RigidBody]]:
         ball(place, velocity)
         for place, velocity in zip(places, rng.normal(size=(27, 3)), strict=True)
     ]
-    surface = fl.Vertices([each.point("centre") for each in balls], RADIUS)
-    law = fl.Penalty(2e3)
-    scene = scene_with(*balls, fl.Contact(surface, surface, law), gravity=(0, 0, 0))
-    box = fl.Box(fl.ground(), (1.3, 1.3, 1.3), inside=True)
-    scene.add(fl.Contact(surface, box, law))
+    surface = fl.contact.Vertices([each.point("centre") for each in balls], RADIUS)
+    law = fl.contact.Penalty(2e3)
+    scene = scene_with(*balls, fl.contact.Contact(surface, surface, law), gravity=(0, 0, 0))
+    box = fl.contact.Box(fl.ground(), (1.3, 1.3, 1.3), inside=True)
+    scene.add(fl.contact.Contact(surface, box, law))
     return scene, balls
 
 
@@ -216,21 +220,27 @@ def two_bodies(item):
     return scene_with(one, two, item(one, two))
 
 
-LAW = fl.Penalty(1e3)
+LAW = fl.contact.Penalty(1e3)
 REFUSED = {
-    "no stiffness": (lambda: fl.Penalty(0.0), "stiffness must be a positive"),
-    "stiffness that is none": (lambda: fl.Penalty(float("nan")), "stiffness must be a finite"),
-    "negative damping": (lambda: fl.Penalty(1.0, damping=-1.0), "damping must not be negative"),
-    "flat ball": (lambda: fl.Sphere(fl.ground(), 0.0), "radius must be a positive"),
-    "inside out": (lambda: fl.Vertices([fl.ground()], -1.0), "radius must not be negative"),
-    "no points": (lambda: fl.Vertices([]), "expected at least one point"),
-    "flat box": (lambda: fl.Box(fl.ground(), (1, 0, 1)), "3 positive finite lengths"),
-    "no normal": (lambda: fl.Plane(fl.ground(), (0, 0, 0)), "must not be zero"),
+    "no stiffness": (lambda: fl.contact.Penalty(0.0), "stiffness must be a positive"),
+    "stiffness that is none": (
+        lambda: fl.contact.Penalty(float("nan")),
+        "stiffness must be a finite",
+    ),
+    "negative damping": (
+        lambda: fl.contact.Penalty(1.0, damping=-1.0),
+        "damping must not be negative",
+    ),
+    "flat ball": (lambda: fl.contact.Sphere(fl.ground(), 0.0), "radius must be a positive"),
+    "inside out": (lambda: fl.contact.Vertices([fl.ground()], -1.0), "radius must not be negative"),
+    "no points": (lambda: fl.contact.Vertices([]), "expected at least one point"),
+    "flat box": (lambda: fl.contact.Box(fl.ground(), (1, 0, 1)), "3 positive finite lengths"),
+    "no normal": (lambda: fl.contact.Plane(fl.ground(), (0, 0, 0)), "must not be zero"),
     "overlap": (
         lambda: one_body(
-            lambda body: fl.Contact(
-                fl.Sphere(body.point("centre"), 0.2),
-                fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, 0.9)),
+            lambda body: fl.contact.Contact(
+                fl.contact.Sphere(body.point("centre"), 0.2),
+                fl.contact.Plane(fl.ground(), (0, 0, 1), at=(0, 0, 0.9)),
                 LAW,
             )
         ),
@@ -238,17 +248,19 @@ REFUSED = {
     ),
     "overlap of balls": (
         lambda: two_bodies(
-            lambda one, two: fl.Contact(
-                fl.Sphere(one.point("centre"), 0.6), fl.Sphere(two.point("centre"), 0.5), LAW
+            lambda one, two: fl.contact.Contact(
+                fl.contact.Sphere(one.point("centre"), 0.6),
+                fl.contact.Sphere(two.point("centre"), 0.5),
+                LAW,
             )
         ),
         r"overlap by 0\.1 at",
     ),
     "same body": (
         lambda: one_body(
-            lambda body: fl.Contact(
-                fl.Sphere(body.point((0, 0, 3)), 0.1),
-                fl.Plane(body.point("centre"), (0, 0, 1)),
+            lambda body: fl.contact.Contact(
+                fl.contact.Sphere(body.point((0, 0, 3)), 0.1),
+                fl.contact.Plane(body.point("centre"), (0, 0, 1)),
                 LAW,
             )
         ),
@@ -256,43 +268,51 @@ REFUSED = {
     ),
     "two planes": (
         lambda: one_body(
-            lambda body: fl.Contact(fl.Plane(body.point("centre"), (0, 0, -1)), FLOOR, LAW)
+            lambda body: fl.contact.Contact(
+                fl.contact.Plane(body.point("centre"), (0, 0, -1)), FLOOR, LAW
+            )
         ),
         "planes touch points",
     ),
     "two points": (
         lambda: two_bodies(
-            lambda one, two: fl.Contact(
-                fl.Vertices([one.point("centre")]), fl.Vertices([two.point("centre")]), LAW
+            lambda one, two: fl.contact.Contact(
+                fl.contact.Vertices([one.point("centre")]),
+                fl.contact.Vertices([two.point("centre")]),
+                LAW,
             )
         ),
         "points never touch points",
     ),
     "ball on a box": (
         lambda: two_bodies(
-            lambda one, two: fl.Contact(
-                fl.Box(one.point("centre"), (1, 1, 1)), fl.Sphere(two.point("centre"), 0.1), LAW
+            lambda one, two: fl.contact.Contact(
+                fl.contact.Box(one.point("centre"), (1, 1, 1)),
+                fl.contact.Sphere(two.point("centre"), 0.1),
+                LAW,
             )
         ),
         "touch each other and balls by Impact",
     ),
     "hollows": (
         lambda: two_bodies(
-            lambda one, two: fl.Contact(
-                fl.Sphere(one.point("centre"), 3.0),
-                fl.Sphere(two.point("centre"), 2.0, hollow=True),
+            lambda one, two: fl.contact.Contact(
+                fl.contact.Sphere(one.point("centre"), 3.0),
+                fl.contact.Sphere(two.point("centre"), 2.0, hollow=True),
                 LAW,
             )
         ),
         "must be smaller",
     ),
     "body that is not there": (
-        lambda: scene_with(fl.Contact(fl.Sphere(ball((0, 0, 1)).point("centre"), 0.1), FLOOR, LAW)),
+        lambda: scene_with(
+            fl.contact.Contact(fl.contact.Sphere(ball((0, 0, 1)).point("centre"), 0.1), FLOOR, LAW)
+        ),
         "is not in the scene",
     ),
     "conserving": (
         lambda: fl.EnergyMomentum().run(
-            dropped(fl.Penalty(1e3, damping=1.0))[0], duration=0.1, step=1e-2
+            dropped(fl.contact.Penalty(1e3, damping=1.0))[0], duration=0.1, step=1e-2
         ),
         "support contacts by penalty with damping: use GeneralisedAlpha",
     ),
@@ -307,11 +327,14 @@ def test_is_refused(name):
 
 
 WRONG = {
-    "law": (lambda: fl.Contact(FLOOR, FLOOR, 1e3), "Contact: law must be a law"),
-    "surface": (lambda: fl.Contact(FLOOR, fl.ground(), LAW), "Contact: b must be a surface"),
-    "point": (lambda: fl.Sphere((0, 0, 0), 1.0), "Sphere: point must be a point"),
-    "points": (lambda: fl.Vertices(fl.ground()), "Vertices: of must be points"),
-    "number": (lambda: fl.Penalty("1e3"), "stiffness must be a number"),
+    "law": (lambda: fl.contact.Contact(FLOOR, FLOOR, 1e3), "Contact: law must be a law"),
+    "surface": (
+        lambda: fl.contact.Contact(FLOOR, fl.ground(), LAW),
+        "Contact: b must be a surface",
+    ),
+    "point": (lambda: fl.contact.Sphere((0, 0, 0), 1.0), "Sphere: point must be a point"),
+    "points": (lambda: fl.contact.Vertices(fl.ground()), "Vertices: of must be points"),
+    "number": (lambda: fl.contact.Penalty("1e3"), "stiffness must be a number"),
 }
 
 
@@ -324,10 +347,10 @@ def test_is_no_such_thing(name):
 
 def test_pictures_show_forces_as_arrows(tmp_path):
     """Orange ones, at places and along forces of a state; where nothing touches there are none."""
-    scene, body, contact = dropped(fl.Penalty(1e3))
+    scene, body, contact = dropped(fl.contact.Penalty(1e3))
     scheme = fl.GeneralisedAlpha(radius=1.0)
     result = scheme.run(scene, duration=0.5, step=1e-2, progress=False)
-    found = fl.contact_forces(result, contact)
+    found = fl.post.contact_forces(result, contact)
     last = int(found.states[-1])
     arrows = found.arrows(last)
     np.testing.assert_array_equal(arrows.at, found.positions[found.states == last])
@@ -352,25 +375,27 @@ def test_pictures_show_forces_as_arrows(tmp_path):
 def test_a_stiffness_is_chosen_by_what_is_behind(caplog):
     """A fifth of that of an element, per length and area where forces are."""
     E, r, t, cells = 1e9, 0.01, 0.02, 4
-    steel, floor = fl.Material(E, 0.0, 1e3), fl.Plane(fl.ground(), (0, 0, 1))
+    steel, floor = fl.Material(E, 0.0, 1e3), fl.contact.Plane(fl.ground(), (0, 0, 1))
     beam = fl.Beam.straight((0, 0, 1), (2, 0, 1), fl.Section.circle(r, steel), cells=cells)
-    mesh = fl.surface(lambda a, b: np.array([2 * a, 2 * b, 1]), (cells, cells))
+    mesh = fl.mesh.parametric_surface(lambda a, b: np.array([2 * a, 2 * b, 1]), (cells, cells))
     sheet = fl.Shell(mesh, fl.ShellSection.layer(t, steel))
     ball = fl.RigidBody(1.0, np.eye(3), (0, 0, 3))
     EA, length = E * np.pi * r**2, 2 / cells
     for surface, other, wanted in (
-        (fl.Vertices([beam.point("start"), beam.point("end")], r), floor, EA / length),
-        (fl.Line(beam, r), floor, EA / length**2),
-        (fl.Skin(sheet), floor, E * t / length**2),
-        (fl.Sphere(ball.point("centre"), 0.1), fl.Skin(sheet), E * t),
+        (fl.contact.Vertices([beam.point("start"), beam.point("end")], r), floor, EA / length),
+        (fl.contact.Line(beam, r), floor, EA / length**2),
+        (fl.contact.ShellSurface(sheet), floor, E * t / length**2),
+        (fl.contact.Sphere(ball.point("centre"), 0.1), fl.contact.ShellSurface(sheet), E * t),
     ):
         with caplog.at_level("INFO"):
-            law = fl.Contact(surface, other, fl.Penalty(friction=0.1)).law
+            law = fl.contact.Contact(surface, other, fl.contact.Penalty(friction=0.1)).law
         assert law.stiffness == pytest.approx(0.2 * wanted, rel=1e-6)
         assert law.coulomb.holding == law.stiffness
         assert f"stiffness {law.stiffness:g} was chosen" in caplog.messages[-1]
     with pytest.raises(ValueError, match="Penalty needs a stiffness, for neither surface belongs"):
-        fl.Contact(fl.Sphere(ball.point("centre"), 0.1), floor, fl.Penalty())
+        fl.contact.Contact(
+            fl.contact.Sphere(ball.point("centre"), 0.1), floor, fl.contact.Penalty()
+        )
 
 
 def test_a_free_surface_with_a_gap_function_conserves_all():
@@ -380,29 +405,35 @@ def test_a_free_surface_with_a_gap_function_conserves_all():
     ball = scene.add(fl.RigidBody(0.5, np.diag([0.01, 0.02, 0.015]), (0.2, 0.25, 0.3)))
     hollow.add_velocity(omega=(0.5, -0.3, 0.8), about=hollow.point("centre"))
     ball.add_velocity((1.0, -2.0, 0.7))
-    law = fl.Penalty(2e3)
+    law = fl.contact.Penalty(2e3)
     scene.add(
-        fl.Contact(fl.Sphere(ball.point("centre"), 0.05), Quartic(hollow.point("centre")), law)
+        fl.contact.Contact(
+            fl.contact.Sphere(ball.point("centre"), 0.05), Quartic(hollow.point("centre")), law
+        )
     )
     result = fl.EnergyMomentum().run(scene, duration=1.0, step=2e-3, progress=False)
-    assert fl.contact_forces(result, scene.contacts[0]).touching.sum() > 10
+    assert fl.post.contact_forces(result, scene.contacts[0]).touching.sum() > 10
     assert result.balance_error < 1e-12
     assert max(result.momentum_error, result.angular_momentum_error) < 1e-13
 
 
 def test_pairs_that_are_not_known_are_refused():
-    class Own(fl.Surface):
+    class Own(fl.contact.ContactSurface):
         points = ()
 
         def __init__(self, point):
             self.points = (point,)
 
     body = fl.RigidBody(1.0, np.eye(3), (0, 0, 1))
-    contact = fl.Contact(Own(body.point("centre")), fl.Sphere(fl.ground(), 0.1), fl.Penalty(1e3))
+    contact = fl.contact.Contact(
+        Own(body.point("centre")), fl.contact.Sphere(fl.ground(), 0.1), fl.contact.Penalty(1e3)
+    )
     with pytest.raises(ValueError, match="no contact pair of Own and Sphere; register_contact"):
         contact.check()
     with pytest.raises(ValueError, match="PlaneSurface and PointSurface is registered already"):
         extend.register_contact_pair(extend.PlaneSurface, extend.PointSurface, "why not")
     extend.register_contact_pair(Own, extend.PointSurface, "own surfaces never touch points")
     with pytest.raises(ValueError, match="own surfaces never touch points"):
-        fl.Contact(fl.Sphere(fl.ground(), 0.1), Own(body.point("centre")), fl.Penalty(1e3)).check()
+        fl.contact.Contact(
+            fl.contact.Sphere(fl.ground(), 0.1), Own(body.point("centre")), fl.contact.Penalty(1e3)
+        ).check()

@@ -9,7 +9,7 @@ from fem_lie.solve.alpha.free_bodies import Run
 from fem_lie.solve.alpha.step.impact_steps import UNSETTLED
 
 RADIUS = 0.1
-FLOOR = fl.Plane(fl.ground(), (0, 0, 1))
+FLOOR = fl.contact.Plane(fl.ground(), (0, 0, 1))
 MATERIAL = fl.Material(1e9, 0.3, 1000.0)
 
 
@@ -19,8 +19,8 @@ def ball(place, name: str = "", speed: float = 0.0) -> fl.RigidBody:
     return body
 
 
-def sphere(body: fl.RigidBody) -> fl.Sphere:
-    return fl.Sphere(body.point("centre"), RADIUS)
+def sphere(body: fl.RigidBody) -> fl.contact.Sphere:
+    return fl.contact.Sphere(body.point("centre"), RADIUS)
 
 
 def falling(law, bodies: list[fl.RigidBody], *others) -> fl.Scene:
@@ -28,8 +28,8 @@ def falling(law, bodies: list[fl.RigidBody], *others) -> fl.Scene:
     scene = fl.Scene()
     for each in (*bodies, *others):
         scene.add(each)
-    surfaces = fl.Vertices([body.point("centre") for body in bodies], RADIUS)
-    scene.add(fl.Contact(surfaces, surfaces if len(bodies) > 1 else FLOOR, law))
+    surfaces = fl.contact.Vertices([body.point("centre") for body in bodies], RADIUS)
+    scene.add(fl.contact.Contact(surfaces, surfaces if len(bodies) > 1 else FLOOR, law))
     return scene
 
 
@@ -38,21 +38,21 @@ def run(scene: fl.Scene, scheme=None, step=1e-2) -> None:
     scheme.run(scene, duration=0.5, step=step, progress=False)
 
 
-def checked(a: fl.Surface, b: fl.Surface, law=None) -> None:
-    fl.Contact(a, b, fl.Penalty(1e3) if law is None else law, name="two").check()
+def checked(a: fl.contact.ContactSurface, b: fl.contact.ContactSurface, law=None) -> None:
+    fl.contact.Contact(a, b, fl.contact.Penalty(1e3) if law is None else law, name="two").check()
 
 
-def beam_line(radius: float, bent: float = 0.0) -> fl.Line:
+def beam_line(radius: float, bent: float = 0.0) -> fl.contact.Line:
     section = fl.Section.circle(RADIUS, MATERIAL)
     beam = fl.Beam.straight((-1, 0, 0), (1, 0, 0), section, cells=4)
     c, s = np.cos(bent), np.sin(bent)
     beam.frames[0, 1:] = [[c, s, 0], [-s, c, 0], [0, 0, 1]]
-    return fl.Line(beam, radius)
+    return fl.contact.Line(beam, radius)
 
 
 def unsettled() -> None:
     """The message of a step that has failed, of two balls that were made to be wedged."""
-    scene = falling(fl.Impact(), [ball((0, 0, 0), "left"), ball((0.2, 0, 0), "right")])
+    scene = falling(fl.contact.Impact(), [ball((0, 0, 0), "left"), ball((0.2, 0, 0), "right")])
     equations = fl.extend.Equations(scene.without_impacts(), dynamics=True)
     one = Run(fl.GeneralisedAlpha(radius=0.8), equations, 1e-2)
     assert one._impacts is not None
@@ -63,26 +63,38 @@ def unsettled() -> None:
 
 ONE = [ball((0, 0, 1))]
 VALUES = {
-    "negative friction": (lambda: fl.Impact(-0.1), r"friction must not be negative, got -0\.1"),
+    "negative friction": (
+        lambda: fl.contact.Impact(-0.1),
+        r"friction must not be negative, got -0\.1",
+    ),
     "friction of a penalty": (
-        lambda: fl.Penalty(1e3, friction=-1.0),
+        lambda: fl.contact.Penalty(1e3, friction=-1.0),
         "friction must not be negative, got -1",
     ),
     "too much restitution": (
-        lambda: fl.Impact(restitution=1.5),
+        lambda: fl.contact.Impact(restitution=1.5),
         r"restitution must be in \[0, 1\], got 1\.5",
     ),
-    "negative restitution": (lambda: fl.Impact(restitution=-0.5), r"must be in \[0, 1\], got -0"),
+    "negative restitution": (
+        lambda: fl.contact.Impact(restitution=-0.5),
+        r"must be in \[0, 1\], got -0",
+    ),
     "restitution of a penalty": (
-        lambda: fl.Penalty(1e3, restitution=0.5),
+        lambda: fl.contact.Penalty(1e3, restitution=0.5),
         "a penalty has damping, not restitution",
     ),
-    "no stiffness": (lambda: fl.Penalty(0.0), "Penalty: stiffness must be a positive"),
-    "infinite stiffness": (lambda: fl.Penalty(np.inf), "stiffness must be a finite"),
-    "no radius": (lambda: fl.Sphere(fl.ground(), -0.1), "Sphere: radius must be a positive"),
-    "radius that is none": (lambda: fl.Sphere(fl.ground(), np.nan), "Sphere: radius must be a fin"),
+    "no stiffness": (lambda: fl.contact.Penalty(0.0), "Penalty: stiffness must be a positive"),
+    "infinite stiffness": (lambda: fl.contact.Penalty(np.inf), "stiffness must be a finite"),
+    "no radius": (
+        lambda: fl.contact.Sphere(fl.ground(), -0.1),
+        "Sphere: radius must be a positive",
+    ),
+    "radius that is none": (
+        lambda: fl.contact.Sphere(fl.ground(), np.nan),
+        "Sphere: radius must be a fin",
+    ),
     "bar without radius": (
-        lambda: fl.Cylinder(fl.ground(), (0, 0, 1), 0.0),
+        lambda: fl.contact.Cylinder(fl.ground(), (0, 0, 1), 0.0),
         "Cylinder: radius must be a positive",
     ),
 }
@@ -93,32 +105,33 @@ SURFACES = {
     ),
     "the same body": (
         lambda: checked(
-            fl.Sphere(ONE[0].point((0, 0, 2)), 0.1), fl.Plane(ONE[0].point("centre"), (0, 0, 1))
+            fl.contact.Sphere(ONE[0].point((0, 0, 2)), 0.1),
+            fl.contact.Plane(ONE[0].point("centre"), (0, 0, 1)),
         ),
         "two: expected surfaces on different frames",
     ),
     "kinks": (lambda: checked(beam_line(0.1, 0.3), FLOOR), "of node 0 is more than 10° off"),
     "impacts of lines": (
-        lambda: checked(beam_line(0.1), FLOOR, fl.Impact()),
+        lambda: checked(beam_line(0.1), FLOOR, fl.contact.Impact()),
         "two: lines touch by Penalty, not by Impact",
     ),
 }
 SCHEMES = {
     "conserving": (
-        lambda: run(falling(fl.Impact(), ONE), fl.EnergyMomentum()),
+        lambda: run(falling(fl.contact.Impact(), ONE), fl.EnergyMomentum()),
         "Impact is for GeneralisedAlpha .* give Penalty elsewhere",
     ),
     "decaying": (
-        lambda: run(falling(fl.Impact(), ONE), fl.EnergyDecaying()),
+        lambda: run(falling(fl.contact.Impact(), ONE), fl.EnergyDecaying()),
         "Impact is for GeneralisedAlpha .* give Penalty elsewhere",
     ),
-    "statics": (lambda: fl.statics(falling(fl.Impact(), ONE)), "give Penalty elsewhere"),
+    "statics": (lambda: fl.statics(falling(fl.contact.Impact(), ONE)), "give Penalty elsewhere"),
     "steps that change": (
-        lambda: run(falling(fl.Impact(), ONE), step=fl.AdaptiveStep(1e-4)),
+        lambda: run(falling(fl.contact.Impact(), ONE), step=fl.schemes.AdaptiveStep(1e-4)),
         "GeneralisedAlpha with constant steps",
     ),
     "damping in conserving steps": (
-        lambda: run(falling(fl.Penalty(1e3, damping=1.0), ONE), fl.EnergyMomentum()),
+        lambda: run(falling(fl.contact.Penalty(1e3, damping=1.0), ONE), fl.EnergyMomentum()),
         "support contacts by penalty with damping: use GeneralisedAlpha",
     ),
 }
@@ -144,7 +157,7 @@ def test_contacts_that_did_not_settle_are_named():
 def test_what_goes_through_another_is_told_of(speed, through):
     """Ten radii in a step; with less than that the impact is seen, wherever steps begin."""
     bodies = [ball((0, 0, 0), "ball", speed), ball((1.53, 0, 0), "other")]
-    scene = falling(fl.Impact(restitution=1.0), bodies)
+    scene = falling(fl.contact.Impact(restitution=1.0), bodies)
     if through:
         with pytest.raises(
             fl.ConvergenceError,
@@ -159,6 +172,6 @@ def test_what_goes_through_another_is_told_of(speed, through):
 def test_nothing_is_said_of_what_flies_past():
     bodies = [ball((0, 0, 0), "ball", 100.0), ball((1.53, 0.25, 0), "other")]
     result = fl.GeneralisedAlpha(radius=0.8).run(
-        falling(fl.Impact(), bodies), duration=0.1, step=1e-2, progress=False
+        falling(fl.contact.Impact(), bodies), duration=0.1, step=1e-2, progress=False
     )
     assert result.velocity(bodies[0].point("centre"))[-1, 0] == 100.0

@@ -27,16 +27,16 @@ AWAY = np.array([0.6, -0.64, 0.48])
 OTHER = "rigid body"
 
 
-def body_of(name: str, label: str, shift: np.ndarray) -> fl.Body:
+def body_of(name: str, label: str, shift: np.ndarray) -> fl.extend.Body:
     """A body at rest."""
     data = moving(replace(BODIES[name], name=label), **REST)
     return next(iter(build(placed(data, np.eye(3), shift)).bodies.values()))
 
 
-def last_node(body: fl.Body) -> fl.Point:
+def last_node(body: fl.extend.Body) -> fl.extend.Point:
     """The last one that has a position."""
     number = np.flatnonzero(np.isin(body.node_types, WITH_POSITION))[-1]
-    return fl.Point(body, int(number))
+    return fl.extend.Point(body, int(number))
 
 
 def meeting(one: str, two: str) -> fl.Scene:
@@ -50,8 +50,8 @@ def meeting(one: str, two: str) -> fl.Scene:
     scene = fl.Scene()
     for body in (first, second):
         scene.add(body)
-    balls = fl.Vertices([a], RADIUS), fl.Vertices([last_node(second)], RADIUS)
-    scene.add(fl.Contact(*balls, fl.Penalty(STIFFNESS)))
+    balls = fl.contact.Vertices([a], RADIUS), fl.contact.Vertices([last_node(second)], RADIUS)
+    scene.add(fl.contact.Contact(*balls, fl.contact.Penalty(STIFFNESS)))
     return scene
 
 
@@ -59,7 +59,7 @@ def check(one: str, two: str, scheme: str) -> None:
     """Bodies push each other; momenta stay, and energy does in conserving schemes."""
     scene = meeting(one, two)
     result = SCHEMES[scheme].run(scene, duration=STEPS * STEP, step=STEP, progress=False)
-    found = fl.contact_forces(result, scene.contacts[0])
+    found = fl.post.contact_forces(result, scene.contacts[0])
     assert found.touching[-1] == 1
     assert 0.1 * SPEED * STEP < found.penetration[-1] < SPEED * STEPS * STEP
     conserving = scheme == "conserving"

@@ -31,8 +31,10 @@ def caught(*, free: bool = True) -> fl.Scene:
     point = fl.ground()
     if free:
         point = scene.add(fl.RigidBody(0.1, 1e-3 * np.eye(3), middle)).point("centre")
-    nodes = fl.Vertices([fl.Point(threads, k) for k in range(len(threads.frames))], 1e-3)
-    scene.add(fl.Contact(nodes, fl.Sphere(point, RADIUS), fl.Penalty(1e3)))
+    nodes = fl.contact.Vertices(
+        [fl.extend.Point(threads, k) for k in range(len(threads.frames))], 1e-3
+    )
+    scene.add(fl.contact.Contact(nodes, fl.contact.Sphere(point, RADIUS), fl.contact.Penalty(1e3)))
     return scene
 
 
@@ -45,7 +47,7 @@ def test_energy_and_momenta_stay(free):
     result = fl.EnergyMomentum().run(scene, **OPTIONS)
     assert result.balance_error < 1e-12
     assert max(result.momentum_error, result.angular_momentum_error) < 1e-13
-    touches = fl.contact_forces(result, scene.contacts[0])
+    touches = fl.post.contact_forces(result, scene.contacts[0])
     assert touches.touching.max() > 0
     # it is wrapped about the ball
     assert result.elastic.max() > 1e-2 * result.kinetic[0]
@@ -80,10 +82,14 @@ def test_a_run_goes_on_to_the_last_bit(tmp_path):
 def test_what_turns_needs_axes():
     threads, scene = net(3), fl.Scene()
     scene.add(threads)
-    nodes = fl.Vertices([threads.point(0)], 1e-3)
+    nodes = fl.contact.Vertices([threads.point(0)], 1e-3)
     with pytest.raises(ValueError, match=r"Plane on net.* needs nodes with frames"):
-        floor = fl.Plane(threads.point(8), (0, 0, 1))
-        scene.add(fl.Contact(fl.Sphere(threads.point(0), 0.01), floor, fl.Penalty(1e3)))
+        floor = fl.contact.Plane(threads.point(8), (0, 0, 1))
+        scene.add(
+            fl.contact.Contact(
+                fl.contact.Sphere(threads.point(0), 0.01), floor, fl.contact.Penalty(1e3)
+            )
+        )
     with pytest.raises(ValueError, match=r"friction needs nodes with frames"):
-        law = fl.Penalty(1e3, friction=0.1)
-        scene.add(fl.Contact(nodes, fl.Plane(fl.ground(), (0, 0, 1)), law))
+        law = fl.contact.Penalty(1e3, friction=0.1)
+        scene.add(fl.contact.Contact(nodes, fl.contact.Plane(fl.ground(), (0, 0, 1)), law))

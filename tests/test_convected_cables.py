@@ -26,13 +26,13 @@ def net(stretch: float = 1.0) -> fl.Net:
 
 
 def discrete() -> fl.Cable:
-    mesh = fl.LineMesh.from_cells(
+    mesh = fl.mesh.LineMesh.from_cells(
         [helix(s) for s in np.linspace(0, 1, 7)],
         [(k, k + 1) for k in range(6)],
         named_points={"start": [0], "end": [6]},
         kink_angle=1.5,
     )
-    return fl.Cable(mesh, SECTION, formulation=fl.DiscreteCable())
+    return fl.Cable(mesh, SECTION, formulation=fl.elements.DiscreteCable())
 
 
 BODIES = {"slopes": cable, "places": discrete, "net": net}
@@ -94,7 +94,7 @@ def test_motion_is_the_same(make):
             body.follow()
         scene = fl.Scene(gravity=(0, 0, -9.81))
         scene.add(body)
-        scene.add(fl.Spherical(fl.ground(), body.point(0)))
+        scene.add(fl.joints.Spherical(fl.ground(), body.point(0)))
         body.add_velocity(omega=(0.0, 3.0, 2.0), about=body.point(0))
         scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-11)
         results.append(scheme.run(scene, duration=0.1, step=1e-3))

@@ -13,7 +13,7 @@ GRAVITY = 9.81
 
 
 DAMPED = fl.GeneralisedAlpha(radius=0.8)
-SCHEMES = {"generalised alpha": DAMPED, "variational": fl.Variational()}
+SCHEMES = {"generalised alpha": DAMPED, "variational": fl.schemes.Variational()}
 each_scheme = pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES)
 
 
@@ -29,14 +29,16 @@ def cuboid(mass: float, edges) -> np.ndarray:
 def hung_up(scene: fl.Scene) -> fl.Scene:
     """With a pendulum far away, for whose sake contacts go through one matrix of all bodies."""
     bob = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (50.0, 0, 0)))
-    scene.add(fl.Spherical(fl.ground(), bob.point((50.0, 0, 1.0))))
+    scene.add(fl.joints.Spherical(fl.ground(), bob.point((50.0, 0, 1.0))))
     return scene
 
 
-def floored(body: fl.RigidBody, surface: fl.Surface, law: fl.Impact, angle=0.0) -> fl.Scene:
+def floored(
+    body: fl.RigidBody, surface: fl.contact.ContactSurface, law: fl.contact.Impact, angle=0.0
+) -> fl.Scene:
     scene = fl.Scene(gravity=(GRAVITY * np.sin(angle), 0, -GRAVITY * np.cos(angle)))
     scene.add(body)
-    scene.add(fl.Contact(surface, fl.Plane(fl.ground(), (0, 0, 1)), law))
+    scene.add(fl.contact.Contact(surface, fl.contact.Plane(fl.ground(), (0, 0, 1)), law))
     return hung_up(scene)
 
 
@@ -47,8 +49,10 @@ def floored(body: fl.RigidBody, surface: fl.Surface, law: fl.Impact, angle=0.0) 
 @pytest.mark.parametrize("restitution", [1.0, 0.8])
 def test_a_ball_bounces_as_without_joints(restitution, scheme):
     ball = fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, 1.1))
-    law = fl.Impact(restitution=restitution)
-    result = run(floored(ball, fl.Sphere(ball.point("centre"), 0.1), law), 1.0, 1e-2, scheme)
+    law = fl.contact.Impact(restitution=restitution)
+    result = run(
+        floored(ball, fl.contact.Sphere(ball.point("centre"), 0.1), law), 1.0, 1e-2, scheme
+    )
     fall = np.sqrt(2 / GRAVITY)
     after = np.maximum(0.0, result.times - fall)
     expected = np.where(
@@ -69,7 +73,9 @@ def test_a_ball_bounces_as_without_joints(restitution, scheme):
 def test_a_block_sticks_or_slides_on_a_slope(angle, scheme):
     edges, down = (0.2, 0.2, 0.1), np.radians(angle)
     block = fl.RigidBody(1.0, cuboid(1.0, edges), (0, 0, 0.05))
-    scene = floored(block, fl.Box(block.point("centre"), edges), fl.Impact(friction=0.5), down)
+    scene = floored(
+        block, fl.contact.Box(block.point("centre"), edges), fl.contact.Impact(friction=0.5), down
+    )
     result = run(scene, 0.5, 1e-2, scheme)
     pull = GRAVITY * (np.sin(down) - 0.5 * np.cos(down))
     assert result.position(block.point("centre"))[-1, 0] == pytest.approx(
@@ -93,10 +99,10 @@ def test_a_ladder_slides_with_second_order(scheme):
         axes = np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
         rod = fl.RigidBody(1.0, (1 / 12, 1 / 12, 1e-3), (s / 2, 0, c / 2), axes)
         top, foot = rod.point((0, 0, c)), rod.point((s, 0, 0))
-        law = fl.Impact()
-        scene = floored(rod, fl.Vertices([foot]), law)
-        wall = fl.Plane(fl.ground(), (1, 0, 0))
-        scene.add(fl.Contact(fl.Vertices([top]), wall, law))
+        law = fl.contact.Impact()
+        scene = floored(rod, fl.contact.Vertices([foot]), law)
+        wall = fl.contact.Plane(fl.ground(), (1, 0, 0))
+        scene.add(fl.contact.Contact(fl.contact.Vertices([top]), wall, law))
         result = run(scene, 0.4, step, scheme)
         up = result.position(top)[-1] - result.position(foot)[-1]
         errors.append(np.arctan2(abs(up[0]), up[2]) - fall)
@@ -117,7 +123,7 @@ BALL = 0.05
 
 def in_box(count: tuple[int, int, int], speed=0.0, restitution=0.0) -> fl.Scene:
     """Balls that fall from a lattice into a box, rub, spin and bounce."""
-    rng, law, radius = np.random.default_rng(1), fl.Impact(0.3, restitution), BALL
+    rng, law, radius = np.random.default_rng(1), fl.contact.Impact(0.3, restitution), BALL
     scene, balls = fl.Scene(gravity=(0, 0, -GRAVITY)), []
     for at in np.ndindex(count):
         place = 2.1 * radius * (np.array(at) + 0.5) + 0.02 * radius * rng.standard_normal(3)
@@ -125,12 +131,14 @@ def in_box(count: tuple[int, int, int], speed=0.0, restitution=0.0) -> fl.Scene:
         ball.add_velocity(speed * rng.normal(size=3))
         ball.add_velocity(omega=speed / radius * rng.normal(size=3), about=ball.point("centre"))
         balls.append(ball.point("centre"))
-    heap, ends = fl.Vertices(balls, radius), 2.1 * radius * np.array(count)
-    scene.add(fl.Contact(heap, heap, law))
-    scene.add(fl.Contact(heap, fl.Plane(fl.ground(), (0, 0, 1)), law))
+    heap, ends = fl.contact.Vertices(balls, radius), 2.1 * radius * np.array(count)
+    scene.add(fl.contact.Contact(heap, heap, law))
+    scene.add(fl.contact.Contact(heap, fl.contact.Plane(fl.ground(), (0, 0, 1)), law))
     for normal in np.eye(3)[:2]:
         for sign, at in ((1, np.zeros(3)), (-1, normal * ends)):
-            scene.add(fl.Contact(heap, fl.Plane(fl.ground(), sign * normal, at), law))
+            scene.add(
+                fl.contact.Contact(heap, fl.contact.Plane(fl.ground(), sign * normal, at), law)
+            )
     return scene
 
 
@@ -165,8 +173,8 @@ def test_an_impact_spreads_over_a_whole_row_in_one_step():
     balls = [scene.add(fl.RigidBody(1.0, 4e-3 * np.ones(3), (x, 0, 0))) for x in places]
     balls[0].add_velocity((5.0, 0, 0))
     for a, b in pairwise(balls):
-        spheres = (fl.Sphere(ball.point("centre"), radius) for ball in (a, b))
-        scene.add(fl.Contact(*spheres, fl.Impact(restitution=0.0)))
+        spheres = (fl.contact.Sphere(ball.point("centre"), radius) for ball in (a, b))
+        scene.add(fl.contact.Contact(*spheres, fl.contact.Impact(restitution=0.0)))
     result = run(hung_up(scene), 0.05, 1e-2)
     x = np.array([result.position(ball.point("centre"))[:, 0] for ball in balls])
     assert np.diff(x, axis=0).min() > 2 * radius - 1e-9
@@ -176,8 +184,11 @@ def test_an_impact_spreads_over_a_whole_row_in_one_step():
 @pytest.mark.parametrize(
     ("joint", "what"),
     [
-        (lambda ball: fl.Fixed(fl.ground(), ball), "violate joints by"),
-        (lambda ball: fl.Prismatic(fl.ground(), ball, axis=(1, 0, 0)), "still overlap by 8e-05"),
+        (lambda ball: fl.joints.Fixed(fl.ground(), ball), "violate joints by"),
+        (
+            lambda ball: fl.joints.Prismatic(fl.ground(), ball, axis=(1, 0, 0)),
+            "still overlap by 8e-05",
+        ),
     ],
     ids=["fixed", "slides across"],
 )
@@ -188,10 +199,13 @@ def test_a_body_that_cannot_give_way_to_a_driven_one_is_refused(joint, what):
     scene.add(ball)
     scene.add(plate)
     scene.add(joint(ball.point("centre")))
-    rail = scene.add(fl.Prismatic(fl.ground(), plate.point("centre"), axis=(0, 0, 1)))
-    scene.add(fl.Drive(rail.displacement, lambda t: 20 * t * t))
-    surfaces = fl.Sphere(ball.point("centre"), 0.1), fl.Plane(plate.point("centre"), (0, 0, 1))
-    scene.add(fl.Contact(*surfaces, fl.Impact()))
+    rail = scene.add(fl.joints.Prismatic(fl.ground(), plate.point("centre"), axis=(0, 0, 1)))
+    scene.add(fl.joints.Drive(rail.displacement, lambda t: 20 * t * t))
+    surfaces = (
+        fl.contact.Sphere(ball.point("centre"), 0.1),
+        fl.contact.Plane(plate.point("centre"), (0, 0, 1)),
+    )
+    scene.add(fl.contact.Contact(*surfaces, fl.contact.Impact()))
     with pytest.raises(fl.ConvergenceError, match=rf"1 contacts {what}.*are bodies wedged\?"):
         run(hung_up(scene), 0.05, 1e-2)
 
@@ -199,7 +213,7 @@ def test_a_body_that_cannot_give_way_to_a_driven_one_is_refused(joint, what):
 # --- joints ---
 
 
-def pendulum(angles, rates, law: fl.Impact, gap: float):
+def pendulum(angles, rates, law: fl.contact.Impact, gap: float):
     """Two rods of 1 kg and 1 m hang on each other in x-z; the lower end is before a wall."""
     scene, before, rods = fl.Scene(gravity=(0, 0, -GRAVITY)), fl.ground(), []
     top, speed = np.zeros((2, 3))
@@ -210,14 +224,14 @@ def pendulum(angles, rates, law: fl.Impact, gap: float):
         rod = scene.add(fl.RigidBody(1.0, (1 / 12, 1 / 12, 1e-3), top + 0.5 * down, axes))
         rod.add_velocity(speed)
         rod.add_velocity(omega=(0, -rate, 0), about=top)
-        scene.add(fl.Revolute(before, rod.point(top), axis=(0, 1, 0)))
+        scene.add(fl.joints.Revolute(before, rod.point(top), axis=(0, 1, 0)))
         speed = speed + rate * np.array([c, 0, s])
         top = top + down
         before = rod.point(top)
         rods.append(rod)
     away = np.sign(gap)
-    wall = fl.Plane(fl.ground(), (-away, 0, 0), at=(top[0] + gap, 0, 0))
-    scene.add(fl.Contact(fl.Vertices([before]), wall, law))
+    wall = fl.contact.Plane(fl.ground(), (-away, 0, 0), at=(top[0] + gap, 0, 0))
+    scene.add(fl.contact.Contact(fl.contact.Vertices([before]), wall, law))
     return scene, rods, before
 
 
@@ -245,7 +259,7 @@ def test_impact_of_a_double_pendulum_is_that_of_impulses(friction, restitution, 
     Levinson, Dynamics (1985) 348): it is reduced to what gives none.
     """
     angles, rates, step = np.array([0.3, 0.7]), np.array([1.0, 2.0]), 1e-6
-    law = fl.Impact(friction, restitution)
+    law = fl.contact.Impact(friction, restitution)
     scene, rods, _ = pendulum(angles, rates, law, 0.5 * step * (rates @ np.cos(angles)))
     result = run(scene, step, step, scheme)
     turned = [
@@ -283,7 +297,7 @@ def test_impact_of_a_double_pendulum_is_that_of_impulses(friction, restitution, 
 
 @each_scheme
 def test_a_pendulum_that_bounces_keeps_its_joints_and_gains_nothing(scheme):
-    scene, _, _ = pendulum((1.2, 1.0), (0, 0), fl.Impact(0.2, 0.5), -1.6)
+    scene, _, _ = pendulum((1.2, 1.0), (0, 0), fl.contact.Impact(0.2, 0.5), -1.6)
     result = run(scene, 2.0, 1e-3, scheme)
     told = result.contacts
     assert (told.contacts > 0).sum() >= 2
@@ -303,8 +317,8 @@ def colliding() -> fl.Scene:
     balls[0].add_velocity((3, 0, 0))
     balls[0].add_velocity(omega=(5, -8, 11), about=balls[0].point("centre"))
     balls[1].add_velocity(omega=(0, 7, 3), about=balls[1].point("centre"))
-    spheres = (fl.Sphere(ball.point("centre"), radius) for ball in balls)
-    scene.add(fl.Contact(*spheres, fl.Impact(restitution=1.0)))
+    spheres = (fl.contact.Sphere(ball.point("centre"), radius) for ball in balls)
+    scene.add(fl.contact.Contact(*spheres, fl.contact.Impact(restitution=1.0)))
     return hung_up(scene)
 
 
@@ -312,15 +326,18 @@ def on_a_spring() -> fl.Scene:
     """A ball on a rail and a spring bounces; positions are corrected against the spring."""
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     ball = scene.add(fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, 0.5)))
-    rail = scene.add(fl.Prismatic(fl.ground(), ball.point("centre"), axis=(0, 0, 1)))
-    scene.add(fl.Spring(rail.displacement, stiffness=20.0))
+    rail = scene.add(fl.joints.Prismatic(fl.ground(), ball.point("centre"), axis=(0, 0, 1)))
+    scene.add(fl.joints.Spring(rail.displacement, stiffness=20.0))
     ball.add_velocity((0, 0, -3))
-    surfaces = fl.Sphere(ball.point("centre"), 0.1), fl.Plane(fl.ground(), (0, 0, 1))
-    scene.add(fl.Contact(*surfaces, fl.Impact(restitution=1.0)))
+    surfaces = (
+        fl.contact.Sphere(ball.point("centre"), 0.1),
+        fl.contact.Plane(fl.ground(), (0, 0, 1)),
+    )
+    scene.add(fl.contact.Contact(*surfaces, fl.contact.Impact(restitution=1.0)))
     return scene
 
 
-@pytest.mark.parametrize("scheme", [fl.GeneralisedAlpha(radius=1.0), fl.Variational()])
+@pytest.mark.parametrize("scheme", [fl.GeneralisedAlpha(radius=1.0), fl.schemes.Variational()])
 @pytest.mark.parametrize("make", [colliding, on_a_spring])
 def test_restitution_adds_no_energy(make, scheme):
     """It gave two per cent to the balls, and 2e-4 to the one on a spring."""
@@ -340,11 +357,11 @@ def test_a_block_on_a_driven_platform_is_taken_along_by_friction(pull, scheme):
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     platform = scene.add(fl.RigidBody(5.0, np.ones(3), (0, 0, -0.1)))
     block = scene.add(fl.RigidBody(1.0, cuboid(1.0, (0.2, 0.2, 0.1)), (0, 0, 0.05)))
-    rail = scene.add(fl.Prismatic(fl.ground(), platform.point("centre"), axis=(1, 0, 0)))
-    scene.add(fl.Drive(rail.displacement, lambda t: 0.5 * pull * t * t))
-    top = fl.Plane(platform.point((0, 0, 0)), (0, 0, 1))
-    box = fl.Box(block.point("centre"), (0.2, 0.2, 0.1))
-    scene.add(fl.Contact(box, top, fl.Impact(friction=0.5)))
+    rail = scene.add(fl.joints.Prismatic(fl.ground(), platform.point("centre"), axis=(1, 0, 0)))
+    scene.add(fl.joints.Drive(rail.displacement, lambda t: 0.5 * pull * t * t))
+    top = fl.contact.Plane(platform.point((0, 0, 0)), (0, 0, 1))
+    box = fl.contact.Box(block.point("centre"), (0.2, 0.2, 0.1))
+    scene.add(fl.contact.Contact(box, top, fl.contact.Impact(friction=0.5)))
     result = run(scene, 0.5, 5e-3, scheme)
     expected = 0.5 * min(pull, 0.5 * GRAVITY) * 0.25
     assert result.position(platform.point("centre"))[-1, 0] == pytest.approx(0.125 * pull, abs=1e-9)
@@ -365,10 +382,14 @@ def test_a_platform_that_a_joint_holds_is_ground():
         under = fl.ground()
         if held:
             platform = scene.add(fl.RigidBody(3.0, np.ones(3), (0.2, 0.1, -1.0)))
-            scene.add(fl.Fixed(fl.ground(), platform.point("centre")))
+            scene.add(fl.joints.Fixed(fl.ground(), platform.point("centre")))
             under = platform.point((0, 0, 0))
-        floor = fl.Plane(under, (0, 0, 1))
-        scene.add(fl.Contact(fl.Box(block.point("centre"), edges), floor, fl.Impact(1.0)))
+        floor = fl.contact.Plane(under, (0, 0, 1))
+        scene.add(
+            fl.contact.Contact(
+                fl.contact.Box(block.point("centre"), edges), floor, fl.contact.Impact(1.0)
+            )
+        )
         result = run(scene, 0.6, 1e-3)
         paths.append(result.rotation(block.point("centre"))[:, 0, 2])
     np.testing.assert_allclose(paths[0][::50], paths[1][::50], rtol=0, atol=2e-3)
@@ -383,14 +404,17 @@ def test_forces_of_impacts_are_told_place_by_place(jointed, tmp_path):
     edges, scene = (0.2, 0.2, 0.1), fl.Scene(gravity=(0, 0, -GRAVITY))
     block = scene.add(fl.RigidBody(2.0, cuboid(2.0, edges), (0, 0, 0.05)))
     block.add_velocity((1.0, 0, 0))
-    box, floor = fl.Box(block.point("centre"), edges), fl.Plane(fl.ground(), (0, 0, 1))
-    touch = scene.add(fl.Contact(box, floor, fl.Impact(friction=0.5)))
+    box, floor = (
+        fl.contact.Box(block.point("centre"), edges),
+        fl.contact.Plane(fl.ground(), (0, 0, 1)),
+    )
+    touch = scene.add(fl.contact.Contact(box, floor, fl.contact.Impact(friction=0.5)))
     if jointed:
         hung_up(scene)
     result = run(scene, 0.3, 1e-2)
     result.save(tmp_path / "block.h5")
     for each in (result, fl.Result.load(tmp_path / "block.h5")):
-        found = fl.contact_forces(each, touch)
+        found = fl.post.contact_forces(each, touch)
         assert found.touching[0] == 0
         weight, rubs = 2 * GRAVITY, np.where(result.times < 1.0 / (0.5 * GRAVITY), GRAVITY, 0.0)
         np.testing.assert_allclose(found.total[1:, 2], weight, rtol=1e-9)
@@ -412,11 +436,11 @@ def test_joints_are_told_to_carry_what_contacts_push():
     """A platform of 3 kg on a joint, with a block of 1 kg on it; a beam at rest on a floor."""
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     platform = scene.add(fl.RigidBody(3.0, np.ones(3), (0, 0, -0.1)))
-    joint = scene.add(fl.Fixed(fl.ground(), platform.point("centre")))
+    joint = scene.add(fl.joints.Fixed(fl.ground(), platform.point("centre")))
     block = scene.add(fl.RigidBody(1.0, cuboid(1.0, (0.2, 0.2, 0.1)), (0, 0, 0.05)))
-    top = fl.Plane(platform.point((0, 0, 0)), (0, 0, 1))
-    box = fl.Box(block.point("centre"), (0.2, 0.2, 0.1))
-    scene.add(fl.Contact(box, top, fl.Impact(friction=0.5)))
+    top = fl.contact.Plane(platform.point((0, 0, 0)), (0, 0, 1))
+    box = fl.contact.Box(block.point("centre"), (0.2, 0.2, 0.1))
+    scene.add(fl.contact.Contact(box, top, fl.contact.Impact(friction=0.5)))
     result = run(scene, 0.1, 1e-2)
     np.testing.assert_allclose(result.joint_force(joint)[1:, 2], -4.0 * GRAVITY, rtol=1e-8)
 
@@ -449,8 +473,10 @@ def test_an_elastic_bar_pushes_a_wall_as_its_wave_says(courant, scheme):
     beam.add_velocity((1, 0, 0))
     scene = fl.Scene()
     scene.add(beam)
-    wall = fl.Plane(fl.ground(), (-1, 0, 0), at=(gap, 0, 0))
-    scene.add(fl.Contact(fl.Vertices([beam.point("start")]), wall, fl.Impact()))
+    wall = fl.contact.Plane(fl.ground(), (-1, 0, 0), at=(gap, 0, 0))
+    scene.add(
+        fl.contact.Contact(fl.contact.Vertices([beam.point("start")]), wall, fl.contact.Impact())
+    )
     step, back = courant / cells / WAVE, 2 / WAVE
     result = run(scene, np.ceil((gap + 1.3 * back) / step) * step, step, scheme)
     force = -np.diff(result.impulses[:, 1, 0]) / step / (1000.0 * WAVE * area)
@@ -470,9 +496,9 @@ def bouncing_beam(friction=0.2):
     beam.add_velocity((0.5, 0, 0))
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     scene.add(beam)
-    nodes = fl.Vertices([fl.Point(beam, k) for k in range(9)], 0.02)
-    floor = fl.Plane(fl.ground(), (0, 0, 1))
-    scene.add(fl.Contact(nodes, floor, fl.Impact(friction=friction)))
+    nodes = fl.contact.Vertices([fl.extend.Point(beam, k) for k in range(9)], 0.02)
+    floor = fl.contact.Plane(fl.ground(), (0, 0, 1))
+    scene.add(fl.contact.Contact(nodes, floor, fl.contact.Impact(friction=friction)))
     return scene
 
 
@@ -499,13 +525,17 @@ def test_a_beam_that_bounces_never_gains_energy():
 
 def bouncing_plate(drilling, friction: float, joint=None) -> fl.Scene:
     """Its nodes fall on the floor one after the other; a corner may carry a body by a joint."""
-    mesh = fl.surface(lambda a, b: (a, 0.6 * b, 0.02 + 0.1 * a + 0.05 * b), (3, 2))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, 0.6 * b, 0.02 + 0.1 * a + 0.05 * b), (3, 2))
     section = fl.ShellSection.layer(0.02, fl.Material(1e8, 0.3, 1000.0))
     plate = fl.Shell(mesh, section, drilling=drilling)
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     scene.add(plate)
-    balls = fl.Vertices([fl.Point(plate, k) for k in range(len(plate.frames))], 0.01)
-    scene.add(fl.Contact(balls, fl.Plane(fl.ground(), (0, 0, 1)), fl.Impact(friction=friction)))
+    balls = fl.contact.Vertices([fl.extend.Point(plate, k) for k in range(len(plate.frames))], 0.01)
+    scene.add(
+        fl.contact.Contact(
+            balls, fl.contact.Plane(fl.ground(), (0, 0, 1)), fl.contact.Impact(friction=friction)
+        )
+    )
     if joint is not None:
         arm = scene.add(fl.RigidBody(0.5, 5e-3 * np.ones(3), (-0.1, 0, 0.1)))
         scene.add(joint(arm.point("centre"), plate.point("00"), at=plate.point("00").position))
@@ -532,7 +562,7 @@ def test_a_plate_whose_drilling_has_no_inertia_bounces_as_one_of_five_parameters
     assert np.linalg.norm(places[1] - places[0], axis=2).max() < 2e-3
 
 
-@pytest.mark.parametrize("joint", [fl.Revolute, fl.Fixed])
+@pytest.mark.parametrize("joint", [fl.joints.Revolute, fl.joints.Fixed])
 def test_a_plate_bounces_with_a_body_on_a_joint_that_holds_its_drilling(joint):
     result = run(bouncing_plate(None, 0.3, joint), 0.12, 1e-3)
     check_plate(result)
@@ -548,9 +578,9 @@ def test_a_beam_without_rotary_inertia_hits_the_floor():
         scene = fl.Scene(gravity=(0, 0, -10 * GRAVITY))
         scene.add(beam)
         scene.add(fl.Clamp(beam.point("start")))
-        tip = fl.Sphere(beam.point("end"), 0.02)
-        floor = fl.Plane(fl.ground(), (0, 0.1, 1))
-        scene.add(fl.Contact(tip, floor, fl.Impact()))
+        tip = fl.contact.Sphere(beam.point("end"), 0.02)
+        floor = fl.contact.Plane(fl.ground(), (0, 0.1, 1))
+        scene.add(fl.contact.Contact(tip, floor, fl.contact.Impact()))
         result = run(scene, 0.2, 1e-3)
         assert result.contacts.contacts.any()
         assert np.diff(result.total_energy).max() < 1e-3 * result.total_energy[0]
@@ -564,10 +594,12 @@ def test_velocities_by_momenta_need_inertia():
     beam = fl.Beam.straight((0, 0, 0.1), (1, 0, 0.1), light, cells=2)
     scene = fl.Scene()
     scene.add(beam)
-    floor = fl.Plane(fl.ground(), (0, 0, 1))
-    scene.add(fl.Contact(fl.Sphere(beam.point("end"), 0.02), floor, fl.Impact()))
+    floor = fl.contact.Plane(fl.ground(), (0, 0, 1))
+    scene.add(
+        fl.contact.Contact(fl.contact.Sphere(beam.point("end"), 0.02), floor, fl.contact.Impact())
+    )
     with pytest.raises(ValueError, match="expected rotary inertia at all nodes"):
-        run(scene, 0.1, 1e-2, fl.Variational())
+        run(scene, 0.1, 1e-2, fl.schemes.Variational())
 
 
 # --- runs that go on ---
@@ -578,11 +610,11 @@ def stick_and_slip() -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     platform = scene.add(fl.RigidBody(5.0, np.ones(3), (0, 0, -0.1)))
     block = scene.add(fl.RigidBody(1.0, cuboid(1.0, (0.2, 0.2, 0.1)), (0, 0, 0.05)))
-    rail = scene.add(fl.Prismatic(fl.ground(), platform.point("centre"), axis=(1, 0, 0)))
-    scene.add(fl.Drive(rail.displacement, lambda t: 0.02 * (1 - np.cos(20 * t))))
-    top = fl.Plane(platform.point((0, 0, 0)), (0, 0, 1))
-    box = fl.Box(block.point("centre"), (0.2, 0.2, 0.1))
-    scene.add(fl.Contact(box, top, fl.Impact(friction=0.5)))
+    rail = scene.add(fl.joints.Prismatic(fl.ground(), platform.point("centre"), axis=(1, 0, 0)))
+    scene.add(fl.joints.Drive(rail.displacement, lambda t: 0.02 * (1 - np.cos(20 * t))))
+    top = fl.contact.Plane(platform.point((0, 0, 0)), (0, 0, 1))
+    box = fl.contact.Box(block.point("centre"), (0.2, 0.2, 0.1))
+    scene.add(fl.contact.Contact(box, top, fl.contact.Impact(friction=0.5)))
     return scene
 
 
@@ -610,15 +642,15 @@ def test_a_run_goes_on_to_the_last_bit(tmp_path, make, every, scheme):
 def with_cable() -> fl.Scene:
     cable = fl.Cable.straight((0, 0, 1), (1, 0, 1), fl.Section.circle(0.02, STEEL), cells=4)
     ball = fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, 1.1))
-    scene = floored(ball, fl.Sphere(ball.point("centre"), 0.1), fl.Impact())
+    scene = floored(ball, fl.contact.Sphere(ball.point("centre"), 0.1), fl.contact.Impact())
     scene.add(cable)
     return scene
 
 
 def with_guide() -> fl.Scene:
     ball = fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, 1.1))
-    scene = floored(ball, fl.Sphere(ball.point("centre"), 0.1), fl.Impact())
-    mesh = fl.surface(lambda a, b: np.array([a, b, 2.0]), (2, 2))
+    scene = floored(ball, fl.contact.Sphere(ball.point("centre"), 0.1), fl.contact.Impact())
+    mesh = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 2.0]), (2, 2))
     sheet = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.05, STEEL)))
     sheet.roller("a=0", (1, 0, 0))
     return scene
@@ -627,17 +659,21 @@ def with_guide() -> fl.Scene:
 def with_few_shapes() -> fl.Scene:
     full = fl.Scene()
     beam = full.add(fl.Beam.straight((0, 0, 1), (1, 0, 1), fl.Section.circle(0.02, STEEL), cells=4))
-    rod = fl.reduced_body(full, [beam.point("start"), beam.point("end")], 2)
-    return floored(rod, fl.Sphere(rod.point("end"), 0.1), fl.Impact())
+    rod = fl.reduction.reduced_order_body(full, [beam.point("start"), beam.point("end")], 2)
+    return floored(rod, fl.contact.Sphere(rod.point("end"), 0.1), fl.contact.Impact())
 
 
 def with_disc() -> fl.Scene:
     disc = fl.RigidBody(1.0, (0.1, 0.1, 0.2), (0, 0, 0.3))
     scene = fl.Scene()
     scene.add(disc)
-    scene.add(fl.RollingDisc(fl.ground(), disc.point("centre"), axis=(0, 1, 0), radius=0.3))
-    floor = fl.Plane(fl.ground(), (0, 0, 1))
-    scene.add(fl.Contact(fl.Sphere(disc.point("centre"), 0.05), floor, fl.Impact()))
+    scene.add(fl.joints.RollingDisc(fl.ground(), disc.point("centre"), axis=(0, 1, 0), radius=0.3))
+    floor = fl.contact.Plane(fl.ground(), (0, 0, 1))
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.Sphere(disc.point("centre"), 0.05), floor, fl.contact.Impact()
+        )
+    )
     return scene
 
 

@@ -47,7 +47,7 @@ def test_twisted_beams():
 def test_crossing_beams():
     """Where a point contact of the same penalty has them, and nearly the same with finer ones."""
     demo = importlib.import_module("demos.crossing_beams")
-    with pytest.warns(fl.CoarseElementsWarning, match=r"stretched by 10%|leans by 0\.3"):
+    with pytest.warns(fl.schemes.CoarseElementsWarning, match=r"stretched by 10%|leans by 0\.3"):
         record, finer = demo.main(pictures=False), demo.main(mesh=2, pictures=False)
     assert record["away"] < 0.02
     np.testing.assert_allclose(finer["moved"], record["moved"], atol=2e-3)

@@ -22,7 +22,7 @@ def study(name: str, **parameters):
 @slow  # FFCx and the C compiler take long for decoupled bending
 def test_moment_rolls_a_strip_to_a_circle():
     # a whole circle would rather tip over sideways
-    with pytest.warns(fl.UnstableEquilibriumWarning):
+    with pytest.warns(fl.stability.UnstableEquilibriumWarning):
         record = main("cantilever_moment", levels=2)
     assert record["turning_error"] <= 1e-8
     # chords of 16 elements, half a circle: (π/16)²/24 of its diameter
@@ -31,7 +31,7 @@ def test_moment_rolls_a_strip_to_a_circle():
 
 def test_full_bending_strain_feels_the_chords():
     """Of second order: 16 elements are 0.044 rad behind at half a circle, 32 a quarter of that."""
-    with pytest.warns(fl.UnstableEquilibriumWarning):
+    with pytest.warns(fl.stability.UnstableEquilibriumWarning):
         errors = [
             main("cantilever_moment", mesh=mesh, formulation="HR", levels=2)["path_error"]
             for mesh in (16, 32)
@@ -169,7 +169,7 @@ def test_diaphragm_meets_a_plane_of_symmetry():
     shells = []
     for first in (True, False):
         shell = fl.Shell(
-            fl.surface(lambda a, b: (a, b, 0.0), (2, 2)),
+            fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (2, 2)),
             fl.ShellSection.layer(0.1, fl.Material(1.0, 0.3, 1.0)),
         )
         if first:

@@ -21,7 +21,9 @@ def straight_cable(cells: int, ratio: float) -> tuple[fl.Scene, fl.Cable]:
     """The cantilever of the elastica."""
     own = section(ratio * BENDING / LENGTH**2, BENDING)
     cable = fl.Cable(
-        fl.straight((0, 0, 0), (LENGTH, 0, 0), cells), own, formulation=fl.DiscreteCable()
+        fl.mesh.straight_line((0, 0, 0), (LENGTH, 0, 0), cells),
+        own,
+        formulation=fl.elements.DiscreteCable(),
     )
     scene = fl.Scene()
     scene.add(cable)
@@ -57,7 +59,7 @@ def ring(cells: int, natural: bool) -> tuple[fl.Net, float]:
         points,
         [[*range(cells), 0]],
         section(1e4, 3.0),
-        formulation=fl.DiscreteCable(natural=natural),
+        formulation=fl.elements.DiscreteCable(natural=natural),
     )
     assembly = fl.Net.assemble([net])
     H = np.empty_like(net.frames)
@@ -92,7 +94,7 @@ def cross(slack: float | None = None) -> fl.Net:
     s = np.linspace(-1, 1, 7)
     points = np.vstack([np.outer(s, (1, 0, 0)), np.outer(np.delete(s, 3), (0, 1, 0))])
     threads = [range(7), [7, 8, 9, 3, 10, 11, 12]]
-    element = fl.DiscreteCable(slack=slack)
+    element = fl.elements.DiscreteCable(slack=slack)
     return fl.Net(points, threads, section(100.0, 1e-9), formulation=element)
 
 
@@ -112,7 +114,10 @@ def test_load_on_a_knot():
 def test_slack_net_hangs():
     """Laid wider than its supports are apart; forces on these carry its weight."""
     net = fl.Net(
-        *grid(4, 2.0), section(1e3, 1e-6), stretch=0.8, formulation=fl.DiscreteCable(slack=1e-4)
+        *grid(4, 2.0),
+        section(1e3, 1e-6),
+        stretch=0.8,
+        formulation=fl.elements.DiscreteCable(slack=1e-4),
     )
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(net)
@@ -159,8 +164,8 @@ class Bent:
 
     def __init__(self, natural: bool) -> None:
         rng = np.random.default_rng(3)
-        line = fl.curve(lambda s: (3 * s, s * s, 0.5 * s**3), 5)
-        element = fl.DiscreteCable(natural=natural)
+        line = fl.mesh.curve(lambda s: (3 * s, s * s, 0.5 * s**3), 5)
+        element = fl.elements.DiscreteCable(natural=natural)
         self.cable = fl.Cable(line, section(1e3, 10.0), formulation=element)
         self.cable.clamp(self.cable.point("start"), self.cable.point("end"))
         assembly = fl.Cable.assemble([self.cable])
@@ -219,7 +224,9 @@ POINTS = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (0.5, 0, 0)]
 
 def cable() -> fl.Cable:
     return fl.Cable(
-        fl.straight((0, 0, 0), (1, 0, 0), 3), section(1, 1), formulation=fl.DiscreteCable()
+        fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 3),
+        section(1, 1),
+        formulation=fl.elements.DiscreteCable(),
     )
 
 
@@ -232,7 +239,7 @@ def clamped():
 def revolute():
     scene, line = fl.Scene(), cable()
     scene.add(line)
-    scene.add(fl.Revolute(fl.ground(), line.point("start"), axis=(1, 0, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), line.point("start"), axis=(1, 0, 0)))
 
 
 REFUSED = {
@@ -249,7 +256,7 @@ REFUSED = {
         "twice",
     ),
     "other element": (
-        lambda: fl.Net(POINTS, [[0, 1]], section(1, 1), formulation=fl.HermiteCable()),
+        lambda: fl.Net(POINTS, [[0, 1]], section(1, 1), formulation=fl.elements.HermiteCable()),
         "DiscreteCable",
     ),
     "stretch": (lambda: fl.Net(POINTS[:3], [[0, 1, 2]], section(1, 1), stretch=0.0), "stretch"),
@@ -258,10 +265,12 @@ REFUSED = {
         "2, one for each cable",
     ),
     "damping": (
-        lambda: fl.Net(POINTS[:3], [[0, 1, 2]], section(1, 1), damping=fl.Damping(stiffness=1.0)),
+        lambda: fl.Net(
+            POINTS[:3], [[0, 1, 2]], section(1, 1), damping=fl.sections.Damping(stiffness=1.0)
+        ),
         "mass only",
     ),
-    "slack": (lambda: fl.DiscreteCable(slack=-1.0), "positive"),
+    "slack": (lambda: fl.elements.DiscreteCable(slack=-1.0), "positive"),
     "clamp in the middle": (lambda: (line := cable()).clamp(line.point(1)), "at ends"),
     "clamp of another": (lambda: cable().clamp(cable().point("start")), "of another body"),
     "clamp of a scene": (clamped, r"clamp\(point\)"),
@@ -293,7 +302,7 @@ def test_threads_that_are_naturally_as_laid_move_freely(cells):
     flat = np.vstack([a + parts * (b - a) for a, b in pairwise(corners)])
     points = np.column_stack([flat, np.full(len(flat), 0.31)])
     thread = fl.Section.circle(1e-3, fl.Material(E=1e8, nu=0.3, density=1000.0))
-    natural = fl.DiscreteCable(natural=True)
+    natural = fl.elements.DiscreteCable(natural=True)
     net = fl.Net(points, [[*range(len(points)), 0]], thread, formulation=natural)
     net.add_velocity((0.0, 0.0, -10.0))
     scene = fl.Scene()

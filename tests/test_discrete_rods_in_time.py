@@ -14,7 +14,7 @@ TIME = 0.1
 CONSERVING = {
     "energy-momentum": fl.EnergyMomentum(),
     "decaying": fl.EnergyDecaying(radius=0.8),
-    "composed": fl.Composed(),
+    "composed": fl.schemes.Composed(),
     "explicit": fl.Explicit(),
 }
 conserving = pytest.mark.parametrize("name", CONSERVING)
@@ -24,8 +24,8 @@ def rod(*, flat: bool = False) -> fl.Rod:
     """Naturally bent, of four edges; ``flat``: in a plane."""
     section = fl.Section.rectangle(0.05, 0.04, fl.Material(4e6, 0.3, 1000.0))
     rise, up = (0.0, (0, 0, 1)) if flat else (0.3, (0, 0.3, 1))
-    line = fl.curve(lambda s: (s, 0.1 * np.sin(3 * s), rise * s * s), 4)
-    return fl.Rod(line, section, up=up, formulation=fl.DiscreteRod(), name="rod")
+    line = fl.mesh.curve(lambda s: (s, 0.1 * np.sin(3 * s), rise * s * s), 4)
+    return fl.Rod(line, section, up=up, formulation=fl.elements.DiscreteRod(), name="rod")
 
 
 def flying(*, flat: bool = False) -> fl.Scene:
@@ -42,8 +42,8 @@ def swinging() -> fl.Scene:
     own = scene.add(rod())
     end = own.frames[own.point("end").node, 0]
     bob = scene.add(fl.RigidBody(0.5, (0.002, 0.003, 0.004), tuple(end + np.array([0.1, 0.05, 0]))))
-    scene.add(fl.Spherical(fl.ground(), own.point("start")))
-    scene.add(fl.Revolute(own.point("end"), bob.point(tuple(end)), axis=(0, 1, 0)))
+    scene.add(fl.joints.Spherical(fl.ground(), own.point("start")))
+    scene.add(fl.joints.Revolute(own.point("end"), bob.point(tuple(end)), axis=(0, 1, 0)))
     scene.add(fl.PointLoad(own.point("end"), moment=(0.3, 0.2, -0.1)))
     return scene
 
@@ -110,9 +110,9 @@ def test_a_linked_end_moves_as_a_fixed_one(name):
         )
         bob.add_velocity(omega=(0.5, 2.0, 6.0), about=(0.5, 0, 0))
         if linked:
-            scene.add(fl.RigidLink(bob.point("centre"), own.point("end")))
+            scene.add(fl.joints.RigidLink(bob.point("centre"), own.point("end")))
         else:
-            scene.add(fl.Fixed(bob.point(tuple(end)), own.point("end")))
+            scene.add(fl.joints.Fixed(bob.point(tuple(end)), own.point("end")))
         return scene
 
     scheme = CONSERVING.get(name, fl.GeneralisedAlpha())
@@ -123,14 +123,14 @@ def test_a_linked_end_moves_as_a_fixed_one(name):
 
 def test_steps_that_are_chosen_conserve_too():
     scene = flying()
-    result = fl.EnergyMomentum().run(scene, duration=TIME, step=fl.AdaptiveStep(1e-4))
+    result = fl.EnergyMomentum().run(scene, duration=TIME, step=fl.schemes.AdaptiveStep(1e-4))
     assert result.balance_error < 1e-11
 
 
 def test_steps_of_its_own():
     scene = swinging()
     body = next(iter(scene.bodies))
-    result = fl.MultiRate({body: 3}).run(scene, duration=TIME, step=2e-3)
+    result = fl.schemes.MultiRate({body: 3}).run(scene, duration=TIME, step=2e-3)
     assert result.balance_error < 1e-9
 
 

@@ -13,7 +13,7 @@ from tests.test_coupled_impacts import bouncing_beam
 from tests.test_multi_rate import chain, pushed
 from tests.test_resume import same, stopped
 
-COMPOSED = {"mean": fl.Composed(), "momenta": fl.Composed(fl.Variational())}
+COMPOSED = {"mean": fl.schemes.Composed(), "momenta": fl.schemes.Composed(fl.schemes.Variational())}
 
 
 def fail_in_full(monkeypatch, h: float) -> None:
@@ -26,7 +26,7 @@ def fail_in_full(monkeypatch, h: float) -> None:
         return not (whole and middle) and one_part(self)
 
     def makes(self: MomentumPart, start: float, last: float, earlier: float) -> bool:
-        whole = min(abs(self.h / h - part) for part in fl.FiveStages().parts) < 1e-9
+        whole = min(abs(self.h / h - part) for part in fl.schemes.FiveStages().parts) < 1e-9
         return not (whole and start > 1.2 * h and start / h % 1.0 > 0.2) and make(
             self, start, last, earlier
         )
@@ -52,13 +52,13 @@ def test_composed_steps_keep_their_order_in_parts(monkeypatch, scheme, scene):
     assert found.joint_violations.max() <= 1e-12
 
 
-def bouncing() -> tuple[fl.Scene, fl.Body]:
+def bouncing() -> tuple[fl.Scene, fl.extend.Body]:
     """A beam whose nodes meet the floor one after the other."""
     scene = bouncing_beam()
     return scene, scene.bodies[0]
 
 
-def spinning() -> tuple[fl.Scene, fl.Body]:
+def spinning() -> tuple[fl.Scene, fl.extend.Body]:
     """A free body that turns by 0.7 rad in a step."""
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (1, 2, 2.5)))
@@ -66,17 +66,17 @@ def spinning() -> tuple[fl.Scene, fl.Body]:
     return scene, body
 
 
-def tumbling() -> tuple[fl.Scene, fl.Body]:
+def tumbling() -> tuple[fl.Scene, fl.extend.Body]:
     """Free bodies that spin, rub and bounce on the floor and on each other."""
-    scene, centres, law = fl.Scene(gravity=(0, 0, -9.81)), [], fl.Impact(0.3, 0.5)
+    scene, centres, law = fl.Scene(gravity=(0, 0, -9.81)), [], fl.contact.Impact(0.3, 0.5)
     for k in range(3):
         body = scene.add(fl.RigidBody(1.0, (1e-3, 2e-3, 2.5e-3), (0.21 * k, 0, 0.12)))
         body.add_velocity(omega=(15, -24, 36), about=body.point("centre"))
         body.add_velocity((-0.5 * k, 0, -0.5))
         centres.append(body.point("centre"))
-    balls = fl.Vertices(centres, 0.1)
-    scene.add(fl.Contact(balls, balls, law))
-    scene.add(fl.Contact(balls, fl.Plane(fl.ground(), (0, 0, 1)), law))
+    balls = fl.contact.Vertices(centres, 0.1)
+    scene.add(fl.contact.Contact(balls, balls, law))
+    scene.add(fl.contact.Contact(balls, fl.contact.Plane(fl.ground(), (0, 0, 1)), law))
     return scene, scene.bodies[0]
 
 
@@ -85,13 +85,13 @@ DIVIDED = {
     "composed": (lambda two: COMPOSED["mean"], pushed, 2e-2, 10, 1e-11),
     # their energy goes up and down
     "composed of momenta": (lambda two: COMPOSED["momenta"], chain, 4e-2, 10, 0.05),
-    "multi-rate": (lambda two: fl.MultiRate({two: 3}), pushed, 2e-2, 3, 1e-11),
-    "Hamel": (lambda disc: fl.Hamel(), rolling, 0.2, 6, 0.05),
+    "multi-rate": (lambda two: fl.schemes.MultiRate({two: 3}), pushed, 2e-2, 3, 1e-11),
+    "Hamel": (lambda disc: fl.schemes.Hamel(), rolling, 0.2, 6, 0.05),
     "free bodies": (lambda body: TWO, spinning, 0.1, 10, 1e-3),
     "impacts of free bodies": (lambda body: TWO, tumbling, 1e-2, 40, 1e-3),
     "impacts of flexible bodies": (lambda beam: TWO, bouncing, 2e-3, 50, 1e-4),
     "impacts by momenta": (
-        lambda body: fl.Variational(tolerance=1e-8, max_iterations=3),
+        lambda body: fl.schemes.Variational(tolerance=1e-8, max_iterations=3),
         tumbling,
         1e-2,
         40,

@@ -23,15 +23,17 @@ def joined_beams():
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(upper)
     scene.add(lower)
-    scene.add(fl.Revolute(fl.ground(), upper.point("start"), axis=(0, 1, 0)))
-    scene.add(fl.Revolute(upper.point("end"), lower.point("start"), axis=(0, 1, 0)))
-    scene.add(fl.Spring(fl.Distance(upper.point(3), lower.point(3)).length, stiffness=1e6))
+    scene.add(fl.joints.Revolute(fl.ground(), upper.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(upper.point("end"), lower.point("start"), axis=(0, 1, 0)))
+    scene.add(
+        fl.joints.Spring(fl.joints.Distance(upper.point(3), lower.point(3)).length, stiffness=1e6)
+    )
     return scene
 
 
 def sheet():
     """A curved strip."""
-    mesh = fl.surface(lambda a, b: (a, 0.4 * b, 0.1 * a * a), (6, 4))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, 0.4 * b, 0.1 * a * a), (6, 4))
     shell = fl.Shell(mesh, fl.ShellSection.layer(0.01, STEEL))
     shell.clamp("a=0")
     scene = fl.Scene()

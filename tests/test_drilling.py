@@ -15,7 +15,7 @@ def plate(
     thickness: float, drilling: bool | None = True, *, convected_axes: bool = False
 ) -> fl.Shell:
     """Of size 1, four by four cells."""
-    mesh = fl.surface(lambda a, b: (a, b, 0.0), (4, 4))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (4, 4))
     return fl.Shell(
         mesh,
         fl.ShellSection.layer(thickness, MATERIAL),
@@ -47,7 +47,7 @@ def test_cells_where_a_node_alone_takes_a_moment_are_as_stiff_as_the_membrane(co
     bodies = {name: scene.add(fl.RigidBody(1.0, [1.0] * 3)) for name in sorted({*corners.values()})}
     for corner, body in corners.items():
         scene.add(
-            fl.Fixed(
+            fl.joints.Fixed(
                 shell.point(corner), bodies[body].point("centre"), at=shell.point(corner).position
             )
         )
@@ -58,7 +58,7 @@ def test_cells_where_a_node_alone_takes_a_moment_are_as_stiff_as_the_membrane(co
     assert found[~membrane].max() < 1e-3 * SHEAR * 0.01
 
 
-@pytest.mark.parametrize("law", [fl.Penalty, fl.Impact])
+@pytest.mark.parametrize("law", [fl.contact.Penalty, fl.contact.Impact])
 @pytest.mark.parametrize(
     ("radius", "friction", "stiff"), [(0.01, 0.3, 1), (0.01, 0.0, 0), (0.0, 0.3, 0)]
 )
@@ -66,9 +66,9 @@ def test_cells_resist_moments_of_friction_at_a_node(law, radius, friction, stiff
     """Forces on a ball about a node have a moment about it, forces at the node itself none."""
     scene, shell = fl.Scene(), plate(0.01)
     scene.add(shell)
-    balls = fl.Vertices([shell.point("00")], radius)
-    floor = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -1))
-    scene.add(fl.Contact(balls, floor, law(friction=friction)))
+    balls = fl.contact.Vertices([shell.point("00")], radius)
+    floor = fl.contact.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -1))
+    scene.add(fl.contact.Contact(balls, floor, law(friction=friction)))
     for each in (scene, scene.without_impacts()):
         drills, found = shell.drilling_given(each.held_rotations().get(shell, ()))
         assert drills
@@ -78,14 +78,16 @@ def test_cells_resist_moments_of_friction_at_a_node(law, radius, friction, stiff
 def test_five_parameters_do_for_contacts_at_nodes():
     scene, shell = fl.Scene(), plate(0.01, None)
     scene.add(shell)
-    floor = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -1))
-    ball = fl.Sphere(shell.point("00"), 0.01)
-    scene.add(fl.Contact(ball, floor, fl.Impact(friction=0.3)))
+    floor = fl.contact.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -1))
+    ball = fl.contact.Sphere(shell.point("00"), 0.01)
+    scene.add(fl.contact.Contact(ball, floor, fl.contact.Impact(friction=0.3)))
     assert not scene.drills(shell)
 
 
 def test_an_unloaded_shell_of_warped_cells_has_no_drilling_stress():
-    mesh = fl.surface(lambda a, b: (a + 0.2 * b * b, b + 0.1 * a * a, 0.8 * a * b), (3, 2))
+    mesh = fl.mesh.parametric_surface(
+        lambda a, b: (a + 0.2 * b * b, b + 0.1 * a * a, 0.8 * a * b), (3, 2)
+    )
     shell = fl.Shell(mesh, fl.ShellSection.layer(0.1, MATERIAL), drilling=True, kink_angle=1.5)
     scene = fl.Scene()
     scene.add(shell)
@@ -97,7 +99,7 @@ def test_frames_with_joints_are_not_carried_along():
     """The axes of the joint are written in them."""
     scene, shell = fl.Scene(), plate(0.1, None, convected_axes=True)
     scene.add(shell)
-    scene.add(fl.Spherical(shell.point("00"), fl.ground()))
+    scene.add(fl.joints.Spherical(shell.point("00"), fl.ground()))
     system = Assembled(scene, dynamics=False)
     joint = system.equations.unknowns.bodies[shell][shell.point("00").node]
     motion = lie.se3_exp(np.array([0.1, 0.2, 0.3, 0.5, -0.4, 2.0]))

@@ -18,13 +18,13 @@ G = 9.81
 LENGTH, MASS, INERTIA = 0.5, 2.0, 0.3
 
 
-groups = pytest.mark.parametrize("group", list(fl.Group))
-EXP = fl.Parametrisation.EXPONENTIAL
-maps = pytest.mark.parametrize("parametrisation", list(fl.Parametrisation))
+groups = pytest.mark.parametrize("group", list(fl.lie.Group))
+EXP = fl.lie.Parametrisation.EXPONENTIAL
+maps = pytest.mark.parametrize("parametrisation", list(fl.lie.Parametrisation))
 
 
 def pendulum(
-    angle: float = 0.0, speed: float = 0.0, group: fl.Group = fl.Group.SE3
+    angle: float = 0.0, speed: float = 0.0, group: fl.lie.Group = fl.lie.Group.SE3
 ) -> tuple[fl.Scene, fl.RigidBody]:
     """Compound pendulum about y through the origin, at rest along the x axis."""
     scene = fl.Scene(gravity=(0, 0, -G))
@@ -32,7 +32,9 @@ def pendulum(
     R = lie.so3_exp([0, angle, 0])
     body = scene.add(fl.RigidBody(MASS, (0.1, INERTIA, 0.25), place, R).set_group(group))
     scene.add(
-        fl.Revolute(fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 1, 0), name="pivot")
+        fl.joints.Revolute(
+            fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 1, 0), name="pivot"
+        )
     )
     body.add_velocity(omega=(0, speed, 0), about=(0, 0, 0))
     return scene, body
@@ -84,7 +86,7 @@ def pivot_force(angle: np.ndarray, speed: np.ndarray) -> np.ndarray:
 @groups
 @pytest.mark.parametrize(
     ("radius", "parametrisation"),
-    [(0.0, EXP), (0.6, EXP), (0.8, EXP), (1.0, EXP), (0.8, fl.Parametrisation.CAYLEY)],
+    [(0.0, EXP), (0.6, EXP), (0.8, EXP), (1.0, EXP), (0.8, fl.lie.Parametrisation.CAYLEY)],
 )
 def test_order_of_configuration_velocity_and_multipliers(radius, parametrisation, group):
     angle, speed = 0.3, 1.0
@@ -113,18 +115,18 @@ def test_order_of_configuration_velocity_and_multipliers(radius, parametrisation
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     # with radius 1 nothing damps what starts in the multipliers, and it grows like n h³: only where
     # the joint's motions are a subgroup is there nothing (Arnold, Brüls & Cardona 2015)
-    undamped = radius == 1.0 and group is fl.Group.R3xSO3
+    undamped = radius == 1.0 and group is fl.lie.Group.R3xSO3
     assert orders[:, :3].min() > 1.9, orders
     assert orders[:, 3:].min() > (0.9 if undamped else 1.9), orders
 
 
-def heavy_top(group: fl.Group) -> tuple[fl.Scene, fl.RigidBody]:
+def heavy_top(group: fl.lie.Group) -> tuple[fl.Scene, fl.RigidBody]:
     """Brüls & Cardona's top at 150 rad/s, its frame at the centre of mass."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     top = scene.add(
         fl.RigidBody(15.0, (0.234375, 0.46875, 0.234375), (0, 1, 0), name="top").set_group(group)
     )
-    scene.add(fl.Spherical(fl.ground(), top.point("centre"), at=(0, 0, 0), name="tip"))
+    scene.add(fl.joints.Spherical(fl.ground(), top.point("centre"), at=(0, 0, 0), name="tip"))
     top.add_velocity(omega=(0, 150, -4.61538), about=(0, 0, 0))
     return scene, top
 
@@ -142,10 +144,10 @@ def force_on_ground(
 @pytest.mark.parametrize(
     ("group", "step", "bound"),
     [
-        (fl.Group.SE3, 5e-4, 6e-3),
-        (fl.Group.SE3, 2.5e-4, 1.5e-3),
-        (fl.Group.R3xSO3, 1e-3, 2e-3),
-        (fl.Group.R3xSO3, 5e-4, 5e-4),
+        (fl.lie.Group.SE3, 5e-4, 6e-3),
+        (fl.lie.Group.SE3, 2.5e-4, 1.5e-3),
+        (fl.lie.Group.R3xSO3, 1e-3, 2e-3),
+        (fl.lie.Group.R3xSO3, 5e-4, 5e-4),
     ],
 )
 def test_fast_heavy_top_keeps_one_matrix(group, step, bound):
@@ -186,16 +188,16 @@ def test_joint_force_of_the_top_is_of_second_order_from_the_first_step(group, pa
 def test_full_newton_converges_quadratically_at_any_spin(group, parametrisation):
     """0.15 rad in a step: with ``(BT)ᵀ`` as columns the rate is 0.075, and 6 iterations."""
     scheme = fl.GeneralisedAlpha(
-        radius=0.9, policy=fl.EveryIteration(), parametrisation=parametrisation
+        radius=0.9, policy=fl.schemes.EveryIteration(), parametrisation=parametrisation
     )
     result = scheme.run(heavy_top(group)[0], duration=0.02, step=1e-3)
     assert np.diff(result.iterations).max() <= 3
 
 
-def mixed_scene(group: fl.Group, turned: np.ndarray | None = None) -> fl.Scene:
+def mixed_scene(group: fl.lie.Group, turned: np.ndarray | None = None) -> fl.Scene:
     """A beam and a rigid body in space, the body on the other group, all turned first."""
     R = np.eye(3) if turned is None else turned
-    other = fl.Group(1 - group)
+    other = fl.lie.Group(1 - group)
     section = fl.Section.rectangle(0.02, 0.01, fl.Material(1e8, 0.3, 1000))
     scene = fl.Scene()
     beam = scene.add(
@@ -203,7 +205,9 @@ def mixed_scene(group: fl.Group, turned: np.ndarray | None = None) -> fl.Scene:
     )
     body = scene.add(fl.RigidBody(0.3, (1e-3, 2e-3, 2.5e-3), R @ [1.1, 0.2, 0], R).set_group(other))
     scene.add(
-        fl.Revolute(beam.point("end"), body.point("centre"), at=R[:, 0], axis=R @ [0, 0.6, 0.8])
+        fl.joints.Revolute(
+            beam.point("end"), body.point("centre"), at=R[:, 0], axis=R @ [0, 0.6, 0.8]
+        )
     )
     for item in (beam, body):
         item.add_velocity(R @ [1, 2, 3])
@@ -279,7 +283,7 @@ def test_free_flight_is_exact_in_translation_with_translations_apart(parametrisa
     """A parabola, in 20 large steps of a spinning body."""
     scene = fl.Scene(gravity=(0, 0, -G))
     body = scene.add(fl.RigidBody(2.0, (0.1, 0.2, 0.25), (0, 0, 1)))
-    assert body.group is fl.Group.R3xSO3
+    assert body.group is fl.lie.Group.R3xSO3
     body.add_velocity((1, 2, 3))
     body.add_velocity(omega=(0.3, 6, 0.2), about=body.point("centre"))
     scheme = fl.GeneralisedAlpha(parametrisation=parametrisation)
@@ -294,13 +298,13 @@ def test_free_flight_is_exact_in_translation_with_translations_apart(parametrisa
 
 
 @groups
-@pytest.mark.parametrize("policy", [fl.Automatic(), fl.Limit(4)])
+@pytest.mark.parametrize("policy", [fl.schemes.Automatic(), fl.schemes.IterationLimit(4)])
 def test_components_of_the_matrix_change_nothing_but_its_life(group, policy):
     runs = [
         fl.GeneralisedAlpha(radius=0.9, policy=policy, components=components).run(
             heavy_top(group)[0], duration=0.1, step=5e-4
         )
-        for components in fl.Components
+        for components in fl.schemes.MatrixFrame
     ]
     local, inertial = runs
     assert np.abs(local.frames - inertial.frames).max() < 1e-6  # tolerance times 200 steps
@@ -311,18 +315,18 @@ def test_components_of_the_matrix_change_nothing_but_its_life(group, policy):
 def test_components_for_bodies_that_are_held(group):
     """Clamps, joints between bodies and the rescue of a step, in both components."""
 
-    def motion(components: fl.Components) -> np.ndarray:
+    def motion(components: fl.schemes.MatrixFrame) -> np.ndarray:
         section = fl.Section.rectangle(0.02, 0.01, fl.Material(1e9, 0.3, 1000))
         scene = fl.Scene(gravity=(0, 0, -G))
         one = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=3).set_group(group))
         two = scene.add(fl.Beam.straight((1, 0, 0), (1, 1, 0), section, cells=3).set_group(group))
         scene.add(fl.Clamp(one.point("start")))
-        scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0)))
+        scene.add(fl.joints.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0)))
         two.add_velocity(omega=(20, 0, 0), about=two.point("start"))
         scheme = fl.GeneralisedAlpha(tolerance=1e-10, components=components)
         return scheme.run(scene, duration=0.2, step=1e-3).frames
 
-    local, inertial = (motion(components) for components in fl.Components)
+    local, inertial = (motion(components) for components in fl.schemes.MatrixFrame)
     np.testing.assert_allclose(local, inertial, atol=1e-7)
 
 
@@ -334,8 +338,8 @@ def test_waves_that_no_step_resolves_do_not_spoil_the_start(group, radius):
     scene = fl.Scene(gravity=(0, 0, -G))
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=8).set_group(group))
     body = scene.add(fl.RigidBody(5.0, (0.1, 0.1, 0.1), (1.3, 0.2, 0)).set_group(group))
-    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
-    scene.add(fl.Fixed(beam.point("end"), body.point("centre"), at=(1, 0, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Fixed(beam.point("end"), body.point("centre"), at=(1, 0, 0)))
     result = fl.GeneralisedAlpha(radius=radius).run(scene, duration=0.1, step=4e-3)
     assert result.energy_error < 0.05
 
@@ -354,8 +358,8 @@ def test_rigid_double_pendulum(group):
         place = (start + length / 2, 0, 0)
         bodies.append(scene.add(fl.RigidBody(mass, moments, place).set_group(group)))
     one, two = bodies
-    scene.add(fl.Spherical(fl.ground(), one.point("centre"), at=(0, 0, 0)))
-    scene.add(fl.Spherical(one.point("centre"), two.point("centre"), at=(0.3, 0, 0)))
+    scene.add(fl.joints.Spherical(fl.ground(), one.point("centre"), at=(0, 0, 0)))
+    scene.add(fl.joints.Spherical(one.point("centre"), two.point("centre"), at=(0.3, 0, 0)))
     errors = []
     for step in (1e-3, 5e-4):
         result = fl.GeneralisedAlpha(tolerance=1e-10).run(scene, duration=1.0, step=step)
@@ -366,34 +370,46 @@ def test_rigid_double_pendulum(group):
 
 
 def flexible_pendulum(
-    policy: fl.Policy | None = None, cells: int = 4, max_iterations: int = 30, **options
+    policy: fl.schemes.RefactorisationPolicy | None = None,
+    cells: int = 4,
+    max_iterations: int = 30,
+    **options,
 ) -> fl.Result:
     material = fl.Material(70e9, 0.3, 2700)
     section = fl.Section.rectangle(5e-3, 5e-3, material)
     scene = fl.Scene()
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.3, 0, 0), section, cells=cells))
     two = scene.add(fl.Beam.straight((0.3, 0, 0), (0.3, 0.5, 0), section, cells=cells))
-    scene.add(fl.Spherical(fl.ground(), one.point("start")))
-    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0)))
+    scene.add(fl.joints.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.joints.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0)))
     two.add_velocity(omega=(3, 0, 0), about=two.point("start"))
-    scheme = fl.GeneralisedAlpha(policy=policy or fl.Automatic(), max_iterations=max_iterations)
+    scheme = fl.GeneralisedAlpha(
+        policy=policy or fl.schemes.Automatic(), max_iterations=max_iterations
+    )
     return scheme.run(scene, duration=0.05, step=1e-4, **options)
 
 
 @pytest.mark.parametrize(
-    "policy", [fl.EveryIteration(), fl.Limit(4), fl.Automatic(), fl.Automatic(cost=5), fl.Never()]
+    "policy",
+    [
+        fl.schemes.EveryIteration(),
+        fl.schemes.IterationLimit(4),
+        fl.schemes.Automatic(),
+        fl.schemes.Automatic(cost=5),
+        fl.schemes.FactoriseOnce(),
+    ],
 )
 def test_policies_give_the_same_motion(policy):
     """The iteration matrix changes the way, not the end."""
-    reference = flexible_pendulum(fl.EveryIteration())
+    reference = flexible_pendulum(fl.schemes.EveryIteration())
     result = flexible_pendulum(policy)
     # tolerance 2e-8 of the motion in a step, added up over 500 steps of 0.3 mm
     assert np.abs(result.frames[-1] - reference.frames[-1]).max() < 1e-7
     assert result.energy_error < 1e-6
     assert result.angular_momentum_error < 1e-6
-    if isinstance(policy, fl.Never):
+    if isinstance(policy, fl.schemes.FactoriseOnce):
         assert result.factorisations == 1
-    if isinstance(policy, fl.EveryIteration):
+    if isinstance(policy, fl.schemes.EveryIteration):
         assert result.factorisations >= len(result.times) - 1
 
 
@@ -403,7 +419,7 @@ def test_runs_repeat_bit_for_bit():
     assert (one.iterations == two.iterations).all()
 
 
-def free_flight(step: float, formulation: fl.Formulation) -> fl.Result:
+def free_flight(step: float, formulation: fl.elements.BeamFormulation) -> fl.Result:
     """Two beams and a body joined in space, no supports."""
     section = fl.Section.rectangle(0.02, 0.01, fl.Material(1e9, 0.3, 1000))
     scene = fl.Scene()
@@ -412,8 +428,8 @@ def free_flight(step: float, formulation: fl.Formulation) -> fl.Result:
         for ends in (((0, 0, 0), (1, 0, 0)), ((1, 0, 0), (1, 1, 0)))
     )
     body = scene.add(fl.RigidBody(0.3, (1e-3, 2e-3, 2.5e-3), (1, 1, 0)))
-    scene.add(fl.Spherical(one.point("end"), two.point("start")))
-    scene.add(fl.Fixed(two.point("end"), body.point("centre")))
+    scene.add(fl.joints.Spherical(one.point("end"), two.point("start")))
+    scene.add(fl.joints.Fixed(two.point("end"), body.point("centre")))
     for item in (one, two, body):
         item.add_velocity((1, 2, 3))
         item.add_velocity(omega=(2, 0, 1), about=(0, 0, 0))
@@ -425,7 +441,14 @@ def free_flight(step: float, formulation: fl.Formulation) -> fl.Result:
 
 
 @pytest.mark.parametrize(
-    "formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2), fl.Kirchhoff()], ids=str
+    "formulation",
+    [
+        fl.elements.GeodesicBeam(),
+        fl.elements.DirectorBeam(1),
+        fl.elements.DirectorBeam(2),
+        fl.elements.KirchhoffRod(),
+    ],
+    ids=str,
 )
 def test_free_flight_conserves_momenta_to_second_order(formulation):
     """Whatever happens inside; the scheme itself conserves them only as h² → 0."""
@@ -441,7 +464,7 @@ def test_prescribed_rotation_and_its_driving_moment():
     offset = 0.4
     body = scene.add(fl.RigidBody(MASS, (0.1, 0.2, INERTIA), (offset, 0, 0)))
     hub = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (0, 0, 0)))
-    scene.add(fl.Fixed(hub.point("centre"), body.point("centre"), at=(0, 0, 0)))
+    scene.add(fl.joints.Fixed(hub.point("centre"), body.point("centre"), at=(0, 0, 0)))
 
     def motion(t: float) -> np.ndarray:
         return lie.frame(np.zeros(3), lie.so3_exp([0, 0, 0.5 * 3.0 * t**2]))
@@ -461,7 +484,11 @@ def test_prescribed_rotation_and_its_driving_moment():
 
 @pytest.mark.parametrize(
     ("formulation", "cells"),
-    [(fl.Geodesic(), 16), (fl.Director(1), 16), (fl.Director(2), 5)],
+    [
+        (fl.elements.GeodesicBeam(), 16),
+        (fl.elements.DirectorBeam(1), 16),
+        (fl.elements.DirectorBeam(2), 5),
+    ],
     ids=str,
 )
 def test_clamped_beam_vibrates_at_its_frequency(formulation, cells):
@@ -524,7 +551,7 @@ def test_iterations_count_attempts_that_failed(monkeypatch):
     assert after_fallback.any()
     assert result.iterations[-1] == len(corrections)
     # and as many without Python between them
-    compiled = flexible_pendulum(fl.Automatic(1e9, 100, 1e9), max_iterations=4)
+    compiled = flexible_pendulum(fl.schemes.Automatic(1e9, 100, 1e9), max_iterations=4)
     same(compiled, result)
 
 
@@ -535,7 +562,7 @@ def test_new_matrices_in_each_iteration_end_where_others_do():
         section = fl.Section.rectangle(0.02, 0.02, fl.Material(2e9, 0.3, 1500.0))
         scene = fl.Scene(gravity=(0, 0, -9.81))
         beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4))
-        scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
+        scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
         scheme = fl.GeneralisedAlpha(max_iterations=limit)
         return scheme.run(scene, duration=0.02, step=0.02, progress=False).joint_forces
 

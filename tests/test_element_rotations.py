@@ -9,15 +9,17 @@ import fem_lie as fl
 from fem_lie import lie
 
 BEAMS = {
-    "geodesic": fl.Geodesic(),
-    "director 1": fl.Director(1),
-    "director 2": fl.Director(2),
-    "Kirchhoff": fl.Kirchhoff(),
+    "geodesic": fl.elements.GeodesicBeam(),
+    "director 1": fl.elements.DirectorBeam(1),
+    "director 2": fl.elements.DirectorBeam(2),
+    "Kirchhoff": fl.elements.KirchhoffRod(),
 }
 EI, LENGTH = 100.0, 10.0
 
 
-def bent(cells: int, angle: float, formulation: fl.Formulation) -> tuple[fl.Scene, fl.Beam]:
+def bent(
+    cells: int, angle: float, formulation: fl.elements.BeamFormulation
+) -> tuple[fl.Scene, fl.Beam]:
     """A cantilever under the moment that turns each of its elements by an angle."""
     scene, section = fl.Scene(), fl.Section.from_stiffness([1e4] * 3 + [EI] * 3)
     beam = scene.add(
@@ -28,7 +30,7 @@ def bent(cells: int, angle: float, formulation: fl.Formulation) -> tuple[fl.Scen
     return scene, beam
 
 
-def moments(formulation: fl.Formulation, turns: np.ndarray) -> np.ndarray:
+def moments(formulation: fl.elements.BeamFormulation, turns: np.ndarray) -> np.ndarray:
     """Bending moment of one element in an arc of each turn, over its stiffness, by differences."""
     beam = fl.Beam.straight(
         (0, 0, 0),
@@ -60,7 +62,7 @@ def test_limit_is_where_the_moment_of_an_arc_stops_growing(name):
 
 def test_node_inside_of_three_is_stable_up_to_the_limit_and_no_farther():
     """Second derivative of the energy in the turn of the middle node, both ends held."""
-    g, limit = 1 / np.sqrt(3), fl.Director(2).largest_turn
+    g, limit = 1 / np.sqrt(3), fl.elements.DirectorBeam(2).largest_turn
 
     def energy(middle: float, turn: float) -> float:
         phi, total = np.array([0.0, middle, turn]), 0.0
@@ -95,35 +97,37 @@ def test_elements_far_from_the_limit_are_silent(name):
 @pytest.mark.parametrize(("name", "angle"), [("geodesic", 2.9), ("director 1", 2.9)])
 def test_statics_warns_near_the_limit(name, angle):
     scene, _ = bent(3, angle, BEAMS[name])
-    with pytest.warns(fl.CoarseElementsWarning, match=r"element \d of .* rotates by 2\.9 rad"):
+    with pytest.warns(
+        fl.schemes.CoarseElementsWarning, match=r"element \d of .* rotates by 2\.9 rad"
+    ):
         fl.statics(scene, load_steps=3)
 
 
 def test_elements_that_would_have_to_turn_by_more_than_pi_are_named():
     """At π the rotation has two logarithms: there is no equilibrium, and the message says why."""
-    scene, beam = bent(2, 3.3, fl.Geodesic())
+    scene, beam = bent(2, 3.3, fl.elements.GeodesicBeam())
     with (
-        pytest.warns(fl.CoarseElementsWarning),
+        pytest.warns(fl.schemes.CoarseElementsWarning),
         pytest.raises(fl.ConvergenceError, match=rf"element \d of {beam.label} rotates by 3"),
     ):
-        fl.statics(scene, load_steps=4, newton=fl.Newton(smallest_step=0.05))
+        fl.statics(scene, load_steps=4, newton=fl.schemes.Newton(smallest_step=0.05))
 
 
 @pytest.mark.parametrize("road", [fl.statics, fl.follow_path], ids=["statics", "path"])
 def test_directors_of_three_nodes_do_not_fold_in_silence(road):
     """160 was applied, 6620 was in the elements: an error, or a path that ends there."""
-    scene, beam = bent(4, 3.6, fl.Director(2))
+    scene, beam = bent(4, 3.6, fl.elements.DirectorBeam(2))
     if road is fl.follow_path:
-        with pytest.warns(fl.CoarseElementsWarning):
+        with pytest.warns(fl.schemes.CoarseElementsWarning):
             path = road(scene)
         assert not path.complete and 0.5 < path.factors[-1] < 1.0
         assert re.search(rf"element \d of {beam.label} rotates by", path.reason)
         return
     with (
-        pytest.warns(fl.CoarseElementsWarning),
+        pytest.warns(fl.schemes.CoarseElementsWarning),
         pytest.raises(fl.ConvergenceError, match="fold at"),
     ):
-        road(scene, load_steps=4, newton=fl.Newton(smallest_step=0.02))
+        road(scene, load_steps=4, newton=fl.schemes.Newton(smallest_step=0.02))
 
 
 @pytest.mark.parametrize("run", ["generalised alpha", "conserving", "variable steps"])
@@ -131,15 +135,17 @@ def test_motion_ends_where_an_element_folds(run):
     """A cantilever that swings with more energy than its only element takes before it folds."""
     scene, section = fl.Scene(), fl.Section.rectangle(0.1, 0.1, fl.Material(1.2e5, 0.0, 1e3))
     beam = scene.add(
-        fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=1, formulation=fl.Director(2))
+        fl.Beam.straight(
+            (0, 0, 0), (1, 0, 0), section, cells=1, formulation=fl.elements.DirectorBeam(2)
+        )
     )
     beam.add_velocity(omega=(0, 0, 2.0), about=beam.point("start"))
     beam.velocities[beam.point("start").node] = 0.0
     scene.add(fl.Clamp(beam.point("start")))
     scheme = fl.EnergyMomentum() if run == "conserving" else fl.GeneralisedAlpha()
-    step = fl.AdaptiveStep(tolerance=1e-2) if run == "variable steps" else 1e-2
+    step = fl.schemes.AdaptiveStep(tolerance=1e-2) if run == "variable steps" else 1e-2
     with (
-        pytest.warns(fl.CoarseElementsWarning, match="at time"),
+        pytest.warns(fl.schemes.CoarseElementsWarning, match="at time"),
         pytest.raises(fl.ConvergenceError, match=r"an element folds: at time .* element 0 of") as e,
     ):
         scheme.run(scene, duration=4.0, step=step)
@@ -152,15 +158,15 @@ def test_shells_have_a_limit_too(degree):
     from demos.cantilever_moment import CIRCLE, THICKNESS, WIDTH, E
     from demos.cantilever_moment import LENGTH as L
 
-    form = fl.Displacement()
-    mesh = fl.surface(lambda a, b: (L * a, WIDTH * b, 0.0), (2, 1), degree=degree)
+    form = fl.elements.DisplacementBased()
+    mesh = fl.mesh.parametric_surface(lambda a, b: (L * a, WIDTH * b, 0.0), (2, 1), degree=degree)
     shell = fl.Shell(
         mesh, fl.ShellSection.layer(THICKNESS, fl.Material(E, 0.0, 1.0)), formulation=form
     )
     shell.clamp("a=0")
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.EdgeLoad(shell, "a=1", moment=(0, -CIRCLE / WIDTH, 0)))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", moment=(0, -CIRCLE / WIDTH, 0)))
     turning = shell.turning()
     assert turning.limit == (np.pi / 2 if degree == 1 else 3.0)
     assert turning.nodes.shape == (8, degree + 1)
@@ -171,7 +177,7 @@ def test_shells_have_a_limit_too(degree):
     assert turn == pytest.approx(np.arcsin(0.8) if degree == 1 else 1.440, rel=2e-3)
     if degree == 1:  # no equilibrium above one
         with (
-            pytest.warns(fl.CoarseElementsWarning),
+            pytest.warns(fl.schemes.CoarseElementsWarning),
             pytest.raises(fl.ConvergenceError, match="fold"),
         ):
             fl.follow_loads(scene, [1.1 / np.pi])

@@ -127,7 +127,7 @@ def test_director_strains_of_an_arc():
     count, angle = 50, 1.3
     q = fl.NodalFrames(straight(MPI.COMM_SELF, 1.0, count))
     q.frames[np.argsort(q.frames[:, 0, 0])] = circle(count, angle, 1.0 / angle)
-    stretch, curvature = fl.director_strains(q)
+    stretch, curvature = fl.elements.director_strains(q)
     strain = _compat.expression(ufl.as_vector([*stretch, *curvature]), np.array([[0.5]]))
     values = strain.eval(q.function.function_space.mesh, np.arange(count, dtype=np.int32))
     values = values.reshape(count, 6)  # DOLFINx 0.11 keeps the axis of the points
@@ -165,7 +165,7 @@ def single_element(section, length, flexible):
         stiffness = with_bending_flexibility(stiffness, relative)
     d, d0, L, C = (fl.extend.cellwise(mesh, a) for a in (relative, relative, ell, stiffness))
     energy = geodesic_energy(d, d0, L, C, mesh)
-    return q, fl.LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
+    return q, fl.extend.LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
 
 
 def slender_section(slenderness: float) -> np.ndarray:
@@ -213,7 +213,7 @@ def test_linear_moments_are_the_bending_flexibility():
     mixed = hellinger_reissner_linear(mesh, D, rest)
     q = fl.NodalFrames(mesh)
     C = with_bending_flexibility(D[np.newaxis], length / count * np.eye(1, 6))[0]
-    stretch, curvature = fl.director_strains(q)
+    stretch, curvature = fl.elements.director_strains(q)
     strain = ufl.as_vector([*stretch, *curvature]) - ufl.as_vector(rest.tolist())
     energy = 0.5 * ufl.inner(strain, ufl.as_matrix(C.tolist()) * strain) * models.measure(mesh, 1)
     forms = fl.local_frame_forms(energy, q)

@@ -18,17 +18,17 @@ SOFT = fl.Material(E=2e7, nu=0.3, density=1200.0)
 SQUARE = fl.Section.rectangle(0.02, 0.02, SOFT)
 
 BEAMS = {
-    "geodesic": fl.Geodesic(),
-    "geodesic without flexibility": fl.Geodesic(bending_flexibility=False),
-    "director 1": fl.Director(1),
-    "director 2": fl.Director(2),
-    "Kirchhoff": fl.Kirchhoff(),
+    "geodesic": fl.elements.GeodesicBeam(),
+    "geodesic without flexibility": fl.elements.GeodesicBeam(bending_flexibility=False),
+    "director 1": fl.elements.DirectorBeam(1),
+    "director 2": fl.elements.DirectorBeam(2),
+    "Kirchhoff": fl.elements.KirchhoffRod(),
 }
 JOINTS = {
-    "spherical": fl.Spherical,
-    "revolute": fl.Revolute,
-    "fixed": fl.Fixed,
-    "in plane": fl.InPlane,
+    "spherical": fl.joints.Spherical,
+    "revolute": fl.joints.Revolute,
+    "fixed": fl.joints.Fixed,
+    "in plane": fl.joints.InPlane,
 }
 """A new joint is tested by adding it here."""
 
@@ -39,14 +39,14 @@ def stiffening(strain):
 
 
 SHELLS = {
-    "MITC4": ("quadrilateral", 1, fl.Displacement()),
-    "Hellinger-Reissner": ("quadrilateral", 1, fl.HellingerReissner()),
-    "Hu-Washizu": ("quadrilateral", 1, fl.HuWashizu()),
-    "MITC3+": ("triangle", 1, fl.HellingerReissner()),
-    "MITC6": ("triangle", 2, fl.Displacement()),
-    "MITC9": ("quadrilateral", 2, fl.Displacement()),
-    "decoupled bending": ("quadrilateral", 1, fl.HellingerReissner(fl.DECOUPLED)),
-    "a law of one's own": ("quadrilateral", 1, fl.Displacement(law=stiffening)),
+    "MITC4": ("quadrilateral", 1, fl.elements.DisplacementBased()),
+    "Hellinger-Reissner": ("quadrilateral", 1, fl.elements.HellingerReissner()),
+    "Hu-Washizu": ("quadrilateral", 1, fl.elements.HuWashizu()),
+    "MITC3+": ("triangle", 1, fl.elements.HellingerReissner()),
+    "MITC6": ("triangle", 2, fl.elements.DisplacementBased()),
+    "MITC9": ("quadrilateral", 2, fl.elements.DisplacementBased()),
+    "decoupled bending": ("quadrilateral", 1, fl.elements.HellingerReissner(fl.elements.DECOUPLED)),
+    "a law of one's own": ("quadrilateral", 1, fl.elements.DisplacementBased(law=stiffening)),
 }
 """A new shell element is tested by adding it here."""
 
@@ -56,8 +56,8 @@ def named(scheme: fl.EnergyMomentum) -> str:
 
 
 def bars(
-    formulation: fl.Formulation | None = None,
-    joint: type[fl.Joint] = fl.Spherical,
+    formulation: fl.elements.BeamFormulation | None = None,
+    joint: type[fl.joints.Joint] = fl.joints.Spherical,
     gravity=(0, 0, 0),
     cells: int = 3,
 ) -> tuple[fl.Scene, fl.Beam, fl.Beam]:
@@ -69,7 +69,7 @@ def bars(
     two = scene.add(
         fl.Beam.straight((0.3, 0, 0), (0.3, 0.5, 0), SQUARE, cells=cells, formulation=formulation)
     )
-    scene.add(fl.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), one.point("start")))
     scene.add(joint(one.point("end"), two.point("start"), axis=(1, 0, 0.2)))
     for bar in (one, two):
         bar.add_velocity(omega=(3, 1, -8), about=(0, 0, 0))
@@ -79,7 +79,7 @@ def bars(
 def plate(name: str, cells=(3, 2)) -> tuple[fl.Scene, fl.Shell]:
     """A soft plate that tumbles, bending as it does."""
     cell, degree, formulation = SHELLS[name]
-    mesh = fl.surface(
+    mesh = fl.mesh.parametric_surface(
         lambda a, b: np.array([0.3 * a, 0.2 * b, 0.02 * a * b]), cells, cell=cell, degree=degree
     )
     section = fl.ShellSection.layer(0.004, fl.Material(2e7, 0.3, 1200.0))
@@ -111,7 +111,7 @@ def test_beams_and_joints(formulation, joint, scheme):
     else:
         assert result.energy_error <= 1e-12
     gap = np.linalg.norm(result.position(one.point("start")), axis=1).max()
-    if joint is not fl.InPlane:
+    if joint is not fl.joints.InPlane:
         apart = result.position(one.point("end")) - result.position(two.point("start"))
         gap = max(gap, np.linalg.norm(apart, axis=1).max())
     assert gap <= 1e-13
@@ -143,7 +143,7 @@ def test_rigid_bodies_tumble_and_are_joined():
     first = scene.add(fl.RigidBody(2.0, (1.0, 2.0, 2.7)))
     second = scene.add(fl.RigidBody(1.0, (0.3, 0.4, 0.5), (0.5, 0.0, 0.0)))
     scene.add(
-        fl.Revolute(
+        fl.joints.Revolute(
             first.point("centre"), second.point("centre"), at=(0.3, 0.1, 0.0), axis=(0, 1, 0)
         )
     )
@@ -161,7 +161,7 @@ def test_linked_bodies_and_a_branching_beam():
     scene, _, two = bars()
     body = scene.add(fl.RigidBody(0.05, (1e-4, 1e-4, 1e-4), (0.35, 0.5, 0.0)))
     body.add_velocity(omega=(3, 1, -8), about=(0, 0, 0))
-    scene.add(fl.RigidLink(two.point("end"), body.point("centre")))
+    scene.add(fl.joints.RigidLink(two.point("end"), body.point("centre")))
     result = fl.EnergyMomentum().run(scene, duration=0.2, step=2e-3)
     assert result.energy_error <= 1e-12
     assert result.angular_momentum_error <= 1e-12
@@ -193,11 +193,11 @@ def add_history(scene: fl.Scene, one: fl.Beam, two: fl.Beam) -> None:
 
 
 def add_pressure(scene: fl.Scene, one: fl.Beam, two: fl.Beam) -> None:
-    scene.add(fl.PressureLoad(two, 2.0))
+    scene.add(fl.loads.PressureLoad(two, 2.0))
 
 
 def add_strain(scene: fl.Scene, one: fl.Beam, two: fl.Beam) -> None:
-    scene.add(fl.Eigenstrain(two, (0, 0, 0, 0, 0.3, 0), history=ramp))
+    scene.add(fl.loads.Eigenstrain(two, (0, 0, 0, 0, 0.3, 0), history=ramp))
 
 
 def add_drive(scene: fl.Scene, one: fl.Beam, two: fl.Beam) -> None:
@@ -219,7 +219,7 @@ LOADS = [add_following, add_moment, add_history, add_pressure, add_strain, add_d
 
 @pytest.mark.parametrize("add", LOADS, ids=lambda add: add.__name__)
 def test_work_of_loads_closes_the_balance(add):
-    scene, one, two = bars(joint=fl.Revolute)
+    scene, one, two = bars(joint=fl.joints.Revolute)
     add(scene, one, two)
     result = fl.EnergyMomentum().run(scene, duration=0.2, step=2e-3)
     assert np.abs(result.balance[:, 0]).max() > 1e-4 * result.kinetic.max()
@@ -228,9 +228,9 @@ def test_work_of_loads_closes_the_balance(add):
 
 def test_loss_by_damping_closes_the_balance():
     scene = fl.Scene()
-    damping = fl.Damping(mass=0.5, stiffness=1e-3)
+    damping = fl.sections.Damping(mass=0.5, stiffness=1e-3)
     bar = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), SQUARE, cells=4, damping=damping))
-    scene.add(fl.Spherical(fl.ground(), bar.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), bar.point("start")))
     bar.add_velocity(omega=(0, 3, 8), about=(0, 0, 0))
     bar.velocities[-1, 2] += 0.5
     result = fl.EnergyMomentum().run(scene, duration=0.2, step=2e-3)
@@ -245,7 +245,7 @@ def test_order(scheme):
     """Against a run with steps that are much smaller; gravity swings the bars slowly."""
 
     def tip(step: float, scheme) -> np.ndarray:
-        scene, one, two = bars(gravity=(0, 0, -9.81), joint=fl.Revolute, cells=2)
+        scene, one, two = bars(gravity=(0, 0, -9.81), joint=fl.joints.Revolute, cells=2)
         for bar in (one, two):
             bar.velocities[:] = 0.0
         result = scheme.run(scene, duration=0.2, step=step, save_every=10**6)
@@ -284,7 +284,7 @@ def test_decaying_damps_what_is_not_resolved_and_nothing_else():
     stiff = fl.Section.rectangle(0.02, 0.02, fl.Material(E=2e11, nu=0.3, density=7800.0))
     scene = fl.Scene(gravity=(0, 0, -9.81))
     bar = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), stiff, cells=4))
-    scene.add(fl.Revolute(fl.ground(), bar.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), bar.point("start"), axis=(0, 1, 0)))
     result = fl.EnergyDecaying(radius=0.8).run(scene, duration=1.0, step=5e-3)
     swing = np.ptp(result.potential)
     assert result.balance[-1, 2] <= 2e-3 * swing
@@ -293,7 +293,12 @@ def test_decaying_damps_what_is_not_resolved_and_nothing_else():
 
 def test_every_policy_gives_the_same_motion():
     tips = []
-    for policy in (fl.Automatic(), fl.EveryIteration(), fl.Limit(5), Own()):
+    for policy in (
+        fl.schemes.Automatic(),
+        fl.schemes.EveryIteration(),
+        fl.schemes.IterationLimit(5),
+        Own(),
+    ):
         scene, _, two = bars()
         result = fl.EnergyMomentum(policy=policy).run(scene, duration=0.05, step=1e-3)
         tips.append(result.position(two.point("end"))[-1])
@@ -301,14 +306,14 @@ def test_every_policy_gives_the_same_motion():
     np.testing.assert_allclose(tips, [tips[0]] * len(tips), atol=1e-12)
 
 
-class Own(fl.Policy):
+class Own(fl.schemes.RefactorisationPolicy):
     """A policy that cannot be a rule of a compiled loop."""
 
-    def begin(self, bound: bool) -> fl.Decisions:
+    def begin(self, bound: bool) -> fl.extend.PolicyState:
         return InTheThird()
 
 
-class InTheThird(fl.Decisions):
+class InTheThird(fl.extend.PolicyState):
     def before_iteration(self, iteration: int) -> bool:
         return iteration == 3
 
@@ -444,7 +449,7 @@ def test_results_in_a_file_are_the_same_and_cost_no_memory(tmp_path):
     same(fl.Result.load(file), kept)
     assert fl.Result.load(file).factorisations == kept.factorisations
     with pytest.raises(ValueError, match="another scene"):
-        fl.EnergyMomentum().resume(bars(joint=fl.Revolute)[0], file)
+        fl.EnergyMomentum().resume(bars(joint=fl.joints.Revolute)[0], file)
     with pytest.raises(ValueError, match="other options"):
         fl.EnergyMomentum(max_iterations=7).resume(bars()[0], file)
     with pytest.raises(FileNotFoundError, match="no file"):

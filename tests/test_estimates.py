@@ -9,7 +9,7 @@ import fem_lie as fl
 from benchmarks import effectivity
 from demos import hemisphere
 from fem_lie import lie
-from fem_lie.adapt.estimates.cut import Cut, Patches
+from fem_lie.adaptivity.estimates.cut import Cut, Patches
 
 SECTION = fl.Section.from_stiffness([1e7, 5e6, 5e6, 1e6, 2e6, 1e6])
 MATERIAL = fl.Material(1e6, 0.3, 1.0)
@@ -22,8 +22,14 @@ each_of_beams = pytest.mark.parametrize(
     [
         (estimate, formulation)
         for estimate in ESTIMATES
-        for formulation in (fl.Geodesic(), fl.Director(1), fl.Director(2))
-        if not (isinstance(estimate, fl.Hierarchical) and formulation.degree == 2)
+        for formulation in (
+            fl.elements.GeodesicBeam(),
+            fl.elements.DirectorBeam(1),
+            fl.elements.DirectorBeam(2),
+        )
+        if not (
+            isinstance(estimate, fl.adaptivity.HierarchicalEstimate) and formulation.degree == 2
+        )
     ],
     ids=repr,
 )
@@ -32,18 +38,20 @@ each_of_beams = pytest.mark.parametrize(
 def sheet(cell, force, cells=4, turn=None):
     """A square held at one side, with a load along the other, turned as a whole."""
     R = np.eye(3) if turn is None else turn
-    mesh = fl.surface(lambda a, b: R @ (a, b, 0.1 * a * b), (cells, cells), cell=cell)
+    mesh = fl.mesh.parametric_surface(
+        lambda a, b: R @ (a, b, 0.1 * a * b), (cells, cells), cell=cell
+    )
     scene = fl.Scene()
     shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.1, MATERIAL), name="sheet"))
     shell.clamp("a=0")
-    scene.add(fl.EdgeLoad(shell, "a=1", force=R @ force))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=R @ force))
     return scene
 
 
 def cantilever(formulation, turn=None, force=(0, 2e3, 3e4)):
     """Clamped at its start, bent far, turned as a whole."""
     R = np.eye(3) if turn is None else turn
-    mesh = fl.straight((0, 0, 0), R @ (10.0, 0, 0), 6)
+    mesh = fl.mesh.straight_line((0, 0, 0), R @ (10.0, 0, 0), 6)
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, SECTION, up=R[:, 2], formulation=formulation, name="beam"))
     scene.add(fl.Clamp(beam.point("start")))
@@ -53,7 +61,7 @@ def cantilever(formulation, turn=None, force=(0, 2e3, 3e4)):
 
 def errors(scene, estimate, **options):
     found = fl.statics(scene, **options)
-    return fl.space_error(found, scene.bodies[0], scene, estimate=estimate)
+    return fl.adaptivity.space_error(found, scene.bodies[0], scene, estimate=estimate)
 
 
 # --- zero where the solution is in the space ------------------------------------------------------
@@ -68,8 +76,10 @@ def test_pure_bending_has_no_error(estimate, formulation):
     scene.add(fl.Clamp(beam.point("start")))
     scene.add(fl.PointLoad(beam.point("end"), moment=(0, 2e4, 0), following=True))
     # directors of degree 2 do not bend to an arc; two halves in degree 1 are not quite their whole
-    halves = isinstance(estimate, fl.Hierarchical) and formulation == fl.Director(1)
-    bound = 1e-3 if formulation == fl.Director(2) else 1e-4 if halves else 1e-8
+    halves = isinstance(
+        estimate, fl.adaptivity.HierarchicalEstimate
+    ) and formulation == fl.elements.DirectorBeam(1)
+    bound = 1e-3 if formulation == fl.elements.DirectorBeam(2) else 1e-4 if halves else 1e-8
     assert errors(scene, estimate, load_steps=2).relative < bound
 
 
@@ -81,12 +91,12 @@ def test_constant_stress_has_no_error(estimate, cell):
     def place(a, b):
         return a + 0.1 * np.sin(np.pi * a) * (b - 0.3), b + 0.1 * np.sin(np.pi * b) * a, 0.0
 
-    mesh = fl.surface(place, (4, 4), cell=cell)
+    mesh = fl.mesh.parametric_surface(place, (4, 4), cell=cell)
     scene = fl.Scene()
     shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.1, MATERIAL), name="sheet"))
     shell.symmetry("a=0", (1, 0, 0))
     shell.symmetry("b=0", (0, 1, 0))
-    scene.add(fl.EdgeLoad(shell, "a=1", force=(1e-3, 0, 0)))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(1e-3, 0, 0)))
     assert errors(scene, estimate).relative < 1e-3  # of the strain of large displacements
 
 
@@ -101,7 +111,7 @@ def test_rigid_motion_adds_nothing(estimate, cell):
     moved = np.array(result.frames)
     moved[-1] = lie.se3_compose(np.broadcast_to(H, moved[-1].shape), moved[-1])
     there = replace(result, frames=moved)
-    a, b = (fl.space_error(r, shell, scene, estimate=estimate) for r in (result, there))
+    a, b = (fl.adaptivity.space_error(r, shell, scene, estimate=estimate) for r in (result, there))
     np.testing.assert_allclose(b.squares, a.squares, rtol=1e-6, atol=1e-9 * a.squares.max())
 
 
@@ -119,7 +129,10 @@ def test_shells_turned_as_a_whole(estimate, cell):
 @each_estimate
 def test_beams_turned_as_a_whole(estimate):
     turn = lie.so3_exp(np.array([0.5, -1.0, 0.8]))
-    a, b = (errors(cantilever(fl.Geodesic(), R), estimate, load_steps=2) for R in (None, turn))
+    a, b = (
+        errors(cantilever(fl.elements.GeodesicBeam(), R), estimate, load_steps=2)
+        for R in (None, turn)
+    )
     np.testing.assert_allclose(b.squares, a.squares, rtol=1e-6)
 
 
@@ -167,7 +180,7 @@ def test_it_falls_with_the_cells(estimate, cell):
 def test_layers_along_free_edges():
     """A square twisted by forces at its corners: M₁₂ = P/2 up to edges, where none can be."""
     force, thickness = 1e-6, 0.02
-    mesh = fl.surface(lambda a, b: (a, b, 0.0), (8, 8))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (8, 8))
     scene = fl.Scene()
     section = fl.ShellSection.layer(thickness, MATERIAL)
     plate = scene.add(fl.Shell(mesh, section, name="plate"))
@@ -177,19 +190,26 @@ def test_layers_along_free_edges():
     scene.add(fl.PointLoad(plate.point("11"), force=(0, 0, force)))
     twist, shear = section.stiffness[5, 5], section.stiffness[6, 6]
     expected = np.sqrt(4.0 * (force / 2) ** 2 / np.sqrt(twist * shear))
-    assert errors(scene, fl.Residual()).total == pytest.approx(expected, rel=0.02)
+    assert errors(scene, fl.adaptivity.ResidualEstimate()).total == pytest.approx(
+        expected, rel=0.02
+    )
 
 
 # --- more unknowns --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("formulation", [fl.Geodesic(), fl.Director(1)], ids=repr)
+@pytest.mark.parametrize(
+    "formulation", [fl.elements.GeodesicBeam(), fl.elements.DirectorBeam(1)], ids=repr
+)
 @pytest.mark.parametrize("force", effectivity.BEAMS.values(), ids=list(effectivity.BEAMS))
 def test_halves_of_elements_say_the_same(formulation, force):
     solved = effectivity.arc(16, formulation, force)
-    a, b = (fl.space_error(*solved, estimate=e) for e in (fl.Recovery(), fl.Hierarchical()))
+    a, b = (
+        fl.adaptivity.space_error(*solved, estimate=e)
+        for e in (fl.adaptivity.RecoveryEstimate(), fl.adaptivity.HierarchicalEstimate())
+    )
     assert b.total == pytest.approx(a.total, rel=0.05)
-    if formulation == fl.Geodesic():
+    if formulation == fl.elements.GeodesicBeam():
         np.testing.assert_allclose(b.squares, a.squares, rtol=0.1, atol=1e-3 * a.squares.max())
 
 
@@ -198,25 +218,30 @@ def test_halves_under_line_loads():
     beam = scene.add(fl.Beam.straight((0, 0, 0), (10, 0, 0), SECTION, cells=20, name="b"))
     scene.add(fl.Clamp(beam.point("start")))
     scene.add(fl.LineLoad(beam, force=(0, 0, 50.0)))
-    a, b = (errors(scene, e).total for e in (fl.Recovery(), fl.Hierarchical()))
+    a, b = (
+        errors(scene, e).total
+        for e in (fl.adaptivity.RecoveryEstimate(), fl.adaptivity.HierarchicalEstimate())
+    )
     assert b == pytest.approx(a, rel=0.02)
 
 
 def test_halves_of_what_has_more_nodes():
-    scene = cantilever(fl.Director(2))
+    scene = cantilever(fl.elements.DirectorBeam(2))
     with pytest.raises(ValueError, match=r"two nodes, those of .* have 3"):
-        errors(scene, fl.Hierarchical(), load_steps=2)
-    mesh = fl.surface(lambda a, b: (a, b, 0.0), (2, 2), degree=2)
+        errors(scene, fl.adaptivity.HierarchicalEstimate(), load_steps=2)
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (2, 2), degree=2)
     layer, scene = fl.ShellSection.layer(0.1, MATERIAL), fl.Scene()
-    shell = scene.add(fl.Shell(mesh, layer, formulation=fl.Displacement(), name="sheet"))
+    shell = scene.add(
+        fl.Shell(mesh, layer, formulation=fl.elements.DisplacementBased(), name="sheet")
+    )
     shell.clamp("a=0")
     with pytest.raises(ValueError, match="cells of degree 1, those of sheet are of degree 2"):
-        errors(scene, fl.Hierarchical())
-    mesh, scene = fl.surface(lambda a, b: (a, b, 0.0), (1, 1)), fl.Scene()
+        errors(scene, fl.adaptivity.HierarchicalEstimate())
+    mesh, scene = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (1, 1)), fl.Scene()
     shell = scene.add(fl.Shell(mesh, layer, name="sheet"))
     shell.clamp("a=0")
     with pytest.raises(ValueError, match="6 nodes or more, sheet has 4"):
-        errors(scene, fl.Hierarchical())
+        errors(scene, fl.adaptivity.HierarchicalEstimate())
 
 
 @pytest.mark.parametrize("thickness", [0.04, 0.01])
@@ -225,8 +250,8 @@ def test_cut_cells_of_thin_curved_shells(thickness):
     scene = hemisphere.pinched(thickness, hemisphere.quarter(8))
     result = fl.follow_loads(scene, [0.1])
     a, b = (
-        fl.space_error(result, scene.bodies[0], scene, estimate=e).total
-        for e in (fl.Recovery(), fl.Hierarchical())
+        fl.adaptivity.space_error(result, scene.bodies[0], scene, estimate=e).total
+        for e in (fl.adaptivity.RecoveryEstimate(), fl.adaptivity.HierarchicalEstimate())
     )
     assert 0.4 < b / a < 1.3
 
@@ -234,7 +259,7 @@ def test_cut_cells_of_thin_curved_shells(thickness):
 def test_cut_cells_about_one_cell_are_solved_exactly():
     """Four cells, cut: forces of the found motion are those that were missing, but at the rim."""
     shell = fl.Shell(
-        fl.surface(lambda a, b: (a, b, 0.1 * a * a), (2, 2)),
+        fl.mesh.parametric_surface(lambda a, b: (a, b, 0.1 * a * a), (2, 2)),
         fl.ShellSection.layer(0.1, MATERIAL),
         name="sheet",
     )
@@ -271,8 +296,10 @@ def test_a_line_is_refined_by_residuals():
         scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 3e3)))
         return scene
 
-    line = fl.straight((0, 0, 0), (10, 0, 0), 4)
-    found = fl.adapt(build, line, tolerance=0.03, estimate=fl.Residual())
+    line = fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 4)
+    found = fl.adaptivity.adapt(
+        build, line, tolerance=0.03, estimate=fl.adaptivity.ResidualEstimate()
+    )
     assert found.relative[-1] <= 0.03
     assert found.rate == pytest.approx(-1.0, abs=0.15), "of first order"
 
@@ -282,35 +309,41 @@ def never(mesh):
 
 
 def test_estimates_that_are_none():
-    line = fl.straight((0, 0, 0), (10, 0, 0), 4)
+    line = fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 4)
     with pytest.raises(TypeError, match="estimate"):
-        fl.adapt(never, line, tolerance=0.1, estimate="residual")
-    goal = fl.PointDisplacement("beam.end", (0, 0, 1))
+        fl.adaptivity.adapt(never, line, tolerance=0.1, estimate="residual")
+    goal = fl.adaptivity.PointDisplacementGoal("beam.end", (0, 0, 1))
     with pytest.raises(ValueError, match="leave out Residual"):
-        fl.adapt(never, line, tolerance=0.1, goal=goal, estimate=fl.Residual())
-    scene = cantilever(fl.Geodesic())
+        fl.adaptivity.adapt(
+            never, line, tolerance=0.1, goal=goal, estimate=fl.adaptivity.ResidualEstimate()
+        )
+    scene = cantilever(fl.elements.GeodesicBeam())
     result = fl.statics(scene, load_steps=2)
     with pytest.raises(TypeError, match="estimate"):
-        fl.space_error(result, scene.bodies[0], scene, estimate=fl.Residual)
-    other = cantilever(fl.Geodesic()).bodies[0]
+        fl.adaptivity.space_error(
+            result, scene.bodies[0], scene, estimate=fl.adaptivity.ResidualEstimate
+        )
+    other = cantilever(fl.elements.GeodesicBeam()).bodies[0]
     with pytest.raises(ValueError, match="not in the scene"):
-        fl.space_error(result, other, scene, estimate=fl.Residual())
+        fl.adaptivity.space_error(result, other, scene, estimate=fl.adaptivity.ResidualEstimate())
 
 
 def test_cells_without_residual_errors():
     scene = fl.Scene()
-    mesh = fl.surface(lambda a, b: (a, b, 0.0), (2, 2), degree=2)
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (2, 2), degree=2)
     shell = scene.add(
-        fl.Shell(mesh, fl.ShellSection.layer(0.1, MATERIAL), formulation=fl.Displacement())
+        fl.Shell(
+            mesh, fl.ShellSection.layer(0.1, MATERIAL), formulation=fl.elements.DisplacementBased()
+        )
     )
     shell.clamp("a=0")
     result = fl.statics(scene)
     with pytest.raises(ValueError, match=r"degree 1, .* degree 2"):
-        fl.space_error(result, shell, scene, estimate=fl.Residual())
+        fl.adaptivity.space_error(result, shell, scene, estimate=fl.adaptivity.ResidualEstimate())
     scene = fl.Scene()
-    mesh = fl.surface(lambda a, b: (a, b, 0.0), (1, 1))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (1, 1))
     shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.1, MATERIAL)))
     shell.clamp("a=0")
     result = fl.statics(scene)
     with pytest.raises(ValueError, match="smooth neighbours, cell 0"):
-        fl.space_error(result, shell, scene, estimate=fl.Residual())
+        fl.adaptivity.space_error(result, shell, scene, estimate=fl.adaptivity.ResidualEstimate())

@@ -7,22 +7,22 @@ import numpy as np
 
 import fem_lie as fl
 
-CONNECTION = next(base for base in fl.Joint.__mro__ if base.__name__ == "Connection")
+CONNECTION = next(base for base in fl.joints.Joint.__mro__ if base.__name__ == "Connection")
 PUT_IN = (
-    fl.Body,
+    fl.extend.Body,
     CONNECTION,
-    fl.RigidLink,
+    fl.joints.RigidLink,
     fl.extend.Load,
     fl.Clamp,
     fl.PrescribedMotion,
-    fl.Contact,
+    fl.contact.Contact,
     fl.extend.Integrator,
 )
 CLASSES = [thing for name in fl.__all__ if inspect.isclass(thing := getattr(fl, name))]
 WANTED = [
     thing
     for thing in [*CLASSES, fl.Scene]
-    if issubclass(thing, (*PUT_IN, fl.Scene)) and thing not in (fl.Body, fl.Joint)
+    if issubclass(thing, (*PUT_IN, fl.Scene)) and thing not in (fl.extend.Body, fl.joints.Joint)
 ]
 
 

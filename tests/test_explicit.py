@@ -91,15 +91,17 @@ SCENES = FREE | {"net": lambda: net()[0]}
 def test_a_free_body_turns_as_in_the_variational_scheme():
     """Both are that of Moser and Veselov."""
     plan = {"duration": 1.0, "step": 1e-2, "save_every": 20}
-    here, there = SCHEME.run(spinning(), **plan), fl.Variational().run(spinning(), **plan)
+    here, there = SCHEME.run(spinning(), **plan), fl.schemes.Variational().run(spinning(), **plan)
     np.testing.assert_allclose(here.frames, there.frames, atol=1e-12)
     assert here.energy_error <= 1e-13
 
 
 POINTS = {
-    "ANCF beam": lambda given: fl.AncfBeam(fl.curve(lambda s: (s, 0, 0), 8), given, up=(0, 0, 1)),
-    "thin shell": lambda given: fl.ThinShell(fl.smooth_patch(*FLAT), LAYER),
-    "ANCF shell": lambda given: fl.AncfShell(fl.smooth_patch(*FLAT), LAYER),
+    "ANCF beam": lambda given: fl.AncfBeam(
+        fl.mesh.curve(lambda s: (s, 0, 0), 8), given, up=(0, 0, 1)
+    ),
+    "thin shell": lambda given: fl.ThinShell(fl.mesh.smooth_patch(*FLAT), LAYER),
+    "ANCF shell": lambda given: fl.AncfShell(fl.mesh.smooth_patch(*FLAT), LAYER),
 }
 FLAT = (lambda a, b: (a, 0.1 * b, 0.0), (8, 1))
 LAYER = fl.ShellSection.layer(0.01, fl.Material(1e7, 0.0, 1000.0))
@@ -181,7 +183,7 @@ def test_damping_of_mass(name):
     step = 0.4 * SCHEME.stable_step(scene)
     rate = 1e-3 / step
     for body in scene.bodies:
-        body.damping = fl.Damping(mass=rate)
+        body.damping = fl.sections.Damping(mass=rate)
     runs = [
         SCHEME.run(scene, duration=200 * step, step=step / parts, save_every=10 * parts)
         for parts in (1, 2)
@@ -236,7 +238,7 @@ def test_resumed_to_the_last_bit(tmp_path, name):
 
 
 def test_damping_by_strain_rates():
-    scene, damping = fl.Scene(), fl.Damping(stiffness=1e-3)
+    scene, damping = fl.Scene(), fl.sections.Damping(stiffness=1e-3)
     scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), THREAD, cells=2, damping=damping))
     with pytest.raises(ValueError, match=r"Explicit does not support damping by strain rates"):
         SCHEME.run(scene, duration=1e-3, step=1e-4)
@@ -246,9 +248,9 @@ def test_damping_that_differs_around_a_frame():
     scene = fl.Scene()
     first, second = (
         scene.add(fl.Beam.straight((x, 0, 0), (x + 1, 0, 0), SQUARE, cells=2, damping=damping))
-        for x, damping in ((0, fl.Damping(mass=1.0)), (1, fl.Damping()))
+        for x, damping in ((0, fl.sections.Damping(mass=1.0)), (1, fl.sections.Damping()))
     )
-    scene.add(fl.RigidLink(first.point("end"), second.point("start")))
+    scene.add(fl.joints.RigidLink(first.point("end"), second.point("start")))
     with pytest.raises(ValueError, match=r"differs around node \d of beam 1"):
         SCHEME.run(scene, duration=1e-5, step=1e-7)
 
@@ -263,7 +265,7 @@ def test_no_stable_step():
 
 def test_steps_that_change():
     with pytest.raises(ValueError, match=r"constant steps.* got AdaptiveStep"):
-        SCHEME.run(net()[0], duration=0.1, step=fl.AdaptiveStep(1e-4))
+        SCHEME.run(net()[0], duration=0.1, step=fl.schemes.AdaptiveStep(1e-4))
 
 
 def test_forces_in_the_loop_are_those_of_the_equations():
@@ -282,7 +284,7 @@ def test_forces_in_the_loop_are_those_of_the_equations():
 
 def thin_shell() -> fl.ThinShell:
     """A square thin shell of four cells."""
-    patch = fl.smooth_patch(lambda a, b: (a, b, 0.0), (2, 2))
+    patch = fl.mesh.smooth_patch(lambda a, b: (a, b, 0.0), (2, 2))
     return fl.ThinShell(patch, fl.ShellSection.layer(0.01, fl.Material(1e9, 0.3, 1000.0)))
 
 
@@ -297,4 +299,4 @@ def test_asynchronous_steps_need_positions(body):
     scene = fl.Scene()
     scene.add(body())
     with pytest.raises(ValueError, match=r"does not support .*use .*GeneralisedAlpha"):
-        fl.Asynchronous().run(scene, duration=1e-3, step=1e-4, progress=False)
+        fl.schemes.Asynchronous().run(scene, duration=1e-3, step=1e-4, progress=False)

@@ -22,7 +22,7 @@ def rope() -> fl.Scene:
     cable = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), THREAD, cells=4))
     ball = scene.add(fl.RigidBody(*BALL, position=(1.1, 0, 0)))
     ball.velocities[0, [1, 5]] = 0.2, 2.0
-    scene.add(fl.Spherical(cable.point("end"), ball.point("centre"), at=(1, 0, 0)))
+    scene.add(fl.joints.Spherical(cable.point("end"), ball.point("centre"), at=(1, 0, 0)))
     return scene
 
 
@@ -34,7 +34,7 @@ def net() -> fl.Scene:
     body = scene.add(fl.Net(places, [*map(list, grid), *map(list, grid.T)], THREAD, stretch=1.05))
     ball = scene.add(fl.RigidBody(*BALL, position=(1, 1, 0)))
     ball.velocities[0, 3] = 0.5
-    scene.add(fl.Spherical(body.point(8), ball.point("centre")))
+    scene.add(fl.joints.Spherical(body.point(8), ball.point("centre")))
     return scene
 
 
@@ -45,7 +45,7 @@ def collar() -> fl.Scene:
     ball = scene.add(fl.RigidBody(0.05, (1e-5, 2e-5, 2e-5), position=(0.4, 0, 0)))
     beam.add_velocity(omega=(0, 0, 3), about=(0, 0, 0))
     ball.velocities[0, [0, 1, 5]] = 1.0, 1.2, 3.0
-    scene.add(fl.Collar(beam, ball.point("centre")))
+    scene.add(fl.joints.Collar(beam, ball.point("centre")))
     return scene
 
 
@@ -63,7 +63,7 @@ def plan(scene: fl.Scene, steps: int) -> dict[str, float]:
 def damped_rope() -> fl.Scene:
     """The cable is damped, and the ball is not."""
     scene = rope()
-    scene.bodies[0].damping = fl.Damping(mass=50.0)
+    scene.bodies[0].damping = fl.sections.Damping(mass=50.0)
     return scene
 
 
@@ -123,8 +123,8 @@ def test_resumed_to_the_last_bit(tmp_path, name):
 def test_drives():
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (1, 1, 1)))
-    hinge = scene.add(fl.Revolute(fl.ground(), body.point("centre"), axis=(0, 0, 1)))
-    scene.add(fl.Drive(hinge.angle, lambda t: 0.1 * t**3))
+    hinge = scene.add(fl.joints.Revolute(fl.ground(), body.point("centre"), axis=(0, 0, 1)))
+    scene.add(fl.joints.Drive(hinge.angle, lambda t: 0.1 * t**3))
     with pytest.raises(ValueError, match=r"Explicit does not support drives: use GeneralisedAlpha"):
         SCHEME.run(scene, duration=0.1, step=1e-3)
 
@@ -132,7 +132,7 @@ def test_drives():
 def test_constraints_of_velocities():
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (1, 1, 1)))
-    scene.add(fl.KnifeEdge(fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 1, 0)))
+    scene.add(fl.joints.KnifeEdge(fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 1, 0)))
     with pytest.raises(ValueError, match=r"Explicit does not support velocity constraints"):
         SCHEME.run(scene, duration=0.1, step=1e-3)
 

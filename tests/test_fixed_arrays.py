@@ -55,8 +55,8 @@ def test_cells_whose_nodes_follow_others_are_in_the_same_call():
         scene.add(fl.Beam.straight(*ends, section, cells=3))
         for ends in ((np.zeros(3), corner), (corner, corner + np.array((0.0, 0.2, 0.1))))
     )
-    scene.add(fl.Spherical(fl.ground(), one.point("start")))
-    scene.add(fl.RigidLink(one.point("end"), other.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.joints.RigidLink(one.point("end"), other.point("start")))
     system = System(scene, dynamics=True)
     assert system.in_one_sum
     assert [term.following is None for term in system.terms] == [False]

@@ -19,7 +19,7 @@ FULL = np.array([[2.0, 0.3, -0.2], [0.3, 2.5, 0.1], [-0.2, 0.1, 1.5]])
 
 
 def loaded(
-    count: int = 1, *, gravity=(0.5, 0, -9.81), loads: bool = True, group=fl.Group.SE3
+    count: int = 1, *, gravity=(0.5, 0, -9.81), loads: bool = True, group=fl.lie.Group.SE3
 ) -> fl.Scene:
     """Bodies with full inertia tensors under every kind of load, no two alike."""
     rng = np.random.default_rng(3)
@@ -45,14 +45,14 @@ def loaded(
 def general(options: fl.GeneralisedAlpha, scene: fl.Scene, steps: int, step: float) -> fl.Result:
     """The same by the road that all other scenes take."""
     # the compiled loop has all terms in its matrix
-    scene.choices = fl.Choices(gyroscopic=True)
+    scene.choices = fl.schemes.MatrixTerms(gyroscopic=True)
     run = Run(options, fl.extend.Equations(scene, dynamics=True), step)
     return run.run(EqualSteps(Saving(), steps, step), False, None)
 
 
 def as_r3xso3(options: fl.GeneralisedAlpha, scene: fl.Scene, steps: int, step: float) -> fl.Result:
     for body in scene.bodies:
-        body.group = fl.Group.R3xSO3
+        body.group = fl.lie.Group.R3xSO3
     run = free_bodies.Run(options, fl.extend.Equations(scene, dynamics=True), step)
     return run.run(EqualSteps(Saving(), steps, step), False, None)
 
@@ -79,15 +79,21 @@ def test_same_as_the_general_road(radius, step):
 def test_same_on_r3xso3_within_the_tolerance():
     """The general road has another approximation in its matrix, so the iterations differ."""
     options = fl.GeneralisedAlpha(tolerance=1e-12)
-    free = options.run(loaded(group=fl.Group.R3xSO3), duration=0.2, step=2e-3)
-    other = general(options, loaded(group=fl.Group.R3xSO3), 100, 2e-3)
+    free = options.run(loaded(group=fl.lie.Group.R3xSO3), duration=0.2, step=2e-3)
+    other = general(options, loaded(group=fl.lie.Group.R3xSO3), 100, 2e-3)
     for name in (*HISTORIES, "angular_momentum"):
         one, two = getattr(free, name), getattr(other, name)
         np.testing.assert_allclose(one, two, rtol=0, atol=1e-10 * max(1.0, np.abs(two).max()))
 
 
 @pytest.mark.parametrize(
-    "policy", [fl.EveryIteration(), fl.Limit(2), fl.Automatic(cost=3, patience=2), fl.Never()]
+    "policy",
+    [
+        fl.schemes.EveryIteration(),
+        fl.schemes.IterationLimit(2),
+        fl.schemes.Automatic(cost=3, patience=2),
+        fl.schemes.FactoriseOnce(),
+    ],
 )
 def test_policies_are_those_of_the_general_road(policy):
     options = fl.GeneralisedAlpha(policy=policy)
@@ -107,11 +113,11 @@ def test_several_bodies_are_as_exact_as_the_general_road():
 
 
 def test_which_scenes_take_the_compiled_loop(caplog):
-    class Mine(fl.Policy):
+    class Mine(fl.schemes.RefactorisationPolicy):
         def begin(self, bound):
             return Always()
 
-    class Always(fl.Decisions):
+    class Always(fl.extend.PolicyState):
         def before_iteration(self, iteration):
             return True
 
@@ -124,14 +130,14 @@ def test_which_scenes_take_the_compiled_loop(caplog):
     section = fl.Section.rectangle(0.1, 0.1, fl.Material(1e9, 0.3, 1000))
     beams = fl.Scene()
     beams.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2))
-    automatic = fl.Automatic()
+    automatic = fl.schemes.Automatic()
     assert free_impacts.applies(loaded(2), automatic)
     assert not free_impacts.applies(loaded(2), Mine())
     assert not free_impacts.applies(fl.Scene(), automatic)
     assert not free_impacts.applies(beams, automatic)
     for item in (
         fl.Clamp,
-        lambda point: fl.Spherical(fl.ground(), point),
+        lambda point: fl.joints.Spherical(fl.ground(), point),
         lambda point: fl.PrescribedMotion(point, lambda t: point.frame),
     ):
         assert not free_impacts.applies(held(item), automatic)
@@ -398,12 +404,12 @@ def test_translation_is_exact_on_r3xso3_whatever_the_spin():
     path = start[0] + t * (start[1:].T @ v[:3]) + 0.5 * t**2 * [1, 0, -10]
     np.testing.assert_allclose(result.position(0), path, rtol=0, atol=1e-12)
     assert result.momentum_error < 1e-13, "gravity has an impulse"
-    scene.bodies[0].group = fl.Group.SE3
+    scene.bodies[0].group = fl.lie.Group.SE3
     other = fl.GeneralisedAlpha().run(scene, duration=1.0, step=0.02)
     assert np.abs(other.position(0) - path).max() > 1e-5
 
 
-@pytest.mark.parametrize("group", [int(fl.Group.SE3), int(fl.Group.R3xSO3)])
+@pytest.mark.parametrize("group", [int(fl.lie.Group.SE3), int(fl.lie.Group.R3xSO3)])
 def test_matrix_is_the_derivative_of_the_residual(group):
     """By central differences along every increment, through the laws of the scheme."""
     rng = np.random.default_rng(2)

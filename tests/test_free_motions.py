@@ -13,8 +13,10 @@ AXIS = (1, 0, 0)
 
 def brick(scene, **load):
     """A solid on a hinge about its long axis, pulled along it at the other face."""
-    body = scene.add(fl.Solid.brick((1, 0.4, 0.4), fl.NeoHooke(1e6, 0.3, 100.0), cells=(3, 2, 2)))
-    hinge = scene.add(fl.Revolute(fl.ground(), body.point("a=0"), axis=AXIS))
+    body = scene.add(
+        fl.Solid.brick((1, 0.4, 0.4), fl.sections.NeoHooke(1e6, 0.3, 100.0), cells=(3, 2, 2))
+    )
+    hinge = scene.add(fl.joints.Revolute(fl.ground(), body.point("a=0"), axis=AXIS))
     for corner in ("100", "110", "101", "111"):
         scene.add(fl.PointLoad(body.point(corner), force=(20, 0, 0)))
     return body.point("111"), hinge
@@ -23,8 +25,8 @@ def brick(scene, **load):
 def beam(scene, kind, pull):
     """Between two pins, of which one moves along the axis."""
     body = scene.add(kind.straight((0, 0, 0), AXIS, SECTION, cells=4))
-    hinge = scene.add(fl.Cylindrical(fl.ground(), body.point("end"), axis=AXIS))
-    scene.add(fl.Spherical(fl.ground(), body.point("start")))
+    hinge = scene.add(fl.joints.Cylindrical(fl.ground(), body.point("end"), axis=AXIS))
+    scene.add(fl.joints.Spherical(fl.ground(), body.point("start")))
     scene.add(fl.PointLoad(body.point("end"), force=(pull, 0, 0)))
     return body.point("end"), hinge
 
@@ -47,7 +49,7 @@ SCENES = {
 OPTIONS = {
     "at once": {},
     "steps": {"load_steps": 5},
-    "plain": {"newton": fl.Newton(carried_stress=False)},
+    "plain": {"newton": fl.schemes.Newton(carried_stress=False)},
 }
 
 
@@ -75,7 +77,7 @@ def test_a_soft_spring_holds_it(name):
     for options in ({}, {"load_steps": 4}):
         scene = fl.Scene()
         point, hinge = SCENES[name](scene)
-        scene.add(fl.Spring(hinge.angle, stiffness=1e-3))
+        scene.add(fl.joints.Spring(hinge.angle, stiffness=1e-3))
         result = fl.statics(scene, **options)
         found.append(result.position(point)[-1])
     np.testing.assert_allclose(*found, atol=1e-9)
@@ -87,10 +89,10 @@ def test_a_soft_spring_holds_it(name):
 def test_what_is_free_does_not_depend_on_units(u, held):
     """A small brick on its hinge, without a spring and with one of a millionth of its stiffness."""
     scene, size = fl.Scene(), 0.01
-    material = fl.NeoHooke(u.stress(1e6), 0.3, u.density(100.0))
+    material = fl.sections.NeoHooke(u.stress(1e6), 0.3, u.density(100.0))
     edges = tuple(u.length([size, 0.4 * size, 0.4 * size]))
     body = scene.add(fl.Solid.brick(edges, material, cells=(3, 2, 2)))
-    hinge = scene.add(fl.Revolute(fl.ground(), body.point("a=0"), axis=AXIS))
+    hinge = scene.add(fl.joints.Revolute(fl.ground(), body.point("a=0"), axis=AXIS))
     force = u.force([5e3 * size**2, 0, 0])
     for corner in ("100", "110", "101", "111"):
         scene.add(fl.PointLoad(body.point(corner), force=force))
@@ -98,7 +100,7 @@ def test_what_is_free_does_not_depend_on_units(u, held):
         with pytest.raises(fl.ConvergenceError, match="motion"):
             fl.statics(scene)
         return
-    scene.add(fl.Spring(hinge.angle, stiffness=u.moment(size**3)))
+    scene.add(fl.joints.Spring(hinge.angle, stiffness=u.moment(size**3)))
     moved = fl.statics(scene).position(body.point("111"))[-1] - body.point("111").position
     np.testing.assert_allclose(moved[1:], 0.0, atol=3e-2 * u.length(size))
 
@@ -108,7 +110,7 @@ def test_a_free_rotation_is_refused_whatever_the_tolerance(tolerance):
     scene = fl.Scene()
     brick(scene)
     with pytest.raises(fl.ConvergenceError, match="motion"):
-        fl.statics(scene, newton=fl.Newton(tolerance=tolerance))
+        fl.statics(scene, newton=fl.schemes.Newton(tolerance=tolerance))
 
 
 def test_the_message_names_the_bodies():
@@ -124,9 +126,9 @@ def test_weight_holds_a_solid_that_hangs():
     """A pendulum at rest: its weight resists the rotation that the hinge leaves free."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     lengths, origin = (0.1, 0.1, 0.5), (-0.05, -0.05, -0.5)
-    rubber = fl.NeoHooke(1e6, 0.3, 100.0)
+    rubber = fl.sections.NeoHooke(1e6, 0.3, 100.0)
     body = scene.add(fl.Solid.brick(lengths, rubber, cells=(1, 1, 3), origin=origin))
-    scene.add(fl.Revolute(fl.ground(), body.point("c=1"), axis=AXIS))
+    scene.add(fl.joints.Revolute(fl.ground(), body.point("c=1"), axis=AXIS))
     low = fl.statics(scene).position(body.point("000"))[-1]
     np.testing.assert_allclose(low[:2], body.point("000").position[:2], atol=1e-3)
     assert low[2] < -0.5

@@ -8,25 +8,27 @@ from benchmarks import conserving_contact
 from fem_lie import lie
 
 GRAVITY, SIZE = 9.81, 0.1
-FLOOR = fl.Plane(fl.ground(), (0, 0, 1))
+FLOOR = fl.contact.Plane(fl.ground(), (0, 0, 1))
 
 
-def on_slope(degrees: float, surface, law: fl.Penalty, start=0.0) -> tuple[fl.Scene, fl.Point]:
+def on_slope(
+    degrees: float, surface, law: fl.contact.Penalty, start=0.0
+) -> tuple[fl.Scene, fl.extend.Point]:
     """A body of 1 kg whose centre is 0.1 m above a slope, in equilibrium across it."""
     angle = np.radians(degrees)
     body = fl.RigidBody(1.0, 0.4 * SIZE**2 * np.eye(3), (0, 0, SIZE - start))
     scene = fl.Scene(gravity=(GRAVITY * np.sin(angle), 0, -GRAVITY * np.cos(angle)))
     scene.add(body)
-    scene.add(fl.Contact(surface(body.point("centre")), FLOOR, law))
+    scene.add(fl.contact.Contact(surface(body.point("centre")), FLOOR, law))
     return scene, body.point("centre")
 
 
-def block(point: fl.Point) -> fl.Box:
-    return fl.Box(point, (4 * SIZE, 4 * SIZE, 2 * SIZE))
+def block(point: fl.extend.Point) -> fl.contact.Box:
+    return fl.contact.Box(point, (4 * SIZE, 4 * SIZE, 2 * SIZE))
 
 
-def ball(point: fl.Point) -> fl.Sphere:
-    return fl.Sphere(point, SIZE)
+def ball(point: fl.extend.Point) -> fl.contact.Sphere:
+    return fl.contact.Sphere(point, SIZE)
 
 
 def run(scene: fl.Scene, duration: float, step: float, **options) -> fl.Result:
@@ -38,7 +40,7 @@ def run(scene: fl.Scene, duration: float, step: float, **options) -> fl.Result:
 def test_a_block_sticks_or_slides(degrees, sticks):
     """By Coulomb's law, after springs have been stretched."""
     k, μ, angle = 1e6, 0.5, np.radians(degrees)
-    law = fl.Penalty(k, damping=1e3, friction=μ)
+    law = fl.contact.Penalty(k, damping=1e3, friction=μ)
     scene, centre = on_slope(degrees, block, law, GRAVITY * np.cos(angle) / (4 * k))
     x = run(scene, 0.3, 1e-3).position(centre)[:, 0]
     if sticks:
@@ -53,11 +55,13 @@ def test_a_block_on_a_body_that_a_joint_holds_slides_to_rest():
     μ, k, speed = 0.3, 1e6, 0.3
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     slab = scene.add(fl.RigidBody(1e3, 1e3 * np.eye(3), (0, 0, -0.5)))
-    scene.add(fl.Prismatic(fl.ground(), slab.point("centre"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Prismatic(fl.ground(), slab.point("centre"), axis=(0, 1, 0)))
     body = scene.add(fl.RigidBody(1.0, np.eye(3), (0, 0, SIZE - GRAVITY / (4 * k))))
     body.add_velocity((speed, 0, 0))
-    top = fl.Plane(slab.point((0, 0, 0)), (0, 0, 1))
-    scene.add(fl.Contact(block(body.point("centre")), top, fl.Penalty(k, friction=μ)))
+    top = fl.contact.Plane(slab.point((0, 0, 0)), (0, 0, 1))
+    scene.add(
+        fl.contact.Contact(block(body.point("centre")), top, fl.contact.Penalty(k, friction=μ))
+    )
     x = run(scene, 0.3, 1e-3).position(body.point("centre"))[:, 0]
     assert x[-1] == pytest.approx(speed**2 / (2 * μ * GRAVITY), rel=0.02)
     assert np.ptp(x[-100:]) < 1e-5
@@ -66,7 +70,7 @@ def test_a_block_on_a_body_that_a_joint_holds_slides_to_rest():
 def test_a_ball_rolls():
     """Springs go along: 5/7 of what it has without friction."""
     k, angle = 1e5, np.radians(20)
-    law = fl.Penalty(k, friction=0.5)
+    law = fl.contact.Penalty(k, friction=0.5)
     scene, centre = on_slope(20, ball, law, GRAVITY * np.cos(angle) / k)
     result = run(scene, 0.5, 2e-3)
     wanted = 5 / 14 * GRAVITY * np.sin(angle) * 0.5**2
@@ -79,44 +83,49 @@ def forces_of(term, H: np.ndarray) -> np.ndarray:
     return out.ravel()
 
 
-def ball_on_ball() -> tuple[list[fl.Body], fl.Contact]:
+def ball_on_ball() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
     pair = [fl.RigidBody(1.0, np.eye(3), place) for place in ((0, 0, 0.098), (0, 0, -0.3))]
-    return pair, (fl.Sphere(pair[0].point("centre"), 0.1), fl.Sphere(pair[1].point("centre"), 0.3))
-
-
-def ball_on_plane() -> tuple[list[fl.Body], fl.Contact]:
-    pair = [fl.RigidBody(1.0, np.eye(3), place) for place in ((0, 0, 0.098), (0, 0, 0))]
     return pair, (
-        fl.Sphere(pair[0].point("centre"), 0.1),
-        fl.Plane(pair[1].point("centre"), (0, 0, 1)),
+        fl.contact.Sphere(pair[0].point("centre"), 0.1),
+        fl.contact.Sphere(pair[1].point("centre"), 0.3),
     )
 
 
-def line_on_plane() -> tuple[list[fl.Body], fl.Contact]:
+def ball_on_plane() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
+    pair = [fl.RigidBody(1.0, np.eye(3), place) for place in ((0, 0, 0.098), (0, 0, 0))]
+    return pair, (
+        fl.contact.Sphere(pair[0].point("centre"), 0.1),
+        fl.contact.Plane(pair[1].point("centre"), (0, 0, 1)),
+    )
+
+
+def line_on_plane() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
     section = fl.Section.circle(0.1, fl.Material(1e9, 0.3, 1.0))
     line = fl.Beam.straight((0, 0, 0.098), (1, 0, 0.098), section, cells=2)
-    return [line], (fl.Line(line, 0.1), FLOOR)
+    return [line], (fl.contact.Line(line, 0.1), FLOOR)
 
 
 def sheet(height: float, cells: int) -> fl.Shell:
     """A square, 0.1 m thick, that is smaller the higher it is, so that edges do not meet."""
-    mesh = fl.surface(lambda a, b: np.array([a, b, 0]) * (1 - height) + [0, 0, height], (cells, 1))
+    mesh = fl.mesh.parametric_surface(
+        lambda a, b: np.array([a, b, 0]) * (1 - height) + [0, 0, height], (cells, 1)
+    )
     return fl.Shell(mesh, fl.ShellSection.layer(0.1, fl.Material(1e9, 0.3, 1.0)))
 
 
-def skin_on_skin() -> tuple[list[fl.Body], fl.Contact]:
+def skin_on_skin() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
     upper, lower = sheet(0.097, 1), sheet(0.0, 2)
-    return [upper, lower], (fl.Skin(upper), fl.Skin(lower))
+    return [upper, lower], (fl.contact.ShellSurface(upper), fl.contact.ShellSurface(lower))
 
 
-def skin_on_plane() -> tuple[list[fl.Body], fl.Contact]:
+def skin_on_plane() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
     one = sheet(0.048, 1)
-    return [one], (fl.Skin(one), FLOOR)
+    return [one], (fl.contact.ShellSurface(one), FLOOR)
 
 
-def ball_on_skin() -> tuple[list[fl.Body], fl.Contact]:
+def ball_on_skin() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
     one, body = sheet(0.0, 1), fl.RigidBody(1.0, np.eye(3), (0.3, 0.4, 0.148))
-    return [body, one], (fl.Sphere(body.point("centre"), 0.1), fl.Skin(one))
+    return [body, one], (fl.contact.Sphere(body.point("centre"), 0.1), fl.contact.ShellSurface(one))
 
 
 @pytest.mark.parametrize("friction", [100.0, 0.1])
@@ -126,10 +135,10 @@ def ball_on_skin() -> tuple[list[fl.Body], fl.Contact]:
 def test_derivatives(make, friction):
     """By differences, sticking and slipping."""
     bodies, surfaces = make()
-    law = fl.Penalty(50.0, friction=friction, holding=30.0)
+    law = fl.contact.Penalty(50.0, friction=friction, holding=30.0)
     first = np.cumsum([0, *(len(b.frames) for b in bodies)])
     numbers = {b: np.arange(len(b.frames)) + k for b, k in zip(bodies, first, strict=False)}
-    term = fl.Contact(*surfaces, law).term(numbers.__getitem__)
+    term = fl.contact.Contact(*surfaces, law).term(numbers.__getitem__)
     H = np.concatenate([b.frames for b in bodies])
     H = lie.se3_retract(H, 1e-3 * np.random.default_rng(1).normal(size=(len(H), 6)))
     wanted, found = np.zeros((2, 6 * len(H), 6 * len(H)))
@@ -152,7 +161,9 @@ def thrown() -> fl.Scene:
     body.add_velocity((0.3, 0.1, 0))
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     scene.add(body)
-    scene.add(fl.Contact(ball(body.point("centre")), FLOOR, fl.Penalty(1e5, friction=0.3)))
+    scene.add(
+        fl.contact.Contact(ball(body.point("centre")), FLOOR, fl.contact.Penalty(1e5, friction=0.3))
+    )
     return scene
 
 
@@ -172,7 +183,7 @@ def test_a_run_goes_on_to_the_last_bit(tmp_path, every):
     assert speed[-1] == pytest.approx(5 / 7 * 0.3, rel=5e-2)
 
 
-LAW = fl.Penalty(1e5, friction=0.3)
+LAW = fl.contact.Penalty(1e5, friction=0.3)
 
 
 @pytest.mark.parametrize(
@@ -236,9 +247,9 @@ def sliding_beam(*, line: bool) -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     beam = scene.add(fl.Beam.straight((0, 0, 0.0097), (1, 0, 0.03), section, cells=6))
     beam.add_velocity((0.1, 0.05, 0))
-    nodes = fl.Vertices([fl.Point(beam, k) for k in range(7)], 0.01)
-    law = fl.Penalty(2e4 if line else 2e3, friction=0.3)
-    scene.add(fl.Contact(fl.Line(beam, 0.01) if line else nodes, FLOOR, law))
+    nodes = fl.contact.Vertices([fl.extend.Point(beam, k) for k in range(7)], 0.01)
+    law = fl.contact.Penalty(2e4 if line else 2e3, friction=0.3)
+    scene.add(fl.contact.Contact(fl.contact.Line(beam, 0.01) if line else nodes, FLOOR, law))
     return scene
 
 
@@ -260,17 +271,17 @@ def crossing() -> fl.Scene:
     section, scene = fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1000.0)), fl.Scene()
     one = scene.add(fl.Beam.straight((-1, 0, 0), (1, 0, 0), section, cells=4))
     other = scene.add(fl.Beam.straight((0, -1, 0.1), (0, 1, 0.1), section, cells=4))
-    scene.add(fl.Contact(fl.Line(one, 0.01), fl.Line(other, 0.01), LAW))
+    scene.add(fl.contact.Contact(fl.contact.Line(one, 0.01), fl.contact.Line(other, 0.01), LAW))
     return scene
 
 
 REFUSED = {
     "friction": (
-        lambda: fl.Penalty(1e3, friction=-0.1),
+        lambda: fl.contact.Penalty(1e3, friction=-0.1),
         r"Penalty: friction must not be negative, got -0.1",
     ),
-    "nan": (lambda: fl.Penalty(1e3, friction=float("nan")), "friction"),
-    "holding": (lambda: fl.Penalty(1e3, friction=0.1, holding=0.0), "Penalty: holding"),
+    "nan": (lambda: fl.contact.Penalty(1e3, friction=float("nan")), "friction"),
+    "holding": (lambda: fl.contact.Penalty(1e3, friction=0.1, holding=0.0), "Penalty: holding"),
     "explicit": (
         lambda: fl.Explicit().run(
             on_slope(20, ball, LAW)[0], duration=0.1, step=1e-3, progress=False
@@ -278,7 +289,7 @@ REFUSED = {
         "Explicit does not support friction of penalties",
     ),
     "variational": (
-        lambda: fl.Variational().run(
+        lambda: fl.schemes.Variational().run(
             on_slope(20, ball, LAW)[0], duration=0.1, step=1e-3, progress=False
         ),
         "Variational does not support friction of penalties",

@@ -17,7 +17,7 @@ from fem_lie.forms.assembly import Assembly
 from fem_lie.forms.cells import Cells, evaluate
 
 
-def both(count: int) -> tuple[fl.NodalFrames, fl.LocalFrameForms, fl.LocalFrameForms]:
+def both(count: int) -> tuple[fl.NodalFrames, fl.extend.LocalFrameForms, fl.extend.LocalFrameForms]:
     """By hand, and derived: of any stiffness, strained at rest."""
     mesh, rng = models.straight(MPI.COMM_SELF, 1.5, count), np.random.default_rng(5)
     q = fl.NodalFrames(mesh)
@@ -34,8 +34,8 @@ def both(count: int) -> tuple[fl.NodalFrames, fl.LocalFrameForms, fl.LocalFrameF
     share = fl.extend.cellwise(mesh, bending_share(section, stiffness))
     d, d0, ell, D = (fl.extend.cellwise(mesh, a) for a in (relative, relative, lengths, stiffness))
     energy = geodesic_energy(d, d0, ell, D, mesh, eigenstrain, share=share)
-    derived = fl.LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
-    return q, fl.Geodesic().forms(q, cells), derived
+    derived = fl.extend.LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
+    return q, fl.elements.GeodesicBeam().forms(q, cells), derived
 
 
 @pytest.mark.parametrize("size", [0.0, 1e-9, 0.1, 1.0], ids=str)

@@ -74,10 +74,12 @@ def test_on_a_helix_they_turn_against_the_torsion_with_fourth_order():
     assert np.log2(np.array(errors[:-1]) / errors[1:]).min() > 3.8, errors
 
 
-def closed(function, cells: int) -> fl.LineMesh:
+def closed(function, cells: int) -> fl.mesh.LineMesh:
     phi = 2 * np.pi * np.arange(cells) / cells
     pairs = np.column_stack([np.arange(cells), (np.arange(cells) + 1) % cells])
-    return fl.LineMesh.from_cells([function(p) for p in phi], pairs, kink_angle=np.radians(40.0))
+    return fl.mesh.LineMesh.from_cells(
+        [function(p) for p in phi], pairs, kink_angle=np.radians(40.0)
+    )
 
 
 def test_a_closed_circle_closes_and_another_ring_has_one_step():
@@ -98,7 +100,7 @@ def test_a_closed_circle_closes_and_another_ring_has_one_step():
 
 
 def test_up_is_nearest_to_e3_for_all_or_for_groups():
-    mesh = fl.LineMesh.from_cells(
+    mesh = fl.mesh.LineMesh.from_cells(
         [arc(2.0)(s) for s in np.linspace(0, 1, 9)],
         [(i, i + 1) for i in range(8)],
         groups={"first": [0, 1, 2], "second": [3, 4, 5]},
@@ -126,12 +128,12 @@ def test_up_is_nearest_to_e3_for_all_or_for_groups():
 def test_twist_is_a_rate_along_straight_bars_and_comes_on_top_on_others():
     rate = 0.8
     bar = fl.Beam.straight(
-        (0, 0, 0), (1, 2, 2), SECTION, cells=4, up=fl.Twisted(lambda s: rate * s)
+        (0, 0, 0), (1, 2, 2), SECTION, cells=4, up=fl.sections.Twisted(lambda s: rate * s)
     )
     strain = successive(bar) / bar.lengths[:, np.newaxis]
     np.testing.assert_allclose(strain, [[1, 0, 0, rate, 0, 0]] * 4, atol=1e-14)
     plain, twisted = (
-        fl.Beam.curve(arc(2.0), SECTION, cells=6, up=fl.Twisted(twist))
+        fl.Beam.curve(arc(2.0), SECTION, cells=6, up=fl.sections.Twisted(twist))
         for twist in (None, lambda s: 0.3 * s)
     )
     turn = lie.se3_relative(plain.frames, twisted.frames)
@@ -139,7 +141,7 @@ def test_twist_is_a_rate_along_straight_bars_and_comes_on_top_on_others():
     np.testing.assert_allclose(turn[:, [0, 1, 2, 4, 5]], 0.0, atol=1e-14)
     with pytest.raises(ValueError, match="twist must be finite"):
         fl.Beam.straight(
-            (0, 0, 0), (1, 0, 0), SECTION, cells=2, up=fl.Twisted(lambda s: float("nan"))
+            (0, 0, 0), (1, 0, 0), SECTION, cells=2, up=fl.sections.Twisted(lambda s: float("nan"))
         )
 
 
@@ -208,7 +210,11 @@ def test_one_element_is_a_twisted_bar():
         return wrench @ C @ wrench
 
     beam = fl.Beam.straight(
-        (0, 0, 0), (L, 0, 0), SECTION, cells=1, up=fl.Twisted(lambda s: total * s / L, (0, 0, 1))
+        (0, 0, 0),
+        (L, 0, 0),
+        SECTION,
+        cells=1,
+        up=fl.sections.Twisted(lambda s: total * s / L, (0, 0, 1)),
     )
     force = np.array([0, 0.6, 0.8])
     moved = tip_displacement(beam, P * force) @ force
@@ -229,21 +235,21 @@ def test_a_fork_with_one_tangent_is_one_node():
     cells = np.array([[0, 1], [1, 2], [2, 3], [1, 4], [4, 5]])
     parts = {"stem": [0], "left": [1, 2], "right": [3, 4]}
     names = {"root": [0], "fork": [1], "left": [3], "right": [5]}
-    mesh = fl.LineMesh(x, cells, np.array(tangents), parts, names)
+    mesh = fl.mesh.LineMesh(x, cells, np.array(tangents), parts, names)
     tips = []
     for joints in (False, True):
         scene = fl.Scene()
         if joints:
             beams = {g: scene.add(fl.Beam(mesh.part(g), SECTION, up=PLANE[:, 2])) for g in parts}
             for g in ("left", "right"):
-                scene.add(fl.Fixed(beams["stem"].point("fork"), beams[g].point("fork")))
+                scene.add(fl.joints.Fixed(beams["stem"].point("fork"), beams[g].point("fork")))
         else:
             whole = scene.add(fl.Beam(mesh, SECTION, up=PLANE[:, 2]))
             assert len(whole.frames) == 6, "no follower"
             beams = dict.fromkeys(parts, whole)
         scene.add(fl.Clamp(beams["stem"].point("root")))
         scene.add(fl.PointLoad(beams["left"].point("left"), force=(3.0, 5, -8)))
-        result = fl.statics(scene, load_steps=2, newton=fl.Newton(tolerance=1e-13))
+        result = fl.statics(scene, load_steps=2, newton=fl.schemes.Newton(tolerance=1e-13))
         tips.append(result.position(beams["right"].point("right"))[-1])
     assert np.linalg.norm(tips[0] - x[5]) > 1e-3
     np.testing.assert_allclose(tips[0], tips[1], rtol=0, atol=1e-12)
@@ -251,7 +257,7 @@ def test_a_fork_with_one_tangent_is_one_node():
 
 def test_a_gmsh_frame_has_its_sections_points_and_nodes(tmp_path):
     """Kinks at the corners, a branch in the middle: one node more for each further direction."""
-    mesh = fl.read_gmsh(fl.run_gmsh_script(FRAME, {"cells": 3}))
+    mesh = fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(FRAME, {"cells": 3}))
     sections = {"columns": SECTION, "girder": _scaled(2), "outrigger": _scaled(3)}
     beam = fl.Beam(mesh, sections, up={"outrigger": (0, 0, 1)})
     np.testing.assert_array_equal(mesh.branching_points, mesh.named("middle"))
@@ -288,7 +294,7 @@ def test_without_rotary_inertia_mass_and_its_centre_stay():
     inertia[1:, 1:] += mass * np.outer(centre, centre)
     inertia[0, 1:] = inertia[1:, 0] = mass * centre
     section = fl.Section.from_stiffness(SECTION.stiffness, inertia)
-    mesh = fl.straight((0, 0, 0), (1, 0, 0), 1)
+    mesh = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 1)
     (reduced,) = fl.Beam(mesh, section, rotary_inertia=False).density
     np.testing.assert_allclose(reduced[0], inertia[0], atol=1e-15)
     about_centre = reduced[1:, 1:] - mass * np.outer(centre, centre)

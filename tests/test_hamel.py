@@ -8,7 +8,7 @@ from benchmarks.hamel import AHEAD, rolling, sledge
 from demos.rolling_disc import reference
 from tests.test_composed import resumed_as_whole
 
-SCHEME = fl.Hamel()
+SCHEME = fl.schemes.Hamel()
 
 
 def test_sledge_keeps_energy_and_edge():
@@ -61,7 +61,7 @@ def test_force_of_the_contact():
 def test_energy_does_not_drift():
     """Of the disc: what goes up and down is what the ends of steps show of it."""
     scene, _ = rolling()
-    kept = fl.Record.ENERGIES
+    kept = fl.schemes.Record.ENERGIES
     result = SCHEME.run(scene, duration=200.0, step=2e-3, save_every=20, record=kept)
     energy = result.total_energy
     early, late = np.split(energy[1:], 2)
@@ -76,7 +76,7 @@ def test_resumed_to_the_last_bit(tmp_path):
 def test_bad_input():
     span = {"duration": 1e-2, "step": 1e-2}
     scene, blade = sledge()
-    scene.add(fl.Planar(fl.ground(), blade.b))
+    scene.add(fl.joints.Planar(fl.ground(), blade.b))
     with pytest.raises(ValueError, match="joints other than KnifeEdge and RollingDisc"):
         SCHEME.run(scene, **span)
     scene, blade = sledge()
@@ -85,4 +85,4 @@ def test_bad_input():
         SCHEME.run(scene, **span)
     scene, _ = sledge()
     with pytest.raises(ValueError, match="Hamel makes constant steps"):
-        SCHEME.run(scene, duration=1e-2, step=fl.AdaptiveStep(tolerance=1e-3))
+        SCHEME.run(scene, duration=1e-2, step=fl.schemes.AdaptiveStep(tolerance=1e-3))

@@ -10,10 +10,10 @@ from tests.interruption import interrupted
 # with the errors that interpolation leaves over the length, on a circle that closes and on an arc;
 # that of degree 1 is a polygon whose sides have the length of their arcs
 FORMULATIONS = {
-    "geodesic": (fl.Geodesic(), 1e-9, 1e-9),
-    "geodesic, plain": (fl.Geodesic(False), 1e-9, 1e-9),
-    "director 1": (fl.Director(1), 1e-9, 0.05),
-    "director 2": (fl.Director(2), 1e-2, 1e-2),
+    "geodesic": (fl.elements.GeodesicBeam(), 1e-9, 1e-9),
+    "geodesic, plain": (fl.elements.GeodesicBeam(False), 1e-9, 1e-9),
+    "director 1": (fl.elements.DirectorBeam(1), 1e-9, 0.05),
+    "director 2": (fl.elements.DirectorBeam(2), 1e-2, 1e-2),
 }
 formulations = pytest.mark.parametrize(
     ("formulation", "closed", "bound"), FORMULATIONS.values(), ids=FORMULATIONS
@@ -65,7 +65,7 @@ def test_stiffness_ratio_between_neighbours(ratio, order):
     points = np.linspace((0, 0, 0), (1, 0, 0), 9)
     halves = {"first": [0, 1, 2, 3], "second": [4, 5, 6, 7]}
     cells = [(i, i + 1) for i in range(8)]
-    mesh = fl.LineMesh.from_cells(
+    mesh = fl.mesh.LineMesh.from_cells(
         points, cells, groups=halves, named_points={"start": [0], "end": [8]}
     )
     first, second = (soft, stiff) if order == "soft first" else (stiff, soft)
@@ -92,8 +92,10 @@ def test_mass_ratio_of_a_double_pendulum(ratio):
         scene.add(fl.RigidBody(m, np.full(3, 1e-6 * m), position=(k + 1.0, 0, 0)))
         for k, m in enumerate(masses)
     ]
-    scene.add(fl.Spherical(fl.ground(), bodies[0].point("centre"), at=(0, 0, 0)))
-    scene.add(fl.Spherical(bodies[0].point("centre"), bodies[1].point("centre"), at=(1, 0, 0)))
+    scene.add(fl.joints.Spherical(fl.ground(), bodies[0].point("centre"), at=(0, 0, 0)))
+    scene.add(
+        fl.joints.Spherical(bodies[0].point("centre"), bodies[1].point("centre"), at=(1, 0, 0))
+    )
     result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=0.2, step=1e-4)
 
     def rates(t, y):
@@ -120,7 +122,7 @@ def test_beam_that_spins_about_its_axis():
     scene = fl.Scene()
     section = fl.Section.rectangle(0.02, 0.02, MATERIAL)
     beam = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=6))
-    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(1, 0, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(1, 0, 0)))
     beam.add_velocity(omega=(150, 0, 0), about=(0, 0, 0))
     result = fl.GeneralisedAlpha().run(scene, duration=0.05, step=1e-3)
     assert np.abs(result.position(beam.point("end")) - (0.5, 0, 0)).max() < 1e-9
@@ -136,7 +138,7 @@ def test_step_sizes(exponent):
     scene = fl.Scene()
     section = fl.Section.rectangle(0.05, 0.05, MATERIAL)
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4))
-    scene.add(fl.Spherical(fl.ground(), beam.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), beam.point("start")))
     beam.add_velocity(omega=(0, 0, omega), about=(0, 0, 0))
     result = fl.GeneralisedAlpha().run(scene, duration=10 * h, step=h)
     angle = 10 * h * omega
@@ -154,7 +156,7 @@ def test_nearly_coincident_nodes(formulation, closed, bound, gap):
     x = np.sort([0, 0.2, 0.5, 0.5 + gap, 0.8, 1.0])
     points = np.column_stack([x, 0 * x, 0 * x])
     ends = {"start": [0], "end": [5]}
-    mesh = fl.LineMesh.from_cells(points, [(i, i + 1) for i in range(5)], named_points=ends)
+    mesh = fl.mesh.LineMesh.from_cells(points, [(i, i + 1) for i in range(5)], named_points=ends)
     section = fl.Section.from_stiffness([1e6, 1e6, 1e6, 1.0, 1.0, 1.0])
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, section, formulation=formulation))
@@ -189,10 +191,10 @@ def test_coincident_nodes_fail_with_the_announced_error(gap):
     points = np.column_stack([x, 0 * x, 0 * x])
 
     def solve():
-        mesh = fl.LineMesh.from_cells(points, [(0, 1), (1, 2), (2, 3)])
+        mesh = fl.mesh.LineMesh.from_cells(points, [(0, 1), (1, 2), (2, 3)])
         section = fl.Section.from_stiffness([1e6, 1e6, 1e6, 1.0, 1.0, 1.0])
         scene = fl.Scene()
-        beam = scene.add(fl.Beam(mesh, section, formulation=fl.Geodesic(False)))
+        beam = scene.add(fl.Beam(mesh, section, formulation=fl.elements.GeodesicBeam(False)))
         scene.add(fl.Clamp(beam.point(0)))
         scene.add(fl.PointLoad(beam.point(3), moment=(0, 0, np.pi)))
         fl.statics(scene, load_steps=2)
@@ -213,8 +215,8 @@ def violent(step, scheme=None):
     section = fl.Section.rectangle(5e-3, 5e-3, MATERIAL)
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.3, 0, 0), section, cells=10))
     two = scene.add(fl.Beam.straight((0.3, 0, 0), (0.3, 0.5, 0), section, cells=10))
-    scene.add(fl.Spherical(fl.ground(), one.point("start")))
-    scene.add(fl.Spherical(one.point("end"), two.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.joints.Spherical(one.point("end"), two.point("start")))
     two.add_velocity(omega=(3, 0, -4), about=two.point("start"))
     result = (scheme or fl.GeneralisedAlpha()).run(scene, duration=1.0, step=step)
     return result.position(two.point("end"))[-1] - END
@@ -233,7 +235,7 @@ def test_unresolved_vibrations_leave_second_order():
         # a fifth of a revolution in one step
         (fl.GeneralisedAlpha, 0.1, 0.2),
         (fl.GeneralisedAlpha, 0.05, 0.05),
-        (fl.Variational, 0.05, 1e-4),
+        (fl.schemes.Variational, 0.05, 1e-4),
         (fl.EnergyMomentum, 0.05, 2e-3),
     ],
 )
@@ -242,24 +244,28 @@ def test_too_large_a_step_is_made_in_parts(scheme, step, bound, caplog):
     assert np.linalg.norm(violent(step, scheme())) < bound
     assert "steps were divided into up to" in caplog.text
     with pytest.raises(fl.ConvergenceError, match="smaller step") as info:
-        violent(step, scheme(policy=fl.Never()))
+        violent(step, scheme(policy=fl.schemes.FactoriseOnce()))
     assert info.value.result.times[0] == 0.0
 
 
 @pytest.mark.parametrize("scheme", [fl.GeneralisedAlpha, fl.EnergyMomentum])
-@pytest.mark.parametrize("policy", [fl.Automatic(), fl.EveryIteration(), fl.Never()])
+@pytest.mark.parametrize(
+    "policy", [fl.schemes.Automatic(), fl.schemes.EveryIteration(), fl.schemes.FactoriseOnce()]
+)
 def test_a_failure_advises_what_can_help(scheme, policy):
     """Steps that fail are done again with full iteration by all policies that may do so."""
     scene = fl.Scene()
     bar = scene.add(
         fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.circle(0.01, MATERIAL), cells=2)
     )
-    scene.add(fl.Spherical(fl.ground(), bar.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), bar.point("start")))
     bar.add_velocity(omega=(0, 0, 300), about=bar.point("start"))
     with pytest.raises(fl.ConvergenceError, match="Try a smaller step") as info:
         scheme(policy=policy, max_iterations=2).run(scene, duration=0.5, step=0.1, progress=False)
     text = str(info.value)
-    assert ("policy" in text) == isinstance(policy, fl.Never) and "EveryIteration" not in text
+    assert ("policy" in text) == isinstance(
+        policy, fl.schemes.FactoriseOnce
+    ) and "EveryIteration" not in text
     loose = "a tolerance such as 1e-10" if scheme is fl.EnergyMomentum else "a larger tolerance"
     assert loose in text
     assert ("radius=0.5" in text) == (scheme is fl.GeneralisedAlpha)
@@ -273,7 +279,7 @@ def chain(links):
     for k in range(links):
         rod = fl.RigidBody(m, (m * r * r / 2, thick, thick), ((k + 0.5) * a, 0, 0))
         scene.add(rod)
-        scene.add(fl.Spherical(before, rod.point("centre"), at=(k * a, 0, 0)))
+        scene.add(fl.joints.Spherical(before, rod.point("centre"), at=(k * a, 0, 0)))
         before = rod.point("centre")
     return scene, before
 
@@ -287,7 +293,9 @@ def test_a_long_chain_arrives(options, caplog):
     # steps of 1e-4, whose energy is balanced to 7e-5
     assert np.linalg.norm(result.position(end)[-1] - (-0.45682, 0.0, -1.69518)) < 0.01
     with pytest.raises(fl.ConvergenceError, match="Try a smaller step"):
-        fl.GeneralisedAlpha(policy=fl.Never()).run(scene, duration=0.7, step=1e-3, progress=False)
+        fl.GeneralisedAlpha(policy=fl.schemes.FactoriseOnce()).run(
+            scene, duration=0.7, step=1e-3, progress=False
+        )
 
 
 def test_a_run_goes_on_between_parts_of_steps(tmp_path):

@@ -28,8 +28,8 @@ def branched():
     one = scene.bodies[0]
     two = bar(scene, (0.5, -1, 0), one.point("end").position, "two")
     three = bar(scene, one.point("start").position, (0, 1, 0), "three")
-    scene.add(fl.RigidLink(two.point("end"), one.point("end")))
-    scene.add(fl.RigidLink(one.point("start"), three.point("start")))
+    scene.add(fl.joints.RigidLink(two.point("end"), one.point("end")))
+    scene.add(fl.joints.RigidLink(one.point("start"), three.point("start")))
     scene.add(fl.Clamp(two.point("start")))
     return scene
 
@@ -39,17 +39,21 @@ def jointed():
     scene = branched()
     one, two, three = scene.bodies
     four = bar(scene, (0, 0, 0), (0, 0, 1), "four")
-    scene.add(fl.Spherical(four.point("start"), one.point("start")))
-    scene.add(fl.Spherical(two.point("start"), three.point("end"), at=two.point("start").position))
+    scene.add(fl.joints.Spherical(four.point("start"), one.point("start")))
+    scene.add(
+        fl.joints.Spherical(two.point("start"), three.point("end"), at=two.point("start").position)
+    )
     hinge = scene.add(
-        fl.Revolute(
+        fl.joints.Revolute(
             one.point("end"), four.point("end"), at=four.point("end").position, axis=(0, 1, 0)
         )
     )
-    scene.add(fl.Spring(hinge.angle, stiffness=30.0, damping=2.0))
+    scene.add(fl.joints.Spring(hinge.angle, stiffness=30.0, damping=2.0))
     scene.add(
-        fl.Spring(
-            fl.Distance(one.point("start"), four.point("end")).length, stiffness=100.0, damping=3.0
+        fl.joints.Spring(
+            fl.joints.Distance(one.point("start"), four.point("end")).length,
+            stiffness=100.0,
+            damping=3.0,
         )
     )
     return scene

@@ -5,11 +5,17 @@ import pytest
 
 import fem_lie as fl
 
-LAWS = [fl.Penalty(1e5), fl.Penalty(1e5, friction=0.3), fl.Impact(friction=0.3, restitution=1.0)]
+LAWS = [
+    fl.contact.Penalty(1e5),
+    fl.contact.Penalty(1e5, friction=0.3),
+    fl.contact.Impact(friction=0.3, restitution=1.0),
+]
 GRAVITY = 9.81
 
 
-def thrown_up(law: fl.Penalty | fl.Impact, jointed: bool = False) -> tuple[fl.Scene, fl.RigidBody]:
+def thrown_up(
+    law: fl.contact.Penalty | fl.contact.Impact, jointed: bool = False
+) -> tuple[fl.Scene, fl.RigidBody]:
     """A ball that is half in the floor at first, beside one that lies on it."""
     balls = [fl.RigidBody(1.0, 4e-3 * np.eye(3), (x, 0, z)) for x, z in ((0, 0.0), (1, 0.1))]
     balls[0].add_velocity((0.5, 0, 3))
@@ -18,10 +24,10 @@ def thrown_up(law: fl.Penalty | fl.Impact, jointed: bool = False) -> tuple[fl.Sc
         scene.add(ball)
     if jointed:
         bob = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (50.0, 0, 0)))
-        scene.add(fl.Spherical(fl.ground(), bob.point((50.0, 0, 1.0))))
-    pile = fl.Vertices([ball.point("centre") for ball in balls], 0.1)
-    floor = fl.Plane(fl.ground(), (0, 0, 1))
-    scene.add(fl.Contact(pile, floor, law, ignore_initial=True))
+        scene.add(fl.joints.Spherical(fl.ground(), bob.point((50.0, 0, 1.0))))
+    pile = fl.contact.Vertices([ball.point("centre") for ball in balls], 0.1)
+    floor = fl.contact.Plane(fl.ground(), (0, 0, 1))
+    scene.add(fl.contact.Contact(pile, floor, law, ignore_initial=True))
     return scene, balls[0]
 
 
@@ -41,7 +47,7 @@ def test_it_leaves_freely_and_touches_when_it_comes_back(law, jointed):
     np.testing.assert_allclose(z[before], (3 * t - GRAVITY * t**2 / 2)[before], atol=1e-4)
     assert 0.08 < z.min(initial=1.0, where=t > back - 1e-2)
     assert z[-1] > 0.2
-    found = fl.contact_forces(result, scene.contacts[0])
+    found = fl.post.contact_forces(result, scene.contacts[0])
     pushed = np.unique(found.states[found.points[:, 0] == 0])
     assert len(pushed)
     assert t[pushed.min()] > back - 5e-3
@@ -56,10 +62,10 @@ def test_each_pair_parts_by_itself(law):
     for ball in balls:
         scene.add(ball)
     pile, floor = (
-        fl.Vertices([ball.point("centre") for ball in balls], 0.1),
-        fl.Plane(fl.ground(), (0, 0, 1)),
+        fl.contact.Vertices([ball.point("centre") for ball in balls], 0.1),
+        fl.contact.Plane(fl.ground(), (0, 0, 1)),
     )
-    scene.add(fl.Contact(pile, floor, law, ignore_initial=True))
+    scene.add(fl.contact.Contact(pile, floor, law, ignore_initial=True))
     result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.3, step=1e-3, progress=False)
     back, falls = (result.position(ball.point("centre"))[:, 2] for ball in balls)
     assert back.max() > 0.1 and back[-1] > 0.09
@@ -67,10 +73,10 @@ def test_each_pair_parts_by_itself(law):
 
 
 def test_without_it_is_refused():
-    scene, _ = thrown_up(fl.Penalty(1e5))
+    scene, _ = thrown_up(fl.contact.Penalty(1e5))
     (contact,) = scene.contacts
     with pytest.raises(ValueError, match=r"overlap by 0\.1 .* or give ignore_initial=True"):
-        fl.Contact(contact.a, contact.b, contact.law).check()
+        fl.contact.Contact(contact.a, contact.b, contact.law).check()
 
 
 @pytest.mark.parametrize("law", LAWS[1:], ids=repr)
@@ -86,13 +92,13 @@ def test_a_run_goes_on_to_the_last_bit(tmp_path, law, every):
 
 def test_is_refused():
     sheet = fl.Shell(
-        fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2)),
+        fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2)),
         fl.ShellSection.layer(0.01, fl.Material(1e9, 0.3, 1e3)),
     )
-    surface = fl.Skin(sheet)
+    surface = fl.contact.ShellSurface(sheet)
     with pytest.raises(ValueError, match="ignore_initial is for points, balls, boxes and planes"):
-        fl.Contact(surface, surface, fl.Penalty(1e6), ignore_initial=True).check()
+        fl.contact.Contact(surface, surface, fl.contact.Penalty(1e6), ignore_initial=True).check()
     with pytest.raises(ValueError, match="ignore what overlaps in the beginning"):
         fl.EnergyMomentum().run(
-            thrown_up(fl.Penalty(1e5))[0], duration=0.1, step=1e-2, progress=False
+            thrown_up(fl.contact.Penalty(1e5))[0], duration=0.1, step=1e-2, progress=False
         )

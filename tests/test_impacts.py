@@ -11,7 +11,7 @@ from fem_lie.contact.impact.sweeps import Cones, cones_of
 from fem_lie.contact.impact.velocities import time_of
 
 GRAVITY, RADIUS = 9.81, 0.1
-FLOOR = fl.Plane(fl.ground(), (0, 0, 1))
+FLOOR = fl.contact.Plane(fl.ground(), (0, 0, 1))
 
 
 def run(scene, duration, step, radius=0.8, **options) -> fl.Result:
@@ -19,12 +19,14 @@ def run(scene, duration, step, radius=0.8, **options) -> fl.Result:
     return scheme.run(scene, duration=duration, step=step, progress=False, **options)
 
 
-def on_slope(angle: float, body: fl.RigidBody, surface: fl.Surface, law, size=1.0) -> fl.Scene:
+def on_slope(
+    angle: float, body: fl.RigidBody, surface: fl.contact.ContactSurface, law, size=1.0
+) -> fl.Scene:
     """A body on a plane across Z, with gravity as on an incline down X."""
     pull = GRAVITY * size
     scene = fl.Scene(gravity=(pull * np.sin(angle), 0, -pull * np.cos(angle)))
     scene.add(body)
-    scene.add(fl.Contact(surface, FLOOR, law))
+    scene.add(fl.contact.Contact(surface, FLOOR, law))
     return scene
 
 
@@ -65,8 +67,10 @@ def falls(restitution: float, times: np.ndarray) -> np.ndarray:
 )
 def test_a_ball_bounces_as_the_closed_form(restitution, step, error):
     ball = fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), (0, 0, 1 + RADIUS))
-    law = fl.Impact(restitution=restitution)
-    result = run(on_slope(0.0, ball, fl.Sphere(ball.point("centre"), RADIUS), law), 2.0, step)
+    law = fl.contact.Impact(restitution=restitution)
+    result = run(
+        on_slope(0.0, ball, fl.contact.Sphere(ball.point("centre"), RADIUS), law), 2.0, step
+    )
     height = result.position(ball.point("centre"))[:, 2] - RADIUS
     np.testing.assert_allclose(height, falls(restitution, result.times), rtol=0, atol=error)
     # what impacts take, and what ground gives, is booked
@@ -106,8 +110,8 @@ def test_balls_that_meet_change_velocities():
     for x, speed in ((0.0, 1.0), (0.5, 0.0), (1.0, 0.0)):
         balls.append(scene.add(fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), (x, 0, 0))))
         balls[-1].add_velocity((speed, 0, 0))
-    surface = fl.Vertices([ball.point("centre") for ball in balls], RADIUS)
-    scene.add(fl.Contact(surface, surface, fl.Impact(restitution=1.0)))
+    surface = fl.contact.Vertices([ball.point("centre") for ball in balls], RADIUS)
+    scene.add(fl.contact.Contact(surface, surface, fl.contact.Impact(restitution=1.0)))
     result = run(scene, 1.0, 1e-2)
     velocities = [result.velocity(ball.point("centre"))[-1, 0] for ball in balls]
     np.testing.assert_allclose(velocities, [0.0, 0.0, 1.0], atol=1e-13)
@@ -124,8 +128,10 @@ def slid(angle: float, size: float = 1.0, step: float = 1e-2, **options):
     edges = size * np.array([0.2, 0.2, 0.1])
     block = fl.RigidBody(1.0, cuboid(1.0, edges), (0, 0, edges[2] / 2))
     block.add_velocity((options.get("speed", 0.0) * size, 0, 0))
-    law = fl.Impact(friction=options.get("friction", 0.5))
-    scene = on_slope(np.radians(angle), block, fl.Box(block.point("centre"), edges), law, size)
+    law = fl.contact.Impact(friction=options.get("friction", 0.5))
+    scene = on_slope(
+        np.radians(angle), block, fl.contact.Box(block.point("centre"), edges), law, size
+    )
     result = run(scene, 1.0, step)
     return result.position(block.point("centre")) / size, result
 
@@ -160,8 +166,10 @@ def test_a_sphere_on_a_slope(friction):
     """It rolls if the friction is more than two sevenths of the tangent."""
     angle, r = np.radians(30.0), RADIUS
     sphere = fl.RigidBody(1.0, 0.4 * r * r * np.ones(3), (0, 0, r))
-    law = fl.Impact(friction)
-    result = run(on_slope(angle, sphere, fl.Sphere(sphere.point("centre"), r), law), 1.0, 1e-2)
+    law = fl.contact.Impact(friction)
+    result = run(
+        on_slope(angle, sphere, fl.contact.Sphere(sphere.point("centre"), r), law), 1.0, 1e-2
+    )
     down, across = GRAVITY * np.sin(angle), GRAVITY * np.cos(angle)
     rolls = friction > 2 / 7 * np.tan(angle)
     acceleration = 5 / 7 * down if rolls else down - friction * across
@@ -190,9 +198,9 @@ def ladder(step: float, duration: float) -> tuple[fl.Result, np.ndarray, np.ndar
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     scene.add(rod)
     top, foot = rod.point(rod.frames[0, 0] + along), rod.point(rod.frames[0, 0] - along)
-    wall, floor = (fl.Plane(fl.ground(), normal) for normal in ((1, 0, 0), (0, 0, 1)))
-    scene.add(fl.Contact(fl.Vertices([top]), wall, fl.Impact()))
-    scene.add(fl.Contact(fl.Vertices([foot]), floor, fl.Impact()))
+    wall, floor = (fl.contact.Plane(fl.ground(), normal) for normal in ((1, 0, 0), (0, 0, 1)))
+    scene.add(fl.contact.Contact(fl.contact.Vertices([top]), wall, fl.contact.Impact()))
+    scene.add(fl.contact.Contact(fl.contact.Vertices([foot]), floor, fl.contact.Impact()))
     result = run(scene, duration, step)
     up = result.position(top) - result.position(foot)
     return result, np.arctan2(np.abs(up[:, 0]), up[:, 2]), result.position(top)[:, 0]
@@ -234,7 +242,9 @@ def test_a_rocking_block_loses_what_housner_says():
     for step in (2e-3, 1e-3):
         edges = (2 * half, 0.2, 2 * tall)
         block = fl.RigidBody(1.0, cuboid(1.0, edges), -axes @ (half, 0, -tall), axes)
-        scene = on_slope(0.0, block, fl.Box(block.point("centre"), edges), fl.Impact(1.0))
+        scene = on_slope(
+            0.0, block, fl.contact.Box(block.point("centre"), edges), fl.contact.Impact(1.0)
+        )
         steps = int(np.ceil((time + 1.2 * step) / step))
         result = run(scene, steps * step, step)
         rate = abs(result.velocity(block.point("centre"))[-1, 4]) / np.sqrt(gained)
@@ -252,10 +262,14 @@ def test_restitution_adds_no_energy_in_a_box():
         balls.append(scene.add(fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), place)))
         balls[-1].add_velocity(rng.normal(size=3))
     shell = scene.add(fl.RigidBody(30.0, 3.0 * np.ones(3), (0.375, 0.125, 0.125)))
-    surface = fl.Vertices([ball.point("centre") for ball in balls], RADIUS)
-    law = fl.Impact(friction=0.3, restitution=0.7)
-    scene.add(fl.Contact(surface, surface, law))
-    scene.add(fl.Contact(surface, fl.Box(shell.point("centre"), (1.4, 1.4, 1.4), inside=True), law))
+    surface = fl.contact.Vertices([ball.point("centre") for ball in balls], RADIUS)
+    law = fl.contact.Impact(friction=0.3, restitution=0.7)
+    scene.add(fl.contact.Contact(surface, surface, law))
+    scene.add(
+        fl.contact.Contact(
+            surface, fl.contact.Box(shell.point("centre"), (1.4, 1.4, 1.4), inside=True), law
+        )
+    )
     result = run(scene, 1.0, 1e-3)
     assert (result.contacts.contacts > 0).sum() > 10
     assert np.diff(result.kinetic).max() < 1e-4 * result.kinetic[0]
@@ -323,20 +337,20 @@ def test_many_contacts_without_friction_are_solved_as_exactly_as_few():
 
 def test_many_contacts_settle():
     """A heap of 100 balls in a box, from its lattice on: cones to 1e-6 in every step."""
-    rng, radius, law = np.random.default_rng(1), 0.05, fl.Impact(0.3)
+    rng, radius, law = np.random.default_rng(1), 0.05, fl.contact.Impact(0.3)
     scene, balls = fl.Scene(gravity=(0, 0, -GRAVITY)), []
     for at in np.ndindex(5, 5, 4):
         place = 2.1 * radius * (np.array(at) + 0.5) + 0.02 * radius * rng.standard_normal(3)
         balls.append(
             scene.add(fl.RigidBody(1.0, np.full(3, 0.4 * radius**2), place)).point("centre")
         )
-    heap = fl.Vertices(balls, radius)
-    scene.add(fl.Contact(heap, heap, law))
-    scene.add(fl.Contact(heap, FLOOR, law))
+    heap = fl.contact.Vertices(balls, radius)
+    scene.add(fl.contact.Contact(heap, heap, law))
+    scene.add(fl.contact.Contact(heap, FLOOR, law))
     side = 10.5 * radius
     for at, normal in ((0, (1, 0, 0)), (side, (-1, 0, 0)), (0, (0, 1, 0)), (side, (0, -1, 0))):
-        wall = fl.Plane(fl.ground(), normal, (at, at, 0))
-        scene.add(fl.Contact(heap, wall, law))
+        wall = fl.contact.Plane(fl.ground(), normal, (at, at, 0))
+        scene.add(fl.contact.Contact(heap, wall, law))
     told = run(scene, 0.12, 2e-3).contacts
     assert told.contacts.max() > 100
     assert told.cone_residual.max() <= 1e-6
@@ -344,7 +358,7 @@ def test_many_contacts_settle():
     assert told.friction_loss.min() > -1e-9
 
 
-def in_a_groove(degrees: float) -> tuple[fl.Scene, fl.Point, float]:
+def in_a_groove(degrees: float) -> tuple[fl.Scene, fl.extend.Point, float]:
     """A ball that falls into a groove of so small an angle, and the height at which it fits."""
     angle, scene = np.radians(degrees), fl.Scene(gravity=(0, 0, -GRAVITY))
     height = RADIUS / np.sin(angle)
@@ -353,8 +367,12 @@ def in_a_groove(degrees: float) -> tuple[fl.Scene, fl.Point, float]:
     ball.add_velocity((3.0 * RADIUS, 0, -20.0 * RADIUS))
     for side in (1, -1):
         normal = (side * np.cos(angle), 0, np.sin(angle))
-        wall = fl.Plane(fl.ground(), normal, (0, 0, 0))
-        scene.add(fl.Contact(fl.Sphere(ball.point("centre"), RADIUS), wall, fl.Impact()))
+        wall = fl.contact.Plane(fl.ground(), normal, (0, 0, 0))
+        scene.add(
+            fl.contact.Contact(
+                fl.contact.Sphere(ball.point("centre"), RADIUS), wall, fl.contact.Impact()
+            )
+        )
     return scene, ball.point("centre"), height
 
 
@@ -386,21 +404,24 @@ def test_bodies_that_cannot_be_parted_are_an_error():
 
 def impacted(law=None, **options) -> fl.Scene:
     ball = fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), (0, 0, 1))
-    law = fl.Impact() if law is None else law
-    return on_slope(0.0, ball, fl.Sphere(ball.point("centre"), RADIUS), law)
+    law = fl.contact.Impact() if law is None else law
+    return on_slope(0.0, ball, fl.contact.Sphere(ball.point("centre"), RADIUS), law)
 
 
 REFUSED = {
-    "friction": (lambda: fl.Impact(friction=-0.1), "friction must not be negative"),
-    "restitution": (lambda: fl.Impact(restitution=1.1), r"restitution must be in \[0, 1\]"),
-    "not finite": (lambda: fl.Impact(friction=float("inf")), "friction must be a finite number"),
+    "friction": (lambda: fl.contact.Impact(friction=-0.1), "friction must not be negative"),
+    "restitution": (lambda: fl.contact.Impact(restitution=1.1), r"restitution must be in \[0, 1\]"),
+    "not finite": (
+        lambda: fl.contact.Impact(friction=float("inf")),
+        "friction must be a finite number",
+    ),
     "conserving": (
         lambda: fl.EnergyMomentum().run(impacted(), duration=1.0, step=0.1),
         "Impact is for GeneralisedAlpha and Variational with constant steps",
     ),
     "statics": (lambda: fl.statics(impacted()), "Impact is for GeneralisedAlpha"),
     "adaptive": (
-        lambda: run(impacted(), 1.0, fl.AdaptiveStep(1e-4)),
+        lambda: run(impacted(), 1.0, fl.schemes.AdaptiveStep(1e-4)),
         "Impact is for GeneralisedAlpha with constant steps",
     ),
 }
@@ -427,16 +448,16 @@ def rolling_pile(friction: float = 0.4) -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     places = 0.22 * np.stack(np.meshgrid(*3 * [np.arange(2)], indexing="ij"), -1).reshape(-1, 3)
     places -= (0.11, 0.11, 0.2)
-    law = fl.Impact(friction, 0.3)
+    law = fl.contact.Impact(friction, 0.3)
     balls = [fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), tuple(place)) for place in places]
     for each in balls:
         each.add_velocity(rng.normal(size=3))
         each.add_velocity(omega=rng.normal(size=3), about=each.point("centre"))
         scene.add(each)
-    surface = fl.Vertices([each.point("centre") for each in balls], RADIUS)
-    scene.add(fl.Contact(surface, surface, law))
-    walls = fl.Box(fl.ground(), (0.8, 0.8, 0.8), inside=True)
-    scene.add(fl.Contact(surface, walls, law))
+    surface = fl.contact.Vertices([each.point("centre") for each in balls], RADIUS)
+    scene.add(fl.contact.Contact(surface, surface, law))
+    walls = fl.contact.Box(fl.ground(), (0.8, 0.8, 0.8), inside=True)
+    scene.add(fl.contact.Contact(surface, walls, law))
     return scene
 
 

@@ -23,8 +23,8 @@ def column(cells: int, *, length: float = 1.0, far: bool = False):
             name="column",
         )
     )
-    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
-    scene.add(fl.InPlane(fl.ground(), beam.point("end"), axis=(1, 0, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.InPlane(fl.ground(), beam.point("end"), axis=(1, 0, 0)))
     scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, -(np.pi**2))))
     if far:
         other = scene.add(fl.RigidBody(1.0, 3 * [length**2], position=(10 * length, 0, 0)))
@@ -51,7 +51,9 @@ def test_amplitude_of_a_mode_is_the_displacement_on_the_nodes(far, unit):
     assert not modes.rotation_only.any()
     for mode in (1, 4, 7):
         wanted = 1e-3 * length
-        other = fl.imperfect(scene, fl.ModeImperfection(modes, mode, wanted))
+        other = fl.stability.apply_imperfections(
+            scene, fl.stability.ModeImperfection(modes, mode, wanted)
+        )
         assert amplitude(scene, other) == pytest.approx(wanted, rel=1e-10)
 
 
@@ -59,7 +61,7 @@ def plate(waves: int, cells: int) -> fl.Scene:
     """A strip of so many buckles, simply supported, pushed along."""
     t, nu = 0.01, 0.3
     shell = fl.Shell(
-        fl.surface(lambda a, b: (waves * a, b, 0.0), (cells * waves, cells)),
+        fl.mesh.parametric_surface(lambda a, b: (waves * a, b, 0.0), (cells * waves, cells)),
         fl.ShellSection.layer(t, fl.Material(1.0, nu, 1.0)),
         name="plate",
     )
@@ -70,14 +72,14 @@ def plate(waves: int, cells: int) -> fl.Scene:
     scene = fl.Scene()
     scene.add(shell)
     bryan = 4 * np.pi**2 * t**3 / (12 * (1 - nu**2))
-    scene.add(fl.EdgeLoad(shell, "a=1", force=(-bryan, 0, 0)))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(-bryan, 0, 0)))
     return scene
 
 
 def test_amplitude_of_short_buckles_of_a_shell_is_the_displacement_on_the_nodes():
     scene = plate(8, 5)
     modes = fl.buckling(scene, 1)
-    other = fl.imperfect(scene, fl.ModeImperfection(modes, 1, 0.02))
+    other = fl.stability.apply_imperfections(scene, fl.stability.ModeImperfection(modes, 1, 0.02))
     assert amplitude(scene, other) == pytest.approx(0.02, rel=1e-10)
     # the normals are those of the surface that the nodes lie on
     (shell,) = other.bodies
@@ -96,7 +98,9 @@ def test_amplitude_of_short_buckles_of_a_shell_is_the_displacement_on_the_nodes(
 def test_directors_turn_with_the_axis_of_an_imperfect_beam(cells):
     """The tangent of the curve that the nodes lie on, to second order, and signs with it."""
     scene, _ = column(cells)
-    other = fl.imperfect(scene, fl.ModeImperfection(fl.buckling(scene, 2), 2, 0.005))
+    other = fl.stability.apply_imperfections(
+        scene, fl.stability.ModeImperfection(fl.buckling(scene, 2), 2, 0.005)
+    )
     H = other.bodies[0].frames
     secants = H[2:, 0] - H[:-2, 0]
     secants /= np.linalg.norm(secants, axis=1)[:, np.newaxis]
@@ -112,12 +116,12 @@ def kinked(up=(0, 1, 0)):
     """A frame with a corner, clamped at its foot, and a rigid body linked to its end."""
     section = fl.Section.from_stiffness([1e6, 1e6, 1e6, 1e2, 1, 1e2])
     points = [(0, 0, k / 6) for k in range(7)] + [(k / 6, 0, 1) for k in range(1, 7)]
-    mesh = fl.LineMesh.from_cells(points, [(k, k + 1) for k in range(12)])
+    mesh = fl.mesh.LineMesh.from_cells(points, [(k, k + 1) for k in range(12)])
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, section, up=up, name="frame"))
     block = scene.add(fl.RigidBody(1.0, 3 * [0.01], position=(1.1, 0.2, 1.0), name="block"))
     scene.add(fl.Clamp(beam.point(0)))
-    scene.add(fl.RigidLink(beam.point(12), block.point("centre")))
+    scene.add(fl.joints.RigidLink(beam.point(12), block.point("centre")))
     scene.add(fl.PointLoad(beam.point(12), force=(0, 0, -1.0)))
     return scene, beam
 
@@ -126,10 +130,12 @@ def kinked(up=(0, 1, 0)):
 def test_what_follows_an_imperfect_node_goes_with_it(imperfection):
     """Other directions at a corner: the same place, and turned as much."""
     scene, beam = kinked()
-    given: fl.Imperfection = fl.FieldImperfection(lambda x: (0.05 * x[2] ** 2, 0.0, 0.0))
+    given: fl.stability.Imperfection = fl.stability.FieldImperfection(
+        lambda x: (0.05 * x[2] ** 2, 0.0, 0.0)
+    )
     if imperfection == "mode":
-        given = fl.ModeImperfection(fl.buckling(scene, 1), 1, 0.05)
-    frames = fl.imperfect(scene, given).bodies[0].frames
+        given = fl.stability.ModeImperfection(fl.buckling(scene, 1), 1, 0.05)
+    frames = fl.stability.apply_imperfections(scene, given).bodies[0].frames
     (attached,) = np.nonzero(beam.masters != np.arange(len(beam.frames)))
     assert len(attached) == 1
     masters = beam.masters[attached]
@@ -175,14 +181,16 @@ def test_a_mode_that_only_turns_is_one_of_its_own(unit):
     assert "turns only" in str(modes)
     assert np.linalg.norm(modes.shape(1)[:, 3:], axis=1).max() == pytest.approx(1.0)
     with pytest.raises(ValueError, match="only turns: give angle="):
-        fl.ModeImperfection(modes, 1, 1e-3)
-    other = fl.imperfect(scene, fl.ModeImperfection(modes, 1, angle=0.01)).bodies[0]
+        fl.stability.ModeImperfection(modes, 1, 1e-3)
+    other = fl.stability.apply_imperfections(
+        scene, fl.stability.ModeImperfection(modes, 1, angle=0.01)
+    ).bodies[0]
     turns = lie.so3_log(lie.rotation(beam.frames).transpose(0, 2, 1) @ lie.rotation(other.frames))
     assert np.linalg.norm(turns, axis=1).max() == pytest.approx(0.01, rel=1e-10)
     (point,) = fl.follow_path(scene, 1.1).critical
     assert point.rotation_only[0]
     with pytest.raises(ValueError, match="mode 1 has rotations only"):
-        fl.branch(scene, point)
+        fl.stability.switch_branch(scene, point)
     with pytest.raises(ValueError, match="mode 1 has rotations only"):
         point.moved(1, 0.1)
 
@@ -191,9 +199,9 @@ def test_amplitude_and_angle_exclude_each_other():
     modes = fl.buckling(column(8)[0], 1)
     for bad in ({}, {"angle": 0.1}, {"amplitude": 0.1, "angle": 0.1}):
         with pytest.raises(ValueError, match="has displacements: give amplitude="):
-            fl.ModeImperfection(modes, 1, **bad)
+            fl.stability.ModeImperfection(modes, 1, **bad)
     with pytest.raises(ValueError, match="amplitude must be a finite number, got nan"):
-        fl.ModeImperfection(modes, 1, amplitude=np.nan)
+        fl.stability.ModeImperfection(modes, 1, amplitude=np.nan)
 
 
 @pytest.mark.parametrize("unit", LENGTHS)
@@ -204,14 +212,16 @@ def test_amplitude_of_a_branch_is_the_displacement_on_the_nodes(far, unit):
     scene, beam = column(24, length=length, far=far)
     for node in (8, 16):
         scene.add(
-            fl.InPlane(fl.ground(), beam.point(node), at=beam.point(node).position, axis=(1, 0, 0))
+            fl.joints.InPlane(
+                fl.ground(), beam.point(node), at=beam.point(node).position, axis=(1, 0, 0)
+            )
         )
-    point = fl.follow_path(scene, fl.PathEnds(9.5, critical_points=1)).critical[0]
+    point = fl.follow_path(scene, fl.stability.PathEnds(9.5, critical_points=1)).critical[0]
     wanted = 2e-3 * length
     moved = {}
     for given in (None, wanted):
-        station = fl.branch(scene, point, amplitude=given)
-        path = fl.follow_path(scene, fl.PathEnds(9.6, steps=1), start=station)
+        station = fl.stability.switch_branch(scene, point, amplitude=given)
+        path = fl.follow_path(scene, fl.stability.PathEnds(9.6, steps=1), start=station)
         u = path.frames[0][:, 0] - point.frames[:, 0]
         moved[given] = np.abs(u[:, 0]).max()
     assert moved[wanted] == pytest.approx(wanted, rel=1e-4)
@@ -227,7 +237,7 @@ def test_critical_points_know_where_points_are():
     """Nodes of the system are in another order than those of a body."""
     scene, beam = column(12)
     points = [beam.point("start"), beam.point(5), beam.point("end"), "column.end"]
-    path = fl.follow_path(scene, fl.PathEnds(1.1, critical_points=1))
+    path = fl.follow_path(scene, fl.stability.PathEnds(1.1, critical_points=1))
     (point,) = path.critical
     for where in points:
         np.testing.assert_array_equal(point.position(where), path.position(where)[point.index])

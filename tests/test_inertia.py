@@ -173,7 +173,9 @@ def test_gram_from_rigid_is_that_of_points(seed):
     arms = points - centre
     inner = (arms**2).sum(axis=1)[:, np.newaxis, np.newaxis] * np.eye(3)
     J = np.einsum("p,pij->ij", masses, inner - np.einsum("pi,pj->pij", arms, arms))
-    np.testing.assert_allclose(fl.gram_from_rigid(masses.sum(), J, centre), mass_matrix, rtol=1e-12)
+    np.testing.assert_allclose(
+        fl.sections.director_mass_matrix(masses.sum(), J, centre), mass_matrix, rtol=1e-12
+    )
 
 
 @given(seed=seeds)
@@ -246,7 +248,7 @@ def test_momenta_of_a_rigid_body(seed):
     momentum = mass * velocity
     energy = 0.5 * mass * velocity @ velocity + 0.5 * v[0, 3:] @ J @ v[0, 3:]
     pattern = np.array([0, 1], dtype=np.int32), np.zeros(1, dtype=np.int32)
-    G = fl.gram_from_rigid(mass, J, centre)[np.newaxis]
+    G = fl.sections.director_mass_matrix(mass, J, centre)[np.newaxis]
     got = inertia.invariants(on_se3(H), H, v, *pattern, G, np.empty_like(H), np.empty_like(H))
     expected = [energy, *momentum, *(np.cross(x + R @ centre, momentum) + spin)]
     np.testing.assert_allclose(got, expected, atol=1e-12 * np.abs(expected).max())
@@ -292,14 +294,14 @@ def test_momenta_balance_the_force(seed):
 )
 def test_bodies_that_cannot_be(arguments, message):
     with pytest.raises(ValueError, match=message):
-        fl.gram_from_rigid(*arguments)
+        fl.sections.director_mass_matrix(*arguments)
 
 
 BEAMS = {
-    "geodesic": fl.Geodesic(),
-    "director 1": fl.Director(1),
-    "director 2": fl.Director(2),
-    "Kirchhoff": fl.Kirchhoff(),
+    "geodesic": fl.elements.GeodesicBeam(),
+    "director 1": fl.elements.DirectorBeam(1),
+    "director 2": fl.elements.DirectorBeam(2),
+    "Kirchhoff": fl.elements.KirchhoffRod(),
 }
 
 

@@ -24,7 +24,7 @@ class Root(fl.extend.Iterated):
         return self._residual == 0.0
 
     def refactorise(self, update):
-        assert update == fl.Update.ALL
+        assert update == fl.extend.Refactorisation.ALL
         self._slope, self.made = 3.0 * self.x**2, self.made + 1
         if self._slope == 0.0:
             raise fl.extend.SingularMatrixError("no slope")
@@ -86,13 +86,15 @@ def swinging(history):
     scene = fl.Scene(gravity=(0, 0, -9.81))
     upper = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), position=(0.5, 0, 0)))
     lower = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), position=(1.5, 0, 0)))
-    scene.add(fl.Spherical(upper.point("centre"), fl.ground(), at=(0, 0, 0)))
-    scene.add(fl.Spherical(upper.point("centre"), lower.point("centre"), at=(1, 0, 0)))
+    scene.add(fl.joints.Spherical(upper.point("centre"), fl.ground(), at=(0, 0, 0)))
+    scene.add(fl.joints.Spherical(upper.point("centre"), lower.point("centre"), at=(1, 0, 0)))
     scene.add(fl.PointLoad(lower.point("centre"), force=(0, 0, 1.0), history=history))
     return scene
 
 
-@pytest.mark.parametrize("scheme", [fl.Variational(), fl.GeneralisedAlpha(), fl.EnergyMomentum()])
+@pytest.mark.parametrize(
+    "scheme", [fl.schemes.Variational(), fl.GeneralisedAlpha(), fl.EnergyMomentum()]
+)
 def test_compiled_loops_iterate_as_python_does(scheme):
     plan = {"duration": 0.5, "step": 2e-3, "progress": False}
     compiled, called = (scheme.run(swinging(history), **plan) for history in (None, lambda _: 1.0))

@@ -22,17 +22,17 @@ seeds = st.integers(0, 2**32 - 1)
 PLACE, AXIS, ACROSS = (0.3, -0.2, 0.5), (0.6, 0.0, 0.8), (-0.8, 0.0, 0.6)
 
 
-def joint_of(kind: type[fl.Joint], **options):
+def joint_of(kind: type[fl.joints.Joint], **options):
     return lambda a, b: [kind(a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS, **options)]
 
 
 def spring(a, b):
-    pin = fl.Cylindrical(a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS)
+    pin = fl.joints.Cylindrical(a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS)
     return [
-        fl.Spring(pin.angle, stiffness=3.0, damping=0.4, rest=0.2),
-        fl.Spring(pin.displacement, stiffness=2.0, damping=0.3),
-        fl.Spring(
-            fl.Distance(a.point("centre"), b.point("centre"), to=PLACE).length,
+        fl.joints.Spring(pin.angle, stiffness=3.0, damping=0.4, rest=0.2),
+        fl.joints.Spring(pin.displacement, stiffness=2.0, damping=0.3),
+        fl.joints.Spring(
+            fl.joints.Distance(a.point("centre"), b.point("centre"), to=PLACE).length,
             stiffness=5.0,
             rest=0.7,
         ),
@@ -40,34 +40,38 @@ def spring(a, b):
 
 
 def drives(a, b):
-    cross = fl.Universal(a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS, second=ACROSS)
-    planar = fl.Planar(a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS, second=ACROSS)
-    distance = fl.Distance(a.point("centre"), b.point("centre"), at=(0, 0, 1), to=PLACE)
+    cross = fl.joints.Universal(
+        a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS, second=ACROSS
+    )
+    planar = fl.joints.Planar(
+        a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS, second=ACROSS
+    )
+    distance = fl.joints.Distance(a.point("centre"), b.point("centre"), at=(0, 0, 1), to=PLACE)
     coordinates = (cross.second_angle, cross.angle, planar.displacements[1], distance.length)
-    return [fl.Drive(coordinate) for coordinate in coordinates]
+    return [fl.joints.Drive(coordinate) for coordinate in coordinates]
 
 
 def gear(a, b):
     """On one carrier ``a``: both of its definitions share a node."""
-    wheel = fl.Revolute(a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS)
-    rack = fl.Prismatic(b.point("centre"), a.point("centre"), at=(1, 1, 0), axis=(0, 1, 0))
-    return [fl.Gear(wheel.angle, rack.displacement, -1.7)]
+    wheel = fl.joints.Revolute(a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS)
+    rack = fl.joints.Prismatic(b.point("centre"), a.point("centre"), at=(1, 1, 0), axis=(0, 1, 0))
+    return [fl.joints.Gear(wheel.angle, rack.displacement, -1.7)]
 
 
 CONNECTIONS = {
     kind.__name__: joint_of(kind)
     for kind in (
-        fl.Fixed,
-        fl.Spherical,
-        fl.Revolute,
-        fl.InPlane,
-        fl.Prismatic,
-        fl.Cylindrical,
-        fl.Planar,
+        fl.joints.Fixed,
+        fl.joints.Spherical,
+        fl.joints.Revolute,
+        fl.joints.InPlane,
+        fl.joints.Prismatic,
+        fl.joints.Cylindrical,
+        fl.joints.Planar,
     )
 } | {
-    "Universal": joint_of(fl.Universal, second=ACROSS),
-    "Screw": joint_of(fl.Screw, pitch=0.4),
+    "Universal": joint_of(fl.joints.Universal, second=ACROSS),
+    "Screw": joint_of(fl.joints.Screw, pitch=0.4),
     "Spring": spring,
     "Drive": drives,
     "Gear": gear,
@@ -82,7 +86,7 @@ def connections_of(name: str) -> Connections:
     b = scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(1, 0.5, 0), rotation=lie.so3_exp(TURNED)))
     for item in CONNECTIONS[name](a, b):
         # what acts along a joint's coordinate stands here without the joint's own constraints
-        (scene.joints if isinstance(item, fl.Joint) else scene.connections).append(item)
+        (scene.joints if isinstance(item, fl.joints.Joint) else scene.connections).append(item)
     numbering = Numbering(scene.bodies)
     frames = np.concatenate([numbering.frames, [lie.frame(np.zeros(3), np.eye(3))]])
     return Connections(scene, numbering, frames, np.zeros((2, 6), dtype=bool))
@@ -253,7 +257,14 @@ def allowed(definition, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarra
     return A, lie.se3_compose(A, lie.se3_exp(found.x))
 
 
-REVERSIBLE = {fl.Fixed, fl.Spherical, fl.Revolute, fl.Prismatic, fl.Cylindrical, fl.Screw}
+REVERSIBLE = {
+    fl.joints.Fixed,
+    fl.joints.Spherical,
+    fl.joints.Revolute,
+    fl.joints.Prismatic,
+    fl.joints.Cylindrical,
+    fl.joints.Screw,
+}
 NO_JOINTS = {"Spring", "Drive", "Gear"}
 
 
@@ -271,7 +282,7 @@ def test_reversible_joint_forbids_the_same_with_its_sides_exchanged(name, seed):
     left = np.abs(forbidden(definition.exchanged(), B, A)).max()
     if kind.reversible:
         assert left < 1e-11
-    elif kind is not fl.Planar:  # what it forbids is the same, its displacements are not
+    elif kind is not fl.joints.Planar:  # what it forbids is the same, its displacements are not
         assert left > 1e-6
 
 
@@ -280,7 +291,7 @@ def rod(start, end, **options) -> fl.Beam:
     return fl.Beam.straight(start, end, fl.Section.circle(0.01, material), cells=2, **options)
 
 
-def closed_chain(last: type[fl.Joint]) -> fl.Scene:
+def closed_chain(last: type[fl.joints.Joint]) -> fl.Scene:
     """A planar four-bar linkage of rigid bodies with axes along z."""
     scene = fl.Scene()
     corners = [(0.0, 0, 0), (0.0, 1, 0), (1.0, 1, 0), (1.0, 0, 0)]
@@ -290,7 +301,7 @@ def closed_chain(last: type[fl.Joint]) -> fl.Scene:
         bars.append(scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), centre)))
     points = [fl.ground()] + [bar.point("centre") for bar in bars] + [fl.ground()]
     for k, corner in enumerate(corners):
-        kind = last if k == 3 else fl.Revolute
+        kind = last if k == 3 else fl.joints.Revolute
         name = "the last one" if k == 3 else f"joint {k}"
         scene.add(kind(points[k], points[k + 1], at=corner, axis=(0, 0, 1), name=name))
     return scene
@@ -299,14 +310,14 @@ def closed_chain(last: type[fl.Joint]) -> fl.Scene:
 def test_redundant_constraints_are_counted_and_named():
     """A planar loop of four revolutes has three constraints too many (Grübler)."""
     with pytest.raises(ValueError, match=r"3 of 20 constraints are redundant.*(joint|last)"):
-        fl.extend.Equations(closed_chain(fl.Revolute), dynamics=True)
+        fl.extend.Equations(closed_chain(fl.joints.Revolute), dynamics=True)
 
 
 def test_joint_given_twice_is_redundant():
     scene = fl.Scene()
     bar = scene.add(rod((0, 0, 0), (1, 0, 0)))
-    scene.add(fl.Spherical(fl.ground(), bar.point("start"), name="one"))
-    scene.add(fl.Spherical(fl.ground(), bar.point("start"), name="two"))
+    scene.add(fl.joints.Spherical(fl.ground(), bar.point("start"), name="one"))
+    scene.add(fl.joints.Spherical(fl.ground(), bar.point("start"), name="two"))
     with pytest.raises(ValueError, match=r"3 of 6 constraints are redundant.*(one|two)"):
         fl.extend.Equations(scene, dynamics=True)
 
@@ -315,25 +326,27 @@ def test_joint_to_a_clamped_point_is_redundant():
     scene = fl.Scene()
     bar = scene.add(rod((0, 0, 0), (1, 0, 0)))
     scene.add(fl.Clamp(bar.point("start")))
-    scene.add(fl.Spherical(fl.ground(), bar.point("start"), name="useless"))
+    scene.add(fl.joints.Spherical(fl.ground(), bar.point("start"), name="useless"))
     with pytest.raises(ValueError, match="useless"):
         fl.extend.Equations(scene, dynamics=True)
 
 
-def held_twice(redundant: fl.Redundant) -> fl.Scene:
+def held_twice(redundant: fl.joints.RedundantConstraints) -> fl.Scene:
     """A body on two fixed joints to the ground."""
     scene = fl.Scene(gravity=(0, 0, -10.0), redundant=redundant)
     body = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1), (0, 0, 0)))
     for x in (-1.0, 1.0):
-        scene.add(fl.Fixed(fl.ground(), body.point("centre"), at=(x, 0, 0), name=f"at {x:+.0f}"))
+        scene.add(
+            fl.joints.Fixed(fl.ground(), body.point("centre"), at=(x, 0, 0), name=f"at {x:+.0f}")
+        )
     return scene
 
 
 def test_redundant_joint_forces_are_the_smallest():
     """Each of two equal supports carries half the weight, and no moment is needed."""
     with pytest.raises(ValueError, match="6 of 12 constraints are redundant"):
-        fl.statics(held_twice(fl.Redundant.REFUSE))
-    scene = held_twice(fl.Redundant.MINIMUM_NORM)
+        fl.statics(held_twice(fl.joints.RedundantConstraints.REFUSE))
+    scene = held_twice(fl.joints.RedundantConstraints.MINIMUM_NORM)
     for forces in (
         fl.statics(scene).joint_forces[-1],
         fl.GeneralisedAlpha().run(scene, duration=0.1, step=0.01).joint_forces[-1],
@@ -353,10 +366,12 @@ def test_condition_of_matrix_does_not_depend_on_step(flexible):
         scene = fl.Scene(gravity=(0, 0, -9.81))
         if flexible:
             body = scene.add(rod((0, 0, 0), (1, 0, 0)))
-            scene.add(fl.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
+            scene.add(fl.joints.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
         else:
             body = scene.add(fl.RigidBody(2.0, (0.1, 0.2, 0.2), (0.5, 0, 0)))
-            scene.add(fl.Revolute(fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 1, 0)))
+            scene.add(
+                fl.joints.Revolute(fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 1, 0))
+            )
         run = Run(fl.GeneralisedAlpha(), fl.extend.Equations(scene, dynamics=True), step)
         run.start()
         s = run.s
@@ -376,12 +391,12 @@ def test_a_gap_between_joined_points_is_closed_by_the_advice():
     first = scene.add(fl.Beam.straight((0, 0, 0), (1 / 3, 0, 0), section, cells=1))
     second = scene.add(fl.Beam.straight((0.3333333, 0, 0), (1, 0, 0), section, cells=1))
     with pytest.raises(ValueError, match="more than 1e-09 of the size") as caught:
-        scene.add(fl.Fixed(first.point("end"), second.point("start")))
+        scene.add(fl.joints.Fixed(first.point("end"), second.point("start")))
     advised = re.search(r"at=\(([^)]*)\)", str(caught.value))
     assert advised is not None
     at = [float(x) for x in advised[1].split(",")]
     np.testing.assert_allclose(at, (1 / 3, 0, 0), atol=1e-7)
-    scene.add(fl.Fixed(first.point("end"), second.point("start"), at=at))
+    scene.add(fl.joints.Fixed(first.point("end"), second.point("start"), at=at))
     scene.add(fl.Clamp(first.point("start")))
     scene.add(fl.PointLoad(second.point("end"), force=(0, 0, 1e-3)))
     assert fl.statics(scene).position(second.point("end"))[-1][2] > 0.0

@@ -34,10 +34,10 @@ def errors(scene, body, scheme, exact, at, step):
 
 @each
 @pytest.mark.parametrize("at", [AT_END, INSIDE])
-@pytest.mark.parametrize("kind", [float, fl.ConstantStep])
+@pytest.mark.parametrize("kind", [float, fl.schemes.ConstantStep])
 def test_a_load_that_jumps_costs_no_order(scheme, at, kind):
     """At the end of a step and within one; the same with a table and with a function that says."""
-    table = fl.Table((0, at, at), (0, 0, 1))
+    table = fl.loads.PiecewiseLinear((0, at, at), (0, 0, 1))
     scene, body = oscillator(table)
     found = [errors(scene, body, scheme, after_step_force, at, kind(h)) for h in (2e-2, 1e-2)]
     assert (found[0] / found[1] >= 3.6).all(), found
@@ -47,7 +47,7 @@ def test_a_load_that_jumps_costs_no_order(scheme, at, kind):
 @each
 @pytest.mark.parametrize("at", [AT_END, INSIDE])
 def test_an_acceleration_of_a_drive_that_jumps_costs_no_order(scheme, at):
-    function = fl.Jumps(lambda t: 0.75 * max(t - at, 0.0) ** 2, (at,))
+    function = fl.loads.PiecewiseSmooth(lambda t: 0.75 * max(t - at, 0.0) ** 2, (at,))
     scene, body = driven(function)
     found = [errors(scene, body, scheme, after_acceleration, at, h) for h in (2e-2, 1e-2)]
     assert (found[0] / found[1] >= 3.6).all(), found
@@ -61,7 +61,7 @@ def test_an_acceleration_of_a_drive_that_jumps_costs_no_order(scheme, at):
 @each
 def test_a_velocity_of_a_drive_that_jumps(scheme):
     """A kink in a table: the spring feels a base that starts with the velocity 0.5 at once."""
-    scene, body = driven(fl.Table((0, INSIDE, END), (0, 0, 0.5 * (END - INSIDE))))
+    scene, body = driven(fl.loads.PiecewiseLinear((0, INSIDE, END), (0, 0, 0.5 * (END - INSIDE))))
 
     def exact(t, at):
         s = np.maximum(t - at, 0.0)
@@ -77,7 +77,7 @@ def test_a_velocity_of_a_drive_that_jumps(scheme):
 
 @each
 def test_what_jumps_is_in_the_balance(scheme):
-    scene, body = oscillator(fl.Table((0, AT_END, AT_END), (0, 0, 1)))
+    scene, body = oscillator(fl.loads.PiecewiseLinear((0, AT_END, AT_END), (0, 0, 1)))
     result = SCHEMES[scheme].run(scene, duration=END, step=5e-3)
     work = 4.0 * result.position(body.point("centre"))[-1, 0]
     np.testing.assert_allclose(result.balance[-1, 0], work, rtol=2e-3)
@@ -86,8 +86,8 @@ def test_what_jumps_is_in_the_balance(scheme):
 
 
 def test_adaptive_steps_end_at_jumps_that_are_said():
-    step = fl.AdaptiveStep(1e-4)
-    scene, _ = oscillator(fl.Table((0, INSIDE, INSIDE), (0, 0, 1)))
+    step = fl.schemes.AdaptiveStep(1e-4)
+    scene, _ = oscillator(fl.loads.PiecewiseLinear((0, INSIDE, INSIDE), (0, 0, 1)))
     told = SCHEMES["generalised alpha"].run(scene, duration=END, step=step)
     assert np.sum(np.abs(told.times - INSIDE) < 1e-12) == 2, "both sides"
     blind, _ = oscillator(lambda t: float(t >= INSIDE))
@@ -98,10 +98,12 @@ def test_adaptive_steps_end_at_jumps_that_are_said():
 def test_free_bodies_feel_jumps_too():
     """m ẍ = F from the jump on: exact for a constant acceleration, if the step ends there."""
     scene = fl.Scene()
-    body = scene.add(fl.RigidBody(M, (0.1, 0.2, 0.3)).set_group(fl.Group.R3xSO3))
+    body = scene.add(fl.RigidBody(M, (0.1, 0.2, 0.3)).set_group(fl.lie.Group.R3xSO3))
     scene.add(
         fl.PointLoad(
-            body.point("centre"), force=(4.0, 0, 0), history=fl.Jumps(lambda t: t >= 0.31, (0.31,))
+            body.point("centre"),
+            force=(4.0, 0, 0),
+            history=fl.loads.PiecewiseSmooth(lambda t: t >= 0.31, (0.31,)),
         )
     )
     result = SCHEMES["generalised alpha"].run(scene, duration=END, step=0.05)
@@ -110,31 +112,38 @@ def test_free_bodies_feel_jumps_too():
 
 
 def test_tables_are_straight_between_times_and_take_the_side_after_a_jump():
-    table = fl.Table((0.0, 1.0, 1.0, 3.0), (2.0, 4.0, -1.0, 1.0))
+    table = fl.loads.PiecewiseLinear((0.0, 1.0, 1.0, 3.0), (2.0, 4.0, -1.0, 1.0))
     times = (-1.0, 0.0, 0.5, 1.0 - 1e-12, 1.0, 2.0, 3.0, 9.0)
     np.testing.assert_allclose([table(t) for t in times], [2, 2, 3, 4, -1, 0, 1, 1], atol=1e-10)
     assert table.jumps == (1.0,) and table.kinks == (0.0, 1.0, 3.0)
-    assert fl.Table([0, 1], [0, 1]) == fl.Table((0.0, 1.0), (0.0, 1.0))
-    assert fl.Table((0.5,), (7.0,))(0.0) == 7.0
+    assert fl.loads.PiecewiseLinear([0, 1], [0, 1]) == fl.loads.PiecewiseLinear(
+        (0.0, 1.0), (0.0, 1.0)
+    )
+    assert fl.loads.PiecewiseLinear((0.5,), (7.0,))(0.0) == 7.0
 
 
 def two(body):
     """A drive whose table jumps."""
-    slide = fl.Prismatic(fl.ground(), body.point("centre"), axis=(1, 0, 0))
-    return slide, fl.Drive(slide.displacement, fl.Table((0, 0.5, 0.5), (0, 0, 1)))
+    slide = fl.joints.Prismatic(fl.ground(), body.point("centre"), axis=(1, 0, 0))
+    return slide, fl.joints.Drive(
+        slide.displacement, fl.loads.PiecewiseLinear((0, 0.5, 0.5), (0, 0, 1))
+    )
 
 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: fl.Table((0, 1), (1,)), "as many times as values, got 2 and 1"),
-        (lambda: fl.Table((), ()), "as many times as values"),
-        (lambda: fl.Table((0, 2, 1), (0, 0, 0)), "must not fall, got"),
-        (lambda: fl.Table((0, 1, 1, 1), (0, 0, 0, 0)), "twice at most"),
-        (lambda: fl.Table((0, np.nan), (0, 0)), "times must be finite"),
-        (lambda: fl.Table((0, 1), (0, np.inf)), "must be finite, got"),
-        (lambda: fl.Jumps(abs, (np.nan,)), "jumps must be finite times"),
-        (lambda: fl.ConstantStep(0.1, events=(2.0,)).check(1.0), r"events must be in \(0, 1\)"),
+        (lambda: fl.loads.PiecewiseLinear((0, 1), (1,)), "as many times as values, got 2 and 1"),
+        (lambda: fl.loads.PiecewiseLinear((), ()), "as many times as values"),
+        (lambda: fl.loads.PiecewiseLinear((0, 2, 1), (0, 0, 0)), "must not fall, got"),
+        (lambda: fl.loads.PiecewiseLinear((0, 1, 1, 1), (0, 0, 0, 0)), "twice at most"),
+        (lambda: fl.loads.PiecewiseLinear((0, np.nan), (0, 0)), "times must be finite"),
+        (lambda: fl.loads.PiecewiseLinear((0, 1), (0, np.inf)), "must be finite, got"),
+        (lambda: fl.loads.PiecewiseSmooth(abs, (np.nan,)), "jumps must be finite times"),
+        (
+            lambda: fl.schemes.ConstantStep(0.1, events=(2.0,)).check(1.0),
+            r"events must be in \(0, 1\)",
+        ),
     ],
 )
 def test_bad_histories_are_named(call, message):
@@ -145,7 +154,7 @@ def test_bad_histories_are_named(call, message):
 def test_drives_must_not_jump():
     scene = fl.Scene()
     for item in two(scene.add(fl.RigidBody(1.0, (1, 1, 1)))):
-        if isinstance(item, fl.Drive):
+        if isinstance(item, fl.joints.Drive):
             with pytest.raises(ValueError, match=r"jumps at the times \[0.5\]"):
                 scene.add(item)
         else:
@@ -154,7 +163,7 @@ def test_drives_must_not_jump():
 
 @each
 def test_runs_go_to_a_file_through_a_jump(scheme, tmp_path):
-    scene, _ = oscillator(fl.Table((0, AT_END, AT_END), (0, 0, 1)))
+    scene, _ = oscillator(fl.loads.PiecewiseLinear((0, AT_END, AT_END), (0, 0, 1)))
     plan = {"duration": END, "step": 1e-2}
     whole = SCHEMES[scheme].run(scene, **plan)
     kept = SCHEMES[scheme].run(scene, **plan, file=tmp_path / "run.h5")

@@ -126,7 +126,7 @@ def test_packing_does_not_depend_on_the_order_of_creation(order, state_at, carri
         if key is not None:
             given_data[key] = makers[key]()
     strain, law = packed_energy(q, given_data)
-    energy = fl.StrainEnergy(strain, law, models.measure(mesh, 3))
+    energy = fl.extend.StrainEnergy(strain, law, models.measure(mesh, 3))
     model = Model(q, fl.local_frame_forms(energy if carried else energy.form(), q), energy)
     model.at(model.random(2)).settle()
     value, residual, tangent = twin(q, energy.form())
@@ -142,7 +142,7 @@ def test_changed_data_are_seen():
     q, factor = fl.NodalFrames(mesh), fem.Constant(mesh, 1.0)
     weight = fl.extend.cellwise(mesh, np.ones(2))
     energy = models.director_energy(q)
-    energy = fl.StrainEnergy(
+    energy = fl.extend.StrainEnergy(
         energy.strain, lambda e: factor * models.linear_law(e), energy.dx, weight
     )
     model = Model(q, fl.local_frame_forms(energy, q), energy)
@@ -176,7 +176,7 @@ def test_energy_on_a_part_of_the_mesh(carried):
     )(7)  # fmt: skip
     q = fl.NodalFrames(mesh)
     whole = models.director_energy(q)
-    energy = fl.StrainEnergy(whole.strain, whole.law, dx)
+    energy = fl.extend.StrainEnergy(whole.strain, whole.law, dx)
     model = Model(q, fl.local_frame_forms(energy if carried else energy.form(), q), energy)
     model.at(model.random(8)).settle()
     _, residual, tangent = twin(q, energy.form())
@@ -270,7 +270,7 @@ def test_quadrature_rule_of_the_measure_is_that_of_the_stress(rule):
     whole = models.director_energy(q)
     # one point in the middle or one at each end: neither is exact, so they differ
     metadata = {"quadrature_degree": 1, "quadrature_rule": rule}
-    energy = fl.StrainEnergy(
+    energy = fl.extend.StrainEnergy(
         whole.strain, whole.law, ufl.Measure("dx", domain=mesh, metadata=metadata)
     )
     model = Model(q, fl.local_frame_forms(energy, q), energy)
@@ -418,14 +418,16 @@ def frames() -> fl.NodalFrames:
 
 def test_strain_energy_needs_a_quadrature_degree(frames):
     energy = models.director_energy(frames)
-    energy = fl.StrainEnergy(energy.strain, energy.law, ufl.dx(frames.function.function_space.mesh))
+    energy = fl.extend.StrainEnergy(
+        energy.strain, energy.law, ufl.dx(frames.function.function_space.mesh)
+    )
     with pytest.raises(ValueError, match="needs a quadrature degree"):
         fl.local_frame_forms(energy, frames)
 
 
 def test_strain_must_be_a_vector(frames):
     dx = models.measure(frames.function.function_space.mesh, 1)
-    energy = fl.StrainEnergy(frames.position[0], lambda e: e**2, dx)
+    energy = fl.extend.StrainEnergy(frames.position[0], lambda e: e**2, dx)
     with pytest.raises(ValueError, match=r"shape \(n,\), got \(\)"):
         fl.local_frame_forms(energy, frames)
 
@@ -492,16 +494,16 @@ def test_functions_must_fit_the_map(frames):
     energy = frames.position[0] ** 2 * ufl.dx(frames.function.function_space.mesh)
     state, increment = frames.function, frames.increment
     with pytest.raises(ValueError, match="increment must have 6 values per node"):
-        fl.LocalFrameForms(energy, state, state, DIRECTORS)
+        fl.extend.LocalFrameForms(energy, state, state, DIRECTORS)
     with pytest.raises(ValueError, match="state must have 12 values per node"):
-        fl.LocalFrameForms(energy, increment, increment, DIRECTORS)
+        fl.extend.LocalFrameForms(energy, increment, increment, DIRECTORS)
     finer = fem.functionspace(state.function_space.mesh, ("Lagrange", 2, (6,)))
     with pytest.raises(ValueError, match="same nodes"):
-        fl.LocalFrameForms(energy, state, fem.Function(finer), DIRECTORS)
+        fl.extend.LocalFrameForms(energy, state, fem.Function(finer), DIRECTORS)
     with pytest.raises(ValueError, match=r"this map does$"):
-        fl.LocalFrameForms(energy, state, increment, GEODESIC)
+        fl.extend.LocalFrameForms(energy, state, increment, GEODESIC)
     with pytest.raises(ValueError, match=r"this map does not$"):
-        fl.LocalFrameForms(energy, state, increment, DIRECTORS, coordinates=state)
+        fl.extend.LocalFrameForms(energy, state, increment, DIRECTORS, coordinates=state)
 
 
 def test_update_needs_six_values_per_node(frames):

@@ -22,7 +22,7 @@ def stored(model: SceneEquilibrium) -> sp.csr_matrix:
 
 
 def test_held_unknowns_have_unit_rows_and_no_columns():
-    model = SceneEquilibrium(pinched(0.04, quarter(3), fl.HellingerReissner()), "test_")
+    model = SceneEquilibrium(pinched(0.04, quarter(3), fl.elements.HellingerReissner()), "test_")
     A, held = stored(model), model.equations.system.held.ravel()
     rows = A[held]
     assert rows.nnz == held.sum()
@@ -37,7 +37,9 @@ def test_held_unknowns_have_unit_rows_and_no_columns():
 @pytest.mark.parametrize("cells", [2, 12])
 def test_an_indefinite_matrix_stays_with_the_solver_that_can(cells):
     """Where there is little fill CHOLMOD would take it, and say that it has no negative pivot."""
-    model = SceneEquilibrium(pinched(0.04, quarter(cells), fl.HellingerReissner()), "test_")
+    model = SceneEquilibrium(
+        pinched(0.04, quarter(cells), fl.elements.HellingerReissner()), "test_"
+    )
     matrix = model.equations.system.kkt.matrix
     solver = fl.extend.DirectSolver(model.equations.system.kkt, "test_indefinite_", SYMMETRIC)
     A = stored(model)
@@ -54,7 +56,7 @@ def test_an_indefinite_matrix_stays_with_the_solver_that_can(cells):
 
 
 def test_options_that_are_given_come_before_those_of_a_package():
-    model = SceneEquilibrium(pinched(0.04, quarter(3), fl.HellingerReissner()), "test_")
+    model = SceneEquilibrium(pinched(0.04, quarter(3), fl.elements.HellingerReissner()), "test_")
     options = PETSc.Options("test_given_")
     options["mat_umfpack_pivot_tolerance"] = 0.5
     fl.extend.DirectSolver(
@@ -67,7 +69,7 @@ def test_options_that_are_given_come_before_those_of_a_package():
 @pytest.mark.parametrize("methods", [SYMMETRIC, INDEFINITE])
 def test_a_matrix_that_is_not_finite_does_not_spoil_the_next(methods):
     """A step that blew up is halved; the packages themselves never recover from nan."""
-    model = SceneEquilibrium(pinched(0.04, quarter(12), fl.HellingerReissner()), "test_")
+    model = SceneEquilibrium(pinched(0.04, quarter(12), fl.elements.HellingerReissner()), "test_")
     solver = fl.extend.DirectSolver(model.equations.system.kkt, "test_finite_", methods)
     values = model.equations.system.kkt.csr[0]
     kept = values.copy()
@@ -89,9 +91,9 @@ def test_a_matrix_that_is_not_finite_does_not_spoil_the_next(methods):
 @pytest.mark.parametrize("load", ["force", "pressure"])
 def test_forces_that_are_known_make_the_same_matrix(load):
     """After a look at the forces the elements are not asked for them again."""
-    scene = pinched(0.04, quarter(3), fl.HellingerReissner())
+    scene = pinched(0.04, quarter(3), fl.elements.HellingerReissner())
     if load == "pressure":
-        scene.add(fl.SurfacePressure(scene.bodies[0], 10.0))
+        scene.add(fl.loads.SurfacePressure(scene.bodies[0], 10.0))
     model = SceneEquilibrium(scene, "test_")
     model.factorise(0.0)
     model.move(0.1 * model.solve(model.forces()[1]))
@@ -113,7 +115,7 @@ def test_tangent_of_a_shell_is_symmetric_and_the_derivative_of_the_residual():
     shell = scene.bodies[0]
     shell.roller("10", (1.0, 0.0, 1.0))
     model = SceneEquilibrium(scene, "")
-    fl.ArcLength().follow(model)
+    fl.stability.ArcLength().follow(model)
     model.factorise(1.0)
     matrix = model.equations.system.kkt.matrix[:, :]
     np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * np.abs(matrix).max())

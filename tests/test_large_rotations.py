@@ -63,8 +63,8 @@ def lever(moment: float, stiffness: float = 2.0, rest: float | None = None):
     """A rigid lever on a torsion spring, its scene and the spring."""
     scene, body = fl.Scene(), fl.RigidBody(1.0, (1, 1, 1))
     scene.add(body)
-    hinge = scene.add(fl.Revolute(fl.ground(), body.point("centre")))
-    spring = scene.add(fl.Spring(hinge.angle, stiffness=stiffness, rest=rest))
+    hinge = scene.add(fl.joints.Revolute(fl.ground(), body.point("centre")))
+    spring = scene.add(fl.joints.Spring(hinge.angle, stiffness=stiffness, rest=rest))
     if moment:
         scene.add(fl.PointLoad(body.point("centre"), moment=(0, 0, moment)))
     return scene, body, spring
@@ -77,8 +77,8 @@ def test_a_preload_of_whole_turns_on_an_elastic_shaft(rest):
     scene = fl.Scene()
     shaft = scene.add(fl.Beam.straight((0, 0, 0), (4, 0, 0), SECTION, cells=16))
     scene.add(fl.Clamp(shaft.point("start")))
-    hinge = scene.add(fl.Revolute(fl.ground(), shaft.point("end"), axis=(1, 0, 0)))
-    spring = scene.add(fl.Spring(hinge.angle, stiffness=stiffness, rest=rest))
+    hinge = scene.add(fl.joints.Revolute(fl.ground(), shaft.point("end"), axis=(1, 0, 0)))
+    spring = scene.add(fl.joints.Spring(hinge.angle, stiffness=stiffness, rest=rest))
     moment = fl.statics(scene).joint_force(spring)[-1][5]
     assert abs(moment) == pytest.approx(stiffness * abs(rest) / 2, rel=1e-10)
 
@@ -98,7 +98,7 @@ def test_a_path_begins_with_the_preload():
     """The lever is held by two springs that strain each other by several turns."""
     scene, _, first = lever(0.0, 2.0, rest=20.0)
     hinge = scene.joints[0]
-    second = scene.add(fl.Spring(hinge.angle, stiffness=3.0, rest=-5.0, name="second"))
+    second = scene.add(fl.joints.Spring(hinge.angle, stiffness=3.0, rest=-5.0, name="second"))
     scene.add(fl.PointLoad(scene.bodies[0].point("centre"), moment=(0, 0, 10.0)))
     path = fl.follow_path(scene)
     # 2 (φ − 20) + 3 (φ + 5) = 10 λ
@@ -133,9 +133,9 @@ def test_an_overshoot_ends_at_the_angle_that_is_connected_with_no_load():
 def test_a_screw_is_pushed_through_many_turns(turns):
     scene, body = fl.Scene(), fl.RigidBody(1.0, (1, 1, 1))
     scene.add(body)
-    screw = scene.add(fl.Screw(fl.ground(), body.point("centre"), axis=(1, 0, 0), pitch=0.1))
-    scene.add(fl.Spring(screw.displacement, stiffness=10.0))
-    twisted = scene.add(fl.Spring(screw.angle, stiffness=1e-3))
+    screw = scene.add(fl.joints.Screw(fl.ground(), body.point("centre"), axis=(1, 0, 0), pitch=0.1))
+    scene.add(fl.joints.Spring(screw.displacement, stiffness=10.0))
+    twisted = scene.add(fl.joints.Spring(screw.angle, stiffness=1e-3))
     # 10 · 0.1 turns and the moment of the other spring over the pitch
     force = turns + 1e-3 * TURN * turns * TURN / 0.1
     scene.add(fl.PointLoad(body.point("centre"), force=(force, 0, 0)))
@@ -148,11 +148,13 @@ def test_a_screw_is_pushed_through_many_turns(turns):
 def test_a_gear_multiplies_turns(by):
     scene = fl.Scene()
     slow, fast = (scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(x, 0, 0))) for x in (0.0, 3.0))
-    first, second = (scene.add(fl.Revolute(fl.ground(), w.point("centre"))) for w in (slow, fast))
-    scene.add(fl.Gear(first.angle, second.angle, ratio=0.1))
-    spring = scene.add(fl.Spring(second.angle, stiffness=2.0))
+    first, second = (
+        scene.add(fl.joints.Revolute(fl.ground(), w.point("centre"))) for w in (slow, fast)
+    )
+    scene.add(fl.joints.Gear(first.angle, second.angle, ratio=0.1))
+    spring = scene.add(fl.joints.Spring(second.angle, stiffness=2.0))
     if by == "drive":
-        scene.add(fl.Drive(first.angle, lambda t: 3.0 * t))
+        scene.add(fl.joints.Drive(first.angle, lambda t: 3.0 * t))
     else:
         # the slow wheel has ten times the moment of the spring
         scene.add(fl.PointLoad(slow.point("centre"), moment=(0, 0, 600.0)))
@@ -164,7 +166,7 @@ def test_a_gear_multiplies_turns(by):
 def test_a_driven_angle_of_many_turns(degrees):
     angle = np.radians(degrees)
     scene, _, spring = lever(0.0)
-    scene.add(fl.Drive(scene.joints[0].angle, lambda t: angle * t))
+    scene.add(fl.joints.Drive(scene.joints[0].angle, lambda t: angle * t))
     found = fl.statics(scene)
     assert found.joint_force(spring)[-1][5] == pytest.approx(2.0 * angle, rel=1e-10)
     # the steps are those that are prescribed: none fails
@@ -185,7 +187,7 @@ def test_displacement_control_across_the_load_is_refused():
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=4))
     scene.add(fl.Clamp(beam.point("start")))
     scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 1.0)))
-    control = fl.DisplacementControl(beam.point("end"), (0, 1, 0), 0.1)
+    control = fl.stability.DisplacementControl(beam.point("end"), (0, 1, 0), 0.1)
     with pytest.raises(ValueError, match="does not move the point in that direction"):
         fl.follow_path(scene, control=control)
 

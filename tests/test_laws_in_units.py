@@ -12,11 +12,16 @@ from tests.unit_systems import METRES, OTHER_SYSTEMS, UNIT_SYSTEMS, UnitSystem
 
 each = pytest.mark.parametrize("u", UNIT_SYSTEMS, ids=str)
 E, NU, RHO = 2e11, 0.3, 7800.0
-FORMULATIONS = [fl.Geodesic(), fl.Director(1), fl.Director(2), fl.Kirchhoff()]
+FORMULATIONS = [
+    fl.elements.GeodesicBeam(),
+    fl.elements.DirectorBeam(1),
+    fl.elements.DirectorBeam(2),
+    fl.elements.KirchhoffRod(),
+]
 SHELLS = {
-    "quadrilateral": ("quadrilateral", fl.HellingerReissner(), False),
-    "six parameters": ("quadrilateral", fl.HellingerReissner(), True),
-    "triangle": ("triangle", fl.HellingerReissner(), False),
+    "quadrilateral": ("quadrilateral", fl.elements.HellingerReissner(), False),
+    "six parameters": ("quadrilateral", fl.elements.HellingerReissner(), True),
+    "triangle": ("triangle", fl.elements.HellingerReissner(), False),
 }
 
 
@@ -79,7 +84,7 @@ def plate(u: UnitSystem, kind: str, nu: float, cells: tuple[int, int], width: fl
         return u.length([2.0 * (a + bulge), width * (b - bulge), 0.0])
 
     layer = fl.ShellSection.layer(u.length(0.02), steel(u, nu))
-    mesh = fl.surface(place, cells, cell=cell)
+    mesh = fl.mesh.parametric_surface(place, cells, cell=cell)
     return fl.Shell(mesh, layer, formulation=formulation, drilling=drilling, name="plate")
 
 
@@ -92,7 +97,7 @@ def pulled(u: UnitSystem, kind: str) -> np.ndarray:
     shell.symmetry("b=0", (0, 1, 0))
     shell.roller("00", (0, 0, 1))
     force = u.line_load([strain * E * 0.02, 0, 0])
-    scene.add(fl.EdgeLoad(shell, "a=1", force=force))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=force))
     result = fl.statics(scene)
     moved = result.frames[-1][:, 0] - result.initial[:, 0]
     return u.inverse.length([result.initial[:, 0], moved / strain])
@@ -111,7 +116,7 @@ def rolled(u: UnitSystem, kind: str) -> np.ndarray:
     scene, moment = fl.Scene(), np.pi / 4 * E * 0.02**3 / 12
     shell = scene.add(plate(u, kind, 0.0, (8, 1), 0.2))
     shell.clamp("a=0")
-    scene.add(fl.EdgeLoad(shell, "a=1", moment=u.force([0, -moment, 0])))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", moment=u.force([0, -moment, 0])))
     return u.inverse.length(fl.statics(scene).position(shell.point("11"))[-1])
 
 
@@ -129,7 +134,7 @@ def blown(u: UnitSystem) -> np.ndarray:
     shell = scene.add(plate(u, "quadrilateral", NU, (6, 4), 1.0))
     shell.clamp("a=0")
     shell.clamp("a=1")
-    scene.add(fl.SurfacePressure(shell, u.stress(3e5), u.of([0, 0, 1e5], -2, 1, -2)))
+    scene.add(fl.loads.SurfacePressure(shell, u.stress(3e5), u.of([0, 0, 1e5], -2, 1, -2)))
     result = fl.statics(scene)
     return u.inverse.length(result.frames[-1][:, 0] - result.initial[:, 0])
 
@@ -181,8 +186,8 @@ def snap(u: UnitSystem) -> np.ndarray:
     left = scene.add(fl.Beam.straight(-foot, head, bar(u, 0.1), cells=1, up=(0, 1, 0)))
     right = scene.add(fl.Beam.straight(foot, head, bar(u, 0.1), cells=1, up=(0, 1, 0)))
     for point in (left.point("start"), right.point("start")):
-        scene.add(fl.Revolute(fl.ground(), point, axis=(0, 1, 0)))
-    scene.add(fl.Revolute(left.point("end"), right.point("end"), axis=(0, 1, 0)))
+        scene.add(fl.joints.Revolute(fl.ground(), point, axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(left.point("end"), right.point("end"), axis=(0, 1, 0)))
     load = u.force(E * 0.01 * 0.02)
     scene.add(fl.PointLoad(left.point("end"), force=(0, 0, -load)))
     return np.array([p.factor for p in fl.follow_path(scene, 1.0).limits]) * 0.02
@@ -206,7 +211,9 @@ def frequencies(u: UnitSystem) -> np.ndarray:
     beam = rod.add(fl.Beam.straight(*ends, bar(u, 0.005), cells=8))
     rod.add(fl.Clamp(beam.point("start")))
     layer = fl.ShellSection.layer(u.length(0.005), steel(u))
-    shell = slab.add(fl.Shell(fl.surface(lambda a, b: u.length([a, b, 0]), (8, 8)), layer))
+    shell = slab.add(
+        fl.Shell(fl.mesh.parametric_surface(lambda a, b: u.length([a, b, 0]), (8, 8)), layer)
+    )
     for edge in ("a=0", "a=1", "b=0", "b=1"):
         shell.hinge(edge)
     free.add(fl.Beam.straight(*ends, bar(u, 0.005), cells=8))
@@ -227,12 +234,12 @@ def test_small_vibrations(u):
 
 
 @cache
-def sliding_bar(u: UnitSystem, drag: float) -> fl.Modes:
+def sliding_bar(u: UnitSystem, drag: float) -> fl.stability.Modes:
     """A short beam on a prismatic joint: stiff, and held by lengths and angles."""
     scene, ends = fl.Scene(), (u.length([0, 0, 0]), u.length([1, 0.3, 0.2]))
-    damping = fl.Damping(u.rate(drag))
+    damping = fl.sections.Damping(u.rate(drag))
     beam = scene.add(fl.Beam.straight(*ends, bar(u, 0.05), cells=4, damping=damping))
-    scene.add(fl.Prismatic(fl.ground(), beam.point("start"), at=ends[0], axis=(1, 0, 0)))
+    scene.add(fl.joints.Prismatic(fl.ground(), beam.point("start"), at=ends[0], axis=(1, 0, 0)))
     return fl.vibrations(scene, 6)
 
 
@@ -274,7 +281,7 @@ def test_a_closed_loop_conserves(u, scheme):
 
 @cache
 def chosen(u: UnitSystem) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    steps = fl.AdaptiveStep(u.velocity(1e-3))
+    steps = fl.schemes.AdaptiveStep(u.velocity(1e-3))
     result = fl.GeneralisedAlpha().run(closed_loop(u), duration=u.time(0.02), step=steps)
     sizes, frames = u.inverse.time(result.steps.sizes), u.inverse.frame(result.frames[-1])
     return sizes, frames, result.iterations
@@ -311,7 +318,7 @@ def carried(u: UnitSystem) -> np.ndarray:
     beam = scene.add(fl.Beam.straight(*ends, bar(u, 0.02), cells=4))
     scene.add(fl.Clamp(beam.point("start")))
     scene.add(fl.PointLoad(beam.point("end"), force=u.force([100.0, 2.0, 3.0])))
-    found = fl.section_forces(fl.statics(scene), beam, scene)
+    found = fl.post.section_forces(fl.statics(scene), beam, scene)
     forces, moments = u.inverse.force(found.cut_forces), u.inverse.moment(found.cut_moments)
     return np.concatenate([forces.ravel(), moments.ravel()])
 

@@ -27,9 +27,9 @@ def test_helix_of_ten_turns_arrives_from_any_level(wanted):
 def test_arc_length_keeps_its_direction_through_two_limit_points(number):
     """Where a step has its length there are two states; the one behind leads back."""
     scene, _ = arch(40, "stretchable")
-    with pytest.warns(fl.UnstableEquilibriumWarning, match="had a maximum"):
+    with pytest.warns(fl.stability.UnstableEquilibriumWarning, match="had a maximum"):
         result = fl.follow_loads(scene, levels(number))
-    with pytest.warns(fl.UnstableEquilibriumWarning, match="had a maximum"):
+    with pytest.warns(fl.stability.UnstableEquilibriumWarning, match="had a maximum"):
         one = fl.follow_loads(scene)
     np.testing.assert_allclose(result.frames[-1, :, 0], one.frames[-1, :, 0], atol=1e-3)
 
@@ -74,7 +74,7 @@ def test_each_way_of_loading_is_the_others_fallback():
     result = fl.statics(
         PROBLEMS["helix of ten turns"](),
         load_steps=2,
-        newton=fl.Newton(smallest_step=0.5, max_iterations=10),
+        newton=fl.schemes.Newton(smallest_step=0.5, max_iterations=10),
     )
     assert isinstance(result, fl.PathResult)
     assert result.factors[-1] == 1.0 and result.failed_iterations >= 10

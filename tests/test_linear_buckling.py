@@ -24,7 +24,9 @@ def stiff(weak: float = 1.0, strong: float = 1.0, torsion: float = 0.8, axial: f
     return fl.Section.from_stiffness([axial, axial, axial, torsion, strong, weak])
 
 
-def cantilever(section: fl.Section, cells: int = 16, formulation: fl.Formulation | None = None):
+def cantilever(
+    section: fl.Section, cells: int = 16, formulation: fl.elements.BeamFormulation | None = None
+):
     """A beam of length 1 along x, clamped at its start."""
     beam = fl.Beam.straight(
         (0, 0, 0), (1, 0, 0), section, cells=cells, up=(0, 0, 1), formulation=formulation
@@ -38,14 +40,16 @@ def cantilever(section: fl.Section, cells: int = 16, formulation: fl.Formulation
 # --- bodies under a load of any size, compressed by a positive one ---
 
 
-def of_beam(load: float, formulation: fl.Formulation | None = None, cells: int = 6) -> fl.Scene:
+def of_beam(
+    load: float, formulation: fl.elements.BeamFormulation | None = None, cells: int = 6
+) -> fl.Scene:
     scene, beam = cantilever(rectangle(), cells, formulation)
     scene.add(fl.PointLoad(beam.point("end"), force=(-load, 0, 0)))
     return scene
 
 
 def of_rod(load: float) -> fl.Scene:
-    rod = fl.Rod(fl.straight((0, 0, 0), (1, 0, 0), 6), rectangle(), up=(0, 0, 1))
+    rod = fl.Rod(fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 6), rectangle(), up=(0, 0, 1))
     scene = fl.Scene()
     scene.add(rod)
     scene.add(fl.Clamp(rod.point("start")))
@@ -63,12 +67,12 @@ def of_ancf_beam(load: float) -> fl.Scene:
 
 
 def of_solid(load: float, degree: int = 2) -> fl.Scene:
-    material = fl.SaintVenantKirchhoff(2.1e11, 0.3, 7800.0)
+    material = fl.sections.SaintVenantKirchhoff(2.1e11, 0.3, 7800.0)
     solid = fl.Solid.brick((0.1, 0.1, 1.0), material, cells=(1, 1, 4), degree=degree)
     solid.clamp("c=0")
     scene = fl.Scene()
     scene.add(solid)
-    scene.add(fl.FaceLoad(solid, "c=1", force=(0, 0, -load)))
+    scene.add(fl.loads.FaceLoad(solid, "c=1", force=(0, 0, -load)))
     return scene
 
 
@@ -81,13 +85,13 @@ SHEET = fl.ShellSection.layer(0.01, STEEL)
 
 def of_surface(load: float, kind: type = fl.Shell) -> fl.Scene:
     if kind is fl.Shell:
-        shell = fl.Shell(fl.surface(flat, (6, 2)), SHEET)
+        shell = fl.Shell(fl.mesh.parametric_surface(flat, (6, 2)), SHEET)
     else:
-        shell = kind(fl.smooth_patch(flat, (6, 2)), SHEET)
+        shell = kind(fl.mesh.smooth_patch(flat, (6, 2)), SHEET)
     shell.clamp("a=0")
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.EdgeLoad(shell, "a=1", force=(-load, 0, 0)))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(-load, 0, 0)))
     return scene
 
 
@@ -95,12 +99,14 @@ def of_strut(load: float) -> fl.Scene:
     """A post on a spring along it, held at its top by a weaker spring across: ``P = k a``."""
     scene = fl.Scene()
     top = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1), (0, 0, 1.5)))
-    plane = scene.add(fl.Planar(fl.ground(), top.point("centre"), axis=(0, 1, 0), second=(1, 0, 0)))
-    scene.add(fl.Spring(plane.angle, 1e9))
-    post = scene.add(fl.Distance(fl.ground(), top.point("centre"), at=(0, 0, 0)))
-    scene.add(fl.Spring(post.length, 1e6))
-    across = scene.add(fl.Distance(fl.ground(), top.point("centre"), at=(1, 0, 1.5)))
-    scene.add(fl.Spring(across.length, 30.0))
+    plane = scene.add(
+        fl.joints.Planar(fl.ground(), top.point("centre"), axis=(0, 1, 0), second=(1, 0, 0))
+    )
+    scene.add(fl.joints.Spring(plane.angle, 1e9))
+    post = scene.add(fl.joints.Distance(fl.ground(), top.point("centre"), at=(0, 0, 0)))
+    scene.add(fl.joints.Spring(post.length, 1e6))
+    across = scene.add(fl.joints.Distance(fl.ground(), top.point("centre"), at=(1, 0, 1.5)))
+    scene.add(fl.joints.Spring(across.length, 30.0))
     scene.add(fl.PointLoad(top.point("centre"), force=(0, 0, -load)))
     return scene
 
@@ -111,7 +117,7 @@ PLATE = np.pi**2 / 4 * 2.1e11 * 0.01**3 / 12
 
 BODIES = {
     "geodesic beam": (of_beam, EULER),
-    "director beam": (lambda load: of_beam(load, fl.Director(2)), EULER),
+    "director beam": (lambda load: of_beam(load, fl.elements.DirectorBeam(2)), EULER),
     "rod": (of_rod, EULER),
     "ANCF beam": (of_ancf_beam, EULER),
     "solid of degree 2": (of_solid, SQUARE),
@@ -134,7 +140,7 @@ def test_factor_times_load_does_not_depend_on_the_load(body):
 
 
 @dataclass(frozen=True)
-class Yielding(fl.Director):
+class Yielding(fl.elements.DirectorBeam):
     """A beam whose bending compliance grows with its axial force: ``(1 + γ N)/EI``.
 
     Its stresses are unknowns of the cells, and its tangent is no linear function of them.
@@ -146,7 +152,7 @@ class Yielding(fl.Director):
         mesh = nodal.function.function_space.mesh
         element = basix.ufl.element("DG", "interval", 0, shape=(6,))
         s = fem.Function(fem.functionspace(mesh, element))
-        stretch, curvature = fl.director_strains(nodal)
+        stretch, curvature = fl.elements.director_strains(nodal)
         strain = ufl.as_vector([stretch[0] - 1, stretch[1], stretch[2], *curvature])
         C = fl.extend.cellwise(mesh, np.linalg.inv(cells.stiffness))
         bending = C[4, 4] * s[4] ** 2 + C[5, 5] * s[5] ** 2
@@ -175,13 +181,18 @@ def test_shells_under_rigid_bodies_buckle_as_beams_do():
     """A body on a strip of shells and on a beam, loaded 0.3 above their ends."""
     material, found = fl.Material(2.1e11, 0.0, 7800.0), []
     strip = fl.Shell(
-        fl.surface(lambda a, b: (0.3 * (b - 0.5), 0.0, a), (12, 2)),
+        fl.mesh.parametric_surface(lambda a, b: (0.3 * (b - 0.5), 0.0, a), (12, 2)),
         fl.ShellSection.layer(0.01, material),
     )
     strip.clamp("a=0")
     section = fl.Section.rectangle(0.3, 0.01, material)
     beam = fl.Beam.straight(
-        (0, 0, 0), (0, 0, 1), section, cells=12, up=(0, 1, 0), formulation=fl.Director(2)
+        (0, 0, 0),
+        (0, 0, 1),
+        section,
+        cells=12,
+        up=(0, 1, 0),
+        formulation=fl.elements.DirectorBeam(2),
     )
     for body, ends in ((strip, strip.points("a=1")), (beam, [beam.point("end")])):
         scene = fl.Scene()
@@ -190,7 +201,7 @@ def test_shells_under_rigid_bodies_buckle_as_beams_do():
             scene.add(fl.Clamp(beam.point("start")))
         top = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (0, 0, 1.3)))
         for end in ends:
-            scene.add(fl.RigidLink(top.point("centre"), end))
+            scene.add(fl.joints.RigidLink(top.point("centre"), end))
         scene.add(fl.PointLoad(top.point("centre"), force=(0, 0, -1.0)))
         found.append(fl.buckling(scene, 1).factors[0])
     assert found[0] == pytest.approx(found[1], rel=3e-3)
@@ -210,11 +221,18 @@ def on_forks() -> tuple[fl.Scene, float]:
     """End moments about the strong axis, ends that do not twist: ``π √(EI GJ)/L``."""
     section = stiff(strong=1e4, torsion=0.5, axial=1e8)
     beam = fl.Beam.straight(
-        (0, 0, 0), (1, 0, 0), section, cells=16, up=(0, 0, 1), formulation=fl.Director(2)
+        (0, 0, 0),
+        (1, 0, 0),
+        section,
+        cells=16,
+        up=(0, 0, 1),
+        formulation=fl.elements.DirectorBeam(2),
     )
     scene = fl.Scene()
     scene.add(beam)
-    scene.add(fl.Universal(fl.ground(), beam.point("start"), axis=(0, 1, 0), second=(0, 0, 1)))
+    scene.add(
+        fl.joints.Universal(fl.ground(), beam.point("start"), axis=(0, 1, 0), second=(0, 0, 1))
+    )
     beam.held[beam.point("end").node, 1:4] = True
     scene.add(fl.PointLoad(beam.point("start"), moment=(0, 1, 0)))
     scene.add(fl.PointLoad(beam.point("end"), moment=(0, -1, 0)))
@@ -231,7 +249,7 @@ def with_guided_end() -> tuple[fl.Scene, float]:
 
 def ring(*, plane: bool) -> tuple[fl.Scene, float]:
     """Pressure on a circular ring of radius 1: ``3 EI/R³`` in its plane."""
-    mesh = fl.Spline.circle((0, 0, 0), 1.0, (0, 0, 1), 48).mesh()
+    mesh = fl.mesh.Spline.circle((0, 0, 0), 1.0, (0, 0, 1), 48).mesh()
     beam, scene = fl.Beam(mesh, stiff(), up=(0, 0, 1)), fl.Scene()
     scene.add(beam)
     held = [int(np.argmax(beam.frames[:, 0] @ axis)) for axis in ((1, 0, 0), (-1, 0, 0), (0, 1, 0))]
@@ -239,7 +257,7 @@ def ring(*, plane: bool) -> tuple[fl.Scene, float]:
     beam.held[:, 2:5] |= plane
     beam.held[held, 2] = True
     inward = beam.frames[0, 1:] @ -beam.frames[0, 0]
-    scene.add(fl.PressureLoad(beam, 1.0, direction=(0, *np.round(inward[1:], 12))))
+    scene.add(fl.loads.PressureLoad(beam, 1.0, direction=(0, *np.round(inward[1:], 12))))
     return scene, 3.0
 
 
@@ -278,9 +296,11 @@ def cardan_shaft() -> fl.Scene:
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), stiff(), cells=16, up=(0, 0, 1))
     scene = fl.Scene()
     scene.add(beam)
-    scene.add(fl.Universal(fl.ground(), beam.point("start"), axis=(0, 1, 0), second=(0, 0, 1)))
+    scene.add(
+        fl.joints.Universal(fl.ground(), beam.point("start"), axis=(0, 1, 0), second=(0, 0, 1))
+    )
     for axis in ((0, 1, 0), (0, 0, 1)):
-        scene.add(fl.InPlane(fl.ground(), beam.point("end"), axis=axis))
+        scene.add(fl.joints.InPlane(fl.ground(), beam.point("end"), axis=axis))
     scene.add(fl.PointLoad(beam.point("end"), moment=(1, 0, 0)))
     return scene
 
@@ -288,12 +308,15 @@ def cardan_shaft() -> fl.Scene:
 def pressed_end() -> fl.Scene:
     """Pressure on the free end of a clamped block: Beck's column, too."""
     solid = fl.Solid.brick(
-        (0.1, 0.1, 1.0), fl.SaintVenantKirchhoff(2.1e11, 0.3, 7800.0), cells=(1, 1, 4), degree=2
+        (0.1, 0.1, 1.0),
+        fl.sections.SaintVenantKirchhoff(2.1e11, 0.3, 7800.0),
+        cells=(1, 1, 4),
+        degree=2,
     )
     solid.clamp("c=0")
     scene = fl.Scene()
     scene.add(solid)
-    scene.add(fl.FacePressure(solid, "c=1", 1e6))
+    scene.add(fl.loads.FacePressure(solid, "c=1", 1e6))
     return scene
 
 
@@ -361,8 +384,8 @@ def test_loads_that_change_no_stiffness_are_named():
     """A mass on a slide and a spring."""
     scene = fl.Scene()
     mass = scene.add(fl.RigidBody(1.0, (1, 1, 1)))
-    slide = scene.add(fl.Prismatic(fl.ground(), mass.point("centre"), axis=(1, 0, 0)))
-    scene.add(fl.Spring(slide.displacement, 10.0))
+    slide = scene.add(fl.joints.Prismatic(fl.ground(), mass.point("centre"), axis=(1, 0, 0)))
+    scene.add(fl.joints.Spring(slide.displacement, 10.0))
     scene.add(fl.PointLoad(mass.point("centre"), force=(1, 0, 0)))
     with pytest.raises(fl.ConvergenceError, match="do not change its stiffness"):
         fl.buckling(scene, 1)

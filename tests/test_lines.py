@@ -7,14 +7,14 @@ import fem_lie as fl
 
 RADIUS, CELL = 0.01, 0.1
 SECTION = fl.Section.circle(RADIUS, fl.Material(1e9, 0.3, 1000.0))
-LAW = fl.Penalty(1e6)
+LAW = fl.contact.Penalty(1e6)
 
 
 def straight(start, end, cells=8, **options) -> fl.Beam:
     return fl.Beam.straight(start, end, SECTION, cells=cells, **options)
 
 
-def force_at(contact: fl.Contact, bodies: list[fl.Beam]) -> np.ndarray:
+def force_at(contact: fl.contact.Contact, bodies: list[fl.Beam]) -> np.ndarray:
     """Total force on the first line in the beginning."""
     count = np.cumsum([0, *(len(body.frames) for body in bodies)])
     numbers = {b: np.arange(len(b.frames)) + k for b, k in zip(bodies, count, strict=False)}
@@ -32,7 +32,9 @@ def test_the_force_is_even_along_elements(degrees):
         one = straight((-2, 0, 0), (2, 0, 0), cells=40)
         middle = np.array([x, 0, 2 * RADIUS * (1 - deep)])
         other = straight(middle - along, middle + along, cells=61)
-        contact = fl.Contact(fl.Line(one, RADIUS), fl.Line(other, RADIUS), LAW)
+        contact = fl.contact.Contact(
+            fl.contact.Line(one, RADIUS), fl.contact.Line(other, RADIUS), LAW
+        )
         found = force_at(contact, [one, other])
         assert np.abs(found[:2]).max() < 4e-3 * abs(found[2])
         sizes.append(-found[2])
@@ -46,7 +48,10 @@ def test_lines_find_all_others_whatever_the_cells():
         straight((-0.3, y, 0.0195), (0.3, y, 0.0195), cells=4) for y in np.linspace(-0.15, 0.15, 5)
     ]
     each = [
-        force_at(fl.Contact(fl.Line(one, RADIUS), fl.Line(b, RADIUS), LAW), [one, b])
+        force_at(
+            fl.contact.Contact(fl.contact.Line(one, RADIUS), fl.contact.Line(b, RADIUS), LAW),
+            [one, b],
+        )
         for b in bundle
     ]
     # the exact integral of the overlap of two crossing cylinders
@@ -64,11 +69,13 @@ def test_a_beam_that_falls_on_a_plane_keeps_its_energy():
     scene = fl.Scene()
     for item in (one, other):
         scene.add(item)
-    law = fl.Penalty(2e5)
-    contact = scene.add(fl.Contact(fl.Line(one, RADIUS), fl.Line(other, RADIUS), law))
+    law = fl.contact.Penalty(2e5)
+    contact = scene.add(
+        fl.contact.Contact(fl.contact.Line(one, RADIUS), fl.contact.Line(other, RADIUS), law)
+    )
     scheme = fl.GeneralisedAlpha(radius=1.0, tolerance=1e-9)
     result = scheme.run(scene, duration=0.1, step=1e-4, progress=False)
-    forces = fl.contact_forces(result, contact)
+    forces = fl.post.contact_forces(result, contact)
     assert forces.penetration.max() > 1e-4
     assert result.energy_error < 1e-2
     np.testing.assert_allclose(result.momentum[-1], result.momentum[0], atol=1e-9)
@@ -82,12 +89,16 @@ def test_a_beam_lies_on_a_plane():
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(beam)
     contact = scene.add(
-        fl.Contact(fl.Plane(fl.ground(), (0, 0, 1)), fl.Line(beam, RADIUS), fl.Penalty(1e6, 5e2))
+        fl.contact.Contact(
+            fl.contact.Plane(fl.ground(), (0, 0, 1)),
+            fl.contact.Line(beam, RADIUS),
+            fl.contact.Penalty(1e6, 5e2),
+        )
     )
     scheme = fl.GeneralisedAlpha(radius=0.5, tolerance=1e-9)
     result = scheme.run(scene, duration=0.2, step=1e-3, progress=False)
     weight = 9.81 * 1000.0 * np.pi * RADIUS**2
-    forces = fl.contact_forces(result, contact, [-1])
+    forces = fl.post.contact_forces(result, contact, [-1])
     np.testing.assert_allclose(forces.total[0], (0, 0, 0.8 * weight), rtol=1e-6, atol=1e-9)
     np.testing.assert_allclose(forces.gaps, -weight / 1e6, rtol=1e-4)
 
@@ -98,9 +109,9 @@ def test_stretches_are_seen_again():
     bent = np.concatenate([one.frames, other.frames])
     bent[:, 0, 2] = 0.2 * (bent[:, 0, 0] ** 2 - bent[:, 0, 1] ** 2)
     bent[len(one.frames) :, 0, 2] += 0.0195
-    term = fl.Contact(fl.Line(one, RADIUS), fl.Line(other, RADIUS), LAW).term(
-        {one: np.arange(9), other: np.arange(9, 18)}.__getitem__
-    )
+    term = fl.contact.Contact(
+        fl.contact.Line(one, RADIUS), fl.contact.Line(other, RADIUS), LAW
+    ).term({one: np.arange(9), other: np.arange(9, 18)}.__getitem__)
 
     def forces(stretch: float) -> np.ndarray:
         H, out = bent.copy(), np.zeros((18, 6))
@@ -117,26 +128,28 @@ def test_stretches_are_seen_again():
     np.testing.assert_array_equal(forces(1.00009), before)
 
 
-def crossing(law: fl.Penalty | fl.Impact, z: float = 0.02) -> fl.Contact:
+def crossing(law: fl.contact.Penalty | fl.contact.Impact, z: float = 0.02) -> fl.contact.Contact:
     one, other = straight((-1, 0, 0), (1, 0, 0)), straight((0, -1, z), (0, 1, z))
-    return fl.Contact(fl.Line(one, RADIUS), fl.Line(other, RADIUS), law, name="two")
+    return fl.contact.Contact(
+        fl.contact.Line(one, RADIUS), fl.contact.Line(other, RADIUS), law, name="two"
+    )
 
 
 def refuse_self() -> None:
-    line = fl.Line(straight((-1, 0, 0), (1, 0, 0)), RADIUS)
-    fl.Contact(line, line, LAW).check()
+    line = fl.contact.Line(straight((-1, 0, 0), (1, 0, 0)), RADIUS)
+    fl.contact.Contact(line, line, LAW).check()
 
 
 def refuse_ball() -> None:
-    line = fl.Line(straight((-1, 0, 0), (1, 0, 0)), RADIUS)
-    fl.Contact(fl.Sphere(fl.ground(), 0.1), line, LAW).check()
+    line = fl.contact.Line(straight((-1, 0, 0), (1, 0, 0)), RADIUS)
+    fl.contact.Contact(fl.contact.Sphere(fl.ground(), 0.1), line, LAW).check()
 
 
 def refuse_kink() -> None:
     beam = fl.Beam.polyline([(0, 0, 0), (1, 0, 0), (1, 1, 0)], SECTION, cells=2)
     frames = beam.frames
     frames[0, 1:] = [[0.9, 0, np.sqrt(0.19)], [0, 1, 0], [-np.sqrt(0.19), 0, 0.9]]
-    fl.Line(beam, RADIUS).check()
+    fl.contact.Line(beam, RADIUS).check()
 
 
 def refuse_curl() -> None:
@@ -144,19 +157,22 @@ def refuse_curl() -> None:
     beam = fl.Beam.curve(
         lambda s: 0.01 * np.array([np.cos(5 * s), np.sin(5 * s), 0.0]), SECTION, cells=40
     )
-    fl.Line(beam, RADIUS).check()
+    fl.contact.Line(beam, RADIUS).check()
 
 
 REFUSED = {
     "curl": (refuse_curl, "are not unique"),
-    "impact": (lambda: crossing(fl.Impact()).check(), "two: lines touch by Penalty"),
+    "impact": (lambda: crossing(fl.contact.Impact()).check(), "two: lines touch by Penalty"),
     "overlap": (lambda: crossing(LAW, 0.018).check(), r"two: they overlap by 0.0019"),
     "itself": (refuse_self, "does not touch itself"),
     "ball": (refuse_ball, "lines touch lines, bars and planes"),
     "kink": (refuse_kink, "e₁ of node 0 is more than 10° off"),
-    "ramp": (lambda: fl.Penalty(1.0, 1.0, ramp=-1.0), "ramp must not be negative"),
-    "radius": (lambda: fl.Line(straight((-1, 0, 0), (1, 0, 0)), 0.0), "Line: radius"),
-    "bar": (lambda: fl.Cylinder(fl.ground(), (0, 0, 0), 1.0), "Cylinder: along must have a length"),
+    "ramp": (lambda: fl.contact.Penalty(1.0, 1.0, ramp=-1.0), "ramp must not be negative"),
+    "radius": (lambda: fl.contact.Line(straight((-1, 0, 0), (1, 0, 0)), 0.0), "Line: radius"),
+    "bar": (
+        lambda: fl.contact.Cylinder(fl.ground(), (0, 0, 0), 1.0),
+        "Cylinder: along must have a length",
+    ),
 }
 
 
@@ -174,7 +190,14 @@ def test_soft_penalties_are_told_of(caplog):
     scene = fl.Scene()
     scene.add(one)
     scene.add(other)
-    scene.add(fl.Contact(fl.Line(one, RADIUS), fl.Line(other, RADIUS), fl.Penalty(1e3), name="two"))
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.Line(one, RADIUS),
+            fl.contact.Line(other, RADIUS),
+            fl.contact.Penalty(1e3),
+            name="two",
+        )
+    )
     with caplog.at_level("WARNING"):
         fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.02, step=1e-3, progress=False)
     (message,) = [m for m in caplog.messages if "overlap" in m]

@@ -20,7 +20,7 @@ def cantilever(cells: int, section: fl.Section = SECTION, **options):
         (0, 0, 0), (LENGTH, 0, 0), section, cells=cells, up=(0, 0, 1), **options
     )
     scene.add(beam)
-    joint = scene.add(fl.Fixed(fl.ground(), beam.point("start")))
+    joint = scene.add(fl.joints.Fixed(fl.ground(), beam.point("start")))
     return scene, beam, joint
 
 
@@ -29,7 +29,7 @@ def frames_of(result: fl.StaticResult, beam: fl.Beam) -> np.ndarray:
     return result.frames[-1][result.info.body(beam.name).nodes]
 
 
-def on_ground(result: fl.StaticResult, joint: fl.Joint) -> tuple[np.ndarray, np.ndarray]:
+def on_ground(result: fl.StaticResult, joint: fl.joints.Joint) -> tuple[np.ndarray, np.ndarray]:
     """Force and moment of a joint at the origin on the ground, global components."""
     axes, wrench = joint.frame()[1:], result.joint_force(joint)[-1]
     return wrench[:3] @ axes, wrench[3:] @ axes
@@ -38,10 +38,10 @@ def on_ground(result: fl.StaticResult, joint: fl.Joint) -> tuple[np.ndarray, np.
 # --- derivatives ----------------------------------------------------------------------------------
 
 
-def branch(damping: fl.Damping | None = None) -> tuple[fl.Scene, fl.Beam]:
+def branch(damping: fl.sections.Damping | None = None) -> tuple[fl.Scene, fl.Beam]:
     """A kink and a branch: nodes that follow others."""
     scene = fl.Scene()
-    mesh = fl.LineMesh.from_cells(
+    mesh = fl.mesh.LineMesh.from_cells(
         [(0, 0, 0), (1, 0, 0), (1.2, 0.8, 0), (1.5, 0, 0.8)], [(0, 1), (1, 2), (1, 3)]
     )
     return scene, scene.add(fl.Beam(mesh, SECTION, damping=damping))
@@ -58,12 +58,12 @@ def test_tangent_of_pressure_and_of_all_loads_on_nodes_that_follow(seed):
     """Central differences of all that acts, at random frames; no load has a symmetric tangent."""
     scene, beam = branch()
     block = scene.add(fl.RigidBody(0.4, (0.2, 0.3, 0.4), (1.6, 0.9, 0.3)))
-    scene.add(fl.RigidLink(block.point("centre"), beam.point(2)))
-    scene.add(fl.PressureLoad(beam, 300.0, (0, 1, 2)))
+    scene.add(fl.joints.RigidLink(block.point("centre"), beam.point(2)))
+    scene.add(fl.loads.PressureLoad(beam, 300.0, (0, 1, 2)))
     scene.add(fl.PointLoad(beam.point(3), force=(30, 20, 10), moment=(10, 20, 30)))
     scene.add(fl.PointLoad(block.point("centre"), (30, 20, 10), (1, 2, 3), following=True))
     scene.add(fl.LineLoad(beam, force=(10, 20, 30), moment=(3, 2, 1)))
-    scene.add(fl.PreStress(beam, (10, 20, 30, 3, 2, 1)))
+    scene.add(fl.loads.PreStress(beam, (10, 20, 30, 3, 2, 1)))
     system = Assembled(scene, dynamics=False)
     H, _, _ = random_state(system, seed)
     K = system.matrix(H)
@@ -75,7 +75,7 @@ def test_tangent_of_pressure_and_of_all_loads_on_nodes_that_follow(seed):
 @pytest.mark.parametrize("seed", range(3))
 def test_damping_is_linear_in_the_velocity_and_in_the_matrix(seed):
     """The derivative of the residual in the velocities is what the matrix has for them."""
-    scene, _ = branch(fl.Damping(mass=2.0, stiffness=(0.1, 0.2, 0.3, 0.4, 0.5, 0.6)))
+    scene, _ = branch(fl.sections.Damping(mass=2.0, stiffness=(0.1, 0.2, 0.3, 0.4, 0.5, 0.6)))
     system = Assembled(scene, dynamics=True)
     H, v, a = random_state(system, seed)
     D = system.matrix(H, v, a, damping=2.0) - system.matrix(H, v, a, damping=1.0)
@@ -91,7 +91,7 @@ def test_damping_is_linear_in_the_velocity_and_in_the_matrix(seed):
 def test_viscous_forces_do_not_feel_rigid_motion_and_never_feed_it(seed):
     damped, free = (
         Assembled(branch(damping)[0], dynamics=True)
-        for damping in (fl.Damping(stiffness=0.1), None)
+        for damping in (fl.sections.Damping(stiffness=0.1), None)
     )
     H, v, _ = random_state(damped, seed)
     moving = H[: damped.count]
@@ -117,7 +117,7 @@ def test_pressure_on_any_plane_line_is_that_on_its_chord():
     scene = fl.Scene()
     scene.add(beam)
     # e₁ × e₃ = −e₂
-    scene.add(fl.PressureLoad(beam, 3.0, (0, -1, 0)))
+    scene.add(fl.loads.PressureLoad(beam, 3.0, (0, -1, 0)))
     equations = fl.extend.Equations(scene, dynamics=False)
     rows, nodes = equations.start.frames.copy(), equations.unknowns.bodies[beam]
     rows[nodes] = H
@@ -133,11 +133,11 @@ def ring(cells: int, section: fl.Section, pressure: float):
     pairs = np.column_stack([np.arange(cells), (np.arange(cells) + 1) % cells])
     points = np.column_stack([np.cos(phi), np.sin(phi), 0 * phi])
     scene = fl.Scene()
-    mesh = fl.LineMesh.from_cells(points, pairs, kink_angle=np.radians(40))
+    mesh = fl.mesh.LineMesh.from_cells(points, pairs, kink_angle=np.radians(40))
     beam = scene.add(fl.Beam(mesh, section, up=(0, 0, 1)))
     scene.add(fl.Clamp(beam.point(0)))
     # e₂ = e₃ × e₁ points inward
-    scene.add(fl.PressureLoad(beam, pressure, (0, 1, 0)))
+    scene.add(fl.loads.PressureLoad(beam, pressure, (0, 1, 0)))
     return scene, beam
 
 
@@ -147,7 +147,7 @@ def test_a_ring_shrinks_by_its_hoop_strain():
     stiff = fl.Section.from_stiffness([EA, EA, EA, EA, EA, EA])
     for cells in (16, 32):
         scene, beam = ring(cells, stiff, p)
-        with pytest.warns(fl.CoarseElementsWarning, match="compressed by 1[67]%"):
+        with pytest.warns(fl.schemes.CoarseElementsWarning, match="compressed by 1[67]%"):
             x = frames_of(fl.statics(scene, load_steps=2), beam)[:, 0]
         radius = 0.5 * np.linalg.norm(x[cells // 2] - x[0])
         errors.append(abs(radius - 1 / 1.2))
@@ -216,7 +216,7 @@ def test_following_line_load_turns_with_its_nodes():
 
 def test_free_warming_makes_longer_and_no_stress():
     scene, beam, joint = cantilever(3)
-    scene.add(fl.Temperature(beam, 50.0, 1e-3))
+    scene.add(fl.loads.Temperature(beam, 50.0, 1e-3))
     result = fl.statics(scene)
     np.testing.assert_allclose(
         result.position(beam.point("end"))[-1], [1.05 * LENGTH, 0, 0], atol=1e-12
@@ -230,7 +230,7 @@ def test_a_gradient_of_temperature_bends_to_a_circle(axis):
     curvature = 1.3
     for cells in (1, 4):
         scene, beam, joint = cantilever(cells)
-        scene.add(fl.Temperature(beam, 0.0, 1e-3, gradient=1e3 * curvature * np.eye(2)[axis]))
+        scene.add(fl.loads.Temperature(beam, 0.0, 1e-3, gradient=1e3 * curvature * np.eye(2)[axis]))
         result = fl.statics(scene, load_steps=2)
         angle = curvature * LENGTH
         exact = np.zeros(3)
@@ -243,8 +243,8 @@ def test_warming_between_clamps_is_a_thrust():
     """``N = −EA α ΔT``, and of two loads and two groups of cells the sum of each."""
     scene, beam, joint = cantilever(4)
     scene.add(fl.Clamp(beam.point("end")))
-    scene.add(fl.Temperature(beam, 20.0, 1e-4))
-    scene.add(fl.Eigenstrain(beam, (1e-3, 0, 0, 0, 0, 0)))
+    scene.add(fl.loads.Temperature(beam, 20.0, 1e-4))
+    scene.add(fl.loads.Eigenstrain(beam, (1e-3, 0, 0, 0, 0, 0)))
     force, _ = on_ground(fl.statics(scene), joint)
     np.testing.assert_allclose(force, [-3e-3 * EA, 0, 0], atol=1e-7)
 
@@ -252,11 +252,15 @@ def test_warming_between_clamps_is_a_thrust():
 def test_pre_stress_is_the_resultant_in_the_unloaded_configuration():
     """All six of it, shear too, whatever the element adds to its flexibility."""
     given = np.array([100.0, 20, -30, 4, 5, -6])
-    for cells, formulation in ((1, fl.Geodesic()), (3, fl.Geodesic()), (2, fl.Geodesic(False))):
+    for cells, formulation in (
+        (1, fl.elements.GeodesicBeam()),
+        (3, fl.elements.GeodesicBeam()),
+        (2, fl.elements.GeodesicBeam(False)),
+    ):
         scene, beam, joint = cantilever(cells, formulation=formulation)
         for k in range(1, cells + 1):
             scene.add(fl.Clamp(beam.point(k)))
-        scene.add(fl.PreStress(beam, given))
+        scene.add(fl.loads.PreStress(beam, given))
         force, moment = on_ground(fl.statics(scene), joint)
         np.testing.assert_allclose(force, given[:3], atol=1e-9)
         # in the middle of the first element
@@ -273,7 +277,7 @@ def test_a_string_under_tension_gives_way_as_strings_do():
     for cells in (16, 32, 64):
         scene, beam, _ = cantilever(cells, stiff)
         scene.add(fl.Clamp(beam.point("end")))
-        scene.add(fl.PreStress(beam, (T, 0, 0, 0, 0, 0)))
+        scene.add(fl.loads.PreStress(beam, (T, 0, 0, 0, 0, 0)))
         middle = beam.point(cells // 2)
         scene.add(fl.PointLoad(middle, force=(0, 0, P)))
         errors.append(abs(fl.statics(scene).position(middle)[-1, 2] / exact - 1))
@@ -283,12 +287,12 @@ def test_a_string_under_tension_gives_way_as_strings_do():
 # --- histories ------------------------------------------------------------------------------------
 
 
-def bar_with_a_mass(damping: fl.Damping | None = None):
+def bar_with_a_mass(damping: fl.sections.Damping | None = None):
     """One axial degree of freedom: frequency √(k/m), the bar's own mass being nothing."""
     light = fl.Section.from_stiffness(SECTION.stiffness, 1e-6 * MASS)
     scene, beam, _ = cantilever(1, light, damping=damping)
     block = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1), (LENGTH, 0, 0)))
-    scene.add(fl.RigidLink(beam.point("end"), block.point("centre")))
+    scene.add(fl.joints.RigidLink(beam.point("end"), block.point("centre")))
     return scene, beam, np.sqrt(EA / LENGTH / 2.0)
 
 
@@ -303,8 +307,10 @@ def test_an_eigenstrain_with_a_history_drives_an_oscillator():
     other = scene.add(fl.Beam.straight((0, 1, 0), (1, 1, 0), SECTION, cells=2))
     scene.add(fl.Clamp(other.point("start")))
     drive, strain = 0.4 * omega, 1e-3
-    scene.add(fl.Eigenstrain(beam, (strain, 0, 0, 0, 0, 0), history=lambda t: np.sin(drive * t)))
-    scene.add(fl.Eigenstrain(other, (0, 0, 0, 0, 0, 0)))
+    scene.add(
+        fl.loads.Eigenstrain(beam, (strain, 0, 0, 0, 0, 0), history=lambda t: np.sin(drive * t))
+    )
+    scene.add(fl.loads.Eigenstrain(other, (0, 0, 0, 0, 0, 0)))
     errors = []
     for steps in (200, 400):
         result = run(scene, 4 * np.pi / omega, steps)
@@ -366,7 +372,7 @@ def damping_ratio(result: fl.Result, u: np.ndarray) -> float:
 def test_kelvin_voigt_damps_an_oscillator(ratio):
     """``ζ = τω/2``."""
     omega = bar_with_a_mass()[2]
-    scene, beam, _ = bar_with_a_mass(fl.Damping(stiffness=2 * ratio / omega))
+    scene, beam, _ = bar_with_a_mass(fl.sections.Damping(stiffness=2 * ratio / omega))
     for body in scene.bodies:
         body.velocities[:, 0] = 0.01 * omega
     beam.velocities[0] = 0.0
@@ -378,11 +384,11 @@ def test_kelvin_voigt_damps_an_oscillator(ratio):
 @pytest.mark.parametrize(
     "damping",
     [
-        fl.Damping(mass=2.0),
-        fl.Damping(stiffness=2e-3),
-        fl.Damping(mass=1.0, stiffness=1e-3),
+        fl.sections.Damping(mass=2.0),
+        fl.sections.Damping(stiffness=2e-3),
+        fl.sections.Damping(mass=1.0, stiffness=1e-3),
         # of the six times only that of κ₂ matters to bending in the plane of z
-        fl.Damping(stiffness=(0, 0, 0, 1, 2e-3, 1)),
+        fl.sections.Damping(stiffness=(0, 0, 0, 1, 2e-3, 1)),
     ],
     ids=["mass", "stiffness", "both", "curvature"],
 )
@@ -408,7 +414,9 @@ def test_rayleigh_damps_the_first_bending_mode(damping):
 def test_mass_damping_stops_a_free_body():
     """A free bar slows down as ``exp(−a t)``, in translation and in its spin about its axis."""
     scene = fl.Scene()
-    beam = fl.Beam.straight((-1, 0, 0), (1, 0, 0), SECTION, cells=2, damping=fl.Damping(mass=3.0))
+    beam = fl.Beam.straight(
+        (-1, 0, 0), (1, 0, 0), SECTION, cells=2, damping=fl.sections.Damping(mass=3.0)
+    )
     scene.add(beam).add_velocity((1.0, 2.0, -1.0))
     beam.add_velocity(omega=(5.0, 0, 0), about=(0, 0, 0))
     result = run(scene, 0.5, 500)
@@ -423,7 +431,9 @@ def test_mass_damping_stops_a_free_body():
 def test_kelvin_voigt_does_not_slow_down_a_spin():
     """What vibrates comes to rest; momentum and angular momentum stay."""
     scene = fl.Scene()
-    beam = fl.Beam.straight((-1, 0, 0), (1, 0, 0), SECTION, cells=4, damping=fl.Damping(0.0, 5e-3))
+    beam = fl.Beam.straight(
+        (-1, 0, 0), (1, 0, 0), SECTION, cells=4, damping=fl.sections.Damping(0.0, 5e-3)
+    )
     scene.add(beam).add_velocity(omega=(0, 0, 3.0), about=(0, 0, 0))
     beam.add_velocity((0, 0, 1.0))
     result = run(scene, 1.0, 1000)

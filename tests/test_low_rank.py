@@ -17,10 +17,10 @@ def falling(stiffness: float, *, line: bool = False) -> fl.Scene:
     tilt = np.radians(5)
     end = np.cos(tilt), 0, np.sin(tilt)
     beam = scene.add(fl.Beam.straight((0, 0, 0), end, SECTION, cells=CELLS))
-    plane = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -0.011))
-    nodes = fl.Vertices([fl.Point(beam, k) for k in range(CELLS + 1)])
-    surface = fl.Line(beam, RADIUS) if line else nodes
-    scene.add(fl.Contact(surface, plane, fl.Penalty(stiffness)))
+    plane = fl.contact.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -0.011))
+    nodes = fl.contact.Vertices([fl.extend.Point(beam, k) for k in range(CELLS + 1)])
+    surface = fl.contact.Line(beam, RADIUS) if line else nodes
+    scene.add(fl.contact.Contact(surface, plane, fl.contact.Penalty(stiffness)))
     return scene
 
 
@@ -82,7 +82,7 @@ def test_what_is_beside_is_the_stiffness_of_the_contact(line):
 
 def test_a_stiff_contact_makes_no_more_matrices_than_a_soft_one():
     soft = SCHEME.run(falling(1e3), duration=0.3, step=1e-3, progress=False)
-    with pytest.warns(fl.UnresolvedContactWarning):
+    with pytest.warns(fl.contact.UnresolvedContactWarning):
         stiff = SCHEME.run(falling(1e5), duration=0.3, step=1e-3, progress=False)
     made = soft.factorisations, stiff.factorisations
     assert made[1] <= 1.5 * made[0]

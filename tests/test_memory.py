@@ -25,7 +25,7 @@ from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.packages import Method
 from fem_lie.solve.statics.follow import SceneEquilibrium
 
-model = SceneEquilibrium(pinched(0.04, quarter(32), fl.HellingerReissner()), "test_")
+model = SceneEquilibrium(pinched(0.04, quarter(32), fl.elements.HellingerReissner()), "test_")
 solver = DirectSolver(model.equations.system.kkt, "test_little_", [Method("{kind}", "{package}")])
 with open("/proc/self/status") as status:
     kilobytes = next(int(line.split()[1]) for line in status if line.startswith("VmSize"))
@@ -75,7 +75,9 @@ def little_for_mumps():
 
 
 def solver(cells, method):
-    model = SceneEquilibrium(pinched(0.04, quarter(cells), fl.HellingerReissner()), "test_")
+    model = SceneEquilibrium(
+        pinched(0.04, quarter(cells), fl.elements.HellingerReissner()), "test_"
+    )
     return fl.extend.DirectSolver(model.equations.system.kkt, "test_memory_", [method])
 
 

@@ -40,7 +40,7 @@ def _exact_ends(mesh, tangent, s):
 
 
 def test_straight_line_in_equal_cells():
-    mesh = fl.straight((1, 2, 3), (1, 2, 7), 4)
+    mesh = fl.mesh.straight_line((1, 2, 3), (1, 2, 7), 4)
     np.testing.assert_array_equal(mesh.points[:, 2], [3, 4, 5, 6, 7])
     np.testing.assert_array_equal(mesh.cells, [[0, 1], [1, 2], [2, 3], [3, 4]])
     np.testing.assert_array_equal(mesh.tangents, np.broadcast_to([0, 0, 1.0], (4, 2, 3)))
@@ -49,7 +49,7 @@ def test_straight_line_in_equal_cells():
 
 def test_tangents_of_a_curve_by_differences():
     point, tangent = _circle(2 * math.pi)
-    mesh = fl.curve(point, 8)
+    mesh = fl.mesh.curve(point, 8)
     exact = _exact_ends(mesh, tangent, np.linspace(0, 1, 9))
     # one-sided differences at the ends amplify round-off most: about 20 eps / step
     np.testing.assert_allclose(mesh.tangents, exact, atol=2e-11)
@@ -62,13 +62,13 @@ def test_the_function_of_a_curve_is_called_within_its_range_only():
         asked.append(s)
         return [s, s**2, 0]
 
-    fl.curve(point, 3)
+    fl.mesh.curve(point, 3)
     assert 0.0 <= min(asked) and max(asked) <= 1.0
 
 
 def test_a_given_derivative_is_used_and_normalised():
     point, tangent = _circle(1.0)
-    mesh = fl.curve(point, 3, derivative=lambda s: 7 * tangent(s))
+    mesh = fl.mesh.curve(point, 3, derivative=lambda s: 7 * tangent(s))
     exact = _exact_ends(mesh, tangent, np.linspace(0, 1, 4))
     np.testing.assert_allclose(mesh.tangents, exact, atol=1e-15)
 
@@ -86,7 +86,9 @@ def test_tangents_of_any_circle_are_exact_for_uneven_cells_in_any_direction(s, f
     point, tangent = _circle(2.5)
     n = len(step)
     cells = [[i + 1, i] if i and flip[i] else [i, i + 1] for i in range(n - 1)]
-    mesh = fl.LineMesh.from_cells([point(si) for si in step], cells, kink_angle=np.radians(40.0))
+    mesh = fl.mesh.LineMesh.from_cells(
+        [point(si) for si in step], cells, kink_angle=np.radians(40.0)
+    )
     # chords of 3e-3 between points that are exact to 1e-16
     np.testing.assert_allclose(mesh.tangents, _exact_ends(mesh, tangent, step), atol=1e-12)
 
@@ -94,7 +96,7 @@ def test_tangents_of_any_circle_are_exact_for_uneven_cells_in_any_direction(s, f
 def test_tangents_converge_with_second_order_on_other_curves():
     def error(cells):
         s = np.linspace(0, 1, cells + 1)
-        mesh = fl.LineMesh.from_cells(
+        mesh = fl.mesh.LineMesh.from_cells(
             np.column_stack([s, s**3, np.exp(s)]),
             np.column_stack([np.arange(cells), np.arange(1, cells + 1)]),
             kink_angle=np.radians(40.0),
@@ -109,7 +111,7 @@ def test_tangents_converge_with_second_order_on_other_curves():
 
 def test_cells_follow_each_other_and_the_lowest_keeps_its_direction():
     x = np.column_stack([np.arange(5.0), np.zeros(5), np.zeros(5)])
-    mesh = fl.LineMesh.from_cells(x, [[3, 2], [0, 1], [3, 4], [1, 2]])
+    mesh = fl.mesh.LineMesh.from_cells(x, [[3, 2], [0, 1], [3, 4], [1, 2]])
     np.testing.assert_array_equal(mesh.cells, [[3, 2], [1, 0], [4, 3], [2, 1]])
     np.testing.assert_array_equal(mesh.tangents, np.broadcast_to([-1.0, 0, 0], (4, 2, 3)))
 
@@ -117,7 +119,7 @@ def test_cells_follow_each_other_and_the_lowest_keeps_its_direction():
 def test_known_tangents_turn_with_their_cells():
     known = np.full((2, 2, 3), np.nan)
     known[1] = [[0, -0.6, -0.8], [0, -0.6, -0.8]]
-    mesh = fl.LineMesh.from_cells(
+    mesh = fl.mesh.LineMesh.from_cells(
         [[0, 0, 0], [0, 1, 1], [0, 2, 2]], [[0, 1], [2, 1]], tangents=known
     )
     np.testing.assert_array_equal(mesh.cells, [[0, 1], [1, 2]])
@@ -126,16 +128,16 @@ def test_known_tangents_turn_with_their_cells():
 
 
 def test_a_corner_keeps_the_chords_and_a_closed_ring_has_no_end():
-    square = fl.LineMesh.from_cells(
+    square = fl.mesh.LineMesh.from_cells(
         [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1], [1, 2], [2, 3], [3, 0]]
     )
     np.testing.assert_array_equal(square.tangents[:, 0], square.tangents[:, 1])
-    ring = fl.LineMesh.from_cells(square.points, square.cells, kink_angle=math.pi)
+    ring = fl.mesh.LineMesh.from_cells(square.points, square.cells, kink_angle=math.pi)
     assert ring.tangents[0, 0] == pytest.approx([math.sqrt(0.5), -math.sqrt(0.5), 0])
 
 
 def test_a_branch_is_recorded_and_its_sides_are_straight():
-    mesh = fl.LineMesh.from_cells(
+    mesh = fl.mesh.LineMesh.from_cells(
         [[0, 0, 0], [1, 0, 0], [2, 0.1, 0], [2, -0.1, 0]], [[0, 1], [1, 2], [1, 3]]
     )
     np.testing.assert_array_equal(mesh.branching_points, [1])
@@ -143,7 +145,7 @@ def test_a_branch_is_recorded_and_its_sides_are_straight():
 
 
 def test_a_part_keeps_its_names():
-    mesh = fl.LineMesh.from_cells(
+    mesh = fl.mesh.LineMesh.from_cells(
         np.eye(3)[[0, 1, 2]],
         [[0, 1], [1, 2]],
         groups={"all": [0, 1], "second": [1], "first": [0]},
@@ -159,7 +161,7 @@ def test_a_part_keeps_its_names():
 
 
 def test_bend_from_its_geo_file_has_exact_tangents_and_names():
-    mesh = fl.read_gmsh(fl.run_gmsh_script(BEND, {"cells": 6}))
+    mesh = fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(BEND, {"cells": 6}))
     assert len(mesh.cells) == 6 and mesh.group("arc").tolist() == list(range(6))
     np.testing.assert_allclose(mesh.points[mesh.named("clamp")], [[0, 0, 0]], atol=1e-12)
     np.testing.assert_allclose(
@@ -172,13 +174,13 @@ def test_bend_from_its_geo_file_has_exact_tangents_and_names():
 
 
 def test_the_default_of_a_parameter_stands_after_another_was_given():
-    assert len(fl.read_gmsh(fl.run_gmsh_script(BEND, {"cells": 3})).cells) == 3
-    assert len(fl.read_gmsh(fl.run_gmsh_script(BEND)).cells) == 8
+    assert len(fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(BEND, {"cells": 3})).cells) == 3
+    assert len(fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(BEND)).cells) == 8
     assert not gmsh.isInitialized()
 
 
 def test_a_msh_file_gives_the_same_line(tmp_path):
-    geo, msh = fl.read_gmsh(fl.run_gmsh_script(BEND)), _written(BEND, tmp_path)
+    geo, msh = fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(BEND)), _written(BEND, tmp_path)
     np.testing.assert_array_equal(msh.cells, geo.cells)
     assert msh.groups.keys() == geo.groups.keys() and msh.named("tip") == geo.named("tip")
     # 16 digits in the file, chords of a tenth of the radius
@@ -187,7 +189,10 @@ def test_a_msh_file_gives_the_same_line(tmp_path):
 
 def test_a_branching_frame_is_the_same_in_its_msh_file(tmp_path):
     """Several groups and points; cells of each group head the same way in both files."""
-    geo, msh = fl.read_gmsh(fl.run_gmsh_script(SPACE_FRAME)), _written(SPACE_FRAME, tmp_path)
+    geo, msh = (
+        fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(SPACE_FRAME)),
+        _written(SPACE_FRAME, tmp_path),
+    )
     assert set(geo.groups) == {"columns", "girder", "outrigger"}
     assert len(geo.named_points) == 6 and geo.named_points.keys() == msh.named_points.keys()
     np.testing.assert_array_equal(geo.branching_points, geo.named("middle"))
@@ -213,7 +218,7 @@ def _written(geo, folder):
         gmsh.write(str(folder / "line.msh"))
     finally:
         gmsh.finalize()
-    return fl.read_gmsh(folder / "line.msh")
+    return fl.mesh.read_gmsh_lines(folder / "line.msh")
 
 
 FRAME = """
@@ -236,7 +241,7 @@ def frame_file(tmp_path):
 
 
 def test_a_frame_has_a_kink_shared_groups_and_no_orphans(frame_file):
-    mesh = fl.read_gmsh(fl.run_gmsh_script(frame_file))
+    mesh = fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(frame_file))
     assert mesh.points.shape == (9, 3), "the curve outside of groups is left out"
     assert set(mesh.groups) == {"column", "girder", "frame"} and len(mesh.group("frame")) == 8
     np.testing.assert_allclose(mesh.tangents[mesh.group("column")], [[[0, 0, 1]] * 2] * 4)
@@ -259,10 +264,13 @@ def test_the_current_model_of_the_user_is_read_and_left_alone(frame_file):
         gmsh.model.occ.addLine(a, b)
         gmsh.model.occ.synchronize()
         gmsh.model.mesh.generate(1)
-        mine = fl.read_gmsh()
-        assert len(fl.read_gmsh(fl.run_gmsh_script(frame_file, {"count": 2})).cells) == 4
+        mine = fl.mesh.read_gmsh_lines()
+        assert (
+            len(fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(frame_file, {"count": 2})).cells)
+            == 4
+        )
         assert gmsh.model.getCurrent() == "mine" and gmsh.model.list() == ["", "mine"]
-        np.testing.assert_array_equal(fl.read_gmsh().points, mine.points)
+        np.testing.assert_array_equal(fl.mesh.read_gmsh_lines().points, mine.points)
     finally:
         gmsh.finalize()
     np.testing.assert_array_equal(mine.tangents[:, 0], [[1, 0, 0]] * len(mine.cells))
@@ -274,7 +282,7 @@ def test_the_current_model_of_the_user_is_read_and_left_alone(frame_file):
 def test_a_mesh_of_triangles_is_refused():
     mesh = dolfinx.mesh.create_unit_square(MPI.COMM_SELF, 1, 1)
     with pytest.raises(ValueError, match="intervals of order 1, got triangle"):
-        fl.from_dolfinx(mesh)
+        fl.mesh.lines_from_dolfinx(mesh)
 
 
 # --- what is refused -----------------------------------------------------------------------------
@@ -285,30 +293,45 @@ LINE = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: fl.straight((0, 0, 0), (0, 0, 0), 2), "both"),
-        (lambda: fl.straight((0, 0, 0), (1, 0, 0), 0), "at least 1, got 0"),
-        (lambda: fl.straight((0, 0, 0), (1, 0, 0), 1.5), r"whole number of at least 1, got 1\.5"),
-        (lambda: fl.straight((0, 0, np.nan), (1, 0, 0), 2), "point 0 is .*nan"),
-        (lambda: fl.straight((0, 0), (1, 0), 2), r"shape \(n, 3\), got \(2, 2\)"),
-        (lambda: fl.curve(lambda s: (0, 0, 0), 2), "no tangent at s = 0"),
-        (lambda: fl.LineMesh.from_cells(LINE, [[0, 1], [1, 1], [1, 2]]), "cell 1 has no length"),
+        (lambda: fl.mesh.straight_line((0, 0, 0), (0, 0, 0), 2), "both"),
+        (lambda: fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 0), "at least 1, got 0"),
         (
-            lambda: fl.LineMesh.from_cells([*LINE, LINE[0]], [[0, 1], [0, 3], [1, 2]]),
+            lambda: fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 1.5),
+            r"whole number of at least 1, got 1\.5",
+        ),
+        (lambda: fl.mesh.straight_line((0, 0, np.nan), (1, 0, 0), 2), "point 0 is .*nan"),
+        (lambda: fl.mesh.straight_line((0, 0), (1, 0), 2), r"shape \(n, 3\), got \(2, 2\)"),
+        (lambda: fl.mesh.curve(lambda s: (0, 0, 0), 2), "no tangent at s = 0"),
+        (
+            lambda: fl.mesh.LineMesh.from_cells(LINE, [[0, 1], [1, 1], [1, 2]]),
+            "cell 1 has no length",
+        ),
+        (
+            lambda: fl.mesh.LineMesh.from_cells([*LINE, LINE[0]], [[0, 1], [0, 3], [1, 2]]),
             "cell 1.*both",
         ),
-        (lambda: fl.LineMesh.from_cells(LINE, [[0, 1], [1, 2], [1, 0]]), "cell 0 .*twice"),
-        (lambda: fl.LineMesh.from_cells(LINE, [[0, 1]]), "1 points have no cell, the first is 2"),
-        (lambda: fl.LineMesh.from_cells(LINE, [[0, 1], [1, 3]]), r"0 … 2, got 0 … 3"),
-        (lambda: fl.LineMesh.from_cells(LINE, [[0, 1, 2]]), r"shape \(m, 2\), got \(1, 3\)"),
-        (lambda: fl.LineMesh.from_cells(LINE, [[0, 1.0], [1, 2]]), "whole numbers, got float64"),
-        (lambda: fl.LineMesh.from_cells(LINE, [[0, 1], [1, 2]], groups={"g": [2]}), "cells of 'g'"),
+        (lambda: fl.mesh.LineMesh.from_cells(LINE, [[0, 1], [1, 2], [1, 0]]), "cell 0 .*twice"),
         (
-            lambda: fl.LineMesh.from_cells(LINE, [[0, 1], [1, 2]], kink_angle=20),
+            lambda: fl.mesh.LineMesh.from_cells(LINE, [[0, 1]]),
+            "1 points have no cell, the first is 2",
+        ),
+        (lambda: fl.mesh.LineMesh.from_cells(LINE, [[0, 1], [1, 3]]), r"0 … 2, got 0 … 3"),
+        (lambda: fl.mesh.LineMesh.from_cells(LINE, [[0, 1, 2]]), r"shape \(m, 2\), got \(1, 3\)"),
+        (
+            lambda: fl.mesh.LineMesh.from_cells(LINE, [[0, 1.0], [1, 2]]),
+            "whole numbers, got float64",
+        ),
+        (
+            lambda: fl.mesh.LineMesh.from_cells(LINE, [[0, 1], [1, 2]], groups={"g": [2]}),
+            "cells of 'g'",
+        ),
+        (
+            lambda: fl.mesh.LineMesh.from_cells(LINE, [[0, 1], [1, 2]], kink_angle=20),
             "kink_angle.*got 20",
         ),
-        (lambda: fl.LineMesh(LINE, [[0, 1], [1, 2]], np.ones((2, 2, 3))), "unit vectors"),
+        (lambda: fl.mesh.LineMesh(LINE, [[0, 1], [1, 2]], np.ones((2, 2, 3))), "unit vectors"),
         (
-            lambda: fl.read_gmsh(fl.run_gmsh_script(BEND, {"cell": 3})),
+            lambda: fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(BEND, {"cell": 3})),
             "no parameter 'cell'; it has: cells, radius",
         ),
     ],
@@ -320,16 +343,16 @@ def test_bad_input_is_named(call, message):
 
 def test_bad_gmsh_files_are_named(tmp_path, frame_file):
     with pytest.raises(FileNotFoundError, match=r"no mesh file .*missing\.geo"):
-        fl.read_gmsh(fl.run_gmsh_script(tmp_path / "missing.geo"))
+        fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(tmp_path / "missing.geo"))
     with pytest.raises(ValueError, match=r"sets 'fixed' itself"):
-        fl.read_gmsh(fl.run_gmsh_script(frame_file, {"fixed": 2}))
+        fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(frame_file, {"fixed": 2}))
     (tmp_path / "broken.geo").write_text("Point(1) = {0, 0;\n")
     with pytest.raises(ValueError, match=r"gmsh cannot read .*broken\.geo.*syntax error"):
-        fl.read_gmsh(fl.run_gmsh_script(tmp_path / "broken.geo"))
+        fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(tmp_path / "broken.geo"))
     (tmp_path / "empty.geo").write_text("Point(1) = {0, 0, 0};\n")
     with pytest.raises(ValueError, match="has no line cells"):
-        fl.read_gmsh(fl.run_gmsh_script(tmp_path / "empty.geo"))
+        fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(tmp_path / "empty.geo"))
     (tmp_path / "quadratic.geo").write_text(FRAME + "Mesh.ElementOrder = 2;\n")
     with pytest.raises(ValueError, match="curve 1 has cells of type 'Line 3'"):
-        fl.read_gmsh(fl.run_gmsh_script(tmp_path / "quadratic.geo"))
+        fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(tmp_path / "quadratic.geo"))
     assert not gmsh.isInitialized()

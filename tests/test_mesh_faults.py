@@ -16,11 +16,11 @@ MATERIAL = fl.Material(1e9, 0.3, 1000.0)
 SECTION = fl.Section.circle(0.01, MATERIAL)
 LAYER = fl.ShellSection.layer(0.01, MATERIAL)
 SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]  # around it
-PLATE = fl.surface(lambda a, b: (2 * a, b, 0), (3, 2))
+PLATE = fl.mesh.parametric_surface(lambda a, b: (2 * a, b, 0), (3, 2))
 
 
-def quadrilateral(points, cells=((0, 1, 2, 3),)) -> fl.SurfaceMesh:
-    return fl.SurfaceMesh.from_cells(points, cells, "quadrilateral")
+def quadrilateral(points, cells=((0, 1, 2, 3),)) -> fl.mesh.SurfaceMesh:
+    return fl.mesh.SurfaceMesh.from_cells(points, cells, "quadrilateral")
 
 
 def with_cell(cell: int, points) -> np.ndarray:
@@ -29,20 +29,20 @@ def with_cell(cell: int, points) -> np.ndarray:
     return cells
 
 
-def quadratic(cell: str, node: int, place) -> fl.SurfaceMesh:
+def quadratic(cell: str, node: int, place) -> fl.mesh.SurfaceMesh:
     """A cell of degree 2 with one of its nodes moved."""
-    mesh = fl.surface(lambda a, b: (a, b, 0), (1, 1), cell=cell, degree=2)
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0), (1, 1), cell=cell, degree=2)
     points = mesh.points.copy()
     points[mesh.cells[0, node]] = place
-    return fl.SurfaceMesh.from_cells(points, mesh.cells, cell)
+    return fl.mesh.SurfaceMesh.from_cells(points, mesh.cells, cell)
 
 
-def tangled() -> fl.SurfaceMesh:
+def tangled() -> fl.mesh.SurfaceMesh:
     """A corner of triangles is moved over their opposite sides."""
-    mesh = fl.surface(lambda a, b: (a, b, 0), (2, 2), cell="triangle")
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0), (2, 2), cell="triangle")
     points = mesh.points.copy()
     points[4] = (1.4, 1.3, 0)
-    return fl.SurfaceMesh.from_cells(points, mesh.cells, "triangle")
+    return fl.mesh.SurfaceMesh.from_cells(points, mesh.cells, "triangle")
 
 
 def tilted(angle: float) -> fl.Shell:
@@ -88,13 +88,13 @@ CASES = {
     ),
     "turned over": (tangled, "lie on top of each other"),
     "two flat cells on each other": (
-        lambda: fl.SurfaceMesh.from_cells(
+        lambda: fl.mesh.SurfaceMesh.from_cells(
             [*SQUARE[:3], (0.4, 0.2, 0)], [(0, 1, 2), (0, 1, 3)], "triangle"
         ),
         r"cells 0 and 1 lie on top of each other beside their edge from point 0 to 1",
     ),
     "two points at one place": (
-        lambda: fl.SurfaceMesh.from_cells(
+        lambda: fl.mesh.SurfaceMesh.from_cells(
             [(0, 0, 0), (1, 0, 0), (1, 0, 0)], [(0, 1, 2)], "triangle"
         ),
         "no area",
@@ -112,7 +112,7 @@ CASES = {
         "1 points have no cell, the first is 12",
     ),
     "normals of another surface": (
-        lambda: fl.SurfaceMesh.from_cells(
+        lambda: fl.mesh.SurfaceMesh.from_cells(
             PLATE.points,
             PLATE.cells,
             "quadrilateral",
@@ -121,48 +121,51 @@ CASES = {
         "69° off that of its points",
     ),
     "a curve between cells": (
-        lambda: fl.SurfaceMesh.from_cells(
+        lambda: fl.mesh.SurfaceMesh.from_cells(
             PLATE.points, PLATE.cells, "quadrilateral", curves={"side": [(0, 1), (0, 5)]}
         ),
         r"edge 1 of curve 'side', points \[0 5\], is no edge of a cell",
     ),
     "a curve of triples": (
-        lambda: fl.SurfaceMesh.from_cells(
+        lambda: fl.mesh.SurfaceMesh.from_cells(
             PLATE.points, PLATE.cells, "quadrilateral", curves={"side": [(0, 1, 2)]}
         ),
         "edges of 2 points",
     ),
     "a group of nothing": (
-        lambda: fl.SurfaceMesh.from_cells(
+        lambda: fl.mesh.SurfaceMesh.from_cells(
             PLATE.points, PLATE.cells, "quadrilateral", groups={"skin": []}
         ),
         "cells of 'skin' are none",
     ),
     "a director 45° off": (lambda: tilted(np.pi / 4), "is 45° off.*kink angle of 40°"),
     "a section of bow ties": (
-        lambda: fl.SectionMesh(
+        lambda: fl.sections.SectionMesh(
             np.array(SQUARE)[:, :2], np.array([[0, 1, 2, 3]]), np.array([0]), ("a",),
             "quadrilateral", 1,
         ),
         "crosses itself",
     ),
     "a polyline that turns back": (
-        lambda: fl.polyline([(0, 0, 0), (1, 0, 0), (0.5, 0, 0)], 2),
+        lambda: fl.mesh.polyline([(0, 0, 0), (1, 0, 0), (0.5, 0, 0)], 2),
         r"cells 1 and 2 lie on top of each other at \[1\. 0\. 0\.\].* goes back",
     ),
     "two members on each other": (
-        lambda: fl.LineMesh.from_cells(
+        lambda: fl.mesh.LineMesh.from_cells(
             [(0, 0, 0), (1, 0, 0), (2, 0, 0), (1, 1, 0)], [(3, 0), (0, 1), (0, 2)]
         ),
         r"cells 1 and 2 lie on top of each other at \[0\. 0\. 0\.\]",
     ),
-    "a polyline of one point": (lambda: fl.polyline([(0, 0, 0)], 2), "two points or more, got 1"),
+    "a polyline of one point": (
+        lambda: fl.mesh.polyline([(0, 0, 0)], 2),
+        "two points or more, got 1",
+    ),
     "a polyline that stands still": (
-        lambda: fl.polyline([(0, 0, 0), (1, 0, 0), (1, 0, 0)], 2),
+        lambda: fl.mesh.polyline([(0, 0, 0), (1, 0, 0), (1, 0, 0)], 2),
         "must have a length",
     ),
     "numbers of cells of other pieces": (
-        lambda: fl.polyline([(0, 0, 0), (1, 0, 0), (1, 1, 0)], [2, 2, 2]),
+        lambda: fl.mesh.polyline([(0, 0, 0), (1, 0, 0), (1, 1, 0)], [2, 2, 2]),
         "of 2 pieces, got 3",
     ),
 }  # fmt: skip
@@ -181,9 +184,11 @@ def test_cells_that_are_only_distorted_are_taken(offset, size):
     """Warped, nearly re-entrant, slender; and quadratic ones that follow a third of a circle."""
     points = [(0, 0, 0), (1, 0, 0.3), (0, 1, 0.3), (0.55, 0.55, 0)]
     quadrilateral(offset * size + size * np.array(points))
-    fl.surface(lambda a, b: size * np.array([a, 1e-3 * b, 0]) + offset * size, (1, 1))
+    fl.mesh.parametric_surface(
+        lambda a, b: size * np.array([a, 1e-3 * b, 0]) + offset * size, (1, 1)
+    )
     for cell in ("triangle", "quadrilateral"):
-        fl.surface(
+        fl.mesh.parametric_surface(
             lambda a, b: size * np.array([np.cos(2 * a), np.sin(2 * a), b]),
             (1, 1),
             cell=cell,
@@ -199,7 +204,7 @@ def test_a_mesh_of_two_kinds_of_cells_is_refused():
     cells = [np.array([1, 4, 3]), np.array([0, 1, 2, 3])]
     mixed = cpp.mesh.create_mesh(MPI.COMM_SELF, cells, elements, x.ravel(), partitioner)
     with pytest.raises(ValueError, match="one kind, got triangle and quadrilateral"):
-        fl.surface_from_dolfinx(dolfinx.mesh.Mesh(mixed, None))
+        fl.mesh.surface_from_dolfinx(dolfinx.mesh.Mesh(mixed, None))
 
 
 def test_a_director_between_is_said(caplog):
@@ -211,7 +216,7 @@ def test_a_director_between_is_said(caplog):
 def test_points_at_one_place_are_said(caplog):
     points = [(0, 0, 0), (1, 0, 0), (1, 0, 0), (2, 0, 0)]
     with caplog.at_level(logging.WARNING, logger="fem_lie"):
-        fl.Beam(fl.LineMesh.from_cells(points, [(0, 1), (2, 3)]), SECTION, name="two")
+        fl.Beam(fl.mesh.LineMesh.from_cells(points, [(0, 1), (2, 3)]), SECTION, name="two")
     assert "two has 1 pairs of points at the same place, the first are 1 and 2" in caplog.text
 
 
@@ -239,7 +244,7 @@ def written(tmp_path, text: str, dim: int | None = None):
     path = tmp_path / "model.geo"
     path.write_text(text)
     if dim is None:
-        return fl.run_gmsh_script(path)
+        return fl.mesh.run_gmsh_script(path)
     gmsh.initialize(["gmsh", "-v", "0"], readConfigFiles=False)
     try:
         gmsh.open(str(path))
@@ -254,9 +259,9 @@ def written(tmp_path, text: str, dim: int | None = None):
 @pytest.mark.parametrize("dim", [None, 3])
 def test_the_boundary_of_a_solid_is_a_shell_only_if_it_is_named(tmp_path, caplog, dim):
     with pytest.raises(ValueError, match="1 volumes and no physical group of surfaces"):
-        fl.read_gmsh_surface(written(tmp_path, BOX, dim))
+        fl.mesh.read_gmsh_surface(written(tmp_path, BOX, dim))
     with caplog.at_level(logging.INFO, logger="fem_lie"):
-        mesh = fl.read_gmsh_surface(written(tmp_path, BOX + FLOOR, dim))
+        mesh = fl.mesh.read_gmsh_surface(written(tmp_path, BOX + FLOOR, dim))
     assert np.ptp(mesh.points[:, 2]) == 0
     assert (
         "the 1 surfaces of physical groups are taken; 5 other surfaces and 1 volumes are left"
@@ -267,18 +272,22 @@ def test_the_boundary_of_a_solid_is_a_shell_only_if_it_is_named(tmp_path, caplog
 @pytest.mark.parametrize("dim", [None, 2])
 def test_edges_of_a_surface_are_beams_only_if_they_are_named(tmp_path, caplog, dim):
     with pytest.raises(ValueError, match="2 surfaces and volumes and no physical group of curves"):
-        fl.read_gmsh(written(tmp_path, MIXED, dim))
+        fl.mesh.read_gmsh_lines(written(tmp_path, MIXED, dim))
     with caplog.at_level(logging.INFO, logger="fem_lie"):
-        mesh = fl.read_gmsh(written(tmp_path, MIXED + 'Physical Curve("rib") = {5};', dim))
+        mesh = fl.mesh.read_gmsh_lines(
+            written(tmp_path, MIXED + 'Physical Curve("rib") = {5};', dim)
+        )
     assert len(mesh.cells) == 2
     assert "the 1 curves of physical groups are taken" in caplog.text
 
 
 def test_triangles_alone_of_two_kinds_of_cells_are_said(tmp_path, caplog):
     with pytest.raises(ValueError, match="got Triangle 3 and Quadrilateral 4"):
-        fl.read_gmsh_surface(written(tmp_path, MIXED))
+        fl.mesh.read_gmsh_surface(written(tmp_path, MIXED))
     with caplog.at_level(logging.INFO, logger="fem_lie"):
-        mesh = fl.read_gmsh_surface(written(tmp_path, MIXED + 'Physical Surface("left") = {1};'))
+        mesh = fl.mesh.read_gmsh_surface(
+            written(tmp_path, MIXED + 'Physical Surface("left") = {1};')
+        )
     assert mesh.cell == "triangle"
     assert "1 other surfaces and 0 volumes are left out" in caplog.text
 
@@ -302,19 +311,21 @@ def test_a_corner_is_a_corner_at_any_angle(angle, cells):
     )
     points = np.delete(points, cells + 1, axis=0)
     pairs = [(i, i + 1) for i in range(2 * cells)]
-    bare = fl.Beam(fl.LineMesh.from_cells(points, pairs), SECTION)
+    bare = fl.Beam(fl.mesh.LineMesh.from_cells(points, pairs), SECTION)
     np.testing.assert_allclose(bare.lengths, 10 / cells, rtol=1e-13)
     np.testing.assert_allclose(bare.frames, beam.frames, atol=1e-13)
     # one node more on the other side of the corner, which follows
     assert len(beam.frames) == 2 * cells + 2
     assert np.count_nonzero(beam.masters != np.arange(len(beam.frames))) == 1
     if cells == 4 and angle < 40.0:
-        asked = fl.Beam(fl.LineMesh.from_cells(points, pairs, kink_angle=np.radians(40.0)), SECTION)
+        asked = fl.Beam(
+            fl.mesh.LineMesh.from_cells(points, pairs, kink_angle=np.radians(40.0)), SECTION
+        )
         assert asked.lengths.sum() > 20.0 + 1e-5
 
 
 def test_a_closed_polyline_has_its_pieces_and_corners():
-    mesh = fl.polyline([(0, 0, 0), (3, 0, 0), (3, 4, 0), (0, 0, 0)], [3, 4, 5])
+    mesh = fl.mesh.polyline([(0, 0, 0), (3, 0, 0), (3, 4, 0), (0, 0, 0)], [3, 4, 5])
     assert mesh.points.shape == (12, 3) and set(mesh.named_points) == {
         "start",
         "corner 1",

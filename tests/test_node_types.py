@@ -19,8 +19,8 @@ from fem_lie.system.nodes import numbering
 
 KINDS = {
     f"{group.name}, {parametrisation.name}": group + 2 * parametrisation
-    for group in fl.Group
-    for parametrisation in fl.Parametrisation
+    for group in fl.lie.Group
+    for parametrisation in fl.lie.Parametrisation
 } | {kind.name: int(kind) for kind in fl.extend.NodeType if kind >= POSITION_GRADIENT}
 STEP = 1e-5
 WEIGHTS = {-2: -1 / 12, -1: 4 / 3, 0: -5 / 2, 1: 4 / 3, 2: -1 / 12}

@@ -22,11 +22,20 @@ OUTSIDE = {
     "_ffcx_warnings",
     "_form_cache",
     "_precompile",
+    "_renamed",
     "_state",
-    "extend",
 }
 
-COMMON = {"_arrays", "_blas", "_compat", "_ffcx_warnings", "_form_cache", "_jit", "_state"}
+COMMON = {
+    "_arrays",
+    "_blas",
+    "_compat",
+    "_ffcx_warnings",
+    "_form_cache",
+    "_jit",
+    "_renamed",
+    "_state",
+}
 """Modules that every package may import."""
 
 MAY_IMPORT = {
@@ -44,7 +53,6 @@ MAY_IMPORT = {
     "forms.kernels": set(),
     "forms": {"forms.kernels", "lie.node_types"},
     "forms.small_energy": {"forms"},
-    "elements": set(),
     "elements.beams": {"forms", "attachments"},
     "elements.shells": {"forms.small_energy", "mesh"},
     "elements.rods": {"elements.beams", "forms.small_energy"},
@@ -93,10 +101,10 @@ MAY_IMPORT = {
     "solve.statics": {"solve"},
     "solve.stability": {"solve.statics"},
     "solve.recording": {"solve"},
-    "adapt.estimates": {"results.stresses"},
-    "adapt": {"solve.stability", "adapt.estimates"},
-    "adapt.following": {"adapt", "solve.alpha"},
-    "reduce": {"adapt.following", "bodies.reduced"},
+    "adaptivity.estimates": {"results.stresses"},
+    "adaptivity": {"solve.stability", "adaptivity.estimates"},
+    "adaptivity.following": {"adaptivity", "solve.alpha"},
+    "reduction": {"adaptivity.following", "bodies.reduced"},
     "solve.motion": {"solve.recording"},
     "solve.impacts": {"solve", "contact.impact"},
     "solve.alpha.step": {"solve.motion", "contact.impact"},
@@ -114,13 +122,19 @@ MAY_IMPORT = {
 }
 """Packages and what each may import directly; imports are transitive."""
 
+PROGRAMS = ("__main__",), ("_precompile",)
+NAMESPACES = {(f"{name}",) for name in ("extend", "loads", "post", "schemes", "stability")} | {
+    (name, "__init__")
+    for name in ("adaptivity", "contact", "elements", "joints", "mesh", "reduction", "sections")
+}
+
 
 def modules():
     """Source files by module name; an ``__init__`` has the name of its package."""
     found = {}
     for path in sorted(PACKAGE.rglob("*.py")):
         parts = path.relative_to(PACKAGE).with_suffix("").parts
-        if parts in (("__main__",), ("_precompile",), ("extend",)):
+        if parts in PROGRAMS or parts in NAMESPACES:
             continue  # programs and names for users, which no package imports
         found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
     return found
@@ -171,7 +185,18 @@ def test_all_packages_are_in_the_table():
 
 
 def test_modules_at_the_top_level():
-    assert {path.stem for path in PACKAGE.glob("*.py")} == OUTSIDE
+    namespaces = {name[0] for name in NAMESPACES if len(name) == 1}
+    assert {path.stem for path in PACKAGE.glob("*.py")} == OUTSIDE | namespaces
+
+
+def test_no_package_imports_a_public_namespace():
+    found = {
+        f"{module} imports {other}"
+        for module, others in IMPORTS.items()
+        for other in others
+        if module and (other, "__init__") in NAMESPACES
+    }
+    assert not found
 
 
 @pytest.mark.parametrize("package", MAY_IMPORT)

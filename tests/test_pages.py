@@ -29,8 +29,8 @@ def pendulum(size=1.0, cells=4):
     two = scene.add(
         fl.Beam.straight((size, 0, 0), (2 * size, 0, 0), strip, cells=cells, name="two")
     )
-    scene.add(fl.Spherical(fl.ground(), one.point("start")))
-    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.joints.Revolute(one.point("end"), two.point("start"), axis=(0, 1, 0)))
     return scene, one, two
 
 
@@ -110,7 +110,7 @@ def test_units_do_not_matter(size):
 def test_colours_are_values(fallen):
     """The moment of each state at each corner, to a 255th part of the scale."""
     scene, result = fallen
-    colours = [fl.section_forces(result, body, scene).colours("My") for body in scene.bodies]
+    colours = [fl.post.section_forces(result, body, scene).colours("My") for body in scene.bodies]
     shown = content(result.page(states=5, colours=colours))
     scale = shown["colours"]
     assert scale["label"] == "My [N m]" and len(scale["names"]) == 256
@@ -127,15 +127,17 @@ def test_colours_are_values(fallen):
 
 def test_shells_in_colours():
     """A clamped strip under a force at its end: M11 falls from the clamp to nothing."""
-    mesh = fl.surface(lambda a, b: (a, 0.2 * b, 0.0), (8, 2))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, 0.2 * b, 0.0), (8, 2))
     section = fl.ShellSection.layer(0.01, fl.Material(2e11, 0.0, 7800.0))
     shell = fl.Shell(mesh, section, name="strip")
     shell.clamp("a=0")
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.EdgeLoad(shell, "a=1", force=(0, 0, 10.0)))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(0, 0, 10.0)))
     result = fl.statics(scene)
-    colours = fl.resultant_colours(fl.resultant_series(result, shell, along=(1, 0, 0)), "M11")
+    colours = fl.post.resultant_colours(
+        fl.post.resultant_series(result, shell, along=(1, 0, 0)), "M11"
+    )
     assert colours.values.shape == result.frames.shape[:2]
     x = shell.frames[:, 0, 0]
     np.testing.assert_allclose(np.abs(colours.values[-1]), 10.0 * (1 - x), atol=0.3)
@@ -181,19 +183,21 @@ def test_a_title_cannot_end_the_script():
         (lambda result: result.page(states=0), "states"),
         (lambda result: result.page(trace=["nobody.end"]), "nobody"),
         (
-            lambda result: result.page(colours=[fl.NodalColours("one", np.zeros((3, 5)), "N [N]")]),
+            lambda result: result.page(
+                colours=[fl.post.NodalColours("one", np.zeros((3, 5)), "N [N]")]
+            ),
             "of 3 states, the result has 201",
         ),
         (
             lambda result: result.page(
-                colours=[fl.NodalColours("one", np.zeros((201, 4)), "N [N]")]
+                colours=[fl.post.NodalColours("one", np.zeros((201, 4)), "N [N]")]
             ),
             r"\(states, nodes\)",
         ),
         (
             lambda result: result.page(
                 colours=[
-                    fl.NodalColours(name, np.zeros((201, 5)), label)
+                    fl.post.NodalColours(name, np.zeros((201, 5)), label)
                     for name, label in (("one", "N [N]"), ("two", "T [N m]"))
                 ]
             ),

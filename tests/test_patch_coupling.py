@@ -21,15 +21,15 @@ def test_roof_of_two_patches_with_other_numbers_of_cells():
     assert np.abs(errors).max() < 0.01
 
 
-def patch(function) -> fl.SmoothPatch:
-    return fl.smooth_patch(function, (2, 2))
+def patch(function) -> fl.mesh.SmoothPatch:
+    return fl.mesh.smooth_patch(function, (2, 2))
 
 
 LEFT = patch(lambda a, b: (a, b, 0))
 
 
 def sewn(right, **options) -> fl.ThinShell:
-    coupling = fl.Seam("left.a=1", options.pop("edge", "right.a=0"), **options)
+    coupling = fl.mesh.PatchCoupling("left.a=1", options.pop("edge", "right.a=0"), **options)
     return fl.ThinShell({"left": LEFT, "right": right}, LAYER, couplings=[coupling])
 
 
@@ -64,7 +64,7 @@ REFUSED = {
         "kink of 180",
     ),
     "no edge": (lambda: sewn(patch(uneven), edge="right.c=0"), "no edge 'right.c=0'"),
-    "stiffness": (lambda: fl.Seam("a=0", "a=1", 0.0), "positive"),
+    "stiffness": (lambda: fl.mesh.PatchCoupling("a=0", "a=1", 0.0), "positive"),
 }
 
 

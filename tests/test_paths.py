@@ -23,7 +23,7 @@ def arch(elements: int, *, hinged: bool = True, force: float = 1000.0):
     beam = scene.add(fl.Beam.curve(place, section, cells=elements, up=(0, 0, 1), name="arch"))
     scene.add(fl.Clamp(beam.point("end")))
     if hinged:
-        scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
+        scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
     else:
         scene.add(fl.Clamp(beam.point("start")))
     crown = beam.point(elements // 2)
@@ -42,8 +42,8 @@ def column(ends: str, elements: int, factor: float = 1.0):
     if ends == "fixed-free":
         scene.add(fl.Clamp(beam.point("start")))
     else:
-        scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
-        scene.add(fl.InPlane(fl.ground(), beam.point("end"), axis=(1, 0, 0)))
+        scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
+        scene.add(fl.joints.InPlane(fl.ground(), beam.point("end"), axis=(1, 0, 0)))
     scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, -factor * euler)))
     return scene, beam, euler
 
@@ -60,7 +60,7 @@ def deep():
 def test_deep_arch_passes_both_limit_points(deep):
     _, _, path = deep
     upper, lower = path.critical
-    assert [point.kind for point in path.critical] == [fl.Critical.LIMIT] * 2
+    assert [point.kind for point in path.critical] == [fl.stability.CriticalPointType.LIMIT] * 2
     assert upper.factor == pytest.approx(LIMIT, rel=3e-3)
     assert lower.factor == pytest.approx(LOWER, rel=3e-3)
     assert upper.negative_pivots == (0, 1)
@@ -115,17 +115,17 @@ def test_path_begins_again_anywhere_and_goes_both_ways(deep):
 def test_displacement_control_passes_limit_points_of_the_load(deep):
     """Down to where the crown stops going down: there is the second turn, of the displacement."""
     scene, crown, path = deep
-    control = fl.DisplacementControl(crown, (0, -1, 0), to=116.0)
+    control = fl.stability.DisplacementControl(crown, (0, -1, 0), to=116.0)
     found = fl.follow_path(scene, control=control)
     assert found.complete
     assert -found.displacement(crown)[-1, 1] == pytest.approx(116.0, abs=1e-5)
-    assert [point.kind for point in found.critical] == [fl.Critical.LIMIT]
+    assert [point.kind for point in found.critical] == [fl.stability.CriticalPointType.LIMIT]
     assert found.critical[0].factor == pytest.approx(path.limits[0].factor, rel=1e-6)
 
 
 def test_load_control_stops_at_a_limit_point_and_keeps_what_it_has(deep):
     scene, _, path = deep
-    found = fl.follow_path(scene, control=fl.LoadControl())
+    found = fl.follow_path(scene, control=fl.stability.LoadControl())
     assert not found.complete
     assert "still fail beyond load factor" in found.reason
     assert found.factors[-1] == pytest.approx(path.limits[0].factor, rel=1e-2)
@@ -134,15 +134,17 @@ def test_load_control_stops_at_a_limit_point_and_keeps_what_it_has(deep):
 
 def test_path_ends_where_it_is_told_to(deep):
     scene, crown, _ = deep
-    stopped = fl.follow_path(scene, fl.PathEnds(stop=lambda s: -s.displacement(crown)[1] - 50.0))
+    stopped = fl.follow_path(
+        scene, fl.stability.PathEnds(stop=lambda s: -s.displacement(crown)[1] - 50.0)
+    )
     assert stopped.complete
     assert -stopped.displacement(crown)[-1, 1] == pytest.approx(50.0, abs=1e-6)
-    few = fl.follow_path(scene, fl.PathEnds(steps=3))
+    few = fl.follow_path(scene, fl.stability.PathEnds(steps=3))
     assert not few.complete and "number of steps" in few.reason and len(few) == 4
-    ranged = fl.follow_path(scene, fl.PathEnds(load_range=(-1.0, 0.6)))
+    ranged = fl.follow_path(scene, fl.stability.PathEnds(load_range=(-1.0, 0.6)))
     assert not ranged.complete and "leaves the range" in ranged.reason
     assert ranged.factors[-1] == 0.6
-    first = fl.follow_path(scene, fl.PathEnds(critical_points=1))
+    first = fl.follow_path(scene, fl.stability.PathEnds(critical_points=1))
     assert first.complete and len(first.critical) == 1
 
 
@@ -154,7 +156,7 @@ def test_thin_roof_snaps_back_with_one_negative_pivot():
         return R * np.sin(0.1 * a), 254.0 * b, R * (np.cos(0.1 * a) - 1)
 
     shell = fl.Shell(
-        fl.surface(place, (6, 6)),
+        fl.mesh.parametric_surface(place, (6, 6)),
         fl.ShellSection.layer(6.35, fl.Material(3102.75, 0.3, 1.0)),
         director=lambda x: np.array([x[0], 0, x[2] + R]) / R,
         name="roof",
@@ -177,7 +179,9 @@ def test_thin_roof_snaps_back_with_one_negative_pivot():
 def test_plain_newton_and_carried_stress_find_the_same_path(deep):
     scene, _, path = deep
     plain = fl.follow_path(
-        scene, fl.PathEnds(critical_points=1), options=fl.PathOptions(carried_stress=False)
+        scene,
+        fl.stability.PathEnds(critical_points=1),
+        options=fl.stability.PathOptions(carried_stress=False),
     )
     assert plain.limits[0].factor == pytest.approx(path.limits[0].factor, rel=1e-6)
 
@@ -199,12 +203,15 @@ def test_diagram_and_animation_of_a_path(deep, tmp_path):
     ("options", "message"),
     [
         ({"resolution": 0.0}, "resolution"),
-        ({"until": fl.PathEnds(load_range=(0.5, 1.0))}, "leaves the range of load factors where"),
+        (
+            {"until": fl.stability.PathEnds(load_range=(0.5, 1.0))},
+            "leaves the range of load factors where",
+        ),
         ({"until": 0.0}, "not where it begins"),
         (
             {
-                "until": fl.PathEnds(critical_points=1),
-                "options": fl.PathOptions(locate=None),
+                "until": fl.stability.PathEnds(critical_points=1),
+                "options": fl.stability.PathOptions(locate=None),
             },
             "must be located",
         ),
@@ -218,12 +225,12 @@ def test_bad_options_are_refused(options, message):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: fl.PathEnds(steps=0), "steps"),
-        (lambda: fl.PathEnds(critical_points=0), "critical_points"),
-        (lambda: fl.PathEnds(load_range=(1.0, 1.0)), "load_range"),
-        (lambda: fl.PathOptions(locate=2.0), "locate"),
-        (lambda: fl.Newton(tolerance=0.0), "tolerance"),
-        (lambda: fl.Newton(smallest_step=2.0), "smallest_step"),
+        (lambda: fl.stability.PathEnds(steps=0), "steps"),
+        (lambda: fl.stability.PathEnds(critical_points=0), "critical_points"),
+        (lambda: fl.stability.PathEnds(load_range=(1.0, 1.0)), "load_range"),
+        (lambda: fl.stability.PathOptions(locate=2.0), "locate"),
+        (lambda: fl.schemes.Newton(tolerance=0.0), "tolerance"),
+        (lambda: fl.schemes.Newton(smallest_step=2.0), "smallest_step"),
     ],
 )
 def test_options_that_are_none_are_refused(make, message):
@@ -249,10 +256,10 @@ def test_bad_scenes_are_refused(deep):
         fl.follow_path(arch(4)[0], start=deep[2].stations[0])
     linked, crown = arch(4)
     body = linked.add(fl.RigidBody(1.0, (1, 1, 1), (0, 110, 0)))
-    linked.add(fl.RigidLink(crown, body.point("centre")))
+    linked.add(fl.joints.RigidLink(crown, body.point("centre")))
     with pytest.raises(ValueError, match="follows another node"):
-        control = fl.DisplacementControl(body.point("centre"), (0, 0, 1), to=1.0)
+        control = fl.stability.DisplacementControl(body.point("centre"), (0, 0, 1), to=1.0)
         fl.follow_path(linked, control=control)
     with pytest.raises(ValueError, match="needs a point"):
-        control = fl.DisplacementControl(fl.ground(), (0, 0, 1), to=1.0)
+        control = fl.stability.DisplacementControl(fl.ground(), (0, 0, 1), to=1.0)
         fl.follow_path(arch(4)[0], control=control)

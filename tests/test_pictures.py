@@ -67,7 +67,7 @@ def test_nothing_is_cut_off_at_the_borders(tmp_path, bent, direction, small):
     """Bodies, numbers and titles of axes, from all sides and for any proportions."""
     scene, _ = cantilever(direction)
     file = tmp_path / "bar.png"
-    canvas = Canvas(units=fl.Units(length="a long unit"))
+    canvas = Canvas(units=fl.post.Units(length="a long unit"))
     if small:
         canvas = canvas._replace(size=(900, 700), text=20)
     draw(bent.info, scene.bodies[0].frames, file, canvas=canvas)
@@ -92,7 +92,7 @@ def test_numbers_beside_a_path_are_as_large_as_those_of_the_curve(tmp_path, monk
         real(info, frames, path, **options)
 
     monkeypatch.setattr(bodies, "draw", watched)
-    path = fl.follow_path(cantilever()[0], fl.PathEnds(steps=3))
+    path = fl.follow_path(cantilever()[0], fl.stability.PathEnds(steps=3))
     figure = path.plot_path(path.displacement("bar.end")[:, 2], tmp_path / "path.png")
     shape = figure.axes[1].get_window_extent()
     canvas = given[0]["canvas"]

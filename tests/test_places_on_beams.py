@@ -7,19 +7,23 @@ import fem_lie as fl
 from fem_lie import lie
 
 SECTION = fl.Section.circle(0.02, fl.Material(2e7, 0.3, 1000.0))
-ELEMENTS = {"geodesic": None, "two directors": fl.Director(1), "three": fl.Director(2)}
+ELEMENTS = {
+    "geodesic": None,
+    "two directors": fl.elements.DirectorBeam(1),
+    "three": fl.elements.DirectorBeam(2),
+}
 PLACE = 1.0 / np.sqrt(5.0)  # no mesh has a node there but by intention
 
 every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS.keys())
 
 
-def beam_of(element, cells: int) -> tuple[fl.Beam, fl.Point]:
+def beam_of(element, cells: int) -> tuple[fl.Beam, fl.extend.Point]:
     """With the place within an element."""
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=cells, formulation=element)
     return beam, beam.point((PLACE, 0, 0))
 
 
-def meshed(element, cells: int) -> tuple[fl.Beam, fl.Point]:
+def meshed(element, cells: int) -> tuple[fl.Beam, fl.extend.Point]:
     """With a node at the place."""
     both = [round(cells * PLACE), round(cells * (1.0 - PLACE))]
     points = [(0, 0, 0), (PLACE, 0, 0), (1, 0, 0)]
@@ -27,12 +31,12 @@ def meshed(element, cells: int) -> tuple[fl.Beam, fl.Point]:
     return beam, beam.point("corner 1")
 
 
-def propped(beam: fl.Beam, place: fl.Point) -> tuple[np.ndarray, np.ndarray]:
+def propped(beam: fl.Beam, place: fl.extend.Point) -> tuple[np.ndarray, np.ndarray]:
     """Where the end of a clamped beam goes that is held at the place, and the force there."""
     scene = fl.Scene()
     scene.add(beam)
     scene.add(fl.Clamp(beam.point("start")))
-    prop = scene.add(fl.Spherical(fl.ground(), place))
+    prop = scene.add(fl.joints.Spherical(fl.ground(), place))
     scene.add(fl.PointLoad(beam.point("end"), (0, 0.03, -0.4)))
     result = fl.statics(scene)
     return result.position(beam.point("end"))[-1], result.joint_force(prop)[-1]
@@ -58,7 +62,7 @@ def test_a_weight_hangs_where_it_is_fixed(element):
     scene.add(beam)
     scene.add(fl.Clamp(beam.point("start")))
     weight = scene.add(fl.RigidBody(0.03, (1e-5,) * 3, place.position))
-    hook = scene.add(fl.Fixed(place, weight.point("centre")))
+    hook = scene.add(fl.joints.Fixed(place, weight.point("centre")))
     result = fl.statics(scene)
     assert result.position(beam.point("end"))[-1, 2] < -0.05
     axes = result.rotation(weight.point("centre"))[-1] @ hook.frame()[1:].T
@@ -101,11 +105,11 @@ def pendulum(beam, place, *, sprung: bool = False, scheme=None, step=1e-3, durat
     """A beam that swings about the place, with a spring and damper there if it is sprung."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(beam)
-    hinge = scene.add(fl.Revolute(fl.ground(), place, axis=(0, 1, 0), name="hinge"))
+    hinge = scene.add(fl.joints.Revolute(fl.ground(), place, axis=(0, 1, 0), name="hinge"))
     if sprung:
-        scene.add(fl.Spring(hinge.angle, stiffness=0.5, damping=0.05))
-        reach = scene.add(fl.Distance(place, beam.point("end"), at=(PLACE, 0, 0.1)))
-        scene.add(fl.Spring(reach.length, stiffness=3.0))
+        scene.add(fl.joints.Spring(hinge.angle, stiffness=0.5, damping=0.05))
+        reach = scene.add(fl.joints.Distance(place, beam.point("end"), at=(PLACE, 0, 0.1)))
+        scene.add(fl.joints.Spring(reach.length, stiffness=3.0))
     scheme = scheme or fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
     return scheme.run(scene, duration=duration, step=step)
 
@@ -137,11 +141,11 @@ def test_second_order_in_time_of_motion_and_force():
 @pytest.mark.parametrize(
     "options",
     [
-        {"policy": fl.EveryIteration()},
-        {"policy": fl.ConstraintsOnly()},
-        {"components": fl.Components.INERTIAL},
-        {"index": fl.Index.STABILISED_TWO},
-        {"group": fl.Group.R3xSO3},
+        {"policy": fl.schemes.EveryIteration()},
+        {"policy": fl.schemes.ConstraintsOnly()},
+        {"components": fl.schemes.MatrixFrame.INERTIAL},
+        {"index": fl.schemes.ConstraintIndex.STABILISED_TWO},
+        {"group": fl.lie.Group.R3xSO3},
     ],
     ids=lambda options: next(iter(options)),
 )
@@ -163,7 +167,7 @@ def test_the_motion_is_the_same_by_any_matrix_and_on_any_group(options):
 
 def test_steps_that_are_chosen():
     wanted = pendulum(*beam_of(None, 3), step=2.5e-4)
-    result = pendulum(*beam_of(None, 3), step=fl.AdaptiveStep(1e-5))
+    result = pendulum(*beam_of(None, 3), step=fl.schemes.AdaptiveStep(1e-5))
     assert result.joint_violations.max() < 1e-12
     far = result.position("beam 1.end")[-1] - wanted.position("beam 1.end")[-1]
     assert np.linalg.norm(far) < 1e-4
@@ -179,7 +183,9 @@ def test_what_turns_with_all_does_not_change():
         ends = origin, origin + R[:, 0]
         beam = fl.Beam.straight(*ends, SECTION, cells=3, up=R[:, 2] if up is None else up)
         scene.add(beam)
-        scene.add(fl.Revolute(fl.ground(), beam.point(origin + PLACE * R[:, 0]), axis=R[:, 1]))
+        scene.add(
+            fl.joints.Revolute(fl.ground(), beam.point(origin + PLACE * R[:, 0]), axis=R[:, 1])
+        )
         scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-11)
         result = scheme.run(scene, duration=0.05, step=1e-3)
         found.append((result.position(beam.point("end")) - origin) @ R)
@@ -192,7 +198,7 @@ def test_vibrations_are_those_of_a_mesh_with_a_node_there(element):
     for beam, place in (beam_of(element, 8), beam_of(element, 32), meshed(element, 48)):
         scene = fl.Scene()
         scene.add(beam)
-        scene.add(fl.Revolute(fl.ground(), place, axis=(0, 1, 0)))
+        scene.add(fl.joints.Revolute(fl.ground(), place, axis=(0, 1, 0)))
         scene.add(fl.Clamp(beam.point("start")))
         found.append(fl.vibrations(scene, 4).frequencies)
     coarse, fine = (np.abs(frequencies / found[-1] - 1.0).max() for frequencies in found[:-1])
@@ -214,8 +220,8 @@ def test_a_place_that_is_moved_and_one_that_is_driven():
 
     motion = scene.add(fl.PrescribedMotion(place, turned))
     other = scene.add(fl.Beam.straight((1, -0.3, 0), (1, 0.5, 0), SECTION, cells=2))
-    hinge = scene.add(fl.Revolute(beam.point("end"), other.point((1, 0, 0))))
-    scene.add(fl.Drive(hinge.angle, lambda t: 0.4 * t**3))
+    hinge = scene.add(fl.joints.Revolute(beam.point("end"), other.point((1, 0, 0))))
+    scene.add(fl.joints.Drive(hinge.angle, lambda t: 0.4 * t**3))
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-11)
     result = scheme.run(scene, duration=0.5, step=2e-3)
     np.testing.assert_allclose(result.coordinate(hinge)[-1], 0.4 * 0.5**3, atol=1e-12)
@@ -229,7 +235,9 @@ def test_checkpoints_know_where_places_are(tmp_path):
         scene = fl.Scene(gravity=(0, 0, -9.81))
         beam = scene.add(beam_of(None, 2)[0])
         scene.add(
-            fl.Revolute(fl.ground(), beam.point((place, 0, 0)), at=(0.3, 0, 0), axis=(0, 1, 0))
+            fl.joints.Revolute(
+                fl.ground(), beam.point((place, 0, 0)), at=(0.3, 0, 0), axis=(0, 1, 0)
+            )
         )
         return scene
 
@@ -257,7 +265,9 @@ def test_conserving_schemes_book_loads_on_places(following):
 
 
 def test_points_are_nodes_where_there_are_nodes():
-    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=4, formulation=fl.Director(2))
+    beam = fl.Beam.straight(
+        (0, 0, 0), (1, 0, 0), SECTION, cells=4, formulation=fl.elements.DirectorBeam(2)
+    )
     assert beam.point((0, 0, 0)).attachment is None
     assert beam.point((0.5, 0, 0)).attachment is None
     assert beam.point((1, 0, 0)).node == beam.point("end").node
@@ -295,11 +305,15 @@ def test_points_on_an_arc():
         (lambda beam: beam.point_in_cell(0, 1.5), "a part of an element is 0 to 1, got 1.5"),
         (lambda beam: fl.Scene().add(fl.Clamp(beam.point((0.3, 0, 0)))), "a clamp needs a node"),
         (
-            lambda beam: fl.Scene().add(fl.RigidLink(beam.point("end"), beam.point((0.3, 0, 0)))),
+            lambda beam: fl.Scene().add(
+                fl.joints.RigidLink(beam.point("end"), beam.point((0.3, 0, 0)))
+            ),
             "link needs a node",
         ),
         (
-            lambda beam: fl.Scene().add(fl.Fixed(*[beam.point((0.3, 0, 0)) for _ in range(2)])),
+            lambda beam: fl.Scene().add(
+                fl.joints.Fixed(*[beam.point((0.3, 0, 0)) for _ in range(2)])
+            ),
             "to itself",
         ),
     ],

@@ -34,7 +34,7 @@ def test_a_load_beside_the_centre_is_one_on_a_body_that_is_linked_there(scheme, 
         point = body.point(PLACE)
         if linked:
             point = scene.add(plate()).point("centre")
-            scene.add(fl.RigidLink(body.point("centre"), point))
+            scene.add(fl.joints.RigidLink(body.point("centre"), point))
         scene.add(fl.PointLoad(point, FORCE, MOMENT, following=following))
         result = scheme.run(scene, duration=0.5, step=1e-2)
         found.append(result.position(body.point("centre")))
@@ -67,7 +67,7 @@ def test_joints_there_are_joints_of_the_body(scheme):
         scene, body = fl.Scene(gravity=(0, 0, -9.81)), stone()
         scene.add(body)
         point = body.point("centre") if at is not None else body.point(PLACE)
-        scene.add(fl.Spherical(fl.ground(), point, at=at, name="hook"))
+        scene.add(fl.joints.Spherical(fl.ground(), point, at=at, name="hook"))
         result = scheme.run(scene, duration=0.2, step=5e-3)
         found.append((result.frames, result.joint_force("hook")))
     # the place in the body's axes is rounded once more

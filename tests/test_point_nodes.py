@@ -43,18 +43,18 @@ def _geometric(state, y, given, out, nodes):
         )
 
 
-PLACES = fl.FrameMap(None, _pull, _push, _geometric, values=12, unknowns=6)
+PLACES = fl.extend.FrameMap(None, _pull, _push, _geometric, values=12, unknowns=6)
 
 
 @dataclass(frozen=True)
-class String(fl.Formulation):
+class String(fl.elements.BeamFormulation):
     """``½ EA (|b − a|/ℓ − 1)² ℓ`` between two places."""
 
     node_type = fl.extend.NodeType.POSITION
     viscous = False
     degree: int = 1
 
-    def forms(self, nodal: fl.NodalFrames, cells: fl.extend.CellData) -> fl.LocalFrameForms:
+    def forms(self, nodal: fl.NodalFrames, cells: fl.extend.CellData) -> fl.extend.LocalFrameForms:
         mesh = nodal.function.function_space.mesh
         length = fl.extend.cellwise(mesh, cells.lengths)
         chord = ufl.dot(ufl.grad(nodal.position), ufl.Jacobian(mesh)[:, 0])
@@ -62,13 +62,13 @@ class String(fl.Formulation):
         stretch = 0.5 * fl.extend.cellwise(mesh, cells.stiffness[:, 0, 0]) * strain**2
         dx = ufl.Measure("dx", mesh, metadata={"quadrature_degree": 0})
         energy = stretch * length / ufl.CellVolume(mesh) * dx
-        return fl.LocalFrameForms(energy, nodal.function, nodal.increment, PLACES)
+        return fl.extend.LocalFrameForms(energy, nodal.function, nodal.increment, PLACES)
 
 
 def string(direction, cells: int, stretch: float = 1.1, begin=(0.0, 0.0, 0.0)) -> fl.Cable:
     """Of unstretched length 2, stretched at the start."""
     section = fl.Section.from_stiffness([EA, 1, 1, 1, 1, 1], mass=MASS)
-    mesh = fl.straight(begin, np.add(begin, 2 * stretch * np.array(direction)), cells)
+    mesh = fl.mesh.straight_line(begin, np.add(begin, 2 * stretch * np.array(direction)), cells)
     return fl.Cable(mesh, section, length=2.0, formulation=String())
 
 
@@ -79,7 +79,7 @@ def test_two_strings_hang_on_each_other():
     for cable in (upper, lower):
         scene.add(cable)
     upper.pin(upper.point("start"))
-    scene.add(fl.Spherical(upper.point("end"), lower.point("start")))
+    scene.add(fl.joints.Spherical(upper.point("end"), lower.point("start")))
     scene.add(fl.PointLoad(lower.point("end"), (0, 0, -2.0)))
     found = fl.statics(scene)
     weight = MASS * 2.0 * GRAVITY
@@ -106,7 +106,7 @@ def test_vibrations_of_a_taut_string():
     np.testing.assert_allclose(found, np.repeat(np.sqrt(squares), 2), rtol=1e-8)
 
 
-@pytest.mark.parametrize("group", fl.Group)
+@pytest.mark.parametrize("group", fl.lie.Group)
 def test_flight_of_a_string(group):
     """The centre of mass falls along a parabola, and the energy stays."""
     cable = string((0.6, 0, 0.8), cells=3).set_group(group)
@@ -142,4 +142,4 @@ def test_what_takes_hold_of_frames_is_refused():
     scene = fl.Scene()
     scene.add(cable)
     with pytest.raises(ValueError, match="have positions:"):
-        scene.add(fl.RigidLink(cable.point("start"), cable.point("end")))
+        scene.add(fl.joints.RigidLink(cable.point("start"), cable.point("end")))

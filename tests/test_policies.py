@@ -11,24 +11,32 @@ from fem_lie.solve.alpha.staleness import staleness
 from fem_lie.solve.motion.policies import Ruled
 from tests.interruption import interrupted
 
-NONE, CONSTRAINTS, ALL = fl.Update
+NONE, CONSTRAINTS, ALL = fl.extend.Refactorisation
 MATERIAL = fl.Material(7e10, 0.3, 2700.0)
 
 
-def asked(policy: fl.Policy, iterations: int, *, bound: bool = True) -> list[fl.Update | bool]:
+def asked(
+    policy: fl.schemes.RefactorisationPolicy, iterations: int, *, bound: bool = True
+) -> list[fl.extend.Refactorisation | bool]:
     decisions = policy.begin(bound)
     return [decisions.before_iteration(k) for k in range(1, iterations + 1)]
 
 
 def test_a_limit_refreshes_the_constraints_first():
-    assert asked(fl.Limit(3), 8) == [NONE] * 3 + [CONSTRAINTS, NONE, NONE, ALL, NONE]
-    assert asked(fl.Limit(3), 5, bound=False) == [NONE] * 3 + [ALL, NONE]
-    only = asked(fl.ConstraintsOnly(3), 8)
+    assert asked(fl.schemes.IterationLimit(3), 8) == [NONE] * 3 + [
+        CONSTRAINTS,
+        NONE,
+        NONE,
+        ALL,
+        NONE,
+    ]
+    assert asked(fl.schemes.IterationLimit(3), 5, bound=False) == [NONE] * 3 + [ALL, NONE]
+    only = asked(fl.schemes.ConstraintsOnly(3), 8)
     assert only == [NONE] * 3 + [CONSTRAINTS, NONE, NONE, CONSTRAINTS, NONE]
 
 
 def test_automatic_refreshes_the_constraints_until_that_no_longer_helps():
-    policy = fl.Automatic(cost=6, refresh=4, patience=20).begin(bound=True)
+    policy = fl.schemes.Automatic(cost=6, refresh=4, patience=20).begin(bound=True)
     seen = []
     for iterations in (2, 3, 4, 5, 3, 5, 5, 3, 3, 3, 3, 3, 3, 3):
         seen.append(policy.before_iteration(1))
@@ -36,17 +44,23 @@ def test_automatic_refreshes_the_constraints_until_that_no_longer_helps():
     # 2 more than the best of 2, then 1 after a refreshment: lost until the seventh of these
     assert seen.index(CONSTRAINTS) == 4
     assert ALL in seen[5:] and seen.count(ALL) == 1
-    assert fl.Automatic(cost=6, refresh=4).begin(bound=False).before_iteration(1) is NONE
+    assert fl.schemes.Automatic(cost=6, refresh=4).begin(bound=False).before_iteration(1) is NONE
 
 
-def arm(index: fl.Index = fl.Index.THREE, policy: fl.Policy | None = None, step: float = 1e-3):
+def arm(
+    index: fl.schemes.ConstraintIndex = fl.schemes.ConstraintIndex.THREE,
+    policy: fl.schemes.RefactorisationPolicy | None = None,
+    step: float = 1e-3,
+):
     """Two flexible bars on skew hinges fall and turn."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     section = fl.Section.circle(0.005, MATERIAL)
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.4, 0, 0), section, cells=4))
     two = scene.add(fl.Beam.straight((0.4, 0, 0), (0.8, 0, 0), section, cells=4))
-    scene.add(fl.Revolute(fl.ground(), one.point("start"), axis=(0, 1, 0)))
-    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(0.3, 1, 0), name="elbow"))
+    scene.add(fl.joints.Revolute(fl.ground(), one.point("start"), axis=(0, 1, 0)))
+    scene.add(
+        fl.joints.Revolute(one.point("end"), two.point("start"), axis=(0.3, 1, 0), name="elbow")
+    )
     options = {} if policy is None else {"policy": policy}
     scheme = fl.GeneralisedAlpha(index=index, tolerance=1e-10, **options)
     return scheme.run(scene, duration=0.4, step=step), two
@@ -54,17 +68,20 @@ def arm(index: fl.Index = fl.Index.THREE, policy: fl.Policy | None = None, step:
 
 @pytest.fixture(scope="module")
 def full():
-    return arm(policy=fl.EveryIteration())
+    return arm(policy=fl.schemes.EveryIteration())
 
 
-@pytest.mark.parametrize("policy", [fl.Limit(4), fl.Automatic(refresh=5), fl.ConstraintsOnly(6)])
+@pytest.mark.parametrize(
+    "policy",
+    [fl.schemes.IterationLimit(4), fl.schemes.Automatic(refresh=5), fl.schemes.ConstraintsOnly(6)],
+)
 def test_the_motion_does_not_depend_on_what_is_made_anew(full, policy):
     result, tip = arm(policy=policy)
     place = result.position(tip.point("end"))
     np.testing.assert_allclose(place, full[0].position(full[1].point("end")), atol=1e-8)
     assert 1 <= result.k_updates < result.phi_updates == result.factorisations
     assert full[0].k_updates == full[0].phi_updates == full[0].iterations[-1]
-    if isinstance(policy, fl.ConstraintsOnly):
+    if isinstance(policy, fl.schemes.ConstraintsOnly):
         assert result.k_updates == 1
 
 
@@ -77,7 +94,7 @@ def hinge_rates(result: fl.Result) -> float:
 
 
 def test_stabilised_velocities_satisfy_the_constraints_at_the_same_order(full):
-    runs = [arm(fl.Index.STABILISED_TWO, step=h) for h in (2e-3, 1e-3, 5e-4)]
+    runs = [arm(fl.schemes.ConstraintIndex.STABILISED_TWO, step=h) for h in (2e-3, 1e-3, 5e-4)]
     # round-off, where the iteration of the projection stagnates
     assert max(hinge_rates(result) for result, _ in runs) < 1e-9
     assert hinge_rates(full[0]) > 1e-8
@@ -93,14 +110,16 @@ def test_stabilised_velocities_satisfy_the_constraints_at_the_same_order(full):
 def test_stabilised_velocities_follow_drives_and_motions():
     """At every step, where those of index 3 follow to second order."""
     errors = []
-    for index in (fl.Index.STABILISED_TWO, fl.Index.THREE):
+    for index in (fl.schemes.ConstraintIndex.STABILISED_TWO, fl.schemes.ConstraintIndex.THREE):
         scene = fl.Scene(gravity=(0, 0, -9.81))
         base = scene.add(fl.RigidBody(1.0, (0.1, 0.2, 0.3), (0, 0, 0)))
         arm_ = scene.add(fl.RigidBody(2.0, (0.3, 0.1, 0.3), (1, 0, 0)))
         hinge = scene.add(
-            fl.Revolute(base.point("centre"), arm_.point("centre"), at=(0, 0, 0), axis=(0, 1, 0))
+            fl.joints.Revolute(
+                base.point("centre"), arm_.point("centre"), at=(0, 0, 0), axis=(0, 1, 0)
+            )
         )
-        scene.add(fl.Drive(hinge.angle, lambda t: 4.0 * t**2 - 3.0 * t**3))
+        scene.add(fl.joints.Drive(hinge.angle, lambda t: 4.0 * t**2 - 3.0 * t**3))
         scene.add(fl.PrescribedMotion(base.point("centre"), rising))
         result = fl.GeneralisedAlpha(index=index, tolerance=1e-11).run(
             scene, duration=0.5, step=5e-3
@@ -126,11 +145,13 @@ def test_stabilised_velocities_keep_momenta():
     scene = fl.Scene()
     one = scene.add(fl.RigidBody(1.0, (0.1, 0.2, 0.3), (0, 0, 0)))
     two = scene.add(fl.RigidBody(2.0, (0.3, 0.1, 0.3), (1, 0, 0)))
-    scene.add(fl.Revolute(one.point("centre"), two.point("centre"), at=(0.5, 0, 0), axis=(0, 0, 1)))
+    scene.add(
+        fl.joints.Revolute(one.point("centre"), two.point("centre"), at=(0.5, 0, 0), axis=(0, 0, 1))
+    )
     one.add_velocity(omega=(1, 0, 3.0), about=(0.5, 0, 0))
     two.add_velocity(omega=(1, 0, -2.0), about=(0.5, 0, 0))
     errors = []
-    for index in fl.Index:
+    for index in fl.schemes.ConstraintIndex:
         result = fl.GeneralisedAlpha(radius=1.0, index=index, tolerance=1e-11).run(
             scene, duration=1.0, step=1e-3
         )
@@ -138,10 +159,10 @@ def test_stabilised_velocities_keep_momenta():
     np.testing.assert_array_less(errors[1], np.maximum(2 * np.array(errors[0]), 1e-9))
 
 
-class Deaf(fl.Automatic):
+class Deaf(fl.schemes.Automatic):
     """As without asking: all is made anew when new constraints no longer bring back the best."""
 
-    def begin(self, bound: bool) -> fl.Decisions:
+    def begin(self, bound: bool) -> fl.extend.PolicyState:
         rule = super().begin(bound).rule
         assert rule is not None and rule.asks
         return Ruled(rule._replace(asks=False))
@@ -149,7 +170,7 @@ class Deaf(fl.Automatic):
 
 def test_automatic_keeps_mass_and_stiffness_that_are_not_to_blame(full):
     """Stiff bars on hinges: what turns is the constraints."""
-    asking, tip = arm(policy=fl.Automatic(cost=5, refresh=5))
+    asking, tip = arm(policy=fl.schemes.Automatic(cost=5, refresh=5))
     deaf, _ = arm(policy=Deaf(cost=5, refresh=5))
     assert asking.k_updates < deaf.k_updates / 4
     # what else there is to lose is less than was lost to make all anew
@@ -158,22 +179,25 @@ def test_automatic_keeps_mass_and_stiffness_that_are_not_to_blame(full):
     np.testing.assert_allclose(place, full[0].position(full[1].point("end")), atol=1e-8)
 
 
-def soft(policy: fl.Policy) -> fl.Result:
+def soft(policy: fl.schemes.RefactorisationPolicy) -> fl.Result:
     """A soft bar falls about a hinge, and the stiffness of its tension makes the matrix old."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     section = fl.Section.circle(0.005, fl.Material(1e7, 0.3, 1100.0))
     bar = scene.add(fl.Beam.straight((0, 0, 0), (0.4, 0, 0), section, cells=4))
-    scene.add(fl.Revolute(fl.ground(), bar.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), bar.point("start"), axis=(0, 1, 0)))
     return fl.GeneralisedAlpha(policy=policy).run(scene, duration=0.8, step=4e-3)
 
 
 def test_automatic_renews_mass_and_stiffness_that_are_to_blame():
-    frozen, asking = soft(fl.ConstraintsOnly(8)), soft(fl.Automatic(cost=5, refresh=5))
+    frozen, asking = (
+        soft(fl.schemes.ConstraintsOnly(8)),
+        soft(fl.schemes.Automatic(cost=5, refresh=5)),
+    )
     assert frozen.k_updates == 1 < asking.k_updates
     assert asking.iterations[-1] < 0.8 * frozen.iterations[-1]
 
 
-@pytest.mark.parametrize("group", fl.Group)
+@pytest.mark.parametrize("group", fl.lie.Group)
 def test_staleness_is_the_rate_at_which_an_old_matrix_converges(group):
     """Without constraints twice the matrix leaves half of each correction, the same matrix none."""
     scene = fl.Scene()
@@ -203,13 +227,13 @@ def test_staleness_is_the_rate_at_which_an_old_matrix_converges(group):
 
 def test_a_run_of_a_policy_that_asks_resumes_to_the_last_bit(tmp_path):
     def run(**options) -> fl.Result:
-        scheme = fl.GeneralisedAlpha(policy=fl.Automatic(cost=5, refresh=5))
+        scheme = fl.GeneralisedAlpha(policy=fl.schemes.Automatic(cost=5, refresh=5))
         return scheme.run(ladder(), duration=0.4, step=2e-3, **options)
 
     whole = run()
     with interrupted(2):
         run(file=tmp_path / "run.h5", checkpoint_every=50)
-    scheme = fl.GeneralisedAlpha(policy=fl.Automatic(cost=5, refresh=5))
+    scheme = fl.GeneralisedAlpha(policy=fl.schemes.Automatic(cost=5, refresh=5))
     resumed = scheme.resume(ladder(), tmp_path / "run.h5")
     np.testing.assert_array_equal(resumed.frames, whole.frames)
     np.testing.assert_array_equal(resumed.iterations, whole.iterations)
@@ -227,11 +251,11 @@ def ladder(rungs: int = 4) -> fl.Scene:
         for k in range(rungs):
             places = (0.2 * k, y, 0), (0.2 * (k + 1), y, 0)
             bar = scene.add(fl.Beam.straight(*places, section, cells=2))
-            scene.add(fl.Revolute(last, bar.point("start"), axis=(0, 1, 0)))
+            scene.add(fl.joints.Revolute(last, bar.point("start"), axis=(0, 1, 0)))
             last = bar.point("end")
             ends.append(last)
     for one, two in zip(ends[:-rungs], ends[rungs:], strict=True):
         rung = scene.add(fl.Beam.straight(one.position, two.position, section, cells=2))
-        scene.add(fl.Spherical(one, rung.point("start")))
-        scene.add(fl.Spherical(two, rung.point("end")))
+        scene.add(fl.joints.Spherical(one, rung.point("start")))
+        scene.add(fl.joints.Spherical(two, rung.point("end")))
     return scene

@@ -26,16 +26,18 @@ def cuboid(mass: float, edges) -> np.ndarray:
 def box_at(scene, position, edges=CUBE, rotation=None, mass=1.0):
     rotation = np.eye(3) if rotation is None else rotation
     body = fl.RigidBody(mass, cuboid(mass, edges), position=position, rotation=rotation)
-    return scene.add(body), fl.Box(body.point("centre"), edges)
+    return scene.add(body), fl.contact.Box(body.point("centre"), edges)
 
 
-def stack(count: int, law: fl.Impact, offset: float = 0.0) -> tuple[fl.Scene, list[fl.RigidBody]]:
+def stack(
+    count: int, law: fl.contact.Impact, offset: float = 0.0
+) -> tuple[fl.Scene, list[fl.RigidBody]]:
     """Cubes on a cube that is fixed to ground, each so far along X from the one below it."""
     scene, bodies = fl.Scene(gravity=(0, 0, -GRAVITY)), []
-    below = fl.Box(fl.ground(), CUBE)
+    below = fl.contact.Box(fl.ground(), CUBE)
     for k in range(count):
         body, box = box_at(scene, (offset * (k + 1), 0, EDGE * (k + 1)))
-        scene.add(fl.Contact(below, box, law))
+        scene.add(fl.contact.Contact(below, box, law))
         bodies.append(body)
         below = box
     return scene, bodies
@@ -55,7 +57,7 @@ def energy(result) -> np.ndarray:
 
 def test_ten_cubes_stay_where_they_are():
     """For ten seconds, to round-off: each step solves Coulomb's law to the last digits."""
-    scene, bodies = stack(10, fl.Impact(friction=0.5))
+    scene, bodies = stack(10, fl.contact.Impact(friction=0.5))
     result = run(scene, 10.0, 1e-2, save_every=1000)
     assert max(np.abs(moved(result, body)).max() for body in bodies) < 1e-12
     assert result.contacts.penetration.max() < 1e-12
@@ -63,9 +65,9 @@ def test_ten_cubes_stay_where_they_are():
 
 def overhang(count: int, part: float) -> tuple[fl.Scene, fl.RigidBody]:
     """Blocks that reach over the edge of a table by a part of ``½ Σ 1/k`` of their length."""
-    scene, law = fl.Scene(gravity=(0, 0, -GRAVITY)), fl.Impact(friction=0.8)
+    scene, law = fl.Scene(gravity=(0, 0, -GRAVITY)), fl.contact.Impact(friction=0.8)
     length, height = 1.0, 0.1
-    table = fl.Box(fl.ground(), (4.0, 1.0, height))
+    table = fl.contact.Box(fl.ground(), (4.0, 1.0, height))
     surfaces, place = [], 2.0 - 0.5 * length
     shifts = [0.5 * part * length / (count - k) for k in range(count)]
     for k, shift in enumerate(shifts):
@@ -73,7 +75,7 @@ def overhang(count: int, part: float) -> tuple[fl.Scene, fl.RigidBody]:
         body, box = box_at(scene, (place, 0, height * (k + 1)), (length, 0.5, height))
         surfaces.append(box)
     for below, above in pairwise([table, *surfaces]):
-        scene.add(fl.Contact(below, above, law))
+        scene.add(fl.contact.Contact(below, above, law))
     return scene, body
 
 
@@ -99,10 +101,10 @@ def test_a_cube_on_a_wedge_sticks_or_slides(degrees):
         s * slope + y * np.array([0, 1, 0]) - z * normal
         for s, y, z in product((-2, 2), (-1, 1), (0, 1))
     ]
-    wedge = fl.ConvexPolyhedron(fl.ground(), corners)
+    wedge = fl.contact.ConvexPolyhedron(fl.ground(), corners)
     axes = np.column_stack([slope, (0, 1, 0), normal])
     body, box = box_at(scene, 0.5 * EDGE * normal, rotation=axes)
-    scene.add(fl.Contact(box, wedge, fl.Impact(friction=friction)))
+    scene.add(fl.contact.Contact(box, wedge, fl.contact.Impact(friction=friction)))
     result = run(scene, time, 1e-2)
     pull = max(0.0, GRAVITY * (np.sin(angle) - friction * np.cos(angle)))
     np.testing.assert_allclose(moved(result, body), 0.5 * pull * time**2 * slope, atol=1e-12)
@@ -117,8 +119,8 @@ def test_crossed_bars_touch_with_their_edges():
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     height = 2 * 0.1 * np.sqrt(2) + fall
     body, box = box_at(scene, (0, 0, height), edges, askew)
-    bar = fl.ConvexPolyhedron(fl.ground(), corners)
-    scene.add(fl.Contact(bar, box, fl.Impact(restitution=1.0)))
+    bar = fl.contact.ConvexPolyhedron(fl.ground(), corners)
+    scene.add(fl.contact.Contact(bar, box, fl.contact.Impact(restitution=1.0)))
     bounces = 2 * np.sqrt(2 * fall / GRAVITY)
     result = run(scene, 3 * bounces, bounces / 40)
     assert np.abs(moved(result, body)).max() < 1e-12
@@ -176,10 +178,10 @@ def test_polyhedra_meet_when_a_linear_program_says(seed):
     ]
     bodies[0].add_velocity(speed * direction)
     surfaces = [
-        fl.ConvexPolyhedron(body.point("centre"), of)
+        fl.contact.ConvexPolyhedron(body.point("centre"), of)
         for body, of in zip(bodies, corners, strict=True)
     ]
-    scene.add(fl.Contact(*surfaces, fl.Impact(restitution=1.0)))
+    scene.add(fl.contact.Contact(*surfaces, fl.contact.Impact(restitution=1.0)))
     way = way_to_meet(corners[0] + start, corners[1], direction)
     result = run(scene, 1.0, step)
     assert first_step(result) == int(np.ceil(way / speed / step))
@@ -224,10 +226,10 @@ def test_a_ball_meets_faces_edges_and_corners(aside, away):
     place = np.array([*aside, 0.8])
     ball = scene.add(fl.RigidBody(1.0, (0.004,) * 3, position=place))
     scene.add(
-        fl.Contact(
-            fl.Sphere(ball.point("centre"), radius),
-            fl.Box(fl.ground(), (1, 1, 1)),
-            fl.Impact(restitution=1),
+        fl.contact.Contact(
+            fl.contact.Sphere(ball.point("centre"), radius),
+            fl.contact.Box(fl.ground(), (1, 1, 1)),
+            fl.contact.Impact(restitution=1),
         )
     )
     result = run(scene, 0.3, step)
@@ -250,10 +252,14 @@ def test_a_ball_meets_faces_edges_and_corners(aside, away):
 
 
 def test_a_cube_in_a_joint_presses_on_a_stack():
-    scene, bodies = stack(2, fl.Impact(friction=0.5))
+    scene, bodies = stack(2, fl.contact.Impact(friction=0.5))
     top, box = box_at(scene, (0, 0, 3.2 * EDGE))
-    scene.add(fl.Prismatic(fl.ground(), top.point("centre"), axis=(0, 0, 1)))
-    scene.add(fl.Contact(fl.Box(bodies[-1].point("centre"), CUBE), box, fl.Impact(friction=0.5)))
+    scene.add(fl.joints.Prismatic(fl.ground(), top.point("centre"), axis=(0, 0, 1)))
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.Box(bodies[-1].point("centre"), CUBE), box, fl.contact.Impact(friction=0.5)
+        )
+    )
     result = run(scene, 0.5, 2e-3)
     np.testing.assert_allclose(moved(result, top), (0, 0, -0.2 * EDGE), atol=1e-9)
     for body in bodies:
@@ -261,7 +267,10 @@ def test_a_cube_in_a_joint_presses_on_a_stack():
 
 
 def tumbling() -> fl.Scene:
-    scene, law = fl.Scene(gravity=(0, 0, -GRAVITY)), fl.Impact(friction=0.3, restitution=0.2)
+    scene, law = (
+        fl.Scene(gravity=(0, 0, -GRAVITY)),
+        fl.contact.Impact(friction=0.3, restitution=0.2),
+    )
     rng, surfaces = np.random.default_rng(5), []
     for k in range(3):
         body, box = box_at(
@@ -269,10 +278,10 @@ def tumbling() -> fl.Scene:
         )
         surfaces.append(box)
         body.add_velocity(omega=rng.normal(size=3), about=body.point("centre"))
-    floor = fl.Box(fl.ground(), (2, 2, 0.2))
+    floor = fl.contact.Box(fl.ground(), (2, 2, 0.2))
     for k, box in enumerate(surfaces):
         for other in [floor, *surfaces[:k]]:
-            scene.add(fl.Contact(box, other, law))
+            scene.add(fl.contact.Contact(box, other, law))
     return scene
 
 
@@ -295,9 +304,13 @@ def test_what_goes_through_is_an_error(ball):
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (0.01,) * 3, position=(0, 0, 1)))
     body.add_velocity((0, 0, -200))
-    surface = fl.Sphere(body.point("centre"), 0.1) if ball else fl.Box(body.point("centre"), CUBE)
-    plate = fl.Box(fl.ground(), (1, 1, 0.1))
-    scene.add(fl.Contact(surface, plate, fl.Impact()))
+    surface = (
+        fl.contact.Sphere(body.point("centre"), 0.1)
+        if ball
+        else fl.contact.Box(body.point("centre"), CUBE)
+    )
+    plate = fl.contact.Box(fl.ground(), (1, 1, 0.1))
+    scene.add(fl.contact.Contact(surface, plate, fl.contact.Impact()))
     with pytest.raises(fl.ConvergenceError, match="one side went through the other"):
         run(scene, 0.2, 1e-2)
 
@@ -308,31 +321,40 @@ def test_what_goes_through_is_an_error(ball):
 def two(first, second, law=None, apart=1.0):
     scene = fl.Scene()
     bodies = [scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(x, 0, 0))) for x in (0.0, apart)]
-    return scene.add(fl.Contact(first(bodies[0]), second(bodies[1]), law or fl.Impact()))
+    return scene.add(
+        fl.contact.Contact(first(bodies[0]), second(bodies[1]), law or fl.contact.Impact())
+    )
 
 
 def cube(body):
-    return fl.Box(body.point("centre"), CUBE)
+    return fl.contact.Box(body.point("centre"), CUBE)
 
 
 REFUSED = {
-    "penalty": (lambda: two(cube, cube, fl.Penalty(1e5)), "touch each other and balls by Impact"),
+    "penalty": (
+        lambda: two(cube, cube, fl.contact.Penalty(1e5)),
+        "touch each other and balls by Impact",
+    ),
     "overlap": (lambda: two(cube, cube, apart=0.15), "overlap by 0.05; start with a gap"),
     "flat": (
-        lambda: fl.ConvexPolyhedron(fl.ground(), [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)]),
+        lambda: fl.contact.ConvexPolyhedron(
+            fl.ground(), [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)]
+        ),
         "must not lie in a plane",
     ),
     "three corners": (
-        lambda: fl.ConvexPolyhedron(fl.ground(), np.eye(3)),
+        lambda: fl.contact.ConvexPolyhedron(fl.ground(), np.eye(3)),
         r"at least four finite points, shape \(n, 3\), got shape \(3, 3\)",
     ),
     "itself": (
-        lambda: two(cube, lambda body: fl.Box(body.point("centre"), CUBE)).check()
-        or fl.Scene().add(fl.Contact(*2 * [fl.Box(fl.ground(), CUBE)], fl.Impact())),
+        lambda: two(cube, lambda body: fl.contact.Box(body.point("centre"), CUBE)).check()
+        or fl.Scene().add(
+            fl.contact.Contact(*2 * [fl.contact.Box(fl.ground(), CUBE)], fl.contact.Impact())
+        ),
         "expected surfaces on different frames",
     ),
     "points": (
-        lambda: two(cube, lambda body: fl.Vertices([body.point("centre")])),
+        lambda: two(cube, lambda body: fl.contact.Vertices([body.point("centre")])),
         "points do not touch polyhedra",
     ),
 }

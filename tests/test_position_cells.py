@@ -20,14 +20,14 @@ def started(clamped: bool) -> Run:
     one = np.column_stack([s, 0.2 * s**2, 0.1 * np.sin(3.0 * s)])
     section = fl.Section.from_stiffness([STIFFNESS] * 3 + [2.0] * 3, mass=1.0)
     if clamped:
-        rope = fl.straight((0, 0, 0), (1, 0, 0), 12)
-        cable = fl.Cable(rope, section, formulation=fl.DiscreteCable())
+        rope = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 12)
+        cable = fl.Cable(rope, section, formulation=fl.elements.DiscreteCable())
         scene.add(cable)
         cable.clamp(cable.point("start"))
     else:
         points = np.vstack([one, np.delete(one, 6, axis=0)[:, [1, 0, 2]]])
         threads = [range(13), [*range(13, 19), 6, *range(19, 25)]]
-        own = fl.DiscreteCable(natural=True)
+        own = fl.elements.DiscreteCable(natural=True)
         scene.add(fl.Net(points, threads, section, formulation=own))
     scheme = fl.EnergyMomentum()
     run = Run(scheme.options(), scheme.equations(scene), 1e-3)

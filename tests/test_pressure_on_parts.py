@@ -31,21 +31,23 @@ def scene_with(*items) -> fl.Scene:
 
 
 def test_a_pressure_that_varies_is_that_at_the_cells_of_its_group():
-    bare = fl.surface(lambda a, b: (2.0 * a, b, 0.0), (4, 1))
-    mesh = fl.SurfaceMesh.from_cells(bare.points, bare.cells, bare.cell, groups={"half": [2, 3]})
+    bare = fl.mesh.parametric_surface(lambda a, b: (2.0 * a, b, 0.0), (4, 1))
+    mesh = fl.mesh.SurfaceMesh.from_cells(
+        bare.points, bare.cells, bare.cell, groups={"half": [2, 3]}
+    )
     shell = fl.Shell(mesh, LAYER)
-    found = pushes(scene_with(shell, fl.SurfacePressure(shell, lambda x: x[0], cells="half")))
+    found = pushes(scene_with(shell, fl.loads.SurfacePressure(shell, lambda x: x[0], cells="half")))
     area = fl.AreaLoad(shell, lambda x: (0, 0, 1.25 if x[0] < 1.5 else 1.75), "half").nodal()
     np.testing.assert_allclose(found, area[:, :3], atol=1e-14)
 
 
 def test_a_beam_under_pressure_on_some_of_its_cells():
     """``p (x_n − x_0) × w`` of these, half of each piece on each of its nodes."""
-    mesh = fl.LineMesh.from_cells(
+    mesh = fl.mesh.LineMesh.from_cells(
         np.outer([0.0, 0.5, 1.5, 2.0], [1, 0, 0]), [(0, 1), (1, 2), (2, 3)], groups={"far": [1, 2]}
     )
     beam = fl.Beam(mesh, SECTION, up=(0, 0, 1))
-    found = pushes(scene_with(beam, fl.PressureLoad(beam, 6.0, (0, 1, 0), cells="far")))
+    found = pushes(scene_with(beam, fl.loads.PressureLoad(beam, 6.0, (0, 1, 0), cells="far")))
     np.testing.assert_allclose(
         found, np.outer([0, 3.0, 4.5, 1.5], beam.point(0).frame[2]), atol=1e-13
     )
@@ -55,7 +57,7 @@ def test_a_beam_under_pressure_on_some_of_its_cells():
 def test_a_free_beam_under_a_pressure_that_grows(scheme):
     """Everywhere the same over the mass: it flies straight, ``x = p t³/6 m``."""
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=3, up=(0, 0, 1))
-    scene = scene_with(beam, fl.PressureLoad(beam, 300.0, (0, 0, 1), history=lambda t: t))
+    scene = scene_with(beam, fl.loads.PressureLoad(beam, 300.0, (0, 0, 1), history=lambda t: t))
     result = SCHEMES[scheme].run(scene, duration=0.5, step=0.01, progress=False)
     exact = 300.0 / (1000.0 * 0.01) * result.times**3 / 6
     moved = result.frames[:, :, 0] - result.frames[0, :, 0]

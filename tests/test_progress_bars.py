@@ -20,7 +20,7 @@ def cantilever(force=(0, 0, 10.0), lines=None):
     scene = fl.Scene()
     section = fl.Section.rectangle(0.01, 0.01, STEEL)
     if lines is None:
-        lines = fl.straight((0, 0, 0), (1, 0, 0), 2)
+        lines = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 2)
     beam = scene.add(fl.Beam(lines, section))
     scene.add(fl.Clamp(beam.point("start")))
     scene.add(fl.PointLoad(beam.point("end"), force=force))
@@ -31,7 +31,7 @@ def adapt():
     def arch(lines):
         return cantilever(lines=lines)
 
-    fl.adapt(arch, fl.straight((0, 0, 0), (1, 0, 0), 2), tolerance=0.05)
+    fl.adaptivity.adapt(arch, fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 2), tolerance=0.05)
 
 
 # what is solved, and what the bar says of it in the end

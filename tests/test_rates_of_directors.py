@@ -14,7 +14,7 @@ SCHEMES = {"energy-momentum": fl.EnergyMomentum(), "energy-decaying": fl.EnergyD
 def plate() -> tuple[fl.Scene, fl.Shell]:
     """One that bends while it tumbles; only its third director has inertia."""
     section = fl.ShellSection.layer(0.02, fl.Material(1e6, 0.3, 1000.0))
-    shell = fl.Shell(fl.surface(lambda a, b: (a, 0.5 * b, 0.0), (4, 2)), section)
+    shell = fl.Shell(fl.mesh.parametric_surface(lambda a, b: (a, 0.5 * b, 0.0), (4, 2)), section)
     shell.add_velocity(omega=(1.0, 2.0, 0.5), about=(0, 0, 0))
     scene = fl.Scene()
     scene.add(shell)

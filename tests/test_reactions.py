@@ -18,7 +18,11 @@ def cantilever(*, joint: bool = False, gravity=(0, 0, -9.81)):
         fl.Beam.straight((0.4, 0.1, 0), (0.4 + LENGTH, 0.1, 0), section, cells=8, name="bar")
     )
     if joint:
-        return scene, beam, scene.add(fl.Fixed(fl.ground(), beam.point("start"), name="weld"))
+        return (
+            scene,
+            beam,
+            scene.add(fl.joints.Fixed(fl.ground(), beam.point("start"), name="weld")),
+        )
     return scene, beam, scene.add(fl.Clamp(beam.point("start")))
 
 
@@ -34,7 +38,7 @@ STATICS = {
     "load steps": lambda scene: fl.statics(scene, load_steps=4),
     "arc length": lambda scene: fl.follow_loads(scene, (0.5, 1.0)),
     "path": lambda scene: fl.follow_path(
-        scene, resolution=0.3, options=fl.PathOptions(locate=None)
+        scene, resolution=0.3, options=fl.stability.PathOptions(locate=None)
     ),
 }
 
@@ -67,7 +71,7 @@ def test_static_reactions_balance_all_loads(way):
 def on_bar(result: fl.Result | fl.StaticResult) -> np.ndarray:
     """Force of the joint on the bar: the joint's axes on the ground are its own, e₃ along z."""
     force = -result.joint_force("weld").reshape(-1, 2, 3)
-    axes = fl.Fixed(fl.ground(), cantilever()[1].point("start")).frame()[1:]
+    axes = fl.joints.Fixed(fl.ground(), cantilever()[1].point("start")).frame()[1:]
     return np.einsum("ij,tki->tkj", axes, force).reshape(-1, 6)
 
 
@@ -97,7 +101,9 @@ def swinging(**options):
 
 
 @pytest.mark.parametrize("scheme", ["generalised-α"])
-@pytest.mark.parametrize("steps", [None, fl.ConstantStep(5e-4), fl.AdaptiveStep(1e-3)])
+@pytest.mark.parametrize(
+    "steps", [None, fl.schemes.ConstantStep(5e-4), fl.schemes.AdaptiveStep(1e-3)]
+)
 def test_a_moving_clamp_has_the_force_of_a_joint(scheme, steps):
     results = []
     for joint in (False, True):
@@ -142,7 +148,7 @@ def test_conserving_schemes_have_the_reactions_of_generalised_alpha(scheme, kept
     exact = fl.GeneralisedAlpha().run(scene, duration=0.08, step=5e-5)
     gaps = []
     for h in (4e-4, 2e-4):
-        step = fl.ConstantStep(h) if kept == "variable" else h
+        step = fl.schemes.ConstantStep(h) if kept == "variable" else h
         every = 4 if kept == 4 else 1
         result = SCHEMES[scheme]().run(scene, duration=0.08, step=step, save_every=every)
         at = np.array([0.016, 0.04, 0.0736, 0.08])
@@ -160,13 +166,15 @@ def test_reactions_on_both_sides_of_a_jump(scheme):
     block = scene.add(fl.RigidBody(2.0, 3 * [0.1], name="block"))
     clamp = scene.add(fl.Clamp(block.point("centre")))
     other = scene.add(fl.RigidBody(1.0, 3 * [0.1], position=(1.0, 0, 0), name="other"))
-    scene.add(fl.Revolute(fl.ground(), other.point("centre"), at=(0.5, 0, 0), axis=(0, 1, 0)))
+    scene.add(
+        fl.joints.Revolute(fl.ground(), other.point("centre"), at=(0.5, 0, 0), axis=(0, 1, 0))
+    )
     scene.add(
         fl.PointLoad(
             block.point("centre"), force=(7.0, 0, 0), history=lambda t: 1.0 if t > 0.05 else 0.0
         )
     )
-    steps = fl.AdaptiveStep(1e-3, events=(0.05,))
+    steps = fl.schemes.AdaptiveStep(1e-3, events=(0.05,))
     result = SCHEMES[scheme]().run(scene, duration=0.1, step=steps)
     after = np.searchsorted(result.times, 0.05, side="right")
     found = result.reaction(clamp)
@@ -200,7 +208,7 @@ def test_a_prescribed_motion_has_the_force_that_drives_it():
 def test_guides_and_edges_of_a_shell_carry_what_loads_it(drills):
     """A quarter of a plate: two planes of symmetry, one edge on rollers, the other free."""
     shell = fl.Shell(
-        fl.surface(lambda a, b: (2 * a, b, 0.0), (6, 4)),
+        fl.mesh.parametric_surface(lambda a, b: (2 * a, b, 0.0), (6, 4)),
         fl.ShellSection.layer(0.02, fl.Material(2.1e11, 0.3, 7850.0)),
         drilling=drills,
         name="plate",
@@ -226,7 +234,7 @@ def test_a_clamp_of_what_follows_rigidly_is_about_its_own_place():
     scene, beam, _ = cantilever()
     scene.clamps.clear()
     block = scene.add(fl.RigidBody(1.0, 3 * [1e-3], position=(0.4, 0.1, -0.5), name="block"))
-    scene.add(fl.RigidLink(beam.point("start"), block.point("centre")))
+    scene.add(fl.joints.RigidLink(beam.point("start"), block.point("centre")))
     clamp = scene.add(fl.Clamp(block.point("centre")))
     result = fl.statics(scene)
     found = result.reaction(clamp)[-1]

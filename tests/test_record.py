@@ -16,24 +16,26 @@ SCHEMES = {
     "generalised alpha": fl.GeneralisedAlpha(),
     "energy-momentum": fl.EnergyMomentum(),
     "energy-decaying": fl.EnergyDecaying(),
-    "variational": fl.Variational(),
-    "composed": fl.Composed(),
+    "variational": fl.schemes.Variational(),
+    "composed": fl.schemes.Composed(),
 }
-PARTS = [part for part in (fl.Record.FRAMES, *fl.Record) if part != fl.Record.ALL]
+PARTS = [
+    part for part in (fl.schemes.Record.FRAMES, *fl.schemes.Record) if part != fl.schemes.Record.ALL
+]
 ALWAYS = "times", "frames", "iterations"
 RECORDED_BY = {
-    "velocities": fl.Record.VELOCITIES,
-    "kinetic": fl.Record.ENERGIES,
-    "elastic": fl.Record.ENERGIES,
-    "potential": fl.Record.ENERGIES,
-    "balance": fl.Record.ENERGIES,
-    "momentum": fl.Record.MOMENTA,
-    "angular_momentum": fl.Record.MOMENTA,
-    "impulses": fl.Record.MOMENTA,
-    "joint_forces": fl.Record.FORCES,
-    "reactions": fl.Record.FORCES,
-    "joint_coordinates": fl.Record.COORDINATES,
-    "joint_violations": fl.Record.COORDINATES,
+    "velocities": fl.schemes.Record.VELOCITIES,
+    "kinetic": fl.schemes.Record.ENERGIES,
+    "elastic": fl.schemes.Record.ENERGIES,
+    "potential": fl.schemes.Record.ENERGIES,
+    "balance": fl.schemes.Record.ENERGIES,
+    "momentum": fl.schemes.Record.MOMENTA,
+    "angular_momentum": fl.schemes.Record.MOMENTA,
+    "impulses": fl.schemes.Record.MOMENTA,
+    "joint_forces": fl.schemes.Record.FORCES,
+    "reactions": fl.schemes.Record.FORCES,
+    "joint_coordinates": fl.schemes.Record.COORDINATES,
+    "joint_violations": fl.schemes.Record.COORDINATES,
 }
 """Which part each quantity belongs to that may be missing."""
 
@@ -45,14 +47,16 @@ def clamped() -> fl.Scene:
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2))
     scene.add(fl.Clamp(beam.point("start")))
     scene.add(
-        fl.Spring(
-            fl.Distance(beam.point("start"), beam.point("end")).length, stiffness=20.0, rest=0.5
+        fl.joints.Spring(
+            fl.joints.Distance(beam.point("start"), beam.point("end")).length,
+            stiffness=20.0,
+            rest=0.5,
         )
     )
     return scene
 
 
-def agrees(less: fl.Result, whole: fl.Result, record: fl.Record) -> None:
+def agrees(less: fl.Result, whole: fl.Result, record: fl.schemes.Record) -> None:
     """Whether what was recorded is the same, and the rest is missing."""
     assert less.recorded == record
     for name in (*ALWAYS, *RECORDED_BY):
@@ -71,7 +75,7 @@ def test_what_is_recorded_is_that_of_the_whole_run(scheme):
     """Two bodies, one of them on a joint of the ground, under a moment."""
     plan = {"duration": 0.02, "step": 1e-3}
     whole = SCHEMES[scheme].run(top(), **plan)
-    assert whole.recorded == fl.Record.ALL
+    assert whole.recorded == fl.schemes.Record.ALL
     for part in PARTS:
         agrees(SCHEMES[scheme].run(top(), record=part, **plan), whole, part)
 
@@ -81,7 +85,11 @@ def test_beams_on_joints(scheme):
     plan = {"duration": 0.05, "step": 1e-3}
     whole = SCHEMES[scheme].run(pendulum(1)[0], **plan)
     assert whole.elastic.max() > 0.0
-    for part in (fl.Record.FRAMES, fl.Record.ENERGIES, fl.Record.FORCES | fl.Record.MOMENTA):
+    for part in (
+        fl.schemes.Record.FRAMES,
+        fl.schemes.Record.ENERGIES,
+        fl.schemes.Record.FORCES | fl.schemes.Record.MOMENTA,
+    ):
         agrees(SCHEMES[scheme].run(pendulum(1)[0], record=part, **plan), whole, part)
 
 
@@ -94,7 +102,7 @@ def test_reactions_and_springs():
         agrees(fl.GeneralisedAlpha().run(clamped(), record=part, **plan), whole, part)
 
 
-@pytest.mark.parametrize("scheme", [fl.Explicit(), fl.Asynchronous()])
+@pytest.mark.parametrize("scheme", [fl.Explicit(), fl.schemes.Asynchronous()])
 def test_explicit_steps(scheme):
     plan = {"duration": 0.01, "step": 1e-4, "save_every": 5}
     whole = scheme.run(net()[0], **plan)
@@ -106,8 +114,12 @@ def test_free_bodies_and_their_impacts():
     def scene() -> fl.Scene:
         built = top(jointed=False)
         for k, body in enumerate(built.bodies):
-            floor = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -0.1 - k))
-            built.add(fl.Contact(fl.Sphere(body.point("centre"), 0.1), floor, fl.Impact()))
+            floor = fl.contact.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -0.1 - k))
+            built.add(
+                fl.contact.Contact(
+                    fl.contact.Sphere(body.point("centre"), 0.1), floor, fl.contact.Impact()
+                )
+            )
         return built
 
     for made in (lambda: top(jointed=False), scene):
@@ -122,10 +134,10 @@ def test_free_bodies_and_their_impacts():
 @pytest.mark.parametrize("scheme", ["generalised alpha", "energy-momentum"])
 def test_steps_that_change_and_states_between_them(scheme):
     """States between steps follow from velocities, which are not kept for that."""
-    plan = {"duration": 0.1, "step": fl.AdaptiveStep(1e-2), "save_at": 0.0071}
+    plan = {"duration": 0.1, "step": fl.schemes.AdaptiveStep(1e-2), "save_at": 0.0071}
     whole = SCHEMES[scheme].run(top(), **plan)
-    less = SCHEMES[scheme].run(top(), record=fl.Record.MOMENTA, **plan)
-    agrees(less, whole, fl.Record.MOMENTA)
+    less = SCHEMES[scheme].run(top(), record=fl.schemes.Record.MOMENTA, **plan)
+    agrees(less, whole, fl.schemes.Record.MOMENTA)
     np.testing.assert_array_equal(less.steps.sizes, whole.steps.sizes)
     with pytest.raises(AttributeError, match="velocities was not recorded"):
         less.resampled([0.01])
@@ -133,7 +145,7 @@ def test_steps_that_change_and_states_between_them(scheme):
 
 @pytest.mark.parametrize("scheme", ["generalised alpha", "energy-momentum", "variational"])
 def test_files_have_no_more_and_a_resumed_run_neither(tmp_path, scheme):
-    part, plan = fl.Record.ENERGIES, {"duration": 0.02, "step": 1e-3}
+    part, plan = fl.schemes.Record.ENERGIES, {"duration": 0.02, "step": 1e-3}
     whole, file = SCHEMES[scheme].run(top(), **plan), tmp_path / "run.h5"
     with interrupted(3):
         SCHEMES[scheme].run(top(), record=part, file=file, checkpoint_every=3, **plan)
@@ -149,21 +161,21 @@ def test_files_have_no_more_and_a_resumed_run_neither(tmp_path, scheme):
 
 def test_errors_of_momenta_need_energies():
     plan = {"duration": 0.01, "step": 1e-3}
-    less = fl.GeneralisedAlpha().run(top(), record=fl.Record.MOMENTA, **plan)
+    less = fl.GeneralisedAlpha().run(top(), record=fl.schemes.Record.MOMENTA, **plan)
     with pytest.raises(AttributeError, match=r"kinetic was not .* record=Record\.ENERGIES"):
         _ = less.momentum_error
-    both = fl.Record.MOMENTA | fl.Record.ENERGIES
+    both = fl.schemes.Record.MOMENTA | fl.schemes.Record.ENERGIES
     assert fl.GeneralisedAlpha().run(top(), record=both, **plan).momentum_error < 1e-6
 
 
 def test_pictures_pages_and_copies_of_frames_alone(tmp_path):
-    plan = {"duration": 0.01, "step": 1e-3, "record": fl.Record.FRAMES}
+    plan = {"duration": 0.01, "step": 1e-3, "record": fl.schemes.Record.FRAMES}
     frames = fl.GeneralisedAlpha().run(top(), **plan)
     frames.page(tmp_path / "page.html")
     frames.write_vtk(tmp_path / "series.pvd")
     frames.picture(tmp_path / "picture.png")
     for twin in (copy.copy(frames), copy.deepcopy(frames), pickle.loads(pickle.dumps(frames))):
-        agrees(twin, frames, fl.Record.FRAMES)
+        agrees(twin, frames, fl.schemes.Record.FRAMES)
     with pytest.raises(AttributeError, match="kinetic was not recorded"):
         frames.plot_energies()
     with pytest.raises(AttributeError, match="momentum was not recorded"):

@@ -8,8 +8,8 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.reduce.axes import expanded, local_motion
-from fem_lie.reduce.linearised import LinearisedBody
+from fem_lie.reduction.axes import expanded, local_motion
+from fem_lie.reduction.linearised import LinearisedBody
 
 STEEL = fl.Material(E=2e11, nu=0.3, density=7800.0)
 
@@ -25,7 +25,7 @@ def rod(cells=8, *, clamped=True, end=(1.0, 0.0, 0.0)):
 
 def square(cells=3):
     scene = fl.Scene()
-    mesh = fl.surface(lambda a, b: (a, b, 0.1 * a * b), (cells, cells))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.1 * a * b), (cells, cells))
     body = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.01, STEEL), name="plate"))
     return scene, body
 
@@ -39,7 +39,9 @@ def motions(rng, count):
     return lie.se3_exp(rng.uniform(-2.0, 2.0, (count, 6)))
 
 
-@pytest.mark.parametrize("axes", [fl.MeanAxes(), fl.NodeAxes(0), fl.NodeAxes(5)], ids=str)
+@pytest.mark.parametrize(
+    "axes", [fl.reduction.MeanAxes(), fl.reduction.NodeAxes(0), fl.reduction.NodeAxes(5)], ids=str
+)
 def test_a_rigid_motion_is_found_and_nothing_is_left(rng, axes):
     _, body = rod()
     G = motions(rng, 4)
@@ -48,7 +50,7 @@ def test_a_rigid_motion_is_found_and_nothing_is_left(rng, axes):
     np.testing.assert_allclose(found.increments, 0.0, atol=1e-13)
 
 
-@pytest.mark.parametrize("axes", [fl.MeanAxes(), fl.NodeAxes(3)], ids=str)
+@pytest.mark.parametrize("axes", [fl.reduction.MeanAxes(), fl.reduction.NodeAxes(3)], ids=str)
 def test_local_motion_knows_no_place_and_expands_to_where_it_was(rng, axes):
     _, body = rod()
     bent = lie.se3_retract(body.frames, rng.uniform(-0.1, 0.1, (1, 9, 6)))
@@ -63,22 +65,22 @@ def test_axes_of_shells_do_not_feel_turns_about_third_directors(rng):
     G, spun = motions(rng, 2), np.zeros((2, len(body.frames), 6))
     spun[:, :, 5] = rng.uniform(-1.0, 1.0, spun.shape[:2])
     frames = lie.se3_retract(lie.se3_compose(G[:, np.newaxis], body.frames), spun)
-    found = local_motion(body, frames, fl.MeanAxes())
+    found = local_motion(body, frames, fl.reduction.MeanAxes())
     np.testing.assert_allclose(found.rigid, G, atol=1e-12)
     np.testing.assert_allclose(found.increments, 0.0, atol=1e-12)
     with pytest.raises(ValueError, match="drilling rotation"):
-        local_motion(body, frames, fl.NodeAxes(0))
+        local_motion(body, frames, fl.reduction.NodeAxes(0))
 
 
 def test_projection_finds_coordinates_in_any_posture(rng):
     scene, body = rod(clamped=False)
-    basis = fl.craig_bampton(scene, [body.point("start")], 5)
-    basis = fl.Basis(body, basis.shapes[6:])  # those that leave the start where it is
+    basis = fl.reduction.craig_bampton(scene, [body.point("start")], 5)
+    basis = fl.reduction.Basis(body, basis.shapes[6:])  # those that leave the start where it is
     η = 1e-2 * rng.uniform(-1.0, 1.0, (3, 5))
     G = motions(rng, 3)
-    frames = fl.Reduced(basis, G, η, np.zeros(3)).expand()
+    frames = fl.reduction.ReducedStates(basis, G, η, np.zeros(3)).expand()
     clamped, _ = rod()
-    found = basis.project(states(clamped, frames), axes=fl.NodeAxes(0))
+    found = basis.project(states(clamped, frames), axes=fl.reduction.NodeAxes(0))
     np.testing.assert_allclose(found.coordinates, η, atol=1e-12)
     np.testing.assert_allclose(found.rigid, G, atol=1e-12)
     assert found.errors.max() < 1e-12
@@ -91,19 +93,19 @@ def test_shapes_of_a_motion_serve_another_posture_and_show_what_they_miss(rng):
     )
     increments[:, 0] = 0.0
     bent = lie.se3_retract(body.frames, increments)
-    axes = fl.NodeAxes(0)
-    basis = fl.pod(states(scene, bent), body, 3, axes=axes)
+    axes = fl.reduction.NodeAxes(0)
+    basis = fl.reduction.pod(states(scene, bent), body, 3, axes=axes)
     turned = states(scene, lie.se3_compose(motions(rng, 6)[:, np.newaxis], bent))
     assert basis.project(turned, axes=axes).errors.max() < 1e-12
-    fewer = fl.pod(states(scene, bent), body, 2, axes=axes)
+    fewer = fl.reduction.pod(states(scene, bent), body, 2, axes=axes)
     assert fewer.project(turned, axes=axes).errors.max() > 1e-3
     with pytest.raises(ValueError, match="at most 3"):
-        fl.pod(states(scene, bent), body, 4, axes=axes)
+        fl.reduction.pod(states(scene, bent), body, 4, axes=axes)
 
 
 def test_interface_modes_are_those_of_statics_and_normal_modes_vibrations():
     scene, body = rod(clamped=False)
-    basis = fl.craig_bampton(scene, [body.point("start"), body.point("end")], 4)
+    basis = fl.reduction.craig_bampton(scene, [body.point("start"), body.point("end")], 4)
     shapes = basis.shapes
     unit = shapes[:12][:, [0, -1]].reshape(12, 12)
     np.testing.assert_allclose(unit / np.diag(unit), np.eye(12), atol=1e-14)
@@ -113,8 +115,8 @@ def test_interface_modes_are_those_of_statics_and_normal_modes_vibrations():
     held, same = rod()
     held.add(fl.Clamp(same.point("end")))
     full = fl.vibrations(held, 4).frequencies
-    normal = fl.Basis(same, shapes[12:])
-    np.testing.assert_allclose(fl.reduced_frequencies(held, normal, 4), full, rtol=1e-8)
+    normal = fl.reduction.Basis(same, shapes[12:])
+    np.testing.assert_allclose(fl.reduction.reduced_frequencies(held, normal, 4), full, rtol=1e-8)
 
 
 def test_vibrations_of_few_unknowns_are_found_though_they_come_in_pairs():
@@ -122,7 +124,9 @@ def test_vibrations_of_few_unknowns_are_found_though_they_come_in_pairs():
     rubber = fl.Material(E=5e6, nu=0.3, density=1100.0)
     scene, section = fl.Scene(), fl.Section.rectangle(0.05, 0.05, rubber)
     body = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=8))
-    basis = fl.craig_bampton(scene, [body.point(4), body.point("start"), body.point("end")], 6)
+    basis = fl.reduction.craig_bampton(
+        scene, [body.point(4), body.point("start"), body.point("end")], 6
+    )
     rest = LinearisedBody(scene, None)
     X = rest.vectors(basis.shapes[18:])
     np.testing.assert_allclose(X @ rest.pencil.M @ X.T, np.eye(6), atol=1e-10)
@@ -132,8 +136,11 @@ def test_vibrations_of_few_unknowns_are_found_though_they_come_in_pairs():
 
 def test_reduced_frequencies_of_a_free_body():
     scene, body = rod(clamped=False)
-    basis = fl.craig_bampton(scene, [body.point("start"), body.point("end")], 8)
-    found, full = fl.reduced_frequencies(scene, basis, 9), fl.vibrations(scene, 9).frequencies
+    basis = fl.reduction.craig_bampton(scene, [body.point("start"), body.point("end")], 8)
+    found, full = (
+        fl.reduction.reduced_frequencies(scene, basis, 9),
+        fl.vibrations(scene, 9).frequencies,
+    )
     assert found[:6].max() < 1e-3 * full[6]
     np.testing.assert_allclose(found[6:], full[6:], rtol=1e-3)
 
@@ -142,86 +149,88 @@ def test_shells_have_shapes_too():
     scene, body = square()
     for corner in ("00", "10"):
         scene.add(fl.Clamp(body.point(corner)))
-    basis = fl.craig_bampton(scene, [], 5)
+    basis = fl.reduction.craig_bampton(scene, [], 5)
     full = fl.vibrations(scene, 4).frequencies
-    np.testing.assert_allclose(fl.reduced_frequencies(scene, basis, 4), full, rtol=1e-8)
+    np.testing.assert_allclose(fl.reduction.reduced_frequencies(scene, basis, 4), full, rtol=1e-8)
 
 
 def test_spin_stiffens_shapes_made_at_rest():
     scene, _ = rod(end=(4.0, 0.0, 0.0))
-    basis = fl.craig_bampton(scene, [], 12)
-    still = fl.reduced_frequencies(scene, basis, 3)
+    basis = fl.reduction.craig_bampton(scene, [], 12)
+    still = fl.reduction.reduced_frequencies(scene, basis, 3)
     at = fl.statics(scene, spin=(0, 0, 12.0))
     full = fl.vibrations(scene, 3, at=at).frequencies
     assert full[0] > 1.2 * still[0]
-    np.testing.assert_allclose(fl.reduced_frequencies(scene, basis, 3, at=at), full, rtol=1e-3)
+    np.testing.assert_allclose(
+        fl.reduction.reduced_frequencies(scene, basis, 3, at=at), full, rtol=1e-3
+    )
 
 
 def test_a_basis_is_saved_for_its_mesh_alone(tmp_path):
     scene, _ = rod()
-    basis, path = fl.craig_bampton(scene, [], 3), tmp_path / "rod.h5"
+    basis, path = fl.reduction.craig_bampton(scene, [], 3), tmp_path / "rod.h5"
     basis.save(path)
     _, same = rod()
-    np.testing.assert_array_equal(fl.load_basis(path, same).shapes, basis.shapes)
+    np.testing.assert_array_equal(fl.reduction.load_basis(path, same).shapes, basis.shapes)
     for other in (rod(9)[1], rod(end=(1.0, 0.1, 0.0))[1]):
         with pytest.raises(ValueError, match="has another mesh"):
-            fl.load_basis(path, other)
+            fl.reduction.load_basis(path, other)
     with h5py.File(path, "r+") as file:
         file.attrs["version"] = 99
     with pytest.raises(ValueError, match="version 99"):
-        fl.load_basis(path, same)
+        fl.reduction.load_basis(path, same)
     with h5py.File(path, "w"):
         pass
     with pytest.raises(ValueError, match="no basis"):
-        fl.load_basis(path, same)
+        fl.reduction.load_basis(path, same)
 
 
 def test_what_cannot_be_reduced_is_said():
     scene, body = rod()
     free, loose = rod(clamped=False)
     with pytest.raises(ValueError, match="fixed degrees of freedom"):
-        fl.craig_bampton(scene, [body.point("start")], 2)
+        fl.reduction.craig_bampton(scene, [body.point("start")], 2)
     with pytest.raises(ValueError, match="twice"):
-        fl.craig_bampton(scene, [body.point("end"), body.point("end")], 2)
+        fl.reduction.craig_bampton(scene, [body.point("end"), body.point("end")], 2)
     with pytest.raises(ValueError, match="not a node of rod"):
-        fl.craig_bampton(scene, [loose.point("end")], 2)
+        fl.reduction.craig_bampton(scene, [loose.point("end")], 2)
     with pytest.raises(ValueError, match="not a node of rod"):
-        fl.craig_bampton(scene, [fl.ground()], 2)
+        fl.reduction.craig_bampton(scene, [fl.ground()], 2)
     with pytest.raises(ValueError, match="fewer than the 48"):
-        fl.craig_bampton(scene, [], 48)
+        fl.reduction.craig_bampton(scene, [], 48)
     with pytest.raises(ValueError, match="rigid-body modes"):
-        fl.craig_bampton(free, [], 2)
-    basis = fl.craig_bampton(scene, [], 2)
+        fl.reduction.craig_bampton(free, [], 2)
+    basis = fl.reduction.craig_bampton(scene, [], 2)
     with pytest.raises(ValueError, match="at most 2"):
-        fl.reduced_frequencies(scene, basis, 3)
+        fl.reduction.reduced_frequencies(scene, basis, 3)
     with pytest.raises(ValueError, match="not the body"):
-        fl.reduced_frequencies(free, basis, 2)
+        fl.reduction.reduced_frequencies(free, basis, 2)
     with pytest.raises(ValueError, match="modes are 1 … 2, got 3"):
         basis.picture("shape.png", 3)
     jointed, body_in_joint = rod(clamped=False)
-    jointed.add(fl.Revolute(fl.ground(), body_in_joint.point("start"), axis=(0, 1, 0)))
+    jointed.add(fl.joints.Revolute(fl.ground(), body_in_joint.point("start"), axis=(0, 1, 0)))
     with pytest.raises(ValueError, match="without joints"):
-        fl.craig_bampton(jointed, [], 2)
-    ends = fl.craig_bampton(free, [loose.point("start")], 2)
+        fl.reduction.craig_bampton(jointed, [], 2)
+    ends = fl.reduction.craig_bampton(free, [loose.point("start")], 2)
     with pytest.raises(ValueError, match="fixed nodes"):
-        fl.reduced_frequencies(scene, fl.Basis(body, ends.shapes), 2)
+        fl.reduction.reduced_frequencies(scene, fl.reduction.Basis(body, ends.shapes), 2)
     with pytest.raises(ValueError, match="shapes of rod"):
-        fl.Basis(body, basis.shapes[:, :-1])
+        fl.reduction.Basis(body, basis.shapes[:, :-1])
     with pytest.raises(ValueError, match="another mesh"):
-        fl.Basis(rod(9)[1], np.ones((1, 10, 6))).project(fl.statics(scene))
+        fl.reduction.Basis(rod(9)[1], np.ones((1, 10, 6))).project(fl.statics(scene))
     scene.add(fl.PointLoad(body.point("end"), force=(0, 0, 1e3)))
     with pytest.raises(ValueError, match="no equilibrium"):
-        fl.craig_bampton(scene, [], 2)
+        fl.reduction.craig_bampton(scene, [], 2)
     scene.add(square()[1])
     with pytest.raises(ValueError, match="got 2"):
-        fl.craig_bampton(scene, [], 2)
+        fl.reduction.craig_bampton(scene, [], 2)
 
 
 def bent(force):
     """A rod, modes of it at rest, and the full equilibrium."""
     scene, body = rod()
-    basis = fl.craig_bampton(scene, [], 4)
-    both = fl.with_derivatives(scene, basis)
+    basis = fl.reduction.craig_bampton(scene, [], 4)
+    both = fl.reduction.with_derivatives(scene, basis)
     scene.add(fl.PointLoad(body.point("end"), force=force * np.array([0.0, 1.0, 1.5])))
     return scene, basis, both, fl.statics(scene).frames[-1]
 
@@ -232,7 +241,7 @@ def test_derivatives_free_modes_from_stretching():
     assert deflection > 0.08
     errors = []
     for shapes in (basis, both):
-        found = fl.reduced_statics(scene, shapes, load_steps=4)
+        found = fl.reduction.reduced_statics(scene, shapes, load_steps=4)
         errors.append(np.linalg.norm(found.frames[:, 0] - full[:, 0], axis=1).max() / deflection)
     assert len(both) == 14
     np.testing.assert_array_equal(both.shapes[:4], basis.shapes)
@@ -245,30 +254,30 @@ def test_all_shapes_are_the_full_model():
     scene, body = rod(2)
     shapes = np.zeros((12, 3, 6))
     shapes[:, body.frames[:, 0, 0] > 0.0] = np.eye(12).reshape(12, 2, 6)
-    basis = fl.Basis(body, shapes)
+    basis = fl.reduction.Basis(body, shapes)
     scene.add(fl.PointLoad(body.point("end"), force=(50.0, 400.0, 600.0)))
-    found = fl.reduced_statics(scene, basis)
+    found = fl.reduction.reduced_statics(scene, basis)
     np.testing.assert_allclose(found.frames, fl.statics(scene).frames[-1], atol=1e-8)
     assert found.error < 1e-8
 
 
 def test_what_has_no_reduced_equilibrium_is_said():
     scene, _ = rod()
-    basis = fl.craig_bampton(scene, [], 2)
+    basis = fl.reduction.craig_bampton(scene, [], 2)
     with pytest.raises(ValueError, match="no load"):
-        fl.reduced_statics(scene, basis)
+        fl.reduction.reduced_statics(scene, basis)
     with pytest.raises(ValueError, match="not the body"):
-        fl.reduced_statics(rod()[0], basis)
+        fl.reduction.reduced_statics(rod()[0], basis)
     plate, shell = square()
     with pytest.raises(ValueError, match="for beams only"):
-        fl.reduced_statics(plate, fl.Basis(shell, np.ones((1, 16, 6))))
+        fl.reduction.reduced_statics(plate, fl.reduction.Basis(shell, np.ones((1, 16, 6))))
 
 
 def test_krylov_shapes_match_moments_of_the_answer():
     """Where the load acts, twice as many as there are shapes."""
     scene, body = rod()
     wrench = (0.0, 1.0, 2.0, 0.1, 0.0, 0.0)
-    basis = fl.krylov(scene, [(body.point("end"), wrench)], 2)
+    basis = fl.reduction.krylov(scene, [(body.point("end"), wrench)], 2)
     assert len(basis) == 2
     rest = LinearisedBody(scene, None)
     load = np.zeros((1, 9, 6))
@@ -293,27 +302,29 @@ def test_krylov_shapes_match_moments_of_the_answer():
 def test_krylov_shapes_of_nothing_are_refused():
     scene, body = rod()
     with pytest.raises(ValueError, match="free degrees of freedom"):
-        fl.krylov(scene, [], 2)
+        fl.reduction.krylov(scene, [], 2)
     with pytest.raises(ValueError, match="free degrees of freedom"):
-        fl.krylov(scene, [(body.point("start"), np.ones(6))], 2)
+        fl.reduction.krylov(scene, [(body.point("start"), np.ones(6))], 2)
     with pytest.raises(ValueError, match="not a node of rod"):
-        fl.krylov(scene, [(fl.ground(), np.ones(6))], 2)
+        fl.reduction.krylov(scene, [(fl.ground(), np.ones(6))], 2)
     free, loose = rod(clamped=False)
     with pytest.raises(ValueError, match="rigid-body modes"):
-        fl.krylov(free, [(loose.point("end"), np.ones(6))], 2)
-    twice = fl.krylov(scene, [(body.point("end"), np.ones(6))] * 2, 2)
+        fl.reduction.krylov(free, [(loose.point("end"), np.ones(6))], 2)
+    twice = fl.reduction.krylov(scene, [(body.point("end"), np.ones(6))] * 2, 2)
     assert len(twice) == 2
 
 
 def test_expanded_states_have_section_forces_and_shapes_pictures(tmp_path):
     scene, body = rod()
-    basis = fl.craig_bampton(scene, [], 20)
+    basis = fl.reduction.craig_bampton(scene, [], 20)
     scene.add(fl.PointLoad(body.point("end"), force=(0.0, 0.0, 10.0)))
     full = fl.statics(scene)
-    states = basis.project(full, axes=fl.NodeAxes(0))
+    states = basis.project(full, axes=fl.reduction.NodeAxes(0))
     shown = states.within(full)
     np.testing.assert_array_equal(shown.frames, states.expand())
-    moments = [fl.section_forces(result, body, scene).ends[0, :, :, 4] for result in (full, shown)]
+    moments = [
+        fl.post.section_forces(result, body, scene).ends[0, :, :, 4] for result in (full, shown)
+    ]
     np.testing.assert_allclose(moments[1], moments[0], atol=0.02 * np.abs(moments[0]).max())
     with pytest.raises(ValueError, match="has 2 states"):
         states.within(fl.statics(scene, levels=(0.5, 1.0)))

@@ -6,7 +6,7 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.extend import node_types
-from fem_lie.reduce.linearised import LinearisedBody
+from fem_lie.reduction.linearised import LinearisedBody
 from fem_lie.system import System
 
 STEEL = fl.Material(E=2e11, nu=0.3, density=7800.0)
@@ -21,12 +21,12 @@ def part(cells=8, bow=0.0, G=AT_HOME):
     def place(s):
         return tuple(G[0] + np.array((s, bow * np.sin(np.pi * s), bow * s**2)) @ G[1:])
 
-    return scene, scene.add(fl.Beam(fl.curve(place, cells), section, name="rod", up=G[3]))
+    return scene, scene.add(fl.Beam(fl.mesh.curve(place, cells), section, name="rod", up=G[3]))
 
 
 def reduced(modes=4, bow=0.1, cells=8, stretching=True):
     scene, beam = part(cells, bow)
-    return fl.reduced_body(
+    return fl.reduction.reduced_order_body(
         scene, [beam.point("start"), beam.point("end")], modes, stretching=stretching
     ), beam
 
@@ -34,7 +34,7 @@ def reduced(modes=4, bow=0.1, cells=8, stretching=True):
 class Anywhere:
     """Equations of a free body in any state: large motion, any deformation."""
 
-    def __init__(self, rng, group=fl.Group.SE3, gravity=(1.0, -2.0, 3.0)):
+    def __init__(self, rng, group=fl.lie.Group.SE3, gravity=(1.0, -2.0, 3.0)):
         self.body, self.full = reduced()
         scene = fl.Scene(gravity=gravity)
         scene.add(self.body)
@@ -74,7 +74,7 @@ class Anywhere:
         return self.residual(H, twist, rate)
 
 
-@pytest.mark.parametrize("group", list(fl.Group))
+@pytest.mark.parametrize("group", list(fl.lie.Group))
 @pytest.mark.parametrize("factors", [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
 def test_the_matrix_is_the_derivative_of_the_equations(rng, group, factors):
     at = Anywhere(rng, group)
@@ -124,7 +124,9 @@ def test_a_rigid_motion_strains_nothing_and_moves_as_the_body_does():
     np.testing.assert_allclose(found.momentum[0], wanted.momentum[0], atol=1e-12)
     np.testing.assert_allclose(found.angular_momentum[0], wanted.angular_momentum[0], atol=1e-12)
     np.testing.assert_allclose(
-        fl.expand(found, body).velocities[0], wanted.velocities[0], atol=1e-12
+        fl.reduction.recover_full_motion(found, body).velocities[0],
+        wanted.velocities[0],
+        atol=1e-12,
     )
 
 
@@ -154,10 +156,10 @@ def test_a_free_body_keeps_energy_and_momenta_as_the_scheme_does():
     assert second[1] < 1e-3 and 3.0 < first[1] / second[1] < 5.5
 
 
-def swing(body, record=fl.Record.ALL):
+def swing(body, record=fl.schemes.Record.ALL):
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(body)
-    scene.add(fl.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
     scene.add(fl.PointLoad(body.point("end"), force=(0, 20.0, 0)))
     return fl.GeneralisedAlpha(radius=0.9).run(scene, duration=0.3, step=1e-3, record=record)
 
@@ -167,7 +169,7 @@ def test_more_shapes_come_nearer_to_the_full_body():
 
     def away(*made, **chosen):
         body, _ = reduced(*made, **chosen)
-        found = fl.expand(swing(body), body)
+        found = fl.reduction.recover_full_motion(swing(body), body)
         return np.linalg.norm(found.frames[:, :, 0] - whole.frames[:, :, 0], axis=2).max()
 
     few, more, most = (away(modes) for modes in (0, 4, 6))
@@ -192,7 +194,7 @@ def test_inertial_shapes_carry_weight_as_all_unknowns_do():
 @pytest.mark.parametrize("spinning", [False, True])
 def test_inertial_shapes_have_unit_mass_and_are_in_the_order_of_stiffness(spinning):
     scene, beam = part(8, 0.1)
-    basis = fl.inertial_shapes(
+    basis = fl.reduction.inertial_modes(
         scene, [beam.point("start"), beam.point("end")], 4, spinning=spinning
     )
     rest = LinearisedBody(scene, None)
@@ -221,7 +223,7 @@ def test_interfaces_come_in_any_order(first):
     part = fl.Scene()
     part.add(beam)
     ends = [beam.point("start"), beam.point("end")]
-    few = fl.reduced_body(part, ends if first == 0 else ends[::-1], 4)
+    few = fl.reduction.reduced_order_body(part, ends if first == 0 else ends[::-1], 4)
     places = []
     for body in (few, beam):
         scene = fl.Scene()
@@ -251,17 +253,19 @@ def test_bending_draws_ends_together():
 
 def test_velocities_are_those_of_the_full_body():
     body, _ = reduced(6)
-    found, whole = fl.expand(swing(body), body), swing(part(8, 0.1)[1])
+    found, whole = fl.reduction.recover_full_motion(swing(body), body), swing(part(8, 0.1)[1])
     np.testing.assert_allclose(found.velocities[-1], whole.velocities[-1], atol=4e-3)
 
 
 def test_frames_alone_are_expanded_and_projected():
     body, _ = reduced(6)
-    less = fl.expand(swing(body, fl.Record.FRAMES), body)
-    np.testing.assert_array_equal(less.frames, fl.expand(swing(body), body).frames)
+    less = fl.reduction.recover_full_motion(swing(body, fl.schemes.Record.FRAMES), body)
+    np.testing.assert_array_equal(
+        less.frames, fl.reduction.recover_full_motion(swing(body), body).frames
+    )
     with pytest.raises(AttributeError, match="velocities was not recorded"):
         _ = less.velocities
-    states = fl.pod(less, part(8, 0.1)[1], 3).project(less)
+    states = fl.reduction.pod(less, part(8, 0.1)[1], 3).project(less)
     np.testing.assert_array_equal(states.within(less).frames, states.expand())
 
 
@@ -272,11 +276,11 @@ def test_joints_supports_and_points_stay_where_they_are_in_full_fields():
         scene.add(fl.RigidBody(1.0, 0.1 * np.eye(3), body.point("end").position, name=name))
     ball, bob = scene.bodies
     scene.add(body)
-    scene.add(fl.Spherical(ball.point("centre"), body.point("end")))
-    scene.add(fl.Spherical(body.point("end"), bob.point("centre")))
+    scene.add(fl.joints.Spherical(ball.point("centre"), body.point("end")))
+    scene.add(fl.joints.Spherical(body.point("end"), bob.point("centre")))
     scene.add(fl.Clamp(body.point("start")))
     result = fl.GeneralisedAlpha().run(scene, duration=2e-3, step=1e-3)
-    found = fl.expand(result, body)
+    found = fl.reduction.recover_full_motion(result, body)
     pairs = [(j.node, k.node) for j, k in zip(result.info.joints, found.info.joints, strict=True)]
     pairs += zip(result.info.supports.nodes, found.info.supports.nodes, strict=True)
     assert len(pairs) > 2
@@ -316,7 +320,7 @@ def test_statics_and_vibrations_take_it():
     np.testing.assert_allclose(*lowest, rtol=1e-3)
 
 
-@pytest.mark.parametrize("scheme", [fl.Explicit(), fl.Asynchronous()], ids=str)
+@pytest.mark.parametrize("scheme", [fl.Explicit(), fl.schemes.Asynchronous()], ids=str)
 @pytest.mark.parametrize("modes", [0, 4])
 def test_other_schemes_refuse(scheme, modes):
     scene = fl.Scene()
@@ -328,17 +332,17 @@ def test_other_schemes_refuse(scheme, modes):
 def test_bad_input():
     scene, beam = part()
     with pytest.raises(ValueError, match="expected at least one"):
-        fl.reduced_body(scene, [], 3)
+        fl.reduction.reduced_order_body(scene, [], 3)
     strange, rod = part()
-    other = fl.craig_bampton(strange, [rod.point("start")], 2)
+    other = fl.reduction.craig_bampton(strange, [rod.point("start")], 2)
     with pytest.raises(ValueError, match="not the body"):
-        fl.reduced_body(scene, [beam.point("start")], other)
-    body = fl.reduced_body(scene, [beam.point("start"), beam.point("end")], 3)
+        fl.reduction.reduced_order_body(scene, [beam.point("start")], other)
+    body = fl.reduction.reduced_order_body(scene, [beam.point("start"), beam.point("end")], 3)
     with pytest.raises(ValueError, match="interfaces 0 … 1"):
         body.point(2)
     matrices = body.interfaces, body.stiffness, body.density, body.shapes, beam
     with pytest.raises(ValueError, match="quadratic must have shape"):
-        fl.ReducedBody(*matrices, points={}, quadratic=np.zeros((2, 2, 2)))
+        fl.reduction.ReducedOrderBody(*matrices, points={}, quadratic=np.zeros((2, 2, 2)))
     few, size = body.stiffness[:4, :4], np.abs(body.stiffness).max()
     uneven = body.stiffness + 1e-6 * size * np.eye(len(body.stiffness), k=1)
     for wrong, message in (
@@ -351,23 +355,27 @@ def test_bad_input():
         ((body.interfaces, few, np.eye(16), *matrices[3:]), "have 6 coordinates, got 4"),
     ):
         with pytest.raises(ValueError, match=message):
-            fl.ReducedBody(*wrong, points={})
+            fl.reduction.ReducedOrderBody(*wrong, points={})
     with pytest.raises(ValueError, match="no point 'middle'"):
         body.point("middle")
     damped, section = fl.Scene(), fl.Section.rectangle(0.02, 0.03, STEEL)
-    rod = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2, damping=fl.Damping(mass=1.0))
+    rod = fl.Beam.straight(
+        (0, 0, 0), (1, 0, 0), section, cells=2, damping=fl.sections.Damping(mass=1.0)
+    )
     damped.add(rod)
     with pytest.raises(ValueError, match="has damping"):
-        fl.reduced_body(damped, [rod.point("start")], 2)
+        fl.reduction.reduced_order_body(damped, [rod.point("start")], 2)
     solid = fl.Scene()
-    brick = solid.add(fl.Solid.brick((1, 1, 2), fl.NeoHooke(1e6, 0.3, 1000.0), cells=(1, 1, 2)))
+    brick = solid.add(
+        fl.Solid.brick((1, 1, 2), fl.sections.NeoHooke(1e6, 0.3, 1000.0), cells=(1, 1, 2))
+    )
     with pytest.raises(ValueError, match="a basis needs nodes with frames, and nodes of"):
-        fl.reduced_body(solid, [brick.point(0)], 2)
+        fl.reduction.reduced_order_body(solid, [brick.point(0)], 2)
     scene.add(fl.Clamp(beam.point("end")))
     with pytest.raises(ValueError, match="held"):
-        fl.reduced_body(scene, [beam.point("start")], 3)
+        fl.reduction.reduced_order_body(scene, [beam.point("start")], 3)
     with pytest.raises(ValueError, match="no body"):
-        fl.expand(swing(part()[1]), replace_name(body))
+        fl.reduction.recover_full_motion(swing(part()[1]), replace_name(body))
 
 
 def replace_name(body):
@@ -378,33 +386,33 @@ def replace_name(body):
 def test_a_part_is_used_elsewhere(tmp_path):
     """Made in one posture and put into a scene in another one, with the world turned alike."""
     body, _ = reduced(4)
-    fl.save_reduced(body, tmp_path / "part.h5")
+    fl.reduction.save_reduced(body, tmp_path / "part.h5")
     G = lie.se3_exp(np.array([0.3, -0.2, 0.5, 0.4, -1.1, 0.8]))
-    again = fl.load_reduced(tmp_path / "part.h5", part(8, 0.1, G)[1])
+    again = fl.reduction.load_reduced(tmp_path / "part.h5", part(8, 0.1, G)[1])
     states = []
     for each, turn in ((body, np.eye(3)), (again, G[1:].T)):
         scene = fl.Scene(gravity=turn @ (0.0, 0.0, -9.81))
         scene.add(each)
-        scene.add(fl.Revolute(fl.ground(), each.point("start"), axis=turn @ (0.0, 1.0, 0.0)))
+        scene.add(fl.joints.Revolute(fl.ground(), each.point("start"), axis=turn @ (0.0, 1.0, 0.0)))
         result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=0.1, step=1e-3)
-        states.append(fl.expand(result, each).frames[-1])
+        states.append(fl.reduction.recover_full_motion(result, each).frames[-1])
     np.testing.assert_allclose(states[1], lie.se3_compose(G, states[0]), atol=1e-9)
 
 
 def test_a_part_is_kept_in_a_file(tmp_path):
     body, full = reduced(4)
     path = tmp_path / "part.h5"
-    fl.save_reduced(body, path)
-    again = fl.load_reduced(path, full)
+    fl.reduction.save_reduced(body, path)
+    again = fl.reduction.load_reduced(path, full)
     assert again.point_names == body.point_names and again.name == body.name
     here, there = (swing(each).frames for each in (body, again))
     np.testing.assert_array_equal(here, there)
     with pytest.raises(ValueError, match="another mesh: 9 nodes and 8 cells"):
-        fl.load_reduced(path, part(4)[1])
+        fl.reduction.load_reduced(path, part(4)[1])
     with pytest.raises(ValueError, match="other positions"):
-        fl.load_reduced(path, part(8, 0.2)[1])
+        fl.reduction.load_reduced(path, part(8, 0.2)[1])
     with pytest.raises(ValueError, match="no basis"):
-        fl.load_basis(path, full)
+        fl.reduction.load_basis(path, full)
 
 
 def test_reduced_pendulum():

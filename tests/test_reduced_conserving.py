@@ -10,7 +10,7 @@ RUBBER = fl.Material(E=2e8, nu=0.3, density=2000.0)
 SCHEMES = {
     "conserving": fl.EnergyMomentum(),
     "decaying": fl.EnergyDecaying(radius=0.8),
-    "composed": fl.Composed(),
+    "composed": fl.schemes.Composed(),
 }
 
 
@@ -21,12 +21,14 @@ def bowed(name="rod", at=(0.0, 0.0, 0.0)):
     def place(s):
         return tuple(np.add(at, (s, 0.1 * np.sin(np.pi * s), 0.1 * s**2)))
 
-    return scene, scene.add(fl.Beam(fl.curve(place, 6), section, name=name, up=(0, 0, 1)))
+    return scene, scene.add(fl.Beam(fl.mesh.curve(place, 6), section, name=name, up=(0, 0, 1)))
 
 
 def reduced(modes=4, name="rod", at=(0.0, 0.0, 0.0)):
     scene, beam = bowed(name, at)
-    return fl.reduced_body(scene, [beam.point("start"), beam.point("end")], modes, name=name)
+    return fl.reduction.reduced_order_body(
+        scene, [beam.point("start"), beam.point("end")], modes, name=name
+    )
 
 
 def free(modes=4):
@@ -41,7 +43,7 @@ def free(modes=4):
 def hanging(body):
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(body)
-    scene.add(fl.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), body.point("start"), axis=(0, 1, 0)))
     return scene
 
 
@@ -67,7 +69,9 @@ def test_a_free_body_keeps_energy_and_momenta(scheme, modes):
 
 
 @pytest.mark.parametrize(
-    ("scheme", "order"), [(fl.Variational(), 2), (fl.Composed(fl.Variational()), 4)], ids=str
+    ("scheme", "order"),
+    [(fl.schemes.Variational(), 2), (fl.schemes.Composed(fl.schemes.Variational()), 4)],
+    ids=str,
 )
 def test_variational_steps_keep_momenta_and_an_energy_that_does_not_drift(scheme, order):
     errors = []
@@ -86,10 +90,10 @@ def test_variational_steps_with_dampers_and_joints():
     for step in (1e-3, 5e-4):
         scene = chain()
         link = scene.add(
-            fl.Distance(fl.ground(), scene.bodies[0].point("end"), at=(1.0, 0.0, -1.0))
+            fl.joints.Distance(fl.ground(), scene.bodies[0].point("end"), at=(1.0, 0.0, -1.0))
         )
-        scene.add(fl.Spring(link.length, 50.0, damping=5.0))
-        result = fl.Variational().run(scene, duration=0.1, step=step)
+        scene.add(fl.joints.Spring(link.length, 50.0, damping=5.0))
+        result = fl.schemes.Variational().run(scene, duration=0.1, step=step)
         assert np.abs(result.joint_violations).max() < 1e-13
         errors.append(result.balance_error)
     assert errors[0] < 1e-4 and 3.0 < errors[0] / errors[1] < 5.5
@@ -106,14 +110,16 @@ def test_a_free_body_far_from_the_origin_keeps_them_too():
 
 
 @pytest.mark.parametrize(
-    "scheme", [SCHEMES["conserving"], SCHEMES["decaying"], fl.Variational()], ids=str
+    "scheme", [SCHEMES["conserving"], SCHEMES["decaying"], fl.schemes.Variational()], ids=str
 )
 def test_it_is_of_second_order(scheme):
     """Against generalised-α at fine steps."""
 
     def end(scheme, step):
         scene = hanging(reduced(2))
-        return scheme.run(scene, duration=0.16, step=step, record=fl.Record.FRAMES).frames[-1]
+        return scheme.run(scene, duration=0.16, step=step, record=fl.schemes.Record.FRAMES).frames[
+            -1
+        ]
 
     exact = end(fl.GeneralisedAlpha(radius=1.0, tolerance=1e-10), 2e-5)
     coarse, fine = (np.abs(end(scheme, h) - exact).max() for h in (1e-4, 5e-5))
@@ -126,7 +132,7 @@ def test_it_moves_as_the_full_body():
     found, whole = (
         fl.EnergyMomentum().run(hanging(each), duration=0.2, step=1e-3) for each in (body, full)
     )
-    found = fl.expand(found, body)
+    found = fl.reduction.recover_full_motion(found, body)
     moved = np.abs(whole.frames[:, :, 0] - whole.frames[0, :, 0]).max()
     assert np.abs(found.frames[:, :, 0] - whole.frames[:, :, 0]).max() < 5e-3 * moved
     speed = np.abs(whole.velocities[:, :, :3]).max()
@@ -138,9 +144,9 @@ def chain():
     first, second = reduced(3, "a"), reduced(2, "b", at=(1.0, 0.0, 0.1))
     scene = hanging(first)
     scene.add(second)
-    scene.add(fl.Spherical(first.point("end"), second.point("start")))
+    scene.add(fl.joints.Spherical(first.point("end"), second.point("start")))
     bob = scene.add(fl.RigidBody(0.5, (1e-3, 2e-3, 3e-3), second.point("end").position, name="bob"))
-    scene.add(fl.Fixed(second.point("end"), bob.point("centre")))
+    scene.add(fl.joints.Fixed(second.point("end"), bob.point("centre")))
     return scene
 
 
@@ -155,7 +161,7 @@ def test_joints_at_both_ends(scheme):
 
 def test_bodies_with_steps_of_their_own():
     scene = chain()
-    scheme = fl.MultiRate({scene.bodies[1]: 3})
+    scheme = fl.schemes.MultiRate({scene.bodies[1]: 3})
     result = scheme.run(scene, duration=0.03, step=1e-3)
     assert result.balance_error < 1e-9
     assert np.abs(result.joint_violations).max() < 1e-11
@@ -194,8 +200,8 @@ def test_loads_at_an_interface(name, load, history):
 def test_dampers_at_an_interface():
     body = reduced(3)
     scene = hanging(body)
-    link = scene.add(fl.Distance(fl.ground(), body.point("end"), at=(1.0, 0.0, -1.0)))
-    scene.add(fl.Spring(link.length, 50.0, damping=5.0))
+    link = scene.add(fl.joints.Distance(fl.ground(), body.point("end"), at=(1.0, 0.0, -1.0)))
+    scene.add(fl.joints.Spring(link.length, 50.0, damping=5.0))
     result = fl.EnergyMomentum().run(scene, duration=0.2, step=1e-3)
     assert result.balance[-1, 1] > 0.1
     assert result.balance_error < 1e-12
@@ -223,9 +229,11 @@ def test_beside_cables():
     scene = hanging(body)
     end = np.asarray(body.point("end").position)
     section = fl.Section.circle(0.004, RUBBER)
-    rope = fl.Cable(fl.curve(lambda s: (end[0] + 0.5 * s, end[1], end[2]), 4), section, name="rope")
+    rope = fl.Cable(
+        fl.mesh.curve(lambda s: (end[0] + 0.5 * s, end[1], end[2]), 4), section, name="rope"
+    )
     scene.add(rope)
-    scene.add(fl.Spherical(body.point("end"), rope.point("start")))
+    scene.add(fl.joints.Spherical(body.point("end"), rope.point("start")))
     result = fl.EnergyMomentum().run(scene, duration=0.05, step=1e-3)
     assert result.balance_error < 1e-11
     assert np.abs(result.joint_violations).max() < 1e-12
@@ -236,11 +244,11 @@ def test_a_drive_that_stops():
     body = reduced(2)
     scene = fl.Scene()
     scene.add(body)
-    angle = fl.Table([0.0, 0.05, 0.1], [0.0, 0.02, 0.02])
-    hinge = scene.add(fl.Revolute(fl.ground(), body.point("start"), axis=(0, 0, 1)))
-    scene.add(fl.Drive(hinge.angle, angle))
+    angle = fl.loads.PiecewiseLinear([0.0, 0.05, 0.1], [0.0, 0.02, 0.02])
+    hinge = scene.add(fl.joints.Revolute(fl.ground(), body.point("start"), axis=(0, 0, 1)))
+    scene.add(fl.joints.Drive(hinge.angle, angle))
     body.add_velocity(omega=(0.0, 0.0, 0.4), about=(0.0, 0.0, 0.0))
-    choice = fl.AdaptiveStep(1e-3, events=(0.05,))
+    choice = fl.schemes.AdaptiveStep(1e-3, events=(0.05,))
     result = fl.EnergyMomentum().run(scene, duration=0.1, step=choice)
     assert abs(result.balance[-1, 0]) > 1e-5 * result.kinetic[0]
     assert result.balance_error < 1e-11
@@ -251,7 +259,7 @@ def test_steps_are_chosen_as_for_the_full_body(scheme):
     """The error that a step is estimated to have is that of the same inertia."""
     counts = []
     for each in (reduced(6), bowed()[1]):
-        result = scheme.run(hanging(each), duration=0.1, step=fl.AdaptiveStep(1e-3))
+        result = scheme.run(hanging(each), duration=0.1, step=fl.schemes.AdaptiveStep(1e-3))
         counts.append(len(result.times))
     assert 0.6 < counts[0] / counts[1] < 1.7
 
@@ -259,9 +267,9 @@ def test_steps_are_chosen_as_for_the_full_body(scheme):
 @pytest.mark.parametrize(
     ("scheme", "step"),
     [
-        *((scheme, 1e-3) for scheme in (*SCHEMES.values(), fl.Variational())),
-        (SCHEMES["conserving"], fl.AdaptiveStep(1e-2)),
-        (SCHEMES["decaying"], fl.AdaptiveStep(1e-2)),
+        *((scheme, 1e-3) for scheme in (*SCHEMES.values(), fl.schemes.Variational())),
+        (SCHEMES["conserving"], fl.schemes.AdaptiveStep(1e-2)),
+        (SCHEMES["decaying"], fl.schemes.AdaptiveStep(1e-2)),
     ],
     ids=str,
 )

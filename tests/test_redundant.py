@@ -16,7 +16,7 @@ Z = (0.0, 0.0, 1.0)
 
 def four_bar(tilt: float, u: UnitSystem = METRES) -> fl.Scene:
     """Rigid bars, hinged about z; one of the hinges is tilted, and the first is driven."""
-    scene = fl.Scene(redundant=fl.Redundant.MINIMUM_NORM)
+    scene = fl.Scene(redundant=fl.joints.RedundantConstraints.MINIMUM_NORM)
 
     def bar(x: float, y: float, upright: bool, name: str) -> fl.RigidBody:
         across, along = (0.1, 1e-3) if upright else (1e-3, 0.2)
@@ -27,22 +27,29 @@ def four_bar(tilt: float, u: UnitSystem = METRES) -> fl.Scene:
     rocker = bar(1.5, 0.5, True, "rocker")
     axis = (np.sin(tilt), 0.0, np.cos(tilt))
     root = scene.add(
-        fl.Revolute(fl.ground(), crank.point("centre"), at=(0, 0, 0), axis=Z, name="A")
+        fl.joints.Revolute(fl.ground(), crank.point("centre"), at=(0, 0, 0), axis=Z, name="A")
     )
     at = u.length([0, 1, 0])
-    scene.add(fl.Revolute(crank.point("centre"), coupler.point("centre"), at=at, axis=Z, name="B"))
+    scene.add(
+        fl.joints.Revolute(crank.point("centre"), coupler.point("centre"), at=at, axis=Z, name="B")
+    )
     at = u.length([1.5, 1, 0])
     scene.add(
-        fl.Revolute(coupler.point("centre"), rocker.point("centre"), at=at, axis=axis, name="C")
+        fl.joints.Revolute(
+            coupler.point("centre"), rocker.point("centre"), at=at, axis=axis, name="C"
+        )
     )
     at = u.length([1.5, 0, 0])
-    scene.add(fl.Revolute(rocker.point("centre"), fl.ground(), at=at, axis=Z, name="D"))
+    scene.add(fl.joints.Revolute(rocker.point("centre"), fl.ground(), at=at, axis=Z, name="D"))
     second = u.time(1.0)
-    scene.add(fl.Drive(root.angle, lambda t: 1.0 - np.cos(t / second), name="motor"))
+    scene.add(fl.joints.Drive(root.angle, lambda t: 1.0 - np.cos(t / second), name="motor"))
     return scene
 
 
-STEPS = {"constant": lambda u: u.time(1e-2), "adaptive": lambda u: fl.AdaptiveStep(u.length(1e-4))}
+STEPS = {
+    "constant": lambda u: u.time(1e-2),
+    "adaptive": lambda u: fl.schemes.AdaptiveStep(u.length(1e-4)),
+}
 
 
 @pytest.mark.parametrize("u", UNIT_SYSTEMS, ids=str)
@@ -89,14 +96,20 @@ def test_minimum_norm_measures_moments_by_the_length_of_the_model(u):
     problem that is solved here with all forces and moments of both joints.
     """
     length = 4.0
-    scene = fl.Scene(gravity=u.acceleration([0, 0, -10.0]), redundant=fl.Redundant.MINIMUM_NORM)
+    scene = fl.Scene(
+        gravity=u.acceleration([0, 0, -10.0]), redundant=fl.joints.RedundantConstraints.MINIMUM_NORM
+    )
     mass, inertia = u.mass(2.0), u.inertia([0.1, 0.1, 0.1])
     body = scene.add(fl.RigidBody(mass, inertia, (0, 0, 0), name="body"))
     far = scene.add(fl.RigidBody(mass, inertia, u.length([length, 0, 0]), name="far"))
     places = np.array([[-1.0, 0, 0], [0.5, 0, 0]])
-    scene.add(fl.Spherical(fl.ground(), body.point("centre"), at=u.length(places[0]), name="ball"))
-    scene.add(fl.Fixed(fl.ground(), body.point("centre"), at=u.length(places[1]), name="clamp"))
-    scene.add(fl.Fixed(fl.ground(), far.point("centre"), name="other"))
+    scene.add(
+        fl.joints.Spherical(fl.ground(), body.point("centre"), at=u.length(places[0]), name="ball")
+    )
+    scene.add(
+        fl.joints.Fixed(fl.ground(), body.point("centre"), at=u.length(places[1]), name="clamp")
+    )
+    scene.add(fl.joints.Fixed(fl.ground(), far.point("centre"), name="other"))
     result = fl.GeneralisedAlpha().run(scene, duration=u.time(0.1), step=u.time(0.01))
     forces = u.inverse.wrench(result.joint_forces[-1, :2]).reshape(2, 2, 3)
     axes = [joint.frame()[1:] for joint in scene.joints[:2]]
@@ -138,7 +151,7 @@ def test_one_constraint_too_many_of_a_long_ring_is_found(count):
     bodies = [scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), x)) for x in middles]
     for k, body in enumerate(bodies):
         place = 0.5 * (np.array(middles[k - 1]) + middles[k])
-        scene.add(fl.Revolute(bodies[k - 1].point("centre"), body.point("centre"), at=place))
+        scene.add(fl.joints.Revolute(bodies[k - 1].point("centre"), body.point("centre"), at=place))
     with pytest.raises(ValueError, match=f"3 of {5 * count} constraints are redundant"):
         fl.GeneralisedAlpha().run(scene, duration=1.0, step=0.1)
 
@@ -177,7 +190,7 @@ def test_a_joint_within_one_rigid_body_is_redundant():
     scene, body = fl.Scene(), fl.RigidBody(1.0, (1, 1, 1), (1 / 3, 0.1, -0.7))
     scene.add(body)
     at = (1 / 7, 1 / 9, 1 / 11)
-    scene.add(fl.Fixed(body.point(at), body.point("centre"), at=at, name="within"))
+    scene.add(fl.joints.Fixed(body.point(at), body.point("centre"), at=at, name="within"))
     with pytest.raises(ValueError, match=r"6 of 6 constraints are redundant.*Remove within"):
         fl.statics(scene)
 
@@ -189,7 +202,7 @@ def test_what_binds_nothing_that_is_free_is_to_be_removed():
         fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.circle(0.01, steel), cells=2)
     )
     scene.add(fl.Clamp(beam.point("start")))
-    scene.add(fl.Fixed(fl.ground(), beam.point("start"), name="twice"))
+    scene.add(fl.joints.Fixed(fl.ground(), beam.point("start"), name="twice"))
     with pytest.raises(ValueError, match="Remove twice: the rest holds all") as caught:
         fl.statics(scene)
     assert "Spherical" not in str(caught.value)

@@ -5,7 +5,7 @@ import pytest
 
 import fem_lie as fl
 from benchmarks import regions as net_benchmark
-from fem_lie.reduce.merging import ActivityCheck
+from fem_lie.reduction.merging import ActivityCheck
 
 PLASTIC = fl.Material(E=2e9, nu=0.3, density=1100.0)
 
@@ -14,7 +14,7 @@ def rod(force=0.0, cells=8):
     """It tumbles, and is struck at its end from 0.1 to 0.12 s."""
     scene = fl.Scene()
     section = fl.Section.rectangle(0.01, 0.02, PLASTIC)
-    damping = fl.Damping(stiffness=0.02)
+    damping = fl.sections.Damping(stiffness=0.02)
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=cells, damping=damping, name="rod")
     scene.add(beam)
     beam.add_velocity(omega=(0.5, 2.0, 1.0), about=(0.5, 0, 0))
@@ -111,7 +111,7 @@ def test_followers_keep_the_deformation_in_which_solvers_begin():
 
 def test_a_struck_rod_is_split_and_merged_again():
     build = lambda: rod(force=20.0)  # noqa: E731
-    found = fl.merged_motion(build, duration=1.0, step=2e-3, every=0.01, tolerance=1e-4)
+    found = fl.reduction.merged_motion(build, duration=1.0, step=2e-3, every=0.01, tolerance=1e-4)
     full = fl.GeneralisedAlpha().run(build(), duration=1.0, step=2e-3, progress=False)
     assert found.times[-1] == pytest.approx(1.0)
     frames = [part.frames for part in found.segments]
@@ -141,7 +141,7 @@ def test_what_stirs_at_the_first_look_is_made_again():
         scene.add(fl.PointLoad(scene.bodies[0].point("end"), force=(0, 0, 20.0), history=blow))
         return scene
 
-    found = fl.merged_motion(build, duration=0.14, step=2e-3, every=0.01, tolerance=1e-4)
+    found = fl.reduction.merged_motion(build, duration=0.14, step=2e-3, every=0.01, tolerance=1e-4)
     full = fl.GeneralisedAlpha().run(build(), duration=0.14, step=2e-3, progress=False)
     assert found.repeated > 0
     assert found.segments[0].frames == 1 < found.segments[-1].frames
@@ -162,16 +162,16 @@ def test_the_net_of_the_benchmark():
 def test_what_cannot_be_merged_is_said():
     def with_joint():
         scene = rod()
-        scene.add(fl.Spherical(fl.ground(), scene.bodies[0].point("start")))
+        scene.add(fl.joints.Spherical(fl.ground(), scene.bodies[0].point("start")))
         return scene
 
     options = {"duration": 0.1, "step": 1e-3, "every": 0.01, "tolerance": 1e-3}
     with pytest.raises(ValueError, match="without joints"):
-        fl.merged_motion(with_joint, **options)
+        fl.reduction.merged_motion(with_joint, **options)
     with pytest.raises(TypeError, match="makes a Scene"):
-        fl.merged_motion(rod(), **options)
+        fl.reduction.merged_motion(rod(), **options)
     with pytest.raises(ValueError, match="multiple of the step"):
-        fl.merged_motion(rod, **(options | {"every": 1.5e-3}))
+        fl.reduction.merged_motion(rod, **(options | {"every": 1.5e-3}))
     for name in options:
         with pytest.raises(ValueError, match=name):
-            fl.merged_motion(rod, **(options | {name: 0.0}))
+            fl.reduction.merged_motion(rod, **(options | {name: 0.0}))

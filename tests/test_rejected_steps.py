@@ -54,8 +54,8 @@ def test_a_rejected_step_leaves_the_state_as_it_was(monkeypatch, scheme):
     scene, _ = plate("Hellinger-Reissner")
     wheel = scene.add(fl.RigidBody(1.0, (0.1, 0.2, 0.1), (0, 0, 3)))
     wheel.add_velocity(omega=(0, 0, 40.0), about=wheel.point("centre"))
-    scene.add(fl.Revolute(fl.ground(), wheel.point("centre"), axis=(0, 0, 1)))
-    steps = fl.AdaptiveStep(0.3, first=1e-2, largest=1e-2)
+    scene.add(fl.joints.Revolute(fl.ground(), wheel.point("centre"), axis=(0, 0, 1)))
+    steps = fl.schemes.AdaptiveStep(0.3, first=1e-2, largest=1e-2)
     result = SCHEMES[scheme].run(scene, duration=0.05, step=steps, progress=False)
     assert len(result.steps.rejected) >= 1
     if stepper is ConservingSteps:
@@ -106,7 +106,7 @@ def test_rejected_steps_leave_the_turns_of_joints(monkeypatch, scheme):
         return made
 
     monkeypatch.setattr(VariableSteps, "_attempt", watched)
-    choice = fl.AdaptiveStep(1e-3, first=1e-2, refinement=3)
+    choice = fl.schemes.AdaptiveStep(1e-3, first=1e-2, refinement=3)
     scheme.run(hinged(), duration=0.1, step=choice)
     rejected = [change for made, change in turned if not made]
     assert len(rejected) >= 1 and max(rejected) == 0.0

@@ -28,30 +28,38 @@ def wire() -> fl.Section:
 
 
 def plate(cells):
-    return fl.smooth_patch(lambda a, b: (a, 0.4 * b, 0.1 * a * a), cells)
+    return fl.mesh.smooth_patch(lambda a, b: (a, 0.4 * b, 0.1 * a * a), cells)
 
 
 def reduced():
     scene = fl.Scene()
-    full = scene.add(fl.Beam(fl.curve(arc, 4), bar(), up=(0, 0, 1), name="full"))
-    return fl.reduced_body(scene, [full.point("start"), full.point("end")], 3, name="body")
+    full = scene.add(fl.Beam(fl.mesh.curve(arc, 4), bar(), up=(0, 0, 1), name="full"))
+    return fl.reduction.reduced_order_body(
+        scene, [full.point("start"), full.point("end")], 3, name="body"
+    )
 
 
 def solid():
-    mesh = fl.block(lambda a, b, c: (a, 0.2 * b, 0.2 * c), (2, 1, 1), cell="hexahedron")
-    return fl.Solid(mesh, fl.NeoHooke(2e11, 0.3, 7800.0), name="body")
+    mesh = fl.mesh.parametric_volume(
+        lambda a, b, c: (a, 0.2 * b, 0.2 * c), (2, 1, 1), cell="hexahedron"
+    )
+    return fl.Solid(mesh, fl.sections.NeoHooke(2e11, 0.3, 7800.0), name="body")
 
 
 BODIES = {
-    "beam": lambda: fl.Beam(fl.curve(arc, 3), bar(), up=(0, 0, 1), name="body"),
+    "beam": lambda: fl.Beam(fl.mesh.curve(arc, 3), bar(), up=(0, 0, 1), name="body"),
     "discrete rod": lambda: fl.Rod(
-        fl.curve(arc, 4), bar(), up=(0, 0, 1), formulation=fl.DiscreteRod(), name="body"
+        fl.mesh.curve(arc, 4),
+        bar(),
+        up=(0, 0, 1),
+        formulation=fl.elements.DiscreteRod(),
+        name="body",
     ),
     "cable": lambda: fl.Cable.straight((0, 0, 0), (1, 0.2, 0), wire(), cells=2, name="body"),
     "discrete cable": lambda: fl.Cable(
-        fl.straight((0, 0, 0), (1, 0.2, 0), 1),
+        fl.mesh.straight_line((0, 0, 0), (1, 0.2, 0), 1),
         wire(),
-        formulation=fl.DiscreteCable(),
+        formulation=fl.elements.DiscreteCable(),
         name="body",
     ),
     "thin shell": lambda: fl.ThinShell(
@@ -60,7 +68,7 @@ BODIES = {
     "gradient shell": lambda: fl.AncfShell(
         plate((2, 2)), fl.ShellSection.layer(0.03, STEEL), name="body"
     ),
-    "gradient beam": lambda: fl.AncfBeam(fl.curve(arc, 2), bar(), up=(0, 0, 1), name="body"),
+    "gradient beam": lambda: fl.AncfBeam(fl.mesh.curve(arc, 2), bar(), up=(0, 0, 1), name="body"),
     "solid": solid,
     "reduced": reduced,
     "rigid": lambda: fl.RigidBody(2.0, (0.1, 0.2, 0.3), (0.2, 0.3, 0.1), name="body"),
@@ -204,7 +212,7 @@ def test_at_a_jump_the_later_side_counts_and_before_it_the_earlier_one():
         scene.add(fl.PointLoad(body.point("centre"), (1.0, 0, 0), history=force))
         return scene
 
-    choice, jump = fl.ConstantStep(0.02, events=(0.05,)), 0.05
+    choice, jump = fl.schemes.ConstantStep(0.02, events=(0.05,)), 0.05
     result = fl.GeneralisedAlpha().run(scene(), duration=0.1, step=choice)
     assert (result.times == jump).sum() == 2
     times = [jump - 1e-3, jump, jump + 1e-3]

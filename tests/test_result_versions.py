@@ -24,9 +24,13 @@ def falling_ball() -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     scene.add(ball)
     scene.add(beam)
-    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0), name="hinge"))
-    floor = fl.Plane(fl.ground(), (0, 0, 1))
-    scene.add(fl.Contact(fl.Sphere(ball.point("centre"), 0.1), floor, fl.Impact(restitution=0.8)))
+    scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0), name="hinge"))
+    floor = fl.contact.Plane(fl.ground(), (0, 0, 1))
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.Sphere(ball.point("centre"), 0.1), floor, fl.contact.Impact(restitution=0.8)
+        )
+    )
     return scene
 
 

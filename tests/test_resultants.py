@@ -20,17 +20,21 @@ from tests.unit_systems import METRES, OTHER_SYSTEMS, UnitSystem
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, SOFT)
-FIBRES = fl.Orthotropic(25.0, 1.0, 0.25, 0.5, 0.5, 0.2, 1.0)
-ANGLE_PLY = fl.ShellSection.laminate([fl.Ply(0.05, FIBRES, 30.0), fl.Ply(0.1, FIBRES, -20.0)])
+FIBRES = fl.sections.Orthotropic(25.0, 1.0, 0.25, 0.5, 0.5, 0.2, 1.0)
+ANGLE_PLY = fl.ShellSection.laminate(
+    [fl.sections.Ply(0.05, FIBRES, 30.0), fl.sections.Ply(0.1, FIBRES, -20.0)]
+)
 
 ELEMENTS = [
-    pytest.param("quadrilateral", 1, fl.HellingerReissner(), id="HR"),
-    pytest.param("quadrilateral", 1, fl.HellingerReissner(fl.MITC4_PLUS), id="HR, MITC4+"),
-    pytest.param("quadrilateral", 1, fl.HuWashizu(), id="HW"),
-    pytest.param("quadrilateral", 1, fl.Displacement(), id="MITC4"),
-    pytest.param("triangle", 1, fl.HellingerReissner(), id="MITC3+"),
-    pytest.param("triangle", 2, fl.Displacement(), id="MITC6"),
-    pytest.param("quadrilateral", 2, fl.Displacement(), id="MITC9"),
+    pytest.param("quadrilateral", 1, fl.elements.HellingerReissner(), id="HR"),
+    pytest.param(
+        "quadrilateral", 1, fl.elements.HellingerReissner(fl.elements.MITC4_PLUS), id="HR, MITC4+"
+    ),
+    pytest.param("quadrilateral", 1, fl.elements.HuWashizu(), id="HW"),
+    pytest.param("quadrilateral", 1, fl.elements.DisplacementBased(), id="MITC4"),
+    pytest.param("triangle", 1, fl.elements.HellingerReissner(), id="MITC3+"),
+    pytest.param("triangle", 2, fl.elements.DisplacementBased(), id="MITC6"),
+    pytest.param("quadrilateral", 2, fl.elements.DisplacementBased(), id="MITC9"),
 ]
 
 
@@ -62,7 +66,7 @@ def distorted(
         bump = size * max(0.0, hat)
         return a + bump + 0.1 * b, b - 0.7 * bump + 0.2 * a, 0.0
 
-    mesh = fl.surface(place, (2, 2), cell=cell, degree=degree)
+    mesh = fl.mesh.parametric_surface(place, (2, 2), cell=cell, degree=degree)
     return fl.Shell(mesh, section, along=along, formulation=formulation)
 
 
@@ -80,7 +84,7 @@ def test_membrane_patch_is_exact_at_any_size(cell, degree, formulation):
     F = np.array([[1.3, 0.2, 0.0], [-0.1, 0.8, 0.0], [0.0, 0.0, 1.0]])
     Q = rotation(np.random.default_rng(1))
     x = shell.frames[:, 0] @ (Q @ F).T
-    found = fl.resultants(states(shell, directed(x, np.tile(Q[:, 2], (len(x), 1)))), shell)
+    found = fl.post.resultants(states(shell, directed(x, np.tile(Q[:, 2], (len(x), 1)))), shell)
     E = 0.5 * (F.T @ F - np.eye(3))
     e = np.array([[0.8, 0.6, 0.0], [-0.6, 0.8, 0.0]])
     E = e @ E @ e.T
@@ -108,7 +112,7 @@ def test_bending_twist_and_shear_patches_are_exact(cell, degree, formulation):
     slope = -x[:, :2] @ kappa  # of w = −½ x·κx
     x[:, 2] = 0.5 * np.einsum("ni,ni->n", slope, x[:, :2])
     t = np.column_stack([shear - slope, np.ones(len(x))])
-    found = fl.resultants(states(shell, directed(x, t)), shell, along=(1, 0, 0))
+    found = fl.post.resultants(states(shell, directed(x, t)), shell, along=(1, 0, 0))
     strain = np.array([0, 0, 0, kappa[0, 0], kappa[1, 1], 2 * kappa[0, 1], *shear])
     # strain and stress in the axes of the section, and back
     c, s = np.float64(0.8), np.float64(0.6)
@@ -122,13 +126,15 @@ def test_bending_twist_and_shear_patches_are_exact(cell, degree, formulation):
             assert error[part].max() <= 1e-6 * scale
 
 
-@pytest.mark.parametrize("formulation", [fl.Displacement(law=quartic), fl.HuWashizu(law=quartic)])
+@pytest.mark.parametrize(
+    "formulation", [fl.elements.DisplacementBased(law=quartic), fl.elements.HuWashizu(law=quartic)]
+)
 def test_users_law_is_evaluated_at_the_true_strain(formulation):
     """The mixed fields of this law take several rounds to settle."""
     shell = distorted("quadrilateral", 1, formulation, along=(1, 0, 0))
     stretch = 1.4
     x = shell.frames[:, 0] * [stretch, 1, 1]
-    found = fl.resultants(states(shell, directed(x, np.tile([0, 0, 1.0], (len(x), 1)))), shell)
+    found = fl.post.resultants(states(shell, directed(x, np.tile([0, 0, 1.0], (len(x), 1)))), shell)
     E = 0.5 * (stretch**2 - 1)
     exact = np.array([80 * E + 1200 * E**3, 10 * E, 0, 0, 0, 0, 0, 0])
     np.testing.assert_allclose(found.at_points - exact, 0.0, atol=1e-8 * exact.max())
@@ -139,15 +145,15 @@ def test_one_element_in_pure_bending_to_a_quarter_circle():
     length, EI = 10.0, 100.0
     moment = EI * 0.5 * np.pi / length
     shell = fl.Shell(
-        fl.surface(lambda a, b: (length * a, b, 0.0), (1, 1)),
+        fl.mesh.parametric_surface(lambda a, b: (length * a, b, 0.0), (1, 1)),
         fl.ShellSection.layer(0.1, fl.Material(1.2e6, 0.0, 1.0)),
-        formulation=fl.HellingerReissner(fl.DECOUPLED),
+        formulation=fl.elements.HellingerReissner(fl.elements.DECOUPLED),
     )
     shell.clamp("a=0")
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.EdgeLoad(shell, "a=1", moment=(0, moment, 0)))
-    found = fl.resultants(fl.follow_loads(scene), shell)
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", moment=(0, moment, 0)))
+    found = fl.post.resultants(fl.follow_loads(scene), shell)
     exact = np.array([0, 0, 0, moment, 0, 0, 0, 0])
     np.testing.assert_allclose(
         found.at_points[..., 3:6], np.broadcast_to(exact[3:6], (1, 4, 3)), atol=1e-7 * moment
@@ -193,7 +199,7 @@ def around(x: np.ndarray) -> np.ndarray:
 
 
 def arch_shell(cell="quadrilateral", degree=1, formulation=None, cells=(6, 3), **options):
-    mesh = fl.surface(arch, cells, cell=cell, degree=degree)
+    mesh = fl.mesh.parametric_surface(arch, cells, cell=cell, degree=degree)
     return fl.Shell(mesh, LAYER, director=outward, formulation=formulation, **options)
 
 
@@ -211,7 +217,7 @@ def test_rigid_motion_leaves_resultants_alone(cell, degree, formulation):
     Q = rotation(rng)
     moved = H @ Q.T
     moved[:, 0] += rng.normal(size=3)
-    before, after = fl.resultant_series(states(shell, H, moved), shell)
+    before, after = fl.post.resultant_series(states(shell, H, moved), shell)
     scale = np.abs(before.at_points).max(axis=(0, 1))
     assert scale.min() > 0
     assert np.abs((after.at_points - before.at_points) / scale).max() <= 1e-9
@@ -223,8 +229,10 @@ def test_rigid_motion_leaves_resultants_alone(cell, degree, formulation):
 def of_fields(u: UnitSystem) -> np.ndarray:
     """Of cells whose fields depend on themselves, far from the start: forces, moments over 1 m."""
     layer = fl.ShellSection.layer(u.length(0.02), fl.Material(u.stress(1e9), 0.3, 0.0))
-    mesh = fl.surface(lambda a, b: u.length([a + 0.1 * a * b, 0.7 * b, 0.1 * a * b]), (3, 2))
-    shell = fl.Shell(mesh, layer, formulation=fl.HellingerReissner(fl.MITC4_PLUS))
+    mesh = fl.mesh.parametric_surface(
+        lambda a, b: u.length([a + 0.1 * a * b, 0.7 * b, 0.1 * a * b]), (3, 2)
+    )
+    shell = fl.Shell(mesh, layer, formulation=fl.elements.HellingerReissner(fl.elements.MITC4_PLUS))
     moves = np.random.default_rng(3).normal(size=(len(shell.frames), 6))
     moves *= [1e-4] * 3 + [0.1] * 3
     H = lie.se3_retract(shell.frames, u.increment(moves))
@@ -247,12 +255,12 @@ def test_the_order_of_cells_and_nodes_does_not_matter():
     cells = rng.permutation(len(shell.mesh.cells))
     number = rng.permutation(len(H))  # new number of each node
     node = np.argsort(number)
-    mesh = fl.SurfaceMesh.from_cells(
+    mesh = fl.mesh.SurfaceMesh.from_cells(
         shell.mesh.points[node], number[shell.mesh.cells[cells]], "quadrilateral"
     )
     shuffled = fl.Shell(mesh, LAYER, director=outward, along=around)
-    one = fl.resultants(states(shell, H), shell)
-    other = fl.resultants(states(shuffled, H[node]), shuffled)
+    one = fl.post.resultants(states(shell, H), shell)
+    other = fl.post.resultants(states(shuffled, H[node]), shuffled)
     scale = np.abs(one.at_points).max()
     np.testing.assert_allclose(other.at_points, one.at_points[cells], atol=1e-9 * scale)
     np.testing.assert_allclose(other.nodal, one.nodal[node], atol=1e-9 * scale)
@@ -262,8 +270,8 @@ def test_axes_of_the_user():
     """Other axes, the same tensor; and they may depend on the place."""
     shell = arch_shell(along=around)
     H = crumpled(shell)
-    own = fl.resultants(states(shell, H), shell)
-    other = fl.resultants(states(shell, H), shell, along=lambda x: [-x[2], 1 + x[0], x[0]])
+    own = fl.post.resultants(states(shell, H), shell)
+    other = fl.post.resultants(states(shell, H), shell, along=lambda x: [-x[2], 1 + x[0], x[0]])
     assert np.abs(own.at_points - other.at_points).max() > 0.1 * np.abs(own.at_points).max()
     for name in ("N max", "N min", "M max", "M min", "Q", "mises top", "mises bottom"):
         for kind in ("raw", "mean"):
@@ -272,7 +280,7 @@ def test_axes_of_the_user():
             bound = 1e-11 if kind == "raw" else 0.1
             assert np.abs(a - b).max() <= bound * np.abs(a).max(), (name, kind)
     # e₁ against e₂
-    across = fl.resultants(states(shell, H), shell, along=(0, 1, 0))
+    across = fl.post.resultants(states(shell, H), shell, along=(0, 1, 0))
     swapped = own.at_points[..., [1, 0, 2, 4, 3, 5, 7, 6]] * [1, 1, -1, 1, 1, -1, -1, 1]
     np.testing.assert_allclose(
         np.abs(across.at_points), np.abs(swapped), atol=1e-11 * np.abs(swapped).max()
@@ -281,14 +289,14 @@ def test_axes_of_the_user():
 
 def test_axes_that_jump_are_refused_at_nodes_only():
     """By default e₁ is the first edge of a cell: of triangles it can be any."""
-    mesh = fl.surface(lambda a, b: (a, b, 0.0), (2, 2), cell="triangle")
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (2, 2), cell="triangle")
     turned_cells = mesh.cells.copy()
     turned_cells[::2] = turned_cells[::2][:, [1, 2, 0]]
-    mesh = fl.SurfaceMesh.from_cells(mesh.points, turned_cells, "triangle")
+    mesh = fl.mesh.SurfaceMesh.from_cells(mesh.points, turned_cells, "triangle")
     shell = fl.Shell(mesh, LAYER)
     x = shell.frames[:, 0] * [1.01, 1, 1]
     result = states(shell, directed(x, np.tile([0, 0, 1.0], (len(x), 1))))
-    found = fl.resultants(result, shell)
+    found = fl.post.resultants(result, shell)
     with pytest.raises(ValueError, match=r"differ .*by up to \d+°: give .*along.*N max"):
         found.nodal  # noqa: B018
     with pytest.raises(ValueError, match="give resultants"):
@@ -299,7 +307,7 @@ def test_axes_that_jump_are_refused_at_nodes_only():
     np.testing.assert_allclose(found.smooth("N min"), N[1], rtol=1e-9)
     stress = [N[0] / 0.1, N[1] / 0.1, 0.0]
     np.testing.assert_allclose(found.smooth("mises top"), mises(np.array(stress)), rtol=1e-9)
-    along = fl.resultants(result, shell, along=(1, 0, 0))
+    along = fl.post.resultants(result, shell, along=(1, 0, 0))
     np.testing.assert_allclose(along.nodal, np.broadcast_to(N, along.nodal.shape), atol=1e-9)
 
 
@@ -316,7 +324,7 @@ def test_values_at_edges_are_those_of_planes():
 
 def test_edges_are_where_the_mesh_ends():
     for cell in ("triangle", "quadrilateral"):
-        mesh = fl.surface(lambda a, b: (a, b, 0.0), (4, 3), cell=cell)
+        mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (4, 3), cell=cell)
         groups = shared_values(mesh, lambda a, b, i, j: np.ones(len(a), dtype=bool))
         x, y, _ = mesh.points.T
         outside = (np.minimum(x, y) < 1e-9) | (np.maximum(x, y) > 1 - 1e-9)
@@ -326,9 +334,9 @@ def test_edges_are_where_the_mesh_ends():
 
 def test_nothing_is_averaged_across_a_jump():
     """Half of a strip is twice as thick: under a pull along it N11 is the same, N22 is not."""
-    plain = fl.surface(lambda a, b: (2 * a, b, 0.0), (4, 2))
+    plain = fl.mesh.parametric_surface(lambda a, b: (2 * a, b, 0.0), (4, 2))
     centre = plain.points[plain.cells].mean(axis=1)
-    mesh = fl.SurfaceMesh.from_cells(
+    mesh = fl.mesh.SurfaceMesh.from_cells(
         plain.points,
         plain.cells,
         "quadrilateral",
@@ -341,7 +349,7 @@ def test_nothing_is_averaged_across_a_jump():
     shell = fl.Shell(mesh, {"thin": LAYER, "thick": thick}, along=(1, 0, 0))
     x = shell.frames[:, 0] * [1, 1.01, 1]
     result = states(shell, directed(x, np.tile([0, 0, 1.0], (len(x), 1))))
-    found = fl.resultants(result, shell)
+    found = fl.post.resultants(result, shell)
     node = found.stress_points.patches.node
     assert len(node) == len(x) + 3
     value = found.smooth("N22")
@@ -356,13 +364,13 @@ def test_nothing_is_averaged_across_a_jump():
 
 def test_nothing_is_averaged_where_bending_alone_jumps():
     """Plies in another order have the same stiffness in the plane."""
-    hard, soft = (fl.Ply(0.025, fl.Material(E, 0.3, 2.0)) for E in (400.0, 100.0))
+    hard, soft = (fl.sections.Ply(0.025, fl.Material(E, 0.3, 2.0)) for E in (400.0, 100.0))
     outside = fl.ShellSection.laminate([hard, soft, soft, hard])
     inside = fl.ShellSection.laminate([soft, hard, hard, soft])
     np.testing.assert_allclose(outside.stiffness[:3, :3], inside.stiffness[:3, :3])
-    mesh = fl.surface(lambda a, b: (2 * a, b, 0.0), (4, 2))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (2 * a, b, 0.0), (4, 2))
     shell = fl.Shell(mesh, lambda centre: outside if centre[0] < 1 else inside, along=(1, 0, 0))
-    found = fl.resultants(states(shell, shell.frames), shell)
+    found = fl.post.resultants(states(shell, shell.frames), shell)
     assert len(found.stress_points.patches.node) == len(shell.frames) + 3
 
 
@@ -374,12 +382,12 @@ def test_means_of_distorted_cells_are_means_over_their_area():
         bump = 0.15 * np.sin(np.pi * a) * np.sin(2 * np.pi * b)
         return length * (a + bump), width * (b + a * (1 - a) * b * (1 - b)), 0.0
 
-    shell = fl.Shell(fl.surface(place, (4, 3)), LAYER, along=(1, 0, 0))
+    shell = fl.Shell(fl.mesh.parametric_surface(place, (4, 3)), LAYER, along=(1, 0, 0))
     scene = fl.Scene()
     scene.add(shell)
     shell.clamp("a=0")
-    scene.add(fl.EdgeLoad(shell, "a=1", (0, force, 0)))
-    found = fl.resultants(fl.statics(scene), shell)
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", (0, force, 0)))
+    found = fl.post.resultants(fl.statics(scene), shell)
     areas = found.areas.sum(axis=1)
     assert np.ptp(found.areas, axis=1).max() > 0.1 * areas.max() / 4
     total = areas @ found.mean("N12")
@@ -390,11 +398,13 @@ def test_nothing_is_averaged_across_a_kink():
     def roof(a: float, b: float):
         return 2 * a, b, min(2 * a, 2 - 2 * a)
 
-    shell = fl.Shell(fl.surface(roof, (4, 2)), LAYER, kink_angle=np.pi, along=(0, 1, 0))
+    shell = fl.Shell(
+        fl.mesh.parametric_surface(roof, (4, 2)), LAYER, kink_angle=np.pi, along=(0, 1, 0)
+    )
     result = states(shell, shell.frames)
-    found = fl.resultants(result, shell)
+    found = fl.post.resultants(result, shell)
     assert len(found.stress_points.patches.node) == len(shell.frames) + 3
-    assert len(fl.resultants(result, shell, kink_angle=np.pi).stress_points.patches.node) == 15
+    assert len(fl.post.resultants(result, shell, kink_angle=np.pi).stress_points.patches.node) == 15
 
 
 # --- equilibrium ---
@@ -404,7 +414,9 @@ LENGTH, WIDTH, FORCE = 10.0, 2.0, 3e-4
 
 def cantilever(cell, degree, formulation, cells=(8, 2), force=(0.0, 0.0, FORCE / WIDTH)):
     shell = fl.Shell(
-        fl.surface(lambda a, b: (LENGTH * a, WIDTH * b, 0.0), cells, cell=cell, degree=degree),
+        fl.mesh.parametric_surface(
+            lambda a, b: (LENGTH * a, WIDTH * b, 0.0), cells, cell=cell, degree=degree
+        ),
         fl.ShellSection.layer(0.1, fl.Material(1.2e6, 0.0, 1.0)),
         along=(1, 0, 0),
         formulation=formulation,
@@ -412,7 +424,7 @@ def cantilever(cell, degree, formulation, cells=(8, 2), force=(0.0, 0.0, FORCE /
     shell.clamp("a=0")
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.EdgeLoad(shell, "a=1", force=force))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=force))
     return shell, fl.follow_loads(scene)
 
 
@@ -421,18 +433,18 @@ def cantilever(cell, degree, formulation, cells=(8, 2), force=(0.0, 0.0, FORCE /
 @pytest.mark.parametrize(
     ("cell", "degree", "formulation", "at_nodes", "in_cells"),
     [
-        pytest.param("quadrilateral", 1, fl.HellingerReissner(), 0.0, 0.0, id="HR"),
-        pytest.param("quadrilateral", 1, fl.HuWashizu(), 0.0, 0.0, id="HW"),
-        pytest.param("quadrilateral", 1, fl.Displacement(), 0.0, 0.0, id="MITC4"),
-        pytest.param("triangle", 1, fl.HellingerReissner(), 0.02, 0.03, id="MITC3+"),
-        pytest.param("triangle", 2, fl.Displacement(), 0.02, 0.015, id="MITC6"),
-        pytest.param("quadrilateral", 2, fl.Displacement(), 0.0, 0.0, id="MITC9"),
+        pytest.param("quadrilateral", 1, fl.elements.HellingerReissner(), 0.0, 0.0, id="HR"),
+        pytest.param("quadrilateral", 1, fl.elements.HuWashizu(), 0.0, 0.0, id="HW"),
+        pytest.param("quadrilateral", 1, fl.elements.DisplacementBased(), 0.0, 0.0, id="MITC4"),
+        pytest.param("triangle", 1, fl.elements.HellingerReissner(), 0.02, 0.03, id="MITC3+"),
+        pytest.param("triangle", 2, fl.elements.DisplacementBased(), 0.02, 0.015, id="MITC6"),
+        pytest.param("quadrilateral", 2, fl.elements.DisplacementBased(), 0.0, 0.0, id="MITC9"),
     ],
 )
 def test_cantilever_under_end_shear(cell, degree, formulation, at_nodes, in_cells):
     """Moment linear, F L at the clamp, and each cut carries the load; ν = 0."""
     shell, result = cantilever(cell, degree, formulation)
-    found = fl.resultants(result, shell)
+    found = fl.post.resultants(result, shell)
     largest = FORCE / WIDTH * LENGTH
 
     def error(values, x):
@@ -451,7 +463,7 @@ def test_cantilever_under_end_shear(cell, degree, formulation, at_nodes, in_cell
 def test_moment_at_the_clamp_in_large_bending():
     """The lever of the load in the deformed state; the cells' means half a cell away."""
     shell, result = cantilever("quadrilateral", 1, None, (32, 1), (0.0, 0.0, 2.0))
-    found = fl.resultants(result, shell)
+    found = fl.post.resultants(result, shell)
     x = result.frames[-1][result.info.body(shell.name).nodes, 0]
     assert x[:, 2].max() > 0.4 * LENGTH
     end = x[shell.mesh.nodes("a=1")].mean(axis=0)
@@ -478,10 +490,10 @@ def cylinder(cell, degree, formulation, count=12):
         angle = 0.5 * np.pi * a
         return RADIUS * np.cos(angle), RADIUS * np.sin(angle), HEIGHT * b
 
-    plain = fl.surface(place, (count, 2), cell=cell, degree=degree)
+    plain = fl.mesh.parametric_surface(place, (count, 2), cell=cell, degree=degree)
     centre = plain.points[plain.corners].mean(axis=1)
     column = np.floor(np.arctan2(centre[:, 1], centre[:, 0]) / (0.5 * np.pi) * count).astype(int)
-    mesh = fl.SurfaceMesh.from_cells(
+    mesh = fl.mesh.SurfaceMesh.from_cells(
         plain.points,
         plain.cells,
         cell,
@@ -512,8 +524,8 @@ def test_cylinder_under_pressure_and_axial_pull(cell, degree, formulation):
         angle = 0.5 * np.pi * (k + 0.5) / count
         push = p * np.array([np.cos(angle), np.sin(angle), 0.0])
         scene.add(fl.AreaLoad(shell, push, cells=str(k)))
-    scene.add(fl.EdgeLoad(shell, "b=1", force=(0, 0, q)))
-    found = fl.resultants(fl.follow_loads(scene), shell)
+    scene.add(fl.loads.EdgeLoad(shell, "b=1", force=(0, 0, q)))
+    found = fl.post.resultants(fl.follow_loads(scene), shell)
     # triangles do not bend and stretch independently: from cell to cell the error alternates
     alone, together = (3e-3, 3e-3) if cell == "quadrilateral" else (0.2, 3e-3)
     weight = found.areas / found.areas.sum()
@@ -531,7 +543,7 @@ def test_cylinder_under_pressure_and_axial_pull(cell, degree, formulation):
 def test_functions_are_the_values_at_their_places(cell, degree, formulation):
     shell = arch_shell(cell, degree, formulation, along=around)
     H = crumpled(shell)
-    found = fl.resultants(states(shell, H), shell)
+    found = fl.post.resultants(states(shell, H), shell)
     f = found.function("M11")
     places = f.function_space.tabulate_dof_coordinates()
     nearest = np.linalg.norm(shell.mesh.points - places[:, np.newaxis], axis=2).argmin(axis=1)
@@ -560,7 +572,7 @@ def test_files_hold_cell_and_point_data(tmp_path):
     import pyvista
 
     shell, result = cantilever("quadrilateral", 1, None)
-    found = fl.resultants(result, shell)
+    found = fl.post.resultants(result, shell)
     found.write_vtk(tmp_path / "plate.vtu")
     grid = pyvista.read(tmp_path / "plate.vtu")
     np.testing.assert_allclose(grid.points, found.frames[:, 0], atol=1e-6)
@@ -571,11 +583,11 @@ def test_files_hold_cell_and_point_data(tmp_path):
     assert grid.point_data["displacement"][:, 2].max() > 0
     with pytest.raises(ValueError, match=r"'\.vtu'"):
         found.write_vtk(tmp_path / "plate.vtk")
-    series = fl.resultant_series(result, shell)
-    fl.write_resultants(tmp_path / "plate.pvd", series, result.factors)
+    series = fl.post.resultant_series(result, shell)
+    fl.post.write_resultants(tmp_path / "plate.pvd", series, result.factors)
     assert pyvista.get_reader(tmp_path / "plate.pvd").time_values == [1.0]
     with pytest.raises(ValueError, match="one time for each of 1 states"):
-        fl.write_resultants(tmp_path / "plate.pvd", series, [0.0, 1.0])
+        fl.post.write_resultants(tmp_path / "plate.pvd", series, [0.0, 1.0])
 
 
 @pytest.mark.parametrize(("cell", "degree"), [("triangle", 2), ("quadrilateral", 2)])
@@ -583,8 +595,8 @@ def test_cells_of_second_degree_are_drawn_as_they_are(tmp_path, cell, degree):
     """Their area in the file is that of the shell: the nodes are in VTK's order."""
     import pyvista
 
-    shell = arch_shell(cell, degree, fl.Displacement(), along=around)
-    fl.resultants(states(shell, shell.frames), shell).write_vtk(tmp_path / "arch.vtu")
+    shell = arch_shell(cell, degree, fl.elements.DisplacementBased(), along=around)
+    fl.post.resultants(states(shell, shell.frames), shell).write_vtk(tmp_path / "arch.vtu")
     surface = _compat.drawn_surface(pyvista.read(tmp_path / "arch.vtu"), 3)
     assert surface.area == pytest.approx(shell.areas().sum(), rel=2e-3)
 
@@ -593,7 +605,7 @@ def test_hdf5_file_holds_everything(tmp_path):
     import h5py
 
     shell, result = cantilever("quadrilateral", 1, None)
-    found = fl.resultants(result, shell)
+    found = fl.post.resultants(result, shell)
     found.save(tmp_path / "plate.h5")
     with h5py.File(tmp_path / "plate.h5") as file:
         assert tuple(file.attrs["components"]) == COMPONENTS
@@ -609,8 +621,8 @@ def test_picture(tmp_path):
     from PIL import Image
 
     shell, result = cantilever("quadrilateral", 1, None, (8, 1), (0.0, 0.0, 2.0))
-    found = fl.resultants(result, shell)
-    found.picture(tmp_path / "M11.png", "M11", units=fl.Units(length="m", force="kN"))
+    found = fl.post.resultants(result, shell)
+    found.picture(tmp_path / "M11.png", "M11", units=fl.post.Units(length="m", force="kN"))
     image = np.asarray(Image.open(tmp_path / "M11.png").convert("RGB")).reshape(-1, 3)
     assert len(np.unique(image, axis=0)) > 200  # a scale of colours, not one
     with pytest.raises(ValueError, match=r"'\.png'"):
@@ -621,16 +633,16 @@ def test_bad_input_is_named():
     shell, result = cantilever("quadrilateral", 1, None)
     other = fl.Shell(shell.mesh, ANGLE_PLY, name="other")
     with pytest.raises(ValueError, match=r"no body 'other'"):
-        fl.resultants(result, other)
+        fl.post.resultants(result, other)
     with pytest.raises(ValueError, match="has 1 states, got step 1"):
-        fl.resultants(result, shell, 1)
+        fl.post.resultants(result, shell, 1)
     with pytest.raises(ValueError, match="must not be zero or normal"):
-        fl.resultants(result, shell, along=(0, 0, 1))
+        fl.post.resultants(result, shell, along=(0, 0, 1))
     with pytest.raises(ValueError, match=r"along at .* must be 3"):
-        fl.resultants(result, shell, along=lambda x: x[:2])
-    found = fl.resultants(result, shell)
+        fl.post.resultants(result, shell, along=lambda x: x[:2])
+    found = fl.post.resultants(result, shell)
     with pytest.raises(ValueError, match="no resultant 'N13'; there are: N11"):
         found.raw("N13")
-    laminate = fl.resultants(states(other, other.frames), other)
+    laminate = fl.post.resultants(states(other, other.frames), other)
     with pytest.raises(ValueError, match="'mises top' is the stress in a homogeneous layer"):
         laminate.mean("mises top")

@@ -319,7 +319,7 @@ def test_every_cell_has_its_own_section_whatever_its_corners(size):
         fl.Section.circle(0.1 * size, m),
         fl.Section.from_stiffness([1.0] * 6),
     ]
-    mesh = fl.LineMesh.from_cells(
+    mesh = fl.mesh.LineMesh.from_cells(
         [(k * size, 0, 0) for k in range(5)],
         [(k, k + 1) for k in range(4)],
         groups={str(k): [k] for k in range(4)},
@@ -344,7 +344,7 @@ def test_tapered_and_twisted_beams_are_drawn_so():
                 (1, 0, 0),
                 lambda s: fl.Section.rectangle(0.2 - 0.1 * s, 0.1, m),
                 cells=cells,
-                up=fl.Twisted(twist),
+                up=fl.sections.Twisted(twist),
             )
         )
         # sides of a twisted piece are folded outward: a third of its angle, 4 degrees at most
@@ -374,7 +374,7 @@ def test_diagrams_show_the_data_with_units(rod, tmp_path):
     assert below.get_xlabel() == "time [s]" and above.get_ylabel() == "energy [J]"
     assert (tmp_path / "energies.png").stat().st_size > 10_000
 
-    figure = rod.plot("rod.end", 0, units=fl.Units(length="mm", time="ms"))
+    figure = rod.plot("rod.end", 0, units=fl.post.Units(length="mm", time="ms"))
     assert [ax.get_ylabel() for ax in figure.axes] == ["rod.end [mm]", "node 0 [mm]"]
     np.testing.assert_array_equal(
         np.array([line.get_ydata() for line in figure.axes[0].lines]).T, rod.position("rod.end")

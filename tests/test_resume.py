@@ -14,7 +14,7 @@ from tests.interruption import interrupted
 
 STEPS, STEP = 6, 2e-3
 Function = Callable[[float], float]
-DAMPING, GEODESIC = fl.Damping(mass=1.0, stiffness=1e-4), fl.Geodesic()
+DAMPING, GEODESIC = fl.sections.Damping(mass=1.0, stiffness=1e-4), fl.elements.GeodesicBeam()
 
 
 @dataclass(frozen=True)
@@ -23,9 +23,9 @@ class Case:
 
     young: float = 1e9
     density: float = 1100.0
-    damping: fl.Damping = DAMPING
-    formulation: fl.Formulation = GEODESIC
-    group: fl.Group = fl.Group.SE3
+    damping: fl.sections.Damping = DAMPING
+    formulation: fl.elements.BeamFormulation = GEODESIC
+    group: fl.lie.Group = fl.lie.Group.SE3
     velocity: float = 0.2
     gravity: tuple[float, ...] = (0.0, 0.0, -9.81)
     axis: tuple[float, ...] = (0.0, 1.0, 0.0)
@@ -43,7 +43,7 @@ class Case:
     gyroscopic: bool | None = None
 
     def scene(self) -> fl.Scene:
-        scene = fl.Scene(self.gravity, choices=fl.Choices(gyroscopic=self.gyroscopic))
+        scene = fl.Scene(self.gravity, choices=fl.schemes.MatrixTerms(gyroscopic=self.gyroscopic))
         section = fl.Section.circle(0.01, fl.Material(self.young, 0.3, self.density))
         options = {"formulation": self.formulation, "damping": self.damping}
         beam = fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=2, **options)
@@ -51,18 +51,18 @@ class Case:
         body = scene.add(fl.RigidBody(0.1, self.inertia, (1.0, 0.5, 0)))
         body.add_velocity((0, self.velocity, 0))
         carrier = scene.add(fl.RigidBody(0.1, 0.1 * np.ones(3), (0, -1.0, 0)))
-        hinge = scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=self.axis))
-        rope = scene.add(fl.Distance(beam.point("end"), body.point("centre")))
-        scene.add(fl.Drive(hinge.angle, self.drive))
+        hinge = scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=self.axis))
+        rope = scene.add(fl.joints.Distance(beam.point("end"), body.point("centre")))
+        scene.add(fl.joints.Drive(hinge.angle, self.drive))
         k, c, rest = self.spring
-        scene.add(fl.Spring(rope.length, k, c, rest))
+        scene.add(fl.joints.Spring(rope.length, k, c, rest))
         scene.add(
             fl.PointLoad(
                 beam.point("end"), self.force, following=self.following, history=self.history
             )
         )
-        scene.add(fl.PressureLoad(beam, self.pressure, history=self.pressed))
-        scene.add(fl.Eigenstrain(beam, (0, 0, 0, 0, self.strain, 0)))
+        scene.add(fl.loads.PressureLoad(beam, self.pressure, history=self.pressed))
+        scene.add(fl.loads.Eigenstrain(beam, (0, 0, 0, 0, self.strain, 0)))
         place = carrier.point("centre").frame
 
         def moved(t: float) -> np.ndarray:
@@ -86,10 +86,10 @@ def run(scene: fl.Scene, scheme: fl.extend.Integrator, file: Path) -> fl.Result:
 CHANGES = {
     "Young's modulus": ({"young": 1.1e9}, "stiffness of beam 1"),
     "density": ({"density": 1200.0}, "density of beam 1"),
-    "damping of mass": ({"damping": fl.Damping(2.0, 1e-4)}, "damping of beam 1"),
-    "viscosity": ({"damping": fl.Damping(1.0, 2e-4)}, "damping of beam 1"),
-    "element": ({"formulation": fl.Director(1)}, "formulation of beam 1"),
-    "group": ({"group": fl.Group.R3xSO3}, "group of beam 1"),
+    "damping of mass": ({"damping": fl.sections.Damping(2.0, 1e-4)}, "damping of beam 1"),
+    "viscosity": ({"damping": fl.sections.Damping(1.0, 2e-4)}, "damping of beam 1"),
+    "element": ({"formulation": fl.elements.DirectorBeam(1)}, "formulation of beam 1"),
+    "group": ({"group": fl.lie.Group.R3xSO3}, "group of beam 1"),
     "velocity": ({"velocity": 0.3}, "velocities of rigidbody 1"),
     "gravity": ({"gravity": (0, 0, -9.0)}, r"gravity \(\[0.0, 0.0, -9.0\], was \[0.0, 0.0, -9.81"),
     "joint": ({"axis": (0.1, 1, 0)}, "constraint definitions of Revolute"),
@@ -134,7 +134,12 @@ def test_a_changed_scene_is_refused_and_the_change_named(kept, change):
 
 
 @pytest.mark.parametrize(
-    "options", [{"policy": fl.Limit(5)}, {"policy": fl.Automatic(cost=39.0)}, {"tolerance": 1e-9}]
+    "options",
+    [
+        {"policy": fl.schemes.IterationLimit(5)},
+        {"policy": fl.schemes.Automatic(cost=39.0)},
+        {"tolerance": 1e-9},
+    ],
 )
 def test_other_options_are_refused_and_named(kept, options):
     scheme, file = kept
@@ -162,8 +167,8 @@ def doubled(e):
 def shell(law: Callable) -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -1.0))
     section = fl.ShellSection.layer(0.1, fl.Material(1e4, 0.0, 1.0))
-    mesh = fl.surface(lambda u, v: (u, v, 0), (1, 1))
-    scene.add(fl.Shell(mesh, section, formulation=fl.HuWashizu(law=law)))
+    mesh = fl.mesh.parametric_surface(lambda u, v: (u, v, 0), (1, 1))
+    scene.add(fl.Shell(mesh, section, formulation=fl.elements.HuWashizu(law=law)))
     return scene
 
 
@@ -182,14 +187,14 @@ def test_another_law_of_the_same_name_is_refused(tmp_path):
 # --- to the last bit, with all that a run remembers in play ---
 
 
-class EverySeventh(fl.Policy):
+class EverySeventh(fl.schemes.RefactorisationPolicy):
     """A policy of a user's own, with memory."""
 
-    def begin(self, bound: bool) -> fl.Decisions:
+    def begin(self, bound: bool) -> fl.extend.PolicyState:
         return CountsToSeven()
 
 
-class CountsToSeven(fl.Decisions):
+class CountsToSeven(fl.extend.PolicyState):
     def __init__(self) -> None:
         self.steps, self.taken = 0, np.zeros(2)
 
@@ -206,31 +211,31 @@ def slowing() -> fl.Scene:
     """Two soft bars on hinges turn, fast at the start, and are braked."""
     scene = fl.Scene()
     section = fl.Section.rectangle(0.02, 0.02, fl.Material(2e7, 0.3, 1200.0))
-    options = {"cells": 2, "damping": fl.Damping(mass=120.0)}
+    options = {"cells": 2, "damping": fl.sections.Damping(mass=120.0)}
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.3, 0, 0), section, **options))
     two = scene.add(fl.Beam.straight((0.3, 0, 0), (0.3, 0.5, 0), section, **options))
-    scene.add(fl.Spherical(fl.ground(), one.point("start")))
-    scene.add(fl.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0.2)))
+    scene.add(fl.joints.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.joints.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0.2)))
     for bar in (one, two):
         bar.add_velocity(omega=(3, 1, -8), about=(0, 0, 0))
     return scene
 
 
 POLICIES = {
-    "automatic": fl.Automatic(cost=2, refresh=8),
-    "limit": fl.Limit(5),
-    "constraints": fl.ConstraintsOnly(5),
-    "every": fl.EveryIteration(),
-    "never": fl.Never(),
+    "automatic": fl.schemes.Automatic(cost=2, refresh=8),
+    "limit": fl.schemes.IterationLimit(5),
+    "constraints": fl.schemes.ConstraintsOnly(5),
+    "every": fl.schemes.EveryIteration(),
+    "never": fl.schemes.FactoriseOnce(),
     "own": EverySeventh(),
 }
 FELT = {
     "generalised alpha": lambda policy: fl.GeneralisedAlpha(tolerance=1e-8, policy=policy),
     "stabilised": lambda policy: fl.GeneralisedAlpha(
-        tolerance=1e-8, index=fl.Index.STABILISED_TWO, policy=policy
+        tolerance=1e-8, index=fl.schemes.ConstraintIndex.STABILISED_TWO, policy=policy
     ),
     "inertial": lambda policy: fl.GeneralisedAlpha(
-        tolerance=1e-8, components=fl.Components.INERTIAL, policy=policy
+        tolerance=1e-8, components=fl.schemes.MatrixFrame.INERTIAL, policy=policy
     ),
     "conserving": lambda policy: fl.EnergyMomentum(tolerance=1e-5, policy=policy),
     "decaying": lambda policy: fl.EnergyDecaying(radius=0.9, tolerance=1e-6, policy=policy),
@@ -268,16 +273,16 @@ def test_resumed_is_uninterrupted_to_the_last_bit(tmp_path, scheme, policy):
 def jerked() -> fl.Scene:
     """The same, with a push that begins and ends in between."""
     scene = slowing()
-    push = fl.Jumps(lambda t: 5.0 if 0.011 <= t < 0.014 else 0.0, (0.011, 0.014))
+    push = fl.loads.PiecewiseSmooth(lambda t: 5.0 if 0.011 <= t < 0.014 else 0.0, (0.011, 0.014))
     scene.add(fl.PointLoad(scene.bodies[1].point("end"), force=(0, 0, 1.0), history=push))
     return scene
 
 
 VARIABLE = {
-    "tolerance": {"step": fl.AdaptiveStep(2e-2, first=2e-4, largest=1e-3)},
-    "measured": {"step": fl.AdaptiveStep(2e-2, first=2e-4, largest=1e-3, refinement=2)},
+    "tolerance": {"step": fl.schemes.AdaptiveStep(2e-2, first=2e-4, largest=1e-3)},
+    "measured": {"step": fl.schemes.AdaptiveStep(2e-2, first=2e-4, largest=1e-3, refinement=2)},
     "constant between jumps": {"step": 5e-4},
-    "at times": {"step": fl.AdaptiveStep(2e-2, first=2e-4, largest=1e-3), "save_at": 1e-3},
+    "at times": {"step": fl.schemes.AdaptiveStep(2e-2, first=2e-4, largest=1e-3), "save_at": 1e-3},
 }
 
 
@@ -303,7 +308,7 @@ def test_steps_that_change_resume_to_the_last_bit(tmp_path, scheme, plan):
 def test_files_of_steps_that_change_have_room_for_any_number(tmp_path, scheme):
     """And the run is that in memory but for matrices that checkpoints make anew."""
     chosen, file = FELT[scheme](POLICIES["automatic"]), tmp_path / "run.h5"
-    options = {"duration": 0.03, "step": fl.AdaptiveStep(1.0, first=4e-5, largest=4e-5)}
+    options = {"duration": 0.03, "step": fl.schemes.AdaptiveStep(1.0, first=4e-5, largest=4e-5)}
     whole = chosen.run(slowing(), progress=False, **options)
     kept = chosen.run(slowing(), progress=False, file=file, **options)
     assert len(whole.times) > 700 and len(kept.times) == len(whole.times)
@@ -313,7 +318,7 @@ def test_files_of_steps_that_change_have_room_for_any_number(tmp_path, scheme):
     assert list(tmp_path.glob(".*")) == []
 
 
-class OneSize(fl.ConstantStep):
+class OneSize(fl.schemes.ConstantStep):
     """A choice of a user's own."""
 
 

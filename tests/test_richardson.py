@@ -9,10 +9,10 @@ from tests.test_explicit import SCHEME as EXPLICIT
 from tests.test_explicit import net
 
 SCHEMES = {
-    "variational": (fl.Variational(), 2),
+    "variational": (fl.schemes.Variational(), 2),
     "explicit": (fl.Explicit(), 2),
     "energy-momentum": (fl.EnergyMomentum(), 2),
-    "composed": (fl.Composed(), 4),
+    "composed": (fl.schemes.Composed(), 4),
 }
 
 
@@ -20,9 +20,9 @@ SCHEMES = {
 def test_error_of_a_pendulum(name):
     """Against composed steps that are much smaller."""
     scheme, order = SCHEMES[name]
-    found = fl.estimate_error(scheme, rigid_pendulum(), duration=0.2, step=5e-3)
+    found = fl.schemes.estimate_time_error(scheme, rigid_pendulum(), duration=0.2, step=5e-3)
     assert found.order == pytest.approx(order, abs=0.2)
-    exact = fl.Composed().run(rigid_pendulum(), duration=0.2, step=1e-3, save_every=5)
+    exact = fl.schemes.Composed().run(rigid_pendulum(), duration=0.2, step=1e-3, save_every=5)
     gaps = np.linalg.norm(found.result.frames - exact.frames, axis=-1)[..., 0].max(axis=1)
     np.testing.assert_allclose(found.times, exact.times)
     assert found.translation[0] == 0.0
@@ -33,7 +33,7 @@ def test_error_of_a_net():
     """Of nodes that are places."""
     scene = net()[0]
     step = 0.2 * EXPLICIT.stable_step(scene)
-    found = fl.estimate_error(EXPLICIT, scene, duration=20 * step, step=step)
+    found = fl.schemes.estimate_time_error(EXPLICIT, scene, duration=20 * step, step=step)
     fine = EXPLICIT.run(net()[0], duration=20 * step, step=step / 32, save_every=10**6)
     gap = np.abs(found.result.frames[-1, :, 0] - fine.frames[-1, :, 0]).max()
     assert found.translation[-1] == pytest.approx(gap, rel=0.3)
@@ -43,11 +43,13 @@ def test_error_of_a_net():
 def test_rest_has_no_error():
     scene = fl.Scene()
     scene.add(fl.RigidBody(1.0, (1, 1, 1)))
-    found = fl.estimate_error(EXPLICIT, scene, duration=0.1, step=0.05)
+    found = fl.schemes.estimate_time_error(EXPLICIT, scene, duration=0.1, step=0.05)
     assert found.order == np.inf
     assert not found.translation.any()
 
 
 def test_steps_that_are_no_number():
     with pytest.raises(TypeError, match="step"):
-        fl.estimate_error(fl.Variational(), rigid_pendulum(), duration=0.1, step=None)
+        fl.schemes.estimate_time_error(
+            fl.schemes.Variational(), rigid_pendulum(), duration=0.1, step=None
+        )

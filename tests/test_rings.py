@@ -57,7 +57,7 @@ def test_curves_of_ropes_are_exact_between_uneven_nodes(kind, backwards):
         body = fl.Cable.curve(lambda s: (s + 0.3 * s * s, 0, 0), THREAD, cells=4)
         p = np.polynomial.Polynomial([0.3, -1.0, 2.0, -0.7])
     nodes = list(range(len(body.frames)))[:: -1 if backwards else 1]
-    rope = fl.Rope(body, nodes)
+    rope = fl.contact.Rope(body, nodes)
     ends = np.cumsum([0.0, *rope.lengths])
     places = body.frames[nodes, 0, 0]
     np.testing.assert_allclose(ends, np.abs(places - places[0]), rtol=1e-12)
@@ -74,7 +74,11 @@ def test_rings_are_on_the_part_of_a_rope_that_is_nearest():
     there = [(0.1 * k, 0.0, 0.0) for k in range(11)]
     net = fl.Net([*there, *((x, 0.1, 0.0) for x, _, _ in reversed(there))], [range(22)], THREAD)
     places = [(0.43, 0.1, 0), (0.43, 0, 0), (0.87, 0.1, 0)]
-    touch = fl.Contact(fl.Rope(net), fl.Rings([fl.ground()] * 3, at=places), fl.Penalty(1e4))
+    touch = fl.contact.Contact(
+        fl.contact.Rope(net),
+        fl.contact.Rings([fl.ground()] * 3, at=places),
+        fl.contact.Penalty(1e4),
+    )
     touch.check()
     feet = touch.term(lambda body: np.arange(len(body.frames))).feet
     np.testing.assert_allclose(feet, [1.1 + 0.57, 0.43, 1.1 + 0.13], atol=1e-12)
@@ -87,8 +91,12 @@ def taut(friction: float, weight: float = 1.0) -> tuple[fl.Scene, fl.RigidBody]:
     cable.pin(cable.point("start"), cable.point("end"))
     bead = scene.add(fl.RigidBody(0.02, 1e-6 * np.eye(3), (0.31, 0, 0)))
     bead.add_velocity((1.0, 0, 0))
-    rings = fl.Rings([bead.point("centre")])
-    scene.add(fl.Contact(fl.Rope(cable), rings, fl.Penalty(1e5, friction=friction)))
+    rings = fl.contact.Rings([bead.point("centre")])
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.Rope(cable), rings, fl.contact.Penalty(1e5, friction=friction)
+        )
+    )
     return scene, bead
 
 
@@ -131,42 +139,44 @@ def test_a_run_goes_on_to_the_last_bit(tmp_path, scheme):
         np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
 
 
-def refused(rope: object, rings: object, law: object = fl.Penalty(1e4)) -> None:
+def refused(rope: object, rings: object, law: object = fl.contact.Penalty(1e4)) -> None:
     scene = fl.Scene()
     for point in rings.points:
         if point.body is not None:
             scene.add(point.body)
     if rope.body not in scene.bodies:
         scene.add(rope.body)
-    scene.add(fl.Contact(rope, rings, law))
+    scene.add(fl.contact.Contact(rope, rings, law))
     fl.GeneralisedAlpha().run(scene, duration=1e-3, step=1e-3, progress=False)
 
 
 def test_bad_input():
     thread, at = rope("net"), place(0.5)
-    ground = fl.Rings([fl.ground()], at=[at])
+    ground = fl.contact.Rings([fl.ground()], at=[at])
     with pytest.raises(ValueError, match=r"ring 0 is 0\..* off the rope"):
-        refused(fl.Rope(rope("net")), fl.Rings([fl.ground()], at=[(0.5, 0.5, 0)]))
+        refused(fl.contact.Rope(rope("net")), fl.contact.Rings([fl.ground()], at=[(0.5, 0.5, 0)]))
     with pytest.raises(ValueError, match="fixed to a node of its rope"):
-        refused(fl.Rope(thread), fl.Rings([thread.point(10)]))
+        refused(fl.contact.Rope(thread), fl.contact.Rings([thread.point(10)]))
     with pytest.raises(ValueError, match="by Penalty without damping"):
-        refused(fl.Rope(rope("net")), ground, fl.Penalty(1e4, damping=1.0))
+        refused(fl.contact.Rope(rope("net")), ground, fl.contact.Penalty(1e4, damping=1.0))
     with pytest.raises(ValueError, match="nodes 2 and 5 follow each other"):
-        refused(fl.Rope(rope("net"), [0, 1, 2, 5]), ground)
+        refused(fl.contact.Rope(rope("net"), [0, 1, 2, 5]), ground)
     for few in ([0, 1], [0, 1, 0]):
         with pytest.raises(ValueError, match="three nodes or more"):
-            refused(fl.Rope(rope("net"), few), ground)
+            refused(fl.contact.Rope(rope("net"), few), ground)
     with pytest.raises(ValueError, match="ropes touch rings only"):
-        ball = fl.Sphere(fl.RigidBody(1.0, np.eye(3), (0, 0, 1)).point("centre"), 0.1)
-        fl.Contact(fl.Rope(thread), ball, fl.Penalty(1e4)).check()
+        ball = fl.contact.Sphere(fl.RigidBody(1.0, np.eye(3), (0, 0, 1)).point("centre"), 0.1)
+        fl.contact.Contact(fl.contact.Rope(thread), ball, fl.contact.Penalty(1e4)).check()
     with pytest.raises(ValueError, match="ignore_initial is for"):
-        fl.Contact(fl.Rope(thread), ground, fl.Penalty(1e4), ignore_initial=True).check()
+        fl.contact.Contact(
+            fl.contact.Rope(thread), ground, fl.contact.Penalty(1e4), ignore_initial=True
+        ).check()
     with pytest.raises(ValueError, match="by Penalty without damping"):
-        refused(fl.Rope(rope("net")), ground, fl.Impact())
+        refused(fl.contact.Rope(rope("net")), ground, fl.contact.Impact())
     with pytest.raises(ValueError, match="expected at least one point"):
-        fl.Rings([])
+        fl.contact.Rings([])
     with pytest.raises(ValueError, match="a ring with an offset from its node needs"):
         other = fl.Net([at, (0.5, 0, 1)], [[0, 1]], THREAD)
-        refused(fl.Rope(rope("net")), fl.Rings([other.point(1)], at=[at]))
+        refused(fl.contact.Rope(rope("net")), fl.contact.Rings([other.point(1)], at=[at]))
     with pytest.raises(ValueError, match="at must be 1 places"):
-        fl.Rings([fl.ground()], at=[(0, 0, 0), (1, 0, 0)])
+        fl.contact.Rings([fl.ground()], at=[(0, 0, 0), (1, 0, 0)])

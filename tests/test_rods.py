@@ -11,7 +11,7 @@ from demos import bend45, catenary, rings
 from demos.elastica import BENDING, FORCE, LENGTH, elastica
 from fem_lie import lie
 
-KINDS = {"Kirchhoff": fl.Kirchhoff(), "discrete": fl.DiscreteRod()}
+KINDS = {"Kirchhoff": fl.elements.KirchhoffRod(), "discrete": fl.elements.DiscreteRod()}
 each = pytest.mark.parametrize("name", KINDS)
 SLENDER = [1e1, 1e2, 1e4]
 """Of a square section: EA L²/EI is twelve times its square."""
@@ -86,11 +86,11 @@ CONTROL = np.array(
 def test_a_rod_along_a_spline_is_this_spline_with_more_knots(cells):
     """Its length, and where knots are."""
     spline = BSpline(KNOTS, CONTROL, 3)
-    rod = fl.Rod(fl.Spline.of(spline, 2 * cells).mesh(), section(100.0))
+    rod = fl.Rod(fl.mesh.Spline.of(spline, 2 * cells).mesh(), section(100.0))
     u = np.linspace(0, 4, 100001)
     arc = np.linalg.norm(np.diff(spline(u), axis=0), axis=1).sum()
     assert rod.lengths.sum() == pytest.approx(arc, rel=1e-7)
-    again = fl.Rod(fl.Spline.of(spline.insert_knot(2.0, m=2), cells).mesh(), section(100.0))
+    again = fl.Rod(fl.mesh.Spline.of(spline.insert_knot(2.0, m=2), cells).mesh(), section(100.0))
     np.testing.assert_allclose(again.frames[-1, :2], rod.frames[-1, :2], atol=1e-13)
 
 
@@ -102,7 +102,7 @@ def quarter(cells: int) -> float:
     along = rate[:, np.newaxis] * np.stack([-np.sin(φ), np.cos(φ), 0 * φ], axis=1)
     own = fl.Section.from_stiffness([1e6, 1e6, 1e6, 0.5, 1.0, 1.0])
     scene = fl.Scene()
-    rod = scene.add(fl.Rod(fl.Spline.checked(u, circle, along).mesh(), own))
+    rod = scene.add(fl.Rod(fl.mesh.Spline.checked(u, circle, along).mesh(), own))
     scene.add(fl.Clamp(rod.point("start")))
     scene.add(fl.PointLoad(rod.point("end"), (0, 0, 1e-4)))
     found = fl.statics(scene).position(rod.point("end"))[-1, 2]
@@ -116,7 +116,7 @@ def test_a_ring_of_any_parameter_bends_and_twists_as_it_should():
 
 
 def test_a_spline_that_nearly_stands_still_is_refused():
-    line = fl.Spline.checked([0, 1], [(0, 0, 0), (1, 0, 0)], [(3, 0, 0), (2.9, 0, 0)])
+    line = fl.mesh.Spline.checked([0, 1], [(0, 0, 0), (1, 0, 0)], [(3, 0, 0), (2.9, 0, 0)])
     with pytest.raises(ValueError, match="insert more knots"):
         fl.Rod(line.mesh(), section(100.0))
 
@@ -128,7 +128,7 @@ def test_closed_forces_are_those_of_the_energy(turn, slopes):
     rng = np.random.default_rng(1)
     root = rng.normal(size=(6, 6))
     own = fl.Section.from_stiffness(root @ root.T + np.eye(6))
-    mesh = fl.curve(lambda s: (s, 0.2 * s * s, 0.1 * s**3), cells=2)
+    mesh = fl.mesh.curve(lambda s: (s, 0.2 * s * s, 0.1 * s**3), cells=2)
     rod = fl.Rod(replace(mesh, slopes=slopes and np.array(slopes) / 2), own)
     assembly = fl.Rod.assemble([rod])
     assembly.set_eigenstrain(0.05 * rng.normal(size=(2, 6)))
@@ -164,11 +164,11 @@ def test_helix_and_rings_buckle_at_their_closed_forms():
 
 
 def test_helix_of_edges():
-    (coarse, _), (fine, _) = (rings.helix(fl.DiscreteRod(), n) for n in (16, 32))
+    (coarse, _), (fine, _) = (rings.helix(fl.elements.DiscreteRod(), n) for n in (16, 32))
     assert fine < 6e-3 and coarse / fine > 3.4
 
 
-def swung(formulation: fl.Formulation, cells: int) -> np.ndarray:
+def swung(formulation: fl.elements.BeamFormulation, cells: int) -> np.ndarray:
     """Tip of an arc that falls from its clamp, out of its plane: it bends and twists."""
     own = fl.Section.rectangle(0.02, 0.02, fl.Material(1e8, 0.3, 1000.0))
     scene = fl.Scene(gravity=(0, -3.0, -9.81))
@@ -183,15 +183,15 @@ def swung(formulation: fl.Formulation, cells: int) -> np.ndarray:
 
 def test_edges_swing_as_the_cubic_does():
     """Axes of edges go along with them from step to step, and velocities with these."""
-    exact = swung(fl.Kirchhoff(), 20)
-    coarse, fine = (np.linalg.norm(swung(fl.DiscreteRod(), n) - exact) for n in (10, 20))
+    exact = swung(fl.elements.KirchhoffRod(), 20)
+    coarse, fine = (np.linalg.norm(swung(fl.elements.DiscreteRod(), n) - exact) for n in (10, 20))
     assert fine < 6e-4 and coarse / fine > 3
 
 
 def test_edges_that_are_turned_go_round():
     """A quarter, all in one plane with the axis: places have no spins across their edges."""
     scene, own = fl.Scene(), fl.Section.rectangle(0.02, 0.02, fl.Material(1e8, 0.3, 1000.0))
-    ends, edges = ((-0.5, 0, 0), (0.5, 0, 0)), fl.DiscreteRod()
+    ends, edges = ((-0.5, 0, 0), (0.5, 0, 0)), fl.elements.DiscreteRod()
     rod = scene.add(fl.Rod.straight(*ends, own, cells=8, formulation=edges))
     rod.add_velocity(omega=(0, 0, 0.5 * np.pi), about=(0.0, 0, 0))
     result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=1.0, step=1e-2)
@@ -202,7 +202,10 @@ def test_rigid_motion_changes_no_forces_or_matrix_of_edges():
     """1000 rad about an oblique axis."""
     own = fl.Section.from_stiffness([90.0, 40, 30, 8, 6, 7])
     arc = fl.Rod.curve(
-        lambda s: (3 * s, 0.4 * s * s, np.sin(s)), own, cells=4, formulation=fl.DiscreteRod()
+        lambda s: (3 * s, 0.4 * s * s, np.sin(s)),
+        own,
+        cells=4,
+        formulation=fl.elements.DiscreteRod(),
     )
     springs = fl.Rod.assemble([arc]).further_terms[0]
     twists = 0.2 * np.random.default_rng(0).normal(size=(5, 6))
@@ -228,7 +231,7 @@ def test_a_kink_of_half_a_turn_is_refused(name):
 def test_corners_of_discrete_rods_are_refused():
     with pytest.raises(ValueError, match="one smooth line"):
         points = (0, 0, 0), (1, 0, 0), (1, 1, 0)
-        fl.Rod.polyline(points, section(10.0), cells=2, formulation=fl.DiscreteRod())
+        fl.Rod.polyline(points, section(10.0), cells=2, formulation=fl.elements.DiscreteRod())
 
 
 # --- an axis off the centroid ---
@@ -244,7 +247,7 @@ def held_off(off: tuple[float, float], cells: int, gravity=(0.0, 0.0, 0.0)):
     rod = scene.add(fl.Rod.straight(*ends, SOLID.offset(*off), **options))
     body = scene.add(fl.RigidBody(2.0, (2e-3, 1e-3, 1e-3), position=(1, 0, 0)))
     scene.add(fl.Clamp(rod.point("start")))
-    scene.add(fl.RigidLink(rod.point("end"), body.point("centre")))
+    scene.add(fl.joints.RigidLink(rod.point("end"), body.point("centre")))
     return scene, body, SOLID.stiffness[4, 4]
 
 
@@ -284,7 +287,9 @@ def test_curved_and_twisted_axes_off_the_centroid_are_those_of_beams(bent, twist
     def tip(kind, cells):
         scene = fl.Scene()
         line = (lambda s: (np.sin(s), 1 - np.cos(s), 0)) if bent else (lambda s: (s, 0, 0))
-        rod = scene.add(kind.curve(line, own, cells=cells, up=fl.Twisted(lambda s: twisted * s)))
+        rod = scene.add(
+            kind.curve(line, own, cells=cells, up=fl.sections.Twisted(lambda s: twisted * s))
+        )
         scene.add(fl.Clamp(rod.point("start")))
         scene.add(fl.PointLoad(rod.point("end"), (100.0, 2.0, 3.0), moment=(10, 0, 0)))
         result = fl.statics(scene)
@@ -322,13 +327,15 @@ def test_a_shear_centre_off_the_tension_centre_is_named(caplog):
 def test_stretch_that_bends_is_refused():
     offset = fl.Section.rectangle(0.02, 0.01, fl.Material(2e11, 0.3, 7800.0)).offset(0.01, 0)
     with pytest.raises(ValueError, match="must not couple stretch"):
-        fl.Rod.straight((0, 0, 0), (1, 0, 0), offset, cells=2, formulation=fl.DiscreteRod())
+        fl.Rod.straight(
+            (0, 0, 0), (1, 0, 0), offset, cells=2, formulation=fl.elements.DiscreteRod()
+        )
 
 
 def test_edges_that_tumble_keep_energy_and_momentum():
     """Spins go along with edges, and accelerations are those of places in any axes."""
     own = fl.Section.from_stiffness([1e4] * 3 + [1.0] * 3, mass=1.0, polar=1e-4)
-    line, edges = (lambda s: (s, 0.2 * s**3, 0.5 * s * s)), fl.DiscreteRod()
+    line, edges = (lambda s: (s, 0.2 * s**3, 0.5 * s * s)), fl.elements.DiscreteRod()
     rod = fl.Rod.curve(line, own, cells=10, formulation=edges)
     rod.add_velocity(omega=(3.0, 4.0, 2.0), about=rod.point(5))
     scene = fl.Scene()

@@ -14,8 +14,8 @@ from fem_lie.system.nodes.numbering import Numbering
 
 seeds = st.integers(0, 2**32 - 1)
 JOINTS = {
-    "edge": lambda a, b: fl.KnifeEdge(a, b, at=(0.2, 0.1, 0), axis=(0, 1, 1)),
-    "disc": lambda a, b: fl.RollingDisc(a, b, axis=(0.2, 1, 0.3), radius=0.4),
+    "edge": lambda a, b: fl.joints.KnifeEdge(a, b, at=(0.2, 0.1, 0), axis=(0, 1, 1)),
+    "disc": lambda a, b: fl.joints.RollingDisc(a, b, axis=(0.2, 1, 0.3), radius=0.4),
 }
 
 
@@ -87,14 +87,14 @@ def test_rows_of_an_edge_are_constant_in_its_frame():
     np.testing.assert_allclose(rows[1:], [rows[0]] * 2, atol=1e-15)
 
 
-def sledge(step: float) -> tuple[float, fl.Result, fl.KnifeEdge]:
+def sledge(step: float) -> tuple[float, fl.Result, fl.joints.KnifeEdge]:
     """Chaplygin's sledge: its largest error of the velocities in 2 s."""
     ahead, inertia, mass, v0, w0 = 0.3, 0.05, 1.5, -0.5, 2.0
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(mass, (inertia,) * 3, name="sledge"))
-    scene.add(fl.Planar(fl.ground(), body.point("centre")))
+    scene.add(fl.joints.Planar(fl.ground(), body.point("centre")))
     blade = scene.add(
-        fl.KnifeEdge(fl.ground(), body.point("centre"), at=(-ahead, 0, 0), axis=(0, 1, 0))
+        fl.joints.KnifeEdge(fl.ground(), body.point("centre"), at=(-ahead, 0, 0), axis=(0, 1, 0))
     )
     body.add_velocity(omega=(0, 0, w0), about=(-ahead, 0, 0))
     body.add_velocity((v0, 0, 0))
@@ -137,7 +137,7 @@ def test_blade_pushes_the_ground_as_the_sledge_is_pushed():
 def test_velocities_that_slip_are_refused():
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (1, 1, 1)))
-    scene.add(fl.KnifeEdge(fl.ground(), body.point("centre"), axis=(0, 1, 0), name="blade"))
+    scene.add(fl.joints.KnifeEdge(fl.ground(), body.point("centre"), axis=(0, 1, 0), name="blade"))
     body.add_velocity((0, 1, 0))
     with pytest.raises(ValueError, match="velocities break blade"):
         fl.GeneralisedAlpha().run(scene, duration=1.0, step=0.1)

@@ -12,10 +12,10 @@ from fem_lie.linear.spectra import smallest
 from fem_lie.linear.spectra.krylov import Approximation, Krylov
 from fem_lie.scene.rotation import Rotation
 
-DAMPING = fl.Damping(stiffness=1e-6)
+DAMPING = fl.sections.Damping(stiffness=1e-6)
 
 
-def whirl(rotor: Rotor, speed: float, count: int = 6) -> tuple[fl.Modes, float]:
+def whirl(rotor: Rotor, speed: float, count: int = 6) -> tuple[fl.stability.Modes, float]:
     """Modes at ``speed`` times the first critical speed, and the spin."""
     spin = speed * rotor.critical()
     return fl.vibrations(rotor.scene(), count, spin=(spin, 0.0, 0.0)), spin
@@ -66,7 +66,7 @@ def test_whirl_is_that_of_a_dense_method(bearing, damping, speed):
 
 def test_a_free_motion_that_mass_damping_slows_down_is_no_zero():
     """Displacement along the axis: zero, and minus c/m of shaft and disc together."""
-    rotor = Rotor(0.05, 6, "beam", 1e5, fl.Damping(mass=0.3))
+    rotor = Rotor(0.05, 6, "beam", 1e5, fl.sections.Damping(mass=0.3))
     modes, _ = whirl(rotor, 0.0)
     expected = -0.3 * 0.05 / 1.05
     assert np.abs(modes.eigenvalues / expected - 1).min() < 1e-9

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.reduce.ecsw import ReducedCells, forces_of_training
+from fem_lie.reduction.ecsw import ReducedCells, forces_of_training
 
 RUBBER = fl.Material(E=5e6, nu=0.3, density=1100.0)
-FIXED = fl.FixedAxes()
+FIXED = fl.reduction.FixedAxes()
 
 
 def rod(force, cells=40, **options):
@@ -23,7 +23,7 @@ def rod(force, cells=40, **options):
 
 def plate(force, cells=6):
     scene = fl.Scene()
-    mesh = fl.surface(lambda a, b: (a, 0.5 * b, 0.1 * a * b), (cells, cells))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, 0.5 * b, 0.1 * a * b), (cells, cells))
     shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.01, RUBBER), name="plate"))
     shell.clamp("a=0")
     if force:
@@ -40,9 +40,9 @@ def trained(name, modes, force=None):
     make, size = SCENES[name]
     training, body = make(1.2 * size)
     states = fl.statics(training, levels=np.linspace(0.1, 1.0, 8))
-    basis = fl.pod(states, body, modes, axes=FIXED)
+    basis = fl.reduction.pod(states, body, modes, axes=FIXED)
     scene, same = make(size if force is None else force)
-    basis = fl.Basis(same, basis.shapes)
+    basis = fl.reduction.Basis(same, basis.shapes)
     return scene, basis, basis.project(states, axes=FIXED)
 
 
@@ -66,7 +66,7 @@ def test_weights_are_positive_and_forces_those_of_training(name):
     _, basis, states = trained(name, 3)
     sizes = []
     for tolerance in (1e-2, 1e-4):
-        sample = fl.ecsw(states, tolerance)
+        sample = fl.reduction.ecsw(states, tolerance)
         assert sample.error <= tolerance
         assert (sample.weights > 0.0).all()
         assert (np.diff(sample.cells) > 0).all()
@@ -86,13 +86,15 @@ def test_forces_of_training_are_in_units_of_energy_and_each_state_counts_alike()
     cells = ReducedCells(basis, np.arange(40), np.ones(40))
     random, (_, K) = np.random.default_rng(4), cells.forces_and_matrix(np.zeros(3))
     η = 1e-5 * random.uniform(0.1, 1.0, (4, 1)) * random.normal(size=(4, 3)) / np.sqrt(K.diagonal())
-    given = fl.Reduced(basis, states.rigid[:4], η, states.errors[:4])
+    given = fl.reduction.ReducedStates(basis, states.rigid[:4], η, states.errors[:4])
     found = forces_of_training(cells, given).reshape(4, 3, 40).sum(axis=2)
     product = η @ K @ η.T
     sizes = np.sqrt(product.diagonal())
     np.testing.assert_allclose(found @ found.T, product / np.outer(sizes, sizes), atol=1e-3)
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1.0, rtol=1e-12)
-    resting = fl.Reduced(basis, given.rigid, η * [[1.0], [0.0], [1.0], [1.0]], given.errors)
+    resting = fl.reduction.ReducedStates(
+        basis, given.rigid, η * [[1.0], [0.0], [1.0], [1.0]], given.errors
+    )
     np.testing.assert_array_equal(
         forces_of_training(cells, resting).reshape(3, 3, 40).sum(axis=2), found[[0, 2, 3]]
     )
@@ -102,13 +104,13 @@ def test_forces_of_training_are_in_units_of_energy_and_each_state_counts_alike()
 def test_few_cells_have_the_equilibrium_of_all(name):
     scene, basis, states = trained(name, 4)
     count = len(basis.body.elastic_cells)
-    every = fl.CellSample(basis, np.arange(count), np.ones(count), 0.0)
+    every = fl.reduction.CellSample(basis, np.arange(count), np.ones(count), 0.0)
     full = fl.statics(scene)
     full = full.frames[-1, full.info.body(basis.body.name).nodes, 0]
     away = np.linalg.norm(full - basis.body.frames[:, 0], axis=1).max()
     assert 0.08 < away < 0.16
-    for sample, tolerance in ((every, 1e-4), (fl.ecsw(states, 1e-4), 1e-2)):
-        found = fl.sampled_statics(scene, sample, levels=(0.5, 1.0))
+    for sample, tolerance in ((every, 1e-4), (fl.reduction.ecsw(states, 1e-4), 1e-2)):
+        found = fl.reduction.sampled_statics(scene, sample, levels=(0.5, 1.0))
         assert found.frames.shape[0] == 2
         error = np.linalg.norm(found.frames[-1, :, 0] - full, axis=1).max()
         assert error < tolerance * away
@@ -121,10 +123,12 @@ def test_all_cells_in_all_shapes_are_the_full_model(make, wide):
     shapes = np.zeros((len(free) * wide, len(body.frames), 6))
     shapes[:, free, :wide] = np.eye(len(shapes)).reshape(-1, len(free), wide)
     count = len(body.elastic_cells)
-    sample = fl.CellSample(fl.Basis(body, shapes), np.arange(count), np.ones(count), 0.0)
+    sample = fl.reduction.CellSample(
+        fl.reduction.Basis(body, shapes), np.arange(count), np.ones(count), 0.0
+    )
     full = fl.statics(scene)
     full = full.frames[-1, full.info.body(body.name).nodes, 0]
-    found = fl.sampled_statics(scene, sample).frames[-1, :, 0]
+    found = fl.reduction.sampled_statics(scene, sample).frames[-1, :, 0]
     away = np.abs(full - body.frames[:, 0]).max()
     assert away > 1e-3
     np.testing.assert_allclose(found, full, atol=1e-6 * away)
@@ -135,9 +139,9 @@ def test_weight_and_turning_loads_act_as_on_all_cells():
     beam = basis.body
     scene.add(fl.PointLoad(beam.point("end"), force=(0.0, 5e-4, 1e-3), following=True))
     scene.add(fl.PointLoad(beam.point(20), moment=(0.0, 2e-5, 1e-5)))
-    every = fl.CellSample(basis, np.arange(40), np.ones(40), 0.0)
-    found = fl.sampled_statics(scene, every)
-    wanted = fl.reduced_statics(scene, basis, load_steps=2)
+    every = fl.reduction.CellSample(basis, np.arange(40), np.ones(40), 0.0)
+    found = fl.reduction.sampled_statics(scene, every)
+    wanted = fl.reduction.reduced_statics(scene, basis, load_steps=2)
     np.testing.assert_allclose(
         found.coordinates[0], wanted.coordinates, atol=1e-5 * np.abs(wanted.coordinates).max()
     )
@@ -146,33 +150,44 @@ def test_weight_and_turning_loads_act_as_on_all_cells():
 def test_what_cannot_be_sampled_is_said():
     scene, basis, states = trained("beam", 2)
     with pytest.raises(ValueError, match="below 1"):
-        fl.ecsw(states, 1.0)
+        fl.reduction.ecsw(states, 1.0)
     with pytest.raises(TypeError, match="few shapes"):
-        fl.ecsw(basis, 0.1)
-    nothing = fl.Reduced(basis, states.rigid, np.zeros_like(states.coordinates), states.errors)
+        fl.reduction.ecsw(basis, 0.1)
+    nothing = fl.reduction.ReducedStates(
+        basis, states.rigid, np.zeros_like(states.coordinates), states.errors
+    )
     with pytest.raises(ValueError, match="without forces"):
-        fl.ecsw(nothing, 0.1)
-    rigid = fl.Basis(basis.body, np.tile([1.0, 0, 0, 0, 0, 0], (1, 41, 1)))
+        fl.reduction.ecsw(nothing, 0.1)
+    rigid = fl.reduction.Basis(basis.body, np.tile([1.0, 0, 0, 0, 0, 0], (1, 41, 1)))
     with pytest.raises(ValueError, match="rigid-body modes"):
-        fl.ecsw(fl.Reduced(rigid, states.rigid, states.coordinates[:, :1], states.errors), 0.1)
-    sample = fl.ecsw(states, 1e-2)
+        fl.reduction.ecsw(
+            fl.reduction.ReducedStates(
+                rigid, states.rigid, states.coordinates[:, :1], states.errors
+            ),
+            0.1,
+        )
+    sample = fl.reduction.ecsw(states, 1e-2)
     surface, shell = plate(0.06)
-    of_shell = fl.CellSample(fl.Basis(shell, np.zeros((1, 49, 6))), np.arange(1), np.ones(1), 0.0)
+    of_shell = fl.reduction.CellSample(
+        fl.reduction.Basis(shell, np.zeros((1, 49, 6))), np.arange(1), np.ones(1), 0.0
+    )
     with pytest.raises(ValueError, match="not the body"):
-        fl.sampled_statics(rod(1.0)[0], sample)
+        fl.reduction.sampled_statics(rod(1.0)[0], sample)
     with pytest.raises(ValueError, match="fixed nodes"):
-        fl.sampled_statics(scene, sample._replace(basis=rigid))
+        fl.reduction.sampled_statics(scene, sample._replace(basis=rigid))
     with pytest.raises(ValueError, match="levels must"):
-        fl.sampled_statics(scene, sample, levels=())
+        fl.reduction.sampled_statics(scene, sample, levels=())
     empty, body = rod(0.0)
     with pytest.raises(ValueError, match="no load"):
-        fl.sampled_statics(empty, sample._replace(basis=fl.Basis(body, basis.shapes)))
-    surface.add(fl.SurfacePressure(shell, 1.0))
+        fl.reduction.sampled_statics(
+            empty, sample._replace(basis=fl.reduction.Basis(body, basis.shapes))
+        )
+    surface.add(fl.loads.SurfacePressure(shell, 1.0))
     with pytest.raises(ValueError, match="other than nodal forces"):
-        fl.sampled_statics(surface, of_shell)
-    scene.add(fl.Temperature(basis.body, 40.0, 1e-5))
+        fl.reduction.sampled_statics(surface, of_shell)
+    scene.add(fl.loads.Temperature(basis.body, 40.0, 1e-5))
     with pytest.raises(ValueError, match="other than nodal forces"):
-        fl.sampled_statics(scene, sample)
+        fl.reduction.sampled_statics(scene, sample)
     cable = fl.Cable.straight((0, 0, 0), (1, 0, 0), fl.Section.circle(0.01, RUBBER), cells=2)
     with pytest.raises(ValueError, match="individually"):
         cable.weighted_cells(np.arange(2), np.ones(2))

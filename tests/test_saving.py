@@ -24,7 +24,9 @@ def top(*, jointed: bool = True, history=None) -> fl.Scene:
     one = scene.add(fl.RigidBody(1.0, (0.2, 0.2, 0.3), (0.5, 0, 0)))
     two = scene.add(fl.RigidBody(2.0, (0.1, 0.2, 0.3), (0, 2.0, 0)))
     if jointed:
-        scene.add(fl.Revolute(fl.ground(), one.point("centre"), at=(0, 0, 0), axis=(0, 1, 0.2)))
+        scene.add(
+            fl.joints.Revolute(fl.ground(), one.point("centre"), at=(0, 0, 0), axis=(0, 1, 0.2))
+        )
     two.add_velocity(omega=(1.0, 4.0, 0.2), about=two.point("centre"))
     scene.add(fl.PointLoad(two.point("centre"), moment=(0, 0, 0.5), history=history))
     return scene
@@ -52,7 +54,9 @@ def test_times_are_those_of_all_steps_resampled(scheme, jointed):
     assert even.factorisations == all_steps.factorisations
 
 
-@pytest.mark.parametrize("choice", [fl.ConstantStep(2e-3), fl.AdaptiveStep(1e-2, events=(0.05,))])
+@pytest.mark.parametrize(
+    "choice", [fl.schemes.ConstantStep(2e-3), fl.schemes.AdaptiveStep(1e-2, events=(0.05,))]
+)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_times_of_steps_that_change(scheme, choice):
     def jumping(t: float) -> float:

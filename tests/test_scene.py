@@ -12,7 +12,9 @@ LAYER = fl.ShellSection.layer(0.01, fl.Material(1e9, 0.3, 1000.0))
 
 
 def plate() -> fl.Shell:
-    return fl.Shell(fl.surface(lambda a, b: (a, b, 0.0), (2, 2)), LAYER, name="plate")
+    return fl.Shell(
+        fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (2, 2)), LAYER, name="plate"
+    )
 
 
 def two_bodies():
@@ -31,7 +33,7 @@ def test_a_shell_has_five_parameters_in_one_scene_and_six_in_another():
     plain.add(shell)
     first = Assembled(plain, dynamics=True)
     jointed.add(shell)
-    jointed.add(fl.Revolute(shell.point("00"), fl.ground()))
+    jointed.add(fl.joints.Revolute(shell.point("00"), fl.ground()))
     again = Assembled(plain, dynamics=True)
     other = Assembled(jointed, dynamics=True)
     assert not plain.drills(shell) and jointed.drills(shell)
@@ -55,14 +57,16 @@ def test_two_shells_of_one_kind_may_differ_in_parameters():
 @pytest.mark.parametrize(
     "item",
     [
-        lambda joint: fl.Spring(joint.angle, stiffness=1.0),
-        lambda joint: fl.Drive(joint.angle),
-        lambda joint: fl.Gear(fl.Distance(joint.a, joint.b).length, joint.angle, ratio=2.0),
+        lambda joint: fl.joints.Spring(joint.angle, stiffness=1.0),
+        lambda joint: fl.joints.Drive(joint.angle),
+        lambda joint: fl.joints.Gear(
+            fl.joints.Distance(joint.a, joint.b).length, joint.angle, ratio=2.0
+        ),
     ],
 )
 def test_what_acts_along_a_joint_needs_it_in_the_scene(item):
     scene, a, b = two_bodies()
-    joint = fl.Revolute(a.point("centre"), b.point("centre"), at=(0, 0, 0), name="hinge")
+    joint = fl.joints.Revolute(a.point("centre"), b.point("centre"), at=(0, 0, 0), name="hinge")
     with pytest.raises(ValueError, match="angle of hinge, which is not in the scene; add"):
         scene.add(item(joint))
     scene.add(joint)
@@ -72,21 +76,25 @@ def test_what_acts_along_a_joint_needs_it_in_the_scene(item):
 
 def test_a_distance_binds_nothing_and_need_not_be_in_the_scene():
     scene, a, b = two_bodies()
-    scene.add(fl.Spring(fl.Distance(a.point("centre"), b.point("centre")).length, stiffness=1.0))
+    scene.add(
+        fl.joints.Spring(
+            fl.joints.Distance(a.point("centre"), b.point("centre")).length, stiffness=1.0
+        )
+    )
     assert not scene.joints
 
 
 def test_a_gear_wants_two_coordinates():
     scene, a, b = two_bodies()
-    pin = scene.add(fl.Cylindrical(a.point("centre"), b.point("centre"), at=(0, 0, 0)))
+    pin = scene.add(fl.joints.Cylindrical(a.point("centre"), b.point("centre"), at=(0, 0, 0)))
     rod, back = (
-        fl.Distance(a.point("centre"), b.point("centre")),
-        fl.Distance(b.point("centre"), a.point("centre")),
+        fl.joints.Distance(a.point("centre"), b.point("centre")),
+        fl.joints.Distance(b.point("centre"), a.point("centre")),
     )
     for first, second in ((pin.angle, pin.angle), (rod.length, back.length)):
         with pytest.raises(ValueError, match="same coordinate"):
-            scene.add(fl.Gear(first, second, ratio=2.0))
-    scene.add(fl.Gear(pin.displacement, pin.angle, ratio=2.0))
+            scene.add(fl.joints.Gear(first, second, ratio=2.0))
+    scene.add(fl.joints.Gear(pin.displacement, pin.angle, ratio=2.0))
 
 
 # --- prescribed motions ---------------------------------------------------------------------------
@@ -202,9 +210,9 @@ def test_a_point_needs_a_node_that_is_there():
     bar = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2, name="bar")
     for node in (3, -1):
         with pytest.raises(ValueError, match=f"bar has nodes 0 … 2, got {node}"):
-            fl.Point(bar, node)
+            fl.extend.Point(bar, node)
     with pytest.raises(TypeError, match="body must be a body, or None for ground, got 'bar'"):
-        fl.Point("bar")
+        fl.extend.Point("bar")
 
 
 def test_bodies_that_are_given_the_same_name_later_are_refused():

@@ -180,12 +180,12 @@ def test_columns_that_follow_from_others_are_not_solved_for(rng):
 def block_on_a_mass(cells: int) -> fl.Scene:
     """A block, clamped below, with a rigid mass on an averaging attachment of its top."""
     scene = fl.Scene()
-    mesh = fl.block(lambda a, b, c: (a, b, 0.5 * c), (cells,) * 3)
-    block = scene.add(fl.Solid(mesh, fl.NeoHooke(1e6, 0.3, 1000.0)))
+    mesh = fl.mesh.parametric_volume(lambda a, b, c: (a, b, 0.5 * c), (cells,) * 3)
+    block = scene.add(fl.Solid(mesh, fl.sections.NeoHooke(1e6, 0.3, 1000.0)))
     for node in block.points("c=0"):
         scene.add(fl.Clamp(node))
     mass = scene.add(fl.RigidBody(1.0, (0.1,) * 3, position=(0.5, 0.5, 1.0)))
-    scene.add(fl.Fixed(block.point("c=1"), mass.point("centre"), at=(0.5, 0.5, 0.5)))
+    scene.add(fl.joints.Fixed(block.point("c=1"), mass.point("centre"), at=(0.5, 0.5, 0.5)))
     scene.add(fl.PointLoad(mass.point("centre"), force=(2e4, 0.0, -4e4), moment=(0.0, 0.0, 3e3)))
     return scene
 
@@ -209,7 +209,7 @@ def test_attachments_may_be_on_nodes_that_are_held(monkeypatch):
         scene = block_on_a_mass(8)
         (block,) = (body for body in scene.bodies if isinstance(body, fl.Solid))
         mass = scene.add(fl.RigidBody(1.0, (0.1,) * 3, position=(0.5, 0.5, -1.0)))
-        scene.add(fl.Fixed(block.point("c=0"), mass.point("centre"), at=(0.5, 0.5, 0.0)))
+        scene.add(fl.joints.Fixed(block.point("c=0"), mass.point("centre"), at=(0.5, 0.5, 0.0)))
         scene.add(fl.PointLoad(mass.point("centre"), force=(1e3, 0.0, 0.0)))
         return fl.statics(scene)
 
@@ -222,11 +222,11 @@ def test_attachments_may_be_on_nodes_that_are_held(monkeypatch):
 
 def test_a_force_on_an_averaging_attachment_is_a_traction():
     """The weights of its nodes are the areas that they carry; the matrix has no more entries."""
-    mesh = fl.block(lambda a, b, c: (a, b + 0.1 * a * b, 0.5 * c), (3, 3, 2))
+    mesh = fl.mesh.parametric_volume(lambda a, b, c: (a, b + 0.1 * a * b, 0.5 * c), (3, 3, 2))
 
     def entries_and_result(loaded):
         scene = fl.Scene()
-        block = scene.add(fl.Solid(mesh, fl.NeoHooke(1e6, 0.3, 1000.0)))
+        block = scene.add(fl.Solid(mesh, fl.sections.NeoHooke(1e6, 0.3, 1000.0)))
         for node in block.points("c=0"):
             scene.add(fl.Clamp(node))
         loaded(scene, block, np.array([2e4, -1e4, -6e4]))
@@ -236,7 +236,7 @@ def test_a_force_on_an_averaging_attachment_is_a_traction():
         scene.add(fl.PointLoad(block.point("c=1"), force=force))
 
     def spread(scene, block, force):
-        scene.add(fl.FaceLoad(block, "c=1", force / 1.05))
+        scene.add(fl.loads.FaceLoad(block, "c=1", force / 1.05))
 
     size, found = entries_and_result(at_the_mean)
     same, wanted = entries_and_result(spread)

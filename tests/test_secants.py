@@ -99,7 +99,7 @@ def slackening() -> fl.Scene:
     threads += [[5 * i + j for i in range(5)] for j in range(5)]
     section = fl.Section.from_stiffness([1e4] * 3 + [1e-4] * 3, mass=0.1)
     scene = fl.Scene(gravity=(0, 0, -9.81))
-    own = fl.DiscreteCable(slack=1e-3)
+    own = fl.elements.DiscreteCable(slack=1e-3)
     net = scene.add(fl.Net(points, threads, section, formulation=own))
     net.pin(*(net.point(k) for k in (0, 4, 20)))
     return scene
@@ -107,7 +107,7 @@ def slackening() -> fl.Scene:
 
 def scheme(secants: int) -> fl.GeneralisedAlpha:
     """Which forgets high frequencies at once."""
-    policy = fl.Automatic(secants=secants, cost=200.0)
+    policy = fl.schemes.Automatic(secants=secants, cost=200.0)
     return fl.GeneralisedAlpha(radius=0.0, tolerance=1e-9, policy=policy)
 
 
@@ -130,8 +130,8 @@ def test_goes_on_to_the_last_bit(tmp_path):
 def thrown() -> fl.Scene:
     """A rope in the air that is thrown so that it bends and stretches."""
     section = fl.Section.from_stiffness([1e3] * 3 + [0.1] * 3, mass=0.1)
-    mesh = fl.straight((0, 0, 0), (1, 0, 0), 12)
-    rope = fl.Cable(mesh, section, formulation=fl.DiscreteCable())
+    mesh = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 12)
+    rope = fl.Cable(mesh, section, formulation=fl.elements.DiscreteCable())
     s = np.linspace(0.0, 1.0, 13)
     rope.velocities[:, :3] = 10.0 * np.column_stack([s**2, np.sin(6.0 * s), s - 0.5])
     scene = fl.Scene()
@@ -143,7 +143,7 @@ def test_conserving_steps_learn_too():
     """Energy as before, the same motion, fewer matrices, which steps that diverge ask for."""
     found = []
     for secants in (0, 3):
-        policy = fl.Automatic(cost=1e6, patience=10**6, secants=secants)
+        policy = fl.schemes.Automatic(cost=1e6, patience=10**6, secants=secants)
         found.append(fl.EnergyMomentum(policy=policy).run(thrown(), duration=0.05, step=2e-3))
     plain, better = found
     places, others = (result.frames[:, :, 0] for result in found)
@@ -157,15 +157,15 @@ def test_bad_numbers_are_named():
     """Not negative, and not more than pay."""
     for given in (-1, 21):
         with pytest.raises(ValueError, match=f"secants must be 0 … 20, got {given}"):
-            fl.Automatic(secants=given)
+            fl.schemes.Automatic(secants=given)
 
 
 def test_schemes_without_them_say_so():
     """Before any work."""
     with pytest.raises(ValueError, match="expected secants=0, got 2"):
-        fl.Variational(policy=fl.Automatic(secants=2))
+        fl.schemes.Variational(policy=fl.schemes.Automatic(secants=2))
     scene = fl.Scene()
     scene.add(fl.RigidBody(1.0, (0.1, 0.2, 0.3)))
-    scheme = fl.EnergyMomentum(policy=fl.Automatic(secants=2))
+    scheme = fl.EnergyMomentum(policy=fl.schemes.Automatic(secants=2))
     with pytest.raises(ValueError, match="expected secants=0 without these, got 2"):
         scheme.run(scene, duration=0.1, step=0.01)

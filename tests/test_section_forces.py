@@ -14,7 +14,12 @@ EA, GA, GJ, EI2, EI3 = 1e4, 5e3, 50.0, 100.0, 70.0
 SECTION = fl.Section.from_stiffness([EA, GA, GA, GJ, EI2, EI3], mass=0.5, rotary=(2e-4, 1e-4))
 STEEL = fl.Material(2e11, 0.3, 7800.0)
 LENGTH = 2.0
-FORMULATIONS = [fl.Geodesic(), fl.Director(1), fl.Director(2), fl.Kirchhoff()]
+FORMULATIONS = [
+    fl.elements.GeodesicBeam(),
+    fl.elements.DirectorBeam(1),
+    fl.elements.DirectorBeam(2),
+    fl.elements.KirchhoffRod(),
+]
 every_formulation = pytest.mark.parametrize("formulation", FORMULATIONS, ids=str)
 
 
@@ -35,10 +40,10 @@ def cantilever(cells: int, section: fl.Section = SECTION, formulation=None, **op
     return scene, beam
 
 
-def branch(damping: fl.Damping | None = None) -> tuple[fl.Scene, fl.Beam]:
+def branch(damping: fl.sections.Damping | None = None) -> tuple[fl.Scene, fl.Beam]:
     """A kink and a branch: nodes that follow others."""
     scene = fl.Scene()
-    mesh = fl.LineMesh.from_cells(
+    mesh = fl.mesh.LineMesh.from_cells(
         [(0, 0, 0), (1, 0, 0), (1.2, 0.8, 0), (1.5, 0, 0.8), (2, 0, 0)],
         [(0, 1), (1, 2), (1, 3), (1, 4)],
     )
@@ -52,12 +57,12 @@ def helix(s: float) -> tuple[float, float, float]:
 def twisted_arc(formulation, section=SECTION) -> tuple[fl.Scene, fl.Beam]:
     scene = fl.Scene()
     beam = fl.Beam.curve(
-        helix, section, cells=5, formulation=formulation, up=fl.Twisted(lambda s: 0.3 * s)
+        helix, section, cells=5, formulation=formulation, up=fl.sections.Twisted(lambda s: 0.3 * s)
     )
     return scene, scene.add(beam)
 
 
-def in_frames(scene: fl.Scene, beam: fl.Beam, frames: np.ndarray) -> fl.SectionForces:
+def in_frames(scene: fl.Scene, beam: fl.Beam, frames: np.ndarray) -> fl.post.SectionForces:
     """Those of one beam of a scene in given frames of its nodes."""
     info = fl.extend.Equations(scene, dynamics=False).info
     placed = np.zeros((sum(len(body.nodes) for body in info.bodies), 4, 3))
@@ -74,7 +79,7 @@ def in_frames(scene: fl.Scene, beam: fl.Beam, frames: np.ndarray) -> fl.SectionF
         0.0,
         np.zeros((1, 0, 6)),
     )
-    return fl.section_forces(result, beam, scene)
+    return fl.post.section_forces(result, beam, scene)
 
 
 # --- equilibrium ----------------------------------------------------------------------------------
@@ -87,7 +92,7 @@ def test_each_section_carries_what_acts_beyond_it(formulation):
     force, moment = np.array([0.0, -20.0, 40.0]), np.array([30.0, 10.0, -20.0])
     scene.add(fl.PointLoad(beam.point("end"), force=force, moment=moment))
     result = fl.statics(scene, load_steps=2)
-    found = fl.section_forces(result, beam, scene)
+    found = fl.post.section_forces(result, beam, scene)
     assert found.times.tolist() == result.factors.tolist()
     ends = beam.elements[:, :2]
     for k, factor in enumerate(result.factors):
@@ -124,7 +129,7 @@ def test_signs():
     small = np.array([3.0, 2.0, 1.0]) * 1e-6
     scene, beam = cantilever(2)
     scene.add(fl.PointLoad(beam.point("end"), force=small, moment=(4e-6, 0, 0)))
-    found = fl.section_forces(fl.statics(scene), beam, scene)
+    found = fl.post.section_forces(fl.statics(scene), beam, scene)
     root = [found.at(beam.point("start"), name)[-1] for name in ("N", "Vy", "Vz", "T", "My", "Mz")]
     expected = [*small, 4e-6, -small[2] * LENGTH, small[1] * LENGTH]
     np.testing.assert_allclose(root, expected, rtol=0, atol=1e-11)
@@ -137,8 +142,10 @@ def test_signs():
 @pytest.mark.parametrize("seed", range(2))
 def test_what_meets_at_a_node_is_the_residual_of_the_scene(seed):
     """Far from equilibrium, at a kink and a branch, with damping."""
-    scene, beam = branch(fl.Damping(stiffness=0.1))
-    damped, free = (Assembled(each, dynamics=True) for each in (scene, branch(fl.Damping())[0]))
+    scene, beam = branch(fl.sections.Damping(stiffness=0.1))
+    damped, free = (
+        Assembled(each, dynamics=True) for each in (scene, branch(fl.sections.Damping())[0])
+    )
     rng = np.random.default_rng(seed)
     H = damped.moved(damped.start, 0.4 * rng.normal(size=(damped.count, 6)))
     v = rng.normal(size=(damped.count, 6))
@@ -151,7 +158,7 @@ def test_what_meets_at_a_node_is_the_residual_of_the_scene(seed):
         frames=np.tile(report.frames, (2, 1, 1, 1)),
         velocities=np.tile(report.twists, (2, 1, 1)),
     )
-    found = fl.section_forces(motion, beam, scene, steps=[-1])
+    found = fl.post.section_forces(motion, beam, scene, steps=[-1])
     total, numbers = np.zeros((damped.count, 6)), motion.info.body(beam.name).nodes
     for (start, end), (first, second) in zip(numbers[beam.elements], found.ends[0], strict=True):
         for node, wrench in ((start, -first), (end, second)):
@@ -165,13 +172,13 @@ def test_equilibrium_of_a_frame_with_a_branch():
     scene, beam = branch()
     scene.add(fl.Clamp(beam.point(0)))
     weight = scene.add(fl.RigidBody(1.0, (1, 1, 1), (1.2, 1.0, 0.3)))
-    scene.add(fl.RigidLink(beam.point(2), weight.point("centre")))
+    scene.add(fl.joints.RigidLink(beam.point(2), weight.point("centre")))
     loads = {3: np.array([0.0, 4.0, -3.0]), 4: np.array([2.0, 0.0, 1.0])}
     for node, force in loads.items():
         scene.add(fl.PointLoad(beam.point(node), force=force))
     scene.add(fl.PointLoad(weight.point("centre"), force=(1.0, 0.0, -2.0)))
     result = fl.statics(scene)
-    found = fl.section_forces(result, beam, scene)
+    found = fl.post.section_forces(result, beam, scene)
     total = np.array([3.0, 4.0, -4.0])
     np.testing.assert_allclose(found.cut_forces[-1, 0], [total, total], atol=1e-7)
     root = beam.frames[0, 0]
@@ -191,10 +198,10 @@ def test_little_weight_carries_the_force_of_the_joint_at_all_times():
     light = fl.Section.from_stiffness([EA, GA, GA, GJ, EI2, EI3], mass=1e-7, polar=2e-11)
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), light, cells=2))
     body = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (1, 0, 0)))
-    scene.add(fl.Spherical(fl.ground(), beam.point("start")))
-    joint = scene.add(fl.Fixed(beam.point("end"), body.point("centre")))
+    scene.add(fl.joints.Spherical(fl.ground(), beam.point("start")))
+    joint = scene.add(fl.joints.Fixed(beam.point("end"), body.point("centre")))
     result = fl.GeneralisedAlpha(radius=0.5).run(scene, duration=0.2, step=0.01)
-    found = fl.section_forces(result, beam, scene)
+    found = fl.post.section_forces(result, beam, scene)
     axes = joint.frame()[1:] @ beam.point("end").frame[1:].T  # of the joint in the node's frame
     wrench = result.joint_force(joint).reshape(-1, 2, 3) @ axes
     assert np.abs(wrench).max() > 4.0
@@ -233,7 +240,10 @@ def test_nothing_unloaded(formulation):
 def test_coupled_section_under_constant_strain(curved):
     """``σ = D ε`` of a full 6×6 section, stretched, sheared, twisted and bent by any amount."""
     D = np.diag([90.0, 40, 30, 8, 6, 7]) + np.cos(np.add.outer(np.arange(6), np.arange(6)))
-    section, formulation = fl.Section.from_stiffness(D), fl.Geodesic(bending_flexibility=False)
+    section, formulation = (
+        fl.Section.from_stiffness(D),
+        fl.elements.GeodesicBeam(bending_flexibility=False),
+    )
     scene = fl.Scene()
     rest = np.array([1.0, 0, 0, 0, 0, 0.8 if curved else 0])
     shape = (
@@ -254,7 +264,7 @@ def test_coupled_section_under_constant_strain(curved):
 @pytest.mark.parametrize("seed", range(2))
 def test_stress_of_the_geodesic_element_is_the_mean_of_its_section_forces(seed):
     """``T₆ᵀ(d) σ_B = ∫ Ad(exp(−s d))ᵀ σ_B ds``, carried along the element in turning axes."""
-    scene, beam = twisted_arc(fl.Geodesic())
+    scene, beam = twisted_arc(fl.elements.GeodesicBeam())
     rng = np.random.default_rng(seed)
     H = lie.se3_retract(beam.frames, 0.3 * rng.normal(size=(len(beam.frames), 6)))
     found = in_frames(scene, beam, H)
@@ -267,11 +277,11 @@ def test_stress_of_the_geodesic_element_is_the_mean_of_its_section_forces(seed):
 
 def test_viscous_part():
     """Kelvin and Voigt: a bar that is pulled at a rate."""
-    scene, beam = cantilever(3, damping=fl.Damping(stiffness=0.1))
+    scene, beam = cantilever(3, damping=fl.sections.Damping(stiffness=0.1))
     motion = fl.GeneralisedAlpha().run(scene, duration=1e-3, step=1e-3)
     velocities = np.zeros_like(motion.velocities)
     velocities[1, :, 0] = 0.5 * motion.frames[1, :, 0, 0]
-    found = fl.section_forces(replace(motion, velocities=velocities), beam, scene)
+    found = fl.post.section_forces(replace(motion, velocities=velocities), beam, scene)
     np.testing.assert_allclose(found.mean("N")[1], EA * 0.1 * 0.5, rtol=1e-12)
     np.testing.assert_allclose(found.at_points(1), 0.0, atol=1e-9)
 
@@ -288,19 +298,21 @@ def test_line_load(formulation, axis, shear, moment, sign):
     q, cells = 1e-4, 4
     scene, beam = cantilever(cells, formulation=formulation)
     scene.add(fl.LineLoad(beam, force=q * np.eye(3)[axis]))
-    found = fl.section_forces(fl.statics(scene), beam, scene)
+    found = fl.post.section_forces(fl.statics(scene), beam, scene)
     x, size = found.arc, q * LENGTH
     tolerance = {"rtol": 0, "atol": 1e-6 * size}
     np.testing.assert_allclose(found.mean(shear)[-1], q * (LENGTH - x.mean(axis=1)), **tolerance)
     np.testing.assert_allclose(found.smooth(shear)[-1], q * (LENGTH - x), **tolerance)
     bent = sign * q * (LENGTH - x) ** 2 / 2
     np.testing.assert_allclose(found.smooth(moment)[-1], bent, **tolerance)
-    if formulation == fl.Geodesic():
+    if formulation == fl.elements.GeodesicBeam():
         cubes = (LENGTH - x[:, 1]) ** 3 - (LENGTH - x[:, 0]) ** 3
         mean = -sign * q * cubes / 6 / (LENGTH / cells)
         np.testing.assert_allclose(found.mean(moment)[-1], mean, **tolerance)
     jumps = found.raw(shear)[-1, :-1, 1] - found.raw(shear)[-1, 1:, 0]
-    part = 1.0 if formulation != fl.Director(2) else 1 / 3  # the rest is on the inner nodes
+    part = (
+        1.0 if formulation != fl.elements.DirectorBeam(2) else 1 / 3
+    )  # the rest is on the inner nodes
     np.testing.assert_allclose(jumps, q * part * LENGTH / cells, **tolerance)
 
 
@@ -308,13 +320,13 @@ def test_a_single_force_stays_a_jump():
     """Beside a line load, and with elements of different lengths."""
     q, single = 1e-4, 3e-4
     s = np.array([0.0, 0.3, 0.7, 1.0, 1.6, 2.0])
-    mesh = fl.LineMesh.from_cells(np.outer(s, [1, 0, 0]), [(i, i + 1) for i in range(5)])
+    mesh = fl.mesh.LineMesh.from_cells(np.outer(s, [1, 0, 0]), [(i, i + 1) for i in range(5)])
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, SECTION, up=(0, 0, 1)))
     scene.add(fl.Clamp(beam.point(0)))
     scene.add(fl.LineLoad(beam, force=(0, 0, q)))
     scene.add(fl.PointLoad(beam.point(3), force=(0, 0, single)))
-    found = fl.section_forces(fl.statics(scene), beam, scene)
+    found = fl.post.section_forces(fl.statics(scene), beam, scene)
     expected = q * (LENGTH - found.arc) + single * (np.arange(5) < 3)[:, np.newaxis]
     np.testing.assert_allclose(found.smooth("Vz")[-1], expected, atol=1e-6 * q)
     with pytest.raises(ValueError, match="belong to 2 ends"):
@@ -326,7 +338,7 @@ def test_nothing_is_smooth_where_something_slides():
     """Its force is on the nodes of the element where it is."""
     scene, beam = cantilever(4)
     body = scene.add(fl.RigidBody(1.0, (1, 1, 1), (0.6 * LENGTH, 0, 0)))
-    scene.add(fl.Sliding(beam, body.point("centre")))
+    scene.add(fl.joints.Sliding(beam, body.point("centre")))
     found = in_frames(scene, beam, lie.se3_retract(beam.frames, 0.1 * np.ones((5, 6))))
     np.testing.assert_array_equal(found.smooth_ends, found.ends)
     assert set(found.single) == set(range(5))
@@ -339,7 +351,7 @@ def test_a_beam_on_a_hub(formulation):
     section = fl.Section.rectangle(0.02, 0.04, STEEL)
     for cells in (4, 8):
         scene, beam = cantilever(cells, section, formulation)
-        found = fl.section_forces(fl.statics(scene, spin=(0, 0, spin)), beam, scene)
+        found = fl.post.section_forces(fl.statics(scene, spin=(0, 0, spin)), beam, scene)
         scale = beam.density[0, 0, 0] * spin**2 / 2
         a, b = found.arc.T
         mean = scale * (LENGTH**2 - (a**2 + a * b + b**2) / 3)
@@ -358,11 +370,11 @@ def test_spin_up_in_time():
     scene = fl.Scene()
     section = fl.Section.rectangle(0.02, 0.04, STEEL)
     beam = scene.add(fl.Beam.straight((0, 0, 0), (LENGTH, 0, 0), section, cells=8, up=(0, 0, 1)))
-    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
+    scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
     beam.add_velocity(omega=(0, 0, spin), about=beam.point("start"))
     # large steps damp the axial vibration that starts with the load
     result = fl.GeneralisedAlpha(radius=0.0).run(scene, duration=0.5, step=0.01)
-    found = fl.section_forces(result, beam, scene)
+    found = fl.post.section_forces(result, beam, scene)
     scale = beam.density[0, 0, 0] * spin**2 / 2
     a, b = found.arc.T
     mean = scale * (LENGTH**2 - (a**2 + a * b + b**2) / 3)
@@ -377,7 +389,7 @@ def test_pure_bending_to_a_circle():
     scene, beam = cantilever(8)
     moment = 2 * np.pi * EI3 / LENGTH
     scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, moment)))
-    found = fl.section_forces(fl.statics(scene, load_steps=6), beam, scene)
+    found = fl.post.section_forces(fl.statics(scene, load_steps=6), beam, scene)
     np.testing.assert_allclose(found.middle[-1, :, 5], moment, rtol=1e-9)
     np.testing.assert_allclose(found.middle[-1, :, :5], 0.0, atol=1e-6)
     np.testing.assert_allclose(found.at_points()[:, 0], found.middle[-1], atol=1e-6)
@@ -393,7 +405,7 @@ def test_elastica():
         beam = scene.add(fl.Beam.straight((0, 0, 0), (length, 0, 0), section, cells=cells))
         scene.add(fl.Clamp(beam.point("start")))
         scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, force)))
-        found = fl.section_forces(fl.statics(scene, load_steps=4), beam, scene)
+        found = fl.post.section_forces(fl.statics(scene, load_steps=4), beam, scene)
         exact = -force * (length + elastica(force)[0])
         errors.append(abs(found.at(beam.point("start"), "My")[-1] / exact - 1))
     assert max(errors) < 2e-6  # what is left with EA L²/EI = 1e6 is stretch and shear
@@ -406,9 +418,9 @@ def test_warming_between_clamps_and_histories():
     """``N = −EA α ΔT`` at each load factor; a history goes with the factor, too."""
     scene, beam = cantilever(3)
     scene.add(fl.Clamp(beam.point("end")))
-    scene.add(fl.Temperature(beam, 20.0, 1e-4))
-    scene.add(fl.Eigenstrain(beam, (1e-3, 0, 0, 0, 0, 0), history=lambda t: t**2))
-    found = fl.section_forces(fl.statics(scene, load_steps=2), beam, scene)
+    scene.add(fl.loads.Temperature(beam, 20.0, 1e-4))
+    scene.add(fl.loads.Eigenstrain(beam, (1e-3, 0, 0, 0, 0, 0), history=lambda t: t**2))
+    found = fl.post.section_forces(fl.statics(scene, load_steps=2), beam, scene)
     expected = -EA * (2e-3 * found.times + 1e-3 * found.times**2)
     np.testing.assert_allclose(found.mean("N"), np.tile(expected, (3, 1)).T, rtol=1e-9)
     np.testing.assert_allclose(found.at_points(0)[:, 0, 0], expected[0], rtol=1e-9)
@@ -419,9 +431,9 @@ def test_constant_strains_act_from_the_start_in_dynamics():
     scene, beam = cantilever(2)
     for k in (1, 2):
         scene.add(fl.Clamp(beam.point(k)))
-    scene.add(fl.PreStress(beam, given))
+    scene.add(fl.loads.PreStress(beam, given))
     result = fl.GeneralisedAlpha().run(scene, duration=2e-3, step=1e-3)
-    found = fl.section_forces(result, beam, scene)
+    found = fl.post.section_forces(result, beam, scene)
     np.testing.assert_allclose(found.middle, np.broadcast_to(given, (3, 2, 6)), atol=1e-9)
 
 
@@ -447,7 +459,7 @@ def test_largest_stress_of_a_bent_and_pulled_bar():
     b, h, force = 0.02, 0.04, 1e-3
     scene, beam = cantilever(2, fl.Section.rectangle(b, h, STEEL))
     scene.add(fl.PointLoad(beam.point("end"), force=(5 * force, 0, force)))
-    found = fl.section_forces(fl.statics(scene), beam, scene)
+    found = fl.post.section_forces(fl.statics(scene), beam, scene)
     bending = force * (LENGTH - found.arc) * 6 / (b * h**2)
     pull = 5 * force / (b * h)
     atol = 1e-6 * bending.max()
@@ -463,11 +475,11 @@ def test_largest_stress_of_a_bent_and_pulled_bar():
 
 def test_files_hold_the_values(tmp_path):
     pyvista = pytest.importorskip("pyvista")
-    scene, beam = cantilever(3, formulation=fl.Director(2))
+    scene, beam = cantilever(3, formulation=fl.elements.DirectorBeam(2))
     scene.add(fl.RigidBody(1.0, (1, 1, 1), (5, 0, 0)))
     scene.add(fl.PointLoad(beam.point("end"), force=(1.0, 2.0, 30.0)))
     result = fl.GeneralisedAlpha().run(scene, duration=0.02, step=0.01)
-    found = fl.section_forces(result, beam, scene)
+    found = fl.post.section_forces(result, beam, scene)
     found.write_vtk(tmp_path / "forces.pvd")
     series = pyvista.get_reader(str(tmp_path / "forces.pvd"))
     np.testing.assert_allclose(series.time_values, result.times)
@@ -483,7 +495,7 @@ def test_files_hold_the_values(tmp_path):
     data = series.read()[0]
     expected = [np.nan, *np.repeat(found.mean("My")[2], 2)]  # a body, then two lines an element
     np.testing.assert_allclose(data.cell_data["My"], expected)
-    some = fl.section_forces(result, beam, scene, steps=[0])
+    some = fl.post.section_forces(result, beam, scene, steps=[0])
     with pytest.raises(ValueError, match="wanted at all 3 times, got 1"):
         result.write_vtk(tmp_path / "some.pvd", forces=[some])
 
@@ -493,8 +505,8 @@ def test_diagram(tmp_path):
     scene, beam = branch()
     scene.add(fl.Clamp(beam.point(0)))
     scene.add(fl.PointLoad(beam.point(2), force=(1.0, 2.0, 3.0)))
-    found = fl.section_forces(fl.statics(scene, load_steps=2), beam, scene)
-    units = fl.Units(length="m", force="kN")
+    found = fl.post.section_forces(fl.statics(scene, load_steps=2), beam, scene)
+    units = fl.post.Units(length="m", force="kN")
     figure = found.plot("N", "My", steps=(0, 1), path=tmp_path / "N.png", units=units)
     assert (tmp_path / "N.png").stat().st_size > 10_000
     above, below = figure.axes
@@ -511,15 +523,15 @@ def test_bad_input_is_named():
     result = fl.statics(scene)
     other = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=3, name="other")
     with pytest.raises(ValueError, match="other is not in the scene"):
-        fl.section_forces(result, other, scene)
+        fl.post.section_forces(result, other, scene)
     scene.add(other)
     with pytest.raises(ValueError, match="no body 'other'"):
-        fl.section_forces(result, other, scene)
+        fl.post.section_forces(result, other, scene)
     with pytest.raises(ValueError, match="has 1 states, got step 1"):
-        fl.section_forces(result, beam, scene, steps=[1])
+        fl.post.section_forces(result, beam, scene, steps=[1])
     with pytest.raises(TypeError, match=r"step must be the number of a state, got 0\.5"):
-        fl.section_forces(result, beam, scene, steps=[0.5])
-    found = fl.section_forces(result, beam, scene)
+        fl.post.section_forces(result, beam, scene, steps=[0.5])
+    found = fl.post.section_forces(result, beam, scene)
     with pytest.raises(ValueError, match="no section force 'Nx'; there are: N, Vy"):
         found.raw("Nx")
     with pytest.raises(ValueError, match="axial stress needs a section that knows"):

@@ -17,7 +17,7 @@ def tip_of(section: fl.Section, load_at=None) -> tuple[float, float]:
     point = beam.point("end")
     if load_at is not None:
         plate = scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0), (length, *load_at)))
-        scene.add(fl.RigidLink(beam.point("end"), plate.point("centre")))
+        scene.add(fl.joints.RigidLink(beam.point("end"), plate.point("centre")))
         point = plate.point("centre")
     scene.add(fl.PointLoad(point, force=(0, 0, force)))
     result = fl.statics(scene)

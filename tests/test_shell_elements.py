@@ -238,7 +238,7 @@ def test_one_element_bends_to_the_exact_angle():
     loads = [(i, np.zeros(3)) for i in ends]
     moments = [(i, np.array([0, moment / 2])) for i in ends]
     model = Statics(q, forms, held, loads, moments=moments)
-    fl.ArcLength(tolerance=1e-11).follow(model)
+    fl.stability.ArcLength(tolerance=1e-11).follow(model)
     t3 = q.frames[ends, 3]
     angle = np.arctan2(t3[:, 0], t3[:, 2])
     np.testing.assert_allclose(angle, np.pi / 2, rtol=1e-8)
@@ -289,7 +289,7 @@ REFERENCE = {0.04: (4.0753, 8.1524), 0.01: (3.8267, 7.0991)}
 
 def pull(element: Element, count: int, t: float):
     model, a, b = hemisphere(element, count, t, {0.04: 400.0, 0.01: 5.0}[t])
-    path = fl.ArcLength().follow(model)
+    path = fl.stability.ArcLength().follow(model)
     x = model.positions()
     return np.array([x[a, 0] - 10, 10 - x[b, 1]]), path
 
@@ -325,15 +325,15 @@ def test_measures_for_other_cells_are_refused():
     with pytest.raises(ValueError, match=r"quadrilateral and degree 1, the frames .* triangle"):
         ShellCells(q)
     with pytest.raises(ValueError, match=r"degree 2, .* degree 1"):
-        ShellCells(q, fl.MITC6)
+        ShellCells(q, fl.elements.MITC6)
     with pytest.raises(ValueError, match="HellingerReissner"):
-        shell.displacement(ShellCells(q, fl.MITC3_PLUS), quartic)
+        shell.displacement(ShellCells(q, fl.elements.MITC3_PLUS), quartic)
 
 
 def test_there_is_no_mixed_element_of_degree_2():
     q = fl.NodalFrames(grid((1, 1), lambda a, b: [a, b, 0 * a], "triangle"), 2)
     with pytest.raises(ValueError, match="no mixed element"):
-        shell.hu_washizu(ShellCells(q, fl.MITC6), quartic)
+        shell.hu_washizu(ShellCells(q, fl.elements.MITC6), quartic)
 
 
 # --- arc length -----------------------------------------------------------------------------------
@@ -390,7 +390,7 @@ class Truss:
 
 def test_arc_length_passes_limit_points_and_stops_at_the_loads():
     """It snaps through at λ = 0.385, and the last state lies beyond."""
-    path = fl.ArcLength(loose=1e-9).follow(Truss(0.5), [0.2, 0.3, 1.0])
+    path = fl.stability.ArcLength(loose=1e-9).follow(Truss(0.5), [0.2, 0.3, 1.0])
     below = np.roots([0.5, -1.5, 1, -0.1]).real.min(), np.roots([0.5, -1.5, 1, -0.15]).real.min()
     (beyond,) = [w.real for w in np.roots([0.5, -1.5, 1, -0.5]) if abs(w.imag) < 1e-9]
     np.testing.assert_allclose(path.states, [*below, beyond], rtol=1e-7)
@@ -404,7 +404,7 @@ def test_arc_length_says_where_it_gave_up():
     truss = Truss(0.5)
     truss.solve = lambda b: b * np.nan
     with pytest.raises(fl.ConvergenceError, match="no equilibrium beyond load factor 0") as caught:
-        fl.ArcLength().follow(truss)
+        fl.stability.ArcLength().follow(truss)
     assert caught.value.result.failed_steps > 10
     assert truss.w == 0.0
 
@@ -412,14 +412,16 @@ def test_arc_length_says_where_it_gave_up():
 @pytest.mark.parametrize("levels", [(), (0.5, 0.5), (0.0, 1.0), (-1.0,)])
 def test_arc_length_wants_increasing_levels(levels):
     with pytest.raises(ValueError, match="positive and increase"):
-        fl.ArcLength().follow(Truss(0.5), levels)
+        fl.stability.ArcLength().follow(Truss(0.5), levels)
 
 
 @pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
 @pytest.mark.parametrize("degree", [1, 2])
-@pytest.mark.parametrize("element", [fl.HellingerReissner, fl.HuWashizu, fl.Displacement])
+@pytest.mark.parametrize(
+    "element", [fl.elements.HellingerReissner, fl.elements.HuWashizu, fl.elements.DisplacementBased]
+)
 def test_an_element_that_refuses_cells_names_those_that_take_them(element, cell, degree):
-    mesh = fl.surface(lambda a, b: (a, b, 0.0), (1, 1), cell=cell, degree=degree)
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (1, 1), cell=cell, degree=degree)
     section = fl.ShellSection.layer(0.1, fl.Material(1e6, 0.3, 1.0))
     try:
         fl.Shell(mesh, section, formulation=element())

@@ -20,15 +20,15 @@ def stiffening(e):
 
 
 LAWS = {
-    "Hu-Washizu": ("quadrilateral", 1, lambda law: fl.HuWashizu(law=law)),
-    "Hu-Washizu, triangles": ("triangle", 1, lambda law: fl.HuWashizu(law=law)),
-    "displacement": ("quadrilateral", 1, lambda law: fl.Displacement(law=law)),
+    "Hu-Washizu": ("quadrilateral", 1, lambda law: fl.elements.HuWashizu(law=law)),
+    "Hu-Washizu, triangles": ("triangle", 1, lambda law: fl.elements.HuWashizu(law=law)),
+    "displacement": ("quadrilateral", 1, lambda law: fl.elements.DisplacementBased(law=law)),
 }
 
 
 def strip(name: str, law, cells=(2, 1)) -> tuple[fl.Scene, fl.Shell]:
     cell, degree, make = LAWS[name]
-    mesh = fl.surface(lambda a, b: (2 * a, b, 0.0), cells, cell=cell, degree=degree)
+    mesh = fl.mesh.parametric_surface(lambda a, b: (2 * a, b, 0.0), cells, cell=cell, degree=degree)
     shell = fl.Shell(mesh, LAYER, along=(1, 0, 0), formulation=make(law), name="strip")
     scene = fl.Scene()
     scene.add(shell)
@@ -69,7 +69,7 @@ def test_uniaxial_tension(name, solve):
     """Homogeneous without Poisson's ratio: exact on any mesh."""
     scene, shell = strip(name, stiffening)
     shell.clamp("a=0")
-    scene.add(fl.EdgeLoad(shell, "a=1", force=(8.0, 0, 0)))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(8.0, 0, 0)))
     result = solve(scene)
     expected = stretch(8.0)
     assert expected > 1.25
@@ -86,7 +86,7 @@ def test_small_strains_are_those_of_the_section(name):
         for law in (stiffening, None):
             scene, shell = strip(name, law)
             shell.clamp("a=0")
-            scene.add(fl.EdgeLoad(shell, "a=1", force=(load, 0, load / 100)))
+            scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(load, 0, load / 100)))
             tips.append(fl.statics(scene).position("strip.11")[-1] - (2, 1, 0))
         gaps.append(np.abs(tips[0] - tips[1]).max() / np.abs(tips[1]).max())
     assert 1e-4 <= gaps[0] <= 5e-3
@@ -98,7 +98,7 @@ def test_a_stretched_strip_swings_with_its_energy(name):
     """One cell: both elements have the same strain, and the same motion to the tolerance."""
     scene, shell = strip(name, stiffening, cells=(1, 1))
     shell.clamp("a=0")
-    scene.add(fl.EdgeLoad(shell, "a=1", force=(8.0, 0, 0)))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(8.0, 0, 0)))
     result = fl.GeneralisedAlpha(radius=1.0, tolerance=1e-10).run(scene, duration=1.0, step=0.01)
     # one degree of freedom: a third of the mass, ½ m ẋ² + W = P (x − 2)
     x, lengths = result.position("strip.11")[:, 0], np.array([2.0])
@@ -113,7 +113,7 @@ def test_vibrations_about_a_stretched_state_know_its_stiffness():
     """``ω² = K/m`` along the strip, one cell: mass ρ t ℓ/3, stiffness ``d(λN)/dλ/ℓ``."""
     scene, shell = strip("Hu-Washizu", stiffening, cells=(1, 1))
     shell.clamp("a=0")
-    scene.add(fl.EdgeLoad(shell, "a=1", force=(8.0, 0, 0)))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(8.0, 0, 0)))
     modes = fl.vibrations(scene, 10)
     x = stretch(8.0)
     E = 0.5 * (x**2 - 1)
@@ -122,21 +122,21 @@ def test_vibrations_about_a_stretched_state_know_its_stiffness():
     assert np.abs(np.abs(modes.eigenvalues) / omega - 1).min() <= 1e-6
 
 
-@pytest.mark.parametrize("formulation", [fl.HellingerReissner, fl.HuWashizu])
+@pytest.mark.parametrize("formulation", [fl.elements.HellingerReissner, fl.elements.HuWashizu])
 @pytest.mark.parametrize("given", [True, False])
 def test_no_mixed_element_on_six_nodes(formulation, given):
     """Before anything is assembled."""
-    mesh = fl.surface(lambda a, b: (a, b, 0.0), (1, 1), cell="triangle", degree=2)
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (1, 1), cell="triangle", degree=2)
     with pytest.raises(ValueError, match=r"is for|no mixed element"):
-        fl.Shell(mesh, LAYER, formulation=formulation(fl.MITC6 if given else None))
+        fl.Shell(mesh, LAYER, formulation=formulation(fl.elements.MITC6 if given else None))
 
 
-@pytest.mark.parametrize("formulation", [fl.HellingerReissner(), fl.HuWashizu()])
+@pytest.mark.parametrize("formulation", [fl.elements.HellingerReissner(), fl.elements.HuWashizu()])
 def test_triangles_are_mixed_elements_in_a_scene(formulation):
     """A clamped plate under its load as the quadrilaterals find it, in statics and in time."""
     found = []
     for cell in ("triangle", "quadrilateral"):
-        mesh = fl.surface(lambda a, b: (a, b, 0.0), (8, 8), cell=cell)
+        mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (8, 8), cell=cell)
         shell = fl.Shell(mesh, LAYER, formulation=formulation, name="plate")
         shell.clamp("a=0")
         scene = fl.Scene()

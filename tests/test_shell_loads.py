@@ -20,8 +20,8 @@ def scene_with(*items) -> fl.Scene:
     return scene
 
 
-def formulation(cell: str, degree: int) -> fl.ShellFormulation:
-    return fl.HellingerReissner() if degree == 1 else fl.Displacement()
+def formulation(cell: str, degree: int) -> fl.elements.ShellFormulation:
+    return fl.elements.HellingerReissner() if degree == 1 else fl.elements.DisplacementBased()
 
 
 def square(a: float, b: float) -> tuple[float, float, float]:
@@ -29,7 +29,7 @@ def square(a: float, b: float) -> tuple[float, float, float]:
 
 
 def plate(cell: str = "quadrilateral", degree: int = 1, cells=(2, 2), **options) -> fl.Shell:
-    mesh = fl.surface(square, cells, cell=cell, degree=degree)
+    mesh = fl.mesh.parametric_surface(square, cells, cell=cell, degree=degree)
     return fl.Shell(mesh, LAYER, formulation=formulation(cell, degree), **options)
 
 
@@ -41,7 +41,7 @@ def box(cell: str, degree: int, count: int = 2) -> fl.Shell:
         for side in (-1.0, 1.0):
             # so that ∂/∂a × ∂/∂b is outward
             turn = 1 if side > 0 else -1
-            patch = fl.surface(
+            patch = fl.mesh.parametric_surface(
                 lambda a, b, k=axis, s=side, t=turn: np.roll([s, t * (2 * a - 1), 2 * b - 1], k),
                 (count, count),
                 cell=cell,
@@ -55,7 +55,7 @@ def box(cell: str, degree: int, count: int = 2) -> fl.Shell:
                     places.append(x / np.linalg.norm(x))
                 number.append(grids[key])
             faces.append(np.array(number)[patch.cells])
-    mesh = fl.SurfaceMesh.from_cells(places, np.concatenate(faces), cell)
+    mesh = fl.mesh.SurfaceMesh.from_cells(places, np.concatenate(faces), cell)
     return fl.Shell(
         mesh, LAYER, director=lambda x: x / np.linalg.norm(x), formulation=formulation(cell, degree)
     )
@@ -102,7 +102,7 @@ def test_load_stiffness_is_the_derivative_of_the_forces(cell, degree):
     shell = plate(cell, degree)
     system = Assembled(
         scene_with(
-            shell, fl.SurfacePressure(shell, lambda x: 1.0 + x[0], gradient=(0.3, -0.2, 0.5))
+            shell, fl.loads.SurfacePressure(shell, lambda x: 1.0 + x[0], gradient=(0.3, -0.2, 0.5))
         ),
         dynamics=True,
     )
@@ -127,7 +127,7 @@ def test_pressure_on_a_closed_surface_is_the_gradient_of_its_volume(cell, degree
     """``Σ f·δx = δ∫ p dV`` for any state and increment, to round-off of the difference."""
     shell = box(cell, degree)
     system = Assembled(
-        scene_with(shell, fl.SurfacePressure(shell, 3.0, np.multiply(3.0, gradient))),
+        scene_with(shell, fl.loads.SurfacePressure(shell, 3.0, np.multiply(3.0, gradient))),
         dynamics=False,
     )
     H, nodes = deformed(system), system.equations.unknowns.bodies[shell]
@@ -154,8 +154,10 @@ def test_pressure_pushes_to_the_side_of_the_directors():
     """Whichever way round the cells are."""
     for director in ((0, 0, 1.0), (0, 0, -1.0)):
         place = square if director[2] > 0 else lambda a, b: square(1 - a, b)
-        shell = fl.Shell(fl.surface(place, (2, 2)), LAYER, director=lambda x, d=director: d)
-        system = Assembled(scene_with(shell, fl.SurfacePressure(shell, 3.0)), dynamics=False)
+        shell = fl.Shell(
+            fl.mesh.parametric_surface(place, (2, 2)), LAYER, director=lambda x, d=director: d
+        )
+        system = Assembled(scene_with(shell, fl.loads.SurfacePressure(shell, 3.0)), dynamics=False)
         total = pushes(system, system.start).sum(axis=0)
         np.testing.assert_allclose(total, 6.0 * np.array(director), atol=1e-12)
 
@@ -184,7 +186,7 @@ def open_case(name: str) -> fl.Scene:
             shell.roller("a=0", (0, 1, 0))
             for side in ("a=1", "b=0", "b=1"):
                 shell.hinge(side)
-    return scene_with(shell, fl.SurfacePressure(shell, pressure))
+    return scene_with(shell, fl.loads.SurfacePressure(shell, pressure))
 
 
 @pytest.mark.parametrize(
@@ -213,7 +215,7 @@ def sphere(count: int) -> tuple[fl.Shell, fl.Scene]:
     """Closed, of radius 1; by symmetry it does not leave the planes of coordinates."""
     bare = box("quadrilateral", 1, count).mesh
     planes = {f"{k}": np.flatnonzero(np.abs(bare.points[:, k]) < 1e-9) for k in range(3)}
-    mesh = fl.SurfaceMesh.from_cells(bare.points, bare.cells, bare.cell, named_points=planes)
+    mesh = fl.mesh.SurfaceMesh.from_cells(bare.points, bare.cells, bare.cell, named_points=planes)
     shell = fl.Shell(mesh, LAYER, director=lambda x: x / np.linalg.norm(x))
     for k in range(3):
         shell.symmetry(f"{k}", np.eye(3)[k])
@@ -236,7 +238,7 @@ def test_a_balloon_is_blown_up(solve):
     errors = []
     for count in (4, 8):
         shell, scene = sphere(count)
-        scene.add(fl.SurfacePressure(shell, 8.0))
+        scene.add(fl.loads.SurfacePressure(shell, 8.0))
         result = solve(scene)
         assert result.iterations.sum() <= 15
         radius = np.linalg.norm(result.frames[-1, :, 0], axis=1)
@@ -276,13 +278,15 @@ def test_a_strip_bends_under_pressure_as_a_beam_does(cell, degree, cells, bound)
     """It is so thin that it neither stretches nor shears."""
     material, t = fl.Material(12e6, 0.0, 1.0), 0.01
     shell = fl.Shell(
-        fl.surface(lambda a, b: (a, 0.1 * b, 0.0), (cells, 1), cell=cell, degree=degree),
+        fl.mesh.parametric_surface(
+            lambda a, b: (a, 0.1 * b, 0.0), (cells, 1), cell=cell, degree=degree
+        ),
         fl.ShellSection.layer(t, material),
         formulation=formulation(cell, degree),
         name="strip",
     )
     shell.clamp("a=0")
-    scene = scene_with(shell, fl.SurfacePressure(shell, 8.0 * 12e6 * t**3 / 12))
+    scene = scene_with(shell, fl.loads.SurfacePressure(shell, 8.0 * 12e6 * t**3 / 12))
     assert not fl.extend.Equations(scene, dynamics=False).unknowns.has_potential
     result = fl.follow_loads(scene)
     expected = bent_by_pressure(8.0)
@@ -293,7 +297,7 @@ def test_a_strip_bends_under_pressure_as_a_beam_does(cell, degree, cells, bound)
 def test_a_balloon_pulsates_with_its_energy():
     """Kinetic, elastic and −p V, after a sudden pressure: a law of the sum of all steps."""
     shell, scene = sphere(2)
-    scene.add(fl.SurfacePressure(shell, 8.0))
+    scene.add(fl.loads.SurfacePressure(shell, 8.0))
     result = fl.GeneralisedAlpha(radius=1.0).run(scene, duration=0.5, step=0.005)
     nodes = result.info.body(shell.name).nodes
     volumes = np.array([volume(shell, nodes, H) for H in result.frames])
@@ -308,8 +312,8 @@ def test_pressures_have_histories_of_their_own():
     shell = plate()
     scene = scene_with(
         shell,
-        fl.SurfacePressure(shell, 3.0),
-        fl.SurfacePressure(shell, 5.0, history=lambda t: t**2),
+        fl.loads.SurfacePressure(shell, 3.0),
+        fl.loads.SurfacePressure(shell, 5.0, history=lambda t: t**2),
     )
     system = Assembled(scene, dynamics=False)
     system.equations.prescribed(0.5).act(factor=0.1)
@@ -324,7 +328,9 @@ def test_a_beam_under_pressure_by_the_arc_length():
     """As by load steps; the load stiffness grows with the load."""
     section = fl.Section.from_stiffness([1e4, 5e3, 5e3, 1.0, 1.0, 1.0], mass=1.0)
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=8, up=(0, 0, 1))
-    scene = scene_with(beam, fl.Clamp(beam.point("start")), fl.PressureLoad(beam, 8.0, (0, 1, 1)))
+    scene = scene_with(
+        beam, fl.Clamp(beam.point("start")), fl.loads.PressureLoad(beam, 8.0, (0, 1, 1))
+    )
     stepped, followed = fl.statics(scene, load_steps=4), fl.follow_loads(scene, [0.5, 1.0])
     found, expected = followed.position(beam.point("end")), stepped.position(beam.point("end"))
     np.testing.assert_allclose(found, expected[[1, 3]], atol=1e-7)
@@ -347,11 +353,11 @@ def test_a_force_that_varies_has_its_resultant_and_moment(cell, degree):
 
 def test_forces_per_volume_and_mass_are_gravity():
     """On a laminate whose centre of mass is off the reference surface, too."""
-    heavy = fl.ShellSection.laminate([fl.Ply(0.1, SOFT)], reference=0.0)
+    heavy = fl.ShellSection.laminate([fl.sections.Ply(0.1, SOFT)], reference=0.0)
     gravity = np.array([0.3, -0.2, -9.0])
 
     def dead(section, make) -> np.ndarray:
-        shell = fl.Shell(fl.surface(square, (2, 2)), section)
+        shell = fl.Shell(fl.mesh.parametric_surface(square, (2, 2)), section)
         scene = fl.Scene(gravity if make is None else (0, 0, 0))
         scene.add(shell)
         if make is not None:
@@ -360,20 +366,22 @@ def test_forces_per_volume_and_mass_are_gravity():
         return equations.prescribed(0.0).loads(equations.start.frames)
 
     for section in (LAYER, heavy):
-        found = dead(section, lambda shell: fl.MassLoad(shell, gravity))
+        found = dead(section, lambda shell: fl.loads.MassLoad(shell, gravity))
         np.testing.assert_allclose(found, dead(section, None), atol=1e-14)
-    found = dead(LAYER, lambda shell: fl.VolumeLoad(shell, lambda x: SOFT.density * gravity))
+    found = dead(LAYER, lambda shell: fl.loads.VolumeLoad(shell, lambda x: SOFT.density * gravity))
     np.testing.assert_allclose(found, dead(LAYER, None), atol=1e-14)
 
 
 def test_loads_on_a_group_of_cells():
-    bare = fl.surface(square, (4, 1))
-    mesh = fl.SurfaceMesh.from_cells(bare.points, bare.cells, bare.cell, groups={"half": [2, 3]})
+    bare = fl.mesh.parametric_surface(square, (4, 1))
+    mesh = fl.mesh.SurfaceMesh.from_cells(
+        bare.points, bare.cells, bare.cell, groups={"half": [2, 3]}
+    )
     shell = fl.Shell(mesh, LAYER)
     area = fl.AreaLoad(shell, (0, 0, 1.0), "half").nodal()
     assert area[:, 2].sum() == pytest.approx(1.0)
     assert not area[shell.frames[:, 0, 0] < 0.9].any()
-    pressure = fl.SurfacePressure(shell, 1.0, cells="half")
+    pressure = fl.loads.SurfacePressure(shell, 1.0, cells="half")
     system = Assembled(scene_with(shell, pressure), dynamics=False)
     np.testing.assert_allclose(pushes(system, system.start), area[:, :3], atol=1e-14)
 
@@ -381,11 +389,11 @@ def test_loads_on_a_group_of_cells():
 # --- edges ---
 
 
-def strip(formulation: fl.ShellFormulation | None = None, cells: int = 16) -> fl.Shell:
+def strip(formulation: fl.elements.ShellFormulation | None = None, cells: int = 16) -> fl.Shell:
     """A strip along x, EI = L = 1 in all."""
     material = fl.Material(12e6 / 0.1, 0.0, 1.0)
     shell = fl.Shell(
-        fl.surface(lambda a, b: (a, 0.1 * b, 0.0), (cells, 1)),
+        fl.mesh.parametric_surface(lambda a, b: (a, 0.1 * b, 0.0), (cells, 1)),
         fl.ShellSection.layer(0.01, material),
         formulation=formulation,
         name="strip",
@@ -397,12 +405,12 @@ def strip(formulation: fl.ShellFormulation | None = None, cells: int = 16) -> fl
 @pytest.mark.parametrize("following", [False, True])
 def test_an_end_moment_rolls_a_strip_up(following):
     """To a full circle; with decoupled bending the end turns exactly."""
-    shell = strip(fl.HellingerReissner(fl.DECOUPLED))
+    shell = strip(fl.elements.HellingerReissner(fl.elements.DECOUPLED))
     # −y is along the edge, whose shell is on its left
     moment = (-2 * np.pi / 0.1, 0, 0) if following else (0, -2 * np.pi / 0.1, 0)
-    load = fl.EdgeLoad(shell, "a=1", moment=moment, following=following)
+    load = fl.loads.EdgeLoad(shell, "a=1", moment=moment, following=following)
     # held in its plane by nothing, it turns over sideways before the circle is full
-    with pytest.warns(fl.UnstableEquilibriumWarning, match="at load factor 1 "):
+    with pytest.warns(fl.stability.UnstableEquilibriumWarning, match="at load factor 1 "):
         result = fl.follow_loads(scene_with(shell, load), [0.25, 0.5, 0.75, 1.0])
     ends = shell.mesh.nodes("a=1")
     turned = result.frames[:, result.info.body("strip").nodes[ends], 3]
@@ -419,7 +427,7 @@ def test_following_edge_forces_are_those_of_a_beam(direction):
     """Along the director, and a push along the strip beside a small one across."""
     shell = strip()
     force = np.array([0.0, 0.0, 3.0]) if direction == 2 else np.array([0.0, -8.0, 1.0])
-    load = fl.EdgeLoad(shell, "a=1", force=force / 0.1, following=True)
+    load = fl.loads.EdgeLoad(shell, "a=1", force=force / 0.1, following=True)
     result = fl.follow_loads(scene_with(shell, load))
     section = fl.Section.from_stiffness([1.2e5, 5e4, 5e4, 1.0, 1.0, 1.0], mass=1.0)
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=16, up=(0, 0, 1))
@@ -443,7 +451,7 @@ def test_axes_of_an_edge_have_the_shell_on_their_left():
         ("b=1", (0, 1, 0), (-1, 0, 0)),
     ):
         for force, expected in (((0, 1, 0), outward), ((1, 0, 0), along), ((0, 0, 1), (0, 0, 1))):
-            local = fl.EdgeLoad(shell, side, force, following=True).nodal()[:, :3]
+            local = fl.loads.EdgeLoad(shell, side, force, following=True).nodal()[:, :3]
             total = np.einsum("ni,nij->j", local, shell.frames[:, 1:])
             length = 1.0 if side[0] == "a" else 2.0
             np.testing.assert_allclose(total, length * np.array(expected), atol=1e-13)
@@ -453,26 +461,31 @@ def test_axes_of_an_edge_have_the_shell_on_their_left():
 
 
 def inner_curve() -> fl.Shell:
-    bare = fl.surface(square, (2, 1))
+    bare = fl.mesh.parametric_surface(square, (2, 1))
     (middle,) = (np.flatnonzero(np.abs(bare.points[:, 0] - 1) < 1e-9),)
-    mesh = fl.SurfaceMesh.from_cells(bare.points, bare.cells, bare.cell, curves={"m": [middle]})
+    mesh = fl.mesh.SurfaceMesh.from_cells(
+        bare.points, bare.cells, bare.cell, curves={"m": [middle]}
+    )
     return fl.Shell(mesh, LAYER)
 
 
 CASES = {
     "pressure that is not finite": (
-        lambda s: fl.SurfacePressure(s, lambda x: np.nan if x[0] > 1 else 0.0),
+        lambda s: fl.loads.SurfacePressure(s, lambda x: np.nan if x[0] > 1 else 0.0),
         r"pressure on .* at \[1\.5",
     ),
-    "pressure of three components": (lambda s: fl.SurfacePressure(s, (0, 0, 1)), "1 finite"),
-    "gradient of one component": (lambda s: fl.SurfacePressure(s, 1.0, 2.0), "3 finite"),
-    "unknown cells": (lambda s: fl.SurfacePressure(s, 1.0, cells="top"), "no group of cells 'top'"),
+    "pressure of three components": (lambda s: fl.loads.SurfacePressure(s, (0, 0, 1)), "1 finite"),
+    "gradient of one component": (lambda s: fl.loads.SurfacePressure(s, 1.0, 2.0), "3 finite"),
+    "unknown cells": (
+        lambda s: fl.loads.SurfacePressure(s, 1.0, cells="top"),
+        "no group of cells 'top'",
+    ),
     "force that is not finite": (
         lambda s: fl.AreaLoad(s, lambda x: (np.inf, 0, 0)),
         "AreaLoad on .* at",
     ),
     "following load between cells": (
-        lambda s: fl.EdgeLoad(s, "m", (0, 0, 1), following=True),
+        lambda s: fl.loads.EdgeLoad(s, "m", (0, 0, 1), following=True),
         "between cells",
     ),
 }
@@ -488,6 +501,6 @@ def test_bad_input(case):
 
 def test_force_per_mass_needs_mass():
     massless = fl.ShellSection(LAYER.stiffness, np.zeros((2, 2)), 0.1)
-    shell = fl.Shell(fl.surface(square, (1, 1)), massless)
+    shell = fl.Shell(fl.mesh.parametric_surface(square, (1, 1)), massless)
     with pytest.raises(ValueError, match="needs mass"):
-        scene_with(shell, fl.MassLoad(shell, (0, 0, 1)))
+        scene_with(shell, fl.loads.MassLoad(shell, (0, 0, 1)))

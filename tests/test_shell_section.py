@@ -6,7 +6,9 @@ import pytest
 import fem_lie as fl
 
 STEEL = fl.Material(E=210.0, nu=0.3, density=7.8)
-CARBON = fl.Orthotropic(E1=140.0, E2=10.0, nu12=0.3, G12=5.0, G13=4.0, G23=3.0, density=1.6)
+CARBON = fl.sections.Orthotropic(
+    E1=140.0, E2=10.0, nu12=0.3, G12=5.0, G13=4.0, G23=3.0, density=1.6
+)
 
 
 def test_layer():
@@ -24,14 +26,14 @@ def test_layer():
 
 
 def test_plies_of_one_material_are_one_layer():
-    parts = [fl.Ply(0.05, STEEL, angle) for angle in (0, 30, -70, 45)]
+    parts = [fl.sections.Ply(0.05, STEEL, angle) for angle in (0, 30, -70, 45)]
     one, many = fl.ShellSection.layer(0.2, STEEL), fl.ShellSection.laminate(parts)
     np.testing.assert_allclose(many.stiffness, one.stiffness, atol=1e-13 * 50)
     np.testing.assert_allclose(many.inertia, one.inertia, atol=1e-15)
 
 
 def test_coupling_vanishes_for_symmetric_laminates_only():
-    half = [fl.Ply(0.1, CARBON, 0), fl.Ply(0.05, CARBON, 40)]
+    half = [fl.sections.Ply(0.1, CARBON, 0), fl.sections.Ply(0.05, CARBON, 40)]
     symmetric = fl.ShellSection.laminate([*half, *half[::-1]]).stiffness
     assert np.abs(symmetric[:3, 3:6]).max() < 1e-15 * np.abs(symmetric).max()
     other = fl.ShellSection.laminate([*half, *half]).stiffness
@@ -40,13 +42,13 @@ def test_coupling_vanishes_for_symmetric_laminates_only():
 
 def test_a_turned_ply_is_stiff_along_its_fibres():
     """In axes turned by the angle, (cos, sin), it is the ply at 0°; 90° exchanges the axes."""
-    section = fl.ShellSection.laminate([fl.Ply(1.0, CARBON, 25.0)]).stiffness
+    section = fl.ShellSection.laminate([fl.sections.Ply(1.0, CARBON, 25.0)]).stiffness
     c, s = np.cos(np.radians(25)), np.sin(np.radians(25))
     along = np.array([c * c, s * s, 2 * c * s])  # stretch along the fibres, nothing else
-    straight = fl.ShellSection.laminate([fl.Ply(1.0, CARBON)]).stiffness
+    straight = fl.ShellSection.laminate([fl.sections.Ply(1.0, CARBON)]).stiffness
     assert along @ section[:3, :3] @ along == pytest.approx(straight[0, 0], rel=1e-14)
     assert np.array([c, s]) @ section[6:, 6:] @ [c, s] == pytest.approx(straight[6, 6], rel=1e-14)
-    crossed = fl.ShellSection.laminate([fl.Ply(1.0, CARBON, 90.0)]).stiffness
+    crossed = fl.ShellSection.laminate([fl.sections.Ply(1.0, CARBON, 90.0)]).stiffness
     swap = [1, 0, 2, 4, 3, 5, 7, 6]
     np.testing.assert_allclose(crossed, straight[np.ix_(swap, swap)], atol=1e-13)
 
@@ -54,7 +56,7 @@ def test_a_turned_ply_is_stiff_along_its_fibres():
 @pytest.mark.parametrize("reference", [0.0, 0.3, 1.0])
 def test_reference_surface(reference):
     """Strain and velocity at the middle are those of the reference surface, carried there."""
-    plies = [fl.Ply(0.1, CARBON, 20), fl.Ply(0.3, STEEL)]
+    plies = [fl.sections.Ply(0.1, CARBON, 20), fl.sections.Ply(0.3, STEEL)]
     middle = fl.ShellSection.laminate(plies)
     moved = fl.ShellSection.laminate(plies, reference=reference)
     z = (0.5 - reference) * 0.4
@@ -72,12 +74,12 @@ def test_reference_surface(reference):
         (lambda: fl.ShellSection.layer(0.1, fl.Material(1.0, 0.5, 1.0)), "below 1/2, got 0.5"),
         (lambda: fl.ShellSection.laminate([]), "at least one ply"),
         (
-            lambda: fl.ShellSection.laminate([fl.Ply(1, STEEL)], reference=1.5),
+            lambda: fl.ShellSection.laminate([fl.sections.Ply(1, STEEL)], reference=1.5),
             "between 0 and 1, got 1.5",
         ),
         (lambda: fl.ShellSection.layer(1, STEEL, shear_factor=-1), "shear_factor .* got -1"),
-        (lambda: fl.Orthotropic(1, 10, 0.4, 1, 1, 1, 1), "nu12² < E1/E2 = 0.1, got 0.4"),
-        (lambda: fl.Orthotropic(1, 1, 0.4, 1, float("nan"), 1, 1), "G13 .* got nan"),
+        (lambda: fl.sections.Orthotropic(1, 10, 0.4, 1, 1, 1, 1), "nu12² < E1/E2 = 0.1, got 0.4"),
+        (lambda: fl.sections.Orthotropic(1, 1, 0.4, 1, float("nan"), 1, 1), "G13 .* got nan"),
     ],
 )
 def test_bad_input(make, message):

@@ -14,8 +14,8 @@ def plate(z, cells, start=0.0, length=1.0, cell="quadrilateral", degree=1) -> fl
     def place(a, b):
         return np.array([start + length * a, start + length * b, z])
 
-    element = fl.Displacement() if degree == 2 else None
-    mesh = fl.surface(place, cells, cell=cell, degree=degree)
+    element = fl.elements.DisplacementBased() if degree == 2 else None
+    mesh = fl.mesh.parametric_surface(place, cells, cell=cell, degree=degree)
     return fl.Shell(mesh, LAYER, formulation=element)
 
 
@@ -26,10 +26,10 @@ def arch(cells: int, radius: float = 1.0) -> fl.Shell:
         φ = 1.2 * (a - 0.5)
         return np.array([radius * np.sin(φ), b - 0.5, radius * np.cos(φ)])
 
-    return fl.Shell(fl.surface(place, (cells, 2)), LAYER)
+    return fl.Shell(fl.mesh.parametric_surface(place, (cells, 2)), LAYER)
 
 
-def forces_of(contact: fl.Contact) -> tuple[np.ndarray, np.ndarray]:
+def forces_of(contact: fl.contact.Contact) -> tuple[np.ndarray, np.ndarray]:
     """Frames of all nodes in the beginning, and forces on them."""
     bodies = contact.bodies
     first = np.cumsum([0, *(len(body.frames) for body in bodies)])
@@ -55,8 +55,8 @@ def test_pressure_between_plates_is_even_whatever_the_meshes(cell, start, smooth
     """Force is that of the overlap on the whole area, and pushes neither aside nor round."""
     one = plate(0.998 * THICK, (3, 3), start, 0.5, cell, degree)
     two = plate(0, (7, 5), cell=cell, degree=degree)
-    a, b = fl.Skin(one, smooth=smooth), fl.Skin(two, smooth=smooth)
-    H, out = forces_of(fl.Contact(a, b, fl.Penalty(K)))
+    a, b = fl.contact.ShellSurface(one, smooth=smooth), fl.contact.ShellSurface(two, smooth=smooth)
+    H, out = forces_of(fl.contact.Contact(a, b, fl.contact.Penalty(K)))
     F, M = resultants(H, out)
     n, wanted = len(one.frames), K * 0.002 * THICK * 0.25
     np.testing.assert_allclose(F[:n].sum(axis=0), [0, 0, -wanted], atol=1e-9 * wanted)
@@ -70,7 +70,13 @@ def test_pressure_between_plates_is_even_whatever_the_meshes(cell, start, smooth
 
 def test_a_plane_pushes_a_plate_likewise():
     one = plate(0.499 * THICK, (3, 3))
-    H, out = forces_of(fl.Contact(fl.Plane(fl.ground(), (0, 0, 1)), fl.Skin(one), fl.Penalty(K)))
+    H, out = forces_of(
+        fl.contact.Contact(
+            fl.contact.Plane(fl.ground(), (0, 0, 1)),
+            fl.contact.ShellSurface(one),
+            fl.contact.Penalty(K),
+        )
+    )
     F, _ = resultants(H, out)
     wanted = K * 0.001 * THICK
     np.testing.assert_allclose(F.sum(axis=0), [0, 0, -wanted], atol=1e-9 * wanted)
@@ -83,7 +89,11 @@ def test_a_ball_feels_no_edges_of_cells():
         out = np.array([np.sin(φ), 0.03, np.cos(φ)])
         across = out * np.array([1, 0, 1])
         ball = fl.RigidBody(1.0, np.eye(3), 1.0 * across + 0.1249 * across + [0, 0.03, 0])
-        touch = fl.Contact(fl.Sphere(ball.point("centre"), 0.1), fl.Skin(shell), fl.Penalty(K))
+        touch = fl.contact.Contact(
+            fl.contact.Sphere(ball.point("centre"), 0.1),
+            fl.contact.ShellSurface(shell),
+            fl.contact.Penalty(K),
+        )
         H, forces = forces_of(touch)
         F, _ = resultants(H, forces)
         push = -F[0] if len(H) == 1 else -F[: 1 if touch.bodies[0] is ball else None].sum(axis=0)
@@ -100,13 +110,13 @@ def bent(turn: float, cells: int = 24) -> fl.Shell:
         φ, r = 2 * np.pi * turn * a, 0.2 + 0.6 * THICK * a
         return np.array([r * np.cos(φ), r * np.sin(φ), 0.1 * b])
 
-    return fl.Shell(fl.surface(place, (cells, 1)), LAYER)
+    return fl.Shell(fl.mesh.parametric_surface(place, (cells, 1)), LAYER)
 
 
 def test_a_sheet_that_comes_round_touches_itself_and_else_does_not():
     for turn, touches in ((0.6, False), (1.3, True)):
-        surface = fl.Skin(bent(turn), 0.61 * THICK)
-        H, out = forces_of(fl.Contact(surface, surface, fl.Penalty(K)))
+        surface = fl.contact.ShellSurface(bent(turn), 0.61 * THICK)
+        H, out = forces_of(fl.contact.Contact(surface, surface, fl.contact.Penalty(K)))
         F, M = resultants(H, out)
         size = np.abs(F).sum()
         assert (size > 0.0) == touches
@@ -118,8 +128,12 @@ def test_a_bilinear_skin_turns_no_node():
     """A ball on a cell whose corners are in no plane: forces alone, through its places."""
     shell = arch(3)
     ball = fl.RigidBody(1.0, np.eye(3), (0.03, 0.02, 1.1))
-    surface = fl.Skin(shell, smooth=False)
-    H, out = forces_of(fl.Contact(fl.Sphere(ball.point("centre"), 0.1), surface, fl.Penalty(K)))
+    surface = fl.contact.ShellSurface(shell, smooth=False)
+    H, out = forces_of(
+        fl.contact.Contact(
+            fl.contact.Sphere(ball.point("centre"), 0.1), surface, fl.contact.Penalty(K)
+        )
+    )
     F, M = resultants(H, out)
     size = np.abs(F).max()
     assert size > 0.0
@@ -132,8 +146,12 @@ def test_a_bilinear_skin_turns_no_node():
 def test_a_ball_beside_a_straight_edge_is_pushed_off_its_foot(cell):
     shell = plate(0, (1, 1), cell=cell)
     ball = fl.RigidBody(1.0, np.eye(3), (1.1, 0.3, 0))
-    surface = fl.Skin(shell, smooth=False)
-    H, out = forces_of(fl.Contact(fl.Sphere(ball.point("centre"), 0.1), surface, fl.Penalty(K)))
+    surface = fl.contact.ShellSurface(shell, smooth=False)
+    H, out = forces_of(
+        fl.contact.Contact(
+            fl.contact.Sphere(ball.point("centre"), 0.1), surface, fl.contact.Penalty(K)
+        )
+    )
     F, M = resultants(H, out)
     wanted = K * 0.5 * THICK
     np.testing.assert_allclose(F[0], [-wanted, 0, 0], atol=1e-9 * wanted)
@@ -145,47 +163,56 @@ def test_what_shell_surfaces_refuse():
     one, two = plate(0, (2, 2)), plate(THICK, (2, 2))
     ball = fl.RigidBody(1.0, np.eye(3), (0.5, 0.5, 1))
     beam = fl.Beam.straight((0, 0, 1), (1, 0, 1), fl.Section.circle(0.01, MATERIAL), cells=2)
-    law, surface = fl.Penalty(K), fl.Skin(one)
-    with pytest.raises(TypeError, match="Skin: shell must be a Shell"):
-        fl.Skin(beam)
-    with pytest.raises(ValueError, match="Skin: thickness must be a positive"):
-        fl.Skin(one, -0.1)
-    with pytest.raises(ValueError, match="Skin: gauss"):
-        fl.Skin(one, gauss=0)
-    with pytest.raises(TypeError, match="Skin: smooth"):
-        fl.Skin(one, smooth=1)
+    law, surface = fl.contact.Penalty(K), fl.contact.ShellSurface(one)
+    with pytest.raises(TypeError, match="ShellSurface: shell must be a Shell"):
+        fl.contact.ShellSurface(beam)
+    with pytest.raises(ValueError, match="ShellSurface: thickness must be a positive"):
+        fl.contact.ShellSurface(one, -0.1)
+    with pytest.raises(ValueError, match="ShellSurface: gauss"):
+        fl.contact.ShellSurface(one, gauss=0)
+    with pytest.raises(TypeError, match="ShellSurface: smooth"):
+        fl.contact.ShellSurface(one, smooth=1)
     for a, b, how, message in (
-        (surface, fl.Skin(two), fl.Impact(), "touch by Penalty, not by Impact"),
-        (surface, fl.Line(beam, 0.01), law, "touch shells, balls and planes, not lines"),
-        (surface, fl.Skin(one), law, "touches itself by one surface, given twice"),
         (
             surface,
-            fl.Box(ball.point("centre"), (0.1, 0.1, 0.1)),
+            fl.contact.ShellSurface(two),
+            fl.contact.Impact(),
+            "touch by Penalty, not by Impact",
+        ),
+        (surface, fl.contact.Line(beam, 0.01), law, "touch shells, balls and planes, not lines"),
+        (surface, fl.contact.ShellSurface(one), law, "touches itself by one surface, given twice"),
+        (
+            surface,
+            fl.contact.Box(ball.point("centre"), (0.1, 0.1, 0.1)),
             law,
             "corners of a box do not touch shells",
         ),
         (
             surface,
-            fl.Sphere(ball.point("centre"), 3.0, hollow=True),
+            fl.contact.Sphere(ball.point("centre"), 3.0, hollow=True),
             law,
             "do not touch hollow spheres",
         ),
-        (surface, fl.Skin(two, 1.2 * THICK), law, "they overlap by 0.005"),
+        (surface, fl.contact.ShellSurface(two, 1.2 * THICK), law, "they overlap by 0.005"),
     ):
         with pytest.raises(ValueError, match=message):
-            fl.Contact(a, b, how).check()
+            fl.contact.Contact(a, b, how).check()
     five = fl.Shell(one.mesh, LAYER, drilling=False)
     scene = fl.Scene()
     scene.add(five)
     scene.add(ball)
-    round_one = fl.Sphere(ball.point("centre"), 0.1)
+    round_one = fl.contact.Sphere(ball.point("centre"), 0.1)
     for how in (
-        fl.Contact(fl.Skin(five), round_one, law),
-        fl.Contact(fl.Skin(five, smooth=False), round_one, fl.Penalty(K, friction=0.2)),
+        fl.contact.Contact(fl.contact.ShellSurface(five), round_one, law),
+        fl.contact.Contact(
+            fl.contact.ShellSurface(five, smooth=False),
+            round_one,
+            fl.contact.Penalty(K, friction=0.2),
+        ),
     ):
         with pytest.raises(ValueError, match="needs nodes that turn about all axes"):
             scene.add(how)
-    scene.add(fl.Contact(fl.Skin(five, smooth=False), round_one, law))
+    scene.add(fl.contact.Contact(fl.contact.ShellSurface(five, smooth=False), round_one, law))
 
 
 # --- friction ---
@@ -200,7 +227,13 @@ def rubbing(start: float, drop: float = -1e-4 * THICK, friction: float = 0.2) ->
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(lower)
     scene.add(upper)
-    scene.add(fl.Contact(fl.Skin(upper), fl.Skin(lower), fl.Penalty(1e7, friction=friction)))
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.ShellSurface(upper),
+            fl.contact.ShellSurface(lower),
+            fl.contact.Penalty(1e7, friction=friction),
+        )
+    )
     return scene
 
 
@@ -228,11 +261,13 @@ def test_a_sheet_sticks_or_slides_on_a_slope(degrees, sticks):
     scene = fl.Scene(gravity=(g * np.sin(angle), 0, -g * np.cos(angle)))
     scene.add(lower)
     scene.add(upper)
-    law = fl.Penalty(k, damping=3e4, ramp=1e-6, friction=0.5)
-    scene.add(fl.Contact(fl.Skin(upper), fl.Skin(lower), law))
+    law = fl.contact.Penalty(k, damping=3e4, ramp=1e-6, friction=0.5)
+    scene.add(
+        fl.contact.Contact(fl.contact.ShellSurface(upper), fl.contact.ShellSurface(lower), law)
+    )
     scheme = fl.GeneralisedAlpha(radius=0.8)
     result = scheme.run(scene, duration=0.15, step=1e-3, progress=False)
-    x = np.mean([result.position(fl.Point(upper, k))[75:, 0] for k in range(9)], axis=0)
+    x = np.mean([result.position(fl.extend.Point(upper, k))[75:, 0] for k in range(9)], axis=0)
     if sticks:
         assert np.ptp(x) < 1e-7
     else:
@@ -265,7 +300,13 @@ def shot(speed: float) -> tuple[fl.Scene, fl.RigidBody]:
     scene = fl.Scene()
     scene.add(sheet)
     scene.add(ball)
-    scene.add(fl.Contact(fl.Sphere(ball.point("centre"), 0.05), fl.Skin(sheet), fl.Penalty(1e6)))
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.Sphere(ball.point("centre"), 0.05),
+            fl.contact.ShellSurface(sheet),
+            fl.contact.Penalty(1e6),
+        )
+    )
     return scene, ball
 
 
@@ -283,7 +324,11 @@ def test_a_sheet_that_goes_through_a_sheet_fails_the_step():
     scene = fl.Scene()
     scene.add(lower)
     scene.add(upper)
-    scene.add(fl.Contact(fl.Skin(upper), fl.Skin(lower), fl.Penalty(1e7)))
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.ShellSurface(upper), fl.contact.ShellSurface(lower), fl.contact.Penalty(1e7)
+        )
+    )
     with pytest.raises(fl.ConvergenceError, match=r"failed: .* moved by 0.31, .* 0.05 thick"):
         fl.GeneralisedAlpha(radius=0.8).run(scene, duration=6e-3, step=3e-3, progress=False)
 
@@ -296,14 +341,20 @@ def test_fast_sheets_that_do_not_meet_are_let_go():
     scene = fl.Scene()
     scene.add(lower)
     scene.add(upper)
-    scene.add(fl.Contact(fl.Skin(upper), fl.Skin(lower), fl.Penalty(1e7)))
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.ShellSurface(upper), fl.contact.ShellSurface(lower), fl.contact.Penalty(1e7)
+        )
+    )
     result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=6e-3, step=3e-3, progress=False)
-    assert result.position(fl.Point(upper, 0))[-1, 2] == pytest.approx(-0.4)
+    assert result.position(fl.extend.Point(upper, 0))[-1, 2] == pytest.approx(-0.4)
 
 
 def test_adaptive_steps_shrink_before_a_ball_goes_through():
     scene, ball = shot(2.0)
-    choice = fl.AdaptiveStep(tolerance=1.0, rotation_tolerance=100.0, first=0.16, largest=0.16)
+    choice = fl.schemes.AdaptiveStep(
+        tolerance=1.0, rotation_tolerance=100.0, first=0.16, largest=0.16
+    )
     scheme = fl.GeneralisedAlpha(radius=0.8)
     result = scheme.run(scene, duration=0.16, step=choice, progress=False)
     assert result.steps.rejected[0] == pytest.approx(0.16)
@@ -319,9 +370,15 @@ def test_statics_divide_a_step_that_goes_through():
     scene = fl.Scene()
     scene.add(sheet)
     scene.add(ball)
-    rail = scene.add(fl.Prismatic(fl.ground(), ball.point("centre"), axis=(0, 0, 1)))
-    scene.add(fl.Drive(rail.displacement, lambda t: -0.22 * t))
-    scene.add(fl.Contact(fl.Sphere(ball.point("centre"), 0.05), fl.Skin(sheet), fl.Penalty(1e6)))
+    rail = scene.add(fl.joints.Prismatic(fl.ground(), ball.point("centre"), axis=(0, 0, 1)))
+    scene.add(fl.joints.Drive(rail.displacement, lambda t: -0.22 * t))
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.Sphere(ball.point("centre"), 0.05),
+            fl.contact.ShellSurface(sheet),
+            fl.contact.Penalty(1e6),
+        )
+    )
     result = fl.statics(scene, load_steps=1)
     assert len(result.factors) > 1
-    assert fl.contact_forces(result, scene.contacts[0]).total[-1, 2] > 1e3
+    assert fl.post.contact_forces(result, scene.contacts[0]).total[-1, 2] > 1e3

@@ -29,7 +29,7 @@ def outward(x: np.ndarray) -> np.ndarray:
 
 def arch_shell(cells=(6, 3), **options) -> fl.Shell:
     """Its normal points outward."""
-    return fl.Shell(fl.surface(arch, cells), LAYER, director=outward, **options)
+    return fl.Shell(fl.mesh.parametric_surface(arch, cells), LAYER, director=outward, **options)
 
 
 def scene_with(*items) -> fl.Scene:
@@ -46,9 +46,11 @@ def scene_with(*items) -> fl.Scene:
 @pytest.mark.parametrize("degree", [1, 2])
 def test_areas_masses_and_edges_are_those_of_the_surface(cell, degree):
     shell = fl.Shell(
-        fl.surface(square, (3, 2), cell=cell, degree=degree),
+        fl.mesh.parametric_surface(square, (3, 2), cell=cell, degree=degree),
         LAYER,
-        formulation=fl.Displacement(fl.MITC3_PLUS if (cell, degree) == ("triangle", 1) else None),
+        formulation=fl.elements.DisplacementBased(
+            fl.elements.MITC3_PLUS if (cell, degree) == ("triangle", 1) else None
+        ),
     )
     assert shell.areas().sum() == pytest.approx(2.0)
     nodes, lengths = shell.edges("a=1")
@@ -63,7 +65,7 @@ def test_directors_are_means_of_the_cells_normals():
     """Of second order inside; on a free edge one-sided and of first order."""
     errors = []
     for count in (8, 16):
-        mesh = fl.surface(arch, (count, 2))
+        mesh = fl.mesh.parametric_surface(arch, (count, 2))
         exact = np.array([outward(x) for x in mesh.points])
         inside = (mesh.points[:, 0] > 1e-9) & (mesh.points[:, 2] > 1e-9)
         assert np.abs(mesh.directors() - exact)[inside].max() <= 1e-12  # by symmetry
@@ -91,7 +93,7 @@ Physical Point("corner") = {1};
 )
 def test_gmsh_surface_has_names_and_the_normals_of_the_cad(tmp_path, command, cell):
     (tmp_path / "roof.geo").write_text(GEO + command)
-    mesh = fl.read_gmsh_surface(fl.run_gmsh_script(tmp_path / "roof.geo", {"size": 0.2}))
+    mesh = fl.mesh.read_gmsh_surface(fl.mesh.run_gmsh_script(tmp_path / "roof.geo", {"size": 0.2}))
     assert mesh.cell == cell
     assert len(mesh.group("roof")) == len(mesh.cells)
     np.testing.assert_allclose(mesh.points[mesh.nodes("start"), 1], 0.0, atol=1e-12)
@@ -110,15 +112,18 @@ def places(result: fl.StaticResult, step: int = -1) -> np.ndarray:
     return result.frames[step][:, [0, 3]]
 
 
-def loaded(formulation: fl.ShellFormulation | None = None, cells=(6, 3)) -> fl.Scene:
+def loaded(formulation: fl.elements.ShellFormulation | None = None, cells=(6, 3)) -> fl.Scene:
     shell = arch_shell(cells, formulation=formulation, name="arch")
     shell.clamp("a=0")
     shell.symmetry("b=0", (0, 1, 0))
-    load = fl.EdgeLoad(shell, "a=1", force=(0.02, 0, -0.02))
+    load = fl.loads.EdgeLoad(shell, "a=1", force=(0.02, 0, -0.02))
     return scene_with(shell, load, fl.AreaLoad(shell, force=(0, 0, -0.01)))
 
 
-@pytest.mark.parametrize("formulation", [fl.HellingerReissner(), fl.HuWashizu(), fl.Displacement()])
+@pytest.mark.parametrize(
+    "formulation",
+    [fl.elements.HellingerReissner(), fl.elements.HuWashizu(), fl.elements.DisplacementBased()],
+)
 def test_load_steps_and_arc_length_find_the_same_state(formulation):
     followed = fl.follow_loads(loaded(formulation))
     stepped = fl.statics(loaded(formulation), load_steps=4)
@@ -138,7 +143,7 @@ def test_half_a_shell_with_a_plane_of_symmetry_is_half_of_the_whole():
     def middle(whole: bool) -> np.ndarray:
         reach = 1.0 if whole else 0.5
         shell = fl.Shell(
-            fl.surface(
+            fl.mesh.parametric_surface(
                 lambda a, b: (np.cos(a), reach * (1 - b), np.sin(a)), (4, 4 if whole else 2)
             ),
             LAYER,
@@ -164,7 +169,7 @@ def test_guide_holds_a_direction_in_space_as_a_joint_does():
         if guided:
             shell.roller("11", (1, 0, 1))
         else:
-            scene.add(fl.InPlane(fl.ground(), shell.point("11"), axis=(1, 0, 1)))
+            scene.add(fl.joints.InPlane(fl.ground(), shell.point("11"), axis=(1, 0, 1)))
         return places(fl.follow_loads(scene))
 
     held, joined = state(True), state(False)
@@ -202,8 +207,10 @@ def test_weight_is_that_of_the_mass():
 # --- dynamics ---
 
 
-@pytest.mark.parametrize("formulation", [fl.HellingerReissner(), fl.Displacement()])
-@pytest.mark.parametrize("group", list(fl.Group))
+@pytest.mark.parametrize(
+    "formulation", [fl.elements.HellingerReissner(), fl.elements.DisplacementBased()]
+)
+@pytest.mark.parametrize("group", list(fl.lie.Group))
 def test_free_shell_tumbles_with_its_momentum(formulation, group):
     """It keeps its momentum, of second order in the step.
 
@@ -215,7 +222,7 @@ def test_free_shell_tumbles_with_its_momentum(formulation, group):
     shell.add_velocity((0.1, 0, 0))
     result = fl.GeneralisedAlpha(radius=0.9).run(scene_with(shell), duration=2.0, step=0.05)
     # exact on R³×SO(3) up to the iteration; of second order in the step on SE(3)
-    assert result.momentum_error <= (1e-4 if group == fl.Group.SE3 else 1e-7)
+    assert result.momentum_error <= (1e-4 if group == fl.lie.Group.SE3 else 1e-7)
     assert result.angular_momentum_error <= 5e-4  # of second order in the step
     assert result.energy_error <= 1e-3
     turned = lie.so3_log(result.rotation(f"{shell.name}.node 0")[-1] @ shell.frames[0, 1:])
@@ -227,7 +234,7 @@ def test_free_shell_tumbles_with_its_momentum(formulation, group):
 def test_first_frequency_of_a_strip_is_that_of_a_beam():
     """``ω = 1.8751² √(EI/ρA)/ℓ²`` without Poisson's ratio; shear and the mesh make 1 %."""
     shell = fl.Shell(
-        fl.surface(lambda a, b: (a, 0.1 * b, 0.0), (20, 1)),
+        fl.mesh.parametric_surface(lambda a, b: (a, 0.1 * b, 0.0), (20, 1)),
         fl.ShellSection.layer(0.01, fl.Material(1e6, 0.0, 10.0)),
     )
     shell.clamp("a=0")
@@ -240,10 +247,11 @@ def test_stretched_strip_vibrates_as_a_stretched_beam():
     """The tension is ten times EI/ℓ²; loads and elements must leave out the same."""
     steel, tension = fl.Material(1e6, 0.0, 10.0), 10 * 1e6 * 0.1 * 0.01**3 / 12
     shell = fl.Shell(
-        fl.surface(lambda a, b: (a, 0.1 * b, 0.0), (20, 1)), fl.ShellSection.layer(0.01, steel)
+        fl.mesh.parametric_surface(lambda a, b: (a, 0.1 * b, 0.0), (20, 1)),
+        fl.ShellSection.layer(0.01, steel),
     )
     shell.clamp("a=0")
-    strip = scene_with(shell, fl.EdgeLoad(shell, "a=1", force=(tension / 0.1, 0, 0)))
+    strip = scene_with(shell, fl.loads.EdgeLoad(shell, "a=1", force=(tension / 0.1, 0, 0)))
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.rectangle(0.1, 0.01, steel), cells=20)
     rod = scene_with(
         beam, fl.Clamp(beam.point("start")), fl.PointLoad(beam.point("end"), force=(tension, 0, 0))
@@ -255,22 +263,22 @@ def test_stretched_strip_vibrates_as_a_stretched_beam():
 # --- bad input ---
 
 
-def flipped() -> fl.SurfaceMesh:
-    mesh = fl.surface(square, (2, 1))
+def flipped() -> fl.mesh.SurfaceMesh:
+    mesh = fl.mesh.parametric_surface(square, (2, 1))
     cells = mesh.cells.copy()
     cells[1] = cells[1][[1, 0, 3, 2]]
-    return fl.SurfaceMesh.from_cells(mesh.points, cells, "quadrilateral")
+    return fl.mesh.SurfaceMesh.from_cells(mesh.points, cells, "quadrilateral")
 
 
 def kinked(**options) -> fl.Shell:
     place = lambda a, b: (min(a, 0.5), b, max(a - 0.5, 0.0))  # noqa: E731
-    return fl.Shell(fl.surface(place, (2, 1)), LAYER, **options)
+    return fl.Shell(fl.mesh.parametric_surface(place, (2, 1)), LAYER, **options)
 
 
 def branched(**options) -> fl.Shell:
     points = [(0, 0, 0), (0, 1, 0), (1, 0, 0), (-1, 0, 0), (0, 0, 1)]
     cells = [(0, 1, 2), (1, 0, 3), (0, 1, 4)]
-    return fl.Shell(fl.SurfaceMesh.from_cells(points, cells, "triangle"), LAYER, **options)
+    return fl.Shell(fl.mesh.SurfaceMesh.from_cells(points, cells, "triangle"), LAYER, **options)
 
 
 FIVE = {"drilling": False}
@@ -300,27 +308,34 @@ CASES = {
         r"-1",
     ),
     "line mesh": (
-        lambda: fl.surface_from_dolfinx(dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, 2)),
+        lambda: fl.mesh.surface_from_dolfinx(dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, 2)),
         "interval",
     ),
     "lines for cells": (
-        lambda: fl.SurfaceMesh.from_cells(np.eye(3), [(0, 1), (1, 2)], "triangle"),
+        lambda: fl.mesh.SurfaceMesh.from_cells(np.eye(3), [(0, 1), (1, 2)], "triangle"),
         r"triangles must have \[3, 6\] points",
     ),
-    "unknown cell": (lambda: fl.SurfaceMesh.from_cells(np.eye(3), [(0, 1, 2)], "tri"), "'tri'"),
+    "unknown cell": (
+        lambda: fl.mesh.SurfaceMesh.from_cells(np.eye(3), [(0, 1, 2)], "tri"),
+        "'tri'",
+    ),
     "no area": (
-        lambda: fl.SurfaceMesh.from_cells(
+        lambda: fl.mesh.SurfaceMesh.from_cells(
             [(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1, 2)], "triangle"
         ),
         "cell 0 .* no area",
     ),
     "flipped normals": (flipped, r"cells 0 and 1 point to opposite sides"),
     "flipped director": (
-        lambda: fl.Shell(fl.surface(arch, (2, 1)), LAYER, director=lambda x: -outward(x)),
+        lambda: fl.Shell(
+            fl.mesh.parametric_surface(arch, (2, 1)), LAYER, director=lambda x: -outward(x)
+        ),
         "to the side of the cells' normals",
     ),
     "director that is no unit vector": (
-        lambda: fl.Shell(fl.surface(arch, (2, 1)), LAYER, director=lambda x: 2 * outward(x)),
+        lambda: fl.Shell(
+            fl.mesh.parametric_surface(arch, (2, 1)), LAYER, director=lambda x: 2 * outward(x)
+        ),
         "unit vector",
     ),
     "kink with five parameters": (
@@ -332,7 +347,7 @@ CASES = {
     "one director for a branch": (lambda: branched(director=lambda x: (0, 0, 1)), "branches"),
     "sharp tip": (
         lambda: fl.Shell(
-            fl.SurfaceMesh.from_cells(
+            fl.mesh.SurfaceMesh.from_cells(
                 [(0, 0, 1), *((np.cos(a), np.sin(a), 0) for a in np.arange(12) * np.pi / 6)],
                 [(0, 1 + i, 1 + (i + 1) % 12) for i in range(12)],
                 "triangle",
@@ -342,17 +357,17 @@ CASES = {
         r"tip at \[0\. 0\. 1\.\], where normals are 4.°",
     ),
     "a cell twice": (
-        lambda: fl.SurfaceMesh.from_cells(np.eye(3), [(0, 1, 2), (1, 2, 0)], "triangle"),
+        lambda: fl.mesh.SurfaceMesh.from_cells(np.eye(3), [(0, 1, 2), (1, 2, 0)], "triangle"),
         "2 cells have the same corners",
     ),
     "unknown curve": (lambda: arch_shell().clamp("c"), r"'c'; it has: 00, 01, 10, 11, a=0"),
     "unknown curve of a load": (
-        lambda: joined(lambda shell: fl.EdgeLoad(shell, "c")),
+        lambda: joined(lambda shell: fl.loads.EdgeLoad(shell, "c")),
         "no curve 'c'",
     ),
     "unknown point": (lambda: arch_shell().point("c"), "no point 'c'"),
     "section of an unknown group": (
-        lambda: fl.Shell(fl.surface(square, (1, 1)), {"skin": LAYER}),
+        lambda: fl.Shell(fl.mesh.parametric_surface(square, (1, 1)), {"skin": LAYER}),
         "no group of cells 'skin'",
     ),
     "no plane of symmetry": (
@@ -364,15 +379,17 @@ CASES = {
         "direction of roller '00' must not be zero",
     ),
     "triangles of degree 2 in a mixed element": (
-        lambda: fl.Shell(fl.surface(square, (1, 1), cell="triangle", degree=2), LAYER),
+        lambda: fl.Shell(
+            fl.mesh.parametric_surface(square, (1, 1), cell="triangle", degree=2), LAYER
+        ),
         "HellingerReissner is for",
     ),
     "measures of other cells": (
-        lambda: arch_shell(formulation=fl.HellingerReissner(fl.MITC3_PLUS)),
+        lambda: arch_shell(formulation=fl.elements.HellingerReissner(fl.elements.MITC3_PLUS)),
         "triangles of degree 1, the mesh has quadrilaterals",
     ),
-    "beam on five parameters": (lambda: beside_beam(fl.RigidLink), "drilling=False"),
-    "fixed joint on five parameters": (lambda: beside_beam(fl.Fixed), "drilling=False"),
+    "beam on five parameters": (lambda: beside_beam(fl.joints.RigidLink), "drilling=False"),
+    "fixed joint on five parameters": (lambda: beside_beam(fl.joints.Fixed), "drilling=False"),
     "moving support on five parameters": (
         lambda: joined(
             lambda shell: fl.PrescribedMotion(shell.point("00"), lambda t: shell.frames[0]), **FIVE
@@ -418,4 +435,4 @@ def test_mixed_gmsh_mesh_is_refused(tmp_path):
         "Transfinite Surface{1}; Recombine Surface{1};\n"
     )
     with pytest.raises(ValueError, match=r"got .*Triangle.* and .*Quadri"):
-        fl.read_gmsh_surface(fl.run_gmsh_script(path))
+        fl.mesh.read_gmsh_surface(fl.mesh.run_gmsh_script(path))

@@ -10,10 +10,12 @@ LAYER = fl.ShellSection.layer(0.1, SOFT)
 AXIS = np.array([0.6, 0.0, 0.8])
 
 
-def spinning(guided: bool, group: fl.Group, *, joint: bool = False) -> tuple[fl.Scene, fl.Shell]:
+def spinning(
+    guided: bool, group: fl.lie.Group, *, joint: bool = False
+) -> tuple[fl.Scene, fl.Shell]:
     """A plate that turns about z; one corner, which moves along y, is held along x and z."""
     shell = fl.Shell(
-        fl.surface(lambda a, b: (1.0 + a, b, 0.0), (3, 3)), LAYER, name="plate"
+        fl.mesh.parametric_surface(lambda a, b: (1.0 + a, b, 0.0), (3, 3)), LAYER, name="plate"
     ).set_group(group)
     scene = fl.Scene(gravity=(0.0, 0.0, -0.1))
     scene.add(shell)
@@ -22,11 +24,11 @@ def spinning(guided: bool, group: fl.Group, *, joint: bool = False) -> tuple[fl.
         if guided:
             shell.roller("00", axis)
         else:
-            scene.add(fl.InPlane(fl.ground(), shell.point("00"), axis=axis))
+            scene.add(fl.joints.InPlane(fl.ground(), shell.point("00"), axis=axis))
     if joint:
         block = scene.add(fl.RigidBody(0.5, (0.1, 0.1, 0.1), shell.point("11").position))
         block.add_velocity(omega=(0, 0, 0.5), about=(0, 0, 0))
-        scene.add(fl.Spherical(block.point("centre"), shell.point("11")))
+        scene.add(fl.joints.Spherical(block.point("centre"), shell.point("11")))
     return scene, shell
 
 
@@ -40,11 +42,11 @@ def run(scene: fl.Scene, step: float = 0.05, **options) -> fl.Result:
 @pytest.mark.parametrize("cayley", [False, True])
 def test_guides_in_time_are_joints_without_multipliers(joint, cayley):
     """The same motion; what the start does to waves that no step resolves is of second order."""
-    options = {"parametrisation": fl.Parametrisation(int(cayley))}
+    options = {"parametrisation": fl.lie.Parametrisation(int(cayley))}
     gaps = []
     for step in (0.05, 0.025):
-        guided, _ = spinning(True, fl.Group.R3xSO3, joint=joint)
-        joined, _ = spinning(False, fl.Group.R3xSO3, joint=joint)
+        guided, _ = spinning(True, fl.lie.Group.R3xSO3, joint=joint)
+        joined, _ = spinning(False, fl.lie.Group.R3xSO3, joint=joint)
         held, bound = run(guided, step, **options), run(joined, step, **options)
         gaps.append(np.abs(held.frames[:, :, 0] - bound.frames[:, :, 0]).max())
         path = held.position("plate.00") - held.position("plate.00")[0]
@@ -58,8 +60,8 @@ def test_guided_nodes_move_on_their_own_group():
     """On SE(3) for all others the motion is the same, of second order in the step."""
     gaps = []
     for step in (0.05, 0.025):
-        apart, _ = spinning(True, fl.Group.R3xSO3)
-        screw, _ = spinning(True, fl.Group.SE3)
+        apart, _ = spinning(True, fl.lie.Group.R3xSO3)
+        screw, _ = spinning(True, fl.lie.Group.SE3)
         first, second = run(apart, step), run(screw, step)
         gaps.append(np.abs(first.frames[-1, :, 0] - second.frames[-1, :, 0]).max())
         path = second.position("plate.00") - second.position("plate.00")[0]
@@ -71,14 +73,14 @@ def test_vibrations_of_guided_shells():
     """At rest and about a loaded state, as with joints."""
 
     def eigenvalues(guided: bool, loaded: bool) -> np.ndarray:
-        shell = fl.Shell(fl.surface(lambda a, b: (2 * a, b, 0.0), (4, 2)), LAYER)
+        shell = fl.Shell(fl.mesh.parametric_surface(lambda a, b: (2 * a, b, 0.0), (4, 2)), LAYER)
         shell.hinge("a=0")
         scene = fl.Scene()
         scene.add(shell)
         if guided:
             shell.roller("10", AXIS)
         else:
-            scene.add(fl.InPlane(fl.ground(), shell.point("10"), axis=AXIS))
+            scene.add(fl.joints.InPlane(fl.ground(), shell.point("10"), axis=AXIS))
         if loaded:
             scene.add(fl.AreaLoad(shell, (0, 0, -0.01)))
         modes = fl.vibrations(scene, 4)
@@ -94,20 +96,22 @@ def test_vibrations_of_guided_shells():
 
 
 def test_inertial_components_know_no_fixed_axes():
-    scene, _ = spinning(True, fl.Group.SE3)
+    scene, _ = spinning(True, fl.lie.Group.SE3)
     with pytest.raises(ValueError, match=r"Components\.LOCAL"):
-        run(scene, components=fl.Components.INERTIAL)
+        run(scene, components=fl.schemes.MatrixFrame.INERTIAL)
 
 
 def test_velocities_of_what_is_held_are_refused():
-    shell = fl.Shell(fl.surface(lambda a, b: (a, b, 0.0), (2, 2)), LAYER, name="plate")
+    shell = fl.Shell(
+        fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (2, 2)), LAYER, name="plate"
+    )
     shell.clamp("a=0")
     shell.add_velocity((0, 0, 1.0))
     scene = fl.Scene()
     scene.add(shell)
     with pytest.raises(ValueError, match="node 0 of plate is held"):
         run(scene)
-    guided, shell = spinning(True, fl.Group.SE3)
+    guided, shell = spinning(True, fl.lie.Group.SE3)
     shell.add_velocity((0.1, 0, 0))
     with pytest.raises(ValueError, match="node 0 of plate is held"):
         run(guided)

@@ -32,11 +32,17 @@ def test_a_contact_surface_of_ones_own():
     assert found["moment"] <= 1e-5
     body = fl.RigidBody(1.0, np.eye(3), (1.0, 0.0, -0.1))
     torus = found["Torus"](fl.ground(), 1.0, 0.3)
-    fl.Contact(fl.Box(body.point("centre"), (0.1, 0.1, 0.1)), torus, fl.Penalty(1e3)).check()
+    fl.contact.Contact(
+        fl.contact.Box(body.point("centre"), (0.1, 0.1, 0.1)), torus, fl.contact.Penalty(1e3)
+    ).check()
     with pytest.raises(ValueError, match=r"overlap by 0\.0[0-9]+ at"):
-        fl.Contact(fl.Sphere(body.point("centre"), 0.25), torus, fl.Penalty(1e3)).check()
+        fl.contact.Contact(
+            fl.contact.Sphere(body.point("centre"), 0.25), torus, fl.contact.Penalty(1e3)
+        ).check()
     with pytest.raises(ValueError, match="touch by Penalty, not Impact"):
-        fl.Contact(fl.Sphere(body.point("centre"), 0.05), torus, fl.Impact()).check()
+        fl.contact.Contact(
+            fl.contact.Sphere(body.point("centre"), 0.05), torus, fl.contact.Impact()
+        ).check()
 
 
 def test_a_load_of_ones_own():

@@ -26,7 +26,7 @@ def flat(a: float, b: float) -> tuple[float, float, float]:
 
 
 def folded(cells=(4, 2), **options) -> fl.Shell:
-    return fl.Shell(fl.surface(fold, cells), LAYER, name="fold", **options)
+    return fl.Shell(fl.mesh.parametric_surface(fold, cells), LAYER, name="fold", **options)
 
 
 def scene_with(*items) -> fl.Scene:
@@ -36,25 +36,27 @@ def scene_with(*items) -> fl.Scene:
     return scene
 
 
-def nearest(shell: fl.Shell, place) -> fl.Point:
+def nearest(shell: fl.Shell, place) -> fl.extend.Point:
     return shell.point(int(np.linalg.norm(shell.mesh.points - place, axis=1).argmin()))
 
 
 def machine(*, clamped: bool, links: bool = True, loaded: bool = False) -> fl.Scene:
     """A folded plate, a beam on its middle and a rigid body at a corner."""
     shell = folded()
-    plain = fl.Geodesic(bending_flexibility=False)  # Newton without the carried stress converges
+    plain = fl.elements.GeodesicBeam(
+        bending_flexibility=False
+    )  # Newton without the carried stress converges
     ends = (0.5, 0.5, 0), (0.5, 0.5, 1)
     beam = fl.Beam.straight(*ends, BAR, cells=2, formulation=plain, name="beam")
     ball = fl.RigidBody(0.1, 0.01 * np.eye(3), position=(1.2, 0.0, 0.6), name="ball")
     scene = scene_with(shell, beam, ball)
     middle = nearest(shell, [0.5, 0.5, 0])
     if links:
-        scene.add(fl.RigidLink(beam.point("start"), middle))  # the beam leads
-        scene.add(fl.RigidLink(shell.point("10"), ball.point("centre")))
+        scene.add(fl.joints.RigidLink(beam.point("start"), middle))  # the beam leads
+        scene.add(fl.joints.RigidLink(shell.point("10"), ball.point("centre")))
     else:
-        scene.add(fl.Fixed(beam.point("start"), middle))
-        scene.add(fl.Fixed(shell.point("10"), ball.point("centre"), at=(1.2, 0, 0.6)))
+        scene.add(fl.joints.Fixed(beam.point("start"), middle))
+        scene.add(fl.joints.Fixed(shell.point("10"), ball.point("centre"), at=(1.2, 0, 0.6)))
     if clamped:
         shell.clamp("a=0")
     if loaded:
@@ -78,7 +80,7 @@ def test_both_sides_of_a_kink_have_directors_of_their_own():
     assert len(smooth.frames) == len(smooth.mesh.points) and not smooth.drills()
 
 
-def tee(cell="quadrilateral") -> fl.SurfaceMesh:
+def tee(cell="quadrilateral") -> fl.mesh.SurfaceMesh:
     """A flange in the plane of x and y, a web below its middle; four cells along y."""
     y = np.linspace(0, 1, 5)
     x = [(a, b, 0) for b in y for a in (-0.5, 0, 0.5)] + [(0, b, -0.5) for b in y]
@@ -90,7 +92,7 @@ def tee(cell="quadrilateral") -> fl.SurfaceMesh:
     root = [(0, 1), (1, 2), (1, 15)]
     if cell == "triangle":
         cells = [c for q in cells for c in (np.array(q)[[0, 1, 3]], np.array(q)[[0, 3, 2]])]
-    return fl.SurfaceMesh.from_cells(
+    return fl.mesh.SurfaceMesh.from_cells(
         x, cells, cell, curves={"root": root}, named_points={"end": [13], "foot": [19]}
     )
 
@@ -106,10 +108,10 @@ def test_a_flange_goes_on_through_the_branch(cell):
 
 
 def test_flipped_cells_are_refused_on_smooth_sides_only():
-    mesh = fl.surface(fold, (2, 1))
+    mesh = fl.mesh.parametric_surface(fold, (2, 1))
     cells = mesh.cells.copy()
     cells[1] = cells[1][[1, 0, 3, 2]]
-    shell = fl.Shell(fl.SurfaceMesh.from_cells(mesh.points, cells, "quadrilateral"), LAYER)
+    shell = fl.Shell(fl.mesh.SurfaceMesh.from_cells(mesh.points, cells, "quadrilateral"), LAYER)
     assert len(shell.frames) == len(mesh.points) + 2
     with pytest.raises(ValueError, match="opposite sides"):
         fl.Shell(shell.mesh, LAYER, kink_angle=np.pi / 1.9)
@@ -117,17 +119,19 @@ def test_flipped_cells_are_refused_on_smooth_sides_only():
 
 def test_automatic_is_five_until_something_takes_hold_of_a_rotation():
     def drills(item_of_shell, **options):
-        shell = fl.Shell(fl.surface(flat, (2, 1)), LAYER, **options)
+        shell = fl.Shell(fl.mesh.parametric_surface(flat, (2, 1)), LAYER, **options)
         return scene_with(shell, item_of_shell(shell)).drills(shell)
 
     assert not drills(lambda s: fl.PointLoad(s.point("00"), force=(1, 2, 3)))
-    assert not drills(lambda s: fl.Spherical(s.point("00"), fl.ground()))
-    assert not drills(lambda s: fl.InPlane(fl.ground(), s.point("00")))
+    assert not drills(lambda s: fl.joints.Spherical(s.point("00"), fl.ground()))
+    assert not drills(lambda s: fl.joints.InPlane(fl.ground(), s.point("00")))
     assert not drills(lambda s: fl.PointLoad(s.point("00"), moment=(1, 2, 0)), drilling=False)
     assert drills(lambda s: fl.PointLoad(s.point("00"), moment=(1, 2, 0)))
-    assert drills(lambda s: fl.InPlane(s.point("00"), fl.ground()))  # its axis turns with the node
-    assert drills(lambda s: fl.Spherical(s.point("00"), fl.ground(), at=(1, 1, 1)))
-    assert drills(lambda s: fl.Revolute(s.point("00"), fl.ground()))
+    assert drills(
+        lambda s: fl.joints.InPlane(s.point("00"), fl.ground())
+    )  # its axis turns with the node
+    assert drills(lambda s: fl.joints.Spherical(s.point("00"), fl.ground(), at=(1, 1, 1)))
+    assert drills(lambda s: fl.joints.Revolute(s.point("00"), fl.ground()))
     assert drills(lambda s: fl.PointLoad(s.point("00"), force=(1, 2, 3)), drilling=True)
 
 
@@ -212,7 +216,7 @@ def derivative_error(system: System, H, weights, *, along_motion: bool) -> float
 @pytest.mark.parametrize("links", [True, False])
 def test_matrix_is_the_derivative_of_the_residual(links):
     scene = machine(clamped=True, links=links, loaded=True)
-    scene.add(fl.Revolute(scene.bodies[0].point("11"), fl.ground(), axis=(1, 2, 3)))
+    scene.add(fl.joints.Revolute(scene.bodies[0].point("11"), fl.ground(), axis=(1, 2, 3)))
     rng, system = np.random.default_rng(4), System(scene, dynamics=False)
     assert system.uncoupled.sum() >= 15
     system.set_time(1.0, 1.0)
@@ -223,7 +227,10 @@ def test_matrix_is_the_derivative_of_the_residual(links):
     assert derivative_error(system, H, weights, along_motion=False) <= 1e-7
 
     newton = LoadSteps(
-        scene, Rotation.of((0, 0, 0), (0, 0, 0)), fl.Newton(1e-14, carried_stress=False), "six_"
+        scene,
+        Rotation.of((0, 0, 0), (0, 0, 0)),
+        fl.schemes.Newton(1e-14, carried_stress=False),
+        "six_",
     )
     assert newton.solve(1.0)
     assert np.abs(newton.H - newton.equations.start.frames).max() > 0.1
@@ -236,13 +243,16 @@ def test_matrix_is_the_derivative_of_the_residual(links):
 def test_newton_converges_quadratically_and_needs_few_steps_with_carried_stress():
     scene = machine(clamped=True, loaded=True)
     system = LoadSteps(
-        scene, Rotation.of((0, 0, 0), (0, 0, 0)), fl.Newton(1e-14, carried_stress=False), "six_"
+        scene,
+        Rotation.of((0, 0, 0), (0, 0, 0)),
+        fl.schemes.Newton(1e-14, carried_stress=False),
+        "six_",
     )
     system.equations.prescribed(1.0).act()
     system._factor, increments = 1.0, []
     while len(increments) < 20 and (not increments or increments[-1] > 1e-12):
         system.evaluate(1)
-        system.refactorise(fl.Update.ALL)
+        system.refactorise(fl.extend.Refactorisation.ALL)
         increments.append(system.correct())
     logs = np.log(increments[-5:-1])
     # a rate of two; with the turning of unbalanced forces left in at equilibrium it would be one
@@ -273,10 +283,12 @@ def hemisphere(drilling, *, scale=1.0, cell="quadrilateral", degree=1, cells=16)
         )
 
     shell = fl.Shell(
-        fl.surface(place, (cells, cells), cell=cell, degree=degree),
+        fl.mesh.parametric_surface(place, (cells, cells), cell=cell, degree=degree),
         fl.ShellSection.layer(0.04, fl.Material(6.825e7, 0.3, 1.0)),
         director=lambda x: x / 10,
-        formulation=fl.HellingerReissner() if degree == 1 else fl.Displacement(),
+        formulation=fl.elements.HellingerReissner()
+        if degree == 1
+        else fl.elements.DisplacementBased(),
         drilling=drilling,
     )
     default = shell.drilling_stiffness
@@ -318,7 +330,7 @@ def test_moment_at_a_node_meets_a_patch_of_the_size_of_the_cells(t):
     """``M = 4π G t r² φ`` of a rigid disc of radius r in a large plate; r is 0.27 cells."""
     n = 8
     shell = fl.Shell(
-        fl.surface(lambda a, b: (a, b, 0.0), (n, n)),
+        fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (n, n)),
         fl.ShellSection.layer(t, fl.Material(2.6, 0.3, 1.0)),
     )
     for edge in ("a=0", "a=1", "b=0", "b=1"):
@@ -333,7 +345,7 @@ def test_moment_at_a_node_meets_a_patch_of_the_size_of_the_cells(t):
 
 def test_plate_follows_a_motor_that_spins_about_its_normal():
     """A prescribed motion turns its middle by a right angle; nothing resists."""
-    shell = fl.Shell(fl.surface(flat, (4, 2)), LAYER, name="plate")
+    shell = fl.Shell(fl.mesh.parametric_surface(flat, (4, 2)), LAYER, name="plate")
     middle = nearest(shell, [1, 0.5, 0])
     start = middle.frame.copy()
 
@@ -350,18 +362,20 @@ def test_plate_follows_a_motor_that_spins_about_its_normal():
 # --- kinks, branches, links ---
 
 
-def parts_of(mesh: fl.SurfaceMesh, groups) -> list[fl.Shell]:
+def parts_of(mesh: fl.mesh.SurfaceMesh, groups) -> list[fl.Shell]:
     shells = []
     for cells in groups:
         used, local = np.unique(mesh.cells[cells], return_inverse=True)
-        part = fl.SurfaceMesh.from_cells(
+        part = fl.mesh.SurfaceMesh.from_cells(
             mesh.points[used], local.reshape(-1, mesh.cells.shape[1]), mesh.cell
         )
         shells.append(fl.Shell(part, LAYER, drilling=True))
     return shells
 
 
-@pytest.mark.parametrize("mesh", [fl.surface(fold, (4, 2)), tee()], ids=["kink", "branch"])
+@pytest.mark.parametrize(
+    "mesh", [fl.mesh.parametric_surface(fold, (4, 2)), tee()], ids=["kink", "branch"]
+)
 def test_one_mesh_is_its_parts_with_rigid_links(mesh):
     middle = mesh.points[mesh.cells].mean(axis=1)
     upright = middle[:, 2] > 1e-9 if middle[:, 2].max() > 0 else middle[:, 2] < -1e-9
@@ -379,7 +393,7 @@ def test_one_mesh_is_its_parts_with_rigid_links(mesh):
     for i, x in enumerate(parts[0].frames[:, 0]):
         gap = np.linalg.norm(parts[1].frames[:, 0] - x, axis=1)
         if gap.min() < 1e-9:
-            scene.add(fl.RigidLink(parts[0].point(i), parts[1].point(int(gap.argmin()))))
+            scene.add(fl.joints.RigidLink(parts[0].point(i), parts[1].point(int(gap.argmin()))))
     for part in parts:
         for i in np.flatnonzero(part.frames[:, 0, 1] < 1e-9):
             scene.add(fl.Clamp(part.point(int(i))))
@@ -405,15 +419,17 @@ def test_bent_frame_of_plates_is_that_of_beams(cell):
         return (min(2 * a, 1.0), (c - 0.5) * b, max(2 * a - 1.0, 0.0))
 
     shell = fl.Shell(
-        fl.surface(place, (20, 2), cell=cell), fl.ShellSection.layer(t, steel), name="frame"
+        fl.mesh.parametric_surface(place, (20, 2), cell=cell),
+        fl.ShellSection.layer(t, steel),
+        name="frame",
     )
     shell.clamp("a=0")
-    load = fl.EdgeLoad(shell, "a=1", force=(0.1 / b, 0, 0))
+    load = fl.loads.EdgeLoad(shell, "a=1", force=(0.1 / b, 0, 0))
     tip = nearest(shell, [1, 0, 1])
     found = fl.follow_loads(scene_with(shell, load)).position(tip)[-1] - [1, 0, 1]
 
     x = [(i / 10, 0, 0) for i in range(11)] + [(1, 0, i / 10) for i in range(1, 11)]
-    lines = fl.LineMesh.from_cells(
+    lines = fl.mesh.LineMesh.from_cells(
         x,
         [(i, i + 1) for i in range(20)],
         groups={"x": range(10), "z": range(10, 20)},
@@ -439,13 +455,14 @@ def test_strip_goes_on_as_a_beam():
     steel, b, t = fl.Material(1e9, 0.0, 1000.0), 0.1, 0.01
     section = fl.Section.rectangle(b, t, steel)
     shell = fl.Shell(
-        fl.surface(lambda a, c: (a, (c - 0.5) * b, 0.0), (10, 2)), fl.ShellSection.layer(t, steel)
+        fl.mesh.parametric_surface(lambda a, c: (a, (c - 0.5) * b, 0.0), (10, 2)),
+        fl.ShellSection.layer(t, steel),
     )
     shell.clamp("a=0")
     beam = fl.Beam.straight((1, 0, 0), (2, 0, 0), section, up=(0, 0, 1), cells=5, name="beam")
     scene = scene_with(shell, beam, fl.PointLoad(beam.point("end"), force=(0, 0.3, 0.1)))
     for point in shell.points("a=1"):
-        scene.add(fl.RigidLink(beam.point("start"), point))
+        scene.add(fl.joints.RigidLink(beam.point("start"), point))
     whole = fl.Beam.straight((0, 0, 0), (2, 0, 0), section, up=(0, 0, 1), cells=20, name="whole")
     alone = scene_with(
         whole, fl.Clamp(whole.point("start")), fl.PointLoad(whole.point("end"), force=(0, 0.3, 0.1))
@@ -462,7 +479,9 @@ def test_supports_hold_all_sides_of_a_kink():
     def tip(whole):
         reach = 1.0 if whole else 0.5
         place = lambda a, b: fold(a, reach * b)  # noqa: E731
-        shell = fl.Shell(fl.surface(place, (4, 4 if whole else 2)), LAYER, name="fold")
+        shell = fl.Shell(
+            fl.mesh.parametric_surface(place, (4, 4 if whole else 2)), LAYER, name="fold"
+        )
         shell.clamp("a=0")
         scene = scene_with(shell)
         if not whole:
@@ -477,9 +496,9 @@ def test_supports_hold_all_sides_of_a_kink():
 
 def test_hinge_along_a_kink_lets_both_sides_turn_together():
     def turned(*curves):
-        mesh = fl.surface(fold, (4, 2))
+        mesh = fl.mesh.parametric_surface(fold, (4, 2))
         edge = np.flatnonzero(np.abs(mesh.points[:, 0] - 1) + mesh.points[:, 2] < 1e-12)
-        mesh = fl.SurfaceMesh.from_cells(
+        mesh = fl.mesh.SurfaceMesh.from_cells(
             mesh.points, mesh.cells, mesh.cell, curves={"kink": np.stack([edge[:-1], edge[1:]], 1)}
         )
         shell = fl.Shell(mesh, LAYER)
@@ -488,7 +507,7 @@ def test_hinge_along_a_kink_lets_both_sides_turn_together():
         scene = scene_with(shell, fl.PointLoad(nearest(shell, [1, 0, 0.5]), force=(1e-3, 0, 0)))
         if curves == ("hinge",):
             for point in (nearest(shell, [0, 0, 0]), nearest(shell, [0, 1, 0])):
-                scene.add(fl.InPlane(fl.ground(), point))
+                scene.add(fl.joints.InPlane(fl.ground(), point))
         result = fl.statics(scene)
         nodes = result.info.body(shell.name).nodes
         return np.linalg.norm(result.frames[-1][nodes, 0] - shell.frames[:, 0], axis=1), shell
@@ -504,13 +523,13 @@ def test_supports_of_a_node_that_follows_are_those_of_its_master():
     shell = folded()
     shell.clamp("a=0")
     beam = fl.Beam.straight((0, 0, 0), (0, 0, 1), BAR, cells=1)
-    scene = scene_with(beam, shell, fl.RigidLink(beam.point("start"), shell.point("00")))
+    scene = scene_with(beam, shell, fl.joints.RigidLink(beam.point("start"), shell.point("00")))
     system = System(scene, dynamics=False)
     assert system.held[system.numbering.node(beam.point("start"))].all()
     hinged = folded()
     hinged.hinge("a=0")
     aside = fl.Beam.straight((0, 0, 1), (0, 0, 2), BAR, cells=1)
-    scene = scene_with(aside, hinged, fl.RigidLink(aside.point("start"), hinged.point("00")))
+    scene = scene_with(aside, hinged, fl.joints.RigidLink(aside.point("start"), hinged.point("00")))
     with pytest.raises(ValueError, match="supports and is attached by a rigid link"):
         System(scene, dynamics=False)
 
@@ -539,7 +558,7 @@ def test_frames_that_follow_the_spin_keep_the_matrix(options):
 
     def run(**options):
         shell = fl.Shell(
-            fl.surface(lambda a, b: (a - 0.5, 0.5 * (b - 0.5), 0.0), (4, 2)),
+            fl.mesh.parametric_surface(lambda a, b: (a - 0.5, 0.5 * (b - 0.5), 0.0), (4, 2)),
             fl.ShellSection.layer(0.02, fl.Material(1e9, 0.3, 1000.0)),
             **options,
             name="plate",
@@ -557,7 +576,7 @@ def test_frames_that_follow_the_spin_keep_the_matrix(options):
 
 def test_carried_frames_are_those_of_the_rigid_motion():
     """After a rigid motion in statics, which five parameters alone do not follow."""
-    shell = fl.Shell(fl.surface(flat, (3, 2)), LAYER, convected_axes=True)
+    shell = fl.Shell(fl.mesh.parametric_surface(flat, (3, 2)), LAYER, convected_axes=True)
     system = System(scene_with(shell), dynamics=False)
     motion = lie.se3_exp(np.array([0.1, 0.2, 0.3, 0.5, -0.4, 2.0]))
     moved = lie.se3_compose(motion, system.frames[: system.count])
@@ -572,7 +591,7 @@ def test_frequencies_of_six_parameters_are_those_of_five():
 
     def frequencies(drilling):
         shell = fl.Shell(
-            fl.surface(lambda a, b: (a, 0.4 * b, 0.0), (8, 3)),
+            fl.mesh.parametric_surface(lambda a, b: (a, 0.4 * b, 0.0), (8, 3)),
             fl.ShellSection.layer(0.01, fl.Material(1e6, 0.3, 10.0)),
             drilling=drilling,
         )

@@ -28,8 +28,8 @@ def spline(cells: int, slenderness: float) -> fl.SplineCable:
 
 
 def discrete(cells: int, slenderness: float) -> fl.Cable:
-    mesh = fl.straight((0, 0, 0), (LENGTH, 0, 0), cells)
-    return fl.Cable(mesh, section(slenderness), formulation=fl.DiscreteCable())
+    mesh = fl.mesh.straight_line((0, 0, 0), (LENGTH, 0, 0), cells)
+    return fl.Cable(mesh, section(slenderness), formulation=fl.elements.DiscreteCable())
 
 
 def rolled_up(make, cells: int, slenderness: float) -> tuple[float, float]:
@@ -43,10 +43,10 @@ def rolled_up(make, cells: int, slenderness: float) -> tuple[float, float]:
     for body in (cable, tip):
         scene.add(body)
     scene.add(fl.Clamp(cable.point("start")))
-    scene.add(fl.Revolute(tip.point("centre"), cable.point("end"), axis=(1, 0, 0)))
+    scene.add(fl.joints.Revolute(tip.point("centre"), cable.point("end"), axis=(1, 0, 0)))
     scene.add(fl.PointLoad(tip.point("centre"), moment=(0, 0, 2 * np.pi * BENDING / LENGTH)))
     # what has no torsion turns out of its plane under a moment fixed in space, if it is let
-    with pytest.warns(fl.UnstableEquilibriumWarning):
+    with pytest.warns(fl.stability.UnstableEquilibriumWarning):
         result = fl.statics(scene, load_steps=10)
     gap = np.linalg.norm(result.position(cable.point("end"))[-1]) / LENGTH
     return float(gap), float(result.iterations.mean()) + result.failed_iterations

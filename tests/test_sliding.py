@@ -13,7 +13,7 @@ from fem_lie.system import System
 from fem_lie.system.constraints import Connections
 
 SECTION = fl.Section.circle(0.01, fl.Material(2e9, 0.3, 1000.0))
-KINDS = [fl.Sliding, fl.Collar, fl.Sleeve]
+KINDS = [fl.joints.Sliding, fl.joints.Collar, fl.joints.Sleeve]
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -22,7 +22,7 @@ def rail(cells: int = 4, **options) -> fl.Beam:
 
 
 @cache
-def system_of(kind: type[fl.Sliding]) -> System:
+def system_of(kind: type[fl.joints.Sliding]) -> System:
     """A body that is driven along a rail."""
     scene = fl.Scene()
     beam = scene.add(rail())
@@ -34,7 +34,7 @@ def system_of(kind: type[fl.Sliding]) -> System:
 class Case:
     """A body on a rail in a random configuration near a place on the second of four elements."""
 
-    def __init__(self, kind: type[fl.Sliding], seed: int) -> None:
+    def __init__(self, kind: type[fl.joints.Sliding], seed: int) -> None:
         rng = np.random.default_rng(seed)
         system = system_of(kind)
         self.connections: Connections = system.connections
@@ -112,7 +112,9 @@ def test_rates_balance_and_invariance(kind, seed):
     np.testing.assert_allclose(case.evaluate(moved)[: 6 * n].reshape(n, 6), f, atol=10 * bound)
 
 
-def bead(kind: type[fl.Sliding], step: float, cells: int = 5) -> tuple[fl.Result, fl.Sliding]:
+def bead(
+    kind: type[fl.joints.Sliding], step: float, cells: int = 5
+) -> tuple[fl.Result, fl.joints.Sliding]:
     """A flexible rail flies and turns, a body slides along it over several elements."""
     scene = fl.Scene()
     beam = scene.add(rail(cells))
@@ -142,7 +144,9 @@ def test_momenta_and_energy_over_the_elements(kind):
 
 
 def test_path_on_the_rail_converges_with_the_elements():
-    places = [bead(fl.Sliding, 2e-3, cells)[0].position("ball.centre")[-1] for cells in (5, 10, 20)]
+    places = [
+        bead(fl.joints.Sliding, 2e-3, cells)[0].position("ball.centre")[-1] for cells in (5, 10, 20)
+    ]
     gaps = [np.linalg.norm(places[k] - places[2]) for k in (0, 1)]
     assert gaps[0] < 1e-5 and gaps[0] / gaps[1] > 3.0
 
@@ -156,9 +160,9 @@ def test_bead_on_a_driven_rod():
     ball = scene.add(fl.RigidBody(1e-3, (1e-7,) * 3, (0.2, 0, 0)))
     for body in (rod, ball):
         body.add_velocity(omega=(0, 0, speed), about=(0, 0, 0))
-    hinge = scene.add(fl.Revolute(fl.ground(), rod.point("start"), axis=(0, 0, 1)))
-    scene.add(fl.Drive(hinge.angle, lambda t: speed * t))
-    joint = scene.add(fl.Sliding(rod, ball.point("centre")))
+    hinge = scene.add(fl.joints.Revolute(fl.ground(), rod.point("start"), axis=(0, 0, 1)))
+    scene.add(fl.joints.Drive(hinge.angle, lambda t: speed * t))
+    joint = scene.add(fl.joints.Sliding(rod, ball.point("centre")))
     errors = []
     for step in (4e-3, 2e-3):
         scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-9)
@@ -172,7 +176,9 @@ def test_bead_on_a_driven_rod():
     np.testing.assert_allclose(force[1:-1], coriolis[1:-1], atol=2e-3 * np.abs(coriolis).max())
 
 
-@pytest.mark.parametrize(("kind", "free"), [(fl.Sliding, 3), (fl.Collar, 1), (fl.Sleeve, 0)])
+@pytest.mark.parametrize(
+    ("kind", "free"), [(fl.joints.Sliding, 3), (fl.joints.Collar, 1), (fl.joints.Sleeve, 0)]
+)
 def test_moments_turn_what_the_joint_leaves_free(kind, free):
     """On a stiff rail: all axes, the rail's alone, none."""
     scene = fl.Scene()
@@ -194,7 +200,9 @@ def test_travel_is_driven_and_the_end_is_an_error():
     beam = scene.add(rail())
     scene.add(fl.Clamp(beam.point("start")))
     ball = scene.add(fl.RigidBody(0.05, (1e-5,) * 3, (0.3, 0, 0)))
-    joint = scene.add(fl.Sleeve(beam, ball.point("centre"), travel=lambda t: 0.3 + 0.5 * t**3))
+    joint = scene.add(
+        fl.joints.Sleeve(beam, ball.point("centre"), travel=lambda t: 0.3 + 0.5 * t**3)
+    )
     result = fl.GeneralisedAlpha().run(scene, duration=1.0, step=5e-3)
     np.testing.assert_allclose(
         result.coordinate(joint), 0.3 + 0.5 * result.times**3, rtol=0, atol=1e-9
@@ -213,7 +221,7 @@ def test_every_place_on_a_beam_is_found(along, seed):
     twist = lie.se3_relative(beam.frames[a], beam.frames[b])
     place = lie.se3_retract(beam.frames[a], along * twist)[0]
     bead = fl.RigidBody(1.0, (1.0, 1.0, 1.0), place)
-    definition = fl.Sliding(beam, bead.point("centre")).sliding_definition()
+    definition = fl.joints.Sliding(beam, bead.point("centre")).sliding_definition()
     assert definition.arclength == pytest.approx(beam.lengths[:k].sum() + along * beam.lengths[k])
 
 
@@ -221,14 +229,18 @@ def test_bad_places_and_beams_are_refused():
     scene = fl.Scene()
     beam = scene.add(rail())
     ends = (0, 1, 0), (1, 1, 0)
-    other = scene.add(fl.Beam.straight(*ends, SECTION, cells=2, formulation=fl.Director(1)))
+    other = scene.add(
+        fl.Beam.straight(*ends, SECTION, cells=2, formulation=fl.elements.DirectorBeam(1))
+    )
     ball = scene.add(fl.RigidBody(1.0, (1, 1, 1), (0.5, 0.2, 0)))
     with pytest.raises(ValueError, match=r"0\.2 off the beam's axis.*at=\("):
-        scene.add(fl.Sliding(beam, ball.point("centre")))
+        scene.add(fl.joints.Sliding(beam, ball.point("centre")))
     with pytest.raises(ValueError, match="geodesic"):
-        scene.add(fl.Sliding(other, ball.point("centre"), at=(0.5, 1, 0)))
+        scene.add(fl.joints.Sliding(other, ball.point("centre"), at=(0.5, 1, 0)))
     with pytest.raises(ValueError, match=r"start at arclength 0\.5, got 0\.1"):
-        scene.add(fl.Sliding(beam, ball.point("centre"), at=(0.5, 0, 0), travel=lambda t: 0.1))
+        scene.add(
+            fl.joints.Sliding(beam, ball.point("centre"), at=(0.5, 0, 0), travel=lambda t: 0.1)
+        )
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -9,7 +9,7 @@ from tests.unit_systems import METRES, UNIT_SYSTEMS, UnitSystem
 X = (1.0, 0.0, 0.0)
 
 
-def rod(u: UnitSystem, cells: int, formulation: fl.Formulation | None = None) -> tuple:
+def rod(u: UnitSystem, cells: int, formulation: fl.elements.BeamFormulation | None = None) -> tuple:
     """One metre of steel, 10 × 10 mm: a mass of 0.78 kg."""
     steel = fl.Material(u.stress(2e11), 0.3, u.density(7800.0))
     section = fl.Section.rectangle(u.length(0.01), u.length(0.01), steel)
@@ -26,8 +26,8 @@ SPRINGS += [(400, k, METRES) for k in (10.0, 1e-3)]
 def test_a_rod_on_a_soft_spring_swings(cells, k, u):
     """It slides along its axis: √(k/m), however stiff its elements are."""
     scene, beam = rod(u, cells)
-    slide = scene.add(fl.Prismatic(fl.ground(), beam.point("start"), axis=X))
-    scene.add(fl.Spring(slide.displacement, stiffness=u.stiffness(k)))
+    slide = scene.add(fl.joints.Prismatic(fl.ground(), beam.point("start"), axis=X))
+    scene.add(fl.joints.Spring(slide.displacement, stiffness=u.stiffness(k)))
     found = u.inverse.rate(fl.vibrations(scene, 2).frequencies)
     assert found[0] == pytest.approx(np.sqrt(k / 0.78), rel=1e-6)
     assert found[1] > 10.0
@@ -35,7 +35,13 @@ def test_a_rod_on_a_soft_spring_swings(cells, k, u):
 
 @pytest.mark.parametrize("u", UNIT_SYSTEMS, ids=str)
 @pytest.mark.parametrize(
-    "formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2), fl.Kirchhoff()]
+    "formulation",
+    [
+        fl.elements.GeodesicBeam(),
+        fl.elements.DirectorBeam(1),
+        fl.elements.DirectorBeam(2),
+        fl.elements.KirchhoffRod(),
+    ],
 )
 def test_a_free_rod_has_six_zeros_and_no_more(formulation, u):
     scene, _ = rod(u, 16, formulation)
@@ -52,8 +58,8 @@ def test_slow_modes_beside_zeros():
     scene, beam = rod(METRES, 20)
     for end, factor in ((beam.point("start"), 1.0), (beam.point("end"), 4.0)):
         far = end.position + np.array([0.0, 1.0, 0.0])
-        joint = fl.Distance(fl.ground(), end, at=far)
-        scene.add(fl.Spring(joint.length, stiffness=factor * k))
+        joint = fl.joints.Distance(fl.ground(), end, at=far)
+        scene.add(fl.joints.Spring(joint.length, stiffness=factor * k))
     modes = fl.vibrations(scene, 7)
     # in the plane: displacement y and turn about z of a rigid rod
     m, J = 0.78, 0.78 / 12
@@ -68,8 +74,8 @@ def test_a_damped_slow_mode():
     """``m ẍ + c ẋ + k x``: eigenvalue and damping ratio."""
     k, c, m = 1e-3, 2e-3, 0.78
     scene, beam = rod(METRES, 10)
-    slide = scene.add(fl.Prismatic(fl.ground(), beam.point("start"), axis=X))
-    scene.add(fl.Spring(slide.displacement, stiffness=k, damping=c))
+    slide = scene.add(fl.joints.Prismatic(fl.ground(), beam.point("start"), axis=X))
+    scene.add(fl.joints.Spring(slide.displacement, stiffness=k, damping=c))
     modes = fl.vibrations(scene, 2)
     expected = -c / (2 * m) + 1j * np.sqrt(k / m - (c / (2 * m)) ** 2)
     assert modes.eigenvalues[0] == pytest.approx(expected, rel=1e-4)
@@ -78,7 +84,10 @@ def test_a_damped_slow_mode():
 @pytest.mark.parametrize("u", UNIT_SYSTEMS, ids=str)
 def test_what_is_left_free_is_counted(u):
     """A free beam has six motions, on a hinge one."""
-    for joint, message in ((None, "6 motions of bodies"), (fl.Revolute, "1 motion of bodies")):
+    for joint, message in (
+        (None, "6 motions of bodies"),
+        (fl.joints.Revolute, "1 motion of bodies"),
+    ):
         scene, beam = rod(u, 4)
         if joint is not None:
             scene.add(joint(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
@@ -91,4 +100,4 @@ def test_frequencies_say_in_which_units_they_are():
     scene, _ = rod(METRES, 4)
     modes = fl.vibrations(scene, 7)
     assert "[rad/s]       [Hz]  damping" in modes.table()
-    assert "[rad/ms]  [cycles/ms]  damping" in modes.table(units=fl.Units(time="ms"))
+    assert "[rad/ms]  [cycles/ms]  damping" in modes.table(units=fl.post.Units(time="ms"))

@@ -100,7 +100,7 @@ class Alone(BodyAlone):
 
     def __init__(self, name):
         body = random_body(name)
-        super().__init__(body, fl.ElementBody.assemble([body]))
+        super().__init__(body, fl.extend.ElementBody.assemble([body]))
 
     def viscous(self, H, v):
         out = np.zeros((self.count, 6))
@@ -212,7 +212,8 @@ def test_strains_do_not_touch_the_stress(name):
 
 
 def test_the_element_of_the_page_is_that_of_the_package():
-    """The cable on position-gradient nodes has energy and forces of :class:`fl.HermiteCable`."""
+    """The cable on position-gradient nodes has energy and forces of
+    :class:`fl.elements.HermiteCable`."""
     page = runpy.run_path(str(DOCS / "how_to" / "gradient_element.py"))
     section = fl.Section.circle(0.01, fl.Material(E=1e9, nu=0.0, density=1000.0))
     EA, EI = section.stiffness[0, 0], section.stiffness[4, 4]
@@ -268,7 +269,7 @@ def test_data_of_another_shape_are_refused():
         ({"cells": [[1, 0, 2]]}, "cells must have nodes of types"),
         ({"data": np.zeros((1, 4))}, "3 cells need as many data, got 1"),
         ({"inertia": np.zeros((3, 3, 3))}, "inertia must have shape"),
-        ({"damping": fl.Damping(stiffness=0.1)}, "damping with mass only"),
+        ({"damping": fl.sections.Damping(stiffness=0.1)}, "damping with mass only"),
     ],
 )
 def test_bodies_whose_parts_do_not_fit_are_refused(change, message):
@@ -282,4 +283,4 @@ def test_bodies_whose_parts_do_not_fit_are_refused(change, message):
         "data": body.element_data(),
     }
     with pytest.raises(ValueError, match=message):
-        fl.ElementBody(**(given | change))
+        fl.extend.ElementBody(**(given | change))

@@ -18,14 +18,14 @@ def mooney(C, first, second, bulk):
 
 
 MATERIALS = {
-    "Saint-Venant": fl.SaintVenantKirchhoff(10.0, 0.3, 2.0),
-    "neo-Hooke": fl.NeoHooke(10.0, 0.3, 2.0),
-    "Mooney": fl.Hyperelastic(mooney, 2.0, (1.5, 0.5, 10.0)),
+    "Saint-Venant": fl.sections.SaintVenantKirchhoff(10.0, 0.3, 2.0),
+    "neo-Hooke": fl.sections.NeoHooke(10.0, 0.3, 2.0),
+    "Mooney": fl.sections.Hyperelastic(mooney, 2.0, (1.5, 0.5, 10.0)),
 }
 
 ELEMENTS = {
-    "hexahedron 1, mean dilatation": ("hexahedron", 1, fl.MeanDilatation()),
-    "hexahedron 1": ("hexahedron", 1, fl.Isoparametric()),
+    "hexahedron 1, mean dilatation": ("hexahedron", 1, fl.elements.MeanDilatation()),
+    "hexahedron 1": ("hexahedron", 1, fl.elements.Isoparametric()),
     "hexahedron 2": ("hexahedron", 2, None),
     "tetrahedron 1": ("tetrahedron", 1, None),
     "tetrahedron 2": ("tetrahedron", 2, None),
@@ -44,7 +44,7 @@ def skewed(a, b, c):
 
 def solid(element, material=MATERIALS["neo-Hooke"], cells=(2, 2, 2)):
     cell, degree, formulation = element
-    mesh = fl.block(skewed, cells, cell=cell)
+    mesh = fl.mesh.parametric_volume(skewed, cells, cell=cell)
     return fl.Solid(mesh, material, degree=degree, formulation=formulation)
 
 
@@ -196,8 +196,8 @@ def test_volume_of_a_crooked_cell():
 
 def test_the_mean_dilatation_is_the_volume_of_the_cell():
     """An energy of ``J`` alone is that of volumes, in a state that is not homogeneous."""
-    law = fl.Hyperelastic(lambda C: 0.25 * ufl.ln(ufl.det(C)) ** 2)
-    body = solid(("hexahedron", 1, fl.MeanDilatation()), law)
+    law = fl.sections.Hyperelastic(lambda C: 0.25 * ufl.ln(ufl.det(C)) ** 2)
+    body = solid(("hexahedron", 1, fl.elements.MeanDilatation()), law)
     system = system_of(body, dynamics=False)
     H = bent(system, 0.2)
     before, after = (
@@ -227,7 +227,7 @@ def stress_of(X, λ, μ, d=1e-4):
 def bulged_error(element, n):
     """Root mean square of inner places, under the body force that belongs to the deformation."""
     cell, degree, formulation = element
-    law = fl.SaintVenantKirchhoff(1.0, 0.3)
+    law = fl.sections.SaintVenantKirchhoff(1.0, 0.3)
     body = fl.Solid.brick(
         (1, 1, 1), law, cells=(n, n, n), cell=cell, degree=degree, formulation=formulation
     )
@@ -243,7 +243,7 @@ def bulged_error(element, n):
     body.frames[:, 0] = exact
     scene = fl.Scene()
     scene.add(body)
-    scene.add(fl.BulkLoad(body, force))
+    scene.add(fl.loads.BulkLoad(body, force))
     found = fl.statics(scene)
     gap = found.frames[-1, found.info.bodies[0].nodes, 0] - exact
     return np.sqrt((gap[~body.held[:, 0]] ** 2).sum(axis=1).mean())

@@ -12,7 +12,7 @@ from dolfinx.io import VTXWriter
 import fem_lie as fl
 from tests.assembled import Assembled
 
-RUBBER = fl.NeoHooke(1e4, 0.3, 1.0)
+RUBBER = fl.sections.NeoHooke(1e4, 0.3, 1.0)
 SECTION = fl.Section.from_stiffness([1e3, 1e3, 1e3, 10, 10, 10], mass=1.0, rotary=(0.01, 0.01))
 
 
@@ -43,7 +43,7 @@ def test_a_bar_under_its_weight(cell, degree, error):
     """Small strains without Poisson's effect: ``ρ g ℓ²/2E`` at the end, exactly but in tetrahedra
     of degree 1, which bend under their own weight.
     """
-    bar = brick(material=fl.SaintVenantKirchhoff(1e8, 0.0, 1.0), cell=cell, degree=degree)
+    bar = brick(material=fl.sections.SaintVenantKirchhoff(1e8, 0.0, 1.0), cell=cell, degree=degree)
     bar.clamp("a=0")
     found = fl.statics(scene_of(bar, gravity=(9.81, 0, 0)))
     end = bar.point("100")
@@ -55,7 +55,7 @@ def test_a_bar_under_its_weight(cell, degree, error):
 
 
 def test_a_slender_brick_of_degree_two_bends_as_a_beam():
-    bar = brick((10, 1, 1), (1.0, 0.1, 0.1), fl.SaintVenantKirchhoff(1e6, 0.0), degree=2)
+    bar = brick((10, 1, 1), (1.0, 0.1, 0.1), fl.sections.SaintVenantKirchhoff(1e6, 0.0), degree=2)
     bar.clamp("a=0")
     scene = scene_of(bar)
     nodes = bar.points("a=1")
@@ -112,12 +112,12 @@ def test_a_guide_across_the_axes():
 def test_a_face_carries_a_force_per_area():
     """Also as a function of the place; moments about the origin of what is not uniform."""
     body = brick((3, 2, 2), lengths=(1.0, 2.0, 3.0), cell="tetrahedron", degree=2)
-    forces = fl.FaceLoad(body, "a=1", lambda x: (x[1], 0.0, x[2])).nodal()
+    forces = fl.loads.FaceLoad(body, "a=1", lambda x: (x[1], 0.0, x[2])).nodal()
     np.testing.assert_allclose(forces.sum(axis=0)[:3], (6.0, 0, 9.0), atol=1e-12)
     moment = np.cross(body.places, forces[:, :3]).sum(axis=0)
     # ∫ (y z, z y − x z, −y²) dA with x = 1
     np.testing.assert_allclose(moment, (4.5 * 2, 4.5 * 2 - 9.0, -8.0), atol=1e-12)
-    bulk = fl.BulkLoad(body, lambda x: (x[0], 1.0, 0.0)).nodal().sum(axis=0)
+    bulk = fl.loads.BulkLoad(body, lambda x: (x[0], 1.0, 0.0)).nodal().sum(axis=0)
     np.testing.assert_allclose(bulk[:3], (3.0, 6.0, 0.0), atol=1e-12)
 
 
@@ -128,7 +128,7 @@ def test_pressure_compresses_a_cube(degree):
     scene = scene_of(cube)
     for name, normal in (("a", (1, 0, 0)), ("b", (0, 1, 0)), ("c", (0, 0, 1))):
         cube.roller(f"{name}=0", normal)
-        scene.add(fl.FacePressure(cube, f"{name}=1", 3e3))
+        scene.add(fl.loads.FacePressure(cube, f"{name}=1", 3e3))
     found = fl.statics(scene)
     stretch = found.position(cube.point("111"))[-1]
     np.testing.assert_allclose(stretch, stretch[0], rtol=1e-10)
@@ -141,7 +141,7 @@ def test_pressure_follows_a_body_that_has_turned():
     """The forces of a face, in its axes, are the same in any place."""
     body = brick((2, 2, 2))
     scene = scene_of(body)
-    scene.add(fl.FacePressure(body, "b=1", 7.0))
+    scene.add(fl.loads.FacePressure(body, "b=1", 7.0))
     system = Assembled(scene, dynamics=True)
     H = system.start.copy()
     angle = 0.7
@@ -158,7 +158,7 @@ def test_pressure_follows_a_body_that_has_turned():
 
 def test_a_moment_on_a_face_bends_a_brick():
     """Spread over the nodes of the end, it does what the beam's does."""
-    bar = brick((10, 1, 1), (1.0, 0.1, 0.1), fl.SaintVenantKirchhoff(1e6, 0.0), degree=2)
+    bar = brick((10, 1, 1), (1.0, 0.1, 0.1), fl.sections.SaintVenantKirchhoff(1e6, 0.0), degree=2)
     bar.clamp("a=0")
     scene = scene_of(bar)
     end = bar.point("a=1")
@@ -175,7 +175,7 @@ def test_a_joint_to_a_face_holds_what_a_clamp_holds():
     """Of a pendulum of one brick: the joint's forces are its weight."""
     bar = brick((4, 1, 1), (1.0, 0.1, 0.1))
     scene = scene_of(bar, gravity=(0, 0, -9.81))
-    joint = scene.add(fl.Fixed(fl.ground(), bar.point("a=0")))
+    joint = scene.add(fl.joints.Fixed(fl.ground(), bar.point("a=0")))
     found = fl.statics(scene)
     wrench = found.joint_force(joint)[-1]
     weight = 9.81 * 0.01
@@ -185,16 +185,16 @@ def test_a_joint_to_a_face_holds_what_a_clamp_holds():
 
 def test_a_pendulum_swings_about_a_face():
     """Stiff: as a rigid body about the middle of its end, and it keeps few matrices."""
-    stiff = fl.NeoHooke(1e7, 0.3, 1.0)
+    stiff = fl.sections.NeoHooke(1e7, 0.3, 1.0)
     bar = brick((4, 1, 1), (1.0, 0.1, 0.1), stiff)
     scene = scene_of(bar, gravity=(0, 0, -9.81))
     bar.add_velocity(omega=(0, -2.0, 0), about=(0, 0.05, 0.05))
-    scene.add(fl.Revolute(fl.ground(), bar.point("a=0"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Revolute(fl.ground(), bar.point("a=0"), axis=(0, 1, 0)))
     found = fl.GeneralisedAlpha(radius=0.6).run(scene, duration=0.2, step=1e-3)
     rigid = fl.RigidBody(0.01, 0.01 / 12 * np.array([0.02, 1.01, 1.01]), (0.5, 0.05, 0.05))
     other = scene_of(rigid, gravity=(0, 0, -9.81))
     rigid.add_velocity(omega=(0, -2.0, 0), about=(0, 0.05, 0.05))
-    other.add(fl.Revolute(fl.ground(), rigid.point((0, 0.05, 0.05)), axis=(0, 1, 0)))
+    other.add(fl.joints.Revolute(fl.ground(), rigid.point((0, 0.05, 0.05)), axis=(0, 1, 0)))
     wanted = fl.GeneralisedAlpha(radius=0.6).run(other, duration=0.2, step=1e-3)
     middle = found.frames[:, bar.nodes("a=1"), 0].mean(axis=1)
     np.testing.assert_allclose(
@@ -217,7 +217,7 @@ def test_a_tumbling_brick_keeps_its_matrix(degree):
     scene = scene_of(body, gravity=(0, 0, -9.81))
     scheme = fl.GeneralisedAlpha(radius=0.9)
     found = scheme.run(scene, duration=1.0, step=1e-3)
-    fixed = fl.GeneralisedAlpha(radius=0.9, components=fl.Components.INERTIAL).run(
+    fixed = fl.GeneralisedAlpha(radius=0.9, components=fl.schemes.MatrixFrame.INERTIAL).run(
         scene, duration=1.0, step=1e-3
     )
     assert found.factorisations == 1
@@ -236,7 +236,7 @@ def test_momentum_in_free_flight():
 
 
 def test_damping_with_mass_slows_a_brick_down():
-    body = brick((1, 1, 1), damping=fl.Damping(mass=2.0))
+    body = brick((1, 1, 1), damping=fl.sections.Damping(mass=2.0))
     body.add_velocity((1.0, 0.0, 0.0))
     found = fl.GeneralisedAlpha().run(scene_of(body), duration=0.5, step=1e-2)
     np.testing.assert_allclose(found.velocities[:, :, :3].mean(axis=1)[-1, 0], np.exp(-1.0), 1e-4)
@@ -244,7 +244,9 @@ def test_damping_with_mass_slows_a_brick_down():
 
 def test_vibrations_of_a_bar():
     """Axial ones, ``(2k − 1)/4 √(E/ρ)/ℓ`` without Poisson's effect; six rigid ones when free."""
-    bar = brick((20, 1, 1), (1.0, 0.2, 0.2), fl.SaintVenantKirchhoff(100.0, 0.0, 1.0), degree=2)
+    bar = brick(
+        (20, 1, 1), (1.0, 0.2, 0.2), fl.sections.SaintVenantKirchhoff(100.0, 0.0, 1.0), degree=2
+    )
     assert fl.vibrations(scene_of(bar), 8).frequencies[:6].max() < 1e-3
     bar.clamp("a=0")
     for face, normal in (("b=0", (0, 1, 0)), ("b=1", (0, 1, 0)), ("c=0", (0, 0, 1))):
@@ -262,7 +264,7 @@ def pulled_cube(cell, degree):
     scene = scene_of(cube)
     for name, normal in (("a", (1, 0, 0)), ("b", (0, 1, 0)), ("c", (0, 0, 1))):
         cube.roller(f"{name}=0", normal)
-    scene.add(fl.FaceLoad(cube, "a=1", (2e3, 0, 0)))
+    scene.add(fl.loads.FaceLoad(cube, "a=1", (2e3, 0, 0)))
     return cube, fl.statics(scene)
 
 
@@ -270,7 +272,7 @@ def pulled_cube(cell, degree):
 @pytest.mark.parametrize("cell", ("hexahedron", "tetrahedron"))
 def test_cauchy_stress_of_a_pulled_cube(cell, degree):
     cube, found = pulled_cube(cell, degree)
-    stresses = fl.solid_stresses(found, cube)
+    stresses = fl.post.solid_stresses(found, cube)
     _, b, c = found.position(cube.point("111"))[-1]
     wanted = np.zeros((3, 3))
     wanted[0, 0] = 2e3 / (b * c)
@@ -286,11 +288,11 @@ def test_cauchy_stress_of_a_pulled_cube(cell, degree):
 
 
 def test_stress_in_bending_is_linear():
-    bar = brick((8, 1, 2), (1.0, 0.1, 0.1), fl.SaintVenantKirchhoff(1e6, 0.0), degree=2)
+    bar = brick((8, 1, 2), (1.0, 0.1, 0.1), fl.sections.SaintVenantKirchhoff(1e6, 0.0), degree=2)
     bar.clamp("a=0")
     scene = scene_of(bar)
     scene.add(fl.PointLoad(bar.point("a=1"), moment=(0, 1e-3, 0)))
-    stresses = fl.solid_stresses(fl.statics(scene), bar)
+    stresses = fl.post.solid_stresses(fl.statics(scene), bar)
     node = bar.point((0.5, 0.05, 0.1)).node
     assert stresses.nodal[node, 0, 0] == pytest.approx(1e-3 * 0.05 / (0.1**4 / 12), rel=1e-3)
 
@@ -299,7 +301,7 @@ def test_stress_in_bending_is_linear():
 @pytest.mark.parametrize("cell", ("hexahedron", "tetrahedron"))
 def test_pictures_and_files(cell, degree, tmp_path):
     cube, found = pulled_cube(cell, degree)
-    stresses = fl.solid_stresses(found, cube)
+    stresses = fl.post.solid_stresses(found, cube)
     stresses.write_vtk(tmp_path / "cube.vtu")
     grid = pyvista.read(tmp_path / "cube.vtu")
     assert grid.volume == pytest.approx(np.prod(found.position(cube.point("111"))[-1]), rel=1e-6)
@@ -364,7 +366,7 @@ def gmsh_box(model, hexahedra, order):
 @pytest.mark.parametrize("hexahedra", (True, False))
 def test_named_groups_of_gmsh(model, hexahedra, order):
     gmsh_box(model, hexahedra, order)
-    body = fl.Solid(fl.read_gmsh_volume(), {"all": RUBBER})
+    body = fl.Solid(fl.mesh.read_gmsh_volume(), {"all": RUBBER})
     assert body.degree == order
     assert body.volume == pytest.approx(6.0, rel=1e-12)
     x = body.frames[:, 0]
@@ -386,8 +388,11 @@ def test_two_materials_by_groups_of_cells():
     tags = dmesh.meshtags(
         mesh, 3, np.arange(2, dtype=np.int32), (1 + (middle > 1)).astype(np.int32)
     )
-    volume = fl.volume_from_dolfinx(mesh, tags, groups={"soft": 1, "stiff": 2})
-    given = {"soft": fl.NeoHooke(1.0, 0.0, 2.0), "stiff": fl.NeoHooke(5.0, 0.0, 3.0)}
+    volume = fl.mesh.volume_from_dolfinx(mesh, tags, groups={"soft": 1, "stiff": 2})
+    given = {
+        "soft": fl.sections.NeoHooke(1.0, 0.0, 2.0),
+        "stiff": fl.sections.NeoHooke(5.0, 0.0, 3.0),
+    }
     body = fl.Solid(volume, given)
     assert body.mesh.mesh is mesh
     assert (body.density * body.rule.volumes.sum(axis=1)).sum() == pytest.approx(5.0)
@@ -402,26 +407,26 @@ def test_bad_input():
     with pytest.raises(ValueError, match=r"tetrahedra or hexahedra .* got triangle"):
         fl.Solid(flat, RUBBER)
     with pytest.raises(ValueError, match="turned inside out"):
-        fl.block(lambda a, b, c: (a * (1 - 3 * b), b, c), (1, 1, 1))
+        fl.mesh.parametric_volume(lambda a, b, c: (a * (1 - 3 * b), b, c), (1, 1, 1))
     with pytest.raises(ValueError, match="no volume"):
-        fl.block(lambda a, b, c: (a, b, 0.0), (1, 1, 1))
+        fl.mesh.parametric_volume(lambda a, b, c: (a, b, 0.0), (1, 1, 1))
     with pytest.raises(ValueError, match="'hexahedron' or 'tetrahedron', got 'prism'"):
-        fl.block(lambda a, b, c: (a, b, c), (1, 1, 1), cell="prism")
+        fl.mesh.parametric_volume(lambda a, b, c: (a, b, c), (1, 1, 1), cell="prism")
     with pytest.raises(ValueError, match="three numbers"):
-        fl.block(lambda a, b, c: (a, b, c), (1, 1))
+        fl.mesh.parametric_volume(lambda a, b, c: (a, b, c), (1, 1))
     body = brick((1, 1, 1))
     with pytest.raises(ValueError, match=r"no face, curve, point or group 'top'; it has: .*a=0"):
         body.clamp("top")
     with pytest.raises(ValueError, match="no group of cells"):
         fl.Solid(body.mesh, {"stiff": RUBBER})
     with pytest.raises(ValueError, match="for hexahedra of degree 1"):
-        brick((1, 1, 1), cell="tetrahedron", formulation=fl.MeanDilatation())
+        brick((1, 1, 1), cell="tetrahedron", formulation=fl.elements.MeanDilatation())
     with pytest.raises(ValueError, match="degree must be 1 or 2"):
         brick((1, 1, 1), degree=3)
     with pytest.raises(ValueError, match="damping with mass only"):
-        brick((1, 1, 1), damping=fl.Damping(stiffness=0.1))
+        brick((1, 1, 1), damping=fl.sections.Damping(stiffness=0.1))
     with pytest.raises(ValueError, match=r"-1 < nu < 0\.5"):
-        fl.NeoHooke(1.0, 0.5)
+        fl.sections.NeoHooke(1.0, 0.5)
     with pytest.raises(TypeError, match="SolidMaterial"):
         brick((1, 1, 1), material=fl.Material(1.0, 0.3, 1.0))
     with pytest.raises(ValueError, match="nodes with frames"):
@@ -432,21 +437,21 @@ def test_loads_and_attachments_refuse():
     body = brick((2, 1, 1))
     scene = scene_of(body)
     with pytest.raises(ValueError, match="no face 'a=2'; it has: a=0"):
-        scene.add(fl.FacePressure(body, "a=2", 1.0))
+        scene.add(fl.loads.FacePressure(body, "a=2", 1.0))
     with pytest.raises(TypeError, match="a Solid"):
-        fl.FaceLoad("body", "a=1", (1, 0, 0))
+        fl.loads.FaceLoad("body", "a=1", (1, 0, 0))
     with pytest.raises(ValueError, match="FaceLoad on"):
-        scene.add(fl.FaceLoad(body, "a=1", (1, 0)))
-    inside = fl.VolumeMesh(body.mesh.mesh, faces={"cut": inner_facets(body)})
+        scene.add(fl.loads.FaceLoad(body, "a=1", (1, 0)))
+    inside = fl.mesh.VolumeMesh(body.mesh.mesh, faces={"cut": inner_facets(body)})
     with pytest.raises(ValueError, match="lies between cells"):
         cut = fl.Solid(inside, RUBBER)
-        scene_of(cut).add(fl.FacePressure(cut, "cut", 1.0))
+        scene_of(cut).add(fl.loads.FacePressure(cut, "cut", 1.0))
     with pytest.raises(ValueError, match="not collinear"):
         body.point("a=0,b=0")
     with pytest.raises(ValueError, match="right-handed"):
         body.point("a=0", axes=np.diag([1.0, 1.0, -1.0]))
     with pytest.raises(ValueError, match="nodes with frames"):
-        scene.add(fl.RigidLink(body.point("000"), body.point("111")))
+        scene.add(fl.joints.RigidLink(body.point("000"), body.point("111")))
 
 
 def inner_facets(body):
@@ -458,16 +463,16 @@ def inner_facets(body):
 
 
 def test_motion_needs_a_density():
-    body = brick((1, 1, 1), material=fl.NeoHooke(1.0, 0.3))
+    body = brick((1, 1, 1), material=fl.sections.NeoHooke(1.0, 0.3))
     with pytest.raises(ValueError, match="densit"):
         fl.GeneralisedAlpha().run(scene_of(body), duration=0.1, step=0.1)
 
 
 def test_laws_may_not_differ_in_one_solid():
-    mesh = fl.brick((2, 1, 1), (2, 1, 1))
-    mesh = fl.VolumeMesh(mesh.mesh, {"one": np.array([0]), "two": np.array([1])})
+    mesh = fl.mesh.brick((2, 1, 1), (2, 1, 1))
+    mesh = fl.mesh.VolumeMesh(mesh.mesh, {"one": np.array([0]), "two": np.array([1])})
     with pytest.raises(ValueError, match="one law"):
-        fl.Solid(mesh, {"one": RUBBER, "two": fl.SaintVenantKirchhoff(1.0, 0.3)})
+        fl.Solid(mesh, {"one": RUBBER, "two": fl.sections.SaintVenantKirchhoff(1.0, 0.3)})
 
 
 def test_linear_tetrahedra_are_warned_of(caplog):
@@ -477,17 +482,19 @@ def test_linear_tetrahedra_are_warned_of(caplog):
 
 def test_linear_tetrahedra_of_rubber_are_refused():
     """Unless they are asked for, whatever the law."""
-    rubber = fl.NeoHooke(1.0, 0.49)
-    law = fl.Hyperelastic(rubber.energy, parameters=rubber.parameters)
+    rubber = fl.sections.NeoHooke(1.0, 0.49)
+    law = fl.sections.Hyperelastic(rubber.energy, parameters=rubber.parameters)
     assert rubber.incompressibility() == pytest.approx(2 * 1.49 / (3 * 0.02), rel=1e-3)
     for material in (rubber, law):
         with pytest.raises(ValueError, match=r"tetrahedra of degree 1 lock .* 50 times"):
             brick((1, 1, 1), material=material, cell="tetrahedron")
-    given = {"cell": "tetrahedron", "formulation": fl.Isoparametric()}
-    assert brick((1, 1, 1), material=rubber, **given).formulation == fl.Isoparametric()
+    given = {"cell": "tetrahedron", "formulation": fl.elements.Isoparametric()}
+    assert brick((1, 1, 1), material=rubber, **given).formulation == fl.elements.Isoparametric()
     assert brick((1, 1, 1), material=rubber, cell="tetrahedron", degree=2).degree == 2
-    mesh = fl.block(lambda a, b, c: (a, b, c), (2, 1, 1), cell="tetrahedron")
-    assert fl.Solid(mesh, fl.NeoHooke(1.0, 0.45)).formulation == fl.Isoparametric()
+    mesh = fl.mesh.parametric_volume(lambda a, b, c: (a, b, c), (2, 1, 1), cell="tetrahedron")
+    assert (
+        fl.Solid(mesh, fl.sections.NeoHooke(1.0, 0.45)).formulation == fl.elements.Isoparametric()
+    )
 
 
 # --- closed forms ---
@@ -496,7 +503,9 @@ def test_linear_tetrahedra_of_rubber_are_refused():
 def test_a_moment_rolls_a_bar_to_a_circle():
     """By a patch of its end, ``M = 2π EI/ℓ``: the end comes back to the clamp."""
     length, width = 10.0, 0.2
-    bar = brick((24, 1, 1), (length, width, width), fl.SaintVenantKirchhoff(1e6, 0.0), degree=2)
+    bar = brick(
+        (24, 1, 1), (length, width, width), fl.sections.SaintVenantKirchhoff(1e6, 0.0), degree=2
+    )
     bar.clamp("a=0")
     scene, end = scene_of(bar), bar.point("a=1")
     moment = 2 * np.pi * 1e6 * width**4 / 12 / length
@@ -508,7 +517,7 @@ def test_a_moment_rolls_a_bar_to_a_circle():
 
 def test_a_bar_is_twisted():
     """Saint-Venant's torsion of a square, ``0.1406 G b⁴``; one end is free to warp."""
-    bar = brick((4, 4, 16), (1.0, 1.0, 5.0), fl.NeoHooke(1e6, 0.3), degree=2)
+    bar = brick((4, 4, 16), (1.0, 1.0, 5.0), fl.sections.NeoHooke(1e6, 0.3), degree=2)
     bar.clamp("c=0")
     scene, top = scene_of(bar), bar.point("c=1")
     stiffness = 0.1406 * 1e6 / 2.6 / 5.0
@@ -523,23 +532,25 @@ def test_rubber_swells_without_locking():
     ``u = p a² b² / (2 μ (b² − a²) r)`` for small strains.
     """
     a, b, pressure = 1.0, 2.0, 1e-4
-    material = fl.NeoHooke(3 * (1 - 1e-5), 0.5 - 5e-6)
+    material = fl.sections.NeoHooke(3 * (1 - 1e-5), 0.5 - 5e-6)
 
     def place(r, angle, c):
         radius, turn = a + (b - a) * r, 0.5 * np.pi * angle
         return radius * np.cos(turn), radius * np.sin(turn), 0.1 * c
 
     found = {}
-    for formulation in (fl.MeanDilatation(), fl.Isoparametric()):
-        tube = fl.Solid(fl.block(place, (10, 16, 1)), material, formulation=formulation)
+    for formulation in (fl.elements.MeanDilatation(), fl.elements.Isoparametric()):
+        tube = fl.Solid(
+            fl.mesh.parametric_volume(place, (10, 16, 1)), material, formulation=formulation
+        )
         for part, normal in (("b=0", (0, 1, 0)), ("b=1", (1, 0, 0)), ("c=0", (0, 0, 1))):
             tube.roller(part, normal)
         tube.roller("c=1", (0, 0, 1))
         scene = scene_of(tube)
-        scene.add(fl.FacePressure(tube, "a=0", pressure))
+        scene.add(fl.loads.FacePressure(tube, "a=0", pressure))
         inner = tube.point((a, 0, 0))
         found[formulation] = fl.statics(scene).displacement(inner)[-1, 0]
     μ = material.parameters[1]
     exact = pressure * a * b**2 / (2 * μ * (b**2 - a**2))
-    assert found[fl.MeanDilatation()] == pytest.approx(exact, rel=1e-2)
-    assert found[fl.Isoparametric()] < 0.2 * exact
+    assert found[fl.elements.MeanDilatation()] == pytest.approx(exact, rel=1e-2)
+    assert found[fl.elements.Isoparametric()] < 0.2 * exact

@@ -140,7 +140,7 @@ REFUSED = {
         "3 cells",
     ),
     "element": (
-        lambda: fl.SplineCable.through(CONTROL, SECTION, formulation=fl.HermiteCable()),
+        lambda: fl.SplineCable.through(CONTROL, SECTION, formulation=fl.elements.HermiteCable()),
         "IsogeometricCable",
     ),
 }
@@ -175,7 +175,7 @@ def half_circles(folder, ending, count=1):
 def test_a_rational_curve_from_a_file_is_followed_to_fourth_order(tmp_path, ending, digits):
     file, gaps, lengths = half_circles(tmp_path, ending), [], []
     for cells in (8, 16, 32):
-        u, places, slopes = fl.read_curve(file, cells)
+        u, places, slopes = fl.mesh.read_curve(file, cells)
         np.testing.assert_allclose(np.linalg.norm(places, axis=1), 1.0, atol=digits)
         np.testing.assert_allclose(np.einsum("ij,ij->i", places, slopes), 0.0, atol=10 * digits)
         h = np.diff(u)[:, np.newaxis]
@@ -190,11 +190,11 @@ def test_a_rational_curve_from_a_file_is_followed_to_fourth_order(tmp_path, endi
 def test_which_curve_of_a_file_must_be_said(tmp_path):
     file = half_circles(tmp_path, "brep", 2)
     with pytest.raises(ValueError, match=r"has the curves \[1, 2\], .* got curve = None"):
-        fl.read_curve(file, 4)
+        fl.mesh.read_curve(file, 4)
     with pytest.raises(ValueError, match=r"got curve = 7"):
-        fl.read_curve(file, 4, curve=7)
-    assert fl.read_curve(file, 4, curve=2).places[0] == pytest.approx([1, 0, 1])
+        fl.mesh.read_curve(file, 4, curve=7)
+    assert fl.mesh.read_curve(file, 4, curve=2).places[0] == pytest.approx([1, 0, 1])
     with pytest.raises(ValueError, match="at least 1, got 0"):
-        fl.read_curve(file, 0, curve=1)
+        fl.mesh.read_curve(file, 0, curve=1)
     with pytest.raises(FileNotFoundError, match="no mesh file"):
-        fl.read_curve(tmp_path / "none.step", 4)
+        fl.mesh.read_curve(tmp_path / "none.step", 4)

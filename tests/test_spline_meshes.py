@@ -15,7 +15,7 @@ from tests.body_alone import BodyAlone
 STEEL = fl.Material(1e3, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, STEEL)
 UNSYMMETRIC = fl.ShellSection.laminate(
-    [fl.Ply(0.04, fl.Material(3e3, 0.2, 1.0)), fl.Ply(0.06, STEEL)]
+    [fl.sections.Ply(0.04, fl.Material(3e3, 0.2, 1.0)), fl.sections.Ply(0.06, STEEL)]
 )
 
 
@@ -29,13 +29,13 @@ def wavy(a, b):
 
 def cut_anyhow(function=flat, cells=(3, 2), times=4, seed=0):
     """Cells of several levels: a few cut, some times over."""
-    rng, patch = np.random.default_rng(seed), fl.smooth_patch(function, cells)
+    rng, patch = np.random.default_rng(seed), fl.mesh.smooth_patch(function, cells)
     if function is flat:
         # exactly, without what differences leave
-        patch = fl.SmoothPatch(patch.rows.round(6), tuple(s.round(6) for s in patch.sizes))
-    mesh = fl.spline_mesh(patch)
+        patch = fl.mesh.SmoothPatch(patch.rows.round(6), tuple(s.round(6) for s in patch.sizes))
+    mesh = fl.mesh.spline_mesh(patch)
     for _ in range(times):
-        mesh = fl.refine(mesh, rng.choice(len(mesh.cells), 3, replace=False))
+        mesh = fl.adaptivity.refine(mesh, rng.choice(len(mesh.cells), 3, replace=False))
     return mesh
 
 
@@ -98,7 +98,7 @@ def test_values_are_a_partition_of_unity():
 
 def test_functions_are_truncated():
     """Where all cells around a point are fine, those of coarser points are nothing."""
-    mesh = fl.refine(fl.spline_mesh(fl.smooth_patch(flat, (2, 2))), [0])
+    mesh = fl.adaptivity.refine(fl.mesh.spline_mesh(fl.mesh.smooth_patch(flat, (2, 2))), [0])
     N, _ = basis(mesh)
     body = fl.ThinShell(mesh, LAYER)
     places = np.einsum(
@@ -138,7 +138,7 @@ def test_bicubics_are_in_the_space_exactly():
 def test_spaces_are_nested():
     """Any function of a mesh is one of the mesh that is cut further."""
     mesh = random_function(cut_anyhow())
-    finer = fl.refine(mesh, np.arange(0, len(mesh.cells), 3))
+    finer = fl.adaptivity.refine(mesh, np.arange(0, len(mesh.cells), 3))
     again = random_function(finer)  # the space of the finer one
     assert len(finer.surface().rows) > len(mesh.surface().rows)
     # what hangs there is what the points that do not hang say
@@ -176,10 +176,10 @@ def test_values_and_slopes_are_continuous_where_corners_hang():
 
 
 def test_cells_that_meet_differ_by_one_level():
-    mesh = fl.spline_mesh(fl.smooth_patch(flat, (4, 4)))
+    mesh = fl.mesh.spline_mesh(fl.mesh.smooth_patch(flat, (4, 4)))
     for _ in range(4):
         corner = np.argmin(np.linalg.norm(mesh.rows[mesh.cells, 0].mean(axis=1), axis=1))
-        mesh = fl.refine(mesh, [corner])
+        mesh = fl.adaptivity.refine(mesh, [corner])
     assert mesh.levels.max() == 4
     for point in range(len(mesh.rows)):
         levels = mesh.levels[(mesh.cells == point).any(axis=1)]
@@ -269,17 +269,20 @@ def cantilever(mesh, force=4.0):
     section = fl.ShellSection.layer(0.1, fl.Material(1.2e6, 0.0, 1.0))
     shell = scene.add(fl.ThinShell(mesh, section, name="strip"))
     shell.clamp("a=0")
-    scene.add(fl.EdgeLoad(shell, "a=1", force=(0, 0, force)))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(0, 0, force)))
     return shell, scene
 
 
 def strip(cells):
-    return fl.smooth_patch(lambda a, b: (10.0 * a, b, 0.0), cells)
+    return fl.mesh.smooth_patch(lambda a, b: (10.0 * a, b, 0.0), cells)
 
 
 def test_all_cells_cut_are_the_grid_that_is_twice_as_fine():
     bodies, places = [], []
-    for mesh in (fl.refine(fl.spline_mesh(strip((4, 1))), np.arange(4)), strip((8, 2))):
+    for mesh in (
+        fl.adaptivity.refine(fl.mesh.spline_mesh(strip((4, 1))), np.arange(4)),
+        strip((8, 2)),
+    ):
         shell, scene = cantilever(mesh)
         lying = shell.frames[: shell.points_count, 0].round(6)
         order = np.lexsort(lying.T)
@@ -292,10 +295,10 @@ def test_all_cells_cut_are_the_grid_that_is_twice_as_fine():
 
 def test_a_strip_of_cells_of_three_sizes_bends_as_one_of_equal_ones():
     """By a large rotation: the end of an elastica, by both meshes."""
-    mesh = fl.spline_mesh(strip((6, 2)))
+    mesh = fl.mesh.spline_mesh(strip((6, 2)))
     for _ in range(2):
         near = np.flatnonzero(mesh.rows[mesh.cells, 0, 0].mean(axis=1) < 3.0)
-        mesh = fl.refine(mesh, near[::2])
+        mesh = fl.adaptivity.refine(mesh, near[::2])
     tips = []
     for given in (mesh, strip((24, 4))):
         shell, scene = cantilever(given)
@@ -337,10 +340,12 @@ def test_derivative_of_pressure():
 
 def test_first_frequency_of_a_hinged_plate_across_levels():
     """Kirchhoff's ``2 π² √(B/ρt)``, from above, as masses are consistent."""
-    mesh = fl.spline_mesh(fl.smooth_patch(lambda a, b: (a, b, 0.0), (4, 4)))
+    mesh = fl.mesh.spline_mesh(fl.mesh.smooth_patch(lambda a, b: (a, b, 0.0), (4, 4)))
     scene = fl.Scene()
     section = fl.ShellSection.layer(0.01, fl.Material(2e11, 0.3, 7800.0))
-    shell = scene.add(fl.ThinShell(fl.refine(fl.refine(mesh, [5, 6]), [5, 10]), section))
+    shell = scene.add(
+        fl.ThinShell(fl.adaptivity.refine(fl.adaptivity.refine(mesh, [5, 6]), [5, 10]), section)
+    )
     for name in ("a=0", "a=1", "b=0", "b=1"):
         shell.hinge(name)
     wanted = 2 * np.pi**2 * np.sqrt(section.stiffness[3, 3] / 78.0)
@@ -353,10 +358,10 @@ def test_first_frequency_of_a_hinged_plate_across_levels():
 
 
 def test_names_stay_and_patches_are_cut_across_their_edge():
-    left = fl.smooth_patch(lambda a, b: (a, b, 0.0), (2, 2))
-    right = fl.smooth_patch(lambda a, b: (1.0 + a, b, 0.0), (2, 2))
-    mesh = fl.spline_mesh({"left": left, "right": right})
-    finer = fl.refine(fl.refine(mesh, mesh.groups["left"]), [2, 3])
+    left = fl.mesh.smooth_patch(lambda a, b: (a, b, 0.0), (2, 2))
+    right = fl.mesh.smooth_patch(lambda a, b: (1.0 + a, b, 0.0), (2, 2))
+    mesh = fl.mesh.spline_mesh({"left": left, "right": right})
+    finer = fl.adaptivity.refine(fl.adaptivity.refine(mesh, mesh.groups["left"]), [2, 3])
     shell = fl.ThinShell(finer, {"left": LAYER, "right": UNSYMMETRIC})
     np.testing.assert_allclose(finer.sizes[finer.groups["left"]].prod(axis=1).sum(), 1.0)
     for name, at in (("left.a=0", 0.0), ("left.a=1", 1.0), ("right.a=0", 1.0), ("right.a=1", 2.0)):
@@ -374,24 +379,24 @@ def test_names_stay_and_patches_are_cut_across_their_edge():
 
 
 def test_what_cannot_be_is_refused():
-    patch = fl.smooth_patch(flat, (2, 2))
-    mesh = fl.spline_mesh(patch)
+    patch = fl.mesh.smooth_patch(flat, (2, 2))
+    mesh = fl.mesh.spline_mesh(patch)
     with pytest.raises(ValueError, match="cells"):
-        fl.refine(mesh, [4])
+        fl.adaptivity.refine(mesh, [4])
     with pytest.raises(ValueError, match="onto"):
-        fl.refine(mesh, [0], onto=lambda x: x)
+        fl.adaptivity.refine(mesh, [0], onto=lambda x: x)
     with pytest.raises(ValueError, match="omit joined"):
         fl.ThinShell(mesh, LAYER, joined=True)
     with pytest.raises(TypeError, match="SplineMesh"):
-        fl.spline_mesh(mesh)
+        fl.mesh.spline_mesh(mesh)
     with pytest.raises(ValueError, match="AncfShell"):
-        fl.AncfShell(fl.refine(mesh, [0]), LAYER)
+        fl.AncfShell(fl.adaptivity.refine(mesh, [0]), LAYER)
 
     def ring(a, b):
         return np.array([np.cos(2 * np.pi * a), np.sin(2 * np.pi * a), b])
 
     with pytest.raises(ValueError, match="three cells around"):
-        fl.spline_mesh(fl.smooth_patch(ring, (2, 1)), joined=True)
+        fl.mesh.spline_mesh(fl.mesh.smooth_patch(ring, (2, 1)), joined=True)
 
 
 # --- by the error ---
@@ -411,8 +416,8 @@ def test_cells_in_one_row_have_the_estimate_of_two_rows():
     """One row does not determine polynomials across it: errors once were 1e8 of the solution."""
     estimates = []
     for across in (1, 2):
-        shell, scene = cantilever(fl.spline_mesh(strip((4, across))), 1.0)
-        estimates.append(fl.space_error(fl.statics(scene), shell, scene).relative)
+        shell, scene = cantilever(fl.mesh.spline_mesh(strip((4, across))), 1.0)
+        estimates.append(fl.adaptivity.space_error(fl.statics(scene), shell, scene).relative)
     assert 0.8 < estimates[0] / estimates[1] < 1.25
 
 
@@ -420,11 +425,11 @@ def test_adapt_takes_spline_meshes():
     def build(mesh):
         return cantilever(mesh, 1.0)[1]
 
-    found = fl.adapt(build, fl.spline_mesh(strip((2, 1))), tolerance=0.01)
+    found = fl.adaptivity.adapt(build, fl.mesh.spline_mesh(strip((2, 1))), tolerance=0.01)
     assert found.relative[-1] < 0.01 < found.relative[0] < 0.02
     force = sharp.Force()
-    anew = fl.adapt(force.scene, sharp.square(8), tolerance=0.01, fall=0.5)
+    anew = fl.adaptivity.adapt(force.scene, sharp.square(8), tolerance=0.01, fall=0.5)
     assert force.error(anew.scene, anew.result) < 0.012 and anew.unknowns[-1] < 2200
     with pytest.raises(ValueError, match="goals are estimated"):
-        goal = fl.PointDisplacement("strip.11", (0, 0, 1))
-        fl.adapt(build, fl.spline_mesh(strip((2, 1))), tolerance=0.05, goal=goal)
+        goal = fl.adaptivity.PointDisplacementGoal("strip.11", (0, 0, 1))
+        fl.adaptivity.adapt(build, fl.mesh.spline_mesh(strip((2, 1))), tolerance=0.05, goal=goal)

@@ -33,7 +33,7 @@ def surface(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("pieces", [(1, 1), (2, 3)])
 def test_a_spline_is_exactly_the_surface_of_the_shell(pieces):
     """Between the knots, too, and cut into more cells."""
-    shell = fl.ThinShell(fl.bspline_patch(A, B, controls(), pieces=pieces), SECTION)
+    shell = fl.ThinShell(fl.mesh.bspline_patch(A, B, controls(), pieces=pieces), SECTION)
     cut = [
         np.concatenate([np.linspace(s, t, n + 1)[:-1] for s, t in pairwise(k)])
         for k, n in zip((np.unique(A), np.unique(B)), pieces, strict=True)
@@ -52,8 +52,8 @@ def test_a_plate_with_cells_of_different_sizes():
     x, y = np.meshgrid(*means, indexing="ij")
     flat = np.stack([x, y, np.zeros_like(x)], axis=-1)
     patches = (
-        fl.bspline_patch(A, B, flat, pieces=(2, 2)),
-        fl.smooth_patch(lambda a, b: [a, 2 * b, 0], (5, 7)),
+        fl.mesh.bspline_patch(A, B, flat, pieces=(2, 2)),
+        fl.mesh.smooth_patch(lambda a, b: [a, 2 * b, 0], (5, 7)),
     )
     found = []
     for patch in patches:
@@ -72,7 +72,7 @@ def test_a_spline_through_a_surface_converges_with_order_four():
     values = hermite.table(np.array([[0.5, 0.5]]))[0, hermite.VALUE]
     errors = []
     for n in (4, 8, 16):
-        shell = fl.ThinShell(fl.spline_patch(place, (n, n)), SECTION)
+        shell = fl.ThinShell(fl.mesh.spline_patch(place, (n, n)), SECTION)
         middles = (np.arange(n) + 0.5) / n
         wanted = np.array([place(a, b) for a in middles for b in middles])
         errors.append(np.abs(np.einsum("a,maj->mj", values, shell.vectors()) - wanted).max())
@@ -88,15 +88,21 @@ def without(knots: np.ndarray, at: int) -> np.ndarray:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: fl.bspline_patch(A[::-1], B, controls()), "do not decrease"),
-        (lambda: fl.bspline_patch(A[:7], B, controls()), "eight or more"),
-        (lambda: fl.bspline_patch(without(A, 0), B, controls()), "multiplicity four"),
-        (lambda: fl.bspline_patch(np.insert(A, 5, 0.3), B, controls()), "multiplicity one or two"),
-        (lambda: fl.bspline_patch(A, B, controls()[:-1]), r"shape \(6, 6, 3\), got \(5, 6, 3\)"),
-        (lambda: fl.bspline_patch(A, B, np.ones((6, 6, 3))), "neither zero nor parallel"),
-        (lambda: fl.bspline_patch(A, B, controls(), pieces=(0, 1)), "pieces along a"),
+        (lambda: fl.mesh.bspline_patch(A[::-1], B, controls()), "do not decrease"),
+        (lambda: fl.mesh.bspline_patch(A[:7], B, controls()), "eight or more"),
+        (lambda: fl.mesh.bspline_patch(without(A, 0), B, controls()), "multiplicity four"),
         (
-            lambda: fl.spline_patch(lambda a, b: [a, b, 0], (0, 1)),
+            lambda: fl.mesh.bspline_patch(np.insert(A, 5, 0.3), B, controls()),
+            "multiplicity one or two",
+        ),
+        (
+            lambda: fl.mesh.bspline_patch(A, B, controls()[:-1]),
+            r"shape \(6, 6, 3\), got \(5, 6, 3\)",
+        ),
+        (lambda: fl.mesh.bspline_patch(A, B, np.ones((6, 6, 3))), "neither zero nor parallel"),
+        (lambda: fl.mesh.bspline_patch(A, B, controls(), pieces=(0, 1)), "pieces along a"),
+        (
+            lambda: fl.mesh.spline_patch(lambda a, b: [a, b, 0], (0, 1)),
             "cells along a must be at least 1",
         ),
     ],

@@ -41,7 +41,9 @@ def test_inertia_is_that_of_the_eigenvalues():
 def test_tangent_is_symmetric_at_equilibrium_and_its_pivots_count_eigenvalues(joint):
     """Beams couple rotations; in local increments that vanishes where forces balance."""
     scene, _ = arch(12, hinged=joint)
-    path = fl.follow_path(scene, 0.95, resolution=0.1, options=fl.PathOptions(locate=None))
+    path = fl.follow_path(
+        scene, 0.95, resolution=0.1, options=fl.stability.PathOptions(locate=None)
+    )
     model = StableEquilibrium(scene, "test_")
     for station in path.stations[:: max(1, len(path) // 6)]:
         model.restore(station.state)
@@ -59,7 +61,7 @@ def test_linear_buckling_and_path_find_eulers_load(ends):
     np.testing.assert_allclose(modes.factors, ratios, rtol=3e-3)
     path = fl.follow_path(scene, 1.2)
     (point,) = path.critical
-    assert point.kind is fl.Critical.BIFURCATION
+    assert point.kind is fl.stability.CriticalPointType.BIFURCATION
     assert point.negative_pivots == (0, 1)
     assert path.complete and path.negative_pivots[-1] == 1
     assert abs(modes.factors[0] - 1.0) <= 1e-3
@@ -78,7 +80,7 @@ def test_branches_of_a_column_are_the_elastica_on_both_sides():
     point = fl.follow_path(scene, 1.1).bifurcations[0]
     tips = []
     for side in (1, -1):
-        start = fl.branch(scene, point, side=side)
+        start = fl.stability.switch_branch(scene, point, side=side)
         path = fl.follow_path(scene, 1.2, start=start)
         assert path.complete and path.stable.all()
         tips.append(path.position(beam.point("end"))[-1])
@@ -98,10 +100,13 @@ def test_imperfect_column_bends_into_the_branch():
     scene, _, _ = column("fixed-free", 16)
     modes = fl.buckling(scene, 1)
     point = fl.follow_path(scene, 1.1).bifurcations[0]
-    exact = fl.follow_path(scene, 1.2, start=fl.branch(scene, point))
+    exact = fl.follow_path(scene, 1.2, start=fl.stability.switch_branch(scene, point))
     gaps = []
     for size in (1e-2, 1e-3):
-        path = fl.follow_path(fl.imperfect(scene, fl.ModeImperfection(modes, 1, size)), 1.2)
+        path = fl.follow_path(
+            fl.stability.apply_imperfections(scene, fl.stability.ModeImperfection(modes, 1, size)),
+            1.2,
+        )
         assert path.complete and not path.critical and path.stable.all()
         ends = [abs(p.position("column.end")[-1, 0]) for p in (path, exact)]
         gaps.append(abs(ends[0] - ends[1]))
@@ -112,7 +117,7 @@ def test_flat_plate_buckles_at_the_load_of_a_column_and_of_bryan():
     """A simply supported square: N = 4 pi² D/a²; Poisson's ratio does not matter."""
     t, nu, n = 0.01, 0.3, 12
     plate = fl.Shell(
-        fl.surface(lambda a, b: (a, b, 0.0), (n, n)),
+        fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (n, n)),
         fl.ShellSection.layer(t, fl.Material(1.0, nu, 1.0)),
         name="plate",
     )
@@ -124,22 +129,24 @@ def test_flat_plate_buckles_at_the_load_of_a_column_and_of_bryan():
     scene = fl.Scene()
     scene.add(plate)
     bryan = 4 * np.pi**2 * t**3 / (12 * (1 - nu**2))
-    scene.add(fl.EdgeLoad(plate, "a=1", force=(-bryan, 0, 0)))
+    scene.add(fl.loads.EdgeLoad(plate, "a=1", force=(-bryan, 0, 0)))
     modes = fl.buckling(scene, 2)
     assert modes.factors[0] == pytest.approx(1.0, rel=0.02)  # the mesh; shear takes 1e-3
     # two half waves along the load: (2 + 1/2)² over 4
     assert modes.factors[1] == pytest.approx(6.25 / 4, rel=0.04)
-    point = fl.follow_path(scene, fl.PathEnds(1.2, critical_points=1)).critical[0]
+    point = fl.follow_path(scene, fl.stability.PathEnds(1.2, critical_points=1)).critical[0]
     assert point.factor == pytest.approx(modes.factors[0], rel=1e-3)
     assert point.negative_pivots == (0, 1)
 
 
 def test_imperfections_are_free_of_stress_and_keep_supports():
     scene, _, _ = column("pinned-pinned", 8)
-    wave = fl.FieldImperfection(lambda x: (0.01 * np.sin(np.pi * x[2]), 0.0, 0.0))
-    random = fl.RandomImperfection(0.005, 0.5, seed=3)
-    other = fl.imperfect(scene, wave, random)
-    again = fl.imperfect(scene, wave, fl.RandomImperfection(0.005, 0.5, seed=3))
+    wave = fl.stability.FieldImperfection(lambda x: (0.01 * np.sin(np.pi * x[2]), 0.0, 0.0))
+    random = fl.stability.RandomImperfection(0.005, 0.5, seed=3)
+    other = fl.stability.apply_imperfections(scene, wave, random)
+    again = fl.stability.apply_imperfections(
+        scene, wave, fl.stability.RandomImperfection(0.005, 0.5, seed=3)
+    )
     assert scene.bodies[0].frames[4, 0, 0] == 0.0  # the perfect one stays
     np.testing.assert_array_equal(other.bodies[0].frames, again.bodies[0].frames)
     assert np.abs(other.bodies[0].frames[:, 0, 0]).max() > 5e-3
@@ -147,21 +154,21 @@ def test_imperfections_are_free_of_stress_and_keep_supports():
     internal, _ = model.forces()
     assert np.abs(internal).max() <= 1e-9  # EA is 1e6
     slope = np.pi * 0.01
-    tangent = fl.imperfect(scene, wave).bodies[0].frames[0, 1]
+    tangent = fl.stability.apply_imperfections(scene, wave).bodies[0].frames[0, 1]
     assert tangent[0] / tangent[2] == pytest.approx(slope, rel=1e-3)
 
 
 def test_shell_normals_follow_the_field_and_symmetry_stays():
     shell = fl.Shell(
-        fl.surface(lambda a, b: (a, b, 0.0), (8, 8)),
+        fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (8, 8)),
         fl.ShellSection.layer(0.01, fl.Material(1.0, 0.3, 1.0)),
         name="plate",
     )
     shell.symmetry("a=0", (1, 0, 0))
     scene = fl.Scene()
     scene.add(shell)
-    bump = fl.FieldImperfection(lambda x: (0.0, 0.0, 0.01 * (x[0] + np.sin(x[1]))))
-    H = fl.imperfect(scene, bump).bodies[0].frames
+    bump = fl.stability.FieldImperfection(lambda x: (0.0, 0.0, 0.01 * (x[0] + np.sin(x[1]))))
+    H = fl.stability.apply_imperfections(scene, bump).bodies[0].frames
     inside = shell.frames[:, 0, 0] > 0
     x = shell.frames[:, 0]
     normal = np.column_stack([-0.01 + 0 * x[:, 0], -0.01 * np.cos(x[:, 1]), 1 + 0 * x[:, 0]])
@@ -176,16 +183,16 @@ def test_modes_that_do_not_exist_are_refused():
     with pytest.raises(ValueError, match="modes are 1 … 2, got 3"):
         modes.shape(3)
     with pytest.raises(ValueError, match="modes are 1 … 2, got 0"):
-        fl.imperfect(scene, fl.ModeImperfection(modes, 0, 0.1))
+        fl.stability.apply_imperfections(scene, fl.stability.ModeImperfection(modes, 0, 0.1))
     point = fl.follow_path(scene, 1.1).bifurcations[0]
     with pytest.raises(ValueError, match="modes are 1"):
-        fl.branch(scene, point, mode=9)
+        fl.stability.switch_branch(scene, point, mode=9)
     with pytest.raises(ValueError, match="side 1 or −1"):
-        fl.branch(scene, point, side=2)
+        fl.stability.switch_branch(scene, point, side=2)
     with pytest.raises(ValueError, match="degrees of freedom"):
         fl.buckling(scene, 1000)
     with pytest.raises(ValueError, match="at least one imperfection"):
-        fl.imperfect(scene)
+        fl.stability.apply_imperfections(scene)
 
 
 @pytest.mark.parametrize("seed", [60, 148])
@@ -202,18 +209,20 @@ def test_rigid_bodies_buckle():
     """A post of length l on a hinge with the spring k, under its weight: ``m g l = k``."""
     scene = fl.Scene((0, 0, -9.81))
     post = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1), (0, 0, 0.7)))
-    hinge = scene.add(fl.Revolute(fl.ground(), post.point("centre"), axis=(0, 1, 0), at=(0, 0, 0)))
-    scene.add(fl.Spring(hinge.angle, 30.0))
+    hinge = scene.add(
+        fl.joints.Revolute(fl.ground(), post.point("centre"), axis=(0, 1, 0), at=(0, 0, 0))
+    )
+    scene.add(fl.joints.Spring(hinge.angle, 30.0))
     found = fl.buckling(scene, 1).factors
     np.testing.assert_allclose(found, 30.0 / (2.0 * 9.81 * 0.7), rtol=1e-10)
 
 
-class Plain(fl.Director):
+class Plain(fl.elements.DirectorBeam):
     """Its energy as a form, without a stress to be carried."""
 
     def forms(self, nodal, cells):
         mesh = nodal.function.function_space.mesh
-        stretch, curvature = fl.director_strains(nodal)
+        stretch, curvature = fl.elements.director_strains(nodal)
         strain = ufl.as_vector([stretch[0] - 1, stretch[1], stretch[2], *curvature])
         energy = 0.5 * ufl.inner(strain, fl.extend.cellwise(mesh, cells.stiffness) * strain)
         dx = ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": 1})
@@ -223,7 +232,7 @@ class Plain(fl.Director):
 def test_elements_that_carry_no_stress_are_no_structure_to_buckle_linearly():
     """Their tangent in the unloaded frames knows nothing of loads: any factor would be wrong."""
     scene, section = fl.Scene(), fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1e3))
-    for name, formulation in (("bar", fl.Director(1)), ("own", Plain(1))):
+    for name, formulation in (("bar", fl.elements.DirectorBeam(1)), ("own", Plain(1))):
         scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4, formulation=formulation))
         scene.bodies[-1].name = name
         scene.add(fl.Clamp(scene.bodies[-1].point("start")))

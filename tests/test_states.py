@@ -99,7 +99,7 @@ def test_stresses_are_those_of_a_series_of_states(results, kind):
     """What has frames of a single state is named, and not taken for as many states as nodes."""
     scene, beam, _ = column("fixed-free", 4)
     with pytest.raises(TypeError, match="expected a result of statics, a path or dynamics, got"):
-        fl.section_forces(results[kind], beam, scene)
+        fl.post.section_forces(results[kind], beam, scene)
 
 
 @pytest.mark.parametrize("kind", ["critical", "buckling", "vibrations"])

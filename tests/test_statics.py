@@ -10,7 +10,11 @@ MATERIAL = fl.Material(2.1e11, 0.3, 7850.0)
 SECTION = fl.Section.rectangle(0.02, 0.01, MATERIAL)
 
 
-FORMULATIONS = [fl.Geodesic(), fl.Director(1), fl.Director(2)]
+FORMULATIONS = [
+    fl.elements.GeodesicBeam(),
+    fl.elements.DirectorBeam(1),
+    fl.elements.DirectorBeam(2),
+]
 every_formulation = pytest.mark.parametrize("formulation", FORMULATIONS, ids=str)
 
 
@@ -51,7 +55,7 @@ def test_roll_up_to_a_circle(case, slender):
     if case == "by a joint":
         scene = fl.Scene()
         beam = scene.add(fl.Beam.straight((0, 0, 0), (L, 0, 0), section, cells=8))
-        scene.add(fl.Fixed(fl.ground(), beam.point("start")))
+        scene.add(fl.joints.Fixed(fl.ground(), beam.point("start")))
     else:
         scene, beam = cantilever(section, L, 8)
     moment = (0, 0, 2 * np.pi * EI / L)
@@ -83,7 +87,11 @@ def test_roll_up_to_a_circle(case, slender):
     ("formulation", "cells", "bound"),
     # degree 1: a polygon that turns by 45° at each node, to the cut-off fraction of the angle;
     # degree 2: plain interpolation of 45° and 22.5° per element, of fourth order
-    [(fl.Director(1), 8, 1e-10), (fl.Director(2), 8, 6e-3), (fl.Director(2), 16, 4e-4)],
+    [
+        (fl.elements.DirectorBeam(1), 8, 1e-10),
+        (fl.elements.DirectorBeam(2), 8, 6e-3),
+        (fl.elements.DirectorBeam(2), 16, 4e-4),
+    ],
     ids=str,
 )
 def test_roll_up_by_directors(formulation, cells, bound, slender):
@@ -98,7 +106,12 @@ def test_roll_up_by_directors(formulation, cells, bound, slender):
 
 @pytest.mark.parametrize(
     ("formulation", "order"),
-    [(fl.Geodesic(), 2), (fl.Director(1), 2), (fl.Director(1, False), 2), (fl.Director(2), 4)],
+    [
+        (fl.elements.GeodesicBeam(), 2),
+        (fl.elements.DirectorBeam(1), 2),
+        (fl.elements.DirectorBeam(1, False), 2),
+        (fl.elements.DirectorBeam(2), 4),
+    ],
     ids=str,
 )
 def test_observed_order(formulation, order):
@@ -131,7 +144,11 @@ def helix(s: float) -> tuple[float, float, float]:
 def test_curved_and_twisted_beam_is_free_of_stress_unloaded(formulation):
     """Forces of round-off: stiffness 1e4 times 1e-15."""
     beam = fl.Beam.curve(
-        helix, stiffness(), cells=5, formulation=formulation, up=fl.Twisted(lambda s: 0.3 * s)
+        helix,
+        stiffness(),
+        cells=5,
+        formulation=formulation,
+        up=fl.sections.Twisted(lambda s: 0.3 * s),
     )
     assembly = fl.Beam.assemble([beam])
     H, forces = np.empty_like(beam.frames), np.zeros(6 * len(beam.frames))
@@ -146,7 +163,11 @@ def test_viscous_forces_are_those_of_the_tangent(formulation):
     """Kelvin and Voigt: τ K v while unloaded; nothing in rigid motion, however deformed."""
     tau, rng = 0.1, np.random.default_rng(1)
     beam = fl.Beam.curve(
-        helix, stiffness(), cells=3, formulation=formulation, damping=fl.Damping(stiffness=tau)
+        helix,
+        stiffness(),
+        cells=3,
+        formulation=formulation,
+        damping=fl.sections.Damping(stiffness=tau),
     )
     assembly = fl.Beam.assemble([beam])
     count = len(beam.frames)
@@ -192,14 +213,18 @@ def test_eigenstrain_bends_to_a_circle(formulation):
     """κ₃ = 1/r without stress: the tip of an arc of length L and angle L/r."""
     L, cells, curvature = 10.0, 8, 0.1
     scene, beam = cantilever(stiffness(), L, cells, formulation)
-    scene.add(fl.Eigenstrain(beam, (0, 0, 0, 0, 0, curvature)))
+    scene.add(fl.loads.Eigenstrain(beam, (0, 0, 0, 0, 0, curvature)))
     result = fl.statics(scene, load_steps=2)
     tip, R = result.position(beam.point("end"))[-1], result.rotation(beam.point("end"))[-1]
     angle = curvature * L
     exact = np.array([np.sin(angle), 1 - np.cos(angle), 0]) / curvature
     turned = np.arctan2(R[1, 0], R[0, 0])
     # the geodesic is the arc itself; (1/8)²/24 of an arc over its chord; fourth order
-    bound = {fl.Geodesic(): 1e-9, fl.Director(1): 1e-3, fl.Director(2): 2e-6}[formulation]
+    bound = {
+        fl.elements.GeodesicBeam(): 1e-9,
+        fl.elements.DirectorBeam(1): 1e-3,
+        fl.elements.DirectorBeam(2): 2e-6,
+    }[formulation]
     assert np.linalg.norm(tip - exact) < bound * L
     assert abs(turned - angle) < (2e-6 if formulation.degree == 2 else 1e-9)
 
@@ -265,7 +290,7 @@ def test_line_loads_following_and_dead_agree_while_little_turns(kind):
 
 def test_load_on_a_group_of_cells():
     """Half a beam loaded from a named group: the resultant at the clamp says how much."""
-    mesh = fl.LineMesh.from_cells(
+    mesh = fl.mesh.LineMesh.from_cells(
         [(x, 0, 0) for x in range(5)],
         [(i, i + 1) for i in range(4)],
         groups={"outer": [2, 3]},
@@ -273,7 +298,7 @@ def test_load_on_a_group_of_cells():
     )
     scene = fl.Scene()
     beam = scene.add(fl.Beam(mesh, stiffness()))
-    joint = scene.add(fl.Fixed(fl.ground(), beam.point("root")))
+    joint = scene.add(fl.joints.Fixed(fl.ground(), beam.point("root")))
     scene.add(fl.LineLoad(beam, force=(0, 0, -0.5), cells="outer"))
     force = fl.statics(scene).joint_force(joint)[-1]
     # the joint's e₃ is global z: 0.5 per length on two lengths, pulling ground down; lever 3
@@ -286,7 +311,7 @@ def test_rigid_body_hangs_on_a_beam():
     L, mass = 1.0, 0.5
     scene, beam = cantilever(stiffness(1e8, 1e8, 1e4), L, 2)
     weight = scene.add(fl.RigidBody(mass, (1e-3, 1e-3, 1e-3), (L, 0, 0)))
-    joint = scene.add(fl.Fixed(beam.point("end"), weight.point("centre")))
+    joint = scene.add(fl.joints.Fixed(beam.point("end"), weight.point("centre")))
     scene.add(fl.PointLoad(weight.point("centre"), force=(0, 0, -mass * 10)))
     result = fl.statics(scene)
     exact = mass * 10 * (L**3 / (3 * 1e4) + L / 1e8)
@@ -301,9 +326,9 @@ def test_plain_newton_and_carried_stress_agree():
         scene, beam = cantilever(stiffness(), 10.0, 8)
         scene.add(fl.PointLoad(beam.point("end"), force=(0, 5.0, 2.0)))
         ends.append(
-            fl.statics(scene, load_steps=4, newton=fl.Newton(carried_stress=carried)).position(
-                beam.point("end")
-            )[-1]
+            fl.statics(
+                scene, load_steps=4, newton=fl.schemes.Newton(carried_stress=carried)
+            ).position(beam.point("end"))[-1]
         )
     assert np.abs(ends[0] - ends[1]).max() < 1e-8
 
@@ -312,7 +337,7 @@ def test_cut_back_recovers_and_says_so():
     """One step of plain Newton is too much for the roll-up; halved steps arrive all the same."""
     scene, beam = cantilever(stiffness(), 10.0, 8)
     scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, 20 * np.pi)))
-    result = fl.statics(scene, load_steps=2, newton=fl.Newton(carried_stress=False))
+    result = fl.statics(scene, load_steps=2, newton=fl.schemes.Newton(carried_stress=False))
     assert result.failed_iterations > 0
     assert result.factors[-1] == 1.0
     assert np.linalg.norm(result.position(beam.point("end"))[-1]) < 1e-8
@@ -322,7 +347,7 @@ def test_failure_names_step_residual_and_remedy():
     scene, beam = cantilever(stiffness(1e6, 1e6), 10.0, 8)
     scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, 20 * np.pi)))
     with pytest.raises(fl.ConvergenceError, match=r"load factor 0 to .*residual.*carried_stress"):
-        fl.statics(scene, newton=fl.Newton(carried_stress=False, smallest_step=0.5))
+        fl.statics(scene, newton=fl.schemes.Newton(carried_stress=False, smallest_step=0.5))
 
 
 def test_failure_keeps_the_states_before():
@@ -332,7 +357,7 @@ def test_failure_keeps_the_states_before():
         fl.PointLoad(beam.point("end"), force=(0, 1, 0), history=lambda f: f if f <= 0.5 else 1e12)
     )
     with pytest.raises(fl.ConvergenceError, match=r"load factor 0\.5") as info:
-        fl.statics(scene, load_steps=4, newton=fl.Newton(smallest_step=0.05))
+        fl.statics(scene, load_steps=4, newton=fl.schemes.Newton(smallest_step=0.05))
     result = info.value.result
     assert result.factors.tolist() == [0.25, 0.5]
     assert result.position(beam.point("end")).shape == (2, 3)
@@ -342,23 +367,25 @@ def test_failure_keeps_the_states_before():
 def test_singular_structure_is_reported():
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), stiffness(), cells=2))
-    scene.add(fl.Spherical(fl.ground(), beam.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), beam.point("start")))
     scene.add(fl.PointLoad(beam.point("end"), force=(0, 1, 0)))
     with pytest.raises(fl.ConvergenceError, match=r"held by clamps or joints|singular"):
         fl.statics(scene)
 
 
-def weightless(density: float) -> dict[str, fl.Body]:
+def weightless(density: float) -> dict[str, fl.extend.Body]:
     """Bodies of one material, held at their starts."""
     soft = fl.Material(1e6, 0.3, density)
     section, layer = fl.Section.circle(0.05, soft), fl.ShellSection.layer(0.1, soft)
-    rubber = fl.NeoHooke(1e6, 0.3, density)
+    rubber = fl.sections.NeoHooke(1e6, 0.3, density)
     ends = (0, 0, 0), (1, 0, 0)
-    bodies: dict[str, fl.Body] = {
+    bodies: dict[str, fl.extend.Body] = {
         "beam": fl.Beam.straight(*ends, section, cells=2),
         "rod": fl.Rod.straight(*ends, section, cells=2),
         "ancf": fl.AncfBeam.straight(*ends, section, cells=2),
-        "shell": fl.Shell(fl.surface(lambda a, b: (a, 0.5 * b, 0.0), (2, 1)), layer),
+        "shell": fl.Shell(
+            fl.mesh.parametric_surface(lambda a, b: (a, 0.5 * b, 0.0), (2, 1)), layer
+        ),
         "solid": fl.Solid.brick((1.0, 0.2, 0.2), rubber, cells=(2, 1, 1)),
     }
     return bodies

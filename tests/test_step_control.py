@@ -96,7 +96,7 @@ def test_some_steps_before_an_event_are_equal_and_fit():
 
 
 def test_rotations_have_the_tolerance_of_positions_over_the_length():
-    choice = fl.AdaptiveStep(1e-3)
+    choice = fl.schemes.AdaptiveStep(1e-3)
     assert choice.control(1.0, 10.0, ORDER).rotation_tolerance == pytest.approx(1e-4)
     chosen = choice.control(1.0, 10.0, ORDER)
     assert chosen.ratio(5e-4, 2e-5, 0.5) == pytest.approx(1.0)

@@ -13,24 +13,24 @@ from tests.scene_builder import build
 SOFT = fl.Material(2e7, 0.3, 1200.0)
 
 
-def beams() -> tuple[fl.Scene, fl.Beam, fl.Drive]:
+def beams() -> tuple[fl.Scene, fl.Beam, fl.joints.Drive]:
     """A driven bar with viscosity and a second one on a hinge."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     section = fl.Section.rectangle(0.02, 0.02, SOFT)
-    damping = fl.Damping(mass=1.0, stiffness=1e-3)
+    damping = fl.sections.Damping(mass=1.0, stiffness=1e-3)
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.3, 0, 0), section, cells=2, damping=damping))
     two = scene.add(fl.Beam.straight((0.3, 0, 0), (0.3, 0.5, 0), section, cells=2))
-    hinge = scene.add(fl.Revolute(fl.ground(), one.point("start"), axis=(0, 1, 0)))
-    scene.add(fl.Fixed(one.point("end"), two.point("start")))
-    drive = scene.add(fl.Drive(hinge.angle, lambda t: t * t))
+    hinge = scene.add(fl.joints.Revolute(fl.ground(), one.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Fixed(one.point("end"), two.point("start")))
+    drive = scene.add(fl.joints.Drive(hinge.angle, lambda t: t * t))
     return scene, two, drive
 
 
 def loads(two: fl.Beam, k: float) -> list[fl.extend.Load]:
     return [
         fl.PointLoad(two.point("end"), (k, 0, 0.5), following=True, history=lambda t: 1.0 + k * t),
-        fl.PressureLoad(two, 0.1 * k),
-        fl.Eigenstrain(two, (0, 0, 0, 0, 0.01 * k, 0), history=lambda t: t),
+        fl.loads.PressureLoad(two, 0.1 * k),
+        fl.loads.Eigenstrain(two, (0, 0, 0, 0, 0.01 * k, 0), history=lambda t: t),
     ]
 
 
@@ -38,7 +38,7 @@ def shells(cells: int = 2, formulation=None) -> tuple[fl.Scene, fl.Shell]:
     """A plate with fields of its own in each cell, clamped on one side."""
     scene = fl.Scene()
     section = fl.ShellSection.layer(0.01, fl.Material(1e6, 0.3, 1000.0))
-    mesh = fl.surface(lambda u, v: (u, v, 0.02 * u * v), (cells, cells))
+    mesh = fl.mesh.parametric_surface(lambda u, v: (u, v, 0.02 * u * v), (cells, cells))
     plate = scene.add(fl.Shell(mesh, section, formulation=formulation))
     for node in np.flatnonzero(plate.frames[:, 0, 0] == 0.0):
         scene.add(fl.Clamp(plate.point(int(node))))
@@ -53,7 +53,9 @@ def same(a, b) -> None:
 
 SOLUTIONS = {
     "generalised alpha": lambda s: fl.GeneralisedAlpha().run(s, duration=0.02, step=2e-3),
-    "adaptive": lambda s: fl.GeneralisedAlpha().run(s, duration=0.02, step=fl.AdaptiveStep(1e-2)),
+    "adaptive": lambda s: fl.GeneralisedAlpha().run(
+        s, duration=0.02, step=fl.schemes.AdaptiveStep(1e-2)
+    ),
     "conserving": lambda s: fl.EnergyMomentum(1e-8).run(s, duration=0.01, step=1e-3),
     "statics": fl.statics,
 }
@@ -88,7 +90,12 @@ def test_bodies_of_any_kind_forget_the_load_before(kind):
 
 
 @pytest.mark.parametrize(
-    "formulation", [None, fl.Displacement(), fl.HuWashizu(law=lambda e: 50 * sum(x * x for x in e))]
+    "formulation",
+    [
+        None,
+        fl.elements.DisplacementBased(),
+        fl.elements.HuWashizu(law=lambda e: 50 * sum(x * x for x in e)),
+    ],
 )
 def test_shells_forget_the_load_before(formulation):
     base, plate = shells(formulation=formulation)
@@ -127,7 +134,7 @@ def test_drives_change_alone():
     assert base.family.setup.made == 1 and drive.function(1.0) == 1.0
     new, two, other = beams()
     new.add(fl.PointLoad(two.point("end"), (0.1, 0, 0)))
-    new.connections[new.connections.index(other)] = fl.Drive(
+    new.connections[new.connections.index(other)] = fl.joints.Drive(
         other.coordinate, lambda t: 3.0 * t * t
     )
     same(result, scheme.run(new, duration=0.02, step=1e-3))

@@ -49,7 +49,7 @@ def ancf(**options) -> fl.Scene:
 
 def branch(**options) -> fl.Scene:
     """Nodes that follow others."""
-    mesh = fl.LineMesh.from_cells(
+    mesh = fl.mesh.LineMesh.from_cells(
         [(0, 0, 0), (1, 0, 0), (1.2, 0.8, 0), (1.5, 0, 0.8)], [(0, 1), (1, 2), (1, 3)]
     )
     return scene_with(fl.Beam(mesh, SECTION, **options))
@@ -59,13 +59,13 @@ def shell(formulation, cell="quadrilateral", degree=1, drilling=False) -> fl.Sce
     def place(a, b):
         return (2.0 * a, b, 0.3 * a * b)
 
-    mesh = fl.surface(place, (2, 1), cell=cell, degree=degree)
+    mesh = fl.mesh.parametric_surface(place, (2, 1), cell=cell, degree=degree)
     return scene_with(fl.Shell(mesh, LAYER, formulation=formulation, drilling=drilling))
 
 
 def cable(**options) -> fl.Scene:
     """Nodes of positions and slopes."""
-    mesh = fl.LineMesh.from_cells(PLACES, [(0, 1), (1, 2)], kink_angle=1.5)
+    mesh = fl.mesh.LineMesh.from_cells(PLACES, [(0, 1), (1, 2)], kink_angle=1.5)
     return scene_with(fl.Cable(mesh, THREAD, **options))
 
 
@@ -75,29 +75,29 @@ def rod(**options) -> fl.Scene:
         lambda s: (2 * s, 0.4 * s * s, 0.3 * np.sin(2 * s)),
         SECTION,
         cells=3,
-        formulation=fl.DiscreteRod(**options),
+        formulation=fl.elements.DiscreteRod(**options),
     )
     return scene_with(curve)
 
 
 def thin_shell() -> fl.Scene:
     """Points of two nodes."""
-    patch = fl.smooth_patch(lambda a, b: (2.0 * a, b, 0.3 * a * b), (2, 1))
+    patch = fl.mesh.smooth_patch(lambda a, b: (2.0 * a, b, 0.3 * a * b), (2, 1))
     return scene_with(fl.ThinShell(patch, LAYER))
 
 
 def solid() -> fl.Scene:
     """Nodes of places."""
-    material = fl.NeoHooke(80.0, 0.3, density=2.0)
+    material = fl.sections.NeoHooke(80.0, 0.3, density=2.0)
     return scene_with(fl.Solid.brick((2.0, 1.0, 1.0), material, cells=(2, 1, 1)))
 
 
 def pressed(scene: fl.Scene) -> fl.Scene:
     body = scene.bodies[0]
     if isinstance(body, fl.Beam):
-        scene.add(fl.PressureLoad(body, 3.0))
+        scene.add(fl.loads.PressureLoad(body, 3.0))
     else:
-        scene.add(fl.SurfacePressure(body, lambda x: 1.0 + x[0], gradient=(0.3, -0.2, 0.5)))
+        scene.add(fl.loads.SurfacePressure(body, lambda x: 1.0 + x[0], gradient=(0.3, -0.2, 0.5)))
     return scene
 
 
@@ -107,12 +107,16 @@ def sprung() -> fl.Scene:
     two = fl.RigidBody(1.0, np.diag([0.2, 0.1, 0.3]), (1.0, 0.2, -0.3))
     scene = scene_with(one, two)
     hinge = scene.add(
-        fl.Revolute(one.point("centre"), two.point("centre"), at=(0.5, 0.1, 0.2), axis=(1, 2, 3))
+        fl.joints.Revolute(
+            one.point("centre"), two.point("centre"), at=(0.5, 0.1, 0.2), axis=(1, 2, 3)
+        )
     )
-    slide = scene.add(fl.Prismatic(fl.ground(), one.point("centre"), at=(0, 1, 0), axis=(3, 1, 2)))
-    rope = scene.add(fl.Distance(fl.ground(), two.point("centre")))
+    slide = scene.add(
+        fl.joints.Prismatic(fl.ground(), one.point("centre"), at=(0, 1, 0), axis=(3, 1, 2))
+    )
+    rope = scene.add(fl.joints.Distance(fl.ground(), two.point("centre")))
     for coordinate, rest in ((hinge.angle, 0.2), (slide.displacement, -0.3), (rope.length, 0.7)):
-        scene.add(fl.Spring(coordinate, stiffness=5.0, damping=0.7, rest=rest))
+        scene.add(fl.joints.Spring(coordinate, stiffness=5.0, damping=0.7, rest=rest))
     return scene
 
 
@@ -125,19 +129,19 @@ def held(scene: fl.Scene, **options) -> fl.Scene:
 
 def plate() -> fl.Scene:
     """Points of a place and three slopes."""
-    patch = fl.smooth_patch(lambda a, b: (2.0 * a, b, 0.3 * a * b), (2, 1))
+    patch = fl.mesh.smooth_patch(lambda a, b: (2.0 * a, b, 0.3 * a * b), (2, 1))
     return scene_with(fl.AncfShell(patch, LAYER))
 
 
 def sewn() -> fl.Scene:
     """Two patches whose parametrisations do not agree."""
     patches = {
-        "left": fl.smooth_patch(lambda a, b: (a, b, 0.2 * (a - 1) * b), (1, 2)),
-        "right": fl.smooth_patch(
+        "left": fl.mesh.smooth_patch(lambda a, b: (a, b, 0.2 * (a - 1) * b), (1, 2)),
+        "right": fl.mesh.smooth_patch(
             lambda a, b: (1 + a, 0.5 * (b + b**2), 0.1 * a * (b + b**2)), (1, 1)
         ),
     }
-    couplings = [fl.Seam("left.a=1", "right.a=0", 3.0)]
+    couplings = [fl.mesh.PatchCoupling("left.a=1", "right.a=0", 3.0)]
     return scene_with(fl.ThinShell(patches, LAYER, couplings=couplings))
 
 
@@ -146,10 +150,12 @@ def sprung_within() -> fl.Scene:
     scene = beam()
     place, other = scene.bodies[0].point_in_cell(0, 0.4), scene.bodies[0].point_in_cell(1, 0.7)
     body = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.3, 0.4, 0)))
-    hinge = scene.add(fl.Revolute(place, body.point("centre"), at=(0.4, 0.2, 0), axis=(1, 2, 3)))
-    rope = scene.add(fl.Distance(other, body.point("centre")))
+    hinge = scene.add(
+        fl.joints.Revolute(place, body.point("centre"), at=(0.4, 0.2, 0), axis=(1, 2, 3))
+    )
+    rope = scene.add(fl.joints.Distance(other, body.point("centre")))
     for coordinate, rest in ((hinge.angle, 0.2), (rope.length, 0.7)):
-        scene.add(fl.Spring(coordinate, stiffness=5.0, damping=0.7, rest=rest))
+        scene.add(fl.joints.Spring(coordinate, stiffness=5.0, damping=0.7, rest=rest))
     return scene
 
 
@@ -165,14 +171,16 @@ def in_contact(a, b, **law) -> fl.Scene:
     """The surfaces that a scene's bodies have, deep in each other when nodes are moved."""
     scene = touching()
     one, two, line = scene.bodies
-    scene.add(fl.Contact(a(one, two, line), b(one, two, line), fl.Penalty(50.0, **law)))
+    scene.add(
+        fl.contact.Contact(a(one, two, line), b(one, two, line), fl.contact.Penalty(50.0, **law))
+    )
     return scene
 
 
 def corners_on_plane(**law) -> fl.Scene:
     return in_contact(
-        lambda one, two, line: fl.Box(one.point("centre"), (0.3, 0.4, 0.5)),
-        lambda one, two, line: fl.Plane(
+        lambda one, two, line: fl.contact.Box(one.point("centre"), (0.3, 0.4, 0.5)),
+        lambda one, two, line: fl.contact.Plane(
             two.point((0.6, 0.1, 0.1)), (-1, 0.1, 0.05), at=(0.16, 0, 0)
         ),
         **law,
@@ -181,16 +189,20 @@ def corners_on_plane(**law) -> fl.Scene:
 
 def balls_on_balls(**law) -> fl.Scene:
     return in_contact(
-        lambda one, two, line: fl.Vertices([one.point("centre"), line.point("start")], 0.62),
-        lambda one, two, line: fl.Vertices([two.point((0.85, 0.45, 0.1)), line.point("end")], 0.37),
+        lambda one, two, line: fl.contact.Vertices(
+            [one.point("centre"), line.point("start")], 0.62
+        ),
+        lambda one, two, line: fl.contact.Vertices(
+            [two.point((0.85, 0.45, 0.1)), line.point("end")], 0.37
+        ),
         **law,
     )
 
 
 def ball_in_hollow(**law) -> fl.Scene:
     return in_contact(
-        lambda one, two, line: fl.Sphere(one.point((0.3, 0.2, 0)), 0.4),
-        lambda one, two, line: fl.Sphere(two.point((0.7, 0.4, 0.2)), 0.88, hollow=True),
+        lambda one, two, line: fl.contact.Sphere(one.point((0.3, 0.2, 0)), 0.4),
+        lambda one, two, line: fl.contact.Sphere(two.point((0.7, 0.4, 0.2)), 0.88, hollow=True),
         **law,
     )
 
@@ -198,7 +210,7 @@ def ball_in_hollow(**law) -> fl.Scene:
 def balls_in_quartic(**law) -> fl.Scene:
     """Inside a surface with a gap function, beside the node that it is fixed to."""
     return in_contact(
-        lambda one, two, line: fl.Sphere(one.point((0.3, 0.2, 0)), 0.4),
+        lambda one, two, line: fl.contact.Sphere(one.point((0.3, 0.2, 0)), 0.4),
         lambda one, two, line: Quartic(two.point((0.7, 0.4, 0.2)), size=1.01),
         **law,
     )
@@ -206,7 +218,7 @@ def balls_in_quartic(**law) -> fl.Scene:
 
 def ends_in_quartic(**law) -> fl.Scene:
     return in_contact(
-        lambda one, two, line: fl.Vertices([line.point("start"), two.point("centre")], 0.2),
+        lambda one, two, line: fl.contact.Vertices([line.point("start"), two.point("centre")], 0.2),
         lambda one, two, line: Quartic(fl.ground(), size=2.6),
         **law,
     )
@@ -218,18 +230,20 @@ def vectors_on_plane(**law) -> fl.Scene:
     scene.add(fl.AncfBeam.straight((0, 1, 0), (2, 2, 0), SECTION, cells=1))
     scene.add(plate().bodies[0])
     ball = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.6, 0.3, 0.9)))
-    nodes = [fl.Point(body, k) for body in scene.bodies[:-1] for k in (0, 1)]
-    plane = fl.Plane(ball.point("centre"), (0, 0, 1), at=(0, 0, -0.1))
-    scene.add(fl.Contact(fl.Vertices(nodes, 0.1), plane, fl.Penalty(50.0, **law)))
+    nodes = [fl.extend.Point(body, k) for body in scene.bodies[:-1] for k in (0, 1)]
+    plane = fl.contact.Plane(ball.point("centre"), (0, 0, 1), at=(0, 0, -0.1))
+    scene.add(
+        fl.contact.Contact(fl.contact.Vertices(nodes, 0.1), plane, fl.contact.Penalty(50.0, **law))
+    )
     return scene
 
 
 def ends_on_ground(**law) -> fl.Scene:
     return in_contact(
-        lambda one, two, line: fl.Vertices(
+        lambda one, two, line: fl.contact.Vertices(
             [line.point("start"), line.point("end"), two.point("centre")], 0.2
         ),
-        lambda one, two, line: fl.Plane(fl.ground(), (0, 0.3, 1), at=(0, 0, -0.45)),
+        lambda one, two, line: fl.contact.Plane(fl.ground(), (0, 0.3, 1), at=(0, 0, -0.45)),
         **law,
     )
 
@@ -237,8 +251,10 @@ def ends_on_ground(**law) -> fl.Scene:
 def line_on_bar(**law) -> fl.Scene:
     """An element, all of which is within a bar that moves, with ends far off."""
     return in_contact(
-        lambda one, two, line: fl.Line(line, 0.4),
-        lambda one, two, line: fl.Cylinder(two.point((0.5, 1.27, 0.42)), (4, 0.25, 0.43), 0.45),
+        lambda one, two, line: fl.contact.Line(line, 0.4),
+        lambda one, two, line: fl.contact.Cylinder(
+            two.point((0.5, 1.27, 0.42)), (4, 0.25, 0.43), 0.45
+        ),
         **law,
     )
 
@@ -248,14 +264,20 @@ def line_on_line(**law) -> fl.Scene:
     scene = touching()
     *_, line = scene.bodies
     other = scene.add(fl.Beam.straight((-1.5, 1.26, 0.05), (2.5, 1.28, 0), SECTION, cells=1))
-    scene.add(fl.Contact(fl.Line(line, 0.4), fl.Line(other, 0.33), fl.Penalty(50.0, **law)))
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.Line(line, 0.4),
+            fl.contact.Line(other, 0.33),
+            fl.contact.Penalty(50.0, **law),
+        )
+    )
     return scene
 
 
 def sheet(cell: str, place, **options) -> fl.Shell:
     """One square, or two triangles."""
-    mesh = fl.surface(place, (1, 1), cell=cell, **options)
-    element = fl.Displacement() if options.get("degree") == 2 else None
+    mesh = fl.mesh.parametric_surface(place, (1, 1), cell=cell, **options)
+    element = fl.elements.DisplacementBased() if options.get("degree") == 2 else None
     return fl.Shell(mesh, fl.ShellSection.layer(0.3, MATERIAL), formulation=element)
 
 
@@ -267,8 +289,11 @@ def shell_on_shell(
     upper = scene.add(sheet(cell, lambda a, b: np.array([a, b, 1.0 + 0.05 * a * b])))
     wide = sheet(cell, lambda a, b: np.array([5 * a - 2.2, 5 * b - 2.1, 0.05 * a]), degree=degree)
     lower = scene.add(wide)
-    surfaces = fl.Skin(upper, 1.1, smooth=smooth), fl.Skin(lower, 0.9, smooth=smooth)
-    scene.add(fl.Contact(*surfaces, fl.Penalty(50.0, **law)))
+    surfaces = (
+        fl.contact.ShellSurface(upper, 1.1, smooth=smooth),
+        fl.contact.ShellSurface(lower, 0.9, smooth=smooth),
+    )
+    scene.add(fl.contact.Contact(*surfaces, fl.contact.Penalty(50.0, **law)))
     return scene
 
 
@@ -277,7 +302,13 @@ def shell_on_edge() -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, 0))
     one = scene.add(sheet("quadrilateral", lambda a, b: np.array([a, 2 * b - 0.5, 0.3 * a])))
     two = scene.add(sheet("quadrilateral", lambda a, b: np.array([2 + a, b - 0.3, 0.4 * b - 0.2])))
-    scene.add(fl.Contact(fl.Skin(one, 1.1), fl.Skin(two, 1.1), fl.Penalty(50.0)))
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.ShellSurface(one, 1.1),
+            fl.contact.ShellSurface(two, 1.1),
+            fl.contact.Penalty(50.0),
+        )
+    )
     return scene
 
 
@@ -287,8 +318,12 @@ def ball_on_shell(smooth: bool = True) -> fl.Scene:
     ball = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.2, 0.1, 1.0)))
     wide = sheet("triangle", lambda a, b: np.array([5 * a - 2.2, 5 * b - 2.1, 0.05 * a]))
     lower = scene.add(wide)
-    balls = fl.Vertices([ball.point("centre"), ball.point((0.5, 0.4, 1.05))], 0.5)
-    scene.add(fl.Contact(fl.Skin(lower, 0.9, smooth=smooth), balls, fl.Penalty(50.0)))
+    balls = fl.contact.Vertices([ball.point("centre"), ball.point((0.5, 0.4, 1.05))], 0.5)
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.ShellSurface(lower, 0.9, smooth=smooth), balls, fl.contact.Penalty(50.0)
+        )
+    )
     return scene
 
 
@@ -297,16 +332,20 @@ def shell_on_plane(**law) -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, 0))
     body = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.2, 0.1, -0.5)))
     upper = scene.add(sheet("quadrilateral", lambda a, b: np.array([a, b, 0.1 * a * b])))
-    plane = fl.Plane(body.point("centre"), (0.1, 0, 1))
-    scene.add(fl.Contact(plane, fl.Skin(upper, 1.0), fl.Penalty(50.0, **law)))
+    plane = fl.contact.Plane(body.point("centre"), (0.1, 0, 1))
+    scene.add(
+        fl.contact.Contact(
+            plane, fl.contact.ShellSurface(upper, 1.0), fl.contact.Penalty(50.0, **law)
+        )
+    )
     return scene
 
 
 def line_on_plane(**law) -> fl.Scene:
     """An element, all of which is behind a plane."""
     return in_contact(
-        lambda one, two, line: fl.Line(line, 0.4),
-        lambda one, two, line: fl.Plane(two.point((0.5, 1.65, 0.2)), (0.02, 0.87, -0.5)),
+        lambda one, two, line: fl.contact.Line(line, 0.4),
+        lambda one, two, line: fl.contact.Plane(two.point((0.5, 1.65, 0.2)), (0.02, 0.87, -0.5)),
         **law,
     )
 
@@ -314,9 +353,11 @@ def line_on_plane(**law) -> fl.Scene:
 def few_shapes() -> fl.Scene:
     """A beam with a bow, in its ends and four shapes between."""
     full = fl.Scene()
-    line = fl.curve(lambda s: (2 * s, 0.3 * np.sin(np.pi * s), 0.2 * s**2), 6)
+    line = fl.mesh.curve(lambda s: (2 * s, 0.3 * np.sin(np.pi * s), 0.2 * s**2), 6)
     bow = full.add(fl.Beam(line, SECTION))
-    return scene_with(fl.reduced_body(full, [bow.point("start"), bow.point("end")], 4))
+    return scene_with(
+        fl.reduction.reduced_order_body(full, [bow.point("start"), bow.point("end")], 4)
+    )
 
 
 def rope_in_rings() -> fl.Scene:
@@ -324,16 +365,16 @@ def rope_in_rings() -> fl.Scene:
     scene = fl.Scene()
     rope = scene.add(fl.Beam.straight((0, 0, 0), (4, 0, 0), SECTION, cells=4))
     body = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (1.4, 0, -0.5)))
-    rings = fl.Rings([body.point("centre"), fl.ground()], at=[(1.4, 0, 0), (2.7, 0, 0)])
-    scene.add(fl.Contact(fl.Rope(rope), rings, fl.Penalty(50.0)))
+    rings = fl.contact.Rings([body.point("centre"), fl.ground()], at=[(1.4, 0, 0), (2.7, 0, 0)])
+    scene.add(fl.contact.Contact(fl.contact.Rope(rope), rings, fl.contact.Penalty(50.0)))
     return scene
 
 
 CORNERS = "discrete rods (DiscreteRod)"
 HELD = "loads on points that are not nodes"
 TOUCH = "contacts by penalty"
-MASS = fl.Damping(mass=0.7)
-VISCOUS = fl.Damping(stiffness=0.3)
+MASS = fl.sections.Damping(mass=0.7)
+VISCOUS = fl.sections.Damping(stiffness=0.3)
 
 
 class Case(NamedTuple):
@@ -344,44 +385,49 @@ class Case(NamedTuple):
 
 
 TERMS: dict[str, Case] = {
-    "geodesic beam": Case(lambda: beam(fl.Geodesic()), "elements"),
-    "director beam": Case(lambda: beam(fl.Director(1)), "elements"),
-    "quadratic director beam": Case(lambda: beam(fl.Director(2)), "elements"),
-    "Kirchhoff rod": Case(lambda: beam(fl.Kirchhoff()), "elements"),
+    "geodesic beam": Case(lambda: beam(fl.elements.GeodesicBeam()), "elements"),
+    "director beam": Case(lambda: beam(fl.elements.DirectorBeam(1)), "elements"),
+    "quadratic director beam": Case(lambda: beam(fl.elements.DirectorBeam(2)), "elements"),
+    "Kirchhoff rod": Case(lambda: beam(fl.elements.KirchhoffRod()), "elements"),
     "rod along a spline": Case(
-        lambda: scene_with(fl.Rod(fl.Spline.through(PLACES, cells=2).mesh(), THREAD)), "elements"
+        lambda: scene_with(fl.Rod(fl.mesh.Spline.through(PLACES, cells=2).mesh(), THREAD)),
+        "elements",
     ),
     "viscous beam": Case(lambda: beam(damping=VISCOUS), "elements"),
     "branched beam": Case(lambda: branch(damping=VISCOUS), "elements"),
     "cable": Case(cable, "elements"),
-    "discrete cable": Case(lambda: cable(formulation=fl.DiscreteCable()), "elements"),
+    "discrete cable": Case(lambda: cable(formulation=fl.elements.DiscreteCable()), "elements"),
     "spline cable": Case(
         lambda: scene_with(fl.SplineCable.through(PLACES, THREAD, cells=2)), "elements"
     ),
-    "bending springs": Case(lambda: cable(formulation=fl.DiscreteCable()), "bending springs"),
+    "bending springs": Case(
+        lambda: cable(formulation=fl.elements.DiscreteCable()), "bending springs"
+    ),
     "discrete rod": Case(rod, "elements"),
     "corners of a rod": Case(rod, CORNERS),
     "corners of a naturally curved rod": Case(lambda: rod(natural=(0.3, -0.4, 0.2)), CORNERS),
-    "mixed shell": Case(lambda: shell(fl.HellingerReissner()), "elements"),
-    "mixed triangles": Case(lambda: shell(fl.HellingerReissner(), "triangle"), "elements"),
-    "plain geodesic beam": Case(lambda: beam(fl.Geodesic(False)), "elements"),
-    "three-field shell": Case(lambda: shell(fl.HuWashizu()), "elements"),
-    "assumed shear shell": Case(lambda: shell(fl.Displacement()), "elements"),
-    "quadratic shell": Case(lambda: shell(fl.Displacement(), "triangle", 2), "elements"),
+    "mixed shell": Case(lambda: shell(fl.elements.HellingerReissner()), "elements"),
+    "mixed triangles": Case(lambda: shell(fl.elements.HellingerReissner(), "triangle"), "elements"),
+    "plain geodesic beam": Case(lambda: beam(fl.elements.GeodesicBeam(False)), "elements"),
+    "three-field shell": Case(lambda: shell(fl.elements.HuWashizu()), "elements"),
+    "assumed shear shell": Case(lambda: shell(fl.elements.DisplacementBased()), "elements"),
+    "quadratic shell": Case(
+        lambda: shell(fl.elements.DisplacementBased(), "triangle", 2), "elements"
+    ),
     "shell with six parameters": Case(
-        lambda: shell(fl.HellingerReissner(), drilling=True), "elements"
+        lambda: shell(fl.elements.HellingerReissner(), drilling=True), "elements"
     ),
     "drilling": Case(
-        lambda: shell(fl.HellingerReissner(), drilling=True),
+        lambda: shell(fl.elements.HellingerReissner(), drilling=True),
         "drilling of shells with six parameters",
     ),
     "pressure on a beam": Case(lambda: pressed(beam()), "pressure on beams"),
     "pressure on a branch": Case(lambda: pressed(branch()), "pressure on beams"),
     "pressure on a shell": Case(
-        lambda: pressed(shell(fl.HellingerReissner())), "pressure on shells"
+        lambda: pressed(shell(fl.elements.HellingerReissner())), "pressure on shells"
     ),
     "pressure on a curved shell": Case(
-        lambda: pressed(shell(fl.Displacement(), "triangle", 2)), "pressure on shells"
+        lambda: pressed(shell(fl.elements.DisplacementBased(), "triangle", 2)), "pressure on shells"
     ),
     "thin shell": Case(thin_shell, "elements"),
     "coupling of thin shells": Case(sewn, "couplings"),
@@ -399,8 +445,8 @@ TERMS: dict[str, Case] = {
     "rope in rings": Case(rope_in_rings, "rings on a rope"),
     "pressure on a thin shell": Case(lambda: pressed(thin_shell()), "pressure on thin shells"),
     "load within a geodesic": Case(lambda: held(beam()), HELD),
-    "load within two directors": Case(lambda: held(beam(fl.Director(1))), HELD),
-    "load within three directors": Case(lambda: held(beam(fl.Director(2))), HELD),
+    "load within two directors": Case(lambda: held(beam(fl.elements.DirectorBeam(1))), HELD),
+    "load within three directors": Case(lambda: held(beam(fl.elements.DirectorBeam(2))), HELD),
     "load that follows within a branch": Case(lambda: held(branch(), following=True), HELD),
     "springs": Case(sprung, "springs"),
     "springs within an element": Case(sprung_within, "springs"),
@@ -650,7 +696,7 @@ def test_what_is_within_the_sum_over_joints_is_there():
 
 @pytest.mark.parametrize(
     "scene",
-    [sprung, lambda: pressed(branch()), lambda: pressed(shell(fl.HellingerReissner()))],
+    [sprung, lambda: pressed(branch()), lambda: pressed(shell(fl.elements.HellingerReissner()))],
     ids=["springs", "pressure on a branch", "pressure on a shell"],
 )
 @pytest.mark.parametrize("dynamics", [True, False])

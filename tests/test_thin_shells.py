@@ -12,14 +12,14 @@ from tests.body_alone import BodyAlone
 STEEL = fl.Material(1e3, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, STEEL)
 UNSYMMETRIC = fl.ShellSection.laminate(
-    [fl.Ply(0.04, fl.Material(3e3, 0.2, 1.0)), fl.Ply(0.06, STEEL)]
+    [fl.sections.Ply(0.04, fl.Material(3e3, 0.2, 1.0)), fl.sections.Ply(0.06, STEEL)]
 )
 ELEMENTS = {
-    "default": fl.BicubicHermite(),
-    "3×3 shear": fl.BicubicHermite(share=0.0, shear=3),
-    "not assumed": fl.BicubicHermite(share=1.0),
-    "plate with shear": fl.AncfPlate(),
-    "plain plate with shear": fl.AncfPlate(bending_flexibility=False, share=1.0),
+    "default": fl.elements.BicubicHermite(),
+    "3×3 shear": fl.elements.BicubicHermite(share=0.0, shear=3),
+    "not assumed": fl.elements.BicubicHermite(share=1.0),
+    "plate with shear": fl.elements.AncfPlate(),
+    "plain plate with shear": fl.elements.AncfPlate(bending_flexibility=False, share=1.0),
 }
 every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS.keys())
 
@@ -38,8 +38,8 @@ class Shell(BodyAlone):
     size = 0.03
 
     def __init__(self, function=wavy, cells=(2, 2), element=None, section=UNSYMMETRIC):
-        make = fl.AncfShell if isinstance(element, fl.AncfPlate) else fl.ThinShell
-        body = make(fl.smooth_patch(function, cells), section, formulation=element)
+        make = fl.AncfShell if isinstance(element, fl.elements.AncfPlate) else fl.ThinShell
+        body = make(fl.mesh.smooth_patch(function, cells), section, formulation=element)
         super().__init__(body, make.assemble([body]))
 
 
@@ -127,7 +127,9 @@ def test_curvature_of_a_rolled_plate():
     gaps = []
     for cells in (4, 8):
         shell = Shell(flat, (cells, 1))
-        rolled = fl.smooth_patch(lambda a, b: [np.sin(2 * a), b, 1 - np.cos(2 * a)], (cells, 1))
+        rolled = fl.mesh.smooth_patch(
+            lambda a, b: [np.sin(2 * a), b, 1 - np.cos(2 * a)], (cells, 1)
+        )
         other = fl.ThinShell(rolled, LAYER)
         strains = shell.term.strains(other.frames)
         gaps.append(np.abs(strains - [0, 0, 0, -1, 0, 0]).max(axis=(0, 1)))
@@ -138,7 +140,7 @@ def test_curvature_of_a_rolled_plate():
 def strip(cells, thickness, **options):
     """A cantilever of length 10 and width 1, without contraction."""
     section = fl.ShellSection.layer(thickness, fl.Material(1.2e6, 0.0, 1.0))
-    patch = fl.smooth_patch(lambda a, b: [10 * a, b, 0.0], (cells, 1))
+    patch = fl.mesh.smooth_patch(lambda a, b: [10 * a, b, 0.0], (cells, 1))
     body = fl.ThinShell(patch, section, name="strip", **options)
     body.clamp("a=0")
     return body
@@ -167,7 +169,7 @@ def hemisphere(cells, thickness, load):
         return [10 * level * np.cos(azimuth), 10 * level * np.sin(azimuth), 10 * np.sin(height)]
 
     section = fl.ShellSection.layer(thickness, fl.Material(6.825e7, 0.3, 1.0))
-    body = fl.ThinShell(fl.smooth_patch(place, (cells, cells)), section, name="hemisphere")
+    body = fl.ThinShell(fl.mesh.smooth_patch(place, (cells, cells)), section, name="hemisphere")
     body.symmetry("a=0", (0, 1, 0))
     body.symmetry("a=1", (1, 0, 0))
     body.roller("00", (0, 0, 1))
@@ -227,10 +229,10 @@ def test_patches_joined_are_one_surface():
         return fl.statics(scene).position(f"half.{corner}")[-1]
 
     two = {
-        "left": fl.smooth_patch(half(0, np.pi / 2), (3, 2)),
-        "right": fl.smooth_patch(half(np.pi / 2, np.pi), (3, 2)),
+        "left": fl.mesh.smooth_patch(half(0, np.pi / 2), (3, 2)),
+        "right": fl.mesh.smooth_patch(half(np.pi / 2, np.pi), (3, 2)),
     }
-    one = pinched(fl.smooth_patch(half(0, np.pi), (6, 2)), "10")
+    one = pinched(fl.mesh.smooth_patch(half(0, np.pi), (6, 2)), "10")
     np.testing.assert_allclose(pinched(two, "right.10"), one, atol=1e-6)
     assert np.linalg.norm(one - [-1, 0, 0]) > 0.1
 
@@ -239,7 +241,7 @@ def test_a_closed_cylinder_is_joined_to_itself():
     def round_(a, b):
         return [np.cos(2 * np.pi * a), np.sin(2 * np.pi * a), b]
 
-    patch = fl.smooth_patch(round_, (6, 2))
+    patch = fl.mesh.smooth_patch(round_, (6, 2))
     assert fl.ThinShell(patch, LAYER).points_count == 7 * 3
     assert fl.ThinShell(patch, LAYER, joined=True).points_count == 6 * 3
 
@@ -260,7 +262,7 @@ def test_edge_load_bends_as_two_forces_at_corners_do():
         body, scene = strip(4, 0.1), fl.Scene()
         scene.add(body)
         if spread:
-            scene.add(fl.EdgeLoad(body, "a=1", force=(0, 0, 0.4)))
+            scene.add(fl.loads.EdgeLoad(body, "a=1", force=(0, 0, 0.4)))
         else:
             for point in ("10", "11"):
                 scene.add(fl.PointLoad(body.point(point), force=(0, 0, 0.2)))
@@ -287,8 +289,8 @@ def test_loads_on_the_surface_are_each_other():
     end = fl.statics(scene).position("strip.10")[-1]
     assert end[2] < -0.2
     for load in (
-        lambda shell: fl.MassLoad(shell, force=(0, 0, -0.3)),
-        lambda shell: fl.VolumeLoad(shell, force=(0, 0, -0.3)),
+        lambda shell: fl.loads.MassLoad(shell, force=(0, 0, -0.3)),
+        lambda shell: fl.loads.VolumeLoad(shell, force=(0, 0, -0.3)),
         lambda shell: fl.AreaLoad(shell, force=lambda x: (0, 0, -0.03)),
     ):
         np.testing.assert_allclose(weighed(load), end, atol=1e-9)
@@ -302,7 +304,7 @@ def test_pressure_on_a_closed_cylinder():
         return [np.cos(angle), np.sin(angle), 0.5 * b]
 
     section = fl.ShellSection.layer(0.01, fl.Material(1e4, 0.0, 1.0))
-    body = fl.ThinShell(fl.smooth_patch(round_, (16, 2)), section, joined=True, name="tube")
+    body = fl.ThinShell(fl.mesh.smooth_patch(round_, (16, 2)), section, joined=True, name="tube")
     body.roller("b=0", (0, 0, 1))
     body.roller("00", (0, 1, 0))
     body.roller("10", (1, 0, 0))
@@ -310,8 +312,8 @@ def test_pressure_on_a_closed_cylinder():
     scene.add(body)
     # nor does it turn about the corner
     across = np.abs(body.frames[: body.points_count, 0] - (-1.0, 0.0, 0.0)).sum(axis=1).argmin()
-    scene.add(fl.InPlane(fl.ground(), body.point(int(across)), axis=(0, 1, 0)))
-    scene.add(fl.SurfacePressure(body, 1.0))
+    scene.add(fl.joints.InPlane(fl.ground(), body.point(int(across)), axis=(0, 1, 0)))
+    scene.add(fl.loads.SurfacePressure(body, 1.0))
     places = fl.statics(scene).frames[-1][: body.points_count, 0]
     middle = places[:, :2].mean(axis=0)
     radius = np.linalg.norm(places[:, :2] - middle, axis=1)
@@ -324,7 +326,7 @@ def test_derivative_of_pressure():
     scene, bare = fl.Scene(), fl.Scene()
     for each in (scene, bare):
         each.add(body)
-    scene.add(fl.SurfacePressure(body, 3.0, gradient=(0.45, -0.3, 0.75)))
+    scene.add(fl.loads.SurfacePressure(body, 3.0, gradient=(0.45, -0.3, 0.75)))
     system, without = (Assembled(each, dynamics=True) for each in (scene, bare))
     H = system.moved(system.start, 0.1 * rng.normal(size=(system.count, 6)))
     d = rng.normal(size=(system.count, 6))
@@ -343,9 +345,9 @@ def test_moments_balance_the_load():
     """Of a cantilever under an end force as it is bent: ``M₁₁`` is the force times its arm."""
     body, scene = strip(8, 0.1), fl.Scene()
     scene.add(body)
-    scene.add(fl.EdgeLoad(body, "a=1", force=(0, 0, 0.4)))
+    scene.add(fl.loads.EdgeLoad(body, "a=1", force=(0, 0, 0.4)))
     result = fl.statics(scene)
-    found = fl.thin_resultants(result, body)
+    found = fl.post.thin_resultants(result, body)
     arms = result.position("strip.10")[-1][0] - found.positions[..., 0]
     # a force upwards at the end bends the normals back
     np.testing.assert_allclose(np.abs(found.moments[..., 0]), 0.4 * arms, atol=0.02)
@@ -360,8 +362,8 @@ def test_a_joint_holds_the_surface():
     body.held[:] = False
     scene.add(body)
     at = body.point_in_cell(0, 0.3, 0.5)
-    joint = scene.add(fl.Fixed(at, fl.ground(), name="hold"))
-    scene.add(fl.EdgeLoad(body, "a=1", force=(0, 0, 0.1)))
+    joint = scene.add(fl.joints.Fixed(at, fl.ground(), name="hold"))
+    scene.add(fl.loads.EdgeLoad(body, "a=1", force=(0, 0, 0.1)))
     result = fl.statics(scene)
     force = result.joint_force(joint)[-1]
     tip = result.position("strip.10")[-1]
@@ -372,27 +374,30 @@ def test_a_joint_holds_the_surface():
 
 def kinked():
     return {
-        "floor": fl.smooth_patch(lambda a, b: [a, b, 0], (2, 2)),
-        "wall": fl.smooth_patch(lambda a, b: [1, b, a], (2, 2)),
+        "floor": fl.mesh.smooth_patch(lambda a, b: [a, b, 0], (2, 2)),
+        "wall": fl.mesh.smooth_patch(lambda a, b: [1, b, a], (2, 2)),
     }
 
 
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: fl.smooth_patch(flat, (0, 2)), "cells along a must be at least 1, got 0"),
-        (lambda: fl.smooth_patch(lambda a, b: [a, 0, 0], (2, 2)), "neither zero nor parallel"),
-        (lambda: fl.smooth_patch(lambda a, b: [a, np.nan, 0], (2, 2)), "the position at"),
+        (lambda: fl.mesh.smooth_patch(flat, (0, 2)), "cells along a must be at least 1, got 0"),
+        (lambda: fl.mesh.smooth_patch(lambda a, b: [a, 0, 0], (2, 2)), "neither zero nor parallel"),
+        (lambda: fl.mesh.smooth_patch(lambda a, b: [a, np.nan, 0], (2, 2)), "the position at"),
         (lambda: fl.ThinShell(kinked(), LAYER), "parametrisations do not agree"),
         (lambda: fl.ThinShell({}, LAYER), "at least one patch"),
         (lambda: Shell().body.clamp("c=0"), "no edge or corner 'c=0'; it has: a=0"),
         (lambda: Shell(flat).body.symmetry("a=0", (0, 1, 0)), "not on a plane of symmetry"),
         (lambda: Shell(flat).body.symmetry("00", (0, 1, 0)), "needs an edge"),
         (lambda: Shell(wavy).body.cells_of("roof"), "no patch 'roof'"),
-        (lambda: fl.ThinShell(fl.smooth_patch(flat, (1, 1)), LAYER, along=(0, 0, 1)), "normal to"),
+        (
+            lambda: fl.ThinShell(fl.mesh.smooth_patch(flat, (1, 1)), LAYER, along=(0, 0, 1)),
+            "normal to",
+        ),
         (lambda: fl.ThinShell(kinked(), {"floor": LAYER}, joined=False), "no section"),
-        (lambda: fl.BicubicHermite(share=2.0), "between 0 and 1"),
-        (lambda: fl.BicubicHermite(across=2), "across must be at least 3"),
+        (lambda: fl.elements.BicubicHermite(share=2.0), "between 0 and 1"),
+        (lambda: fl.elements.BicubicHermite(across=2), "across must be at least 3"),
     ],
 )
 def test_bad_input(make, message):
@@ -415,7 +420,7 @@ def loaded_point(load, *, on_body: bool):
     if on_body:
         other = fl.RigidBody(1.0, (1, 1, 1), at.position, at.frame[1:].T)
         scene.add(other)
-        scene.add(fl.Fixed(at, other.point("centre")))
+        scene.add(fl.joints.Fixed(at, other.point("centre")))
         at = other.point("centre")
     scene.add(fl.PointLoad(at, **load))
     return fl.statics(scene).frames[-1][: body.points_count, 0]
@@ -451,7 +456,7 @@ PLATE = 1.0, 0.7, 0.01
 def plate(cells):
     a, b, thickness = PLATE
     section = fl.ShellSection.layer(thickness, fl.Material(2e11, 0.3, 7800.0))
-    patch = fl.smooth_patch(lambda s, t: [a * s, b * t, 0.0], (cells, cells))
+    patch = fl.mesh.smooth_patch(lambda s, t: [a * s, b * t, 0.0], (cells, cells))
     return fl.ThinShell(patch, section, name="plate")
 
 
@@ -481,7 +486,7 @@ def pushed_plate(cells):
     a, b, thickness = PLATE
     D = 2e11 * thickness**3 / 12 / (1 - 0.3**2)
     critical = np.pi**2 * D * (2 / a + a / 2 / b**2) ** 2
-    scene.add(fl.EdgeLoad(body, "a=1", force=(-critical, 0, 0)))
+    scene.add(fl.loads.EdgeLoad(body, "a=1", force=(-critical, 0, 0)))
     return scene
 
 
@@ -501,12 +506,12 @@ class Unturned(fl.ThinShell):
 
 def tumbling(cls, steps):
     """A sheet thrown with a turn about its diagonal, without gravity."""
-    patch = fl.smooth_patch(lambda a, b: [0.3 * a - 0.15, 0.15 * b - 0.075, 0.0], (3, 2))
+    patch = fl.mesh.smooth_patch(lambda a, b: [0.3 * a - 0.15, 0.15 * b - 0.075, 0.0], (3, 2))
     body = cls(patch, fl.ShellSection.layer(1e-3, fl.Material(3e9, 0.3, 1200.0)), name="sheet")
     body.add_velocity(omega=(3.0, 30.0, 5.0), about=(0, 0, 0))
     scene = fl.Scene()
     scene.add(body)
-    scheme = fl.GeneralisedAlpha(radius=0.8, policy=fl.Automatic())
+    scheme = fl.GeneralisedAlpha(radius=0.8, policy=fl.schemes.Automatic())
     return scheme.run(scene, duration=1e-3 * steps, step=1e-3)
 
 
@@ -527,8 +532,10 @@ def test_damping_with_mass_slows_a_sheet_down():
     scene, sheets = fl.Scene(), []
     section = fl.ShellSection.layer(1e-3, fl.Material(3e9, 0.3, 1200.0))
     for k, rate in enumerate((2.0, 0.0)):
-        patch = fl.smooth_patch(lambda a, b, k=k: [a, b, float(k)], (2, 1))
-        sheets.append(fl.ThinShell(patch, section, damping=fl.Damping(mass=rate), name=f"{k}"))
+        patch = fl.mesh.smooth_patch(lambda a, b, k=k: [a, b, float(k)], (2, 1))
+        sheets.append(
+            fl.ThinShell(patch, section, damping=fl.sections.Damping(mass=rate), name=f"{k}")
+        )
         sheets[k].add_velocity((1.0, 0.0, 0.0))
         scene.add(sheets[k])
     found = fl.GeneralisedAlpha().run(scene, duration=0.5, step=1e-2)
@@ -538,7 +545,7 @@ def test_damping_with_mass_slows_a_sheet_down():
     assert found.kinetic[0] - found.kinetic[-1] == pytest.approx(lost, rel=1e-4)
     assert abs(found.balance_error) < 1e-4
     with pytest.raises(ValueError, match="damping with mass only"):
-        fl.ThinShell(patch, section, damping=fl.Damping(stiffness=1e-3))
+        fl.ThinShell(patch, section, damping=fl.sections.Damping(stiffness=1e-3))
 
 
 def test_a_run_goes_on_from_its_file(tmp_path):

@@ -16,10 +16,12 @@ from studies.variable_step import four_bar
 PARTS = 10
 # of second order, an error measured by a step in PARTS parts lacks that of the parts
 MISSING = 1.0 - 1.0 / PARTS**2
-KINDS = [(group, parametrisation) for group in fl.Group for parametrisation in fl.Parametrisation]
+KINDS = [
+    (group, parametrisation) for group in fl.lie.Group for parametrisation in fl.lie.Parametrisation
+]
 
 
-def tumbling(group: fl.Group = fl.Group.R3xSO3) -> fl.Scene:
+def tumbling(group: fl.lie.Group = fl.lie.Group.R3xSO3) -> fl.Scene:
     """A free body under smooth loads."""
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(2.0, (1.0, 2.0, 2.5), (0.3, 0, 0), name="body").set_group(group))
@@ -39,7 +41,7 @@ def tumbling(group: fl.Group = fl.Group.R3xSO3) -> fl.Scene:
     return scene
 
 
-def with_joints(group: fl.Group) -> fl.Scene:
+def with_joints(group: fl.lie.Group) -> fl.Scene:
     """The double pendulum, turning about all axes."""
     scene = rigid_pendulum(group)
     for body in scene.bodies:
@@ -64,10 +66,10 @@ def test_estimate_over_error_tends_to_one(make, group, parametrisation):
     for h in (4e-3, 2e-3):
         result = run(
             make(group),
-            fl.ConstantStep(h, refinement=PARTS),
+            fl.schemes.ConstantStep(h, refinement=PARTS),
             0.2,
             parametrisation=parametrisation,
-            policy=fl.EveryIteration(),
+            policy=fl.schemes.EveryIteration(),
             tolerance=1e-11,
         )
         # the first steps have what is left of the start
@@ -79,7 +81,9 @@ def test_estimate_over_error_tends_to_one(make, group, parametrisation):
 
 
 def test_estimate_is_of_third_order():
-    sizes = [run(tumbling(), fl.ConstantStep(h), 0.2).steps.translation[-1] for h in (2e-3, 1e-3)]
+    sizes = [
+        run(tumbling(), fl.schemes.ConstantStep(h), 0.2).steps.translation[-1] for h in (2e-3, 1e-3)
+    ]
     assert 2.9 < np.log2(sizes[0] / sizes[1]) < 3.1
 
 
@@ -88,7 +92,7 @@ def test_flight_has_no_error():
     scene = fl.Scene(gravity=(0, 0, -9.81))
     body = scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0), name="body"))
     body.add_velocity((1, 0, 5))
-    steps = run(scene, fl.ConstantStep(0.01), 0.2, tolerance=1e-12).steps
+    steps = run(scene, fl.schemes.ConstantStep(0.01), 0.2, tolerance=1e-12).steps
     assert steps.translation.max() < 1e-13
     assert steps.rotation.max() < 1e-13
 
@@ -96,11 +100,14 @@ def test_flight_has_no_error():
 def test_estimating_changes_nothing():
     """Nor do the components of the matrix change the estimate."""
     # a matrix in each iteration: constant steps keep factors whole, plain ones renew borders alone
-    options = {"policy": fl.EveryIteration(), "tolerance": 1e-11}
-    plain = run(with_joints(fl.Group.SE3), 2e-3, 0.2, **options)
-    watched = run(with_joints(fl.Group.SE3), fl.ConstantStep(2e-3), 0.2, **options)
+    options = {"policy": fl.schemes.EveryIteration(), "tolerance": 1e-11}
+    plain = run(with_joints(fl.lie.Group.SE3), 2e-3, 0.2, **options)
+    watched = run(with_joints(fl.lie.Group.SE3), fl.schemes.ConstantStep(2e-3), 0.2, **options)
     inertial = run(
-        with_joints(fl.Group.SE3), fl.ConstantStep(2e-3), 0.2, components=fl.Components.INERTIAL
+        with_joints(fl.lie.Group.SE3),
+        fl.schemes.ConstantStep(2e-3),
+        0.2,
+        components=fl.schemes.MatrixFrame.INERTIAL,
     )
     np.testing.assert_allclose(watched.frames, plain.frames, atol=1e-9)
     np.testing.assert_allclose(watched.joint_forces, plain.joint_forces, atol=1e-4)
@@ -108,7 +115,7 @@ def test_estimating_changes_nothing():
 
 
 def test_nodes_of_the_error_are_those_of_the_results():
-    result = run(with_joints(fl.Group.SE3), fl.ConstantStep(1e-3), 0.01)
+    result = run(with_joints(fl.lie.Group.SE3), fl.schemes.ConstantStep(1e-3), 0.01)
     far, _ = result.info.node("bar II.centre"), result.info.node("bar I.centre")
     assert (result.steps.nodes[:, 0] == far).all()
 
@@ -135,10 +142,10 @@ class Alternating(fl.extend.StepChoice):
         return Zigzag(self.size, math.inf, math.inf, (duration,), 1.0, 0.0, order)
 
 
-@pytest.mark.parametrize("group", list(fl.Group))
+@pytest.mark.parametrize("group", list(fl.lie.Group))
 def test_second_order_with_alternating_steps(group):
     """Joint forces, too: wrong by a tenth if velocities across joints stay as they are."""
-    options = {"policy": fl.EveryIteration()}
+    options = {"policy": fl.schemes.EveryIteration()}
     exact = run(with_joints(group), 2.5e-4, 0.5, **options)
     errors, forces = [], []
     for h in (4e-3, 2e-3, 1e-3):
@@ -157,8 +164,8 @@ def test_second_order_with_alternating_steps(group):
 
 def test_joint_forces_with_kept_matrices():
     """The part of velocities across the joints is found with an old Jacobian."""
-    exact = run(with_joints(fl.Group.R3xSO3), 2.5e-4, 0.5)
-    result = run(with_joints(fl.Group.R3xSO3), Alternating(1e-3), 0.5)
+    exact = run(with_joints(fl.lie.Group.R3xSO3), 2.5e-4, 0.5)
+    result = run(with_joints(fl.lie.Group.R3xSO3), Alternating(1e-3), 0.5)
     same = exact.resampled(result.times[5:])
     gap = np.abs(result.joint_forces[5:] - same.joint_forces).max()
     assert gap < 3e-3 * np.abs(exact.joint_forces).max()
@@ -167,12 +174,12 @@ def test_joint_forces_with_kept_matrices():
 # --- the tolerance ---
 
 
-@pytest.mark.parametrize("group", list(fl.Group))
+@pytest.mark.parametrize("group", list(fl.lie.Group))
 def test_global_error_follows_the_tolerance(group):
     tolerances = 10.0 ** np.arange(-2, -6.5, -1)
     errors = []
     for tolerance in tolerances:
-        result = run(rigid_pendulum(group), fl.AdaptiveStep(tolerance, 2 * tolerance))
+        result = run(rigid_pendulum(group), fl.schemes.AdaptiveStep(tolerance, 2 * tolerance))
         errors.append(np.linalg.norm(tip(result)[-1] - TIP))
         steps = result.steps
         assert (steps.translation <= tolerance * steps.sizes).all()
@@ -183,7 +190,7 @@ def test_global_error_follows_the_tolerance(group):
 
 def test_rotations_have_their_own_tolerance():
     loose, strict = (
-        run(tumbling(), fl.AdaptiveStep(1e-1, rotation_tolerance=value), 0.5)
+        run(tumbling(), fl.schemes.AdaptiveStep(1e-1, rotation_tolerance=value), 0.5)
         for value in (1e-3, 1e-5)
     )
     assert len(strict.times) > 5 * len(loose.times)
@@ -194,7 +201,7 @@ def spinning_top() -> fl.Scene:
     """On a spherical joint; R. Brüls & A. Cardona's."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     top = scene.add(fl.RigidBody(15.0, (0.234375, 0.234375, 0.46875), (0, 1, 0), name="top"))
-    scene.add(fl.Spherical(top.point("centre"), fl.ground(), at=(0, 0, 0)))
+    scene.add(fl.joints.Spherical(top.point("centre"), fl.ground(), at=(0, 0, 0)))
     top.add_velocity(omega=(0.0, 150.0, 0.0), about=(0, 0, 0))
     return scene
 
@@ -203,14 +210,14 @@ def spinning_top() -> fl.Scene:
     ("make", "tolerance"), [(rigid_pendulum, 1e-5), (tumbling, 1e-3), (spinning_top, 1e-4)]
 )
 def test_factorisations_are_kept_when_steps_change(make, tolerance):
-    result = run(make(), fl.AdaptiveStep(tolerance))
+    result = run(make(), fl.schemes.AdaptiveStep(tolerance))
     assert len(np.unique(result.steps.sizes.round(9))) >= 3
     assert result.factorisations <= 0.02 * len(result.steps.times)
 
 
 def test_sizes_are_levels():
     """But for the steps that are made to fit the end."""
-    result = run(rigid_pendulum(), fl.AdaptiveStep(1e-4, first=1e-3))
+    result = run(rigid_pendulum(), fl.schemes.AdaptiveStep(1e-4, first=1e-3))
     levels = 2.0 * np.log2(result.steps.sizes / 1e-3)
     away = np.abs(levels - levels.round()) > 1e-6
     assert not away[:-4].any()
@@ -223,7 +230,7 @@ def test_stiff_waves_do_not_stop_the_steps():
 
     Without that steps fall to 1e-9 s, and there are 100 000.
     """
-    result = run(four_bar(4), fl.AdaptiveStep(1e-2, largest=0.05), 3.0)
+    result = run(four_bar(4), fl.schemes.AdaptiveStep(1e-2, largest=0.05), 3.0)
     assert len(result.steps.rejected) >= 2
     assert result.steps.sizes.min() > 1e-7
     assert len(result.steps.times) < 1000
@@ -245,7 +252,7 @@ def jump(t: float) -> float:
 
 def test_jump_at_a_named_event():
     """Steps end there, and both sides are exact: rest, and a parabola."""
-    result = run(pushed(jump), fl.AdaptiveStep(1e-6, events=(0.3,)))
+    result = run(pushed(jump), fl.schemes.AdaptiveStep(1e-6, events=(0.3,)))
     assert (result.times == 0.3).sum() == 2
     assert len(result.steps.rejected) == 0
     exact = 1.5 * np.clip(result.times - 0.3, 0.0, None) ** 2
@@ -253,7 +260,7 @@ def test_jump_at_a_named_event():
 
 
 def test_jump_found_by_rejection():
-    result = run(pushed(jump), fl.AdaptiveStep(1e-4))
+    result = run(pushed(jump), fl.schemes.AdaptiveStep(1e-4))
     assert len(result.steps.rejected) >= 3
     near = np.abs(result.steps.times - 0.3).argmin()
     assert result.steps.sizes[near] < 1e-2 * result.steps.sizes.max()
@@ -279,7 +286,7 @@ def arm_that_stops() -> fl.Scene:
 
 def test_kink_of_a_drive():
     """A drive that stops at once: the velocity of what it drives jumps with it."""
-    choice = fl.AdaptiveStep(1e-4, events=(0.4,), largest=0.05)
+    choice = fl.schemes.AdaptiveStep(1e-4, events=(0.4,), largest=0.05)
     result = run(arm_that_stops(), choice)
     # both sides are kept
     event = int(np.flatnonzero(result.times == 0.4)[1])
@@ -302,35 +309,41 @@ def test_tolerance_out_of_reach_names_time_error_and_body():
     expected = r"at time 0\.4\d+ a step of .* error of .* length per time, "
     expected += r"expected at most 1\.000e-03"
     with pytest.raises(fl.ConvergenceError, match=expected + ".*; ball limits it") as caught:
-        run(scene, fl.AdaptiveStep(1e-3, smallest=1e-6))
+        run(scene, fl.schemes.AdaptiveStep(1e-3, smallest=1e-6))
     assert 0.4 < caught.value.result.times[-1] < 0.5
     assert len(caught.value.result.steps.times) == len(caught.value.result.times) - 1
 
 
 def test_step_that_does_not_converge_is_tried_smaller():
-    scene, options = with_joints(fl.Group.SE3), {"max_iterations": 3}
+    scene, options = with_joints(fl.lie.Group.SE3), {"max_iterations": 3}
     with pytest.raises(fl.ConvergenceError, match="did not converge in 3"):
-        run(scene, 0.04, 0.2, policy=fl.Never(), **options)
-    for step in (fl.AdaptiveStep(1.0, first=0.04, largest=0.04), fl.ConstantStep(0.04)):
+        run(scene, 0.04, 0.2, policy=fl.schemes.FactoriseOnce(), **options)
+    for step in (
+        fl.schemes.AdaptiveStep(1.0, first=0.04, largest=0.04),
+        fl.schemes.ConstantStep(0.04),
+    ):
         result = run(scene, step, 0.2, **options)
         assert len(result.steps.rejected) > 0
         assert result.times[-1] == 0.2
     assert run(scene, 0.04, 0.2, **options).divided > 0
     options["max_iterations"] = 1
     with pytest.raises(fl.ConvergenceError, match=r"did not converge, and smaller ones than 0\.00"):
-        run(scene, fl.ConstantStep(0.04), 0.2, **options)
+        run(scene, fl.schemes.ConstantStep(0.04), 0.2, **options)
 
 
 @pytest.mark.parametrize(
     ("choice", "message"),
     [
-        (fl.AdaptiveStep(0.0), "tolerance must be a positive finite number, got 0.0"),
-        (fl.AdaptiveStep(1e-3, rotation_tolerance=-1.0), "rotation_tolerance must be a positive"),
-        (fl.AdaptiveStep(1e-3, first=2.0, largest=0.5), "smallest ≤ first ≤ largest"),
-        (fl.AdaptiveStep(1e-3, events=(1.5,)), r"events must be in \(0, 1\), got \[1.5\]"),
-        (fl.AdaptiveStep(1e-3, refinement=0), "refinement must be at least 1, got 0"),
-        (fl.ConstantStep(-1.0), "the step must be a positive finite number, got -1.0"),
-        (fl.ConstantStep(0.3), "duration 1.0 is not a multiple of the step 0.3"),
+        (fl.schemes.AdaptiveStep(0.0), "tolerance must be a positive finite number, got 0.0"),
+        (
+            fl.schemes.AdaptiveStep(1e-3, rotation_tolerance=-1.0),
+            "rotation_tolerance must be a positive",
+        ),
+        (fl.schemes.AdaptiveStep(1e-3, first=2.0, largest=0.5), "smallest ≤ first ≤ largest"),
+        (fl.schemes.AdaptiveStep(1e-3, events=(1.5,)), r"events must be in \(0, 1\), got \[1.5\]"),
+        (fl.schemes.AdaptiveStep(1e-3, refinement=0), "refinement must be at least 1, got 0"),
+        (fl.schemes.ConstantStep(-1.0), "the step must be a positive finite number, got -1.0"),
+        (fl.schemes.ConstantStep(0.3), "duration 1.0 is not a multiple of the step 0.3"),
     ],
 )
 def test_bad_choices(choice, message):
@@ -382,7 +395,7 @@ def test_resampled_meets_what_was_kept_and_screws_exactly():
 
 
 def test_steps_are_saved(tmp_path):
-    result = run(tumbling(), fl.AdaptiveStep(1e-3), 0.1)
+    result = run(tumbling(), fl.schemes.AdaptiveStep(1e-3), 0.1)
     result.save(tmp_path / "run.h5")
     loaded = fl.Result.load(tmp_path / "run.h5")
     np.testing.assert_array_equal(loaded.steps.translation, result.steps.translation)
@@ -393,7 +406,7 @@ def test_steps_are_saved(tmp_path):
 
 def test_save_every_keeps_the_last_step():
     every = fl.GeneralisedAlpha().run(
-        tumbling(), duration=0.3, step=fl.AdaptiveStep(1e-3), save_every=4, progress=True
+        tumbling(), duration=0.3, step=fl.schemes.AdaptiveStep(1e-3), save_every=4, progress=True
     )
     assert every.times[-1] == 0.3
     assert len(every.times) == math.ceil(len(every.steps.times) / 4) + 1

@@ -11,8 +11,8 @@ from tests.unit_systems import METRES, OTHER_SYSTEMS, UNIT_SYSTEMS, UnitSystem
 
 STEEL = fl.Material(E=2.1e9, nu=0.3, density=7800.0)
 SECTION = fl.Section.rectangle(0.02, 0.03, STEEL)
-ARC = fl.curve(lambda s: (np.sin(2 * s), 0.1 * s, 1 - np.cos(2 * s)), 8)
-LINE = fl.straight((0, 0, 0), (1, 0, 0), 4)
+ARC = fl.mesh.curve(lambda s: (np.sin(2 * s), 0.1 * s, 1 - np.cos(2 * s)), 8)
+LINE = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 4)
 
 
 def free(mesh, formulation=None, kind=fl.Beam):
@@ -30,26 +30,31 @@ def thrown(scene, steps=8):
 
 
 def beside(mesh, cells):
-    return fl.refine(mesh, cells)
+    return fl.adaptivity.refine(mesh, cells)
 
 
 @pytest.mark.parametrize(
     ("kind", "formulation"),
-    [(fl.Beam, None), (fl.Beam, fl.Director(1)), (fl.Beam, fl.Director(2)), (fl.Rod, None)],
+    [
+        (fl.Beam, None),
+        (fl.Beam, fl.elements.DirectorBeam(1)),
+        (fl.Beam, fl.elements.DirectorBeam(2)),
+        (fl.Rod, None),
+    ],
 )
 @pytest.mark.parametrize("mesh", [ARC, LINE])
 def test_momenta(kind, formulation, mesh):
     """Refined in part, and made coarse again."""
     coarse, fine = free(mesh, formulation, kind), free(beside(mesh, [0, 1, 3]), formulation, kind)
     result = thrown(coarse)
-    told = fl.transfer(result, coarse, fine)
+    told = fl.adaptivity.transfer(result, coarse, fine)
     assert told.momentum_error < 1e-12
     again = thrown(fine, 2)
     np.testing.assert_allclose(again.momentum[0], result.momentum[-1], rtol=1e-12)
     np.testing.assert_allclose(again.angular_momentum[0], result.angular_momentum[-1], rtol=1e-12)
     total = result.kinetic[-1] + result.elastic[-1]
     assert abs(told.energy_change) < 5e-3 * total
-    back = fl.transfer(again, fine, free(mesh, formulation, kind))
+    back = fl.adaptivity.transfer(again, fine, free(mesh, formulation, kind))
     assert back.momentum_error < 1e-12
     assert abs(back.energy_change) < 5e-3 * total
 
@@ -81,7 +86,7 @@ def test_rigid_motions_are_carried_exactly(mesh):
     spin = np.array([0.4, 0.1, -0.3, 2.0, -1.0, 0.5])
     moved = rigid_motion(beam.frames)
     twists = lie.se3_adjoint(lie.se3_inverse(moved)) @ spin
-    fl.transfer(begun(coarse, moved, twists), coarse, fine, step=0)
+    fl.adaptivity.transfer(begun(coarse, moved, twists), coarse, fine, step=0)
     np.testing.assert_allclose(finer.start_frames, rigid_motion(finer.frames), atol=1e-13)
     wanted = lie.se3_adjoint(lie.se3_inverse(finer.start_frames)) @ spin
     # the inertia of curved lines is that of their meshes, and momenta are kept
@@ -92,7 +97,7 @@ def test_rigid_motions_are_carried_exactly(mesh):
 def test_constant_strain_is_carried_exactly():
     """A stretched and twisted circle: a screw, with the energy that it has."""
     strain = np.array([1.03, 0.01, -0.02, 0.4, 1.5, -0.7])
-    plain = fl.Geodesic(bending_flexibility=False)
+    plain = fl.elements.GeodesicBeam(bending_flexibility=False)
     coarse, fine = free(LINE, plain), free(beside(LINE, [0, 3]), plain)
 
     def screw(body):
@@ -100,7 +105,7 @@ def test_constant_strain_is_carried_exactly():
 
     beam, finer = coarse.bodies[0], fine.bodies[0]
     still = np.zeros((len(beam.frames), 6))
-    told = fl.transfer(begun(coarse, screw(beam), still), coarse, fine, step=0)
+    told = fl.adaptivity.transfer(begun(coarse, screw(beam), still), coarse, fine, step=0)
     np.testing.assert_allclose(finer.start_frames, screw(finer), atol=1e-13)
     assert told.elastic[1] == pytest.approx(told.elastic[0], rel=1e-11)
 
@@ -110,8 +115,8 @@ def test_refined_and_made_coarse_again(kind):
     """What was there comes back; new nodes take what momenta need."""
     coarse, fine, again = (free(m, None, kind) for m in (ARC, beside(ARC, [0, 2, 3, 5]), ARC))
     result = thrown(coarse)
-    fl.transfer(result, coarse, fine)
-    fl.transfer(at_rest(fine), fine, again, step=0)
+    fl.adaptivity.transfer(result, coarse, fine)
+    fl.adaptivity.transfer(at_rest(fine), fine, again, step=0)
     body = again.bodies[0]
     np.testing.assert_allclose(body.start_frames, result.frames[-1], atol=1e-13)
     np.testing.assert_allclose(body.velocities, result.velocities[-1], rtol=1e-9, atol=1e-9)
@@ -124,7 +129,7 @@ def swinging(mesh):
     """On a hinge, with a spring that counts turns, under a load with a history."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     beam = scene.add(fl.Beam(mesh, SECTION, name="beam"))
-    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0), name="hinge"))
+    scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0), name="hinge"))
     beam.add_velocity(omega=(0, 40.0, 0), about=(0, 0, 0))
     scene.add(
         fl.PointLoad(beam.point("end"), force=(0, 0, 5.0), history=lambda t: np.sin(30.0 * t))
@@ -137,7 +142,7 @@ def test_dynamics_goes_on():
     whole = fl.GeneralisedAlpha().run(swinging(LINE), duration=0.4, step=1e-3)
     first, second = swinging(LINE), swinging(LINE)
     half = fl.GeneralisedAlpha().run(first, duration=0.2, step=1e-3)
-    told = fl.transfer(half, first, second)
+    told = fl.adaptivity.transfer(half, first, second)
     assert told.energy_change == pytest.approx(0.0, abs=1e-9)
     rest = fl.GeneralisedAlpha().run(second, duration=0.2, step=1e-3)
     gap = rest.position("beam.end")[-1] - whole.position("beam.end")[-1]
@@ -160,7 +165,7 @@ def test_statics_goes_on(solve):
     fine = beside(LINE, [0, 1])
     coarse, onto = cantilever(LINE), cantilever(fine)
     half = solve(coarse, levels=[0.5])
-    told = fl.transfer(half, coarse, onto)
+    told = fl.adaptivity.transfer(half, coarse, onto)
     assert told.elastic[1] == pytest.approx(told.elastic[0], rel=0.05)
     there, direct = solve(onto, levels=[0.5, 1.0]), solve(cantilever(fine))
     np.testing.assert_allclose(there.frames[-1], direct.frames[-1], atol=1e-8)
@@ -174,7 +179,7 @@ def test_statics_goes_on(solve):
 def test_a_path_goes_on():
     fine = beside(LINE, [0, 1])
     coarse, onto = cantilever(LINE), cantilever(fine)
-    fl.transfer(fl.follow_path(coarse, 0.5), coarse, onto)
+    fl.adaptivity.transfer(fl.follow_path(coarse, 0.5), coarse, onto)
     there, direct = fl.follow_path(onto), fl.follow_path(cantilever(fine))
     assert there.factors[0] == pytest.approx(0.5)
     np.testing.assert_allclose(there.frames[-1], direct.frames[-1], atol=1e-7)
@@ -187,22 +192,22 @@ def test_bodies_that_are_others():
     coarse = free(LINE)
     result = at_rest(coarse)
     with pytest.raises(ValueError, match="bodies were"):
-        fl.transfer(result, coarse, fl.Scene())
+        fl.adaptivity.transfer(result, coarse, fl.Scene())
     other = fl.Scene()
     other.add(fl.Rod(LINE, SECTION, name="beam"))
     with pytest.raises(ValueError, match="was a Beam, now it is a Rod"):
-        fl.transfer(result, coarse, other)
+        fl.adaptivity.transfer(result, coarse, other)
     with pytest.raises(ValueError, match="same line"):
-        fl.transfer(result, coarse, free(fl.straight((0, 0, 0), (2, 0, 0), 8)))
+        fl.adaptivity.transfer(result, coarse, free(fl.mesh.straight_line((0, 0, 0), (2, 0, 0), 8)))
     with pytest.raises(ValueError, match="record"):
         bare = fl.GeneralisedAlpha().run(
-            free(LINE), duration=1e-3, step=1e-3, record=fl.Record.FRAMES
+            free(LINE), duration=1e-3, step=1e-3, record=fl.schemes.Record.FRAMES
         )
-        fl.transfer(bare, coarse, free(LINE))
+        fl.adaptivity.transfer(bare, coarse, free(LINE))
     with pytest.raises(ValueError, match="step 7"):
-        fl.transfer(result, coarse, free(LINE), step=7)
+        fl.adaptivity.transfer(result, coarse, free(LINE), step=7)
     with pytest.raises(TypeError, match="result"):
-        fl.transfer("state", coarse, free(LINE))
+        fl.adaptivity.transfer("state", coarse, free(LINE))
 
 
 def test_frames_to_begin_at_that_are_none():
@@ -225,10 +230,10 @@ def plate(mesh):
 
 
 def test_momenta_of_shells():
-    mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2), cell="triangle")
-    coarse, fine = plate(mesh), plate(fl.refine(mesh, [0, 3]))
+    mesh = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2), cell="triangle")
+    coarse, fine = plate(mesh), plate(fl.adaptivity.refine(mesh, [0, 3]))
     result = fl.GeneralisedAlpha().run(coarse, duration=4e-3, step=1e-3)
-    told = fl.transfer(result, coarse, fine)
+    told = fl.adaptivity.transfer(result, coarse, fine)
     assert told.momentum_error < 1e-12
     assert abs(told.energy_change) < 1e-2 * (result.kinetic[-1] + result.elastic[-1])
 
@@ -236,7 +241,7 @@ def test_momenta_of_shells():
 def spun(u: UnitSystem, cells: int) -> fl.Scene:
     """A free wire of 1 mm along an arc of about 2 m, whose nodes hardly have moments of inertia."""
     steel, scene = fl.Material(u.stress(2.1e11), 0.3, u.density(7800.0)), fl.Scene()
-    mesh = fl.curve(lambda s: u.length([np.sin(2 * s), 0.1 * s, 1 - np.cos(2 * s)]), cells)
+    mesh = fl.mesh.curve(lambda s: u.length([np.sin(2 * s), 0.1 * s, 1 - np.cos(2 * s)]), cells)
     wire = scene.add(fl.Beam(mesh, fl.Section.circle(u.length(1e-3), steel), name="wire"))
     wire.add_velocity(omega=u.rate([3.0, -2.0, 5.0]), about=u.length([0.2, 0.1, 0.0]))
     wire.add_velocity(u.velocity([1.0, 2.0, -3.0]))
@@ -248,7 +253,7 @@ def energy_lost(u: UnitSystem) -> float:
     """By a transfer to a mesh that is no refinement, over the kinetic energy."""
     coarse, fine = spun(u, 8), spun(u, 11)
     result = fl.GeneralisedAlpha().run(coarse, duration=u.time(4e-3), step=u.time(1e-3))
-    moved = fl.transfer(result, coarse, fine)
+    moved = fl.adaptivity.transfer(result, coarse, fine)
     assert moved.momentum_error < 1e-14
     return float(moved.energy_change / result.kinetic[-1])
 
@@ -264,10 +269,10 @@ def pinned(u: UnitSystem, cells: int, node: int | None) -> tuple[fl.Scene, fl.Be
     steel = fl.Material(u.stress(2.1e11), 0.3, u.density(7800.0))
     section = fl.Section.rectangle(*u.length([0.01, 0.01]), steel)
     scene = fl.Scene()
-    beam = scene.add(fl.Beam(fl.straight((0, 0, 0), u.length([1, 0, 0]), cells), section))
+    beam = scene.add(fl.Beam(fl.mesh.straight_line((0, 0, 0), u.length([1, 0, 0]), cells), section))
     scene.add(fl.Clamp(beam.point("start")))
     if node is not None:
-        scene.add(fl.Spherical(fl.ground(), beam.point(node), name="pin"))
+        scene.add(fl.joints.Spherical(fl.ground(), beam.point(node), name="pin"))
     return scene, beam
 
 
@@ -282,9 +287,9 @@ def test_a_torn_joint_is_refused_in_all_units(deflection, torn, u):
     finer, _ = pinned(u, 8, 4)
     if torn:
         with pytest.raises(ValueError, match="pin is violated by"):
-            fl.transfer(result, scene, finer)
+            fl.adaptivity.transfer(result, scene, finer)
     else:
-        fl.transfer(result, scene, finer)
+        fl.adaptivity.transfer(result, scene, finer)
 
 
 @pytest.mark.parametrize("place", ["node", "attachment frame"])
@@ -296,8 +301,8 @@ def test_a_drive_is_added_to_a_hinge_that_has_made_turns(place):
         scene = fl.Scene()
         beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=cells, name="beam"))
         point = beam.point("start") if place == "node" else beam.point((0.3, 0, 0))
-        hinge = scene.add(fl.Revolute(fl.ground(), point, name="hinge"))
-        spring = scene.add(fl.Spring(hinge.angle, stiffness, name="spring"))
+        hinge = scene.add(fl.joints.Revolute(fl.ground(), point, name="hinge"))
+        spring = scene.add(fl.joints.Spring(hinge.angle, stiffness, name="spring"))
         scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, moment)))
         return scene, hinge, spring
 
@@ -305,8 +310,8 @@ def test_a_drive_is_added_to_a_hinge_that_has_made_turns(place):
     result = fl.statics(coarse, load_steps=10)
     angle = moment / stiffness
     assert result.joint_force(before)[-1][5] == pytest.approx(stiffness * angle, rel=1e-9)
-    motor = fine.add(fl.Drive(hinge.angle, lambda factor: angle * factor**2, name="motor"))
-    fl.transfer(result, coarse, fine)
+    motor = fine.add(fl.joints.Drive(hinge.angle, lambda factor: angle * factor**2, name="motor"))
+    fl.adaptivity.transfer(result, coarse, fine)
     driven = fl.statics(fine, levels=(1.0, 1.1))
     np.testing.assert_array_equal(driven.factors[[0, -1]], [1.0, 1.1])
     ends = [0, -1]

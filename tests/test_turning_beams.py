@@ -31,7 +31,7 @@ def free() -> tuple[fl.Scene, float]:
 def hinged() -> tuple[fl.Scene, float]:
     scene, _ = free()
     (beam,) = scene.bodies
-    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
+    scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
     beam.velocities[:] = 0.0
     beam.add_velocity(omega=(0, 0, 6.0), about=(0, 0, 0))
     return scene, 4e-3
@@ -41,7 +41,7 @@ def steel_bar(speed: float = 20.0) -> tuple[fl.Scene, float]:
     scene = fl.Scene()
     section = fl.Section.rectangle(0.01, 0.01, STEEL)
     bar = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=20))
-    scene.add(fl.Revolute(fl.ground(), bar.point("start"), axis=(0, 0, 1)))
+    scene.add(fl.joints.Revolute(fl.ground(), bar.point("start"), axis=(0, 0, 1)))
     bar.add_velocity(omega=(0, 0, speed), about=(0, 0, 0))
     return scene, 1e-4
 
@@ -49,8 +49,8 @@ def steel_bar(speed: float = 20.0) -> tuple[fl.Scene, float]:
 def driven() -> tuple[fl.Scene, float]:
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (10, 0, 0), SLENDER, cells=10))
-    hinge = scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
-    scene.add(fl.Drive(hinge.angle, lambda t: angle(10.0 * t)))
+    hinge = scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
+    scene.add(fl.joints.Drive(hinge.angle, lambda t: angle(10.0 * t)))
     return scene, 2e-3
 
 

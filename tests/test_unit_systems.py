@@ -120,16 +120,18 @@ def hinged(u: UnitSystem) -> tuple[fl.Scene, fl.RigidBody]:
 def test_what_does_not_start_as_it_must_is_refused(u):
     """A part of 1e-4 is wrong, whatever the unit of length."""
     scene, body = hinged(u)
-    rod = fl.Distance(fl.ground(), body.point("centre"), at=(0, 0, 0))
+    rod = fl.joints.Distance(fl.ground(), body.point("centre"), at=(0, 0, 0))
     with pytest.raises(ValueError, match="must start at"):
-        scene.add(fl.Drive(rod.length, lambda t: u.length(0.5 + 1e-4)))
+        scene.add(fl.joints.Drive(rod.length, lambda t: u.length(0.5 + 1e-4)))
     frame = body.point("centre").frame + np.eye(4, 3) * u.length(1e-4) * np.array(
         [[1.0], [0], [0], [0]]
     )
     with pytest.raises(ValueError, match="must start at its frame"):
         scene.add(fl.PrescribedMotion(body.point("centre"), lambda t: frame))
     scene.add(
-        fl.Revolute(fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 0, 1), name="hinge")
+        fl.joints.Revolute(
+            fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 0, 1), name="hinge"
+        )
     )
     body.add_velocity(u.velocity([1e-3, 1.0, 0]))
     with pytest.raises(ValueError, match="initial velocities break hinge"):
@@ -141,12 +143,12 @@ def test_what_is_driven_smoothly_starts_at_rest_and_nothing_else_does(u):
     """Rates of drives are differences, whose error is no broken constraint."""
     for smooth in (True, False):
         scene, body = hinged(u)
-        hinge = fl.Revolute(
+        hinge = fl.joints.Revolute(
             fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 0, 1), name="hinge"
         )
         scene.add(hinge)
         angle = (lambda τ: 0.3 * np.sin(2 * τ) ** 2) if smooth else (lambda τ: 1e-2 * τ)
-        scene.add(fl.Drive(hinge.angle, lambda t, angle=angle: angle(t / u.time(1.0))))
+        scene.add(fl.joints.Drive(hinge.angle, lambda t, angle=angle: angle(t / u.time(1.0))))
         run = partial(fl.GeneralisedAlpha().run, scene, duration=u.time(0.1), step=u.time(0.01))
         if smooth:
             body_end = run().rotation(body.point("centre"))[-1]
@@ -160,7 +162,7 @@ def test_what_is_driven_smoothly_starts_at_rest_and_nothing_else_does(u):
 def test_links_that_velocities_contradict_are_refused(u):
     scene, body = hinged(u)
     other = scene.add(fl.RigidBody(u.mass(1.0), u.inertia([0.1, 0.1, 0.1]), u.length([0, 1, 0])))
-    scene.add(fl.RigidLink(body.point("centre"), other.point("centre")))
+    scene.add(fl.joints.RigidLink(body.point("centre"), other.point("centre")))
     body.add_velocity(omega=u.rate([0, 0, 1.0]), about=(0, 0, 0))
     other.add_velocity(omega=u.rate([0, 0, 1.0]), about=u.length([1e-3, 0, 0]))
     with pytest.raises(ValueError, match="contradict a rigid link"):
@@ -171,7 +173,7 @@ def test_links_that_velocities_contradict_are_refused(u):
 def test_redundant_constraints_are_the_same_in_all_systems(u):
     scene, body = hinged(u)
     for x in (0.0, 1.0):
-        scene.add(fl.Fixed(fl.ground(), body.point("centre"), at=u.length([x, 0, 0])))
+        scene.add(fl.joints.Fixed(fl.ground(), body.point("centre"), at=u.length([x, 0, 0])))
     with pytest.raises(ValueError, match="6 of 12 constraints are redundant"):
         fl.extend.Equations(scene, dynamics=True)
 
@@ -189,8 +191,8 @@ def slide(u: UnitSystem) -> tuple[np.ndarray, int]:
     bead = scene.add(
         fl.RigidBody(u.mass(1.0), u.inertia([1e-3] * 3), u.length([0.25, 0, -0.05]), name="bead")
     )
-    scene.add(fl.Sliding(beam, bead.point("centre")))
-    scheme = fl.GeneralisedAlpha(policy=fl.EveryIteration())
+    scene.add(fl.joints.Sliding(beam, bead.point("centre")))
+    scheme = fl.GeneralisedAlpha(policy=fl.schemes.EveryIteration())
     result = scheme.run(scene, duration=u.time(0.1), step=u.time(2e-3))
     return u.inverse.length(result.position("bead.centre")), int(result.iterations[-1])
 

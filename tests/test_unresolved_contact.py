@@ -6,7 +6,7 @@ import pytest
 import fem_lie as fl
 
 STEEL = fl.Material(1e9, 0.3, 1000.0)
-CONSTANT = [fl.GeneralisedAlpha(radius=0.8), fl.Variational(), fl.Explicit()]
+CONSTANT = [fl.GeneralisedAlpha(radius=0.8), fl.schemes.Variational(), fl.Explicit()]
 DIVIDING = [fl.EnergyMomentum(), fl.EnergyDecaying(radius=0.8)]
 
 
@@ -14,7 +14,7 @@ def name(scheme) -> str:
     return type(scheme).__name__
 
 
-def balls(stiffness, unit=1.0, offset=0.0, law=fl.Penalty, others=()) -> fl.Scene:
+def balls(stiffness, unit=1.0, offset=0.0, law=fl.contact.Penalty, others=()) -> fl.Scene:
     """Two balls of 1 kg and 1 cm, of which the first comes at 100 m/s; lengths in another unit."""
     inertia = (1e-4 * unit**2,) * 3
     left = fl.RigidBody(1.0, inertia, position=(-0.275 * unit, offset * unit, 0), name="left")
@@ -24,10 +24,14 @@ def balls(stiffness, unit=1.0, offset=0.0, law=fl.Penalty, others=()) -> fl.Scen
     for body in (left, right, *others):
         scene.add(body)
     given = (
-        fl.Sphere(left.point("centre"), 0.01 * unit),
-        fl.Sphere(right.point("centre"), 0.01 * unit),
+        fl.contact.Sphere(left.point("centre"), 0.01 * unit),
+        fl.contact.Sphere(right.point("centre"), 0.01 * unit),
     )
-    scene.add(fl.Contact(*given, law(stiffness) if law is fl.Penalty else law(restitution=1.0)))
+    scene.add(
+        fl.contact.Contact(
+            *given, law(stiffness) if law is fl.contact.Penalty else law(restitution=1.0)
+        )
+    )
     return scene
 
 
@@ -41,7 +45,11 @@ def bars(angle, speed, offset=0.0) -> fl.Scene:
     scene = fl.Scene()
     scene.add(lower)
     scene.add(upper)
-    scene.add(fl.Contact(fl.Line(upper, 0.01), fl.Line(lower, 0.01), fl.Penalty(1e6)))
+    scene.add(
+        fl.contact.Contact(
+            fl.contact.Line(upper, 0.01), fl.contact.Line(lower, 0.01), fl.contact.Penalty(1e6)
+        )
+    )
     return scene
 
 
@@ -51,8 +59,8 @@ def floor(speed, gap, stiffness=1e6, **law) -> tuple[fl.Scene, fl.RigidBody]:
     ball.add_velocity((0, 0, -speed))
     scene = fl.Scene()
     scene.add(ball)
-    plane, given = fl.Plane(fl.ground(), (0, 0, 1)), fl.Penalty(stiffness, **law)
-    scene.add(fl.Contact(fl.Sphere(ball.point("centre"), 0.1), plane, given))
+    plane, given = fl.contact.Plane(fl.ground(), (0, 0, 1)), fl.contact.Penalty(stiffness, **law)
+    scene.add(fl.contact.Contact(fl.contact.Sphere(ball.point("centre"), 0.1), plane, given))
     return scene, ball
 
 
@@ -96,8 +104,8 @@ def test_conserving_steps_are_divided_until_balls_meet(scheme):
 
 
 def test_adaptive_steps_shrink_until_balls_meet():
-    choice = fl.AdaptiveStep(1.0, rotation_tolerance=100.0, first=1e-3, largest=1e-3)
-    with pytest.warns(fl.UnresolvedContactWarning):  # errors of steps may be any
+    choice = fl.schemes.AdaptiveStep(1.0, rotation_tolerance=100.0, first=1e-3, largest=1e-3)
+    with pytest.warns(fl.contact.UnresolvedContactWarning):  # errors of steps may be any
         result = run(fl.GeneralisedAlpha(radius=0.8), balls(4e7), 4e-3, choice)
     assert result.frames[-1, 0, 0, 0] < result.frames[-1, 1, 0, 0] - 0.02
 
@@ -111,8 +119,8 @@ def test_a_contact_that_is_too_soft_for_the_impact_says_so(scheme):
 
 def test_impacts_beside_joints_see_what_goes_through():
     far = fl.RigidBody(1.0, (1.0, 1.0, 1.0), position=(5, 0, 0))
-    scene = balls(0.0, law=fl.Impact, others=(far,))
-    scene.add(fl.Revolute(fl.ground(), far.point("centre"), axis=(0, 0, 1)))
+    scene = balls(0.0, law=fl.contact.Impact, others=(far,))
+    scene.add(fl.joints.Revolute(fl.ground(), far.point("centre"), axis=(0, 0, 1)))
     scheme = fl.GeneralisedAlpha(radius=0.8)
     with pytest.raises(
         fl.ConvergenceError, match=r"left and right: one side went through .* smaller"
@@ -152,7 +160,9 @@ def test_energy_that_a_contact_of_few_steps_changes_is_warned_of(scheme, unit):
     """By as much as the ball has more or less afterwards; the steps that are named resolve it."""
     step, speed = 1.04e-3, 100.0 * unit
     scene, ball = floor(speed, 2.02 * step * speed)
-    with pytest.warns(fl.UnresolvedContactWarning, match="steps of 0.001 do not resolve") as found:
+    with pytest.warns(
+        fl.contact.UnresolvedContactWarning, match="steps of 0.001 do not resolve"
+    ) as found:
         result = run(scheme, scene, 12 * step, step)
     (message,) = [str(each.message) for each in found]
     changed = (result.velocity(ball.point("centre"))[-1, 2] / speed) ** 2 - 1.0
@@ -192,9 +202,9 @@ def test_what_is_known_of_a_contact_goes_on_from_a_checkpoint(tmp_path):
     scheme, step = fl.GeneralisedAlpha(radius=0.8), 1.04e-3
     options = {"duration": 7 * step, "step": step, "checkpoint_every": 4, "progress": False}
     scene, _ = floor(100.0, 202.0 * step)
-    with pytest.warns(fl.UnresolvedContactWarning) as whole:
+    with pytest.warns(fl.contact.UnresolvedContactWarning) as whole:
         scheme.run(scene, **options, file=tmp_path / "run.h5")
     scene, _ = floor(100.0, 202.0 * step)
-    with pytest.warns(fl.UnresolvedContactWarning) as found:
+    with pytest.warns(fl.contact.UnresolvedContactWarning) as found:
         scheme.resume(scene, tmp_path / "run.h5", progress=False)
     assert str(found[0].message) == str(whole[0].message)

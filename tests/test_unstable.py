@@ -24,7 +24,9 @@ def test_an_unstable_equilibrium_says_so():
     scene.add(column)
     scene.add(fl.Clamp(column.point("start")))
     scene.add(fl.PointLoad(column.point("end"), (0, 0, -2 * euler)))
-    with pytest.warns(fl.UnstableEquilibriumWarning, match="unstable at load factor 1") as caught:
+    with pytest.warns(
+        fl.stability.UnstableEquilibriumWarning, match="unstable at load factor 1"
+    ) as caught:
         result = fl.statics(scene)
     assert len(caught) == 1
     np.testing.assert_array_equal(result.negative_pivots, [2])  # one in each plane
@@ -35,14 +37,16 @@ def test_an_unstable_equilibrium_says_so():
 
 def test_a_load_beyond_its_limit_arrives_at_a_stable_state_and_says_that_it_snapped():
     """Lee's frame at P = 20000, beyond its limit load of 18557."""
-    with pytest.warns(fl.UnstableEquilibriumWarning, match=r"maximum near 0\.9[23]") as caught:
+    with pytest.warns(
+        fl.stability.UnstableEquilibriumWarning, match=r"maximum near 0\.9[23]"
+    ) as caught:
         result = fl.statics(frame(20000.0))
     assert len(caught) == 1 and result.stable.all()
 
 
 def test_a_limit_load_on_the_way_is_told_though_the_end_is_stable():
     scene, _ = arch(24)
-    with pytest.warns(fl.UnstableEquilibriumWarning, match=r"maximum near 0\.8") as told:
+    with pytest.warns(fl.stability.UnstableEquilibriumWarning, match=r"maximum near 0\.8") as told:
         result = fl.follow_loads(scene)
     assert len(told) == 1
     assert result.stable.all() and len(result.load_maxima) == 1
@@ -54,7 +58,7 @@ def test_constraints_do_not_count_as_instability():
     """A hinge by a joint has five multipliers, a hinge by supports none: the same pivots."""
     for load, negative in ((0.9, 0), (1.1, 1)):
         scene, _, _ = column("pinned-pinned", 8, factor=load)
-        with pytest.warns(fl.UnstableEquilibriumWarning) if negative else _silent():
+        with pytest.warns(fl.stability.UnstableEquilibriumWarning) if negative else _silent():
             result = fl.statics(scene, load_steps=1)
         np.testing.assert_array_equal(result.negative_pivots, [negative])
 
@@ -110,13 +114,16 @@ def test_critical_points_without_potential_are_marked_and_have_the_modes_of_the_
     path = fl.follow_path(scene, 1.1)
     (point,) = path.critical
     assert not point.has_potential and "by the determinant" in str(point)
-    assert point.kind is fl.Critical.BIFURCATION and point.negative_pivots == (0, 1)
+    assert point.kind is fl.stability.CriticalPointType.BIFURCATION and point.negative_pivots == (
+        0,
+        1,
+    )
     assert point.factor == pytest.approx(1.0, rel=3e-3)
     shape = point.shapes[0]
     wave = np.sin(np.pi * np.linspace(0, 1, 17))
     across = np.einsum("nij,ni->nj", point.frames[:17, 1:], shape[:17, :3])[:, 0]
     np.testing.assert_allclose(np.abs(across), wave, atol=2e-3)
-    aside = fl.branch(scene, point)
+    aside = fl.stability.switch_branch(scene, point)
     assert np.abs(aside.places[:, 0]).max() > 1e-3
     plain, _, _ = column("pinned-pinned", 16)
     assert fl.follow_path(plain, 1.1).critical[0].has_potential
@@ -125,27 +132,27 @@ def test_critical_points_without_potential_are_marked_and_have_the_modes_of_the_
 def test_branch_refuses_to_come_back_on_the_path_it_leaves():
     """A state of a path that is no bifurcation, with the path's own tangent for a mode."""
     scene, _ = arch(12)
-    path = fl.follow_path(scene, fl.PathEnds(critical_points=1), resolution=0.1)
+    path = fl.follow_path(scene, fl.stability.PathEnds(critical_points=1), resolution=0.1)
     station = path.stations[4]
     nodes = path.frames.shape[1]
     tangent = station.response[: 6 * nodes].reshape(nodes, 6)
     tangent = tangent / np.linalg.norm(tangent[:, :3], axis=1).max()
     false = replace(
         path.critical[0],
-        kind=fl.Critical.BIFURCATION,
+        kind=fl.stability.CriticalPointType.BIFURCATION,
         station=station,
         frames=path.frames[4],
         shapes=tangent[np.newaxis],
         rotation_only=np.array([False]),
     )
     with pytest.raises(fl.ConvergenceError, match="leads back onto the path"):
-        fl.branch(scene, false)
+        fl.stability.switch_branch(scene, false)
 
 
 def test_beside_a_crossed_branch_modes_and_response_are_measured_in_one_unit():
     """What is left of the response has no part along the mode: displacements over the diameter."""
     scene, _ = arch(12)
-    path = fl.follow_path(scene, 0.5, resolution=0.1, options=fl.PathOptions(locate=None))
+    path = fl.follow_path(scene, 0.5, resolution=0.1, options=fl.stability.PathOptions(locate=None))
     model = StableEquilibrium(scene, "test_")
     station = path.stations[3]
     model.restore(station.state)
@@ -164,5 +171,5 @@ def test_path_says_where_it_ends_by_default():
         replace(load, force=tuple(0.5 * f for f in load.force)) for load in scene.loads
     ]
     assert "until=" in fl.follow_path(scene).reason
-    beyond = fl.follow_path(scene, fl.PathEnds(2.0, critical_points=1))
+    beyond = fl.follow_path(scene, fl.stability.PathEnds(2.0, critical_points=1))
     assert beyond.limits and "until=" not in beyond.reason

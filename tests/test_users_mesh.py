@@ -69,33 +69,42 @@ def test_a_shell_is_on_the_mesh_that_it_was_given(comm, cell):
     # DOLFINx's triangles of a rectangle look to both sides
     assert turned.any() == (cell == "triangle")
     assert (mesh_of(shell) is mesh) == (not turned.any())
-    other = fl.Shell(fl.SurfaceMesh.from_cells(mesh.geometry.x, shell.mesh.cells, cell), LAYER)
+    other = fl.Shell(fl.mesh.SurfaceMesh.from_cells(mesh.geometry.x, shell.mesh.cells, cell), LAYER)
     assert mesh_of(other) is not mesh
     np.testing.assert_allclose(tip(shell), tip(other), atol=1e-9)
 
 
 @COMMUNICATORS
 @pytest.mark.parametrize(
-    "formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2), fl.Kirchhoff()], ids=repr
+    "formulation",
+    [
+        fl.elements.GeodesicBeam(),
+        fl.elements.DirectorBeam(1),
+        fl.elements.DirectorBeam(2),
+        fl.elements.KirchhoffRod(),
+    ],
+    ids=repr,
 )
 def test_a_beam_is_on_the_mesh_that_it_was_given(comm, formulation):
     mesh = line(comm)
     beam = fl.Beam(mesh, SECTION, formulation=formulation)
     # where cells follow each other none has to be turned round
     assert (np.diff(_compat.geometry_dofmap(mesh)) == 1).all() and mesh_of(beam) is mesh
-    bare = fl.LineMesh.from_cells(mesh.geometry.x, _compat.geometry_dofmap(mesh))
+    bare = fl.mesh.LineMesh.from_cells(mesh.geometry.x, _compat.geometry_dofmap(mesh))
     np.testing.assert_allclose(
         tip(beam), tip(fl.Beam(bare, SECTION, formulation=formulation)), atol=1e-9
     )
 
 
 @COMMUNICATORS
-@pytest.mark.parametrize("formulation", [fl.HermiteCable(), fl.DiscreteCable()], ids=repr)
+@pytest.mark.parametrize(
+    "formulation", [fl.elements.HermiteCable(), fl.elements.DiscreteCable()], ids=repr
+)
 def test_a_cable_is_on_the_mesh_that_it_was_given(comm, formulation):
     mesh = line(comm)
     cable = fl.Cable(mesh, SECTION, formulation=formulation)
     assert mesh_of(cable) is mesh
-    bare = fl.LineMesh.from_cells(mesh.geometry.x, _compat.geometry_dofmap(mesh))
+    bare = fl.mesh.LineMesh.from_cells(mesh.geometry.x, _compat.geometry_dofmap(mesh))
     other = fl.Cable(bare, SECTION, formulation=formulation)
     assert mesh_of(other) is not mesh
     np.testing.assert_allclose(tip(cable), tip(other), atol=1e-9)
@@ -103,7 +112,7 @@ def test_a_cable_is_on_the_mesh_that_it_was_given(comm, formulation):
 
 def test_an_ancf_beam_goes_along_a_mesh_that_it_was_given():
     mesh = line(MPI.COMM_SELF)
-    bare = fl.LineMesh.from_cells(mesh.geometry.x, _compat.geometry_dofmap(mesh))
+    bare = fl.mesh.LineMesh.from_cells(mesh.geometry.x, _compat.geometry_dofmap(mesh))
     np.testing.assert_array_equal(
         fl.AncfBeam(mesh, SECTION).frames, fl.AncfBeam(bare, SECTION).frames
     )
@@ -114,7 +123,7 @@ def test_a_line_along_a_mesh_of_another_dimension_is_refused(kind):
     with pytest.raises(ValueError, match=r"must consist of intervals.*got quadrilateral"):
         kind(plate(MPI.COMM_SELF, "quadrilateral"), SECTION)
     with pytest.raises(TypeError, match=rf"{kind.__name__}: mesh must be a LineMesh.*SurfaceMesh"):
-        kind(fl.surface(lambda a, b: (a, b, 0), (1, 1)), SECTION)
+        kind(fl.mesh.parametric_surface(lambda a, b: (a, b, 0), (1, 1)), SECTION)
 
 
 def test_two_bodies_of_a_kind_are_assembled_on_one_mesh_of_their_own():
@@ -157,17 +166,19 @@ def test_a_dolfinx_mesh_keeps_its_numbers_and_tags():
         mesh, 0, lambda x: np.linalg.norm(x.T - point(1), axis=1) < 1e-9
     )
     vertex_tags = dolfinx.mesh.meshtags(mesh, 0, tip, np.array([1], np.int32))
-    lines = fl.from_dolfinx(mesh, tags, vertex_tags, groups={"end": 3}, named_points={"tip": 1})
+    lines = fl.mesh.lines_from_dolfinx(
+        mesh, tags, vertex_tags, groups={"end": 3}, named_points={"tip": 1}
+    )
     np.testing.assert_allclose(lines.points[lines.cells].mean(axis=1), middle, atol=1e-15)
     np.testing.assert_array_equal(lines.group("end"), [4, 5])
     np.testing.assert_allclose(lines.points[lines.named("tip")], [point(1)], atol=1e-15)
-    assert set(fl.from_dolfinx(mesh, tags).groups) == {"3"}
+    assert set(fl.mesh.lines_from_dolfinx(mesh, tags).groups) == {"3"}
     radius = np.linalg.norm(lines.points - _circle_centre(), axis=1)
     np.testing.assert_allclose(radius, 1, rtol=1e-14)
     with pytest.raises(ValueError, match=r"no tag 9 \(for 'x'\); it has: \[3\]"):
-        fl.from_dolfinx(mesh, tags, groups={"x": 9})
+        fl.mesh.lines_from_dolfinx(mesh, tags, groups={"x": 9})
     with pytest.raises(ValueError, match=r"\['x'\] need vertex_tags"):
-        fl.from_dolfinx(mesh, tags, named_points={"x": 9})
+        fl.mesh.lines_from_dolfinx(mesh, tags, named_points={"x": 9})
 
 
 def test_dolfinx_mesh_with_tags_is_the_same_mesh():
@@ -175,14 +186,14 @@ def test_dolfinx_mesh_with_tags_is_the_same_mesh():
         MPI.COMM_SELF, [(0, 0), (2, 1)], [3, 2], dolfinx.mesh.CellType.quadrilateral
     )
     with pytest.raises(ValueError, match="gdim 2"):
-        fl.surface_from_dolfinx(plane)
-    given = fl.surface(square, (3, 2))
+        fl.mesh.surface_from_dolfinx(plane)
+    given = fl.mesh.parametric_surface(square, (3, 2))
     mesh = _compat.create_surface_mesh(given.points, given.cells, "quadrilateral", 1)
     mesh.topology.create_connectivity(1, 2)
     facets = dolfinx.mesh.locate_entities_boundary(mesh, 1, lambda x: x[0] < 1e-9)
     tags = dolfinx.mesh.meshtags(mesh, 1, facets, np.full(len(facets), 7, dtype=np.int32))
-    found = fl.surface_from_dolfinx(mesh, facet_tags=tags, curves={"left": 7})
+    found = fl.mesh.surface_from_dolfinx(mesh, facet_tags=tags, curves={"left": 7})
     np.testing.assert_array_equal(found.points[found.nodes("left"), 0], 0.0)
     assert len(found.curve("left")) == 2
     with pytest.raises(ValueError, match=r"no tag 8 .*it has: \[7\]"):
-        fl.surface_from_dolfinx(mesh, facet_tags=tags, curves={"left": 8})
+        fl.mesh.surface_from_dolfinx(mesh, facet_tags=tags, curves={"left": 8})

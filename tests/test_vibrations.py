@@ -102,7 +102,7 @@ def test_orders_of_bending():
     for cells in (4, 8):
         scene, body = beam(20.0, cells=cells, clamped=False)
         for point in (body.point("start"), body.point("end")):
-            scene.add(fl.Revolute(point, fl.ground(), axis=(0, 1, 0)))
+            scene.add(fl.joints.Revolute(point, fl.ground(), axis=(0, 1, 0)))
         pinned = fl.vibrations(scene, 4).frequencies
         section = fl.Section.rectangle(0.02, 0.04, STEEL)
         D, mass_matrix, wave = np.diag(section.stiffness), np.diag(section.inertia), np.pi / 10.0
@@ -190,7 +190,7 @@ def test_steady_rotation_converges_quadratically():
         body = scene.add(fl.Beam.straight((0.1, 0, 0), (1.0, 0.3, 0.5), section, cells=8))
         scene.add(fl.Clamp(body.point("start")))
         result = fl.statics(
-            scene, spin=(0, 0, 10), load_steps=2, newton=fl.Newton(carried_stress=carried)
+            scene, spin=(0, 0, 10), load_steps=2, newton=fl.schemes.Newton(carried_stress=carried)
         )
         assert result.iterations.max() <= 6
         tips.append(result.position(body.point("end"))[-1])
@@ -198,8 +198,8 @@ def test_steady_rotation_converges_quadratically():
 
 
 def test_stiffness_of_steady_motion_is_the_derivative_of_the_residual():
-    scene, body = beam(cells=3, damping=fl.Damping(mass=2.0))
-    scene.add(fl.Spherical(fl.ground(), body.point("end")))
+    scene, body = beam(cells=3, damping=fl.sections.Damping(mass=2.0))
+    scene.add(fl.joints.Spherical(fl.ground(), body.point("end")))
     system = System(scene, dynamics=True)
     rng = np.random.default_rng(3)
     H, weights = system.frames.copy(), rng.normal(size=system.m)
@@ -237,11 +237,11 @@ def test_axial_force(load):
     """Pinned beam-column to string: ``ω_k² = ω_k0² (1 + N/(k² P_cr))``."""
     scene, body = beam(20.0, clamped=False)
     for point in (body.point("start"), body.point("end")):
-        scene.add(fl.Revolute(point, fl.ground(), axis=(0, 1, 0)))
+        scene.add(fl.joints.Revolute(point, fl.ground(), axis=(0, 1, 0)))
     EI, mass = body.stiffness[0, 4, 4], body.density[0, 0, 0]
     wave = np.pi * np.arange(1, 4) / 20.0
     critical = EI * wave[0] ** 2
-    scene.add(fl.PreStress(body, (load * critical, 0, 0, 0, 0, 0)))
+    scene.add(fl.loads.PreStress(body, (load * critical, 0, 0, 0, 0, 0)))
     expected = np.sqrt((EI * wave**4 + load * critical * wave**2) / mass)
     found = fl.vibrations(scene, 8).frequencies
     nearest = found[np.abs(found[:, np.newaxis] - expected).argmin(axis=0)]
@@ -253,7 +253,7 @@ def test_buckled_column_is_unstable(caplog):
     scene, body = beam(20.0)
     critical = body.stiffness[0, 5, 5] * (np.pi / 40) ** 2
     scene.add(fl.PointLoad(body.point("end"), force=(-1.1 * critical, 0, 0)))
-    with pytest.warns(fl.UnstableEquilibriumWarning):
+    with pytest.warns(fl.stability.UnstableEquilibriumWarning):
         modes = fl.vibrations(scene, 2)
     assert modes.unstable.tolist() == [True, False] or modes.unstable.tolist() == [False, True]
     assert modes.damping_ratios[modes.unstable] == pytest.approx(-1.0)
@@ -286,7 +286,7 @@ def test_cantilever_of_two_bodies_is_the_cantilever_of_one():
             for x in (0.0, 0.5)
         ]
         scene.add(fl.Clamp(parts[0].point("start")))
-        join = fl.RigidLink if link else fl.Fixed
+        join = fl.joints.RigidLink if link else fl.joints.Fixed
         scene.add(join(parts[0].point("end"), parts[1].point("start")))
         modes = fl.vibrations(scene, 6)
         np.testing.assert_allclose(modes.frequencies, expected.frequencies, rtol=1e-7)
@@ -304,7 +304,7 @@ def test_pendulum():
     mass, arm, J = 2.0, 0.3, np.array([1.0, 1.2, 0.5])
     scene = fl.Scene(gravity=(0, 0, -G))
     body = scene.add(fl.RigidBody(mass, J, (0, 0, -arm)))
-    scene.add(fl.Spherical(fl.ground(), body.point("centre"), at=(0, 0, 0)))
+    scene.add(fl.joints.Spherical(fl.ground(), body.point("centre"), at=(0, 0, 0)))
     expected = np.sqrt(mass * G * arm / (J[:2] + mass * arm**2))
     modes = fl.vibrations(scene, 3)
     np.testing.assert_allclose(modes.frequencies, [0.0, *np.sort(expected)], atol=1e-9)
@@ -319,7 +319,7 @@ def test_sleeping_top(spin, caplog):
     mass, arm, J, J3 = 2.0, 0.3, 1.0, 1.5
     scene = fl.Scene(gravity=(0, 0, -G))
     body = scene.add(fl.RigidBody(mass, (J, J, J3), (0, 0, arm)))
-    scene.add(fl.Spherical(fl.ground(), body.point("centre"), at=(0, 0, 0)))
+    scene.add(fl.joints.Spherical(fl.ground(), body.point("centre"), at=(0, 0, 0)))
     modes = fl.vibrations(scene, 3, spin=(0, 0, spin))
     nu = np.roots([J + mass * arm**2, -J3 * spin, mass * G * arm])
     s = 1j * (nu - spin)
@@ -337,7 +337,7 @@ def test_damping(mass, stiffness):
     """``ζ = α/(2ω) + β ω/2`` of the undamped frequency, which is ``|s|``."""
     plain, _ = beam()
     omega = fl.vibrations(plain).frequencies
-    scene, _ = beam(damping=fl.Damping(mass=mass, stiffness=stiffness))
+    scene, _ = beam(damping=fl.sections.Damping(mass=mass, stiffness=stiffness))
     modes = fl.vibrations(scene)
     ratio = mass / (2 * omega) + stiffness * omega / 2
     np.testing.assert_allclose(modes.damping_ratios, ratio, rtol=1e-6)
@@ -367,7 +367,7 @@ def test_slenderness(clamped):
 
 
 def test_free_damped_beam_has_six_rigid_motions():
-    scene, _ = beam(clamped=False, damping=fl.Damping(stiffness=1e-5))
+    scene, _ = beam(clamped=False, damping=fl.sections.Damping(stiffness=1e-5))
     modes = fl.vibrations(scene, 8)
     assert not modes.eigenvalues[:6].any() and modes.eigenvalues[6:].all()
     span = modes.shapes[:6].reshape(6, -1)
@@ -412,7 +412,13 @@ def test_at_takes_an_equilibrium():
 
 
 @pytest.mark.parametrize(
-    "formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2), fl.Kirchhoff()]
+    "formulation",
+    [
+        fl.elements.GeodesicBeam(),
+        fl.elements.DirectorBeam(1),
+        fl.elements.DirectorBeam(2),
+        fl.elements.KirchhoffRod(),
+    ],
 )
 @pytest.mark.parametrize("cells", [2, 4])
 def test_loads_that_no_joint_takes_are_balanced_by_the_beam(formulation, cells):
@@ -429,7 +435,7 @@ def test_loads_that_no_joint_takes_are_balanced_by_the_beam(formulation, cells):
     scene.add(fl.PointLoad(body.point("end"), force=(-3, 20, 5)))
     found = fl.vibrations(scene, 2)
     exact = fl.vibrations(
-        scene, 2, at=fl.statics(scene, load_steps=4, newton=fl.Newton(tolerance=1e-13))
+        scene, 2, at=fl.statics(scene, load_steps=4, newton=fl.schemes.Newton(tolerance=1e-13))
     )
     np.testing.assert_allclose(found.frequencies, exact.frequencies, rtol=1e-7)
     other = fl.Scene(gravity=(0, G, -2))
@@ -445,7 +451,7 @@ def test_what_statics_finds_for_vibrations_is_not_refused(seed):
     """These scenes are soft and stiff: an equilibrium to 1e-10 lengths had forces left over."""
     scene = build(random_scene(seed, HELD), static=True).scene
     found = fl.vibrations(scene, 4).eigenvalues
-    fine = fl.statics(scene, newton=fl.Newton(tolerance=1e-13))
+    fine = fl.statics(scene, newton=fl.schemes.Newton(tolerance=1e-13))
     exact = fl.vibrations(scene, 4, at=fine).eigenvalues
     np.testing.assert_allclose(found, exact, rtol=1e-6)
 

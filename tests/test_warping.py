@@ -422,25 +422,25 @@ def test_section_from_gmsh(tmp_path):
         "Coherence; MeshSize{:} = 0.15;\n"
         'Physical Surface("lower") = {1}; Physical Surface("upper") = {2};\n'
     )
-    mesh = fl.SectionMesh.from_gmsh(fl.run_gmsh_script(file))
+    mesh = fl.sections.SectionMesh.from_gmsh(fl.mesh.run_gmsh_script(file))
     materials = {"lower": STEEL, "upper": RUBBERY}
-    read, own = fl.Warping(mesh, materials), LAYERS.warping(materials)
+    read, own = fl.sections.Warping(mesh, materials), LAYERS.warping(materials)
     like(read.section().stiffness, own.section().stiffness)
     np.testing.assert_allclose(read.section().inertia, own.section().inertia, atol=1e-8)
-    thin = fl.SectionMesh.from_gmsh(fl.run_gmsh_script(file, {"h": 0.2}))
-    assert fl.Warping(thin, materials).properties.E < read.properties.E
+    thin = fl.sections.SectionMesh.from_gmsh(fl.mesh.run_gmsh_script(file, {"h": 0.2}))
+    assert fl.sections.Warping(thin, materials).properties.E < read.properties.E
     with pytest.raises(ValueError, match="no parameter 'k'"):
-        fl.SectionMesh.from_gmsh(fl.run_gmsh_script(file, {"k": 0.2}))
+        fl.sections.SectionMesh.from_gmsh(fl.mesh.run_gmsh_script(file, {"k": 0.2}))
     with pytest.raises(FileNotFoundError, match=r"nothing\.geo"):
-        fl.SectionMesh.from_gmsh(fl.run_gmsh_script(tmp_path / "nothing.geo"))
+        fl.sections.SectionMesh.from_gmsh(fl.mesh.run_gmsh_script(tmp_path / "nothing.geo"))
     apart = tmp_path / "apart.geo"
     apart.write_text(file.read_text().replace("{-0.5, h,", "{0.7, h,"))
     with pytest.raises(ValueError, match="connected, got 2 pieces"):
-        fl.SectionMesh.from_gmsh(fl.run_gmsh_script(apart))
+        fl.sections.SectionMesh.from_gmsh(fl.mesh.run_gmsh_script(apart))
     line = tmp_path / "line.geo"
     line.write_text("Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Line(1) = {1, 2};")
     with pytest.raises(ValueError, match="no surface cells"):
-        fl.SectionMesh.from_gmsh(fl.run_gmsh_script(line))
+        fl.sections.SectionMesh.from_gmsh(fl.mesh.run_gmsh_script(line))
 
 
 def dolfinx_mesh(cell):
@@ -456,22 +456,24 @@ def dolfinx_mesh(cell):
 @pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
 def test_section_from_dolfinx(cell):
     mesh, tags = dolfinx_mesh(getattr(dolfinx.mesh.CellType, cell))
-    section_mesh = fl.SectionMesh.from_dolfinx(mesh, tags, regions={"upper": 8, "lower": 3})
+    section_mesh = fl.sections.SectionMesh.from_dolfinx(
+        mesh, tags, regions={"upper": 8, "lower": 3}
+    )
     materials = {"lower": STEEL, "upper": RUBBERY}
-    warping = fl.Warping(section_mesh, materials)
+    warping = fl.sections.Warping(section_mesh, materials)
     like(warping.section().stiffness, LAYERS.section(materials).stiffness)
     assert len(warping.section().outline) == 4
-    alone = fl.Warping(fl.SectionMesh.from_dolfinx(mesh), STEEL).properties
+    alone = fl.sections.Warping(fl.sections.SectionMesh.from_dolfinx(mesh), STEEL).properties
     assert alone.torsion_constant == pytest.approx(rectangle_torsion_constant(1, 1), rel=1e-4)
     with pytest.raises(ValueError, match=r"each of the tags \[3, 8\] once, got"):
-        fl.SectionMesh.from_dolfinx(mesh, tags, regions={"lower": 3})
+        fl.sections.SectionMesh.from_dolfinx(mesh, tags, regions={"lower": 3})
     with pytest.raises(ValueError, match="need cell_tags"):
-        fl.SectionMesh.from_dolfinx(mesh, regions={"lower": 3})
+        fl.sections.SectionMesh.from_dolfinx(mesh, regions={"lower": 3})
     few = dolfinx.mesh.meshtags(mesh, 2, tags.indices[:5], tags.values[:5])
     with pytest.raises(ValueError, match="must tag each"):
-        fl.SectionMesh.from_dolfinx(mesh, few)
+        fl.sections.SectionMesh.from_dolfinx(mesh, few)
     with pytest.raises(ValueError, match="triangles of degree 1 or 2"):
-        fl.SectionMesh.from_dolfinx(dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, 2))
+        fl.sections.SectionMesh.from_dolfinx(dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, 2))
 
 
 def test_outline_and_edges_of_a_tube():
@@ -559,7 +561,10 @@ S = fl.SectionShape
             lambda: LAYERS.section({"lower": STEEL, "upper": STEEL, "glue": STEEL}),
             "there is no region 'glue'; there are: lower, upper",
         ),
-        (lambda: fl.Warping(LAYERS.mesh, STEEL, degree=1), "degree must be at least 2, got 1"),
+        (
+            lambda: fl.sections.Warping(LAYERS.mesh, STEEL, degree=1),
+            "degree must be at least 2, got 1",
+        ),
         (lambda: LAYERS.section(STEEL, at=(1, 2, 3)), r"at must be a point \(y, z\)"),
         (lambda: LAYERS.section(STEEL, angle=np.inf), "angle must be a finite number"),
         (lambda: fl.Section.circle(1, STEEL).offset(np.nan, 0), "y must be a finite number"),

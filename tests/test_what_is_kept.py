@@ -11,8 +11,8 @@ from tests.unit_systems import METRES
 
 KEPT = {
     "few states": {"save_every": 7},
-    "frames alone": {"record": fl.Record.FRAMES},
-    "few frames": {"save_every": 10, "record": fl.Record.FRAMES},
+    "frames alone": {"record": fl.schemes.Record.FRAMES},
+    "few frames": {"save_every": 10, "record": fl.schemes.Record.FRAMES},
     "progress": {"progress": True},
 }
 
@@ -56,7 +56,7 @@ def test_what_is_kept_changes_no_bit(scheme, name, held, tmp_path):
 
 CHANGING = {
     # that are also divided by an event, and by a load that jumps within a step
-    "adaptive": lambda h: fl.AdaptiveStep(1e-2, first=h, events=(3.3 * h,)),
+    "adaptive": lambda h: fl.schemes.AdaptiveStep(1e-2, first=h, events=(3.3 * h,)),
     "jumps": lambda h: h,
 }
 CHANGED = [
@@ -69,7 +69,7 @@ def changed(scheme: str, name: str, choice: str, **kept: object) -> fl.Result:
     """Over ten steps, with a load that jumps twice, once within a step."""
     scene, h = scene_of(scheme, name, False)
     (body,) = scene.bodies
-    history = fl.Table((0, 2.4 * h, 2.4 * h, 6 * h, 6 * h), (1, 1, -2, -2, 3))
+    history = fl.loads.PiecewiseLinear((0, 2.4 * h, 2.4 * h, 6 * h, 6 * h), (1, 1, -2, -2, 3))
     scene.add(fl.PointLoad(body.point(1), force=(3.0, 5.0, 20.0), history=history))
     options = {"progress": False} | kept
     return TAKES[scheme][0].run(scene, duration=10 * h, step=CHANGING[choice](h), **options)

@@ -13,15 +13,15 @@ NAN, INF = float("nan"), float("inf")
 MATERIAL = fl.Material(1e9, 0.3, 1000.0)
 SECTION = fl.Section.circle(0.01, MATERIAL)
 LAYER = fl.ShellSection.layer(0.01, MATERIAL)
-LINE = fl.LineMesh.from_cells([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1), (1, 2)])
-SURFACE = fl.surface(lambda a, b: (a, b, 0.0), (2, 2))
+LINE = fl.mesh.LineMesh.from_cells([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1), (1, 2)])
+SURFACE = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (2, 2))
 
 BEAM = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2, name="bar")
 BODY = fl.RigidBody(1.0, (1, 1, 1), (1, 0, 0), name="mass")
 START, END, CENTRE = BEAM.point("start"), BEAM.point("end"), BODY.point("centre")
 SHELL = fl.Shell(SURFACE, LAYER, name="plate")
-JOINT = fl.Revolute(END, CENTRE, name="hinge")
-PIN = fl.Cylindrical(START, fl.ground(), name="pin")
+JOINT = fl.joints.Revolute(END, CENTRE, name="hinge")
+PIN = fl.joints.Cylindrical(START, fl.ground(), name="pin")
 
 
 def scene() -> fl.Scene:
@@ -57,7 +57,7 @@ WRONG = {
     "shell section": ["round", None, 3, MATERIAL, SECTION, {}],
     "line mesh": [SURFACE, None, "mesh", [(0, 0, 0), (1, 0, 0)]],
     "surface mesh": [LINE, None, "mesh", [(0, 0, 0), (1, 0, 0)]],
-    "formulation": ["geodesic", 2, fl.Geodesic],
+    "formulation": ["geodesic", 2, fl.elements.GeodesicBeam],
     "damping": [0.1, "much", (1, 2)],
     "choices": [True, "all", {}],
     "group of motions": ["SE3", 7, None],
@@ -68,7 +68,7 @@ HELD.add(fl.Clamp(SHORT.point("start")))
 HELD.add(fl.PointLoad(SHORT.point("end"), (0, 0, -1e-6)))
 BENT = fl.statics(HELD)
 MODES = fl.buckling(HELD, 1)
-FIELD = fl.FieldImperfection(lambda x: 0 * x)
+FIELD = fl.stability.FieldImperfection(lambda x: 0 * x)
 F = lambda t: t  # noqa: E731
 STILL = START.frame.copy()
 
@@ -94,7 +94,7 @@ CASES: dict[str, tuple] = {
         ),
     ),
     "Ply": (
-        fl.Ply,
+        fl.sections.Ply,
         dict(thickness=(0.1, "number"), material=(MATERIAL, "material"), angle=(3.0, "number")),
     ),
     "RigidBody": (
@@ -109,8 +109,8 @@ CASES: dict[str, tuple] = {
         fl.Beam,
         dict(
             mesh=(LINE, "line mesh"), section=(SECTION, "section"), up=((0, 0, 1), "vector"),
-            formulation=(fl.Geodesic(), "formulation"),
-            damping=(fl.Damping(), "damping"), rotary_inertia=(True, "flag"),
+            formulation=(fl.elements.GeodesicBeam(), "formulation"),
+            damping=(fl.sections.Damping(), "damping"), rotary_inertia=(True, "flag"),
             name=("a", "name"),
         ),
     ),
@@ -135,69 +135,73 @@ CASES: dict[str, tuple] = {
             cells=(2, "whole"),
         ),
     ),
-    "Damping": (fl.Damping, dict(mass=(0.1, "number"), stiffness=(0.1, "array"))),
+    "Damping": (fl.sections.Damping, dict(mass=(0.1, "number"), stiffness=(0.1, "array"))),
     "surface": (
-        fl.surface, dict(function=(lambda a, b: (a, b, 0), "function"), cells=((2, 2), "pair"))
+        fl.mesh.parametric_surface, dict(function=(lambda a, b: (a, b, 0), "function"), cells=((2,
+        2), "pair"))
     ),
     "Shell": (
         fl.Shell,
         dict(
             mesh=(SURFACE, "surface mesh"), section=(LAYER, "shell section"),
             director=(lambda x: (0, 0, 1), "function or nothing"), along=((1, 0, 0), "vector"),
-            formulation=(fl.Displacement(), "formulation"), kink_angle=(0.5, "number"),
-            name=("a", "name"),
+            formulation=(fl.elements.DisplacementBased(), "formulation"), kink_angle=(0.5,
+            "number"), name=("a", "name"),
         ),
     ),
-    "Scene": (fl.Scene, dict(gravity=((0, 0, 1), "vector"), choices=(fl.Choices(), "choices"))),
+    "Scene": (
+        fl.Scene,
+        dict(gravity=((0, 0, 1), "vector"), choices=(fl.schemes.MatrixTerms(), "choices")),
+    ),
     "Revolute": (
-        fl.Revolute,
+        fl.joints.Revolute,
         dict(
             a=(END, "point"), b=(CENTRE, "point"), at=((1, 0, 0), "vector"),
             axis=((0, 0, 1), "vector"), name=("a", "name"),
         ),
     ),
     "Screw": (
-        fl.Screw, dict(a=(END, "point"), b=(CENTRE, "point"), pitch=(1.0, "number"))
+        fl.joints.Screw, dict(a=(END, "point"), b=(CENTRE, "point"), pitch=(1.0, "number"))
     ),
     "Universal": (
-        fl.Universal,
+        fl.joints.Universal,
         dict(a=(END, "point"), b=(CENTRE, "point"), second=((1, 0, 0), "vector")),
     ),
     "Distance": (
-        fl.Distance,
+        fl.joints.Distance,
         dict(a=(START, "point"), b=(CENTRE, "point"), to=((1, 1, 1), "vector")),
     ),
     "RollingDisc": (
-        fl.RollingDisc,
+        fl.joints.RollingDisc,
         dict(
             a=(fl.ground(), "point"), b=(CENTRE, "point"), radius=(1.0, "number"),
             axis=((0, 1, 0), "vector"), normal=((0, 0, 1), "vector"),
         ),
     ),
-    "RigidLink": (fl.RigidLink, dict(a=(END, "point"), b=(CENTRE, "point"))),
+    "RigidLink": (fl.joints.RigidLink, dict(a=(END, "point"), b=(CENTRE, "point"))),
     "Collar": (
-        fl.Collar,
+        fl.joints.Collar,
         dict(
             beam=(BEAM, "beam"), b=(CENTRE, "point"), at=((0.5, 0, 0), "vector"),
             travel=(None, "function or nothing"), name=("a", "name"),
         ),
     ),
     "Spring": (
-        fl.Spring,
+        fl.joints.Spring,
         dict(
             coordinate=(JOINT.angle, "coordinate"), stiffness=(1.0, "number"),
             damping=(0.0, "number"), name=("a", "name"),
         ),
     ),
     "Drive": (
-        fl.Drive,
+        fl.joints.Drive,
         dict(
             coordinate=(JOINT.angle, "coordinate"), function=(F, "function or nothing"),
             name=("a", "name"),
         ),
     ),
     "Gear": (
-        fl.Gear,
+        fl.joints.Gear,
         dict(
             first=(JOINT.angle, "coordinate"), second=(PIN.angle, "coordinate"),
             ratio=(2.0, "number"), name=("a", "name"),
@@ -218,20 +222,26 @@ CASES: dict[str, tuple] = {
         ),
     ),
     "PressureLoad": (
-        fl.PressureLoad,
+        fl.loads.PressureLoad,
         dict(
             beam=(BEAM, "beam"), pressure=(1.0, "number"), direction=((0, 0, 1), "vector"),
             cells=(None, "group"), history=(F, "function or nothing"),
         ),
     ),
     "Temperature": (
-        fl.Temperature,
+        fl.loads.Temperature,
         dict(beam=(BEAM, "beam"), rise=(1.0, "number"), expansion=(1e-5, "number")),
     ),
-    "Eigenstrain": (fl.Eigenstrain, dict(beam=(BEAM, "beam"), strain=(np.zeros(6), "vector"))),
-    "PreStress": (fl.PreStress, dict(beam=(BEAM, "beam"), resultant=(np.zeros(6), "vector"))),
+    "Eigenstrain": (
+        fl.loads.Eigenstrain,
+        dict(beam=(BEAM, "beam"), strain=(np.zeros(6), "vector")),
+    ),
+    "PreStress": (
+        fl.loads.PreStress,
+        dict(beam=(BEAM, "beam"), resultant=(np.zeros(6), "vector")),
+    ),
     "EdgeLoad": (
-        fl.EdgeLoad,
+        fl.loads.EdgeLoad,
         dict(
             shell=(SHELL, "shell"), curve=("a=1", "group"), force=((0, 0, 1), "vector"),
             history=(F, "function or nothing"), following=(True, "flag"),
@@ -245,7 +255,7 @@ CASES: dict[str, tuple] = {
         ),
     ),
     "SurfacePressure": (
-        fl.SurfacePressure,
+        fl.loads.SurfacePressure,
         dict(
             shell=(SHELL, "shell"), pressure=(1.0, "number"), gradient=((0, 0, 1), "vector"),
             cells=(None, "group"), history=(F, "function or nothing"),
@@ -260,13 +270,13 @@ CASES: dict[str, tuple] = {
     ),
     "set_group": (
         lambda group: fl.RigidBody(1.0, (1, 1, 1)).set_group(group),
-        dict(group=(fl.Group.SE3, "group of motions")),
+        dict(group=(fl.lie.Group.SE3, "group of motions")),
     ),
     "Newton": (
-        fl.Newton, dict(tolerance=(1e-10, "number"), max_iterations=(9, "whole")),
+        fl.schemes.Newton, dict(tolerance=(1e-10, "number"), max_iterations=(9, "whole")),
     ),
     "PathEnds": (
-        fl.PathEnds,
+        fl.stability.PathEnds,
         dict(
             factor=(0.1, "optional number"), steps=(5, "whole"),
             critical_points=(1, "optional whole"),
@@ -289,18 +299,21 @@ CASES: dict[str, tuple] = {
         ),
     ),
     "section_forces": (
-        fl.section_forces,
+        fl.post.section_forces,
         dict(result=(BENT, "result"), beam=(SHORT, "beam"), scene=(HELD, "scene")),
     ),
     "ModeImperfection": (
-        fl.ModeImperfection,
+        fl.stability.ModeImperfection,
         dict(modes=(MODES, "modes"), mode=(1, "whole"), amplitude=(1e-3, "number")),
     ),
     "RandomImperfection": (
-        partial(fl.RandomImperfection, seed=1),
+        partial(fl.stability.RandomImperfection, seed=1),
         dict(amplitude=(0.1, "number"), wavelength=(1.0, "number")),
     ),
-    "imperfect": (lambda scene: fl.imperfect(scene, FIELD), dict(scene=(HELD, "scene"))),
+    "apply_imperfections": (
+        lambda scene: fl.stability.apply_imperfections(scene, FIELD),
+        dict(scene=(HELD, "scene")),
+    ),
     "Clamp": (fl.Clamp, dict(point=(START, "point"))),
     "PrescribedMotion": (
         fl.PrescribedMotion,
@@ -314,9 +327,9 @@ CASES: dict[str, tuple] = {
         fl.EnergyMomentum, dict(tolerance=(1e-8, "number"), max_iterations=(9, "whole"))
     ),
     "EnergyDecaying": (fl.EnergyDecaying, dict(radius=(0.8, "number"), tolerance=(0, "number"))),
-    "AdaptiveStep": (fl.AdaptiveStep, dict(tolerance=(1e-3, "number"))),
+    "AdaptiveStep": (fl.schemes.AdaptiveStep, dict(tolerance=(1e-3, "number"))),
     "DisplacementControl": (
-        fl.DisplacementControl,
+        fl.stability.DisplacementControl,
         dict(point=(END, "point"), direction=((0, 0, 1), "vector"), to=(1.0, "number")),
     ),
     "add_velocity": (
@@ -328,7 +341,7 @@ CASES: dict[str, tuple] = {
     ),
     "point": (BEAM.point, dict(where=(1, "whole"), tolerance=(1.0, "number"))),
     "points": (BEAM.points, dict(where=("end", "group"))),
-    "Spherical": (fl.Spherical, dict(a=(END, "point"), b=(CENTRE, "point"))),
+    "Spherical": (fl.joints.Spherical, dict(a=(END, "point"), b=(CENTRE, "point"))),
 }  # fmt: skip
 
 
@@ -354,9 +367,9 @@ def _is_fine(name: str, argument: str, wrong: object) -> bool:
 
 def _check(made: object) -> None:
     """What a scene, or whoever takes it, checks."""
-    if isinstance(made, fl.DisplacementControl):
+    if isinstance(made, fl.stability.DisplacementControl):
         made.check()
-    elif isinstance(made, fl.AdaptiveStep):
+    elif isinstance(made, fl.schemes.AdaptiveStep):
         made.check(1.0)
     elif hasattr(made, "check"):
         scene().add(made)

@@ -26,7 +26,7 @@ def beam() -> None:
 def shell() -> None:
     """Statics of a plate of three by three cells."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
-    mesh = fl.surface(lambda a, b: (a, b, 0), (3, 3))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0), (3, 3))
     plate = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.01, STEEL)))
     plate.clamp("a=0")
     found = fl.statics(scene)
@@ -39,8 +39,8 @@ def two_beams() -> fl.Scene:
     section = fl.Section.rectangle(0.01, 0.01, STEEL)
     one = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=4))
     two = scene.add(fl.Beam.straight((0.5, 0, 0), (0.5, 0.5, 0), section, cells=4))
-    scene.add(fl.Spherical(fl.ground(), one.point("start")))
-    scene.add(fl.Spherical(one.point("end"), two.point("start")))
+    scene.add(fl.joints.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.joints.Spherical(one.point("end"), two.point("start")))
     two.add_velocity(omega=(1, 0, -2), about=two.point("start"))
     return scene
 

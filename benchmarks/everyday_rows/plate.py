@@ -22,11 +22,11 @@ FORCE = 4.0 * STIFFNESS / SIDE**2
 def plate(cells: int) -> fl.Scene:
     """The plate with ``cells`` × ``cells`` cells, its edge load in the direction of z."""
     scene = fl.Scene()
-    mesh = fl.surface(lambda a, b: (SIDE * a, SIDE * b, 0.0), (cells, cells))
+    mesh = fl.mesh.parametric_surface(lambda a, b: (SIDE * a, SIDE * b, 0.0), (cells, cells))
     shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(THICKNESS, STEEL), name="plate"))
     for node in shell.points("a=0"):
         scene.add(fl.Clamp(node))
-    scene.add(fl.EdgeLoad(shell, "a=1", (0.0, 0.0, FORCE / SIDE)))
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", (0.0, 0.0, FORCE / SIDE)))
     return scene
 
 

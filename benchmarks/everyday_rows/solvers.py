@@ -37,12 +37,12 @@ STATICS, STEPS, LARGEST = 4.0, 4.0, 60.0  # seconds
 def cube(cells: int) -> fl.Scene:
     """1 m, one face clamped, 1 kPa of shear on the opposite one."""
     scene = fl.Scene()
-    mesh = fl.block(lambda a, b, c: (a, b, c), (cells,) * 3)
-    material = fl.SaintVenantKirchhoff(1e9, 0.3, 1000.0)
-    solid = scene.add(fl.Solid(mesh, material, formulation=fl.Isoparametric()))
+    mesh = fl.mesh.parametric_volume(lambda a, b, c: (a, b, c), (cells,) * 3)
+    material = fl.sections.SaintVenantKirchhoff(1e9, 0.3, 1000.0)
+    solid = scene.add(fl.Solid(mesh, material, formulation=fl.elements.Isoparametric()))
     for node in solid.points("a=0"):
         scene.add(fl.Clamp(node))
-    scene.add(fl.FaceLoad(solid, "a=1", (0.0, 0.0, 1e3)))
+    scene.add(fl.loads.FaceLoad(solid, "a=1", (0.0, 0.0, 1e3)))
     return scene
 
 
@@ -51,7 +51,7 @@ def pantograph(across: int = 48, along: int = 24, pitch: float = 0.01) -> fl.Sce
     material = fl.Material(E=2e9, nu=0.35, density=1000.0)
     section = fl.Section.rectangle(0.001, 0.001, material)
     scene = fl.Scene()
-    at: dict[tuple[int, int], list[fl.Point]] = {}
+    at: dict[tuple[int, int], list[fl.extend.Point]] = {}
     for slope in (1, -1):
         for i in range(across + 1):
             for j in range(along + 1):
@@ -69,14 +69,14 @@ def pantograph(across: int = 48, along: int = 24, pitch: float = 0.01) -> fl.Sce
                     at.setdefault(place, []).append(beam.point(2 * k))
     for nodes in at.values():
         if len(nodes) == 2:
-            scene.add(fl.Revolute(*nodes, axis=(0, 0, 1)))
+            scene.add(fl.joints.Revolute(*nodes, axis=(0, 0, 1)))
     bar = fl.RigidBody(0.1, (1e-5,) * 3, position=(across * pitch, along * pitch / 2, 0))
     scene.add(bar)
     for (i, _), nodes in at.items():
         if i == 0:
             scene.add(fl.Clamp(nodes[0]))
         if i == across:
-            scene.add(fl.RigidLink(bar.point("centre"), nodes[0]))
+            scene.add(fl.joints.RigidLink(bar.point("centre"), nodes[0]))
     scene.add(fl.PointLoad(bar.point("centre"), force=(5.0, 0, 0)))
     return scene
 
@@ -90,7 +90,7 @@ def _fibre(i: int, j: int, slope: int, across: int, along: int) -> list[tuple[in
 
 
 @cache
-def _mount_mesh() -> fl.VolumeMesh:
+def _mount_mesh() -> fl.mesh.VolumeMesh:
     """A cylinder of 40 mm × 30 mm with a hole of 10 mm, quadratic tetrahedra of 5 mm."""
     import gmsh
 
@@ -113,23 +113,23 @@ def _mount_mesh() -> fl.VolumeMesh:
         file = Path(folder) / "mount.msh"
         gmsh.write(str(file))
         gmsh.finalize()
-        return fl.read_gmsh_volume(file)
+        return fl.mesh.read_gmsh_volume(file)
 
 
 def mount(*, attached: bool) -> fl.Scene:
     """Rubber, clamped below: pushed by a rigid mass on an attachment, or by a traction."""
     scene = fl.Scene()
-    rubber = fl.Solid(_mount_mesh(), fl.NeoHooke(3.0, 0.45, 1e-9), degree=2)
+    rubber = fl.Solid(_mount_mesh(), fl.sections.NeoHooke(3.0, 0.45, 1e-9), degree=2)
     scene.add(rubber)
     for node in rubber.points("bottom"):
         scene.add(fl.Clamp(node))
     force, area = np.array((50.0, 0.0, -100.0)), math.pi * (20.0**2 - 5.0**2)
     if attached:
         mass = scene.add(fl.RigidBody(1e-3, (0.1,) * 3, position=(0, 0, 50)))
-        scene.add(fl.Fixed(rubber.point("top"), mass.point("centre"), at=(0, 0, 30)))
+        scene.add(fl.joints.Fixed(rubber.point("top"), mass.point("centre"), at=(0, 0, 30)))
         scene.add(fl.PointLoad(mass.point("centre"), force=tuple(force)))
     else:
-        scene.add(fl.FaceLoad(rubber, "top", tuple(force / area)))
+        scene.add(fl.loads.FaceLoad(rubber, "top", tuple(force / area)))
     return scene
 
 

@@ -39,9 +39,9 @@ SCHEMES: dict[str, Integrator] = {
 }
 FRAMES_ALONE = "generalised-α, frames alone"
 """As the first scheme, of which no more is recorded than where bodies are: peers keep nothing."""
-BEAMS: dict[str, fl.Formulation] = {
-    "geodesic": fl.Geodesic(),
-    "directors of degree 2": fl.Director(2),
+BEAMS: dict[str, fl.elements.BeamFormulation] = {
+    "geodesic": fl.elements.GeodesicBeam(),
+    "directors of degree 2": fl.elements.DirectorBeam(2),
 }
 
 
@@ -81,9 +81,9 @@ def answer(request: Request) -> dict[str, Any]:
 def motion(request: Request) -> dict[str, Any]:
     """Where the probe is at the end, and what it took."""
     made = MOTIONS[request["scene"]](request)
-    way, record = request["way"], fl.Record.ALL
+    way, record = request["way"], fl.schemes.Record.ALL
     if way == FRAMES_ALONE:
-        way, record = "generalised-α", fl.Record.FRAMES
+        way, record = "generalised-α", fl.schemes.Record.FRAMES
     plan = {"duration": request["duration"], "step": request["step"], "progress": False}
     result = SCHEMES[way].run(made.scene, record=record, **plan)
     return {
@@ -99,8 +99,8 @@ def motion(request: Request) -> dict[str, Any]:
 
 def unknowns(scene: fl.Scene) -> int:
     """Of nodes and joints."""
-    spherical = sum(3 for joint in scene.joints if isinstance(joint, fl.Spherical))
-    revolute = sum(5 for joint in scene.joints if isinstance(joint, fl.Revolute))
+    spherical = sum(3 for joint in scene.joints if isinstance(joint, fl.joints.Spherical))
+    revolute = sum(5 for joint in scene.joints if isinstance(joint, fl.joints.Revolute))
     return 6 * sum(len(body.frames) for body in scene.bodies) + spherical + revolute
 
 
@@ -143,7 +143,7 @@ def statics(request: Request) -> dict[str, Any]:
     }
 
 
-def arc(elements: int, formulation: fl.Formulation) -> tuple[fl.Scene, fl.Beam]:
+def arc(elements: int, formulation: fl.elements.BeamFormulation) -> tuple[fl.Scene, fl.Beam]:
     """The bend of demos/bend45.py, meshed by a function."""
     EA, GA, EI = 1e7, 5e6, 1e7 / 12
 

@@ -9,7 +9,7 @@ import fem_lie as fl
 from fem_lie import lie
 
 
-def checks(q: fl.NodalFrames, forms: fl.LocalFrameForms, seed: int = 1) -> dict[str, float]:
+def checks(q: fl.NodalFrames, forms: fl.extend.LocalFrameForms, seed: int = 1) -> dict[str, float]:
     """Errors of derivatives and of invariance on a random large deformation, relative."""
     rng = np.random.default_rng(seed)
     n = len(q.frames)

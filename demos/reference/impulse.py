@@ -7,7 +7,7 @@ import numpy as np
 import fem_lie as fl
 
 
-def forces_on_hub(result: fl.Result, joints: list[fl.Joint]) -> np.ndarray:
+def forces_on_hub(result: fl.Result, joints: list[fl.joints.Joint]) -> np.ndarray:
     """Of all joints together, global components, shape (steps, 3), and of each."""
     found = []
     for joint in joints:
@@ -19,7 +19,7 @@ def forces_on_hub(result: fl.Result, joints: list[fl.Joint]) -> np.ndarray:
 def momentum(result: fl.Result, body: fl.Solid, density: float) -> np.ndarray:
     """Of the hub, shape (steps, 3)."""
     nodes = result.info.body(body.name).nodes
-    masses = fl.BulkLoad(body, (density, 0, 0)).nodal()[:, 0]
+    masses = fl.loads.BulkLoad(body, (density, 0, 0)).nodal()[:, 0]
     axes, local = result.frames[:, nodes, 1:], result.velocities[:, nodes, :3]
     return np.einsum("n,tnij,tni->tj", masses, axes, local)
 
@@ -27,7 +27,7 @@ def momentum(result: fl.Result, body: fl.Solid, density: float) -> np.ndarray:
 def balance(
     result: fl.Result,
     body: fl.Solid,
-    joints: list[fl.Joint],
+    joints: list[fl.joints.Joint],
     step: float,
     density: float,
     radius: float,

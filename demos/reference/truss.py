@@ -29,7 +29,7 @@ def corners(level: int, q: float) -> np.ndarray:
 
 
 def off_posture(
-    result: fl.Result | fl.StaticResult, frames: list[list[fl.Point]], time: float
+    result: fl.Result | fl.StaticResult, frames: list[list[fl.extend.Point]], time: float
 ) -> float:
     """Largest distance of a corner at the end, ``time``, from where rigid bars would have it."""
     return max(

@@ -18,7 +18,7 @@ PART = 1.0 / (6.0 - 6.0 ** (1.0 / 3.0))
 
 
 @dataclass(frozen=True)
-class SevenParts(fl.Composition):
+class SevenParts(fl.schemes.Composition):
     """Three parts of 0.24 of a step, one of −0.43, and three again."""
 
     @property
@@ -33,7 +33,7 @@ def end(steps: int) -> np.ndarray:
     body.add_velocity(omega=(2.0, 3.0, 1.0), about=body.point("centre"))
     scene = fl.Scene()
     scene.add(body)
-    scheme = fl.Composed(composition=SevenParts())
+    scheme = fl.schemes.Composed(composition=SevenParts())
     result = scheme.run(scene, duration=1.0, step=1.0 / steps)
     return result.rotation(body.point("centre"))[-1]
 

@@ -47,7 +47,7 @@ def gap(out, X, parameters):
 class Torus(GapSurface):
     """The inside of a torus about the third axis of a point's frame."""
 
-    point: fl.Point
+    point: fl.extend.Point
     ring: float
     tube: float
 
@@ -72,9 +72,11 @@ def bead(angle: float, speed: float) -> tuple[fl.Scene, fl.RigidBody]:
     place = (RING + LENGTH * math.sin(angle), 0.0, -LENGTH * math.cos(angle))
     body = scene.add(fl.RigidBody(MASS, 1e-4 * np.eye(3), place))
     body.add_velocity((0, speed, 0))
-    law = fl.Penalty(MASS * GRAVITY / DEPTH)
+    law = fl.contact.Penalty(MASS * GRAVITY / DEPTH)
     scene.add(
-        fl.Contact(fl.Sphere(body.point("centre"), BEAD), Torus(fl.ground(), RING, TUBE), law)
+        fl.contact.Contact(
+            fl.contact.Sphere(body.point("centre"), BEAD), Torus(fl.ground(), RING, TUBE), law
+        )
     )
     return scene, body
 

@@ -1,8 +1,8 @@
 """A beam element of one's own: two nodes, interpolated directors, one point.
 
-An element of beams is a ``Formulation``: it gets frames as UFL expressions, and returns the forms
-of an energy. Strains per length are differences to those of the unloaded frames; the energy is
-½ ε·Cε. All else, local frames, kept matrices, joints, loads, results, is there already.
+An element of beams is a ``BeamFormulation``: it gets frames as UFL expressions, and returns the
+forms of an energy. Strains per length are differences to those of the unloaded frames; the energy
+is ½ ε·Cε. All else, local frames, kept matrices, joints, loads, results, is there already.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ from fem_lie.extend import CellData, cellwise, present_values
 
 
 @dataclass(frozen=True)
-class PlainDirectors(fl.Formulation):
+class PlainDirectors(fl.elements.BeamFormulation):
     """Simo's strains in the middle of two nodes, as they are."""
 
     degree: int = 1
 
-    def forms(self, nodal: fl.NodalFrames, cells: CellData) -> fl.LocalFrameForms:
+    def forms(self, nodal: fl.NodalFrames, cells: CellData) -> fl.extend.LocalFrameForms:
         """Energy, forces and tangent."""
         mesh = nodal.function.function_space.mesh
         arc = cellwise(mesh, cells.lengths) / ufl.CellVolume(mesh)
-        stretch, curvature = fl.director_strains(nodal)
+        stretch, curvature = fl.elements.director_strains(nodal)
         strain = ufl.as_vector([*stretch, *curvature]) / arc
         stiffness = cellwise(mesh, cells.stiffness)
-        energy = fl.StrainEnergy(
+        energy = fl.extend.StrainEnergy(
             strain=strain - present_values(strain, mesh, 1) - cells.eigenstrain,
             law=lambda strain: 0.5 * ufl.inner(strain, stiffness * strain),
             dx=ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": 1}),

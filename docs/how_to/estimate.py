@@ -17,7 +17,7 @@ from fem_lie.extend import ElementErrors
 
 
 @dataclass(frozen=True)
-class MomentJumps(fl.ErrorEstimate):
+class MomentJumps(fl.adaptivity.ErrorEstimate):
     """Errors of beams whose elements follow one another along one line."""
 
     def ways(self):
@@ -29,7 +29,7 @@ def moment_jumps(
     result: fl.StaticResult, beam: fl.Beam, scene: fl.Scene, steps: Sequence[int]
 ) -> list[ElementErrors]:
     """Squares of errors and the energy norm of the stress, in each of these states."""
-    found = fl.section_forces(result, beam, scene, steps=steps)
+    found = fl.post.section_forces(result, beam, scene, steps=steps)
     compliance = np.linalg.inv(beam.stiffness)
     errors = []
     for state in range(len(steps)):
@@ -47,23 +47,23 @@ LENGTH, WIDTH, FORCE = 1.0, 0.02, 1.0
 STEEL = fl.Material(2e11, 0.3, 7800.0)
 
 
-def cantilever(lines: fl.LineMesh) -> fl.Scene:
+def cantilever(lines: fl.mesh.LineMesh) -> fl.Scene:
     """A beam on any mesh, clamped at one end, with a small force on the other one."""
     scene = fl.Scene()
     section = fl.Section.rectangle(WIDTH, WIDTH, STEEL)
-    element = fl.Geodesic(bending_flexibility=False)
+    element = fl.elements.GeodesicBeam(bending_flexibility=False)
     beam = scene.add(fl.Beam(lines, section, formulation=element))
     scene.add(fl.Clamp(beam.point("start")))
     scene.add(fl.PointLoad(beam.point("end"), force=(0.0, 0.0, FORCE)))
     return scene
 
 
-lines = fl.straight((0, 0, 0), (LENGTH, 0, 0), 8)
+lines = fl.mesh.straight_line((0, 0, 0), (LENGTH, 0, 0), 8)
 scene = cantilever(lines)
 (beam,) = scene.bodies
-error = fl.space_error(fl.statics(scene), beam, scene, estimate=MomentJumps())
+error = fl.adaptivity.space_error(fl.statics(scene), beam, scene, estimate=MomentJumps())
 bending = STEEL.E * WIDTH**4 / 12
 exact = FORCE * LENGTH / 8 * np.sqrt(LENGTH / (12 * bending))
 effectivity = error.effectivity(exact)
-adapted = fl.adapt(cantilever, lines, tolerance=0.01, estimate=MomentJumps())
+adapted = fl.adaptivity.adapt(cantilever, lines, tolerance=0.01, estimate=MomentJumps())
 print(f"effectivity {effectivity:.6f}, {len(adapted.mesh.cells)} elements for 1 %")

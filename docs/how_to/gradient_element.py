@@ -87,7 +87,7 @@ def stress(out, w, h):
 FUNCTIONS = CellFunctions(energy, forces, tangent, stress)
 
 
-def cable(count: int, EA: float, EI: float, mass: float) -> fl.ElementBody:
+def cable(count: int, EA: float, EI: float, mass: float) -> fl.extend.ElementBody:
     """A straight cable of length one, of so many cells."""
     size, s = 1.0 / count, POINTS
     tables = np.empty((len(s), 2, 4))
@@ -107,7 +107,7 @@ def cable(count: int, EA: float, EI: float, mass: float) -> fl.ElementBody:
     inertia[:, :, :2, :, :2] = (mass * size * scale[:, None] * scale * MASSES).reshape(2, 2, 2, 2)
     data = cell_data(ELEMENT, np.tile(tables, (count, 1, 1, 1)), np.tile(parameters, (count, 1, 1)))
     cells = np.stack([np.arange(count), np.arange(1, count + 1)], axis=1)
-    return fl.ElementBody(
+    return fl.extend.ElementBody(
         rows,
         [NodeType.POSITION_GRADIENT] * (count + 1),
         cells,

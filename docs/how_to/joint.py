@@ -13,7 +13,7 @@ import fem_lie as fl
 from fem_lie.extend import rows
 
 
-class OnLine(fl.Joint):
+class OnLine(fl.joints.Joint):
     """Point ``b`` stays on the line through ``a`` along ``axis``; it may turn as it likes."""
 
     selection = rows({0: 1.0}, {1: 1.0})

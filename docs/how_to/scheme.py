@@ -55,7 +55,7 @@ class Newmark(Integrator):
 
     gamma: float = 0.5
     tolerance: float = 1e-8
-    policy: fl.Policy = field(default_factory=fl.Automatic)
+    policy: fl.schemes.RefactorisationPolicy = field(default_factory=fl.schemes.Automatic)
     max_iterations: int = 30
 
     def __post_init__(self) -> None:
@@ -63,7 +63,7 @@ class Newmark(Integrator):
         check_kinds(self.tolerance, self.max_iterations, self.policy)
 
     def _equations(self, scene: fl.Scene) -> Equations:
-        equations = Equations(scene, dynamics=True, group=fl.Group.SE3)
+        equations = Equations(scene, dynamics=True, group=fl.lie.Group.SE3)
         vectors = equations.unknowns.kinds >= NodeType.POSITION_GRADIENT
         refuse("Newmark", {"nodes with vector coordinates": bool(vectors.any())})
         return equations
@@ -133,7 +133,7 @@ class NewmarkRun(DividedIntegration[Recorder]):
         before = self.H.copy(), self.v.copy(), self.a.copy(), self.forces.copy()
         prescribed = self.equations.prescribed(end)
         prescribed.act()
-        for decisions in (self.decisions, fl.EveryIteration().begin(bound=False)):
+        for decisions in (self.decisions, fl.schemes.EveryIteration().begin(bound=False)):
             self.H[len(self.v) + 1 :] = prescribed.frames
             if self._converges(decisions, before[0]):
                 self._made += 1
@@ -142,7 +142,7 @@ class NewmarkRun(DividedIntegration[Recorder]):
             self.H[:], self.v, self.a, self.forces = (array.copy() for array in before)
         return False
 
-    def _converges(self, decisions: fl.Decisions, start: Array) -> bool:
+    def _converges(self, decisions: fl.extend.PolicyState, start: Array) -> bool:
         h, gamma, n = self.size, self.options.gamma, len(self.v)
         beta = 0.25 * (gamma + 0.5) ** 2
         d = h * self.v + 0.5 * h * h * self.a  # of the same acceleration
@@ -208,8 +208,8 @@ def pendulum() -> fl.Scene:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(beam)
     scene.add(weight)
-    scene.add(fl.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
-    scene.add(fl.Fixed(beam.point("end"), weight.point("centre")))
+    scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Fixed(beam.point("end"), weight.point("centre")))
     return scene
 
 

@@ -9,8 +9,9 @@ instead.
 ``x′/|x′|``. The other two are convected with the tangent. The node has the variations ``h = (Rᵀδx,
 Rᵀδx′)`` along these axes, and the twist of the frame is ``u = h₁₋₃`` and ``ω = e₁ × h₄₋₆/|x′|``.
 There is no spin about the tangent, so a moment about the tangent does no work. A
-:class:`~fem_lie.Spherical` joint holds the position; a :class:`~fem_lie.Revolute` joint about the
-tangent clamps the direction, too. A :class:`~fem_lie.Fixed` joint constrains a third rotation that
+:class:`~fem_lie.joints.Spherical` joint holds the position; a :class:`~fem_lie.joints.Revolute`
+joint about the tangent clamps the direction, too. A :class:`~fem_lie.joints.Fixed` joint constrains
+a third rotation that
 the node does not have: its constraint is rejected as redundant.
 
 *In the cross-section of a beam with position and three position gradients.* As in :mod:`.surface`,

@@ -10,7 +10,7 @@ from fem_lie._arrays import Array, numbers, vector
 from fem_lie.attachments.at_nodes import following
 from fem_lie.bodies.body import Body, Point
 from fem_lie.lie.motions import Group
-from fem_lie.sections.properties import gram_from_rigid
+from fem_lie.sections.properties import director_mass_matrix
 
 _ORTHOGONAL = 1e-8
 
@@ -70,7 +70,7 @@ class RigidBody(Body):
         """
         tensor = numbers(inertia, "inertia")
         tensor = np.diag(tensor) if tensor.shape == (3,) else tensor
-        self.mass_matrix = gram_from_rigid(mass, tensor)
+        self.mass_matrix = director_mass_matrix(mass, tensor)
         R = np.eye(3) if rotation is None else _proper(rotation)
         super().__init__(
             lie.frame(vector(position, 3, "position"), R)[np.newaxis],

@@ -1,1 +1,35 @@
-"""Contact: two surfaces and the contact law between them."""
+"""Contact: surfaces of bodies, and the contact law between two of them."""
+
+from typing import TYPE_CHECKING
+
+from fem_lie._renamed import unknown_name
+from fem_lie.contact.contact import Contact
+from fem_lie.contact.convex.polyhedron import ConvexPolyhedron
+from fem_lie.contact.laws.energy import UnresolvedContactWarning
+from fem_lie.contact.laws.law import Impact, Penalty
+from fem_lie.contact.pairs.lines import Cylinder, Line
+from fem_lie.contact.pairs.shapes import Box, Plane, Sphere, Vertices
+from fem_lie.contact.pairs.shell_surfaces import ShellSurface
+from fem_lie.contact.rings.surfaces import Rings, Rope
+from fem_lie.contact.sides.surfaces import ContactSurface
+
+__all__ = [
+    "Box",
+    "Contact",
+    "ContactSurface",
+    "ConvexPolyhedron",
+    "Cylinder",
+    "Impact",
+    "Line",
+    "Penalty",
+    "Plane",
+    "Rings",
+    "Rope",
+    "ShellSurface",
+    "Sphere",
+    "UnresolvedContactWarning",
+    "Vertices",
+]
+
+if not TYPE_CHECKING:  # for users; type checkers know what there is
+    __getattr__ = unknown_name(__name__)

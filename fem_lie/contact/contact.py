@@ -16,7 +16,7 @@ from fem_lie.bodies.nodes import HeldRotation
 from fem_lie.contact.laws.law import ContactTerm, Impact, Penalty
 from fem_lie.contact.pairs import known  # noqa: F401  (registers the pairs of the package)
 from fem_lie.contact.pairs.pair import ContactPair, Law, bodies_of, pair_class, pair_of
-from fem_lie.contact.sides.surfaces import Surface
+from fem_lie.contact.sides.surfaces import ContactSurface
 from fem_lie.contact.sides.table import Nodes
 from fem_lie.contact.stiffness import chosen_stiffness
 
@@ -30,7 +30,7 @@ class Contact:
     Attributes:
         a: First surface.
         b: Second surface. If it is the same object as ``a``, the surface touches itself.
-        law: Contact law: :class:`~fem_lie.Penalty` or :class:`~fem_lie.Impact`.
+        law: Contact law: :class:`~fem_lie.contact.Penalty` or :class:`~fem_lie.contact.Impact`.
         name: Name for messages and results.
         ignore_initial: Whether pairs of points that overlap at the start are ignored until they
             have separated. For points, balls, corners and planes.
@@ -39,14 +39,15 @@ class Contact:
         >>> ball = fl.RigidBody(1.0, (0.1, 0.1, 0.1), position=(0, 0, 1))
         >>> scene = fl.Scene(gravity=(0, 0, -9.81))
         >>> _ = scene.add(ball)
-        >>> floor, sphere = fl.Plane(fl.ground(), (0, 0, 1)), fl.Sphere(ball.point("centre"), 0.2)
-        >>> _ = scene.add(fl.Contact(sphere, floor, fl.Impact(restitution=0.5)))
+        >>> floor, sphere = fl.contact.Plane(fl.ground(), (0, 0, 1)),
+        fl.contact.Sphere(ball.point("centre"), 0.2)
+        >>> _ = scene.add(fl.contact.Contact(sphere, floor, fl.contact.Impact(restitution=0.5)))
         >>> len(scene.contacts)
         1
     """
 
-    a: Surface
-    b: Surface
+    a: ContactSurface
+    b: ContactSurface
     law: Law
     name: str = ""
     ignore_initial: bool = False
@@ -54,7 +55,7 @@ class Contact:
     def __post_init__(self) -> None:
         """Raise ``TypeError`` if an argument has the wrong type."""
         for side, given in (("a", self.a), ("b", self.b)):
-            instance(given, Surface, f"Contact: {side}", "a surface such as Plane or Sphere")
+            instance(given, ContactSurface, f"Contact: {side}", "a surface such as Plane or Sphere")
         instance(self.law, Law, "Contact: law", "a law such as Penalty(1e6) or Impact()")
         text(self.name, "Contact: name")
         flag(self.ignore_initial, "Contact: ignore_initial")
@@ -131,6 +132,7 @@ class Contact:
             nodes: Gives the numbers of the nodes of a body in the scene.
 
         Raises:
-            ValueError: The contact law is :class:`~fem_lie.Impact`, which has impulses instead.
+            ValueError: The contact law is :class:`~fem_lie.contact.Impact`, which has impulses
+                instead.
         """
         return self.pair.term(nodes)

@@ -1,1 +1,64 @@
-"""Element families: one file each, with its strain measures and its energy."""
+"""Finite element formulations of beams, cables, shells and solids."""
+
+from typing import TYPE_CHECKING
+
+from fem_lie._renamed import unknown_name
+from fem_lie.elements.beams.directors import DirectorBeam, director_strains
+from fem_lie.elements.beams.element import BeamFormulation
+from fem_lie.elements.beams.geodesic import GeodesicBeam
+from fem_lie.elements.gradients.ancf import AncfElement
+from fem_lie.elements.gradients.plate import AncfPlate
+from fem_lie.elements.rods.cable import HermiteCable
+from fem_lie.elements.rods.discrete import DiscreteCable
+from fem_lie.elements.rods.discrete_rod import DiscreteRod
+from fem_lie.elements.rods.isogeometric import IsogeometricCable
+from fem_lie.elements.rods.kirchhoff import KirchhoffRod
+from fem_lie.elements.shells.element import (
+    DisplacementBased,
+    HellingerReissner,
+    HuWashizu,
+    ShellFormulation,
+)
+from fem_lie.elements.shells.measures import (
+    DECOUPLED,
+    MITC3_PLUS,
+    MITC4,
+    MITC4_PLUS,
+    MITC6,
+    MITC9,
+    StrainMeasures,
+)
+from fem_lie.elements.solids.element import Isoparametric, MeanDilatation, SolidFormulation
+from fem_lie.elements.thin_shells.bicubic import BicubicHermite
+
+__all__ = [
+    "DECOUPLED",
+    "MITC3_PLUS",
+    "MITC4",
+    "MITC4_PLUS",
+    "MITC6",
+    "MITC9",
+    "AncfElement",
+    "AncfPlate",
+    "BeamFormulation",
+    "BicubicHermite",
+    "DirectorBeam",
+    "DiscreteCable",
+    "DiscreteRod",
+    "DisplacementBased",
+    "GeodesicBeam",
+    "HellingerReissner",
+    "HermiteCable",
+    "HuWashizu",
+    "IsogeometricCable",
+    "Isoparametric",
+    "KirchhoffRod",
+    "MeanDilatation",
+    "ShellFormulation",
+    "SolidFormulation",
+    "StrainMeasures",
+    "director_strains",
+]
+
+if not TYPE_CHECKING:  # for users; type checkers know what there is
+    __getattr__ = unknown_name(__name__)

@@ -1,12 +1,9 @@
-"""Joints between two frames of beams, shells, rigid bodies and ground, and what acts along them."""
+"""Joints between two points of bodies or of ground, and what acts along them: springs, drives."""
 
-from fem_lie.joints.connection import (
-    Connection,
-    ConstraintDefinition,
-    Coordinate,
-    SlidingConstraintDefinition,
-    VelocityConstraintDefinition,
-)
+from typing import TYPE_CHECKING
+
+from fem_lie._renamed import unknown_name
+from fem_lie.joints.connection import Connection, Coordinate
 from fem_lie.joints.joint import Joint
 from fem_lie.joints.kinds import (
     Cylindrical,
@@ -20,6 +17,7 @@ from fem_lie.joints.kinds import (
     Spherical,
     Universal,
 )
+from fem_lie.joints.redundant import RedundantConstraints
 from fem_lie.joints.rigid_link import RigidLink
 from fem_lie.joints.rolling import KnifeEdge, RollingDisc
 from fem_lie.joints.sliding import Collar, Sleeve, Sliding
@@ -28,7 +26,6 @@ from fem_lie.joints.springs import Drive, Gear, Spring
 __all__ = [
     "Collar",
     "Connection",
-    "ConstraintDefinition",
     "Coordinate",
     "Cylindrical",
     "Distance",
@@ -40,15 +37,17 @@ __all__ = [
     "KnifeEdge",
     "Planar",
     "Prismatic",
+    "RedundantConstraints",
     "Revolute",
     "RigidLink",
     "RollingDisc",
     "Screw",
     "Sleeve",
     "Sliding",
-    "SlidingConstraintDefinition",
     "Spherical",
     "Spring",
     "Universal",
-    "VelocityConstraintDefinition",
 ]
+
+if not TYPE_CHECKING:  # for users; type checkers know what there is
+    __getattr__ = unknown_name(__name__)

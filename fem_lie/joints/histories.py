@@ -1,8 +1,8 @@
 """Histories that declare their jumps: time steps end at a jump, and continue with the later value.
 
 A history is any function of time. An attribute ``jumps`` declares the times of its discontinuities
-to the integrators; :class:`Jumps` adds it to a function, and :class:`Table` has it. At a jump the
-history has the later value.
+to the integrators; :class:`PiecewiseSmooth` adds it to a function, and :class:`Table` has it. At a
+jump the history has the later value.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
-class Jumps(Generic[Value]):
+class PiecewiseSmooth(Generic[Value]):
     """Function of time with declared discontinuities.
 
     For a load these are jumps of its factor. Drives and prescribed motions must be continuous; for
@@ -42,7 +42,7 @@ class Jumps(Generic[Value]):
 
 
 @dataclass(frozen=True)
-class Table:
+class PiecewiseLinear:
     """Piecewise linear function of time.
 
     A time that occurs twice is a jump from the first of its values to the second. Before the first

@@ -45,7 +45,7 @@ class Fixed(Joint):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.Fixed(fl.ground(), wheel.point("centre"))
+        >>> joint = fl.joints.Fixed(fl.ground(), wheel.point("centre"))
         >>> joint.selection.shape[0]
         6
     """
@@ -59,7 +59,7 @@ class Spherical(Joint):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.Spherical(fl.ground(), wheel.point("centre"), at=(0, 0, 0))
+        >>> joint = fl.joints.Spherical(fl.ground(), wheel.point("centre"), at=(0, 0, 0))
         >>> joint.selection.shape[0]
         3
     """
@@ -76,7 +76,7 @@ class InPlane(Joint):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.InPlane(fl.ground(), wheel.point("centre"), axis=(0, 0, 1))
+        >>> joint = fl.joints.InPlane(fl.ground(), wheel.point("centre"), axis=(0, 0, 1))
         >>> joint.selection.shape[0]
         1
     """
@@ -91,8 +91,9 @@ class Revolute(_Turning):
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
         >>> scene = fl.Scene()
         >>> _ = scene.add(wheel)
-        >>> joint = scene.add(fl.Revolute(fl.ground(), wheel.point("centre"), axis=(0, 0, 1)))
-        >>> _ = scene.add(fl.Drive(joint.angle, lambda t: 2.0 * t))
+        >>> joint = scene.add(fl.joints.Revolute(fl.ground(), wheel.point("centre"), axis=(0, 0,
+        1)))
+        >>> _ = scene.add(fl.joints.Drive(joint.angle, lambda t: 2.0 * t))
         >>> len(scene.joints), len(scene.connections)
         (1, 1)
     """
@@ -110,7 +111,7 @@ class Prismatic(_Gliding):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.Prismatic(fl.ground(), wheel.point("centre"), axis=(1, 0, 0))
+        >>> joint = fl.joints.Prismatic(fl.ground(), wheel.point("centre"), axis=(1, 0, 0))
         >>> len(joint.coordinates())
         1
     """
@@ -128,7 +129,7 @@ class Cylindrical(_Turning, _Gliding):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.Cylindrical(fl.ground(), wheel.point("centre"), axis=(1, 0, 0))
+        >>> joint = fl.joints.Cylindrical(fl.ground(), wheel.point("centre"), axis=(1, 0, 0))
         >>> len(joint.coordinates())
         2
     """
@@ -150,7 +151,7 @@ class Screw(_Turning, _Gliding):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.Screw(fl.ground(), wheel.point("centre"), axis=(1, 0, 0), pitch=0.01)
+        >>> joint = fl.joints.Screw(fl.ground(), wheel.point("centre"), axis=(1, 0, 0), pitch=0.01)
         >>> joint.pitch
         0.01
     """
@@ -213,7 +214,7 @@ class Planar(_WithSecondAxis, _Turning):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.Planar(fl.ground(), wheel.point("centre"), second=(1, 0, 0))
+        >>> joint = fl.joints.Planar(fl.ground(), wheel.point("centre"), second=(1, 0, 0))
         >>> joint.selection.shape[0]
         3
     """
@@ -248,7 +249,7 @@ class Universal(_WithSecondAxis):
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
-        >>> joint = fl.Universal(fl.ground(), wheel.point("centre"), second=(1, 0, 0))
+        >>> joint = fl.joints.Universal(fl.ground(), wheel.point("centre"), second=(1, 0, 0))
         >>> joint.selection.shape[0]
         4
     """
@@ -289,8 +290,8 @@ class Distance(Joint):
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
         >>> scene = fl.Scene()
         >>> _ = scene.add(wheel)
-        >>> joint = scene.add(fl.Distance(fl.ground(), wheel.point("centre"), at=(0, 0, 0)))
-        >>> _ = scene.add(fl.Drive(joint.length))  # a massless rod
+        >>> joint = scene.add(fl.joints.Distance(fl.ground(), wheel.point("centre"), at=(0, 0, 0)))
+        >>> _ = scene.add(fl.joints.Drive(joint.length))  # a massless rod
         >>> len(scene.connections)
         1
     """

@@ -3,7 +3,7 @@
 from enum import Enum
 
 
-class Redundant(Enum):
+class RedundantConstraints(Enum):
     """Treatment of redundant constraints, which follow from other constraints.
 
     ``REFUSE``: an error that names them. ``MINIMUM_NORM``: the solver keeps all of them; results

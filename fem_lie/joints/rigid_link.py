@@ -28,7 +28,7 @@ class RigidLink:
         >>> for body in (beam, wheel):
         ...     _ = scene.add(body)
         ...
-        >>> _ = scene.add(fl.RigidLink(beam.point("end"), wheel.point("centre")))
+        >>> _ = scene.add(fl.joints.RigidLink(beam.point("end"), wheel.point("centre")))
         >>> len(scene.links)
         1
     """

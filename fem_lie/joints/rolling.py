@@ -23,7 +23,8 @@ class KnifeEdge(Joint):
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
         >>> scene = fl.Scene()
         >>> _ = scene.add(wheel)
-        >>> joint = scene.add(fl.KnifeEdge(fl.ground(), wheel.point("centre"), axis=(0, 1, 0)))
+        >>> joint = scene.add(fl.joints.KnifeEdge(fl.ground(), wheel.point("centre"), axis=(0, 1,
+        0)))
         >>> len(scene.joints)
         1
     """
@@ -55,7 +56,7 @@ class RollingDisc(Joint):
         >>> scene = fl.Scene()
         >>> _ = scene.add(wheel)
         >>> disc = wheel.point("centre")
-        >>> joint = scene.add(fl.RollingDisc(fl.ground(), disc, axis=(0, 1, 0), radius=0.3))
+        >>> joint = scene.add(fl.joints.RollingDisc(fl.ground(), disc, axis=(0, 1, 0), radius=0.3))
         >>> len(scene.joints)
         1
     """

@@ -13,7 +13,7 @@ from fem_lie._arrays import Array, Indices, at_time, history, instance, text, ve
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.points import require_point
-from fem_lie.elements.beams.geodesic import Geodesic
+from fem_lie.elements.beams.geodesic import GeodesicBeam
 from fem_lie.joints.connection import (
     Connection,
     ConstraintDefinition,
@@ -49,7 +49,7 @@ class Sliding(Connection):
         >>> for body in (beam, bead):
         ...     _ = scene.add(body)
         ...
-        >>> _ = scene.add(fl.Sliding(beam, bead.point("centre")))
+        >>> _ = scene.add(fl.joints.Sliding(beam, bead.point("centre")))
         >>> len(scene.connections)
         1
     """
@@ -117,7 +117,7 @@ class Sliding(Connection):
         """
         elements, lengths = self.beam.elements, self.beam.lengths
         chained = (elements[1:, 0] == elements[:-1, 1]).all()
-        if not chained or not isinstance(self.beam.formulation, Geodesic):
+        if not chained or not isinstance(self.beam.formulation, GeodesicBeam):
             raise ValueError(
                 f"{self.label}: the beam must be one smooth line of geodesic elements from its "
                 "start to its end"
@@ -160,7 +160,7 @@ class Collar(Sliding):
         >>> for body in (beam, bead):
         ...     _ = scene.add(body)
         ...
-        >>> _ = scene.add(fl.Collar(beam, bead.point("centre")))
+        >>> _ = scene.add(fl.joints.Collar(beam, bead.point("centre")))
         >>> len(scene.connections)
         1
     """
@@ -180,7 +180,7 @@ class Sleeve(Sliding):
         >>> for body in (beam, bead):
         ...     _ = scene.add(body)
         ...
-        >>> _ = scene.add(fl.Sleeve(beam, bead.point("centre")))
+        >>> _ = scene.add(fl.joints.Sleeve(beam, bead.point("centre")))
         >>> len(scene.connections)
         1
     """

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from fem_lie import _arrays
 from fem_lie.joints.connection import Connection, ConstraintDefinition, Coordinate, History
-from fem_lie.joints.histories import Table
+from fem_lie.joints.histories import PiecewiseLinear
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +25,9 @@ class Spring(Connection):
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
         >>> scene = fl.Scene()
         >>> _ = scene.add(wheel)
-        >>> joint = scene.add(fl.Prismatic(fl.ground(), wheel.point("centre"), axis=(1, 0, 0)))
-        >>> _ = scene.add(fl.Spring(joint.displacement, stiffness=1e3, damping=5.0))
+        >>> joint = scene.add(fl.joints.Prismatic(fl.ground(), wheel.point("centre"), axis=(1, 0,
+        0)))
+        >>> _ = scene.add(fl.joints.Spring(joint.displacement, stiffness=1e3, damping=5.0))
         >>> len(scene.connections)
         1
     """
@@ -85,17 +86,17 @@ class Drive(Connection):
     Attributes:
         coordinate: Coordinate of a joint.
         function: Angle or displacement as a function of time (in statics: of the load factor),
-            twice differentiable but for the times that :class:`~fem_lie.Jumps` or a
-            :class:`~fem_lie.Table` says; at the start the coordinate's initial value. Default: that
-            value.
+            twice differentiable but for the times that :class:`~fem_lie.loads.PiecewiseSmooth` or a
+            :class:`~fem_lie.loads.PiecewiseLinear` says; at the start the coordinate's initial
+            value. Default: that value.
         name: Name in messages and results; default: from the coordinate.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
         >>> scene = fl.Scene()
         >>> _ = scene.add(wheel)
-        >>> joint = scene.add(fl.Revolute(fl.ground(), wheel.point("centre")))
-        >>> motor = scene.add(fl.Drive(joint.angle, lambda t: 2.0 * t))
+        >>> joint = scene.add(fl.joints.Revolute(fl.ground(), wheel.point("centre")))
+        >>> motor = scene.add(fl.joints.Drive(joint.angle, lambda t: 2.0 * t))
         >>> len(scene.connections)
         1
     """
@@ -117,7 +118,7 @@ class Drive(Connection):
 
     def check(self) -> None:
         """Raise ``ValueError`` if the function does not start at the value of the coordinate."""
-        if isinstance(self.function, Table) and self.function.jumps:
+        if isinstance(self.function, PiecewiseLinear) and self.function.jumps:
             raise ValueError(f"{self.label} jumps at the times {list(self.function.jumps)}")
         start = self.coordinate.start()
         given = start
@@ -165,8 +166,9 @@ class Gear(Connection):
         >>> for wheel in wheels:
         ...     _ = scene.add(wheel)
         ...
-        >>> first, second = (scene.add(fl.Revolute(fl.ground(), w.point("centre"))) for w in wheels)
-        >>> _ = scene.add(fl.Gear(first.angle, second.angle, ratio=2.0))
+        >>> first, second = (scene.add(fl.joints.Revolute(fl.ground(), w.point("centre"))) for w in
+        wheels)
+        >>> _ = scene.add(fl.joints.Gear(first.angle, second.angle, ratio=2.0))
         >>> len(scene.connections)
         1
     """

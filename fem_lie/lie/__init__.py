@@ -98,6 +98,7 @@ from fem_lie.lie.batched import (
     so3_tangent_inverse_derivative,
     vee,
 )
+from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.lie.se3 import (
     apply_tangent,
     apply_tangent_inverse,
@@ -141,6 +142,8 @@ __all__ = [
     "MATRIX",
     "TWIST",
     "VECTOR",
+    "Group",
+    "Parametrisation",
     "adjoint",
     "apply_ad",
     "apply_ad_transposed",

@@ -28,9 +28,9 @@ from enum import IntEnum
 
 import numpy as np
 
-from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
+from fem_lie.lie import se3, so3
 from fem_lie.lie.series import cayley, exponential
 from fem_lie.lie.tuples import (
     Vector,
@@ -86,13 +86,13 @@ def tangent(kind: int, d: Array, out: Array) -> None:
         for k in range(3):
             out[k, k] = 1.0
         if kind & 2:
-            lie.cayley_tangent_so3(d[3:], out[3:, 3:])
+            so3.cayley_tangent_so3(d[3:], out[3:, 3:])
         else:
-            lie.tangent_so3(d[3:], out[3:, 3:])
+            so3.tangent_so3(d[3:], out[3:, 3:])
     elif kind & 2:
-        lie.cayley_tangent_se3(d, out)
+        se3.cayley_tangent_se3(d, out)
     else:
-        lie.tangent(d, out)
+        se3.tangent(d, out)
 
 
 @inlined
@@ -143,11 +143,11 @@ def retract(H: Array, h: Array) -> None:
         for j in range(3):
             H[i, 0, j] += H[i, 1, j] * h[i, 0] + H[i, 2, j] * h[i, 1] + H[i, 3, j] * h[i, 2]
         tilt[3], tilt[4] = h[i, 3], h[i, 4]
-        lie.retract(H[i], tilt, H[i])
+        se3.retract(H[i], tilt, H[i])
         if h.shape[1] == 6:
             drill[5] = h[i, 5]
-            lie.retract(H[i], drill, H[i])
-        lie.reorthonormalise(H[i])
+            se3.retract(H[i], drill, H[i])
+        se3.reorthonormalise(H[i])
 
 
 @compiled

@@ -39,7 +39,7 @@ class Spline(NamedTuple):
         slopes: ``dr/du``, shape (n, 3).
 
     Example:
-        >>> ring = fl.Spline.circle((0, 0, 0), 1.0, (0, 0, 1), cells=8)
+        >>> ring = fl.mesh.Spline.circle((0, 0, 0), 1.0, (0, 0, 1), cells=8)
         >>> ring.mesh().cells.shape
         (8, 2)
     """
@@ -172,7 +172,7 @@ def _divided(knots: Array, cells: int) -> Array:
     return np.append(inner.ravel(), knots[-1])
 
 
-def straight(start: npt.ArrayLike, end: npt.ArrayLike, cells: int) -> LineMesh:
+def straight_line(start: npt.ArrayLike, end: npt.ArrayLike, cells: int) -> LineMesh:
     """Straight line in equal cells; its ends are named "start" and "end".
 
     Args:
@@ -212,7 +212,7 @@ def polyline(
     if len(x) < 2:
         raise ValueError(f"a polyline needs two points or more, got {len(x)}")
     counts = _cells_of_pieces(cells, len(x) - 1)
-    pieces = [straight(a, b, count) for (a, b), count in zip(pairwise(x), counts, strict=True)]
+    pieces = [straight_line(a, b, count) for (a, b), count in zip(pairwise(x), counts, strict=True)]
     closed = len(x) > 3 and bool(np.array_equal(x[0], x[-1]))
     last = x[:0] if closed else x[-1:]
     places = np.concatenate([*(piece.points[:-1] for piece in pieces), last])

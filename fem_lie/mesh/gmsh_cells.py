@@ -73,7 +73,7 @@ def read_curve(
     cubic follows it to fourth order; with the knots of a cubic spline among ``u`` it is the curve.
 
     Args:
-        path: The file, or a script (:func:`~fem_lie.run_gmsh_script`).
+        path: The file, or a script (:func:`~fem_lie.mesh.run_gmsh_script`).
         cells: Equal parts of the curve's parameter.
         curve: gmsh's number of the curve; default: the only one.
 

@@ -55,8 +55,9 @@ def run_gmsh_script(
 ) -> GmshScript:
     """The model that a script of gmsh (``.geo``) builds, for a function that reads a model.
 
-    ``fl.read_gmsh(fl.run_gmsh_script("frame.geo", {"cells": 4}))`` runs the script and meshes its
-    curves. A script can run any command of the system: run only those that you trust.
+    ``fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script("frame.geo", {"cells": 4}))`` runs the script
+    and meshes its curves. A script can run any command of the system: run only those that you
+    trust.
 
     Args:
         path: The script.
@@ -109,7 +110,8 @@ def _format(file: Path) -> str:
     raise ValueError(
         f"{str(file)!r} is neither a mesh of gmsh, which begins with {_MESH.decode()}, nor STEP, "
         f"IGES or BREP: it begins with {beginning[:20]!r}. If it is a script of gmsh (.geo) that "
-        "you trust, for it can run any command, pass fl.run_gmsh_script(path) instead of the path"
+        "you trust, for it can run any command, pass fl.mesh.run_gmsh_script(path) instead of the "
+        "path"
     )
 
 

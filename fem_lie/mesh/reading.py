@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 
-def read_gmsh(
+def read_gmsh_lines(
     path: str | os.PathLike[str] | GmshScript | None = None,
     *,
     kink_angle: float = KINK_ANGLE,
@@ -39,8 +39,8 @@ def read_gmsh(
 
     Args:
         path: ``.msh`` or CAD file (STEP, IGES, BREP), or a script
-            (:func:`~fem_lie.run_gmsh_script`); default: the current model of a running gmsh, as
-            it is.
+            (:func:`~fem_lie.mesh.run_gmsh_script`); default: the current model of a running gmsh,
+            as it is.
         kink_angle: Largest angle, rad, by which a curve without CAD turns at a point and is smooth.
 
     Raises:
@@ -74,13 +74,13 @@ def line_of(mesh: LineMesh | dolfinx.mesh.Mesh, what: str) -> LineMesh:
     import dolfinx
 
     if isinstance(mesh, dolfinx.mesh.Mesh):
-        return from_dolfinx(mesh)
+        return lines_from_dolfinx(mesh)
     known = "a LineMesh, see straight, polyline and curve of its class, or a DOLFINx mesh"
     instance(mesh, LineMesh, f"{what}: mesh", known)
     return mesh
 
 
-def from_dolfinx(
+def lines_from_dolfinx(
     mesh: dolfinx.mesh.Mesh,
     cell_tags: dolfinx.mesh.MeshTags | None = None,
     vertex_tags: dolfinx.mesh.MeshTags | None = None,
@@ -143,8 +143,8 @@ def read_gmsh_surface(
 
     Args:
         path: ``.msh`` or CAD file (STEP, IGES, BREP), or a script
-            (:func:`~fem_lie.run_gmsh_script`); default: the current model of a running gmsh, as
-            it is.
+            (:func:`~fem_lie.mesh.run_gmsh_script`); default: the current model of a running gmsh,
+            as it is.
 
     Raises:
         FileNotFoundError: There is no such file.

@@ -257,7 +257,7 @@ def _surface_cells(value: npt.ArrayLike, cell: str, points: int) -> Indices:
     return indices
 
 
-def surface(
+def parametric_surface(
     function: Callable[[float, float], npt.ArrayLike],
     cells: tuple[int, int],
     *,

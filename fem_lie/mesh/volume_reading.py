@@ -38,8 +38,8 @@ def read_gmsh_volume(
 
     Args:
         path: ``.msh`` or CAD file (STEP, IGES, BREP), or a script
-            (:func:`~fem_lie.run_gmsh_script`); default: the current model of a running gmsh, as
-            it is.
+            (:func:`~fem_lie.mesh.run_gmsh_script`); default: the current model of a running gmsh,
+            as it is.
 
     Raises:
         FileNotFoundError: There is no such file.

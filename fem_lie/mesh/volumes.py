@@ -209,7 +209,7 @@ _TETRAHEDRA = ((0, 1, 3, 7), (0, 1, 7, 5), (0, 5, 7, 4), (0, 3, 2, 7), (0, 6, 4,
 """Six of a hexahedron, about its diagonal."""
 
 
-def block(
+def parametric_volume(
     function: Callable[[float, float, float], npt.ArrayLike],
     cells: tuple[int, int, int],
     *,
@@ -265,7 +265,7 @@ def brick(
     edges, start = (points_of([value])[0] for value in (lengths, origin))
     if not (edges > 0.0).all():
         raise ValueError(f"a brick needs three positive lengths, got {lengths!r}")
-    return block(lambda a, b, c: start + edges * np.array([a, b, c]), cells, cell=cell)
+    return parametric_volume(lambda a, b, c: start + edges * np.array([a, b, c]), cells, cell=cell)
 
 
 def _named(mesh: dolfinx.mesh.Mesh, parameters: Array) -> VolumeMesh:

@@ -30,7 +30,7 @@ _VTK_CELLS = {
 
 
 class CellKind(Protocol):
-    """What cells of a surface are, as a :class:`~fem_lie.SurfaceMesh` says."""
+    """What cells of a surface are, as a :class:`~fem_lie.mesh.SurfaceMesh` says."""
 
     @property
     def cell(self) -> str:
@@ -111,7 +111,7 @@ def surface_grid(points: Array, cells: Indices, mesh: CellKind) -> Any:
 
 
 class ForcesInBeam(Protocol):
-    """What is known in the middle of each element, see :func:`fem_lie.section_forces`."""
+    """What is known in the middle of each element, see :func:`fem_lie.post.section_forces`."""
 
     @property
     def beam(self) -> Beam:
@@ -131,7 +131,7 @@ class ForcesInBeam(Protocol):
 
 
 class Writable(Protocol):
-    """What writes itself, see :func:`fem_lie.resultants`."""
+    """What writes itself, see :func:`fem_lie.post.resultants`."""
 
     def write_vtk(self, path: str | os.PathLike[str]) -> None:
         """Write a ``.vtu`` file."""

@@ -109,7 +109,8 @@ class StaticResult(StateSeries, Displaced):
                 taken. Default: all, or seven that are evenly spaced if there are more.
             trace: Points whose paths through all states are drawn.
             frames: Whether to draw the nodal frames of the last state.
-            arrows: Forces in the last state, such as :meth:`~fem_lie.ContactForces.arrows` returns.
+            arrows: Forces in the last state, such as :meth:`~fem_lie.post.ContactForces.arrows`
+                returns.
             title: Title of the picture.
             units: Units of the axes.
 

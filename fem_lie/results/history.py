@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fem_lie.bodies.body import Point
-    from fem_lie.joints import Connection
+    from fem_lie.joints.connection import Connection
     from fem_lie.pictures.vtk import ForcesInBeam
 
 _DRAWN = 6  # states in a picture
@@ -47,7 +47,7 @@ class Result(Balanced, StateSeries):
     """Histories at the T recorded times.
 
     Access to a quantity that was not recorded raises ``AttributeError``, see
-    :class:`fem_lie.Record`.
+    :class:`fem_lie.schemes.Record`.
 
     Attributes:
         times: Recorded times, shape (T,).
@@ -268,7 +268,7 @@ class Result(Balanced, StateSeries):
             times: Default: six times from the first to the last.
             trace: Points whose paths are drawn.
             frames: Whether to draw the nodal frames at the last of the times.
-            arrows: Forces at that time, such as :meth:`~fem_lie.ContactForces.arrows` returns.
+            arrows: Forces at that time, such as :meth:`~fem_lie.post.ContactForces.arrows` returns.
             title: Title of the picture.
             units: Units of the axes.
         """

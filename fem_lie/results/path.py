@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _BESIDE = (0.0, 0.5, 1.0)  # in pictures of a mode: fractions of the amplitude
 
 
-class Critical(Enum):
+class CriticalPointType(Enum):
     """Types of critical points.
 
     At a ``LIMIT`` point the load has an extremum along the path. At a ``BIFURCATION`` other paths
@@ -81,7 +81,7 @@ class CriticalPoint(Displaced, ModeShapes):
         info: Bodies and joints.
     """
 
-    kind: Critical
+    kind: CriticalPointType
     factor: float
     bracket: tuple[float, float]
     negative_pivots: tuple[int, int]
@@ -103,7 +103,7 @@ class CriticalPoint(Displaced, ModeShapes):
         sides.
         """
         before, after = self.negative_pivots
-        return self.kind is Critical.BIFURCATION and before == after
+        return self.kind is CriticalPointType.BIFURCATION and before == after
 
     def moved(self, mode: int, amplitude: float) -> Array:
         """Frames along a mode from the critical state, shape (n, 4, 3).
@@ -168,12 +168,12 @@ class EquilibriumPath(StaticResult):
     @property
     def limits(self) -> tuple[CriticalPoint, ...]:
         """The limit points."""
-        return tuple(c for c in self.critical if c.kind is Critical.LIMIT)
+        return tuple(c for c in self.critical if c.kind is CriticalPointType.LIMIT)
 
     @property
     def bifurcations(self) -> tuple[CriticalPoint, ...]:
         """The bifurcations."""
-        return tuple(c for c in self.critical if c.kind is Critical.BIFURCATION)
+        return tuple(c for c in self.critical if c.kind is CriticalPointType.BIFURCATION)
 
     @property
     def total_iterations(self) -> int:

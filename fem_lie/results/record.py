@@ -259,7 +259,7 @@ class ContactSteps:
         each: Active contacts in the last step before each recorded state, one after the other:
             time, number of the contact, numbers of both points, gap, position (3), impulse on the
             first side in that step (3), its tangential velocity at the end (3), whether it sticks;
-            see :func:`~fem_lie.contact_forces`, shape (k, 15).
+            see :func:`~fem_lie.post.contact_forces`, shape (k, 15).
     """
 
     times: Array

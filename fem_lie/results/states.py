@@ -13,7 +13,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Indices, instance, number, shown, whole
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.catalogue import SceneInfo
-from fem_lie.joints import Connection
+from fem_lie.joints.connection import Connection
 from fem_lie.pictures import bodies
 from fem_lie.pictures.page.colours import NodalColours
 from fem_lie.pictures.page.content import drawn

@@ -8,7 +8,7 @@ from fem_lie._arrays import flag
 
 
 @dataclass(frozen=True)
-class Choices:
+class MatrixTerms:
     """Terms of the iteration matrix of dynamics; the equations always have all terms.
 
     A term that is left out costs iterations, never accuracy. ``None`` leaves the choice to the
@@ -27,7 +27,7 @@ class Choices:
         """Raise ``TypeError`` if a choice is not true, false or ``None``."""
         for name in ("gyroscopic", "geometric"):
             if getattr(self, name) is not None:
-                flag(getattr(self, name), f"Choices: {name}")
+                flag(getattr(self, name), f"MatrixTerms: {name}")
 
     def __str__(self) -> str:
         """Text in one line for the log."""
@@ -35,10 +35,10 @@ class Choices:
         chosen = zip(names, (self.gyroscopic, self.geometric), strict=True)
         return "; ".join(f"{name}: {'yes' if value else 'no'}" for name, value in chosen)
 
-    def resolve(self, spin_per_step: float) -> Choices:
+    def resolve(self, spin_per_step: float) -> MatrixTerms:
         """Choices without ``None``, for the largest rotation in a step, rad."""
         gyroscopic, geometric = self.gyroscopic, self.geometric
-        return Choices(
+        return MatrixTerms(
             spin_per_step > SPIN_PER_STEP if gyroscopic is None else gyroscopic,
             True if geometric is None else geometric,
         )

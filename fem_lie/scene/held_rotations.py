@@ -16,7 +16,8 @@ from fem_lie.bodies.body import Body, Holds, Point
 from fem_lie.bodies.nodes import HeldRotation
 from fem_lie.bodies.points import ground
 from fem_lie.contact.contact import Contact
-from fem_lie.joints import Connection, RigidLink
+from fem_lie.joints.connection import Connection
+from fem_lie.joints.rigid_link import RigidLink
 from fem_lie.lie.node_types import NodeType
 from fem_lie.scene.load import Load
 from fem_lie.scene.nodal_loads import PointLoad

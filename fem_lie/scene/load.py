@@ -2,8 +2,8 @@
 
 A load history is a factor as a function of time (in statics: of the load factor between 0 and 1).
 Without a history a load is constant in dynamics and proportional to the load factor in statics. A
-history that jumps should declare its jumps (:class:`~fem_lie.Table`, :class:`~fem_lie.Jumps`): time
-steps then end at them.
+history that jumps should declare its jumps (:class:`~fem_lie.loads.PiecewiseLinear`,
+:class:`~fem_lie.loads.PiecewiseSmooth`): time steps then end at them.
 
 In local frames a follower load is constant and has no load stiffness; a force fixed in space is a
 constant force on ``q = (x, d₁, d₂, d₃)``.

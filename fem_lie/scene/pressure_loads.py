@@ -40,7 +40,7 @@ class PressureLoad(Load):
         >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
         >>> scene = fl.Scene()
         >>> _ = scene.add(beam)
-        >>> load = scene.add(fl.PressureLoad(beam, 50.0))
+        >>> load = scene.add(fl.loads.PressureLoad(beam, 50.0))
         >>> len(scene.loads)
         1
     """
@@ -95,11 +95,11 @@ class SurfacePressure(Load):
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
-        >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> mesh = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
         >>> plate = fl.Shell(mesh, fl.ShellSection.layer(0.01, steel))
         >>> scene = fl.Scene()
         >>> _ = scene.add(plate)
-        >>> load = scene.add(fl.SurfacePressure(plate, 1e3))
+        >>> load = scene.add(fl.loads.SurfacePressure(plate, 1e3))
         >>> len(scene.loads)
         1
     """

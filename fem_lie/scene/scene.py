@@ -16,11 +16,14 @@ from fem_lie.bodies.body import Body, Holds
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.laws.law import Impact
-from fem_lie.joints import Connection, Drive, Joint, RigidLink
-from fem_lie.joints.redundant import Redundant
+from fem_lie.joints.connection import Connection
+from fem_lie.joints.joint import Joint
+from fem_lie.joints.redundant import RedundantConstraints
+from fem_lie.joints.rigid_link import RigidLink
+from fem_lie.joints.springs import Drive
 from fem_lie.pictures.bodies import draw
 from fem_lie.pictures.stage import SI, Canvas, Units
-from fem_lie.scene.choices import Choices
+from fem_lie.scene.choices import MatrixTerms
 from fem_lie.scene.held_rotations import Holding, held_by, held_in
 from fem_lie.scene.load import Load
 from fem_lie.scene.supports import Clamp, PrescribedMotion
@@ -78,7 +81,7 @@ class Scene:
         loads: Loads, without gravity.
         clamps: Clamped points.
         motions: Points with a prescribed motion.
-        began: Time and state from which runs start; :func:`~fem_lie.transfer` sets it.
+        began: Time and state from which runs start; :func:`~fem_lie.adaptivity.transfer` sets it.
         family: Family of scenes made by :meth:`with_loads` and :meth:`with_drives`, or ``None``.
 
     Example:
@@ -89,8 +92,8 @@ class Scene:
         self,
         gravity: npt.ArrayLike = (0.0, 0.0, 0.0),
         *,
-        choices: Choices | None = None,
-        redundant: Redundant = Redundant.REFUSE,
+        choices: MatrixTerms | None = None,
+        redundant: RedundantConstraints = RedundantConstraints.REFUSE,
     ) -> None:
         """Start empty.
 
@@ -100,9 +103,9 @@ class Scene:
             redundant: Treatment of redundant constraints.
         """
         self._gravity = vector(gravity, 3, "gravity")
-        instance(choices, Choices | None, "Scene: choices", "Choices or None")
-        self.choices = Choices() if choices is None else choices
-        self.redundant = choice(redundant, Redundant, "Scene: redundant")
+        instance(choices, MatrixTerms | None, "Scene: choices", "Choices or None")
+        self.choices = MatrixTerms() if choices is None else choices
+        self.redundant = choice(redundant, RedundantConstraints, "Scene: redundant")
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
         self.connections: list[Connection] = []

@@ -28,11 +28,11 @@ class FaceLoad(NodalLoad):
         history: Factor as a function of time.
 
     Example:
-        >>> rubber = fl.NeoHooke(E=1e6, nu=0.3, density=1000.0)
+        >>> rubber = fl.sections.NeoHooke(E=1e6, nu=0.3, density=1000.0)
         >>> block = fl.Solid.brick((1, 1, 2), rubber, cells=(1, 1, 2))
         >>> scene = fl.Scene()
         >>> _ = scene.add(block)
-        >>> load = scene.add(fl.FaceLoad(block, "c=1", (0, 0, 1e3)))
+        >>> load = scene.add(fl.loads.FaceLoad(block, "c=1", (0, 0, 1e3)))
         >>> len(scene.loads)
         1
     """
@@ -80,11 +80,11 @@ class FacePressure(Load):
         history: Factor as a function of time.
 
     Example:
-        >>> rubber = fl.NeoHooke(E=1e6, nu=0.3, density=1000.0)
+        >>> rubber = fl.sections.NeoHooke(E=1e6, nu=0.3, density=1000.0)
         >>> block = fl.Solid.brick((1, 1, 2), rubber, cells=(1, 1, 2))
         >>> scene = fl.Scene()
         >>> _ = scene.add(block)
-        >>> load = scene.add(fl.FacePressure(block, "c=1", 1e3))
+        >>> load = scene.add(fl.loads.FacePressure(block, "c=1", 1e3))
         >>> len(scene.loads)
         1
     """
@@ -131,11 +131,11 @@ class BulkLoad(NodalLoad):
         history: Factor as a function of time.
 
     Example:
-        >>> rubber = fl.NeoHooke(E=1e6, nu=0.3, density=1000.0)
+        >>> rubber = fl.sections.NeoHooke(E=1e6, nu=0.3, density=1000.0)
         >>> block = fl.Solid.brick((1, 1, 2), rubber, cells=(1, 1, 2))
         >>> scene = fl.Scene()
         >>> _ = scene.add(block)
-        >>> load = scene.add(fl.BulkLoad(block, (0, 0, -1e4)))
+        >>> load = scene.add(fl.loads.BulkLoad(block, (0, 0, -1e4)))
         >>> len(scene.loads)
         1
     """

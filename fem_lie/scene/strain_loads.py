@@ -33,7 +33,7 @@ class Eigenstrain(StrainLoad):
         >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
         >>> scene = fl.Scene()
         >>> _ = scene.add(beam)
-        >>> load = scene.add(fl.Eigenstrain(beam, (0, 0, 0, 0, 0.1, 0)))
+        >>> load = scene.add(fl.loads.Eigenstrain(beam, (0, 0, 0, 0, 0.1, 0)))
         >>> len(scene.loads)
         1
     """
@@ -70,7 +70,7 @@ class Temperature(StrainLoad):
         >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
         >>> scene = fl.Scene()
         >>> _ = scene.add(beam)
-        >>> load = scene.add(fl.Temperature(beam, rise=50.0, expansion=1.2e-5))
+        >>> load = scene.add(fl.loads.Temperature(beam, rise=50.0, expansion=1.2e-5))
         >>> len(scene.loads)
         1
     """
@@ -112,7 +112,7 @@ class PreStress(StrainLoad):
         >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
         >>> scene = fl.Scene()
         >>> _ = scene.add(beam)
-        >>> load = scene.add(fl.PreStress(beam, (1e3, 0, 0, 0, 0, 0)))
+        >>> load = scene.add(fl.loads.PreStress(beam, (1e3, 0, 0, 0, 0, 0)))
         >>> len(scene.loads)
         1
     """

@@ -61,7 +61,7 @@ class PrescribedMotion:
         point: The point of a body.
         motion: Frame ``H(t)``, shape (4, 3) as in :mod:`fem_lie.lie`, twice differentiable; at the
             start it must be the point's initial frame. If its velocity or acceleration jumps,
-            declare the times by :class:`~fem_lie.Jumps`.
+            declare the times by :class:`~fem_lie.loads.PiecewiseSmooth`.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)

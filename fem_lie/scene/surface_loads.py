@@ -33,9 +33,9 @@ class EdgeLoad(NodalLoad):
             the directors and do not rotate about them.
 
     Example:
-        >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> mesh = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
         >>> plate = fl.Shell(mesh, fl.ShellSection.layer(0.01, fl.Material(2e11, 0.3, 7e3)))
-        >>> load = fl.EdgeLoad(plate, "a=1", force=(0, 0, 10.0))
+        >>> load = fl.loads.EdgeLoad(plate, "a=1", force=(0, 0, 10.0))
     """
 
     carrier = SHELL
@@ -180,7 +180,7 @@ class AreaLoad(SurfaceLoad):
         history: Factor as a function of time.
 
     Example:
-        >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> mesh = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
         >>> plate = fl.Shell(mesh, fl.ShellSection.layer(0.01, fl.Material(2e11, 0.3, 7e3)))
         >>> load = fl.AreaLoad(plate, (0, 0, -100.0))
     """
@@ -197,9 +197,9 @@ class VolumeLoad(SurfaceLoad):
         history: Factor as a function of time.
 
     Example:
-        >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> mesh = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
         >>> plate = fl.Shell(mesh, fl.ShellSection.layer(0.01, fl.Material(2e11, 0.3, 7e3)))
-        >>> load = fl.VolumeLoad(plate, (0, 0, -1e4))
+        >>> load = fl.loads.VolumeLoad(plate, (0, 0, -1e4))
     """
 
     def _factors(self) -> Array:
@@ -219,9 +219,9 @@ class MassLoad(SurfaceLoad):
         history: Factor as a function of time.
 
     Example:
-        >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> mesh = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
         >>> plate = fl.Shell(mesh, fl.ShellSection.layer(0.01, fl.Material(2e11, 0.3, 7e3)))
-        >>> load = fl.MassLoad(plate, (0, 0, -9.81))
+        >>> load = fl.loads.MassLoad(plate, (0, 0, -9.81))
     """
 
     def check(self) -> None:

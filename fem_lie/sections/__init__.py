@@ -1,1 +1,41 @@
-"""What a body is made of."""
+"""Cross-sections, layers, solid materials and damping: what bodies are made of."""
+
+from typing import TYPE_CHECKING
+
+from fem_lie._renamed import unknown_name
+from fem_lie.sections.material import Damping
+from fem_lie.sections.orientation import Twisted
+from fem_lie.sections.properties import SectionProperties, director_mass_matrix
+from fem_lie.sections.section_mesh import SectionMesh
+from fem_lie.sections.shell_section import Orthotropic, Ply
+from fem_lie.sections.solid_materials import (
+    Hyperelastic,
+    NeoHooke,
+    SaintVenantKirchhoff,
+    SolidMaterial,
+    det_minus_one,
+    expm1,
+    log1p,
+)
+from fem_lie.sections.warping import Warping
+
+__all__ = [
+    "Damping",
+    "Hyperelastic",
+    "NeoHooke",
+    "Orthotropic",
+    "Ply",
+    "SaintVenantKirchhoff",
+    "SectionMesh",
+    "SectionProperties",
+    "SolidMaterial",
+    "Twisted",
+    "Warping",
+    "det_minus_one",
+    "director_mass_matrix",
+    "expm1",
+    "log1p",
+]
+
+if not TYPE_CHECKING:  # for users; type checkers know what there is
+    __getattr__ = unknown_name(__name__)

@@ -22,7 +22,7 @@ _GREEN = "#009E73"  # of Okabe & Ito's colours, told apart by everyone
 
 
 class Warped(Protocol):
-    """A section and its warping function, see :class:`~fem_lie.Warping`."""
+    """A section and its warping function, see :class:`~fem_lie.sections.Warping`."""
 
     mesh: SectionMesh
     properties: SectionProperties

@@ -224,7 +224,7 @@ def rectangle_torsion_constant(width: float, height: float) -> float:
     return a * b**3 / 3.0 * (1.0 - 192.0 * b / (pi**5 * a) * series)
 
 
-def gram_from_rigid(
+def director_mass_matrix(
     mass: float, inertia: npt.ArrayLike, centre: npt.ArrayLike = (0.0, 0.0, 0.0)
 ) -> Array:
     """Mass matrix of (x, d₁, d₂, d₃) of a rigid body, or of a section (then all per length).

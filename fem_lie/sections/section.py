@@ -230,7 +230,8 @@ class Section:
             stiffness: Symmetric positive definite, shape (6, 6), or its diagonal, shape (6,).
             mass_matrix: Mass matrix of (x, d₁, d₂, d₃) per length, shape (4, 4): positive
                 semidefinite with a positive mass. A section of mass m per length with the inertia J
-                about its centroid ``centre`` has ``fl.gram_from_rigid(m, J, centre)``.
+                about its centroid ``centre`` has ``fl.sections.director_mass_matrix(m, J,
+                centre)``.
             mass: Or mass per length, on the axis.
             polar: With it, moment of inertia per length about e₁, of which e₂ and e₃ have half
                 each; default: no rotary inertia.

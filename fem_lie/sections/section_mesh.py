@@ -76,8 +76,8 @@ class SectionMesh:
 
         Args:
             path: ``.msh`` file, used as it is, or a script
-                (:func:`~fem_lie.run_gmsh_script`), meshed with the sizes it has. Named groups of
-                surfaces are the regions; without any all is one region.
+                (:func:`~fem_lie.mesh.run_gmsh_script`), meshed with the sizes it has. Named groups
+                of surfaces are the regions; without any all is one region.
 
         Raises:
             FileNotFoundError: There is no such file.

@@ -183,8 +183,9 @@ class Hyperelastic(SolidMaterial):
         function: Energy per unloaded volume as a UFL function of ``C``, and of ``parameters`` if
             there are any; it must vanish, and have no slope, at ``C = 1``. Where it is a difference
             of larger numbers, as ``tr C − 3 − ln det C``, it is round-off at small strains, and
-            energy is conserved no better; :func:`~fem_lie.log1p`, :func:`~fem_lie.expm1` and
-            :func:`~fem_lie.det_minus_one` have all digits there.
+            energy is conserved no better; :func:`~fem_lie.sections.log1p`,
+            :func:`~fem_lie.sections.expm1` and :func:`~fem_lie.sections.det_minus_one` have all
+            digits there.
         density: Mass per unloaded volume; ``None`` or 0 for statics without gravity.
         parameters: Numbers for the function; groups of cells of one solid may differ in these.
 

@@ -19,7 +19,7 @@ import numpy as np
 from fem_lie._jit import compiled
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.solve.convergence import Verdict, estimate, judged
-from fem_lie.solve.refactorisation import Update
+from fem_lie.solve.refactorisation import Refactorisation
 
 
 class Iterated(ABC):
@@ -38,7 +38,7 @@ class Iterated(ABC):
         return False
 
     @abstractmethod
-    def refactorise(self, update: Update) -> None:
+    def refactorise(self, update: Refactorisation) -> None:
         """Assemble the matrix, or its constraint block, at the current iterate, and factorise it.
 
         Raises:
@@ -64,7 +64,7 @@ class Iterated(ABC):
 class Refactorisations(Protocol):
     """Decides when a matrix is refactorised, such as :class:`~.policies.Decisions`."""
 
-    def before_iteration(self, iteration: int) -> Update | bool:
+    def before_iteration(self, iteration: int) -> Refactorisation | bool:
         """What to refactorise before an iteration, counted from 1; ``True``: everything."""
 
     def after_step(self, iterations: int) -> None:
@@ -74,11 +74,11 @@ class Refactorisations(Protocol):
 class Fixed:
     """The same decision in every iteration."""
 
-    def __init__(self, update: Update) -> None:
+    def __init__(self, update: Refactorisation) -> None:
         """Decide for ``update`` in every iteration."""
         self._update = update
 
-    def before_iteration(self, iteration: int) -> Update:
+    def before_iteration(self, iteration: int) -> Refactorisation:
         """The fixed decision."""
         return self._update
 
@@ -112,7 +112,7 @@ class Ended(NamedTuple):
         return self.verdict in (Verdict.CONVERGED, Verdict.STAGNANT)
 
 
-NEWTON, FROZEN = Fixed(Update.ALL), Fixed(Update.NONE)
+NEWTON, FROZEN = Fixed(Refactorisation.ALL), Fixed(Refactorisation.NONE)
 """Full Newton (a new matrix in every iteration), and a frozen matrix."""
 
 
@@ -132,7 +132,7 @@ def iterate(problem: Iterated, limit: int, refactorisations: Refactorisations = 
             wanted = refactorisations.before_iteration(iteration)
             if wanted or problem.missing:
                 everything = wanted is True or problem.missing
-                problem.refactorise(Update.ALL if everything else Update(wanted))
+                problem.refactorise(Refactorisation.ALL if everything else Refactorisation(wanted))
             size = problem.correct()
         except SingularMatrixError:
             return Ended(iteration, np.inf, Verdict.SINGULAR)

@@ -12,7 +12,7 @@ from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 
 
-class Update(IntEnum):
+class Refactorisation(IntEnum):
     """Which part of the iteration matrix is refactorised.
 
     ``CONSTRAINTS``: the constraint Jacobian Φ_q, which rotates with the bodies; mass and tangent
@@ -58,7 +58,7 @@ BEST, BASE, EXCESS, LOST, SIZE = 0, 1, 2, 3, 4
 was refactorised (0: unknown); excess iterations, and those in spite of an updated constraint
 Jacobian."""
 
-_NONE, _CONSTRAINTS, _ALL = (int(update) for update in Update)
+_NONE, _CONSTRAINTS, _ALL = (int(update) for update in Refactorisation)
 
 
 @inlined

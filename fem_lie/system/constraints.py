@@ -12,8 +12,9 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.catalogue import JointInfo
-from fem_lie.joints import Connection, Fixed
+from fem_lie.joints.connection import Connection
 from fem_lie.joints.equations.table import JointTable, PackedJoints
+from fem_lie.joints.kinds import Fixed
 from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.scene import Scene

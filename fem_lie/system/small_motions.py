@@ -177,7 +177,7 @@ class SmallMotions:
         if not self.balanced(1e-5):
             raise ValueError(
                 "at=... is not an equilibrium of this scene under its full loads, or a rough one: "
-                "statics with newton=fl.Newton(tolerance=1e-13) finds a more accurate one"
+                "statics with newton=fl.schemes.Newton(tolerance=1e-13) finds a more accurate one"
             )
 
     def _evaluate(self) -> None:

@@ -15,7 +15,7 @@ import logging
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.joints.redundant import Redundant
+from fem_lie.joints.redundant import RedundantConstraints
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.redundancy import redundant_constraints
 from fem_lie.scene import Scene
@@ -130,7 +130,7 @@ class System:
             self.held,
             numbering.supports,
             self.kinds,
-            redundant=scene.redundant is not Redundant.REFUSE,
+            redundant=scene.redundant is not RedundantConstraints.REFUSE,
             units=self.units,
             length=self.length,
         )
@@ -163,7 +163,7 @@ class System:
         B = self.tangent.jacobian(self.frames)
         units = np.asarray(self.units / self.length)
         redundant = redundant_constraints(B, units, self.kkt.measure)
-        if self.scene.redundant is Redundant.REFUSE:
+        if self.scene.redundant is RedundantConstraints.REFUSE:
             refuse(redundant, self.connections)
         elif len(redundant):
             _log.info("%d of %d constraints are redundant", len(redundant), self.m)

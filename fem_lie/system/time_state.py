@@ -15,7 +15,7 @@ from fem_lie.joints.histories import declared, until_next
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.lie.node_types import node_types_of
 from fem_lie.scene import Scene
-from fem_lie.scene.choices import Choices
+from fem_lie.scene.choices import MatrixTerms
 from fem_lie.system.nodes.numbering import Numbering
 
 
@@ -92,7 +92,7 @@ class FrameRows:
         return until_next(self._breaks, time)
 
 
-ALL = Choices(gyroscopic=True, geometric=True)
+ALL = MatrixTerms(gyroscopic=True, geometric=True)
 """All terms of the matrix."""
 
 
@@ -150,7 +150,7 @@ class Plan(NamedTuple):
     lag: Array | None = None
     inertial: bool = False
     stressed: Array | None = None
-    choices: Choices = ALL
+    choices: MatrixTerms = ALL
     constraints_only: bool = False
     steady: bool = False
     at_rest: float | None = None

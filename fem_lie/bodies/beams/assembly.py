@@ -12,7 +12,7 @@ import numpy as np
 
 from fem_lie import _compat
 from fem_lie._arrays import Array, Indices, instance
-from fem_lie.elements.beams.element import CellData, Formulation, cellwise
+from fem_lie.elements.beams.element import BeamFormulation, CellData, cellwise
 from fem_lie.forms.assembly import Assembly, NodalInertia
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.lie.node_types import TRAITS
@@ -45,7 +45,7 @@ class BeamData(Protocol):
     slopes: Array
     stiffness: Array
     density: Array
-    formulation: Formulation
+    formulation: BeamFormulation
     damping: Damping
     has_mass: bool
     source: dolfinx.mesh.Mesh | None
@@ -132,7 +132,7 @@ class WeightedElements:
     slopes: Array
     stiffness: Array
     density: Array
-    formulation: Formulation
+    formulation: BeamFormulation
     damping: Damping = field(default_factory=Damping)
     has_mass: bool = False
     source: dolfinx.mesh.Mesh | None = None

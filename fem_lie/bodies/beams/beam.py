@@ -19,10 +19,10 @@ from fem_lie.bodies.beams.sectioned import (
 )
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.nodes import Turning
-from fem_lie.elements.beams.element import Formulation
-from fem_lie.elements.beams.geodesic import Geodesic
+from fem_lie.elements.beams.element import BeamFormulation
+from fem_lie.elements.beams.geodesic import GeodesicBeam
 from fem_lie.lie.node_types import NodeType
-from fem_lie.mesh.curves import curve, polyline, straight
+from fem_lie.mesh.curves import curve, polyline, straight_line
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.reading import line_of
 from fem_lie.sections.material import Damping
@@ -64,7 +64,7 @@ class Beam(LineBody):
         array([1., 0., 0.])
     """
 
-    standard: ClassVar[Formulation] = Geodesic()
+    standard: ClassVar[BeamFormulation] = GeodesicBeam()
     springs: ClassVar[bool] = False
 
     def __init__(
@@ -73,7 +73,7 @@ class Beam(LineBody):
         section: Sections,
         *,
         up: Up | Twisted | None = None,
-        formulation: Formulation | None = None,
+        formulation: BeamFormulation | None = None,
         damping: Damping | None = None,
         rotary_inertia: bool = True,
         name: str = "",
@@ -81,8 +81,9 @@ class Beam(LineBody):
         """Create the nodes: e₁ along the line, e₃ as close as possible to ``up``.
 
         Args:
-            mesh: Line mesh, or a DOLFINx mesh, see :func:`~fem_lie.mesh.reading.from_dolfinx`. All
-                lines that meet at a point are rigidly connected there.
+            mesh: Line mesh, or a DOLFINx mesh, see
+                :func:`~fem_lie.mesh.reading.lines_from_dolfinx`. All lines that meet at a point are
+                rigidly connected there.
             section: One for all cells, one for each named group of cells, or a function of arc
                 length (taper), evaluated at the middle of each cell.
             up: Direction that e₃ is closest to, for all cells or for named groups. Default: frames
@@ -90,7 +91,7 @@ class Beam(LineBody):
                 if the line starts along z. :class:`~.orientation.Twisted` rotates the sections
                 relative to that.
             formulation: Finite element; default: :attr:`standard`, for beams
-                :class:`~fem_lie.elements.beams.geodesic.Geodesic`.
+                :class:`~fem_lie.elements.beams.geodesic.GeodesicBeam`.
             damping: Damping of strain and of motion; default: none.
             rotary_inertia: Whether sections have rotary inertia about e₂ and e₃. Without it only
                 the fast modes of these rotations vanish; rotary inertia about e₁ remains.
@@ -104,7 +105,7 @@ class Beam(LineBody):
         self.source = mesh.source
         known = "a Section, a dict of them by groups of cells or a function of arc length"
         instance(section, Section | Mapping | Callable, "Beam: section", known)
-        instance(formulation, Formulation | None, "Beam: formulation", "an element or None")
+        instance(formulation, BeamFormulation | None, "Beam: formulation", "an element or None")
         instance(damping, Damping | None, "Beam: damping", "a Damping or None")
         flag(rotary_inertia, "Beam: rotary_inertia")
         self.chains = chains = Chains(mesh)
@@ -140,7 +141,7 @@ class Beam(LineBody):
         *,
         cells: int,
         up: npt.ArrayLike | Twisted | None = None,
-        formulation: Formulation | None = None,
+        formulation: BeamFormulation | None = None,
         damping: Damping | None = None,
         name: str = "",
     ) -> Beam:
@@ -149,7 +150,7 @@ class Beam(LineBody):
         Its named points are "start" and "end"; other arguments as of :class:`Beam`.
         """
         return cls(
-            straight(start, end, cells),
+            straight_line(start, end, cells),
             section,
             up=up,
             formulation=formulation,
@@ -165,7 +166,7 @@ class Beam(LineBody):
         *,
         cells: int | Sequence[int],
         up: Up | Twisted | None = None,
-        formulation: Formulation | None = None,
+        formulation: BeamFormulation | None = None,
         damping: Damping | None = None,
         name: str = "",
     ) -> Beam:
@@ -192,7 +193,7 @@ class Beam(LineBody):
         *,
         cells: int,
         up: npt.ArrayLike | Twisted | None = None,
-        formulation: Formulation | None = None,
+        formulation: BeamFormulation | None = None,
         damping: Damping | None = None,
         name: str = "",
     ) -> Beam:
@@ -239,7 +240,7 @@ class Beam(LineBody):
         return Turning(along, numbers, limit, whole=True, lengths=lengths)
 
 
-def _refined(placed: Placed, formulation: Formulation) -> Placed:
+def _refined(placed: Placed, formulation: BeamFormulation) -> Placed:
     """Add the nodes inside elements, if the formulation has any."""
     if formulation.degree == 1:
         return placed

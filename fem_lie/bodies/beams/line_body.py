@@ -12,7 +12,7 @@ from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.bodies.beams.assembly import BeamAssembly, weighted_elements
 from fem_lie.bodies.beams.sectioned import Sectioned, outline_of
 from fem_lie.bodies.body import NO_HOLDS, Holds
-from fem_lie.elements.beams.element import Formulation
+from fem_lie.elements.beams.element import BeamFormulation
 from fem_lie.forms.assembly import Assembly
 from fem_lie.lie.node_types import NodeType
 from fem_lie.mesh.lines import LineMesh
@@ -53,7 +53,7 @@ class LineBody(Sectioned):
         mesh: LineMesh,
         placed: Placed,
         sections: Sequence[Section],
-        formulation: Formulation,
+        formulation: BeamFormulation,
         damping: Damping | None,
         name: str,
     ) -> None:

@@ -42,7 +42,7 @@ class ElementBody(Body):
         >>> from fem_lie.elements.gradients import ancf
         >>> tube = fl.Section.circle(0.01, fl.Material(E=2.1e11, nu=0.3, density=7800.0))
         >>> beam = fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), tube, cells=2)
-        >>> own = fl.ElementBody(
+        >>> own = fl.extend.ElementBody(
         ...     beam.frames,
         ...     beam.node_types,
         ...     beam.elements,

@@ -19,7 +19,7 @@ from fem_lie.elements.gradients import ancf
 from fem_lie.elements.gradients.ancf import AncfElement, check_poisson
 from fem_lie.elements.gradients.warping import Warping, WarpingSprings
 from fem_lie.forms.assembly import BodyTerm
-from fem_lie.mesh.curves import curve, straight
+from fem_lie.mesh.curves import curve, straight_line
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.reading import line_of
 from fem_lie.sections.material import Damping
@@ -107,7 +107,7 @@ class AncfBeam(SectionPoints):
         if len(frames) != len(mesh.points) or np.bincount(mesh.cells.ravel()).max() > 2:
             raise ValueError(
                 "an AncfBeam goes along smooth lines, but this one has corners or branches: make "
-                "one of each smooth piece, and join them by fl.Fixed"
+                "one of each smooth piece, and join them by fl.joints.Fixed"
             )
         self.points_count = count = len(frames)
         self.elements = np.concatenate([corners, count + corners], axis=1)
@@ -149,7 +149,7 @@ class AncfBeam(SectionPoints):
         name: str = "",
     ) -> AncfBeam:
         """Straight beam with ``cells`` equal elements; points "start" and "end"."""
-        mesh = straight(start, end, cells)
+        mesh = straight_line(start, end, cells)
         return cls(
             mesh,
             section,

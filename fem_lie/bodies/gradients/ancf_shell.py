@@ -34,7 +34,7 @@ class AncfShell(SmoothSurface):
         section_mass: Inertia of (r, d) per area of each cell, shape (m, 2, 2).
 
     Example:
-        >>> flat = fl.smooth_patch(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> flat = fl.mesh.smooth_patch(lambda a, b: np.array([a, b, 0.0]), (2, 2))
         >>> plate = fl.AncfShell(flat, fl.ShellSection.layer(0.1, fl.Material(2e11, 0.3, 7e3)))
         >>> plate.frames.shape
         (18, 4, 3)

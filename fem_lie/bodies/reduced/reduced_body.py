@@ -17,16 +17,17 @@ from fem_lie.lie.node_types.floating import WithinFrame
 from fem_lie.lie.node_types.floating_coordinates import all_coordinates, all_rates
 
 
-class ReducedBody(Body):
+class ReducedOrderBody(Body):
     """A body that moves with the frame of one interface and deforms in few shapes within it.
 
     Strains are small, motion is as large as one likes. The energy is ``½ eᵀ K e`` with
     ``e_a = z_a + ½ Q_abc z_b z_c``: tension stiffens bending, and bending draws ends together.
     Inertia is
     that of all points of the body, gyroscopic and centrifugal forces included, as far as places and
-    directors within the frame are linear in the coordinates. :func:`~fem_lie.reduced_body` makes
-    one. Interfaces are nodes with frames, which joints, springs, loads, clamps and contacts take as
-    those of any other body; amplitudes of inner shapes are further nodes, which nothing takes.
+    directors within the frame are linear in the coordinates.
+    :func:`~fem_lie.reduction.reduced_order_body` makes one. Interfaces are nodes with frames, which
+    joints, springs, loads, clamps and contacts take as those of any other body; amplitudes of inner
+    shapes are further nodes, which nothing takes.
 
     Attributes:
         interfaces: Nodes of the full body that are those of this one, shape (1 + i,).
@@ -45,10 +46,10 @@ class ReducedBody(Body):
         >>> section = fl.Section.circle(0.02, fl.Material(E=2e11, nu=0.3, density=7800.0))
         >>> full = fl.Scene()
         >>> beam = full.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=8))
-        >>> rod = fl.reduced_body(full, [beam.point("start"), beam.point("end")], 4)
+        >>> rod = fl.reduction.reduced_order_body(full, [beam.point("start"), beam.point("end")], 4)
         >>> scene = fl.Scene(gravity=(0, 0, -9.81))
         >>> rod = scene.add(rod)
-        >>> hinge = scene.add(fl.Revolute(fl.ground(), rod.point("start"), axis=(0, 1, 0)))
+        >>> hinge = scene.add(fl.joints.Revolute(fl.ground(), rod.point("start"), axis=(0, 1, 0)))
         >>> scheme = fl.GeneralisedAlpha(radius=0.8)
         >>> result = scheme.run(scene, duration=0.2, step=2e-3, progress=False)
         >>> bool(result.position(rod.point("end"))[-1, 2] < -0.2)
@@ -87,16 +88,18 @@ class ReducedBody(Body):
         self.interfaces: Indices = np.array(interfaces, dtype=np.int64)
         frames = full.frames[self.interfaces]
         inner = m - 6 * others
-        self.stiffness = _symmetric(stiffness, m, "ReducedBody: stiffness")
-        self.density = _symmetric(density, 4 + 3 * m, "ReducedBody: density")
+        self.stiffness = _symmetric(stiffness, m, "ReducedOrderBody: stiffness")
+        self.density = _symmetric(density, 4 + 3 * m, "ReducedOrderBody: density")
         self.quadratic = np.zeros((m, m, m)) if quadratic is None else quadratic
         if self.quadratic.shape != (m, m, m):
             raise ValueError(
-                f"ReducedBody: quadratic must have shape {(m, m, m)}, got {self.quadratic.shape}"
+                f"ReducedOrderBody: quadratic must have shape {(m, m, m)}, "
+                f"got {self.quadratic.shape}"
             )
         if inner < 0:
             raise ValueError(
-                f"ReducedBody: {others} other interfaces have {6 * others} coordinates, got {m}"
+                f"ReducedOrderBody: {others} other interfaces have {6 * others} coordinates, "
+                f"got {m}"
             )
         self.shapes, self.full = shapes, full
         first = lie.se3_inverse(frames[0])

@@ -11,9 +11,9 @@ import numpy.typing as npt
 from fem_lie._arrays import instance, positive
 from fem_lie.bodies.beams.line_body import Placed
 from fem_lie.bodies.rods.cable_body import CableBody, successive
-from fem_lie.elements.beams.element import Formulation
+from fem_lie.elements.beams.element import BeamFormulation
 from fem_lie.elements.rods.cable import HermiteCable
-from fem_lie.mesh.curves import curve, straight
+from fem_lie.mesh.curves import curve, straight_line
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.reading import line_of
 from fem_lie.sections.material import Damping
@@ -34,10 +34,11 @@ class Cable(CableBody):
 
     :meth:`clamp` and :class:`~fem_lie.Clamp` hold position and direction, :meth:`pin` the position
     only. Joints act on a node as on a frame along its tangent that does not rotate about it:
-    :class:`~fem_lie.Spherical` holds the position, :class:`~fem_lie.Revolute` about the tangent the
-    direction, too. Forces may act at nodes and along the cable, moments may not. This holds for
-    :class:`~fem_lie.HermiteCable`; nodes of :class:`~fem_lie.DiscreteCable` have positions only,
-    which :meth:`clamp`, :meth:`pin` and spherical joints hold.
+    :class:`~fem_lie.joints.Spherical` holds the position, :class:`~fem_lie.joints.Revolute` about
+    the tangent the direction, too. Forces may act at nodes and along the cable, moments may not.
+    This holds for :class:`~fem_lie.elements.HermiteCable`; nodes of
+    :class:`~fem_lie.elements.DiscreteCable` have positions only, which :meth:`clamp`, :meth:`pin`
+    and spherical joints hold.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -54,7 +55,7 @@ class Cable(CableBody):
         section: Section,
         *,
         length: float | None = None,
-        formulation: Formulation | None = None,
+        formulation: BeamFormulation | None = None,
         damping: Damping | None = None,
         name: str = "",
     ) -> None:
@@ -66,8 +67,8 @@ class Cable(CableBody):
             section: Its axial stiffness ``EA``, bending stiffness ``EI``, equal about all axes, and
                 mass per length are used.
             length: Unstretched length of the whole cable; default: that of the line.
-            formulation: Finite element: :class:`~fem_lie.HermiteCable` (default) or
-                :class:`~fem_lie.DiscreteCable`.
+            formulation: Finite element: :class:`~fem_lie.elements.HermiteCable` (default) or
+                :class:`~fem_lie.elements.DiscreteCable`.
             damping: Damping of motion, axial strain and bending; of the six relaxation times the
                 first and the last two are used, and the last two must be equal.
             name: Name in messages and results.
@@ -81,7 +82,7 @@ class Cable(CableBody):
         mesh = line_of(mesh, "Cable")
         self.source = mesh.source
         instance(section, Section, "Cable: section", "a Section")
-        instance(formulation, Formulation | None, "Cable: formulation", "an element or None")
+        instance(formulation, BeamFormulation | None, "Cable: formulation", "an element or None")
         element = HermiteCable() if formulation is None else formulation
         chains = Chains(mesh)
         ends = cell_frames(mesh, chains, None, None)
@@ -111,7 +112,7 @@ class Cable(CableBody):
         name: str = "",
     ) -> Cable:
         """Straight cable with ``cells`` equal elements; points "start" and "end"."""
-        mesh = straight(start, end, cells)
+        mesh = straight_line(start, end, cells)
         return cls(mesh, section, length=length, damping=damping, name=name)
 
     @classmethod

@@ -28,7 +28,7 @@ from fem_lie.bodies.beams.line_body import LineBody, Placed
 from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.nodes import Follower, HeldRotation
 from fem_lie.bodies.points import require_point
-from fem_lie.elements.beams.element import Formulation
+from fem_lie.elements.beams.element import BeamFormulation
 from fem_lie.elements.rods.bends import BendingSprings, Bends, Successive
 from fem_lie.elements.rods.discrete import DiscreteCable
 from fem_lie.forms.assembly import Assembly
@@ -124,7 +124,7 @@ class CableBody(LineBody):
         placed: Placed,
         successive: Successive,
         section: Section,
-        formulation: Formulation,
+        formulation: BeamFormulation,
         damping: Damping | None,
         name: str,
     ) -> None:
@@ -302,7 +302,7 @@ def successive(elements: Indices) -> Successive:
     return Successive(np.column_stack([ends[:, 0], node[first], ends[:, 1]]), edges)
 
 
-def _check_damping(damping: Damping, formulation: Formulation) -> None:
+def _check_damping(damping: Damping, formulation: BeamFormulation) -> None:
     """Raise ``ValueError`` if the element does not support the damping."""
     factors = damping.factors()
     if factors.any() and not formulation.viscous:

@@ -53,7 +53,7 @@ class Net(CableBody):
                 is its first is closed.
             section: Section of all cables.
             stretch: Ratio of initial to unstretched length, of all cables or of each.
-            formulation: Finite element; default: :class:`~fem_lie.DiscreteCable`.
+            formulation: Finite element; default: :class:`~fem_lie.elements.DiscreteCable`.
             damping: Mass-proportional damping.
             name: Name in messages and results.
 

@@ -16,10 +16,10 @@ from fem_lie.bodies.beams.sectioned import Sections
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.bodies.nodes import Follower
 from fem_lie.elements.beams.centres import torsion_about_centres
-from fem_lie.elements.beams.element import Formulation
+from fem_lie.elements.beams.element import BeamFormulation
 from fem_lie.elements.rods.corners import Corners, CornerSprings
 from fem_lie.elements.rods.discrete_rod import DiscreteRod, corners, edge_axes
-from fem_lie.elements.rods.kirchhoff import Kirchhoff, speeds_of_cubics
+from fem_lie.elements.rods.kirchhoff import KirchhoffRod, speeds_of_cubics
 from fem_lie.forms.assembly import Assembly
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.sections.material import Damping
@@ -50,13 +50,13 @@ class Rod(Beam):
     The first axis of a node is the tangent. Axial, torsional and bending stiffness of the section
     are used, with their couplings; the axis may be anywhere in the section. Sections whose shear
     centre is not their tension centre, such as channels, need a Beam: a rod twists about the
-    tension centre, and a warning in the log gives the error. With :class:`~fem_lie.Kirchhoff`, the
-    default, all nodes have frames. With :class:`~fem_lie.DiscreteRod`, which needs one smooth open
-    line, only the two ends have; the other nodes have a position and a rotation about the edge that
-    follows them.
+    tension centre, and a warning in the log gives the error. With
+    :class:`~fem_lie.elements.KirchhoffRod`, the default, all nodes have frames. With
+    :class:`~fem_lie.elements.DiscreteRod`, which needs one smooth open line, only the two ends
+    have; the other nodes have a position and a rotation about the edge that follows them.
 
-    Along the mesh of a :class:`~fem_lie.Spline` the unloaded rod is exactly that spline, also after
-    knot insertion.
+    Along the mesh of a :class:`~fem_lie.mesh.Spline` the unloaded rod is exactly that spline, also
+    after knot insertion.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -66,7 +66,7 @@ class Rod(Beam):
         'Kirchhoff'
     """
 
-    standard: ClassVar[Formulation] = Kirchhoff()
+    standard: ClassVar[BeamFormulation] = KirchhoffRod()
     springs: ClassVar[bool] = True
 
     def __init__(
@@ -75,7 +75,7 @@ class Rod(Beam):
         section: Sections,
         *,
         up: Up | Twisted | None = None,
-        formulation: Formulation | None = None,
+        formulation: BeamFormulation | None = None,
         damping: Damping | None = None,
         rotary_inertia: bool = True,
         name: str = "",
@@ -83,9 +83,9 @@ class Rod(Beam):
         """Create the nodal frames; arguments as of :class:`~fem_lie.Beam`.
 
         Raises:
-            ValueError: As for a beam; or the element is a :class:`~fem_lie.DiscreteRod` and the
-                line has corners, branches or no ends, the section couples axial strain and bending,
-                or there is damping of strain.
+            ValueError: As for a beam; or the element is a :class:`~fem_lie.elements.DiscreteRod`
+                and the line has corners, branches or no ends, the section couples axial strain and
+                bending, or there is damping of strain.
         """
         super().__init__(
             mesh,
@@ -96,7 +96,7 @@ class Rod(Beam):
             rotary_inertia=rotary_inertia,
             name=name,
         )
-        if isinstance(self.formulation, Kirchhoff):
+        if isinstance(self.formulation, KirchhoffRod):
             _log_stiff_torsion(self.label, self.stiffness)
             if isinstance(mesh, LineMesh):
                 self._follow_cubics(mesh.slopes)

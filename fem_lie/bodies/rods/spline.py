@@ -49,7 +49,7 @@ class SplineCable(CableBody):
             places: Positions of the knots, shape (n, 3).
             slopes: Derivatives ``dr/du`` at the knots, shape (n, 3).
             section: As of a :class:`~fem_lie.Cable`.
-            formulation: Finite element; default: :class:`~fem_lie.IsogeometricCable`.
+            formulation: Finite element; default: :class:`~fem_lie.elements.IsogeometricCable`.
             damping: Damping of motion and of strain.
             name: Name in messages and results.
 

@@ -60,7 +60,7 @@ class Shell(SupportedSurface):
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
-        >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> mesh = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
         >>> plate = fl.Shell(mesh, fl.ShellSection.layer(0.01, steel))
         >>> _ = plate.clamp("a=0")
         >>> plate.connectivity.shape

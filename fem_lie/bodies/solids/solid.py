@@ -65,7 +65,7 @@ class Solid(SupportedSolid):
         rule: Quadrature rule of the cells.
 
     Example:
-        >>> rubber = fl.NeoHooke(E=1e6, nu=0.3)
+        >>> rubber = fl.sections.NeoHooke(E=1e6, nu=0.3)
         >>> block = fl.Solid.brick((1, 1, 2), rubber, cells=(1, 1, 2))
     """
 
@@ -85,8 +85,8 @@ class Solid(SupportedSolid):
             mesh: Volume mesh, or a DOLFINx mesh.
             material: Material of all cells, or one for each named group, all of one law.
             degree: Degree of the interpolation, 1 or 2; default: that of the mesh.
-            formulation: Finite element; default: :class:`~fem_lie.MeanDilatation` for hexahedra of
-                degree 1, else :class:`~fem_lie.Isoparametric`.
+            formulation: Finite element; default: :class:`~fem_lie.elements.MeanDilatation` for
+                hexahedra of degree 1, else :class:`~fem_lie.elements.Isoparametric`.
             damping: Mass-proportional damping.
             name: Name in messages and results.
 

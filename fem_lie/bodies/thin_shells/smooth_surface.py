@@ -32,7 +32,7 @@ from fem_lie.elements.thin_shells.rows import (
 )
 from fem_lie.lie.node_types import NodeType
 from fem_lie.mesh.bicubic import hermite
-from fem_lie.mesh.bicubic.patch_coupling import Joined, Seam, frames_of
+from fem_lie.mesh.bicubic.patch_coupling import Joined, PatchCoupling, frames_of
 from fem_lie.mesh.bicubic.smooth_patch import SmoothPatch
 from fem_lie.mesh.bicubic.spline_mesh import SplineMesh, surface_of
 from fem_lie.sections.material import Damping
@@ -79,7 +79,7 @@ class SmoothSurface(HeldSurface):
         along: npt.ArrayLike | Direction | None = None,
         damping: Damping | None = None,
         joined: bool | None = None,
-        couplings: Sequence[Seam] = (),
+        couplings: Sequence[PatchCoupling] = (),
         name: str = "",
     ) -> None:
         """Create the nodes.

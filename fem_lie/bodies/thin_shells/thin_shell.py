@@ -17,7 +17,7 @@ from fem_lie.elements.thin_shells.bicubic import BicubicHermite
 from fem_lie.elements.thin_shells.coupling import CouplingPoints, CouplingSprings
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.mesh.bicubic import hermite
-from fem_lie.mesh.bicubic.patch_coupling import Joined, Seam, coupling_points
+from fem_lie.mesh.bicubic.patch_coupling import Joined, PatchCoupling, coupling_points
 from fem_lie.mesh.bicubic.smooth_patch import SmoothPatch
 from fem_lie.mesh.bicubic.spline_mesh import SplineMesh
 from fem_lie.sections.material import Damping
@@ -44,7 +44,7 @@ class ThinShell(SmoothSurface):
         damping: Mass-proportional damping.
 
     Example:
-        >>> flat = fl.smooth_patch(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> flat = fl.mesh.smooth_patch(lambda a, b: np.array([a, b, 0.0]), (2, 2))
         >>> plate = fl.ThinShell(flat, fl.ShellSection.layer(0.01, fl.Material(2e11, 0.3, 7e3)))
     """
 
@@ -59,7 +59,7 @@ class ThinShell(SmoothSurface):
         formulation: BicubicHermite | None = None,
         damping: Damping | None = None,
         joined: bool | None = None,
-        couplings: Sequence[Seam] = (),
+        couplings: Sequence[PatchCoupling] = (),
         name: str = "",
     ) -> None:
         """Create the nodes.
@@ -72,7 +72,7 @@ class ThinShell(SmoothSurface):
                 shape (3,).
             along: e₁ of the section axes before projection onto the surface: one vector, or a
                 function of the centre of a cell; default: along a.
-            formulation: Finite element; default: :class:`~fem_lie.BicubicHermite`.
+            formulation: Finite element; default: :class:`~fem_lie.elements.BicubicHermite`.
             damping: Mass-proportional damping.
             joined: Whether coincident edges are joined smoothly; default: if there are several
                 patches.

@@ -105,7 +105,7 @@ class ConvexPolyhedron(PolyhedralSurface):
     Example:
         >>> wedge = fl.RigidBody(1.0, (0.1, 0.1, 0.1), position=(0, 0, 1))
         >>> corners = [(x, y, 0) for x in (0, 1) for y in (0, 1)] + [(0, 0, 1), (0, 1, 1)]
-        >>> fl.ConvexPolyhedron(wedge.point("centre"), corners).label
+        >>> fl.contact.ConvexPolyhedron(wedge.point("centre"), corners).label
         'ConvexPolyhedron on RigidBody'
     """
 

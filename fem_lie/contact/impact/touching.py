@@ -162,7 +162,7 @@ class Touching:
         """Collect the contacts of a scene.
 
         Args:
-            contacts: All contacts with the law :class:`~fem_lie.Impact`.
+            contacts: All contacts with the law :class:`~fem_lie.contact.Impact`.
             nodes: Gives the numbers of the nodes of a body in the scene.
             sizes: Characteristic lengths of the bodies, shape (n,).
             H: Initial frames, shape (n, 4, 3).

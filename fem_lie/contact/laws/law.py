@@ -45,8 +45,8 @@ class Penalty:
     :class:`~fem_lie.GeneralisedAlpha` and, without damping, for conserving schemes. A body of mass
     m that hits a fixed one at a speed v penetrates by ``v √(m/k)`` and is in contact for ``π
     √(m/k)``. Steps have to resolve this duration in schemes that do not conserve energy: ten steps
-    keep the energy error at 1 %, and :class:`~fem_lie.UnresolvedContactWarning` reports larger
-    errors. Along lines, stiffness, damping and force are per length of the first line.
+    keep the energy error at 1 %, and :class:`~fem_lie.contact.UnresolvedContactWarning` reports
+    larger errors. Along lines, stiffness, damping and force are per length of the first line.
 
     Attributes:
         stiffness: k, force per length. Default: a fifth of the stiffness of the softest beam or
@@ -108,7 +108,7 @@ class Penalty:
 class Impact:
     """Contact law of rigid surfaces: no penetration, Coulomb friction, Newton's restitution.
 
-    The law is for :class:`~fem_lie.GeneralisedAlpha` and :class:`~fem_lie.Variational` with
+    The law is for :class:`~fem_lie.GeneralisedAlpha` and :class:`~fem_lie.schemes.Variational` with
     constant steps, and for rigid bodies, beams and shells whose nodes have frames, with or without
     joints. Steps need not resolve the duration of impacts. If several impacts occur at once,
     restitution is a modelling assumption, not physics.

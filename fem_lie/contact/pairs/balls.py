@@ -93,7 +93,7 @@ class BallGapPair(_PointPair):
         """Not available.
 
         Raises:
-            ValueError: Always: such surfaces touch by :class:`~fem_lie.Penalty` only.
+            ValueError: Always: such surfaces touch by :class:`~fem_lie.contact.Penalty` only.
         """
         raise ValueError(f"{self.label}: surfaces with a gap function touch by Penalty, not Impact")
 

@@ -8,15 +8,15 @@ from fem_lie.contact.pairs.pair import ContactPair, register_contact_pair
 from fem_lie.contact.pairs.polyhedra import BallPolyhedronPair, PolyhedronPolyhedronPair
 from fem_lie.contact.pairs.ropes import ALONE, RopeRingPair
 from fem_lie.contact.pairs.shell_pairs import BallShellPair, ShellPair, ShellPlanePair
-from fem_lie.contact.pairs.shell_surfaces import Skin
+from fem_lie.contact.pairs.shell_surfaces import ShellSurface
 from fem_lie.contact.rings.surfaces import Rings, Rope
 from fem_lie.contact.sides.surfaces import (
+    ContactSurface,
     GapSurface,
     LineSurface,
     PlaneSurface,
     PointSurface,
     PolyhedralSurface,
-    Surface,
 )
 
 _TWO_PLANES = (
@@ -26,7 +26,7 @@ _LINES = "lines touch lines, bars and planes, not balls"
 _SHELLS = "shells touch shells, balls and planes, not lines"
 _CORNERS = "the corners of a box do not touch shells"
 
-PAIRS: tuple[tuple[type[Surface], type[Surface], type[ContactPair] | str], ...] = (
+PAIRS: tuple[tuple[type[ContactSurface], type[ContactSurface], type[ContactPair] | str], ...] = (
     (PointSurface, PlaneSurface, BallPlanePair),
     (PointSurface, PointSurface, BallPair),
     (PointSurface, GapSurface, BallGapPair),
@@ -35,17 +35,17 @@ PAIRS: tuple[tuple[type[Surface], type[Surface], type[ContactPair] | str], ...] 
     (PointSurface, PolyhedralSurface, BallPolyhedronPair),
     (LineSurface, LineSurface, LinePair),
     (LineSurface, PlaneSurface, LinePlanePair),
-    (Skin, Skin, ShellPair),
-    (PointSurface, Skin, BallShellPair),
-    (Skin, PlaneSurface, ShellPlanePair),
+    (ShellSurface, ShellSurface, ShellPair),
+    (PointSurface, ShellSurface, BallShellPair),
+    (ShellSurface, PlaneSurface, ShellPlanePair),
     (Rope, Rings, RopeRingPair),
     (PlaneSurface, PlaneSurface, _TWO_PLANES),
     (LineSurface, PointSurface, _LINES),
     (LineSurface, PolyhedralSurface, _LINES),
-    (Skin, LineSurface, _SHELLS),
-    (Skin, PolyhedralSurface, _CORNERS),
-    (Rope, Surface, ALONE),
-    (Rings, Surface, ALONE),
+    (ShellSurface, LineSurface, _SHELLS),
+    (ShellSurface, PolyhedralSurface, _CORNERS),
+    (Rope, ContactSurface, ALONE),
+    (Rings, ContactSurface, ALONE),
 )
 """Kinds of both surfaces, and their contact pair or the reason why there is none."""
 

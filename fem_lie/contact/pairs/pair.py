@@ -23,7 +23,7 @@ from fem_lie.contact.friction.forces import Friction
 from fem_lie.contact.laws.law import ContactTerm, Impact, Penalty
 from fem_lie.contact.laws.node_axes import NodeAxes
 from fem_lie.contact.laws.penalty import PenaltyForces
-from fem_lie.contact.sides.surfaces import Surface
+from fem_lie.contact.sides.surfaces import ContactSurface
 from fem_lie.contact.sides.table import BothSides, Nodes
 from fem_lie.contact.sides.two_sides import Sides
 
@@ -33,7 +33,7 @@ OVERLAP = 0.05
 """Overlap over the characteristic size up to which surfaces may overlap at the start."""
 
 
-def bodies_of(*surfaces: Surface) -> list[Body]:
+def bodies_of(*surfaces: ContactSurface) -> list[Body]:
     """Bodies that surfaces are fixed to, without duplicates."""
     points = (point for surface in surfaces for point in surface.points)
     return list(dict.fromkeys(point.body for point in points if point.body is not None))
@@ -73,8 +73,8 @@ class ContactPair(ABC):
         ignores_initial: Whether ``ignore_initial`` is supported.
     """
 
-    a: Surface
-    b: Surface
+    a: ContactSurface
+    b: ContactSurface
     law: Law
     label: str
     ignore_initial: bool = False
@@ -112,7 +112,8 @@ class ContactPair(ABC):
         """The pair as the solver of impacts uses it.
 
         Raises:
-            ValueError: The pair supports :class:`~fem_lie.Penalty` only; this is the default.
+            ValueError: The pair supports :class:`~fem_lie.contact.Penalty` only; this is the
+                default.
         """
         raise ValueError(f"{self.label}: {self.what} touch by Penalty, not by Impact")
 
@@ -123,7 +124,7 @@ class ContactPair(ABC):
         """The contact law, if it is a penalty.
 
         Raises:
-            ValueError: The contact law is :class:`~fem_lie.Impact`.
+            ValueError: The contact law is :class:`~fem_lie.contact.Impact`.
         """
         if isinstance(self.law, Penalty):
             return self.law
@@ -225,14 +226,14 @@ class ContactPair(ABC):
                     yield owner, HeldRotation(node, (by, node), what, needed=False)
 
 
-_Kinds: TypeAlias = tuple[type[Surface], type[Surface]]
+_Kinds: TypeAlias = tuple[type[ContactSurface], type[ContactSurface]]
 
 _PAIRS: dict[_Kinds, type[ContactPair] | str] = {}
 """Classes of pairs by both kinds of surfaces, or the reason why there is none."""
 
 
 def register_contact_pair(
-    a: type[Surface], b: type[Surface], pair: type[ContactPair] | str
+    a: type[ContactSurface], b: type[ContactSurface], pair: type[ContactPair] | str
 ) -> None:
     """Register the class of contact pairs of two kinds of surfaces, in either order.
 
@@ -249,7 +250,7 @@ def register_contact_pair(
     _PAIRS[a, b] = pair
 
 
-def pair_class(a: Surface, b: Surface, label: str) -> tuple[type[ContactPair], bool]:
+def pair_class(a: ContactSurface, b: ContactSurface, label: str) -> tuple[type[ContactPair], bool]:
     """Class of the contact pair of two surfaces, and whether the pair has them in reverse order.
 
     Args:
@@ -274,7 +275,9 @@ def pair_class(a: Surface, b: Surface, label: str) -> tuple[type[ContactPair], b
     )
 
 
-def pair_of(a: Surface, b: Surface, law: Law, label: str, ignore_initial: bool) -> ContactPair:
+def pair_of(
+    a: ContactSurface, b: ContactSurface, law: Law, label: str, ignore_initial: bool
+) -> ContactPair:
     """Contact pair of two surfaces; arguments and errors as in :func:`pair_class`."""
     made, is_reversed = pair_class(a, b, label)
     first, second = (b, a) if is_reversed else (a, b)

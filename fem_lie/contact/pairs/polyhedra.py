@@ -58,7 +58,7 @@ class _PolyhedralPair(ContactPair, ImpactPair):
         """Not available.
 
         Raises:
-            ValueError: Always: polyhedra touch by :class:`~fem_lie.Impact` only.
+            ValueError: Always: polyhedra touch by :class:`~fem_lie.contact.Impact` only.
         """
         _ = self.penalty
         raise ValueError(f"{self.label}: {NO_PENALTY}")

@@ -26,7 +26,7 @@ class RopeRingPair(ContactPair):
         """Not available.
 
         Raises:
-            ValueError: Always: ropes run through rings by :class:`~fem_lie.Penalty` only.
+            ValueError: Always: ropes run through rings by :class:`~fem_lie.contact.Penalty` only.
         """
         raise ValueError(f"{self.label}: {_LAW}")
 

@@ -14,13 +14,13 @@ from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_point
 from fem_lie.contact.sides.surfaces import (
     Ball,
+    ContactSurface,
     Face,
     Owner,
     PlaneSurface,
     PointSurface,
     PolyhedralSurface,
     Polyhedron,
-    Surface,
     fixed_ball,
     initial_frame,
     owner_of,
@@ -165,7 +165,7 @@ class Box(PolyhedralSurface, PlaneSurface):
         return 0.5 * numbers(self.edges, "Box: edges")
 
     @property
-    def kind(self) -> type[Surface]:
+    def kind(self) -> type[ContactSurface]:
         """Six planes if other bodies are inside, else a polyhedron."""
         return PlaneSurface if self.inside else PolyhedralSurface
 

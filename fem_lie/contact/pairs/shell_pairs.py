@@ -6,7 +6,7 @@ import numpy as np
 
 from fem_lie.contact.pairs.pair import PenaltyPair
 from fem_lie.contact.pairs.patch_sides import PatchSides
-from fem_lie.contact.pairs.shell_surfaces import Skin
+from fem_lie.contact.pairs.shell_surfaces import ShellSurface
 from fem_lie.contact.sides.surfaces import PlaneSurface, PointSurface
 from fem_lie.contact.sides.table import Nodes, balls_side, planes_side
 from fem_lie.contact.sides.two_sides import Balls, Sides
@@ -23,8 +23,8 @@ class _ShellContactPair(PenaltyPair):
 class ShellPair(_ShellContactPair):
     """Two shells, or a shell that touches itself; contact forces are integrated over the first."""
 
-    a: Skin
-    b: Skin
+    a: ShellSurface
+    b: ShellSurface
 
     power = 2
 
@@ -57,7 +57,7 @@ class BallShellPair(_ShellContactPair):
     """Balls and a shell."""
 
     a: PointSurface
-    b: Skin
+    b: ShellSurface
 
     def check(self) -> None:
         """Raise ``ValueError`` for hollow spheres, or for an overlap at the start."""
@@ -79,7 +79,7 @@ class BallShellPair(_ShellContactPair):
 class ShellPlanePair(_ShellContactPair):
     """A shell and planes."""
 
-    a: Skin
+    a: ShellSurface
     b: PlaneSurface
 
     power = 2

@@ -28,7 +28,7 @@ from fem_lie.contact.sides.patches import (
     set_nets,
     set_shapes,
 )
-from fem_lie.contact.sides.surfaces import MOST_NODES, Surface
+from fem_lie.contact.sides.surfaces import MOST_NODES, ContactSurface
 from fem_lie.contact.sides.table import UNUSED, Nodes, Side, empty_side
 from fem_lie.mesh.shapes import rule
 
@@ -45,7 +45,7 @@ _SOURCES = 256
 
 
 @dataclass(frozen=True, eq=False)
-class Skin(Surface):
+class ShellSurface(ContactSurface):
     """Contact surface of a shell: both faces and the round edges.
 
     Contact forces are per area of the undeformed middle surface. They are integrated over the first
@@ -66,12 +66,12 @@ class Skin(Surface):
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
-        >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> mesh = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
         >>> sheet = fl.Shell(mesh, fl.ShellSection.layer(0.01, steel))
-        >>> surface = fl.Skin(sheet)
+        >>> surface = fl.contact.ShellSurface(sheet)
         >>> scene = fl.Scene()
         >>> _ = scene.add(sheet)
-        >>> _ = scene.add(fl.Contact(surface, surface, fl.Penalty(1e9)))
+        >>> _ = scene.add(fl.contact.Contact(surface, surface, fl.contact.Penalty(1e9)))
         >>> scene.drills(sheet)
         True
     """
@@ -83,11 +83,11 @@ class Skin(Surface):
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` or ``ValueError`` if an argument has a wrong type or value."""
-        instance(self.shell, Shell, "Skin: shell", "a Shell")
+        instance(self.shell, Shell, "ShellSurface: shell", "a Shell")
         if self.thickness is not None:
-            positive(self.thickness, "Skin: thickness")
-        whole(self.gauss, "Skin: gauss")
-        flag(self.smooth, "Skin: smooth")
+            positive(self.thickness, "ShellSurface: thickness")
+        whole(self.gauss, "ShellSurface: gauss")
+        flag(self.smooth, "ShellSurface: smooth")
 
     @property
     def points(self) -> Sequence[Point]:

@@ -18,7 +18,7 @@ from fem_lie._arrays import Array, Indices, indices_of, instance, numbers
 from fem_lie.bodies.beams.line_body import LineBody
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_node, require_point
-from fem_lie.contact.sides.surfaces import Surface, initial_frame
+from fem_lie.contact.sides.surfaces import ContactSurface, initial_frame
 from fem_lie.lie.node_types import NodeType
 
 _HERMITE = np.array(
@@ -28,7 +28,7 @@ _HERMITE = np.array(
 
 
 @dataclass(frozen=True, eq=False)
-class Rope(Surface):
+class Rope(ContactSurface):
     """Contact surface: a cable, a cable of a net, or a beam that runs through rings.
 
     Attributes:
@@ -44,8 +44,9 @@ class Rope(Surface):
         >>> for body in (rope, bead):
         ...     _ = scene.add(body)
         ...
-        >>> rings, law = fl.Rings([bead.point("centre")]), fl.Penalty(1e5, friction=0.2)
-        >>> _ = scene.add(fl.Contact(fl.Rope(rope), rings, law))
+        >>> rings, law = fl.contact.Rings([bead.point("centre")]), fl.contact.Penalty(1e5,
+        friction=0.2)
+        >>> _ = scene.add(fl.contact.Contact(fl.contact.Rope(rope), rings, law))
         >>> len(scene.contacts)
         1
     """
@@ -153,7 +154,7 @@ def _slope(lengths: Array, k: int) -> dict[int, float]:
 
 
 @dataclass(frozen=True, eq=False)
-class Rings(Surface):
+class Rings(ContactSurface):
     """Contact surface: rings of zero width that a rope runs through, each fixed to a point.
 
     Attributes:
@@ -162,7 +163,8 @@ class Rings(Surface):
 
     Example:
         >>> hook = fl.RigidBody(0.1, (1e-4, 1e-4, 1e-4))
-        >>> rings = fl.Rings([hook.point("centre"), fl.ground()], at=[(0, 0, 0.1), (1, 0, 0)])
+        >>> rings = fl.contact.Rings([hook.point("centre"), fl.ground()], at=[(0, 0, 0.1), (1, 0,
+        0)])
         >>> len(rings.positions)
         2
     """

@@ -123,7 +123,7 @@ def polyhedron_at(point: Point, positions: Sequence[Array]) -> Polyhedron:
     return Polyhedron(owner_of(point), (np.array(positions) - H[0]) @ H[1:].T)
 
 
-class Surface(ABC):
+class ContactSurface(ABC):
     """Base class of contact surfaces."""
 
     @property
@@ -132,7 +132,7 @@ class Surface(ABC):
         """Points that the surface is fixed to."""
 
     @property
-    def kind(self) -> type[Surface]:
+    def kind(self) -> type[ContactSurface]:
         """Class by which the contact pair of two surfaces is chosen; default: its own class."""
         return type(self)
 
@@ -171,7 +171,7 @@ class Surface(ABC):
         return ()
 
 
-class PointSurface(Surface):
+class PointSurface(ContactSurface):
     """Points, or balls about them."""
 
     @abstractmethod
@@ -183,7 +183,7 @@ class PointSurface(Surface):
         return _with_moments(self.balls(), friction)
 
 
-class PlaneSurface(Surface):
+class PlaneSurface(ContactSurface):
     """Half-spaces bounded by planes."""
 
     @abstractmethod
@@ -195,7 +195,7 @@ class PlaneSurface(Surface):
         return [face.owner for face in self.faces()]
 
 
-class LineSurface(Surface):
+class LineSurface(ContactSurface):
     """Round lines."""
 
     @abstractmethod
@@ -203,7 +203,7 @@ class LineSurface(Surface):
         """Segments of the lines, one line after the other."""
 
 
-class PolyhedralSurface(Surface):
+class PolyhedralSurface(ContactSurface):
     """A convex polyhedron."""
 
     @abstractmethod
@@ -219,7 +219,7 @@ class PolyhedralSurface(Surface):
         return _with_moments(self.balls(), friction)
 
 
-class GapSurface(Surface):
+class GapSurface(ContactSurface):
     """A surface that is defined by a gap function of the position in the frame of a point.
 
     Attributes:

@@ -25,8 +25,8 @@ from ufl.variable import Variable
 from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie.elements.beams.element import (
+    BeamFormulation,
     CellData,
-    Formulation,
     bending_share,
     cellwise,
     flexible_cells,
@@ -143,7 +143,7 @@ _FOLDS = 2.7312  # rad: of three nodes, where ∂²W/∂φ² of the middle one i
 
 
 @dataclass(frozen=True)
-class Director(Formulation):
+class DirectorBeam(BeamFormulation):
     """Beam element with interpolated positions and directors, ``R³ × SO(3)``.
 
     Degree 1 has two nodes and one point, at which the strains are those of
@@ -157,7 +157,7 @@ class Director(Formulation):
     Attributes:
         degree: 1 or 2; a cell has ``degree + 1`` nodes.
         bending_flexibility: Add the residual bending flexibility (MacNeal 1978) of degree 1, as in
-            :class:`~fem_lie.elements.beams.geodesic.Geodesic`. Degree 2 has linear moments
+            :class:`~fem_lie.elements.beams.geodesic.GeodesicBeam`. Degree 2 has linear moments
             already, and does not use it.
 
     Raises:

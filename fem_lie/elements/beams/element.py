@@ -45,7 +45,7 @@ class CellData:
     slopes: Array
 
 
-class Formulation(ABC):
+class BeamFormulation(ABC):
     """An element along a line: subclass it in one file, as a frozen dataclass of its options.
 
     Attributes:

@@ -40,8 +40,8 @@ from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.attachments.between_frames import on_geodesic
 from fem_lie.elements.beams.element import (
     S_SHAPE,
+    BeamFormulation,
     CellData,
-    Formulation,
     bending_share,
     cellwise,
     flexible_cells,
@@ -194,7 +194,7 @@ GEODESIC = FrameMap(
 
 
 @dataclass(frozen=True)
-class Geodesic(Formulation):
+class GeodesicBeam(BeamFormulation):
     """The SE(3) geodesic element: the default for beams.
 
     Attributes:

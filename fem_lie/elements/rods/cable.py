@@ -48,7 +48,7 @@ from fem_lie._arrays import Array, Indices, positive
 from fem_lie._jit import callback, inlined
 from fem_lie.attachments.at_nodes import along_tangent
 from fem_lie.attachments.attachment import AttachmentFrame
-from fem_lie.elements.beams.element import CellData, Formulation, cellwise
+from fem_lie.elements.beams.element import BeamFormulation, CellData, cellwise
 from fem_lie.elements.rods.cable_law import check_section, stretch_energy
 from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.frames import NodalFrames
@@ -90,7 +90,7 @@ def packed(lengths: Array, stiffness: Array, speeds: Array | None, slack: float 
         stiffness: Of the section, shape (m, 6, 6).
         speeds: Unstretched arc length per parameter at the points of both rules, in order, shape
             (m, 5), or ``None`` where it is one.
-        slack: See :class:`~fem_lie.HermiteCable`.
+        slack: See :class:`~fem_lie.elements.HermiteCable`.
     """
     J = np.ones((len(lengths), 5)) if speeds is None else speeds
     EA, EI = (stiffness[:, k, k, np.newaxis] for k in (0, 4))
@@ -209,7 +209,7 @@ _SLOPES = FrameMap(
 
 
 @dataclass(frozen=True)
-class HermiteCable(Formulation):
+class HermiteCable(BeamFormulation):
     """Cable element of two nodes with position and slope.
 
     Attributes:

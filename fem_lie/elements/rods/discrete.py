@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import ufl
 
 from fem_lie._arrays import Array, positive
-from fem_lie.elements.beams.element import CellData, Formulation, cellwise
+from fem_lie.elements.beams.element import BeamFormulation, CellData, cellwise
 from fem_lie.elements.rods.cable import pull_back_vectors, push_forward_vectors
 from fem_lie.elements.rods.cable_law import check_section, stretch_energy
 from fem_lie.forms.energy import StrainEnergy
@@ -31,13 +31,13 @@ _PLACES = FrameMap(None, pull_back_vectors, push_forward_vectors, None, values=1
 
 
 @dataclass(frozen=True)
-class DiscreteCable(Formulation):
+class DiscreteCable(BeamFormulation):
     """Edges between places, with springs between them.
 
     Attributes:
         natural: Whether it is naturally as bent as it is laid, to whatever side; default: straight.
         degree: One, there are no nodes inside.
-        slack: As of :class:`~fem_lie.HermiteCable`.
+        slack: As of :class:`~fem_lie.elements.HermiteCable`.
 
     Raises:
         ValueError: The strain is not positive.

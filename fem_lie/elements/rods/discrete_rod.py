@@ -22,7 +22,7 @@ import ufl
 from fem_lie._arrays import Array, Indices, vector
 from fem_lie._jit import compiled
 from fem_lie.attachments.attachment import AttachmentFrame
-from fem_lie.elements.beams.element import CellData, Formulation, cellwise
+from fem_lie.elements.beams.element import BeamFormulation, CellData, cellwise
 from fem_lie.elements.rods.corners import Corners
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
@@ -54,7 +54,7 @@ _CENTRED = 1e-9  # relative, as sections that are meant to be held at their cent
 
 
 @dataclass(frozen=True)
-class DiscreteRod(Formulation):
+class DiscreteRod(BeamFormulation):
     """Edges between places, with springs between them that bend and twist.
 
     Attributes:

@@ -29,7 +29,7 @@ _POINTS, _WEIGHTS = 0.5 + 0.5 * _TWICE, 0.5 * _DOUBLED
 
 @dataclass(frozen=True)
 class IsogeometricCable(HermiteCable):
-    """Cable element of a cubic spline; options as of :class:`~fem_lie.HermiteCable`."""
+    """Cable element of a cubic spline; options as of :class:`~fem_lie.elements.HermiteCable`."""
 
     def speeds(self, ends: Array, lengths: Array, along: Array) -> Array:
         """Those of the curve as it is laid."""

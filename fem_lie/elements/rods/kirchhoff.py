@@ -47,7 +47,7 @@ from fem_lie._arrays import Array
 from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.attachments.between_frames import on_geodesic
 from fem_lie.elements.beams.centres import centres_at_ends, tension_centres
-from fem_lie.elements.beams.element import CellData, Formulation, cellwise, present_values
+from fem_lie.elements.beams.element import BeamFormulation, CellData, cellwise, present_values
 from fem_lie.elements.beams.geodesic import GEODESIC, smooth_inertia
 from fem_lie.elements.rods.kirchhoff_forces import force_kernel
 from fem_lie.forms.energy import Forces, StrainEnergy
@@ -88,7 +88,7 @@ class LineOfCentres(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Kirchhoff(Formulation):
+class KirchhoffRod(BeamFormulation):
     """Rod element without shear: cubic between two frames.
 
     Shear stiffness of the section is not used, and the shear force is that of the balance. The

@@ -150,7 +150,7 @@ class HuWashizu(_OfAnyLaw):
 
 
 @dataclass(frozen=True)
-class Displacement(_OfAnyLaw):
+class DisplacementBased(_OfAnyLaw):
     """Strains from the nodes alone; with the default measures MITC4, MITC6 or MITC9."""
 
     def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
@@ -164,7 +164,7 @@ class Displacement(_OfAnyLaw):
 
 def _elements_for(cell: str, degree: int) -> str:
     """The elements with strain measures for these cells, for messages."""
-    elements = HellingerReissner(), HuWashizu(), Displacement()
+    elements = HellingerReissner(), HuWashizu(), DisplacementBased()
     found = [f"{type(e).__name__}()" for e in elements if (cell, degree) in e.defaults()]
     return " or ".join(found) or "none"
 
@@ -199,7 +199,9 @@ def displacement(cells: ShellCells, law: Law) -> LocalFrameForms:
         ValueError: The cells have a bubble.
     """
     if cells.has_bubble:
-        raise ValueError("cells with a bubble need a mixed element: use fl.HellingerReissner()")
+        raise ValueError(
+            "cells with a bubble need a mixed element: use fl.elements.HellingerReissner()"
+        )
     if cells.drilling is None:
         return cells.forms(StrainEnergy(cells.strain, law, cells.dx))
     strains = ufl.as_vector([*cells.strain, cells.drilling])

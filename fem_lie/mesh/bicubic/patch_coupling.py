@@ -35,7 +35,7 @@ class Edge(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Seam:
+class PatchCoupling:
     """Smooth coupling of two coincident edges of patches with any parametrisations.
 
     Positions and normals are coupled by springs, at two points per cell of the edge with more
@@ -51,10 +51,11 @@ class Seam:
 
     Example:
         >>> steel = fl.ShellSection.layer(0.01, fl.Material(2e11, 0.3, 7800.0))
-        >>> left = fl.smooth_patch(lambda a, b: (a, b, 0), (2, 3))
-        >>> right = fl.smooth_patch(lambda a, b: (1 + a, 0.5 * b + 0.5 * b**2, 0), (2, 2))
+        >>> left = fl.mesh.smooth_patch(lambda a, b: (a, b, 0), (2, 3))
+        >>> right = fl.mesh.smooth_patch(lambda a, b: (1 + a, 0.5 * b + 0.5 * b**2, 0), (2, 2))
         >>> sides = {"left": left, "right": right}
-        >>> plate = fl.ThinShell(sides, steel, couplings=[fl.Seam("left.a=1", "right.a=0")])
+        >>> plate = fl.ThinShell(sides, steel, couplings=[fl.mesh.PatchCoupling("left.a=1",
+        "right.a=0")])
     """
 
     first: str
@@ -63,9 +64,9 @@ class Seam:
 
     def __post_init__(self) -> None:
         """Check the names and the number."""
-        text(self.first, "Seam: first")
-        text(self.second, "Seam: second")
-        positive(self.stiffness, "Seam: stiffness")
+        text(self.first, "PatchCoupling: first")
+        text(self.second, "PatchCoupling: second")
+        positive(self.stiffness, "PatchCoupling: stiffness")
 
 
 class CouplingPoints(NamedTuple):
@@ -92,7 +93,7 @@ class CouplingPoints(NamedTuple):
 
 
 def coupling_points(
-    coupling: Seam,
+    coupling: PatchCoupling,
     edges: tuple[Edge, Edge],
     vectors: Array,
     cells: tuple[Indices, Array],
@@ -168,7 +169,7 @@ def _nearest(edge: Edge, q: Array, x: Array) -> tuple[Indices, Array]:
     return piece, middle[np.arange(len(x)), piece]
 
 
-def _check(coupling: Seam, lengths: Array, gaps: Array, cosines: Array) -> None:
+def _check(coupling: PatchCoupling, lengths: Array, gaps: Array, cosines: Array) -> None:
     far = gaps > _APART * _PER_CELL * lengths
     if far.any():
         raise ValueError(
@@ -191,7 +192,7 @@ def _unit(a: Array) -> Array:
     return np.asarray(a / np.linalg.norm(a, axis=-1, keepdims=True))
 
 
-def points_on(couplings: Sequence[Seam], edges: dict[str, Edge], label: str) -> set[int]:
+def points_on(couplings: Sequence[PatchCoupling], edges: dict[str, Edge], label: str) -> set[int]:
     """Points on coupled edges.
 
     Raises:
@@ -232,7 +233,11 @@ class Joined(NamedTuple):
 
 
 def joined(
-    patches: Mapping[str, SmoothPatch], *, one: bool, label: str, couplings: Sequence[Seam] = ()
+    patches: Mapping[str, SmoothPatch],
+    *,
+    one: bool,
+    label: str,
+    couplings: Sequence[PatchCoupling] = (),
 ) -> Joined:
     """Number the points and cells of all patches.
 

@@ -178,16 +178,16 @@ def bspline_patch(
 def spline_patch(function: Surface, cells: tuple[int, int]) -> SmoothPatch:
     """Bicubic spline through points of a surface, with its gradients at the edges.
 
-    Curvatures are continuous, as for a surface from CAD; :func:`~fem_lie.smooth_patch` uses the
-    gradients at all nodes.
+    Curvatures are continuous, as for a surface from CAD; :func:`~fem_lie.mesh.smooth_patch` uses
+    the gradients at all nodes.
 
     Args:
         function: ``function(a, b)``, shape (3,), a and b from 0 to 1.
         cells: Numbers of cells along a and along b.
 
     Raises:
-        ValueError: As :func:`~fem_lie.smooth_patch`.
-        TypeError: As :func:`~fem_lie.smooth_patch`.
+        ValueError: As :func:`~fem_lie.mesh.smooth_patch`.
+        TypeError: As :func:`~fem_lie.mesh.smooth_patch`.
     """
     place, (a, b) = grid(function, cells, "spline_patch")
     given = np.empty((len(a) + 2, len(b) + 2, 3))

@@ -23,7 +23,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices, flag, instance, text
 from fem_lie.mesh.bicubic import hermite
-from fem_lie.mesh.bicubic.patch_coupling import Edge, Joined, Seam
+from fem_lie.mesh.bicubic.patch_coupling import Edge, Joined, PatchCoupling
 from fem_lie.mesh.bicubic.patch_coupling import joined as put_together
 from fem_lie.mesh.bicubic.smooth_patch import SmoothPatch
 
@@ -39,7 +39,8 @@ _QUARTERS = np.array([[0, 4, 6, 8], [4, 1, 8, 7], [6, 8, 2, 5], [8, 7, 5, 3]])
 
 @dataclass(frozen=True, eq=False)
 class SplineMesh:
-    """Cells of several levels on smooth patches, created by :func:`spline_mesh` and ``fl.refine``.
+    """Cells of several levels on smooth patches, created by :func:`spline_mesh` and
+    ``fl.adaptivity.refine``.
 
     Attributes:
         rows: Position, ∂u, ∂v and ∂u∂v of each point, hanging points included, shape (n, 4, 3).
@@ -54,9 +55,9 @@ class SplineMesh:
         groups: Cells of each patch by name.
 
     Example:
-        >>> mesh = fl.spline_mesh(fl.smooth_patch(lambda a, b: (a, b, 0), (2, 2)))
-        >>> finer = fl.refine(mesh, [0])
-        >>> len(finer.cells), len(fl.refine(finer, [0]).cells)
+        >>> mesh = fl.mesh.spline_mesh(fl.mesh.smooth_patch(lambda a, b: (a, b, 0), (2, 2)))
+        >>> finer = fl.adaptivity.refine(mesh, [0])
+        >>> len(finer.cells), len(fl.adaptivity.refine(finer, [0]).cells)
         (7, 10)
     """
 
@@ -122,7 +123,8 @@ class SplineMesh:
 def spline_mesh(
     patches: SmoothPatch | Mapping[str, SmoothPatch], *, joined: bool | None = None
 ) -> SplineMesh:
-    """Hierarchical mesh of patches, which ``fl.refine`` or ``fl.adapt`` refine cell by cell.
+    """Hierarchical mesh of patches, which ``fl.adaptivity.refine`` or ``fl.adaptivity.adapt``
+    refine cell by cell.
 
     The surface does not depend on the refinement: it is exactly that of the patches.
 
@@ -254,7 +256,7 @@ def _of_points(edge: Edge, hang: Flags, number: Indices) -> Edge:
 def surface_of(
     patches: SmoothPatch | Mapping[str, SmoothPatch] | SplineMesh,
     joined: bool | None,
-    couplings: Sequence[Seam],
+    couplings: Sequence[PatchCoupling],
     label: str,
 ) -> Joined:
     """Points and cells of the surface of a body.

@@ -16,7 +16,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.beams.assembly import BeamAssembly
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
-from fem_lie.joints import Sliding
+from fem_lie.joints.sliding import Sliding
 from fem_lie.scene import Scene
 from fem_lie.scene.nodal_loads import PointLoad
 from fem_lie.sections.orientation import middle_frames

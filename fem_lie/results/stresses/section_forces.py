@@ -2,7 +2,7 @@
 
 They are computed in each state of a result, at both ends and in the middle of each element::
 
-    found = fl.section_forces(result, beam, scene)
+    found = fl.post.section_forces(result, beam, scene)
     found.raw("My"), found.mean("My"), found.smooth("My")    # ends, middles, without jumps
     found.plot("N", "My", path="diagram.png")
     found.write_vtk("forces.pvd")

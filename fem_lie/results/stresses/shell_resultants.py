@@ -2,7 +2,7 @@
 
 :mod:`fem_lie.results.stresses.shell_values` defines them::
 
-    found = fl.resultants(result, shell, along=(1, 0, 0))
+    found = fl.post.resultants(result, shell, along=(1, 0, 0))
     found.raw("M11"), found.mean("M11"), found.smooth("M11")    # points, cells, nodes
     found.function("M11")                                       # DOLFINx
     found.write_vtk("shell.vtu")

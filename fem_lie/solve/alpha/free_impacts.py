@@ -40,11 +40,11 @@ from fem_lie.solve.alpha.step.impact_steps import (
 from fem_lie.solve.alpha.step.node import Scheme
 from fem_lie.solve.convergence import ROTATION
 from fem_lie.solve.impacts.step_end import ContactHistory
-from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.motion.policies import RefactorisationPolicy
 from fem_lie.system.equations import Equations
 
 
-def applies(scene: Scene, policy: Policy) -> bool:
+def applies(scene: Scene, policy: RefactorisationPolicy) -> bool:
     """Whether the scene has free rigid bodies only, and compiled loops support the policy.
 
     The bodies may touch by impacts, between which they move on R³×SO(3).

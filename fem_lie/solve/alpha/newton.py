@@ -26,8 +26,8 @@ from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.impacts.impulses import project
 from fem_lie.solve.impacts.step_end import StepEnd
 from fem_lie.solve.iteration import Iterated, LinearRate, iterate
-from fem_lie.solve.motion.policies import Decisions
-from fem_lie.solve.refactorisation import Update
+from fem_lie.solve.motion.policies import PolicyState
+from fem_lie.solve.refactorisation import Refactorisation
 
 _STAGNATION = 1e-6  # full Newton that no longer contracts below this value has reached round-off
 
@@ -40,7 +40,7 @@ class Newton(RunState, Iterated):
 
     _rate: LinearRate
 
-    def _iterate(self, decisions: Decisions, *, carried: bool) -> int:
+    def _iterate(self, decisions: PolicyState, *, carried: bool) -> int:
         """Predict, and correct until convergence; return the number of iterations, 0 on failure."""
         numbers, self._carried = self.numbers, carried
         numbers[MOTION] = max(predict(*self._plain), numbers[MOTION])
@@ -66,7 +66,7 @@ class Newton(RunState, Iterated):
         """Whether there is no usable iteration matrix."""
         return self._missing
 
-    def refactorise(self, update: Update) -> None:
+    def refactorise(self, update: Refactorisation) -> None:
         """Assemble and factorise the matrix, or its constraint Jacobian."""
         self._refactorise(update, None if self._carried else self.s.H1)
 
@@ -92,7 +92,7 @@ class Newton(RunState, Iterated):
         given = self._tolerance(), verdict == Verdict.STAGNANT
         return not (self.equations.matrix.redundant and self._contradicts(*given))
 
-    def _accept(self, decisions: Decisions, iterations: int) -> None:
+    def _accept(self, decisions: PolicyState, iterations: int) -> None:
         """Make the end of the converged step the start of the next one."""
         equations, ratio = self.equations, float(self.numbers[NOW])
         self.numbers[RATIO] = settled_ratio(ratio, iterations)

@@ -8,14 +8,14 @@ from enum import IntEnum
 from fem_lie._arrays import choice, number
 from fem_lie.lie.motions import Parametrisation
 from fem_lie.solve.motion.integrator import check_kinds
-from fem_lie.solve.motion.policies import Automatic, Policy
+from fem_lie.solve.motion.policies import Automatic, RefactorisationPolicy
 
 DAMPED = 0.5
 """Largest spectral radius in sub-steps: chains of hundreds of links need this damping to
 converge."""
 
 
-class Components(IntEnum):
+class MatrixFrame(IntEnum):
     """Axes in which the iteration matrix is frozen; the solution does not depend on them.
 
     ``LOCAL``: the nodes' own axes, along which the matrix hardly changes. ``INERTIAL``: fixed axes,
@@ -27,7 +27,7 @@ class Components(IntEnum):
     INERTIAL = 1
 
 
-class Index(IntEnum):
+class ConstraintIndex(IntEnum):
     """Which constraints hold at the end of each step, to the tolerance of the iteration.
 
     ``THREE``: position constraints; velocities satisfy them to second order. ``STABILISED_TWO``:
@@ -44,11 +44,11 @@ class Options:
 
     radius: float = 0.8
     tolerance: float = 2e-8
-    policy: Policy = field(default_factory=Automatic)
+    policy: RefactorisationPolicy = field(default_factory=Automatic)
     max_iterations: int = 30
     parametrisation: Parametrisation = Parametrisation.EXPONENTIAL
-    components: Components = Components.LOCAL
-    index: Index = Index.THREE
+    components: MatrixFrame = MatrixFrame.LOCAL
+    index: ConstraintIndex = ConstraintIndex.THREE
     petsc_options_prefix: str = "fem_lie_dynamics_"
 
     def __post_init__(self) -> None:
@@ -59,7 +59,7 @@ class Options:
             raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
         # plain numbers are accepted
         choice(self.parametrisation, Parametrisation, "parametrisation")
-        choice(self.components, Components, "components")
-        choice(self.index, Index, "index")
+        choice(self.components, MatrixFrame, "components")
+        choice(self.index, ConstraintIndex, "index")
         if not self.tolerance > 0:
             raise ValueError(f"expected tolerance > 0, got {self.tolerance}")

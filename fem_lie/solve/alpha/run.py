@@ -47,7 +47,7 @@ from fem_lie.solve.motion.policies import EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.solve.refactorisation import Update
+from fem_lie.solve.refactorisation import Refactorisation
 from fem_lie.system.equations import Equations, TimeState
 
 _log = logging.getLogger(__name__)
@@ -288,7 +288,7 @@ class Run(Newton):
             return not self._contradicts(self._tolerance(), stagnant=False)
         try:
             if code == loop.MATRIX:
-                self._refactorise(Update(counters[UPDATE]), self.s.H1)
+                self._refactorise(Refactorisation(counters[UPDATE]), self.s.H1)
             self._solve()
         except SingularMatrixError:
             numbers[INCREMENT], counters[PHASE] = np.inf, BETWEEN

@@ -13,7 +13,7 @@ from fem_lie._state import attributes
 from fem_lie.lie.node_types import all_to_global_components, all_to_nodal_components, retract_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.low_rank import MOST
-from fem_lie.solve.alpha.options import DAMPED, Components, Index, Options
+from fem_lie.solve.alpha.options import DAMPED, ConstraintIndex, MatrixFrame, Options
 from fem_lie.solve.alpha.staleness import back_to_local, staleness
 from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.loop import COUNTERS, INCREMENT, ITERATION, NUMBERS, RATIO, STEP
@@ -28,7 +28,7 @@ from fem_lie.solve.convergence import (
 from fem_lie.solve.motion.consistent import allowed_velocities, check_velocities
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.solve.refactorisation import Update
+from fem_lie.solve.refactorisation import Refactorisation
 from fem_lie.solve.secants import Secants
 from fem_lie.system.equations import Equations, Plan, TimeState
 
@@ -89,8 +89,8 @@ class RunState(DividedIntegration[Recorder]):
         self.s = State.start(equations.start.frames, unknowns.kinds, scaling)
         self._guided, self._moving = bool(equations.supports), unknowns.moving
         self._changing = unknowns.time_dependent
-        self._projects = options.index == Index.STABILISED_TWO and m > 0
-        self._turned = options.components == Components.INERTIAL
+        self._projects = options.index == ConstraintIndex.STABILISED_TWO and m > 0
+        self._turned = options.components == MatrixFrame.INERTIAL
         if self._turned and self._guided:
             raise ValueError("supports along fixed axes (Shell.guide) need Components.LOCAL")
         self._plain = self.p.plain, self.s.plain
@@ -295,11 +295,11 @@ class RunState(DividedIntegration[Recorder]):
         """Whether there is no usable iteration matrix."""
         return self.solver.factorisations == 0 or self._outgrown
 
-    def _refactorise(self, update: Update, stressed: Array | None) -> None:
+    def _refactorise(self, update: Refactorisation, stressed: Array | None) -> None:
         """Refactorise the requested part; without a matrix that is all of it."""
         if self._secants is not None:
             self._secants.forget()
-        if update == Update.CONSTRAINTS and not self._missing:
+        if update == Refactorisation.CONSTRAINTS and not self._missing:
             self._refresh()
         else:
             self._apart = self._may_be_apart and stressed is not None and not self._outgrown

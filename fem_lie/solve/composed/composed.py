@@ -43,23 +43,23 @@ class Composed(Integrator):
     """Options of the scheme; :meth:`run` integrates with constant steps.
 
     Functions of time of loads, drives and motions are evaluated back in time, too; they must
-    be smooth. With :class:`~fem_lie.TripleJump` they are evaluated before the start of the run and
-    after its end. Scenes with dissipation raise an error: backwards it would add energy.
+    be smooth. With :class:`~fem_lie.schemes.TripleJump` they are evaluated before the start of the
+    run and after its end. Scenes with dissipation raise an error: backwards it would add energy.
 
     Joint forces and reactions need a factorisation for each recorded state.
 
     Attributes:
         scheme: Scheme of the sub-steps; it must be symmetric, as ``EnergyMomentum()`` and
             ``Variational()`` are. Its policy decides for each size of sub-steps.
-        composition: Sizes of the sub-steps: :class:`~fem_lie.FiveStages`,
-            :class:`~fem_lie.NineStages` or :class:`~fem_lie.TripleJump`.
+        composition: Sizes of the sub-steps: :class:`~fem_lie.schemes.FiveStages`,
+            :class:`~fem_lie.schemes.NineStages` or :class:`~fem_lie.schemes.TripleJump`.
 
     Example:
         >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
         >>> top.add_velocity(omega=(0, 0, 2), about=top.point("centre"))
         >>> scene = fl.Scene()
         >>> _ = scene.add(top)
-        >>> result = fl.Composed().run(scene, duration=1.0, step=0.05)
+        >>> result = fl.schemes.Composed().run(scene, duration=1.0, step=0.05)
         >>> bool(result.energy_error < 1e-12)
         True
     """

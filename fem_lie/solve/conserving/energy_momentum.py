@@ -49,7 +49,7 @@ from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import Options
 from fem_lie.solve.conserving.variable import ConservingSteps
 from fem_lie.solve.motion.integrator import Integrator, check_until_round_off, refuse
-from fem_lie.solve.motion.policies import Automatic, Policy
+from fem_lie.solve.motion.policies import Automatic, RefactorisationPolicy
 from fem_lie.solve.motion.variable_steps import Stepper
 from fem_lie.solve.recording.plan import ChosenSteps
 from fem_lie.solve.step_control import Control
@@ -152,7 +152,7 @@ class EnergyMomentum(Integrator):
     """
 
     tolerance: float = 0.0
-    policy: Policy = field(default_factory=Automatic)
+    policy: RefactorisationPolicy = field(default_factory=Automatic)
     max_iterations: int = 100
 
     def __post_init__(self) -> None:

@@ -159,8 +159,9 @@ class Run(Steps):
         if error > _CANCELLED * most:
             _log.warning(
                 "energies of %d cells are differences of larger numbers, wrong by %.1e of %.1e: "
-                "energy is conserved no better. Write the law with fem_lie.log1p, expm1 and "
-                "det_minus_one, which keep all digits of small strains",
+                "energy is conserved no better. Write the law with "
+                "fem_lie.sections.log1p, expm1 and det_minus_one, which keep all digits "
+                "of small strains",
                 *(np.count_nonzero(cancels), error, most),
             )
 

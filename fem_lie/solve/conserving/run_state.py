@@ -45,7 +45,7 @@ from fem_lie.solve.conserving.vector_cells.cells import energies_at
 from fem_lie.solve.conserving.vector_cells.force_changes import forces_at
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
 from fem_lie.solve.motion.integration import DividedIntegration
-from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.motion.policies import RefactorisationPolicy
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.solve.secants import Secants
@@ -67,7 +67,7 @@ class Options:
     """
 
     tolerance: float
-    policy: Policy
+    policy: RefactorisationPolicy
     max_iterations: int
     dissipation: float = 0.0
     filter_gain: float = 1.0

@@ -293,7 +293,8 @@ class Steps(RunState):
         """Make one step; return whether it converged.
 
         Args:
-            rule: Refactorisation rule, see :meth:`~fem_lie.solve.motion.policies.Policy.rule`.
+            rule: Refactorisation rule, see
+                :meth:`~fem_lie.solve.motion.policies.RefactorisationPolicy.rule`.
             still: Start without a prediction, in which unresolved oscillations are far larger than
                 at the end of the step.
             always: Ignore the other options of the policy.

@@ -29,7 +29,7 @@ from fem_lie.scene import Scene
 from fem_lie.solve.explicit import events
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.integrator import Integrator, refuse
-from fem_lie.solve.motion.policies import Never
+from fem_lie.solve.motion.policies import FactoriseOnce
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
@@ -60,7 +60,7 @@ class Asynchronous(Integrator):
         >>> net.pin(net.point(0), net.point(2))
         >>> scene = fl.Scene(gravity=(0, 0, -9.81))
         >>> _ = scene.add(net)
-        >>> result = fl.Asynchronous().run(scene, duration=1e-2, step=1e-3)
+        >>> result = fl.schemes.Asynchronous().run(scene, duration=1e-2, step=1e-3)
         >>> bool(result.energy_error < 1e-3)
         True
     """
@@ -110,7 +110,7 @@ class AsynchronousRun(Integration[Recorder]):
             step: Largest step of a cell; results are reported at its multiples.
             courant: Steps of cells over the largest stable ones.
         """
-        super().__init__(Never(), equations, step)
+        super().__init__(FactoriseOnce(), equations, step)
         self.carried = equations.memory
         n, known = equations.unknowns.moving, equations.tables
         tables = [term.tables[0] for term in known.terms if term.tables is not None]

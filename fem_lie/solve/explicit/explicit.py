@@ -49,7 +49,7 @@ from fem_lie.solve.explicit.stable import (
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.integrator import Integrator, refuse
-from fem_lie.solve.motion.policies import Never
+from fem_lie.solve.motion.policies import FactoriseOnce
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
@@ -86,7 +86,7 @@ class ExplicitRun(Integration[Recorder]):
             masses: Lumped inertia of its nodes.
             limit: Largest stable step at the start.
         """
-        super().__init__(Never(), equations, step)
+        super().__init__(FactoriseOnce(), equations, step)
         self.carried = equations.memory
         unknowns, known = equations.unknowns, equations.tables
         n = unknowns.moving

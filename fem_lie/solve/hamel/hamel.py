@@ -31,7 +31,7 @@ from fem_lie._arrays import Array
 from fem_lie._state import attributes, put_back, saved
 from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, TOTAL
 from fem_lie.bodies.rigid import RigidBody
-from fem_lie.joints import Joint
+from fem_lie.joints.joint import Joint
 from fem_lie.joints.rolling import KnifeEdge, RollingDisc
 from fem_lie.lie.motions import Group
 from fem_lie.linear.direct import DirectSolver
@@ -178,7 +178,7 @@ class HamelRun(DividedIntegration[Recorder]):
 class Hamel(Integrator):
     """Rigid bodies under gravity, each free, on a knife edge, or a disc that rolls on the ground.
 
-    Velocity constraints (:class:`~fem_lie.KnifeEdge`, :class:`~fem_lie.RollingDisc`) are eliminated
+    Velocity constraints (:class:`~fem_lie.joints.KnifeEdge`, :class:`~fem_lie.joints.RollingDisc`) are eliminated
     in the frames of the bodies, without multipliers; joint forces in results are those of the
     equations of motion. :meth:`run` makes constant steps.
 
@@ -188,9 +188,9 @@ class Hamel(Integrator):
         >>> scene = fl.Scene()
         >>> _ = scene.add(sledge)
         >>> centre = sledge.point("centre")
-        >>> blade = fl.KnifeEdge(fl.ground(), centre, at=(-0.3, 0, 0), axis=(0, 1, 0))
+        >>> blade = fl.joints.KnifeEdge(fl.ground(), centre, at=(-0.3, 0, 0), axis=(0, 1, 0))
         >>> _ = scene.add(blade)
-        >>> result = fl.Hamel().run(scene, duration=1.0, step=0.01)
+        >>> result = fl.schemes.Hamel().run(scene, duration=1.0, step=0.01)
         >>> bool(result.energy_error < 1e-13)
         True
     """

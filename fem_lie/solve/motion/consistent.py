@@ -12,7 +12,7 @@ from fem_lie._arrays import Array
 from fem_lie.linear.equilibrated import InaccurateSolutionError, SingularMatrixError
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import FROZEN, Iterated, iterate
-from fem_lie.solve.refactorisation import Update
+from fem_lie.solve.refactorisation import Refactorisation
 from fem_lie.system.equations import Plan, TimeState
 
 if TYPE_CHECKING:
@@ -186,7 +186,7 @@ class _AtStart(Iterated):
             raise ValueError(f"forces at the start are too large ({largest:.1e})")
         return False
 
-    def refactorise(self, update: Update) -> None:
+    def refactorise(self, update: Refactorisation) -> None:
         self._scale = _fill(self._equations, self._H, self._step)
         with _solvable():
             self._solver.factorise()

@@ -19,7 +19,7 @@ from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result
 from fem_lie.solve.division import HALVINGS, Division
-from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.motion.policies import RefactorisationPolicy
 from fem_lie.solve.progress_bars import Stopwatch
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import Plan
@@ -144,7 +144,12 @@ class Integration(Driver[Kept]):
     STATE = attributes("decisions", "carried")
 
     def __init__(
-        self, policy: Policy, equations: Equations, step: float, *, bound: bool = False
+        self,
+        policy: RefactorisationPolicy,
+        equations: Equations,
+        step: float,
+        *,
+        bound: bool = False,
     ) -> None:
         """Set up a run without computing anything.
 
@@ -218,7 +223,7 @@ class Divided(Driver[Kept]):
     h: float
     reason: str
 
-    def __init__(self, policy: Policy, step: float) -> None:
+    def __init__(self, policy: RefactorisationPolicy, step: float) -> None:
         """Start before the first step.
 
         Args:
@@ -269,7 +274,12 @@ class DividedIntegration(Integration[Kept], Divided[Kept]):
     """Integration with constant steps that divides steps that do not converge."""
 
     def __init__(
-        self, policy: Policy, equations: Equations, step: float, *, bound: bool = False
+        self,
+        policy: RefactorisationPolicy,
+        equations: Equations,
+        step: float,
+        *,
+        bound: bool = False,
     ) -> None:
         """As in the base classes."""
         Divided.__init__(self, policy, step)

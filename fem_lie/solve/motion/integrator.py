@@ -21,7 +21,7 @@ from fem_lie.results.record import Record
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
 from fem_lie.solve.motion.integration import Driver
-from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.motion.policies import RefactorisationPolicy
 from fem_lie.solve.motion.variable_steps import ORDER, Stepper, VariableSteps, events
 from fem_lie.solve.recording.checkpoints import Checkpoints, require_files
 from fem_lie.solve.recording.fingerprint import Fingerprint
@@ -56,10 +56,10 @@ class Integrator(ABC):
         Args:
             scene: Bodies, joints, loads and contacts.
             duration: End time; a multiple of ``step``.
-            step: Step size h; or :class:`~fem_lie.AdaptiveStep`, which chooses it by a tolerance,
-                or :class:`~fem_lie.ConstantStep`, which also estimates the error of each step. If a
-                load, drive or motion declares discontinuities (:mod:`fem_lie.joints.histories`),
-                constant steps are fitted to end at them.
+            step: Step size h; or :class:`~fem_lie.schemes.AdaptiveStep`, which chooses it by a
+                tolerance, or :class:`~fem_lie.schemes.ConstantStep`, which also estimates the error
+                of each step. If a load, drive or motion declares discontinuities
+                (:mod:`fem_lie.joints.histories`), constant steps are fitted to end at them.
             save_every: Record every n-th state, and the last one.
             save_at: Record instead the states at these increasing times, or at all multiples of an
                 interval and at the end, whatever the steps are. States between two steps are
@@ -167,7 +167,7 @@ def refuse(scheme: str, unsupported: Mapping[str, bool], instead: str = "General
             raise ValueError(f"{scheme} does not support {what}: use {instead}")
 
 
-def check_kinds(tolerance: float, max_iterations: int, policy: Policy) -> None:
+def check_kinds(tolerance: float, max_iterations: int, policy: RefactorisationPolicy) -> None:
     """Check the types of the options of an iteration.
 
     Raises:
@@ -176,10 +176,12 @@ def check_kinds(tolerance: float, max_iterations: int, policy: Policy) -> None:
     """
     number(tolerance, "tolerance")
     whole(max_iterations, "max_iterations")
-    instance(policy, Policy, "policy", "a Policy such as Automatic()")
+    instance(policy, RefactorisationPolicy, "policy", "a Policy such as Automatic()")
 
 
-def check_until_round_off(tolerance: float, max_iterations: int, policy: Policy) -> None:
+def check_until_round_off(
+    tolerance: float, max_iterations: int, policy: RefactorisationPolicy
+) -> None:
     """Check as :func:`check_kinds`, with tolerance 0 allowed: iterate down to round-off.
 
     Raises:

@@ -18,7 +18,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._state import put_back, saved
-from fem_lie.solve.refactorisation import BASE, LOST, SIZE, Rule, Update, due, learn
+from fem_lie.solve.refactorisation import BASE, LOST, SIZE, Refactorisation, Rule, due, learn
 
 NEVER = 2**31
 """More iterations than any step makes."""
@@ -30,7 +30,7 @@ GAIN = 1.0
 """Iterations per step that new mass and stiffness must be expected to save."""
 
 
-class Decisions(ABC):
+class PolicyState(ABC):
     """Decisions of a policy in one run, with their state.
 
     Numbers and arrays among the attributes are the state, which is written to checkpoints.
@@ -45,7 +45,7 @@ class Decisions(ABC):
     known: Array
 
     @abstractmethod
-    def before_iteration(self, iteration: int) -> Update | bool:
+    def before_iteration(self, iteration: int) -> Refactorisation | bool:
         """What to refactorise before the given iteration (counted from 1) of a step.
 
         ``True`` means everything, ``False`` nothing.
@@ -81,7 +81,7 @@ class Decisions(ABC):
         put_back(self, self.memory(), kept)
 
 
-class Policy(ABC):
+class RefactorisationPolicy(ABC):
     """Refactorisation policy: an immutable record of options.
 
     Attributes:
@@ -94,7 +94,7 @@ class Policy(ABC):
     secants: int = 0
 
     @abstractmethod
-    def begin(self, bound: bool) -> Decisions:
+    def begin(self, bound: bool) -> PolicyState:
         """Decisions for one run.
 
         ``bound``: whether the constraint Jacobian may be updated separately.
@@ -109,7 +109,7 @@ class Policy(ABC):
 
 
 @final
-class Ruled(Decisions):
+class Ruled(PolicyState):
     """Decisions by a rule, see :mod:`fem_lie.solve.refactorisation`."""
 
     def __init__(self, rule: Rule) -> None:
@@ -117,9 +117,9 @@ class Ruled(Decisions):
         self.rule, self.known = rule, np.zeros(SIZE)
         self._plain, self._asks = rule.plain, False
 
-    def before_iteration(self, iteration: int) -> Update:
+    def before_iteration(self, iteration: int) -> Refactorisation:
         """Decision by the rule."""
-        return Update(due(self._plain, self.known, iteration))
+        return Refactorisation(due(self._plain, self.known, iteration))
 
     def after_step(self, iterations: int) -> None:
         """Add up the excess iterations of the frozen matrix."""
@@ -144,12 +144,12 @@ class Ruled(Decisions):
 
 
 @dataclass(frozen=True)
-class EveryIteration(Policy):
+class EveryIteration(RefactorisationPolicy):
     """Full Newton: refactorise in every iteration."""
 
-    def begin(self, bound: bool) -> Decisions:
+    def begin(self, bound: bool) -> PolicyState:
         """Always refactorise everything."""
-        return Ruled(Rule(1, 0.0, inf, Update.ALL, bound=False, asks=False))
+        return Ruled(Rule(1, 0.0, inf, Refactorisation.ALL, bound=False, asks=False))
 
     def rule(self) -> tuple[int, float]:
         """Always due."""
@@ -157,7 +157,7 @@ class EveryIteration(Policy):
 
 
 @dataclass(frozen=True)
-class Limit(Policy):
+class IterationLimit(RefactorisationPolicy):
     """Refactorise when a step reaches ``iterations``: NNI ≥ k.
 
     The constraint Jacobian is updated first, and the whole matrix only if that does not help in the
@@ -174,9 +174,9 @@ class Limit(Policy):
         if self.iterations < 2:
             raise ValueError(f"the limit must be at least 2 iterations, got {self.iterations}")
 
-    def begin(self, bound: bool) -> Decisions:
+    def begin(self, bound: bool) -> PolicyState:
         """Refactorise after the given number of iterations in a step."""
-        return Ruled(Rule(self.iterations, inf, inf, Update.ALL, bound, asks=False))
+        return Ruled(Rule(self.iterations, inf, inf, Refactorisation.ALL, bound, asks=False))
 
     def rule(self) -> tuple[int, float]:
         """Only within a step."""
@@ -184,14 +184,16 @@ class Limit(Policy):
 
 
 @dataclass(frozen=True)
-class ConstraintsOnly(Limit):
+class ConstraintsOnly(IterationLimit):
     """As :class:`Limit`, but mass and stiffness are factorised once for the whole run."""
 
     full_newton_fallback: ClassVar[bool] = False
 
-    def begin(self, bound: bool) -> Decisions:
+    def begin(self, bound: bool) -> PolicyState:
         """Update the constraint Jacobian only."""
-        return Ruled(Rule(self.iterations, inf, inf, Update.CONSTRAINTS, bound, asks=False))
+        return Ruled(
+            Rule(self.iterations, inf, inf, Refactorisation.CONSTRAINTS, bound, asks=False)
+        )
 
     def rule(self) -> tuple[int, float]:
         """At the start of the run only: scenes in loops that ask for this have no constraints."""
@@ -199,14 +201,14 @@ class ConstraintsOnly(Limit):
 
 
 @dataclass(frozen=True)
-class Never(Policy):
+class FactoriseOnce(RefactorisationPolicy):
     """One factorisation for the whole run; a step that does not converge with it is an error."""
 
     full_newton_fallback: ClassVar[bool] = False
 
-    def begin(self, bound: bool) -> Decisions:
+    def begin(self, bound: bool) -> PolicyState:
         """Never refactorise."""
-        return Ruled(Rule(NEVER, inf, inf, Update.NONE, bound, asks=False))
+        return Ruled(Rule(NEVER, inf, inf, Refactorisation.NONE, bound, asks=False))
 
     def rule(self) -> tuple[int, float]:
         """At the start of the run only."""
@@ -214,7 +216,7 @@ class Never(Policy):
 
 
 @dataclass(frozen=True)
-class Automatic(Policy):
+class Automatic(RefactorisationPolicy):
     """Refactorise when the frozen matrix has cost as much as a new one.
 
     The iterations that steps take beyond those of the first steps with an updated constraint
@@ -252,10 +254,10 @@ class Automatic(Policy):
         if not 0 <= self.secants <= MOST_SECANTS:
             raise ValueError(f"secants must be 0 … {MOST_SECANTS}, got {self.secants}")
 
-    def begin(self, bound: bool) -> Decisions:
+    def begin(self, bound: bool) -> PolicyState:
         """Refactorise when it pays."""
         cost, refresh = float(self.cost), float(self.refresh)
-        return Ruled(Rule(self.patience, cost, refresh, Update.ALL, bound, asks=True))
+        return Ruled(Rule(self.patience, cost, refresh, Refactorisation.ALL, bound, asks=True))
 
     def rule(self) -> tuple[int, float]:
         """The patience and cost of this policy."""

@@ -25,7 +25,7 @@ _PARTS = 1, 2, 4
 
 
 @dataclass(frozen=True)
-class ErrorInTime:
+class TimeErrorEstimate:
     """Time discretisation error of the run with the smallest steps, largest over all nodes.
 
     Attributes:
@@ -44,14 +44,14 @@ class ErrorInTime:
     result: Result
 
 
-def estimate_error(
+def estimate_time_error(
     scheme: Integrator, scene: Scene, *, duration: float, step: float
-) -> ErrorInTime:
+) -> TimeErrorEstimate:
     """Time discretisation error of a scheme, from runs with the steps h, h/2 and h/4.
 
     Args:
-        scheme: Any scheme with constant steps. :class:`~fem_lie.Asynchronous` halves all steps only
-            if ``step`` is not above the smallest step of any cell.
+        scheme: Any scheme with constant steps. :class:`~fem_lie.schemes.Asynchronous` halves all
+            steps only if ``step`` is not above the smallest step of any cell.
         scene: The scene.
         duration: End time; a multiple of ``step``.
         step: The largest steps.
@@ -68,7 +68,7 @@ def estimate_error(
         >>> top.add_velocity(omega=(0, 0.1, 2), about=top.point("centre"))
         >>> scene = fl.Scene()
         >>> _ = scene.add(top)
-        >>> error = fl.estimate_error(fl.Explicit(), scene, duration=1.0, step=0.05)
+        >>> error = fl.schemes.estimate_time_error(fl.Explicit(), scene, duration=1.0, step=0.05)
         >>> round(error.order), bool(error.rotation[-1] < 1e-4)
         (2, True)
     """
@@ -90,7 +90,7 @@ def estimate_error(
         orders.append(order)
         # an error that does not decrease is at least as large as its change
         errors.append(near / max(2.0**order - 1.0, 1.0))
-    return ErrorInTime(runs[-1].times, errors[0], errors[1], min(orders), runs[-1])
+    return TimeErrorEstimate(runs[-1].times, errors[0], errors[1], min(orders), runs[-1])
 
 
 def _changes(one: Array, other: Array) -> tuple[Array, Array]:

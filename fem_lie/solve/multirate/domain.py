@@ -23,8 +23,8 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie._state import attributes
 from fem_lie.bodies.body import Body
-from fem_lie.joints import Joint
 from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.joints.joint import Joint
 from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.lie.tuples import Vector, combined, cross, dot, load, load_row, plus, scaled, store_row
 from fem_lie.linear.factors import Factors

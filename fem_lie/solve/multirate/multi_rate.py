@@ -213,8 +213,8 @@ class MultiRate(Integrator):
         >>> scene = fl.Scene(gravity=(0, 0, -9.81))
         >>> coarse = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4))
         >>> fine = scene.add(fl.Beam.straight((1, 0, 0), (1.2, 0, 0), tube, cells=4))
-        >>> _ = scene.add(fl.Fixed(coarse.point("end"), fine.point("start")))
-        >>> scheme = fl.MultiRate({fine: 5})
+        >>> _ = scene.add(fl.joints.Fixed(coarse.point("end"), fine.point("start")))
+        >>> scheme = fl.schemes.MultiRate({fine: 5})
         >>> result = scheme.run(scene, duration=5e-4, step=1e-4)
         >>> bool(result.energy_error < 1e-11)
         True

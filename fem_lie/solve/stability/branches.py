@@ -25,7 +25,7 @@ _HALVINGS = 12
 _BESIDE = 0.2  # of a step: nearer to the tangent it is one on the same path
 
 
-def branch(
+def switch_branch(
     scene: Scene,
     critical: CriticalPoint,
     *,
@@ -37,7 +37,8 @@ def branch(
     """A state on the path that crosses at a bifurcation, to begin with there.
 
     The bifurcation is left along a critical mode, and the amplitude of that mode is held while
-    equilibrium and load factor are found: ``fl.follow_path(scene, start=fl.branch(scene, point))``.
+    equilibrium and load factor are found: ``fl.follow_path(scene,
+        start=fl.stability.switch_branch(scene, point))``.
 
     Where the path itself is one that branches off there, and its load turns without a pivot, the
     other path goes on with the load: it is entered along the response of what the mode leaves.

@@ -163,7 +163,7 @@ class RandomImperfection(Imperfection):
         return np.asarray(np.cos(places @ k.T + phases).sum(axis=1))
 
 
-def imperfect(scene: Scene, *imperfections: Imperfection) -> Scene:
+def apply_imperfections(scene: Scene, *imperfections: Imperfection) -> Scene:
     """A copy of a scene whose bodies are out of shape, and as free of stress as before.
 
     Names stay, so that points can be looked up by theirs; bodies, joints and loads are copies.

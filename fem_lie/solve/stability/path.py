@@ -14,7 +14,7 @@ import numpy as np
 
 from fem_lie._arrays import instance, number
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.results.path import Critical, CriticalPoint, EquilibriumPath, Station
+from fem_lie.results.path import CriticalPoint, CriticalPointType, EquilibriumPath, Station
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.progress_bars import Stopwatch
@@ -155,7 +155,7 @@ def _critical(run: Pursuit, bracket: Bracket, index: int) -> CriticalPoint:
     extremum = max if first.sign > 0 else min
     factors = first.factor, last.factor
     return CriticalPoint(
-        kind=Critical.LIMIT if limit else Critical.BIFURCATION,
+        kind=CriticalPointType.LIMIT if limit else CriticalPointType.BIFURCATION,
         factor=extremum(factors) if first.sign != last.sign else sum(factors) / 2,
         bracket=factors,
         negative_pivots=(first.negative, last.negative),

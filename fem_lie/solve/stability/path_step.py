@@ -18,7 +18,7 @@ from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results.path import Station
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import Iterated, iterate
-from fem_lie.solve.refactorisation import Update
+from fem_lie.solve.refactorisation import Refactorisation
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from fem_lie.solve.stability.path_options import Arc, Control
 from fem_lie.solve.statics.arc_length import ArcLength
@@ -100,7 +100,7 @@ class _Step(Iterated):
         balanced = float(np.abs(self._residual).max()) <= tolerance * bound
         return balanced and abs(self._rest) <= tolerance
 
-    def refactorise(self, update: Update) -> None:
+    def refactorise(self, update: Refactorisation) -> None:
         self._model.factorise(self.factor)
 
     def correct(self) -> float:

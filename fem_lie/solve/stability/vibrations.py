@@ -25,7 +25,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices, instance, whole
 from fem_lie.bodies.body import Body
-from fem_lie.joints.redundant import Redundant
+from fem_lie.joints.redundant import RedundantConstraints
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.spectra.smallest import smallest
 from fem_lie.results.equilibrium import StaticResult
@@ -145,7 +145,7 @@ def vibrations(
         rotation = at.steady_rotation
     equations = Equations(scene, dynamics=True)
     unknowns = equations.unknowns
-    if scene.redundant is not Redundant.REFUSE:
+    if scene.redundant is not RedundantConstraints.REFUSE:
         raise ValueError("vibrations need constraints of which none is redundant")
     if any(joint.velocity_definitions() for joint in scene.joints):
         raise ValueError("vibrations need constraints of positions, got one of velocities")

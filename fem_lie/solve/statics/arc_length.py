@@ -35,7 +35,7 @@ from fem_lie.linear.direct import ConvergenceError
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import Iterated, iterate
 from fem_lie.solve.progress_bars import load_bar
-from fem_lie.solve.refactorisation import Update
+from fem_lie.solve.refactorisation import Refactorisation
 
 _AGAINST = 0.9  # cosine between the twists of a step and one backwards
 
@@ -330,7 +330,7 @@ class _Follower(Iterated):
         balanced = self._factor == self._cap and float(np.abs(self._residual).max()) <= bound
         return not self._first and balanced
 
-    def refactorise(self, update: Update) -> None:
+    def refactorise(self, update: Refactorisation) -> None:
         """See the base class."""
         self._count += 1
         self._model.factorise(self._factor)

@@ -22,7 +22,7 @@ from fem_lie.scene.scene import require_scene
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import Iterated, iterate
 from fem_lie.solve.progress_bars import Stopwatch
-from fem_lie.solve.refactorisation import Update
+from fem_lie.solve.refactorisation import Refactorisation
 from fem_lie.solve.statics.arc_length import ArcLength, Path, increasing
 from fem_lie.solve.statics.load_steps import move
 from fem_lie.solve.statics.unstable import (
@@ -353,7 +353,7 @@ class _AtFactor(Iterated):
         self._residual = self._factor * load - internal
         return False
 
-    def refactorise(self, update: Update) -> None:
+    def refactorise(self, update: Refactorisation) -> None:
         self._model.factorise(self._factor)
 
     def correct(self) -> float:

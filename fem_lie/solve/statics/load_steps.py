@@ -22,7 +22,7 @@ from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import Criterion, Iterated, Polishing, QuadraticRate, iterate
 from fem_lie.solve.progress_bars import Reach, Stopwatch, load_bar
-from fem_lie.solve.refactorisation import Update
+from fem_lie.solve.refactorisation import Refactorisation
 from fem_lie.solve.statics.unstable import (
     POLISHED,
     FreeMotions,
@@ -360,7 +360,7 @@ class LoadSteps(Iterated):
         self._fill(self._factor)
         return False
 
-    def refactorise(self, update: Update) -> None:
+    def refactorise(self, update: Refactorisation) -> None:
         """See the base class."""
         self._solver.factorise()
 

@@ -74,7 +74,7 @@ def statics(
         ConvergenceError: The smallest step failed, or nothing resists a rigid motion of some body;
             its ``result`` holds the states before.
     """
-    instance(newton, Newton | None, "newton", "options of fl.Newton or None")
+    instance(newton, Newton | None, "newton", "options of fl.schemes.Newton or None")
     options = Newton() if newton is None else newton
     steps = 1 if load_steps is None else whole(load_steps, "load_steps")
     levels = beyond(scene, levels)

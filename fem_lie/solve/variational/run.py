@@ -21,11 +21,11 @@ from fem_lie.solve.convergence import Verdict, failure
 from fem_lie.solve.impacts.contacts import CoupledContacts
 from fem_lie.solve.impacts.step_end import StepEnd
 from fem_lie.solve.iteration import Iterated, LinearRate, iterate
-from fem_lie.solve.motion.policies import Decisions, EveryIteration
+from fem_lie.solve.motion.policies import EveryIteration, PolicyState
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.solve.refactorisation import Update
+from fem_lie.solve.refactorisation import Refactorisation
 from fem_lie.solve.variational import loop, momenta
 from fem_lie.solve.variational.ends import prescribe
 from fem_lie.solve.variational.loop import Packed
@@ -43,7 +43,7 @@ class Newton(RunState, Iterated):
     _motion: float
     _rate: LinearRate
 
-    def _made_with(self, decisions: Decisions) -> bool:
+    def _made_with(self, decisions: PolicyState) -> bool:
         """Make the step from its start; return whether it converged."""
         held = self.equations.unknowns.held
         self.step[:] = 2.0 * self.steps[0] - self.steps[1]
@@ -69,7 +69,7 @@ class Newton(RunState, Iterated):
         """Whether there is no matrix yet."""
         return self._factors is None
 
-    def refactorise(self, update: Update) -> None:
+    def refactorise(self, update: Refactorisation) -> None:
         """Assemble and factorise the matrix."""
         self._factorise()
 

@@ -23,7 +23,7 @@ from fem_lie.solve.impacts.step_end import Factors as StepFactors
 from fem_lie.solve.impacts.step_end import Rule
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.integration import DividedIntegration
-from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.motion.policies import RefactorisationPolicy
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.variational import momenta
 from fem_lie.solve.variational.ends import Binding, Ends
@@ -35,7 +35,7 @@ class Options:
     """Options of :class:`~fem_lie.solve.variational.variational.Variational`."""
 
     tolerance: float
-    policy: Policy
+    policy: RefactorisationPolicy
     max_iterations: int
 
 

@@ -45,7 +45,7 @@ from fem_lie.scene import Scene
 from fem_lie.solve.impacts.impulses import massless
 from fem_lie.solve.impacts.step_end import refuse_impacts
 from fem_lie.solve.motion.integrator import Integrator, check_until_round_off, refuse
-from fem_lie.solve.motion.policies import Automatic, Policy
+from fem_lie.solve.motion.policies import Automatic, RefactorisationPolicy
 from fem_lie.solve.variational.run import VariationalRun
 from fem_lie.solve.variational.run_state import Options
 from fem_lie.system.equations import Equations
@@ -66,7 +66,7 @@ class Variational(Integrator):
         >>> top.add_velocity(omega=(0, 0, 2), about=top.point("centre"))
         >>> scene = fl.Scene()
         >>> _ = scene.add(top)
-        >>> result = fl.Variational().run(scene, duration=1.0, step=0.01)
+        >>> result = fl.schemes.Variational().run(scene, duration=1.0, step=0.01)
         >>> bool(result.angular_momentum_error < 1e-12)
         True
     """
@@ -77,7 +77,7 @@ class Variational(Integrator):
     )
 
     tolerance: float = 0.0
-    policy: Policy = field(default_factory=Automatic)
+    policy: RefactorisationPolicy = field(default_factory=Automatic)
     max_iterations: int = 100
 
     def __post_init__(self) -> None:

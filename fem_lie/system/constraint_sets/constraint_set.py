@@ -22,7 +22,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices, at_time
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
-from fem_lie.joints import Connection
+from fem_lie.joints.connection import Connection
 from fem_lie.joints.histories import declared, until_next
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.nodes.numbering import Numbering

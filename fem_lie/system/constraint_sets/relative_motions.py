@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.joints import Connection, ConstraintDefinition, Joint
-from fem_lie.joints.connection import LostBranchError
+from fem_lie.joints.connection import Connection, ConstraintDefinition, LostBranchError
 from fem_lie.joints.equations import terms, turns
 from fem_lie.joints.equations.functions import ANGLE, DISTANCE
 from fem_lie.joints.equations.table import JointTable, PackedJoints, pack, views
 from fem_lie.joints.equations.turns import spring_changes
+from fem_lie.joints.joint import Joint
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.joints import VelocityConstraintDefinition
+from fem_lie.joints.connection import VelocityConstraintDefinition
 from fem_lie.joints.equations import rolling
 from fem_lie.joints.equations.rolling import RollingTable
 from fem_lie.linear.saddle_point import Incidences

@@ -8,7 +8,7 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie.joints import SlidingConstraintDefinition
+from fem_lie.joints.connection import SlidingConstraintDefinition
 from fem_lie.joints.equations import sliding
 from fem_lie.joints.equations.sliding import SlidingTable
 from fem_lie.linear.saddle_point import Incidences

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array
-from fem_lie.joints.redundant import Redundant
+from fem_lie.joints.redundant import RedundantConstraints
 from fem_lie.lie.node_types import all_result_twists
 from fem_lie.linear.redundancy import IdleMultipliers
 from fem_lie.system.nodes.fixed_axes import wrenches
@@ -167,7 +167,7 @@ class Report:
     def joints(self) -> Joints:
         """Forces, coordinates and violations of joints."""
         system, (H, v, _, multipliers) = self._system, self._state
-        if system.scene.redundant is Redundant.MINIMUM_NORM and system.m:
+        if system.scene.redundant is RedundantConstraints.MINIMUM_NORM and system.m:
             # the smallest of all multipliers that cause the same motion
             B = system.tangent.jacobian(H)
             units = np.asarray(system.units / system.length)

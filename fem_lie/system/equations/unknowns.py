@@ -12,7 +12,7 @@ from fem_lie.bodies.body import Body
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.term import Term
 from fem_lie.joints.equations.table import PackedJoints
-from fem_lie.joints.redundant import Redundant
+from fem_lie.joints.redundant import RedundantConstraints
 from fem_lie.lie.node_types.floating import Floating
 from fem_lie.lie.node_types.inertia import Inertia, turning_of
 from fem_lie.lie.polar import PlainSurroundings
@@ -129,7 +129,7 @@ class Unknowns(NamedTuple):
             driven=connections.driven,
             strains_change=system.load_cases.strains_change,
             preloaded=connections.preloaded,
-            may_be_redundant=system.scene.redundant is not Redundant.REFUSE,
+            may_be_redundant=system.scene.redundant is not RedundantConstraints.REFUSE,
             other_constraints=connections.others,
             other_springs=any(len(each.springs) > 0 for each in connections.sets[1:]),
             drilling=[b.label for b, six in numbering.drills.items() if b.uncoupled and six],
@@ -231,7 +231,7 @@ class Tables(NamedTuple):
         master_map, connections = system.numbering.master_map, system.connections
         limits, ends, whole, lengths, chords = system.rotations.elements
         rates = system.terms.rates
-        all_felt = system.scene.redundant is not Redundant.MINIMUM_NORM or not system.m
+        all_felt = system.scene.redundant is not RedundantConstraints.MINIMUM_NORM or not system.m
         return cls(
             system.kinds,
             master_map.master,

@@ -27,7 +27,7 @@ from fem_lie.bodies.canonical import CanonicalBytes, data_of_body
 from fem_lie.bodies.catalogue import BodyInfo
 from fem_lie.bodies.points import require_node
 from fem_lie.forms.assembly import BodyTerm
-from fem_lie.joints import RigidLink
+from fem_lie.joints.rigid_link import RigidLink
 from fem_lie.lie.node_types import TRAITS, NodeType
 from fem_lie.scene import Scene
 

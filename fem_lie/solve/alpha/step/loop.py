@@ -33,9 +33,9 @@ converged; the policy has recorded its iterations."""
 
 STEP, ITERATION, PHASE, UPDATE, TOTAL, ROW, WANTED, NEAR, COUNTERS = range(9)
 """Indices of counters: current or last step, its iteration, the phase; what is to be refactorised,
-see :class:`~fem_lie.solve.refactorisation.Update`; all iterations; the next row of results, how
-many requested rows are filled in, and whether an element is near its rotation limit in the last one
-(1)."""
+see :class:`~fem_lie.solve.refactorisation.Refactorisation`; all iterations; the next row of
+results, how many requested rows are filled in, and whether an element is near its rotation limit in
+the last one (1)."""
 
 RATIO, NOW, PREVIOUS, INCREMENT, MOTION, NUMBERS = range(6)
 """Indices of numbers: ratio of increments at the start of steps and in the current one, the

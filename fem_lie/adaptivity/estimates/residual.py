@@ -1,0 +1,409 @@
+"""Errors by residuals: how far the elements' stress is from balance, within them and between.
+
+Layers along the edges of plates and shells, as wide as these are thick, that no cell shows.
+
+Where no couple about its normal acts on an edge, the twisting moment ``M_ντ`` vanishes there; in a
+thin shell it does so within a layer of the width ``λ = √(B/S)``, with the stiffnesses B of twist
+and S of shear, t/√10 if it is homogeneous: ``M = m exp(−x/λ)`` and ``Q = M′``. Cells that are wider
+than that end with some ``M_ντ = m`` instead. What they miss is, per length of the edge::
+
+    ∫ M²/B + Q²/S dx = m² λ / B
+
+(D. N. Arnold & R. S. Falk, SIAM J. Numer. Anal. 27 (1990) 281, on the layer.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+
+import basix
+import numpy as np
+from numpy.polynomial import legendre
+from scipy.sparse import csr_matrix
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.adaptivity.estimates.cut import border_shares
+from fem_lie.adaptivity.estimates.estimate import ElementErrors, ErrorEstimate, Way
+from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.shells.shell import Shell
+from fem_lie.mesh.surfaces import KINK_ANGLE
+from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.history import Result
+from fem_lie.results.states import nodes_in
+from fem_lie.results.stresses.element_forces import neighbours
+from fem_lie.results.stresses.nodal_values import axes_along, extrapolation, slopes_along, unit
+from fem_lie.results.stresses.section_forces import SectionForces, section_forces
+from fem_lie.results.stresses.shell_stress import (
+    ShellStress,
+    StressPoints,
+    between,
+    integration,
+    turned,
+)
+from fem_lie.scene import Scene
+
+_TWIST, _SHEAR = 5, 6  # of stress along and across an edge
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeLayers:
+    """What does not change with the state, of b edges without another side.
+
+    Attributes:
+        edges: Numbers (m c) of the edges, shape (b,).
+        sides: 1 where the second axis of the edge points outward, −1 elsewhere, shape (b,).
+        couples: From stress at the points of integration, (m g 8,), to the couple per length about
+            the normal that holds the edge, shape (b, m g 8).
+        factors: Length of the edge times ``λ/B``, zero at corners, shape (b,).
+    """
+
+    edges: Indices
+    sides: Array
+    couples: csr_matrix
+    factors: Array
+
+    @classmethod
+    def of(
+        cls, shell: Shell, places: StressPoints, ends: Indices, edges: Indices, turns: Array
+    ) -> EdgeLayers:
+        """Those of a shell.
+
+        Args:
+            shell: The shell.
+            places: Where its stress is.
+            ends: Both ends of the c edges of a cell, among its nodes, shape (c, 2).
+            edges: Those without another side, numbers in (m c).
+            turns: From stress along the sections to stress along edges, shape (m, c, 8, 8).
+        """
+        mesh, c = shell.own_mesh, len(ends)
+        cell, side = np.divmod(edges, c)
+        nodes, x = mesh.cells[cell], mesh.points
+        pair = np.take_along_axis(nodes, ends[side], axis=1)
+        pair.sort(axis=1)  # the direction of the axes
+        along = x[pair[:, 1]] - x[pair[:, 0]]
+        length = np.linalg.norm(along, axis=1)
+        along /= length[:, np.newaxis]
+        outward = x[pair].mean(axis=1) - x[nodes].mean(axis=1)
+        second = np.cross(mesh.normals[cell].mean(axis=1), along)
+        sides = np.sign(np.einsum("bj,bj->b", second, outward))
+        number = np.take_along_axis(places.patches.number[cell], ends[side], axis=1)
+        share, straight = border_shares(number, along, length)
+        weight = np.divide(straight, share, out=np.zeros_like(share), where=straight > 0)
+        weight /= np.maximum(straight.sum(axis=1, keepdims=True), 1.0)
+        couples = sum(_couples(shell, places, number[:, k], along, weight[:, k]) for k in range(2))
+        turn = turns[cell, side]
+        D = turn @ shell.stiffness[cell] @ np.swapaxes(turn, 1, 2)
+        twist, shear = D[:, _TWIST, _TWIST], D[:, _SHEAR, _SHEAR]
+        factors = length * straight.any(axis=1) / np.sqrt(twist * shear)
+        return cls(edges, sides, couples, factors)
+
+    def squares(self, stress: Array, at_edges: Array, jumps: Array) -> Array:
+        """What the cells miss besides what jumps say, shape (m,).
+
+        Args:
+            stress: At the points of integration, shape (m, g, 8).
+            at_edges: At the middles of edges, in their axes, shape (m, c, 8).
+            jumps: There, shape (m, c, 8).
+        """
+        m, c = at_edges.shape[:2]
+        cell = self.edges // c
+        own = self.sides * at_edges.reshape(-1, 8)[self.edges, _TWIST]
+        missed = np.abs(own - self.couples @ stress.ravel())
+        smooth = 0.5 * np.abs(jumps[cell, :, _TWIST]).max(axis=1)
+        square = self.factors * np.maximum(missed - smooth, 0.0) ** 2
+        return np.asarray(np.bincount(cell, square, minlength=m), dtype=np.float64)
+
+
+def _couples(
+    shell: Shell, places: StressPoints, number: Indices, along: Array, weight: Array
+) -> csr_matrix:
+    """``∫ M_ij N,i τ_j + Q_i τ_i N`` with the shape function N of one end each, times a weight."""
+    m, k = places.patches.number.shape
+    g = places.areas.shape[1]
+    corner = np.argsort(places.patches.number.ravel(), kind="stable")
+    sorted_ = places.patches.number.ravel()[corner]
+    first, last = np.searchsorted(sorted_, number), np.searchsorted(sorted_, number, "right")
+    row = np.repeat(np.arange(len(number)), last - first)
+    offset = np.arange(len(row)) - np.repeat(np.cumsum(last - first) - (last - first), last - first)
+    cell, node = np.divmod(corner[first[row] + offset], k)
+    mesh = shell.own_mesh
+    tangents = places.points.tangents(mesh.points[mesh.cells])[cell]
+    slopes = np.broadcast_to(
+        np.moveaxis(places.points.slopes[:, :, node], 2, 0).swapaxes(1, 2)[..., np.newaxis],
+        (len(row), g, 2, 1),
+    )
+    N1, N2 = np.moveaxis(slopes_along(places.section[cell], tangents, slopes)[..., 0], -1, 0)
+    N = places.points.shapes[:, node].T
+    t1, t2 = np.einsum("pgij,pj->ipg", places.section[cell][:, :, :2], along[row])
+    found = np.stack([N1 * t1, N2 * t2, N1 * t2 + N2 * t1, N * t1, N * t2], axis=-1)
+    found *= (places.areas[cell] * weight[row][:, np.newaxis])[..., np.newaxis]
+    columns = (cell[:, np.newaxis] * g + np.arange(g))[..., np.newaxis] * 8 + np.arange(3, 8)
+    rows = np.broadcast_to(row[:, np.newaxis, np.newaxis], columns.shape)
+    shape = (len(number), m * g * 8)
+    return csr_matrix((found.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
+
+
+def beam_residual(
+    result: Result | StaticResult, beam: Beam, scene: Scene, steps: Sequence[int]
+) -> list[ElementErrors]:
+    """Errors from the balance of forces and moments in the frame of the section.
+
+    What is left of it is::
+
+        r = (N′ + κ × N + n,  M′ + κ × M + Γ × N + m)
+
+    with the present strains Γ, κ, tangent included. What acts along the line, n and m, is what
+    makes forces jump at nodes, over the length that carries it; inertia is in it. Where a single
+    force may act, nothing is known of it but what the other end says.
+
+    An element with g points of Gauss has its stress right there, and misses a multiple of
+    Legendre's polynomial of degree g, ``τ′ = −r``. So of r the part of degree g − 1 counts, to
+    which the derivative of its own stress adds nothing, and with its coefficient r̂::
+
+        τ̂ = ℓ r̂ / (2 (2g − 1)),    η² = ℓ τ̂·D⁻¹τ̂ / (2g + 1),
+
+    which is ``ℓ³ r·D⁻¹r / 12`` with one point. Jumps at nodes have no term of their own:
+    an element that is right at its ends does no work on them.
+
+    Raises:
+        ValueError: See :func:`~fem_lie.results.stresses.section_forces.section_forces`; the energy
+            of the element is no strain energy.
+    """
+    found = section_forces(result, beam, scene, steps=steps)
+    return [_errors(found, k) for k in range(len(steps))]
+
+
+def _errors(found: SectionForces, k: int) -> ElementErrors:
+    beam, stress = found.beam, found.at_points(k)
+    g, compliance = stress.shape[1], np.linalg.inv(beam.stiffness)
+    x, w = legendre.leggauss(g)
+    shape = legendre.legval(x, np.eye(g)[-1])
+    balance = _turning(_rates(beam, found.frames[k], x), stress)
+    residual = (g - 0.5) * np.einsum("q,q,mqb->mb", w, shape, balance)
+    residual = residual + along_the_line(found, k, g - 1)
+    missing = beam.lengths[:, np.newaxis] * residual / (2.0 * (2 * g - 1))
+    squares = np.einsum("mi,mij,mj->m", missing, compliance, missing) * beam.lengths / (2 * g + 1)
+    energy = np.einsum("q,mqi,mij,mqj,m->", 0.5 * w, stress, compliance, stress, beam.lengths)
+    return ElementErrors(squares, float(energy))
+
+
+def _turning(rates: Array, stress: Array) -> Array:
+    """``(κ × N, κ × M + Γ × N)``, shape (m, q, 6)."""
+    stretch, curvature, force = rates[..., :3], rates[..., 3:], stress[..., :3]
+    moment = np.cross(curvature, stress[..., 3:]) + np.cross(stretch, force)
+    return np.concatenate([np.cross(curvature, force), moment], axis=-1)
+
+
+def _rates(beam: Beam, frames: Array, x: Array) -> Array:
+    """``H⁻¹H′`` by unloaded arc length at points −1 ≤ x ≤ 1, shape (m, q, 6)."""
+    ends, unloaded = frames[beam.elements], beam.frames[beam.elements]
+    if beam.elements.shape[1] == 2:
+        moved = lie.se3_relative(ends[:, 0], ends[:, 1]) / beam.lengths[:, np.newaxis]
+        return np.repeat(moved[:, np.newaxis], len(x), axis=1)
+    shapes = np.stack([0.5 * x * (x - 1), 0.5 * x * (x + 1), 1 - x * x], axis=1)
+    slopes = np.stack([x - 0.5, x + 0.5, -2 * x], axis=1)
+    arc = np.linalg.norm(np.einsum("qk,mkj->mqj", slopes, unloaded[:, :, 0]), axis=2)
+    d = np.einsum("qk,mkij->mqij", shapes, ends[:, :, 1:])
+    change = np.einsum("qk,mkij->mqij", slopes, ends)
+    stretch = np.einsum("mqij,mqj->mqi", d, change[:, :, 0])
+    turn = np.einsum("mqaj,mqbj->mqab", d, change[:, :, 1:])
+    turn = 0.5 * (turn - np.swapaxes(turn, 2, 3))
+    curvature = np.stack([turn[..., 2, 1], turn[..., 0, 2], turn[..., 1, 0]], axis=-1)
+    # of directors that are orthonormal, as the element has them
+    E = 0.5 * (np.eye(3) - np.einsum("mqij,mqkj->mqik", d, d))
+    stretch = stretch + np.einsum("mqij,mqj->mqi", E, stretch)
+    trace = np.trace(E, axis1=2, axis2=3)[..., np.newaxis]
+    curvature = curvature + trace * curvature - np.einsum("mqij,mqj->mqi", E, curvature)
+    return np.asarray(np.concatenate([stretch, curvature], axis=-1) / arc[..., np.newaxis])
+
+
+def along_the_line(found: SectionForces, k: int, degree: int) -> Array:
+    """Force and moment per length, its mean or, of degree 1, half of its change, shape (m, 6)."""
+    beam = found.beam
+    # what is viscous is no elastic stress
+    ends = found.elements.at_ends(found.frames[k])
+    rows = beam.frames[beam.elements[:, :2]]
+    shares = beam.formulation.shares(rows, beam.lengths)
+    before, behind = neighbours(beam.elements, found.single)
+    carried = shares[before, 1] + shares[behind, 0]
+    density = (ends[before, 1] - ends[behind, 0]) / carried[:, np.newaxis]
+    known, count = np.zeros_like(ends), np.zeros((len(ends), 2))
+    known[before, 1], known[behind, 0] = density, density
+    count[before, 1], count[behind, 0] = 1.0, 1.0
+    if degree == 0:
+        each = np.maximum(count.sum(axis=1), 1.0)
+        return np.asarray(known.sum(axis=1) / each[:, np.newaxis])
+    both = count.min(axis=1, keepdims=True)
+    return np.asarray(0.5 * both * (known[:, 1] - known[:, 0]))
+
+
+_OPPOSITE = {"quadrilateral": (3, 2, 1, 0)}  # of the edges in the order of basix
+_SHARE = {"quadrilateral": 1 / 24, "triangle": 1 / 12}
+"""Of area times square of the jump: exact where the stress that is missed is linear."""
+
+
+def shell_residual(
+    result: Result | StaticResult, shell: Shell, scene: Scene, steps: Sequence[int]
+) -> list[ElementErrors]:
+    """Errors from the jumps J of stress at the middles of edges, in the axes of each edge.
+
+    They are::
+
+        η² = c A Σ_edges J·D⁻¹J,    c = 1/24 for quadrilaterals, 1/12 for triangles.
+
+    In elements of first degree edges dominate what is within (C. Carstensen & R. Verfürth, SIAM J.
+    Numer. Anal. 36 (1999) 1571), and for even meshes jumps give the error exactly (I. Babuška &
+    D.-H. Yu, RAIRO 21 (1987)): c is what makes η that of a solution of second degree, on
+    rectangles, and on triangles with edges in three directions.
+
+    Local frames make it simple: both sides have their resultants along axes that move with them, so
+    the jump is taken across a bend, and rigid motion is not in it. At a border, a kink or where the
+    section changes, an edge has no other side; then the opposite one counts twice, or on triangles
+    those that are left count for all. What is missed in layers along borders comes to it, see
+    :class:`EdgeLayers`.
+
+    Raises:
+        ValueError: The cells have nodes besides their corners, or no edge in common; the shell is
+            not in that result, or there is no such step.
+    """
+    edges, stress = ShellEdges.of(shell), ShellStress.of(shell)
+    nodes = nodes_in(result.info, shell)
+    return [edges.errors(stress(result.frames[step][nodes])) for step in steps]
+
+
+@dataclass(frozen=True, eq=False)
+class ShellEdges:
+    """What does not change with the state.
+
+    Attributes:
+        to_edges: From values at the points of integration to the middles of c edges, (c, g).
+        turns: To the axes of the edges, shape (m, c, 8, 8).
+        compliance: ``D⁻¹`` along these axes, shape (m, c, 8, 8).
+        a: Cell and edge of one side of what is common, numbers in (m c), shape (e,).
+        b: Of the other side.
+        areas: Of what is carried by the points, shape (m, g).
+        shares: Of area times square of each jump, shape (m, c).
+        plain: ``D⁻¹`` of each cell, shape (m, 8, 8).
+        layers: Of the edges without another side.
+    """
+
+    to_edges: Array
+    turns: Array
+    compliance: Array
+    a: Indices
+    b: Indices
+    areas: Array
+    shares: Array
+    plain: Array
+    layers: EdgeLayers
+
+    @classmethod
+    def of(cls, shell: Shell) -> ShellEdges:
+        """Those of a shell, found once."""
+        if shell not in _EDGES:
+            _EDGES[shell] = cls._found(shell)
+        return _EDGES[shell]
+
+    @classmethod
+    def _found(cls, shell: Shell) -> ShellEdges:
+        mesh = shell.own_mesh
+        if mesh.degree != 1:
+            raise ValueError(
+                f"residual errors are for cells of degree 1, those of {shell.label} are of degree "
+                f"{mesh.degree}: take Recovery()"
+            )
+        ends = np.array(basix.topology(basix.CellType[mesh.cell])[1], dtype=np.int64)
+        places = StressPoints.in_sections(shell, KINK_ANGLE)
+        a, b = _common(places.patches.number, ends)
+        m, c = len(mesh.cells), len(ends)
+        known = np.isin(np.arange(m * c), [a, b])
+        shares = _shares(mesh.cell, known.reshape(m, c))
+        if not shares.any(axis=1).all():
+            raise ValueError(
+                f"residual errors need cells with smooth neighbours, cell "
+                f"{np.flatnonzero(~shares.any(axis=1))[0]} of {shell.label} has none"
+            )
+        turns = _turns(shell, ends)
+        plain = np.linalg.inv(shell.stiffness)
+        inverse = np.linalg.inv(turns)
+        compliance = np.einsum("mcki,mkl,mclj->mcij", inverse, plain, inverse)
+        rule, _ = integration(shell)
+        to_edges = extrapolation(mesh, rule)[ends].mean(axis=1)
+        layers = EdgeLayers.of(shell, places, ends, np.flatnonzero(~known), turns)
+        return cls(to_edges, turns, compliance, a, b, places.areas, shares, plain, layers)
+
+    def errors(self, stress: Array) -> ElementErrors:
+        """From stress at the points of integration, in the axes of the sections, (m, g, 8)."""
+        m, c = self.shares.shape
+        at_edges = np.matmul(self.turns, (self.to_edges @ stress)[..., np.newaxis])[..., 0]
+        flat, jumps = at_edges.reshape(m * c, 8), np.zeros((m * c, 8))
+        jumps[self.a] = flat[self.b] - flat[self.a]
+        jumps[self.b] = jumps[self.a]
+        rows = jumps.reshape(m, c, 1, 8)
+        squares = ((rows @ self.compliance) * rows).sum(axis=(2, 3))
+        energy = ((stress @ self.plain) * stress).sum(axis=2)
+        layers = self.layers.squares(stress, at_edges, jumps.reshape(m, c, 8))
+        return ElementErrors(
+            self.areas.sum(axis=1) * (squares * self.shares).sum(axis=1) + layers,
+            float((energy * self.areas).sum()),
+        )
+
+
+_EDGES: WeakKeyDictionary[Shell, ShellEdges] = WeakKeyDictionary()
+
+
+def _common(number: Indices, ends: Indices) -> tuple[Indices, Indices]:
+    """Pairs of edges of cells (numbers in m c) between smooth neighbours."""
+    pairs = np.sort(number[:, ends], axis=2).reshape(-1, 2)
+    _, edge, met = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
+    order = np.argsort(edge.ravel(), kind="stable")
+    twice = order[met[edge.ravel()[order]] == 2].reshape(-1, 2)
+    return twice[:, 0], twice[:, 1]
+
+
+def _shares(cell: str, known: Flags) -> Array:
+    """Share of each edge (m, c), where some are without another side."""
+    if cell in _OPPOSITE:
+        shares = known * (2.0 - known[:, _OPPOSITE[cell]])
+    else:
+        shares = known.astype(np.float64)
+    total = shares.sum(axis=1, keepdims=True)
+    scale = np.divide(known.shape[1], total, out=np.zeros_like(total), where=total > 0)
+    return np.asarray(_SHARE[cell] * shares * scale)
+
+
+def _turns(shell: Shell, ends: Indices) -> Array:
+    """From components along the axes of the sections to those along edges, (m, c, 8, 8)."""
+    mesh = shell.own_mesh
+    normals = unit(mesh.normals[:, ends].sum(axis=2))
+    along = np.diff(mesh.points[mesh.cells[:, ends]], axis=2)[:, :, 0]
+    # one direction for both sides
+    first, second = np.moveaxis(mesh.cells[:, ends], 2, 0)
+    along[first > second] *= -1.0
+    section = axes_along(normals, shell.axes[:, np.newaxis])
+    cosine, sine = between(section, axes_along(normals, along))
+    basis = turned(np.eye(8), cosine[..., np.newaxis], sine[..., np.newaxis])
+    return np.asarray(np.swapaxes(basis, 2, 3), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class ResidualEstimate(ErrorEstimate):
+    """From the balance of stress resultants in local frames, with the constants of the elements.
+
+    Of beams it is what is left of the balance within elements, of shells with nodes at their
+    corners the jumps of stress between them; see
+    :func:`~fem_lie.adaptivity.estimates.residual.beam_residual` and
+    :func:`~fem_lie.adaptivity.estimates.residual.shell_residual`.
+
+    Example:
+        >>> found = fl.adaptivity.ResidualEstimate()
+        >>> isinstance(found, fl.adaptivity.ErrorEstimate)
+        True
+    """
+
+    def ways(self) -> Mapping[type, Way]:
+        """For beams and shells."""
+        return {Beam: beam_residual, Shell: shell_residual}

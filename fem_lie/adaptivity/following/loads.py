@@ -1,0 +1,232 @@
+"""Paths of equilibrium under growing loads, on meshes that follow the error.
+
+A scene is a function of its mesh, as for :func:`~fem_lie.adaptivity.adapt`::
+
+    found = fl.adaptivity.adapt_loads(shell, mesh, [0.25, 0.5, 0.75, 1.0], tolerance=0.05)
+    print(found)                           # elements and error at each load factor
+    found.displacement("shell.tip"), found.segments[-1].result
+
+From one load factor to the next the state goes on. Where the error of the stress is larger than
+allowed there, the mesh is made anew, and the way from the last factor gone again on it; where
+elements are smaller than needed they grow.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Generic
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices, instance, positive, whole
+from fem_lie.adaptivity.estimates.estimate import ErrorEstimate
+from fem_lie.adaptivity.following.transfer import Transferred, transfer
+from fem_lie.adaptivity.loop import named_body
+from fem_lie.adaptivity.refinement import Followed, Onto, Sizes, check_refinable, order_of
+from fem_lie.adaptivity.space_error import SpaceError, space_error
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.mesh.lines import LineMesh
+from fem_lie.mesh.surfaces import SurfaceMesh
+from fem_lie.results.equilibrium import PathResult
+from fem_lie.scene import Scene
+from fem_lie.solve.statics.arc_length import ArcLength, increasing
+from fem_lie.solve.statics.follow import check_proportion, follow_loads
+
+_log = logging.getLogger("fem_lie")
+
+_AIM = 0.75  # of the allowed error
+_FEWER = 0.7  # elements that are worth a change of the mesh
+_TRIES = 8  # meshes for one load factor
+
+
+@dataclass(frozen=True, eq=False)
+class LoadSegment(Generic[Followed]):
+    """A part of a path, up to one load factor, on one mesh.
+
+    Attributes:
+        mesh: Of the body that is refined.
+        scene: On it.
+        result: Of this part; its last state is at the load factor.
+        error: Estimated there.
+        change: What the change to this mesh has done; ``None`` for the first.
+    """
+
+    mesh: Followed
+    scene: Scene
+    result: PathResult
+    error: SpaceError
+    change: Transferred | None
+
+
+@dataclass(frozen=True, eq=False)
+class AdaptedLoads(Generic[Followed]):
+    """What :func:`~fem_lie.adaptivity.adapt_loads` has found.
+
+    Attributes:
+        segments: One for each load factor.
+        tolerance: What was asked for.
+        solved: Equilibria that were found, those in vain included.
+    """
+
+    segments: tuple[LoadSegment[Followed], ...]
+    tolerance: float
+    solved: int
+
+    @property
+    def factors(self) -> Array:
+        """Load factors, shape (k,)."""
+        return np.array([part.result.factors[-1] for part in self.segments])
+
+    @property
+    def cells(self) -> Indices:
+        """Elements at each of them, shape (k,)."""
+        return np.array([len(part.mesh.cells) for part in self.segments], dtype=np.int64)
+
+    @property
+    def relative(self) -> Array:
+        """Estimated error at each of them, over the norm of the stress, shape (k,)."""
+        return np.array([part.error.relative for part in self.segments])
+
+    def displacement(self, point: str) -> Array:
+        """Of a named point such as "beam.end", shape (k, 3).
+
+        Raises:
+            ValueError: There is no such point.
+        """
+        return np.array([part.result.displacement(point)[-1] for part in self.segments])
+
+    def __str__(self) -> str:
+        """A line for each load factor."""
+        rows = zip(self.factors, self.cells, self.relative, strict=True)
+        return "\n".join(f"factor {f:g}: {n} elements, error {100 * e:.3g} %" for f, n, e in rows)
+
+
+def adapt_loads(
+    build: Callable[[Followed], Scene],
+    mesh: Followed,
+    levels: Sequence[float],
+    *,
+    tolerance: float,
+    body: str | None = None,
+    arc_length: ArcLength | None = None,
+    estimate: ErrorEstimate | None = None,
+    most: int = 200_000,
+    onto: Onto | None = None,
+) -> AdaptedLoads[Followed]:
+    """Equilibrium at growing load factors, each on a mesh that is fine enough for it.
+
+    Args:
+        build: From a mesh to a scene with a beam or shell on it.
+        mesh: The coarsest: lines, or triangles of first degree.
+        levels: Increasing positive load factors; the mesh changes at no others.
+        tolerance: Of the relative error in the energy norm, at each of them.
+        body: Name of the beam or shell on the mesh; default: the only one there is.
+        arc_length: Options; see :class:`~fem_lie.stability.ArcLength`.
+        estimate: How the error is found; default: :class:`~fem_lie.adaptivity.RecoveryEstimate`.
+        most: Elements; more are not solved for.
+        onto: The true line or surface, for new points.
+
+    Raises:
+        ValueError: Bad arguments, a mesh that cannot be refined, a scene without a beam or shell on
+            it or with loads that are not in proportion to the factor, before anything is solved.
+        ConvergenceError: The tolerance needs more elements, or equilibrium was not found; its
+            ``result`` is the :class:`AdaptedLoads` up to there, if there is any.
+
+    Example:
+        >>> def build(mesh):
+        ...     steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        ...     scene = fl.Scene()
+        ...     beam = scene.add(fl.Beam(mesh, fl.Section.circle(0.01, steel), name="beam"))
+        ...     _ = scene.add(fl.Clamp(beam.point("start")))
+        ...     _ = scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 500.0)))
+        ...     return scene
+        >>> line = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 2)
+        >>> found = fl.adaptivity.adapt_loads(build, line, [0.5, 1.0], tolerance=0.05)
+        >>> bool((found.relative <= 0.05).all())
+        True
+    """
+    _check(build, mesh, tolerance, estimate, onto)
+    whole(most, "most")
+    segments: list[LoadSegment[Followed]] = []
+    now, solved = mesh, 0
+    for level in increasing(levels):
+        for _ in range(_TRIES):
+            _require_few(now, most, level, _found(segments, tolerance, solved))
+            try:
+                part = _stretch(build, now, level, body, arc_length, estimate, segments)
+            except ConvergenceError as error:
+                raise ConvergenceError(str(error), _found(segments, tolerance, solved)) from None
+            solved += 1
+            fitted = _fitted(mesh, part, tolerance, onto)
+            if part.error.relative <= tolerance:
+                break
+            _log.info("factor %g: %s: again", level, part.error)
+            now = fitted
+        else:
+            raise ConvergenceError(
+                f"at load factor {level:g} the error is {part.error.relative:.2g} after {_TRIES} "
+                f"meshes, wanted {tolerance:g}",
+                _found(segments, tolerance, solved),
+            )
+        segments.append(part)
+        now = fitted if len(fitted.cells) < _FEWER * len(now.cells) else now
+    return AdaptedLoads(tuple(segments), tolerance, solved)
+
+
+def _found(
+    segments: list[LoadSegment[Followed]], tolerance: float, solved: int
+) -> AdaptedLoads[Followed] | None:
+    return AdaptedLoads(tuple(segments), tolerance, solved) if segments else None
+
+
+def _stretch(
+    build: Callable[[Followed], Scene],
+    mesh: Followed,
+    level: float,
+    body: str | None,
+    arc_length: ArcLength | None,
+    estimate: ErrorEstimate | None,
+    before: list[LoadSegment[Followed]],
+) -> LoadSegment[Followed]:
+    """On to a load factor, from the last one on its mesh."""
+    scene = build(mesh)
+    check_proportion(scene)
+    chosen = named_body(scene, body, mesh)
+    change = transfer(before[-1].result, before[-1].scene, scene) if before else None
+    result = follow_loads(scene, [level], arc_length=arc_length)
+    error = space_error(result, chosen, scene, estimate=estimate)
+    return LoadSegment(mesh, scene, result, error, change)
+
+
+def _fitted(
+    coarse: Followed, part: LoadSegment[Followed], tolerance: float, onto: Onto | None
+) -> Followed:
+    """A mesh whose elements all have the same part of what is allowed."""
+    error = part.error
+    allowed = _AIM * tolerance * float(np.sqrt(error.energy))
+    return Sizes.of(part.mesh, error.squares, allowed, order_of(error.body)).mesh(coarse, onto=onto)
+
+
+def _require_few(
+    mesh: LineMesh | SurfaceMesh, most: int, level: float, found: object | None
+) -> None:
+    if len(mesh.cells) > most:
+        raise ConvergenceError(
+            f"at load factor {level:g} the tolerance needs {len(mesh.cells)} elements, more than "
+            f"{most}",
+            found,
+        )
+
+
+def _check(
+    build: object, mesh: Followed, tolerance: float, estimate: object, onto: Onto | None
+) -> None:
+    instance(build, Callable, "build", "a function from a mesh to a Scene")
+    instance(mesh, LineMesh | SurfaceMesh, "mesh", "a LineMesh or a SurfaceMesh")
+    positive(tolerance, "tolerance")
+    instance(estimate, ErrorEstimate | None, "estimate", "a Recovery, a Residual or None")
+    check_refinable(mesh, onto)
+    if isinstance(mesh, SurfaceMesh) and mesh.cell != "triangle":
+        raise ValueError(f"states are carried over triangles of degree 1, got {mesh.cell}s")

@@ -1,0 +1,235 @@
+"""Dynamics on meshes that follow the error, with steps that follow theirs.
+
+A scene is a function of its mesh, as for :func:`~fem_lie.adaptivity.adapt`::
+
+    found = fl.adaptivity.adapt_motion(rope, mesh, duration=0.01, every=2e-4, tolerance=0.05,
+    size=1e-3) print(found)                           # what of the tolerance is for space and for
+    time found.times, found.kinetic, found.position("rope.end"), found.segments[-1].result
+
+Now and then the mesh is made anew from the coarse one, by the error of the stress that was found,
+and the state is carried to it. Where the error of a stretch was larger than allowed, it is made
+again on a mesh that is fine where the error was.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from math import sqrt
+from typing import Generic, NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, instance, number, positive, whole
+from fem_lie.adaptivity.estimates.estimate import Estimated
+from fem_lie.adaptivity.estimates.recovery import fields_of
+from fem_lie.adaptivity.following.segments import AdaptedMotion, MotionSegment, steps_of
+from fem_lie.adaptivity.following.transfer import Transferred, transfer
+from fem_lie.adaptivity.loop import named_body
+from fem_lie.adaptivity.refinement import Followed, Onto, Sizes, check_refinable, order_of
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.mesh.lines import LineMesh
+from fem_lie.mesh.surfaces import SurfaceMesh
+from fem_lie.results.history import Result
+from fem_lie.scene import Scene
+from fem_lie.scene.scene import require_scene
+from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
+from fem_lie.solve.motion.integrator import Integrator
+from fem_lie.solve.step_control import AdaptiveStep
+
+_log = logging.getLogger("fem_lie")
+
+_AIM = 0.75  # of the allowed error
+_LOOKS = 6  # states of a stretch whose error is estimated
+_TRIES = 6  # meshes for one stretch
+
+
+def adapt_motion(
+    build: Callable[[Followed], Scene],
+    mesh: Followed,
+    *,
+    duration: float,
+    every: float,
+    tolerance: float,
+    size: float,
+    body: str | None = None,
+    scheme: Integrator | None = None,
+    share: float = 0.5,
+    ahead: float = 0.0,
+    least: float = 0.0,
+    most: int = 200_000,
+    onto: Onto | None = None,
+) -> AdaptedMotion[Followed]:
+    """Integrate with meshes and steps that follow one tolerance, split between space and time.
+
+    With the tolerance τ, ``τ² = s τ² + (1 − s) τ²``: the error of the stress in the energy norm is
+    at most ``√s τ`` of the largest norm of the stress so far, and that of places, summed up over
+    all steps as if none of it went away, ``√(1 − s) τ`` of the size of the motion.
+
+    Args:
+        build: From a mesh to a scene with a beam or shell on it.
+        mesh: The coarsest: lines, or triangles of first degree.
+        duration: End time.
+        every: Time between two changes of the mesh.
+        tolerance: τ.
+        size: Length by which errors of places are divided: the amplitude of a wave, the length of
+            a pendulum.
+        body: Name of the beam or shell on the mesh; default: the only one there is.
+        scheme: With steps that can be chosen; default: ``GeneralisedAlpha()``.
+        share: s, above 0 and below 1.
+        ahead: So far around small elements others are as small: how far what needs them moves
+            between two changes. Less is found, and makes stretches be done again.
+        least: Norm of the stress, the root of twice an elastic energy, by which its errors are
+            divided before there is so much: what is small beside it needs no fine mesh.
+        most: Elements; more are not solved for.
+        onto: The true line or surface, for new points.
+
+    Raises:
+        ValueError: Bad arguments, a mesh that cannot be refined, or a scene without a beam or shell
+            on it, before anything is solved.
+        ConvergenceError: The tolerance needs more elements, or a step failed; its ``result`` is the
+            :class:`AdaptedMotion` up to there, if there is any.
+    """
+    _check(build, mesh, scheme, onto)
+    for value, what in ((duration, "duration"), (every, "every"), (size, "size")):
+        positive(value, what)
+    positive(tolerance, "tolerance")
+    whole(most, "most")
+    if not 0.0 < number(share, "share") < 1.0:
+        raise ValueError(f"share must be above 0 and below 1, got {share!r}")
+    if not number(ahead, "ahead") >= 0.0:
+        raise ValueError(f"ahead must not be negative, got {ahead!r}")
+    if not number(least, "least") >= 0.0:
+        raise ValueError(f"least must not be negative, got {least!r}")
+    check_refinable(mesh, onto)
+    if isinstance(mesh, SurfaceMesh) and mesh.cell != "triangle":
+        raise ValueError(f"states are carried over triangles of degree 1, got {mesh.cell}s")
+    allowed = sqrt(share) * tolerance, sqrt(1.0 - share) * tolerance
+    scheme = GeneralisedAlpha() if scheme is None else scheme
+    steps = AdaptiveStep(allowed[1] * size / duration, first=min(1e-2 * every, 1e-3 * duration))
+    meshes = _Meshes(mesh, ahead, onto, allowed[0])
+    segments: list[MotionSegment[Followed]] = []
+    now, time, scale, work = mesh, 0.0, float(least), 0
+
+    def found() -> AdaptedMotion[Followed]:
+        return AdaptedMotion(tuple(segments), tolerance, *allowed, work)
+
+    while time < duration * (1.0 - 1e-12):
+        span = min(every, duration - time)
+        for _ in range(_TRIES):
+            if len(now.cells) > most:
+                raise ConvergenceError(
+                    f"at time {time:g} the tolerance needs {len(now.cells)} elements, more than "
+                    f"{most}",
+                    found() if segments else None,
+                )
+            scene, change = _begun(build, now, body, segments[-1] if segments else None)
+            result = _run(scheme, scene, span, steps, found if segments else None)
+            work += len(now.cells) * steps_of(result)
+            look = _look(result, named_body(scene, body, now), scene)
+            most_stress = max(scale, look.stress)
+            error = look.error / most_stress if most_stress > 0.0 else 0.0
+            if error <= allowed[0]:
+                break
+            _log.info("time %g: error %.2g with %d elements: again", time, error, len(now.cells))
+            now = meshes.fitted(now, look.squares.max(axis=0), most_stress, look.order)
+        else:
+            raise ConvergenceError(
+                f"at time {time:g} the error in space is {error:.2g} after {_TRIES} meshes, wanted "
+                f"{allowed[0]:.2g}",
+                found() if segments else None,
+            )
+        scale = most_stress
+        segments.append(MotionSegment(time, now, scene, result, error, change))
+        time += span
+        steps = _going_on(steps, result, span)
+        now = meshes.fitted(now, look.squares[-1], scale, look.order, beyond=True)
+    return found()
+
+
+class _Meshes(Generic[Followed]):
+    """Meshes made from one coarse mesh."""
+
+    def __init__(self, coarse: Followed, ahead: float, onto: Onto | None, allowed: float) -> None:
+        """Nothing is made yet."""
+        self._coarse: Followed = coarse
+        self._ahead, self._onto, self._allowed = ahead, onto, allowed
+
+    def fitted(
+        self, now: Followed, squares: Array, scale: float, order: int, *, beyond: bool = False
+    ) -> Followed:
+        """With elements that all have the same part of what is allowed of the scale."""
+        sizes = Sizes.of(now, squares, _AIM * self._allowed * scale, order)
+        ahead = self._ahead if beyond else 0.0
+        made = sizes.mesh(self._coarse, ahead=ahead, onto=self._onto)
+        same = len(made.cells) == len(now.cells) and len(made.points) == len(now.points)
+        return now if same and np.array_equal(made.points, now.points) else made
+
+
+class _Look(NamedTuple):
+    """Errors of elements in some states of a stretch.
+
+    Attributes:
+        squares: Of their errors, shape (k, m).
+        error: The largest of the body.
+        stress: The largest norm of its stress.
+        order: With which the error falls with the size of elements.
+    """
+
+    squares: Array
+    error: float
+    stress: float
+    order: int
+
+
+def _look(result: Result, body: Estimated, scene: Scene) -> _Look:
+    last = len(result.times) - 1
+    steps = np.unique(np.linspace(min(1, last), last, _LOOKS).round().astype(np.int64))
+    fields = fields_of(result, body, scene, [int(step) for step in steps])
+    squares = np.array([each.energy(each.missing) for each in fields])
+    energies = [float(each.energy(each.own).sum()) for each in fields]
+    error = sqrt(squares.sum(axis=1).max())
+    return _Look(squares, error, sqrt(max(energies)), order_of(body))
+
+
+def _begun(
+    build: Callable[[Followed], Scene],
+    mesh: Followed,
+    body: str | None,
+    last: MotionSegment[Followed] | None,
+) -> tuple[Scene, Transferred | None]:
+    """The scene on a mesh, at the end of the last stretch."""
+    scene = build(mesh)
+    require_scene(scene)
+    named_body(scene, body, mesh)
+    return scene, transfer(last.result, last.scene, scene) if last else None
+
+
+def _run(
+    scheme: Integrator,
+    scene: Scene,
+    span: float,
+    steps: AdaptiveStep,
+    before: Callable[[], object] | None,
+) -> Result:
+    try:
+        return scheme.run(scene, duration=span, step=steps, progress=False)
+    except ConvergenceError as error:
+        began = scene.began.time
+        raise ConvergenceError(
+            f"after time {began:g}: {error}", before() if before else None
+        ) from None
+
+
+def _going_on(steps: AdaptiveStep, result: Result, span: float) -> AdaptiveStep:
+    """The same tolerance, with the steps of the end to begin with."""
+    assert result.steps is not None
+    first = min(float(np.median(result.steps.sizes[-3:])), 0.1 * span)
+    return AdaptiveStep(steps.tolerance, first=first, largest=span)
+
+
+def _check(build: object, mesh: object, scheme: object, onto: object) -> None:
+    instance(build, Callable, "build", "a function from a mesh to a Scene")
+    instance(mesh, LineMesh | SurfaceMesh, "mesh", "a LineMesh or a SurfaceMesh")
+    instance(scheme, Integrator | None, "scheme", "a scheme such as GeneralisedAlpha, or None")
+    instance(onto, Callable | None, "onto", "a function of a place, or None")

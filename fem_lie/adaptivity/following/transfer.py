@@ -1,0 +1,345 @@
+"""A state on other meshes of the same bodies, with its momenta, from which every solver restarts.
+
+::
+
+    finer = build(fl.adaptivity.refine(mesh, error.worst()))
+    told = fl.adaptivity.transfer(result, scene, finer)   # bodies of finer are where those of scene
+    are print(told)                                # energy before and after; momenta are the same
+    fl.GeneralisedAlpha().run(finer, duration=0.1, step=1e-3)
+
+Frames between nodes are those of the element there, of beams on the geodesic of SE(3). Velocities
+are those that the elements have there, changed by as little as gives the same momenta. Stress is
+that of the frames on the new mesh; accelerations and joint forces are solved anew by the solver.
+
+Velocities that have given momenta: the nearest to given ones, by the consistent mass.
+
+::
+
+    ½ (v − v̂)ᵀ M (v − v̂) → min,    Zᵀ M v = (p, l),    B v = what joints allow
+
+``Z`` are the six rigid motions; the mass matrix ``M`` of twists is ``Lᵀ G L`` of the constant one
+of (x, d₁, d₂, d₃).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import splu
+
+from fem_lie._arrays import Array, Flags
+from fem_lie.adaptivity.following.places import Places, places
+from fem_lie.bodies.body import Body
+from fem_lie.lie.node_types import push_all_forward, rigid_motions
+from fem_lie.lie.node_types.inertia import invariants
+from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.history import Result
+from fem_lie.results.record import Record
+from fem_lie.results.states import require_states, state_number
+from fem_lie.scene import Scene
+from fem_lie.scene.scene import Began, require_scene
+from fem_lie.system.equations import Equations, TimeState
+
+_SAME = 1e-15  # of the momenta
+_LOST = 1e-13  # of the largest of conditions that others say, too
+_NO_INERTIA = 1e-12
+_ROUNDS = 3
+
+
+def with_momenta(
+    equations: Equations, H: Array, v: Array, momenta: Array, free: Flags, rates: Array
+) -> Array:
+    """Twists of all rows with given momenta.
+
+    Args:
+        equations: Of the scene.
+        H: Frames of all rows.
+        v: Twists of all rows, near to which others are looked for.
+        momenta: Linear and angular about the origin, global components, shape (6,).
+        free: Nodes that may change their twist, shape (n,).
+        rates: Of all constraints, that they are to have, shape (m,).
+    """
+    n, held = equations.unknowns.moving, equations.unknowns.held
+    open_ = (free[:, np.newaxis] & ~held).ravel()
+    M = mass_matrix(equations, H)
+    rigid = rigid_motions(equations.unknowns.kinds, H[:n], np.zeros(3)).reshape(6 * n, 6)
+    P = np.asarray((M @ rigid).T)
+    constraints = equations.constraints(H)
+    C = sp.vstack([sp.csr_matrix(P), constraints.jacobian]).tocsr()[:, open_]
+    own = M[open_][:, open_]
+    # inertia of all unknowns as masses, and both momenta alike
+    length = equations.unknowns.length
+    units = (length / equations.unknowns.units)[open_]
+    masses = own.diagonal() / units**2
+    light = masses <= _NO_INERTIA * masses.max()
+    factors = splu((own + sp.diags(np.where(light, masses.max() * units**2, 0.0))).tocsc())
+    sizes = np.repeat([length, 1.0], 3)
+    toward = factors.solve(C.toarray().T)
+    S = C @ toward
+    size = np.sqrt(np.maximum(np.diag(S), 1e-300))
+    S = S / np.outer(size, size)
+    found = v.copy()
+    for _ in range(_ROUNDS):
+        left = np.concatenate(
+            [momenta - P @ found[:n].ravel(), rates - constraints.rates(found)[0]]
+        )
+        if np.abs(sizes * left[:6]).max() <= _SAME * np.abs(sizes * momenta).max():
+            break
+        weights, *_ = np.linalg.lstsq(S, left / size, rcond=_LOST)
+        change = np.zeros(6 * n)
+        change[open_] = toward @ (weights / size)
+        found[:n] += change.reshape(n, 6)
+    return found
+
+
+def invariants_of(equations: Equations, H: Array, v: Array) -> tuple[float, Array]:
+    """Kinetic energy, and both momenta, about the origin, shape (6,)."""
+    unknowns = equations.unknowns
+    rates, room = np.empty((2, unknowns.moving, 4, 3))
+    energy, *momenta = invariants(
+        unknowns.kinds, H, v[: unknowns.moving], *equations.tables.inertia, rates, room
+    )
+    return float(energy), np.array(momenta)
+
+
+def mass_matrix(equations: Equations, H: Array) -> sp.csr_matrix:
+    """Of the twists of all moving nodes, shape (6 n, 6 n)."""
+    n, kinds = equations.unknowns.moving, equations.unknowns.kinds
+    indptr, indices, G = equations.tables.inertia
+    L = np.empty((6, n, 4, 3))
+    for k in range(6):
+        push_all_forward(kinds, H, np.tile(np.eye(6)[k], (n, 1)), L[k])
+    row = np.repeat(np.arange(n), np.diff(indptr))
+    blocks = np.einsum("pzax,zab,qzbx->zpq", L[:, row], G, L[:, indices], optimize=True)
+    return sp.bsr_matrix((blocks, indices, indptr), shape=(6 * n, 6 * n)).tocsr()
+
+
+_ENOUGH = 4  # new nodes that take what momenta need all by themselves
+_VIOLATED = 1e-6  # of the length of the model, or rad
+
+
+@dataclass(frozen=True, eq=False)
+class Transferred:
+    """What a change of meshes has done to a state; made by :func:`transfer`.
+
+    Attributes:
+        kinetic: Energy before and after.
+        elastic: Likewise.
+        momentum: Linear momentum before and after, shape (2, 3).
+        angular_momentum: About the origin, before and after, shape (2, 3).
+    """
+
+    kinetic: tuple[float, float]
+    elastic: tuple[float, float]
+    momentum: Array
+    angular_momentum: Array
+
+    @property
+    def energy_change(self) -> float:
+        """Of kinetic and elastic energy."""
+        return self.kinetic[1] + self.elastic[1] - self.kinetic[0] - self.elastic[0]
+
+    @property
+    def momentum_error(self) -> float:
+        """Largest relative change of both momenta."""
+        pairs = self.momentum, self.angular_momentum
+        sizes = [float(np.linalg.norm(before)) for before, _ in pairs]
+        gaps = [float(np.linalg.norm(after - before)) for before, after in pairs]
+        return max((g / s for g, s in zip(gaps, sizes, strict=True) if s > 0.0), default=0.0)
+
+    def __str__(self) -> str:
+        """One line."""
+        before = self.kinetic[0] + self.elastic[0]
+        share = f" ({100 * self.energy_change / before:.2g} %)" if before else ""
+        return (
+            f"energy changed by {self.energy_change:.3g}{share}, momenta by "
+            f"{self.momentum_error:.1g} of theirs"
+        )
+
+
+def transfer(
+    result: Result | StaticResult, scene: Scene, onto: Scene, step: int = -1
+) -> Transferred:
+    """Let a scene go on where another one has come to, whose bodies have other meshes.
+
+    Bodies are matched by their names. Those of ``onto`` get frames at which solvers begin
+    (``start_frames``) and velocities, and ``onto`` the time from which its histories are asked for,
+    or the load factor, and full turns of joints. Times of its results count from there.
+
+    Args:
+        result: Of dynamics, of statics or of a path of ``scene``.
+        scene: What was solved.
+        onto: With the same bodies on other meshes: Beams, Rods with frames, and Shells of
+            triangles. Joints and what acts along them are those of ``scene`` where they have the
+            same names; there may be more. It is changed.
+        step: Which state; default: the last.
+
+    Raises:
+        ValueError: Bodies that are others, or meshes of other lines or surfaces; joints of places
+            that the new mesh has elsewhere; a result without velocities or momenta.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> def build(mesh):
+        ...     scene = fl.Scene()
+        ...     beam = scene.add(fl.Beam(mesh, fl.Section.circle(0.01, steel), name="beam"))
+        ...     beam.add_velocity(omega=(0, 0, 1), about=(0, 0, 0))
+        ...     return scene
+        >>> mesh = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 4)
+        >>> coarse, fine = build(mesh), build(fl.adaptivity.refine(mesh, range(4)))
+        >>> result = fl.GeneralisedAlpha().run(coarse, duration=0.1, step=0.02)
+        >>> told = fl.adaptivity.transfer(result, coarse, fine)
+        >>> bool(told.momentum_error < 1e-12), fine.bodies[0].start_frames.shape
+        (True, (9, 4, 3))
+    """
+    require_states(result)
+    require_scene(scene)
+    require_scene(onto)
+    moving = isinstance(result, Result)
+    if (
+        isinstance(result, Result)
+        and Record.VELOCITIES | Record.MOMENTA | Record.ENERGIES not in result.recorded
+    ):
+        raise ValueError("a state goes on with velocities, energies and momenta: record them")
+    before, after = _bodies(scene), _bodies(onto)
+    if set(before) != set(after):
+        raise ValueError(f"bodies were {sorted(before)}, now there are {sorted(after)}")
+    at = state_number(step, len(result.frames))
+    found = {name: places(body, after[name]) for name, body in before.items()}
+    equations = Equations(onto, dynamics=moving)
+    H, v = _gathered(result, at, found, equations, after)
+    if isinstance(result, Result) and result.velocities[at].any():
+        v = _kept(result, at, found, equations, after, H, v)
+    began = (
+        Began(scene.began.time + float(result.times[at]), 0.0)
+        if isinstance(result, Result)
+        else Began(0.0, float(result.factors[at]))
+    )
+    # drives and motions are where they are then, of time or of the load factor
+    now = equations.prescribed(began.time + began.factor - onto.began.time)
+    now.act(began.factor or 1.0)
+    H[equations.unknowns.moving + 1 :] = now.frames
+    connections = equations.system.connections
+    if connections.first.turns or len(connections.sets) > 1:
+        began = began._replace(turned=connections.remembering(_turned(result, at, scene)))
+    connections.remember(began.turned)
+    told = equations.report(H, v[: equations.unknowns.moving])
+    _check_joints(equations, H)
+    frames, twists = told.frames, told.twists
+    for body, own in equations.unknowns.bodies.items():
+        body.start_frames = np.array(frames[own])
+        body.velocities[:] = twists[own]
+    onto.began = began
+    return _told(result, at, scene, equations, H, v)
+
+
+def _bodies(scene: Scene) -> dict[str, Body]:
+    return {body.name: body for body in scene.bodies}
+
+
+def _gathered(
+    result: Result | StaticResult,
+    at: int,
+    found: Mapping[str, Places],
+    equations: Equations,
+    after: Mapping[str, Body],
+) -> tuple[Array, Array]:
+    """Frames and twists of all rows, as the elements of the old meshes have them."""
+    unknowns = equations.unknowns
+    frames, twists = np.empty((unknowns.total, 4, 3)), np.zeros((unknowns.total, 6))
+    for name, place in found.items():
+        own, nodes = result.info.body(name).nodes, unknowns.bodies[after[name]]
+        v = result.velocities[at, own] if isinstance(result, Result) else np.zeros((len(own), 6))
+        frames[nodes], twists[nodes] = place.motion(result.frames[at, own], v)
+    H, v = equations.start.frames.copy(), equations.start.velocities.copy()
+    H[: unknowns.moving] = frames[unknowns.masters]
+    v[: unknowns.moving] = twists[unknowns.masters]
+    return H, v
+
+
+def _kept(
+    result: Result,
+    at: int,
+    found: Mapping[str, Places],
+    equations: Equations,
+    after: Mapping[str, Body],
+    H: Array,
+    v: Array,
+) -> Array:
+    """Twists with the momenta of before, changed at new nodes alone if all others are there."""
+    unknowns, master = equations.unknowns, equations.tables.master
+    (new, changed), lost = np.zeros((2, unknowns.moving), dtype=bool), False
+    for name, place in found.items():
+        nodes, count = master[unknowns.bodies[after[name]]], len(result.info.body(name).nodes)
+        new[nodes[place.between]] = True
+        gone = len(np.unique(place.nodes[~place.between])) < count
+        lost |= gone
+        changed[nodes] |= gone or bool(place.between.any())
+    # what was lost where nodes are gone is not for a few new ones to have
+    free = new if np.count_nonzero(new) >= _ENOUGH and not lost else changed
+    if not free.any():
+        return v
+    momenta = np.concatenate([result.momentum[at], result.angular_momentum[at]])
+    wanted, _ = equations.constraints(H).rates(v)
+    return with_momenta(equations, H, v, momenta, free, wanted)
+
+
+def _check_joints(equations: Equations, H: Array) -> None:
+    """Refuse joints that the change of meshes has torn, whatever the unit of length."""
+    unknowns, r = equations.unknowns, np.empty(equations.unknowns.size)
+    still = np.zeros((len(H), 6))
+    state = TimeState(H, still, still[: unknowns.moving], np.zeros(unknowns.m))
+    equations.residual(state, np.ones(unknowns.m), r)
+    violations = np.abs(r[6 * unknowns.moving :])
+    sizes = violations / np.where(unknowns.angular, 1.0, unknowns.length)
+    if sizes.max(initial=0.0) > _VIOLATED:
+        worst = int(sizes.argmax())
+        joint = equations.info.joints[int(equations.tables.owner[worst])]
+        unit = "rad" if unknowns.angular[worst] else f"of a model of the size {unknowns.length:.1e}"
+        raise ValueError(
+            f"{joint.name} is violated by {violations[worst]:.1e} {unit} on the new mesh: it holds "
+            "a point that was no node; give it a named point of the mesh"
+        )
+
+
+def _turned(
+    result: Result | StaticResult, at: int, scene: Scene
+) -> Mapping[tuple[str, str], float]:
+    """Turns that joints have made up to a state, by going through those before."""
+    equations = Equations(scene, dynamics=isinstance(result, Result))
+    H = equations.start.frames.copy()
+    for frames in result.frames[: at + 1]:
+        H[: equations.unknowns.moving] = frames[equations.unknowns.masters]
+        equations.memory.accept(H)
+    return equations.system.connections.keyed_memory
+
+
+def _told(
+    result: Result | StaticResult,
+    at: int,
+    scene: Scene,
+    equations: Equations,
+    H: Array,
+    v: Array,
+) -> Transferred:
+    """Energies and momenta on both sides."""
+    elastic = _elastic(equations, H)
+    if not isinstance(result, Result):
+        old = Equations(scene, dynamics=False)
+        rows = old.start.frames.copy()
+        rows[: old.unknowns.moving] = result.frames[at][old.unknowns.masters]
+        return Transferred((0.0, 0.0), (_elastic(old, rows), elastic), *np.zeros((2, 2, 3)))
+    kinetic, both = invariants_of(equations, H, v)
+    momentum = np.array([result.momentum[at], both[:3]])
+    angular = np.array([result.angular_momentum[at], both[3:]])
+    energies = (float(result.kinetic[at]), kinetic), (float(result.elastic[at]), elastic)
+    return Transferred(*energies, momentum, angular)
+
+
+def _elastic(equations: Equations, H: Array) -> float:
+    """Energy of elements and springs."""
+    equations.memory.carry(H)
+    return equations.report(H).elastic + equations.system.connections.sets[0].spring_energy(H)

@@ -1,0 +1,177 @@
+"""Error of one number of the solution: what a goal has to know, and what is found of it.
+
+A goal has a direction z in which the scene moves, and its error is made of how far the derivative
+of the stress along it, σ_z, is from what is recovered from it, σ*_z. Each goal is a file.
+"""
+
+from __future__ import annotations
+
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Indices, instance
+from fem_lie.adaptivity.estimates.estimate import Estimated
+from fem_lie.adaptivity.estimates.recovery import StressFields, fields_of
+from fem_lie.adaptivity.space_error import draw_error, worst
+from fem_lie.bodies.thin_shells.thin_shell import ThinShell
+from fem_lie.pictures.stage import SI, Units
+from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.states import nodes_in
+from fem_lie.scene import Scene
+
+_STEP = 1e-5  # of the model, in differences
+
+
+class Goal(ABC):
+    """One number that has to be accurate."""
+
+    @abstractmethod
+    def check(self, scene: Scene) -> None:
+        """Raise ``ValueError`` if the scene has no such number, before anything is solved."""
+
+    @abstractmethod
+    def solve(self, scene: Scene) -> StaticResult:
+        """What the number is taken from, by default."""
+
+    @abstractmethod
+    def found(
+        self, result: StaticResult, bodies: Sequence[Estimated], scene: Scene
+    ) -> tuple[float, Sequence[Array]]:
+        """The number, and what each element of each body adds to its error, (m,) each."""
+
+    @abstractmethod
+    def __str__(self) -> str:
+        """What it is, in a few words."""
+
+
+def goal_error(
+    result: StaticResult, bodies: Sequence[Estimated], scene: Scene, goal: Goal
+) -> GoalError:
+    """Estimate the error of a goal in the last state.
+
+    Args:
+        result: Of statics or of a path.
+        bodies: Beams and shells to whose elements the error is attributed.
+        scene: What was solved.
+        goal: What is wanted.
+
+    Raises:
+        ValueError: See :func:`~fem_lie.adaptivity.space_error.space_error` and the goal; a beam
+            whose elements bow: their displacements are better than their stress says; a thin shell.
+    """
+    instance(goal, Goal, "goal", "a PointDisplacement, a Frequency or a CriticalLoad")
+    for body in bodies:
+        if isinstance(body, ThinShell):
+            raise ValueError(
+                f"goals are estimated for beams and shells, not for thin shells as {body.label}: "
+                "leave out the goal, for its error in the energy norm"
+            )
+        if getattr(getattr(body, "formulation", None), "bending_flexibility", False):
+            raise ValueError(
+                f"elements of {body.label} have the flexibility of forces that vary within, and "
+                "displacements better than their stress: estimate goals with "
+                f"{type(body.formulation).__name__}(bending_flexibility=False)"
+            )
+    value, parts = goal.found(result, bodies, scene)
+    states = [result.frames[-1][nodes_in(result.info, body)] for body in bodies]
+    return GoalError(goal, value, tuple(bodies), tuple(states), tuple(parts))
+
+
+def fields_along(
+    result: StaticResult, body: Estimated, scene: Scene, z: Array
+) -> tuple[StressFields, Array]:
+    """Stress in the last state, and how what it misses changes along twists z (N, 6) of all nodes.
+
+    The change has the shape of the stress, (m, q, b); it is taken by differences.
+    """
+    size = np.abs(z).max(axis=0)
+    length = float(np.ptp(result.frames[-1, :, 0], axis=0).max())
+    step = _STEP / max(size[:3].max() / length, size[3:].max())
+    frames = np.array([lie.se3_retract(result.frames[-1], s * step * z) for s in (-1, 0, 1)])
+    beside = replace(result, frames=frames, factors=np.repeat(result.factors[-1], 3))
+    before, now, behind = fields_of(beside, body, scene, (0, 1, 2))
+    return now, (behind.missing - before.missing) / (2.0 * step)
+
+
+@dataclass(frozen=True, eq=False)
+class GoalError:
+    """Estimated error of a goal; made by :func:`goal_error`.
+
+    Attributes:
+        goal: What is wanted.
+        value: As computed.
+        bodies: To whose elements the error is attributed.
+        frames: Of their nodes, shape (n, 4, 3) each.
+        parts: What each element adds to the error, with its sign, shape (m,) for each body.
+    """
+
+    goal: Goal
+    value: float
+    bodies: tuple[Estimated, ...]
+    frames: tuple[Array, ...]
+    parts: tuple[Array, ...]
+
+    @property
+    def estimate(self) -> float:
+        """True less computed value; ``value + estimate`` is better than both."""
+        return float(sum(part.sum() for part in self.parts))
+
+    @property
+    def relative(self) -> float:
+        """Sum of the amounts of what elements add, over the better value.
+
+        It bounds the part of the estimate, in which errors of both signs may cancel by chance.
+        """
+        better = abs(self.value + self.estimate)
+        return float(self.squares.sum()) / better if better else 0.0
+
+    @property
+    def squares(self) -> Array:
+        """Amounts of what elements add, of all bodies one after the other: what to refine by."""
+        return np.abs(np.concatenate(self.parts))
+
+    def worst(self, part: float = 0.5) -> Indices:
+        """The fewest elements that have this part of the sum of all amounts, worst first.
+
+        Raises:
+            ValueError: It is not above 0 and at most 1.
+        """
+        return worst(self.squares, part)
+
+    def picture(
+        self,
+        path: str | os.PathLike[str],
+        body: Estimated | None = None,
+        *,
+        title: str = "",
+        units: Units = SI,
+    ) -> None:
+        """Draw the amounts of a body, as :meth:`SpaceError.picture` does.
+
+        Args:
+            path: Name of the ``.png`` file.
+            body: One of :attr:`bodies`; default: the first.
+            title: Above the picture; default: the error in words.
+            units: For the axes.
+
+        Raises:
+            ValueError: The name does not end in ``.png``, or the body is none of these.
+        """
+        chosen = self.bodies[0] if body is None else body
+        if chosen not in self.bodies:
+            raise ValueError(f"bodies are {[b.label for b in self.bodies]}, got {chosen!r}")
+        k = self.bodies.index(chosen)
+        squares = np.abs(self.parts[k])
+        draw_error(chosen, self.frames[k], squares, path, title or str(self), units)
+
+    def __str__(self) -> str:
+        """One line."""
+        return (
+            f"{self.goal}: {self.value:.6g}, error "
+            f"{self.estimate:+.2g}, at most {100 * self.relative:.2g} %"
+        )

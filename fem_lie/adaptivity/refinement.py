@@ -1,0 +1,322 @@
+"""Meshes with some elements cut, and meshes whose elements are as large as a tolerance allows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from fem_lie import _compat, lie
+from fem_lie._arrays import Array, Indices, indices_of, instance, vector
+from fem_lie.adaptivity.estimates.estimate import Estimated
+from fem_lie.adaptivity.quadrilaterals import cut_quadrilaterals
+from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.thin_shells.thin_shell import ThinShell
+from fem_lie.mesh.bicubic.spline_mesh import SplineMesh
+from fem_lie.mesh.lines import LineMesh
+from fem_lie.mesh.shapes import cell_normals
+from fem_lie.mesh.surfaces import SurfaceMesh
+
+Refinable = TypeVar("Refinable", LineMesh, SurfaceMesh, SplineMesh)
+Followed = TypeVar("Followed", LineMesh, SurfaceMesh)
+"""Those that states are carried to."""
+Onto = Callable[[Array], npt.ArrayLike]
+"""From a place (3,) near the true line or surface to the place on it."""
+
+_SAME_PLACE = 1e-9  # of the length of the shortest edge
+
+
+def refine(mesh: Refinable, cells: npt.ArrayLike, *, onto: Onto | None = None) -> Refinable:
+    """Cut cells, and of surfaces those beside them that have to be cut, too.
+
+    Lines are cut in the middle of the arc between the tangents at both ends. Triangles are cut by
+    DOLFINx, after A. Plaza & G. F. Carey, Appl. Numer. Math. 32 (2000) 195: each marked one in
+    four, and as few neighbours as leave no node on an edge. Quadrilaterals are cut in nine, and
+    those beside them by patterns, see :mod:`fem_lie.adaptivity.quadrilaterals`. Cells of spline
+    meshes are cut in four, and those beside them that differ by two levels then; their surface
+    stays as it is. Points keep their numbers, new ones come behind them; groups, curves and named
+    points are those of before, cut as the cells are.
+
+    Args:
+        mesh: Lines, triangles or quadrilaterals of first degree, or smooth patches.
+        cells: Which ones to cut.
+        onto: The true line or surface, for new points; default: the middles of arcs and edges.
+
+    Raises:
+        ValueError: There is no such cell, the mesh is a surface of second degree, or ``onto`` is
+            given for smooth patches.
+    """
+    check_refinable(mesh, onto)
+    marked = np.unique(indices_of(np.atleast_1d(cells), len(mesh.cells), "cells"))
+    if isinstance(mesh, SplineMesh):
+        return mesh.cut(marked)
+    if isinstance(mesh, LineMesh):
+        return _refined_lines(mesh, marked, onto)
+    if not len(marked):
+        return mesh
+    refined = _refined_triangles if mesh.cell == "triangle" else _refined_quadrilaterals
+    return refined(mesh, marked, onto)
+
+
+def check_refinable(mesh: object, onto: object) -> None:
+    """Whether :func:`refine` takes a mesh and a true line or surface; nothing is refined.
+
+    Raises:
+        ValueError: The mesh is a surface of second degree, or ``onto`` is given for smooth patches.
+        TypeError: One of them is something else.
+    """
+    instance(mesh, LineMesh | SurfaceMesh | SplineMesh, "mesh", "a Line-, Surface- or SplineMesh")
+    instance(onto, Callable | None, "onto", "a function of a place, or None")
+    if isinstance(mesh, SplineMesh) and onto is not None:
+        raise ValueError("a SplineMesh stays on its own surface when it is cut: leave out onto")
+    if isinstance(mesh, SurfaceMesh) and mesh.degree != 1:
+        raise ValueError(f"cells of degree 1 can be refined, got {mesh.cell}s of {mesh.degree}")
+
+
+# --- lines ---
+
+
+def _refined_lines(mesh: LineMesh, marked: Indices, onto: Onto | None) -> LineMesh:
+    n, m, new = len(mesh.points), len(mesh.cells), len(marked)
+    place, tangent = _arc_middles(mesh, marked)
+    cells, tangents = np.concatenate([mesh.cells, mesh.cells[marked]]), mesh.tangents
+    tangents = np.concatenate([tangents, tangents[marked]])
+    behind, middle = m + np.arange(new), n + np.arange(new)
+    cells[marked, 1], cells[behind, 0] = middle, middle
+    tangents[marked, 1], tangents[behind, 0] = tangent, tangent
+    # in the order of the line: the second half of a cell follows the first
+    order = np.argsort(np.concatenate([np.arange(m), marked + 0.5]), kind="stable")
+    parents = np.concatenate([np.arange(m), marked])[order]
+    return LineMesh(
+        np.concatenate([mesh.points, _moved(place, onto)]),
+        cells[order],
+        tangents[order],
+        _children(mesh.groups, parents),
+        dict(mesh.named_points),
+    )
+
+
+def _arc_middles(mesh: LineMesh, marked: Indices) -> tuple[Array, Array]:
+    """Places and tangents in the middle of cells, on the geodesic between frames of the ends.
+
+    The second frame is the first, turned by the smallest rotation from tangent to tangent: on
+    circles the geodesic is the circle.
+    """
+    a, b = (mesh.points[mesh.cells[marked, i]] for i in (0, 1))
+    t, u = mesh.tangents[marked, 0], mesh.tangents[marked, 1]
+    axis = np.cross(t, u)
+    sine = np.linalg.norm(axis, axis=1, keepdims=True)
+    angle = np.arctan2(sine, np.einsum("mj,mj->m", t, u)[:, np.newaxis])
+    turn = axis * np.divide(angle, sine, out=np.ones_like(angle), where=sine > 0)
+    half = lie.so3_exp(0.5 * turn)
+    first = np.concatenate([a[:, np.newaxis], np.broadcast_to(np.eye(3), (len(a), 3, 3))], axis=1)
+    second = np.concatenate([b[:, np.newaxis], np.swapaxes(lie.so3_exp(turn), 1, 2)], axis=1)
+    middle = lie.se3_retract(first, 0.5 * lie.se3_relative(first, second))
+    return middle[:, 0], np.einsum("mij,mj->mi", half, t)
+
+
+# --- triangles ---
+
+
+def _refined_triangles(mesh: SurfaceMesh, marked: Indices, onto: Onto | None) -> SurfaceMesh:
+    cells, parents, cut = _cut_triangles(mesh, marked)
+    middles = mesh.points[cut].mean(axis=1)
+    points = np.concatenate([mesh.points, _moved(middles, onto)])
+    # those of the parent, between its corners in the middle
+    weights = _weights(mesh.cells[parents], cells, cut, len(mesh.points))
+    normals = _between(weights, mesh.normals[parents])
+    before = np.concatenate([mesh.points, middles])
+    across = np.einsum("mkj,mkj->mk", cell_normals(before, cells, mesh.cell), normals)
+    turned = across[:, 0] < 0
+    cells[turned] = cells[turned][:, ::-1]
+    normals[turned] = normals[turned][:, ::-1]
+    return SurfaceMesh(
+        points,
+        cells,
+        mesh.cell,
+        normals,
+        _children(mesh.groups, parents),
+        {name: _cut_edges(edges, cut, len(mesh.points)) for name, edges in mesh.curves.items()},
+        dict(mesh.named_points),
+    )
+
+
+def _cut_triangles(mesh: SurfaceMesh, marked: Indices) -> tuple[Indices, Indices, Indices]:
+    """New cells (m, 3), the cell that each is a part of (m,), and the edges (e, 2) that are cut.
+
+    New points have the numbers behind the old ones, in the order of these edges.
+    """
+    given = _compat.create_surface_mesh(mesh.points, mesh.cells, mesh.cell, 1)
+    which = np.argsort(given.topology.original_cell_index)[marked]
+    fine, parents = _compat.refined(given, which.astype(np.int32))
+    n, x = len(mesh.points), fine.geometry.x
+    edges = np.unique(
+        np.sort(mesh.cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0
+    )
+    ends = mesh.points[edges]
+    known = np.concatenate([mesh.points, ends.mean(axis=1)])
+    far, found = cKDTree(known).query(x)
+    shortest = float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).min())
+    if far.max() > _SAME_PLACE * shortest:
+        raise RuntimeError(f"a new point is {far.max():g} off the middles of all edges")
+    cut = np.unique(found[found >= n])
+    number = np.concatenate([np.arange(n), np.full(len(edges), -1)])
+    number[cut] = n + np.arange(len(cut))
+    cells = number[found][_compat.geometry_dofmap(fine)]
+    own = given.topology.original_cell_index[parents]
+    return cells.astype(np.int64), own.astype(np.int64), edges[cut - n]
+
+
+def _weights(parents: Indices, cells: Indices, cut: Indices, old: int) -> Array:
+    """Of the corners of a parent in the normals at the nodes of its parts, shape (m, 3, 3)."""
+    new = cells >= old
+    ends = cut[np.where(new, cells - old, 0)]
+    ends = np.where(new[..., np.newaxis], ends, cells[..., np.newaxis])
+    same = ends[..., np.newaxis] == parents[:, np.newaxis, np.newaxis]
+    return np.asarray(same.mean(axis=2))
+
+
+def _cut_edges(edges: Indices, cut: Indices, old: int) -> Indices:
+    """Edges (e, 2), those with a new point in two, one behind the other."""
+    pairs = np.concatenate([np.sort(cut, axis=1), np.sort(edges, axis=1)])
+    _, kind = np.unique(pairs, axis=0, return_inverse=True)
+    middle = np.full(kind.max(initial=-1) + 1, -1)
+    middle[kind[: len(cut)]] = old + np.arange(len(cut))
+    new = middle[kind[len(cut) :]]
+    halves = np.stack([edges[:, 0], new, new, edges[:, 1]], axis=1).reshape(-1, 2, 2)
+    whole = new < 0
+    halves[whole, 0] = edges[whole]
+    kept = np.column_stack([np.ones(len(edges), dtype=np.bool_), ~whole])
+    return np.asarray(halves[kept], dtype=np.int64)
+
+
+# --- quadrilaterals ---
+
+
+def _refined_quadrilaterals(mesh: SurfaceMesh, marked: Indices, onto: Onto | None) -> SurfaceMesh:
+    cut = cut_quadrilaterals(mesh.points, mesh.cells, marked)
+    return SurfaceMesh(
+        np.concatenate([mesh.points, _moved(cut.places, onto)]),
+        cut.cells,
+        mesh.cell,
+        _between(cut.weights, mesh.normals[cut.parents]),
+        _children(mesh.groups, cut.parents),
+        {name: cut.pieces(edges) for name, edges in mesh.curves.items()},
+        dict(mesh.named_points),
+    )
+
+
+# --- all ---
+
+
+def _between(weights: Array, normals: Array) -> Array:
+    """Unit normals (m, k, 3) by weights (m, k, k) of those at the corners of parents."""
+    found = np.einsum("mki,mij->mkj", weights, normals)
+    return np.asarray(found / np.linalg.norm(found, axis=2, keepdims=True))
+
+
+def _children(groups: Mapping[str, Indices], parents: Indices) -> dict[str, Indices]:
+    return {name: np.flatnonzero(np.isin(parents, cells)) for name, cells in groups.items()}
+
+
+def _moved(places: Array, onto: Onto | None) -> Array:
+    if onto is None:
+        return places
+    return np.array([vector(onto(x), 3, f"onto at {x}") for x in places]).reshape(-1, 3)
+
+
+_LARGEST = 1.2  # of the wanted size is small enough
+_FINER, _COARSER = 0.125, 8.0  # what an estimate says beyond is not known
+_LEVELS = 40
+_OF_BICUBICS = 2  # curvatures
+
+
+class Sizes(NamedTuple):
+    """Sizes that elements are to have, at places.
+
+    Attributes:
+        middles: The places, shape (m, 3).
+        wanted: Shape (m,).
+    """
+
+    middles: Array
+    wanted: Array
+
+    @classmethod
+    def of(
+        cls, mesh: LineMesh | SurfaceMesh | SplineMesh, squares: Array, allowed: float, order: int
+    ) -> Sizes:
+        """Those with which every element has the same error, and all together what is allowed.
+
+        With errors of the order p in d dimensions ``η² ~ h^(2p + d)`` of an element. (O. C.
+        Zienkiewicz & J. Z. Zhu, IJNME 24 (1987) 337.)
+
+        Args:
+            mesh: On which the error was estimated.
+            squares: Square of the error of each element, shape (m,).
+            allowed: Error of all of them.
+            order: p.
+        """
+        middles, sizes = _middles(mesh)
+        d = 1 if isinstance(mesh, LineMesh) else 2
+        power = 2 * order + d
+        total = float((squares ** (d / power)).sum())
+        if total == 0.0:
+            return cls(middles, _COARSER * sizes)
+        each = (allowed**2 / total) ** (power / (power - d))
+        with np.errstate(divide="ignore"):
+            change = np.minimum((each / squares) ** (1.0 / power), _COARSER)
+        return cls(middles, np.maximum(change, _FINER) * sizes)
+
+    def mesh(
+        self,
+        coarse: Refinable,
+        *,
+        ahead: float = 0.0,
+        onto: Onto | None = None,
+        largest: float = _LARGEST,
+    ) -> Refinable:
+        """Cut a coarse mesh until no element is larger than is wanted in or beside it.
+
+        Args:
+            coarse: The mesh to begin with.
+            ahead: So far around them sizes are wanted, too.
+            onto: The true line or surface, for new points.
+            largest: Of the wanted size.
+        """
+        tree, found = cKDTree(self.middles), coarse
+        nearest = min(2, len(self.middles))
+        for _ in range(_LEVELS):
+            middles, sizes = _middles(found)
+            _, beside = tree.query(middles, k=nearest)
+            least = self.wanted[np.reshape(beside, (len(middles), -1))].min(axis=1)
+            within = tree.query_ball_point(middles, 0.5 * sizes + ahead)
+            least = [
+                min(low, self.wanted[inside].min(initial=np.inf))
+                for low, inside in zip(least, within, strict=True)
+            ]
+            large = np.flatnonzero(sizes > largest * np.array(least))
+            if not len(large):
+                break
+            found = refine(found, large, onto=onto)
+        return found
+
+
+def order_of(body: Estimated) -> int:
+    """With which the error in the energy norm falls with the size of elements."""
+    if isinstance(body, ThinShell):
+        return _OF_BICUBICS
+    return body.elements.shape[1] - 1 if isinstance(body, Beam) else body.mesh.degree
+
+
+def _middles(mesh: LineMesh | SurfaceMesh | SplineMesh) -> tuple[Array, Array]:
+    """Middles of all cells (m, 3) and how large they are, (m,)."""
+    if isinstance(mesh, SplineMesh):
+        corners = mesh.rows[mesh.cells[:, [0, 1, 3, 2]], 0]
+    else:
+        corners = mesh.points[mesh.cells if isinstance(mesh, LineMesh) else mesh.corners]
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    return corners.mean(axis=1), edges.max(axis=1)

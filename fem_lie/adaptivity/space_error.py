@@ -1,0 +1,240 @@
+"""Error in space of one state of a body, element by element, in the energy norm.
+
+Of a shell, say::
+
+    found = fl.adaptivity.space_error(result, shell, scene)
+    print(found)                           # 3.1 % of the energy norm, in 256 cells
+    found.elements, found.total            # square roots of energies
+    found.worst(0.5)                       # the fewest elements with half of the error
+    found.picture("error.png")
+
+By default it is ``η² = ∫ (σ* − σ)·D⁻¹(σ* − σ)``: how far the stress resultants σ of the elements
+are from recovered ones σ*, which are nearer to the truth by an order (O. C. Zienkiewicz & J. Z.
+Zhu, IJNME 24 (1987) 337). Both are in local frames, where neighbours can be compared however far
+the body has turned; so it holds at any state of statics, of a path and of dynamics. Others are
+:class:`~fem_lie.adaptivity.estimates.estimate.ErrorEstimate` objects, too.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices, instance, number, positive
+from fem_lie.adaptivity.estimates.estimate import ErrorEstimate, Estimated
+from fem_lie.adaptivity.estimates.recovery import RecoveryEstimate
+from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.shells.shell import Shell
+from fem_lie.bodies.thin_shells.thin_shell import ThinShell
+from fem_lie.mesh.bicubic import hermite
+from fem_lie.pictures.bodies import DrawnSurface, draw_values
+from fem_lie.pictures.diagrams import COLOURS, figure_of_rows, saved
+from fem_lie.pictures.stage import SI, Canvas, Units, target_of
+from fem_lie.pictures.vtk import CellKind
+from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.history import Result
+from fem_lie.results.states import nodes_in
+from fem_lie.scene import Scene
+
+
+@dataclass(frozen=True)
+class _Quadrilateral:
+    """Pieces of cells of thin shells."""
+
+    cell: str = "quadrilateral"
+    degree: int = 1
+
+
+_LEAST = 1e-6  # of the largest density
+_PIECES = 8  # of a cell of a thin shell, in either direction
+
+
+def draw_error(
+    body: Beam | Shell | ThinShell,
+    frames: Array,
+    squares: Array,
+    path: str | os.PathLike[str],
+    title: str,
+    units: Units,
+) -> None:
+    """Draw squares of errors (m,) of a body with nodes at ``frames`` (n, 4, 3).
+
+    Raises:
+        ValueError: The name does not end in ``.png``.
+    """
+    target_of(path, ".png")
+    if isinstance(body, Beam):
+        _over_arc(body, np.sqrt(squares / body.lengths), path, title, units)
+    else:
+        _in_colours(body, frames, squares, path, title, units)
+
+
+def _over_arc(
+    beam: Beam, density: Array, path: str | os.PathLike[str], title: str, units: Units
+) -> None:
+    figure, (axes,) = figure_of_rows(1, title, units)
+    chains, start = beam.chains, 0.0
+    for k, cells in enumerate(np.split(chains.order, chains.first[1:])):
+        arc = start + chains.arc[cells]
+        axes.plot(arc.ravel(), np.repeat(density[cells], 2), color=COLOURS[k % len(COLOURS)])
+        start = float(arc.max())
+    axes.set_ylabel(f"error [√({units.energy}/{units.length})]")
+    axes.set_xlabel(f"arc length [{units.length}]")
+    saved(figure, path)
+
+
+def _in_colours(
+    shell: Shell | ThinShell,
+    frames: Array,
+    squares: Array,
+    path: str | os.PathLike[str],
+    title: str,
+    units: Units,
+) -> None:
+    # torn apart, so that each cell has one colour, and its edges are seen
+    if isinstance(shell, ThinShell):
+        kind: CellKind = _Quadrilateral()
+        areas = shell.on_cells().weights.sum(axis=1)
+        places, pieces = _curved(shell, frames)
+    else:
+        kind, areas = shell.own_mesh, shell.areas().sum(axis=1)
+        places = frames[shell.own_mesh.cells, 0]
+        pieces = np.arange(places.shape[1])[np.newaxis]
+    m, k, _ = places.shape
+    density = np.sqrt(squares / areas)
+    points = places.reshape(m * k, 3)
+    cells = k * np.arange(m)[:, np.newaxis, np.newaxis] + pieces
+    surface = DrawnSurface(kind, cells.reshape(-1, cells.shape[2]), points)
+    # over powers of ten, as errors are; nothing is drawn as the least of them
+    least = _LEAST * float(density.max()) or 1.0
+    values = np.repeat(np.log10(np.maximum(density, least)), k)
+    label = f"log₁₀ error [√{units.energy}/{units.length}]"
+    draw_values(path, surface, points, values, label, Canvas(title, units))
+
+
+def _curved(shell: ThinShell, frames: Array) -> tuple[Array, Indices]:
+    """Places in each cell (m, p, 3), so many that edges of cells of several sizes meet; pieces."""
+    x: Array = np.arange(_PIECES + 1.0) / _PIECES
+    table = hermite.table(hermite.products(x, x))[:, hermite.VALUE]
+    places = np.einsum("ga,maj->mgj", table, shell.vectors(frames))
+    number = np.arange(len(table)).reshape(len(x), len(x))
+    corners = number[:-1, :-1], number[1:, :-1], number[:-1, 1:], number[1:, 1:]
+    return places, np.stack(corners, axis=-1).reshape(-1, 4)
+
+
+def space_error(
+    result: Result | StaticResult,
+    body: Estimated,
+    scene: Scene,
+    step: int = -1,
+    *,
+    estimate: ErrorEstimate | None = None,
+) -> SpaceError:
+    """ErrorEstimate the error in space of one state of a beam or a shell.
+
+    Args:
+        result: Of dynamics, of statics or of a path, in which the body was.
+        body: The beam or the shell.
+        scene: What was solved.
+        step: Which state; default: the last.
+        estimate: How; default: :class:`~fem_lie.adaptivity.estimates.recovery.RecoveryEstimate`.
+
+    Raises:
+        ValueError: The body is not in that scene or result, is no beam or shell, has elements
+            without stress or others than the estimate is for, or there is no such step.
+    """
+    instance(estimate, ErrorEstimate | None, "estimate", "a Recovery, a Residual or None")
+    (found,) = (estimate or RecoveryEstimate()).errors(result, body, scene, [step])
+    frames = result.frames[step][nodes_in(result.info, body)]
+    return SpaceError(body, frames, found.squares, found.energy)
+
+
+@dataclass(frozen=True, eq=False)
+class SpaceError:
+    """Estimated error of a body in one state; made by :func:`space_error`.
+
+    Attributes:
+        body: Beam or shell, of m elements.
+        frames: Of its nodes in that state, shape (n, 4, 3).
+        squares: Square of the error of each element, an energy, shape (m,).
+        energy: Square of the norm of the stress, ``∫ σ·D⁻¹σ``: twice the elastic energy.
+    """
+
+    body: Estimated
+    frames: Array
+    squares: Array
+    energy: float
+
+    @property
+    def elements(self) -> Array:
+        """Error of each element, shape (m,)."""
+        return np.sqrt(self.squares)
+
+    @property
+    def total(self) -> float:
+        """Error of the body."""
+        return float(np.sqrt(self.squares.sum()))
+
+    @property
+    def relative(self) -> float:
+        """Error over the norm of the stress; 0 where nothing is strained."""
+        return self.total / float(np.sqrt(self.energy)) if self.energy > 0 else 0.0
+
+    def effectivity(self, error: float) -> float:
+        """Estimated over known error, 1 at best.
+
+        Args:
+            error: In the energy norm, as :attr:`total`.
+
+        Raises:
+            ValueError: It is not positive.
+        """
+        return self.total / positive(error, "error")
+
+    def worst(self, part: float = 0.5) -> Indices:
+        """The fewest elements that have this part of the square of the error, worst first.
+
+        (W. Dörfler, SIAM J. Numer. Anal. 33 (1996) 1106.)
+
+        Args:
+            part: Between 0 and 1.
+
+        Raises:
+            ValueError: It is not.
+        """
+        return worst(self.squares, part)
+
+    def picture(self, path: str | os.PathLike[str], *, title: str = "", units: Units = SI) -> None:
+        """Draw the error: of beams over arc length, of shells in colours.
+
+        What is drawn is its density, the square root of energy per length or area, so that it does
+        not depend on the sizes of elements.
+
+        Args:
+            path: Name of the ``.png`` file.
+            title: Above the picture; default: the error in words.
+            units: For the axes.
+
+        Raises:
+            ValueError: The name does not end in ``.png``.
+        """
+        draw_error(self.body, self.frames, self.squares, path, title or str(self), units)
+
+    def __str__(self) -> str:
+        """One line."""
+        return (
+            f"error in space of {self.body.label}: {100 * self.relative:.2g} % of the energy norm, "
+            f"{len(self.squares)} elements"
+        )
+
+
+def worst(squares: Array, part: float) -> Indices:
+    """Positions of the largest of positive numbers that together have a part of the sum."""
+    if not 0.0 < number(part, "part") <= 1.0:
+        raise ValueError(f"part must be above 0 and at most 1, got {part!r}")
+    order = np.argsort(-squares, kind="stable")
+    total = np.cumsum(squares[order])
+    count = int(np.searchsorted(total, part * total[-1] * (1 - 1e-12))) + 1
+    return np.asarray(order[:count], dtype=np.int64)

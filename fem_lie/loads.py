@@ -1,0 +1,29 @@
+"""Loads beside those at the top level, prestress and temperature, and histories in time."""
+
+from typing import TYPE_CHECKING
+
+from fem_lie._renamed import unknown_name
+from fem_lie.joints.histories import PiecewiseLinear, PiecewiseSmooth
+from fem_lie.scene.pressure_loads import PressureLoad, SurfacePressure
+from fem_lie.scene.solid_loads import BulkLoad, FaceLoad, FacePressure
+from fem_lie.scene.strain_loads import Eigenstrain, PreStress, Temperature
+from fem_lie.scene.surface_loads import EdgeLoad, MassLoad, VolumeLoad
+
+__all__ = [
+    "BulkLoad",
+    "EdgeLoad",
+    "Eigenstrain",
+    "FaceLoad",
+    "FacePressure",
+    "MassLoad",
+    "PiecewiseLinear",
+    "PiecewiseSmooth",
+    "PreStress",
+    "PressureLoad",
+    "SurfacePressure",
+    "Temperature",
+    "VolumeLoad",
+]
+
+if not TYPE_CHECKING:  # for users; type checkers know what there is
+    __getattr__ = unknown_name(__name__)

@@ -1,1 +1,0 @@
-"""Model order reduction: floating frames, reduction bases in nodal frames, and error estimates."""

@@ -1,0 +1,245 @@
+"""Reduction bases: POD, Krylov subspaces, Craig-Bampton modes, and modal derivatives.
+
+*Krylov modes* represent the response to loads at given points, at low frequencies. With the vectors
+``K⁻¹f, K⁻¹MK⁻¹f, …`` the response to a harmonic load matches the leading terms of its power series
+in the squared frequency: as many as there are vectors for each load, and twice as many at the point
+of the load (T.-J. Su & R. R. Craig, AIAA J. 29 (1991) 2121).
+
+*Craig-Bampton modes* are interface modes and normal modes with fixed interfaces (R. R. Craig & M.
+C. C. Bampton, AIAA J. 6 (1968) 1313). The matrices are those of nodal increments in local frames,
+so that modes rotate with the body.
+
+*Modal derivatives* are the second-order response to large amplitudes of modes, such as
+foreshortening (S. R. Idelsohn & A. Cardona, Comput. Methods Appl. Mech. Engrg. 49 (1985) 253),
+without inertia: ``K θᵢⱼ = −∂²f/∂ηᵢ∂ηⱼ``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations_with_replacement
+
+import numpy as np
+import numpy.typing as npt
+import scipy.linalg
+import scipy.sparse as sp
+import scipy.sparse.linalg
+
+from fem_lie._arrays import Array, instance, vector, whole
+from fem_lie.bodies.body import Body, Point
+from fem_lie.reduction.axes import Axes, MeanAxes, frames_of, local_motion
+from fem_lie.reduction.basis import Basis
+from fem_lie.reduction.linearised import LinearisedBody, ReducedForces
+from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.states import StateSeries
+from fem_lie.scene import Scene
+
+
+def pod(result: StateSeries, body: Body, modes: int, *, axes: Axes | None = None) -> Basis:
+    """Proper orthogonal decomposition (POD) of the local motion in all states of a result.
+
+    The modes are left singular vectors of the snapshots, orthonormal with rotations multiplied by
+    the size of the body.
+
+    Args:
+        result: The states.
+        body: A body of the scene.
+        modes: Number of modes.
+        axes: Floating frame; default: :class:`MeanAxes`.
+
+    Raises:
+        ValueError: The result has no such body, or fewer independent states than ``modes``.
+    """
+    whole(modes, "modes")
+    frames = frames_of(result, body)
+    motion = local_motion(body, frames, MeanAxes() if axes is None else axes)
+    scale = np.repeat([1.0, body.size], 3)
+    snapshots = (motion.increments * scale).reshape(len(frames), -1)
+    _, sizes, shapes = np.linalg.svd(snapshots, full_matrices=False)
+    rank = int((sizes > 1e-12 * body.size).sum())
+    if modes > rank:
+        raise ValueError(
+            f"modes must be at most {rank}, the number of independent states of {body.label} in "
+            f"the result, got {modes}"
+        )
+    return Basis(body, shapes[:modes].reshape(modes, -1, 6) / scale)
+
+
+_NEW_SHAPE = 1e-8  # least relative norm of the part of a mode that is orthogonal to the others
+
+
+def krylov(scene: Scene, inputs: Sequence[tuple[Point, npt.ArrayLike]], moments: int) -> Basis:
+    """Krylov modes, which match moments of the response to nodal loads about frequency zero.
+
+    Args:
+        scene: A single body, held by clamps, without joints.
+        inputs: For each load, a node of the body, and force and moment on it in its axes, (6,).
+        moments: Number of modes for each load; linearly dependent ones are omitted.
+
+    Raises:
+        ValueError: No load is given, or a load is not on a node of the body or moves nothing, or
+            the body has rigid-body modes.
+    """
+    whole(moments, "moments")
+    found = LinearisedBody(scene, None)
+    loads: Array = np.zeros((len(inputs), *found.free.shape))
+    for number, (point, wrench) in enumerate(inputs):
+        instance(point, Point, "an input's place", "a point of a body")
+        if point.body is not found.body or point.attachment is not None:
+            raise ValueError(
+                f"{point.label} is not a node of {found.body.label}, so no load can act there"
+            )
+        loads[number, found.place(point.node)] = vector(wrench, 6, f"the load at {point.label}")
+    forces = (loads * found.weight)[:, found.free]
+    if not len(forces) or not forces.any(axis=1).all():
+        raise ValueError("inputs must be loads on free degrees of freedom")
+    solve = found.factor().solve
+    vectors: Array = np.empty((0, forces.shape[1]))
+    for _ in range(moments):
+        block: Array = np.empty((0, forces.shape[1]))
+        for answer in solve(forces.T).T:
+            new = answer / np.linalg.norm(answer)
+            old = np.concatenate([vectors, block])
+            for _ in range(2):
+                new = new - old.T @ (old @ new)
+            size = float(np.linalg.norm(new))
+            if size > _NEW_SHAPE:
+                block = np.concatenate([block, new[np.newaxis] / size])
+        vectors, forces = np.concatenate([vectors, block]), (found.pencil.M @ block.T).T
+    return Basis(found.body, found.shapes(vectors))
+
+
+_DENSE = 400  # unknowns
+
+
+def craig_bampton(
+    scene: Scene,
+    interfaces: Sequence[Point],
+    modes: int,
+    *,
+    at: StaticResult | None = None,
+) -> Basis:
+    """Craig-Bampton modes of a body that is held at its interfaces.
+
+    The first six modes of each interface, in its own axes, are the static responses to unit
+    displacements and rotations of this interface with the others fixed. The remaining modes are the
+    vibration modes of lowest frequency with all interfaces fixed, normalised to unit mass. Clamped
+    degrees of freedom of the scene are fixed in all of them.
+
+    Args:
+        scene: A single body, with or without clamps, without joints.
+        interfaces: Nodes of the body at which joints will act; empty for a clamped body.
+        modes: Number of normal modes.
+        at: Equilibrium under loads about which the body is linearised; default: the initial
+            configuration.
+
+    Raises:
+        ValueError: An interface is not a node of the body, or is given twice or clamped; the body
+            has rigid-body modes; there are fewer modes.
+    """
+    return interface_modes(LinearisedBody(scene, at), interfaces, modes)
+
+
+def interface_modes(found: LinearisedBody, interfaces: Sequence[Point], modes: int) -> Basis:
+    """:func:`craig_bampton` for a linearised body."""
+    whole(modes, "modes", 0)
+    nodes = _nodes(found, interfaces)
+    outside = np.zeros(found.free.shape, dtype=np.bool_)
+    outside[nodes] = True
+    inner = np.flatnonzero(~outside[found.free])
+    number = np.cumsum(found.free).reshape(found.free.shape) - 1
+    outer = number[nodes].ravel()  # in the order of the interfaces
+    if modes >= len(inner):
+        raise ValueError(
+            f"modes must be fewer than the {len(inner)} inner unknowns of {found.body.label}, "
+            f"got {modes}"
+        )
+    K, M = found.pencil.K.tocsc(), found.pencil.M.tocsc()
+    within = K[inner][:, inner]
+    solve = found.factor(inner)
+    vectors = np.zeros((len(outer) + modes, len(outer) + len(inner)))
+    vectors[: len(outer), outer] = np.eye(len(outer))
+    if len(outer):
+        vectors[: len(outer), inner] = -solve.solve(K[inner][:, outer].toarray()).T
+    if modes:
+        vectors[len(outer) :, inner] = _slowest(within, M[inner][:, inner], modes)
+    return Basis(found.body, found.shapes(vectors))
+
+
+def _slowest(K: sp.csc_array, M: sp.csc_array, modes: int) -> Array:
+    """Vibration modes of lowest frequency, (modes, f), with unit mass."""
+    size = K.shape[0]
+    if size > _DENSE:
+        shapes = scipy.sparse.linalg.eigsh(K, modes, M=M, sigma=0.0, v0=np.ones(size))[1]
+    else:  # the Lanczos method may break down, or miss a multiple frequency
+        some = (0, modes - 1)
+        shapes = scipy.linalg.eigh(K.toarray(), M.toarray(), subset_by_index=some)[1]
+    return np.asarray(shapes.T)
+
+
+def _nodes(rest: LinearisedBody, interfaces: Sequence[Point]) -> list[int]:
+    """Indices of the interfaces among the independent nodes, or ``ValueError``."""
+    body, found = rest.body, list[int]()
+    for point in interfaces:
+        instance(point, Point, "an interface", "a point of a body")
+        if point.body is not body or point.attachment is not None:
+            raise ValueError(
+                f"{point.label} is not a node of {body.label}, so it cannot be an interface"
+            )
+        place = rest.place(point.node)
+        if place in found:
+            raise ValueError(f"{point.label} is given twice as an interface")
+        if not rest.free[place].all():
+            raise ValueError(
+                f"{point.label} has fixed degrees of freedom, so it cannot be an interface"
+            )
+        found.append(place)
+    return found
+
+
+_STEP = 1e-3  # increment of a mode in second differences, relative to the size of the body
+
+_NEW_DERIVATIVE = 1e-6  # least relative norm of a derivative orthogonal to the other modes
+
+
+def with_derivatives(scene: Scene, basis: Basis) -> Basis:
+    """The basis with its static modal derivatives appended, without linearly dependent ones.
+
+    Args:
+        scene: A single clamped body along a line, that of the basis.
+        basis: Modes that are zero at clamps.
+
+    Raises:
+        ValueError: The scene has other bodies or joints, or is not at rest.
+    """
+    instance(basis, Basis, "basis", "a Basis")
+    rest, reduced = LinearisedBody(scene, None), ReducedForces(scene, basis)
+    solve = rest.factor().solve
+    steps = np.diag(_STEP * basis.body.size / np.abs(basis.shapes).max(axis=(1, 2)))
+    vectors = list(_orthonormal(rest.vectors(basis.shapes)))
+    first = len(vectors)
+    for i, j in combinations_with_replacement(range(len(basis)), 2):
+        forces = _second_difference(reduced, steps[i], steps[j]) * rest.weight
+        vector = -solve(forces[rest.free])
+        old = np.array(vectors)
+        size = np.linalg.norm(vector)
+        for _ in range(2):
+            vector = vector - old.T @ (old @ vector)
+        if np.linalg.norm(vector) > _NEW_DERIVATIVE * size:
+            vectors.append(vector / np.linalg.norm(vector))
+    new = rest.shapes(np.array(vectors[first:]).reshape(-1, int(rest.free.sum())))
+    return Basis(basis.body, np.concatenate([basis.shapes, new]))
+
+
+def _orthonormal(vectors: Array) -> Array:
+    return np.asarray(np.linalg.qr(vectors.T)[0].T)
+
+
+def _second_difference(reduced: ReducedForces, a: Array, b: Array) -> Array:
+    """Mixed second difference of all forces, (n, 6), up to a factor."""
+    return (
+        reduced.forces(a + b)
+        - reduced.forces(a - b)
+        - reduced.forces(b - a)
+        + reduced.forces(-a - b)
+    )

@@ -1,0 +1,375 @@
+"""Motion with inactive regions: each moves as a rigid body until it becomes active.
+
+A region keeps the deformation that it has when it is merged, and its elastic energy; its nodes are
+rigidly attached to one of them. From time to time :class:`ActivityCheck` determines which nodes
+need independent frames: a segment is accepted up to the last check at which no merged node is
+active, and the next segment has the active nodes free. Velocities of merged nodes are projected
+with the mass matrix, which conserves linear and angular momentum. The loss of kinetic energy is
+bounded, and nodes are merged only after they have been inactive for some time.
+
+*Error estimate of merged regions.* Within a time ``τ`` from twists ``v`` and forces ``r`` nodes
+move by ``d``, with matrices linearised about the state and constant accelerations::
+
+    A d = b,     A = 2 M / τ² + C / τ + K,     b = −r + (2 M / τ + C) v
+
+With merged frames, for which twists are ``E w``, they move by ``E d_E`` with ``Eᵀ A E d_E = Eᵀ b``.
+The error is the difference; it is large where a wave arrives, or where forces are not in
+equilibrium.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Flags, Indices, instance, positive
+from fem_lie.adaptivity.following.transfer import Transferred, mass_matrix
+from fem_lie.lie.node_types import NodeType
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.reduction.merged_motion import MergedMotion, RegionSegment
+from fem_lie.results.history import Result
+from fem_lie.scene import Scene
+from fem_lie.scene.scene import Began, require_scene
+from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
+from fem_lie.solve.motion.integrator import Integrator
+from fem_lie.system.equations import Equations, TimeState
+from fem_lie.system.small_motions import linearised
+
+_ROUNDS = 20
+
+
+class ActivityCheck:
+    """A state of a scene without merged frames, and the nodes that need independent frames.
+
+    Attributes:
+        H: Frames of all rows.
+        v: Twists of the independent nodes, shape (n, 6).
+        mass: Mass matrix of these twists, (6 n, 6 n).
+        kinetic: Kinetic energy.
+    """
+
+    def __init__(
+        self, equations: Equations, frames: Array, twists: Array, times: Array, ahead: float
+    ) -> None:
+        """Compute the motion of all nodes within the time ``ahead``.
+
+        Args:
+            equations: Equations of the scene.
+            frames: Frames of all nodes, shape (N, 4, 3).
+            twists: Twists of all nodes, shape (N, 6).
+            times: Times at which loads are evaluated, the present one first.
+            ahead: τ.
+        """
+        unknowns, system = equations.unknowns, equations.system
+        self._held: Flags = np.asarray(unknowns.held.any(axis=1))
+        self.H = equations.start.frames.copy()
+        self.H[: unknowns.moving] = frames[unknowns.masters]
+        self.v = np.ascontiguousarray(twists[unknowns.masters])
+        equations.prescribed(times[0]).act()
+        system.terms.reset_stress(self.H)
+        r = np.empty(unknowns.size)
+        state = TimeState(self.H, self.v, np.zeros_like(self.v), np.zeros(0))
+        equations.residual(state, np.zeros(0), r)
+        M, C, K = (self._matrix(equations, b) for b in linearised(system, *state[:2], state[3]))
+        self._free = ~unknowns.held.ravel()
+        v = self.v.ravel()
+        self._A = (2.0 / ahead**2 * M + C / ahead + K).tocsr()
+        steady = np.where(self._free, -r + 2.0 / ahead * (M @ v) + C @ v, 0.0)
+        loads = [equations.prescribed(each).loads(self.H) for each in times]
+        self._b = steady[:, np.newaxis] + (np.array(loads) - loads[0]).T
+        some = self._A[self._free][:, self._free].tocsc()
+        self._d = np.zeros_like(self._b)
+        self._d[self._free] = splu(some).solve(self._b[self._free])
+        self.mass: sp.csr_matrix = mass_matrix(equations, self.H)
+        self.kinetic = float(0.5 * v @ (self.mass @ v))
+        matrix = equations.matrix
+        count = unknowns.moving
+        ones = np.ones(len(matrix.indices))
+        self._graph = sp.csr_matrix((ones, matrix.indices, matrix.indptr), shape=(count, count))
+
+    @staticmethod
+    def _matrix(equations: Equations, blocks: Array) -> sp.csr_matrix:
+        size = 6 * equations.unknowns.moving
+        kkt = equations.matrix
+        return sp.bsr_matrix((blocks, kkt.indices, kkt.indptr), shape=(size, size)).tocsr()
+
+    def merged(self, active: Flags) -> Indices:
+        """The node to which each node is attached, itself if it is active, shape (n,).
+
+        Connected components of inactive nodes are regions. A single node is no region, and fixed
+        nodes are not attached.
+        """
+        root = np.arange(len(active))
+        inactive = np.flatnonzero(~active & ~self._held)
+        count, region = connected_components(self._graph[inactive][:, inactive], directed=False)
+        first = np.full(count, len(active))
+        np.minimum.at(first, region, inactive)
+        root[inactive] = first[region]
+        return root
+
+    def neighbourhood(self, nodes: Flags) -> Flags:
+        """These nodes and those that share a cell with them, (n,)."""
+        return np.asarray(self._graph @ nodes > 0.0)
+
+    def expansion(self, root: Indices) -> sp.csr_matrix:
+        """``E``: twists of all nodes from those of the independent nodes, (6 n, 6 l)."""
+        leads, number = np.unique(root, return_inverse=True)
+        offset = lie.se3_compose(lie.se3_inverse(self.H[root]), self.H[: len(root)])
+        blocks = lie.se3_adjoint(lie.se3_inverse(offset))
+        shape = (6 * len(root), 6 * len(leads))
+        return sp.bsr_matrix((blocks, number, np.arange(len(root) + 1)), shape=shape).tocsr()
+
+    def missed(self, root: Indices) -> Array:
+        """Position error of each node within τ for the worst of the loads, shape (n,)."""
+        if (root == np.arange(len(root))).all():
+            return np.zeros(len(root))
+        E = self.expansion(root)
+        free = np.asarray(abs(E[self._free]).sum(axis=0)).ravel() > 0.0
+        E = E[:, free]
+        own = splu((E.T @ self._A @ E).tocsc()).solve(E.T @ self._b)
+        away = (self._d - E @ own).reshape(-1, 6, self._d.shape[1])
+        return np.asarray(np.linalg.norm(away[:, :3], axis=1).max(axis=1))
+
+    def active(self, tolerance: float) -> Flags:
+        """Nodes that need independent frames, so that merged nodes are within the tolerance."""
+        found: Flags = self._held.copy()
+        for _ in range(_ROUNDS):
+            away = self.missed(self.merged(found))
+            more = ~found & (away > tolerance)
+            if not more.any():
+                break
+            found[more] = True
+        return found
+
+    def projected(self, root: Indices) -> tuple[Array, float]:
+        """Twists with merged frames, closest in the mass norm, and the loss of kinetic energy.
+
+        Linear and angular momentum are conserved, for rigid motions are possible with merged
+        frames.
+        """
+        E, v = self.expansion(root), self.v.ravel()
+        own = splu((E.T @ self.mass @ E).tocsc()).solve(E.T @ (self.mass @ v))
+        kept = E @ own
+        lost = v - kept
+        return kept.reshape(-1, 6), float(0.5 * lost @ (self.mass @ lost))
+
+
+_INACTIVE = 0.1  # tolerance for merging over the tolerance for splitting a region
+_AHEAD = 2.0  # τ over the time between two checks
+_INSTANTS = 5  # evaluations of the loads between two checks
+_LONGEST = 16  # longest segment over the shortest, while all nodes are merged
+_WAITING = 5  # shortest segments for which nodes have to be inactive before they are merged
+_TRIES = 20  # attempts at one segment
+_PART = 0.1  # fraction of the remaining loss that one merging may use
+_LOST = 1e-8  # largest loss of kinetic energy by all mergings, relative
+
+
+class _State(NamedTuple):
+    """Start of a segment: frames and twists of all nodes."""
+
+    time: float
+    frames: Array
+    twists: Array
+
+
+def merged_motion(
+    build: Callable[[], Scene],
+    *,
+    duration: float,
+    step: float,
+    every: float,
+    tolerance: float,
+    scheme: Integrator | None = None,
+) -> MergedMotion:
+    """Integrate in time with the frames of inactive regions merged.
+
+    Args:
+        build: Creates the scene, a new one in each call: bodies whose nodes have frames, without
+            joints.
+        duration: End time.
+        step: Step size.
+        every: Shortest time between two changes of regions, a multiple of the step.
+        tolerance: Largest position error of a merged node within two such times, a length.
+        scheme: Time integration; default: ``GeneralisedAlpha()``.
+
+    Raises:
+        ValueError: The scene has joints, contacts or nodes without frames.
+        ConvergenceError: A segment failed.
+    """
+    instance(build, Callable, "build", "a function that makes a Scene")
+    instance(scheme, Integrator | None, "scheme", "a scheme such as GeneralisedAlpha, or None")
+    for value, what in ((duration, "duration"), (step, "step"), (every, "every")):
+        positive(value, what)
+    positive(tolerance, "tolerance")
+    if abs(every / step - max(1, round(every / step))) > 1e-9:
+        raise ValueError(f"every must be a multiple of the step {step!r}, got {every!r}")
+    run = _Run(build, step, every, tolerance, GeneralisedAlpha() if scheme is None else scheme)
+    return run.until(duration)
+
+
+class _Run:
+    """One motion."""
+
+    def __init__(
+        self,
+        build: Callable[[], Scene],
+        step: float,
+        every: float,
+        tolerance: float,
+        scheme: Integrator,
+    ) -> None:
+        """Store the options and the equations without regions."""
+        self._build, self._scheme, self._step = build, scheme, step
+        self._every, self._tolerance = every, tolerance
+        self._whole = _whole(build())
+        self._repeated, self._lost = 0, 0.0
+
+    def until(self, duration: float) -> MergedMotion:
+        """Integrate from the start to ``duration``."""
+        whole, start = self._whole, self._whole.start
+        master_map = whole.system.numbering.master_map
+        frames, twists = master_map.frames(start.frames), master_map.twists(start.velocities)
+        check = self._check(_State(whole.scene.began.time, frames, twists))
+        end, span = check.state.time + duration, self._every
+        active = check.active(self._tolerance)
+        segments: list[RegionSegment] = []
+        while end - check.state.time > 0.5 * self._step:
+            found = self._inactive_segment(check, active, min(span, end - check.state.time))
+            root = check.merged(found.active)
+            segments.append(_segment(found, root, check.state.time, segments))
+            check, merged = found.check, not active.any()
+            active = self._next(found)
+            longer = min(2.0 * span, _LONGEST * self._every)
+            span = longer if merged and not active.any() else _WAITING * self._every
+        return MergedMotion(tuple(segments), whole.unknowns.moving, self._repeated)
+
+    def _inactive_segment(self, check: _Check, active: Flags, span: float) -> _Found:
+        """Integrate a segment in which no merged node becomes active, with repetitions."""
+        for _ in range(_TRIES):
+            root = check.merged(active)
+            result = self._moved(check, root, span)
+            found = self._inactive_part(check, result, root, active)
+            if found.rows:
+                return found
+            active, span = active | found.activated, self._every
+            self._repeated += 1
+        raise ConvergenceError(f"no regions are quiet after time {check.state.time:g}")
+
+    def _inactive_part(self, check: _Check, result: Result, root: Indices, active: Flags) -> _Found:
+        """The segment up to the last check at which all merged nodes are inactive."""
+        found = _Found(result, 0, check, active, np.ones_like(active), np.zeros_like(active))
+        every, last = round(self._every / self._step), len(result.times) - 1
+        for row in [*range(every, last, every), last]:
+            time = check.state.time + float(result.times[row])
+            state = _State(time, result.frames[row], result.velocities[row])
+            after = self._check(state)
+            newly_active = (after.missed(root) > self._tolerance) & (root != np.arange(len(root)))
+            if newly_active.any():
+                return found._replace(activated=after.neighbourhood(newly_active))
+            if active.any():
+                found = found._replace(
+                    inactive=found.inactive & ~after.active(_INACTIVE * self._tolerance)
+                )
+            found = found._replace(rows=row, check=after)
+        return found
+
+    def _next(self, found: _Found) -> Flags:
+        """Which nodes have independent frames in the next segment."""
+        check, active = found.check, found.active
+        needed = check.active(self._tolerance) | found.activated
+        if found.rows * self._step < (_WAITING - 0.5) * self._every:
+            return needed | active
+        fewer = needed | (active & ~found.inactive)
+        _, lost = check.projected(check.merged(fewer))
+        if lost > _PART * (_LOST - self._lost) * check.kinetic:
+            return needed | active
+        self._lost += lost / check.kinetic if lost > 0.0 else 0.0
+        return fewer
+
+    def _check(self, state: _State) -> _Check:
+        return _Check(self._whole, state, self._every)
+
+    def _moved(self, check: _Check, root: Indices, span: float) -> Result:
+        """Result from a state on, with merged frames."""
+        scene, unknowns = self._build(), self._whole.unknowns
+        master_map = self._whole.system.numbering.master_map
+        twists = master_map.twists(check.projected(root)[0])
+        masters = unknowns.masters[root[master_map.master]]
+        for body, nodes in zip(scene.bodies, unknowns.bodies.values(), strict=True):
+            place = np.full(unknowns.total, -1)
+            place[nodes] = np.arange(len(nodes))
+            body.masters = place[masters[nodes]]
+            body.start_frames = check.state.frames[nodes]
+            body.velocities[:] = twists[nodes]
+        scene.began = Began(check.state.time)
+        return self._scheme.run(scene, duration=span, step=self._step, progress=False)
+
+
+class _Check(ActivityCheck):
+    """An activity check with its state."""
+
+    def __init__(self, whole: Equations, state: _State, every: float) -> None:
+        """Check a state, with the loads until the next check."""
+        times = state.time + every * np.linspace(0.0, 1.0, _INSTANTS)
+        super().__init__(whole, state.frames, state.twists, times, _AHEAD * every)
+        self.state = state
+
+
+class _Found(NamedTuple):
+    """The accepted part of a segment.
+
+    Attributes:
+        result: Result of the whole segment.
+        rows: Index of the last accepted state; 0: there is none.
+        check: Check at that state.
+        active: Whether each node had an independent frame.
+        inactive: Whether each node was inactive at all checks.
+        activated: Merged nodes that became active after that state, and their neighbours.
+    """
+
+    result: Result
+    rows: int
+    check: _Check
+    active: Flags
+    inactive: Flags
+    activated: Flags
+
+
+def _segment(
+    found: _Found, root: Indices, begin: float, before: Sequence[RegionSegment]
+) -> RegionSegment:
+    """The segment, with the change of momenta and energies at its start."""
+    change, result = None, found.result
+    if before:
+        last, row = before[-1].result, before[-1].rows
+        change = Transferred(
+            (float(last.kinetic[row]), float(result.kinetic[0])),
+            (float(last.elastic[row]), float(result.elastic[0])),
+            np.array([last.momentum[row], result.momentum[0]]),
+            np.array([last.angular_momentum[row], result.angular_momentum[0]]),
+        )
+    return RegionSegment(begin, result, found.rows, len(np.unique(root)), change)
+
+
+def _whole(scene: Scene) -> Equations:
+    """Equations without merged frames, or ``ValueError``."""
+    require_scene(scene)
+    equations = Equations(scene, dynamics=True)
+    unknowns = equations.unknowns
+    if unknowns.m or scene.contacts or unknowns.floating:
+        raise ValueError(
+            "expected a scene without joints, contacts and reduced-order bodies to merge frames"
+        )
+    if any(body.node_type is not NodeType.FRAME for body in scene.bodies):
+        raise ValueError("expected bodies whose nodes have frames to merge")
+    if equations.supports or scene.motions:
+        raise ValueError(
+            "expected a scene without prescribed motions and rotated axes to merge frames"
+        )
+    return equations

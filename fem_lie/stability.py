@@ -1,0 +1,48 @@
+"""Equilibrium paths, critical points, imperfections, and modes of vibration and buckling."""
+
+from typing import TYPE_CHECKING
+
+from fem_lie._renamed import unknown_name
+from fem_lie.results.mode_shapes import BucklingModes
+from fem_lie.results.path import CriticalPoint, CriticalPointType, EquilibriumPath, PathState
+from fem_lie.results.vibrations import Modes
+from fem_lie.solve.stability.branches import switch_branch
+from fem_lie.solve.stability.imperfections import (
+    FieldImperfection,
+    Imperfection,
+    ModeImperfection,
+    RandomImperfection,
+    apply_imperfections,
+)
+from fem_lie.solve.stability.path_options import (
+    DisplacementControl,
+    LoadControl,
+    PathEnds,
+    PathOptions,
+)
+from fem_lie.solve.statics.arc_length import ArcLength
+from fem_lie.solve.statics.unstable import UnstableEquilibriumWarning
+
+__all__ = [
+    "ArcLength",
+    "BucklingModes",
+    "CriticalPoint",
+    "CriticalPointType",
+    "DisplacementControl",
+    "EquilibriumPath",
+    "FieldImperfection",
+    "Imperfection",
+    "LoadControl",
+    "ModeImperfection",
+    "Modes",
+    "PathEnds",
+    "PathOptions",
+    "PathState",
+    "RandomImperfection",
+    "UnstableEquilibriumWarning",
+    "apply_imperfections",
+    "switch_branch",
+]
+
+if not TYPE_CHECKING:  # for users; type checkers know what there is
+    __getattr__ = unknown_name(__name__)
