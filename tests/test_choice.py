@@ -1,4 +1,4 @@
-"""Which package factorises: by the cost of an elimination, and by the values."""
+"""Choice of the package by the cost of an elimination, and by the values."""
 
 from itertools import pairwise
 

@@ -1,4 +1,4 @@
-"""Chains eliminated onto what they hang on: the same solutions as of the whole matrix."""
+"""Static condensation of chains: the solutions equal those of the whole matrix."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from fem_lie.linear.saddle_point import KKT, Incidences
 
 
 def chain(count: int, reach: int) -> np.ndarray:
-    """Pairs of a row of nodes that feel each other up to ``reach`` places away."""
+    """Pairs of nodes in a row that are coupled up to a distance ``reach``."""
     k = np.arange(count)
     return np.concatenate([np.stack([k[r:], k[:-r]], axis=1) for r in range(1, reach + 1)])
 
@@ -27,7 +27,7 @@ def ring(count: int) -> np.ndarray:
 
 
 def star(arms: int, length: int) -> np.ndarray:
-    """Chains that hang on node 0."""
+    """Chains attached to node 0."""
     found = [np.append(0, np.arange(length) + 1 + arm * length) for arm in range(arms)]
     return np.concatenate([np.stack([nodes[1:], nodes[:-1]], axis=1) for nodes in found])
 
@@ -44,7 +44,7 @@ def grid(side: int, cells: int) -> np.ndarray:
 
 
 def crowd(count: int) -> np.ndarray:
-    """Pairs without any order."""
+    """Random pairs."""
     rng = np.random.default_rng(5)
     pairs = rng.integers(0, count, (2 * count, 2))
     return pairs[pairs[:, 0] != pairs[:, 1]]
@@ -63,7 +63,7 @@ CASES = {
 
 
 def random_matrix(pairs: np.ndarray, touched: tuple[int, ...], seed: int = 0) -> KKT:
-    """Not symmetric, with held unknowns; three constraints on each node that is touched."""
+    """Unsymmetric, with held unknowns; three constraints on each touched node."""
     rng = np.random.default_rng(seed)
     order = rng.permutation(int(pairs.max()) + 1)
     pairs, touched = order[pairs], tuple(order[list(touched)]) if touched else ()
@@ -138,7 +138,7 @@ def test_chains_keep_their_factors_while_constraints_change(name, monkeypatch):
 
 
 def test_where_a_node_alone_is_singular_the_whole_is_factorised():
-    """Two nodes that are stiff only against each other and one of them against the ground."""
+    """Two nodes that are stiff only relative to each other, and one of them to the ground."""
     kkt = random_matrix(chain(4, 1), ())
     values, columns, pointers = kkt.csr
     free = np.flatnonzero(~kkt.unit_rows)
@@ -160,7 +160,7 @@ def methods(equations: fl.extend.Equations) -> tuple[fl.extend.Method, ...]:
 
 
 def test_a_net_moves_as_with_factors_of_the_whole(monkeypatch):
-    """Knots are what is left of a large net; chains of bodies on joints stay with their method."""
+    """Junctions remain of a large net; chains of bodies on joints keep their method."""
     scheme = fl.GeneralisedAlpha(radius=0.5, policy=fl.schemes.EveryIteration())
 
     def run() -> fl.Result:

@@ -1,4 +1,4 @@
-"""Joints, springs, drives and gears at work: each against a motion that is known."""
+"""Joints, springs, drives and gears in motion, against closed forms."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def test_a_nut_falls_on_its_thread():
 
 
 def test_wheels_on_a_gear_turn_against_each_other():
-    """A weight's torque on the first wheel turns both: inertia J₁ + J₂/i²; motor and rack, too."""
+    """The torque of a weight rotates both wheels: inertia J₁ + J₂/i²; motor and rack, too."""
     scene = fl.Scene()
     one, two = body(scene), body(scene, (1, 0, 0), (0.3, 0.3, 0.5))
     first = scene.add(fl.joints.Revolute(fl.ground(), one.point("centre"), axis=Z))
@@ -70,7 +70,7 @@ def test_a_pinion_drives_a_rack():
 
 
 def test_a_gear_is_measured_by_its_first_coordinate():
-    """A ratio converts the second: in the scene's units it is any number."""
+    """The ratio converts the second coordinate, and depends on units."""
     scene = fl.Scene()
     one, two, three = body(scene), body(scene, (1, 0, 0)), body(scene, (2, 0, 0))
     wheel = scene.add(fl.joints.Revolute(fl.ground(), one.point("centre"), axis=Z))
@@ -85,7 +85,7 @@ def test_a_gear_is_measured_by_its_first_coordinate():
 
 
 def test_full_turns_are_part_of_the_memory():
-    """What is taken back forgets no turn, and keeps none that came later."""
+    """A restored state has all of its full turns, and none of later ones."""
     scene = fl.Scene()
     wheel = body(scene)
     hinge = scene.add(fl.joints.Revolute(fl.ground(), wheel.point("centre"), axis=Z))
@@ -143,7 +143,7 @@ def test_shafts_on_a_universal_joint(index):
 
 @pytest.mark.parametrize("name, axis", [("angle", Z), ("second angle", (1.0, 0.0, 0.0))])
 def test_angles_of_a_universal_joint_are_right_handed(name, axis):
-    """A ball that spins about one of the two axes turns in that coordinate alone."""
+    """A ball that spins about one of the two axes changes that coordinate only."""
     scene = fl.Scene()
     ball = body(scene)
     joint = scene.add(
@@ -157,7 +157,7 @@ def test_angles_of_a_universal_joint_are_right_handed(name, axis):
 
 
 def test_springs_swing_and_dampers_damp():
-    """Frequency √(k/m), decay c/2m, and a static displacement; the energy counts the spring."""
+    """Frequency √(k/m), decay c/2m, and a static displacement; the energy includes the spring."""
     k, c, m = 50.0, 0.8, 2.0
     scene = fl.Scene(gravity=(0, 0, -9.81))
     slide = scene.add(fl.joints.Prismatic(fl.ground(), body(scene, mass=m).point("centre"), axis=Z))
@@ -179,7 +179,7 @@ def test_springs_swing_and_dampers_damp():
 
 
 def test_planar_joint_keeps_to_its_plane():
-    """A puck flies straight on and turns; its coordinates are those of the plane's axes."""
+    """A puck moves uniformly and rotates; its coordinates refer to the axes of the plane."""
     scene = fl.Scene(gravity=(0, -9.81, 0))
     puck = body(scene)
     floor = scene.add(
@@ -197,7 +197,7 @@ def test_planar_joint_keeps_to_its_plane():
 
 
 def test_massless_rod_is_a_pendulum():
-    """A distance that is kept, against the reference of a point mass on a rod (IFToMM A01)."""
+    """A constant distance, against the reference of a point mass on a rod (IFToMM A01)."""
     scene = fl.Scene(gravity=(0, -9.81, 0))
     ball = body(scene, (-1, 0, 0), (1e-6,) * 3, 1.0)
     rod = fl.joints.Distance(fl.ground(), ball.point("centre"), at=(0, 0, 0))
@@ -249,7 +249,7 @@ def test_bad_input_says_what_is_wrong(make, message):
 
 
 def test_springs_on_one_coordinate_need_names():
-    """Without names the force of the first one was returned for both."""
+    """Without names the force of the first one would be returned for both."""
     for names in (("soft", "stiff"), ("", "")):
         scene = fl.Scene()
         hinge = scene.add(

@@ -1,4 +1,4 @@
-"""Laws of sets of constraints, whatever they bind; and that nothing but the list knows them."""
+"""Properties that every set of constraints must have; only the list of types knows the sets."""
 
 import ast
 from functools import cache
@@ -31,7 +31,7 @@ def body(scene: fl.Scene, place=(0.4, 0.3, 0.1)) -> fl.RigidBody:
 
 
 def hinge_spring_drive(scene: fl.Scene, a: fl.extend.Point, b: fl.extend.Point) -> None:
-    """A hinge with a spring and damper, and the distance of both points, driven."""
+    """A hinge with a spring and damper, and a driven distance of both points."""
     hinge = scene.add(fl.joints.Revolute(a, b, at=HERE, axis=(0.2, 0.3, 1)))
     scene.add(fl.joints.Spring(hinge.angle, stiffness=3.0, damping=0.7, rest=0.2))
     reach = scene.add(fl.joints.Distance(a, b, at=(0.4, 0.2, 0), to=(0.9, 0.4, 0.3)))
@@ -58,7 +58,7 @@ def joints_on(element):
 
 
 def joints_on_branch(scene):
-    """Nodes that follow others: those at the branch, and two of one element by a link."""
+    """Attached nodes: those at a branch, and two of one element that are linked."""
     ends = [(0, 0, 0), (0.3, 0, 0), (0.4, 0.3, 0), (0.5, 0, 0.3), (0.9, 0, 0.3)]
     mesh = fl.mesh.LineMesh.from_cells(ends, [(0, 1), (1, 2), (1, 3), (3, 4)])
     tree = scene.add(fl.Beam(mesh, SECTION))
@@ -161,7 +161,7 @@ class Case:
         self.rng, self.own = rng, self.set.own
 
     def forces(self, H, v=None, weights=None, rows=None):
-        """On ``rows`` rows (all that move), and the constraints."""
+        """Forces on ``rows`` rows (all moving ones), and the violations."""
         count = self.n if rows is None else rows
         r = np.zeros(6 * count + self.m)
         v = np.zeros_like(self.v) if v is None else v
@@ -182,7 +182,7 @@ class Case:
         return rows.reshape(self.m, -1)[self.own]
 
     def stiffness(self, fill):
-        """What ``fill(place, K)`` adds, as a matrix of all nodes."""
+        """Matrix on all nodes of the blocks that ``fill(place, K)`` adds."""
         K, n = np.zeros((self.n**2, 6, 6)), self.n
         rows, columns = self.set.pairs
         fill(np.where((rows < n) & (columns < n), rows * n + columns, -1), K)
@@ -353,7 +353,7 @@ BOUND = {
 
 @pytest.mark.parametrize("joint", BOUND)
 def test_half_a_turn_across_the_axis_closes_a_joint_and_is_refused(joint):
-    """What a joint binds of rotations is zero there, too."""
+    """The constrained components of the rotation vanish there as well."""
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(1.0, (1.0, 1.2, 1.4), (0, 0, 0)))
     scene.add(BOUND[joint](body.point("centre")))

@@ -1,4 +1,4 @@
-"""Subdomains: their matrices sum up to that of the scene, and what cannot be divided is refused."""
+"""Subdomains: their matrices sum up to that of the scene, and refusals."""
 
 from petsc4py import PETSc
 
@@ -17,7 +17,7 @@ BAR = fl.Section.rectangle(0.02, 0.03, STEEL)
 
 
 def joined_beams():
-    """Two beams and a spring between nodes that no cell has, swinging."""
+    """Two swinging beams with a spring between nodes that are in no common cell."""
     upper = fl.Beam.straight((0, 0, 0), (1, 0, 0), BAR, cells=6)
     lower = fl.Beam.straight((1, 0, 0), (2, 0, 0), BAR, cells=6)
     scene = fl.Scene(gravity=(0, 0, -9.81))
@@ -48,7 +48,7 @@ def whole(equations):
 
 
 def parts(equations, state, plan, count):
-    """The sum of the matrices of all domains, and how many have each unknown."""
+    """Sum of the matrices of all subdomains, and number of subdomains of each unknown."""
     size = equations.unknowns.size
     total, have = np.zeros((size, size)), np.zeros(size)
     division = equations.system.tangent.division(count)
@@ -108,7 +108,7 @@ def test_what_several_domains_have_is_their_interface(make):
 @pytest.mark.parametrize("inertial", [False, True])
 @pytest.mark.parametrize("make", [joined_beams, sheet])
 def test_motions_of_the_interface_are_rigid(make, inertial):
-    """What frames do that are all moved by a small motion of space, along axes of either kind."""
+    """Motions of frames under a small rigid motion, along both types of axes."""
     equations = fl.extend.Equations(make(), dynamics=True)
     tangent, n = equations.system.tangent, equations.unknowns.moving
     H = fl.lie.se3_compose(
@@ -143,7 +143,7 @@ NONE = links(np.empty((0, 2), dtype=np.int64))
 
 @pytest.mark.parametrize("rich", [6, 36])
 def test_domains_have_as_many_unknowns_and_meet_in_few(rich):
-    """Of a strip with more unknowns at one end, by cuts across it."""
+    """A strip with more unknowns at one end is cut transversely."""
     cells, column = quarters(48, 4)
     free = np.where(column < 12, rich, 6)
     found = divided(links(cells), NONE, NONE, free, 3)
@@ -157,7 +157,7 @@ def test_domains_have_as_many_unknowns_and_meet_in_few(rich):
 
 
 def test_what_is_joined_is_of_one_domain():
-    """Nodes of a joint and of a pair that no cell has, at both ends of a strip."""
+    """Nodes of a joint, and of a pair that is in no cell, at both ends of a strip."""
     cells, column = quarters(24, 2)
     ends = np.array([[0, len(column) - 1]])
     for joints, others in ((links(ends), NONE), (NONE, links(ends))):

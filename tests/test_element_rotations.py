@@ -1,4 +1,4 @@
-"""Elements that turn too far: a warning near the limit, an error beyond it."""
+"""Elements that rotate too far: a warning near the limit, an error beyond it."""
 
 import re
 
@@ -20,7 +20,7 @@ EI, LENGTH = 100.0, 10.0
 def bent(
     cells: int, angle: float, formulation: fl.elements.BeamFormulation
 ) -> tuple[fl.Scene, fl.Beam]:
-    """A cantilever under the moment that turns each of its elements by an angle."""
+    """A cantilever under the moment that rotates each of its elements by an angle."""
     scene, section = fl.Scene(), fl.Section.from_stiffness([1e4] * 3 + [EI] * 3)
     beam = scene.add(
         fl.Beam.straight((0, 0, 0), (LENGTH, 0, 0), section, cells=cells, formulation=formulation)
@@ -31,7 +31,7 @@ def bent(
 
 
 def moments(formulation: fl.elements.BeamFormulation, turns: np.ndarray) -> np.ndarray:
-    """Bending moment of one element in an arc of each turn, over its stiffness, by differences."""
+    """Bending moment over stiffness of one element in arcs of several rotations, by differences."""
     beam = fl.Beam.straight(
         (0, 0, 0),
         (1, 0, 0),
@@ -53,7 +53,7 @@ def moments(formulation: fl.elements.BeamFormulation, turns: np.ndarray) -> np.n
 
 @pytest.mark.parametrize("name", BEAMS)
 def test_limit_is_where_the_moment_of_an_arc_stops_growing(name):
-    """Up to the limit more turn takes more moment; plain three-node directors no farther."""
+    """Up to the limit a larger rotation needs a larger moment; plain directors end there."""
     formulation = BEAMS[name]
     limit = formulation.largest_turn
     below = moments(formulation, np.linspace(0.1, 0.99 * limit, 12))
@@ -61,7 +61,7 @@ def test_limit_is_where_the_moment_of_an_arc_stops_growing(name):
 
 
 def test_node_inside_of_three_is_stable_up_to_the_limit_and_no_farther():
-    """Second derivative of the energy in the turn of the middle node, both ends held."""
+    """Second derivative of the energy in the rotation of the middle node, with both ends held."""
     g, limit = 1 / np.sqrt(3), fl.elements.DirectorBeam(2).largest_turn
 
     def energy(middle: float, turn: float) -> float:
@@ -132,7 +132,7 @@ def test_directors_of_three_nodes_do_not_fold_in_silence(road):
 
 @pytest.mark.parametrize("run", ["generalised alpha", "conserving", "variable steps"])
 def test_motion_ends_where_an_element_folds(run):
-    """A cantilever that swings with more energy than its only element takes before it folds."""
+    """A cantilever swings with more energy than its only element takes before it folds."""
     scene, section = fl.Scene(), fl.Section.rectangle(0.1, 0.1, fl.Material(1.2e5, 0.0, 1e3))
     beam = scene.add(
         fl.Beam.straight(
@@ -154,7 +154,7 @@ def test_motion_ends_where_an_element_folds(run):
 
 @pytest.mark.parametrize("degree", [1, 2])
 def test_shells_have_a_limit_too(degree):
-    """The moment of a strip goes with the sine of the turn of a cell of two nodes an edge."""
+    """The moment of a strip goes with the sine of rotation of a cell with two nodes per edge."""
     from demos.cantilever_moment import CIRCLE, THICKNESS, WIDTH, E
     from demos.cantilever_moment import LENGTH as L
 

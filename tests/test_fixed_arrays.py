@@ -1,4 +1,4 @@
-"""Arrays that are passed by their addresses, and what is computed with them in one call."""
+"""Arrays passed by their addresses, and sums computed with them in one call."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def test_what_is_not_as_compiled_code_reads_it_is_refused(array):
 
 
 def moving_system() -> tuple[System, tuple[np.ndarray, ...]]:
-    """Two hinged bars with gravity, a load in time and a spring, somewhere in motion."""
+    """Two hinged bars with gravity, a load in time and a spring, in motion."""
     scene, one, two = pendulum(3)
     scene.gravity = np.array((0.0, 0.0, -9.81))
     scene.add(fl.PointLoad(two.point("end"), force=(1.0, 2.0, 3.0), history=lambda t: 1.0 + t))
@@ -48,7 +48,7 @@ def test_residual_in_one_call_is_the_sum_of_its_parts(time):
 
 
 def test_cells_whose_nodes_follow_others_are_in_the_same_call():
-    """As each term by itself has its forces."""
+    """Forces of cells with attached nodes equal those of each term."""
     scene, section = fl.Scene(), fl.Section.tube(2e-3, 3e-3, fl.Material(2e11, 0.3, 7850.0))
     corner = np.array((0.4, 0.0, 0.0))
     one, other = (

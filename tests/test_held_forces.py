@@ -1,4 +1,4 @@
-"""Forces of supports are the same, looked at near them alone or with the whole scene."""
+"""Support reactions are the same from their neighbourhood and from the whole scene."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def cantilever():
 
 
 def branched():
-    """Nodes follow others, and the one that leads is held in the middle of a numbering."""
+    """Attached nodes, with a supported master node in the middle of the numbering."""
     scene = cantilever()
     one = scene.bodies[0]
     two = bar(scene, (0.5, -1, 0), one.point("end").position, "two")
@@ -35,7 +35,7 @@ def branched():
 
 
 def jointed():
-    """Joints, springs and dampers pull at nodes that are held."""
+    """Joints, springs and dampers act on supported nodes."""
     scene = branched()
     one, two, three = scene.bodies
     four = bar(scene, (0, 0, 0), (0, 0, 1), "four")

@@ -1,4 +1,4 @@
-"""Laws of joints: derivatives, invariance, and what is refused."""
+"""Joints: derivatives, invariance, and invalid arguments."""
 
 import re
 from functools import cache
@@ -52,7 +52,7 @@ def drives(a, b):
 
 
 def gear(a, b):
-    """On one carrier ``a``: both of its definitions share a node."""
+    """Two hinges on one carrier ``a``, which both definitions share."""
     wheel = fl.joints.Revolute(a.point("centre"), b.point("centre"), at=PLACE, axis=AXIS)
     rack = fl.joints.Prismatic(b.point("centre"), a.point("centre"), at=(1, 1, 0), axis=(0, 1, 0))
     return [fl.joints.Gear(wheel.angle, rack.displacement, -1.7)]
@@ -80,7 +80,7 @@ CONNECTIONS = {
 
 @cache
 def connections_of(name: str) -> Connections:
-    """The connection between two free bodies."""
+    """A connection between two free bodies."""
     scene = fl.Scene()
     a = scene.add(fl.RigidBody(1.0, (1, 1, 1)))
     b = scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(1, 0.5, 0), rotation=lie.so3_exp(TURNED)))
@@ -132,7 +132,7 @@ class Case:
         return rows.reshape(self.m, 12)
 
     def blocks(self, fill) -> np.ndarray:
-        """What ``fill(place, K)`` adds for all pairs, as a matrix of both nodes."""
+        """Matrix on both nodes of the blocks that ``fill(place, K)`` adds."""
         K, nodes = np.zeros((4, 6, 6)), self.table.nodes
         place = 2 * nodes[:, :, np.newaxis] + nodes[:, np.newaxis]
         fill(place, K)
@@ -224,7 +224,7 @@ def test_rates_are_time_derivatives(name, seed):
 @given(seed=seeds)
 @settings(max_examples=25, deadline=None)
 def test_internal_forces_balance_and_are_invariant(name, seed):
-    """Forces on A and B have no resultant, and do not see a rigid motion of both."""
+    """Forces on A and B have no resultant, and are invariant under a rigid motion of both."""
     case = Case(name, seed)
     local = case.evaluate(case.H, case.v)[:12].reshape(2, 6)
     # to the origin: forces transform by Ad⁻ᵀ, and the adjoint of the inverse is the inverse
@@ -237,7 +237,7 @@ def test_internal_forces_balance_and_are_invariant(name, seed):
 
 
 def forbidden(definition, A: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """What the selection and functions of a definition yield for two frames."""
+    """Values of the selection and functions of a definition for two frames."""
     z, of_z = np.empty(12), np.empty(3)
     relative_motion(A, B, z)
     functions.values(z, definition.angle, 0.0, of_z)
@@ -245,7 +245,7 @@ def forbidden(definition, A: np.ndarray, B: np.ndarray) -> np.ndarray:
 
 
 def allowed(definition, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Two frames, with some motion between them that the definition allows."""
+    """Two frames with a random relative motion that the definition allows."""
     A = random_frames(rng, 1)[0]
     found = least_squares(
         lambda twist: forbidden(definition, A, lie.se3_compose(A, lie.se3_exp(twist))),
@@ -272,7 +272,7 @@ NO_JOINTS = {"Spring", "Drive", "Gear"}
 @given(seeds)
 @pytest.mark.parametrize("name", [name for name in CONNECTIONS if name not in NO_JOINTS])
 def test_reversible_joint_forbids_the_same_with_its_sides_exchanged(name, seed):
-    """And one that does not, or is not known to, keeps its sides."""
+    """A joint that is not reversible keeps its sides."""
     kind = getattr(fl, name)
     assert kind.reversible == (kind in REVERSIBLE)
     a, b = fl.RigidBody(1.0, (1, 1, 1)), fl.RigidBody(1.0, (1, 1, 1))
@@ -308,7 +308,7 @@ def closed_chain(last: type[fl.joints.Joint]) -> fl.Scene:
 
 
 def test_redundant_constraints_are_counted_and_named():
-    """A planar loop of four revolutes has three constraints too many (Grübler)."""
+    """A planar loop of four revolute joints has three redundant constraints (Grübler)."""
     with pytest.raises(ValueError, match=r"3 of 20 constraints are redundant.*(joint|last)"):
         fl.extend.Equations(closed_chain(fl.joints.Revolute), dynamics=True)
 
@@ -343,7 +343,7 @@ def held_twice(redundant: fl.joints.RedundantConstraints) -> fl.Scene:
 
 
 def test_redundant_joint_forces_are_the_smallest():
-    """Each of two equal supports carries half the weight, and no moment is needed."""
+    """Each of two equal supports takes half the weight, and no moment is needed."""
     with pytest.raises(ValueError, match="6 of 12 constraints are redundant"):
         fl.statics(held_twice(fl.joints.RedundantConstraints.REFUSE))
     scene = held_twice(fl.joints.RedundantConstraints.MINIMUM_NORM)
@@ -385,7 +385,7 @@ def test_condition_of_matrix_does_not_depend_on_step(flexible):
 
 
 def test_a_gap_between_joined_points_is_closed_by_the_advice():
-    """Points that coincide to seven digits, as in a file: the message has what to write."""
+    """Points that coincide to seven digits, as in a file: the message contains the remedy."""
     section = fl.Section.circle(0.1, fl.Material(1e6, 0.3, 1.0))
     scene = fl.Scene()
     first = scene.add(fl.Beam.straight((0, 0, 0), (1 / 3, 0, 0), section, cells=1))

@@ -1,4 +1,4 @@
-"""The matrix of a scene: what is held is not in its pattern, and the rest is the derivative."""
+"""The saddle-point matrix of a scene: pattern without held unknowns, and derivatives."""
 
 from petsc4py import PETSc
 
@@ -16,7 +16,7 @@ INDEFINITE = SYMMETRIC[1:]
 
 
 def stored(model: SceneEquilibrium) -> sp.csr_matrix:
-    """A copy with the zeros that are stored."""
+    """A copy with the stored zeros."""
     indptr, columns, values = model.equations.system.kkt.matrix.getValuesCSR()
     return sp.csr_matrix((values, columns, indptr), copy=True)
 
@@ -36,7 +36,7 @@ def test_held_unknowns_have_unit_rows_and_no_columns():
 
 @pytest.mark.parametrize("cells", [2, 12])
 def test_an_indefinite_matrix_stays_with_the_solver_that_can(cells):
-    """Where there is little fill CHOLMOD would take it, and say that it has no negative pivot."""
+    """With little fill CHOLMOD would factorise it, and report no negative pivot."""
     model = SceneEquilibrium(
         pinched(0.04, quarter(cells), fl.elements.HellingerReissner()), "test_"
     )
@@ -68,7 +68,7 @@ def test_options_that_are_given_come_before_those_of_a_package():
 
 @pytest.mark.parametrize("methods", [SYMMETRIC, INDEFINITE])
 def test_a_matrix_that_is_not_finite_does_not_spoil_the_next(methods):
-    """A step that blew up is halved; the packages themselves never recover from nan."""
+    """A step that diverged is halved; the packages themselves never recover from nan."""
     model = SceneEquilibrium(pinched(0.04, quarter(12), fl.elements.HellingerReissner()), "test_")
     solver = fl.extend.DirectSolver(model.equations.system.kkt, "test_finite_", methods)
     values = model.equations.system.kkt.csr[0]
@@ -90,7 +90,7 @@ def test_a_matrix_that_is_not_finite_does_not_spoil_the_next(methods):
 
 @pytest.mark.parametrize("load", ["force", "pressure"])
 def test_forces_that_are_known_make_the_same_matrix(load):
-    """After a look at the forces the elements are not asked for them again."""
+    """Elements do not evaluate their forces again."""
     scene = pinched(0.04, quarter(3), fl.elements.HellingerReissner())
     if load == "pressure":
         scene.add(fl.loads.SurfacePressure(scene.bodies[0], 10.0))

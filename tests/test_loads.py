@@ -1,4 +1,4 @@
-"""Loads that follow, strains without stress, histories and damping, against closed forms."""
+"""Follower loads, stress-free strains, histories and damping, against closed forms."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ LENGTH = 2.0
 
 
 def cantilever(cells: int, section: fl.Section = SECTION, **options):
-    """A clamped bar; the joint reports what the ground feels, in global axes turned by e₃ = z."""
+    """A clamped bar; the joint reports the force on the ground, in axes with e₃ = z."""
     scene = fl.Scene()
     beam = fl.Beam.straight(
         (0, 0, 0), (LENGTH, 0, 0), section, cells=cells, up=(0, 0, 1), **options
@@ -39,7 +39,7 @@ def on_ground(result: fl.StaticResult, joint: fl.joints.Joint) -> tuple[np.ndarr
 
 
 def branch(damping: fl.sections.Damping | None = None) -> tuple[fl.Scene, fl.Beam]:
-    """A kink and a branch: nodes that follow others."""
+    """A kink and a branch: attached nodes."""
     scene = fl.Scene()
     mesh = fl.mesh.LineMesh.from_cells(
         [(0, 0, 0), (1, 0, 0), (1.2, 0.8, 0), (1.5, 0, 0.8)], [(0, 1), (1, 2), (1, 3)]
@@ -74,7 +74,7 @@ def test_tangent_of_pressure_and_of_all_loads_on_nodes_that_follow(seed):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_damping_is_linear_in_the_velocity_and_in_the_matrix(seed):
-    """The derivative of the residual in the velocities is what the matrix has for them."""
+    """The derivative of the residual in the velocities is in the matrix."""
     scene, _ = branch(fl.sections.Damping(mass=2.0, stiffness=(0.1, 0.2, 0.3, 0.4, 0.5, 0.6)))
     system = Assembled(scene, dynamics=True)
     H, v, a = random_state(system, seed)
@@ -128,7 +128,7 @@ def test_pressure_on_any_plane_line_is_that_on_its_chord():
 
 
 def ring(cells: int, section: fl.Section, pressure: float):
-    """A ring about z that holds on to one point, pressed from outside."""
+    """A ring about z, supported at one point, under external pressure."""
     phi = 2 * np.pi * np.arange(cells) / cells
     pairs = np.column_stack([np.arange(cells), (np.arange(cells) + 1) % cells])
     points = np.column_stack([np.cos(phi), np.sin(phi), 0 * phi])
@@ -178,7 +178,7 @@ def test_a_ring_buckles_at_its_critical_pressure():
 
 
 def test_moments_about_fixed_and_following_axes():
-    """At the clamp arrives the moment as it was given, or as the tip has turned it."""
+    """The clamp takes the moment as prescribed, or rotated with the tip."""
     moment = np.array([30.0, 40.0, 50.0])
     for following in (False, True):
         scene, beam, joint = cantilever(8)
@@ -192,7 +192,7 @@ def test_moments_about_fixed_and_following_axes():
 
 
 def test_following_line_load_turns_with_its_nodes():
-    """Its resultant is the sum of the turned nodal forces, and that arrives at the clamp."""
+    """Its resultant is the sum of the rotated nodal forces, and equals the reaction."""
     scene, beam, joint = cantilever(6)
     density = np.array([3.0, 5.0, 40.0])
     scene.add(fl.LineLoad(beam, force=density, following=True))
@@ -250,7 +250,7 @@ def test_warming_between_clamps_is_a_thrust():
 
 
 def test_pre_stress_is_the_resultant_in_the_unloaded_configuration():
-    """All six of it, shear too, whatever the element adds to its flexibility."""
+    """All six components, shear included, whatever the flexibility of the element."""
     given = np.array([100.0, 20, -30, 4, 5, -6])
     for cells, formulation in (
         (1, fl.elements.GeodesicBeam()),
@@ -288,7 +288,7 @@ def test_a_string_under_tension_gives_way_as_strings_do():
 
 
 def bar_with_a_mass(damping: fl.sections.Damping | None = None):
-    """One axial degree of freedom: frequency √(k/m), the bar's own mass being nothing."""
+    """One axial degree of freedom: frequency √(k/m), with a negligible mass of the bar."""
     light = fl.Section.from_stiffness(SECTION.stiffness, 1e-6 * MASS)
     scene, beam, _ = cantilever(1, light, damping=damping)
     block = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1), (LENGTH, 0, 0)))
@@ -429,7 +429,7 @@ def test_mass_damping_stops_a_free_body():
 
 
 def test_kelvin_voigt_does_not_slow_down_a_spin():
-    """What vibrates comes to rest; momentum and angular momentum stay."""
+    """Vibrations decay; momentum and angular momentum are conserved."""
     scene = fl.Scene()
     beam = fl.Beam.straight(
         (-1, 0, 0), (1, 0, 0), SECTION, cells=4, damping=fl.sections.Damping(0.0, 5e-3)

@@ -1,4 +1,4 @@
-"""Stiffness of contacts beside a matrix that is kept."""
+"""Stiffness of contacts as a low-rank correction of a frozen matrix."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def falling(stiffness: float, *, line: bool = False) -> fl.Scene:
 
 
 def test_solutions_are_those_of_the_whole_matrix():
-    """Also with columns of a row that has turned a little since, and that one left out."""
+    """Also with columns of a row that has rotated a little since, and one that is left out."""
     rng = np.random.default_rng(3)
     S = 4.0 * np.eye(9) + rng.uniform(size=(9, 9))
     first, unknowns = np.array([0, 4, 7]), np.array([0, 1, 5, 6, 1, 2, 8])
@@ -58,7 +58,7 @@ def test_solutions_are_those_of_the_whole_matrix():
 
 @pytest.mark.parametrize("line", [False, True], ids=["nodes", "line"])
 def test_what_is_beside_is_the_stiffness_of_the_contact(line):
-    """Differences of the residual along increments that were made, but for turns of forces."""
+    """Differences of the residual along increments, without rotations of forces."""
     scene = falling(1e6, line=line)
     equations = fl.extend.Equations(scene, dynamics=True)
     still = np.zeros((equations.unknowns.moving, 6))
@@ -89,7 +89,7 @@ def test_a_stiff_contact_makes_no_more_matrices_than_a_soft_one():
 
 
 def test_many_rows_go_into_the_matrix(monkeypatch):
-    """The motion is the same with all of them beside it, and with one at most."""
+    """The motion is the same with all rows in the correction, and with at most one."""
     beside = SCHEME.run(falling(1e4), duration=0.05, step=1e-3, progress=False)
     monkeypatch.setattr("fem_lie.solve.alpha.run_state.MOST", 0)
     within = SCHEME.run(falling(1e4), duration=0.05, step=1e-3, progress=False)

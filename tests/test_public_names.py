@@ -86,7 +86,7 @@ OTHERS = {
     "tests/test_conserving_starts.py",
     "tests/test_contact_bad_input.py",
     "tests/test_divided_steps.py",
-    "tests/test_equations_door.py",
+    "tests/test_equations_interface.py",
     "tests/test_estimates.py",
     "tests/test_held_forces.py",
     "tests/test_levels.py",

@@ -1,4 +1,4 @@
-"""Scenes on several ranks: the results of one, and one end for all."""
+"""Scenes on several ranks: the results of one rank, and a common termination."""
 
 from petsc4py import PETSc
 

@@ -1,4 +1,4 @@
-"""Laws of constraints of velocities, and a sledge whose motion is known in closed form."""
+"""Velocity constraints: properties, and a sledge with a known closed-form motion."""
 
 from functools import cache
 
@@ -21,7 +21,7 @@ JOINTS = {
 
 @cache
 def connections_of(name: str) -> Connections:
-    """Between two free bodies."""
+    """Connections between two free bodies."""
     scene = fl.Scene()
     a = scene.add(fl.RigidBody(1.0, (1, 1, 1)))
     b = scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(0.3, 0.5, 0.8)))
@@ -38,14 +38,14 @@ def state(seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def bound(connections: Connections, H: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """The velocities that are to be zero."""
+    """The constrained velocities."""
     first = np.zeros(connections.m)
     connections.sets[1].values(H, v, first)
     return first[len(connections.table.targets) :]
 
 
 def dense(connections: Connections, H: np.ndarray) -> np.ndarray:
-    """Rows of the constraints of velocities."""
+    """Rows of the velocity constraints."""
     incidences = connections.incidences
     blocks, rows = np.zeros((len(incidences.nodes), 6)), np.zeros((connections.m, 2, 6))
     connections.sets[1].jacobian(H, blocks)
@@ -88,7 +88,7 @@ def test_rows_of_an_edge_are_constant_in_its_frame():
 
 
 def sledge(step: float) -> tuple[float, fl.Result, fl.joints.KnifeEdge]:
-    """Chaplygin's sledge: its largest error of the velocities in 2 s."""
+    """Chaplygin's sledge: largest error of the velocities in 2 s."""
     ahead, inertia, mass, v0, w0 = 0.3, 0.05, 1.5, -0.5, 2.0
     scene = fl.Scene()
     body = scene.add(fl.RigidBody(mass, (inertia,) * 3, name="sledge"))
@@ -120,7 +120,7 @@ def test_sledge_is_of_second_order_and_keeps_its_energy():
 
 
 def test_blade_pushes_the_ground_as_the_sledge_is_pushed():
-    """Reported on the ground, in its axes and about the place there, wherever the blade is."""
+    """The reported force acts on the ground, in its axes and about the point there."""
     _, result, blade = sledge(5e-3)
     R, axes = result.rotation("sledge.centre"), blade.frame()[1:]
     velocity = np.einsum("tij,tj->ti", R, result.velocity("sledge.centre")[:, :3])

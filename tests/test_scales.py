@@ -1,4 +1,4 @@
-"""Scales of constraints, and what their scaled multipliers move."""
+"""Scales of constraints, and effects of their scaled multipliers."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ VECTORS = [slice(0, 3), slice(3, 4), slice(4, 6)]
 
 
 class Constraints:
-    """Of three nodes, with a matrix whose diagonal is given."""
+    """Constraints of three nodes, with a prescribed diagonal of the matrix."""
 
     def __init__(self, diagonal: np.ndarray | None = None) -> None:
         rng = np.random.default_rng(3)
@@ -30,7 +30,7 @@ class Constraints:
         return np.einsum("ank,nk,bnk->ab", B, 1.0 / self.diagonal, B)
 
     def scales(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of all, and what is spread within vectors as a square matrix."""
+        """Scales, and ``spread`` within vectors as a square matrix."""
         spread = np.empty(self.vectors.others.shape)
         given = self.rows, self.diagonal, self.units
         scale = self.vectors.scales(self.incidences, *given, spread)
@@ -52,7 +52,7 @@ def test_spread_is_what_scaled_multipliers_move():
 
 
 def test_what_a_force_moves_does_not_depend_on_axes_of_its_vector():
-    """Nor does the scale, where components differ little."""
+    """Neither does the scale, if components differ little."""
     given, force = Constraints(), np.array([2.0, -1.0, 0.5])
     scale, spread = given.scales()
     turn = Rotation.from_rotvec([0.4, -1.1, 0.3]).as_matrix()
@@ -85,7 +85,7 @@ def test_constraints_that_move_nothing_count_as_they_are():
 
 @pytest.mark.parametrize("length", [1e-6, 1e3])
 def test_nodes_without_stiffness_count_alike_in_all_units(length):
-    """Rigid bodies in statics have none, or what round-off makes of it."""
+    """Rigid bodies in statics have no stiffness but round-off."""
     energy, plain, other = 1e-12, Constraints(), Constraints()
     plain.diagonal[1], plain.diagonal[2, 3:] = 0.0, 1e-30
     units = np.tile(np.repeat([length, 1.0], 3), (3, 1))

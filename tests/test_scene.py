@@ -1,4 +1,4 @@
-"""What a scene refuses, what it leaves alone, and motions that stop being motions."""
+"""Errors of scenes and their items, and invalid prescribed motions."""
 
 import numpy as np
 import pytest

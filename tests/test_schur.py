@@ -19,7 +19,7 @@ COUNT, M = 30, 5
 
 
 def matrix(rng, *, frames=(), indefinite=False) -> tuple[KKT, np.ndarray]:
-    """Of a chain of nodes with some constraints; those of ``frames`` are not symmetric."""
+    """Matrix of a chain of nodes with some constraints; those of ``frames`` are unsymmetric."""
     nodes = np.arange(COUNT)
     pairs = (np.append(nodes[:-1], nodes[1:]), np.append(nodes[1:], nodes[:-1]))
     touched = [set(rng.integers(0, COUNT, 8).tolist()) for _ in range(M)]
@@ -93,7 +93,7 @@ def test_what_is_indefinite_inside_or_wide_goes_to_the_next(rng):
 
 
 def test_a_method_that_reads_one_half_is_passed_over_where_the_border_fails(rng):
-    """Frames make it unsymmetric, and what is inside is indefinite."""
+    """Frames make it unsymmetric, and ``K`` is indefinite."""
     kkt, A = matrix(rng, frames=(4,), indefinite=True)
     half, last = fl.extend.Method("cholesky", "mumps"), fl.extend.Method("lu", "mumps")
     solver, found = solved(kkt, [BY_SCHUR, half, last])
@@ -131,7 +131,7 @@ def test_the_inside_keeps_its_factors_while_the_border_changes(rng, monkeypatch)
 
 
 def with_sums(rng, kkt: KKT, *, symmetric: bool) -> np.ndarray:
-    """Adds a part of low rank, some of whose sums are zero; returns the whole matrix."""
+    """Add a low-rank part, some of whose sums are zero; return the whole matrix."""
     nodes, r = np.arange(8, 20), 7
     rows, columns = (
         each.ravel() for each in np.meshgrid(6 * nodes[:, None] + np.arange(3), range(r))
@@ -221,7 +221,7 @@ def test_attachments_may_be_on_nodes_that_are_held(monkeypatch):
 
 
 def test_a_force_on_an_averaging_attachment_is_a_traction():
-    """The weights of its nodes are the areas that they carry; the matrix has no more entries."""
+    """The weights of its nodes are their areas; the matrix has no more entries."""
     mesh = fl.mesh.parametric_volume(lambda a, b, c: (a, b + 0.1 * a * b, 0.5 * c), (3, 3, 2))
 
     def entries_and_result(loaded):
@@ -246,7 +246,7 @@ def test_a_force_on_an_averaging_attachment_is_a_traction():
 
 
 def test_the_pattern_of_an_averaging_attachment_stays_sparse(monkeypatch):
-    """In statics and steps; what is kept out of it changes no iteration and no result."""
+    """In statics and dynamics; the low-rank part changes neither iterations nor results."""
     entries, filled = [], KKT.fill
 
     def counted(self, *args, **options):

@@ -1,4 +1,4 @@
-"""Joints that slide along flexible beams: derivatives, invariants, and a bead on a turning rod."""
+"""Joints that slide along flexible beams: derivatives, invariants, a bead on a rotating rod."""
 
 from functools import cache
 
@@ -32,7 +32,7 @@ def system_of(kind: type[fl.joints.Sliding]) -> System:
 
 
 class Case:
-    """A body on a rail in a random configuration near a place on the second of four elements."""
+    """A body on a rail in a random configuration near a point of the second of four elements."""
 
     def __init__(self, kind: type[fl.joints.Sliding], seed: int) -> None:
         rng = np.random.default_rng(seed)
@@ -115,7 +115,7 @@ def test_rates_balance_and_invariance(kind, seed):
 def bead(
     kind: type[fl.joints.Sliding], step: float, cells: int = 5
 ) -> tuple[fl.Result, fl.joints.Sliding]:
-    """A flexible rail flies and turns, a body slides along it over several elements."""
+    """A free flexible rail rotates, and a body slides along it over several elements."""
     scene = fl.Scene()
     beam = scene.add(rail(cells))
     ball = scene.add(fl.RigidBody(0.2, (2e-4,) * 3, (0.2, 0, 0), name="ball"))
@@ -129,7 +129,7 @@ def bead(
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_momenta_and_energy_over_the_elements(kind):
-    """What second order leaves; elements of 0.2 from 0.2 on: two boundaries are crossed."""
+    """Second-order errors; the bead crosses two boundaries of elements of length 0.2."""
     coarse, fine = bead(kind, 4e-3), bead(kind, 2e-3)
     place = fine[0].coordinate(fine[1])
     assert place[0] == pytest.approx(0.2) and 0.58 < place[-1] < 0.61
@@ -152,7 +152,7 @@ def test_path_on_the_rail_converges_with_the_elements():
 
 
 def test_bead_on_a_driven_rod():
-    """A stiff rod that turns with constant speed: the bead goes out as cosh ωt."""
+    """A stiff rod rotates with constant speed: the bead moves outward as cosh ωt."""
     speed = 2.0
     scene = fl.Scene()
     stiff = fl.Section.circle(0.02, fl.Material(2e11, 0.3, 8000.0))
@@ -180,7 +180,7 @@ def test_bead_on_a_driven_rod():
     ("kind", "free"), [(fl.joints.Sliding, 3), (fl.joints.Collar, 1), (fl.joints.Sleeve, 0)]
 )
 def test_moments_turn_what_the_joint_leaves_free(kind, free):
-    """On a stiff rail: all axes, the rail's alone, none."""
+    """On a stiff rail: rotation about all axes, about that of the rail, none."""
     scene = fl.Scene()
     stiff = fl.Section.circle(0.05, fl.Material(2e11, 0.3, 8000.0))
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), stiff, cells=2))
@@ -214,7 +214,7 @@ def test_travel_is_driven_and_the_end_is_an_error():
 @settings(max_examples=60, deadline=None)
 @given(along=st.floats(0.0, 1.0), seed=st.integers(0, 10))
 def test_every_place_on_a_beam_is_found(along, seed):
-    """Near a node, too, where the nearest of some points is on the wrong side of it."""
+    """Near a node as well, where the nearest sample point is on its other side."""
     beam, rng = rail(), np.random.default_rng(seed)
     k = rng.integers(len(beam.lengths))
     a, b = beam.elements[k, :2]
@@ -246,7 +246,7 @@ def test_bad_places_and_beams_are_refused():
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("driven", [False, True])
 def test_a_place_just_off_the_axis_pulls_at_nothing(kind, driven):
-    """What slides starts on the axis: a gap would be closed in the first step, by any force."""
+    """The slider starts on the axis: the first step would close a gap, by any force."""
 
     def forces(off: float) -> np.ndarray:
         scene = fl.Scene(gravity=(0, 0, -9.81))

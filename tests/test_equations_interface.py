@@ -1,7 +1,7 @@
-"""What solvers take from the equations: a list of verbs and objects, and nothing behind them.
+"""The interface of the equations for solvers: a list of methods and objects, and nothing else.
 
-Names are read from the sources. A name that is used and not in the list fails, and so does one in
-the list that nobody uses any more: the list is what has to be known of equations to write a scheme.
+Names are read from the sources. A name that is used but not in the list fails, and so does an
+unused one in the list: the list is all that an author of a scheme has to know of the equations.
 """
 
 import ast
@@ -96,7 +96,7 @@ def imported() -> set[str]:
 
 
 def used() -> set[str]:
-    """Attributes of whatever is called equations."""
+    """Attributes of variables called equations."""
     found = set()
     for tree in sources():
         for node in ast.walk(tree):
@@ -108,7 +108,7 @@ def used() -> set[str]:
     return found
 
 
-def test_solvers_import_the_door_and_compiled_sums_alone():
+def test_solvers_import_the_interface_and_compiled_sums_alone():
     assert imported() == IMPORTED | COMPILED
 
 
@@ -129,7 +129,7 @@ def test_views_have_these_names_and_no_others(view):
 
 
 def test_the_list_does_not_grow_in_silence():
-    """Of 166 paths and names there were; a dozen verbs was the wish. Nor do views grow instead."""
+    """There were 166 paths and names before; views must not grow instead."""
     names = len(RECORDS.union(*VERBS.values()) | IMPORTED | COMPILED)
     assert names <= 29
     assert names + sum(map(len, VIEWS.values())) <= 60
