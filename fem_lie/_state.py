@@ -26,7 +26,11 @@ class HasState(Protocol):
 
 
 def attributes(*names: str) -> tuple[str, ...]:
-    """Names for ``STATE``, typed so that subclasses may have any number of them."""
+    """Names for ``STATE``, typed so that subclasses may have any number of them.
+
+    Args:
+        names: Names of attributes.
+    """
     return names
 
 
@@ -47,7 +51,11 @@ class Stateful:
         return saved(self, self._of_all)
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state of :meth:`memory`."""
+        """Restore the state of :meth:`memory`.
+
+        Args:
+            kept: State that was copied before.
+        """
         put_back(self, self._of_all, kept)
 
 

@@ -59,11 +59,41 @@ def callables():
     for space in SPACES:
         for name in space.names:
             thing = getattr(space.get(name), "py_func", space.get(name))
+            if not callable(thing) or not thing.__module__.startswith("fem_lie"):
+                continue
             foreign = inspect.isclass(thing) and issubclass(thing, (enum.Enum, Exception))
-            if callable(thing) and not foreign and thing.__module__.startswith("fem_lie"):
+            protocol = getattr(thing, "_is_protocol", False)
+            decorator = "<locals>" in getattr(thing, "__qualname__", "")
+            if not (foreign or protocol or decorator):
                 yield pytest.param(thing, id=f"{space.short}.{name}")
 
 
 @pytest.mark.parametrize("thing", callables())
 def test_all_parameters_are_documented(thing):
     assert undocumented(thing) == []
+
+
+def methods():
+    """Public methods of public classes."""
+    found = {}
+    for space in SPACES:
+        for name in filter(lambda name: inspect.isclass(space.get(name)), space.names):
+            cls = space.get(name)
+            for method in filter(lambda method: not method.startswith("_"), dir(cls)):
+                static = inspect.getattr_static(cls, method)
+                function = getattr(static, "__func__", static)
+                if inspect.isfunction(function) and function.__module__.startswith("fem_lie"):
+                    found[function] = cls, method
+    return [
+        pytest.param(cls, method, function, id=function.__qualname__)
+        for function, (cls, method) in found.items()
+    ]
+
+
+@pytest.mark.parametrize(("cls", "method", "function"), methods())
+def test_all_parameters_of_methods_are_documented(cls, method, function):
+    """A base class may document them."""
+    definitions = [vars(base)[method] for base in cls.__mro__ if method in vars(base)]
+    docstrings = [getattr(one, "__func__", one).__doc__ for one in definitions]
+    known = set().union(*map(parameters.documented, docstrings), {"self", "cls"})
+    assert [name for name in inspect.signature(function).parameters if name not in known] == []

@@ -32,6 +32,9 @@ def compiled(function: F) -> F:
     """Compile ``function`` on its first call, for each new set of argument types, and cache it.
 
     Division by zero gives inf or nan as in NumPy; no reassociation of sums; no bounds checks.
+
+    Args:
+        function: The function.
     """
     return _njit(function)
 
@@ -82,6 +85,9 @@ def callback(signature: Any) -> Callable[[Callable[..., Any]], Callback]:
     """Make a function a C callback of the numba ``signature``, compiled when it is first needed.
 
     Closures over run-time values cannot be cached.
+
+    Args:
+        signature: Signature in terms of numba.
     """
 
     def decorate(function: Callable[..., Any]) -> Callback:

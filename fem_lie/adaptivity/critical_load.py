@@ -45,11 +45,19 @@ class LimitLoadGoal(Goal):
         whole(self.number, "number")
 
     def check(self, scene: Scene) -> None:
-        """Raise ``ValueError`` if not all that acts grows in proportion to the load factor."""
+        """Raise ``ValueError`` if not all that acts grows in proportion to the load factor.
+
+        Args:
+            scene: The scene.
+        """
         check_proportion(scene)
 
     def solve(self, scene: Scene) -> EquilibriumPath:
-        """The path, at whatever load, until there are so many critical points."""
+        """The path, at whatever load, until there are so many critical points.
+
+        Args:
+            scene: The scene.
+        """
         ends = PathEnds(critical_points=self.number, stop=lambda state: -1.0)
         return follow_path(scene, ends)
 
@@ -57,6 +65,11 @@ class LimitLoadGoal(Goal):
         self, result: StaticResult, bodies: Sequence[Estimated], scene: Scene
     ) -> tuple[float, list[Array]]:
         """The load factor, and parts of its error.
+
+        Args:
+            result: A result of the scene.
+            bodies: Bodies of the scene.
+            scene: The scene.
 
         Raises:
             TypeError: The result is no path.

@@ -41,19 +41,32 @@ class FrequencyGoal(Goal):
         whole(self.mode, "mode")
 
     def check(self, scene: Scene) -> None:
-        """Raise ``ValueError`` if joints bind velocities, or there is no inertia."""
+        """Raise ``ValueError`` if joints bind velocities, or there is no inertia.
+
+        Args:
+            scene: The scene.
+        """
         if any(joint.velocity_definitions() for joint in scene.joints):
             raise ValueError("a frequency needs constraints of positions, got one of velocities")
         Equations(scene, dynamics=True)  # refuses what has none
 
     def solve(self, scene: Scene) -> StaticResult:
-        """Equilibrium in load steps, also without loads."""
+        """Equilibrium in load steps, also without loads.
+
+        Args:
+            scene: The scene.
+        """
         return statics(scene)
 
     def found(
         self, result: StaticResult, bodies: Sequence[Estimated], scene: Scene
     ) -> tuple[float, list[Array]]:
         """The frequency beside the last state, and parts of its error.
+
+        Args:
+            result: A result of the scene.
+            bodies: Bodies of the scene.
+            scene: The scene.
 
         Raises:
             ValueError: There are fewer modes, damping or rotation, or the mode does not swing.

@@ -138,6 +138,9 @@ class GoalError:
     def worst(self, part: float = 0.5) -> Indices:
         """The fewest elements that have this part of the sum of all amounts, worst first.
 
+        Args:
+            part: Fraction of the sum of all amounts, between 0 and 1.
+
         Raises:
             ValueError: It is not above 0 and at most 1.
         """

@@ -51,29 +51,50 @@ class PointDisplacementGoal(Goal):
         object.__setattr__(self, "along", direction(self.along, "along"))
 
     def value(self, result: StaticResult) -> float:
-        """The number in the last state."""
+        """The number in the last state.
+
+        Args:
+            result: A result of the scene.
+        """
         node = result.info.node(self.point)
         moved = result.frames[-1, node, 0] - result.initial[node, 0]
         return float(moved @ np.asarray(self.along))
 
     def load(self, result: StaticResult) -> tuple[int, Array]:
-        """The node and the force and moment on it, (6,) in its axes, that do work on it."""
+        """The node and the force and moment on it, (6,) in its axes, that do work on it.
+
+        Args:
+            result: A result of the scene.
+        """
         node = result.info.node(self.point)
         force = result.frames[-1, node, 1:] @ np.asarray(self.along)
         return node, np.concatenate([force, np.zeros(3)])
 
     def check(self, scene: Scene) -> None:
-        """Raise ``ValueError`` if the scene has no such point."""
+        """Raise ``ValueError`` if the scene has no such point.
+
+        Args:
+            scene: The scene.
+        """
         SceneInfo.of(scene.bodies).node(self.point)
 
     def solve(self, scene: Scene) -> StaticResult:
-        """Equilibrium under growing loads."""
+        """Equilibrium under growing loads.
+
+        Args:
+            scene: The scene.
+        """
         return follow_loads(scene)
 
     def found(
         self, result: StaticResult, bodies: Sequence[Estimated], scene: Scene
     ) -> tuple[float, list[Array]]:
         """The displacement in the last state, and parts of its error.
+
+        Args:
+            result: A result of the scene.
+            bodies: Bodies of the scene.
+            scene: The scene.
 
         Raises:
             ValueError: See :func:`dual_motion`.

@@ -174,6 +174,9 @@ class Body(Nodes):
     def points(self, where: str) -> list[Point]:
         """All points of a named set: a point, curve, face or group of cells.
 
+        Args:
+            where: Name of the point, curve, face or group.
+
         Raises:
             ValueError: There is no such set; the message lists what exists.
             TypeError: It is not a name.
@@ -200,7 +203,11 @@ class Body(Nodes):
         return self._numbered(int(nodes[away.argmin()]))
 
     def nodes(self, where: str) -> Indices:
-        """Numbers of the nodes of a named set; arguments and errors as of :meth:`points`."""
+        """Numbers of the nodes of a named set; arguments and errors as of :meth:`points`.
+
+        Args:
+            where: Name of the point, curve, face or group.
+        """
         text(where, f"the name of a set of points of {self.label}")
         return np.array([self._named(where).node])
 
@@ -315,7 +322,11 @@ class Point:
         return None if self.attachment.kind.rigid else self.attachment
 
     def same(self, other: Point) -> bool:
-        """Whether the other point is the same material point."""
+        """Whether the other point is the same material point.
+
+        Args:
+            other: Another point.
+        """
         if self.body is not other.body or (self.attachment is None) != (other.attachment is None):
             return False
         return (

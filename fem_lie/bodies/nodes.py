@@ -138,6 +138,9 @@ class Nodes(ABC):
     def cells_of(self, group: str | None = None) -> Indices:
         """Elements of a named group (default: all).
 
+        Args:
+            group: Name of the group; default: all.
+
         Raises:
             ValueError: The body has no elements, or no such group.
         """
@@ -205,7 +208,11 @@ class Nodes(ABC):
         return None
 
     def attachment_of(self, node: int) -> AttachmentFrame | None:
-        """Attachment frame by which joints hold a node; ``None`` if it has a frame."""
+        """Attachment frame by which joints hold a node; ``None`` if it has a frame.
+
+        Args:
+            node: Number of the node.
+        """
         return None
 
     @property
@@ -229,7 +236,11 @@ class Nodes(ABC):
         return True
 
     def drilling_given(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
-        """Whether nodes have drilling rotations for these holds, and the stiffness of each cell."""
+        """Whether nodes have drilling rotations for these holds, and the stiffness of each cell.
+
+        Args:
+            holds: What takes hold of rotations of nodes.
+        """
         return self.drills(holds), None
 
     def check(self) -> None:
@@ -261,7 +272,11 @@ class Nodes(ABC):
             )
 
     def require_direction(self, node: int) -> None:
-        """Raise ``ValueError`` if a node has no direction that a clamp could hold."""
+        """Raise ``ValueError`` if a node has no direction that a clamp could hold.
+
+        Args:
+            node: Number of the node.
+        """
         return
 
     def turning(self) -> Turning | None:
@@ -269,7 +284,13 @@ class Nodes(ABC):
         return None
 
     def add_rigid_motion(self, translation: Array, spin: Array, about: Array) -> None:
-        """Add a rigid motion, in global components and about ``about``, to the velocities."""
+        """Add a rigid motion, in global components and about ``about``, to the velocities.
+
+        Args:
+            translation: Velocity of translation, global components, shape (3,).
+            spin: Angular velocity, global components, shape (3,), rad per time.
+            about: Position at rest, shape (3,).
+        """
         self.velocities += rigid_motions(self.node_types, self.frames, about) @ [
             *translation,
             *spin,

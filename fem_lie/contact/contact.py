@@ -118,7 +118,11 @@ class Contact:
         return self.pair.contents(nodes)
 
     def key(self, nodes: Nodes) -> int:
-        """Checksum of :meth:`contents`, which distinguishes the contacts of a scene."""
+        """Checksum of :meth:`contents`, which distinguishes the contacts of a scene.
+
+        Args:
+            nodes: Numbers of the first node of each body.
+        """
         found = 0
         for part in self.contents(nodes):
             data = part.tobytes() if isinstance(part, np.ndarray) else repr(part).encode()

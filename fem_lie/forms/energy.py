@@ -57,20 +57,38 @@ class StrainEnergy:
     forces: Forces | None = None
 
     def change(self, y: fem.Function, dy: fem.Function | ufl.Argument) -> Expr:
-        """``ε'(y) dy``."""
+        """``ε'(y) dy``.
+
+        Args:
+            y: Flat coordinates of the cell.
+            dy: Change of the flat coordinates.
+        """
         z = self.through
         if z is None:
             return ufl.derivative(self.strain, y, dy)
         return ufl.dot(ufl.diff(self.strain, z), _derivative(z, y, dy))
 
     def rate(self, y: fem.Function, dy: fem.Function | ufl.Argument) -> Expr:
-        """Of the strain, as it is damped: nil in rigid motions."""
+        """Of the strain, as it is damped: nil in rigid motions.
+
+        Args:
+            y: Flat coordinates of the cell.
+            dy: Change of the flat coordinates.
+        """
         return self.change(y, dy)
 
     def stiffness(
         self, stress: Expr, moduli: Expr, y: fem.Function, dy: ufl.Argument, by: ufl.Argument
     ) -> Expr:
-        """``ε'(y) dy · C ε'(y) by + N · ε''(y)[dy, by]`` for moduli ``C`` and a stress ``N``."""
+        """``ε'(y) dy · C ε'(y) by + N · ε''(y)[dy, by]`` for moduli ``C`` and a stress ``N``.
+
+        Args:
+            stress: Stress, shape (n,).
+            moduli: Tangent moduli, shape (n, n).
+            y: Flat coordinates of the cell.
+            dy: Change of the flat coordinates.
+            by: Second change of the flat coordinates.
+        """
         z = self.through
         if z is None:
             change = self.change(y, dy)

@@ -231,11 +231,19 @@ class Term(ABC):
         return None
 
     def geometric(self, H: Array) -> Array | None:
-        """What the derivative has beside :meth:`tangent`, of forces that are not carried."""
+        """What the derivative has beside :meth:`tangent`, of forces that are not carried.
+
+        Args:
+            H: Frames of all nodes, shape (n, 4, 3).
+        """
         return None
 
     def energy(self, H: Array) -> float:
-        """Stored energy, of which the forces are the gradient; of loads zero."""
+        """Stored energy, of which the forces are the gradient; of loads zero.
+
+        Args:
+            H: Frames of all nodes, shape (n, 4, 3).
+        """
         return 0.0
 
     @property
@@ -271,7 +279,11 @@ class Term(ABC):
         return np.empty((0, 3))
 
     def see_again(self, seen: Array) -> None:
-        """Have the pairs again that there were when :attr:`seen` was copied."""
+        """Have the pairs again that there were when :attr:`seen` was copied.
+
+        Args:
+            seen: Copied version of the pairs.
+        """
         assert not len(seen)
 
     # --- over a step ---

@@ -32,7 +32,11 @@ _TRANSPOSED = np.array([0, 1, 2, 3, 6, 9, 4, 7, 10, 5, 8, 11])
 
 
 def rows(*entries: dict[int, float]) -> Array:
-    """Selection rows (k, 12) from {index in z = (Δ₁ Δ₂ Δ₃ Q₁₁ Q₁₂ … Q₃₃): factor}."""
+    """Selection rows (k, 12) from {index in z = (Δ₁ Δ₂ Δ₃ Q₁₁ Q₁₂ … Q₃₃): factor}.
+
+    Args:
+        entries: Factors by index, a dictionary for each row.
+    """
     selection = np.zeros((len(entries), 12))
     for row, entry in zip(selection, entries, strict=True):
         for index, factor in entry.items():
@@ -248,7 +252,11 @@ class Coordinate(NamedTuple):
         return self.joint.size > 0 or bool(self.joint.velocity_definitions())
 
     def same(self, other: Coordinate) -> bool:
-        """Whether it is the same function of the motion as another coordinate, up to its sign."""
+        """Whether it is the same function of the motion as another coordinate, up to its sign.
+
+        Args:
+            other: Another coordinate.
+        """
         return any(
             self._equals(definition)
             for definition in (other.definition, other.definition.exchanged())
@@ -274,7 +282,12 @@ class Coordinate(NamedTuple):
         return float(definition.selection[0] @ z + definition.functions[0] @ f)
 
     def as_row(self, row: int, factor: float = 1.0) -> ConstraintDefinition:
-        """Definition of coordinate times ``factor`` as a term of constraint ``row``; −1: spring."""
+        """Definition of coordinate times ``factor`` as a term of constraint ``row``; −1: spring.
+
+        Args:
+            row: Number of the constraint.
+            factor: Factor of the coordinate in the constraint.
+        """
         definition = self.definition
         return definition._replace(
             selection=factor * definition.selection,

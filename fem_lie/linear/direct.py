@@ -230,6 +230,9 @@ class DirectSolver:
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Factorise the current matrix and solve as when :meth:`memory` was called.
 
+        Args:
+            kept: State that was copied before.
+
         Raises:
             SingularMatrixError: It cannot be factorised.
             MemoryError: There is not enough memory for the factors.
@@ -268,7 +271,11 @@ class DirectSolver:
         return None if found is None else found - self._own.rank
 
     def times(self, x: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """Product of the factorised matrix with ``x``."""
+        """Product of the factorised matrix with ``x``.
+
+        Args:
+            x: Vector.
+        """
         own, n = self._own, len(x)
         given, product = self._local.createVecs()
         given.set(0.0)

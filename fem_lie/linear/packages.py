@@ -43,11 +43,20 @@ class Method:
         return self.kind == "cholesky"
 
     def fits(self, kkt: KKT, own: Equilibrated) -> bool:
-        """Whether it can factorise these values."""
+        """Whether it can factorise these values.
+
+        Args:
+            kkt: The matrix.
+            own: Its equilibrated copy.
+        """
         return not self.symmetric or own.is_symmetric()
 
     def negative_pivots(self, pc: PETSc.PC) -> int | None:
-        """Negative pivots of the last factorisation; ``None`` if unknown."""
+        """Negative pivots of the last factorisation; ``None`` if unknown.
+
+        Args:
+            pc: Preconditioner of PETSc.
+        """
         if pc.getType() != PETSc.PC.Type.CHOLESKY:
             return None
         if pc.getFactorSolverType() != "mumps":
@@ -55,12 +64,22 @@ class Method:
         return int(pc.getFactorMatrix().getMumpsInfog(NEGATIVE))
 
     def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
-        """Set up ``pc`` to factorise the equilibrated copy ``own`` of ``kkt``."""
+        """Set up ``pc`` to factorise the equilibrated copy ``own`` of ``kkt``.
+
+        Args:
+            pc: Preconditioner of PETSc.
+            kkt: The matrix.
+            own: Its equilibrated copy.
+        """
         pc.setType(self.kind)
         pc.setFactorSolverType(self.package)
 
     def factorising(self, pc: PETSc.PC) -> PETSc.PC | None:
-        """Preconditioner within ``pc`` that has the factors of the package, or ``None``."""
+        """Preconditioner within ``pc`` that has the factors of the package, or ``None``.
+
+        Args:
+            pc: Preconditioner of PETSc.
+        """
         return pc
 
 

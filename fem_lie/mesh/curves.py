@@ -52,6 +52,11 @@ class Spline(NamedTuple):
     def checked(cls, knots: npt.ArrayLike, places: npt.ArrayLike, slopes: npt.ArrayLike) -> Spline:
         """As arrays; arguments as the attributes.
 
+        Args:
+            knots: Parameters of the knots, shape (n,).
+            places: Positions, shape (n, 3).
+            slopes: Derivatives with respect to the parameter, shape (n, 3).
+
         Raises:
             ValueError: Shapes do not fit, knots do not increase, or the curve stands still.
         """
@@ -131,6 +136,12 @@ class Spline(NamedTuple):
         """A circle, of sixth order: slopes are those of the best cubics for arcs.
 
         It goes round the normal, in 3 cells or more.
+
+        Args:
+            centre: Centre, shape (3,).
+            radius: Radius of the circle.
+            normal: Normal of the plane, shape (3,).
+            cells: Number of cubic pieces.
 
         Raises:
             ValueError: The radius is not positive, there is no normal, or there are too few cells.

@@ -256,6 +256,9 @@ class LineMesh:
     def group(self, name: str) -> Indices:
         """Cells of a group.
 
+        Args:
+            name: Name of the group.
+
         Raises:
             ValueError: There is no such group; the message lists those that exist.
         """
@@ -264,6 +267,9 @@ class LineMesh:
     def named(self, name: str) -> Indices:
         """Points of a name.
 
+        Args:
+            name: Name of the point.
+
         Raises:
             ValueError: There is no such name; the message lists those that exist.
         """
@@ -271,6 +277,9 @@ class LineMesh:
 
     def part(self, group: str) -> LineMesh:
         """The mesh of one group, with the names that it contains.
+
+        Args:
+            group: Name of the group.
 
         Raises:
             ValueError: There is no such group; the message lists those that exist.

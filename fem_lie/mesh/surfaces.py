@@ -156,11 +156,18 @@ class SurfaceMesh:
         return self.corners_of(self.cells)
 
     def corners_of(self, cells: Indices) -> Indices:
-        """The same of cells with other numbers for their nodes."""
+        """The same of cells with other numbers for their nodes.
+
+        Args:
+            cells: Nodes of the cells, shape (m, k).
+        """
         return cells[:, _ROUND[self.cell]]
 
     def group(self, name: str) -> Indices:
         """Cells of a group.
+
+        Args:
+            name: Name of the group.
 
         Raises:
             ValueError: There is no such group; the message lists those that exist.
@@ -170,6 +177,9 @@ class SurfaceMesh:
     def curve(self, name: str) -> Indices:
         """Edges of a curve.
 
+        Args:
+            name: Name of the curve.
+
         Raises:
             ValueError: There is no such curve; the message lists those that exist.
         """
@@ -177,6 +187,9 @@ class SurfaceMesh:
 
     def nodes(self, name: str) -> Indices:
         """Nodes of a named point, curve or group of cells.
+
+        Args:
+            name: Name of a point, curve or group of cells.
 
         Raises:
             ValueError: There is nothing of this name; the message lists what exists.
@@ -207,6 +220,9 @@ class SurfaceMesh:
 
     def directors(self, kink_angle: float = KINK_ANGLE) -> Array:
         """Mean of the cells' normals at each point of a smooth surface, shape (n, 3).
+
+        Args:
+            kink_angle: Angle between normals, rad, above which the surface has a kink.
 
         Raises:
             ValueError: See :meth:`patches`; the surface has a kink or a branch.

@@ -122,6 +122,9 @@ class VolumeMesh:
     def group(self, name: str) -> Indices:
         """Cells of a named group.
 
+        Args:
+            name: Name of the group.
+
         Raises:
             ValueError: There is none; the message lists those that exist.
         """
@@ -130,6 +133,9 @@ class VolumeMesh:
     def face(self, name: str) -> Indices:
         """Facets of a named face.
 
+        Args:
+            name: Name of the face.
+
         Raises:
             ValueError: There is none; the message lists those that exist.
         """
@@ -137,6 +143,9 @@ class VolumeMesh:
 
     def part(self, name: str) -> tuple[int, Indices]:
         """Dimension and entities of a face, curve, named point or group of cells.
+
+        Args:
+            name: Name of a face, curve, point or group of cells.
 
         Raises:
             ValueError: There is none; the message lists those that exist.

@@ -36,7 +36,12 @@ class MeanAxes:
     """
 
     def motion(self, body: Body, frames: Array) -> Array:
-        """Mean rigid motion, shape (k, 4, 3)."""
+        """Mean rigid motion, shape (k, 4, 3).
+
+        Args:
+            body: A body of the scene.
+            frames: Nodal frames, shape (n, 4, 3).
+        """
         initial = body.frames
         start, now = initial[:, 0].mean(axis=0), frames[:, :, 0].mean(axis=1)
         arms = initial[:, 0] - start
@@ -56,7 +61,12 @@ class FixedAxes:
     """The initial axes: no rigid motion is separated; for a clamped body."""
 
     def motion(self, body: Body, frames: Array) -> Array:
-        """Identity, shape (k, 4, 3)."""
+        """Identity, shape (k, 4, 3).
+
+        Args:
+            body: A body of the scene.
+            frames: Nodal frames, shape (n, 4, 3).
+        """
         return np.asarray(lie.se3_exp(np.zeros((len(frames), 6))))
 
 
@@ -75,7 +85,12 @@ class NodeAxes:
         whole(self.node, "NodeAxes: node", 0)
 
     def motion(self, body: Body, frames: Array) -> Array:
-        """Rigid motion of the node, (k, 4, 3); ``ValueError`` if the body has no such node."""
+        """Rigid motion of the node, (k, 4, 3); ``ValueError`` if the body has no such node.
+
+        Args:
+            body: A body of the scene.
+            frames: Nodal frames, shape (n, 4, 3).
+        """
         if body.uncoupled:
             raise ValueError(
                 f"nodes of {body.label} have no drilling rotation, so their frames are no floating "

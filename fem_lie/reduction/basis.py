@@ -90,6 +90,9 @@ class ReducedStates:
         All other quantities, such as velocities, energies and joint forces, remain those of the
         full states. The result must have recorded all optional quantities.
 
+        Args:
+            result: A result of a scene that contains the body.
+
         Raises:
             ValueError: The result has other states, or not this body with this mesh.
         """
@@ -189,6 +192,9 @@ class Basis:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write an HDF5 file with the modes and the mesh.
+
+        Args:
+            path: Name of the file.
 
         Raises:
             OSError: The file cannot be written.

@@ -86,7 +86,13 @@ class StaticResult(StateSeries, Displaced):
         path: str | os.PathLike[str] | None = None,
         units: Units = SI,
     ) -> Figure:
-        """Plot displacements of points over the load factor; saved if ``path`` is given."""
+        """Plot displacements of points over the load factor; saved if ``path`` is given.
+
+        Args:
+            points: Points whose displacements are drawn.
+            path: Name of the file; default: none is written.
+            units: Units, for labels.
+        """
         moved = [(label_of(point), self.displacement(point)) for point in points]
         return diagrams.displacements(self.factors, moved, path, units=units)
 

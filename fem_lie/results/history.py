@@ -149,6 +149,9 @@ class Result(Balanced, StateSeries):
     def joint_violation(self, joint: Connection | str) -> Array:
         """Largest constraint violation of a joint, shape (T,).
 
+        Args:
+            joint: A joint of the scene, or its name.
+
         Raises:
             ValueError: There is no such joint.
         """
@@ -156,6 +159,9 @@ class Result(Balanced, StateSeries):
 
     def index(self, time: float) -> int:
         """Index of the recorded time that is nearest to ``time``.
+
+        Args:
+            time: Time.
 
         Raises:
             ValueError: The time is not finite.
@@ -189,6 +195,9 @@ class Result(Balanced, StateSeries):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write all contents to an HDF5 file, replacing an existing file in one step.
 
+        Args:
+            path: Name of the file.
+
         Raises:
             OSError: The file cannot be written, for example because the disk is full.
         """
@@ -199,6 +208,9 @@ class Result(Balanced, StateSeries):
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
         """Read a file that :meth:`save` wrote; all values are bitwise equal.
+
+        Args:
+            path: Name of the file.
 
         Raises:
             FileNotFoundError: There is no such file.
@@ -229,14 +241,24 @@ class Result(Balanced, StateSeries):
     def plot_energies(
         self, path: str | os.PathLike[str] | None = None, *, units: Units = SI
     ) -> Figure:
-        """Plot energies and the change of their sum over time; saved if ``path`` is given."""
+        """Plot energies and the change of their sum over time; saved if ``path`` is given.
+
+        Args:
+            path: Name of the file; default: none is written.
+            units: Units, for labels.
+        """
         parts = self.kinetic, self.elastic, self.potential
         return diagrams.energies(self.times, *parts, path, units=units)
 
     def plot_momentum(
         self, path: str | os.PathLike[str] | None = None, *, units: Units = SI
     ) -> Figure:
-        """Plot linear and angular momentum over time; saved if ``path`` is given."""
+        """Plot linear and angular momentum over time; saved if ``path`` is given.
+
+        Args:
+            path: Name of the file; default: none is written.
+            units: Units, for labels.
+        """
         parts = self.momentum, self.angular_momentum
         return diagrams.momenta(self.times, *parts, path, units=units)
 
@@ -246,7 +268,13 @@ class Result(Balanced, StateSeries):
         path: str | os.PathLike[str] | None = None,
         units: Units = SI,
     ) -> Figure:
-        """Plot positions of points over time; saved if ``path`` is given."""
+        """Plot positions of points over time; saved if ``path`` is given.
+
+        Args:
+            points: Points whose positions are drawn.
+            path: Name of the file; default: none is written.
+            units: Units, for labels.
+        """
         positions = [(label_of(point), self.position(point)) for point in points]
         return diagrams.positions(self.times, positions, path, units=units)
 

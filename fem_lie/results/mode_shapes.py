@@ -60,6 +60,9 @@ class ModeShapes(ABC):
     def shape(self, mode: int) -> Array:
         """Mode shape: increments of all nodes, shape (n, 6).
 
+        Args:
+            mode: Number of the mode.
+
         Raises:
             ValueError: There is no such mode; they are counted from 1.
         """
@@ -67,6 +70,9 @@ class ModeShapes(ABC):
 
     def displacing_shape(self, mode: int) -> Array:
         """Mode shape, shape (n, 6), of a mode whose amplitude is a displacement.
+
+        Args:
+            mode: Number of the mode.
 
         Raises:
             ValueError: There is no such mode, or it has rotations only.
@@ -187,6 +193,9 @@ class BucklingModes(ModeShapes):
 
     def displacement(self, mode: int) -> Array:
         """Displacements of all nodes in a mode, global components, shape (n, 3).
+
+        Args:
+            mode: Number of the mode.
 
         Raises:
             ValueError: There is no such mode; they are counted from 1.

@@ -93,6 +93,9 @@ class StateSeries(Located, ABC):
     def joint_force(self, joint: Connection | str) -> Array:
         """Force and moment of a joint on its point ``a``, in its axes there, shape (k, 6).
 
+        Args:
+            joint: A joint of the scene, or its name.
+
         Raises:
             ValueError: There is no such joint.
         """

@@ -75,7 +75,11 @@ class Modes:
         return np.asarray(self.eigenvalues.real > _GROWS * np.abs(self.eigenvalues))
 
     def table(self, *, units: Units = SI) -> str:
-        """Table with one line for each mode."""
+        """Table with one line for each mode.
+
+        Args:
+            units: Units, for labels.
+        """
         lines = [f"mode  frequency [rad/{units.time}]  {cycles(units):>9}  damping ratio"]
         rows = zip(self.frequencies, self.hertz, self.damping_ratios, self.unstable, strict=True)
         for number, (omega, hertz, ratio, grows) in enumerate(rows, start=1):

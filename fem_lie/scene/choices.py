@@ -36,7 +36,11 @@ class MatrixTerms:
         return "; ".join(f"{name}: {'yes' if value else 'no'}" for name, value in chosen)
 
     def resolve(self, spin_per_step: float) -> MatrixTerms:
-        """Choices without ``None``, for the largest rotation in a step, rad."""
+        """Choices without ``None``, for the largest rotation in a step, rad.
+
+        Args:
+            spin_per_step: Largest rotation in a step, rad.
+        """
         gyroscopic, geometric = self.gyroscopic, self.geometric
         return MatrixTerms(
             spin_per_step > SPIN_PER_STEP if gyroscopic is None else gyroscopic,

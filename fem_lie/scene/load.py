@@ -65,7 +65,11 @@ class Sum(Protocol):
     """Receives the contributions of loads to the equations, at amplitude one."""
 
     def nodes(self, body: Body) -> Indices:
-        """Numbers of a body's nodes in the numbering that terms of this sum use."""
+        """Numbers of a body's nodes in the numbering that terms of this sum use.
+
+        Args:
+            body: A body of the scene.
+        """
 
     def add_nodal(self, body: Body, force: Array, on_directors: Array, *, following: bool) -> None:
         """Add nodal forces.
@@ -79,10 +83,19 @@ class Sum(Protocol):
         """
 
     def add_strain(self, body: Body, strain: Array) -> None:
-        """Add a stress-free strain (Γ, κ) of each cell of a body, shape (m, 6)."""
+        """Add a stress-free strain (Γ, κ) of each cell of a body, shape (m, 6).
+
+        Args:
+            body: A body of the scene.
+            strain: Strain of each cell, shape (m, 6).
+        """
 
     def add_term(self, term: Term) -> None:
-        """Add a term that has a load stiffness."""
+        """Add a term that has a load stiffness.
+
+        Args:
+            term: The term.
+        """
 
 
 class Carrier(NamedTuple):
@@ -147,7 +160,11 @@ class Load(ABC):
 
     @abstractmethod
     def contribute(self, to: Sum) -> None:
-        """Add the contribution of the load to the equations."""
+        """Add the contribution of the load to the equations.
+
+        Args:
+            to: Sum of all loads, to which this one is added.
+        """
 
 
 class NodalLoad(Load):
@@ -165,7 +182,11 @@ class NodalLoad(Load):
         flag(self.following, f"{type(self).__name__}: following")
 
     def contribute(self, to: Sum) -> None:
-        """Add the nodal forces."""
+        """Add the nodal forces.
+
+        Args:
+            to: Sum of all loads, to which this one is added.
+        """
         to.add_nodal(self.body, self.nodal(), self.on_directors(), following=self.following)
 
     @abstractmethod
@@ -198,7 +219,11 @@ class StrainLoad(Load):
         self.beam.formulation.require_bends(f"a strain ({type(self).__name__})")
 
     def contribute(self, to: Sum) -> None:
-        """Add the strain."""
+        """Add the strain.
+
+        Args:
+            to: Sum of all loads, to which this one is added.
+        """
         to.add_strain(self.beam, self.strains())
 
     @abstractmethod

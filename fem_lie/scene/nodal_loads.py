@@ -92,7 +92,11 @@ class PointLoad(NodalLoad):
         return self.following or bool(np.any(self.moment))
 
     def contribute(self, to: Sum) -> None:
-        """Add the load at a node, or at the nodes on which a point between nodes depends."""
+        """Add the load at a node, or at the nodes on which a point between nodes depends.
+
+        Args:
+            to: Sum of all loads, to which this one is added.
+        """
         attachment = self.point.any_attachment if self._rotates else self.point.attachment
         if attachment is None or attachment.kind.rigid:
             super().contribute(to)

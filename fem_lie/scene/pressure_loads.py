@@ -65,7 +65,11 @@ class PressureLoad(Load):
             )
 
     def contribute(self, to: Sum) -> None:
-        """Add the pressure term on the segments between successive nodes of the loaded elements."""
+        """Add the pressure term on the segments between successive nodes of the loaded elements.
+
+        Args:
+            to: Sum of all loads, to which this one is added.
+        """
         elements = self.beam.elements[self.beam.cells_of(self.cells)]
         along = elements[:, [0, *range(2, elements.shape[1]), 1]]
         pairs = np.stack([along[:, :-1], along[:, 1:]], axis=2).reshape(-1, 2)
@@ -119,7 +123,11 @@ class SurfacePressure(Load):
         self.on_cells()
 
     def contribute(self, to: Sum) -> None:
-        """Add the pressure term on the loaded cells."""
+        """Add the pressure term on the loaded cells.
+
+        Args:
+            to: Sum of all loads, to which this one is added.
+        """
         shell, chosen = self.shell, self.shell.cells_of(self.cells)
         if isinstance(shell, SmoothSurface):
             cells, rule = shell.connectivity[chosen], shell.surface_rule()
@@ -130,7 +138,11 @@ class SurfacePressure(Load):
             to.add_term(SurfacePushes(cells, self.rule(shell), self.on_cells()))
 
     def rule(self, shell: Shell) -> FaceRule:
-        """Quadrature rule of the cells."""
+        """Quadrature rule of the cells.
+
+        Args:
+            shell: The shell.
+        """
         return FaceRule.of(shell.mesh.cell, shell.mesh.degree)
 
     def on_cells(self) -> Array:

@@ -133,6 +133,9 @@ class Scene:
     def add(self, item: Item) -> Item:
         """Add a body, joint, spring, drive, gear, link, contact, load or support, and return it.
 
+        Args:
+            item: A body, joint, spring, drive, gear, link, contact, load or support.
+
         Raises:
             ValueError: The item is invalid, refers to a body that is not in the scene, or its name
                 is taken.
@@ -189,6 +192,9 @@ class Scene:
         """Whether the nodes of a body have a drilling rotation in this scene.
 
         For a shell: whether it has six parameters per node here.
+
+        Args:
+            body: A body of the scene.
 
         Raises:
             ValueError: The body is not in the scene.

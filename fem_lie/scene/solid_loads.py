@@ -113,7 +113,11 @@ class FacePressure(Load):
         return self.solid.facets(self.face)
 
     def contribute(self, to: Sum) -> None:
-        """Add the pressure term on the facets."""
+        """Add the pressure term on the facets.
+
+        Args:
+            to: Sum of all loads, to which this one is added.
+        """
         faces = self._faces
         gradient = np.asarray(self.gradient, dtype=np.float64)
         values = -faces.outward[:, np.newaxis] * np.array([self.pressure, *gradient])

@@ -104,6 +104,9 @@ class PrescribedMotion:
     def frame(self, time: float) -> Array:
         """Prescribed frame at ``time``, shape (4, 3).
 
+        Args:
+            time: Time.
+
         Raises:
             ValueError: The value is not a finite position and right-handed orthonormal axes.
         """

@@ -75,6 +75,10 @@ class Damping:
         return np.full(6, given) if given.ndim == 0 else given
 
     def viscosity(self, stiffness: Array) -> Array:
-        """Stress per strain rate, ``√(τᵢ τⱼ) D_ij``, shape (m, 6, 6)."""
+        """Stress per strain rate, ``√(τᵢ τⱼ) D_ij``, shape (m, 6, 6).
+
+        Args:
+            stiffness: Section stiffness of each cell, shape (m, 6, 6).
+        """
         root = np.sqrt(self.factors())
         return np.asarray(stiffness * np.outer(root, root))

@@ -103,12 +103,21 @@ class SectionProperties:
         return float(0.5 * np.arctan2(2.0 * yz, yy - zz))
 
     def offset(self, y: float, z: float) -> SectionProperties:
-        """As seen from a reference point at (y, z)."""
+        """As seen from a reference point at (y, z).
+
+        Args:
+            y: Coordinate along e₂ of the new reference point.
+            z: Coordinate along e₃ of the new reference point.
+        """
         r = np.array([y, z])
         return replace(self, centroid=self.centroid - r, shear_centre=self.shear_centre - r)
 
     def rotated(self, angle: float) -> SectionProperties:
-        """Of the section turned about its reference point, from e₂ to e₃ by ``angle``."""
+        """Of the section turned about its reference point, from e₂ to e₃ by ``angle``.
+
+        Args:
+            angle: Angle, rad.
+        """
         R = rotation(angle)
         return replace(
             self,

@@ -179,6 +179,11 @@ class Section:
     ) -> Section:
         """Solid circle; default shear factor: Cowper's 6 (1 + ν) / (7 + 6 ν).
 
+        Args:
+            radius: Radius.
+            material: The material.
+            shear_factor: Shear correction factor; default: that of Cowper.
+
         Raises:
             ValueError: The radius or factor is not positive.
         """
@@ -199,6 +204,12 @@ class Section:
 
         With m the ratio of the radii it is
         ``6 (1 + ν)(1 + m²)² / ((7 + 6ν)(1 + m²)² + (20 + 12ν) m²)``.
+
+        Args:
+            inner_radius: Inner radius.
+            outer_radius: Outer radius.
+            material: The material.
+            shear_factor: Shear correction factor; default: that of Cowper.
 
         Raises:
             ValueError: Not 0 < inner_radius < outer_radius, or the factor is not positive.
@@ -256,6 +267,10 @@ class Section:
         With ``r = (0, y, z)`` the strains there are ``Γ + κ × r`` and κ, and stiffness and inertia
         follow by congruence; ``section.offset(y, z).offset(-y, -z)`` is the section again.
 
+        Args:
+            y: Coordinate along e₂ of the new reference point.
+            z: Coordinate along e₃ of the new reference point.
+
         Raises:
             ValueError: A coordinate is not finite.
         """
@@ -274,6 +289,9 @@ class Section:
 
     def rotated(self, angle: float) -> Section:
         """The section turned about its reference point by ``angle``, from e₂ to e₃.
+
+        Args:
+            angle: Angle, rad.
 
         Raises:
             ValueError: The angle is not finite.

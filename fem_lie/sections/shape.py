@@ -59,6 +59,9 @@ class SectionShape:
     def circle(cls, radius: float) -> SectionShape:
         """Solid circle about the origin.
 
+        Args:
+            radius: Radius.
+
         Raises:
             ValueError: The radius is not positive.
         """
@@ -68,6 +71,10 @@ class SectionShape:
     @classmethod
     def tube(cls, inner_radius: float, outer_radius: float) -> SectionShape:
         """Circular tube about the origin.
+
+        Args:
+            inner_radius: Inner radius.
+            outer_radius: Outer radius.
 
         Raises:
             ValueError: Not 0 < inner_radius < outer_radius.
@@ -79,6 +86,11 @@ class SectionShape:
     @classmethod
     def box(cls, width: float, height: float, thickness: float) -> SectionShape:
         """Hollow rectangle about the origin, sharp corners, the same wall all around.
+
+        Args:
+            width: Width along e₂.
+            height: Height along e₃.
+            thickness: Wall thickness.
 
         Raises:
             ValueError: A size is not positive, or walls meet: thickness ≥ half a side.
@@ -194,6 +206,10 @@ class SectionShape:
     def moved(self, y: float, z: float) -> SectionShape:
         """The same shape elsewhere.
 
+        Args:
+            y: Displacement along e₂.
+            z: Displacement along e₃.
+
         Raises:
             ValueError: A coordinate is not finite.
         """
@@ -205,6 +221,9 @@ class SectionShape:
 
     def refined(self, factor: float) -> SectionShape:
         """The same shape with cells smaller by a factor: to see what the mesh matters.
+
+        Args:
+            factor: Factor by which cells become smaller.
 
         Raises:
             ValueError: The factor is not positive.
@@ -248,7 +267,13 @@ class SectionShape:
         at: npt.ArrayLike | None = None,
         angle: float = 0.0,
     ) -> Section:
-        """Stiffness and inertia of a beam; arguments as in :meth:`~Warping.section`."""
+        """Stiffness and inertia of a beam; arguments as in :meth:`~Warping.section`.
+
+        Args:
+            material: The material.
+            at: Position (y, z) of the reference point.
+            angle: Rotation of the section about its reference point, rad.
+        """
         return self.warping(material).section(at, angle)
 
     @classmethod

@@ -279,13 +279,21 @@ class Warping:
         return centred.offset(*(point - self.properties.centroid)).rotated(-angle)
 
     def plot(self, axes: Axes) -> None:
-        """Draw regions, warping function, centroid, shear centre and principal axes."""
+        """Draw regions, warping function, centroid, shear centre and principal axes.
+
+        Args:
+            axes: Axes of Matplotlib; default: new ones.
+        """
         from fem_lie.sections.diagram import draw
 
         draw(self, axes)
 
     def picture(self, path: str | os.PathLike[str] | None = None) -> Figure:
-        """The same as a figure of its own, written to a file if one is given."""
+        """The same as a figure of its own, written to a file if one is given.
+
+        Args:
+            path: Name of the file; default: none is written.
+        """
         from fem_lie.sections.diagram import picture
 
         return picture(self, path)

@@ -88,7 +88,11 @@ def constraint_scaling(unknowns: Dimensions) -> Array:
 
 
 def unknown_scaling(unknowns: Dimensions) -> Array:
-    """Norm weights of all unknowns, (6 n + m,)."""
+    """Norm weights of all unknowns, (6 n + m,).
+
+    Args:
+        unknowns: The unknowns of a scene.
+    """
     return np.append(np.repeat(node_scaling(unknowns), 3), constraint_scaling(unknowns))
 
 
@@ -146,6 +150,11 @@ def estimate(increment: float, previous: float, ratio: float) -> tuple[float, fl
 
     ``previous`` is inf in the first iteration; ``ratio`` is the estimate from the iterations
     before.
+
+    Args:
+        increment: Size of the last increment.
+        previous: Size of the increment before.
+        ratio: Ratio of the increments before.
     """
     if previous < np.inf:
         ratio = contraction(increment, previous, ratio)

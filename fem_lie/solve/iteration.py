@@ -30,6 +30,9 @@ class Iterated(ABC):
         """Evaluate the residual of the current iterate; return whether it alone ends the iteration.
 
         Iterations are counted from 1.
+
+        Args:
+            iteration: Number of the iteration in its step, from 1.
         """
 
     @property
@@ -41,6 +44,9 @@ class Iterated(ABC):
     def refactorise(self, update: Refactorisation) -> None:
         """Assemble the matrix, or its constraint block, at the current iterate, and factorise it.
 
+        Args:
+            update: What is refactorised.
+
         Raises:
             SingularMatrixError: The matrix is singular.
         """
@@ -51,13 +57,25 @@ class Iterated(ABC):
 
     @abstractmethod
     def judge(self, size: float) -> Verdict:
-        """Verdict on the iteration from the size of a correction."""
+        """Verdict on the iteration from the size of a correction.
+
+        Args:
+            size: Size of the correction, relative to the model.
+        """
 
     def apply(self, verdict: Verdict) -> None:  # noqa: B027 - not all have something to do
-        """Apply the correction, unless :meth:`correct` has applied it."""
+        """Apply the correction, unless :meth:`correct` has applied it.
+
+        Args:
+            verdict: Verdict on the iteration.
+        """
 
     def admits(self, verdict: Verdict) -> bool:
-        """Whether the converged iterate is a solution."""
+        """Whether the converged iterate is a solution.
+
+        Args:
+            verdict: Verdict on the iteration.
+        """
         return True
 
 
@@ -173,7 +191,11 @@ class LinearRate:
         )
 
     def judge(self, size: float) -> Verdict:
-        """Verdict on the next correction."""
+        """Verdict on the next correction.
+
+        Args:
+            size: Size of the correction, relative to the model.
+        """
         how = self.ratio, self._allowed(size), self._round_off_level
         self.ratio, verdict = _by_rate(size, self._previous, *how)
         self._previous = size
@@ -205,7 +227,11 @@ class QuadraticRate:
         self._tolerance, self._farthest, self._previous = tolerance, farthest, 0.0
 
     def judge(self, size: float) -> Verdict:
-        """Verdict on the next correction."""
+        """Verdict on the next correction.
+
+        Args:
+            size: Size of the correction, relative to the model.
+        """
         if not size <= self._farthest:
             return Verdict.DIVERGED
         ratio = min(1.0, size / self._previous) if self._previous > 0.0 else 1.0

@@ -58,7 +58,11 @@ class StepChoice(ABC):
 
     @abstractmethod
     def check(self, duration: float) -> None:
-        """Raise ``ValueError`` if it does not fit a run of this duration."""
+        """Raise ``ValueError`` if it does not fit a run of this duration.
+
+        Args:
+            duration: Duration of the run.
+        """
 
     @abstractmethod
     def control(
@@ -67,6 +71,12 @@ class StepChoice(ABC):
         """Step size control of one run, for a model of this length and a scheme of this order.
 
         ``jumps`` are the times of the discontinuities in the scene.
+
+        Args:
+            duration: Duration of the run.
+            length: Characteristic size of the scene.
+            order: Order of the scheme.
+            jumps: Times at which loads or drives jump.
         """
 
 
@@ -90,7 +100,11 @@ class ConstantStep(StepChoice):
     events: Sequence[float] = ()
 
     def check(self, duration: float) -> None:
-        """Raise ``ValueError`` if the duration is no multiple of the step; check the options."""
+        """Raise ``ValueError`` if the duration is no multiple of the step; check the options.
+
+        Args:
+            duration: Duration of the run.
+        """
         positive(self.size, "the step")
         if abs(round(duration / self.size) * self.size - duration) > 1e-6 * self.size:
             raise ValueError(f"duration {duration} is not a multiple of the step {self.size}")
@@ -100,7 +114,14 @@ class ConstantStep(StepChoice):
     def control(
         self, duration: float, length: float, order: int, jumps: Sequence[float] = ()
     ) -> Control:
-        """Control with one size, except near events and after failures."""
+        """Control with one size, except near events and after failures.
+
+        Args:
+            duration: Duration of the run.
+            length: Characteristic size of the scene.
+            order: Order of the scheme.
+            jumps: Times at which loads or drives jump.
+        """
         times = _sorted(self.events, jumps, duration)
         smallest = self.size / 2**HALVINGS
         control = Control(self.size, inf, inf, times, self.size, smallest, order)
@@ -136,7 +157,11 @@ class AdaptiveStep(StepChoice):
     refinement: int = 1
 
     def check(self, duration: float) -> None:
-        """Raise ``ValueError`` if a tolerance, size, event or refinement is invalid."""
+        """Raise ``ValueError`` if a tolerance, size, event or refinement is invalid.
+
+        Args:
+            duration: Duration of the run.
+        """
         positive(self.tolerance, "tolerance")
         for name in ("rotation_tolerance", "first", "smallest", "largest"):
             value = getattr(self, name)
@@ -154,7 +179,14 @@ class AdaptiveStep(StepChoice):
     def control(
         self, duration: float, length: float, order: int, jumps: Sequence[float] = ()
     ) -> Control:
-        """Control that follows the errors, from the first size."""
+        """Control that follows the errors, from the first size.
+
+        Args:
+            duration: Duration of the run.
+            length: Characteristic size of the scene.
+            order: Order of the scheme.
+            jumps: Times at which loads or drives jump.
+        """
         smallest, first, largest = self._sizes(duration)
         rotation = self.rotation_tolerance or self.tolerance / length
         times = _sorted(self.events, jumps, duration)
@@ -237,7 +269,17 @@ class Control(Stateful):
         smallest: float,
         order: int,
     ) -> None:
-        """Start with the size ``first``; the last of ``events`` is the end of the run."""
+        """Start with the first size.
+
+        Args:
+            first: First step size.
+            tolerance: Tolerance of positions, length per time; infinite if steps are constant.
+            rotation_tolerance: Tolerance of rotations, rad per time.
+            events: Times at which a step must end, the end of the run last.
+            largest: Largest step size.
+            smallest: Smallest step size.
+            order: Order of the scheme.
+        """
         self.tolerance, self.rotation_tolerance = tolerance, rotation_tolerance
         self.smallest = smallest
         self._first, self._largest, self._order = first, largest, order
@@ -265,19 +307,33 @@ class Control(Stateful):
         self._next += 1
 
     def fitted(self, time: float) -> float:
-        """Size of the next step from ``time``, fitted to the next event if it is near."""
+        """Size of the next step from ``time``, fitted to the next event if it is near.
+
+        Args:
+            time: Time.
+        """
         left, h = self.next_event - time, self.size
         if left > self.stretch * h:
             return h
         return left / max(1, ceil(left / h - 1e-6))
 
     def ratio(self, translation: float, rotation: float, h: float) -> float:
-        """Error over its tolerance; infinite if it is not a number."""
+        """Error over its tolerance; infinite if it is not a number.
+
+        Args:
+            translation: Estimated error of translations, a length.
+            rotation: Estimated error of rotations, rad.
+            h: Step size.
+        """
         e = max(translation / (h * self.tolerance), rotation / (h * self.rotation_tolerance))
         return e if isfinite(e) else inf
 
     def accept(self, e: float) -> None:
-        """Choose the level after an accepted step with error ``e`` over its tolerance."""
+        """Choose the level after an accepted step with error ``e`` over its tolerance.
+
+        Args:
+            e: Estimated error over its tolerance.
+        """
         e = max(e, 1e-6)
         proposed = (AIM / e) ** (2 * INTEGRAL / self._order)
         proposed *= (self._previous / e) ** (2 * PROPORTIONAL / self._order)
@@ -294,7 +350,11 @@ class Control(Stateful):
         self._move(max(change, -1))
 
     def reject(self, e: float) -> None:
-        """Choose the level after a rejected step; ``e`` is infinite if the iteration failed."""
+        """Choose the level after a rejected step; ``e`` is infinite if the iteration failed.
+
+        Args:
+            e: Estimated error over its tolerance.
+        """
         if e < inf:
             fall = ceil(2.0 * log2(e / AIM) / self._order)
             self._move(-min(max(fall, 1), LARGEST_FALL))

@@ -55,6 +55,12 @@ class ErrorEstimate(ABC):
     ) -> list[ElementErrors]:
         """Errors of the elements of a body in some states.
 
+        Args:
+            result: A result of the scene.
+            body: A body of the scene.
+            scene: The scene.
+            steps: Numbers of the states.
+
         Raises:
             ValueError: The body is not in that scene or result, is of no kind that this estimate
                 knows, has elements that it is not for, or there is no such step.

@@ -92,6 +92,9 @@ class AdaptedLoads(Generic[Followed]):
     def displacement(self, point: str) -> Array:
         """Of a named point such as "beam.end", shape (k, 3).
 
+        Args:
+            point: Name of a point with that of its body, such as "beam.end".
+
         Raises:
             ValueError: There is no such point.
         """

@@ -98,6 +98,9 @@ class AdaptedMotion(Generic[Followed]):
     def position(self, point: str) -> Array:
         """Positions of a named point such as "beam.end", shape (T, 3).
 
+        Args:
+            point: Name of a point with that of its body, such as "beam.end".
+
         Raises:
             ValueError: There is no such point.
         """

@@ -148,6 +148,16 @@ class Beam(LineBody):
         """Straight beam from ``start`` to ``end`` with ``cells`` equal elements.
 
         Its named points are "start" and "end"; other arguments as of :class:`Beam`.
+
+        Args:
+            start: First point, shape (3,).
+            end: Last point, shape (3,).
+            section: Cross-section: one for all cells, or a function of arc length (taper).
+            cells: Number of equal elements.
+            up: Direction nearest to which e₃ is to be, or a twist; default: no twist.
+            formulation: The element; default: that of the class.
+            damping: Damping; default: none.
+            name: Name in messages and results.
         """
         return cls(
             straight_line(start, end, cells),
@@ -175,6 +185,15 @@ class Beam(LineBody):
         Named points are "start", "end", "corner 1", "corner 2" and so on, groups of cells "piece 1"
         and so on. If the last point equals the first, the line is closed. ``cells`` is the number
         of equal elements of each segment, one for all or one each.
+
+        Args:
+            points: Corners, shape (n, 3); the line is closed if the last one is the first.
+            section: Cross-section: one for all cells, or one for each named group.
+            cells: Number of equal elements of each piece, one for all or one for each.
+            up: Direction nearest to which e₃ is to be, or a twist; default: no twist.
+            formulation: The element; default: that of the class.
+            damping: Damping; default: none.
+            name: Name in messages and results.
         """
         return cls(
             polyline(points, cells),
@@ -197,7 +216,17 @@ class Beam(LineBody):
         damping: Damping | None = None,
         name: str = "",
     ) -> Beam:
-        """Beam along the curve ``function(s)``, s from 0 to 1, with points "start" and "end"."""
+        """Beam along the curve ``function(s)``, s from 0 to 1, with points "start" and "end".
+
+        Args:
+            function: Position, shape (3,), as a function of the parameter from 0 to 1.
+            section: Cross-section: one for all cells, or a function of arc length (taper).
+            cells: Number of equal elements.
+            up: Direction nearest to which e₃ is to be, or a twist; default: no twist.
+            formulation: The element; default: that of the class.
+            damping: Damping; default: none.
+            name: Name in messages and results.
+        """
         return cls(
             curve(function, cells),
             section,

@@ -124,7 +124,11 @@ class LineBody(Sectioned):
         return weighted_elements(self, cells, weights)
 
     def attachment_of(self, node: int) -> AttachmentFrame | None:
-        """Attachment frame by which joints hold a node; ``None`` if it has a frame."""
+        """Attachment frame by which joints hold a node; ``None`` if it has a frame.
+
+        Args:
+            node: Number of the node.
+        """
         return self.formulation.attachment(node)
 
     def consistent_shares(self) -> tuple[Indices, Array]:

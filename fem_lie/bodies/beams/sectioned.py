@@ -132,6 +132,9 @@ class Sectioned(Body):
     def cells_of(self, group: str | None = None) -> Indices:
         """Elements of a named group (default: all).
 
+        Args:
+            group: Name of the group; default: all.
+
         Raises:
             ValueError: There is no such group; the message lists those that exist.
         """
@@ -144,7 +147,11 @@ class Sectioned(Body):
         return self._groups[group]
 
     def nodes(self, where: str) -> Indices:
-        """Numbers of the nodes of a named point, or of a group of cells."""
+        """Numbers of the nodes of a named point, or of a group of cells.
+
+        Args:
+            where: Name of the point, curve, face or group.
+        """
         text(where, f"the name of a set of points of {self.label}")
         if where in self._groups:
             return np.unique(self.elements[self._groups[where], :2])

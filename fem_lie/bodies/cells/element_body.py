@@ -169,11 +169,18 @@ class ElementBody(Body):
         return self._inertia
 
     def attachment_of(self, node: int) -> AttachmentFrame | None:
-        """The tangent of a position-gradient node; other nodes have frames, or axes."""
+        """The tangent of a position-gradient node; other nodes have frames, or axes.
+
+        Args:
+            node: Number of the node.
+        """
         return along_tangent(node) if self._types[node] == NodeType.POSITION_GRADIENT else None
 
     def clamp(self, *points: Point) -> None:
         """Hold positions of points and, as far as their nodes have directions, these.
+
+        Args:
+            points: Points of the body.
 
         Raises:
             ValueError: One is not a point of this body.

@@ -148,7 +148,20 @@ class AncfBeam(SectionPoints):
         damping: Damping | None = None,
         name: str = "",
     ) -> AncfBeam:
-        """Straight beam with ``cells`` equal elements; points "start" and "end"."""
+        """Straight beam with ``cells`` equal elements; points "start" and "end".
+
+        Args:
+            start: First point, shape (3,).
+            end: Last point, shape (3,).
+            section: Cross-section.
+            cells: Number of equal elements.
+            up: Direction nearest to which e₃ is to be, or a twist; default: no twist.
+            length: Unstretched length; default: that of the line.
+            warping: Restrained warping of the section; default: none.
+            formulation: The element; default: that of the class.
+            damping: Damping; default: none.
+            name: Name in messages and results.
+        """
         mesh = straight_line(start, end, cells)
         return cls(
             mesh,
@@ -175,7 +188,19 @@ class AncfBeam(SectionPoints):
         damping: Damping | None = None,
         name: str = "",
     ) -> AncfBeam:
-        """Beam along ``function(s)``, s from 0 to 1; points "start" and "end"."""
+        """Beam along ``function(s)``, s from 0 to 1; points "start" and "end".
+
+        Args:
+            function: Position, shape (3,), as a function of the parameter from 0 to 1.
+            section: Cross-section.
+            cells: Number of equal elements.
+            up: Direction nearest to which e₃ is to be, or a twist; default: no twist.
+            length: Unstretched length; default: that of the line.
+            warping: Restrained warping of the section; default: none.
+            formulation: The element; default: that of the class.
+            damping: Damping; default: none.
+            name: Name in messages and results.
+        """
         mesh = curve(function, cells)
         return cls(
             mesh,

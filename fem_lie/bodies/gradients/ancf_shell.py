@@ -72,6 +72,9 @@ class AncfShell(SmoothSurface):
     def fourth(self, surface: Joined) -> tuple[Array, Array]:
         """Unit normals.
 
+        Args:
+            surface: The surface.
+
         Raises:
             ValueError: Corners of cells hang.
         """

@@ -62,7 +62,11 @@ class SectionPoints(Sectioned):
         return Point(self, point.node, point.name, self.attachment_of(point.node))
 
     def attachment_of(self, node: int) -> AttachmentFrame:
-        """The frame of the section."""
+        """The frame of the section.
+
+        Args:
+            node: Number of the node.
+        """
         if node >= self.points_count:
             raise ValueError(
                 f"{self.label} has points 0 … {self.points_count - 1}, got {node}: the nodes after "
@@ -75,6 +79,9 @@ class SectionPoints(Sectioned):
 
         The slope along the beam stays free, so that it may be sheared there.
 
+        Args:
+            points: Points of the body.
+
         Raises:
             ValueError: One is not a point of this body.
             TypeError: One is no point.
@@ -85,6 +92,9 @@ class SectionPoints(Sectioned):
 
     def pin(self, *points: Point) -> None:
         """Hold places of points.
+
+        Args:
+            points: Points of the body.
 
         Raises:
             ValueError: One is not a point of this body.

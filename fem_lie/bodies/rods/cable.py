@@ -111,7 +111,17 @@ class Cable(CableBody):
         damping: Damping | None = None,
         name: str = "",
     ) -> Cable:
-        """Straight cable with ``cells`` equal elements; points "start" and "end"."""
+        """Straight cable with ``cells`` equal elements; points "start" and "end".
+
+        Args:
+            start: First point, shape (3,).
+            end: Last point, shape (3,).
+            section: Cross-section.
+            cells: Number of equal elements.
+            length: Unstretched length; default: that of the line.
+            damping: Damping; default: none.
+            name: Name in messages and results.
+        """
         mesh = straight_line(start, end, cells)
         return cls(mesh, section, length=length, damping=damping, name=name)
 
@@ -126,6 +136,15 @@ class Cable(CableBody):
         damping: Damping | None = None,
         name: str = "",
     ) -> Cable:
-        """Cable along the curve ``function(s)``, s from 0 to 1, with points "start" and "end"."""
+        """Cable along the curve ``function(s)``, s from 0 to 1, with points "start" and "end".
+
+        Args:
+            function: Position, shape (3,), as a function of the parameter from 0 to 1.
+            section: Cross-section.
+            cells: Number of equal elements.
+            length: Unstretched length; default: that of the line.
+            damping: Damping; default: none.
+            name: Name in messages and results.
+        """
         mesh = curve(function, cells)
         return cls(mesh, section, length=length, damping=damping, name=name)

@@ -229,6 +229,9 @@ class CableBody(LineBody):
     def pin(self, *points: Point) -> None:
         """Hold the positions of points of this body, not its directions there.
 
+        Args:
+            points: Points of the body.
+
         Raises:
             ValueError: A point is not on this body.
             TypeError: An argument is not a point.
@@ -238,6 +241,9 @@ class CableBody(LineBody):
 
     def clamp(self, *points: Point) -> None:
         """Hold the positions of points of this body, and its directions there.
+
+        Args:
+            points: Points of the body.
 
         Raises:
             ValueError: A point is not on this body, or is not an end of a discrete cable.
@@ -262,7 +268,11 @@ class CableBody(LineBody):
         return True
 
     def require_direction(self, node: int) -> None:
-        """Raise ``ValueError`` if its nodes have no direction that a clamp could hold."""
+        """Raise ``ValueError`` if its nodes have no direction that a clamp could hold.
+
+        Args:
+            node: Number of the node.
+        """
         if self._springs is not None:
             raise ValueError(
                 f"{self.label} has positions and no directions at its nodes: clamp its ends by "

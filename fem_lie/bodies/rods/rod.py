@@ -146,7 +146,13 @@ class Rod(Beam):
         return turn
 
     def add_rigid_motion(self, translation: Array, spin: Array, about: Array) -> None:
-        """Add a rigid motion; nodes between the ends rotate about their edges only."""
+        """Add a rigid motion; nodes between the ends rotate about their edges only.
+
+        Args:
+            translation: Velocity of translation, global components, shape (3,).
+            spin: Angular velocity, global components, shape (3,), rad per time.
+            about: Position at rest, shape (3,).
+        """
         super().add_rigid_motion(translation, spin, about)
         if self._corners is not None:
             self.velocities[self.elements[1:, 0], 4:] = 0.0

@@ -183,7 +183,11 @@ class Shell(SupportedSurface):
         return self._has_kinks or bool(needed)
 
     def drilling_given(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
-        """Whether nodes have a drilling rotation for these holds, and its stiffness, shape (m,)."""
+        """Whether nodes have a drilling rotation for these holds, and its stiffness, shape (m,).
+
+        Args:
+            holds: What takes hold of rotations of nodes.
+        """
         drills = self.drills(holds)
         return drills, self.drilling_stiffness(holds) if drills else None
 
@@ -191,6 +195,9 @@ class Shell(SupportedSurface):
         """Drilling stiffness γ of each cell, :mod:`fem_lie.elements.shells.drilling`, (m,), N/m.
 
         Moments that a rigid part applies to several nodes act by forces, and do not raise γ.
+
+        Args:
+            holds: What takes hold of rotations of nodes.
         """
         bound: dict[int, set[Hashable]] = {}
         for hold in holds:
@@ -255,6 +262,9 @@ class Shell(SupportedSurface):
     def edges(self, name: str) -> tuple[Indices, Array]:
         """Nodes of a named curve's edges and their consistent lengths, both (e, 2 or 3), m.
 
+        Args:
+            name: Name of the curve.
+
         Raises:
             ValueError: There is no such curve; the message lists those that exist.
         """
@@ -302,6 +312,9 @@ class Shell(SupportedSurface):
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Cells of a named group (default: all cells).
+
+        Args:
+            group: Name of the group; default: all.
 
         Raises:
             ValueError: There is no such group; the message lists those that exist.

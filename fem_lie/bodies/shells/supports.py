@@ -28,11 +28,17 @@ class SupportedSurface(Body):
 
         Where the surface has a kink or branches, one node stands for all at a position: the others
         are rigidly attached to it.
+
+        Args:
+            where: Name of the point, curve, face or group.
         """
         return self.mesh.nodes(where)
 
     def clamp(self, name: str) -> list[Point]:
         """Hold positions and directors of a named curve, group of cells or group of points.
+
+        Args:
+            name: Name of a curve, group of cells or group of points.
 
         Returns:
             Held points, for :meth:`fem_lie.Result.reaction`.
@@ -45,6 +51,9 @@ class SupportedSurface(Body):
 
     def hinge(self, name: str) -> list[Point]:
         """Hold positions, not directors, of a named curve or group.
+
+        Args:
+            name: Name of a curve, group of cells or group of points.
 
         Returns:
             Held points, for :meth:`fem_lie.Result.reaction`.

@@ -125,6 +125,9 @@ class SupportedSolid(Body):
     def clamp(self, name: str) -> list[Point]:
         """Hold all nodes of a named face, curve, point or group of cells.
 
+        Args:
+            name: Name of a face, curve, point or group of cells.
+
         Returns:
             Held points, for :meth:`fem_lie.Result.reaction`.
 

@@ -232,12 +232,19 @@ class Solid(SupportedSolid):
         return float(self.rule.volumes.sum())
 
     def nodes(self, where: str) -> Indices:
-        """Numbers of the nodes of a named face, curve, point or group of cells."""
+        """Numbers of the nodes of a named face, curve, point or group of cells.
+
+        Args:
+            where: Name of the point, curve, face or group.
+        """
         text(where, f"the name of a set of points of {self.label}")
         return nodes_on(self._space, *self.mesh.part(where))
 
     def facets(self, name: str) -> Faces:
         """Facets of a named face, as surface cells.
+
+        Args:
+            name: Name of the face.
 
         Raises:
             ValueError: There is no such face; the message lists those that exist.
@@ -295,6 +302,9 @@ class Solid(SupportedSolid):
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Cells of a named group (default: all).
+
+        Args:
+            group: Name of the group; default: all.
 
         Raises:
             ValueError: There is no such group; the message lists those that exist.

@@ -153,7 +153,11 @@ class SmoothSurface(HeldSurface):
         return np.repeat(kinds, self.points_count).astype(np.int64)
 
     def attachment_of(self, node: int) -> AttachmentFrame:
-        """Attachment frame of the surface: first axis along a, third axis normal."""
+        """Attachment frame of the surface: first axis along a, third axis normal.
+
+        Args:
+            node: Number of the node.
+        """
         if node >= self.points_count:
             raise ValueError(
                 f"{self.label} has points 0 … {self.points_count - 1}, got {node}: further nodes "
@@ -215,6 +219,9 @@ class SmoothSurface(HeldSurface):
     def cells_of(self, group: str | None = None) -> Indices:
         """Cells of a named patch (default: all).
 
+        Args:
+            group: Name of the group; default: all.
+
         Raises:
             ValueError: There is no such patch; the message lists those that exist.
         """
@@ -245,19 +252,31 @@ class SmoothSurface(HeldSurface):
         return found
 
     def on_rows(self, cells: Indices, values: Array) -> Array:
-        """Forces on nodal coordinates (n, 4, 3) of forces on vectors of cells (c, 16, 3)."""
+        """Forces on nodal coordinates (n, 4, 3) of forces on vectors of cells (c, 16, 3).
+
+        Args:
+            cells: Numbers of the cells, shape (c,).
+            values: What acts on the vectors of the cells, shape (c, 16, 3).
+        """
         found = np.zeros((len(self.frames), 4, 3))
         nodes, back = self.connectivity[cells][:, _NODE], self.extraction()[cells].swapaxes(1, 2)
         np.add.at(found, (nodes, _ROW), back @ values)
         return found
 
     def on_cells(self, group: str | None = None) -> Quadrature:
-        """Quadrature over the cells of a patch (default: all)."""
+        """Quadrature over the cells of a patch (default: all).
+
+        Args:
+            group: Name of the group; default: all.
+        """
         cells = self.cells_of(group)
         return over_cells(cells, self.vectors()[cells], type(self).table)
 
     def on_edge(self, name: str) -> Quadrature:
         """Quadrature along an edge.
+
+        Args:
+            name: Name of the edge.
 
         Raises:
             ValueError: There is no such edge.
@@ -268,12 +287,21 @@ class SmoothSurface(HeldSurface):
         return along_edge(edge, self.vectors()[edge.cells], type(self).table)
 
     def consistent(self, at: Quadrature, density: Array) -> Array:
-        """Consistent nodal forces (n, 4, 3) of force densities (c, g, 3) at quadrature points."""
+        """Consistent nodal forces (n, 4, 3) of force densities (c, g, 3) at quadrature points.
+
+        Args:
+            at: Points of integration.
+            density: Force densities, shape (c, g, 3).
+        """
         on_vectors = np.einsum("cg,cga,cgj->caj", at.weights, at.values, density)
         return self.on_rows(at.cells, on_vectors)
 
     def on_nodes(self, M: Array) -> Array:
-        """Matrices of cells (m, 16, 16) in nodal coordinates, shape (m, 8, 4, 8, 4)."""
+        """Matrices of cells (m, 16, 16) in nodal coordinates, shape (m, 8, 4, 8, 4).
+
+        Args:
+            M: Matrices of the cells, shape (m, 16, 16).
+        """
         E, found = self.extraction(), np.zeros((len(M), NODES, 4, NODES, 4))
         i, a = np.meshgrid(range(VECTORS), range(VECTORS), indexing="ij")
         shares = E.swapaxes(1, 2) @ M @ E

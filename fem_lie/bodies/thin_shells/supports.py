@@ -44,6 +44,9 @@ class HeldSurface(Body):
     def edge(self, name: str) -> Edge:
         """Edge, or corner as an edge of one point.
 
+        Args:
+            name: Name of an edge or corner.
+
         Raises:
             ValueError: There is no such edge; the message lists what exists.
         """
@@ -56,11 +59,18 @@ class HeldSurface(Body):
         raise ValueError(f"{self.label} has no edge or corner {name!r}; it has: {known}")
 
     def nodes(self, where: str) -> Indices:
-        """Numbers of the points of an edge or corner."""
+        """Numbers of the points of an edge or corner.
+
+        Args:
+            where: Name of an edge or corner.
+        """
         return self.edge(where).points
 
     def clamp(self, name: str) -> list[Point]:
         """Hold positions and normals of an edge or corner; strains across the edge stay free.
+
+        Args:
+            name: Name of an edge or corner.
 
         Returns:
             Held points, for :meth:`fem_lie.Result.reaction`.
@@ -85,6 +95,9 @@ class HeldSurface(Body):
 
     def hinge(self, name: str) -> list[Point]:
         """Hold the positions of an edge or corner, not the normals.
+
+        Args:
+            name: Name of an edge or corner.
 
         Returns:
             Held points, for :meth:`fem_lie.Result.reaction`.

@@ -107,7 +107,11 @@ class ThinShell(SmoothSurface):
         return self.formulation.surface_rule()
 
     def fourth(self, surface: Joined) -> tuple[Array, Array]:
-        """Mixed derivative times the mean area of a cell, and its factor in each cell."""
+        """Mixed derivative times the mean area of a cell, and its factor in each cell.
+
+        Args:
+            surface: The surface.
+        """
         areas = surface.sizes.prod(axis=1)
         mean = float(areas.mean())
         return mean * surface.rows[:, 3], areas / mean

@@ -161,7 +161,11 @@ class ContactPair(ABC):
             body.require_frames(f"{self.label}: friction")
 
     def initial_frames(self, nodes: Nodes) -> Array:
-        """Initial frames of the nodes of the bodies, in the order of their numbers."""
+        """Initial frames of the nodes of the bodies, in the order of their numbers.
+
+        Args:
+            nodes: Numbers of the first node of each body.
+        """
         numbers = [nodes(body) for body in self.bodies]
         H = np.zeros((1 + max(int(each.max()) for each in numbers), 4, 3))
         for body, each in zip(self.bodies, numbers, strict=True):
@@ -169,7 +173,11 @@ class ContactPair(ABC):
         return H
 
     def node_types(self, nodes: Nodes) -> Indices:
-        """Types of the nodes of the bodies, in the order of their numbers."""
+        """Types of the nodes of the bodies, in the order of their numbers.
+
+        Args:
+            nodes: Numbers of the first node of each body.
+        """
         numbers = [nodes(body) for body in self.bodies]
         found = np.zeros(1 + max(int(each.max()) for each in numbers), dtype=np.int64)
         for body, each in zip(self.bodies, numbers, strict=True):

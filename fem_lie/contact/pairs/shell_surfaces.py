@@ -95,7 +95,11 @@ class ShellSurface(ContactSurface):
         return [Point(self.shell, node) for node in range(len(self.shell.frames))]
 
     def rotating(self, friction: bool) -> Sequence[Body]:
-        """The shell, if contact forces have moments that need drilling rotations."""
+        """The shell, if contact forces have moments that need drilling rotations.
+
+        Args:
+            friction: Coefficient of friction.
+        """
         return [self.shell] if self.smooth or friction else []
 
     def contents(self, nodes: Nodes) -> list[Array | Indices]:
@@ -149,7 +153,11 @@ class ShellSurface(ContactSurface):
         return found._replace(nodes=np.where(numbers < 0, numbers, known[numbers]))
 
     def positions(self, patches: Patches) -> tuple[Side, Side, Array]:
-        """Gauss points as balls, material points that friction acts on, and areas of the points."""
+        """Gauss points as balls, material points that friction acts on, and areas of the points.
+
+        Args:
+            patches: Patches of the surface.
+        """
         triangle = self.shell.mesh.cell == "triangle"
         at, parts = rule(self.shell.mesh.cell, 2 * self.gauss - (2 if triangle else 1))
         m, g = len(patches.nodes), len(at)
@@ -171,7 +179,11 @@ class ShellSurface(ContactSurface):
         return found, found._replace(weights=fixed, arms=0.0 * found.arms), areas.ravel()
 
     def neighbours(self, patches: Patches) -> Indices:
-        """Pairs of patches that are too close along the sheet to touch by folding, shape (m, 2)."""
+        """Pairs of patches that are too close along the sheet to touch by folding, shape (m, 2).
+
+        Args:
+            patches: Patches of the surface.
+        """
         triangle = self.shell.mesh.cell == "triangle"
         corners = patches.corners[:, : 3 if triangle else 4]
         m, n = len(corners), len(self.shell.mesh.points)

@@ -167,7 +167,11 @@ class ContactSurface(ABC):
         return ()
 
     def rotating(self, friction: bool) -> Sequence[Body]:
-        """Bodies all of whose nodes need all rotations, because of moments; default: none."""
+        """Bodies all of whose nodes need all rotations, because of moments; default: none.
+
+        Args:
+            friction: Coefficient of friction.
+        """
         return ()
 
 

@@ -64,7 +64,11 @@ class BeamFormulation(ABC):
     bends: ClassVar[bool] = True
 
     def require_bends(self, what: str) -> None:
-        """Raise ``ValueError`` if ``what`` asks for bending within elements that have none."""
+        """Raise ``ValueError`` if ``what`` asks for bending within elements that have none.
+
+        Args:
+            what: What the user asked for, for the message.
+        """
         if not self.bends:
             raise ValueError(
                 f"{what} is not known of {self}, whose elements bend against each other and not "
@@ -94,7 +98,11 @@ class BeamFormulation(ABC):
         return False
 
     def check(self, stiffness: Array) -> None:
-        """Raise ``ValueError`` if it has no unknowns for a section stiffness (6, 6)."""
+        """Raise ``ValueError`` if it has no unknowns for a section stiffness (6, 6).
+
+        Args:
+            stiffness: Section stiffness, shape (6, 6).
+        """
         return
 
     def placed(self, frames: Array, stretch: float) -> Array:
@@ -107,7 +115,11 @@ class BeamFormulation(ABC):
         return frames
 
     def attachment(self, node: int) -> AttachmentFrame | None:
-        """By what joints hold a node: ``None`` for the frame of its rows."""
+        """By what joints hold a node: ``None`` for the frame of its rows.
+
+        Args:
+            node: Number of the node.
+        """
         return None
 
     def shares(self, ends: Array, lengths: Array) -> Array:
@@ -200,7 +212,12 @@ _LAGRANGE = {
 
 
 def cellwise(mesh: dolfinx.mesh.Mesh, values: Array) -> fem.Function:
-    """Values of any shape, one for each cell, as a DG0 function."""
+    """Values of any shape, one for each cell, as a DG0 function.
+
+    Args:
+        mesh: The mesh.
+        values: Values.
+    """
     element = basix.ufl.element("DG", mesh.basix_cell(), 0, shape=values.shape[1:])
     f = fem.Function(fem.functionspace(mesh, element))
     f.x.array[:] = values.ravel()
@@ -208,7 +225,13 @@ def cellwise(mesh: dolfinx.mesh.Mesh, values: Array) -> fem.Function:
 
 
 def present_values(expression: Expr, mesh: dolfinx.mesh.Mesh, degree: int) -> fem.Function:
-    """Values of an expression now, at the points of a quadrature of a degree."""
+    """Values of an expression now, at the points of a quadrature of a degree.
+
+    Args:
+        expression: UFL expression.
+        mesh: The mesh.
+        degree: Degree of the cell.
+    """
     element = basix.ufl.quadrature_element(
         _compat.cell_name(mesh.ufl_domain()), value_shape=expression.ufl_shape, degree=degree
     )

@@ -67,7 +67,11 @@ _L = np.array([[1.0, -1, 0, 0], [0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0]])
 
 
 def table(points: Array) -> Array:
-    """Values and derivatives of the place at points (g, 2), shape (g, 3, 16)."""
+    """Values and derivatives of the place at points (g, 2), shape (g, 3, 16).
+
+    Args:
+        points: Points in reference coordinates, shape (g, 2).
+    """
     found = np.zeros((len(points), 3, 4, 4))
     for k, orders in enumerate(((0, 0), (1, 0), (0, 1))):
         (hx, lx), (hy, ly) = (

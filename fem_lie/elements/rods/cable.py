@@ -236,7 +236,11 @@ class HermiteCable(BeamFormulation):
         return self.slack is not None
 
     def check(self, stiffness: Array) -> None:
-        """Refuse what couples stretch and bending, or bends otherwise about other axes."""
+        """Refuse what couples stretch and bending, or bends otherwise about other axes.
+
+        Args:
+            stiffness: Section stiffness, shape (6, 6).
+        """
         check_section(stiffness)
 
     def placed(self, frames: Array, stretch: float) -> Array:
@@ -246,7 +250,11 @@ class HermiteCable(BeamFormulation):
         return rows
 
     def attachment(self, node: int) -> AttachmentFrame:
-        """Place and tangent, without a rotation about it."""
+        """Place and tangent, without a rotation about it.
+
+        Args:
+            node: Number of the node.
+        """
         return along_tangent(node)
 
     def levers(self, ends: Array, lengths: Array) -> Array:

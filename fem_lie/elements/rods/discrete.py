@@ -60,7 +60,11 @@ class DiscreteCable(BeamFormulation):
         return self.slack is not None
 
     def check(self, stiffness: Array) -> None:
-        """Refuse what couples stretch and bending, or bends otherwise about other axes."""
+        """Refuse what couples stretch and bending, or bends otherwise about other axes.
+
+        Args:
+            stiffness: Section stiffness, shape (6, 6).
+        """
         check_section(stiffness)
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:

@@ -83,7 +83,11 @@ class DiscreteRod(BeamFormulation):
         raise ValueError(f"{self} is held at its nodes, and not between them")
 
     def check(self, stiffness: Array) -> None:
-        """Refuse what couples stretch with bending or torsion."""
+        """Refuse what couples stretch with bending or torsion.
+
+        Args:
+            stiffness: Section stiffness, shape (6, 6).
+        """
         own = np.sqrt(stiffness[0, 0] * np.diag(stiffness)[3:])
         if (np.abs(stiffness[0, 3:]) > _CENTRED * own).any():
             raise ValueError(

@@ -66,6 +66,10 @@ class ShellFormulation(ABC):
     def measures_for(self, cell: str, degree: int) -> StrainMeasures:
         """The strain measures for these cells.
 
+        Args:
+            cell: Name of the cell, such as "quadrilateral".
+            degree: Degree of the cell.
+
         Raises:
             ValueError: There are none, or those that were given are for other cells or have no
                 stress fields where some are needed.
@@ -128,7 +132,12 @@ class _OfAnyLaw(ShellFormulation):
         return self.law is None
 
     def law_for(self, cells: ShellCells, stiffness: Array) -> Law:
-        """The user's, or that of the section."""
+        """The user's, or that of the section.
+
+        Args:
+            cells: Number of equal elements.
+            stiffness: Section stiffness of each cell.
+        """
         return self.law or linear_law(cells.cellwise(stiffness))
 
 

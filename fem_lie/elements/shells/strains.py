@@ -148,7 +148,12 @@ class Surface:
 
 
 def membrane(s: Surface, p: Point) -> Expr:
-    """``½ x,α·x,β`` as (11, 22, 2·12)."""
+    """``½ x,α·x,β`` as (11, 22, 2·12).
+
+    Args:
+        s: The surface, with its coordinates and directors.
+        p: Point in reference coordinates.
+    """
     a, b = s.dx(0, p), s.dx(1, p)
     return ufl.as_vector([ufl.dot(a, a) / 2, ufl.dot(b, b) / 2, ufl.dot(a, b)])
 
@@ -180,7 +185,12 @@ def mitc4_plus_membrane(s: Surface, p: Point) -> Expr:
 
 
 def bending(s: Surface, p: Point) -> Expr:
-    """``½ (x,α·t,β + x,β·t,α)`` as (11, 22, 2·12): the full form, it feels membrane strain."""
+    """``½ (x,α·t,β + x,β·t,α)`` as (11, 22, 2·12): the full form, it feels membrane strain.
+
+    Args:
+        s: The surface, with its coordinates and directors.
+        p: Point in reference coordinates.
+    """
     return symmetric_product((s.dx(0, p), s.dx(1, p)), (s.dt(0, p), s.dt(1, p)))
 
 
@@ -194,6 +204,10 @@ def mitc4_shear(s: Surface, p: Point) -> Expr:
     """``x,α·t`` of a four-node quadrilateral, each taken at the middles of two edges.
 
     (Bathe & Dvorkin, IJNME 21 (1985) 367.)
+
+    Args:
+        s: The surface, with its coordinates and directors.
+        p: Point in reference coordinates.
     """
 
     def at(along: int, *q: float) -> Expr:

@@ -264,7 +264,12 @@ class SolidFormulation(ABC):
 
     @abstractmethod
     def check(self, cell: str, degree: int) -> None:
-        """Raise ``ValueError`` if it is not for such cells."""
+        """Raise ``ValueError`` if it is not for such cells.
+
+        Args:
+            cell: Name of the cell, such as "quadrilateral".
+            degree: Degree of the cell.
+        """
 
     @abstractmethod
     def strains(self, nodal: NodalFrames, degree: int) -> Strains:
@@ -310,7 +315,12 @@ class Isoparametric(SolidFormulation):
     """
 
     def check(self, cell: str, degree: int) -> None:
-        """All cells will do."""
+        """All cells will do.
+
+        Args:
+            cell: Name of the cell, such as "quadrilateral".
+            degree: Degree of the cell.
+        """
 
     def strains(self, nodal: NodalFrames, degree: int) -> Strains:
         """See the base class."""
@@ -327,7 +337,12 @@ class MeanDilatation(SolidFormulation):
     """
 
     def check(self, cell: str, degree: int) -> None:
-        """Hexahedra of degree 1 alone."""
+        """Hexahedra of degree 1 alone.
+
+        Args:
+            cell: Name of the cell, such as "quadrilateral".
+            degree: Degree of the cell.
+        """
         if (cell, degree) != ("hexahedron", 1):
             raise ValueError(
                 f"MeanDilatation is for hexahedra of degree 1, got {cell} of degree {degree}: "

@@ -144,7 +144,14 @@ def set_all_axes(node_types: Indices, H: Array, R: Array) -> None:
 
 @compiled
 def move_all(node_types: Indices, H: Array, d: Array, out: Array) -> None:
-    """:func:`move` for nodes (n,)."""
+    """:func:`move` for nodes (n,).
+
+    Args:
+        node_types: Node types, shape (n,).
+        H: Frames of all nodes, shape (n, 4, 3).
+        d: Increments of all nodes, shape (n, 6).
+        out: The result, written in place.
+    """
     for i in range(node_types.shape[0]):
         move(node_types[i], H[i], d[i], out[i])
 

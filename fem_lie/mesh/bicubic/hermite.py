@@ -19,7 +19,11 @@ _CUBICS = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]
 
 
 def table(points: Array) -> Array:
-    """Values and derivatives of the sixteen functions at points (g, 2), shape (g, 6, 16)."""
+    """Values and derivatives of the sixteen functions at points (g, 2), shape (g, 6, 16).
+
+    Args:
+        points: Points in reference coordinates, shape (g, 2).
+    """
     found = np.empty((len(points), 6, 16))
     for k, (first, second) in enumerate(_ORDERS):
         along = _cubics(points[:, 0], first).reshape(-1, 2, 2)

@@ -73,7 +73,11 @@ class SplineMesh:
     groups: dict[str, Indices]
 
     def middles(self, ends: Indices) -> Indices:
-        """Midpoints of edges (…, 2), −1 for edges that are not divided."""
+        """Midpoints of edges (…, 2), −1 for edges that are not divided.
+
+        Args:
+            ends: Numbers of the two end points, shape (…, 2).
+        """
         if not len(self.cuts):
             return np.full(ends.shape[:-1], -1)
         known = _keys(self.cuts[:, :2], len(self.rows))
@@ -91,7 +95,11 @@ class SplineMesh:
         return found
 
     def cut(self, marked: Indices) -> SplineMesh:
-        """Divide cells into four, and neighbours that would differ by more than one level."""
+        """Divide cells into four, and neighbours that would differ by more than one level.
+
+        Args:
+            marked: Numbers of the cells to be cut.
+        """
         found = self
         while len(marked):
             found = _cut(found, marked)

@@ -31,6 +31,10 @@ class NodalColours:
     def rows(self, rows: Indices, states: int) -> NodalColours:
         """Those of some of the states.
 
+        Args:
+            rows: Numbers of the states that are drawn.
+            states: Number of all states.
+
         Raises:
             ValueError: There are values of another number of states.
         """

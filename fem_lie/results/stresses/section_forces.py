@@ -291,11 +291,19 @@ class SectionForces:
         return of_forces(name, self.ends, self.beam.sections)
 
     def mean(self, name: str) -> Array:
-        """A quantity in the middle of each element, shape (T, m)."""
+        """A quantity in the middle of each element, shape (T, m).
+
+        Args:
+            name: Name of the quantity, such as "N" or "My".
+        """
         return of_forces(name, self.middle[:, :, np.newaxis], self.beam.sections)[:, :, 0]
 
     def smooth(self, name: str) -> Array:
-        """As :meth:`raw`, for :attr:`smooth_ends`."""
+        """As :meth:`raw`, for :attr:`smooth_ends`.
+
+        Args:
+            name: Name of the quantity, such as "N" or "My".
+        """
         return of_forces(name, self.smooth_ends, self.beam.sections)
 
     def at(self, point: Point, name: str) -> Array:

@@ -240,6 +240,9 @@ class Resultants(ResultantValues):
         8), ``points`` (m, g, 3), ``areas`` (m, g), ``cut_forces`` and ``cut_moments`` (m, g, 2, 3);
         all positions and axes are those of the undeformed shell. The attribute ``components`` names
         the eight components.
+
+        Args:
+            path: Name of the file.
         """
         import h5py
 

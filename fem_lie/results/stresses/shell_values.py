@@ -77,7 +77,14 @@ class ResultantValues:
         frames: Array,
         stress: ShellStress,
     ) -> Kind:
-        """Evaluate at given frames of the shell's nodes."""
+        """Evaluate at given frames of the shell's nodes.
+
+        Args:
+            shell: The shell.
+            stress_points: Points at which the stress is evaluated.
+            frames: Nodal frames, shape (n, 4, 3).
+            stress: Stress resultants of the cells; default: by the constitutive law.
+        """
         raw = stress(frames)
         rule, _ = integration(shell)
         nodal = np.einsum("kg,mgi->mki", extrapolation(shell.own_mesh, rule), raw)
@@ -220,11 +227,19 @@ class ResultantValues:
         return self._of(name, self.at_points)
 
     def mean(self, name: str) -> Array:
-        """A quantity of the mean components of each cell, shape (m,)."""
+        """A quantity of the mean components of each cell, shape (m,).
+
+        Args:
+            name: Name of the quantity, such as "N11".
+        """
         return self._known(name).of(self._mean(self.at_points), self.shell.thickness)
 
     def smooth(self, name: str) -> Array:
-        """A quantity of the averaged components, shape (p,), see :attr:`nodal`."""
+        """A quantity of the averaged components, shape (p,), see :attr:`nodal`.
+
+        Args:
+            name: Name of the quantity, such as "N11".
+        """
         known = self._known(name)
         patches = self.stress_points.patches
         thickness = np.repeat(self.shell.thickness, patches.number.shape[1])

@@ -163,7 +163,11 @@ class EnergyMomentum(Integrator):
         return self.equations(scene)
 
     def equations(self, scene: Scene) -> Equations:
-        """Equations of a scene; ``ValueError`` if the scheme does not support the scene."""
+        """Equations of a scene; ``ValueError`` if the scheme does not support the scene.
+
+        Args:
+            scene: The scene.
+        """
         # translations are global, so derivatives by velocities are those of R³×SO(3)
         equations = Equations(scene, dynamics=True, group=Group.R3xSO3)
         refuse_scene(equations)

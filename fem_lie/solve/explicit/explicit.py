@@ -303,6 +303,9 @@ class Explicit(Integrator):
     def stable_step(self, scene: Scene) -> float:
         """Largest stable step of the scene at its start; infinite without stiffness.
 
+        Args:
+            scene: The scene.
+
         Raises:
             ValueError: The scheme does not support the scene, or no step is stable.
         """

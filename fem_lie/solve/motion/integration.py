@@ -89,6 +89,11 @@ class Driver(ABC, Stateful, Generic[Kept]):
     def run(self, plan: Plan, progress: bool | None, store: Checkpoints | None) -> Result:
         """Make all steps from the start, or from the checkpoint of a store.
 
+        Args:
+            plan: Plan of the run.
+            progress: Whether a progress bar is shown.
+            store: File of results and checkpoints, or ``None``.
+
         Raises:
             ConvergenceError: A step failed; its ``result`` holds the states computed so far.
         """
@@ -99,7 +104,11 @@ class Driver(ABC, Stateful, Generic[Kept]):
         return self.integrate(history)
 
     def integrate(self, history: Kept) -> Result:
-        """Make all remaining steps; see :meth:`run`."""
+        """Make all remaining steps; see :meth:`run`.
+
+        Args:
+            history: Where results go.
+        """
         if history.fresh:
             self.start()
             self._keep(history)
@@ -263,11 +272,21 @@ class Divided(Driver[Kept]):
 
     @abstractmethod
     def resize(self, time: float, size: float) -> None:
-        """Start steps of another size, see :class:`~fem_lie.solve.division.Divisible`."""
+        """Start steps of another size, see :class:`~fem_lie.solve.division.Divisible`.
+
+        Args:
+            time: Time.
+            size: Step size.
+        """
 
     @abstractmethod
     def attempt(self, start: float, end: float) -> bool:
-        """Make a step, see :class:`~fem_lie.solve.division.Divisible`."""
+        """Make a step, see :class:`~fem_lie.solve.division.Divisible`.
+
+        Args:
+            start: First point, shape (3,).
+            end: Last point, shape (3,).
+        """
 
 
 class DividedIntegration(Integration[Kept], Divided[Kept]):

@@ -170,6 +170,11 @@ def refuse(scheme: str, unsupported: Mapping[str, bool], instead: str = "General
 def check_kinds(tolerance: float, max_iterations: int, policy: RefactorisationPolicy) -> None:
     """Check the types of the options of an iteration.
 
+    Args:
+        tolerance: The tolerance.
+        max_iterations: Largest number of iterations.
+        policy: The refactorisation policy.
+
     Raises:
         TypeError: An option has a wrong type.
         ValueError: The tolerance is not finite, or the number of iterations is out of range.

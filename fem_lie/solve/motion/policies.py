@@ -49,10 +49,17 @@ class PolicyState(ABC):
         """What to refactorise before the given iteration (counted from 1) of a step.
 
         ``True`` means everything, ``False`` nothing.
+
+        Args:
+            iteration: Number of the iteration in its step, from 1.
         """
 
     def after_step(self, iterations: int) -> None:  # noqa: B027 - most have no memory
-        """Record the number of iterations of the step."""
+        """Record the number of iterations of the step.
+
+        Args:
+            iterations: Number of iterations of the step.
+        """
 
     @property
     def asks(self) -> bool:
@@ -77,7 +84,11 @@ class PolicyState(ABC):
         return saved(self, [name for name, x in vars(self).items() if isinstance(x, kinds)])
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state that :meth:`memory` returned."""
+        """Restore the state that :meth:`memory` returned.
+
+        Args:
+            kept: State that was copied before.
+        """
         put_back(self, self.memory(), kept)
 
 
@@ -98,6 +109,9 @@ class RefactorisationPolicy(ABC):
         """Decisions for one run.
 
         ``bound``: whether the constraint Jacobian may be updated separately.
+
+        Args:
+            bound: Whether the scene has constraints that can be refactorised by themselves.
         """
 
     def rule(self) -> tuple[int, float] | None:
@@ -148,7 +162,11 @@ class EveryIteration(RefactorisationPolicy):
     """Full Newton: refactorise in every iteration."""
 
     def begin(self, bound: bool) -> PolicyState:
-        """Always refactorise everything."""
+        """Always refactorise everything.
+
+        Args:
+            bound: Whether the scene has constraints that can be refactorised by themselves.
+        """
         return Ruled(Rule(1, 0.0, inf, Refactorisation.ALL, bound=False, asks=False))
 
     def rule(self) -> tuple[int, float]:
@@ -175,7 +193,11 @@ class IterationLimit(RefactorisationPolicy):
             raise ValueError(f"the limit must be at least 2 iterations, got {self.iterations}")
 
     def begin(self, bound: bool) -> PolicyState:
-        """Refactorise after the given number of iterations in a step."""
+        """Refactorise after the given number of iterations in a step.
+
+        Args:
+            bound: Whether the scene has constraints that can be refactorised by themselves.
+        """
         return Ruled(Rule(self.iterations, inf, inf, Refactorisation.ALL, bound, asks=False))
 
     def rule(self) -> tuple[int, float]:
@@ -190,7 +212,11 @@ class ConstraintsOnly(IterationLimit):
     full_newton_fallback: ClassVar[bool] = False
 
     def begin(self, bound: bool) -> PolicyState:
-        """Update the constraint Jacobian only."""
+        """Update the constraint Jacobian only.
+
+        Args:
+            bound: Whether the scene has constraints that can be refactorised by themselves.
+        """
         return Ruled(
             Rule(self.iterations, inf, inf, Refactorisation.CONSTRAINTS, bound, asks=False)
         )
@@ -207,7 +233,11 @@ class FactoriseOnce(RefactorisationPolicy):
     full_newton_fallback: ClassVar[bool] = False
 
     def begin(self, bound: bool) -> PolicyState:
-        """Never refactorise."""
+        """Never refactorise.
+
+        Args:
+            bound: Whether the scene has constraints that can be refactorised by themselves.
+        """
         return Ruled(Rule(NEVER, inf, inf, Refactorisation.NONE, bound, asks=False))
 
     def rule(self) -> tuple[int, float]:
@@ -255,7 +285,11 @@ class Automatic(RefactorisationPolicy):
             raise ValueError(f"secants must be 0 … {MOST_SECANTS}, got {self.secants}")
 
     def begin(self, bound: bool) -> PolicyState:
-        """Refactorise when it pays."""
+        """Refactorise when it pays.
+
+        Args:
+            bound: Whether the scene has constraints that can be refactorised by themselves.
+        """
         cost, refresh = float(self.cost), float(self.refresh)
         return Ruled(Rule(self.patience, cost, refresh, Refactorisation.ALL, bound, asks=True))
 

@@ -70,7 +70,11 @@ class History(Window):
         self.close()
 
     def wants(self, index: int) -> bool:
-        """Whether the state after step ``index`` is to be recorded; if so, a row is reserved."""
+        """Whether the state after step ``index`` is to be recorded; if so, a row is reserved.
+
+        Args:
+            index: Number of the step.
+        """
         if self._chosen is None:
             wanted = index % self.every == 0 or index == self.steps
         else:
@@ -81,25 +85,44 @@ class History(Window):
         return wanted
 
     def keep(self, indices: Indices, iterations: Indices) -> None:
-        """Count the steps ``indices``, whose values are in the next rows, as recorded."""
+        """Count the steps ``indices``, whose values are in the next rows, as recorded.
+
+        Args:
+            indices: Numbers of the steps.
+            iterations: Number of iterations of the step.
+        """
         rows = slice(self.row, self.row + len(indices))
         self.times[rows], self.iterations[rows] = indices * self._h, iterations
         self.row += len(indices)
 
     def update_bar(self, index: int, iterations: int) -> None:
-        """Show that step ``index`` is reached after ``iterations`` iterations in total."""
+        """Show that step ``index`` is reached after ``iterations`` iterations in total.
+
+        Args:
+            index: Number of the step.
+            iterations: Number of iterations of the step.
+        """
         energy = f"energy {self.gap:.1e} " if Record.ENERGIES in self.filled else ""
         text = f"t={index * self._h:.3g} {energy}it/step {iterations / index:.2f}"
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(index - self._bar.n)
 
     def update_if_due(self, index: int, iterations: int) -> None:
-        """Show step ``index`` if the bar is shown and due for an update."""
+        """Show step ``index`` if the bar is shown and due for an update.
+
+        Args:
+            index: Number of the step.
+            iterations: Number of iterations of the step.
+        """
         if self.show and index - self._bar.n >= self.refresh:
             self.update_bar(index, iterations)
 
     def next_stop(self, index: int) -> int:
-        """The next step after ``index`` at which a row, a checkpoint or the bar is due."""
+        """The next step after ``index`` at which a row, a checkpoint or the bar is due.
+
+        Args:
+            index: Number of the step.
+        """
         stop = self.next_halt(index, self.steps)
         return int(min([stop, *self._wanted_until(stop, index)[:1]]))
 
@@ -125,7 +148,12 @@ class History(Window):
         return last, wanted
 
     def next_halt(self, index: int, most: int) -> int:
-        """The next step, at most ``most`` later, at which more is due than a row."""
+        """The next step, at most ``most`` later, at which more is due than a row.
+
+        Args:
+            index: Number of the step.
+            most: Largest number of steps.
+        """
         halts = [self.steps, index + most]
         if self.show:
             halts.append((index // self.refresh + 1) * self.refresh)
@@ -144,7 +172,11 @@ class History(Window):
         return np.append(wanted, last) if ends else wanted
 
     def checkpoint_due(self, index: int) -> bool:
-        """Whether the state after step ``index`` is to be written."""
+        """Whether the state after step ``index`` is to be written.
+
+        Args:
+            index: Number of the step.
+        """
         return self._store is not None and index % self._store.every == 0
 
     def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
@@ -154,7 +186,11 @@ class History(Window):
         self._store.write(index, self._gone, self.seconds, kept)
 
     def add(self, record: StepHistory | ContactSteps) -> None:
-        """Write the log of the steps, if results go to a file."""
+        """Write the log of the steps, if results go to a file.
+
+        Args:
+            record: Record of a step.
+        """
         if self._store is not None:
             self._store.add(record)
 
@@ -202,7 +238,14 @@ class Recorder(History):
         progress: bool | None,
         store: Checkpoints | None = None,
     ) -> None:
-        """As :class:`History`, for equations."""
+        """Take the bodies and joints of the results from equations.
+
+        Args:
+            equations: The equations of a scene.
+            plan: Plan of the run.
+            progress: Whether a progress bar is shown; default: on terminals.
+            store: File of results and checkpoints, or ``None``.
+        """
         super().__init__(equations.info, plan, progress, store)
         self._equations, self._filled = equations, ResultRow(equations)
         self._held = Record.FORCES in self.filled and len(equations.unknowns.supported) > 0
@@ -223,6 +266,14 @@ class Recorder(History):
 
         ``balance``: energy balance and impulses.
 
+        Args:
+            index: Number of the step.
+            H: Frames of all nodes, shape (n, 4, 3).
+            v: Twists of all nodes, shape (n, 6).
+            a: Rates of the twists, shape (n, 6).
+            multipliers: Lagrange multipliers of all constraints.
+            balance: Energy balance and impulses.
+
         Returns:
             Whether it was due.
         """
@@ -233,14 +284,27 @@ class Recorder(History):
         return wanted
 
     def show_progress(self, index: int) -> None:
-        """Show that step ``index`` is reached, if an update is due."""
+        """Show that step ``index`` is reached, if an update is due.
+
+        Args:
+            index: Number of the step.
+        """
         if self.show and index and index % self.refresh == 0:
             self.update_bar(index, self.count)
 
     def fill(
         self, time: float, H: Array, v: Array, a: Array, multipliers: Array, balance: Array
     ) -> None:
-        """Fill in the next row, for which space is reserved."""
+        """Fill in the next row, for which space is reserved.
+
+        Args:
+            time: Time.
+            H: Frames of all nodes, shape (n, 4, 3).
+            v: Twists of all nodes, shape (n, 6).
+            a: Rates of the twists, shape (n, 6).
+            multipliers: Lagrange multipliers of all constraints.
+            balance: Energy balance and impulses.
+        """
         equations, row = self._equations, self.row
         self._filled.by_twists(self, H, v, multipliers, balance)
         report = equations.report(H, v, a, multipliers)
@@ -252,5 +316,10 @@ class Recorder(History):
         self.row += 1
 
     def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
-        """Write the state on which the next steps depend, and the number of iterations."""
+        """Write the state on which the next steps depend, and the number of iterations.
+
+        Args:
+            index: Number of the step.
+            memory: State of the run.
+        """
         super().write_checkpoint(index, memory | {"count": np.array(self.count)})

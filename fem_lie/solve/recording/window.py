@@ -103,7 +103,11 @@ class Window:
         return len(self.times) - 1 if self._passes else None
 
     def make_room(self, rows: int = 1) -> None:
-        """Make sure that the next rows are free."""
+        """Make sure that the next rows are free.
+
+        Args:
+            rows: Numbers of the nodes.
+        """
         if self.row + rows > len(self.times):
             if self._passes:
                 self._pass_on(last=False)

@@ -32,7 +32,11 @@ class Imperfection(ABC):
 
     @abstractmethod
     def of(self, body: Body) -> tuple[Array, Array]:
-        """Displacements and rotation vectors of the nodes, global components, both (n, 3)."""
+        """Displacements and rotation vectors of the nodes, global components, both (n, 3).
+
+        Args:
+            body: The body.
+        """
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +78,9 @@ class ModeImperfection(Imperfection):
     def of(self, body: Body) -> tuple[Array, Array]:
         """The mode, times its amplitude or angle.
 
+        Args:
+            body: The body.
+
         Raises:
             ValueError: The mode is one of other bodies.
         """
@@ -104,6 +111,9 @@ class FieldImperfection(Imperfection):
 
     def of(self, body: Body) -> tuple[Array, Array]:
         """The field at the nodes, and the rotation of the surface, or the line, by it.
+
+        Args:
+            body: The body.
 
         Raises:
             ValueError: The field is not three finite numbers everywhere.
@@ -143,7 +153,11 @@ class RandomImperfection(Imperfection):
         whole(self.seed, "RandomImperfection: seed", least=0)
 
     def of(self, body: Body) -> tuple[Array, Array]:
-        """The sum of the waves along directors, or along given directions."""
+        """The sum of the waves along directors, or along given directions.
+
+        Args:
+            body: The body.
+        """
         # the same field for all bodies of a scene: about the largest of so many waves
         scale = self.amplitude / (2.5 * np.sqrt(0.5 * _WAVES))
 

@@ -157,7 +157,12 @@ class DisplacementControl:
         positive(self.to, "displacement to go to under displacement control")
 
     def along(self, count: int, node: int) -> Along:
-        """On the node of the point, of ``count`` nodes."""
+        """On the node of the point, of ``count`` nodes.
+
+        Args:
+            count: Number of nodes.
+            node: Number of the node of the point.
+        """
         pattern = np.zeros((count, 3))
         pattern[node] = direction(self.direction, f"direction of control at {self.point.label}")
         return Along(pattern, self.to)
@@ -203,7 +208,11 @@ class PathEnds:
             raise ValueError(f"load_range must be two increasing factors, got {self.load_range!r}")
 
     def check_start(self, start: Station | None) -> None:
-        """Raise ``ValueError`` if the path would end where it begins."""
+        """Raise ``ValueError`` if the path would end where it begins.
+
+        Args:
+            start: Value at the start of the path.
+        """
         factor = 0.0 if start is None else start.factor
         low, high = self.load_range
         if not low <= factor <= high:

@@ -90,7 +90,11 @@ class Variational(Integrator):
             )
 
     def equations(self, scene: Scene) -> Equations:
-        """Equations of a scene; ``ValueError`` if the scheme does not support the scene."""
+        """Equations of a scene; ``ValueError`` if the scheme does not support the scene.
+
+        Args:
+            scene: The scene.
+        """
         equations = Equations(scene, dynamics=True, group=Group.R3xSO3)
         _refuse(equations)
         return equations

@@ -184,7 +184,12 @@ class Equations:
     # --- time ---
 
     def prescribed(self, time: float, step: float = np.inf) -> Prescribed:
-        """Drives, motions and loads at ``time``; rates are differences over ``step``."""
+        """Drives, motions and loads at ``time``; rates are differences over ``step``.
+
+        Args:
+            time: Time.
+            step: Step size.
+        """
         return Prescribed(self._system, time, step)
 
     # --- residual and matrix ---
@@ -226,7 +231,13 @@ class Equations:
         return found
 
     def linear_state(self, H: Array, dx: Array, forces: Forces) -> LinearState:
-        """Stress and forces of linear theory along ``dx`` (size,) from frames ``H``."""
+        """Stress and forces of linear theory along ``dx`` (size,) from frames ``H``.
+
+        Args:
+            H: Frames of all nodes, shape (n, 4, 3).
+            dx: Increments of all unknowns, shape (size,).
+            forces: Forces of the state.
+        """
         return LinearState(self._system, self.memory, H, dx, forces)
 
     def fill(self, state: TimeState, forces: Forces | None, plan: Plan) -> Array:
@@ -275,7 +286,11 @@ class Equations:
         return system.fill_matrix(state, forces, plan)
 
     def constraints(self, H: Array) -> ConstraintsAt:
-        """Constraints at frames ``H``: Jacobian, rates, and remaining rigid motions."""
+        """Constraints at frames ``H``: Jacobian, rates, and remaining rigid motions.
+
+        Args:
+            H: Frames of all nodes, shape (n, 4, 3).
+        """
         return ConstraintsAt(self._system, H)
 
     # --- reports of a state ---
@@ -292,6 +307,13 @@ class Equations:
         """Report of a state, by default at rest and with all multipliers zero.
 
         ``carried``: see :meth:`residual`.
+
+        Args:
+            H: Frames of all nodes, shape (n, 4, 3).
+            v: Twists of all nodes, shape (n, 6).
+            a: Rates of the twists, shape (n, 6).
+            multipliers: Lagrange multipliers of all constraints.
+            carried: Linearised stress.
         """
         none = np.zeros(self.unknowns.m) if multipliers is None else multipliers
         still = self._still
@@ -305,7 +327,11 @@ class Equations:
     # --- properties ---
 
     def small_motions(self, rotation: Rotation) -> SmallMotions:
-        """Linear equations about the initial frames, in a rotating frame."""
+        """Linear equations about the initial frames, in a rotating frame.
+
+        Args:
+            rotation: Estimated error of rotations, rad.
+        """
         return SmallMotions(self._system, rotation)
 
     def contents(self) -> list[tuple[str, Any, str]]:
