@@ -656,7 +656,7 @@ def with_guide() -> fl.Scene:
     return scene
 
 
-def with_few_shapes() -> fl.Scene:
+def with_a_reduced_body() -> fl.Scene:
     full = fl.Scene()
     beam = full.add(fl.Beam.straight((0, 0, 1), (1, 0, 1), fl.Section.circle(0.02, STEEL), cells=4))
     rod = fl.reduction.reduced_order_body(full, [beam.point("start"), beam.point("end")], 2)
@@ -680,7 +680,7 @@ def with_disc() -> fl.Scene:
 REFUSED = {
     "cable": (with_cable, "nodes are frames, not for cables"),
     "guide": (with_guide, "not held along fixed axes"),
-    "few shapes": (with_few_shapes, "solids, thin shells and bodies in few shapes"),
+    "reduced-order body": (with_a_reduced_body, "solids, thin shells and reduced-order bodies"),
     "rolls": (with_disc, "without joints that roll"),
 }
 

@@ -89,7 +89,7 @@ def test_ways_are_tried_in_turn_and_their_solutions_counted():
 
     found = _first_that_arrives([fails, fails, lambda: good])
     assert found.failed_iterations == good.failed_iterations + 2 * good.total_iterations
-    with pytest.raises(fl.ConvergenceError, match=r"2 ways were tried: \(1\) no .* \(2\) no"):
+    with pytest.raises(fl.ConvergenceError, match=r"2 methods were tried: \(1\) no .* \(2\) no"):
         _first_that_arrives([fails, fails])
     with pytest.raises(SingularStartError, match=r"^no equilibrium here$"):
         _first_that_arrives([lambda: fails(SingularStartError), lambda: good])

@@ -141,9 +141,9 @@ class HamelRun(DividedIntegration[Recorder]):
 
     def _failure(self, steps: int) -> str:
         return (
-            f"step {self.index + 1} of {steps} (h = {self.h:g}) failed: velocities did not converge, "
-            f"or a disc lies in its plane. Nor did it work in {2**HALVINGS} sub-steps; a smaller "
-            "step may help"
+            f"step {self.index + 1} of {steps} (h = {self.h:g}) failed: velocities did not "
+            f"converge, or a disc lies in its plane. Nor did it in {2**HALVINGS} sub-steps; a "
+            "smaller step may help"
         )
 
     # --- results ---
@@ -178,9 +178,9 @@ class HamelRun(DividedIntegration[Recorder]):
 class Hamel(Integrator):
     """Rigid bodies under gravity, each free, on a knife edge, or a disc that rolls on the ground.
 
-    Velocity constraints (:class:`~fem_lie.joints.KnifeEdge`, :class:`~fem_lie.joints.RollingDisc`) are eliminated
-    in the frames of the bodies, without multipliers; joint forces in results are those of the
-    equations of motion. :meth:`run` makes constant steps.
+    Velocity constraints (:class:`~fem_lie.joints.KnifeEdge`, :class:`~fem_lie.joints.RollingDisc`)
+    are eliminated in the frames of the bodies, without multipliers; joint forces in results are
+    those of the equations of motion. :meth:`run` makes constant steps.
 
     Example:
         >>> sledge = fl.RigidBody(1.5, (0.05, 0.05, 0.05))

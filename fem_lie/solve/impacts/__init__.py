@@ -1,1 +1,1 @@
-"""Impulses at the end of a step that a scheme has made without them: impacts, joint velocities."""
+"""Impulses at the end of a step: impacts, and projection of velocities onto constraints."""

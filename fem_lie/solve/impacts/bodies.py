@@ -1,4 +1,4 @@
-"""What contacts need of bodies in joints and of flexible ones, and do to them."""
+"""Jacobians, compliance and constraints of jointed and flexible bodies for contacts by impacts."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from fem_lie.system.equations import Equations, TimeState
 
 
 class CoupledBodies:
-    """Bodies of a run, as contacts by impacts see them.
+    """Bodies of a run with contacts by impacts.
 
     Attributes:
-        near: Which pairs may touch.
+        near: Contact pairs near each other.
     """
 
     def __init__(
@@ -35,13 +35,13 @@ class CoupledBodies:
         rule: Rule,
         kept: Factors | None,
     ) -> None:
-        """Collect them.
+        """Collect bodies and contacts.
 
         Args:
-            contacts: By impacts, all of them.
-            equations: Of the scene without them; their matrix is overwritten.
-            rule: How the end of a step follows its increment.
-            kept: Factors of the iteration matrix; none for scenes without elements.
+            contacts: All contacts by impacts.
+            equations: Equations of the scene without contacts; their matrix is overwritten.
+            rule: Relation of velocities and accelerations at the end of a step to its increment.
+            kept: Factors of the iteration matrix; ``None`` for scenes without elements.
         """
         unknowns, tables, start = equations.unknowns, equations.tables, equations.start
         self._equations, self._rule, self._kept = equations, rule, kept
@@ -66,12 +66,12 @@ class CoupledBodies:
         )
 
     def follow(self, rule: Rule) -> None:
-        """Have steps whose ends follow their increments by another rule."""
+        """Change the relation of velocities and accelerations to the increment."""
         self._rule, self._h = rule, rule.h
         self._impulses.resize(rule.h)
 
     def _all_rows(self, v: Array, time: float) -> Array:
-        """Twists of all rows, with those of ground and of prescribed motions, shape (rows, 6)."""
+        """Twists of all rows, including ground and prescribed motions, shape (rows, 6)."""
         found = np.zeros((self._rows, 6))
         found[: self._n] = v
         if self._rows > self._n + 1:
@@ -84,14 +84,14 @@ class CoupledBodies:
         return g
 
     def _rows_of(self, H: Array, pairs: Indices, axis: Indices) -> BlockRows:
-        """Rows of contacts at frames ``H``."""
+        """Contact Jacobian at frames ``H``."""
         memory = empty_rows(len(pairs), self._width, 3)
         append_rows(H, self.near.touch, pairs, axis, memory)
         count = memory.first[-1]
         return BlockRows(memory.first, memory.nodes[:count], memory.values[:count])
 
     def _rates_of(self, rows: BlockRows, H: Array, twists: Array) -> Array:
-        """Velocities or increments of contacts (k, 3) by twists of nodes in frames ``H``."""
+        """Contact velocities or increments (k, 3) from twists of nodes in frames ``H``."""
         found = np.empty((len(rows.first) - 1, 3))
         twist_rates(rows, H, twists.reshape(-1, 6), found)
         return found
@@ -111,7 +111,7 @@ class CoupledBodies:
         return H
 
     def _pushed(self, f: Array) -> tuple[Array, Array]:
-        """``S⁻¹ f`` with joints closed, of forces (6 n, k), and what joints carry then, (m, k)."""
+        """``S⁻¹ f`` with closed joints, for forces (6 n, k), and the joint multipliers, (m, k)."""
         if self._kept is None:
             found, carried = self._impulses.solve(f)
             return np.asarray(found / self._rule.mass, dtype=np.float64), carried
@@ -124,19 +124,19 @@ class CoupledBodies:
         return moved, held
 
     def _violations(self, H: Array) -> Array:
-        """Of all constraints, shape (m,)."""
+        """Violations of all constraints, shape (m,)."""
         state = TimeState(H, self._still, self._still, np.zeros(self._m))
         self._forces = self._equations.residual(state, np.ones(self._m), self._r, self._forces)
         return self._r[6 * self._n :]
 
     def _largest_violation(self, H: Array) -> float:
-        """Of a constraint, over the length of the model or in rad."""
+        """Largest constraint violation, over the length of the model or in rad."""
         unknowns = self._equations.unknowns
         sizes = np.where(unknowns.angular, 1.0, unknowns.length)
         return float((np.abs(self._violations(H)) / sizes).max(initial=0.0))
 
     def _closed(self, H: Array) -> Array:
-        """The increment that closes the joints, to first order, shape (6 n,)."""
+        """Increment that closes the joints to first order, shape (6 n,)."""
         n, violation = 6 * self._n, self._violations(H)
         if self._kept is None:
             return -self._impulses.solve(np.zeros(n), violation)[0]
@@ -147,14 +147,14 @@ class CoupledBodies:
         return -kept.solution[:n]
 
     def _rates(self, H: Array, V: Array, time: float) -> Array:
-        """Of the constraints, less those of their targets, shape (m,)."""
+        """Constraint rates minus those of their targets, shape (m,)."""
         if not self._m:
             return np.zeros(0)
         rates, _ = self._equations.constraints(H).rates(V)
         return np.asarray(rates - self._equations.prescribed(time, self._h).target_rates[0])
 
     def _driven(self, time: float) -> Array:
-        """Mean rates of the targets of constraints in the step that ends then, shape (m,)."""
+        """Mean rates of constraint targets in the step that ends at ``time``, shape (m,)."""
         if not self._equations.unknowns.driven:
             return np.zeros(self._m)
         ends = (self._equations.prescribed(at).targets for at in (time - self._h, time))
@@ -180,7 +180,7 @@ class CoupledBodies:
 
 
 def to_twists(kinds: Indices, H: Array, v: Array, out: Array) -> None:
-    """Twists in the nodes' axes of velocities of the group, shape (n, 6)."""
+    """Twists in the nodes' axes from velocities of the group, shape (n, 6)."""
     rate, still = np.empty(6), np.zeros(6)
     for i in range(len(kinds)):
         twist_of(kinds[i], H[i], v[i], still, out[i], rate)

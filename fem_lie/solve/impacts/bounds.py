@@ -1,9 +1,9 @@
 """Bounds on gaps and velocities at the end of a step, and on the energy of restitution.
 
-How much of the restitution a step may have without a gain of energy.
-
-Newton's law is for the normal velocity of one contact. Where several meet in a step, where normals
-turn within it or positions are corrected against a force, it may give more energy than impacts had.
+Newton's law of restitution is for the normal velocity of one contact. If several contacts interact
+in a step, if normals rotate within it, or if positions are corrected against a force, it may give
+more energy than there was before the impacts. The restitution is then reduced until no energy is
+gained.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from fem_lie.solve.impacts.delassus import Delassus
 
 
 class Chosen(NamedTuple):
-    """Contacts that take part in a step, k of them.
+    """Active contacts of a step, k of them.
 
     Attributes:
-        pairs: Which of all pairs, shape (k,).
-        axis: By which tangents are chosen.
+        pairs: Indices among all pairs, shape (k,).
+        axis: Axes that define the tangents.
         closed: Whether they were closed at the start.
-        before: Rows at the start.
-        operator: What their impulses do.
-        speed: Along the normal at the start.
-        gaps: At the start.
-        smooth: At the end without contacts.
-        friction: μ.
-        restitution: e.
+        before: Contact Jacobian at the start.
+        operator: Delassus operator.
+        speed: Normal velocity at the start.
+        gaps: Gaps at the start.
+        smooth: Gaps at the end without contacts.
+        friction: Friction coefficient μ.
+        restitution: Coefficient of restitution e.
     """
 
     pairs: Indices
@@ -48,12 +48,12 @@ class Chosen(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """What impacts ask for.
+    """Bounds from the law of impact.
 
     Attributes:
         velocity: Least normal velocity at the end, shape (k,).
-        incoming: That at the impact.
-        rest: Part of the step after it.
+        incoming: Normal velocity at the impact.
+        rest: Fraction of the step after it.
     """
 
     velocity: Array
@@ -61,16 +61,16 @@ class Bounds(NamedTuple):
     rest: Array
 
     def gaps(self, h: float, velocity: Array, chosen: Chosen) -> Array:
-        """Least gaps at the end of a step of size ``h``, with a normal velocity there."""
+        """Least gaps at the end of a step of size ``h``, for a normal velocity there."""
         away = 0.5 * (velocity - chosen.restitution * self.incoming)
         return np.where(chosen.closed, 0.0, np.maximum(0.0, away * self.rest * h))
 
 
 def bounds_of(h: float, chosen: Chosen, free: Array) -> Bounds:
-    """Bounds of all contacts.
+    """Bounds of all active contacts.
 
     Args:
-        h: Size of the step.
+        h: Step size.
         chosen: The contacts.
         free: Normal velocities at the end without contacts, shape (k,).
     """
@@ -81,25 +81,25 @@ def bounds_of(h: float, chosen: Chosen, free: Array) -> Bounds:
 
 
 _TRIES, _ENOUGH = 8, 1e-3
-"""Parts of the restitution that are tried beside all and none; loss of energy, over what all of it
-would gain, that is small enough."""
+"""Number of tried fractions of the restitution between all and none; and an energy loss, over the
+gain of the full restitution, that is small enough."""
 
 
 def allowed_part(gain: Callable[[float], float], whole: float, allowed: float) -> float:
-    """A part of the restitution, near the largest, with which no energy is gained.
+    """A fraction of the restitution, near the largest, without a gain of energy.
 
     Args:
-        gain: Energy that a step gains with a part of the restitution.
-        whole: That with all of it, more than allowed.
-        allowed: Gain that is round-off.
+        gain: Energy gain of a step as a function of the fraction.
+        whole: Energy gain of the full restitution, more than allowed.
+        allowed: Energy gain that is round-off.
 
     Returns:
-        The part; 1 if energy is gained without restitution, too, for it is not what gives it.
+        The fraction; 1 if energy is gained without restitution, too, which is then not its cause.
     """
     least, below, most = 0.0, gain(0.0), 1.0
     if below > allowed:
         return 1.0
-    low, high, side = below, whole, 0  # Illinois method: an end that stays twice weighs half
+    low, high, side = below, whole, 0  # Illinois method: halve the value at an end that stays
     for _ in range(_TRIES):
         if -below <= max(allowed, _ENOUGH * whole):
             break

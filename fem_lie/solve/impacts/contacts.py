@@ -1,20 +1,21 @@
-"""Impacts and friction of bodies in joints, and of flexible ones: what comes after the smooth step.
+"""Impacts and friction of jointed and flexible bodies, applied after the smooth step.
 
-As :mod:`fem_lie.contact.impact.resolve`, but contacts see each other through joints and elements,
-so that there is one dense matrix for all of them. What differs:
+As :mod:`fem_lie.contact.impact.resolve`, but contacts are coupled by joints and elements, so that
+there is one dense matrix for all of them. The differences:
 
-- positions come first. Forces ``r`` of a step, with Coulomb's law for what slides *in the step*,
-  move the nodes by ``Z r``, ``Z = S⁻¹ B̄ᵀ`` with the kept factors of the iteration matrix, whose
-  border are the joints: what stiff elements do is in it, so that no single node is pushed. Scenes
-  without elements take ``S = m M``. Joints are closed by the same factors in the same iteration;
-- velocities follow ``v + γ/(βh) Z r`` as in the scheme where there are elements, and then get
-  impulses by mass and joints (:mod:`.impulses`), whose cones are for the sum of both. Errors of
-  order h² that index 3 leaves in rates of the constraints stay as they were;
-- accelerations and multipliers change by as much as those that satisfy the equations of motion
-  without contacts.
+- positions come first. Forces ``r`` of a step, with Coulomb's law for the sliding *in the step*,
+  move the nodes by ``Z r``, ``Z = S⁻¹ B̄ᵀ`` with the frozen factors of the iteration matrix, which
+  contains the constraint block: it includes the response of stiff elements, so that contacts do not
+  displace single nodes. Scenes without elements use ``S = m M``. Joints are closed by the same
+  factors in the same iteration;
+- velocities follow the scheme, ``v + γ/(βh) Z r``, if there are elements, and then change by
+  impulses with mass and joints (:mod:`.impulses`), whose cones are for the sum of both. Errors of
+  order h² that index 3 leaves in constraint rates are unchanged;
+- accelerations and multipliers change as much as those that satisfy the equations of motion without
+  contacts.
 
-Restitution is by Newton's law at the times of impacts, and less where a step would gain energy by
-it (:mod:`.bounds`); forces of closed contacts are along the mean of their rows at both ends.
+Restitution is by Newton's law at the times of impacts, and is reduced where a step would gain
+energy (:mod:`.bounds`); forces of closed contacts are along the mean of their rows at both ends.
 """
 
 from __future__ import annotations
@@ -45,31 +46,33 @@ from fem_lie.solve.impacts.step_end import Changed, ContactHistory, Factors, Las
 from fem_lie.system.equations import Equations, TimeState
 
 _NOTHING = Last.nothing()
-"""Of a step without contacts."""
+"""Record of a step without contacts."""
 
 _PASSES = 2
-"""Passes, in the second of which velocities after impacts are known."""
+"""Number of passes; in the second one velocities after impacts are known."""
 
 _FELT = 1e-2
-"""Velocity by restitution, over what a step changes without contacts, that is looked at."""
+"""Velocity by restitution, over the change of velocity without contacts, from which the energy is
+checked."""
 
 _GAIN = 1e-10
-"""Part of what contacts exchange that counts as no gain of energy."""
+"""Energy gain, over the energy exchanged by contacts, that counts as none."""
 
 _VIOLATED = 1e-8
-"""Violation of joints after contacts, over the length of the model or in rad, with which it has."""
+"""Joint violation after contacts, over the length of the model or in rad, above which the step
+fails."""
 
 
 class _Solved(NamedTuple):
-    """The end of a step with contacts.
+    """End of a step with contacts.
 
     Attributes:
-        chosen: Which take part.
+        chosen: Active contacts.
         H: Frames of all rows.
-        rows: Of the contacts there.
+        rows: Contact Jacobian there.
         v: Twists of the nodes, shape (n, 6).
-        impulses: Shape (k, 3).
-        gaps: Of all pairs, shape (m,).
+        impulses: Contact impulses, shape (k, 3).
+        gaps: Gaps of all pairs, shape (m,).
     """
 
     chosen: Chosen
@@ -84,15 +87,15 @@ class CoupledContacts(CoupledVelocities, Stateful):
     """All contacts by impacts of a run.
 
     Attributes:
-        statistics: What they did in the last step, see
+        statistics: Contact statistics of the last step, see
             :data:`~fem_lie.contact.impact.records.REPORT_SIZE`.
-        history: What they did in all steps of the run.
-        reactions: Impulses of the joints with those of contacts, over the step, shape (m,).
-        work: Of drives and prescribed motions by these impulses.
-        overlap: By which bodies still overlap at the end of the last step, beyond what counts as
-            closed; 0: they do not.
-        violation: Of joints at the end of the last step, over the length of the model or in rad,
-            if contacts have moved bodies.
+        history: Contact statistics of all steps of the run.
+        reactions: Joint impulses including those of contacts, over the step, shape (m,).
+        work: Work of drives and prescribed motions by these impulses.
+        overlap: Overlap of bodies at the end of the last step, beyond that of closed contacts; 0:
+            none.
+        violation: Joint violation at the end of the last step, over the length of the model or in
+            rad, if contacts have moved bodies.
     """
 
     STATE = attributes("near", "history")
@@ -100,35 +103,35 @@ class CoupledContacts(CoupledVelocities, Stateful):
     def __init__(
         self, contacts: Sequence[Contact], equations: Equations, rule: Rule, kept: Factors | None
     ) -> None:
-        """As the base class."""
+        """As in the base class."""
         super().__init__(contacts, equations, rule, kept)
         self.history, self._energy = ContactHistory(), equations.energy_balance()
         self._forget()
 
     def _forget(self) -> None:
-        """No contact has taken part."""
+        """Record that no contact is active."""
         self.statistics[:], self.reactions[:], self.work = 0.0, 0.0, 0.0
         self.overlap = self.violation = 0.0
         self._last = _NOTHING
 
     def begin(self, H: Array, v: Array, time: float) -> None:
-        """See the base class."""
+        """Begin a step from these frames and twists."""
         super().begin(H, v, time)
         self._forget()
 
     def abandon(self) -> None:
-        """Leave a step that is not accepted; its impulses are no start for another one."""
+        """Discard a step that is not accepted; its impulses are no initial guess."""
         self.near.work.impulses[:] = 0.0
 
-    # --- which contacts take part ---
+    # --- active contacts ---
 
     def _choose(self, smooth: Array, joined: Flags, part: float) -> Chosen:
-        """Those that overlap at the end, were closed and do not open, or have joined.
+        """Pairs that overlap at the end, that were closed and do not open, or that were added.
 
         Args:
             smooth: Gaps at the end without contacts, shape (m,).
-            joined: Which have joined, shape (m,).
-            part: Of the restitution.
+            joined: Pairs that were added, shape (m,).
+            part: Fraction of the restitution.
         """
         touch, before = self.near.touch, self._gaps(self._H0)
         closed = before <= touch.closed
@@ -155,10 +158,10 @@ class CoupledContacts(CoupledVelocities, Stateful):
         )
 
     def settle(self, step: StepEnd) -> Changed | None:
-        """What contacts make of the end of a step; ``None`` if there are none.
+        """End of a step changed by contacts; ``None`` if none is active.
 
         Args:
-            step: Its end, made without contacts.
+            step: End of the step without contacts.
         """
         time = step.time
         work = self.near.work
@@ -183,18 +186,19 @@ class CoupledContacts(CoupledVelocities, Stateful):
         return Changed(found.H, found.v, (old[0], new[0]), new[1] - old[1])
 
     def _solve_end(self, step: StepEnd, V: Array, smooth: Array, part: float) -> _Solved:
-        """The end of a step with a part of the restitution.
+        """End of the step with a fraction of the restitution.
 
         Args:
-            step: Its end without contacts.
+            step: End of the step without contacts.
             V: Twists of all rows there, shape (rows, 6).
             smooth: Gaps there, shape (m,).
-            part: Of the restitution.
+            part: Fraction of the restitution.
         """
         end, time = step.frames, step.time
         defect, joined = self._rates(end, V, time), np.zeros(len(smooth), dtype=np.bool_)
         self.statistics[SWEEPS] = 0.0
-        # those that overlap without taking part join; this ends, for there are so many pairs
+        # overlapping inactive pairs are added; this terminates, because the number of pairs is
+        # finite
         while True:
             chosen = self._choose(smooth, joined, part)
             moved, v, impulses = self._passes(chosen, end, V, defect, time)
@@ -209,7 +213,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
     def _without_gain(
         self, step: StepEnd, solve: Callable[[float], _Solved], whole: _Solved
     ) -> _Solved:
-        """The end with as much of the restitution as adds no energy."""
+        """End of the step with as much of the restitution as adds no energy."""
         none = self._still, np.zeros(self._m)
         before = TimeState(step.frames, step.twists, *none)
 
@@ -231,11 +235,9 @@ class CoupledContacts(CoupledVelocities, Stateful):
         )
         advice = "are bodies wedged? Try smaller steps, or Penalty"
         if not residual <= LARGEST:
-            return f"{many} did not settle (residual {residual:.0e}); {advice}"
+            return f"{many} did not converge (residual {residual:.0e}); {advice}"
         if self.overlap > 0.0:
-            return (
-                f"{many} still overlap by {self.overlap:.2g} after all of them took part; {advice}"
-            )
+            return f"{many} still overlap by {self.overlap:.2g} after all became active; {advice}"
         if not self.violation <= _VIOLATED:
             return (
                 f"{many} violate joints by {self.violation:.2g} of the length of the model, or "
@@ -244,7 +246,10 @@ class CoupledContacts(CoupledVelocities, Stateful):
         return ""
 
     def passed(self, frames: Array) -> str:
-        """Which bodies went through each other in the step that ends at ``frames``; empty: none."""
+        """Bodies that passed through each other in the step that ends at ``frames``.
+
+        Empty: none.
+        """
         if (found := self.near.passed(self._H0, frames)) is None:
             return ""
         pair, way = found
@@ -255,7 +260,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
     def _passes(
         self, chosen: Chosen, end: Array, V: Array, defect: Array, time: float
     ) -> tuple[Moved, Array, Array]:
-        """Places, twists of the nodes, and impulses of contacts at the end of a step."""
+        """Positions, twists of the nodes, and contact impulses at the end of a step."""
         h = self._h
         r = np.asarray(self.near.work.impulses[chosen.pairs] / h, dtype=np.float64)
         rows, normal, impulses = self._rows_of(end, chosen.pairs, chosen.axis), None, h * r
@@ -287,10 +292,10 @@ class CoupledContacts(CoupledVelocities, Stateful):
         self._last = Last(chosen.pairs, chosen.axis, at, impulses, slips, sticks)
 
     def record(self, H: Array, time: float) -> None:
-        """Keep for results what each contact did in the last step.
+        """Record the data of each contact in the last step for results.
 
         Args:
             H: Frames of all rows.
-            time: Its end.
+            time: Time at its end.
         """
         self.history.append(self._last.shown(self.near, H, time))

@@ -1,9 +1,10 @@
 """Delassus operator ``B M⁻¹ B̄ᵀ`` of contacts, with ``M⁻¹`` by the factors of a coupled matrix.
 
 Nodes that no element, joint or spring couples are in different islands of the matrix. A right-hand
-side of one island leaves the others alone, so that one solution serves a contact in each of them:
-as many solutions are made as one island has contacts. Free bodies are islands of one node each, and
-their part of the operator is the block-diagonal inverse of the mass matrix.
+side of one island does not affect the others, so that one solution serves one contact in each
+island: the number of solutions is the largest number of contacts of any island. Free bodies are
+islands of one node each, and their part of the operator is the block-diagonal inverse of the mass
+matrix.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from fem_lie.contact.impact.sweeps import Cones, begin, cones_of
 from fem_lie.linear.saddle_point import KKT
 
 _YIELD = 1e-10
-"""Velocity by a unit impulse that contacts yield, over their own: joints hold some of them."""
+"""Relative velocity per unit impulse below which joints fix a contact."""
 
 
 def islands_of(matrix: KKT, whole: bool) -> tuple[Indices, Indices]:
@@ -32,7 +33,7 @@ def islands_of(matrix: KKT, whole: bool) -> tuple[Indices, Indices]:
 
     Args:
         matrix: Iteration matrix of the nodes with the constraints.
-        whole: Whether all is one island: something couples nodes beside that matrix.
+        whole: Whether everything is one island, because nodes are coupled outside of that matrix.
     """
     n, border, pointers = len(matrix.held), matrix.incidences, matrix.indptr
     m = len(border.ptr) - 1
@@ -46,7 +47,7 @@ def islands_of(matrix: KKT, whole: bool) -> tuple[Indices, Indices]:
 
 
 class Delassus:
-    """Which solutions contacts need, and where these are looked at: constant in a step.
+    """Numbering of the solutions for contacts, constant in a step.
 
     Attributes:
         touched: Moving nodes of any contact, shape (t,).
@@ -56,9 +57,9 @@ class Delassus:
         """Number the solutions.
 
         Args:
-            rows: Of k contacts; their values are not looked at.
+            rows: Contact Jacobian of k contacts; only its structure is used.
             islands: See :func:`islands_of`.
-            free: Unknowns that are not held, shape (6 n,).
+            free: Unknowns that are not fixed, shape (6 n,).
         """
         self._free = free.reshape(-1, 6)
         label, self._labels = islands[0], islands
@@ -66,7 +67,7 @@ class Delassus:
         contacts = np.repeat(np.arange(k), np.diff(rows.first))
         self._moving = np.flatnonzero(rows.nodes[: len(contacts)] < n)
         contact, node = contacts[self._moving], rows.nodes[self._moving]
-        # of each island, a number for each of its contacts
+        # a number for each contact of an island
         groups, of = np.unique(label[node] * k + contact, return_inverse=True)
         island, who = groups // k, groups % k
         number = np.arange(len(groups)) - np.searchsorted(island, island)
@@ -75,7 +76,7 @@ class Delassus:
         last = max(int(each.max(initial=-1)) for each in islands) + 1
         self._contact_of = np.full((last, self._solutions), k)
         self._contact_of[island, number] = who
-        # an impulse is looked at where contacts are, of its own islands
+        # the response to an impulse is needed at the contacts of its own islands
         touched = np.unique(node)
         self.touched = touched[np.argsort(label[touched], kind="stable")]
         own = np.empty(n, dtype=np.int64)
@@ -94,10 +95,10 @@ class Delassus:
     def solve(
         self, forces: Array, H: Array, solve: Callable[[Array], tuple[Array, Array]]
     ) -> Responses:
-        """What unit impulses of all contacts do.
+        """Responses to unit impulses of all contacts.
 
         Args:
-            forces: Rows of ``B̄``, in the blocks of the rows it was made of, shape (b, 3, 6).
+            forces: Rows of ``B̄``, in the blocks of the contact Jacobian, shape (b, 3, 6).
             H: Frames in whose axes the unknowns of the nodes are.
             solve: ``M⁻¹`` with constraints, from forces (6 n, s) to unknowns and multipliers.
         """
@@ -112,7 +113,10 @@ class Delassus:
         return Responses(self, x, of_joints, BlockRows(ends, at, pushes))
 
     def problem(self, rows: Array, responses: Responses, friction: Array) -> Cones:
-        """Cones of the contacts with rows ``B``, shape (b, 3, 6); ``q`` and ``r`` are zero."""
+        """Cone problem of the contacts with Jacobian ``B``, shape (b, 3, 6).
+
+        ``q`` and ``r`` are zero.
+        """
         own = BlockRows(*self._rows, rows[self._moving])
         problem = cones_of(own, responses.pushes, len(self.touched))
         problem.friction[:] = friction
@@ -122,11 +126,11 @@ class Delassus:
         return problem
 
     def impulses_on_nodes(self, r: Array) -> Array:
-        """Impulses of contacts (k, 3) by the solutions that nodes take part in, (n, s, 3)."""
+        """Contact impulses (k, 3) by node and solution, (n, s, 3)."""
         return self._impulses(r, self._labels[0])
 
     def impulses_on_constraints(self, r: Array) -> Array:
-        """The same of constraints, (m, s, 3)."""
+        """Contact impulses (k, 3) by constraint and solution, (m, s, 3)."""
         return self._impulses(r, self._labels[1])
 
     def _impulses(self, r: Array, islands: Indices) -> Array:
@@ -135,22 +139,22 @@ class Delassus:
 
 
 class Responses:
-    """Unknowns and multipliers by unit impulses of contacts.
+    """Unknowns and multipliers due to unit impulses of contacts.
 
     Attributes:
-        pushes: Rows of ``M⁻¹ B̄ᵀ``, of nodes in the order of :attr:`Delassus.touched`.
+        pushes: Rows of ``M⁻¹ B̄ᵀ``, nodes in the order of :attr:`Delassus.touched`.
     """
 
     def __init__(
         self, of: Delassus, unknowns: Array, multipliers: Array, pushes: BlockRows
     ) -> None:
-        """Keep them; see :meth:`Delassus.solve`."""
+        """Store the responses; see :meth:`Delassus.solve`."""
         self._of, self._unknowns, self._multipliers, self.pushes = of, unknowns, multipliers, pushes
 
     def moved(self, r: Array) -> Array:
-        """Unknowns by impulses (k, 3), shape (6 n,)."""
+        """Unknowns due to impulses (k, 3), shape (6 n,)."""
         return np.einsum("nask,nsk->na", self._unknowns, self._of.impulses_on_nodes(r)).ravel()
 
     def reactions(self, r: Array) -> Array:
-        """Multipliers by impulses (k, 3), shape (m,)."""
+        """Multipliers due to impulses (k, 3), shape (m,)."""
         return np.einsum("msk,msk->m", self._multipliers, self._of.impulses_on_constraints(r))

@@ -21,25 +21,26 @@ from fem_lie.solve.impacts.step_end import Factors, Rule
 from fem_lie.system.equations import Equations
 
 TOLERANCE, _ROUGH = 1e-9, 1e-6
-"""Residual of the cones, and that with which positions begin."""
+"""Residual of the cones, and the one for the first iterations of positions."""
 
 _EXACT, _ITERATIONS, _REEVALUATED = 1e-14, 30, 2
-"""Part of the model's length by which places still change at the end; iterations at most, and in
-how many of the first ones rows of forces are taken anew."""
+"""Change of positions over the length of the model at convergence; largest number of iterations;
+and number of the first iterations in which force rows are re-evaluated."""
 
 _WITH_FRICTION = 6
-"""Iterations of many contacts with friction, which is then held: cones of so many end with 1e-6."""
+"""Number of iterations with friction if there are many contacts, whose friction is then frozen:
+cones of this size converge to 1e-6 only."""
 
 _SMALL = 1e-12
-"""Part of the model's length below which places are known to round-off alone."""
+"""Positions over the length of the model below which only round-off is known."""
 
 
 class Aims(NamedTuple):
-    """Where contacts are to be at the end.
+    """Targets of contacts at the end.
 
     Attributes:
-        gaps: Least ones, shape (k,).
-        slides: How far they slide after they meet if nothing rubs, shape (k, 2).
+        gaps: Least gaps, shape (k,).
+        slides: Sliding distance after the impact without friction, shape (k, 2).
     """
 
     gaps: Array
@@ -47,18 +48,18 @@ class Aims(NamedTuple):
 
 
 class Moved(NamedTuple):
-    """Where contacts move the end of a step.
+    """End of a step moved by contacts.
 
     Attributes:
         H: Frames of all rows.
-        d: By which increments, in the nodes' axes, shape (6 n,).
-        r: Forces of contacts, shape (k, 3).
-        rows: There.
-        forces: Blocks of the rows of forces, shape (b, 3, 6).
-        carried: By joints, forces of them, shape (m,).
-        slips: How far contacts slide, shape (k, 2).
-        sweeps: Over all cones.
-        residual: What is left of these.
+        d: Increments, in the nodes' axes, shape (6 n,).
+        r: Contact forces, shape (k, 3).
+        rows: Contact Jacobian there.
+        forces: Blocks of the force rows, shape (b, 3, 6).
+        carried: Constraint forces of joints, shape (m,).
+        slips: Sliding distances, shape (k, 2).
+        sweeps: Number of sweeps over all cones.
+        residual: Remaining residual of the cones.
     """
 
     H: Array
@@ -76,12 +77,12 @@ class CoupledPositions(CoupledBodies):
     """Bodies whose contacts move the end of a step."""
 
     def begin(self, H: Array, v: Array, time: float) -> None:
-        """Remember where a step begins.
+        """Store the start of a step.
 
         Args:
             H: Frames of all rows.
             v: Twists of the moving nodes, shape (n, 6).
-            time: Of the start.
+            time: Time at the start.
         """
         self._H0, self._V0 = H.copy(), self._all_rows(v, time)
         speeds = np.linalg.norm(self._V0.reshape(-1, 2, 3), axis=2)
@@ -89,19 +90,19 @@ class CoupledPositions(CoupledBodies):
         self.near.update(H, far)
 
     def _slips(self, chosen: Chosen, H: Array, B: BlockRows, glide: Array) -> Array:
-        """How far contacts slide in the step, of those that meet after it, shape (k, 2)."""
+        """Sliding distances in the step of contacts that close in it, shape (k, 2)."""
         total = np.empty((len(chosen.pairs), 3))
         slides((chosen.before, B), (self._H0, H), total)
         return np.where(chosen.closed[:, np.newaxis], total[:, 1:], glide)
 
     def part(self, chosen: Chosen, end: Array, aims: Aims, r: Array) -> Moved:
-        """Part what overlaps, and hold what sticks.
+        """Separate overlapping pairs, and fix sticking ones.
 
         Args:
-            chosen: Contacts that take part.
+            chosen: Active contacts.
             end: Frames of all rows without contacts.
-            aims: Of the contacts.
-            r: Forces that may be near, shape (k, 3).
+            aims: Targets of the contacts.
+            r: Initial guess of forces, shape (k, 3).
         """
         if self._kept is None:
             self._impulses.go_to(end)
@@ -115,7 +116,7 @@ class CoupledPositions(CoupledBodies):
         held: Array = np.zeros((k, 3))
         friction, many, left = chosen.friction, k > MOST_NEWTON, 0.0
         for iteration in range(_ITERATIONS):
-            if many and iteration == _WITH_FRICTION:  # gaps need more than cones end with
+            if many and iteration == _WITH_FRICTION:  # gaps need more than cones reach
                 held, r, friction = r * (0.0, 1.0, 1.0), r * (1.0, 0.0, 0.0), np.zeros(k)
                 last = r.copy()
             B = self._rows_of(H, chosen.pairs, chosen.axis)
@@ -151,39 +152,42 @@ class CoupledPositions(CoupledBodies):
         return Moved(H, d, r, rows, forces, carried, slips, sweeps, left)
 
     def _size(self, d: Array) -> float:
-        """Of an increment: the largest of any place, with turns by the model's length."""
+        """Norm of an increment.
+
+        Largest displacement of any point, with rotations times the model's length.
+        """
         parts = np.abs(d.reshape(-1, 6))
         return max(float(parts[:, :3].max()), self._length * float(parts[:, 3:].max()))
 
     def _ends(self, iteration: int, change: float, before: float) -> bool:
-        """Whether places change no more, or by round-off that does not get less."""
+        """Whether positions no longer change, or only by round-off that does not decrease."""
         exact = _EXACT * self._length
         turns = iteration > 5 and change > 0.5 * before and change < 1e3 * exact
         return change <= exact or turns
 
 
 _TINY = 1e-6
-"""Part of speeds below which they are known to round-off alone."""
+"""Speeds below this fraction of the largest are round-off."""
 
 
 class CoupledVelocities(CoupledPositions):
     """Bodies whose contacts change velocities at the end of a step.
 
     Attributes:
-        statistics: What contacts did in the last step, see :mod:`fem_lie.contact.impact.records`.
-        reactions: Impulses of the joints with those of contacts, over the step, shape (m,).
-        work: Of drives and prescribed motions by these impulses.
-        exchanged: What contacts took and gave at most in the last step.
+        statistics: Contact statistics of the last step, see :mod:`fem_lie.contact.impact.records`.
+        reactions: Joint impulses including those of contacts, over the step, shape (m,).
+        work: Work of drives and prescribed motions by these impulses.
+        exchanged: Largest energy exchanged by contacts in the last step.
     """
 
     def __init__(
         self, contacts: Sequence[Contact], equations: Equations, rule: Rule, kept: Factors | None
     ) -> None:
-        """As the base class."""
+        """As in the base class."""
         super().__init__(contacts, equations, rule, kept)
         self.statistics, self.reactions = np.zeros(SIZE), np.zeros(self._m)
         self.work = self.exchanged = 0.0
-        # normal velocities that restitution gives, and by how much they change without contacts
+        # normal velocities by restitution, and their changes without contacts
         self._law: tuple[Array, Array] = np.zeros(0), np.zeros(0)
 
     def _throw(
@@ -196,7 +200,7 @@ class CoupledVelocities(CoupledPositions):
         impulses: Array,
         time: float,
     ) -> tuple[Array, Array]:
-        """Twists of the nodes at the end, and impulses of contacts (k, 3)."""
+        """Twists of the nodes at the end, and contact impulses (k, 3)."""
         B, H, k = moved.rows, moved.H, len(chosen.pairs)
         kinds, zero = self._kinds, np.zeros(6 * self._n)
         before, rate = np.empty_like(self._still), np.empty_like(self._still)
@@ -246,7 +250,7 @@ class CoupledVelocities(CoupledPositions):
         self.reactions += first + responses.reactions(change)
         self.work -= float(self.reactions @ self._driven(time))
         mean = 0.5 * (without + self._rates_of(B, H, self._all_rows(end_twist, time)))
-        # of what was closed by how far it slid, for that is nothing of what sticks
+        # closed contacts by their sliding distance, which is zero for sticking ones
         slid = np.where(chosen.closed[:, np.newaxis], moved.slips / self._h, mean[:, 1:])
         self.statistics[FRICTION] = float((slid * P[:, 1:]).sum())
         return end_twist, P.copy()

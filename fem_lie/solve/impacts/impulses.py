@@ -1,23 +1,22 @@
-"""Impulses by the bordered mass matrix, and velocities projected onto the constraints.
+"""Impulses with the saddle-point mass matrix, and projection of velocities onto constraints.
 
-Some directions have no inertia: the drilling rotation of a shell of six parameters, the rotation of
-a node whose section has no rotary inertia. An impulse there is balanced by nothing but elastic
-forces, within the step: the mass matrix is singular, and velocities would be round-off over zero.
-These directions take ``h² K/4`` of the step, as accelerations at the start do
+Some directions have no inertia: the drilling rotation of a shell with six parameters, the rotation
+of a node whose section has no rotary inertia. Only elastic forces within the step balance an
+impulse there: the mass matrix is singular, and velocities would be round-off over zero. In these
+directions ``h² K/4`` of the step is added, as for accelerations at the start
 (:func:`~fem_lie.solve.motion.consistent.accelerations`).
 
-Velocities that satisfy the constraints, too: stabilised index 2.
-
-Index 3 keeps the constraints of positions; the velocities of the scheme satisfy ``B v = Φ_t`` to
-second order only. Gear, Gupta & Leimkuhler add both, with one more multiplier that moves the
-positions (C. Lunk & B. Simeon, Z. angew. Math. Mech. 86 (2006) 772, for generalised-α). Here that
-multiplier moves the velocities at the end of each step, the nearest that satisfy them in the norm
-of the iteration matrix ``S``::
+Stabilised index 2: velocities that satisfy the constraints, too. With index 3 the velocities of the
+scheme satisfy ``B v = Φ_t`` to second order only. Gear, Gupta & Leimkuhler impose both, with one
+more multiplier that moves the positions (C. Lunk & B. Simeon, Z. angew. Math. Mech. 86 (2006) 772,
+for generalised-α). Here that multiplier changes the velocities at the end of each step to the
+nearest ones that satisfy them, in the norm of the iteration matrix ``S``::
 
     S δv + Bᵀ μ = 0,    B (v + δv) = Φ_t
 
-so that momenta stay (``S`` is mass on rigid motions, and ``Bᵀμ`` is an internal impulse) and stiff
-vibrations are not stirred. It is one solution more per step with the kept factorisation, or two.
+so that momenta are conserved (``S`` is mass on rigid motions, and ``Bᵀμ`` is an internal impulse)
+and stiff vibrations are not excited. It costs one or two more solutions per step with the frozen
+factors.
 """
 
 from __future__ import annotations
@@ -36,24 +35,24 @@ from fem_lie.solve.impacts.step_end import StepEnd
 from fem_lie.system.equations import Equations, Plan, TimeState
 
 _TINY = 1e-6
-"""Part of a step within which stiffness does nothing."""
+"""Fraction of a step within which stiffness has no effect."""
 
 _MASSLESS = 1e-10
-"""Part of a node's largest moment of inertia that counts as none."""
+"""Moments of inertia below this fraction of the largest one of a node are zero."""
 
 _SOFTNESS, _REFINED = 1e-9, 2
-"""What joints yield, of what they do alone, for some follow from others; and times that solutions
-are refined, after which nothing is left of that."""
+"""Relative compliance of joints, some of which may be redundant; and number of refinements of
+solutions, which remove its effect."""
 
 _DENSE = 150
-"""Unknowns up to which a dense matrix is factorised sooner."""
+"""Number of unknowns up to which a dense factorisation is faster."""
 
 
 def massless(inertia: Inertia, held: Flags) -> sp.csr_matrix:
     """Projector on the free directions in which nodes have no inertia, shape (6 n, 6 n).
 
     Args:
-        inertia: Of the nodes.
+        inertia: Inertia of the nodes.
         held: Which of their unknowns are zero, shape (n, 6).
     """
     free = (~held).astype(np.float64)
@@ -63,7 +62,7 @@ def massless(inertia: Inertia, held: Flags) -> sp.csr_matrix:
     E = blocks[:, 1:, 1:]
     trace = np.trace(E, axis1=1, axis2=2)[:, np.newaxis, np.newaxis] * np.eye(3)
     turns = free[:, 3:, np.newaxis] * free[:, np.newaxis, 3:]
-    # a rotation that is held shall not look like one without inertia
+    # a fixed rotation must not count as one without inertia
     moments, axes = np.linalg.eigh(turns * (trace - E) + (1.0 - turns) * trace)
     light = moments <= _MASSLESS * moments[:, 2:]
     N = np.zeros((len(held), 6, 6))
@@ -75,18 +74,18 @@ def massless(inertia: Inertia, held: Flags) -> sp.csr_matrix:
 
 
 class Impulses:
-    """Solutions of ``M x + Jᵀ λ = f, J x = g``, with a mass matrix that stays what it was.
+    """Solutions of ``M x + Jᵀ λ = f, J x = g``, with a constant mass matrix.
 
     Attributes:
-        mass: The matrix ``M``; in directions without inertia ``h² K/4``, shape (6 n, 6 n).
+        mass: The matrix ``M``; ``h² K/4`` in directions without inertia, shape (6 n, 6 n).
     """
 
     def __init__(self, equations: Equations, step: float) -> None:
         """Assemble the mass matrix.
 
         Args:
-            equations: Of the scene; their matrix is overwritten.
-            step: Size of the steps.
+            equations: Equations of the scene; their matrix is overwritten.
+            step: Step size.
         """
         unknowns = equations.unknowns
         self._equations, self._n, self._m = equations, 6 * unknowns.moving, unknowns.m
@@ -98,7 +97,7 @@ class Impulses:
         self.resize(step)
 
     def resize(self, step: float) -> None:
-        """Let impulses be those of steps of another size."""
+        """Change the step size."""
         mass = self._inertia
         if self._elastic is not None:
             mass = mass + (step / self._first) ** 2 * self._elastic
@@ -107,7 +106,7 @@ class Impulses:
         self._free = splu(self.mass) if self._m == 0 else None
 
     def go_to(self, H: Array) -> None:
-        """Factorise with the joints as they are at frames ``H``."""
+        """Factorise with the constraint Jacobian at frames ``H``."""
         if self._free is not None:
             return
         J = self._equations.constraints(H).jacobian
@@ -132,7 +131,7 @@ class Impulses:
 
         Args:
             f: Impulses on the nodes, shape (6 n,) or (6 n, k).
-            g: Rates of the constraints, shape (m,) or (m, k); default: none.
+            g: Constraint rates, shape (m,) or (m, k); default: zero.
         """
         if self._free is not None:
             return np.asarray(self._free.solve(f)), np.zeros((0, *f.shape[1:]))
@@ -156,7 +155,7 @@ def _at_rest(equations: Equations, step: float) -> sp.csr_matrix:
 
 
 _ITERATIONS = 20
-_CONTRACTION = 1e-12  # of the violation, or what the round-off of velocities leaves
+_CONTRACTION = 1e-12  # of the violation, or the round-off of velocities
 
 
 def project(
@@ -167,16 +166,16 @@ def project(
     step: float,
     subtract: Callable[[Array], object],
 ) -> None:
-    """Change the velocities at the end of a step.
+    """Project the velocities at the end of a step onto the constraints.
 
     Args:
-        equations: Of the scene, at the time of the end of the step.
-        solver: With the kept factorisation.
-        end: Of the converged step; its twists are changed.
-        scale: Of the constraints in the matrix, shape (m,).
-        step: Over which drives and prescribed motions are differentiated.
-        subtract: Subtracts a change in the nodes' axes, shape (6 n + m,), from the twists, and from
-            all else that the scheme has of velocities.
+        equations: Equations of the scene, at the time of the end of the step.
+        solver: Solver with the frozen factors.
+        end: End of the converged step; its twists are changed.
+        scale: Scale of the constraints in the matrix, shape (m,).
+        step: Step of difference quotients of drives and prescribed motions.
+        subtract: Subtracts a change in the nodes' axes, shape (6 n + m,), from the twists and from
+            all other velocities of the scheme.
     """
     n, velocities = equations.unknowns.moving, np.zeros((len(end.frames), 6))
     drive: Array = np.zeros(1)
@@ -192,7 +191,7 @@ def project(
         first = constraints.rates(velocities)[0] - drive
         violation = float(np.abs(first).max(initial=0.0))
         speed = float(np.abs(velocities).max(initial=0.0))
-        # it falls by the turn since the matrix was made each time, until round-off
+        # it decreases by the rotation since the factorisation each time, down to round-off
         if violation <= _CONTRACTION * max(speed, 1e-300) or violation > 0.9 * largest:
             return
         largest = violation

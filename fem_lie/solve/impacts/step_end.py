@@ -1,7 +1,7 @@
-"""What impacts need of a scheme, which scenes cannot have them, and what they did in a run.
+"""Interface between schemes and impacts, scenes that cannot have them, and their history in a run.
 
-Nothing here knows a scheme. An implicit scheme gives the factors of its iteration matrix, how
-velocities and accelerations follow the increment of a step, and the end of each step it has made.
+An implicit scheme provides the factors of its iteration matrix, the relation of velocities and
+accelerations to the increment of a step, and the end of each step.
 """
 
 from __future__ import annotations
@@ -43,10 +43,10 @@ class Factors(NamedTuple):
     """Factors of an iteration matrix ``S = ∂(residual)/∂d`` with constraints.
 
     Attributes:
-        solve: Solves with ``right_hand_side`` and leaves ``solution``.
+        solve: Solves for ``right_hand_side`` and writes ``solution``.
         right_hand_side: Shape (6 n + m,).
-        solution: Likewise.
-        scale: Of the constraints in the matrix, shape (m,).
+        solution: Shape (6 n + m,).
+        scale: Scale of the constraints in the matrix, shape (m,).
     """
 
     solve: Callable[[], None]
@@ -56,10 +56,10 @@ class Factors(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """How the end of a step follows its increment ``d``.
+    """Relation of the end of a step to its increment ``d``.
 
     Attributes:
-        h: Size of the step, s.
+        h: Step size, s.
         mass: ∂v̇/∂d, 1/s².
         damping: ∂v/∂d, 1/s.
     """
@@ -73,9 +73,9 @@ class StepEnd(NamedTuple):
     """State at the end of a step.
 
     Attributes:
-        frames: Of all rows, shape (rows, 4, 3).
-        twists: Of the moving nodes in their axes, shape (n, 6).
-        time: s.
+        frames: Frames of all rows, shape (rows, 4, 3).
+        twists: Twists of the moving nodes in their axes, shape (n, 6).
+        time: Time, s.
     """
 
     frames: Array
@@ -84,14 +84,14 @@ class StepEnd(NamedTuple):
 
 
 class Changed(NamedTuple):
-    """What impulses make of the end of a step.
+    """End of a step changed by impulses.
 
     Attributes:
-        frames: Of all rows, shape (rows, 4, 3).
-        twists: Of the moving nodes in their axes, shape (n, 6).
-        rates: Rates of the twists by the equations of motion without impulses, at the end that was
-            given and at the changed one, each of shape (n, 6).
-        multipliers: By how much those of the constraints change with these, shape (m,).
+        frames: Frames of all rows, shape (rows, 4, 3).
+        twists: Twists of the moving nodes in their axes, shape (n, 6).
+        rates: Rates of the twists by the equations of motion without impulses, at the given end and
+            at the changed one, each of shape (n, 6).
+        multipliers: Changes of the constraint multipliers with these, shape (m,).
     """
 
     frames: Array
@@ -101,53 +101,55 @@ class Changed(NamedTuple):
 
 
 def refuse_impacts(equations: Equations) -> None:
-    """Refuse what contacts by impacts cannot be with.
+    """Raise an error for scenes that do not support contacts by impacts.
 
     Raises:
-        ValueError: Nodes are no frames, or held along fixed axes, or constraints are of velocities.
+        ValueError: Nodes are not frames, are supported along fixed axes, or there are velocity
+            constraints.
     """
     unknowns = equations.unknowns
     wanted = "Impact is for rigid bodies, beams and shells whose nodes are frames"
     if (unknowns.kinds >= POSITION_GRADIENT).any():
         raise ValueError(
-            f"{wanted}, not for cables, nets, solids, thin shells and bodies in few shapes; give "
+            f"{wanted}, not for cables, nets, solids, thin shells and reduced-order bodies; give "
             "Penalty"
         )
     if equations.supports:
-        raise ValueError(f"{wanted} and are not held along fixed axes (Shell.guide); give Penalty")
+        raise ValueError(f"{wanted} without supports along fixed axes (Shell.guide); give Penalty")
     if unknowns.of_velocities:
         raise ValueError(f"{wanted}, without joints that roll; give Penalty")
 
 
 _LARGEST = CONTACTS, RESIDUAL, PENETRATION
-"""Columns that are of the worst of all sub-steps of a step; all others are sums."""
+"""Columns with the worst value of all sub-steps of a step; all others are sums."""
 
 
 class ContactHistory(Stateful):
-    """What contacts did in all steps of a run.
+    """Contact statistics of all steps of a run.
 
     Attributes:
-        steps: Of each step, see :data:`~fem_lie.contact.impact.records.REPORT_SIZE`, shape (S, 13).
+        steps: Statistics of each step, see :data:`~fem_lie.contact.impact.records.REPORT_SIZE`,
+            shape (S, 13).
         each: See :class:`~fem_lie.results.record.ContactSteps`, shape (k, 15).
     """
 
     STATE = attributes("steps", "each")
 
     def __init__(self) -> None:
-        """Of a run without steps."""
+        """Start without steps."""
         self.begin(0)
 
     def begin(self, steps: int) -> None:
-        """Have memory for so many steps."""
+        """Allocate the arrays for ``steps`` steps."""
         self.steps: Array = np.zeros((steps, REPORT_SIZE))
         self.each: Array = np.zeros((0, WIDTH + 2))
 
     def begin_step(self, step: int) -> None:
-        """Nothing has happened yet in the step of this number, the first of which is 1."""
+        """Reset the statistics of the step with this number, counted from 1."""
         self.steps[step - 1] = 0.0
 
     def add(self, first: int, reported: Array) -> None:
-        """Add what contacts did in steps or sub-steps.
+        """Add the statistics of steps or sub-steps.
 
         Args:
             first: Number of the first step.
@@ -160,14 +162,14 @@ class ContactHistory(Stateful):
             rows[:, k] = column
 
     def append(self, rows: Array) -> None:
-        """Keep rows of single contacts, shape (·, 15)."""
+        """Append rows of single contacts, shape (·, 15)."""
         self.each = np.concatenate([self.each, rows])
 
     def result(self, h: float) -> ContactSteps:
-        """What results have of it.
+        """The statistics as part of results.
 
         Args:
-            h: Size of the steps.
+            h: Step size.
         """
         steps = self.steps
         return ContactSteps(
@@ -183,15 +185,15 @@ class ContactHistory(Stateful):
 
 
 class Last(NamedTuple):
-    """What contacts did in the last step.
+    """Active contacts of the last step.
 
     Attributes:
-        pairs: Which took part, shape (k,).
-        axis: By which tangents were chosen.
-        gaps: At the end.
-        impulses: Along the normal and tangents, shape (k, 3).
-        speeds: Along tangents at the end, shape (k, 2).
-        sticks: Whether that is none.
+        pairs: Indices of the pairs, shape (k,).
+        axis: Axes that define the tangents.
+        gaps: Gaps at the end.
+        impulses: Impulses along the normal and tangents, shape (k, 3).
+        speeds: Velocities along tangents at the end, shape (k, 2).
+        sticks: Whether they are zero.
     """
 
     pairs: Indices
@@ -203,18 +205,18 @@ class Last(NamedTuple):
 
     @classmethod
     def nothing(cls) -> Last:
-        """No contact took part."""
+        """No active contacts."""
         none = np.zeros(0, dtype=np.int64)
         rows = np.zeros((0, 3)), np.zeros((0, 2))
         return cls(none, none, np.zeros(0), *rows, np.zeros(0, dtype=np.bool_))
 
     def shown(self, near: Touching, H: Array, time: float) -> Array:
-        """What results have of them, as :meth:`.Touching.named`.
+        """Contact data for results, as :meth:`.Touching.named`.
 
         Args:
-            near: Of the run.
+            near: Contact pairs of the run.
             H: Frames of all rows.
-            time: End of the step.
+            time: Time at the end of the step.
         """
         pairs, axis, gaps, impulses, speeds, sticks = self
         at = np.empty((len(pairs), 4, 3))

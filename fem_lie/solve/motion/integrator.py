@@ -77,8 +77,8 @@ class Integrator(ABC):
         Raises:
             ValueError: Invalid options or scene, before anything is computed.
             ConvergenceError: A step failed; its ``result`` holds the states computed so far.
-                OSError: Results cannot be written, for example to a full disk; the message names
-                    the file and the time that was reached. Results written before can be read.
+            OSError: Results cannot be written, for example to a full disk; the message names the
+                file and the time that was reached. Results written before can be read.
         """
         require_scene(scene)
         positive(duration, "duration")

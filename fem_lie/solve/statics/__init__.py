@@ -1,1 +1,1 @@
-"""Equilibrium: load steps, paths along loads, steady rotation."""
+"""Static equilibrium: load steps, load paths, steady rotation."""

@@ -1,21 +1,21 @@
 """Load-capped arc length: load control where a structure is stiff, arc length where it is soft.
 
-Unknown are the increment of a step and the load factor λ; a step ends on the wanted load, or at a
-distance Δs from its beginning, whichever comes first::
+The unknowns are the increment of a step and the load factor λ; a step ends on the requested load,
+or at a distance Δs from its start, whichever comes first::
 
     min(λ_cap − λ, Δs − |Δu|) = 0            |Δu| = rms of the nodal translations of the step
 
-Elastic statics does not need equilibrium between the wanted loads: those states are left when the
-increments are small against the step, and only the wanted ones are polished. With the stress
-carried as an iterate that takes a dozen linear solutions for shells that bend through half their
-radius.
+Elastic statics does not need exact equilibrium between the requested loads: intermediate steps end
+when the increments are small against the step, and only the requested states are polished. With
+linearised stress updates this takes a dozen linear solutions for shells that bend through half
+their radius.
 
-The elimination of λ is that of Riks (Int. J. Solids Struct. 15 (1979) 529), with the constraint
-linearised at each iterate.
+λ is eliminated as by Riks (Int. J. Solids Struct. 15 (1979) 529), with the constraint linearised at
+each iterate.
 
-Which way is forward is told by the twists of the last step, in the nodes' own axes: the end of a
-beam that is rolled up goes round in circles, and its displacements of two steps may have any angle,
-while its twist stays what it is. A path that goes down along states it has passed is given up.
+The forward direction is determined by the twists of the last step, in the nodes' own axes: the end
+of a beam that is rolled up moves in circles, and its displacements in two steps may have any angle,
+while its twist is constant. A path that goes down along earlier states is abandoned.
 """
 
 from __future__ import annotations
@@ -37,30 +37,30 @@ from fem_lie.solve.iteration import Iterated, iterate
 from fem_lie.solve.progress_bars import load_bar
 from fem_lie.solve.refactorisation import Refactorisation
 
-_AGAINST = 0.9  # cosine between the twists of a step and one backwards
+_AGAINST = 0.9  # cosine between the twists of a step and of a reversed one
 
-_KNOWN = 3  # steps in a row along known states
+_KNOWN = 3  # successive steps along known states
 
-_NEAR = 0.05  # of the distance from where the path turned
+_NEAR = 0.05  # over the distance from the turning point of the path
 
 
 class Passed:
-    """States that a path has passed, and whether it comes along them once more.
+    """Earlier states of a path, and whether it passes them again.
 
-    Beyond a limit point a path goes down, too, and where it snaps back most nodes go back; but it
-    parts from the way up. A step runs back if its end lies on the chord of a step that was made
-    upwards at this load factor, seen from where the path turned, and its twists are against those
-    of that step.
+    Beyond a limit point a path goes down, too, and where it snaps back most nodes move back; but it
+    departs from the way up. A step runs back if its end lies on the chord of an earlier upward step
+    at this load factor, relative to the turning point of the path, and its twists are opposite to
+    those of that step.
     """
 
     def __init__(self, places: Array) -> None:
-        """Begin with positions (n, 3) at load factor 0."""
+        """Start with positions (n, 3) at load factor 0."""
         self._factors, self._places = [0.0], [places]
         self._twists: list[Array] = []
         self._count = 0
 
     def again(self, factor: float, places: Array, twist: Array) -> bool:
-        """Keep the end of a step; whether it and the one before ran back."""
+        """Add the end of a step; return whether it and the previous one ran back."""
         factors = np.array(self._factors)
         back = factor < factors[-1] and self._against(factor, places, twist, factors)
         self._count = self._count + 1 if back else 0
@@ -70,7 +70,7 @@ class Passed:
         return self._count >= _KNOWN
 
     def _against(self, factor: float, places: Array, twist: Array, factors: Array) -> bool:
-        """Whether a step to here goes against one that was made upwards."""
+        """Whether a step to this state is opposite to an earlier upward one."""
         near = _NEAR * rms(places - self._places[int(factors.argmax())])
         upwards = (factors[:-1] <= factor) & (factor < factors[1:])
         for k in np.flatnonzero(upwards):
@@ -83,48 +83,48 @@ class Passed:
 
 
 def cosine(a: Array, b: Array) -> float:
-    """Of the angle between two vectors of any shape."""
+    """Cosine of the angle between two arrays of any shape."""
     return float(np.sum(a * b) / sqrt(float(np.sum(a * a)) * float(np.sum(b * b))))
 
 
 def rms(u: Array) -> float:
-    """Root of the mean square of vectors, shape (n, 3)."""
+    """Root mean square of vectors, shape (n, 3)."""
     return float(np.sqrt(np.sum(u * u) / len(u)))
 
 
-_SHOWN = 1e-2  # translations over rotations × diameter that show how far rotations are
-_ON_THE_SPOT = 1e-9  # translations over rotations × diameter: less are round-off
-_FARTHEST = 4  # lengths of the step: an iteration that goes farther is lost
-_AHEAD = 0.4  # cosine between the twists of two steps: never less
+_SHOWN = 1e-2  # translations over rotations × diameter from which on they measure rotations
+_ON_THE_SPOT = 1e-9  # translations over rotations × diameter: less is round-off
+_FARTHEST = 4  # lengths of the step: an iteration that goes farther has diverged
+_AHEAD = 0.4  # least cosine between the twists of two steps
 
 
 class Equilibrium(Protocol):
-    """What a structure offers for the search of its equilibrium; vectors hold its free unknowns.
+    """Structure whose equilibrium is computed; vectors contain its free unknowns.
 
     Attributes:
-        diameter: Diagonal of the box around the unloaded structure.
+        diameter: Diagonal of the bounding box of the unloaded structure.
     """
 
     diameter: float
 
     def forces(self) -> tuple[Array, Array]:
-        """Internal forces, and external ones at λ = 1, in the present state."""
+        """Internal forces, and external ones at λ = 1, in the current state."""
         ...
 
     def factorise(self, factor: float) -> None:
-        """Make the tangent at load factor ``factor``, with the carried stress, ready to solve."""
+        """Assemble and factorise the tangent stiffness at a load factor, with updated stress."""
         ...
 
     def solve(self, b: Array) -> Array:
-        """Solve with the last tangent."""
+        """Solve with the last tangent stiffness."""
         ...
 
     def negative_pivots(self) -> int:
-        """Negative eigenvalues of the last tangent on what constraints leave free."""
+        """Negative eigenvalues of the last tangent stiffness, restricted to the constraints."""
         ...
 
     def move(self, dx: Array) -> None:
-        """Carry the stress on by ``dx``, then the state."""
+        """Update the stress linearly by ``dx``, then the state."""
         ...
 
     def positions(self) -> Array:
@@ -132,15 +132,15 @@ class Equilibrium(Protocol):
         ...
 
     def translations(self, dx: Array) -> Array:
-        """Velocities of the nodes that ``dx`` means, shape (n, 3), components in space."""
+        """Displacements of the nodes due to ``dx``, shape (n, 3), global components."""
         ...
 
     def twists(self, dx: Array) -> Array:
-        """Twists of the nodes that ``dx`` means, (n, 6), in their own axes, turns × diameter."""
+        """Twists of the nodes due to ``dx``, (n, 6), in their own axes, rotations × diameter."""
         ...
 
     def check_rotations(self, factor: float) -> None:
-        """Refuse the present state if it is none of the structure.
+        """Raise an error if the current state is not valid.
 
         Raises:
             FoldedElementError: An element rotates too far.
@@ -149,33 +149,33 @@ class Equilibrium(Protocol):
         ...
 
     def check_passage(self, before: Any) -> None:
-        """Raise ``PassedThroughError`` if surfaces went through each other since a copied state."""
+        """Raise ``PassedThroughError`` if surfaces passed through each other since a state."""
         ...
 
     def rotation_hint(self) -> str:
-        """What to say of the present state, if that may be why it does not go on."""
+        """Hint on rotations in the current state that may prevent convergence."""
         ...
 
     def state(self) -> Any:
-        """A copy of the present state."""
+        """A copy of the current state."""
         ...
 
     def restore(self, state: Any) -> None:
-        """Return to a copied state."""
+        """Restore a copied state."""
         ...
 
 
 @dataclass
 class Path:
-    """What was done.
+    """Record of the accepted steps.
 
     Attributes:
         factors: Load factor of each accepted step.
-        states: State at each wanted load.
-        negative: Negative eigenvalues of the tangent there.
+        states: State at each requested load.
+        negative: Number of negative eigenvalues of the tangent stiffness there.
         iterations: Linear solutions of each accepted step.
-        failed_iterations: Those of steps that were given up.
-        failed_steps: Their number.
+        failed_iterations: Linear solutions of failed steps.
+        failed_steps: Number of failed steps.
     """
 
     factors: list[float] = field(default_factory=list)
@@ -187,7 +187,7 @@ class Path:
 
     @property
     def total_iterations(self) -> int:
-        """Linear solutions in all."""
+        """Number of all linear solutions."""
         return sum(self.iterations) + self.failed_iterations
 
 
@@ -197,12 +197,12 @@ class ArcLength:
 
     Attributes:
         first_step: Length of the first step, rms translation over the model's diameter.
-        tolerance: At a wanted load, largest residual over the largest load, or increment over the
-            length of the step, whichever is reached first.
-        loose: Increment over the length of the step, at which steps between are left.
-        max_iterations: More are a failure of the step.
-        good_iterations: Steps that take more make the next one shorter.
-        smallest_step: Length of a step, as ``first_step``, that is given up.
+        tolerance: At a requested load, largest residual over the largest load, or increment over
+            the length of the step, whichever is reached first.
+        loose: Increment over the length of the step at which intermediate steps end.
+        max_iterations: Largest number of iterations of a step.
+        good_iterations: Steps that take more iterations shorten the next one.
+        smallest_step: Length of a step, as ``first_step``, below which the analysis fails.
     """
 
     first_step: float = 0.07
@@ -215,12 +215,12 @@ class ArcLength:
     def follow(
         self, model: Equilibrium, levels: Sequence[float] = (1.0,), begin: float = 0.0
     ) -> Path:
-        """Go from the present state through the wanted load factors.
+        """Follow the path from the current state through the requested load factors.
 
         Args:
             model: The structure; it is left in the last state.
             levels: Increasing positive load factors.
-            begin: Load factor of the present state.
+            begin: Load factor of the current state.
 
         Raises:
             ValueError: The levels do not increase.
@@ -230,11 +230,11 @@ class ArcLength:
 
 
 def increasing(levels: Sequence[float]) -> list[float]:
-    """Load factors at which states are wanted.
+    """Check requested load factors.
 
     Raises:
         ValueError: There are none, or they are not positive, finite and increasing.
-        TypeError: They are no numbers.
+        TypeError: They are not numbers.
     """
     factors = numbers(levels, "levels")
     wanted = factors.ndim == 1 and len(factors) > 0 and bool(np.isfinite(factors).all())
@@ -244,7 +244,7 @@ def increasing(levels: Sequence[float]) -> list[float]:
 
 
 class _Follower(Iterated):
-    """One run: the present load factor and step length."""
+    """One analysis: the current load factor and step length."""
 
     def __init__(self, options: ArcLength, model: Equilibrium, begin: float) -> None:
         self._options, self._model = options, model
@@ -271,7 +271,7 @@ class _Follower(Iterated):
         origin = model.positions()
         done, count = self._found(cap, origin, before)
         twist = model.twists(self._moved) if done else None
-        # a step has its length at two states and more: one is behind, others on other paths
+        # several states are at this distance: one is behind, others are on other paths
         if twist is not None and (self._twist is None or cosine(twist, self._twist) > _AHEAD):
             self._go_on(cap, origin, twist, count)
             return
@@ -280,7 +280,7 @@ class _Follower(Iterated):
         self._halve(count)
 
     def _found(self, cap: float, origin: Array, before: Any) -> tuple[bool, int]:
-        """Whether there is equilibrium at the end of a step, and iterations."""
+        """Whether an equilibrium at the end of a step was found, and the iterations."""
         model, self._cap, self._origin, self._count = self._model, cap, origin, 0
         try:
             done = iterate(self, self._options.max_iterations).converged
@@ -292,7 +292,7 @@ class _Follower(Iterated):
         return done, self._count
 
     def _halve(self, count: int) -> None:
-        """Go on with a shorter step."""
+        """Continue with a shorter step."""
         self._length /= 2
         self._path.failed_steps += 1
         self._path.failed_iterations += count
@@ -304,7 +304,7 @@ class _Follower(Iterated):
             )
 
     def _go_on(self, cap: float, origin: Array, twist: Array, count: int) -> None:
-        """From the equilibrium that was found, with a step that suits it."""
+        """Continue from the new equilibrium with a suitable step."""
         path, here = self._path, self._model.positions()
         self._refused, self._twist = "", twist
         path.factors.append(self._factor)
@@ -315,14 +315,14 @@ class _Follower(Iterated):
         if self._passed.again(self._factor, here, twist):
             raise ConvergenceError(
                 f"the path runs back from load factor {max(path.factors):g} to "
-                f"{self._factor:g}, along states that it has passed",
+                f"{self._factor:g}, along earlier states",
                 path,
             )
 
     # --- one iteration, see :class:`~fem_lie.solve.iteration.Iterated` ---
 
     def evaluate(self, iteration: int) -> bool:
-        """Evaluate forces; whether the wanted load is reached, and in equilibrium."""
+        """Evaluate forces; return whether the requested load is reached in equilibrium."""
         self._first = iteration == 1
         internal, self._load = self._model.forces()
         self._residual = internal - self._factor * self._load
@@ -331,50 +331,50 @@ class _Follower(Iterated):
         return not self._first and balanced
 
     def refactorise(self, update: Refactorisation) -> None:
-        """See the base class."""
+        """Assemble and factorise the tangent stiffness."""
         self._count += 1
         self._model.factorise(self._factor)
 
     def correct(self) -> float:
-        """Solve for an increment and a load factor; returns the size of the translations."""
+        """Solve for an increment and a load factor; return the size of the translations."""
         model = self._model
         x_r, x_f = -model.solve(self._residual), model.solve(self._load)
         wanted, room = self._change(x_r, x_f), self._cap - self._factor
         change = min(wanted, room)
         self._dx = x_r + change * x_f
-        # not by addition: it must be the wanted load to the last digit
+        # not by addition: it must be the requested load to the last digit
         self._next = self._cap if wanted >= room else self._factor + change
         return rms(model.translations(self._dx))
 
     def judge(self, size: float) -> Verdict:
-        """See the base class; an increment that leaves the neighbourhood of the step diverges."""
+        """Verdict on an increment; it has diverged if it leaves the neighbourhood of the step."""
         options = self._options
         if not size <= _FARTHEST * self._length:
             return Verdict.DIVERGED
         self._moved = self._dx if self._first else self._moved + self._dx
-        # residuals of slender structures may have more round-off than the tolerance allows
+        # residuals of slender structures may have a larger round-off than the tolerance
         enough = options.tolerance if self._next == self._cap else options.loose
         small = size < enough * self._length and self._turned(self._dx, enough)
         return Verdict.CONVERGED if small and not self._first else Verdict.GOES_ON
 
     def apply(self, verdict: Verdict) -> None:
-        """See the base class."""
+        """Apply the increment and the load factor."""
         self._factor = self._next
         self._model.move(self._dx)
 
     def _turned(self, dx: Array, enough: float) -> bool:
-        """Whether the rotations of an increment are small, where translations do not show them."""
+        """Whether the rotations of an increment are small, if translations do not measure them."""
         now, step = (rms(self._model.twists(h)[:, 3:]) for h in (dx, self._moved))
         shown = self._length >= _SHOWN * self._model.diameter * step
         return shown or now < enough * step
 
     def _change(self, x_r: Array, x_f: Array) -> float:
-        """Change of the load factor that puts the step's end at its length; nan if none does."""
+        """Change of the load factor for which the step has its length; nan if there is none."""
         model, length = self._model, self._length
         u_f = model.translations(x_f)
         if self._first:
             moves, turns = rms(u_f), rms(model.twists(x_f)[:, 3:])
-            if moves <= _ON_THE_SPOT * turns:  # not if they are no numbers
+            if moves <= _ON_THE_SPOT * turns:  # false for nan
                 what = "turns nodes on the spot" if turns else "moves nothing"
                 raise ConvergenceError(
                     f"the load {what}, and an arc length measures translations: use load steps "

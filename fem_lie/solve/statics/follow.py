@@ -1,4 +1,4 @@
-"""Statics along the path of equilibrium: scenes for the load-capped arc length."""
+"""Statics along the equilibrium path: scenes for the load-capped arc length."""
 
 from __future__ import annotations
 
@@ -48,14 +48,14 @@ def follow_loads(
     All loads, and gravity, grow in proportion to the load factor.
 
     Args:
-        scene: What there is.
+        scene: The scene.
         levels: Increasing positive load factors.
         arc_length: Options; see :class:`~fem_lie.solve.statics.arc_length.ArcLength`.
         petsc_options_prefix: Prefix for the choice of the linear solver.
 
     Raises:
-        ValueError: Bad scene or levels; no load; prescribed motions, strains without stress or
-            loads with a history, which are not in proportion to the load factor.
+        ValueError: Invalid scene or levels; no load; prescribed motions, initial strains or loads
+            with a history, which are not in proportion to the load factor.
         ConvergenceError: Steps became too small; its ``result`` holds the states before.
     """
     options = ArcLength() if arc_length is None else arc_length
@@ -65,7 +65,7 @@ def follow_loads(
 
 
 def followed(scene: Scene, levels: Sequence[float], options: ArcLength, prefix: str) -> PathResult:
-    """As :func:`follow_loads`, without a word on stability."""
+    """As :func:`follow_loads`, without a warning on stability."""
     check_proportion(scene)
     levels = beyond(scene, levels)
     model = SceneEquilibrium(scene, prefix)
@@ -82,24 +82,24 @@ def followed(scene: Scene, levels: Sequence[float], options: ArcLength, prefix: 
 
 
 def beyond(scene: Scene, levels: Sequence[float]) -> list[float]:
-    """Load factors at which states are wanted, at or beyond that of a scene that goes on.
+    """Check requested load factors, at or beyond that of a restarted scene.
 
     Raises:
         ValueError: See :func:`~fem_lie.solve.statics.arc_length.increasing`, or one is below.
-        TypeError: It is no scene.
+        TypeError: ``scene`` is not a scene.
     """
     require_scene(scene)
     wanted, factor = increasing(levels), scene.began.factor
     if wanted[0] < factor:
         raise ValueError(
-            f"the scene goes on from the load factor {factor:g}; levels must not be below, got "
+            f"the scene restarts from the load factor {factor:g}; levels must not be below, got "
             f"{wanted[0]:g}"
         )
     return wanted
 
 
 def in_proportion(scene: Scene) -> bool:
-    """Whether all that acts is in proportion to the load factor, and something does."""
+    """Whether all loads are in proportion to the load factor, and there is any."""
     acts = bool(scene.loads) or bool(scene.gravity.any())
     return acts and not scene.motions and not _out_of_proportion(scene)
 
@@ -116,7 +116,7 @@ def _out_of_proportion(scene: Scene) -> list[str]:
 
 
 def check_proportion(scene: Scene) -> None:
-    """Raise ``ValueError`` if something does not grow in proportion to the load factor."""
+    """Raise ``ValueError`` if a load is not in proportion to the load factor."""
     require_scene(scene)
     if scene.motions:
         raise ValueError("an arc length has no time for prescribed motions: use load steps")
@@ -127,10 +127,10 @@ def check_proportion(scene: Scene) -> None:
         )
 
 
-_MOST = 30  # iterations from a state that was carried on
-_SETTLED = 1e-11  # of the model
-_OF_TURNS = 1e-3  # rotations have more round-off in slender structures
-_LEAST = 1e-3  # part of a preload that is given up
+_MOST = 30  # iterations from a restarted state
+_SETTLED = 1e-11  # over the length of the model
+_OF_TURNS = 1e-3  # rotations have a larger round-off in slender structures
+_LEAST = 1e-3  # smallest increment of a preload
 
 
 class _State(NamedTuple):
@@ -143,17 +143,17 @@ class SceneEquilibrium:
     """:class:`~fem_lie.solve.statics.arc_length.Equilibrium` of a scene.
 
     Attributes:
-        equations: Of the scene.
-        diameter: Length of the model, by which turns are made lengths.
-        has_position: Which nodes have a place of their own, shape (n,).
+        equations: Equations of the scene.
+        diameter: Length of the model, which converts rotations to lengths.
+        placed: Which nodes have a position of their own, shape (n,).
     """
 
     def __init__(self, scene: Scene, prefix: str) -> None:
         """Number the unknowns; the stress is that of the unloaded frames.
 
         Args:
-            scene: What there is.
-            prefix: Of the linear solver's options.
+            scene: The scene.
+            prefix: Prefix of the linear solver's options.
         """
         self.equations = equations = Equations(scene, dynamics=False)
         unknowns = equations.unknowns
@@ -176,7 +176,7 @@ class SceneEquilibrium:
         self._scale = equations.fill(self._now, self._found, Plan(self._zero))
 
     def forces(self) -> tuple[Array, Array]:
-        """Internal forces, and external ones at λ = 1, in the present state."""
+        """Internal forces, and external ones at λ = 1, in the current state."""
         equations = self.equations
         equations.prescribed(0.0).act(0.0, self._preload)
         equations.residual(self._now, self._scale, self._internal, self._found, carried=True)
@@ -190,16 +190,16 @@ class SceneEquilibrium:
 
     @property
     def factorisations(self) -> int:
-        """How many there were."""
+        """Number of factorisations so far."""
         return self._solver.factorisations
 
     @property
     def subdomains(self) -> Subdomains | None:
-        """What the solution on these took, if there are any."""
+        """Statistics of the solution on subdomains, if there are any."""
         return self._solver.subdomains
 
     def begin(self) -> float:
-        """Make a state that is carried on one of equilibrium; returns its load factor.
+        """Bring a restarted state to equilibrium; returns its load factor.
 
         Raises:
             ConvergenceError: There is none near it.
@@ -207,7 +207,7 @@ class SceneEquilibrium:
         factor = self.equations.scene.began.factor
         if factor and not self._settles(factor):
             raise ConvergenceError(
-                f"no equilibrium at load factor {factor:g} near the state that was carried on",
+                f"no equilibrium at load factor {factor:g} near the restarted state",
                 Path(),
             )
         if not factor and self.equations.unknowns.preloaded:
@@ -215,11 +215,11 @@ class SceneEquilibrium:
         return factor
 
     def _settles(self, factor: float, most: int = _MOST) -> bool:
-        """Go to the equilibrium at a load factor that is near; whether there is one."""
+        """Iterate to a nearby equilibrium at a load factor; return whether there is one."""
         return iterate(_AtFactor(self, factor), most).converged
 
     def _strain(self) -> None:
-        """Strain the springs step by step, without loads; where that fails all is as it was."""
+        """Preload the springs step by step, without loads; on failure the state is restored."""
         part, step, before = 0.0, 1.0, self.state()
         while part < 1.0:
             kept = self.state()
@@ -239,7 +239,7 @@ class SceneEquilibrium:
                 return
 
     def factorise(self, factor: float) -> None:
-        """Make the tangent at a load factor, with the carried stress, ready to solve."""
+        """Assemble and factorise the tangent stiffness at a load factor, with updated stress."""
         self._fill(factor)
         self._solver.factorise()
 
@@ -248,13 +248,13 @@ class SceneEquilibrium:
         self.equations.fill(self._now, self._found, Plan(self._zero, self._scale))
 
     def _find(self, factor: float) -> None:
-        """The forces of the present state, of which those of nodes may be known."""
+        """Forces of the current state; those of nodes may already be known."""
         given, known = (self._scale, self._scratch, self._found), self._forces_known
         self.equations.prescribed(factor).act(factor, self._preload)
         self.equations.residual(self._now, *given, carried=True, known=known)
 
     def solve(self, b: Array) -> Array:
-        """Solve with the last tangent."""
+        """Solve with the last tangent stiffness."""
         self._solver.right_hand_side[:] = b
         self._solver.solve()
         x = self._solver.solution.copy()
@@ -263,17 +263,17 @@ class SceneEquilibrium:
         return x
 
     def negative_pivots(self) -> int:
-        """Those of the last tangent on what constraints leave free, from its pivots."""
+        """Negative pivots of the last tangent stiffness, restricted to the constraints."""
         return negative_pivots(self.equations, self._solver)
 
     def move(self, dx: Array) -> None:
-        """Carry the stress on by ``dx``, then move nodes and multipliers."""
+        """Update the stress linearly by ``dx``, then move nodes and multipliers."""
         self._forces_known = False
         move(self.equations, self._H, -dx, carried=True)
         self._multipliers += self._scale * dx[6 * self._moving :]
 
     def reactions(self, state: _State, factor: float) -> Array:
-        """Of supports in a state that is restored, see :class:`~.report.Report`."""
+        """Reactions of supports in a restored state, see :class:`~.report.Report`."""
         self.restore(state)
         self.equations.prescribed(factor).act(factor, self._preload)
         return self.equations.report(*self._now).reactions
@@ -283,42 +283,42 @@ class SceneEquilibrium:
         return self.equations.report(state.frames, multipliers=state.multipliers).joints.forces
 
     def positions(self) -> Array:
-        """Of the nodes that have places, shape (n, 3)."""
+        """Positions of the nodes that have one, shape (n, 3)."""
         return self._H[: self._moving, 0][self.placed]
 
     def translations(self, dx: Array) -> Array:
-        """Velocities of these that ``dx`` means, shape (n, 3), components in space."""
+        """Displacements of these nodes due to ``dx``, shape (n, 3), global components."""
         moved = dx[: 6 * self._moving].copy()
         all_to_global_components(self.equations.unknowns.kinds, self._H, moved)
         return moved.reshape(-1, 6)[self.placed, :3]
 
     def twists(self, dx: Array) -> Array:
-        """Increments of the nodes that ``dx`` means, (n, 6), in their own axes, as lengths."""
+        """Increments of the nodes due to ``dx``, (n, 6), in their own axes, as lengths."""
         units = self.equations.unknowns.units / self.diameter
         return np.asarray(dx[: 6 * self._moving] / units).reshape(-1, 6)
 
     def check_rotations(self, factor: float) -> None:
-        """Refuse the present state if it is none of the structure.
+        """Raise an error if the current state is not valid.
 
         Raises:
-            FoldedElementError: An element rotates too far for one state to be meant.
+            FoldedElementError: An element rotates too far for a unique state.
             LostBranchError: A joint rotates too far in the step.
         """
         self.equations.report(self._H).check_rotations(f"at load factor {factor:g}")
 
     def check_passage(self, before: _State) -> None:
-        """Raise ``PassedThroughError`` if surfaces went through each other since a state."""
+        """Raise ``PassedThroughError`` if surfaces passed through each other since a state."""
         self.equations.memory.check_passage(before.frames, self._H)
 
     def free_motions(self, factor: float) -> str:
-        """What to say of rigid motions that nothing resists in the present state, if any is.
+        """Message on rigid motions that nothing resists in the current state, if there are any.
 
-        The state is polished, and left so.
+        The state is polished first.
         """
         search = FreeMotions(self.equations)
         if not search.possible or not len(search.allowed(self._H)):
             return ""
-        # forces that are not in balance would resist, or seem to
+        # unbalanced forces would contribute resistance
         self._settles(factor, POLISHED)
         internal, load = self.forces()
         self._fill(factor)
@@ -326,16 +326,16 @@ class SceneEquilibrium:
         return search.message(free, factor) if len(free) else ""
 
     def rotation_hint(self) -> str:
-        """Which element turns far, if that may be why it does not go on."""
+        """Which element rotates far, if that may prevent convergence."""
         return self.equations.report(self._H).rotation_hint
 
     def state(self) -> _State:
-        """A copy of the present state; angles of joints are counted on from here."""
+        """A copy of the current state; angles of joints are counted from here."""
         self.equations.memory.accept(self._H)
         return _State(self._H.copy(), self._multipliers.copy(), self.equations.memory.memory())
 
     def restore(self, state: _State) -> None:
-        """Return to a copied state."""
+        """Restore a copied state."""
         self._forces_known = False
         self._H[:], self._multipliers[:] = state.frames, state.multipliers
         self.equations.memory.restore(state.saved)
@@ -357,7 +357,7 @@ class _AtFactor(Iterated):
         self._model.factorise(self._factor)
 
     def correct(self) -> float:
-        """Solve for a correction and apply it; returns its size over that of the model."""
+        """Solve for a correction and apply it; return its size over that of the model."""
         model = self._model
         dx = model.solve(self._residual)
         model.move(dx)

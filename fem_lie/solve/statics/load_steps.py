@@ -1,4 +1,4 @@
-"""Statics by load steps: Newton's method on the group with the stress as an iterate."""
+"""Statics by load steps: Newton's method on the group with linearised stress updates."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ def move(equations: Equations, H: Array, x: Array, *, carried: bool) -> float:
     """Move nodes by ``−x``.
 
     Args:
-        equations: Of the scene.
+        equations: Equations of the scene.
         H: Frames of all rows, changed.
         x: Solution of the equations, in the nodes' frames, (≥ 6 n,).
-        carried: Whether the stress is carried along.
+        carried: Whether the stress is updated linearly, too.
 
     Returns:
         The largest increment, over the unit of its unknown.
@@ -62,12 +62,13 @@ class Newton:
     """Newton's method from one load factor to the next.
 
     Attributes:
-        tolerance: Predicted error of a step's end, in rotations and in translations over the size
-            of the model.
-        max_iterations: More in one step are its failure.
-        smallest_step: Smallest load step before giving up.
-        carried_stress: Carry the stress as an iterate (Magisano, Leonetti & Garcea 2017), which
-            converges in a few iterations at any slenderness; otherwise plain Newton.
+        tolerance: Predicted error at the end of a step, in rotations and in translations over the
+            size of the model.
+        max_iterations: Largest number of iterations of a step.
+        smallest_step: Smallest load step, below which the analysis fails.
+        carried_stress: Iterate on the stress as an independent unknown, by linearised updates
+            (Magisano, Leonetti & Garcea 2017), which converges in a few iterations at any
+            slenderness; otherwise plain Newton.
 
     Raises:
         ValueError: A tolerance that is not positive, a step outside of (0, 1].
@@ -79,26 +80,26 @@ class Newton:
     carried_stress: bool = True
 
     def __post_init__(self) -> None:
-        """Refuse what is no option."""
+        """Check the options."""
         number(self.tolerance, "Newton: tolerance")
         number(self.smallest_step, "Newton: smallest_step")
         whole(self.max_iterations, "Newton: max_iterations")
         flag(self.carried_stress, "Newton: carried_stress")
         if not self.tolerance > 0 or not 0 < self.smallest_step <= 1:
             raise ValueError(
-                "Newton: wanted tolerance > 0 and 0 < smallest_step ≤ 1, got "
+                "Newton: expected tolerance > 0 and 0 < smallest_step ≤ 1, got "
                 f"{self.tolerance} and {self.smallest_step}"
             )
 
 
-_SMALLEST = 1e-3  # part of the preload that is given up
-_FARTHEST = 1e3  # increments over their units that have diverged
+_SMALLEST = 1e-3  # smallest increment of the preload
+_FARTHEST = 1e3  # larger increments, over their units, have diverged
 
 _log = logging.getLogger(__name__)
 
 
 class LoadSteps(Iterated):
-    """Newton's method from one accepted state to the next; it keeps those that were accepted."""
+    """Newton's method from one accepted state to the next, with a record of the accepted states."""
 
     def __init__(
         self,
@@ -158,12 +159,12 @@ class LoadSteps(Iterated):
         )
 
     def run(self, levels: Sequence[float], step: float, smallest: float) -> StaticResult:
-        """Go through the wanted load factors; a step that fails is halved, later steps grow back.
+        """Go through the requested load factors; failed steps are halved, later steps grow again.
 
         Args:
-            levels: Increasing.
-            step: Of the load factor, at most.
-            smallest: Below this it gives up.
+            levels: Increasing load factors.
+            step: Largest step of the load factor.
+            smallest: Smallest step, below which the analysis fails.
 
         Raises:
             ConvergenceError: The smallest step failed; its ``result`` holds the states before.
@@ -183,7 +184,7 @@ class LoadSteps(Iterated):
                 target = min(level, reached + now)
                 # the last step must land on the level in spite of round-off
                 target = level if level - target < 1e-9 * levels[-1] else target
-                # rotations that are prescribed divide a step before it is tried
+                # large prescribed rotations divide a step before it is tried
                 target = self.equations.prescribed(reached).limited(target)
                 if self.solve(target):
                     reached, now = target, min(2 * now, step)
@@ -202,7 +203,7 @@ class LoadSteps(Iterated):
         return self.result()
 
     def _preload(self, smallest: float) -> None:
-        """Strain the springs step by step, without loads; where that fails all is as it was."""
+        """Preload the springs step by step, without loads; on failure the state is restored."""
         memory, part, step = self.equations.memory, 0.0, 0.5
         H, multipliers, saved = self.H.copy(), self.multipliers.copy(), memory.memory()
         while part < 1.0:
@@ -230,7 +231,7 @@ class LoadSteps(Iterated):
         )
 
     def advice(self) -> str:
-        """What to try."""
+        """Advice in the error message."""
         if not np.isfinite(self.last):
             return (
                 "The matrix is singular: is every body held by clamps or joints, with no motion "
@@ -244,7 +245,7 @@ class LoadSteps(Iterated):
         )
 
     def solve(self, factor: float) -> bool:
-        """Go to the load factor and keep that state; if it fails, stay at the old one."""
+        """Go to the load factor and record that state; on failure, stay at the old one."""
         pivots = self._reach(factor)
         if pivots is None:
             return False
@@ -259,14 +260,15 @@ class LoadSteps(Iterated):
         return True
 
     def _reach(self, factor: float, preload: float = 1.0) -> int | None:
-        """Go to equilibrium at a load factor.
+        """Iterate to equilibrium at a load factor.
 
         Args:
             factor: The load factor.
-            preload: Part of the preload of springs that acts.
+            preload: Fraction of the preload of springs that acts.
 
         Returns:
-            Its negative pivots; ``None`` if there is none near, and all is as it was.
+            Its number of negative pivots; ``None`` if there is no equilibrium nearby; the state is
+            then restored.
         """
         equations = self.equations
         H, multipliers, saved = self.H.copy(), self.multipliers.copy(), equations.memory.memory()
@@ -288,7 +290,7 @@ class LoadSteps(Iterated):
         return None
 
     def _accept(self, factor: float, before: Array) -> int:
-        """Go on from the present state; its negative pivots.
+        """Accept the current state; returns its number of negative pivots.
 
         Args:
             factor: Its load factor.
@@ -296,8 +298,8 @@ class LoadSteps(Iterated):
 
         Raises:
             FoldedElementError: An element rotates too far.
-            LostBranchError: A joint or a prescribed motion does.
-            PassedThroughError: Surfaces went through each other.
+            LostBranchError: A joint or a prescribed motion rotates too far.
+            PassedThroughError: Surfaces passed through each other.
         """
         self.equations.report(self.H).check_rotations(f"at load factor {factor:g}")
         if self._to_check and factor:
@@ -307,17 +309,17 @@ class LoadSteps(Iterated):
         return pivots
 
     def _check_held(self, factor: float) -> None:
-        """Refuse the first state if rigid motions are free in it that pivots do not show.
+        """Raise an error if the first state has free rigid motions that pivots do not show.
 
         Raises:
-            SingularStartError: They are.
+            SingularStartError: It has.
         """
         self._to_check, search = False, FreeMotions(self.equations)
         if not search.possible or not len(search.allowed(self.H)):
             return
         memory = self.equations.memory
         H, multipliers, saved = self.H.copy(), self.multipliers.copy(), memory.memory()
-        # forces that are not in balance would resist, or seem to
+        # unbalanced forces would contribute resistance
         self._factor, self._criterion = factor, Polishing()
         iterate(self, POLISHED)
         self._fill(factor)
@@ -328,7 +330,7 @@ class LoadSteps(Iterated):
             raise SingularStartError(search.message(free, factor), self.result())
 
     def _negative_pivots(self, factor: float) -> int:
-        """Of the last iteration; if it has some, of the state that it has led to."""
+        """Negative pivots of the last iteration; if there are any, of the converged state."""
         found = negative_pivots(self.equations, self._solver)
         if found > 0:
             self._factorise(factor)
@@ -336,16 +338,16 @@ class LoadSteps(Iterated):
         return found
 
     def _factorise(self, factor: float) -> None:
-        """Residual and factors of the matrix of the present state."""
+        """Residual and factors of the matrix of the current state."""
         self._fill(factor)
         self._solver.factorise()
 
     def _fill(self, factor: float) -> None:
-        """Residual and matrix of the present state."""
+        """Residual and matrix of the current state."""
         equations, H, zero = self.equations, self.H, self._zero
         if not self._options.carried_stress:
             equations.memory.carry(H)
-        # centrifugal forces grow as the loads do
+        # centrifugal forces are in proportion to the load factor
         v = self._rotation.velocities(equations.unknowns.kinds, H, np.sqrt(factor))
         now = TimeState(H, v, zero, self.multipliers)
         equations.residual(now, self._scale, self._r, self._found, carried=True)
@@ -356,16 +358,16 @@ class LoadSteps(Iterated):
     # --- one iteration, see :class:`~fem_lie.solve.iteration.Iterated` ---
 
     def evaluate(self, iteration: int) -> bool:
-        """Evaluate residual and tangent; see the base class."""
+        """Evaluate residual and tangent stiffness."""
         self._fill(self._factor)
         return False
 
     def refactorise(self, update: Refactorisation) -> None:
-        """See the base class."""
+        """Factorise the tangent stiffness."""
         self._solver.factorise()
 
     def correct(self) -> float:
-        """Solve for a correction and apply it; returns its size over the units of the unknowns."""
+        """Solve for a correction and apply it; return its size over the units of the unknowns."""
         self._solver.solve()
         nodes = self._dx[: 6 * self._moving].reshape(-1, 6)
         self.equations.supports.rotate_back(self.H, nodes)
@@ -374,5 +376,5 @@ class LoadSteps(Iterated):
         return size
 
     def judge(self, size: float) -> Verdict:
-        """See the base class."""
+        """Verdict by the quadratic convergence rate."""
         return self._criterion.judge(size)

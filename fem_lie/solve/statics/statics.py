@@ -1,4 +1,4 @@
-"""Statics in one call: load steps or a path along the loads, whichever is better."""
+"""Statics in one call: load steps or the load-capped arc length, chosen automatically."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from fem_lie.solve.statics.follow import beyond, followed, in_proportion
 from fem_lie.solve.statics.load_steps import LoadSteps, Newton
 from fem_lie.solve.statics.unstable import SingularStartError, warn_if_unstable
 
-_MANY = 10  # load steps where those to whole levels and the arc length fail
+_MANY = 10  # number of load steps if full steps and the arc length fail
 
 _log = logging.getLogger(__name__)
 
@@ -39,38 +39,37 @@ def statics(
     Loads without history grow in proportion to the load factor, 1 at the full loads; histories,
     drives and prescribed motions are evaluated at the load factor. Steps are divided so that no
     prescribed frame rotates by more than 45° and no driven angle by more than 90° in one of them.
-    Springs have their whole preload in every state of the result.
+    Springs have their full preload in every state of the result.
 
-    How it gets there is chosen by what was measured. Scenes with shells are followed by the
-    load-capped arc length (:func:`~fem_lie.solve.statics.follow.follow_loads`). Others go from one
-    level to the next at once, which on beams takes the fewest solutions wherever it converges, and
-    by the arc length where it does not. Where that fails, too, there are load steps; one that
-    fails is halved, later ones grow back. Where ``load_steps`` are given they come first, and the
-    arc length if they fail. Where it is impossible, because not all loads are in proportion to the
-    load factor or with ``spin`` or plain Newton, or of no use, because there are bodies that go
-    slack, there are load steps alone.
+    The method is chosen by the scene. Scenes with shells use the load-capped arc length
+    (:func:`~fem_lie.solve.statics.follow.follow_loads`). Others go from one level to the next in
+    one step, which for beams takes the fewest solutions if it converges, and otherwise use the arc
+    length. If that fails, too, there are load steps; failed steps are halved, later ones grow
+    again. If ``load_steps`` are given they are tried first, then the arc length. Load steps are the
+    only method where the arc length is impossible, because not all loads are in proportion to the
+    load factor or with ``spin`` or plain Newton, or useless, because there are tension-only bodies.
 
-    Of an equilibrium that is unstable, or was reached past a maximum of the load, a warning
-    (:class:`~fem_lie.solve.statics.unstable.UnstableEquilibriumWarning`) says so.
+    A warning (:class:`~fem_lie.solve.statics.unstable.UnstableEquilibriumWarning`) is issued if an
+    equilibrium is unstable, or was reached past a maximum of the load.
 
-    With ``spin`` it is equilibrium in a frame that turns steadily, with all centrifugal forces;
-    frames are those of the instant at which the two frames coincide. Clamps, ground and prescribed
-    motions then belong to the turning frame: they are the hub. Centrifugal forces grow with the
-    load factor, the angular velocity with its root. Damping in space (``Damping.mass``) drags.
+    With ``spin`` it is the equilibrium in a steadily rotating frame, with all centrifugal forces;
+    frames are those at the time when the two frames coincide. Clamps, ground and prescribed motions
+    then belong to the rotating frame, like a hub. Centrifugal forces grow with the load factor, the
+    angular velocity with its square root. Mass damping (``Damping.mass``) acts as drag.
 
     Args:
-        scene: What there is.
-        levels: Increasing positive load factors at which states are wanted; load steps also keep
-            the states between.
+        scene: The scene.
+        levels: Increasing positive load factors of the requested states; load steps also return
+            intermediate states.
         spin: Angular velocity of that frame, global components, rad per time.
-        about: A place on the axis of rotation.
-        load_steps: Number of equal steps to begin with; default: as said above.
-        newton: Options of load steps; with plain Newton there is no other way.
+        about: A point on the axis of rotation.
+        load_steps: Number of equal steps to begin with; default: see above.
+        newton: Options of load steps; plain Newton excludes other methods.
         petsc_options_prefix: Prefix for the choice of the linear solver.
 
     Raises:
-        ValueError: Bad scene or options; no inertia, or gravity or forces fixed in space that are
-            not parallel to the axis, with ``spin``.
+        ValueError: Invalid scene or options; no inertia, or gravity or forces fixed in space that
+            are not parallel to the axis, with ``spin``.
         ConvergenceError: The smallest step failed, or nothing resists a rigid motion of some body;
             its ``result`` holds the states before.
     """
@@ -113,10 +112,10 @@ def statics(
 
 
 def _first_that_arrives(roads: Sequence[Callable[[], StaticResult]]) -> StaticResult:
-    """Try one road after the other; what was in vain is counted.
+    """Try one method after the other; failed attempts are counted.
 
     Raises:
-        ConvergenceError: None arrives; its ``result`` is the longest.
+        ConvergenceError: All fail; its ``result`` is that of the longest path.
     """
     errors: list[ConvergenceError] = []
     for road in roads:
@@ -134,4 +133,4 @@ def _first_that_arrives(roads: Sequence[Callable[[], StaticResult]]) -> StaticRe
         raise errors[0]
     farthest = max(errors, key=lambda error: error.result.factors.max(initial=0.0))
     tries = " ".join(f"({k}) {error}" for k, error in enumerate(errors, 1))
-    raise ConvergenceError(f"{len(errors)} ways were tried: {tries}", farthest.result)
+    raise ConvergenceError(f"{len(errors)} methods were tried: {tries}", farthest.result)

@@ -1,11 +1,10 @@
-"""Whether an equilibrium is stable: free rigid motions, negative pivots, and the warning.
+"""Stability of an equilibrium: free rigid motions, negative pivots, and the warning.
 
-Rigid motions of bodies that nothing resists, which factors of round-off do not show.
-
-Nodes without rotations store a rigid rotation with round-off, and so do the stiffness matrix and
-its pivots: what is singular is factorised all the same, and moves by round-off over round-off. The
-rigid motions ``z`` of all pieces that constraints allow are known, though, and ``zᵀ K z`` says
-whether stress, loads, springs or contacts resist.
+Rigid motions that nothing resists may be hidden by round-off in the factors. Nodes without
+rotations represent a rigid rotation with round-off only, and so do the stiffness matrix and its
+pivots: a singular matrix is factorised all the same, and gives displacements of round-off over
+round-off. However, the rigid motions ``z`` of all parts that constraints allow are known, and
+``zᵀ K z`` shows whether stress, loads, springs or contacts resist.
 """
 
 from __future__ import annotations
@@ -27,17 +26,17 @@ if TYPE_CHECKING:
     from fem_lie.results.equilibrium import StaticResult
     from fem_lie.system.equations import Equations
 
-_SOFT = 1e-6  # give of constraints, over that of the stiffest spring
+_SOFT = 1e-6  # compliance of constraints, over that of the stiffest spring
 
 UNKNOWN = -1
 """Number of negative pivots of a matrix that cannot be factorised."""
 
 
 def negative_pivots(equations: Equations, solver: DirectSolver) -> int:
-    """Negative eigenvalues of the tangent that was factorised last, of what constraints leave free.
+    """Number of negative eigenvalues of the last factorised tangent stiffness.
 
-    For loads without potential: 1 if their number is odd, 0 if it is even. It is −1 if the matrix
-    cannot be factorised.
+    It is restricted to the constraints. For non-conservative loads: 1 if their number is odd, 0 if
+    it is even. It is −1 if the matrix cannot be factorised.
     """
     unknowns = equations.unknowns
     m, n, redundant = unknowns.m, 6 * unknowns.moving, unknowns.m > 0 and unknowns.may_be_redundant
@@ -56,20 +55,20 @@ def negative_pivots(equations: Equations, solver: DirectSolver) -> int:
 
 
 def tangent(equations: Equations) -> sp.csr_matrix:
-    """The matrix as it is now, in rows and columns of one dimension."""
+    """The current matrix, reordered to physical dimensions of rows and columns."""
     units = sp.diags(equations.matrix.units)
     return (units @ tangent_csr(equations) @ units).tocsr()
 
 
 def tangent_csr(equations: Equations) -> sp.csr_matrix:
-    """A copy of the matrix as it is now, in the unknowns' own units."""
+    """A copy of the current matrix, in the unknowns' own units."""
     return equations.matrix.whole
 
 
 def _softened(A: sp.csr_matrix, n: int) -> sp.csr_matrix:
-    """With constraints after row ``n`` that give way a little, so that redundant ones count, too.
+    """The matrix with slightly compliant constraints after row ``n``, so that redundant ones count.
 
-    The rows have the inertia of springs beside ``K``: as many negative pivots as rows.
+    These rows have the inertia of springs next to ``K``: as many negative pivots as rows.
     """
     stiffest = float(abs(A[:n, :n]).max()) or 1.0
     rows = A[n:, :n]
@@ -82,10 +81,10 @@ class UnstableEquilibriumWarning(UserWarning):
 
 
 def warn_if_unstable(result: StaticResult) -> None:
-    """One warning for all states of a result.
+    """Issue one warning for all states of a result.
 
-    In a frame that turns, where an equilibrium with negative pivots may be stable all the same, and
-    of states that could not be tested, nothing is said.
+    There is none for states in a rotating frame, in which an equilibrium with negative pivots may
+    be stable, or for states that could not be tested.
     """
     if result.steady_rotation:
         return
@@ -113,27 +112,27 @@ def warn_if_unstable(result: StaticResult) -> None:
 
 
 def maxima(factors: list[float]) -> tuple[float, ...]:
-    """Load factors from which those of successive states go down."""
+    """Load factors from which those of successive states decrease."""
     rise = np.diff([0.0, *factors]) > 0
     return tuple(factors[k] for k in np.flatnonzero(rise[:-1] & ~rise[1:]))
 
 
-_ULPS = 1e-14  # of the sum without signs: less is round-off
+_ULPS = 1e-14  # over the sum of absolute values: less is round-off
 POLISHED = 3
-"""Iterations more than an equilibrium needs, before what resists is asked."""
+"""Further iterations of an equilibrium before its stiffness in rigid motions is tested."""
 
-_RESIDUAL = 10.0  # times the work of forces that are not in balance: less is the iteration's
+_RESIDUAL = 10.0  # times the work of unbalanced forces: less is due to unfinished iteration
 
 
 class SingularStartError(ConvergenceError):
-    """A step began with a singular matrix, or a motion is free: no other way of loading helps."""
+    """A step began with a singular matrix, or a motion is free: no other loading method helps."""
 
 
 class FreeMotions:
-    """Looks for rigid motions that nothing resists, in scenes with nodes that are no frames."""
+    """Search for rigid motions that nothing resists, in scenes with nodes other than frames."""
 
     def __init__(self, equations: Equations) -> None:
-        """Of equations."""
+        """Set up for the equations of a scene."""
         self._equations, unknowns = equations, equations.unknowns
         self.possible: bool = bool((unknowns.kinds >= POSITION_GRADIENT).any())
         self._weight = unknowns.units
@@ -149,7 +148,7 @@ class FreeMotions:
         return parts.mechanisms(B)
 
     def unresisted(self, Z: Array, r: Array) -> Array:
-        """Those of the motions ``Z`` that the tangent, as it was filled last, does not resist.
+        """The motions of ``Z`` that the last assembled tangent stiffness does not resist.
 
         Args:
             Z: See :meth:`allowed`.
@@ -167,7 +166,7 @@ class FreeMotions:
         return np.asarray(motions[np.abs(stiffness) <= small])
 
     def message(self, motions: Array, factor: float) -> str:
-        """What to say of motions that are free at a load factor."""
+        """Message on motions that are free at a load factor."""
         unknowns, count = self._equations.unknowns, len(motions)
         moves = np.zeros(6 * unknowns.moving)
         moves[self._free] = np.abs(motions).max(axis=0)
