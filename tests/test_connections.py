@@ -265,7 +265,7 @@ def test_springs_on_one_coordinate_need_names():
             np.testing.assert_allclose(moments, [0.2, 5.0], rtol=1e-9)
             continue
         for ask in (result.joint_force, result.coordinate, result.joint_violation):
-            with pytest.raises(ValueError, match=r"2 joints or .*'Spring\(.* name of its own"):
+            with pytest.raises(ValueError, match=r"2 joints or .*'Spring\(.* its own name"):
                 ask(stiff)
 
 

@@ -161,7 +161,7 @@ def test_what_goes_through_another_is_told_of(speed, through):
     if through:
         with pytest.raises(
             fl.ConvergenceError,
-            match=r"step 2 .*: ball and other: one side went through the other .* times smaller",
+            match=r"step 2 .*: ball and other: one side passed through the other .* times smaller",
         ):
             run(scene)
         return

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from benchmarks import couplings
+from benchmarks import patch_coupling
 from demos import hemisphere
 
 LAYER = fl.ShellSection.layer(0.1, fl.Material(1e3, 0.3, 2.0))
@@ -12,12 +12,12 @@ LAYER = fl.ShellSection.layer(0.1, fl.Material(1e3, 0.3, 2.0))
 
 def test_hemisphere_of_four_patches():
     """As good as one; without its couplings it would not stand."""
-    errors, solutions = couplings.pinched(couplings.quarters(hemisphere.place, 8))
+    errors, solutions = patch_coupling.pinched(patch_coupling.quarters(hemisphere.place, 8))
     assert np.abs(errors).max() < 0.01 and solutions <= 14
 
 
 def test_roof_of_two_patches_with_other_numbers_of_cells():
-    errors, _ = couplings.roof(couplings.halves(couplings.vault, (4, 8), (4, 6)))
+    errors, _ = patch_coupling.roof(patch_coupling.halves(patch_coupling.vault, (4, 8), (4, 6)))
     assert np.abs(errors).max() < 0.01
 
 

@@ -311,7 +311,7 @@ def test_what_goes_through_is_an_error(ball):
     )
     plate = fl.contact.Box(fl.ground(), (1, 1, 0.1))
     scene.add(fl.contact.Contact(surface, plate, fl.contact.Impact()))
-    with pytest.raises(fl.ConvergenceError, match="one side went through the other"):
+    with pytest.raises(fl.ConvergenceError, match="one side passed through the other"):
         run(scene, 0.2, 1e-2)
 
 

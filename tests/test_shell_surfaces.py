@@ -314,7 +314,7 @@ def shot(speed: float) -> tuple[fl.Scene, fl.RigidBody]:
 def test_a_ball_that_goes_through_a_sheet_fails_the_step(step):
     """In 1.5e-2 s it gets as far as the middle surface."""
     scene, _ = shot(20.0)
-    with pytest.raises(fl.ConvergenceError, match=r"on ball; Skin .* went through the other"):
+    with pytest.raises(fl.ConvergenceError, match=r"on ball; Skin .* passed through the other"):
         fl.GeneralisedAlpha(radius=0.8).run(scene, duration=3 * step, step=step, progress=False)
 
 

@@ -1,4 +1,4 @@
-"""Bodies, joints and loads as bytes that are the same in any process: for fingerprints."""
+"""Canonical bytes of bodies, joints and loads, equal in all processes: for fingerprints."""
 
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ _OF_A_BODY = (
     "held",
     "supports",
 )
-"""Attributes, of those that a body has, on which equations depend."""
+"""Attributes of a body, if it has them, on which the equations depend."""
 
 
 class CanonicalBytes:
-    """Bytes of values, objects and arrays, the same in any process.
+    """Bytes of values, objects and arrays that are equal in all processes.
 
-    Functions have none: their values are compared elsewhere.
+    Functions have no bytes: their values are compared elsewhere.
     """
 
     def __init__(self, bodies: Iterable[Body]) -> None:
-        """Bodies are written as their numbers, in this order."""
+        """Bodies are represented by their numbers in this order."""
         self._number = {body: number for number, body in enumerate(bodies, start=1)}
 
     def of(self, value: Any) -> bytes:
-        """Numbers to their last bit."""
+        """Bytes of a value; numbers are exact."""
         if isinstance(value, np.ndarray):
             if value.size <= 6:
                 return repr(value.tolist()).encode()
@@ -78,7 +78,7 @@ class CanonicalBytes:
 
 
 def attributes(value: Any) -> list[tuple[str, Any]]:
-    """Of a record the fields, of another object all that it has, with names."""
+    """Names and values of the fields of a record, or of all attributes of another object."""
     names = (
         [f.name for f in fields(value)]
         if is_dataclass(value)
@@ -88,5 +88,5 @@ def attributes(value: Any) -> list[tuple[str, Any]]:
 
 
 def data_of_body(body: Body) -> list[tuple[str, Any]]:
-    """Data of a body on which the equations depend, by name."""
+    """Names and values of the data of a body on which the equations depend."""
     return [(name, getattr(body, name)) for name in _OF_A_BODY if hasattr(body, name)]

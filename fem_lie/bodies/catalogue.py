@@ -1,4 +1,4 @@
-"""What a solution must know of its scene: for looking things up, drawing and files."""
+"""Bodies, joints and supports of a scene as results need them: names, nodes, drawing data."""
 
 from __future__ import annotations
 
@@ -17,31 +17,31 @@ if TYPE_CHECKING:
 
 
 class Labelled(Protocol):
-    """A joint, or what else of the scene is called by its label."""
+    """A joint, or another item of a scene with a label."""
 
     @property
     def label(self) -> str:
-        """How errors and results call it."""
+        """Label in messages and results."""
 
 
 @dataclass(frozen=True, eq=False)
 class BodyInfo:
-    """One body; all node numbers are those of the whole system.
+    """One body; node numbers are those of the whole system.
 
     Attributes:
-        name: Its name in the scene.
-        kind: Its class.
+        name: Name in the scene.
+        kind: Name of its class.
         nodes: Its nodes, shape (n,).
         cells: Pairs of nodes, shape (m, 2); none for a rigid body.
         outline: Outline of the section in (e₂, e₃), shape (k, 2), or of that of each cell, shape
-            (m, k, 2); nan where there is none. ``None``: there is none at all.
-        box: Edges of a box about the body's frame, shape (3,): how a rigid body is drawn.
+            (m, k, 2); nan where there is none; ``None`` without outlines.
+        box: Edges of a box about the body's frame, as which a rigid body is drawn, shape (3,).
         points: Node of each named point.
-        faces: Corners of cells that are surfaces, shape (m, 3 or 4); none if there are none.
-        thickness: Of those, shape (m,).
+        faces: Corners of surface cells, shape (m, 3 or 4).
+        thickness: Thickness of these cells, shape (m,).
         node_types: Type of each node, see :mod:`fem_lie.lie.node_types`, shape (n,); a frame whose
-            axes its body sets, as of an edge of a discrete rod, counts as a position. ``None`` if
-            a file of results was written before these were recorded.
+            axes the body sets, as on an edge of a discrete rod, counts as a position. ``None`` for
+            files of results without node types.
     """
 
     name: str
@@ -57,7 +57,7 @@ class BodyInfo:
 
     @classmethod
     def of(cls, body: Body, nodes: Indices) -> BodyInfo:
-        """What there is to know of a body whose nodes have these numbers."""
+        """Record of a body whose nodes have the numbers ``nodes``."""
         return cls(
             name=body.name,
             kind=type(body).__name__,
@@ -73,7 +73,7 @@ class BodyInfo:
 
 
 def _recorded_kinds(body: Body) -> Indices:
-    """Node types, of which frames are only those whose axes follow from their velocities."""
+    """Node types, with FRAME only for nodes whose axes follow from their velocities."""
     kinds = body.node_types
     if body.follower() is None:
         return kinds
@@ -86,12 +86,12 @@ class JointInfo:
     """One joint.
 
     Attributes:
-        name: Its name, or what it joins.
-        kind: Its class.
-        node: A node that it is fixed to, for drawing; −1 if there is none.
-        offset: Its place in that node's frame, shape (3,).
+        name: Its name, or the names of the points that it joins.
+        kind: Name of its class.
+        node: Node at which it is drawn; −1 if there is none.
+        offset: Its position in the frame of that node, shape (3,).
         coordinates: Names of its relative coordinates.
-        first: Where these begin among those of all joints.
+        first: Index of the first of them among those of all joints.
     """
 
     name: str
@@ -104,12 +104,12 @@ class JointInfo:
 
 @dataclass(frozen=True, eq=False)
 class SupportInfo:
-    """Which nodes are held by clamps and by supports of bodies.
+    """Nodes held by clamps and by supports of bodies.
 
     Attributes:
-        at: The node of each reaction, shape (s,).
-        nodes: Those and the nodes that follow them rigidly, shape (q,).
-        rows: Which reaction is that of each of ``nodes``, shape (q,).
+        at: Node of each reaction, shape (s,).
+        nodes: These nodes and nodes rigidly attached to them, shape (q,).
+        rows: Index of the reaction of each of ``nodes``, shape (q,).
     """
 
     at: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
@@ -117,7 +117,7 @@ class SupportInfo:
     rows: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
     def row(self, node: int) -> int | None:
-        """Which reaction is that of a node, if it is held."""
+        """Index of the reaction of a node; ``None`` if it is not held."""
         found = self.rows[self.nodes == node]
         return int(found[0]) if len(found) else None
 
@@ -127,10 +127,10 @@ class SceneInfo:
     """Bodies and joints in the order of the scene, and supports.
 
     Attributes:
-        bodies: All of them.
-        joints: All of them.
-        mass: Of all bodies; 0 where inertia is not known.
-        supports: What is held.
+        bodies: All bodies.
+        joints: All joints.
+        mass: Total mass; 0 if a body has no known inertia.
+        supports: Held nodes.
     """
 
     bodies: tuple[BodyInfo, ...]
@@ -140,7 +140,7 @@ class SceneInfo:
 
     @classmethod
     def of(cls, bodies: Sequence[Body]) -> SceneInfo:
-        """Bodies alone, whose nodes are numbered one body after the other."""
+        """Record of bodies without joints, with nodes numbered body after body."""
         ends = np.cumsum([len(body.frames) for body in bodies])
         parts = zip(bodies, ends, strict=True)
         infos = [BodyInfo.of(body, np.arange(end - len(body.frames), end)) for body, end in parts]
@@ -148,10 +148,10 @@ class SceneInfo:
 
     @property
     def node_types(self) -> Indices:
-        """Node type of each node of the system, shape (N,).
+        """Type of each node of the system, shape (N,).
 
         Raises:
-            ValueError: They are not known; the message names a body.
+            ValueError: The types of a body are not recorded; the message names it.
         """
         found = np.empty(sum(len(body.nodes) for body in self.bodies), dtype=np.int64)
         for body in self.bodies:
@@ -164,7 +164,7 @@ class SceneInfo:
         return found
 
     def body(self, name: str) -> BodyInfo:
-        """The body with this name.
+        """Body with this name.
 
         Raises:
             ValueError: There is none; the message lists those that exist.
@@ -172,7 +172,7 @@ class SceneInfo:
         return _named(self.bodies, name, "body")
 
     def joint(self, joint: Labelled | str) -> int:
-        """Number of the joint with this name, or of this joint of the scene.
+        """Index of the joint with this name, or of this joint of the scene.
 
         Raises:
             ValueError: There is none, and the message lists those that exist; or several have the
@@ -182,23 +182,23 @@ class SceneInfo:
         found = _named(self.joints, name, "joint")
         if (count := sum(info.name == name for info in self.joints)) > 1:
             raise ValueError(
-                f"{count} joints or connections are called {name!r}, and it is not known which of "
-                "them is meant: give each a name of its own (name=...)"
+                f"{count} joints or connections are called {name!r}: expected one; give each its "
+                "own name (name=...)"
             )
         return self.joints.index(found)
 
     def coordinate(self, joint: Labelled | str, name: str | None) -> int:
-        """Number of a joint's relative coordinate; its only or first one if there is no name.
+        """Index of a joint's relative coordinate; without a name, of its first one.
 
         Raises:
             ValueError: There is none; the message lists those that exist.
         """
         info = self.joints[self.joint(joint)]
-        wanted = name if name is not None else info.coordinates[0] if info.coordinates else ""
-        if wanted not in info.coordinates:
+        expected = name if name is not None else info.coordinates[0] if info.coordinates else ""
+        if expected not in info.coordinates:
             known = ", ".join(info.coordinates) or "none"
-            raise ValueError(f"{info.name} has no coordinate {wanted!r}; it has: {known}")
-        return info.first + info.coordinates.index(wanted)
+            raise ValueError(f"{info.name} has no coordinate {expected!r}; it has: {known}")
+        return info.first + info.coordinates.index(expected)
 
     def node(self, point: Point | str | int) -> int:
         """Node of a point: the point itself, "body.name", "body.node 3", or a node's number.
@@ -222,8 +222,8 @@ class SceneInfo:
         """Frames of a point, shape (…, 4, 3), from those of all nodes, (…, N, 4, 3).
 
         Args:
-            point: As for :meth:`node`, or a place that is no node.
-            frames: Of all nodes.
+            point: As for :meth:`node`, or a point with an attachment frame.
+            frames: Frames of all nodes.
 
         Raises:
             ValueError: There is no such point.
@@ -234,7 +234,7 @@ class SceneInfo:
         return attachment.frame(frames[..., self._nodes(point), :, :])
 
     def twist(self, point: Point | str | int, frames: Array, v: Array) -> Array:
-        """Twists of a point, shape (…, 6), from those of all nodes; arguments as :meth:`frame`."""
+        """Twists of a point, (…, 6), from those of all nodes, (…, N, 6); see :meth:`frame`."""
         attachment = None if isinstance(point, str | int | np.integer) else point.any_attachment
         if attachment is None:
             return v[..., self.node(point), :]
@@ -242,7 +242,7 @@ class SceneInfo:
         return attachment.twist(frames[..., nodes, :, :], v[..., nodes, :])
 
     def _nodes(self, point: Point | str | int) -> Indices:
-        """Of the body of a point."""
+        """Nodes of the body of a point."""
         assert not isinstance(point, str | int | np.integer) and point.body is not None
         return self.body(point.body.name).nodes
 

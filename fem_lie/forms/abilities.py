@@ -1,7 +1,7 @@
-"""What a term may have beside forces and a tangent; a term has an object for each, or none.
+"""Abilities of a term beyond forces and a tangent; a term returns an object for each, or ``None``.
 
-Most terms are these objects themselves: a class derives from :class:`~fem_lie.forms.term.Term` and
-from what it has, and returns itself where it has it.
+Most terms are these objects themselves: their class derives from :class:`~fem_lie.forms.term.Term`
+and from the abilities.
 """
 
 from __future__ import annotations
@@ -17,31 +17,31 @@ class PassedThroughError(ArithmeticError):
     """Surfaces went through each other within a step."""
 
     def __init__(self, who: str, moved: float, thickness: float) -> None:
-        """Say who did, and what helps.
+        """Compose the message, with a remedy.
 
         Args:
             who: Name of the contact, or of both bodies.
             moved: Relative displacement in the step, m.
-            thickness: Of both surfaces together, m.
+            thickness: Sum of the thicknesses of both surfaces, m.
         """
         times = ceil(2.0 * moved / thickness)
-        helps = "a higher stiffness, for what presses on them is more than they can hold"
+        helps = "a higher stiffness, since the load exceeds the contact force"
         if times > 1:
             helps = f"steps {times} times smaller, AdaptiveStep, or thicker surfaces"
         super().__init__(
-            f"{who}: one side went through the other within a step (it moved by {moved:.2g}, both "
-            f"together are {thickness:.2g} thick): take {helps}"
+            f"{who}: one side passed through the other within a step (it moved by {moved:.2g}, "
+            f"both together are {thickness:.2g} thick): use {helps}"
         )
 
 
 class Ends(NamedTuple):
-    """Both ends of a step of nodes, and what is between them, each of shape (≥ nodes, 4, 3).
+    """Nodal coordinates of a step, each of shape (≥ nodes, 4, 3).
 
     Attributes:
-        start: Nodal coordinates (x, d₁, d₂, d₃) at the start.
-        end: At the end.
-        mean: Means of both.
-        delta: Increments.
+        start: Coordinates (x, d₁, d₂, d₃) at the start.
+        end: Coordinates at the end.
+        mean: Their means.
+        delta: Their increments.
     """
 
     start: Array
@@ -51,12 +51,12 @@ class Ends(NamedTuple):
 
 
 class Done(NamedTuple):
-    """What forces over a step have done.
+    """Energy and work of forces over a step.
 
     Attributes:
-        stored: Energy at the end.
-        work: Done on the term, as it was stored or lost.
-        lost: Dissipated part of the work.
+        stored: Stored energy at the end, J.
+        work: Work done on the term, stored or dissipated, J.
+        lost: Dissipated part of the work, J.
     """
 
     stored: float
@@ -65,11 +65,11 @@ class Done(NamedTuple):
 
 
 class StiffRows(NamedTuple):
-    """Part ``Σ k b bᵀ`` of a tangent.
+    """Tangent ``Σ k b bᵀ`` of low rank.
 
     Attributes:
-        nodes: Of each ``b``, −1 where there is none, shape (m, s).
-        rows: ``b`` in the twists of these, shape (m, s, 6).
+        nodes: Nodes of each ``b``, −1 where there is none, shape (m, s).
+        rows: ``b`` in the twists of these nodes, shape (m, s, 6).
         stiffness: ``k``, shape (m,).
     """
 
@@ -89,48 +89,48 @@ class ViscousForces(ABC):
 
     @abstractmethod
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
-        """Add the forces at twists ``v`` (≥ nodes that move, 6)."""
+        """Add the viscous forces at twists ``v`` (≥ moving nodes, 6) to ``out``."""
 
     @abstractmethod
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
-        """Their derivatives in the twists, and in those of frames if that is not left out.
+        """Derivatives of the viscous forces in the twists, and in frames or ``None`` if neglected.
 
         The second is at constant velocities of the nodes' groups, as
-        :func:`~fem_lie.lie.node_types.at_rest` has them.
+        :func:`~fem_lie.lie.node_types.at_rest` defines them.
         """
 
     @property
     def rates(self) -> tuple[Indices, Indices, Array] | None:
-        """Rows, columns and blocks (nnz, 4, 4) of ``D``, if they are ``Lᵀ D q̇`` with constant D.
+        """Rows, columns and blocks (nnz, 4, 4) of ``D`` if the forces are ``Lᵀ D q̇``, D constant.
 
-        ``q`` are (x, d₁, d₂, d₃) of the nodes.
+        ``q`` are the coordinates (x, d₁, d₂, d₃) of the nodes.
         """
         return None
 
 
 class LinearisedStress(ABC):
-    """Stress, or unknowns of the term's own, that is updated linearly from iterate to iterate."""
+    """Independent stress, or other local unknowns, updated linearly between iterates."""
 
     @property
     @abstractmethod
     def carried(self) -> Array:
-        """Present values, flat."""
+        """Current values, flat."""
 
     @abstractmethod
     def restore(self, carried: Array) -> None:
-        """Have the values again that :attr:`carried` had when it was copied."""
+        """Set the values to an earlier copy of :attr:`carried`."""
 
     @abstractmethod
     def carry(self, H: Array, h: Array) -> None:
-        """Update to the end of the increment ``h`` (n, 6), from frames ``H``."""
+        """Update the values linearly for the increment ``h`` (n, 6), from frames ``H``."""
 
     @abstractmethod
     def reset_stress(self, H: Array) -> None:
-        """Have the values of frames ``H``."""
+        """Set the values to those of frames ``H``."""
 
     @abstractmethod
     def clear_stress(self) -> None:
-        """Have none: a tangent without geometric stiffness."""
+        """Set the values to zero, so that the tangent has no geometric stiffness."""
 
 
 class LocalUnknowns(ABC):
@@ -138,14 +138,14 @@ class LocalUnknowns(ABC):
 
     @abstractmethod
     def condense(self, H: Array) -> None:
-        """Solve for them at frames ``H``."""
+        """Solve for the local unknowns at frames ``H``."""
 
 
 class PathDependence(ABC):
-    """Forces that depend on the states accepted before.
+    """Forces that depend on earlier accepted states.
 
     Attributes:
-        friction: Whether they depend on how nodes have moved since the last one, too.
+        friction: Whether they also depend on the motion of nodes since the last accepted state.
     """
 
     friction: bool = False
@@ -156,15 +156,15 @@ class PathDependence(ABC):
 
 
 class PassageCheck(ABC):
-    """Steps that are checked: surfaces may pass through each other, or touch too shortly."""
+    """Check of steps in which surfaces may pass through each other, or touch too briefly."""
 
     @abstractmethod
     def check_passage(self, start: Array, end: Array) -> None:
-        """Look whether surfaces went through each other.
+        """Check whether surfaces passed through each other.
 
         Args:
             start: Frames at the start of a step.
-            end: At its end.
+            end: Frames at its end.
 
         Raises:
             PassedThroughError: They did.
@@ -172,30 +172,30 @@ class PassageCheck(ABC):
 
     @abstractmethod
     def watch(self, start: Array, end: Array, h: float, middle: Array | None) -> None:
-        """Note a step of a scheme that does not conserve energy.
+        """Record a step of a scheme that does not conserve energy.
 
         Args:
             start: Frames at the start of the step.
-            end: At its end.
-            h: Its size.
-            middle: Where forces act in the step; None: at both ends.
+            end: Frames at its end.
+            h: Step size.
+            middle: Frames at which forces act in the step; ``None``: at both ends.
         """
 
     @property
     @abstractmethod
     def watched(self) -> Array:
-        """What :meth:`watch` has noted, flat."""
+        """Record of :meth:`watch`, flat."""
 
     @abstractmethod
     def watch_again(self, watched: Array) -> None:
-        """Have noted again what was :attr:`watched` once."""
+        """Set the record to an earlier copy of :attr:`watched`."""
 
 
 class StepForces(ABC):
-    """Forces over a step that do exactly the work by which the stored energy changes.
+    """Forces over a step whose work is exactly the change of the stored energy.
 
     Attributes:
-        steady: Whether their size makes up for no round-off.
+        steady: Whether the forces contain no correction of round-off.
     """
 
     steady: bool = False
@@ -205,35 +205,36 @@ class StepForces(ABC):
         """Add the forces.
 
         Args:
-            ends: Of the step.
-            out: Forces and moments about the mean positions of nodes, global components,
-                (nodes, 6).
-            ground: Force and moment about the origin on ground, (6,).
+            ends: Coordinates of the step.
+            out: Forces, and moments about the mean positions of nodes, global components, (nodes,
+                6).
+            ground: Force, and moment about the origin, on ground, (6,).
         """
 
     @abstractmethod
     def tangent_over_step(self, ends: Ends, H: Array) -> Array:
-        """Twice the derivative of these in the twists at the end, in frames ``H`` at the midpoint.
+        """Twice the derivative of the forces in the twists at the end.
 
-        Of the shape of the tangent; ``mean`` and ``delta`` of ``ends`` are those of all nodes.
+        It has the shape of the tangent and is along the axes of the midpoint frames ``H``; ``mean``
+        and ``delta`` of ``ends`` are those of all nodes.
         """
 
     @abstractmethod
     def overlaps(self, H: Array) -> bool:
-        """Whether there are any such forces at frames ``H``."""
+        """Whether there are such forces at frames ``H``."""
 
 
 class LowRankTangent(ABC):
-    """A tangent that a frozen matrix may do without, for a low-rank correction has it."""
+    """Tangent that a frozen matrix may omit, because a low-rank correction adds it."""
 
     @abstractmethod
     def stiff_rows(self, H: Array) -> StiffRows:
-        """What counts of the tangent, by few rows."""
+        """Dominant part of the tangent as a sum of few rank-one matrices."""
 
 
 class GroundForces(ABC):
-    """Forces of which some have ground as their other side."""
+    """Forces some of which act between nodes and ground."""
 
     @abstractmethod
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
-        """Add those on nodes, at twists ``v``, whose other side is ground."""
+        """Add forces on nodes at twists ``v`` whose reaction is on ground to ``out``."""

@@ -1,7 +1,7 @@
-"""All bodies of one kind as one term on their nodes, and those that DOLFINx assembles.
+"""Assembly of all bodies of one kind as one term, and by DOLFINx.
 
-Whatever the number of bodies there is one mesh and one call per residual. Coefficients are packed
-once; only the nodal frames are written anew before each call, by one compiled loop.
+There is one mesh and one call per residual for any number of bodies. Coefficients are packed once;
+only the nodal frames are updated before each call, by one compiled loop.
 """
 
 from __future__ import annotations
@@ -28,11 +28,12 @@ from fem_lie.forms.term import Pairs, Term, add_at
 
 @dataclass(frozen=True, eq=False)
 class NodalInertia:
-    """Constant blocks of (x, d₁, d₂, d₃) in the pattern of a :class:`BodyTerm`.
+    """Constant mass matrix in (x, d₁, d₂, d₃), in the pattern of a :class:`BodyTerm`.
 
     Attributes:
-        mass: Shape (nnz, r, r), of the first ``r`` of these rows where others have none.
-        damping: The same of mass-proportional damping, or ``None`` without.
+        mass: Blocks, shape (nnz, r, r), of the first ``r`` coordinate vectors if others have no
+            mass.
+        damping: Blocks of mass-proportional damping, or ``None``.
     """
 
     mass: Array
@@ -40,17 +41,17 @@ class NodalInertia:
 
 
 class BodyTerm(Term):
-    """Elastic forces, tangent, energy and inertia of all bodies of one kind.
+    """Elastic forces, tangent stiffness, energy and inertia of all bodies of one kind.
 
     Attributes:
         cells: Nodes of each cell, shape (m, k).
         count: Number of nodes.
         order: Node of this term for each node of the bodies, one body after the other.
-        cell_order: Likewise its cells.
-        indptr: Rows of the pattern of node pairs, with ``indices``.
-        inertia: In that pattern, or ``None`` without mass.
-        around: If the axes of its nodes are to follow the motion, factors ``b_ik`` of each pair in
-            that pattern, shape (nnz, 3): around node i the mean deformation is ``Σ x_k ⊗ b_ik``.
+        cell_order: Cell of this term for each cell of the bodies.
+        indptr: Row starts of the pattern of node pairs, with ``indices``.
+        inertia: Mass matrix in that pattern, or ``None`` without mass.
+        around: Factors ``b_ik`` of each pair in that pattern, shape (nnz, 3), 1/m, if nodal axes
+            are convected: the mean deformation around node i is ``Σ x_k ⊗ b_ik``.
         further_terms: Other terms on its nodes, such as springs and drilling.
     """
 
@@ -59,7 +60,7 @@ class BodyTerm(Term):
     def __init__(
         self, cells: npt.NDArray[np.integer[Any]], order: Indices, cell_order: Indices
     ) -> None:
-        """Find the pattern; for the arguments see the class."""
+        """Compute the pattern; for the arguments see the class."""
         self.cells, self.order, self.cell_order = cells, order, cell_order
         self.count = len(order)
         self.inertia: NodalInertia | None = None
@@ -70,12 +71,12 @@ class BodyTerm(Term):
 
     @cached_property
     def pairs(self) -> Pairs:
-        """Those of the pattern."""
+        """First and second node of each block of the pattern."""
         rows = np.repeat(np.arange(self.count), np.diff(self.indptr))
         return rows, self.indices.astype(np.int64)
 
     def summed(self, elements: Array) -> Array:
-        """Blocks of element matrices (m, k, b, k, b) in the pattern, shape (nnz, b, b)."""
+        """Sum element matrices (m, k, b, k, b) to blocks of the pattern, shape (nnz, b, b)."""
         size = elements.shape[2]
         blocks = np.zeros((len(self.indices), size, size))
         pairs = elements.transpose(0, 1, 3, 2, 4).reshape(-1, size, size)
@@ -84,12 +85,12 @@ class BodyTerm(Term):
 
     @property
     def carried_stress(self) -> Array:
-        """A copy of its stress, flat; empty without."""
+        """Copy of the independent stress, flat; empty if there is none."""
         update = self.stress_update
         return np.empty(0) if update is None else update.carried.copy()
 
     def reset(self, carried: Array) -> None:
-        """Be as when it was made; ``carried``: :attr:`carried_stress` then."""
+        """Restore the initial state; ``carried`` is the initial :attr:`carried_stress`."""
         if self.stress_update is not None:
             self.stress_update.restore(carried)
         for term in self.further_terms:
@@ -97,7 +98,7 @@ class BodyTerm(Term):
                 term.stress_update.clear_stress()
 
     def set_eigenstrain(self, values: Array) -> None:
-        """Strains without stress of the bodies' cells, one body after the other.
+        """Set the eigenstrains of the bodies' cells, one body after the other, shape (m, 6).
 
         Raises:
             NotImplementedError: The bodies have no eigenstrain.
@@ -109,7 +110,7 @@ class BodyTerm(Term):
 
 @compiled
 def _gather_twists(v: Array, cells: npt.NDArray[np.int32], at: int, packed: Array) -> None:
-    """Write the twists of each cell's nodes into its packed coefficients, from column ``at`` on."""
+    """Write the twists of each cell's nodes into its packed coefficients from column ``at`` on."""
     for e in range(cells.shape[0]):
         k = at
         for i in range(cells.shape[1]):
@@ -119,7 +120,7 @@ def _gather_twists(v: Array, cells: npt.NDArray[np.int32], at: int, packed: Arra
 
 
 class Assembly(BodyTerm, ViscousForces, LinearisedStress):
-    """Bodies of one kind whose elements are forms of DOLFINx."""
+    """Bodies of one kind whose elements are DOLFINx forms."""
 
     conserved = True
     cells: npt.NDArray[np.int32]
@@ -132,15 +133,14 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
         cell_order: Indices,
         eigenstrain: fem.Function | None,
     ) -> None:
-        """Pack the forms and make the matrices.
+        """Pack the forms and allocate the matrices.
 
         Args:
-            frames: Frames in the unloaded configuration, in the nodes' order of DOLFINx.
-            forms: The element in local frames.
-            order: See the base class.
-            cell_order: See the base class.
-            eigenstrain: Strain without stress, a DG0 function that the forms contain, or ``None``
-                without one.
+            frames: Frames in the unloaded configuration, in DOLFINx's order of nodes.
+            forms: Forms of the element in local frames.
+            order: See :class:`BodyTerm`.
+            cell_order: See :class:`BodyTerm`.
+            eigenstrain: DG0 function of eigenstrains in the forms, or ``None`` without.
         """
         cells = frames.function.function_space.dofmap.list
         super().__init__(cells, order, cell_order)
@@ -154,45 +154,45 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
             assert forms.viscous_tangent is not None
             self._viscous = CellForm(forms.viscous, kernels.viscous_kernel, cells)
             self._viscous_tangent = CellForm(forms.viscous_tangent, kernels.tangent_kernel, cells)
-            # those of the state, which come first, are apart
+            # coefficients of the state, which come first, are stored separately
             self._velocity_at = forms.velocity_at - 12 * cells.shape[1]
 
     @property
     def viscosity(self) -> ViscousForces | None:
-        """If the forms have it."""
+        """Viscous forces, if the forms have any."""
         return None if self._forms.viscous is None else self
 
     @property
     def stress_update(self) -> LinearisedStress:
-        """That of all cells."""
+        """Independent stress of all cells."""
         return self
 
     @property
     def forms(self) -> LocalFrameForms:
-        """Energy, forces and tangent, for those who call their kernels cell by cell."""
+        """Energy, forces and tangent, for schemes that call kernels cell by cell."""
         return self._forms
 
     @property
     def contents(self) -> tuple[str, list[Array], list[Array]]:
-        """What its energy is, see :attr:`~fem_lie.forms.local_forms.LocalFrameForms.contents`."""
+        """Contents of the energy, :attr:`~fem_lie.forms.local_forms.LocalFrameForms.contents`."""
         return self._forms.contents
 
     @property
     def matrices(self) -> Sequence[CellSum]:
-        """See the base class."""
+        """Sums over cells of the tangent, and of the viscous tangent if there is one."""
         return (self._tangent, self._viscous_tangent) if self.viscosity else (self._tangent,)
 
     @property
     def tables(self) -> tuple[FormTable, FormTable] | None:
-        """Of forces and of energy, see :func:`~fem_lie.forms.cell_forms.add_cells`."""
+        """Tables of forces and of energy, see :func:`~fem_lie.forms.cell_forms.add_cells`."""
         return self._residual.table, self._energy.table
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """Add the elastic forces at frames ``H`` (count, 4, 3) to ``out``, six of each node."""
+        """Add the elastic forces at frames ``H`` (count, 4, 3) to ``out``, six per node."""
         self._residual.add_vector(H, out.reshape(-1))
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
-        """Likewise the viscous forces at twists ``v``, shape (count, 6)."""
+        """Add the viscous forces at frames ``H`` and twists ``v`` (count, 6) to ``out``."""
         _gather_twists(v, self._viscous.cells, self._velocity_at, self._viscous.values)
         self._viscous.add_vector(H, out.reshape(-1))
 
@@ -201,11 +201,11 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
         return self._energy.scalar(H)
 
     def tangent(self, H: Array, kept: Array) -> Array:
-        """Blocks (nnz, 6, 6) of the tangent at frames ``H``, with the carried stress."""
+        """Tangent stiffness (nnz, 6, 6) at frames ``H``, with the current independent stress."""
         return self._blocks(H, self._tangent)
 
     def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
-        """See the base class."""
+        """Add the tangent stiffness at frames ``H`` to blocks ``K`` at ``place``."""
         if self._unknowns == K.shape[1]:
             self._tangent.pack()
             self._tangent.add_matrix(H, self._pattern, place, K)
@@ -213,45 +213,45 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
             super().add_tangent(H, kept, place, K)
 
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
-        """Blocks (nnz, 6, 6) of the derivative in the twists; that in frames is left out."""
+        """Derivative in the twists (nnz, 6, 6); that in frames is neglected."""
         return self._blocks(H, self._viscous_tangent), None
 
     def _blocks(self, H: Array, form: CellForm) -> Array:
-        """Sum of the cells' matrices, with what they carry now, shape (nnz, u, u)."""
+        """Sum of the cells' matrices with the current coefficients, shape (nnz, u, u)."""
         form.pack()
         return form.matrix(H, self._pattern, self._unknowns)
 
     def set_eigenstrain(self, values: Array) -> None:
-        """Strains without stress of the bodies' cells, one body after the other, shape (m, 6)."""
+        """Set the eigenstrains of the bodies' cells, one body after the other, shape (m, 6)."""
         assert self._eigenstrain is not None
         self._eigenstrain.x.array.reshape(-1, 6)[self.cell_order] = values
         self._residual.pack()
         self._energy.pack()
 
     def carry(self, H: Array, h: Array) -> None:
-        """Carry the stress on to the end of the increment ``h`` (count, 6) from frames ``H``."""
+        """Update the independent stress for the increment ``h`` (count, 6) from frames ``H``."""
         self._frames.frames[:] = H
         self._forms.increment.x.array[:] = h.reshape(-1)
         self._forms.carry()
 
     def clear_stress(self) -> None:
-        """Make the carried stress zero."""
+        """Set the independent stress to zero."""
         if self._forms.stress is not None:
             self._forms.stress.x.array[:] = 0.0
 
     @property
     def carried(self) -> Array:
-        """What is carried from iterate to iterate: stress, or the cells' own unknowns."""
+        """Values updated between iterates: stress, or local unknowns of the cells, flat."""
         forms = self._forms
         function = forms.stress if forms.local is None else forms.local
         return np.empty(0) if function is None else function.x.array
 
     def restore(self, carried: Array) -> None:
-        """Carry again what was carried when it was copied."""
+        """Set the values to an earlier copy of :attr:`carried`."""
         self.carried[:] = carried
 
     def reset(self, carried: Array) -> None:
-        """See the base class."""
+        """Restore the initial state, without eigenstrain."""
         super().reset(carried)
         self._forms.increment.x.array[:] = 0.0
         if self._eigenstrain is not None:
@@ -260,12 +260,12 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
             self._energy.pack()
 
     def settle(self, H: Array) -> None:
-        """Make the cells' own unknowns those of frames ``H``, if forces there depend on them.
+        """Solve for the local unknowns of the cells at frames ``H``, if forces depend on them.
 
-        The elimination of unknowns in which the energy is quadratic is exact from anywhere, so that
-        nothing is to be done for most elements.
+        Condensation is exact if the energy is quadratic in them, so that most elements need no
+        solution.
         """
 
     def reset_stress(self, H: Array) -> None:
-        """Make the carried stress the true one at frames ``H``."""
+        """Set the independent stress to that of frames ``H``."""
         self.carry(H, np.zeros((self.count, 6)))

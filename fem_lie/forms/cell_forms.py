@@ -1,7 +1,7 @@
-"""Cells of any stencil summed, by addresses of kernels and of their data, in one compiled call.
+"""Sums over cells of any stencil, by addresses of kernels and data, in one compiled call.
 
-What DOLFINx's assembly does, in one call with the frames of each cell's nodes, which are written at
-the head of its packed coefficients. For twenty beams that is half the time. A form is a row of
+It does what DOLFINx's assembly does, in one call, and writes the frames of each cell's nodes to the
+head of its packed coefficients. For twenty beams this takes half the time. A form is a row of
 integers, so that any number of forms is passed as two arrays.
 """
 
@@ -19,20 +19,24 @@ from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
 
 KERNEL, CELLS, NODES, FIRST, W, WIDTH, C, X, EXTENT, APART = range(10)
-"""In a row: address of the kernel; number of cells, nodes of each, place of the first one; address
-and length of coefficients, address of constants, address and length of coordinates; coefficients
-that a kernel finds before these and no cell has for itself: twelve of each node, or none."""
+"""Columns of a row of :class:`FormTable`.
+
+Address of the kernel; number of cells, nodes per cell, index of the first node; address and length
+of the coefficients, address of the constants, address and length of the coordinates; number of
+coefficients that a kernel reads before these and that are not stored per cell: twelve per node, or
+none.
+"""
 
 NO_ROWS: Indices = np.empty((0, APART + 1), dtype=np.int64)
-"""Of no forms."""
+"""Table without forms."""
 
 
 class FormTable(NamedTuple):
     """Forms to be summed.
 
     Attributes:
-        rows: Of addresses and sizes, shape (f, 10).
-        nodes: Of all cells of all forms.
+        rows: Addresses and sizes of each form, shape (f, 10).
+        nodes: Nodes of all cells of all forms.
     """
 
     rows: Indices
@@ -40,13 +44,13 @@ class FormTable(NamedTuple):
 
 
 class EachCell(NamedTuple):
-    """The cells of some forms, for those who call their kernels one by one.
+    """Cells of some forms, for schemes that call kernels cell by cell.
 
     Attributes:
-        calls: Addresses of kernel, coefficients, constants and coordinates of each; how many of
-            the second there are, and how many before these, shape (m, 6).
-        first: Place of its first node, shape (m + 1,).
-        nodes: Of all cells.
+        calls: Addresses of kernel, coefficients, constants and coordinates of each cell, number of
+            its coefficients, and number of shared ones before these, shape (m, 6).
+        first: Index of its first node, shape (m + 1,).
+        nodes: Nodes of all cells.
     """
 
     calls: Indices
@@ -55,7 +59,7 @@ class EachCell(NamedTuple):
 
 
 def each_cell(table: FormTable) -> EachCell:
-    """One by one, in the order of the forms."""
+    """Cells of all forms, in the order of the forms."""
     calls: list[Indices] = [np.empty((0, 6), dtype=np.int64)]
     sizes = [np.zeros(1, dtype=np.int64)]
     for row in table.rows:
@@ -68,13 +72,13 @@ def each_cell(table: FormTable) -> EachCell:
 
 @compiled
 def own_coefficients(row: Indices) -> Array:
-    """Copies of the coefficients of all cells of a form, with what kernels find before them.
+    """Copies of the coefficients of all cells of a form, with those that kernels read before them.
 
     Args:
-        row: Of a :class:`FormTable`.
+        row: Row of a :class:`FormTable`.
 
     Returns:
-        Shape (m, any); nil where the rows of the nodes come.
+        Shape (m, any); zero at nodal coordinates.
     """
     width, apart = row[WIDTH], row[APART]
     out = np.zeros((row[CELLS], apart + width))
@@ -87,7 +91,7 @@ def own_coefficients(row: Indices) -> Array:
 
 @inlined
 def room_for(rows: Indices) -> int:
-    """Most coefficients that a kernel finds in the room that cells share."""
+    """Size of the workspace for coefficients that cells share."""
     most = 1
     for f in range(rows.shape[0]):
         if rows[f, APART] > 0:
@@ -97,7 +101,7 @@ def room_for(rows: Indices) -> int:
 
 @inlined
 def coefficients(at: int, width: int, apart: int, room: Pointer) -> Pointer:
-    """All that a kernel is to find: in the room, or where they are if nothing is apart."""
+    """Address of all coefficients for a kernel: workspace, or storage if nothing is shared."""
     if apart == 0:
         return pointer(at)
     given, found = vector_at(pointer(at), width), vector_at(room, apart + width)
@@ -108,9 +112,9 @@ def coefficients(at: int, width: int, apart: int, room: Pointer) -> Pointer:
 
 @inlined
 def _add_cell(H: Array, row: Indices, nodes: Indices, e: int, room: Pointer, place: Pointer) -> int:
-    """Add what the kernel of a form makes of its cell ``e``; returns where the cell's nodes begin.
+    """Evaluate the kernel of a form for its cell ``e``; return the index of the cell's first node.
 
-    The frames of its nodes are written at the head of its coefficients.
+    The frames of its nodes are written to the head of its coefficients.
     """
     count, width = row[NODES], row[WIDTH]
     first = row[FIRST] + count * e
@@ -128,12 +132,12 @@ def _add_cell(H: Array, row: Indices, nodes: Indices, e: int, room: Pointer, pla
 
 @uncounted
 def add_cells(H: Array, table: tuple[Indices, Indices], unknowns: int, out: Array) -> None:
-    """Sum all forms over their cells, at nodal frames ``H``.
+    """Sum all forms over their cells at nodal frames ``H``.
 
     Args:
         H: Frames of the nodes, shape (≥ count, 4, 3).
         table: See :class:`FormTable`.
-        unknowns: Of each node, 0 for a number.
+        unknowns: Unknowns per node; 0 for a scalar.
         out: Added to, shape (≥ count · unknowns,) or (1,).
     """
     rows, nodes = table
@@ -165,15 +169,15 @@ def add_blocks(
     used: int,
     out: Array,
 ) -> None:
-    """Sum matrices of all forms over their cells, at nodal frames ``H``.
+    """Sum the matrices of all forms over their cells at nodal frames ``H``.
 
     Args:
         H: Frames of the nodes, shape (≥ count, 4, 3).
         table: See :class:`FormTable`.
-        pair_of: Of each two nodes of each cell of each form, its number among all pairs.
-        place: Of each pair in ``out``.
-        unknowns: Of each node.
-        used: How many of these there are entries for, the first ones; kernels leave the others nil.
+        pair_of: Index of each pair of nodes of each cell of each form among all pairs.
+        place: Index of each pair's block in ``out``.
+        unknowns: Unknowns per node.
+        used: Number of unknowns with entries, the first ones; kernels leave the others zero.
         out: Blocks of pairs of nodes, added to, shape (nnz, unknowns, unknowns).
     """
     rows, nodes = table
@@ -201,11 +205,11 @@ def add_blocks(
 
 
 def of_some_cells(table: FormTable, nodes: Flags) -> FormTable:
-    """The forms on those cells alone that have any of some nodes.
+    """Forms restricted to cells that contain any of some nodes.
 
     Args:
-        table: Of forms that live on.
-        nodes: Which, of all that the table numbers.
+        table: Forms whose arrays stay alive.
+        nodes: Mask of all nodes that the table numbers.
     """
     return of_cells(table, [np.asarray(nodes[cells].any(axis=1)) for cells in _cells(table)])
 
@@ -220,11 +224,11 @@ def _cells(table: FormTable) -> list[Indices]:
 
 
 def of_cells(table: FormTable, wanted: Sequence[Flags]) -> FormTable:
-    """The forms on some cells alone.
+    """Forms restricted to some cells.
 
     Args:
-        table: Of forms that live on.
-        wanted: Which cells of each.
+        table: Forms whose arrays stay alive.
+        wanted: Mask of the cells of each form.
     """
     found, kept, at = [], [table.nodes[:0]], 0
     for k, cells in enumerate(_cells(table)):
@@ -243,10 +247,10 @@ def of_cells(table: FormTable, wanted: Sequence[Flags]) -> FormTable:
 
 
 def joined(tables: Sequence[FormTable], first: Sequence[int]) -> tuple[Indices, Indices]:
-    """All forms in one table, as a plain tuple.
+    """Concatenation of all forms in one table, as a plain tuple.
 
     Args:
-        tables: Of forms that live on.
+        tables: Forms whose arrays stay alive.
         first: Number of the first node of each in ``H``.
     """
     rows, nodes, at = [], [], 0

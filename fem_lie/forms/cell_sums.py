@@ -1,10 +1,9 @@
-"""Cells as nodes, a kernel and packed data: what an assembly sums, and in which pattern.
+"""Sums over cells: nodes, a kernel and packed data, and the pattern of their matrix.
 
-A cell is any few nodes, in any order, and cells may share as many of them as they like. What is
-done with them is a compiled kernel of UFCx's signature, ``kernel(A, w, c, x, …)``: it gets the four
-rows of each node at the head of the cell's data ``w``, constants ``c`` and coordinates ``x`` of the
-cell, and adds a number, forces or a matrix to ``A``. Forms of DOLFINx are one source of such sums,
-:class:`CellForm`; kernels of one's own are another, :class:`CellSum`.
+A cell is any set of nodes, in any order; cells may share nodes. Its kernel is a compiled function
+of UFCx's signature, ``kernel(A, w, c, x, …)``: it reads the coordinates of the nodes at the head of
+the cell's data ``w``, constants ``c`` and coordinates ``x`` of the cell, and adds a number, forces
+or a matrix to ``A``. :class:`CellForm` sums DOLFINx forms, :class:`CellSum` any kernel.
 """
 
 from __future__ import annotations
@@ -26,12 +25,12 @@ from fem_lie.forms.term import Pairs, Term
 
 
 class Pattern(NamedTuple):
-    """Which nodes share a cell.
+    """Sparsity pattern: pairs of nodes that share a cell.
 
     Attributes:
-        indptr: Where each node's row begins, shape (count + 1,).
-        indices: The other node of each pair, increasing in each row, shape (nnz,).
-        place: Of each pair of nodes of each cell, shape (m k k,).
+        indptr: Start of each node's row, shape (count + 1,).
+        indices: Second node of each pair, increasing in each row, shape (nnz,).
+        place: Index of each pair of nodes of each cell, shape (m k k,).
     """
 
     indptr: Indices
@@ -40,7 +39,7 @@ class Pattern(NamedTuple):
 
     @classmethod
     def of(cls, cells: npt.NDArray[np.integer[Any]], count: int) -> Pattern:
-        """That of cells (m, k) on so many nodes; each node is paired with itself."""
+        """Pattern of cells (m, k) on ``count`` nodes; each node is paired with itself."""
         first, second = cells.astype(np.int64)[:, :, np.newaxis], cells[:, np.newaxis]
         own = np.arange(count, dtype=np.int64) * (count + 1)
         found = (count * first + second).ravel()
@@ -50,14 +49,14 @@ class Pattern(NamedTuple):
 
 
 class CellSum:
-    """A kernel summed over cells.
+    """Kernel summed over cells.
 
     Attributes:
         cells: Nodes of each cell, shape (m, k).
-        values: Data of each cell, which stay where they are, shape (m, any).
-        table: For :func:`~fem_lie.forms.cell_forms.add_cells`.
-        used: Unknowns of a node, the first ones, that matrices have entries for.
-        own_only: Whether matrices are of the cells alone of which :meth:`choose` was told.
+        values: Data of each cell, at a fixed address, shape (m, any).
+        table: Table for :func:`~fem_lie.forms.cell_forms.add_cells`.
+        used: Number of unknowns of a node with matrix entries, the first ones.
+        own_only: Whether matrices are summed over the cells of :meth:`choose` only.
     """
 
     used: int = 6
@@ -73,16 +72,17 @@ class CellSum:
         *,
         apart: bool = False,
     ) -> None:
-        """Keep what the kernel reads.
+        """Store the data that the kernel reads.
 
         Args:
             cells: Nodes of each cell, shape (m, k).
-            kernel: Its address.
-            values: Data of each cell, whose first 12 k numbers are overwritten by its nodes' rows.
-            constants: The same for all cells.
-            coordinates: Of each cell, shape (m, any).
-            apart: Whether data are without these 12 k numbers, which the kernel finds before a copy
-                on the stack: of few data of many cells.
+            kernel: Address of the kernel.
+            values: Data of each cell, whose first 12 k numbers are overwritten by nodal
+                coordinates.
+            constants: Constants, the same for all cells.
+            coordinates: Coordinates of each cell, shape (m, any).
+            apart: Whether ``values`` are without these 12 k numbers, so that the kernel reads a
+                copy on the stack: for many cells with little data.
         """
         self.cells, rows = cells, 12 * cells.shape[1]
         self.values, self._x = (np.ascontiguousarray(a, np.float64) for a in (values, coordinates))
@@ -99,11 +99,11 @@ class CellSum:
         self._plain: tuple[Indices, Indices] = (self.table[0], self.table[1])
 
     def add_vector(self, H: Array, out: Array) -> None:
-        """Add six numbers for each node at rows ``H``, shape (6 count,)."""
+        """Add forces at nodal coordinates ``H``, six per node, shape (6 count,)."""
         add_cells(H, self._plain, 6, out)
 
     def add_matrix(self, H: Array, pattern: Pattern, place: Indices, out: Array) -> None:
-        """Add matrices at rows ``H`` to blocks (any, u, u), at places of the pattern's pairs."""
+        """Add matrices at coordinates ``H`` to blocks (any, u, u), at ``place`` of the pairs."""
         table, pairs = self._plain, pattern.place
         if self.own_only:
             table, pairs = self._own, pairs.reshape(len(self.cells), -1)[self._chosen].ravel()
@@ -111,12 +111,12 @@ class CellSum:
         add_blocks(H, table, pairs, place, size, min(size, self.used), out)
 
     def choose(self, cells: Flags) -> None:
-        """Which of the cells matrices are of while :attr:`own_only` is set, shape (m,)."""
+        """Choose the cells of matrices while :attr:`own_only` is set, shape (m,)."""
         own = of_cells(self.table, [cells])
         self._chosen, self._own = cells, (own.rows, own.nodes)
 
     def share(self, count: int) -> Array:
-        """Which part of the cells at each of so many nodes matrices are of, shape (count, 1)."""
+        """Fraction of the cells at each node that matrices include, shape (count, 1)."""
         if not self.own_only:
             return np.ones((count, 1))
         own, every = (
@@ -126,21 +126,21 @@ class CellSum:
         return (own / np.maximum(every, 1))[:, np.newaxis]
 
     def matrix(self, H: Array, pattern: Pattern, unknowns: int = 6) -> Array:
-        """Matrices at rows ``H`` in blocks of the pattern, shape (nnz, u, u)."""
+        """Matrix at coordinates ``H`` in blocks of the pattern, shape (nnz, u, u)."""
         count = len(pattern.indices)
         blocks = np.zeros((count, unknowns, unknowns))
         self.add_matrix(H, pattern, np.arange(count), blocks)
         return blocks
 
     def scalar(self, H: Array) -> float:
-        """The sum of a kernel that adds a number."""
+        """Sum of a scalar kernel."""
         value = np.zeros(1)
         add_cells(H, self._plain, 0, value)
         return float(value[0])
 
 
 class CellTerm(Term):
-    """A term that is three sums over cells: energy, forces, matrix; who makes it sets them."""
+    """Term of three sums over cells: energy, forces, matrix, which subclasses set."""
 
     _energy: CellSum
     _forces: CellSum
@@ -149,68 +149,68 @@ class CellTerm(Term):
 
     @cached_property
     def pairs(self) -> Pairs:
-        """Nodes of each cell with each other."""
+        """First and second node of each block of the pattern."""
         count = len(self._pattern.indptr) - 1
         rows = np.repeat(np.arange(count), np.diff(self._pattern.indptr))
         return rows, self._pattern.indices.astype(np.int64)
 
     @property
     def matrices(self) -> Sequence[CellSum]:
-        """See the base class."""
+        """Sum over cells of the tangent."""
         return (self._matrix,)
 
     @property
     def tables(self) -> tuple[FormTable, FormTable] | None:
-        """Of forces and of energy."""
+        """Tables of forces and of energy."""
         return self._forces.table, self._energy.table
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """See the base class."""
+        """Add the forces at nodal coordinates ``H`` to ``out``, six per node."""
         self._forces.add_vector(H, out.reshape(-1))
 
     def energy(self, H: Array) -> float:
-        """See the base class."""
+        """Stored energy at nodal coordinates ``H``, J."""
         return self._energy.scalar(H)
 
     def tangent(self, H: Array, kept: Array) -> Array:
-        """See the base class."""
+        """Tangent stiffness at nodal coordinates ``H``, shape (nnz, 6, 6)."""
         return self._matrix.matrix(H, self._pattern)
 
     def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
-        """See the base class."""
+        """Add the tangent stiffness to blocks ``K`` at ``place``."""
         self._matrix.add_matrix(H, self._pattern, place, K)
 
 
-class CarryingCellTerm(CellTerm, LinearisedStress):
-    """Such a term whose matrix has stress that is carried, ``_stress`` (m, any) of its cells."""
+class LinearisedCellTerm(CellTerm, LinearisedStress):
+    """Term of sums over cells with independent stress, ``_stress`` (m, any), in its matrix."""
 
     _stress: Array
 
     @property
     def stress_update(self) -> LinearisedStress:
-        """That of all cells."""
+        """Independent stress of all cells."""
         return self
 
     @property
     def carried(self) -> Array:
-        """Stress of all cells, flat."""
+        """Independent stress of all cells, flat."""
         return self._stress.ravel()
 
     def restore(self, carried: Array) -> None:
-        """See the base class."""
+        """Set the stress to an earlier copy of :attr:`carried`."""
         self._stress[:] = carried.reshape(self._stress.shape)
 
     def clear_stress(self) -> None:
-        """See the base class."""
+        """Set the stress to zero."""
         self._stress[:] = 0.0
 
     def reset_stress(self, H: Array) -> None:
-        """See the base class."""
+        """Set the stress to that of frames ``H``."""
         self.carry(H, np.zeros((len(self._pattern.indptr) - 1, 6)))
 
 
 class CellForm(CellSum):
-    """A form of DOLFINx with its constants and coefficients packed; the state is first in them."""
+    """DOLFINx form with packed constants and coefficients; the state is the first coefficient."""
 
     cells: npt.NDArray[np.int32]
 
@@ -221,14 +221,14 @@ class CellForm(CellSum):
         cells: npt.NDArray[np.int32],
         other: CellForm | None = None,
     ) -> None:
-        """Pack everything.
+        """Pack constants and coefficients.
 
         Args:
-            form: With one integral.
+            form: Form with one integral.
             kernel: See :mod:`fem_lie.forms.kernels`.
             cells: Nodes of each cell.
-            other: One on the same cells, with which it shares coordinates, and coefficients if
-                these are the same.
+            other: A form on the same cells, whose coordinates are shared, and whose coefficients
+                are shared if they are the same.
         """
         self._form, self.cells = form._cpp_object, cells
         constants = dolfinx.cpp.fem.pack_constants(self._form)
@@ -242,15 +242,15 @@ class CellForm(CellSum):
         super().__init__(cells, int(kernel.address), values, constants, x, apart=True)
 
     def _packed(self) -> Array:
-        """All but the state."""
+        """Packed coefficients without the state."""
         (values,) = dolfinx.cpp.fem.pack_coefficients(self._form).values()
         return np.asarray(values)[:, 12 * self.cells.shape[1] :]
 
     def pack(self) -> None:
-        """Read all coefficients anew."""
+        """Pack all coefficients again."""
         self.values[:] = self._packed()
 
 
 def _place(array: Array) -> tuple[int, int]:
-    """Address, and length of a row."""
+    """Address of an array, and length of its rows."""
     return array.ctypes.data, array.shape[1]

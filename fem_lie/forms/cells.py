@@ -1,9 +1,9 @@
-"""All cells of a scene, for compiled loops: kernels by address, forces and energy of each cell.
+"""All cells of a scene for compiled loops: kernels by address, forces and energy of each cell.
 
-DOLFINx assembles forms; a scheme that treats every element by itself needs what is before the sum.
-Here the cells of all assemblies are one table of addresses: of the kernels of
-:mod:`fem_lie.forms.kernels`, of their packed coefficients and constants and of the coordinates of
-the cells. One compiled loop goes through it, whatever the elements.
+DOLFINx assembles forms; a scheme that treats elements individually needs their contributions before
+summation. Here the cells of all assemblies are one table of addresses: of the kernels of
+:mod:`fem_lie.forms.kernels`, of their packed coefficients and constants, and of the coordinates of
+the cells. One compiled loop evaluates all of them, whatever the elements.
 """
 
 from __future__ import annotations
@@ -29,25 +29,25 @@ from fem_lie.forms.term import Term
 
 ENERGY, RESIDUAL, LOCAL, VISCOUS = 0, 1, 2, 3
 NOTHING, COORDINATES, ITSELF = 0, 1, 2
-"""What of the energy forces find."""
+"""Part of the energy evaluation that the force kernel has done."""
 
 
 class CellTable(NamedTuple):
-    """Where everything of the cells stands; ``M`` cells, four kernels each.
+    """Addresses of the data of ``M`` cells, with four kernels each.
 
     Attributes:
-        kernel: Address of energy, forces, change of local fields, viscous forces; 0: there is none.
-            Shape (M, 4), as the next two.
-        w: Address of the packed coefficients, the frames of the nodes first.
+        kernel: Addresses of the kernels of energy, forces, change of local fields, viscous forces;
+            0: none. Shape (M, 4), as of the next two.
+        w: Address of the packed coefficients, which start with the frames of the nodes.
         c: Address of the constants.
-        at: Offset in ``w`` of the local fields (first three) or the twists (last), and of forces
-            that find the energy, of that, shape (M, 4).
+        at: Offset in ``w`` of the local fields (first three) or of the twists (last), and of the
+            energy for force kernels that compute it, shape (M, 4).
         x: Address of the coordinates of the cell, shape (M,).
         n_s: Number of local fields, shape (M,).
-        unknowns: Per node, five or six, shape (M,).
-        shares: What forces find of the energy: the coordinates of which it is made, or itself, see
-            :data:`NOTHING`, shape (M,).
-        first: First place of each cell in ``nodes``, shape (M + 1,).
+        unknowns: Unknowns per node, five or six, shape (M,).
+        shares: What the force kernel computes of the energy: its coordinates, or the energy itself,
+            see :data:`NOTHING`, shape (M,).
+        first: Index of the first node of each cell in ``nodes``, shape (M + 1,).
         nodes: Nodes of the cells, in the numbering of all nodes.
     """
 
@@ -64,7 +64,7 @@ class CellTable(NamedTuple):
 
 
 class _Form:
-    """A form with its coefficients packed, in memory that stays where it is."""
+    """Form with packed coefficients at a fixed address."""
 
     def __init__(self, form: fem.Form, kernel: Any, given: fem.Function | None) -> None:
         self.form, self.kernel = form._cpp_object, int(kernel.address)
@@ -82,24 +82,24 @@ class _Form:
         return np.asarray(values, dtype=np.float64)
 
     def pack(self) -> None:
-        """Read all coefficients anew."""
+        """Pack all coefficients again."""
         self.w[:] = self._packed()
 
 
 class Cells:
-    """The cells of all assemblies of a scene, and of the terms on their nodes.
+    """Cells of all assemblies of a scene, and of the terms on their nodes.
 
     Attributes:
-        table: Of all cells.
+        table: Table of all cells.
         count: Number of cells.
         places: Number of pairs of a cell and one of its nodes.
     """
 
     def __init__(self, assemblies: Sequence[tuple[slice, BodyTerm]]) -> None:
-        """Pack everything once.
+        """Pack the data of all cells.
 
         Args:
-            assemblies: Each with its part of all nodes.
+            assemblies: Each assembly with its slice of all nodes.
         """
         self._forms: list[tuple[_Form, ...]] = []
         self._locals: list[tuple[Assembly, _Form]] = []
@@ -124,7 +124,7 @@ class Cells:
         """Columns of the table for one assembly."""
         assert isinstance(assembly, Assembly)
         forms, count = assembly.forms, len(assembly.cells)
-        forms.increment.x.array[:] = 0.0  # local fields are brought to the frames as they are
+        forms.increment.x.array[:] = 0.0  # local fields are solved at the current frames
         shares, found = NOTHING, forms.local
         if forms.residual_kernel is kernels.residual_kernel:
             shares = COORDINATES
@@ -165,7 +165,7 @@ class Cells:
         }
 
     def _rows_of_sums(self, start: int, term: Term) -> dict[str, Indices]:
-        """The same of a term that is sums over cells, which have one form each."""
+        """Columns of the table for a term of sums over cells, with one form each."""
         tables = term.over_cells
         assert tables is not None, "refused before"
         (forces,), (energy,) = (table.rows for table in tables)
@@ -185,20 +185,20 @@ class Cells:
         }
 
     def pack(self) -> None:
-        """Read all coefficients anew, when strains without stress have changed."""
+        """Pack all coefficients again, after a change of eigenstrains."""
         for forms in self._forms:
             for form in forms:
                 form.pack()
 
     def memory(self) -> dict[str, Array]:
-        """Copies of what the cells carry of their own."""
+        """Copies of the local fields of the cells."""
         return {
             str(k): form.w[:, form.at : form.at + assembly.forms.local_size].copy()
             for k, (assembly, form) in enumerate(self._locals)
         }
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Carry again what :meth:`memory` gave."""
+        """Set the local fields to the copies of :meth:`memory`."""
         at = 0
         for forms in self._forms:
             if len(forms) > LOCAL and forms[LOCAL].kernel == int(kernels.local_kernel.address):
@@ -209,7 +209,7 @@ class Cells:
 
 
 class _No:
-    """Stands for a form that there is not."""
+    """Placeholder for a form that does not exist."""
 
     kernel, at = 0, 0
     w, constants = np.zeros((1, 0)), np.zeros(0)
@@ -233,7 +233,10 @@ _EMPTY: dict[str, Indices] = {
 
 @uncounted
 def _frames_into(H: Array, more: Array, nodes: Indices, w: Array) -> None:
-    """Frames ``H + more`` of a cell, seen from its first node: energies do not feel where it is."""
+    """Frames ``H + more`` of a cell relative to the position of its first node.
+
+    Energies do not depend on that position.
+    """
     at, origin = 0, nodes[0]
     for i in range(nodes.shape[0]):
         node = nodes[i]
@@ -249,13 +252,16 @@ def _frames_into(H: Array, more: Array, nodes: Indices, w: Array) -> None:
 
 @inlined
 def _header(c: int) -> Indices:
-    """See :mod:`fem_lie.forms.kernels.in_local_frames`."""
+    """Header of a form, see :mod:`fem_lie.forms.kernels.in_local_frames`."""
     return numba.carray(integer_pointer(c), (kernels.HEADER_SIZE,))
 
 
 @uncounted
 def _take_coordinates(w: Indices, c: Indices) -> None:
-    """Those of a cell from the forces, of which the last change of local fields changes nothing."""
+    """Copy the coordinates of a cell from the force kernel's data to the energy kernel's.
+
+    The last change of local fields does not affect them.
+    """
     given, taken = _header(c[RESIDUAL]), _header(c[ENERGY])
     count = given[kernels.N_Y]
     source = vector_at(pointer(w[RESIDUAL] + 8 * given[kernels.AT_Y]), count)
@@ -266,10 +272,10 @@ def _take_coordinates(w: Indices, c: Indices) -> None:
 
 @uncounted
 def evaluate(cells: CellTable, H: Array, more: Array, F: Array, W: Array) -> None:
-    """Forces ``F`` in the nodes' frames, (places, 6), and energies ``W`` (M,) at ``H + more``.
+    """Forces ``F`` along nodal axes (places, 6), and energies ``W`` (M,), at ``H + more``.
 
-    Local fields are brought to those of the frames by one step of Newton, exact where the energy is
-    quadratic in them.
+    Local fields are solved by one step of Newton's method, exact if the energy is quadratic in
+    them.
     """
     kernel, w, c, at, x, n_s, unknowns, shares, first, nodes = cells
     H, more, F = as_frames(H), as_frames(more), as_sixes(F)
@@ -322,7 +328,7 @@ def evaluate(cells: CellTable, H: Array, more: Array, F: Array, W: Array) -> Non
 
 @compiled
 def viscous_forces(cells: CellTable, H: Array, v: Array, F: Array) -> None:
-    """Viscous forces ``F`` (places, 6) at frames ``H`` and twists ``v`` (N, 6); zero elsewhere."""
+    """Viscous forces ``F`` (places, 6) at frames ``H`` and twists ``v`` (N, 6)."""
     kernel, w, c, at, x, _, _, _, first, nodes = cells
     size = 1
     for e in range(x.shape[0]):

@@ -1,4 +1,4 @@
-"""A UFL energy of an element in flat coordinates."""
+"""Strain energy of an element in flat coordinates, in UFL."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ from fem_lie import _compat
 
 
 class Forces(NamedTuple):
-    """What makes the forces on the nodes of a cell.
+    """Kernel that computes the forces on the nodes of a cell.
 
     Attributes:
-        kernel: Of UFCx's signature. Behind the rows of the nodes is room for the coordinates, where
-            a map computes them, then what it reads.
-        reads: What that is, without the state.
-        energy: One of these, if it writes the energy of the cell there: a number.
+        kernel: Compiled function of UFCx's signature. Its coefficients are the nodal coordinates,
+            space for the flat coordinates if a map computes them, then ``reads``.
+        reads: Coefficients that the kernel reads, without the state.
+        energy: One of these, a number, to which the kernel writes the energy of the cell; or
+            ``None``.
     """
 
     kernel: Any
@@ -32,20 +33,24 @@ class Forces(NamedTuple):
 
 @dataclass(frozen=True)
 class StrainEnergy:
-    """A stored energy ``∫ weight · law(ε) dx`` as strain and law, so that stress can be carried.
+    """Strain energy ``∫ weight · law(ε) dx`` as strain measure and law.
+
+    The separation allows an independent stress in the tangent, see
+    :mod:`fem_lie.forms.local_forms`.
 
     Attributes:
-        strain: The strain measure ``ε(y)``, shape ``(n,)``, in UFL.
+        strain: Strain measure ``ε(y)``, shape ``(n,)``, in UFL.
         law: Energy density as a UFL function of the strain.
         dx: Cell measure with an explicit ``quadrature_degree`` in its metadata.
-        weight: Factor of the density, without dependence on ``y``.
-        viscosity: Stress per strain rate, a matrix of shape ``(n, n)``: Kelvin and Voigt's damping
-            ``σ(ε) + η ε̇``; or ``None``.
-        through: A vector ``z(y)`` made by :func:`ufl.variable`, if ``strain`` is written in it and
-            depends on ``y`` by it alone. Derivatives then go by the chain rule, ``ε'(z) z'(y)``,
-            instead of being written out in ``y``: the compiled tangent of an intricate ``ε(z)``
-            with a simple ``z(y)`` shrinks by an order of magnitude.
-        forces: In closed form, where those that are derived from ``strain`` cost more.
+        weight: Factor of the density, independent of ``y``.
+        viscosity: Viscosity ``η``, a matrix of shape ``(n, n)``, of Kelvin-Voigt damping ``σ(ε) + η
+            ε̇``; or ``None``.
+        through: Vector ``z(y)`` made by :func:`ufl.variable`, if ``strain`` depends on ``y`` only
+            through it. Derivatives are then formed by the chain rule, ``ε'(z) z'(y)``, instead of
+            being expanded in ``y``: for a complicated ``ε(z)`` with a simple ``z(y)`` the compiled
+            tangent is smaller by an order of magnitude.
+        forces: Kernel of the forces in closed form, if those derived from ``strain`` are more
+            expensive.
     """
 
     strain: Expr
@@ -57,7 +62,7 @@ class StrainEnergy:
     forces: Forces | None = None
 
     def change(self, y: fem.Function, dy: fem.Function | ufl.Argument) -> Expr:
-        """``ε'(y) dy``.
+        """Variation of the strain, ``ε'(y) dy``.
 
         Args:
             y: Flat coordinates of the cell.
@@ -69,7 +74,7 @@ class StrainEnergy:
         return ufl.dot(ufl.diff(self.strain, z), _derivative(z, y, dy))
 
     def rate(self, y: fem.Function, dy: fem.Function | ufl.Argument) -> Expr:
-        """Of the strain, as it is damped: nil in rigid motions.
+        """Strain rate for damping; it must vanish in rigid motions.
 
         Args:
             y: Flat coordinates of the cell.
@@ -100,11 +105,11 @@ class StrainEnergy:
         return ufl.inner(dz, matrix * bz) + ufl.inner(force, ufl.derivative(dz, y, by))
 
     def form(self) -> ufl.Form:
-        """The energy as a UFL form."""
+        """Strain energy as a UFL form."""
         return self.weight * self.law(self.strain) * self.dx
 
     def quadrature_element(self) -> basix.ufl._ElementBase:
-        """Element of the stress: its values at the quadrature points.
+        """Quadrature element of the stress.
 
         Raises:
             ValueError: The measure has no quadrature degree, or the strain is not a vector.

@@ -1,8 +1,7 @@
-"""Arrays that stay where they are, passed to compiled functions as one.
+"""Arrays at fixed addresses, passed to compiled functions as one table.
 
-A compiled function takes 0.15 µs longer to call from Python for each array it is given: with
-twenty, as long as it takes to do its work on a small scene. What does not change its place in a run
-is found by its address.
+Each array argument adds 0.15 µs to a call of a compiled function from Python: twenty arrays cost as
+much as the work on a small scene. Arrays that do not move during a run are passed by address.
 """
 
 from __future__ import annotations
@@ -21,14 +20,16 @@ _MOST = 4  # dimensions
 
 
 class FixedArrays:
-    """Keeps arrays of doubles and of 64-bit integers alive; they must not be replaced by others.
+    """Table of arrays of doubles and 64-bit integers, which it keeps alive.
+
+    The arrays must not be replaced.
 
     Attributes:
-        table: For compiled functions: address and shape of each, shape (k, 5).
+        table: Address and shape of each array, for compiled functions, shape (k, 5).
     """
 
     def __init__(self, arrays: Iterable[Any]) -> None:
-        """In the order in which compiled functions look for them."""
+        """Store the arrays in the order in which compiled functions index them."""
         self._arrays = tuple(arrays)
         self.table = np.ones((len(self._arrays), 1 + _MOST), dtype=np.int64)
         for row, array in zip(self.table, self._arrays, strict=True):
@@ -40,89 +41,88 @@ class FixedArrays:
 
 @inlined
 def numbers1(table: Indices, k: int) -> Array:
-    """Array ``k``, of one dimension."""
+    """Array ``k`` of doubles, one dimension."""
     return numba.carray(pointer(table[k, 0]), (table[k, 1],))
 
 
 @inlined
 def numbers2(table: Indices, k: int) -> Array:
-    """Of two."""
+    """Array ``k`` of doubles, two dimensions."""
     return numba.carray(pointer(table[k, 0]), (table[k, 1], table[k, 2]))
 
 
 @inlined
 def numbers3(table: Indices, k: int) -> Array:
-    """Of three."""
+    """Array ``k`` of doubles, three dimensions."""
     return numba.carray(pointer(table[k, 0]), (table[k, 1], table[k, 2], table[k, 3]))
 
 
 @inlined
 def numbers4(table: Indices, k: int) -> Array:
-    """Of four."""
+    """Array ``k`` of doubles, four dimensions."""
     shape = table[k, 1], table[k, 2], table[k, 3], table[k, 4]
     return numba.carray(pointer(table[k, 0]), shape)
 
 
 @inlined
 def integers1(table: Indices, k: int) -> Indices:
-    """Array ``k``, of integers and one dimension."""
+    """Array ``k`` of integers, one dimension."""
     return numba.carray(integer_pointer(table[k, 0]), (table[k, 1],))
 
 
 @inlined
 def integers2(table: Indices, k: int) -> Indices:
-    """Of two."""
+    """Array ``k`` of integers, two dimensions."""
     return numba.carray(integer_pointer(table[k, 0]), (table[k, 1], table[k, 2]))
 
 
 @inlined
 def frames(table: Indices, k: int) -> Array:
-    """Of frames, (n, 4, 3): what a compiler knows of a shape it needs not multiply with."""
+    """Array ``k`` of shape (n, 4, 3); strides that are known to the compiler are faster."""
     return numba.carray(pointer(table[k, 0]), (table[k, 1], 4, 3))
 
 
 @inlined
 def sixes(table: Indices, k: int) -> Array:
-    """Of shape (n, 6), likewise."""
+    """Array ``k`` of doubles, shape (n, 6)."""
     return numba.carray(pointer(table[k, 0]), (table[k, 1], 6))
 
 
 @inlined
 def integer_sixes(table: Indices, k: int) -> Indices:
-    """Of integers."""
+    """Array ``k`` of integers, shape (n, 6)."""
     return numba.carray(integer_pointer(table[k, 0]), (table[k, 1], 6))
 
 
 @inlined
 def many_frames(table: Indices, k: int) -> Array:
-    """Of shape (k, n, 4, 3)."""
+    """Array ``k`` of shape (m, n, 4, 3)."""
     return numba.carray(pointer(table[k, 0]), (table[k, 1], table[k, 2], 4, 3))
 
 
 @inlined
 def many_sixes(table: Indices, k: int) -> Array:
-    """Of shape (k, n, 6)."""
+    """Array ``k`` of shape (m, n, 6)."""
     return numba.carray(pointer(table[k, 0]), (table[k, 1], table[k, 2], 6))
 
 
 @inlined
 def as_frames(H: Array) -> Array:
-    """The array, known to be contiguous and of shape (n, 4, 3); likewise."""
+    """The contiguous array ``H`` as one of known shape (n, 4, 3)."""
     return numba.carray(pointer(H.ctypes.data), (H.shape[0], 4, 3))
 
 
 @inlined
 def as_sixes(F: Array) -> Array:
-    """The array, known to be contiguous and of shape (n, 6)."""
+    """The contiguous array ``F`` as one of known shape (n, 6)."""
     return numba.carray(pointer(F.ctypes.data), (F.shape[0], 6))
 
 
 @inlined
 def put(values: Array, out: Array) -> None:
-    """``out[:] = values`` for arrays of the same shape.
+    """``out[:] = values`` for arrays of the same shape, without a check.
 
-    That itself checks the shapes, and what would write them into a message is more code than most
-    functions are: some twenty functions on strings, which go into each caller.
+    The check and its message would add some twenty string functions to the code of each caller.
     """
     source, target = values.flat, out.flat
     for k in range(out.size):

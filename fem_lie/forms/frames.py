@@ -1,4 +1,4 @@
-"""Nodal frames stored in a DOLFINx function, and the map of elements written in directors."""
+"""Nodal frames as a DOLFINx function, and the map of elements written in directors."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ VALUES, UNKNOWNS = 12, 6
 
 @compiled
 def push_forward(H: Array, h: Array, out: Array) -> None:
-    """``L h``: ``δx = R u``, ``δd_k = R (η × e_k)``; shapes (n, 4, 3), (n, 6), (n, 4, 3)."""
+    """Rates ``L h``: ``δx = R u``, ``δd_k = R (η × e_k)``; shapes (n, 4, 3), (n, 6), (n, 4, 3)."""
     for i in range(h.shape[0]):
         directors.push_forward(H[i], h[i], out[i])
 
 
 @compiled
 def pull_back(H: Array, f: Array, sign: float, r: Array) -> None:
-    """``r += sign · Lᵀ f``: force ``Rᵀ f_x``, moment ``Σ e_k × Rᵀ f_k``; (n, 4, 3) to (n, 6)."""
+    """Add ``sign · Lᵀ f``: force ``Rᵀ f_x``, moment ``Σ e_k × Rᵀ f_k``; (n, 4, 3) to (n, 6)."""
     for i in range(f.shape[0]):
         directors.pull_back(H[i], f[i], sign, r[i])
 
 
 @compiled
 def pull_back_derivative(H: Array, f: Array, sign: float, block: Array) -> None:
-    """``block += sign · ∂(Lᵀ f)/∂h`` of one node, see :func:`~.directors.pull_back_derivative`."""
+    """Add ``sign · ∂(Lᵀ f)/∂h`` of one node, see :func:`~.directors.pull_back_derivative`."""
     directors.pull_back_derivative(H, f, sign, block)
 
 
@@ -75,7 +75,7 @@ DIRECTORS = FrameMap(
     values=VALUES,
     unknowns=UNKNOWNS,
 )
-"""Flat coordinates are position and three directors of each node, whatever cell and degree."""
+"""Map with position and directors of each node as flat coordinates, for any cell and degree."""
 
 
 @compiled
@@ -86,26 +86,27 @@ def _retract_all(H: Array, h: Array) -> None:
 
 
 class NodalFrames:
-    """Frames at the nodes of a mesh: position ``x`` and directors ``d_k = R e_k``.
+    """Frames at the nodes of a mesh: positions ``x`` and directors ``d_k = R e_k``.
 
     Attributes:
         function: DOLFINx function of 12 values per node, ``(x, d₁, d₂, d₃)``.
-        increment: Function of 6 unknowns per node, (translation, rotation) in the node's frame.
+        increment: DOLFINx function of 6 unknowns per node, (translation, rotation) along its frame.
     """
 
     def __init__(self, msh: mesh.Mesh, degree: int = 1) -> None:
-        """Place the nodes on the mesh with ``R = I``.
+        """Create the frames at the nodes of the mesh, with ``R = I``.
 
-        On several processes a line mesh must not branch up to DOLFINx 0.9, and must be made with
-        ``max_facet_to_cell_links`` from 0.10 on. Otherwise DOLFINx may have cut it without a word,
-        which cannot be seen any more: the parts are then not connected.
+        In parallel, a line mesh must not branch with DOLFINx up to 0.9, and must be created with
+        ``max_facet_to_cell_links`` from 0.10 on. Otherwise DOLFINx may have cut it silently, which
+        cannot be detected later: the parts are then not connected.
 
         Args:
-            msh: Mesh in space (``gdim`` 3), of any cell.
+            msh: Mesh in space (``gdim`` 3), with any cells.
             degree: Degree of the Lagrange nodes.
 
         Raises:
-            ValueError: The mesh is not in three-dimensional space, or branches in spite of this.
+            ValueError: The mesh is not in three-dimensional space, or branches where DOLFINx does
+                not support it.
         """
         if msh.geometry.dim != 3:
             raise ValueError(f"nodal frames need a mesh with gdim 3, got gdim {msh.geometry.dim}")
@@ -124,27 +125,27 @@ class NodalFrames:
 
     @property
     def frames(self) -> npt.NDArray[np.float64]:
-        """View of all frames (ghosts included), shape ``(n, 4, 3)``, as in :mod:`fem_lie.lie`."""
+        """View of all frames (ghosts included), shape ``(n, 4, 3)``, see :mod:`fem_lie.lie`."""
         return self.function.x.array.reshape(-1, 4, 3)
 
     @property
     def position(self) -> Expr:
-        """``x`` in UFL."""
+        """Position ``x`` in UFL, shape (3,)."""
         return ufl.as_vector([self.function[j] for j in range(3)])
 
     @property
     def directors(self) -> list[Expr]:
-        """``d₁, d₂, d₃`` in UFL."""
+        """Directors ``d₁, d₂, d₃`` in UFL, shape (3,) each."""
         return [ufl.as_vector([self.function[3 + 3 * k + j] for j in range(3)]) for k in range(3)]
 
     def update(self, h: npt.ArrayLike) -> None:
-        """``H ← H exp(h)`` at every node.
+        """Update all frames, ``H ← H exp(h)``.
 
         Args:
             h: Increments of all local nodes, ghosts included, ``6 n`` values.
 
         Raises:
-            ValueError: There are more or fewer values.
+            ValueError: ``h`` has another number of values.
         """
         frames, values = self.frames, np.asarray(h, dtype=np.float64)
         if values.size != UNKNOWNS * len(frames):
@@ -158,12 +159,13 @@ class NodalFrames:
 def local_frame_forms(
     energy: StrainEnergy | ufl.Form, q: NodalFrames, local: fem.Function | None = None
 ) -> LocalFrameForms:
-    """DOLFINx forms, in nodal local frames, of an energy written in positions and directors.
+    """DOLFINx forms along nodal frames of an energy in positions and directors.
 
     Args:
-        energy: UFL form ``W`` in ``q.position`` and ``q.directors``, or strain and law.
-        q: The nodal frames; see :class:`NodalFrames` for branching meshes on several processes.
-        local: Element-local fields of ``W``, discontinuous between cells, condensed in the kernel.
+        energy: UFL form ``W`` in ``q.position`` and ``q.directors``, or a :class:`StrainEnergy`.
+        q: Nodal frames; see :class:`NodalFrames` for branching meshes in parallel.
+        local: Element-local fields of ``W``, discontinuous between cells; the kernel condenses
+            them.
 
     Raises:
         ValueError: ``local`` is continuous between cells; see also :class:`LocalFrameForms`.

@@ -1,24 +1,25 @@
-"""UFL energies in flat element coordinates, as DOLFINx forms in the nodes' local frames.
+"""DOLFINx forms along nodal frames of UFL energies in flat element coordinates.
 
-The one idea of the package. For a cell with flat coordinates ``y`` (nodal positions and directors,
-a relative motion ...) and a stored energy ``W(y)`` in UFL, a :class:`FrameMap` tells how ``y``
-moves with the local-frame twists ``h = (v, η)`` of the nodes, ``δy = L(H) h``. Then::
+For a cell with flat coordinates ``y`` (nodal positions and directors, a relative motion ...) and a
+strain energy ``W(y)`` in UFL, a :class:`FrameMap` gives the variation of ``y`` for twists ``h = (v,
+η)`` of the nodes along their frames, ``δy = L(H) h``. Then the forces and the tangent stiffness
+are::
 
     r = Lᵀ ∂W/∂y            K = Lᵀ (∂²W/∂y²) L + ∂(Lᵀ f)/∂h
 
-FFCx compiles the derivatives of ``W``; the kernels of :mod:`fem_lie.forms.kernels` call what FFCx
-made and apply the map. DOLFINx gets them as custom-kernel forms.
+FFCx compiles the derivatives of ``W``; the kernels of :mod:`fem_lie.forms.kernels` call these
+functions and apply the map. DOLFINx assembles them as forms with custom kernels.
 
-**Element-local fields.** ``W(y, s)`` with stress or strain parameters ``s``: the kernels eliminate
-``s`` cell by cell, ``r = Lᵀ (W_y − W_ys W_ss⁻¹ W_s)``, ``K`` likewise, and
-:meth:`LocalFrameForms.carry` adds ``δs = −W_ss⁻¹ (W_s + W_sy L h)``: mixed energies such as those
-of Hellinger-Reissner and Hu-Washizu.
+**Element-local fields.** For ``W(y, s)`` with stress or strain parameters ``s``, the kernels
+condense ``s`` cell by cell, ``r = Lᵀ (W_y − W_ys W_ss⁻¹ W_s)``, ``K`` likewise, and
+:meth:`LocalFrameForms.carry` adds ``δs = −W_ss⁻¹ (W_s + W_sy L h)``: for mixed energies such as
+those of Hellinger-Reissner and Hu-Washizu.
 
-**Carried stress.** An energy given as strain and law, :class:`StrainEnergy`, has a stress field
-``N`` at its quadrature points beside ``σ(ε)``: the residual uses ``σ(ε(y))``, the tangent
-``δε·C·δε + N·δ²ε`` and the derivative of the map use ``N``, which after each solve becomes
-``σ(ε) + C ε'(y) L h``. (Magisano, Leonetti & Garcea, CMAME 313 (2017) 986: mixed integration
-points.)
+**Independent stress.** An energy given as strain and law, :class:`StrainEnergy`, has an independent
+stress field ``N`` at its quadrature points besides ``σ(ε)``: the residual uses ``σ(ε(y))``; the
+tangent ``δε·C·δε + N·δ²ε`` and the derivative of the map use ``N``, which is updated linearly after
+each solve, ``N ← σ(ε) + C ε'(y) L h``. (Magisano, Leonetti & Garcea, CMAME 313 (2017) 986: mixed
+integration points.)
 """
 
 from __future__ import annotations
@@ -39,27 +40,28 @@ from fem_lie.forms.wrapping import CompiledForm, Wrapping, packed_size
 
 
 class LocalFrameForms:
-    """DOLFINx forms of a stored energy in the local frames of the nodes.
+    """DOLFINx forms of a strain energy along the frames of the nodes.
 
-    They are assembled over the cells that a rank owns, like any form: the entries of ghosts are
-    still to be added to their owners (``scatter_reverse``).
+    They are assembled over the cells that a rank owns, like any form: contributions to ghosts
+    remain to be added at their owners (``scatter_reverse``).
 
     Attributes:
-        energy: Functional, rank 0.
-        residual: Forces and moments in the nodal frames, rank 1, on the space of ``increment``.
-        residual_kernel: What stands behind it.
-        found_energy: Where that leaves the energy of a cell, one of the functions of the form, or
+        energy: Strain energy, rank 0.
+        residual: Forces and moments along nodal frames, rank 1, on the space of ``increment``.
+        residual_kernel: Kernel of ``residual``.
+        found_energy: Function of the form to which that kernel writes the energy of a cell, or
             ``None``.
-        tangent: Its derivative with respect to local-frame increments, rank 2.
-        increment: Function ``h`` read by :meth:`carry`: translation, rotation in nodal frames.
-        local: The element-local fields ``s``, or ``None``.
-        stress: The carried stress at the quadrature points, or ``None`` for a plain energy.
+        tangent: Tangent stiffness in increments along nodal frames, rank 2.
+        increment: Function ``h`` that :meth:`carry` reads: translation, rotation along nodal
+            frames.
+        local: Element-local fields ``s``, or ``None``.
+        stress: Independent stress at the quadrature points, or ``None`` for a plain energy.
         viscous: Viscous forces at the twists ``velocity``, rank 1, or ``None``.
-        viscous_tangent: Their derivative with respect to the twists, rank 2, or ``None``.
-        velocity: Function read by ``viscous``: local twists of the nodes.
+        viscous_tangent: Derivative of the viscous forces in the twists, rank 2, or ``None``.
+        velocity: Function that ``viscous`` reads: twists of the nodes along their frames.
         local_change: Change of the local fields that :meth:`carry` adds, rank 1, if there are any.
         local_size: Number of local fields of a cell.
-        velocity_at: Where its values begin among the packed coefficients of ``viscous``.
+        velocity_at: Index of ``velocity`` in the packed coefficients of ``viscous``.
     """
 
     energy: fem.Form
@@ -82,23 +84,24 @@ class LocalFrameForms:
         coordinates: fem.Function | None = None,
         local: fem.Function | None = None,
     ) -> None:
-        """Differentiate, compile and wrap.
+        """Differentiate, compile and wrap the energy.
 
         Args:
-            energy: ``W(y)``, or ``W(y, s)`` with element-local fields, as a UFL form; or strain and
-                law.
-            state: What the nodes store, ``frame_map.values`` doubles per node.
-            increment: Function on the space of the local-frame unknowns.
-            frame_map: How ``coordinates`` move with the nodes.
-            coordinates: ``y``, if the map computes it from the state; otherwise it is the state.
-            local: Element-local fields ``s`` (a discontinuous function), condensed and carried. The
-                second derivative of ``W`` in ``s`` must be regular.
+            energy: ``W(y)``, or ``W(y, s)`` with element-local fields, as a UFL form; or a
+                :class:`StrainEnergy`.
+            state: Stored nodal coordinates, ``frame_map.values`` doubles per node.
+            increment: Function on the space of the unknowns along nodal frames.
+            frame_map: Variation of ``coordinates`` for twists of the nodes.
+            coordinates: ``y``, if the map computes it from the state; by default the state is
+                ``y``.
+            local: Element-local fields ``s`` (a discontinuous function), condensed and updated
+                linearly. The second derivative of ``W`` in ``s`` must be regular.
 
         Raises:
             ValueError: The local fields are continuous between cells, the measure has no quadrature
-                degree, the energy has no or several cell
-                integrals or does not depend on ``y``, both strain-and-law and local fields are
-                given, or the functions do not fit the map.
+                degree, the energy has no or several cell integrals or does not depend on ``y``, a
+                :class:`StrainEnergy` is given with local fields, or the function spaces do not
+                match the map.
         """
         _check_spaces(state, increment, frame_map, coordinates)
         if local is not None:
@@ -127,7 +130,7 @@ class LocalFrameForms:
             return
         s, S = self.local, self.local.function_space
         rows = ufl.derivative(energy, s, ufl.TestFunction(S))
-        # products with vectors where they will do: a matrix costs several times as much
+        # products with vectors where possible: a matrix costs several times as much
         z, dy = fem.Function(S), fem.Function(y.function_space)
         condensed = CompiledForm(gradient - ufl.derivative(gradient, s, z))
         changed = CompiledForm(rows + ufl.derivative(rows, y, dy))
@@ -144,7 +147,7 @@ class LocalFrameForms:
 
     def _build_carried(self, energy: StrainEnergy, y: fem.Function) -> None:
         space, points = y.function_space, energy.quadrature_element()
-        self.stress = fem.Function(fem.functionspace(space.mesh, points), name="carried stress")
+        self.stress = fem.Function(fem.functionspace(space.mesh, points), name="independent stress")
         test, trial = ufl.TestFunction(space), ufl.TrialFunction(space)
         strain = ufl.variable(energy.strain)
         sigma = ufl.diff(energy.law(strain), strain)
@@ -171,11 +174,11 @@ class LocalFrameForms:
         )
         one = ufl.as_vector([1.0] * energy.strain.ufl_shape[0])
         weights = fem.assemble_vector(compile_form(ufl.inner(one, tau) * dx)).array
-        # cells of other ranks, and cells without energy, have no weights and keep no stress
+        # cells of other ranks, and cells without energy, have zero weights and zero stress
         self._per_weight = np.divide(1.0, weights, out=np.zeros_like(weights), where=weights != 0)
 
     def _build_viscous(self, energy: StrainEnergy, y: fem.Function) -> None:
-        """Forces ``Lᵀ ε'ᵀ η ε' L v`` and their derivative in ``v``."""
+        """Build the forces ``Lᵀ ε'ᵀ η ε' L v`` and their derivative in ``v``."""
         V, space = self.increment.function_space, y.function_space
         self.velocity = fem.Function(V, name="velocity")
         self.velocity_at = self._wrapping.extra_at
@@ -208,9 +211,10 @@ class LocalFrameForms:
 
     @property
     def contents(self) -> tuple[str, list[Array], list[Array]]:
-        """What the energy is: its signature, the constants, and the coefficients as they are now.
+        """Signature of the energy, its constants, and the current values of its coefficients.
 
-        They are the same in any process; what the state of the nodes decides is not among them.
+        They are equal in all processes, and do not include values that depend on the state of the
+        nodes.
         """
         own = self._wrapping.state, self._wrapping.coordinates, self.local
         given = [f for f in self._stored.coefficients if not any(f is other for other in own)]
@@ -219,11 +223,11 @@ class LocalFrameForms:
 
     @property
     def local_change(self) -> fem.Form:
-        """See the class."""
+        """Change of the local fields by :meth:`carry`, rank 1."""
         return self._carry
 
     def carry(self) -> None:
-        """Update the carried stress, or the local fields, by the increment ``h`` about to be made.
+        """Update the independent stress, or the local fields, for the increment ``h``.
 
         Call it after the solve and *before* the state is updated by ``h``.
         """
@@ -239,14 +243,14 @@ class LocalFrameForms:
 
 
 def _check_local(local: fem.Function) -> None:
-    """Refuse fields that cells share: they cannot be eliminated cell by cell."""
+    """Raise ``ValueError`` for fields that cells share, which cannot be condensed cell by cell."""
     space = local.function_space
     layout, dim = space.dofmap.dof_layout, space.mesh.topology.dim
     if any(layout.num_entity_dofs(below) for below in range(dim)):
         raise ValueError(
-            "local fields must be discontinuous between cells, such as DG, as they are eliminated "
-            f"cell by cell, got {space.ufl_element()}; a field that cells share is one of the "
-            "unknowns of the whole problem"
+            "local fields must be discontinuous between cells, such as DG, as they are condensed "
+            f"cell by cell, got {space.ufl_element()}; a field that cells share belongs to the "
+            "global unknowns"
         )
 
 
@@ -256,14 +260,14 @@ def _check_spaces(
     frame_map: FrameMap,
     coordinates: fem.Function | None,
 ) -> None:
-    """Refuse what would make the kernels read or write beyond their arrays."""
-    for name, f, wanted in (
+    """Raise ``ValueError`` for spaces with which kernels would access memory out of bounds."""
+    for name, f, expected in (
         ("state", state, frame_map.values),
         ("increment", increment, frame_map.unknowns),
     ):
-        if f.function_space.dofmap.bs != wanted:
+        if f.function_space.dofmap.bs != expected:
             raise ValueError(
-                f"the {name} must have {wanted} values per node for this map, "
+                f"the {name} must have {expected} values per node for this map, "
                 f"got {f.function_space.dofmap.bs}"
             )
     nodes = [f.function_space.dofmap.list.shape[1] for f in (state, increment)]
@@ -271,6 +275,6 @@ def _check_spaces(
         raise ValueError(f"state and increment must have the same nodes, got {nodes} per cell")
     if (coordinates is None) != (frame_map.coordinates is None):
         raise ValueError(
-            "give coordinates exactly if the map computes them from the state: "
+            "coordinates are needed if and only if the map computes them from the state: "
             f"this map does{' not' if frame_map.coordinates is None else ''}"
         )

@@ -1,7 +1,7 @@
-"""Terms: what adds forces, energy and a matrix to the equations of nodes, inertia and joints apart.
+"""Terms: forces, energy and a matrix of the equations, except for inertia and joints.
 
-Elements, pressure, springs and damping are terms. Nobody who sums them up asks which they are: they
-say themselves what they have, and how they may be summed.
+Elements, pressure, springs and damping are terms. The code that sums them does not distinguish
+them: each term declares its abilities and how it may be summed.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ Pairs: TypeAlias = tuple[Indices, Indices]
 
 @compiled
 def add_at(target: Array, place: Indices, blocks: Array) -> None:
-    """``target[place] += blocks``, of any square blocks.
+    """Add square blocks, ``target[place] += blocks``.
 
     Raises:
-        ValueError: There are not as many places as blocks: pairs have changed since these were
-            found, and compiled code would read what is not there.
+        ValueError: There are more or fewer places than blocks: the pairs of a term have changed
+            since the places were computed.
     """
     if place.shape[0] != blocks.shape[0]:
         raise ValueError("there must be a place for each block: the pairs of a term have changed")
@@ -49,11 +49,11 @@ def add_at(target: Array, place: Indices, blocks: Array) -> None:
 
 
 class PushedPieces(NamedTuple):
-    """Straight pieces on which ``(x_j − x_i) × ½ (R_i + R_j) w`` acts, half of it on each end.
+    """Straight segments with forces ``(x_j − x_i) × ½ (R_i + R_j) w``, half at each end.
 
     Attributes:
-        nodes: i and j of each piece, shape (s, 2).
-        across: ``w`` at present, shape (s, 3).
+        nodes: Nodes i and j of each segment, shape (s, 2).
+        across: Current ``w``, shape (s, 3).
     """
 
     nodes: Indices
@@ -61,12 +61,12 @@ class PushedPieces(NamedTuple):
 
 
 class FollowingTable(NamedTuple):
-    """Forces as a sum over cells, on nodes that follow those of the equations.
+    """Forces as a sum over cells, on nodes rigidly attached to nodes of the equations.
 
     Attributes:
-        table: Of the cells.
-        master: Of each node that the table numbers, shape (k,).
-        offset: Frames of these in their master nodes' frames, shape (k, 4, 3).
+        table: Table of the cells.
+        master: Master node of each node that the table numbers, shape (k,).
+        offset: Frames of these nodes in the frames of their masters, shape (k, 4, 3).
     """
 
     table: FormTable
@@ -75,10 +75,10 @@ class FollowingTable(NamedTuple):
 
 
 class NearCells(Protocol):
-    """Forces of the cells that some nodes have."""
+    """Forces of the cells that contain some nodes."""
 
     def add_forces(self, H: Array, out: Array) -> None:
-        """Add all forces on these nodes, and some on others, to ``out`` (≥ nodes that move, 6)."""
+        """Add all forces on these nodes, and some on others, to ``out`` (≥ moving nodes, 6)."""
 
 
 class CellMatrices(Protocol):
@@ -88,29 +88,29 @@ class CellMatrices(Protocol):
     own_only: bool
 
     def choose(self, cells: Flags) -> None:
-        """See there."""
+        """Choose the cells of the matrices, see :meth:`~fem_lie.forms.cell_sums.CellSum.choose`."""
 
 
 class Term(ABC):
-    """Forces on nodes, with the sign of a residual: those of an energy are its gradient.
+    """Forces on nodes with the sign of a residual: those of an energy are its gradient.
 
-    Forces and twists have components along the nodes' axes; nodes are rows of frames ``H``, of
-    which the first may move.
+    Forces and twists have components along nodal axes; ``H`` are nodal coordinates of all nodes, of
+    which the first ones move.
 
     Attributes:
-        label: What messages call it.
-        version: Of :attr:`pairs`; another number means other pairs. They may change when forces
-            are asked for, and the tangent that is asked for afterwards has them; with
-            :attr:`tables` they stay.
-        load: Whether it acts from outside: it does work and stores no energy.
-        of_bodies: Whether it acts within bodies or on them, and not between them.
-        within_joints: Whether the sums over all joints have its forces, their power, and what
-            :meth:`geometric` is, but not its tangents.
-        conserved: Whether conserving schemes have its forces over a step.
-        within_frames: Whether its energy is one of coordinates within frames of bodies, of which
-            conserving schemes know by the bodies.
-        turning: Whether a load turns with nodes or is a moment, and so has no potential.
-        amplitude: Factor of a load, which may be changed.
+        label: Name in messages.
+        version: Version of :attr:`pairs`, which a term increases when its pairs change. They may
+            change when forces are evaluated; the next tangent then has the new pairs. The pairs of
+            a term with :attr:`tables` do not change.
+        load: Whether it is an external load, which does work and stores no energy.
+        of_bodies: Whether it acts within or on single bodies, and not between bodies.
+        within_joints: Whether sums over all joints include its forces, their power and
+            :meth:`geometric`, but not its tangent.
+        conserved: Whether conserving schemes evaluate its forces over a step.
+        within_frames: Whether it is the energy of coordinates within frames of bodies, which
+            conserving schemes evaluate by bodies.
+        turning: Whether it is a load that rotates with nodes, or a moment, and so has no potential.
+        amplitude: Factor of a load, which may change.
     """
 
     label: str = "forces"
@@ -118,51 +118,51 @@ class Term(ABC):
     amplitude: float = 1.0
     load = of_bodies = within_joints = within_frames = conserved = turning = False
 
-    # --- what it has beside forces and a tangent ---
+    # --- abilities beyond forces and a tangent ---
 
     @property
     def viscosity(self) -> ViscousForces | None:
-        """Forces that depend on twists; default: none, as of all that follow."""
+        """Forces that depend on twists; default: none, as for all of these properties."""
         return None
 
     @property
     def stress_update(self) -> LinearisedStress | None:
-        """Stress, or unknowns of its own, that is updated linearly from iterate to iterate."""
+        """Independent stress or local unknowns, updated linearly between iterates."""
         return None
 
     @property
     def local(self) -> LocalUnknowns | None:
-        """Unknowns of cells for which to solve before forces are asked for."""
+        """Unknowns of cells that must be solved before forces are evaluated."""
         return None
 
     @property
     def path(self) -> PathDependence | None:
-        """What is to know of accepted states."""
+        """Dependence on accepted states."""
         return None
 
     @property
     def passage(self) -> PassageCheck | None:
-        """By which steps are checked."""
+        """Check of steps for surfaces that pass through each other."""
         return None
 
     @property
     def over_step(self) -> StepForces | None:
-        """Forces over a step that are no sum over cells."""
+        """Forces over a step that are not a sum over cells."""
         return None
 
     @property
     def low_rank(self) -> LowRankTangent | None:
-        """The tangent as a low-rank correction of a matrix without it."""
+        """Tangent as a low-rank correction of a matrix without it."""
         return None
 
     @property
     def ground(self) -> GroundForces | None:
-        """Forces whose other side is ground."""
+        """Forces between nodes and ground."""
         return None
 
     @property
     def has_friction(self) -> bool:
-        """Whether forces depend on how nodes have moved since the last accepted state."""
+        """Whether forces depend on the motion of nodes since the last accepted state."""
         return self.path is not None and self.path.friction
 
     # --- forces ---
@@ -170,10 +170,10 @@ class Term(ABC):
     @property
     @abstractmethod
     def pairs(self) -> Pairs:
-        """Nodes of the blocks of :meth:`tangent`, which move."""
+        """First and second node of each block of :meth:`tangent`; both move."""
 
     def room(self) -> Array:
-        """For those of the forces that :meth:`tangent` takes; default: none."""
+        """Zero array for the forces that :meth:`tangent` reads; default: empty."""
         return np.empty((0, 6))
 
     @abstractmethod
@@ -181,29 +181,29 @@ class Term(ABC):
         """Add the forces at frames ``H``.
 
         Args:
-            H: Frames.
-            out: Shape (≥ nodes that move, 6).
-            kept: See :meth:`room`, overwritten.
+            H: Nodal coordinates.
+            out: Forces, shape (≥ moving nodes, 6).
+            kept: Array of :meth:`room`, overwritten.
         """
 
     @abstractmethod
     def tangent(self, H: Array, kept: Array) -> Array:
-        """Derivative of the forces in the twists of the nodes, (pairs, 6, 6).
+        """Tangent stiffness: derivative of the forces in the twists of the nodes, (pairs, 6, 6).
 
-        What is carried is in it as it is carried.
+        It uses the current independent stress.
 
         Args:
-            H: Frames.
-            kept: What :meth:`add_forces` kept at these frames.
+            H: Nodal coordinates.
+            kept: Forces that :meth:`add_forces` stored at these coordinates.
         """
 
     def linear_forces(self, H: Array, kept: Array, h: Array) -> Array:
-        """The forces of :meth:`room` that increments ``h`` (n, 6) add, to first order.
+        """First-order change of the forces of :meth:`room` by increments ``h`` (n, 6).
 
         Args:
-            H: Frames, the stress of which is carried.
-            kept: What :meth:`add_forces` kept at these frames.
-            h: Local increments of the nodes.
+            H: Nodal coordinates of the current independent stress.
+            kept: Forces that :meth:`add_forces` stored at these coordinates.
+            h: Increments along nodal axes.
         """
         forces = self.room()
         if len(forces):
@@ -215,23 +215,23 @@ class Term(ABC):
         """Add :meth:`tangent` to blocks of a larger matrix.
 
         Args:
-            H: Frames.
-            kept: As there.
-            place: Of each pair among the blocks, shape (pairs,).
+            H: Nodal coordinates.
+            kept: See :meth:`tangent`.
+            place: Index of the block of each pair, shape (pairs,).
             K: Blocks, shape (any, 6, 6).
         """
         add_at(K, place, self.tangent(H, kept))
 
     def near(self, nodes: Flags) -> NearCells | None:
-        """The same forces on some nodes alone, if that is less work.
+        """Forces on some nodes only, if that is less work; else ``None``.
 
         Args:
-            nodes: Which, shape (≥ nodes that move,).
+            nodes: Mask of the nodes, shape (≥ moving nodes,).
         """
         return None
 
     def geometric(self, H: Array) -> Array | None:
-        """What the derivative has beside :meth:`tangent`, of forces that are not carried.
+        """Part of the derivative that :meth:`tangent` omits, of forces without stress field.
 
         Args:
             H: Frames of all nodes, shape (n, 4, 3).
@@ -239,7 +239,7 @@ class Term(ABC):
         return None
 
     def energy(self, H: Array) -> float:
-        """Stored energy, of which the forces are the gradient; of loads zero.
+        """Stored energy, whose gradient the forces are; zero for loads, J.
 
         Args:
             H: Frames of all nodes, shape (n, 4, 3).
@@ -248,38 +248,38 @@ class Term(ABC):
 
     @property
     def tables(self) -> tuple[FormTable, FormTable] | None:
-        """Forces and energy as sums over cells, to be joined to others, if they are just that."""
+        """Tables of forces and energy if these are sums over cells; else ``None``."""
         return None
 
     @property
     def over_cells(self) -> tuple[FormTable, FormTable] | None:
-        """The same for schemes that take cells one by one; default: :attr:`tables`."""
+        """The tables for schemes that evaluate cells individually; default: :attr:`tables`."""
         return self.tables
 
     @property
     def following(self) -> FollowingTable | None:
-        """Forces as such a sum over nodes that follow those of the equations."""
+        """Forces as a sum over cells on nodes attached to those of the equations."""
         return None
 
     @property
     def matrices(self) -> Sequence[CellMatrices]:
-        """The sums over the same cells that tangents are, if they are just that."""
+        """Tangents as sums over the cells of :attr:`tables`, if they are such sums."""
         return ()
 
     @property
     def contents(self) -> object:
-        """All that the forces are made of, but for the amplitude."""
+        """All data on which the forces depend, except for the amplitude."""
         return None
 
-    # --- what pairs follow from: asked of terms whose pairs change ---
+    # --- positions that determine the pairs, for terms whose pairs change ---
 
     @property
     def seen(self) -> Array:
-        """The places for which :attr:`pairs` were found; default: they stay."""
+        """Positions for which :attr:`pairs` were computed; empty if the pairs do not change."""
         return np.empty((0, 3))
 
     def see_again(self, seen: Array) -> None:
-        """Have the pairs again that there were when :attr:`seen` was copied.
+        """Restore the pairs that belong to an earlier copy of :attr:`seen`.
 
         Args:
             seen: Copied version of the pairs.
@@ -290,5 +290,5 @@ class Term(ABC):
 
     @property
     def pieces(self) -> PushedPieces | None:
-        """The forces as conserving schemes have those of pressure, on nodes of bodies."""
+        """Segments with pressure on nodes of bodies, for conserving schemes."""
         return None

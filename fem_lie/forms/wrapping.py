@@ -23,14 +23,14 @@ def packed_size(V: fem.FunctionSpace) -> int:
 
 
 class CompiledForm:
-    """A UFL form compiled by FFCx, with what a header must say of it.
+    """UFL form compiled by FFCx, with the data for a header.
 
     Attributes:
-        cells: The cells it is integrated over; none if the form is zero.
-        coefficients: Functions in the order in which FFCx's function wants them packed.
+        cells: Cells of the integral; empty if the form is zero.
+        coefficients: Functions in the order in which FFCx's function expects them.
         constants: Constants in that order.
-        address: Of FFCx's function; 0 if the form is zero, as second derivatives may be.
-        signature: The same for the same form, in any process.
+        address: Address of FFCx's function; 0 if the form is zero, as second derivatives may be.
+        signature: Signature of the form, equal in all processes.
     """
 
     def __init__(self, form: ufl.Form) -> None:
@@ -57,7 +57,7 @@ class CompiledForm:
             self.address = int(self._form.module.ffi.cast("uintptr_t", kernel))
 
     def description(self, offsets: dict[fem.Function, int], constants_at: int) -> list[int]:
-        """Header entries: address, constants, size of ``w``, where its segments stand in ours."""
+        """Header entries: address, constants, size of ``w``, offset and length of segments."""
         segments: list[list[int]] = []
         for f in self.coefficients:
             start, length = offsets[f], packed_size(f.function_space)
@@ -72,13 +72,14 @@ class CompiledForm:
 
 @dataclass(frozen=True)
 class Wrapping:
-    """What all forms of one energy share.
+    """Data common to all forms of one energy.
 
     Attributes:
-        frame_map: From ``coordinates`` to the nodes.
-        state: What the nodes store.
-        coordinates: Flat element coordinates ``y``; the state itself or a function to be filled.
-        increment: Local-frame unknowns ``h``.
+        frame_map: Map from ``coordinates`` to the nodes.
+        state: Stored nodal coordinates.
+        coordinates: Flat element coordinates ``y``; the state itself, or a function that the map
+            fills.
+        increment: Unknowns ``h`` along nodal frames.
         local_size: Number of element-local unknowns ``s`` of a cell.
     """
 
@@ -90,7 +91,7 @@ class Wrapping:
 
     @property
     def extra_at(self) -> int:
-        """Where the first extra function of a form begins among its packed coefficients."""
+        """Index of the first extra function of a form in its packed coefficients."""
         known = dict.fromkeys([self.state, self.coordinates])
         return sum(packed_size(f.function_space) for f in known)
 
@@ -101,12 +102,12 @@ class Wrapping:
         inner: Sequence[CompiledForm],
         extra: Sequence[fem.Function] = (),
     ) -> fem.Form:
-        """Wrap FFCx's functions by one kernel.
+        """Form with one kernel around FFCx's functions.
 
         Args:
             kernel: One of :mod:`fem_lie.forms.kernels`.
-            spaces: Of the arguments of the new form.
-            inner: One to four compiled forms, as the kernel wants them.
+            spaces: Function spaces of the arguments of the new form.
+            inner: One to four compiled forms, in the order that the kernel expects.
             extra: Functions that the kernel reads or fills: the increment ``h``, and ``δy = L h``,
                 or ``z`` of the residual with element-local fields.
         """
@@ -118,7 +119,7 @@ class Wrapping:
         offsets = dict(zip(functions, starts, strict=True))
         constants = [c for part in inner for c in part.constants]
         mesh = self.state.function_space.mesh
-        # as doubles, which is what constants are; the bits are never looked at as numbers
+        # constants are doubles; kernels reinterpret the bits as integers
         bits = np.array(self._header(inner, offsets, extra), dtype=np.int64).view(np.float64)
         constants.insert(0, fem.Constant(mesh, bits))
         cells = max((part.cells for part in inner), key=len)  # a zero form has none
@@ -130,7 +131,7 @@ class Wrapping:
         offsets: dict[fem.Function, int],
         extra: Sequence[fem.Function],
     ) -> list[int]:
-        """The integers that :mod:`fem_lie.forms.kernels` reads."""
+        """Header of integers that :mod:`fem_lie.forms.kernels` reads."""
         unknowns = packed_size(self.increment.function_space)
         head = [0] * kernels.HEADER_SIZE
         for place, function in (

@@ -1,1 +1,1 @@
-"""Bodies whose cells are those of one element of the small-energy kernel."""
+"""Bodies of cells of one element of the small-energy kernel."""

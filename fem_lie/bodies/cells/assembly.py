@@ -1,4 +1,4 @@
-"""All bodies of one element of the small-energy kernel, assembled together."""
+"""Assembly of all bodies of one element of the small-energy kernel."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from fem_lie.sections.material import Damping
 
 
 class ElementCells(Protocol):
-    """What a body gives for its assembly."""
+    """Data of a body that the assembly reads."""
 
     frames: Array
     damping: Damping
@@ -33,18 +33,18 @@ class ElementCells(Protocol):
         """Data of the cells, see :func:`~fem_lie.forms.small_energy.element.cell_data`."""
 
     def element_inertia(self) -> Array:
-        """Constant matrix of the rows of each cell's nodes, shape (m, k, 4, k, 4)."""
+        """Mass matrix in the nodal coordinates of each cell, shape (m, k, 4, k, 4)."""
 
 
 def assemble_cells(
     of: Element, functions: CellFunctions, bodies: Sequence[ElementCells]
 ) -> ElementAssembly:
-    """The cells of bodies on their nodes, one body after the other; coincident nodes stay apart.
+    """Assembly of the cells of bodies, one body after the other; coincident nodes stay separate.
 
     Args:
-        of: The element of all of them.
-        functions: Its functions.
-        bodies: With mass, all or none of them.
+        of: Element of all bodies.
+        functions: Compiled functions of the element.
+        bodies: The bodies; inertia is assembled if all of them have mass.
     """
     starts = np.cumsum([0] + [len(body.frames) for body in bodies])
     pairs = zip(bodies, starts[:-1], strict=True)

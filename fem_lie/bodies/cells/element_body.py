@@ -1,4 +1,4 @@
-"""Bodies of cells of one's own element, on nodes of any types."""
+"""Bodies of cells of a user's own element, on nodes of any types."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ _NO_POINTS: Mapping[str, int] = MappingProxyType({})
 
 
 class ElementBody(Body):
-    """A body whose cells are those of one element: vectors, strains and a law.
+    """Body whose cells have one element: vectors, strains and a constitutive law.
 
     An element for the small-energy kernel is a record and four compiled functions, see
-    :mod:`fem_lie.forms.small_energy.cell`. Nodes are of any types, one for each node. Joints and
-    loads are attached to nodes with frames, and to the tangents of position-gradient nodes.
+    :mod:`fem_lie.forms.small_energy.cell`. Each node may have any type. Joints and loads act on
+    nodes with frames, and on the tangents of position-gradient nodes.
 
     Attributes:
-        element: The element.
-        functions: Its compiled functions.
+        element: Record of the element.
+        functions: Compiled functions of the element.
         element_nodes: Nodes of each cell, shape (m, k).
-        damping: Of the motion in space.
+        damping: Mass-proportional damping.
         has_mass: Whether cells have inertia.
 
     Example:
@@ -69,26 +69,26 @@ class ElementBody(Body):
         damping: Damping | None = None,
         name: str = "",
     ) -> None:
-        """Check the shapes.
+        """Check the shapes of the arguments.
 
         Args:
             rows: Nodal coordinates, see :mod:`fem_lie.lie.node_types`, shape (n, 4, 3).
-            node_types: Of the nodes.
+            node_types: Type of each node, n.
             cells: Nodes of each cell, shape (m, k), of the types of the element.
-            element: The element.
-            functions: Its compiled functions.
+            element: Record of the element.
+            functions: Compiled functions of the element.
             data: Data of the cells, see :func:`fem_lie.forms.small_energy.element.cell_data`.
-            inertia: Constant matrix of the rows of the nodes of each cell, shape (m, k, 4, k, 4);
+            inertia: Mass matrix in the nodal coordinates of each cell, shape (m, k, 4, k, 4);
                 default: none, for statics.
-            points: Named nodes.
-            lines: Pairs of nodes to be drawn, shape (any, 2); default: none.
-            damping: With mass only; viscosity is one of the element.
-            name: For messages and results.
+            points: Nodes of named points.
+            lines: Pairs of nodes between which lines are drawn, shape (any, 2); default: none.
+            damping: Mass-proportional damping; viscous forces belong to the element.
+            name: Name in messages and results.
 
         Raises:
-            ValueError: Shapes do not fit each other, a cell has nodes of other types than the
-                element, or there is damping with strain.
-            TypeError: An argument is of another type than expected.
+            ValueError: Shapes do not agree, a cell has nodes of other types than the element, or
+                there is damping of strain.
+            TypeError: An argument has an unexpected type.
         """
         instance(element, Element, "ElementBody: element", "an Element")
         instance(functions, CellFunctions, "ElementBody: functions", "CellFunctions")
@@ -124,12 +124,12 @@ class ElementBody(Body):
             )
         self.element, self.functions, self.element_nodes = element, functions, nodes
         self._data, self._inertia, self.has_mass = data, inertia, inertia is not None
-        places = frames[[NodeType(kind) < NodeType.MIXED_DERIVATIVE for kind in self._types], 0]
+        positions = frames[[NodeType(kind) < NodeType.MIXED_DERIVATIVE for kind in self._types], 0]
         super().__init__(
             frames,
             cells=np.asarray(lines, dtype=np.int64).reshape(-1, 2),
             outline=None,
-            size=float(np.linalg.norm(np.ptp(places, axis=0))) or 1.0,
+            size=float(np.linalg.norm(np.ptp(positions, axis=0))) or 1.0,
             points=dict(points),
             name=name,
         )
@@ -146,12 +146,12 @@ class ElementBody(Body):
 
     @property
     def kind(self) -> Hashable:
-        """Bodies of one element are assembled together."""
+        """Key of bodies that are assembled together: those of one element."""
         return type(self), self.functions
 
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
-        """All bodies of one :attr:`kind`."""
+        """Assembly of all bodies of one :attr:`kind`."""
         return assemble_cells(bodies[0].element, bodies[0].functions, bodies)
 
     def element_data(self) -> Array:
@@ -159,17 +159,17 @@ class ElementBody(Body):
         return self._data
 
     def element_inertia(self) -> Array:
-        """Constant matrix of the rows of each cell's nodes, shape (m, k, 4, k, 4).
+        """Mass matrix in the nodal coordinates of each cell, shape (m, k, 4, k, 4).
 
         Raises:
-            ValueError: There is none.
+            ValueError: The body has no inertia.
         """
         if self._inertia is None:
             raise ValueError(f"{self.label} has no inertia")
         return self._inertia
 
     def attachment_of(self, node: int) -> AttachmentFrame | None:
-        """The tangent of a position-gradient node; other nodes have frames, or axes.
+        """Attachment frame at the tangent of a position-gradient node; ``None`` for others.
 
         Args:
             node: Number of the node.
@@ -177,19 +177,19 @@ class ElementBody(Body):
         return along_tangent(node) if self._types[node] == NodeType.POSITION_GRADIENT else None
 
     def clamp(self, *points: Point) -> None:
-        """Hold positions of points and, as far as their nodes have directions, these.
+        """Hold positions of points, and directions if their nodes have any.
 
         Args:
             points: Points of the body.
 
         Raises:
-            ValueError: One is not a point of this body.
-            TypeError: One is no point.
+            ValueError: A point is not on this body.
+            TypeError: An argument is not a point.
         """
         for point in points:
             require_point(point, "ElementBody.clamp: a point")
             if point.body is not self:
-                raise ValueError(f"{self.label} cannot hold {point.label}: it is not its own")
+                raise ValueError(f"{self.label} cannot hold {point.label}, a point of another body")
             held = TRAITS[NodeType(self._types[point.node])].clamped
             self.held[point.node] |= np.array(held)
 

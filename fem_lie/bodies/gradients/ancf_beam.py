@@ -1,4 +1,4 @@
-"""Beams of places and all three slopes at each point: sections stretch, shear and turn."""
+"""ANCF beams: positions and all three position gradients; sections stretch, shear and rotate."""
 
 from __future__ import annotations
 
@@ -31,22 +31,23 @@ if TYPE_CHECKING:
 
 
 class AncfBeam(SectionPoints):
-    """A beam along smooth lines whose points have a place and all three slopes, twelve unknowns.
+    """ANCF beam along smooth lines: twelve unknowns at a point, position and three gradients.
 
-    A point is two nodes: rows 0 and 1 of ``frames[i]`` are place and ``r_x`` per unloaded length,
-    rows 1 and 2 of ``frames[points + i]`` ``r_y`` and ``r_z``. Rows 2 and 3 of the first are axes
-    that follow the section. Its points are held by their sections: joints, springs, drives and
-    loads, moments included, see the frame of which e₁ is normal to the section and e₂ along
-    ``r_y``. :meth:`clamp` and :meth:`pin` hold points.
+    A point is two nodes: rows 0 and 1 of ``frames[i]`` are position and ``r_x`` per unloaded
+    length, rows 1 and 2 of ``frames[points + i]`` ``r_y`` and ``r_z``. Rows 2 and 3 of the first
+    node are axes that rotate with the section. Joints, springs, drives and loads, moments included,
+    act on the frame of the section, with e₁ normal to it and e₂ along ``r_y``. :meth:`clamp` and
+    :meth:`pin` hold points.
 
     Attributes:
-        elements: Nodes of each element: places with ``r_x`` of both ends, then the others, (m, 4).
-        unloaded: Rows of the nodes, unloaded, shape (n, 4, 3).
-        ends: Frames of both ends of each element, unloaded, shape (m, 2, 4, 3).
+        elements: Nodes of each element: positions with ``r_x`` of both ends, then the others, (m,
+            4).
+        unloaded: Unloaded nodal coordinates, shape (n, 4, 3).
+        ends: Unloaded frames of both ends of each element, shape (m, 2, 4, 3).
         poisson: Poisson's ratio of each element, shape (m,).
-        formulation: The element.
-        warping: Stiffness against warping, or ``None``.
-        damping: Of the motion in space.
+        formulation: Finite element.
+        warping: Warping stiffness ``EI_ω``, or ``None``.
+        damping: Mass-proportional damping.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -68,24 +69,25 @@ class AncfBeam(SectionPoints):
         damping: Damping | None = None,
         name: str = "",
     ) -> None:
-        """Place the nodes; arguments are as of a :class:`~fem_lie.Beam`.
+        """Create the nodes; arguments are similar to those of a :class:`~fem_lie.Beam`.
 
         Args:
-            mesh: The lines, without corners and branches; or a DOLFINx mesh of intervals.
+            mesh: Line mesh without corners and branches; or a DOLFINx mesh of intervals.
             section: One for all cells, one for each named group, or a function of arc length.
-            up: Direction nearest to which e₃ is to be.
-            length: Of all of it, unloaded; default: that of the line. A beam of another length has
-                the shape of the line in another size, and is stretched along it at the start.
-            warping: Stiffness ``EI_ω`` of the section against warping, force times length⁴, for
-                thin walls (Vlasov); a clamp then holds warping, too. Default: it is free to warp.
-            formulation: The element.
-            damping: Of its motion in space; it has no viscous forces.
-            name: For messages and results.
+            up: Direction that e₃ is closest to.
+            length: Unloaded length of the whole beam; default: that of the line. With another
+                length the unloaded beam is the scaled line, and it is strained axially at the
+                start.
+            warping: Warping stiffness ``EI_ω`` of a thin-walled section (Vlasov), force times
+                length⁴; a clamp then holds warping, too. Default: no warping stiffness.
+            formulation: Finite element; default: :class:`~fem_lie.elements.AncfElement`.
+            damping: Mass-proportional damping; there are no viscous forces.
+            name: Name in messages and results.
 
         Raises:
             ValueError: The line has corners or branches, a cell has no section, ``up`` is along the
-                line, or there is damping with strain.
-            TypeError: An argument is of another kind than wanted.
+                line, or there is damping of strain.
+            TypeError: An argument has an unexpected type.
         """
         mesh = line_of(mesh, "AncfBeam")
         known = "a Section, a dict of them by groups of cells or a function of arc length"
@@ -106,8 +108,8 @@ class AncfBeam(SectionPoints):
         )
         if len(frames) != len(mesh.points) or np.bincount(mesh.cells.ravel()).max() > 2:
             raise ValueError(
-                "an AncfBeam goes along smooth lines, but this one has corners or branches: make "
-                "one of each smooth piece, and join them by fl.joints.Fixed"
+                "AncfBeam: expected a smooth line, got one with corners or branches: make one beam "
+                "of each smooth piece, and join them by fl.joints.Fixed"
             )
         self.points_count = count = len(frames)
         self.elements = np.concatenate([corners, count + corners], axis=1)
@@ -188,7 +190,7 @@ class AncfBeam(SectionPoints):
         damping: Damping | None = None,
         name: str = "",
     ) -> AncfBeam:
-        """Beam along ``function(s)``, s from 0 to 1; points "start" and "end".
+        """Beam along the curve ``function(s)``, s from 0 to 1, with points "start" and "end".
 
         Args:
             function: Position, shape (3,), as a function of the parameter from 0 to 1.
@@ -215,12 +217,12 @@ class AncfBeam(SectionPoints):
 
     @property
     def kind(self) -> Hashable:
-        """Those of one element go together."""
+        """Key of beams that are assembled together: same class and formulation."""
         return type(self), self.formulation
 
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
-        """All of one :attr:`kind` together, with their springs of warping."""
+        """Assembly of all beams of one :attr:`kind`, with their warping springs."""
         assembly = assemble_cells(ancf.ELEMENT, ancf.FUNCTIONS, bodies)
         starts = np.cumsum([0, *(len(body.frames) for body in bodies)])
         found = [
@@ -238,17 +240,17 @@ class AncfBeam(SectionPoints):
         return self.elements
 
     def element_data(self) -> Array:
-        """Data of the elements, whose unloaded strains are those of :attr:`unloaded`."""
+        """Data of the elements, with the strains of :attr:`unloaded` as natural strains."""
         C = self.formulation.stiffness(self.stiffness, self.poisson, self.ends, self.lengths)
         return ancf.data(self.unloaded[self.elements], self.lengths, C)
 
     def element_inertia(self) -> Array:
-        """Constant matrix of the rows of each element's nodes, shape (m, 4, 4, 4, 4)."""
+        """Mass matrix in the nodal coordinates of each element, shape (m, 4, 4, 4, 4)."""
         return self.formulation.inertia(self.density, self.lengths)
 
     @property
     def restraints(self) -> list[WarpingSprings]:
-        """Of warping, if it has a stiffness."""
+        """Warping springs, if there is a warping stiffness."""
         if self.warping is None:
             return []
         held = self.unwarped()
@@ -256,14 +258,14 @@ class AncfBeam(SectionPoints):
         return [WarpingSprings.between(*own, held)]
 
     def point_in_cell(self, element: int, part: float) -> Point:
-        """The point within an element, to which joints, springs and loads may be attached.
+        """Point within an element, for joints, springs and loads.
 
         Args:
-            element: Its number.
-            part: Arc length from its first end over its length, unloaded, 0 to 1.
+            element: Index of the element.
+            part: Unloaded arc length from its first end over its length, 0 to 1.
 
         Raises:
-            ValueError: There is no such element, or the part is not one of it.
+            ValueError: There is no such element, or ``part`` is out of range.
         """
         self._check_place(element, part)
         nodes = self.elements[element].tolist()
@@ -271,13 +273,13 @@ class AncfBeam(SectionPoints):
         return Point(self, nodes[0], f"element {element} at {part:g}", attachment)
 
     def consistent_shares(self) -> tuple[Indices, Array]:
-        """Nodes of each element, and the length that each carries: integrals of their shapes."""
+        """Nodes of each element and integrals of their shape functions over its length, (m, 4)."""
         shares = np.zeros(self.elements.shape)
         shares[:, :2] = 0.5 * self.lengths[:, np.newaxis]
         return self.elements, shares
 
     def consistent_levers(self) -> Array:
-        """On slopes along the axis: ``±ℓ²/12``, integrals of their cubics, shape (m, 4, 3)."""
+        """Consistent weights on ``r_x`` of a unit line force: ``±ℓ²/12``, shape (m, 4, 3)."""
         levers = np.zeros((*self.elements.shape, 3))
         levers[:, 0, 0] = self.lengths**2 / 12
         levers[:, 1, 0] = -levers[:, 0, 0]
@@ -285,7 +287,7 @@ class AncfBeam(SectionPoints):
 
 
 def _poisson(section: Section, given: float | None) -> float:
-    """As it is given, or of what the section is made of."""
+    """Poisson's ratio: ``given``, or that of the material of the section."""
     if given is not None:
         return given
     known = section.properties

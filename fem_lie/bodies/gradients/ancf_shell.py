@@ -1,4 +1,4 @@
-"""Shells of places and all three slopes, which may be sheared across their thickness."""
+"""ANCF shells: positions and all three position gradients, with transverse shear."""
 
 from __future__ import annotations
 
@@ -22,16 +22,17 @@ from fem_lie.sections.material import Damping
 
 
 class AncfShell(SmoothSurface):
-    """A shell on smooth patches without rotations: fully parametrised plates, sheared and thick.
+    """Shell on smooth patches without rotations: fully parametrised ANCF plate, sheared and thick.
 
-    A point of it has a place, the derivatives ``∂u, ∂v`` in parameters that are lengths, and the
-    slope ``d`` across the thickness, unloaded the unit normal. It is two nodes: row 0 and 1 of
-    ``frames[i]`` are place and ∂u, rows 1 and 2 of ``frames[points + i]`` ``d`` and ∂v. It is made,
-    held and loaded as a :class:`~fem_lie.ThinShell`; its sections are sheared, too.
+    A point has a position, the derivatives ``∂u, ∂v`` in parameters that are lengths, and the
+    gradient ``d`` across the thickness, which is the unit normal without load. It is two nodes:
+    rows 0 and 1 of ``frames[i]`` are position and ∂u, rows 1 and 2 of ``frames[points + i]`` ``d``
+    and ∂v. Constructors, supports and loads are those of a :class:`~fem_lie.ThinShell`; sections
+    have transverse shear, too.
 
     Attributes:
-        formulation: The element.
-        section_mass: Inertia of (r, d) per area of each cell, shape (m, 2, 2).
+        formulation: Finite element.
+        section_mass: Mass matrix of (r, d) per area of each cell, shape (m, 2, 2).
 
     Example:
         >>> flat = fl.mesh.smooth_patch(lambda a, b: np.array([a, b, 0.0]), (2, 2))
@@ -54,11 +55,11 @@ class AncfShell(SmoothSurface):
         joined: bool | None = None,
         name: str = "",
     ) -> None:
-        """Place the nodes; arguments as of :class:`~fem_lie.ThinShell`.
+        """Create the nodes; arguments as of :class:`~fem_lie.ThinShell`.
 
         Raises:
             ValueError: As of a thin shell.
-            TypeError: An argument is of another kind than wanted.
+            TypeError: An argument has an unexpected type.
         """
         instance(formulation, AncfPlate | None, "AncfShell: formulation", "an AncfPlate or None")
         self.formulation = AncfPlate() if formulation is None else formulation
@@ -66,22 +67,22 @@ class AncfShell(SmoothSurface):
         self.section_mass = np.array([section.inertia for section in self.sections])
 
     def surface_rule(self) -> tuple[Array, Array, Array]:
-        """As the element says."""
+        """Quadrature rule of the formulation."""
         return self.formulation.surface_rule()
 
     def fourth(self, surface: Joined) -> tuple[Array, Array]:
-        """Unit normals.
+        """Unit normals, and unit factors.
 
         Args:
             surface: The surface.
 
         Raises:
-            ValueError: Corners of cells hang.
+            ValueError: The mesh has hanging nodes.
         """
         if surface.hanging.any():
             raise ValueError(
-                "an AncfShell has cells of one size beside each other, got a SplineMesh with "
-                "corners in the middle of edges; a ThinShell takes it"
+                "AncfShell: expected a mesh without hanging nodes, got a SplineMesh with hanging "
+                "nodes, which a ThinShell supports"
             )
         n = np.cross(surface.rows[:, 1], surface.rows[:, 2])
         sizes = np.linalg.norm(n, axis=1, keepdims=True)
@@ -89,19 +90,19 @@ class AncfShell(SmoothSurface):
 
     @property
     def node_lengths(self) -> Flags:
-        """No slope is a length; the fourth vector is one, too."""
+        """Mask of vector unknowns that are lengths: only positions, shape (n, 2)."""
         lengths = super().node_lengths
         lengths[self.points_count :] = False
         return lengths
 
     @property
     def kind(self) -> Hashable:
-        """Those of one element go together."""
+        """Key of shells that are assembled together: same class and formulation."""
         return type(self), self.formulation
 
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
-        """All of one :attr:`kind` together."""
+        """Assembly of all bodies of one :attr:`kind`."""
         return assemble_cells(plate.ELEMENT, plate.FUNCTIONS, bodies)
 
     @property
@@ -110,11 +111,11 @@ class AncfShell(SmoothSurface):
         return self.connectivity
 
     def element_data(self) -> Array:
-        """Data of the cells, which are unloaded as they lie."""
+        """Data of the cells, which are unloaded in their initial configuration."""
         q = self.vectors()
         C = self.formulation.stiffness(q, self.axes, self.stiffness)
         return plate.data(q, self.extraction(), C)
 
     def element_inertia(self) -> Array:
-        """Constant matrix of the rows of each cell's nodes, shape (m, 8, 4, 8, 4)."""
+        """Mass matrix in the nodal coordinates of each cell, shape (m, 8, 4, 8, 4)."""
         return self.on_nodes(self.formulation.inertia(self.vectors(), self.section_mass))

@@ -1,4 +1,4 @@
-"""Axes of the points of a beam of places and three slopes: those of its sections."""
+"""Axes of the points of an ANCF beam: those of its sections."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ from fem_lie.lie.tuples import load_row, store_row
 
 @compiled
 def follow_sections(rows: Array, moves: Flags) -> None:
-    """Turn the axes of all points, and tell the second nodes where they are.
+    """Rotate the axes of all points with their sections, and copy positions to the second nodes.
 
-    The first is normal to the section; the others are the polar rotation of the directions of its
-    two slopes.
+    The first axis is normal to the section; the others are the polar rotation of the directions of
+    its two gradients.
 
     Args:
-        rows: Of the SURFACE_GRADIENT nodes, then of the MIXED_DERIVATIVE ones, shape (2 n, 4, 3).
-        moves: Points whose axes turn, shape (n,).
+        rows: Coordinates of the SURFACE_GRADIENT nodes, then of the MIXED_DERIVATIVE nodes, shape
+            (2 n, 4, 3).
+        moves: Points whose axes rotate, shape (n,).
     """
     n = moves.shape[0]
     for i in range(n):

@@ -1,4 +1,4 @@
-"""Points of a place and three slopes, held by their sections."""
+"""Points with a position and three position gradients, on which joints act by their sections."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from fem_lie.lie.node_types import MIXED_DERIVATIVE, NodeType
 
 _PLACE = np.arange(3)
 _TURNED = np.array([0, 2, 3, 4])
-"""What turns or shears a section: ``r_y`` along e₁ and e₃, ``r_z`` along e₁ and e₂."""
+"""Rotation and shear of a section: ``r_y`` along e₁ and e₃, ``r_z`` along e₁ and e₂."""
 _AT_A_POINT = np.array([[[1.0, 0, 0], [0, 0, 0]], [[0, 1, 0], [0, 0, 1]]])
-"""Place, ``r_y`` and ``r_z`` of a point, in its rows."""
+"""Weights of position, ``r_y`` and ``r_z`` in the coordinates of a point."""
 
 
 class SectionPoints(Sectioned):
-    """A body of points that are two nodes each, one of place and ``r_x``, one of ``r_y``, ``r_z``.
+    """Body of points of two nodes: one with position and ``r_x``, one with ``r_y`` and ``r_z``.
 
     Attributes:
-        points_count: Number of points; their second nodes follow the first ones.
+        points_count: Number of points; their second nodes come after all first nodes.
     """
 
     compound = True
@@ -35,81 +35,82 @@ class SectionPoints(Sectioned):
 
     @property
     def node_type(self) -> NodeType:
-        """Of the nodes that have places."""
+        """Type of the nodes with positions."""
         return NodeType.SURFACE_GRADIENT
 
     @property
     def node_types(self) -> Indices:
-        """See the base class."""
+        """Type of each node, shape (n,)."""
         kinds = [int(NodeType.SURFACE_GRADIENT), int(NodeType.MIXED_DERIVATIVE)]
         return np.repeat(kinds, self.points_count).astype(np.int64)
 
     @property
     def node_lengths(self) -> Flags:
-        """No slope is a length, nor are those that others have instead of a place."""
+        """Mask of vector unknowns that are lengths: only positions, shape (n, 2)."""
         lengths = super().node_lengths
         lengths[self.node_types == MIXED_DERIVATIVE] = False
         return lengths
 
     def _named(self, name: str) -> Point:
-        """The point with a name, by its section."""
+        """Point with a name, with the attachment frame of its section."""
         node = super()._named(name).node
         return Point(self, node, name, self.attachment_of(node))
 
     def _numbered(self, node: int) -> Point:
-        """A point by its number, by its section."""
+        """Point with a number, with the attachment frame of its section."""
         point = super()._numbered(node)
         return Point(self, point.node, point.name, self.attachment_of(point.node))
 
     def attachment_of(self, node: int) -> AttachmentFrame:
-        """The frame of the section.
+        """Attachment frame of the section.
 
         Args:
             node: Number of the node.
         """
         if node >= self.points_count:
             raise ValueError(
-                f"{self.label} has points 0 … {self.points_count - 1}, got {node}: the nodes after "
-                "these have no places"
+                f"{self.label} has points 0 … {self.points_count - 1}, got {node}: further nodes "
+                "have no positions"
             )
         return on_section((node, node + self.points_count), _AT_A_POINT)
 
     def clamp(self, *points: Point) -> None:
-        """Hold places of points, and their sections but for stretching in their plane.
+        """Hold positions of points, and rotations and shear of their sections.
 
-        The slope along the beam stays free, so that it may be sheared there.
+        Strains in the plane of a section and the gradient along the beam stay free, so that the
+        beam may be sheared there.
 
         Args:
             points: Points of the body.
 
         Raises:
-            ValueError: One is not a point of this body.
-            TypeError: One is no point.
+            ValueError: A point is not on this body.
+            TypeError: An argument is not a point.
         """
         for node in self._own(points, "clamp"):
             self.held[node, _PLACE] = True
             self.held[node + self.points_count, _TURNED] = True
 
     def pin(self, *points: Point) -> None:
-        """Hold places of points.
+        """Hold positions of points.
 
         Args:
             points: Points of the body.
 
         Raises:
-            ValueError: One is not a point of this body.
-            TypeError: One is no point.
+            ValueError: A point is not on this body.
+            TypeError: An argument is not a point.
         """
         for node in self._own(points, "pin"):
             self.held[node, _PLACE] = True
 
     def unwarped(self) -> Indices:
-        """Nodes of slopes whose sections are clamped."""
+        """MIXED_DERIVATIVE nodes of clamped sections."""
         clamped = self.held[:, _TURNED].all(axis=1)
         return np.flatnonzero(clamped & (self.node_types == MIXED_DERIVATIVE))
 
     def follower(self) -> Follower:
-        """Axes follow the sections, but where components along them are held."""
+        """Function that rotates the axes with the sections, except where components are held."""
         parts = self.held.reshape(2, self.points_count, 2, 3).sum(axis=-1) % 3 > 0
         moves: Flags = ~parts.any(axis=(0, 2))
 
@@ -124,5 +125,7 @@ class SectionPoints(Sectioned):
             if point.body is not self or not self.attachment_of(point.node).same(
                 point.joint_attachment
             ):
-                raise ValueError(f"{self.label} cannot hold {point.label}: it is no node of it")
+                raise ValueError(
+                    f"{self.label} cannot hold {point.label}, which is not a node of it"
+                )
         return [point.node for point in points]

@@ -1,1 +1,1 @@
-"""Bodies that move with one frame and deform in few shapes: what scenes know of reduction."""
+"""Reduced-order bodies: a floating frame with modal coordinates."""

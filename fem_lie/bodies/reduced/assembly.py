@@ -1,12 +1,11 @@
-"""Reduced-order bodies: their energy as cells, assembled together.
+"""Reduced-order bodies: assembly of their strain energy as cells; compiled.
 
-Energy ``½ eᵀ K e`` of bodies that deform in few shapes, as cells: compiled.
-
-The cell is all nodes of the body; coordinates ``z`` are those of
-:mod:`fem_lie.lie.node_types.floating`, and ``e_a = z_a + ½ Q_abc z_b z_c``. Constants: number of
-nodes, of other interfaces and of coordinates; data behind the rows of the nodes are places and
-directors of these interfaces, 12 each, ``K`` and ``Q``, the last number of it first. The
-small-energy kernel has no version of it: strains depend on as many products as there are modes.
+The energy is ``½ eᵀ K e`` with ``e_a = z_a + ½ Q_abc z_b z_c`` and the coordinates ``z`` of
+:mod:`fem_lie.lie.node_types.floating`. A cell has all nodes of a body. Its constants are the
+numbers of nodes, of other interfaces and of coordinates. Its data are, behind the nodal
+coordinates, positions and directors of these interfaces, 12 each, ``K`` and ``Q``, with the last
+index of ``Q`` first. The small-energy kernel does not apply, since strains depend on as many
+products as there are modes.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ _STEP = 1e-30
 
 
 class _Cell(NamedTuple):
-    """Rows of nodes (k, 4, 3), interfaces (i, 4, 3), ``K`` (m, m), ``Q_abc`` at ``[c, a, b]``."""
+    """Nodal coordinates (k, 4, 3), interfaces (i, 4, 3), ``K``, ``Q_abc`` at ``[c, a, b]``."""
 
     q: Array
     interfaces: Array
@@ -54,7 +53,7 @@ def _cell(w: Pointer, c: Pointer) -> _Cell:
 
 @uncounted
 def _strain(cell: _Cell, J: Array, some: Array) -> None:
-    """Set the derivative of strains ``J`` (m, m), and ``z``, ``e``, stresses ``K e`` (3, m)."""
+    """Set the derivative ``J`` (m, m) of strains, and ``z``, ``e``, stresses ``K e`` (3, m)."""
     coordinates(cell.q, cell.interfaces, some[0])
     strains(cell.Q, some[0], J, some[1])
     some[2, :] = 0.0
@@ -63,7 +62,7 @@ def _strain(cell: _Cell, J: Array, some: Array) -> None:
 
 @compiled
 def _stiffness(cell: _Cell, J: Array, s: Array) -> Array:
-    """Second derivative of the energy, ``Jᵀ K J + s_a Q_abc``."""
+    """Second derivative of the energy, ``Jᵀ K J + s_a Q_abc``, shape (m, m)."""
     found = J.T @ (cell.K @ J)
     for c in range(len(s)):
         add_times(cell.Q[c], s, found[c])
@@ -72,7 +71,7 @@ def _stiffness(cell: _Cell, J: Array, s: Array) -> Array:
 
 @compiled
 def _kind(node: int, others: int) -> int:
-    """Of a node of the cell, whatever the group of frames."""
+    """Type of a node of the cell; the group of frames does not matter here."""
     return 0 if node <= others else MODAL
 
 
@@ -80,7 +79,7 @@ def _kind(node: int, others: int) -> int:
 def energy_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
-    """The energy."""
+    """Add the strain energy of a cell."""
     cell = _cell(w, c)
     m, value = cell.K.shape[0], numba.carray(A, (1,))
     some = matrix_at(stack(3 * m), 3, m)
@@ -93,7 +92,7 @@ def energy_kernel(
 def force_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
-    """Forces on the nodes, in their axes."""
+    """Add the forces on the nodes of a cell, along their axes."""
     cell = _cell(w, c)
     q, interfaces = cell.q, cell.interfaces
     k, m = q.shape[0], cell.K.shape[0]
@@ -111,7 +110,7 @@ def force_kernel(
 def matrix_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
-    """Their derivative in the nodes' twists."""
+    """Add the tangent stiffness of a cell in the twists of its nodes."""
     cell = _cell(w, c)
     q, interfaces = cell.q, cell.interfaces
     k, others, m = q.shape[0], interfaces.shape[0], cell.K.shape[0]
@@ -143,7 +142,7 @@ def matrix_kernel(
 
 
 class ReducedData(Protocol):
-    """What the assembly asks of a reduced body."""
+    """Data of a reduced-order body that the assembly reads."""
 
     frames: Array
     within: Array
@@ -153,7 +152,7 @@ class ReducedData(Protocol):
 
 
 class ReducedAssembly(CellTerm, BodyTerm):
-    """Bodies as cells of all their nodes; nodes are as in the bodies, one after the other."""
+    """Reduced-order bodies as cells with all their nodes, in the order of the bodies."""
 
     label, within_frames = "reduced bodies", True
 
@@ -177,11 +176,11 @@ class ReducedAssembly(CellTerm, BodyTerm):
 
     @property
     def contents(self) -> tuple[str, Array]:
-        """What the energy is."""
+        """Name and data of the energy, for fingerprints."""
         return "reduced body", self._values[:, 12 * self.cells.shape[1] :].copy()
 
 
 def _packed(body: ReducedData) -> tuple[Array, Array, Array]:
-    """As :mod:`.kernels` wants them."""
+    """Interfaces, ``K`` and ``Q`` of a body, flat, as the kernels read them."""
     last_first = body.quadratic.transpose(2, 0, 1)
     return body.within.ravel(), body.stiffness.ravel(), last_first.ravel()

@@ -1,4 +1,4 @@
-"""A body that moves with one frame and deforms in few shapes."""
+"""Reduced-order bodies: a floating frame and modal coordinates within it."""
 
 from __future__ import annotations
 
@@ -18,29 +18,28 @@ from fem_lie.lie.node_types.floating_coordinates import all_coordinates, all_rat
 
 
 class ReducedOrderBody(Body):
-    """A body that moves with the frame of one interface and deforms in few shapes within it.
+    """Reduced-order body: moves with the frame of one interface, and deforms in few modes.
 
-    Strains are small, motion is as large as one likes. The energy is ``½ eᵀ K e`` with
-    ``e_a = z_a + ½ Q_abc z_b z_c``: tension stiffens bending, and bending draws ends together.
-    Inertia is
-    that of all points of the body, gyroscopic and centrifugal forces included, as far as places and
-    directors within the frame are linear in the coordinates.
-    :func:`~fem_lie.reduction.reduced_order_body` makes one. Interfaces are nodes with frames, which
-    joints, springs, loads, clamps and contacts take as those of any other body; amplitudes of inner
-    shapes are further nodes, which nothing takes.
+    Strains are small, motion is arbitrarily large. The energy is ``½ eᵀ K e`` with ``e_a = z_a + ½
+    Q_abc z_b z_c``, which includes stress stiffening and the shortening by bending. Inertia is that
+    of all points of the body, gyroscopic and centrifugal forces included, for positions and
+    directors within the frame that are linear in the coordinates.
+    :func:`~fem_lie.reduction.reduced_order_body` computes such a body. Interfaces are nodes with
+    frames, on which joints, springs, loads, clamps and contacts act as on those of any other body;
+    the amplitudes of internal modes are further nodes.
 
     Attributes:
-        interfaces: Nodes of the full body that are those of this one, shape (1 + i,).
-        within: Places and directors of the other interfaces in the frame of the first, at rest,
+        interfaces: Nodes of the full body that are interfaces, shape (1 + i,).
+        within: Positions and directors of the other interfaces in the frame of the first, at rest,
             shape (i, 4, 3).
-        stiffness: Of the coordinates: displacement and rotation of each other interface in the
-            frame, then amplitudes, shape (m, m).
-        quadratic: ``Q``, symmetric in its last two, shape (m, m, m).
-        density: Matrix of ``(x, d_k, z_a d_k)``, see :mod:`fem_lie.lie.node_types.floating`, shape
-            (4 + 3 m, 4 + 3 m).
-        full: The body that was reduced.
-        shapes: Displacement and rotation of each of its nodes for each coordinate, components along
-            the frame, shape (m, n, 6).
+        stiffness: Stiffness in the coordinates: displacement and rotation of each other interface
+            in the frame, then modal amplitudes, shape (m, m).
+        quadratic: ``Q``, symmetric in its last two indices, shape (m, m, m).
+        density: Mass matrix of ``(x, d_k, z_a d_k)``, see :mod:`fem_lie.lie.node_types.floating`,
+            shape (4 + 3 m, 4 + 3 m).
+        full: Full body.
+        shapes: Modes: displacement and rotation of each node of the full body for each coordinate,
+            in components along the frame, shape (m, n, 6).
 
     Example:
         >>> section = fl.Section.circle(0.02, fl.Material(E=2e11, nu=0.3, density=7800.0))
@@ -68,21 +67,22 @@ class ReducedOrderBody(Body):
         quadratic: Array | None = None,
         name: str = "",
     ) -> None:
-        """Place the nodes.
+        """Create the nodes.
 
         Args:
-            interfaces: Their nodes in the full body; the first is the frame.
-            stiffness: See the class.
-            density: See the class.
-            shapes: See the class.
-            full: See the class.
-            points: Number of each named interface.
-            quadratic: See the class; default: none, the stiffness is constant.
-            name: For messages and results.
+            interfaces: Nodes of the full body that are interfaces; the first is the frame.
+            stiffness: Stiffness in the coordinates, shape (m, m).
+            density: Mass matrix of ``(x, d_k, z_a d_k)``, shape (4 + 3 m, 4 + 3 m).
+            shapes: Modes, shape (m, n, 6).
+            full: Full body.
+            points: Index of each named interface.
+            quadratic: Quadratic coefficients of the strains, shape (m, m, m); default: zero, so
+                that the stiffness is constant.
+            name: Name in messages and results.
 
         Raises:
-            ValueError: Matrices do not fit each other or the interfaces, or are not symmetric and
-                finite; ``quadratic`` has another shape.
+            ValueError: Shapes of matrices do not agree with each other or with the interfaces, or
+                matrices are not symmetric and finite.
         """
         others, m = len(interfaces) - 1, len(stiffness)
         self.interfaces: Indices = np.array(interfaces, dtype=np.int64)
@@ -117,7 +117,7 @@ class ReducedOrderBody(Body):
         )
 
     def _numbered(self, node: int) -> Point:
-        """The point at an interface; nodes of modal amplitudes have none."""
+        """Point at an interface; modal nodes have no points."""
         if not 0 <= node <= len(self.within):
             raise ValueError(
                 f"{self.label} has interfaces 0 … {len(self.within)}, got {node}: what is held or "
@@ -127,39 +127,39 @@ class ReducedOrderBody(Body):
 
     @property
     def node_types(self) -> Indices:
-        """Frames, then amplitudes."""
+        """Type of each node, shape (n,): frames, then modal nodes."""
         kinds = np.full(len(self.frames), int(NodeType.MODAL), dtype=np.int64)
         kinds[: 1 + len(self.within)] = int(NodeType.FRAME)
         return kinds
 
     @property
     def absent(self) -> Flags:
-        """Those of the last node of amplitudes that is not full."""
+        """Mask of unused unknowns of the last modal node, shape (n, 6)."""
         found = super().absent
         found.ravel()[6 + len(self.stiffness) :] = True
         return found
 
     def within_frame(self) -> WithinFrame:
-        """See the base class."""
+        """Interfaces, mass matrix without that of the frame, and coefficients of the energy."""
         matrix = self.density.copy()
         matrix[:4, :4] = 0.0
         return WithinFrame(self.within, matrix, self.stiffness, self.quadratic)
 
     @property
     def kind(self) -> Hashable:
-        """Those with as many interfaces and coordinates go together."""
+        """Key of bodies that are assembled together: equal numbers of interfaces and modes."""
         return type(self), len(self.stiffness), len(self.within)
 
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
-        """All of one :attr:`kind` together."""
+        """Assembly of all bodies of one :attr:`kind`."""
         return ReducedAssembly(bodies)
 
     def coordinates(self, frames: Array) -> Array:
         """Coordinates in states of its nodes, shape (s, m).
 
         Args:
-            frames: Shape (s, n, 4, 3).
+            frames: Nodal coordinates, shape (s, n, 4, 3).
         """
         frames = np.ascontiguousarray(frames)
         return np.asarray(all_coordinates(frames, self.within, len(self.stiffness)))
@@ -168,7 +168,7 @@ class ReducedOrderBody(Body):
         """Rates of the coordinates, shape (s, m).
 
         Args:
-            frames: Shape (s, n, 4, 3).
+            frames: Nodal coordinates, shape (s, n, 4, 3).
             velocities: Twists, shape (s, n, 6).
         """
         states = np.ascontiguousarray(frames), np.ascontiguousarray(velocities)
@@ -179,7 +179,7 @@ class ReducedOrderBody(Body):
         """Frames of all nodes of the full body, shape (s, N, 4, 3).
 
         Args:
-            frames: Of its nodes, shape (s, n, 4, 3).
+            frames: Nodal coordinates of the reduced-order body, shape (s, n, 4, 3).
         """
         h = np.einsum("sm,mni->sni", self.coordinates(frames), self.shapes)
         initial = lie.se3_compose(lie.se3_inverse(self.frames[0]), self.full.frames)
@@ -195,8 +195,8 @@ class ReducedOrderBody(Body):
         """Twists of all nodes of the full body, shape (s, N, 6).
 
         Args:
-            frames: Of its nodes, shape (s, n, 4, 3).
-            velocities: Their twists, shape (s, n, 6).
+            frames: Nodal coordinates of the reduced-order body, shape (s, n, 4, 3).
+            velocities: Twists of its nodes, shape (s, n, 6).
         """
         rates = np.einsum("sm,mni->sni", self.rates(frames, velocities), self.shapes)
         h = np.einsum("sm,mni->sni", self.coordinates(frames), self.shapes)
@@ -212,7 +212,7 @@ class ReducedOrderBody(Body):
 
 
 def _symmetric(value: Array, size: int, what: str) -> Array:
-    """A symmetric matrix, or ``ValueError``."""
+    """``value`` as a symmetric matrix of given size; ``ValueError`` if it is not."""
     matrix = numbers(value, what)
     if matrix.shape != (size, size) or not np.isfinite(matrix).all():
         raise ValueError(f"{what} must be finite and of shape ({size}, {size}), got {matrix.shape}")

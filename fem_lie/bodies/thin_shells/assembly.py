@@ -14,7 +14,7 @@ from fem_lie.elements.thin_shells.bicubic import BicubicHermite, to_axes, unload
 from fem_lie.elements.thin_shells.cell_tables import stress_at
 from fem_lie.elements.thin_shells.rows import NODES, VECTORS
 from fem_lie.forms.assembly import BodyTerm, NodalInertia
-from fem_lie.forms.cell_sums import CarryingCellTerm, CellSum
+from fem_lie.forms.cell_sums import CellSum, LinearisedCellTerm
 from fem_lie.lie.node_types.node_type import MIXED_DERIVATIVE, SURFACE_GRADIENT, set_axes
 from fem_lie.lie.tuples import (
     Vector,
@@ -88,7 +88,7 @@ class ThinShellData(Protocol):
         """Mass matrix in the nodal coordinates of each cell, shape (m, 8, 4, 8, 4)."""
 
 
-class ThinShellAssembly(CarryingCellTerm, BodyTerm):
+class ThinShellAssembly(LinearisedCellTerm, BodyTerm):
     """Assembly of thin shells of one element, with nodes and cells in the order of the bodies.
 
     Attributes:

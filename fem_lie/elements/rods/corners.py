@@ -31,7 +31,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import callback, compiled, inlined
 from fem_lie._jit.stack import stack
 from fem_lie.elements.rods.bends import Springs
-from fem_lie.forms.cell_sums import CarryingCellTerm
+from fem_lie.forms.cell_sums import LinearisedCellTerm
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer
 from fem_lie.lie.tuples import (
     combined,
@@ -243,7 +243,7 @@ def _carry(H: Array, nodes: Indices, h: Array, values: Array) -> None:
         data[14], data[15], data[16] = _stress(data, end)
 
 
-class CornerSprings(CarryingCellTerm, Springs):
+class CornerSprings(LinearisedCellTerm, Springs):
     """Springs between the edges of discrete rods, on the nodes of their assembly."""
 
     label, conserved = "discrete rods (DiscreteRod)", True

@@ -1,4 +1,4 @@
-"""What stands at an address, in compiled code: functions to be called, numbers, maps of nodes."""
+"""Access by address in compiled code: function calls, numbers, maps of nodes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from fem_lie._jit import callback
 double_pointer = types.CPointer(types.float64)
 
 Pointer: TypeAlias = Any
-"""Where doubles stand; Python itself has no such thing."""
+"""Pointer to doubles, in compiled code only."""
 
 UFCX_SIGNATURE = types.void(
     double_pointer,
@@ -25,12 +25,12 @@ UFCX_SIGNATURE = types.void(
     types.CPointer(types.int32),
     types.CPointer(types.uint8),
 )
-"""Of kernels of DOLFINx (UFCx)."""
+"""Signature of DOLFINx kernels (UFCx)."""
 
 MAP_SIGNATURE = types.void(
     double_pointer, double_pointer, double_pointer, double_pointer, types.intp
 )
-"""Of the functions of a :class:`~fem_lie.forms.kernels.frame_map.FrameMap`."""
+"""Signature of the functions of a :class:`FrameMap`."""
 
 
 @intrinsic
@@ -47,8 +47,8 @@ def _call_by_address(argument_types: Sequence[ir.Type]) -> Callable[..., None]:
     def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
         function_type = ir.FunctionType(ir.VoidType(), argument_types)
         function = builder.inttoptr(arguments[0], function_type.as_pointer())
-        # The C calling conventions let a callee ignore trailing arguments: null stands for the
-        # `custom_data` that kernels take from DOLFINx 0.11 on, and does no harm before.
+        # The C calling convention lets a callee ignore trailing arguments: null is the
+        # `custom_data` argument of kernels from DOLFINx 0.11 on, and is harmless before.
         given = list(arguments[1:])
         given += [ir.Constant(t, None) for t in argument_types[len(given) :]]
         builder.call(function, given)
@@ -72,7 +72,7 @@ def tabulate(typing_context, address, A, w, c, x, entity, permutation):  # type:
 
 @intrinsic
 def pointer(typing_context, address):  # type: ignore[no-untyped-def]
-    """Where doubles stand, from their address."""
+    """Pointer to doubles at an address."""
 
     def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
         return builder.inttoptr(arguments[0], _double_p)
@@ -82,7 +82,7 @@ def pointer(typing_context, address):  # type: ignore[no-untyped-def]
 
 @intrinsic
 def integer_pointer(typing_context, address):  # type: ignore[no-untyped-def]
-    """Where 64-bit integers stand."""
+    """Pointer to 64-bit integers at an address."""
 
     def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
         return builder.inttoptr(arguments[0], ir.IntType(64).as_pointer())
@@ -107,19 +107,19 @@ frame_function = callback(MAP_SIGNATURE)
 
 @dataclass(frozen=True)
 class FrameMap:
-    """How flat element coordinates ``y`` move with the local-frame twists ``h`` of the nodes.
+    """Variation of flat element coordinates ``y`` for twists ``h`` of the nodes along their frames.
 
     Four compiled functions of signature :data:`MAP_SIGNATURE`, ``(state, y, given, out, nodes)``,
-    made with :func:`frame_function`. ``state`` is what the nodes store (``values`` doubles each).
-    They must live as long as the forms, as functions of a module do.
+    made with :func:`frame_function`. ``state`` holds the stored nodal coordinates (``values``
+    doubles each). The functions must live as long as the forms, as functions of a module do.
 
     Attributes:
         coordinates: ``y`` from the state; ``None`` if the state of the cell's nodes is ``y``.
-        pull_back: ``out += Lᵀ given``, a force on ``y`` as forces and moments in the nodal frames.
+        pull_back: ``out += Lᵀ given``, forces on ``y`` as forces and moments along nodal frames.
         push_forward: ``out = L given``, twists of the nodes as a variation of ``y``.
         geometric: ``out += ∂(Lᵀ given)/∂h``, a row-major square matrix; ``None`` if zero.
         values: Doubles stored per node.
-        unknowns: Local-frame unknowns per node.
+        unknowns: Unknowns per node along its frame.
     """
 
     coordinates: Any

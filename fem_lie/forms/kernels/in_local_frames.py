@@ -1,11 +1,11 @@
-"""Compiled kernels with DOLFINx's signature (UFCx) that call FFCx's and move to local frames.
+"""Compiled kernels with DOLFINx's signature (UFCx) that call FFCx's functions and apply the map.
 
-There is one kernel for each thing assembled (energy, residual, tangent, carried stress, local
-fields), the same for all energies and every :class:`~.frame_map.FrameMap`. It calls
-what FFCx made, applies the map and condenses element-local fields ``s``. The addresses of FFCx's
-functions and of the map stand in a header of 64-bit integers in front of the form's constants:
-nothing is compiled again when the energy changes, and numba can cache everything, which it could
-not if a kernel closed over an address. :mod:`fem_lie.forms.wrapping` writes that header.
+There is one kernel for each assembled quantity (energy, residual, tangent, independent stress,
+local fields), the same for all energies and every :class:`~.addresses.FrameMap`. It calls FFCx's
+functions, applies the map and condenses element-local fields ``s``. The addresses of FFCx's
+functions and of the map are in a header of 64-bit integers in front of the form's constants:
+nothing is recompiled when the energy changes, and numba can cache all kernels, which it could not
+if a kernel were a closure over an address. :mod:`fem_lie.forms.wrapping` writes that header.
 """
 
 from __future__ import annotations
@@ -76,9 +76,9 @@ def _clear(pointer: Pointer, size: int) -> None:
 
 @compiled
 def _solve(M: Array, B: Array) -> None:
-    """``B ← M⁻¹ B`` by Gauss elimination with pivoting; ``M`` is lost.
+    """Solve ``B ← M⁻¹ B`` by Gauss elimination with pivoting; ``M`` is overwritten.
 
-    Zeros are skipped: mixed energies have whole blocks of them.
+    Zeros are skipped: mixed energies have blocks of zeros.
     """
     n, columns = B.shape
     for k in range(n):
@@ -111,7 +111,7 @@ def _solve(M: Array, B: Array) -> None:
 
 @compiled
 def _condense(K: Pointer, R: Pointer, M: Pointer, n_y: int, n_s: int) -> None:
-    """``K −= Rᵀ M⁻¹ R`` of matrices (n_y, n_y), (n_s, n_y), (n_s, n_s); ``M`` is lost."""
+    """Condense ``K −= Rᵀ M⁻¹ R`` of (n_y, n_y), (n_s, n_y), (n_s, n_s); ``M`` is overwritten."""
     whole, rows = numba.carray(K, (n_y, n_y)), numba.carray(R, (n_s, n_y))
     change = numba.carray(stack(n_s * n_y), (n_s, n_y))
     for k in range(n_s):
@@ -131,7 +131,7 @@ def _condense(K: Pointer, R: Pointer, M: Pointer, n_y: int, n_s: int) -> None:
 
 @compiled
 def _prepare(w: Pointer, c: Pointer) -> tuple[Indices, Pointer, Pointer]:
-    """Header, pointers to state and coordinates; the coordinates are written into their slot."""
+    """Header, pointers to state and coordinates; the map writes the coordinates first."""
     # the descriptions follow: the view is longer than its shape says
     head = numba.carray(c, (HEADER_SIZE,)).view(np.int64)
     state, y = shift(w, head[AT_STATE]), shift(w, head[AT_Y])
@@ -153,7 +153,7 @@ def energy_kernel(
 def energy_again_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
-    """The energy of a cell whose coordinates are in their slot."""
+    """Rank 0: the energy of a cell whose coordinates have been computed."""
     head = numba.carray(c, (HEADER_SIZE,)).view(np.int64)
     _inner(head, head[FIRST], A, w, c, x, entity, permutation)
 
@@ -187,8 +187,8 @@ def tangent_kernel(
 ) -> None:
     """Rank 2: ``Lᵀ (K_yy − K_syᵀ K_ss⁻¹ K_sy) L + ∂(Lᵀ f_y)/∂h``.
 
-    First: K_yy, second: carried f_y, or none, and then no derivative of the map, third: K_sy,
-    fourth: K_ss.
+    First FFCx function: K_yy, second: f_y of the independent stress, or none, and then no
+    derivative of the map, third: K_sy, fourth: K_ss.
     """
     head, state, y = _prepare(w, c)
     n_y, n_s, n_h, nodes = head[N_Y], head[N_S], head[N_H], head[NODES]
@@ -241,7 +241,7 @@ def viscous_kernel(
 def stress_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
-    """Rank 1: the new carried stress, ``σ(ε) + C ε'(y) L h``, times the quadrature weights."""
+    """Rank 1: the new independent stress, ``σ(ε) + C ε'(y) L h``, times quadrature weights."""
     head, state, y = _prepare(w, c)
     dy = shift(w, head[AT_DY])
     apply(head[PUSH_FORWARD], state, y, shift(w, head[AT_H]), dy, head[NODES])
@@ -254,7 +254,7 @@ def local_kernel(
 ) -> None:
     """Rank 1: change of the local fields, ``−K_ss⁻¹ (f_s + K_sy L h)``.
 
-    First: the bracket, second: K_ss.
+    First FFCx function: the bracket, second: K_ss.
     """
     head, state, y = _prepare(w, c)
     n_s, dy = head[N_S], shift(w, head[AT_DY])

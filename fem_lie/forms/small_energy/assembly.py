@@ -11,7 +11,7 @@ from fem_lie._jit import compiled
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.abilities import ViscousForces
 from fem_lie.forms.assembly import BodyTerm
-from fem_lie.forms.cell_sums import CarryingCellTerm, CellSum
+from fem_lie.forms.cell_sums import CellSum, LinearisedCellTerm
 from fem_lie.forms.kernels.addresses import call_kernel, pointer
 from fem_lie.forms.small_energy.element import Element
 
@@ -36,7 +36,7 @@ class CellFunctions(NamedTuple):
     viscous_tangent: Any = None
 
 
-class ElementCells(CarryingCellTerm):
+class ElementCells(LinearisedCellTerm):
     """Cells of one element on any nodes, with linearised stress."""
 
     def _bind(

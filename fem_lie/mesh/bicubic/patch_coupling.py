@@ -173,8 +173,9 @@ def _check(coupling: PatchCoupling, lengths: Array, gaps: Array, cosines: Array)
     far = gaps > _APART * _PER_CELL * lengths
     if far.any():
         raise ValueError(
-            f"the edges {coupling.first!r} and {coupling.second!r} are to be coupled, but are up "
-            f"to {gaps.max():.3g} from each other, with cells of about {_PER_CELL * lengths.max():.3g}"
+            f"the edges {coupling.first!r} and {coupling.second!r} are to be coupled, but are "
+            f"up to {gaps.max():.3g} from each other, with cells of about "
+            f"{_PER_CELL * lengths.max():.3g}"
         )
     if cosines.min() < cos(_KINK):
         raise ValueError(
