@@ -39,8 +39,7 @@ _QUARTERS = np.array([[0, 4, 6, 8], [4, 1, 8, 7], [6, 8, 2, 5], [8, 7, 5, 3]])
 
 @dataclass(frozen=True, eq=False)
 class SplineMesh:
-    """Cells of several levels on smooth patches, created by :func:`spline_mesh` and
-    ``fl.adaptivity.refine``.
+    """Cells of several levels on smooth patches: :func:`spline_mesh`, ``fl.adaptivity.refine``.
 
     Attributes:
         rows: Position, ∂u, ∂v and ∂u∂v of each point, hanging points included, shape (n, 4, 3).
@@ -131,8 +130,9 @@ class SplineMesh:
 def spline_mesh(
     patches: SmoothPatch | Mapping[str, SmoothPatch], *, joined: bool | None = None
 ) -> SplineMesh:
-    """Hierarchical mesh of patches, which ``fl.adaptivity.refine`` or ``fl.adaptivity.adapt``
-    refine cell by cell.
+    """Hierarchical mesh of patches for refinement cell by cell.
+
+    ``fl.adaptivity.refine`` and ``fl.adaptivity.adapt`` refine it.
 
     The surface does not depend on the refinement: it is exactly that of the patches.
 
