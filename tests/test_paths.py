@@ -257,7 +257,7 @@ def test_bad_scenes_are_refused(deep):
     linked, crown = arch(4)
     body = linked.add(fl.RigidBody(1.0, (1, 1, 1), (0, 110, 0)))
     linked.add(fl.joints.RigidLink(crown, body.point("centre")))
-    with pytest.raises(ValueError, match="follows another node"):
+    with pytest.raises(ValueError, match="attached to another node"):
         control = fl.stability.DisplacementControl(body.point("centre"), (0, 0, 1), to=1.0)
         fl.follow_path(linked, control=control)
     with pytest.raises(ValueError, match="needs a point"):

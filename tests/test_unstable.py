@@ -145,7 +145,7 @@ def test_branch_refuses_to_come_back_on_the_path_it_leaves():
         shapes=tangent[np.newaxis],
         rotation_only=np.array([False]),
     )
-    with pytest.raises(fl.ConvergenceError, match="leads back onto the path"):
+    with pytest.raises(fl.ConvergenceError, match="leads back onto its own path"):
         fl.stability.switch_branch(scene, false)
 
 

@@ -404,7 +404,7 @@ def test_at_takes_an_equilibrium():
     other, _ = beam(2.0, 0.005, 0.01, cells=4)
     with pytest.raises(ValueError, match="must be an equilibrium of this scene with 5 nodes"):
         fl.vibrations(other, at=result)
-    with pytest.raises(ValueError, match=r"the rotation comes with at=\.\.\."):
+    with pytest.raises(ValueError, match=r"the rotation is that of at=\.\.\."):
         fl.vibrations(scene, at=result, spin=(0, 0, 1))
     scene.add(fl.PointLoad(body.point("end"), force=(0, 0, 3.0)))
     with pytest.raises(ValueError, match="no equilibrium of this scene under its full loads"):

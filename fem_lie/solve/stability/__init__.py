@@ -1,1 +1,1 @@
-"""Paths of equilibrium through critical points, buckling, vibrations, imperfections."""
+"""Equilibrium paths through critical points, buckling, vibrations, imperfections."""

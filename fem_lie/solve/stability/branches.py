@@ -1,4 +1,4 @@
-"""From a bifurcation onto the path that crosses there."""
+"""Branch switching: from a bifurcation onto the crossing path."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from fem_lie.solve.stability.path_step import LostError, Walker
 from fem_lie.solve.statics.arc_length import ArcLength
 from fem_lie.solve.statics.follow import check_proportion
 
-_AMPLITUDE = 0.005  # of the body that moves most
-_TURN = 1 / 60  # rad, at most
-_REACH = 20.0  # amplitudes: the length by which the search measures displacements
-_NIL = 1e-5  # of the largest displacement of a mode
-_CHANGE = 0.05  # of the load factor, where the other path goes on with the load
+_AMPLITUDE = 0.005  # over the size of the body that moves most
+_TURN = 1 / 60  # rad, largest rotation
+_REACH = 20.0  # amplitudes: length scale of displacements in the search
+_NIL = 1e-5  # over the largest displacement of a mode
+_CHANGE = 0.05  # of the load factor, if the other path continues with the load
 _HALVINGS = 12
-_BESIDE = 0.2  # of a step: nearer to the tangent it is one on the same path
+_BESIDE = 0.2  # over the step: a state nearer to the tangent is on the same path
 
 
 def switch_branch(
@@ -34,30 +34,29 @@ def switch_branch(
     amplitude: float | None = None,
     petsc_options_prefix: str = "fem_lie_path_",
 ) -> Station:
-    """A state on the path that crosses at a bifurcation, to begin with there.
+    """A state on the path that crosses at a bifurcation, as the start of that path.
 
-    The bifurcation is left along a critical mode, and the amplitude of that mode is held while
-    equilibrium and load factor are found: ``fl.follow_path(scene,
-        start=fl.stability.switch_branch(scene, point))``.
-
-    Where the path itself is one that branches off there, and its load turns without a pivot, the
-    other path goes on with the load: it is entered along the response of what the mode leaves.
+    The bifurcation is left along a critical mode; equilibrium and load factor are computed with a
+    fixed amplitude of that mode:
+    ``fl.follow_path(scene, start=fl.stability.switch_branch(scene, point))``. If the given path is
+    itself a branch whose load turns there without a change of pivots, the other path continues with
+    the load: it is entered along the response to the load without its part along the mode.
 
     Args:
-        scene: That of the path.
+        scene: The scene of the path.
         critical: The bifurcation.
-        mode: Which critical mode, counted from 1; more than the first matter where several
+        mode: Number of the critical mode, counted from 1; more than the first matter if several
             coincide.
         side: 1 along the mode, −1 against it.
-        amplitude: Largest displacement of the mode; default: 0.005 of the body that moves most, at
-            most what turns something by 1/60 rad, and less if there is no such state.
+        amplitude: Largest displacement of the mode; default: 0.005 of the body that moves most,
+            with rotations of at most 1/60 rad, and less if there is no such state.
         petsc_options_prefix: Prefix for the choice of the linear solver.
 
     Raises:
-        ValueError: Bad scene or options, no such mode, a mode that only turns, or a bifurcation of
-            another scene.
+        ValueError: Invalid scene or options, no such mode, a mode of rotations only, or a
+            bifurcation of another scene.
         ConvergenceError: There is no equilibrium with the amplitude, or with any down to 1/2000 of
-            the default, or there are but those of the path itself.
+            the default, or only those of the given path.
     """
     check_proportion(scene)
     instance(critical, CriticalPoint, "critical", "a critical point of a path")
@@ -65,7 +64,7 @@ def switch_branch(
         number(amplitude, "amplitude")
     if side not in (-1, 1) or (amplitude is not None and not amplitude > 0):
         raise ValueError(
-            f"wanted side 1 or −1 and an amplitude > 0, got {side!r} and {amplitude!r}"
+            f"expected side 1 or −1 and an amplitude > 0, got {side!r} and {amplitude!r}"
         )
     shape = critical.displacing_shape(mode)
     model = StableEquilibrium(scene, petsc_options_prefix)
@@ -84,7 +83,7 @@ def switch_branch(
         h, size = _beside(model, station, h)
     u = model.translations(h)
     if not np.abs(u).max() > _NIL:
-        raise ValueError(f"mode {mode} moves only nodes that follow others rigidly")
+        raise ValueError(f"mode {mode} moves only nodes that are attached rigidly to others")
     pattern: Array = np.asarray(u / float(np.sum(u * u)))
     walker = Walker(model, ArcLength(), abs(station.factor) or 1.0)
     size = side * (size if amplitude is None else amplitude)
@@ -104,8 +103,8 @@ def switch_branch(
         returned, size = True, size / 2
     if returned:
         raise ConvergenceError(
-            f"at load factor {critical.factor:g} mode {mode} leads back onto the path that it is "
-            "one of: no other path crosses there along it"
+            f"at load factor {critical.factor:g} mode {mode} leads back onto its own path, "
+            "and no other path crosses there along it"
         )
     raise ConvergenceError(
         f"no equilibrium beside the {critical.kind.value} at load factor {critical.factor:g} with "
@@ -114,14 +113,14 @@ def switch_branch(
 
 
 def _on_path(station: Station, found: Station) -> bool:
-    """Whether a state lies on the path through another one, as far as its tangent tells."""
+    """Whether a state lies on the path through another one, as far as its tangent shows."""
     moved = found.positions - station.positions
     along = (found.factor - station.factor) * station.velocity
     return bool(np.linalg.norm(moved - along) < _BESIDE * np.linalg.norm(moved))
 
 
 def _first_amplitude(model: StableEquilibrium, shape: Array) -> float:
-    """Largest displacement of a mode to begin with."""
+    """Initial largest displacement of a mode."""
     node = int(np.linalg.norm(shape[:, :3], axis=1).argmax())
     bodies = model.equations.unknowns.bodies.items()
     size = next(body.size for body, nodes in bodies if node in nodes)

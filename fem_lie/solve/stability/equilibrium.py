@@ -1,13 +1,13 @@
-"""Stability of equilibrium: what the factorisation and the spectrum of the tangent say.
+"""Stability of equilibrium from the factorisation and the spectrum of the tangent stiffness.
 
-At equilibrium under loads that have a potential the tangent in local increments is symmetric. The
+At equilibrium under conservative loads the tangent stiffness in local increments is symmetric. The
 number of negative pivots of its ``L D Lᵀ`` is that of its negative eigenvalues (Sylvester's law of
-inertia): zero of them, and the equilibrium is stable. Bordered by m independent constraints the
-matrix has m negative pivots more. (J. M. T. Thompson & G. W. Hunt, A General Theory of Elastic
-Stability, 1973.)
+inertia): the equilibrium is stable if it is zero. The saddle-point matrix with m independent
+constraints has m further negative pivots. (J. M. T. Thompson & G. W. Hunt, A General Theory of
+Elastic Stability, 1973.)
 
-For loads without potential, such as moments about fixed axes, the sign of the determinant counts
-and the tangent's own null vector is the mode, see :mod:`fem_lie.linear.pivots`.
+For non-conservative loads, such as moments about fixed axes, the sign of the determinant counts,
+and the mode is the null vector of the unsymmetric tangent, see :mod:`fem_lie.linear.pivots`.
 """
 
 from __future__ import annotations
@@ -27,25 +27,25 @@ from fem_lie.solve.statics.follow import SceneEquilibrium
 from fem_lie.solve.statics.unstable import tangent_csr
 from fem_lie.system.equations import LinearState, Plan
 
-_SEED, _REPEATS = 1, 30  # of the first vector of the inverse iteration, and its length
-_LOOSE = 1e-14  # of the largest stiffness
-_REFINED = 2  # times that a solution is, with residuals of more digits
+_SEED, _REPEATS = 1, 30  # of the inverse iteration: seed of its first vector, and its length
+_LOOSE = 1e-14  # over the largest stiffness
+_REFINED = 2  # number of refinements of a solution, with residuals in higher precision
 
 
 class StableEquilibrium(SceneEquilibrium):
-    """A scene along its path, with the inertia of its tangent.
+    """Scene along its path, with the inertia (signs of eigenvalues) of its tangent stiffness.
 
     Attributes:
         weight: Units of the unknowns of the nodes: lengths and radians, shape (6 n,).
     """
 
     def __init__(self, scene: Scene, prefix: str, *, carried_stress: bool = True) -> None:
-        """Build the system.
+        """Build the equations.
 
         Args:
-            scene: What there is.
-            prefix: Of the linear solver's options.
-            carried_stress: Carry the stress as an iterate; otherwise plain Newton.
+            scene: The scene.
+            prefix: Prefix of the linear solver's options.
+            carried_stress: Iterate on the stress by linearised updates; otherwise plain Newton.
         """
         super().__init__(scene, prefix)
         self._carried_stress = carried_stress
@@ -53,7 +53,7 @@ class StableEquilibrium(SceneEquilibrium):
         self._free = np.flatnonzero(~self.equations.unknowns.held.ravel())
 
     def factorise(self, factor: float) -> None:
-        """Make the tangent ready, and count its negative eigenvalues."""
+        """Factorise the tangent stiffness, and count its negative eigenvalues."""
         if not self._carried_stress:
             self._forces_known = False
             self.equations.memory.carry(self._H)
@@ -66,7 +66,7 @@ class StableEquilibrium(SceneEquilibrium):
         return self._solver.solution.copy()
 
     def check_start(self, factor: float) -> None:
-        """Raise ``ValueError`` if the tangent is singular in the present state."""
+        """Raise ``ValueError`` if the tangent stiffness is singular in the current state."""
         self._fill(factor)
         A = tangent_csr(self.equations)
         scale = sp.diags(1.0 / np.sqrt(np.maximum(np.abs(A.diagonal()), 1e-300)))
@@ -85,7 +85,7 @@ class StableEquilibrium(SceneEquilibrium):
             )
 
     def _loose_motions(self) -> int:
-        """Motions without strain that joints allow and nothing resists."""
+        """Number of motions without strain that joints allow and nothing resists."""
         K, B = self.pencil()
         kinds = self.equations.unknowns.kinds
         motions = [
@@ -100,19 +100,19 @@ class StableEquilibrium(SceneEquilibrium):
         return int((resists <= _LOOSE * abs(K).max()).sum())
 
     def pencil(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """Tangent of the free unknowns in their units, and constraints with rows of length one."""
+        """Tangent stiffness of the free unknowns in their units, and normalised constraint rows."""
         A, n, free = tangent_csr(self.equations), 6 * self._moving, self._free
         weights = sp.diags(self.weight[free])
         K = (weights @ A[free][:, free] @ weights).tocsr()
         B = (A[n:][:, free] @ weights).tocsr()
-        # they come scaled for the solution of increments
+        # their scale is that for the solution of increments
         length = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
         return K, (sp.diags(1.0 / length) @ B).tocsr()
 
     def critical_modes(self, factor: float, count: int, prefix: str) -> tuple[Array, Array]:
-        """Smallest eigenvalues of the tangent, and increments of nodes, shape (k, n, 6).
+        """Smallest eigenvalues of the tangent stiffness, and increments of nodes, shape (k, n, 6).
 
-        Under loads without potential it is one, of least absolute value, and its right vector.
+        For non-conservative loads it is one, of least absolute value, and its right eigenvector.
         """
         if not self.equations.unknowns.has_potential:
             value, x = self.smallest(factor)
@@ -129,21 +129,21 @@ class StableEquilibrium(SceneEquilibrium):
     def smallest(self, factor: float) -> tuple[float, Array]:
         """Eigenvalue of least absolute value of the tangent, and its vector of free unknowns.
 
-        Both in the units of the unknowns.
+        Both are in the units of the unknowns.
         """
         self.factorise(factor)
         value, x = self.inverse_iteration(None, _REPEATS)
         return value, x[self._free]
 
     def inverse_iteration(self, start: Array | None, repeats: int) -> tuple[float, Array]:
-        """Eigenvalue of least absolute value of the tangent that was factorised last.
+        """Eigenvalue of least absolute value of the last factorised tangent stiffness.
 
         Args:
-            start: About its vector, shape (6 n,); ``None``: nothing is known of it.
-            repeats: Linear solutions.
+            start: Initial guess of its vector, shape (6 n,); ``None``: none.
+            repeats: Number of linear solutions.
 
         Returns:
-            It and its unit vector, shape (6 n,), in the units of the unknowns.
+            The eigenvalue and its unit vector, shape (6 n,), in the units of the unknowns.
         """
         n = len(self.weight)
         if start is None:
@@ -158,7 +158,7 @@ class StableEquilibrium(SceneEquilibrium):
         return value, np.asarray(x / np.linalg.norm(x))
 
     def increments(self, vector: Array) -> Array:
-        """Local increments of the nodes, (n, 6), of a vector of free unknowns in their units."""
+        """Local increments of the nodes, (n, 6), from a vector of free unknowns in their units."""
         h = np.zeros(6 * self._moving)
         h[self._free] = self.weight[self._free] * vector
         found = h.reshape(-1, 6)
@@ -176,15 +176,15 @@ class StableEquilibrium(SceneEquilibrium):
         return float(np.abs(self.twists(dx)).max(initial=0.0) / self.diameter)
 
     def largest_strain(self, dx: Array) -> float:
-        """Largest elongation of an edge of a cell over its length by increments ``dx``."""
+        """Largest elongation of a cell edge over its length due to increments ``dx``."""
         report = self.equations.report(self._H, dx[: 6 * self._moving].reshape(-1, 6))
         return largest_elongation(self.equations.unknowns.bodies, report.frames, report.twists)
 
     def solve_finely(self, b: Array) -> Array:
-        """Solve with the last tangent, refined by residuals of more digits than double ones.
+        """Solve with the last tangent, refined by residuals in higher than double precision.
 
-        Slender members have small axial forces beside what their axial stiffness makes of their
-        displacements: so many digits of a plain solution are lost in them.
+        The axial forces of slender members are small compared to their axial stiffness times their
+        displacements, and a plain solution loses as many digits of them.
         """
         A, x = (
             tangent_csr(self.equations).astype(np.longdouble),
@@ -197,7 +197,7 @@ class StableEquilibrium(SceneEquilibrium):
         return found
 
     def linear_state(self, dx: Array) -> LinearState:
-        """Stress and forces of linear theory along increments ``dx`` from the present state."""
+        """Stress and forces of linear theory along increments ``dx`` from the current state."""
         self._forces_known = False
         self._find(0.0)
         return self.equations.linear_state(self._H, dx, self._found)
@@ -217,7 +217,7 @@ class StableEquilibrium(SceneEquilibrium):
         return self.pencil()[0]
 
     def all_nodes(self, shapes: Array) -> tuple[Array, Flags]:
-        """Increments of leaders (k, n, 6) as scaled ones of all nodes, and which only turn."""
+        """Scaled increments of all nodes from those of masters (k, n, 6); which only rotate."""
         unknowns = self.equations.unknowns
         lengths = node_lengths(unknowns.bodies)
         found = [scaled(self.equations.report(self._H, shape).twists, lengths) for shape in shapes]

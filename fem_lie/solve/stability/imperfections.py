@@ -1,7 +1,7 @@
-"""Imperfections: scenes whose bodies are a little out of shape, without stress.
+"""Imperfections: scenes with geometric imperfections of bodies, without stress.
 
-Places move by a displacement, and directors turn with the surface, or the line, through it. What is
-held by supports of the body stays where it is.
+Positions are displaced, and directors rotate with the surface, or the line, through them. Supported
+nodes of a body stay in place.
 """
 
 from __future__ import annotations
@@ -23,34 +23,34 @@ from fem_lie.results.states import nodes_in
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
 
-_STEP = 1e-5  # of the body: differences of a field
+_STEP = 1e-5  # over the size of the body: step of difference quotients of a field
 _WAVES = 64
 
 
 class Imperfection(ABC):
-    """A displacement of the nodes of bodies, and the rotation that goes with it."""
+    """Displacement of the nodes of bodies, and the corresponding rotation."""
 
     @abstractmethod
     def of(self, body: Body) -> tuple[Array, Array]:
         """Displacements and rotation vectors of the nodes, global components, both (n, 3).
 
         Args:
-            body: The body.
+            body: The body whose nodes are displaced.
         """
 
 
 @dataclass(frozen=True, eq=False)
 class ModeImperfection(Imperfection):
-    """In the shape of a buckling mode.
+    """Imperfection in the shape of a buckling mode.
 
     Attributes:
-        modes: Of the perfect scene.
-        mode: Counted from 1.
-        amplitude: Largest displacement; its sign matters where the structure has no symmetry.
-        angle: Largest rotation, rad, instead of it: of a mode that only turns.
+        modes: Buckling modes of the perfect scene.
+        mode: Number of the mode, counted from 1.
+        amplitude: Largest displacement; its sign matters if the structure has no symmetry.
+        angle: Largest rotation, rad, instead, for a mode of rotations only.
 
     Raises:
-        ValueError: There is no such mode, or not the one of amplitude and angle that it has.
+        ValueError: There is no such mode, or it does not have the given one of amplitude and angle.
     """
 
     modes: BucklingModes
@@ -79,10 +79,10 @@ class ModeImperfection(Imperfection):
         """The mode, times its amplitude or angle.
 
         Args:
-            body: The body.
+            body: The body whose nodes are displaced.
 
         Raises:
-            ValueError: The mode is one of other bodies.
+            ValueError: The mode belongs to other bodies.
         """
         nodes = nodes_in(self.modes.info, body, "the modes")
         size = self.amplitude if self.angle is None else self.angle
@@ -95,17 +95,17 @@ class ModeImperfection(Imperfection):
 
 @dataclass(frozen=True, eq=False)
 class FieldImperfection(Imperfection):
-    """A given displacement.
+    """Imperfection by a prescribed displacement field.
 
     Attributes:
-        displacement: Function of the place, shape (3,), that returns a displacement, shape (3,). It
-            is called at places near the nodes, too.
+        displacement: Function of the position, shape (3,), that returns a displacement, shape (3,).
+            It is also called at positions near the nodes.
     """
 
     displacement: Callable[[Array], npt.ArrayLike]
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if it is no function."""
+        """Raise ``TypeError`` if it is not a function."""
         wanted = "a function of the place"
         instance(self.displacement, Callable, "FieldImperfection: displacement", wanted)
 
@@ -113,7 +113,7 @@ class FieldImperfection(Imperfection):
         """The field at the nodes, and the rotation of the surface, or the line, by it.
 
         Args:
-            body: The body.
+            body: The body whose nodes are displaced.
 
         Raises:
             ValueError: The field is not three finite numbers everywhere.
@@ -132,13 +132,13 @@ class FieldImperfection(Imperfection):
 
 @dataclass(frozen=True, eq=False)
 class RandomImperfection(Imperfection):
-    """Waves of one length with random directions and phases.
+    """Random imperfection: waves of one length with random directions and phases.
 
     Attributes:
-        amplitude: 2.5 times the root of the mean square of the displacements.
-        wavelength: Of all waves.
-        seed: Of the random numbers; the same gives the same.
-        along: Unit direction as a function of the place, shape (3,); default: third directors.
+        amplitude: 2.5 times the root mean square of the displacements.
+        wavelength: Length of all waves.
+        seed: Seed of the random numbers; equal seeds give equal imperfections.
+        along: Unit direction as a function of the position, shape (3,); default: third directors.
     """
 
     amplitude: float
@@ -147,7 +147,7 @@ class RandomImperfection(Imperfection):
     along: Callable[[Array], npt.ArrayLike] | None = None
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` or ``TypeError`` if a number is none."""
+        """Check the numbers."""
         number(self.amplitude, "RandomImperfection: amplitude")
         positive(self.wavelength, "RandomImperfection: the wavelength")
         whole(self.seed, "RandomImperfection: seed", least=0)
@@ -156,9 +156,9 @@ class RandomImperfection(Imperfection):
         """The sum of the waves along directors, or along given directions.
 
         Args:
-            body: The body.
+            body: The body whose nodes are displaced.
         """
-        # the same field for all bodies of a scene: about the largest of so many waves
+        # the same field for all bodies of a scene: about the maximum of this number of waves
         scale = self.amplitude / (2.5 * np.sqrt(0.5 * _WAVES))
 
         def waves(places: Array, frames: Array) -> Array:
@@ -178,13 +178,14 @@ class RandomImperfection(Imperfection):
 
 
 def apply_imperfections(scene: Scene, *imperfections: Imperfection) -> Scene:
-    """A copy of a scene whose bodies are out of shape, and as free of stress as before.
+    """A copy of a scene with imperfect bodies, as free of stress as before.
 
-    Names stay, so that points can be looked up by theirs; bodies, joints and loads are copies.
+    Names are unchanged, so that points can be looked up by them; bodies, joints and loads are
+    copies.
 
     Args:
-        scene: The perfect one; it stays as it is.
-        imperfections: Their sum is applied.
+        scene: The perfect scene, which is not changed.
+        imperfections: Imperfections, of which the sum is applied.
 
     Raises:
         ValueError: No imperfection, or one that does not fit a body.
@@ -205,7 +206,7 @@ def apply_imperfections(scene: Scene, *imperfections: Imperfection) -> Scene:
 
 
 def _deform(body: Body, u: Array, theta: Array) -> None:
-    """Move the nodes of a body, and turn their frames; what is held stays."""
+    """Displace the nodes of a body, and rotate their frames, except supported ones."""
     H, held = body.frames, body.held
     own = H[:, 1:].copy()
     fixed = np.isfinite(body.supports[:, 0, 0])
@@ -225,7 +226,7 @@ def _deform(body: Body, u: Array, theta: Array) -> None:
 
 
 def _with_rotations(body: Body, field: Callable[[Array, Array], Array]) -> tuple[Array, Array]:
-    """A field at the nodes, and how it turns the surface, or the line, there."""
+    """A field at the nodes, and the rotation of the surface, or the line, there."""
     x, step = body.frames[:, 0], _STEP * body.size
     u = field(x, body.frames)
 

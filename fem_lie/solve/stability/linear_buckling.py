@@ -1,30 +1,25 @@
 """Linear buckling: load factors as eigenvalues of stiffness and geometric stiffness.
 
-Geometric stiffness: the derivative of the tangent stiffness in the load factor.
+The structure is assumed to deform little before it buckles. The stress of linear theory under the
+full loads, applied in the unloaded configuration, gives the tangent stiffness ``K₀ + K_g``; at the
+load factor λ it is ``K₀ + λ K_g``, which is singular at the critical load factors. No separate
+geometric stiffness is derived: the tangent with a given stress is the one of each iteration of
+statics.
 
-With the stress, the Lagrange multipliers and the loads of linear theory at the load factor λ, in
-the unloaded configuration, the tangent stiffness is ``K(λ) = K₀ + λ K_g``. The difference of two of
-them loses the digits by which ``λ K_g`` is smaller than ``K₀``. The load factor ``s`` of the
-difference therefore makes both about equally large, whatever the size of the loads.
+Geometric stiffness is the derivative of the tangent stiffness by the load factor, with the stress,
+the Lagrange multipliers and the loads of linear theory, in the unloaded configuration. A difference
+of two tangents loses the digits by which ``λ K_g`` is smaller than ``K₀``. The load factor ``s`` of
+the difference therefore makes both about equally large, whatever the size of the loads.
 
-Whether loads have a potential among the motions that supports and joints leave free.
-
-Linear buckling compares energies: its load factors are those of the symmetric part ``G`` of the
-geometric stiffness. Loads without a potential, such as forces that follow or moments about fixed
-axes, add a skew part ``S``, and then a mode φ of ``(K + λ G) φ = 0`` is none of the structure. What
-counts is how the loads act: a force that follows a guided end, end moments on forks and pressure on
-a ring in its plane do have a potential among the motions that are free.
-
-Where ``S φ = 0`` the load factor is right, and none is lower: real eigenvalues of ``−K⁻¹ (G + S)``
-are not above the largest of ``−K⁻¹ G`` (I. Bendixson, Acta Mathematica 25 (1902) 359). Flutter at a
-lower load takes an ``S`` that is not small beside ``G``.
-
-Linear buckling: the load factors at which a structure that hardly deforms before is unstable.
-
-The stress of linear theory under the full loads, carried in the unloaded configuration, makes the
-tangent ``K₀ + K_g``; at the load factor λ it is ``K₀ + λ K_g``, and singular at the factors that
-are sought. No geometric stiffness is derived for it: the tangent with a carried stress is what
-every iteration of statics uses.
+Loads must have a potential among the motions that supports and joints allow, because linear
+buckling compares energies: its load factors are those of the symmetric part ``G`` of the geometric
+stiffness. Non-conservative loads, such as follower forces or moments about fixed axes, add a skew
+part ``S``, and then a mode φ of ``(K + λ G) φ = 0`` is not one of the structure. It depends on how
+the loads act: a follower force on a guided end, end moments on fork supports and pressure on a ring
+in its plane do have a potential among the free motions. Where ``S φ = 0`` the load factor is
+correct, and none is lower: real eigenvalues of ``−K⁻¹ (G + S)`` do not exceed the largest of
+``−K⁻¹ G`` (I. Bendixson, Acta Mathematica 25 (1902) 359). Flutter at a lower load requires an ``S``
+that is not small compared to ``G``.
 """
 
 from __future__ import annotations
@@ -48,19 +43,19 @@ from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from fem_lie.solve.statics.follow import check_proportion
 from fem_lie.system.equations import Equations
 
-_ALIKE = 3.0  # powers of two by which the change and the stiffness may differ
-_ROUND_OFF = 2.0**-40  # of the stiffness: a smaller change is none
+_ALIKE = 3.0  # powers of two by which change and stiffness may differ
+_ROUND_OFF = 2.0**-40  # over the stiffness: a smaller change is zero
 _SCALINGS, _SHRINKINGS = 5, 10
 _PROPORTIONAL = 1e-9  # relative deviation of a change from a straight line
 _CONVERGED = 1e-5
 
 
 class GeometricStiffness(NamedTuple):
-    """``s K_g`` of the free unknowns in their units.
+    """Geometric stiffness ``s K_g`` of the free unknowns in their units.
 
     Attributes:
         symmetric: Symmetric part, shape (n, n).
-        skew: The other part, of loads without a potential, shape (n, n).
+        skew: Skew part, due to non-conservative loads, shape (n, n).
         factor: ``s``, a power of two.
     """
 
@@ -77,7 +72,7 @@ class GeometricStiffness(NamedTuple):
 def geometric_stiffness(
     model: StableEquilibrium, K: sp.csr_matrix, dx: Array
 ) -> GeometricStiffness:
-    """That of the loads of a scene.
+    """Geometric stiffness of the loads of a scene.
 
     Args:
         model: The scene in its unloaded configuration.
@@ -85,7 +80,7 @@ def geometric_stiffness(
         dx: Displacements and multipliers of linear theory at load factor 1.
 
     Raises:
-        ValueError: The tangent stiffness has no derivative in the load factor.
+        ValueError: The tangent stiffness has no derivative by the load factor.
     """
     state = model.linear_state(dx)
 
@@ -106,10 +101,9 @@ def _alike(
 ) -> tuple[float, sp.csr_matrix]:
     """A load factor at which the change is about as large as the stiffness, and the change.
 
-    The change is zero if there is none at any load factor.
-
-    The first one makes the displacements of linear theory as large as the model, or its rotations
-    about one radian; where nothing moves, any will do.
+    The change is zero if there is none at any load factor. The first load factor makes the
+    displacements of linear theory as large as the model, or its rotations about one radian; if
+    nothing moves, any will do.
     """
     factor = 2.0 ** -np.round(np.log2(displacement)) if displacement else 1.0
     D = change(factor)
@@ -125,10 +119,10 @@ def _alike(
 def _extrapolated(
     change: Callable[[float], sp.csr_matrix], D: sp.csr_matrix, E: sp.csr_matrix, factor: float
 ) -> GeometricStiffness:
-    """From changes at ``s`` and ``−s/2`` for smaller and smaller s, with an error of third order.
+    """Derivative from changes at ``s`` and ``−s/2`` for decreasing s, with an error of third order.
 
-    Elements of the user's may have unknowns of their own on which the tangent stiffness depends in
-    any way.
+    User-defined elements may have internal unknowns on which the tangent stiffness depends in any
+    way.
     """
     first, least, best = factor, np.inf, D
     before = sp.csr_matrix(D.shape)
@@ -136,7 +130,7 @@ def _extrapolated(
         found = ((first / factor) * (D - 4.0 * E) / 3.0).tocsr()
         error = abs(found - before).max() / abs(found).max()
         if error > least and least <= _CONVERGED:
-            break  # round-off begins to grow
+            break  # round-off starts to grow
         if error < least:
             least, best = error, found
         before, factor = found, factor / 16.0
@@ -150,8 +144,8 @@ def _extrapolated(
 
 
 _TOLERANCE = 1e-10
-_TRUE = 1e-4  # relative difference of an eigenvalue from the quotient of its vector
-_TRIES = 4  # each asks for twice as many: those of round-off come with them
+_TRUE = 1e-4  # relative difference of an eigenvalue from the Rayleigh quotient of its vector
+_TRIES = 4  # each requests twice as many eigenvalues, among which are spurious ones
 
 
 def lowest_positive(
@@ -159,7 +153,7 @@ def lowest_positive(
 ) -> tuple[Array, Array]:
     """Lowest positive λ with ``(K + λ G) φ + Bᵀ μ = 0``, ``B φ = 0``, and φ, (k, n).
 
-    There may be less of them than ``count``.
+    There may be fewer than ``count``.
     """
     if not G.count_nonzero():
         return np.empty(0), np.empty((0, K.shape[0]))
@@ -186,13 +180,13 @@ def _largest(
     types = SLEPc.EPS.ProblemType
     solver.setProblemType(types.GNHEP if B.shape[0] else types.GHEP)
     solver.setOptionsPrefix(prefix)
-    # of the largest in size, members in tension would have all in a structure with many of them
+    # the largest moduli would all belong to members in tension, if there are many of them
     solver.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_REAL)
     solver.setDimensions(wanted)
     solver.setTolerances(_TOLERANCE, 500)
     solve_factorised(solver, prefix)
     values, vectors = _pairs(solver, n, bordered.shape[0])
-    # constraints bring zeros that are defective, of which round-off makes numbers of either sign
+    # constraints add defective zero eigenvalues, which round-off makes positive or negative
     energy = np.einsum("kn,kn->k", vectors, vectors @ K)
     by_loads = -np.einsum("kn,kn->k", vectors, vectors @ G)
     true = np.abs(by_loads - values * energy) <= _TRUE * values * energy
@@ -200,7 +194,7 @@ def _largest(
 
 
 def _pairs(solver: Any, n: int, size: int) -> tuple[Array, Array]:
-    """Converged pairs with a positive eigenvalue."""
+    """Converged eigenpairs with a positive eigenvalue."""
     real, imaginary = (PETSc.Vec().createSeq(size) for _ in range(2))
     values, vectors = [], []
     for k in range(solver.getConverged()):
@@ -211,7 +205,7 @@ def _pairs(solver: Any, n: int, size: int) -> tuple[Array, Array]:
     return given[kept], np.array(vectors).reshape(-1, n)[kept]
 
 
-_OF_MODES, _OF_ALL = 1e-6, 1e-2  # skew part over load stiffness that counts
+_OF_MODES, _OF_ALL = 1e-6, 1e-2  # significant ratio of skew part to load stiffness
 _TINY = 1e-300
 _SEED, _REPEATS, _SETTLED = 1, 12, 1e-3
 
@@ -219,11 +213,11 @@ _SEED, _REPEATS, _SETTLED = 1, 12, 1e-3
 def check_potential(
     model: StableEquilibrium, K: sp.csr_matrix, G: GeometricStiffness, found: tuple[Array, Array]
 ) -> None:
-    """Raise ``ValueError`` if the skew part of the geometric stiffness counts.
+    """Raise ``ValueError`` if the skew part of the geometric stiffness is significant.
 
     Args:
         model: The scene, whose tangent stiffness in the unloaded configuration is factorised.
-        K: That one of the free unknowns in their units, shape (n, n).
+        K: That stiffness of the free unknowns in their units, shape (n, n).
         G: The geometric stiffness.
         found: Load factors of its symmetric part, shape (k,), the lowest first, and their modes,
             shape (k, n).
@@ -235,8 +229,8 @@ def check_potential(
     if of_all > _OF_ALL or max(parts, default=0.0) > _OF_MODES:
         raise ValueError(
             "linear buckling expects loads that have a potential among the free motions, got an "
-            f"unsymmetric load stiffness, {max(of_all, *parts):.1e} of the symmetric one (forces "
-            "that follow, or moments about fixed axes): its load factors would be wrong. Follow "
+            f"unsymmetric load stiffness, {max(of_all, *parts):.1e} of the symmetric one (follower "
+            "forces, or moments about fixed axes): its load factors would be wrong. Follow "
             "the path by fl.follow_path, which finds divergence by the determinant, and look for "
             "flutter by fl.vibrations(scene, at=fl.statics(scene)) at increasing loads"
         )
@@ -254,13 +248,13 @@ def _response(
 def energy_radius(model: StableEquilibrium, K: sp.csr_matrix, A: sp.csr_matrix) -> float:
     """Largest ``|xᵀ A y|`` of free motions with ``xᵀ K x = yᵀ K y = 1``, ``A`` symmetric or skew.
 
-    ``K⁻¹ A`` is normal in the product of ``K``, so that repeated products with it grow by that, the
-    modulus of its largest eigenvalues: of a symmetric ``A`` one over the load factor that is least,
-    of either sign.
+    ``K⁻¹ A`` is normal in the inner product of ``K``, so that repeated products grow by the largest
+    modulus of its eigenvalues: for a symmetric ``A`` this is one over the smallest load factor, of
+    either sign.
     """
     if not A.count_nonzero():
         return 0.0
-    # smooth, and allowed by constraints: what is sought is no motion of single nodes
+    # a smooth start that satisfies constraints: motions of single nodes are not of interest
     x = model.solve_free(np.random.default_rng(_SEED).standard_normal(K.shape[0]))
     value = 0.0
     for _ in range(_REPEATS):
@@ -270,9 +264,9 @@ def energy_radius(model: StableEquilibrium, K: sp.csr_matrix, A: sp.csr_matrix) 
     return value
 
 
-_STAGES = 5  # that the progress bar counts
-_OTHER_SIGN = 100.0  # times that factors of loads that pull are those of reversed loads, or more
-_STRAINED = 0.05  # largest strain at them, which linear theory knows nothing of
+_STAGES = 5  # number of stages in the progress bar
+_OTHER_SIGN = 100.0  # smallest ratio of spurious factors to those of reversed loads
+_STRAINED = 0.05  # largest strain at the load factors for which linear theory is reliable
 
 
 def buckling(
@@ -281,17 +275,17 @@ def buckling(
     """Lowest positive load factors of linear buckling, and their modes.
 
     Args:
-        scene: What there is, with its loads at factor 1.
+        scene: The scene, with its loads at factor 1.
         count: Number of modes.
         petsc_options_prefix: Prefix for the choice of SLEPc's solver.
 
     Raises:
-        ValueError: Bad scene, no load, loads that are not in proportion to the load factor, a
-            structure that is not held, elements that carry no stress, loads that have no potential
-            among the motions that supports and joints leave free, or more modes than degrees of
-            freedom.
-        ConvergenceError: There are less positive load factors than were asked for, and its
-            ``result`` holds them; or there is none, as where the loads pull.
+        ValueError: Invalid scene, no load, loads that are not in proportion to the load factor, a
+            structure without sufficient supports, elements without stress, loads without a
+            potential among the motions that supports and joints allow, or more modes than degrees
+            of freedom.
+        ConvergenceError: There are fewer positive load factors than requested, and its ``result``
+            holds them; or there is none, for example under tension.
     """
     check_proportion(scene)
     whole(count, "count")
@@ -345,25 +339,25 @@ def buckling(
 
 
 def _check_stress(equations: Equations) -> None:
-    """Raise ``ValueError`` if elements carry none: their stiffness would not know of it."""
+    """Raise ``ValueError`` if elements have no stress: their stiffness would not depend on it."""
     for where, assembly in equations.tables.assemblies:
         if not assembly.carried_stress.size:
             bodies = equations.unknowns.bodies.items()
             labels = [b.label for b, nodes in bodies if where.start <= nodes[0] < where.stop]
             raise ValueError(
-                f"the elements of {', '.join(labels)} carry no stress, of which linear buckling is "
-                "made: write their energy as a StrainEnergy, not as a plain form, or follow the "
-                "path by fl.follow_path"
+                f"the elements of {', '.join(labels)} have no stress, which linear buckling is "
+                "based on: write their energy as a StrainEnergy, not as a plain form, or follow "
+                "the path by fl.follow_path"
             )
 
 
 def _no_buckling(radius: float) -> str:
-    """What to say where the loads do not make the scene unstable.
+    """Message if the loads do not make the scene unstable.
 
     Args:
-        radius: One over the least load factor, which is of the other sign; 0 if there is none.
+        radius: One over the smallest load factor, which is negative; 0 if there is none.
     """
     what = "these loads do not make the scene unstable at any positive load factor"
     if not radius:
         return f"{what}: they do not change its stiffness"
-    return f"{what}: they pull; reversed loads do at about {1.0 / radius:.3g} times their size"
+    return f"{what}: they are tensile; reversed loads do at {1.0 / radius:.3g} times their size"

@@ -1,9 +1,9 @@
-"""Where something happens between two states of a path: limit points, bifurcations, wanted values.
+"""Location of events between two states of a path: limit points, bifurcations, requested values.
 
-Between two states at which the tangent's number of negative pivots or the direction of the load
-differ there is a critical point. It is bracketed by that pair of marks, which cannot be misled, and
-approached by the secant of a function that is zero there: the rate of the load along the path at a
-limit point, the smallest eigenvalue of the tangent at a bifurcation. (R. Seydel, Practical
+If the number of negative pivots or the direction of the load differ between two states, there is a
+critical point between them. It is bracketed by these marks, which is robust, and approached by the
+secant method for a function that is zero there: the rate of the load along the path at a limit
+point, the smallest eigenvalue of the tangent stiffness at a bifurcation. (R. Seydel, Practical
 Bifurcation and Stability Analysis, 2010, ch. 5.)
 """
 
@@ -21,8 +21,8 @@ from fem_lie.solve.stability.path_options import Arc, Control
 from fem_lie.solve.stability.path_step import LostError, Walker
 
 _TRIALS = 60
-_WIDTH = 1e-3  # of a step: to where a load without slope is located
-_SLOW = 3  # secants in a row that do not halve the bracket, then it is halved
+_WIDTH = 1e-3  # over the step: accuracy at a load without slope
+_SLOW = 3  # successive secants that do not halve the bracket, after which it is halved
 
 Mark = Callable[[Station], Any]
 Value = Callable[[Station], float]
@@ -30,13 +30,13 @@ Value = Callable[[Station], float]
 
 @dataclass(frozen=True, eq=False)
 class Bracket:
-    """Two states of a step between which something happens.
+    """Two states of a step with an event between them.
 
     Attributes:
-        origin: Where the step began.
-        control: What distances are.
-        arc: Which way is forward, and how far is too far.
-        at: Distances of the two from the origin.
+        origin: Start of the step.
+        control: Measure of distance.
+        arc: Metric that determines the forward direction and the largest distance.
+        at: Distances of the two states from the origin.
         ends: The states.
     """
 
@@ -50,7 +50,7 @@ class Bracket:
 def critical(walker: Walker, whole: Bracket, tolerance: float) -> list[Bracket]:
     """All critical points of a step, each between two states; the load to ``tolerance``.
 
-    Points at which the search is lost are bracketed as well as was possible.
+    Points at which the iteration does not converge are bracketed as closely as possible.
     """
     found: list[Bracket] = []
     first, last = whole.ends
@@ -77,10 +77,10 @@ def critical(walker: Walker, whole: Bracket, tolerance: float) -> list[Bracket]:
 
 
 def _merged(found: list[Bracket]) -> list[Bracket]:
-    """Brackets that touch are one point.
+    """Merge touching brackets into one point.
 
-    Round-off lets the load turn a hair before or after the pivot; and where an eigenvalue touches
-    zero without changing its sign, the pivot may be seen to change twice.
+    Due to round-off the load may turn slightly before or after the pivot; and if an eigenvalue
+    touches zero without changing its sign, the pivot may appear to change twice.
     """
     kept: list[Bracket] = []
     for bracket in found:
@@ -126,11 +126,12 @@ def bisect(
     """Narrow a bracket.
 
     Args:
-        walker: Makes the states between.
-        bracket: Begin with these.
+        walker: Computes intermediate states.
+        bracket: Initial bracket.
         before: Whether a state is before the event.
-        value: Zero there; nan where it is not known.
-        tolerance: Of the load factor, relative; distances are found to a thousandth of the step.
+        value: Function that is zero at the event; nan where it is unknown.
+        tolerance: Relative tolerance of the load factor; distances are located to a thousandth of
+            the step.
         probe: Whether the value needs the smallest eigenvalue.
     """
     (a, b), (first, last) = bracket.at, bracket.ends
@@ -142,7 +143,7 @@ def bisect(
             break
         t = 0.5
         if slow < _SLOW and np.isfinite(fa) and np.isfinite(fb) and fa * fb < 0:
-            # a little beyond the estimate, so that the bracket closes from both sides
+            # slightly beyond the estimate, so that the bracket closes from both sides
             pad = min(0.5, 0.4 * wanted / abs(b - a))
             t = fa / (fa - fb)
             t = float(np.clip(t + (pad if t < 0.5 else -pad), pad, 1.0 - pad))
@@ -181,7 +182,7 @@ def _wanted(
     size: float,
     tolerance: float,
 ) -> float:
-    """Width of the bracket that makes the load as exact as wanted."""
+    """Width of the bracket at which the load has the requested accuracy."""
     change = abs(last.factor - first.factor)
     allowed = tolerance * max(abs(first.factor), abs(last.factor), 1e-3 * walker.load)
     return min(_WIDTH * size, allowed * abs(b - a) / change if change > 0 else np.inf)

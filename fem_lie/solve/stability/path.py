@@ -1,7 +1,7 @@
-"""Whole paths of equilibrium: through limit points, snap-through and snap-back, with stability.
+"""Complete equilibrium paths: through limit points, snap-through and snap-back, with stability.
 
 Every state is polished, limit points and bifurcations are located, and the number of negative
-pivots is counted at each state. All defaults are meant to be kept.
+pivots is counted at each state. All defaults are meant for general use.
 """
 
 from __future__ import annotations
@@ -47,27 +47,27 @@ def follow_path(
     backwards: bool = False,
     options: PathOptions | None = None,
 ) -> EquilibriumPath:
-    """Follow the path of equilibrium of a scene, and tell where it is stable.
+    """Follow the equilibrium path of a scene and determine where it is stable.
 
-    All loads, and gravity, grow in proportion to the load factor. A path that cannot go on returns
-    what it has; ``reason`` says why.
+    All loads, and gravity, grow in proportion to the load factor. If the path cannot be continued,
+    the states so far are returned; ``reason`` says why.
 
     Args:
-        scene: What there is.
-        until: Load factor at which the path ends, when it gets there, or all that ends it. Default:
-            1, or none if there is a displacement to go to, or a ``stop`` among the ends. A limit
-            load above it is not met: for the snap of a structure under a unit load give ``until`` a
-            load that it does not carry.
+        scene: The scene.
+        until: Load factor at which the path ends, or all conditions that end it. Default: 1, or
+            none if there is a displacement target, or a ``stop`` condition. A limit load above it
+            is not reached: for the snap of a structure under a unit load give ``until`` a load that
+            it cannot bear.
         resolution: Largest step over the range of loads and displacements.
-        observe: Functions of the state that are recorded, with their names.
+        observe: Functions of the state that are recorded, by name.
         control: Steps of displacement or load; default: of arc length.
-        start: State to begin with, of a path of this scene; default: unloaded.
-        backwards: Go the other way.
-        options: How it is computed.
+        start: Initial state, from a path of this scene; default: unloaded.
+        backwards: Follow the path in the other direction.
+        options: Options of the computation.
 
     Raises:
-        ValueError: Bad scene or options, no load, loads that are not in proportion to the load
-            factor, a start outside of the range or with a singular tangent.
+        ValueError: Invalid scene or options, no load, loads that are not in proportion to the load
+            factor, a start outside of the range or with a singular tangent stiffness.
     """
     check_proportion(scene)
     ends = until if isinstance(until, PathEnds) else PathEnds(until)
@@ -100,7 +100,7 @@ def _check_options(
     instance(control, DisplacementControl | LoadControl | None, "control", "a control or None")
     number(resolution, "resolution")
     if not 0 < resolution <= 1:
-        raise ValueError(f"wanted 0 < resolution ≤ 1, got {resolution!r}")
+        raise ValueError(f"expected 0 < resolution ≤ 1, got {resolution!r}")
     if ends.critical_points is not None and options.locate is None:
         raise ValueError(f"critical_points={ends.critical_points} must be located, got locate=None")
     ends.check_start(start)
@@ -109,7 +109,7 @@ def _check_options(
 
 
 def _result(run: Pursuit, observe: Mapping[str, Observer], seconds: float) -> EquilibriumPath:
-    """What was found."""
+    """Result of the path so far."""
     found, model = run.found, run.model
     states = [run.observed(station) for station in found.stations]
     forces = [model.joint_forces(s.state) for s in found.stations]
@@ -141,7 +141,7 @@ def _result(run: Pursuit, observe: Mapping[str, Observer], seconds: float) -> Eq
 
 
 def _critical(run: Pursuit, bracket: Bracket, index: int) -> CriticalPoint:
-    """The modes at a critical point, and what kind it is."""
+    """Modes at a critical point, and its type."""
     model, (first, last) = run.model, bracket.ends
     model.restore(first.state)
     try:
@@ -150,7 +150,7 @@ def _critical(run: Pursuit, bracket: Bracket, index: int) -> CriticalPoint:
         _log.warning("the critical modes at load factor %g: %s", first.factor, error)
         values, shapes = np.empty(0), np.empty((0, model.equations.unknowns.moving, 6))
     moved, rotation_only = model.all_nodes(shapes)
-    # where a path crosses another one symmetrically its load turns, too, but no pivot does
+    # where a path crosses another one symmetrically its load turns, too, but no pivot changes
     limit = first.sign != last.sign and first.negative != last.negative
     extremum = max if first.sign > 0 else min
     factors = first.factor, last.factor

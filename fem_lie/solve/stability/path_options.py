@@ -1,10 +1,9 @@
-"""How a path is computed and where it ends, and what is held at a given value in a step along it.
+"""Options of a path: end conditions, accuracy, and control of steps.
 
-What is held at a given value during a step along a path: arc length, displacement or load.
-
-With ``Δu`` the displacements of the nodes in a step, ``Δλ`` the change of the load factor, each
+The control of a step is the quantity that is prescribed in it: arc length, displacement or load.
+With ``Δu`` the displacements of the nodes in a step, and ``Δλ`` the change of the load factor, each
 control is a distance ``g(Δu, Δλ)`` and its derivative. A step ends where the distance has the
-wanted length.
+requested length.
 """
 
 from __future__ import annotations
@@ -23,16 +22,16 @@ from fem_lie.bodies.points import require_point
 from fem_lie.results.path import PathState, Station
 from fem_lie.solve.statics.arc_length import ArcLength
 
-_ACROSS = 1e-10  # component of a displacement over its largest: less is round-off
+_ACROSS = 1e-10  # component of a displacement over the largest one: less is round-off
 
 
 class Control(Protocol):
-    """How far a step is."""
+    """Measure of the distance of a step."""
 
     def rate(self, u: Array, sign: float) -> float:
         """Change of the load factor per distance along the tangent ``(u, 1)``.
 
-        ``sign`` is the direction of the load factor, if the control has none of its own.
+        ``sign`` is the direction of the load factor, if the control does not determine it.
         """
         ...
 
@@ -50,8 +49,8 @@ class Arc:
     """Length in the plane of displacement and load: ``√(rms(Δu)²/U² + Δλ²/Λ²)``.
 
     Attributes:
-        length: ``U``.
-        load: ``Λ``.
+        length: Scale of displacements ``U``.
+        load: Scale of the load factor ``Λ``.
     """
 
     length: float
@@ -84,7 +83,7 @@ class Along:
     """Displacement along a fixed pattern: of one node, or the amplitude of a mode.
 
     Attributes:
-        pattern: Shape (n, 3).
+        pattern: The pattern, shape (n, 3).
         unit: Displacement of distance one.
     """
 
@@ -92,14 +91,17 @@ class Along:
     unit: float
 
     def rate(self, u: Array, sign: float) -> float:
-        """Change of the load factor per displacement along the pattern; infinite across it."""
+        """Change of the load factor per displacement along the pattern.
+
+        Infinite perpendicular to it.
+        """
         along = float(np.sum(self.pattern * u))
         if abs(along) <= _ACROSS * float(np.abs(u).max(initial=0.0)):
             return inf
         return self.unit / along
 
     def distance(self, moved: Array, change: float) -> float:
-        """Displacement along the pattern; the load does not matter."""
+        """Displacement along the pattern, independent of the load."""
         return float(np.sum(self.pattern * moved)) / self.unit
 
     def slope(self, moved: Array, change: float, u: Array, d: float) -> float:
@@ -112,17 +114,17 @@ class Load:
     """Change of the load factor.
 
     Attributes:
-        load: That of distance one.
+        load: Change of distance one.
     """
 
     load: float
 
     def rate(self, u: Array, sign: float) -> float:
-        """Change of the load factor that is distance one."""
+        """Change of the load factor of distance one."""
         return sign * self.load
 
     def distance(self, moved: Array, change: float) -> float:
-        """Change of the load factor, whatever moved."""
+        """Change of the load factor, independent of displacements."""
         return abs(change) / self.load
 
     def slope(self, moved: Array, change: float, u: Array, d: float) -> float:
@@ -132,12 +134,12 @@ class Load:
 
 @dataclass(frozen=True)
 class DisplacementControl:
-    """Steps of equal displacement of a point, up to a given one.
+    """Steps of equal displacement of a point, up to a target.
 
     Attributes:
-        point: Which.
-        direction: Along this direction, global components.
-        to: Displacement at which the path ends, in the direction; steps are parts of it.
+        point: The point.
+        direction: Direction of the displacement, global components.
+        to: Displacement in this direction at which the path ends; steps are fractions of it.
     """
 
     point: Point
@@ -145,7 +147,7 @@ class DisplacementControl:
     to: float
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        """Raise ``TypeError`` if an argument has a wrong type."""
         require_point(self.point, "DisplacementControl: point")
         number(self.to, "DisplacementControl: to")
 
@@ -157,11 +159,11 @@ class DisplacementControl:
         positive(self.to, "displacement to go to under displacement control")
 
     def along(self, count: int, node: int) -> Along:
-        """On the node of the point, of ``count`` nodes.
+        """Control of the node of the point.
 
         Args:
             count: Number of nodes.
-            node: Number of the node of the point.
+            node: Index of the node of the point.
         """
         pattern = np.zeros((count, 3))
         pattern[node] = direction(self.direction, f"direction of control at {self.point.label}")
@@ -178,14 +180,14 @@ Observer = Callable[[PathState], float]
 
 @dataclass(frozen=True)
 class PathEnds:
-    """Where a path ends: wherever one of these comes first.
+    """End conditions of a path; the first one that is met ends it.
 
     Attributes:
-        factor: When it gets to this load factor; default: none.
-        load_range: Where it leaves these load factors.
-        stop: Function of the state; where it becomes positive.
-        critical_points: When so many limit points and bifurcations are found; default: never.
-        steps: At most so many.
+        factor: The load factor reaches this value; default: none.
+        load_range: The load factor leaves this range.
+        stop: This function of the state becomes positive.
+        critical_points: This number of limit points and bifurcations is found; default: never.
+        steps: Largest number of steps.
     """
 
     factor: float | None = None
@@ -195,7 +197,7 @@ class PathEnds:
     steps: int = 300
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` or ``TypeError`` for what is no end."""
+        """Check the conditions."""
         whole(self.steps, "PathEnds: steps")
         if self.factor is not None:
             number(self.factor, "PathEnds: factor")
@@ -211,7 +213,7 @@ class PathEnds:
         """Raise ``ValueError`` if the path would end where it begins.
 
         Args:
-            start: Value at the start of the path.
+            start: State in which the path begins, or ``None``: unloaded.
         """
         factor = 0.0 if start is None else start.factor
         low, high = self.load_range
@@ -229,12 +231,12 @@ class PathEnds:
 
 @dataclass(frozen=True)
 class PathOptions:
-    """How a path is computed.
+    """Options of the computation of a path.
 
     Attributes:
         locate: Relative tolerance of the load at limit points and bifurcations, or ``None`` to
             leave them between the states.
-        carried_stress: Carry the stress as an iterate; otherwise plain Newton.
+        carried_stress: Iterate on the stress by linearised updates; otherwise plain Newton.
         arc_length: Tolerance and largest number of iterations.
         petsc_options_prefix: Prefix for the choice of the linear solver.
     """
@@ -245,7 +247,7 @@ class PathOptions:
     petsc_options_prefix: str = "fem_lie_path_"
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` or ``TypeError`` for what is no option."""
+        """Check the options."""
         flag(self.carried_stress, "PathOptions: carried_stress")
         instance(self.arc_length, ArcLength, "PathOptions: arc_length", "an ArcLength")
         text(self.petsc_options_prefix, "PathOptions: petsc_options_prefix")

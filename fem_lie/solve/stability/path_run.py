@@ -1,8 +1,8 @@
-"""A run along a path: lengths of steps, what happens within them, and where they end.
+"""A path analysis: step lengths, events within steps, and end conditions.
 
-Steps are those of the wanted resolution: along the path in the plane of load and displacement, and
-in its bends, where successive tangents keep a small angle. The scale of displacements is the
-largest that the path has seen so far.
+Step lengths follow the requested resolution: along the path in the plane of load and displacement,
+and in its bends, where successive tangents keep a small angle. The scale of displacements is the
+largest one on the path so far.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from fem_lie.solve.stability.path_options import (
 )
 from fem_lie.solve.stability.path_step import FoldedStepError, LostError, Walker
 
-_SCALE = 0.1  # of the diameter: displacements below are small, whatever the path has seen
-_BEGIN = 0.25  # of the resolution: the first step
-_TURN = 0.35  # rad: wanted angle between successive tangents
+_SCALE = 0.1  # over the diameter: smaller displacements are small, whatever the path so far
+_BEGIN = 0.25  # over the resolution: first step
+_TURN = 0.35  # rad: target angle between successive tangents
 _SHARP = 1.0  # rad: larger angles are not accepted …
-_CORNER = 1 / 64  # … unless steps are as short as this, over the resolution
-_FLAT = 0.8  # of the smaller rate of the load at the ends of a step: not less between
-_AHEAD = 0.2  # cosine between the tangent and the way of a step: never less
-_SMALLEST = 1e-4  # of the resolution: shorter steps are given up
+_CORNER = 1 / 64  # … unless steps are this short, over the resolution
+_FLAT = 0.8  # over the smaller rate of the load at the ends of a step: least rate in between
+_AHEAD = 0.2  # least cosine between the tangent and the chord of a step
+_SMALLEST = 1e-4  # over the resolution: shortest step
 
 
 @dataclass
 class Record:
-    """What has been found."""
+    """States and events of a path so far."""
 
     stations: list[Station] = field(default_factory=list)
     critical: list[tuple[Bracket, int]] = field(default_factory=list)
@@ -51,13 +51,13 @@ class Record:
 
 
 class Pursuit:
-    """One run.
+    """One path analysis.
 
     Attributes:
-        model: What is loaded.
+        model: The loaded scene.
         initial: Frames of all nodes, unloaded, shape (n, 4, 3).
         info: Bodies and joints.
-        found: What has been found so far.
+        found: States and events so far.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class Pursuit:
         locate: float | None,
         control: DisplacementControl | LoadControl | None,
     ) -> None:
-        """Prepare it; the model is unloaded."""
+        """Set up; the model is unloaded."""
         self._walker, self.model, self._ends = walker, walker.model, ends
         self._resolution, self._locate = resolution, locate
         equations, unknowns = self.model.equations, self.model.equations.unknowns
@@ -85,8 +85,8 @@ class Pursuit:
             gap = np.abs(self._places[node] - control.point.position).max()
             if gap > 1e-9 * unknowns.length:
                 raise ValueError(
-                    f"displacement control at {control.point.label}, which follows another node "
-                    f"rigidly {gap:g} away: control that one"
+                    f"displacement control at {control.point.label}, which is attached to another "
+                    f"node rigidly {gap:g} away: control that one"
                 )
             self._control_label = f"displacement control at {control.point.label}"
             self._fixed, self._to = control.along(len(self._places), node), 1.0
@@ -95,7 +95,7 @@ class Pursuit:
         self.found = Record()
 
     def follow(self, start: Station | None, backwards: bool) -> None:
-        """Step until an end is reached."""
+        """Make steps until an end condition is met."""
         if start is not None and start.positions.shape != self._places.shape:
             raise ValueError(
                 f"start=... must be a state of this scene with {len(self._places)} nodes, got "
@@ -158,18 +158,18 @@ class Pursuit:
         return replace(first, sign=-first.sign, iterations=0) if backwards else first
 
     def _free_motions(self, station: Station) -> str:
-        """What to say of rigid motions that nothing resists in a state, if any is."""
+        """Message on rigid motions that nothing resists in a state, if there are any."""
         self.model.restore(station.state)
         return self.model.free_motions(station.factor)
 
     def _hint(self, here: Station) -> str:
-        """What to say of the state beyond which nothing goes."""
+        """Message on the state beyond which the path could not be continued."""
         self.model.restore(here.state)
         hint = self.model.rotation_hint()
         return f".{hint}" if hint else self._passed
 
     def _arc(self, here: Station) -> Arc:
-        """The metric of a step: displacements over the largest so far."""
+        """Metric of a step: displacements over the largest ones so far."""
         moved = here.positions - self._places
         self._scale = max(self._scale, sqrt(float(np.sum(moved * moved)) / len(moved)))
         return Arc(self._scale, self._walker.load)
@@ -178,7 +178,7 @@ class Pursuit:
         return arc if self._fixed is None else self._fixed
 
     def _room(self, here: Station) -> float:
-        """Length that is left to the wanted displacement."""
+        """Remaining length to the displacement target."""
         if self._to == inf or self._fixed is None:
             return inf
         return self._to - self._fixed.distance(here.positions - self._places, 0.0)
@@ -210,9 +210,9 @@ class Pursuit:
         return new
 
     def _bends(self, here: Station, new: Station, arc: Arc, length: float) -> bool:
-        """Whether a step bends too much; backwards is too much however short it is.
+        """Whether a step bends too much; reversed steps do, however short they are.
 
-        Where the load is much flatter between the states than at them, it may turn twice unseen.
+        If the load is much flatter between the states than at them, it may turn twice unnoticed.
         """
         way = new.positions - here.positions, new.factor - here.factor
         ahead = arc.inner(*way, *here.direction(arc)) / arc.norm(*way)
@@ -225,7 +225,7 @@ class Pursuit:
         return ahead < _AHEAD or not (short or self._angle(here, new, arc) <= _SHARP)
 
     def _angle(self, here: Station, new: Station, arc: Arc) -> float:
-        """Between two tangents, or a tangent and the way between the states."""
+        """Angle between two tangents, or a tangent and the chord between the states."""
         way = new.positions - here.positions, new.factor - here.factor
         unit = arc.norm(*way)
         ends = [here.direction(arc), new.direction(arc)]
@@ -240,7 +240,7 @@ class Pursuit:
         return min(2.0, max(0.5, growth))
 
     def _accept(self, whole: Bracket) -> Station:
-        """Keep the end of a step, and what happens on the way; or where the path ends in it."""
+        """Record the end of a step and its events, or the point at which the path ends in it."""
         found, before = self.found, self._walker.iterations
         stations = found.stations
         whole = self._ended(whole)
@@ -251,7 +251,7 @@ class Pursuit:
         return stations[-1]
 
     def _look_between(self, whole: Bracket, tolerance: float) -> None:
-        """Keep the critical points of a step."""
+        """Record the critical points of a step."""
         found = self.found
         for bracket in critical(self._walker, whole, tolerance):
             if bracket.ends[0] is not whole.origin:
@@ -274,7 +274,7 @@ class Pursuit:
                 return self._at_level(whole, level)
         stop = ends.stop
         if stop is not None and stop(self.observed(new)) > 0.0 >= stop(self.observed(here)):
-            found.complete, found.reason = True, "the wanted state is reached"
+            found.complete, found.reason = True, "the requested state is reached"
             return bisect(
                 self._walker,
                 whole,
@@ -283,7 +283,7 @@ class Pursuit:
                 1e-9,
             )
         if self._to < inf and self._room(new) <= 1e-9:
-            found.complete, found.reason = True, "the wanted displacement is reached"
+            found.complete, found.reason = True, "the requested displacement is reached"
         return whole
 
     def _at_level(self, whole: Bracket, level: float) -> Bracket:
@@ -308,7 +308,7 @@ class Pursuit:
         return replace(narrow, at=(0.0, narrow.at[1]), ends=(here, last))
 
     def observed(self, station: Station) -> PathState:
-        """A state as it is shown to functions of the user."""
+        """A state as passed to user functions."""
         frames = self.all_frames(station.state.frames)
         return PathState(station.factor, frames, self.initial, station.negative, self.info)
 
@@ -318,7 +318,7 @@ class Pursuit:
 
 
 def _flattest(rates: tuple[float, float], mean: float) -> float:
-    """Least derivative of a cubic, in the sense of its end values, that has these and this mean."""
+    """Least derivative, in the sense of its end values, of a cubic with these rates and mean."""
     first, last = rates
     # the derivative is a parabola
     middle = 1.5 * mean - 0.25 * (first + last)

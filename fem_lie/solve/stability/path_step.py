@@ -1,7 +1,7 @@
-"""From one polished state of equilibrium to another: predictor, corrector, tangent, inertia.
+"""Step from one polished equilibrium state to another: predictor, corrector, tangent, inertia.
 
-The predictor goes along the tangent ``(K⁻¹f, 1)`` of the state before; the corrector solves
-equilibrium and the control, linearised at each iterate, with the stress carried along (E. Riks,
+The predictor moves along the tangent ``(K⁻¹f, 1)`` of the previous state; the corrector solves
+equilibrium and the control, linearised at each iterate, with linearised stress updates (E. Riks,
 Int. J. Solids Struct. 15 (1979) 529; M. A. Crisfield, Comput. Struct. 13 (1981) 55). The
 factorisation at the new state gives its tangent, its number of negative pivots and the next
 predictor: a step costs one factorisation for each of its iterations.
@@ -23,19 +23,19 @@ from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from fem_lie.solve.stability.path_options import Arc, Control
 from fem_lie.solve.statics.arc_length import ArcLength
 
-_SIDEWAYS = 4.0  # lengths of the step: an iteration that goes farther is lost
-_SEARCH = 0.05  # shorter steps are those of a search, not of a path
+_SIDEWAYS = 4.0  # lengths of the step: an iteration that goes farther has diverged
+_SEARCH = 0.05  # shorter steps belong to a search, not to a path
 
 
 class LostError(ArithmeticError):
-    """The iteration did not arrive.
+    """The iteration did not converge.
 
     Attributes:
-        iterations: Linear solutions in vain.
+        iterations: Number of linear solutions.
     """
 
     def __init__(self, iterations: int) -> None:
-        """Keep the count."""
+        """Store the number of iterations."""
         super().__init__(f"no convergence in {iterations} iterations")
         self.iterations = iterations
 
@@ -44,7 +44,7 @@ class FoldedStepError(LostError):
     """An element folds at the end of a step."""
 
     def __init__(self, iterations: int, what: str) -> None:
-        """Keep what folds."""
+        """Store the name of the folded element."""
         super().__init__(iterations)
         self.what = what
 
@@ -53,9 +53,9 @@ class _Step(Iterated):
     """The iteration of one step.
 
     Attributes:
-        factor: Present load factor.
-        count: Linear solutions.
-        load: External forces at the factor 1, as they were evaluated last.
+        factor: Current load factor.
+        count: Number of linear solutions.
+        load: External forces at the factor 1, as last evaluated.
     """
 
     def __init__(
@@ -74,10 +74,10 @@ class _Step(Iterated):
         self._changed, self._rest = 0.0, 0.0
 
     def predict(self) -> None:
-        """Go along the tangent at the origin.
+        """Move along the tangent at the origin.
 
         Raises:
-            LostError: It does not lead as far.
+            LostError: The tangent does not reach the distance.
         """
         origin = self._origin
         self._change = self._length * self._control.rate(origin.velocity, origin.sign)
@@ -89,7 +89,7 @@ class _Step(Iterated):
         self.apply(Verdict.GOES_ON)
 
     def evaluate(self, iteration: int) -> bool:
-        """Evaluate forces and distance; whether both are those of the end of the step."""
+        """Evaluate forces and distance; return whether both are those of the end of the step."""
         model, origin, tolerance = self._model, self._origin, self._options.tolerance
         internal, load = model.forces()
         self.load, self._residual = load, internal - self.factor * load
@@ -132,21 +132,22 @@ class _Step(Iterated):
 
 
 class Walker:
-    """Steps of a model.
+    """Computes steps of a model.
 
     Attributes:
-        model: What is loaded.
+        model: The loaded scene.
         options: Tolerance and largest number of iterations.
-        iterations: Linear solutions in all, failed steps included.
+        iterations: Number of all linear solutions, failed steps included.
     """
 
     def __init__(self, model: StableEquilibrium, options: ArcLength, load: float) -> None:
-        """Start counting.
+        """Start with zero iterations.
 
         Args:
-            model: What is loaded.
+            model: The loaded scene.
             options: Tolerance and largest number of iterations.
-            load: A load factor that matters: residuals are measured by it where it is larger.
+            load: A reference load factor: residuals are relative to it if it is larger than the
+                current one.
         """
         self.model, self.options, self.load = model, options, load
         self.iterations = 0
@@ -154,7 +155,7 @@ class Walker:
         self._last_load: Array | None = None
 
     def start(self, factor: float, sign: float) -> Station:
-        """The present state of the model, which is in equilibrium at this factor."""
+        """The current state of the model, which is in equilibrium at this factor."""
         return self._station(factor, sign, 0, None, probe=False)
 
     def step(
@@ -170,16 +171,16 @@ class Walker:
         """The state at a distance from another one.
 
         Args:
-            origin: From where the distance is measured.
-            control: How.
+            origin: State from which the distance is measured.
+            control: Measure of the distance.
             length: The distance.
-            arc: Which way is forward, and how far is too far.
-            begin: A state near the wanted one to begin with; default: predict it from ``origin``.
-            probe: Whether the smallest eigenvalue is wanted.
+            arc: Metric that determines the forward direction and the largest distance.
+            begin: Initial guess; default: predict it from ``origin``.
+            probe: Whether the smallest eigenvalue is needed.
 
         Raises:
             LostError: No convergence, or a joint rotates too far.
-            FoldedStepError: An element does.
+            FoldedStepError: An element rotates too far.
         """
         model, near = self.model, origin if begin is None else begin
         model.restore(near.state)
@@ -231,7 +232,7 @@ class Walker:
         )
 
     def _smallest(self) -> float:
-        """Smallest eigenvalue of the tangent that was factorised last, by inverse iteration."""
+        """Smallest eigenvalue of the last factorised tangent stiffness, by inverse iteration."""
         repeats = 12 if self._mode is None else 3
         value, self._mode = self.model.inverse_iteration(self._mode, repeats)
         return value

@@ -1,18 +1,18 @@
 """Small vibrations about any equilibrium, and the scaling of modes.
 
-With ``H exp(h)`` beside the equilibrium ``H`` the linear equations are, without any further
-assumption on what is in the scene (:func:`fem_lie.system.small_motions.linearised`)::
+With ``H exp(h)`` near the equilibrium ``H`` the linear equations are, without any further
+assumption on the scene (:func:`fem_lie.system.small_motions.linearised`)::
 
     M ḧ + (C + M ad(v)) ḣ + (∂r/∂h + C ad(v)) h + Bᵀ δλ = 0,    B h = 0
 
-with ``v`` the local velocities of the steady rotation. The stiffness holds geometric stiffness of
-stress, loads and joints and centrifugal softening, the damping the Coriolis terms.
+with ``v`` the local velocities of the steady rotation. The stiffness includes the geometric
+stiffness of stress, loads and joints, and centrifugal softening; the damping includes the Coriolis
+terms.
 
-How modes are scaled: by their largest displacement, or by rotation where they only turn.
-
-Which of them only turn is decided node by node: a node that turns by θ, with cells of length l
-around it, moves by a good part of l θ in any wave that the mesh can show, be it as short as it may,
-and be the scene as large. What is left of a mode that only turns is round-off.
+Modes are scaled by their largest displacement, or by rotation if they consist of rotations only.
+This is decided for each node: a node that rotates by θ, with cells of length l around it, moves by
+a good part of l θ in any wave that the mesh can represent, however short it is and however large
+the scene. The displacements of a mode of rotations only are round-off.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from fem_lie.system.equations import Equations
 
 Shape = npt.NDArray[np.float64] | npt.NDArray[np.complex128]
 
-_NIL = 1e-5  # displacement over length of the cells and rotation: below, it is round-off
+_NIL = 1e-5  # displacement over length of the cells and rotation: less is round-off
 
 
 def node_lengths(nodes: Mapping[Body, Indices]) -> Array:
@@ -59,11 +59,11 @@ def node_lengths(nodes: Mapping[Body, Indices]) -> Array:
 
 
 def largest_elongation(nodes: Mapping[Body, Indices], frames: Array, twists: Array) -> float:
-    """Largest elongation of an edge of a cell over its length, to first order; 0 without cells.
+    """Largest elongation of a cell edge over its length, to first order; 0 without cells.
 
     Args:
         nodes: Numbers of the nodes of each body among all.
-        frames: Of all nodes, shape (N, 4, 3).
+        frames: Frames of all nodes, shape (N, 4, 3).
         twists: Increments (translation, rotation) of all nodes along them, shape (N, 6).
     """
     moved, largest = np.einsum("nij,ni->nj", frames[:, 1:], twists[:, :3]), 0.0
@@ -85,7 +85,7 @@ def _edges(body: Body) -> Indices:
 def scaled(shape: Shape, lengths: Array) -> tuple[Shape, bool]:
     """A mode with the largest component of its largest displacement at +1, and False.
 
-    Or with that of its largest rotation there, and True, if it only turns.
+    If it consists of rotations only: with that of its largest rotation at +1, and True.
 
     Args:
         shape: Increments (translation, rotation) of all nodes, (N, 6).
@@ -113,26 +113,25 @@ def vibrations(
     load_steps: int = 1,
     petsc_options_prefix: str = "fem_lie_vibrations_",
 ) -> Modes:
-    """Frequencies, damping and shapes of the slowest small vibrations.
+    """Frequencies, damping and mode shapes of the slowest small vibrations.
 
     The equilibrium is the initial configuration if that is one under the full loads (unloaded
-    bodies, or a top that stands upright), or else what
-    :func:`~fem_lie.solve.statics.load_steps.statics` finds. Bodies may be free: rigid motions have
-    eigenvalues zero. An unstable equilibrium is no
-    error: see ``Modes.unstable``.
+    bodies, or a top that stands upright), or else the
+    result of :func:`~fem_lie.solve.statics.statics.statics`. Bodies may be free: rigid motions have
+    eigenvalues zero. An unstable equilibrium is not an error: see ``Modes.unstable``.
 
     Args:
-        scene: What there is; initial velocities do not matter.
+        scene: The scene; initial velocities do not matter.
         count: Number of modes.
         at: Equilibrium of this scene, the last state of it; its rotation is taken with it.
         spin: Angular velocity of the frame in which there is equilibrium, global components, rad
             per time; frequencies and shapes are those seen in it.
-        about: A place on its axis.
+        about: A point on its axis.
         load_steps: For statics.
         petsc_options_prefix: Prefix for the choice of SLEPc's solver.
 
     Raises:
-        ValueError: Bad scene or options; no inertia; more modes than degrees of freedom.
+        ValueError: Invalid scene or options; no inertia; more modes than degrees of freedom.
         ConvergenceError: No equilibrium, or no method computes all modes to their residuals.
     """
     rotation = Rotation.of(spin, about)
@@ -141,14 +140,14 @@ def vibrations(
     instance(at, StaticResult | None, "at", "a result of fl.statics or None")
     if at is not None:
         if rotation:
-            raise ValueError("the rotation comes with at=...; do not give spin, too")
+            raise ValueError("the rotation is that of at=...; do not give spin, too")
         rotation = at.steady_rotation
     equations = Equations(scene, dynamics=True)
     unknowns = equations.unknowns
     if scene.redundant is not RedundantConstraints.REFUSE:
-        raise ValueError("vibrations need constraints of which none is redundant")
+        raise ValueError("vibrations need constraints without redundant ones")
     if any(joint.velocity_definitions() for joint in scene.joints):
-        raise ValueError("vibrations need constraints of positions, got one of velocities")
+        raise ValueError("vibrations need position constraints, got a velocity constraint")
     free = int((~unknowns.held).sum()) - unknowns.m
     if not 1 <= count <= free:
         raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
@@ -177,9 +176,10 @@ def vibrations(
 def _equilibrium(
     scene: Scene, spin: npt.ArrayLike, about: npt.ArrayLike, load_steps: int
 ) -> StaticResult:
-    """As statics finds it, to round-off if it can.
+    """Equilibrium by statics, down to round-off if possible.
 
-    What is soft feels the forces that an error of 1e-10 lengths makes along stiff axes.
+    Soft directions are sensitive to the forces that an error of 1e-10 lengths causes along stiff
+    axes.
     """
     try:
         fine = Newton(tolerance=1e-12)
