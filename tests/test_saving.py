@@ -169,7 +169,7 @@ def test_a_full_disk_is_an_error_that_says_how_far_the_run_is(tmp_path, scheme, 
     file = tmp_path / "run.h5"
     said = filled(file, scheme, what)
     assert str(file) in said and "the run has reached time 0.06" in said
-    assert "resume goes on from time 0.05" in said
+    assert "resume restarts from time 0.05" in said
     kept = fl.Result.load(file)
     assert kept.times[-1] == (0.05 if what == "results" else 0.0)
     whole = SCHEMES[scheme].run(

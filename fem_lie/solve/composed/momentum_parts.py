@@ -168,11 +168,11 @@ class MomentumPart(VariationalRun):
         """Not supported: half a sub-step is not part of its composition."""
         return False
 
-    def _book(self, time: float, weights: Array) -> None:
-        """Nothing: whole steps are booked."""
+    def _add_to_balance(self, time: float, weights: Array) -> None:
+        """No effect: the energy balance is updated over whole steps."""
 
-    def book(self, h: float, time: float) -> None:
-        """Book a whole step of the size ``h`` that ends, by the trapezoidal rule."""
+    def add_to_balance(self, h: float, time: float) -> None:
+        """Account for a whole step of size ``h``, by the trapezoidal rule."""
         if not self.balance.empty:
             v, rates, weights = self.at_end(time)
             self.balance.add(h, time, self.H, v[: self._n], rates, weights)
@@ -272,7 +272,7 @@ class MomentumRun(DividedIntegration[Recorder]):
                 return False
             self._sizes[:] = part.h, self._sizes[0]
         self._made += 1
-        self._parts[0].book(size, end)
+        self._parts[0].add_to_balance(size, end)
         return True
 
     def resize(self, time: float, size: float) -> None:

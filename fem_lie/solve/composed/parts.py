@@ -200,13 +200,13 @@ class Part(Run):
         return False
 
     def _age(self) -> float:
-        """Counted in whole steps, and a part may go back."""
+        """Position in whole steps; a sub-step may go back in time."""
         return super()._age() / (self.share * self._per_step)
 
     # --- checkpoints ---
 
     def memory(self) -> dict[str, Array]:
-        """With the factors: there is one matrix for all sizes."""
+        """State with the factors of the frozen matrix."""
         kept = super().memory()
         return kept if self._factors is None else kept | self._factors.arrays()
 

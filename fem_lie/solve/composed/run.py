@@ -1,4 +1,4 @@
-"""A run of composed steps: the parts of each, what is told at its end, checkpoints."""
+"""Run of composed steps: sub-steps, results at the ends of steps, checkpoints."""
 
 from __future__ import annotations
 
@@ -23,24 +23,24 @@ from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.system.equations import Equations, TimeState
 
 _COUNTED = "_counters", "_numbers", "_place"
-"""What a step changes beside the state of its parts."""
+"""State that a step changes in addition to that of its sub-steps."""
 
 
 class ComposedRun(DividedIntegration[History]):
-    """One integration."""
+    """Run of composed steps of a conserving scheme."""
 
     STATE = attributes("_place", "_parts")
 
     def __init__(
         self, options: Options, equations: Equations, step: float, halves: tuple[float, ...]
     ) -> None:
-        """Nothing is computed yet.
+        """Set up without computing anything.
 
         Args:
-            options: Of the scheme of the parts.
-            equations: Of the scene.
+            options: Options of the scheme of the sub-steps.
+            equations: Equations of the scene.
             step: Size of the whole steps.
-            halves: Sizes of their parts, over that; two of them differ.
+            halves: Sizes of the half sub-steps over that of the step; two of them differ.
         """
         super().__init__(options.policy, equations, step)
         self.carried = equations.memory
@@ -63,23 +63,23 @@ class ComposedRun(DividedIntegration[History]):
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> History:
-        """See the base class."""
+        """Create the history of results."""
         return History(self.equations.info, plan, progress, store)
 
     def start(self) -> None:
-        """See the base class."""
+        """Compute the initial state."""
         first, other = self._parts
         first.start()
         other.start_as(first)
 
     @property
     def frames(self) -> Array:
-        """See the base class."""
+        """Current frames of all rows."""
         return self._parts[0].frames
 
     @property
     def index(self) -> int:
-        """See the base class."""
+        """Number of steps made, including the current one."""
         return int(self._place[momentum_parts.MADE])
 
     # --- steps ---
@@ -96,13 +96,16 @@ class ComposedRun(DividedIntegration[History]):
         return True
 
     def _go(self, last: int) -> bool:
-        """Make whole steps up to ``last``, or all before one that fails; whether any was made."""
+        """Make whole steps up to ``last``, or all before one that fails.
+
+        Return whether any was made.
+        """
         first = self.index
         failed = self._failed_at(last)
         return failed is None or (failed > first and self._failed_at(failed) is None)
 
     def _failed_at(self, last: int) -> int | None:
-        """The first step up to ``last`` that fails, if one does; the state is then as before."""
+        """The first step up to ``last`` that fails, if any; the state is then restored."""
         first, before = self._parts[0], self._parts[0].saved()
         counted = saved(self, _COUNTED)
         while self.index < last:
@@ -116,32 +119,32 @@ class ComposedRun(DividedIntegration[History]):
         return None
 
     def _what_is_left(self) -> tuple[int, float, float]:
-        """The part that fails, counted from 1, its last increment and largest residual."""
+        """Number of the failed sub-step, from 1, its last increment and largest residual."""
         part = self._parts[self._place[momentum_parts.SIZE]]
         increment, left = part.numbers[corrections.INCREMENT], np.abs(part.this.r[0]).max()
         return int(self._place[momentum_parts.PART]) + 1, float(increment), float(left)
 
     def attempt(self, start: float, end: float) -> bool:
-        """See the base class."""
+        """Make a whole step; return whether it converged."""
         self._place[momentum_parts.MADE], self._start = self.begun, start
         return self._failed_at(self.begun + 1) is None
 
     def resize(self, time: float, size: float) -> None:
-        """See the base class."""
+        """Start whole steps of another size."""
         first, other = self._parts
         first.resize_whole(self.part_size)
         other.resize_whole(self.part_size, shared=True)
 
     @property
     def _quick(self) -> bool:
-        """Whether there is nothing to do between parts."""
+        """Whether there is nothing to do between sub-steps."""
         first, other = self._parts
         kept = first.factors is not None and other.factors is not None
         asked = first.rule is None or self.equations.unknowns.time_dependent
         return kept and not (asked or first.asks or first.still or other.still)
 
     def _all_parts(self, last: int) -> bool:
-        """Go on to step ``last``, or to the end of a part that wants something."""
+        """Advance to step ``last``, or to the end of a sub-step with a request."""
         first, other = self._parts
         assert first.factors is not None and other.factors is not None
         code = momentum_parts.run(
@@ -161,7 +164,7 @@ class ComposedRun(DividedIntegration[History]):
         return self._passed(part.go_on(code, *self._span()))
 
     def _one_part(self) -> bool:
-        """Make the next part; whether it is made."""
+        """Make the next sub-step; return whether it converged."""
         place = self._place
         k = int(self._order[place[momentum_parts.PART]])
         part, before = self._parts[k], self._parts[place[momentum_parts.SIZE]]
@@ -180,7 +183,7 @@ class ComposedRun(DividedIntegration[History]):
         return made
 
     def _span(self) -> tuple[float, float]:
-        """Start and end of the present part."""
+        """Start and end of the current sub-step."""
         k = int(self._place[momentum_parts.PART])
         ends = self._ends[k : k + 2]
         if self.division.level:
@@ -193,7 +196,7 @@ class ComposedRun(DividedIntegration[History]):
         options, (part, increment, left) = self.options, self._left
         limit, tolerance = options.max_iterations, options.tolerance
         numbers = limit, increment, left, tolerance, self._may_fall_back
-        text = f"part {part} of {failure(self.index + 1, steps, self.h, *numbers)}"
+        text = f"sub-step {part} of {failure(self.index + 1, steps, self.h, *numbers)}"
         return self._nor_in_parts(text)
 
     # --- results ---
@@ -217,9 +220,9 @@ class ComposedRun(DividedIntegration[History]):
         return history.result(factorisations, history.seconds, divided=divided)
 
     def _keep_row(self, history: History) -> None:
-        """What is told of the end of a step, where forces are those of the equations of motion.
+        """Record the end of a step, with forces from the equations of motion.
 
-        Those of the parts act over these: of no higher order than they are themselves.
+        Forces of the sub-steps are of no higher order than the sub-steps themselves.
         """
         equations, s, row = self.equations, self._parts[0].s, history.row
         n, held = equations.unknowns.moving, len(equations.unknowns.supported) > 0
@@ -240,15 +243,15 @@ class ComposedRun(DividedIntegration[History]):
         history.keep(np.array([self.index]), np.array([self._iterations]))
 
     def _end_forces(self, v: Array) -> tuple[Array, Array]:
-        """Accelerations and multipliers at the present state with twists ``v`` of all rows.
+        """Accelerations and multipliers at the current state with twists ``v`` of all rows.
 
-        Of fourth order, with a matrix of its own at each state that is kept.
+        They are of fourth order, and need a matrix of their own at each recorded state.
         """
         equations, s = self.equations, self._parts[0].s
         if self._solver is None:
             self._solver = DirectSolver(equations.matrix, PREFIX)
         still = np.zeros((equations.unknowns.moving, 6))
-        # elements' own unknowns are those of the parts, and not yet known to the equations
+        # internal unknowns of elements are those of the sub-steps, not yet set in these equations
         equations.residual(TimeState(s.H, v, still, s.weights), np.ones(len(s.weights)), self._r)
         time, size = self.index * self.h, min(abs(part.h) for part in self._parts)
         return accelerations(equations, self._solver, s.H, v, time, size, sweeps=2)

@@ -255,13 +255,13 @@ class ExplicitRun(Integration[Recorder]):
         wanted = history.wants(self.index)
         if wanted:
             if self._follows:
-                self._turn_axes()
+                self._convect_axes()
             nodes.twists((*self.masses,), self.H, self.p, self.v)
             history.count = self.index
             history.fill(self.index * self.h, *self._moving, self.balance.total)
         return wanted
 
-    def _turn_axes(self) -> None:
+    def _convect_axes(self) -> None:
         """Update convected axes, and write forces along the new ones."""
         before = self.H.copy()
         self.equations.memory.rotate_axes(self.H)

@@ -88,13 +88,13 @@ class Joints(Stateful):
         nodes.kick(self._masses, H, rows.B.T @ impulses, 1.0, p)
 
     def step(self, h: float, H: Array, p: Array, r: Array) -> bool:
-        """A step, in place; whether the joints could be kept closed.
+        """Make a step in place; return whether the joints could be kept closed.
 
         Args:
-            h: Its size.
+            h: Step size.
             H: Frames of all rows.
             p: Momenta, (n, 6).
-            r: Forces at the start, those at the end afterwards, (≥ 6 n,).
+            r: Forces at the start on entry, at the end on return, (≥ 6 n,).
         """
         rows = self._rows or self._at(H)
         nodes.kick(self._masses, H, r, 0.5 * h, p)
@@ -121,7 +121,7 @@ class Joints(Stateful):
         return False
 
     def project(self, H: Array, p: Array) -> None:
-        """Take out of momenta what opens joints."""
+        """Remove the part of momenta that violates velocity constraints."""
         rows = self._rows or self._at(H)
         for _ in range(2):
             nodes.twists(self._masses, H, p, self._v)

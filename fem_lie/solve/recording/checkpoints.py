@@ -196,7 +196,7 @@ class Checkpoints:
             f"the run has reached time {reached:g}, and results up to time {self._until:g} can be "
             "read from the file"
         )
-        more = f"; resume goes on from time {self._at:g}" if self._at else ""
+        more = f"; resume restarts from time {self._at:g}" if self._at else ""
         return text + more
 
     @contextmanager

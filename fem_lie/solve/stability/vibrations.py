@@ -125,7 +125,7 @@ def vibrations(
         count: Number of modes.
         at: Equilibrium of this scene, the last state of it; its rotation is taken with it.
         spin: Angular velocity of the frame in which there is equilibrium, global components, rad
-            per time; frequencies and shapes are those seen in it.
+            per time; frequencies and shapes are relative to it.
         about: A point on its axis.
         load_steps: For statics.
         petsc_options_prefix: Prefix for the choice of SLEPc's solver.

@@ -283,7 +283,7 @@ class VariationalRun(Newton):
         if not self._remembered(start, middle):
             return False
         if self._follows:
-            self._turn_axes()
+            self._convect_axes()
         if self._contacts is None and not self.balance.empty:
             self._add_to_balance(time, ahead)
         return True
@@ -326,7 +326,7 @@ class VariationalRun(Newton):
         self.reason = contacts.passed(self.H)
         return not self.reason
 
-    def _turn_axes(self) -> None:
+    def _convect_axes(self) -> None:
         """Update convected axes at the accepted state, and the spins of frames along them."""
         kinds, before = self.equations.unknowns.kinds, self.H.copy()
         self.equations.memory.rotate_axes(self.H)

@@ -157,7 +157,7 @@ PlainState: TypeAlias = tuple[Array, Array, Array, Indices, Array]
 
 @inlined
 def parts(motion: Array) -> Motion:
-    """Of ``motion`` (8, n, 6)."""
+    """Unpack ``motion`` (8, n, 6)."""
     return Motion(
         motion[0],
         motion[1],
