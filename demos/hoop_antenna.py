@@ -14,7 +14,7 @@ from the axis at the end; off_posture how far the tops are then from where rigid
 them, but for a motion of all along the axis; asymmetry by how much radii of the tops differ, and
 heights of those that go up and of those that go down, at any time kept.
 
-energy_error is what energy and the books of work differ by, over the largest of either, violation
+energy_error is the difference of energy and its balance, over the largest of either, violation
 the largest of any constraint. Forces are the largest of the joints of a kind and of the telescopes
 that are driven, after a twentieth of the motion.
 """

@@ -6,7 +6,7 @@ momenta stay. Steps are those of generalised-α.
 
 --unknowns is how many there are, nearly: the number of meshes along a side is whole. set_up_seconds
 is all that comes before the first step but for the compilation, memory_gb the most that the process
-ever had, energy_error what energy and the books of work differ by, which is what the scheme damps.
+ever had, energy_error the difference of energy and its balance, which is what the scheme damps.
 """
 
 from __future__ import annotations

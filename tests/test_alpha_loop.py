@@ -146,7 +146,7 @@ def test_steps_that_change_are_the_same():
 
 @pytest.mark.parametrize("held", [False, True])
 def test_axes_of_solids_are_turned_in_the_loop(monkeypatch, held):
-    """As after steps made one by one; where places are held, books look at forces there, too."""
+    """As after steps made one by one; where positions are held, reactions count."""
     calls, options = watched(monkeypatch), {"cost": 4.0, "refresh": 3.0}
     law = fl.sections.NeoHooke(1e5, 0.3, 1000.0)
     body = fl.Solid.brick((0.2, 0.1, 0.1), law, cells=(2, 1, 1), name="brick")

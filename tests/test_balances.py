@@ -201,7 +201,7 @@ def test_errors_are_numbers_where_nothing_happens():
 
 
 def test_a_forgotten_force_is_seen():
-    """The balances are no identities: a run whose books lack a load does not close."""
+    """The balances are no identities: a balance that lacks a load does not close."""
     from dataclasses import replace
 
     result = run(cantilever(*ON_BEAM["following"]), "generalised alpha", duration=0.2, step=2e-3)

@@ -141,5 +141,5 @@ def test_velocities_that_slip_are_refused():
     body.add_velocity((0, 1, 0))
     with pytest.raises(ValueError, match="velocities break blade"):
         fl.GeneralisedAlpha().run(scene, duration=1.0, step=0.1)
-    with pytest.raises(ValueError, match="for dynamics"):
+    with pytest.raises(ValueError, match="constrain velocities: use dynamics"):
         fl.statics(scene)

@@ -528,7 +528,7 @@ def test_matrices_are_kept_in_axes_that_follow():
 
 
 def test_damping_with_mass_slows_a_sheet_down():
-    """At its own rate in each of two that are assembled together; books know what it took."""
+    """At its own rate in each of two that are assembled together; the balance includes the loss."""
     scene, sheets = fl.Scene(), []
     section = fl.ShellSection.layer(1e-3, fl.Material(3e9, 0.3, 1200.0))
     for k, rate in enumerate((2.0, 0.0)):

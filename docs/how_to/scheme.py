@@ -76,7 +76,19 @@ class NewmarkRun(DividedIntegration[Recorder]):
     """One run. What the next steps depend on has its names here, and is saved by the driver."""
 
     STATE = attributes(
-        *("H", "v", "a", "forces", "scale", "size", "_made", "_count", "_stale", "books", "solver")
+        *(
+            "H",
+            "v",
+            "a",
+            "forces",
+            "scale",
+            "size",
+            "_made",
+            "_count",
+            "_stale",
+            "balance",
+            "solver",
+        )
     )
 
     def __init__(self, options: Newmark, equations: Equations, step: float) -> None:
@@ -86,7 +98,7 @@ class NewmarkRun(DividedIntegration[Recorder]):
         self.H = equations.start.frames.copy()
         self.v, self.a = equations.start.velocities[:n].copy(), np.zeros((n, 6))
         self.forces, self.scale = np.zeros(m), np.ones(m)
-        self.solver, self.books = (
+        self.solver, self.balance = (
             DirectSolver(equations.matrix, "newmark_"),
             equations.energy_balance(),
         )
@@ -101,7 +113,7 @@ class NewmarkRun(DividedIntegration[Recorder]):
         """Check velocities; find accelerations and joint forces."""
         check_velocities(self.equations, self.h)
         self.resize(0.0, self.h)
-        self.books.open(0.0, *self.now)
+        self.balance.open(0.0, *self.now)
 
     @property
     def now(self) -> TimeState:
@@ -137,7 +149,7 @@ class NewmarkRun(DividedIntegration[Recorder]):
             self.H[len(self.v) + 1 :] = prescribed.frames
             if self._converges(decisions, before[0]):
                 self._made += 1
-                self.books.add(self.size, end, *self.now)
+                self.balance.add(self.size, end, *self.now)
                 return self._remembered(before[0])
             self.H[:], self.v, self.a, self.forces = (array.copy() for array in before)
         return False
@@ -188,7 +200,7 @@ class NewmarkRun(DividedIntegration[Recorder]):
         return made
 
     def _record(self, history: Recorder) -> bool:
-        return history.record(self._made, *self.now, self.books.total)
+        return history.record(self._made, *self.now, self.balance.total)
 
     def _result(self, history: Recorder) -> fl.Result:
         made = self.solver.factorisations

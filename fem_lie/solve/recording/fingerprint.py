@@ -71,7 +71,7 @@ class Fingerprint:
             self._add(f"drilling of body {k}", scene.drills(body), f"drilling of {body.label}")
         for k, item in enumerate((*scene.joints, *scene.connections), start=1):
             for name, value in (
-                ("definitions", (type(item), item.size, item.definitions())),
+                ("constraint definitions", (type(item), item.size, item.definitions())),
                 ("stiffness, damping and rest", item.spring),
                 ("sliding", item.sliding_definition()),
                 ("rolling", item.velocity_definitions()),
