@@ -87,7 +87,7 @@ def arrays_of(owner: object, names: Iterable[str]) -> dict[str, Array]:
 
 
 def put_back(owner: object, names: Iterable[str], kept: Mapping[str, Array]) -> None:
-    """Set attributes to those of :func:`saved`; arrays of same shape are overwritten in place."""
+    """Restore attributes from :func:`saved`; arrays of equal shape are overwritten in place."""
     for name in names:
         holder, last = _place(owner, name)
         value = getattr(holder, last)

@@ -154,7 +154,7 @@ def test_motion_ends_where_an_element_folds(run):
 
 @pytest.mark.parametrize("degree", [1, 2])
 def test_shells_have_a_limit_too(degree):
-    """The moment of a strip goes with the sine of rotation of a cell with two nodes per edge."""
+    """The moment of a strip goes with the sine of the rotation of a linear cell."""
     from demos.cantilever_moment import CIRCLE, THICKNESS, WIDTH, E
     from demos.cantilever_moment import LENGTH as L
 

@@ -282,7 +282,7 @@ class Coordinate(NamedTuple):
         return float(definition.selection[0] @ z + definition.functions[0] @ f)
 
     def as_row(self, row: int, factor: float = 1.0) -> ConstraintDefinition:
-        """Definition of coordinate times ``factor`` as a term of constraint ``row``; −1: spring.
+        """Coordinate times ``factor`` as a term of constraint ``row``; −1: spring.
 
         Args:
             row: Number of the constraint.

@@ -263,7 +263,7 @@ class Universal(_WithSecondAxis):
 
     @property
     def angle(self) -> Coordinate:
-        """Rotation of cross relative to ``a`` about ``axis``, rad, unwrapped, initially zero."""
+        """Rotation of the cross relative to ``a`` about ``axis``, rad, initially zero."""
         return self._angle("angle", rows({6: 1.0}, {3: 1.0}))
 
     @property

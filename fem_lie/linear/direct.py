@@ -179,7 +179,7 @@ class DirectSolver:
         raise SingularMatrixError("the matrix is singular") from failure
 
     def _notice(self, seconds: float) -> None:
-        """Log the time of first factorisation; if it is far too long, try another method next."""
+        """Log the time of the first factorisation; try another method next if it is too long."""
         if self._expected is None:
             return
         expected, self._expected = self._expected, None

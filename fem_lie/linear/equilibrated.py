@@ -195,7 +195,7 @@ class Equilibrated:
         return bool(_asymmetry(*self.csr, _SYMMETRIC) <= _SYMMETRIC)
 
     def backward_error(self, b: Array, x: Array, r: Array) -> float:
-        """Backward error of solution ``x`` for ``b``, both of this matrix; sets ``r = b − A x``."""
+        """Backward error of a solution ``x`` for ``b`` of this matrix; sets ``r = b − A x``."""
         return float(_backward_error(*self.csr, b, x, r))
 
     def idle(self) -> IdleMultipliers | None:

@@ -89,7 +89,7 @@ class Domain:
         return term in self._summed
 
     def see(self, H: Array, kinds: Indices, *, inertial: bool) -> None:
-        """Evaluate rigid motions of interface at frames ``H``, along the axes of unknowns."""
+        """Evaluate rigid motions of the interface at frames ``H``, along axes of the unknowns."""
         x, R = H[: len(kinds), 0], H[: len(kinds), 1:]
         axes = np.broadcast_to(np.eye(3), R.shape) if inertial else R
         found = []

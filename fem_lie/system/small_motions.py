@@ -249,7 +249,7 @@ class SmallMotions:
         return pencil if pencil.split_is_exact else replace(pencil, parts=None)
 
     def stiffness(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """Tangent stiffness of free unknowns in units of energy, and the constraint Jacobian."""
+        """Tangent stiffness of free unknowns, in units of energy, and constraint Jacobian."""
         return self._matrix(self.blocks[2]), self.B.tocsr()[:, ~self._system.held.ravel()]
 
     def _parts(self, K: sp.csr_matrix) -> RigidParts:

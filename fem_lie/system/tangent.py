@@ -206,7 +206,7 @@ class Tangent:
 
     @contextmanager
     def of_domain(self, scale: Array) -> Iterator[None]:
-        """Context in which the matrix of subdomain is filled, with this scale of constraints."""
+        """Context that fills the matrix of the subdomain with this scale of constraints."""
         assert self.domain is not None
         parts, whole = self.parts, self.parts.blocks
         parts.blocks = self._others

@@ -149,7 +149,7 @@ def evaluate(
 
 @compiled
 def jacobian(H: Array, table: RollingTable, rows: Array) -> None:
-    """Add ``W`` in the twists of nodes to the constraint Jacobian, one row of six per incidence."""
+    """Add ``W`` in nodal twists to the constraint Jacobian, one row of six per incidence."""
     G, V, W, rate = np.empty((4, 3)), np.empty(6), np.empty((6, 6)), np.empty((6, 6))
     moved, still = np.empty(6), np.zeros((0, 6))
     for j in range(table.nodes.shape[0]):

@@ -394,7 +394,7 @@ class ConstraintSet(ABC):
 
     @abstractmethod
     def drawn(self) -> dict[int, tuple[int, Array]]:
-        """Row at which each item is drawn, by item number, and the position in the frame of row."""
+        """Row at which each item is drawn, by item number, and position in its frame."""
 
     @property
     @abstractmethod

@@ -255,7 +255,7 @@ class OnAttachments(ConstraintSet):
         np.add.at(rows, self._to_incidence, moved)
 
     def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
-        """Add the geometric stiffness of inner set, and that of attachments under its forces."""
+        """Add the geometric stiffness of the inner set, and of attachments under its forces."""
         _, J = self._seen(H)
         blocks, forces = self._bent(H, multipliers)
         self._add_pulled(J, blocks, place, K)

@@ -1,1 +1,1 @@
-"""Terms of a scene on the nodes that lead, and their sum."""
+"""Terms of a scene on its master nodes, and their sum."""

@@ -178,7 +178,7 @@ class AttachedTerm(Term):
             super().add_tangent(H, kept, place, K)
 
     def geometric(self, H: Array) -> Array | None:
-        """Part of derivative that does not depend on stored forces, (pairs, 6, 6), or ``None``."""
+        """Derivative of forces that are not stored, shape (pairs, 6, 6), or ``None``."""
         blocks = self.term.geometric(self._nodes.frames(H))
         return None if blocks is None else self._nodes.blocks(blocks, self.term.pairs)
 
