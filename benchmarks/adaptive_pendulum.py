@@ -109,7 +109,7 @@ def main() -> None:
         every=EVERY,
         tolerance=given.tolerance,
         size=1.0,
-        share=given.share,
+        space_fraction=given.share,
         least=float(norm),
     )
     last, cells = found.segments[-1], found.cells

@@ -61,7 +61,7 @@ def main(
         tolerance=tolerance,
         size=motion.size,
         ahead=motion.ahead,
-        share=0.6,
+        space_fraction=0.6,
     )
     last = found.segments[-1]
     true = exact(places, end)

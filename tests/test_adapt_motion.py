@@ -105,7 +105,7 @@ def never(mesh):
         ({"duration": -1.0}, "duration"),
         ({"every": 0.0}, "every"),
         ({"size": 0.0}, "size"),
-        ({"share": 1.0}, "share"),
+        ({"space_fraction": 1.0}, "space_fraction"),
         ({"ahead": -0.1}, "ahead"),
         ({"least": -1.0}, "least"),
         ({"most": 0}, "most"),

@@ -313,7 +313,7 @@ def test_estimates_that_are_none():
     with pytest.raises(TypeError, match="estimate"):
         fl.adaptivity.adapt(never, line, tolerance=0.1, estimate="residual")
     goal = fl.adaptivity.PointDisplacementGoal("beam.end", (0, 0, 1))
-    with pytest.raises(ValueError, match="leave out Residual"):
+    with pytest.raises(ValueError, match="omit Residual"):
         fl.adaptivity.adapt(
             never, line, tolerance=0.1, goal=goal, estimate=fl.adaptivity.ResidualEstimate()
         )

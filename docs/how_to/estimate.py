@@ -20,7 +20,7 @@ from fem_lie.extend import ElementErrors
 class MomentJumps(fl.adaptivity.ErrorEstimate):
     """Errors of beams whose elements follow one another along one line."""
 
-    def ways(self):
+    def estimators(self):
         """A function for each class of bodies: result, body, scene, states to errors of each."""
         return {fl.Beam: moment_jumps}
 

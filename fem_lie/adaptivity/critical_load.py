@@ -1,11 +1,13 @@
-"""The load factor of a critical point as a goal: its error by the null vector of the tangent.
+"""Goal: the load factor of a limit point, with its error from the null vector of the tangent.
 
-There the null vector φ of the tangent is the dual solution. What the recovered stress leaves of the
-balance along it, only the load can take: with the load f at factor 1, and ``φ·f = 1``, ::
+At the limit point the null vector φ of the tangent stiffness is the dual solution. The residual of
+the recovered stress along φ can be balanced by the load only. With the load f at factor 1, and
+``φ·f = 1``, ::
 
     λ_h − λ ≈ Σ ∫ (σ* − σ)·D⁻¹ (σ*_φ − σ_φ)
 
-σ_φ is the derivative of the stress along φ. At bifurcations no load does work on φ.
+σ_φ is the derivative of the stress along φ. At bifurcations the load does no work along φ, so they
+cannot be a goal.
 """
 
 from __future__ import annotations
@@ -29,10 +31,10 @@ from fem_lie.system.equations import Equations
 
 @dataclass(frozen=True)
 class LimitLoadGoal(Goal):
-    """The load factor of a limit point on the path of equilibrium.
+    """Goal: the load factor of a limit point on the equilibrium path.
 
     Attributes:
-        number: Which of the limit points, counted from 1.
+        number: Number of the limit point along the path, counted from 1.
 
     Raises:
         ValueError: The number is not positive.
@@ -41,11 +43,11 @@ class LimitLoadGoal(Goal):
     number: int = 1
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` or ``TypeError`` for what is no number of a point."""
+        """Raise ``ValueError`` or ``TypeError`` if ``number`` is not a positive integer."""
         whole(self.number, "number")
 
     def check(self, scene: Scene) -> None:
-        """Raise ``ValueError`` if not all that acts grows in proportion to the load factor.
+        """Raise ``ValueError`` unless all loads are proportional to the load factor.
 
         Args:
             scene: The scene.
@@ -53,7 +55,7 @@ class LimitLoadGoal(Goal):
         check_proportion(scene)
 
     def solve(self, scene: Scene) -> EquilibriumPath:
-        """The path, at whatever load, until there are so many critical points.
+        """Equilibrium path up to this number of critical points, at any load.
 
         Args:
             scene: The scene.
@@ -64,7 +66,7 @@ class LimitLoadGoal(Goal):
     def found(
         self, result: StaticResult, bodies: Sequence[Estimated], scene: Scene
     ) -> tuple[float, list[Array]]:
-        """The load factor, and parts of its error.
+        """The load factor, and the contribution of each element to its error.
 
         Args:
             result: A result of the scene.
@@ -72,7 +74,7 @@ class LimitLoadGoal(Goal):
             scene: The scene.
 
         Raises:
-            TypeError: The result is no path.
+            TypeError: The result is not a path.
             ValueError: The path has fewer limit points.
         """
         point = self._point(result)
@@ -92,18 +94,18 @@ class LimitLoadGoal(Goal):
         if len(limits) < self.number:
             raise ValueError(
                 f"the path has {len(limits)} limit points and {len(result.bifurcations)} "
-                f"bifurcations, wanted limit point {self.number}; it ended because "
-                f"{result.reason}. With solve=... it may go on"
+                f"bifurcations, expected limit point {self.number}; it ended because "
+                f"{result.reason}. Give solve=... to continue it"
             )
         return limits[self.number - 1]
 
     def __str__(self) -> str:
-        """The number of the point."""
+        """Description with the number of the point."""
         return f"load factor of limit point {self.number}"
 
 
 def _power(scene: Scene, point: CriticalPoint, twists: Array) -> float:
-    """Of the loads at factor 1, along twists of all nodes (N, 6)."""
+    """Power of the loads at factor 1 for twists of all nodes (N, 6)."""
     equations = Equations(scene, dynamics=False)
     H = equations.start.frames.copy()
     masters = equations.unknowns.masters

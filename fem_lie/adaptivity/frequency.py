@@ -1,9 +1,9 @@
-"""A frequency of small vibrations as a goal: its error is the energy that its mode misses.
+"""Goal: a frequency of small vibrations, with the energy error of its mode.
 
-With a mode φ of unit mass, ``φᵀMφ = 1``, the square of its frequency is the larger by the energy of
+With a mode φ of unit mass, ``φᵀMφ = 1``, the square of its frequency is too large by the energy of
 the error of the mode, ``ω_h² − ω² ≈ Σ ∫ (σ*_φ − σ_φ)·D⁻¹(σ*_φ − σ_φ)`` (G. Strang & G. J. Fix, An
-Analysis of the Finite Element Method, 1973, ch. 6). Stress is that of the mode alone: what an error
-of the equilibrium does to it is not in this.
+Analysis of the Finite Element Method, 1973, ch. 6). The stress is that of the mode; the effect of
+an error of the equilibrium on the frequency is not included.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from fem_lie.system.equations import Equations
 
 @dataclass(frozen=True)
 class FrequencyGoal(Goal):
-    """The angular frequency of a mode of small vibrations about the last state, rad per time.
+    """Goal: the angular frequency of a vibration mode about the last state, rad per time.
 
     Attributes:
-        mode: Its number, counted from 1, the slowest first.
+        mode: Number of the mode, counted from 1, the slowest first.
 
     Raises:
         ValueError: The number is not positive.
@@ -37,18 +37,20 @@ class FrequencyGoal(Goal):
     mode: int = 1
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` or ``TypeError`` for what is no number of a mode."""
+        """Raise ``ValueError`` or ``TypeError`` if ``mode`` is not a positive integer."""
         whole(self.mode, "mode")
 
     def check(self, scene: Scene) -> None:
-        """Raise ``ValueError`` if joints bind velocities, or there is no inertia.
+        """Raise ``ValueError`` for velocity constraints, or if there is no inertia.
 
         Args:
             scene: The scene.
         """
         if any(joint.velocity_definitions() for joint in scene.joints):
-            raise ValueError("a frequency needs constraints of positions, got one of velocities")
-        Equations(scene, dynamics=True)  # refuses what has none
+            raise ValueError(
+                "expected position constraints for a frequency, got a velocity constraint"
+            )
+        Equations(scene, dynamics=True)  # raises if there is no inertia
 
     def solve(self, scene: Scene) -> StaticResult:
         """Equilibrium in load steps, also without loads.
@@ -61,7 +63,7 @@ class FrequencyGoal(Goal):
     def found(
         self, result: StaticResult, bodies: Sequence[Estimated], scene: Scene
     ) -> tuple[float, list[Array]]:
-        """The frequency beside the last state, and parts of its error.
+        """The frequency about the last state, and the contribution of each element to its error.
 
         Args:
             result: A result of the scene.
@@ -69,7 +71,8 @@ class FrequencyGoal(Goal):
             scene: The scene.
 
         Raises:
-            ValueError: There are fewer modes, damping or rotation, or the mode does not swing.
+            ValueError: There are fewer modes, or damping or rotation, or the mode does not
+                oscillate.
         """
         omega, shape = self._mode(result, scene)
         parts = []
@@ -79,7 +82,7 @@ class FrequencyGoal(Goal):
         return omega, parts
 
     def _mode(self, result: StaticResult, scene: Scene) -> tuple[float, Array]:
-        """Frequency, and twists of all nodes (N, 6) of unit mass."""
+        """Frequency, and nodal twists (N, 6) with unit mass."""
         state = Equations(scene, dynamics=True).small_motions(result.steady_rotation)
         state.move(result.frames)
         pencil = state.pencil()
@@ -91,10 +94,10 @@ class FrequencyGoal(Goal):
         s, vectors, _ = smallest(pencil, self.mode, 0.0, "fem_lie_frequency_")
         omega, vector = float(s[-1].imag), vectors[-1].real
         if omega <= 0.0:
-            raise ValueError(f"mode {self.mode} does not swing: its eigenvalue is {s[-1]:.3g}")
+            raise ValueError(f"mode {self.mode} does not oscillate: its eigenvalue is {s[-1]:.3g}")
         twists = state.twists(vector.astype(np.complex128)).real
         return omega, np.asarray(twists / np.sqrt(vector @ (pencil.M @ vector)))
 
     def __str__(self) -> str:
-        """The number of the mode."""
+        """Description with the number of the mode."""
         return f"frequency of mode {self.mode}"

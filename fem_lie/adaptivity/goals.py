@@ -1,7 +1,7 @@
-"""Error of one number of the solution: what a goal has to know, and what is found of it.
+"""Goal-oriented error estimates: the base class of goals, and the error of a goal.
 
-A goal has a direction z in which the scene moves, and its error is made of how far the derivative
-of the stress along it, σ_z, is from what is recovered from it, σ*_z. Each goal is a file.
+A goal has a dual motion z. Its error is made of the difference of the derivative of the stress
+along z, σ_z, and the stress σ*_z recovered from it. Each goal is a file.
 """
 
 from __future__ import annotations
@@ -24,29 +24,29 @@ from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.states import nodes_in
 from fem_lie.scene import Scene
 
-_STEP = 1e-5  # of the model, in differences
+_STEP = 1e-5  # increment for numerical derivatives, over the length of the model
 
 
 class Goal(ABC):
-    """One number that has to be accurate."""
+    """Base class of goals: a scalar of the solution that has to be accurate."""
 
     @abstractmethod
     def check(self, scene: Scene) -> None:
-        """Raise ``ValueError`` if the scene has no such number, before anything is solved."""
+        """Raise ``ValueError`` if the scene does not have this quantity; nothing is solved."""
 
     @abstractmethod
     def solve(self, scene: Scene) -> StaticResult:
-        """What the number is taken from, by default."""
+        """Result from which the goal is computed, by default."""
 
     @abstractmethod
     def found(
         self, result: StaticResult, bodies: Sequence[Estimated], scene: Scene
     ) -> tuple[float, Sequence[Array]]:
-        """The number, and what each element of each body adds to its error, (m,) each."""
+        """Value of the goal, and contributions of the elements of each body to its error, (m,)."""
 
     @abstractmethod
     def __str__(self) -> str:
-        """What it is, in a few words."""
+        """Short description."""
 
 
 def goal_error(
@@ -55,21 +55,22 @@ def goal_error(
     """Estimate the error of a goal in the last state.
 
     Args:
-        result: Of statics or of a path.
+        result: Result of statics or of a path.
         bodies: Beams and shells to whose elements the error is attributed.
-        scene: What was solved.
-        goal: What is wanted.
+        scene: The scene that was solved.
+        goal: The goal.
 
     Raises:
-        ValueError: See :func:`~fem_lie.adaptivity.space_error.space_error` and the goal; a beam
-            whose elements bow: their displacements are better than their stress says; a thin shell.
+        ValueError: See :func:`~fem_lie.adaptivity.space_error.space_error` and the goal; or a body
+            is a thin shell, or a beam with bending flexibility, whose displacements are more
+            accurate than its stress.
     """
     instance(goal, Goal, "goal", "a PointDisplacement, a Frequency or a CriticalLoad")
     for body in bodies:
         if isinstance(body, ThinShell):
             raise ValueError(
-                f"goals are estimated for beams and shells, not for thin shells as {body.label}: "
-                "leave out the goal, for its error in the energy norm"
+                f"goals are estimated for beams and shells, not for thin shells such as "
+                f"{body.label}: omit the goal, for the error in the energy norm"
             )
         if getattr(getattr(body, "formulation", None), "bending_flexibility", False):
             raise ValueError(
@@ -85,9 +86,9 @@ def goal_error(
 def fields_along(
     result: StaticResult, body: Estimated, scene: Scene, z: Array
 ) -> tuple[StressFields, Array]:
-    """Stress in the last state, and how what it misses changes along twists z (N, 6) of all nodes.
+    """Stress in the last state, and the change of its error along twists z (N, 6) of all nodes.
 
-    The change has the shape of the stress, (m, q, b); it is taken by differences.
+    The change has the shape of the stress, (m, q, b); it is computed by finite differences.
     """
     size = np.abs(z).max(axis=0)
     length = float(np.ptp(result.frames[-1, :, 0], axis=0).max())
@@ -103,11 +104,11 @@ class GoalError:
     """Estimated error of a goal; made by :func:`goal_error`.
 
     Attributes:
-        goal: What is wanted.
-        value: As computed.
-        bodies: To whose elements the error is attributed.
-        frames: Of their nodes, shape (n, 4, 3) each.
-        parts: What each element adds to the error, with its sign, shape (m,) for each body.
+        goal: The goal.
+        value: Computed value.
+        bodies: Bodies to whose elements the error is attributed.
+        frames: Frames of their nodes, shape (n, 4, 3) each.
+        parts: Signed contribution of each element to the error, shape (m,) for each body.
     """
 
     goal: Goal
@@ -118,31 +119,31 @@ class GoalError:
 
     @property
     def estimate(self) -> float:
-        """True less computed value; ``value + estimate`` is better than both."""
+        """Estimated exact minus computed value; ``value + estimate`` is the corrected value."""
         return float(sum(part.sum() for part in self.parts))
 
     @property
     def relative(self) -> float:
-        """Sum of the amounts of what elements add, over the better value.
+        """Sum of the magnitudes of element contributions, relative to the corrected value.
 
-        It bounds the part of the estimate, in which errors of both signs may cancel by chance.
+        It is a bound of the estimate, in which contributions of both signs may cancel.
         """
         better = abs(self.value + self.estimate)
         return float(self.squares.sum()) / better if better else 0.0
 
     @property
     def squares(self) -> Array:
-        """Amounts of what elements add, of all bodies one after the other: what to refine by."""
+        """Magnitudes of element contributions, body by body: refinement indicators."""
         return np.abs(np.concatenate(self.parts))
 
     def worst(self, part: float = 0.5) -> Indices:
-        """The fewest elements that have this part of the sum of all amounts, worst first.
+        """The fewest elements with this fraction of the sum of all magnitudes, the largest first.
 
         Args:
             part: Fraction of the sum of all amounts, between 0 and 1.
 
         Raises:
-            ValueError: It is not above 0 and at most 1.
+            ValueError: The fraction is not above 0 and at most 1.
         """
         return worst(self.squares, part)
 
@@ -154,13 +155,13 @@ class GoalError:
         title: str = "",
         units: Units = SI,
     ) -> None:
-        """Draw the amounts of a body, as :meth:`SpaceError.picture` does.
+        """Draw the magnitudes of a body, as :meth:`SpaceError.picture` does.
 
         Args:
             path: Name of the ``.png`` file.
             body: One of :attr:`bodies`; default: the first.
-            title: Above the picture; default: the error in words.
-            units: For the axes.
+            title: Title of the picture; default: description of the error.
+            units: Units of the axes.
 
         Raises:
             ValueError: The name does not end in ``.png``, or the body is none of these.

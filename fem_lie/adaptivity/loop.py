@@ -1,4 +1,4 @@
-"""Solve, estimate and refine until the error is as small as was asked for.
+"""Adaptive refinement: solve, estimate and refine until the error is below a tolerance.
 
 A scene is a function of its mesh::
 
@@ -12,9 +12,9 @@ A scene is a function of its mesh::
     print(found)                           # unknowns and error of each mesh
     found.result.picture("plate.png")
 
-Refinement makes a scene anew: names of points, curves and groups are there on each mesh, and loads,
-sections, directors and imperfections that are functions are evaluated on it, so that nothing has to
-be carried over and nothing is known by number.
+Refinement creates a new scene: names of points, curves and groups exist on each mesh, and loads,
+sections, directors and imperfections that are functions are evaluated on it. So nothing has to be
+transferred, and nothing refers to node numbers.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ from fem_lie.solve.statics.follow import follow_loads
 
 _log = logging.getLogger("fem_lie")
 
-_AIM = 0.95  # of the tolerance, so that it is met
-_LARGEST = 2.0**0.5  # of the wanted size: cells are halved, so that many are smaller
+_AIM = 0.95  # target error over the tolerance
+_LARGEST = 2.0**0.5  # largest size over the target size: cells are halved, so many are smaller
 
 Solve = Callable[[Scene], StaticResult]
 Estimate = SpaceError | GoalError
@@ -56,21 +56,21 @@ Estimate = SpaceError | GoalError
 
 @dataclass(frozen=True, eq=False)
 class Adapted(Generic[Refinable]):
-    """What :func:`adapt` has found.
+    """Result of :func:`adapt`.
 
     Attributes:
-        mesh: The last one.
-        scene: On it.
+        mesh: The last mesh.
+        scene: The scene on it.
         result: Its equilibrium.
-        error: The estimate for it.
-        unknowns: Of the scene on each mesh, those that are held included, shape (k,): six of a
-            frame, five of a node of a shell without drilling rotation, three of a position; none
-            of a node that follows another one of its body.
+        error: The error estimate for it.
+        unknowns: Number of unknowns of the scene on each mesh, including fixed ones, shape (k,):
+            six of a frame, five of a node of a shell without drilling rotation, three of a
+            position, none of a node that is rigidly attached to another.
         relative: Estimated relative error on each mesh, shape (k,), with the calibration.
-        values: The goal on each mesh, as computed, shape (k,); nan without one.
-        calibration: By what the estimate of a goal is multiplied on each mesh, shape (k,), see
-            :func:`adapt`; one without a goal and on the first mesh.
-        meshes: All of them.
+        values: Computed value of the goal on each mesh, shape (k,); nan without a goal.
+        calibration: Factor of the estimate of a goal on each mesh, shape (k,), see :func:`adapt`;
+            one without a goal and on the first mesh.
+        meshes: All meshes.
     """
 
     mesh: Refinable
@@ -85,7 +85,7 @@ class Adapted(Generic[Refinable]):
 
     @property
     def value(self) -> float:
-        """The goal with its calibrated estimate, the best that is known of it.
+        """Value of the goal with its calibrated estimate, the most accurate value available.
 
         Raises:
             ValueError: There was no goal.
@@ -96,14 +96,14 @@ class Adapted(Generic[Refinable]):
 
     @property
     def rate(self) -> float:
-        """Exponent of the error in the unknowns, from the first mesh to the last."""
+        """Exponent of the error in the number of unknowns, from the first mesh to the last."""
         if len(self.unknowns) < 2:
             return float("nan")
         growth = np.log(self.unknowns[-1] / self.unknowns[0])
         return float(np.log(self.relative[-1] / self.relative[0]) / growth)
 
     def __str__(self) -> str:
-        """A line for each mesh."""
+        """One line for each mesh."""
         rows = zip(self.unknowns, self.relative, self.calibration, strict=True)
         return "\n".join(
             f"{int(n):8d} unknowns, error {100 * e:.3g} %"
@@ -126,48 +126,49 @@ def adapt(
     onto: Onto | None = None,
     estimate: ErrorEstimate | None = None,
 ) -> Adapted[Refinable]:
-    """Refine a mesh where the error is made, until it is below a tolerance.
+    """Refine a mesh adaptively until the estimated error is below a tolerance.
 
-    Each mesh is solved from the start. The elements that are cut are the fewest that have a part of
-    the square of the error, which is what gives the best possible order (R. Stevenson, Found.
-    Comput. Math. 7 (2007) 245). With ``fall`` each mesh is made anew from the first, with elements
-    that are to have the same error each: fewer of them, on a few meshes more, as elements that have
-    turned out to be too small grow again.
+    Each mesh is solved from the start. The refined elements are the fewest that have a given
+    fraction of the squared error, which gives the best possible rate of convergence (R. Stevenson,
+    Found. Comput. Math. 7 (2007) 245). With ``fall`` each mesh is generated from the first one,
+    with equal target errors of all elements. It has fewer elements, in a few more iterations,
+    because elements that turned out to be too small are coarsened.
 
-    What is wrong with the stiffness of an element rather than with its stress, such as flat cells
-    on a curved surface, an estimate cannot see; but from one mesh to the next the goal has moved by
-    more than it said. By so much, ``(J_k − J_(k−1)) / (e_(k−1) − e_k)``, the next estimate of a
-    goal is multiplied, where this is above one.
+    An estimate does not see errors of the stiffness of an element, only those of its stress: for
+    example flat cells on a curved surface. Between two meshes the goal may then change by more than
+    was estimated. The next estimate of a goal is multiplied by this ratio, ``(J_k − J_(k−1)) /
+    (e_(k−1) − e_k)``, if it is above one.
 
     Args:
-        build: From a mesh to a scene with a beam or shell on it.
-        mesh: To begin with: lines, triangles or quadrilaterals of first degree, or smooth patches.
-        tolerance: Of the relative error, in the energy norm or of the goal.
-        goal: What has to be accurate, a displacement, a frequency or a critical load; default: the
-            stress, in the energy norm.
-        body: Name of the beam or shell on the mesh; default: the only one there is.
-        solve: From a scene to its equilibrium, of a critical load to the path; default: what the
-            goal needs, or :func:`~fem_lie.solve.statics.follow.follow_loads`.
-        part: Of the square of the error that the elements to be cut have.
-        fall: Error of each mesh over that of the one before, for meshes made anew from lines,
-            triangles or smooth patches; default: elements are cut.
-        most: Unknowns; more are not solved for.
-        onto: The true line or surface, for new points.
-        estimate: How the error in the energy norm is found; default:
+        build: Creates a scene with a beam or shell on the given mesh.
+        mesh: Initial mesh: lines, triangles or quadrilaterals of first degree, or smooth patches.
+        tolerance: Relative error, in the energy norm or of the goal.
+        goal: Quantity that has to be accurate, a displacement, a frequency or a critical load;
+            default: the stress, in the energy norm.
+        body: Name of the beam or shell on the mesh; default: the only one in the scene.
+        solve: Computes the equilibrium of a scene, or the path for a critical load; default: what
+            the goal needs, or :func:`~fem_lie.solve.statics.follow.follow_loads`.
+        part: Fraction of the squared error of the elements that are refined.
+        fall: Error of each mesh over that of the one before, to generate each mesh from initial
+            lines, triangles or smooth patches; default: elements are refined.
+        most: Largest number of unknowns.
+        onto: Projects new points onto the exact line or surface.
+        estimate: Error estimate in the energy norm; default:
             :class:`~fem_lie.adaptivity.estimates.recovery.RecoveryEstimate`, which goals always
-            take.
+            use.
 
     Raises:
-        ValueError: Bad arguments, a goal beside an estimate, a mesh that cannot be refined, or a
-            scene without a beam or shell on it, before anything is solved.
-        ConvergenceError: The tolerance was not reached with so many unknowns, or not in statics;
-            its ``result`` is the :class:`Adapted` of the last mesh that was solved, if any.
+        ValueError: An argument is wrong, both a goal and an estimate are given, the mesh cannot be
+            refined, or the scene has no beam or shell on it; before anything is solved.
+        ConvergenceError: The tolerance was not reached with this number of unknowns, or statics did
+            not converge; its ``result`` is the :class:`Adapted` of the last mesh that was solved,
+            if any.
     """
     _check(build, mesh, tolerance, goal, solve, part, onto)
     _check_fall(fall, mesh)
     instance(estimate, ErrorEstimate | None, "estimate", "a Recovery, a Residual or None")
     if goal is not None and estimate is not None:
-        raise ValueError(f"a goal is estimated by recovered stress: leave out {estimate!r}")
+        raise ValueError(f"a goal is estimated by recovered stress: omit {estimate!r}")
     whole(most, "most")
     first = mesh
     history: list[tuple[int, float, float, float]] = []
@@ -213,11 +214,11 @@ def adapt(
                 mesh = refine(mesh, error.worst(part), onto=onto)
             else:
                 aim = max(_AIM * tolerance, fall * found.relative[-1])
-                mesh = _anew(first, found, aim, order_of(chosen), onto)
+                mesh = _remeshed(first, found, aim, order_of(chosen), onto)
 
 
 def _unknowns(body: Body, *, drilling: bool) -> int:
-    """How many unknowns the nodes of a body have in a scene, those that are held included."""
+    """Number of unknowns of the nodes of a body in a scene, including fixed ones."""
     count = np.array([TRAITS[NodeType(kind)].unknowns for kind in body.node_types])
     there = (np.arange(6) < count[:, np.newaxis]) & ~body.absent
     there[:, 5] &= drilling
@@ -225,12 +226,12 @@ def _unknowns(body: Body, *, drilling: bool) -> int:
     return int(there[leads].sum())
 
 
-def _anew(
+def _remeshed(
     first: Refinable, found: Adapted[Refinable], relative: float, order: int, onto: Onto | None
 ) -> Refinable:
-    """A mesh for a relative error, its elements all with the same part of it."""
+    """A mesh for a relative error, with equal errors of all elements."""
     error, factor = found.error, float(found.calibration[-1])
-    # what elements have of a goal is added up, as squares are in the energy norm
+    # contributions to a goal are summed like squared errors in the energy norm
     allowed = (
         relative * np.sqrt(error.energy)
         if isinstance(error, SpaceError)
@@ -247,7 +248,7 @@ def _solved(scene: Scene, goal: Goal | None, solve: Solve | None) -> StaticResul
 
 
 def _calibration(before: Estimate, now: Estimate) -> float:
-    """How much more a goal has moved than its estimates said, at least one."""
+    """Change of a goal over the change of its estimate, at least one."""
     if isinstance(before, SpaceError) or isinstance(now, SpaceError):
         return 1.0
     said = before.estimate - now.estimate
@@ -278,9 +279,7 @@ def _check_fall(fall: object, mesh: LineMesh | SurfaceMesh | SplineMesh) -> None
     if not 0.0 < positive(fall, "fall") < 1.0:
         raise ValueError(f"fall must be between 0 and 1, got {fall!r}")
     if isinstance(mesh, SurfaceMesh) and mesh.cell != "triangle":
-        raise ValueError(
-            f"meshes are made anew from lines, triangles and smooth patches, got {mesh.cell}s"
-        )
+        raise ValueError(f"fall: expected lines, triangles or smooth patches, got {mesh.cell}s")
 
 
 def named_body(
@@ -289,7 +288,8 @@ def named_body(
     """The beam or shell that is refined.
 
     Raises:
-        ValueError: There is none, or several and no name, or it has other elements than the mesh.
+        ValueError: There is none, or there are several and no name is given, or it has other
+            elements than the mesh.
     """
     bodies = [body for body in scene.bodies if isinstance(body, Estimated)]
     known = ", ".join(repr(body.name) for body in bodies) or "none"

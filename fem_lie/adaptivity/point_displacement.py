@@ -1,13 +1,13 @@
-"""The displacement of a point as a goal: its error by a dual solution, with its sign.
+"""Goal: the displacement of a point, with its error from a dual solution, including the sign.
 
-The goal is a linear number of the motion, ``j·u``, beside the state. With the dual solution z,
-``K z = j`` in the tangent K of the state, its error is, to leading order, that of the stresses of
-both in each other (R. Becker & R. Rannacher, Acta Numerica 10 (2001) 1)::
+The goal is a linear functional of the motion from the state, ``j·u``. With the dual solution z, ``K
+z = j`` with the tangent stiffness K of the state, its error is, to leading order, the product of
+the stress errors of both (R. Becker & R. Rannacher, Acta Numerica 10 (2001) 1)::
 
     J(u) − J(u_h) ≈ Σ ∫ (σ* − σ)·D⁻¹ (σ*_z − σ_z)
 
-σ_z is the derivative of the stress resultants along z, in local frames, and σ*_z what is recovered
-from it.
+σ_z is the derivative of the stress resultants along z, in local frames, and σ*_z the stress
+recovered from it.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ from fem_lie.scene import Scene
 from fem_lie.solve.statics.follow import follow_loads
 from fem_lie.system.equations import Equations
 
-_PIVOT = 0.01  # the smallest on the diagonal, of the largest in its column
+_PIVOT = 0.01  # least diagonal entry relative to the largest in its column
 
 
 @dataclass(frozen=True, eq=False)
 class PointDisplacementGoal(Goal):
-    """The displacement of a node in a direction.
+    """Goal: the displacement of a node in a direction.
 
     Attributes:
-        point: Its name, "body.point"; a scene on another mesh has a point of that name, too.
+        point: Its name, "body.point"; scenes on all meshes need a point of this name.
         along: Direction in space, shape (3,).
 
     Raises:
@@ -51,7 +51,7 @@ class PointDisplacementGoal(Goal):
         object.__setattr__(self, "along", direction(self.along, "along"))
 
     def value(self, result: StaticResult) -> float:
-        """The number in the last state.
+        """The displacement in the last state.
 
         Args:
             result: A result of the scene.
@@ -61,7 +61,7 @@ class PointDisplacementGoal(Goal):
         return float(moved @ np.asarray(self.along))
 
     def load(self, result: StaticResult) -> tuple[int, Array]:
-        """The node and the force and moment on it, (6,) in its axes, that do work on it.
+        """The node, and the force and moment on it, (6,) in its axes, that are dual to the goal.
 
         Args:
             result: A result of the scene.
@@ -79,7 +79,7 @@ class PointDisplacementGoal(Goal):
         SceneInfo.of(scene.bodies).node(self.point)
 
     def solve(self, scene: Scene) -> StaticResult:
-        """Equilibrium under growing loads.
+        """Equilibrium under increasing loads.
 
         Args:
             scene: The scene.
@@ -89,7 +89,7 @@ class PointDisplacementGoal(Goal):
     def found(
         self, result: StaticResult, bodies: Sequence[Estimated], scene: Scene
     ) -> tuple[float, list[Array]]:
-        """The displacement in the last state, and parts of its error.
+        """The displacement in the last state, and the contribution of each element to its error.
 
         Args:
             result: A result of the scene.
@@ -112,11 +112,11 @@ class PointDisplacementGoal(Goal):
 
 
 def dual_motion(scene: Scene, result: StaticResult, goal: PointDisplacementGoal) -> Array:
-    """Twists of all nodes (N, 6) under the load of a goal, in the tangent of the last state.
+    """Twists of all nodes (N, 6) under the dual load of a goal, with the tangent of the last state.
 
     Raises:
-        ValueError: The scene has no such point, the state is none of equilibrium, or the tangent is
-            singular there.
+        ValueError: The scene has no such point, the state is no equilibrium, or the tangent
+            stiffness is singular.
     """
     equations = Equations(scene, dynamics=False)
     unknowns = equations.unknowns

@@ -1,4 +1,4 @@
-r"""Quadrilaterals cut in thirds, and those beside them so that no node is left on an edge.
+r"""Refinement of quadrilaterals into nine, and of their neighbours without hanging nodes.
 
 Nodes are marked, those of cells to be cut; each cell is cut by a pattern of the marks at its
 corners (R. Schneiders, Eng. Comput. 12 (1996) 168)::
@@ -13,8 +13,8 @@ corners (R. Schneiders, Eng. Comput. 12 (1996) 168)::
     |   |       |    |  |     |  |    |  |    |   |    |   |   |   |
     o---*-------·    o--*-----*--o    o--*----*---o    o---*---*---o
 
-A third, and not a half: two cells beside each other cannot be cut in halves differently without a
-node on an edge or a triangle.
+Edges are cut in thirds, not in halves: without a hanging node or a triangle, adjacent cells could
+not be cut in halves differently.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 
-_ROUND = np.array([0, 1, 3, 2])  # of four nodes in DOLFINx's order
-_CORNERS = np.array([[0, 0], [3, 0], [3, 3], [0, 3]])  # in thirds, round
+_ROUND = np.array([0, 1, 3, 2])  # cyclic order of four nodes in DOLFINx's order
+_CORNERS = np.array([[0, 0], [3, 0], [3, 3], [0, 3]])  # in thirds, in cyclic order
 
 
 def _square(x: int, y: int) -> list[tuple[int, int]]:
@@ -60,18 +60,19 @@ _PATTERNS = {
     ),
     4: np.array([_square(x, y) for y in range(3) for x in range(3)]),
 }
-"""Cells by their corners, in thirds and round, marks at the first corners of the parent."""
+"""Children by their corners, in thirds and cyclic order, with marks at the first corners of the
+parent."""
 
 
 @dataclass(frozen=True, eq=False)
 class CutCells:
-    """What quadrilaterals were cut into.
+    """Result of cutting quadrilaterals.
 
     Attributes:
-        cells: Nodes, those of before first, shape (m, 4).
-        parents: The cell that each is a part of, shape (m,).
-        weights: Of the parent's corners at each node, shape (m, 4, 4).
-        places: Of the new points, shape (k, 3).
+        cells: Nodes of the cells, old nodes first, shape (m, 4).
+        parents: Parent of each cell, shape (m,).
+        weights: Weights of the parent's corners at each node, shape (m, 4, 4).
+        places: Positions of the new points, shape (k, 3).
         on_edges: Number of the new point on an edge, by (its end with the lower number, the other
             end, thirds from the first).
     """
@@ -83,7 +84,7 @@ class CutCells:
     on_edges: dict[tuple[int, int, int], int]
 
     def pieces(self, edges: Indices) -> Indices:
-        """Edges (e, 2) as they are cut now."""
+        """Edges (e, 2) after cutting."""
         found: list[tuple[int, int]] = []
         for a, b in ((int(a), int(b)) for a, b in edges):
             low, high, along = (a, b, (1, 2)) if a < b else (b, a, (2, 1))
@@ -94,12 +95,12 @@ class CutCells:
 
 
 def cut_quadrilaterals(points: Array, cells: Indices, marked: Indices) -> CutCells:
-    """Cut cells in nine, and those around them by the patterns.
+    """Cut cells into nine, and those around them by the patterns.
 
     Args:
         points: Coordinates, shape (n, 3).
-        cells: In DOLFINx's order, shape (m, 4).
-        marked: Which to cut.
+        cells: Nodes of the cells in DOLFINx's order, shape (m, 4).
+        marked: Cells to be cut.
     """
     round_ = cells[:, _ROUND]
     marks = _closed(round_, np.isin(np.arange(len(points)), cells[marked]))
@@ -122,7 +123,7 @@ def cut_quadrilaterals(points: Array, cells: Indices, marked: Indices) -> CutCel
 
 
 def _closed(round_: Indices, nodes: Flags) -> Flags:
-    """Marks at the corners of cells; where two opposite ones are marked, the others are, too."""
+    """Marks at the corners of cells; if two opposite corners are marked, all are."""
     while True:
         marks = nodes[round_]
         across = (marks[:, 0] == marks[:, 2]) & (marks[:, 1] == marks[:, 3])
@@ -134,17 +135,17 @@ def _closed(round_: Indices, nodes: Flags) -> Flags:
 
 
 def _turned(at: Indices, times: int) -> Indices:
-    """Places in thirds, turned with the square by right angles."""
+    """Coordinates in thirds, rotated with the square by right angles."""
     for _ in range(times):
         at = np.stack([3 - at[..., 1], at[..., 0]], axis=-1)
     return at
 
 
 def _keys(round_: Indices, cells: Indices, at: Indices) -> Indices:
-    """What the four corners of one child are, in all cells, shape (m, 4, 3).
+    """Identifiers of the four corners of one child in all cells, shape (m, 4, 3).
 
-    A node (n, −1, 0), a point on an edge (lower, higher end, thirds from the lower), one within a
-    cell (−1 − cell, x, y).
+    A node is (n, −1, 0), a point on an edge (lower end, higher end, thirds from the lower), a point
+    inside a cell (−1 − cell, x, y).
     """
     keys = np.empty((len(cells), 4, 3), dtype=np.int64)
     for k, (x, y) in enumerate((int(x), int(y)) for x, y in at):

@@ -1,4 +1,4 @@
-"""Meshes with some elements cut, and meshes whose elements are as large as a tolerance allows."""
+"""Refinement of meshes: of marked cells, or to given target sizes."""
 
 from __future__ import annotations
 
@@ -22,28 +22,29 @@ from fem_lie.mesh.surfaces import SurfaceMesh
 
 Refinable = TypeVar("Refinable", LineMesh, SurfaceMesh, SplineMesh)
 Followed = TypeVar("Followed", LineMesh, SurfaceMesh)
-"""Those that states are carried to."""
+"""Meshes to which states can be transferred."""
 Onto = Callable[[Array], npt.ArrayLike]
-"""From a place (3,) near the true line or surface to the place on it."""
+"""Projects a point (3,) near the exact line or surface onto it."""
 
-_SAME_PLACE = 1e-9  # of the length of the shortest edge
+_SAME_PLACE = 1e-9  # relative to the length of the shortest edge
 
 
 def refine(mesh: Refinable, cells: npt.ArrayLike, *, onto: Onto | None = None) -> Refinable:
-    """Cut cells, and of surfaces those beside them that have to be cut, too.
+    """Refine cells, and neighbours of surface cells as needed to avoid hanging nodes.
 
-    Lines are cut in the middle of the arc between the tangents at both ends. Triangles are cut by
-    DOLFINx, after A. Plaza & G. F. Carey, Appl. Numer. Math. 32 (2000) 195: each marked one in
-    four, and as few neighbours as leave no node on an edge. Quadrilaterals are cut in nine, and
-    those beside them by patterns, see :mod:`fem_lie.adaptivity.quadrilaterals`. Cells of spline
-    meshes are cut in four, and those beside them that differ by two levels then; their surface
-    stays as it is. Points keep their numbers, new ones come behind them; groups, curves and named
-    points are those of before, cut as the cells are.
+    Lines are cut at the midpoint of the arc between the tangents at both ends. Triangles are cut by
+    DOLFINx, by the algorithm of A. Plaza & G. F. Carey, Appl. Numer. Math. 32 (2000) 195: each
+    marked one into four, with the fewest neighbours. Quadrilaterals are cut into nine, and their
+    neighbours by patterns, see :mod:`fem_lie.adaptivity.quadrilaterals`. Cells of spline meshes are
+    cut into four, and neighbours that would differ by two levels, too; the surface does not change.
+    Points keep their numbers and new ones follow; groups, curves and named points are kept and
+    refined with the cells.
 
     Args:
         mesh: Lines, triangles or quadrilaterals of first degree, or smooth patches.
-        cells: Which ones to cut.
-        onto: The true line or surface, for new points; default: the middles of arcs and edges.
+        cells: Numbers of the cells to be cut.
+        onto: Projects new points onto the exact line or surface; default: midpoints of arcs and
+            edges.
 
     Raises:
         ValueError: There is no such cell, the mesh is a surface of second degree, or ``onto`` is
@@ -62,18 +63,20 @@ def refine(mesh: Refinable, cells: npt.ArrayLike, *, onto: Onto | None = None) -
 
 
 def check_refinable(mesh: object, onto: object) -> None:
-    """Whether :func:`refine` takes a mesh and a true line or surface; nothing is refined.
+    """Check that :func:`refine` supports a mesh and a projection; nothing is refined.
 
     Raises:
         ValueError: The mesh is a surface of second degree, or ``onto`` is given for smooth patches.
-        TypeError: One of them is something else.
+        TypeError: An argument has another type.
     """
     instance(mesh, LineMesh | SurfaceMesh | SplineMesh, "mesh", "a Line-, Surface- or SplineMesh")
     instance(onto, Callable | None, "onto", "a function of a place, or None")
     if isinstance(mesh, SplineMesh) and onto is not None:
-        raise ValueError("a SplineMesh stays on its own surface when it is cut: leave out onto")
+        raise ValueError("onto: a SplineMesh is refined on its own surface: omit onto")
     if isinstance(mesh, SurfaceMesh) and mesh.degree != 1:
-        raise ValueError(f"cells of degree 1 can be refined, got {mesh.cell}s of {mesh.degree}")
+        raise ValueError(
+            f"expected cells of degree 1 to refine, got {mesh.cell}s of degree {mesh.degree}"
+        )
 
 
 # --- lines ---
@@ -100,9 +103,9 @@ def _refined_lines(mesh: LineMesh, marked: Indices, onto: Onto | None) -> LineMe
 
 
 def _arc_middles(mesh: LineMesh, marked: Indices) -> tuple[Array, Array]:
-    """Places and tangents in the middle of cells, on the geodesic between frames of the ends.
+    """Positions and tangents at the midpoints of cells, on the geodesic between frames of the ends.
 
-    The second frame is the first, turned by the smallest rotation from tangent to tangent: on
+    The second frame is the first one, rotated by the smallest rotation from tangent to tangent: on
     circles the geodesic is the circle.
     """
     a, b = (mesh.points[mesh.cells[marked, i]] for i in (0, 1))
@@ -125,7 +128,7 @@ def _refined_triangles(mesh: SurfaceMesh, marked: Indices, onto: Onto | None) ->
     cells, parents, cut = _cut_triangles(mesh, marked)
     middles = mesh.points[cut].mean(axis=1)
     points = np.concatenate([mesh.points, _moved(middles, onto)])
-    # those of the parent, between its corners in the middle
+    # normals of the parent, interpolated at midpoints of edges
     weights = _weights(mesh.cells[parents], cells, cut, len(mesh.points))
     normals = _between(weights, mesh.normals[parents])
     before = np.concatenate([mesh.points, middles])
@@ -145,9 +148,9 @@ def _refined_triangles(mesh: SurfaceMesh, marked: Indices, onto: Onto | None) ->
 
 
 def _cut_triangles(mesh: SurfaceMesh, marked: Indices) -> tuple[Indices, Indices, Indices]:
-    """New cells (m, 3), the cell that each is a part of (m,), and the edges (e, 2) that are cut.
+    """New cells (m, 3), the parent of each (m,), and the edges (e, 2) that are cut.
 
-    New points have the numbers behind the old ones, in the order of these edges.
+    New points are numbered after the old ones, in the order of these edges.
     """
     given = _compat.create_surface_mesh(mesh.points, mesh.cells, mesh.cell, 1)
     which = np.argsort(given.topology.original_cell_index)[marked]
@@ -161,7 +164,9 @@ def _cut_triangles(mesh: SurfaceMesh, marked: Indices) -> tuple[Indices, Indices
     far, found = cKDTree(known).query(x)
     shortest = float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).min())
     if far.max() > _SAME_PLACE * shortest:
-        raise RuntimeError(f"a new point is {far.max():g} off the middles of all edges")
+        raise RuntimeError(
+            f"a new point is at a distance of {far.max():g} from the midpoints of all edges"
+        )
     cut = np.unique(found[found >= n])
     number = np.concatenate([np.arange(n), np.full(len(edges), -1)])
     number[cut] = n + np.arange(len(cut))
@@ -171,7 +176,7 @@ def _cut_triangles(mesh: SurfaceMesh, marked: Indices) -> tuple[Indices, Indices
 
 
 def _weights(parents: Indices, cells: Indices, cut: Indices, old: int) -> Array:
-    """Of the corners of a parent in the normals at the nodes of its parts, shape (m, 3, 3)."""
+    """Weights of the corners of a parent in the normals at the nodes of its parts, (m, 3, 3)."""
     new = cells >= old
     ends = cut[np.where(new, cells - old, 0)]
     ends = np.where(new[..., np.newaxis], ends, cells[..., np.newaxis])
@@ -180,7 +185,7 @@ def _weights(parents: Indices, cells: Indices, cut: Indices, old: int) -> Array:
 
 
 def _cut_edges(edges: Indices, cut: Indices, old: int) -> Indices:
-    """Edges (e, 2), those with a new point in two, one behind the other."""
+    """Edges (e, 2); those with a new point are cut in two consecutive edges."""
     pairs = np.concatenate([np.sort(cut, axis=1), np.sort(edges, axis=1)])
     _, kind = np.unique(pairs, axis=0, return_inverse=True)
     middle = np.full(kind.max(initial=-1) + 1, -1)
@@ -213,7 +218,7 @@ def _refined_quadrilaterals(mesh: SurfaceMesh, marked: Indices, onto: Onto | Non
 
 
 def _between(weights: Array, normals: Array) -> Array:
-    """Unit normals (m, k, 3) by weights (m, k, k) of those at the corners of parents."""
+    """Unit normals (m, k, 3) with weights (m, k, k) of those at the corners of parents."""
     found = np.einsum("mki,mij->mkj", weights, normals)
     return np.asarray(found / np.linalg.norm(found, axis=2, keepdims=True))
 
@@ -228,36 +233,39 @@ def _moved(places: Array, onto: Onto | None) -> Array:
     return np.array([vector(onto(x), 3, f"onto at {x}") for x in places]).reshape(-1, 3)
 
 
-_LARGEST = 1.2  # of the wanted size is small enough
-_FINER, _COARSER = 0.125, 8.0  # what an estimate says beyond is not known
+_LARGEST = 1.2  # largest size over the target size
+_FINER, _COARSER = (
+    0.125,
+    8.0,
+)  # bounds of the change of size in one step, beyond which an estimate is unreliable
 _LEVELS = 40
-_OF_BICUBICS = 2  # curvatures
+_OF_BICUBICS = 2  # order of curvatures
 
 
 class Sizes(NamedTuple):
-    """Sizes that elements are to have, at places.
+    """Target sizes of elements at points.
 
     Attributes:
-        middles: The places, shape (m, 3).
-        wanted: Shape (m,).
+        middles: The points, shape (m, 3).
+        target: Target sizes, shape (m,).
     """
 
     middles: Array
-    wanted: Array
+    target: Array
 
     @classmethod
     def of(
         cls, mesh: LineMesh | SurfaceMesh | SplineMesh, squares: Array, allowed: float, order: int
     ) -> Sizes:
-        """Those with which every element has the same error, and all together what is allowed.
+        """Sizes for which all elements have equal errors, and the total error is the allowed one.
 
-        With errors of the order p in d dimensions ``η² ~ h^(2p + d)`` of an element. (O. C.
+        With errors of the order p in d dimensions ``η² ~ h^(2p + d)`` for an element. (O. C.
         Zienkiewicz & J. Z. Zhu, IJNME 24 (1987) 337.)
 
         Args:
-            mesh: On which the error was estimated.
-            squares: Square of the error of each element, shape (m,).
-            allowed: Error of all of them.
+            mesh: Mesh on which the error was estimated.
+            squares: Squared error of each element, shape (m,).
+            allowed: Allowed total error.
             order: p.
         """
         middles, sizes = _middles(mesh)
@@ -279,23 +287,23 @@ class Sizes(NamedTuple):
         onto: Onto | None = None,
         largest: float = _LARGEST,
     ) -> Refinable:
-        """Cut a coarse mesh until no element is larger than is wanted in or beside it.
+        """Refine a coarse mesh until all elements are below the target sizes in and around them.
 
         Args:
-            coarse: The mesh to begin with.
-            ahead: So far around them sizes are wanted, too.
-            onto: The true line or surface, for new points.
-            largest: Of the wanted size.
+            coarse: The initial mesh.
+            ahead: Distance around elements within which target sizes apply.
+            onto: Projects new points onto the exact line or surface.
+            largest: Largest size relative to the target size.
         """
         tree, found = cKDTree(self.middles), coarse
         nearest = min(2, len(self.middles))
         for _ in range(_LEVELS):
             middles, sizes = _middles(found)
             _, beside = tree.query(middles, k=nearest)
-            least = self.wanted[np.reshape(beside, (len(middles), -1))].min(axis=1)
+            least = self.target[np.reshape(beside, (len(middles), -1))].min(axis=1)
             within = tree.query_ball_point(middles, 0.5 * sizes + ahead)
             least = [
-                min(low, self.wanted[inside].min(initial=np.inf))
+                min(low, self.target[inside].min(initial=np.inf))
                 for low, inside in zip(least, within, strict=True)
             ]
             large = np.flatnonzero(sizes > largest * np.array(least))
@@ -306,14 +314,14 @@ class Sizes(NamedTuple):
 
 
 def order_of(body: Estimated) -> int:
-    """With which the error in the energy norm falls with the size of elements."""
+    """Order of convergence of the error in the energy norm in the size of elements."""
     if isinstance(body, ThinShell):
         return _OF_BICUBICS
     return body.elements.shape[1] - 1 if isinstance(body, Beam) else body.mesh.degree
 
 
 def _middles(mesh: LineMesh | SurfaceMesh | SplineMesh) -> tuple[Array, Array]:
-    """Middles of all cells (m, 3) and how large they are, (m,)."""
+    """Centres of all cells (m, 3) and their sizes, (m,)."""
     if isinstance(mesh, SplineMesh):
         corners = mesh.rows[mesh.cells[:, [0, 1, 3, 2]], 0]
     else:

@@ -1,4 +1,4 @@
-"""Error in space of one state of a body, element by element, in the energy norm.
+"""Discretisation error in space of one state of a body, by elements, in the energy norm.
 
 Of a shell, say::
 
@@ -8,11 +8,11 @@ Of a shell, say::
     found.worst(0.5)                       # the fewest elements with half of the error
     found.picture("error.png")
 
-By default it is ``η² = ∫ (σ* − σ)·D⁻¹(σ* − σ)``: how far the stress resultants σ of the elements
-are from recovered ones σ*, which are nearer to the truth by an order (O. C. Zienkiewicz & J. Z.
-Zhu, IJNME 24 (1987) 337). Both are in local frames, where neighbours can be compared however far
-the body has turned; so it holds at any state of statics, of a path and of dynamics. Others are
-:class:`~fem_lie.adaptivity.estimates.estimate.ErrorEstimate` objects, too.
+By default it is ``η² = ∫ (σ* − σ)·D⁻¹(σ* − σ)``: the difference of the stress resultants σ of the
+elements and recovered ones σ*, which are more accurate by one order (O. C. Zienkiewicz & J. Z.
+Zhu, IJNME 24 (1987) 337). Both are in local frames, in which neighbours can be compared for any
+rotation of the body; so the estimate is valid in any state of statics, of a path and of dynamics.
+Other estimates are :class:`~fem_lie.adaptivity.estimates.estimate.ErrorEstimate` objects, too.
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ from fem_lie.scene import Scene
 
 @dataclass(frozen=True)
 class _Quadrilateral:
-    """Pieces of cells of thin shells."""
+    """Quadrilateral pieces of cells of thin shells."""
 
     cell: str = "quadrilateral"
     degree: int = 1
 
 
-_LEAST = 1e-6  # of the largest density
-_PIECES = 8  # of a cell of a thin shell, in either direction
+_LEAST = 1e-6  # relative to the largest density
+_PIECES = 8  # pieces of a cell of a thin shell in either direction
 
 
 def draw_error(
@@ -59,7 +59,7 @@ def draw_error(
     title: str,
     units: Units,
 ) -> None:
-    """Draw squares of errors (m,) of a body with nodes at ``frames`` (n, 4, 3).
+    """Draw squared errors (m,) of a body with nodes at ``frames`` (n, 4, 3).
 
     Raises:
         ValueError: The name does not end in ``.png``.
@@ -93,7 +93,7 @@ def _in_colours(
     title: str,
     units: Units,
 ) -> None:
-    # torn apart, so that each cell has one colour, and its edges are seen
+    # disconnected, so that each cell has one colour and visible edges
     if isinstance(shell, ThinShell):
         kind: CellKind = _Quadrilateral()
         areas = shell.on_cells().weights.sum(axis=1)
@@ -107,7 +107,7 @@ def _in_colours(
     points = places.reshape(m * k, 3)
     cells = k * np.arange(m)[:, np.newaxis, np.newaxis] + pieces
     surface = DrawnSurface(kind, cells.reshape(-1, cells.shape[2]), points)
-    # over powers of ten, as errors are; nothing is drawn as the least of them
+    # logarithmic colours; zero is drawn as the least value
     least = _LEAST * float(density.max()) or 1.0
     values = np.repeat(np.log10(np.maximum(density, least)), k)
     label = f"log₁₀ error [√{units.energy}/{units.length}]"
@@ -115,7 +115,7 @@ def _in_colours(
 
 
 def _curved(shell: ThinShell, frames: Array) -> tuple[Array, Indices]:
-    """Places in each cell (m, p, 3), so many that edges of cells of several sizes meet; pieces."""
+    """Positions in each cell (m, p, 3), so that edges of cells of several sizes match; pieces."""
     x: Array = np.arange(_PIECES + 1.0) / _PIECES
     table = hermite.table(hermite.products(x, x))[:, hermite.VALUE]
     places = np.einsum("ga,maj->mgj", table, shell.vectors(frames))
@@ -132,18 +132,19 @@ def space_error(
     *,
     estimate: ErrorEstimate | None = None,
 ) -> SpaceError:
-    """ErrorEstimate the error in space of one state of a beam or a shell.
+    """Estimate the discretisation error in space of one state of a beam or a shell.
 
     Args:
-        result: Of dynamics, of statics or of a path, in which the body was.
+        result: Result of dynamics, of statics or of a path, of a scene with the body.
         body: The beam or the shell.
-        scene: What was solved.
-        step: Which state; default: the last.
-        estimate: How; default: :class:`~fem_lie.adaptivity.estimates.recovery.RecoveryEstimate`.
+        scene: The scene that was solved.
+        step: Index of the state; default: the last.
+        estimate: Error estimate; default:
+            :class:`~fem_lie.adaptivity.estimates.recovery.RecoveryEstimate`.
 
     Raises:
-        ValueError: The body is not in that scene or result, is no beam or shell, has elements
-            without stress or others than the estimate is for, or there is no such step.
+        ValueError: The body is not in that scene or result, is not a beam or shell, has elements
+            without stress or others than the estimate supports, or there is no such step.
     """
     instance(estimate, ErrorEstimate | None, "estimate", "a Recovery, a Residual or None")
     (found,) = (estimate or RecoveryEstimate()).errors(result, body, scene, [step])
@@ -157,9 +158,9 @@ class SpaceError:
 
     Attributes:
         body: Beam or shell, of m elements.
-        frames: Of its nodes in that state, shape (n, 4, 3).
-        squares: Square of the error of each element, an energy, shape (m,).
-        energy: Square of the norm of the stress, ``∫ σ·D⁻¹σ``: twice the elastic energy.
+        frames: Frames of its nodes in that state, shape (n, 4, 3).
+        squares: Squared error of each element, an energy, shape (m,).
+        energy: Squared norm of the stress, ``∫ σ·D⁻¹σ``: twice the elastic energy.
     """
 
     body: Estimated
@@ -179,43 +180,43 @@ class SpaceError:
 
     @property
     def relative(self) -> float:
-        """Error over the norm of the stress; 0 where nothing is strained."""
+        """Error relative to the norm of the stress; 0 without strain."""
         return self.total / float(np.sqrt(self.energy)) if self.energy > 0 else 0.0
 
     def effectivity(self, error: float) -> float:
-        """Estimated over known error, 1 at best.
+        """Effectivity index: estimated over exact error, ideally 1.
 
         Args:
-            error: In the energy norm, as :attr:`total`.
+            error: Exact error in the energy norm, as :attr:`total`.
 
         Raises:
-            ValueError: It is not positive.
+            ValueError: The error is not positive.
         """
         return self.total / positive(error, "error")
 
     def worst(self, part: float = 0.5) -> Indices:
-        """The fewest elements that have this part of the square of the error, worst first.
+        """The fewest elements with this fraction of the squared error, the largest first.
 
         (W. Dörfler, SIAM J. Numer. Anal. 33 (1996) 1106.)
 
         Args:
-            part: Between 0 and 1.
+            part: Fraction, above 0 and at most 1.
 
         Raises:
-            ValueError: It is not.
+            ValueError: The fraction is out of range.
         """
         return worst(self.squares, part)
 
     def picture(self, path: str | os.PathLike[str], *, title: str = "", units: Units = SI) -> None:
         """Draw the error: of beams over arc length, of shells in colours.
 
-        What is drawn is its density, the square root of energy per length or area, so that it does
-        not depend on the sizes of elements.
+        The density of the error is drawn, the square root of energy per length or area, so that it
+        does not depend on the sizes of elements.
 
         Args:
             path: Name of the ``.png`` file.
-            title: Above the picture; default: the error in words.
-            units: For the axes.
+            title: Title of the picture; default: description of the error.
+            units: Units of the axes.
 
         Raises:
             ValueError: The name does not end in ``.png``.
@@ -231,7 +232,7 @@ class SpaceError:
 
 
 def worst(squares: Array, part: float) -> Indices:
-    """Positions of the largest of positive numbers that together have a part of the sum."""
+    """Indices of the largest of positive values that together have a fraction of the sum."""
     if not 0.0 < number(part, "part") <= 1.0:
         raise ValueError(f"part must be above 0 and at most 1, got {part!r}")
     order = np.argsort(-squares, kind="stable")

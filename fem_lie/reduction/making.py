@@ -49,8 +49,9 @@ any step."""
 
 
 def quadratic_strains(rest: LinearisedBody, frame: Array, shapes: Array, K: Array) -> Array:
-    """Coefficients ``Q`` (m, m, m) of the quadratic strains of
-    :class:`~fem_lie.reduction.ReducedOrderBody`.
+    """Coefficients ``Q`` (m, m, m) of quadratic strains.
+
+    See :class:`~fem_lie.reduction.ReducedOrderBody`.
 
     Args:
         rest: The linearised full body.

@@ -33,8 +33,9 @@ class RegionSegment(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MergedMotion:
-    """Result of :func:`~fem_lie.reduction.merged_motion`; times at which regions change are there
-    twice.
+    """Result of :func:`~fem_lie.reduction.merged_motion`.
+
+    Times at which regions change have two rows.
 
     Attributes:
         segments: Time segments in order.
@@ -80,7 +81,8 @@ class MergedMotion:
         """One line: numbers of frames, and the errors of changes."""
         frames = [part.frames for part in self.segments]
         return (
-            f"{min(frames)} to {max(frames)} of {self.nodes} frames, {100 * self.active_fraction:.3g} % in "
-            f"the mean of {len(frames)} segments ({self.repeated} repeated); momenta kept to "
+            f"{min(frames)} to {max(frames)} of {self.nodes} frames, "
+            f"{100 * self.active_fraction:.3g} % in the mean of {len(frames)} segments "
+            f"({self.repeated} repeated); momenta kept to "
             f"{self.momentum_error:.1g}, energy changed by {self.energy_change:.2g}"
         )

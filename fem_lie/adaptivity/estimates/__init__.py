@@ -1,1 +1,1 @@
-"""Ways to estimate the error in space: by recovered stress, by residuals, by more unknowns."""
+"""Error estimates in space: by recovered stress, by residuals, by hierarchical refinement."""

@@ -1,4 +1,4 @@
-"""Shells with each cell cut in four: the new nodes, and small problems around cells."""
+"""Shells with each cell cut into four: the new nodes, and local problems on patches of cells."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _STRAIGHT = 0.9  # cosine
 
 
 def border_shares(number: Indices, along: Array, length: Array) -> tuple[Array, Array]:
-    """Length of border that each end carries, and whether it goes on straight there, (b, 2)."""
+    """Length of border of each end of border edges, and whether it is straight there, (b, 2)."""
     count = int(number.max(initial=-1)) + 1
     flat, twice = number.ravel(), np.repeat(along, 2, axis=0)
     halves = np.repeat(0.5 * length, 2)
     share = np.asarray(np.bincount(flat, halves, minlength=count), dtype=np.float64)
-    # directions of lines, whatever their sense
+    # directions of lines without orientation
     square = np.zeros((count, 3, 3))
     np.add.at(square, flat, np.einsum("bi,bj->bij", twice, twice))
     ahead = np.einsum("bi,bij,bj->b", twice, square[flat], twice) - 1.0
@@ -39,7 +39,7 @@ def border_shares(number: Indices, along: Array, length: Array) -> tuple[Array, 
 
 _FIVE = 5
 
-# parts of a cell, of its corners, the middles of its edges in the order of basix, and its middle
+# parts of a cell, from its corners, the midpoints of its edges in basix's order, its centre
 _PARTS = {
     "triangle": [[0, 5, 4], [5, 1, 3], [4, 3, 2], [3, 4, 5]],
     "quadrilateral": [[0, 4, 5, 8], [4, 1, 8, 6], [5, 8, 2, 7], [8, 6, 7, 3]],
@@ -47,21 +47,21 @@ _PARTS = {
 
 
 class Cut(NamedTuple):
-    """A shell and the same with each cell in four, its new nodes behind the others.
+    """A shell and the refined shell with each cell cut into four; new nodes follow the old ones.
 
     Attributes:
         shell: The shell of m cells.
-        fine: That of 4 m cells.
-        torn: The same, each cell with nodes of its own.
+        fine: The refined shell of 4 m cells.
+        separate: The refined shell with disconnected cells.
         ends: Nodes at the ends of cut edges, shape (e, 2).
         sides: Edges of each cell, shape (m, 3 or 4).
-        border: Which edges have one cell alone, shape (e,).
-        held: Which new nodes cannot move, shape (new,).
+        border: Whether each edge belongs to a single cell, shape (e,).
+        held: Whether each new node is fixed, shape (new,).
     """
 
     shell: Shell
     fine: Shell
-    torn: Shell
+    separate: Shell
     ends: Indices
     sides: Indices
     border: Flags
@@ -96,12 +96,14 @@ class Cut(NamedTuple):
         fine.connectivity, fine.source, fine.has_mass = cells, None, False
         fine.stiffness = np.repeat(shell.stiffness, 4, axis=0)
         fine.axes = np.repeat(shell.axes, 4, axis=0)
-        torn, own = copy(fine), np.arange(cells.size).reshape(cells.shape)
-        torn.frames, torn.connectivity = fine.frames[cells.ravel()], own
-        torn.mesh = torn.own_mesh = SurfaceMesh(points[cells.ravel()], own, mesh.cell, normals)
+        separate, own = copy(fine), np.arange(cells.size).reshape(cells.shape)
+        separate.frames, separate.connectivity = fine.frames[cells.ravel()], own
+        separate.mesh = separate.own_mesh = SurfaceMesh(
+            points[cells.ravel()], own, mesh.cell, normals
+        )
         clamped: Flags = np.asarray(shell.held[:, :_FIVE].all(axis=1))
         held = np.concatenate([clamped[ends].all(axis=1), np.zeros(middles, dtype=bool)])
-        return cls(shell, fine, torn, ends, number, met == 1, held)
+        return cls(shell, fine, separate, ends, number, met == 1, held)
 
 
 def shapes_of_parts(cell: str) -> Array:
@@ -114,21 +116,21 @@ def shapes_of_parts(cell: str) -> Array:
 
 
 def areas_of(shell: Shell) -> Array:
-    """Of the points of integration, shape (m, g)."""
+    """Integration weights (areas) of the integration points, shape (m, g)."""
     mesh = shell.own_mesh
     rule, weights = integration(shell)
     tangents = CellPoints.of(mesh, rule).tangents(mesh.points[mesh.cells])
     return np.asarray(weights * np.linalg.norm(np.cross(*np.moveaxis(tangents, 2, 0)), axis=-1))
 
 
-# --- what acts ---
+# --- external forces ---
 
 
 def on_all_nodes(cut: Cut, frames: Array) -> Array:
-    """Force and moment on each node of the fine shell, components in space, shape (N, 6).
+    """External force and moment on each node of the refined shell, global components, (N, 6).
 
-    Those of the mesh are in equilibrium: what their cells leave is what acts, supports included.
-    New nodes take their part of it from those beside them.
+    Those on old nodes are in equilibrium: they are the residual of the cells, including supports.
+    New nodes get their part of the forces on neighbouring old nodes.
     """
     shell = cut.shell
     coarse = ShellAssembly([shell])
@@ -146,7 +148,7 @@ def on_all_nodes(cut: Cut, frames: Array) -> Array:
 
 
 def _on_new_nodes(cut: Cut, acts: Array) -> Array:
-    """Shape (new, 6), of what acts on the nodes that there are, (n, 6)."""
+    """External forces on new nodes, shape (new, 6), from those on old nodes, (n, 6)."""
     shell, count = cut.shell, len(acts)
     inner = np.ones(count, dtype=bool)
     inner[cut.ends[cut.border]] = False
@@ -164,9 +166,9 @@ def _on_new_nodes(cut: Cut, acts: Array) -> Array:
 
 
 def _on_borders(shell: Shell, ends: Indices, acts: Array) -> Array:
-    """What acts on the middles of edges (b, 2) of what acts on nodes (n, 6), shape (b, 6).
+    """External forces on midpoints of border edges (b, 2), from those on nodes (n, 6), (b, 6).
 
-    Nothing is known of corners, where two lines meet.
+    Corners, where two lines meet, do not contribute.
     """
     along = np.diff(shell.frames[ends, 0], axis=1)[:, 0]
     length = np.linalg.norm(along, axis=1)
@@ -179,13 +181,13 @@ def _on_borders(shell: Shell, ends: Indices, acts: Array) -> Array:
 
 
 def _least(values: Array) -> Array:
-    """The smallest of several (e, k, 6), zero where signs differ: single forces are in none."""
+    """The least magnitude of several (e, k, 6), zero where signs differ: excludes point forces."""
     low, high = values.min(axis=1), values.max(axis=1)
     return np.where(low > 0, low, np.where(high < 0, high, 0.0))
 
 
 def _carried(shell: Shell, count: int) -> Array:
-    """Area that each node carries, shape (count,)."""
+    """Tributary area of each node, shape (count,)."""
     mesh = shell.own_mesh
     rule, _ = integration(shell)
     shares = areas_of(shell) @ tabulated(mesh.cell, 1, rule)[0]
@@ -193,7 +195,7 @@ def _carried(shell: Shell, count: int) -> Array:
 
 
 def _beyond(shell: Shell, values: Array) -> Array:
-    """Values (n, 6) at all nodes, where they are not known the mean of the cells around."""
+    """Values (n, 6) at all nodes; unknown ones are the mean over the cells around the node."""
     cells = shell.own_mesh.cells
     known = np.isfinite(values)
     filled = np.where(known, values, 0.0)
@@ -213,12 +215,12 @@ def _global(H: Array, wrench: Array) -> Array:
 
 
 class Patches(NamedTuple):
-    """One problem for each cell of a shell: its corners and all new nodes beside one of these.
+    """Local problems, one for each cell: its corners and all new nodes adjacent to one of them.
 
     Attributes:
-        patch: Of each node of all problems, sorted, shape (r,).
-        nodes: Which node of the cut shell it is, sorted within a problem, shape (r,).
-        total: Number of nodes of the cut shell.
+        patch: Problem of each node of all problems, sorted, shape (r,).
+        nodes: Number of the node in the refined shell, sorted within a problem, shape (r,).
+        total: Number of nodes of the refined shell.
     """
 
     patch: Indices
@@ -227,7 +229,7 @@ class Patches(NamedTuple):
 
     @classmethod
     def of(cls, cut: Cut) -> Patches:
-        """Those of a shell whose cells are cut."""
+        """Local problems of a refined shell."""
         corners, (m, k) = cut.shell.own_mesh.cells, cut.shell.own_mesh.cells.shape
         n, N, edges = len(cut.shell.frames), len(cut.fine.frames), len(cut.ends)
         middles = np.arange(n + edges, N)
@@ -240,13 +242,13 @@ class Patches(NamedTuple):
         return cls(found // N, found % N, N)
 
     def solved(self, cells: Indices, stiffness: Array, rest: Array, free: Flags) -> Array:
-        """Motions of the nodes of each fine cell in the problem of its parent, (4 m, k, 5).
+        """Nodal motions of each fine cell in the problem of its parent, shape (4 m, k, 5).
 
         Args:
             cells: Nodes of the fine cells, shape (4 m, k).
-            stiffness: Of these, shape (4 m, k 5, k 5).
-            rest: Force that is missing at each node, shape (N, 5).
-            free: In which it can move, shape (N, 5).
+            stiffness: Stiffness of the fine cells, shape (4 m, k 5, k 5).
+            rest: Residual force at each node, shape (N, 5).
+            free: Whether each degree of freedom is free, shape (N, 5).
         """
         K = _assembled(cells, stiffness, free)
         keys = self.patch * self.total + self.nodes
@@ -254,9 +256,9 @@ class Patches(NamedTuple):
         row = np.repeat(np.arange(len(keys)), lengths)
         first = np.repeat(np.cumsum(lengths) - lengths, lengths)
         block = starts[row] + np.arange(len(row)) - first
-        wanted = self.patch[row] * self.total + K.indices[block]
-        column = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-        known = keys[column] == wanted  # others are on the rim
+        target = self.patch[row] * self.total + K.indices[block]
+        column = np.minimum(np.searchsorted(keys, target), len(keys) - 1)
+        known = keys[column] == target  # other nodes are on the boundary of the patch
         counts = np.bincount(row[known], minlength=len(keys))
         matrix = bsr_matrix(
             (K.data[block[known]], column[known], np.append(0, np.cumsum(counts))),
@@ -270,7 +272,7 @@ class Patches(NamedTuple):
 
 
 def _assembled(cells: Indices, stiffness: Array, free: Flags) -> bsr_matrix:
-    """Blocks of five by five, sorted; motions that are held have a one on the diagonal."""
+    """Sorted blocks of five by five; fixed degrees of freedom have a one on the diagonal."""
     size = free.size
     rows = (_FIVE * cells[..., np.newaxis] + np.arange(_FIVE)).reshape(len(cells), -1)
     loose = free.ravel()[rows]

@@ -1,4 +1,4 @@
-"""What every estimate of the error in space is: errors of elements, one way per kind of body."""
+"""Base class of error estimates in space: element errors, one function for each kind of body."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ Estimated = Beam | Shell | ThinShell
 
 @dataclass(frozen=True, eq=False)
 class ElementErrors:
-    """Of m elements of a body in one state.
+    """Errors of the m elements of a body in one state.
 
     Attributes:
-        squares: Square of the error of each element, an energy, shape (m,).
-        energy: Square of the norm of the stress, ``∫ σ·D⁻¹σ``.
+        squares: Squared error of each element, an energy, shape (m,).
+        energy: Squared energy norm of the stress, ``∫ σ·D⁻¹σ``.
     """
 
     squares: Array
     energy: float
 
 
-class Way(Protocol):
-    """How the errors of one kind of body are found in some states."""
+class Estimator(Protocol):
+    """Function that estimates the errors of one kind of body."""
 
     def __call__(
         self, result: Result | StaticResult, body: Any, scene: Scene, steps: Sequence[int], /
@@ -44,11 +44,11 @@ class Way(Protocol):
 
 
 class ErrorEstimate(ABC):
-    """An estimate of the error in space; each is a file, or one for each kind of body."""
+    """Base class of error estimates in space."""
 
     @abstractmethod
-    def ways(self) -> Mapping[type, Way]:
-        """How it is done for each kind of body that it knows."""
+    def estimators(self) -> Mapping[type, Estimator]:
+        """The function for each supported kind of body."""
 
     def errors(
         self, result: Result | StaticResult, body: Estimated, scene: Scene, steps: Sequence[int]
@@ -62,14 +62,14 @@ class ErrorEstimate(ABC):
             steps: Numbers of the states.
 
         Raises:
-            ValueError: The body is not in that scene or result, is of no kind that this estimate
-                knows, has elements that it is not for, or there is no such step.
+            ValueError: The body is not in that scene or result, its kind or its elements are not
+                supported by this estimate, or there is no such step.
         """
-        chosen = steps_of(result, body, scene, steps, tuple(self.ways()))
-        for kind, way in self.ways().items():
+        chosen = steps_of(result, body, scene, steps, tuple(self.estimators()))
+        for kind, estimator in self.estimators().items():
             if isinstance(body, kind):
-                return way(result, body, scene, chosen)
-        raise AssertionError("other bodies are refused before")
+                return estimator(result, body, scene, chosen)
+        raise AssertionError("unsupported bodies are refused by steps_of")
 
 
 def steps_of(
@@ -79,10 +79,10 @@ def steps_of(
     steps: Sequence[int],
     kinds: tuple[type, ...],
 ) -> list[int]:
-    """Numbers of states of a body whose error is asked for.
+    """Indices of the states in which the error of a body is estimated.
 
     Raises:
-        ValueError: It is not in the scene, of another kind, or there is no such state.
+        ValueError: The body is not in the scene or of another kind, or there is no such state.
     """
     require_states(result)
     require_scene(scene)

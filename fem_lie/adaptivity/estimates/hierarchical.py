@@ -1,4 +1,4 @@
-"""Errors by more unknowns: beams by elements in halves, shells by cells in four."""
+"""Hierarchical error estimates: beam elements cut in halves, shell cells cut into four."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags
 from fem_lie.adaptivity.estimates.cut import Cut, Patches, areas_of, on_all_nodes, shapes_of_parts
-from fem_lie.adaptivity.estimates.estimate import ElementErrors, ErrorEstimate, Way
+from fem_lie.adaptivity.estimates.estimate import ElementErrors, ErrorEstimate, Estimator
 from fem_lie.adaptivity.estimates.residual import along_the_line
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.shells.placing import frames_with
@@ -28,38 +28,38 @@ from fem_lie.scene import Scene
 from fem_lie.sections.orientation import middle_frames
 
 _FIVE = 5
-_STEP = 1e-6  # in differences, of the model and in rad
-_FINER = 4.0 / 3.0  # the square of the whole error, over the part that halved cells have less
+_STEP = 1e-6  # increment for numerical derivatives: over the length of the model, and in rad
+_FINER = 4.0 / 3.0  # squared error over the squared difference between both meshes, at first order
 
 
 def shell_hierarchical(
     result: Result | StaticResult, shell: Shell, scene: Scene, steps: Sequence[int]
 ) -> list[ElementErrors]:
-    """Errors from what the stress of the cells leaves unbalanced when each is cut in four.
+    """Errors from the residual of the cells' stress when each cell is cut into four.
 
-    Each cell has a small linear problem: its corners and all new nodes beside one of these are
-    free, the rim is held (problems on patches: I. Babuška & W. C. Rheinboldt, SIAM J. Numer. Anal.
-    15 (1978) 736). Forces are what acts less what the stress σ *of the uncut cells* balances, so
-    that places of the coarse mesh, which in fine cells would be stress that thin shells do not
-    have, are not in it. The cell takes its stress δ from there. What acts on new nodes is taken
-    from the forces on the nodes that there are, per area within and per length at borders, and a
-    single force stays with its node. An element of first order loses half of its error so, and
-    ``η² = 4/3 ∫ δ·D⁻¹δ``.
+    Each cell has a small linear problem: its corners and all new nodes adjacent to one of them are
+    free, the boundary of the patch is fixed (local problems on patches: I. Babuška & W. C.
+    Rheinboldt, SIAM J. Numer. Anal. 15 (1978) 736). Its forces are the external forces minus those
+    of the stress σ *of the uncut cells*. So positions of the coarse mesh, which would cause
+    spurious stress in the fine cells of thin shells, do not enter. The stress correction δ of the
+    cell follows. External forces on new nodes are interpolated from the forces on old nodes, per
+    area inside and per length at borders; a point force remains at its node. An element of first
+    order loses half of its error by the refinement, so ``η² = 4/3 ∫ δ·D⁻¹δ``.
 
     Raises:
-        ValueError: The cells have nodes besides their corners, or there are so few of them that a
-            problem would have no rim; the shell is not in that result, or there is no such step.
+        ValueError: The cells are not of degree 1, or there are so few that a patch has no boundary;
+            the shell is not in that result, or there is no such step.
     """
     if shell.mesh.degree != 1:
         raise ValueError(
-            f"hierarchical errors are for cells of degree 1, those of {shell.label} are of degree "
-            f"{shell.mesh.degree}: take Recovery()"
+            f"hierarchical errors need cells of degree 1, those of {shell.label} are of degree "
+            f"{shell.mesh.degree}: use Recovery()"
         )
     corners = shell.own_mesh.cells.shape[1]
     if len(shell.frames) < corners + 2:
         raise ValueError(
             f"hierarchical errors need {corners + 2} nodes or more, {shell.label} has "
-            f"{len(shell.frames)}: take Recovery()"
+            f"{len(shell.frames)}: use Recovery()"
         )
     nodes, cut = nodes_in(result.info, shell), Cut.of(shell)
     patches = Patches.of(cut)
@@ -91,8 +91,8 @@ def _cut_errors(cut: Cut, patches: Patches, frames: Array) -> ElementErrors:
 
 
 def _slopes(cut: Cut, H: Array) -> Array:
-    """Derivatives of stress in twists of the nodes of each fine cell, shape (4 m, g, 8, k, 5)."""
-    stress, cells = ShellStress.of(cut.torn), cut.fine.own_mesh.cells
+    """Derivatives of stress in nodal twists of each fine cell, shape (4 m, g, 8, k, 5)."""
+    stress, cells = ShellStress.of(cut.separate), cut.fine.own_mesh.cells
     frames, found = H[cells.ravel()], []
     for place in range(cells.shape[1]):
         for unit_of, size in zip(np.eye(6)[:_FIVE], [cut.shell.size] * 3 + [1.0] * 2, strict=True):
@@ -106,7 +106,7 @@ def _slopes(cut: Cut, H: Array) -> Array:
 
 
 def _supports(cut: Cut, H: Array) -> tuple[Array, Flags]:
-    """Axes (N, 5, 5) of the motions of nodes, as columns in twists, and which are free, (N, 5)."""
+    """Axes (N, 5, 5) of nodal motions, as columns in twists, and whether they are free, (N, 5)."""
     shell, n = cut.shell, len(cut.shell.frames)
     axes = np.tile(np.eye(_FIVE), (len(H), 1, 1))
     in_space = np.flatnonzero(np.isfinite(shell.supports).all(axis=(1, 2)))
@@ -118,20 +118,20 @@ def _supports(cut: Cut, H: Array) -> tuple[Array, Flags]:
 
 
 def _at_parts(shell: Shell, rule: Array) -> Array:
-    """From values at the points of integration to those of each part, shape (4, g, g)."""
+    """Interpolation from integration points of a cell to those of each part, shape (4, g, g)."""
     mesh = shell.own_mesh
     corners = extrapolation(mesh, rule)
     places = tabulated(mesh.cell, 1, rule)[0]
     return np.asarray(places @ shapes_of_parts(mesh.cell) @ corners)
 
 
-# --- where new nodes are ---
+# --- positions of new nodes ---
 
 
 def _between(cut: Cut, frames: Array) -> Array:
-    """Frames of all nodes, new ones as a bent edge has them between its ends.
+    """Frames of all nodes; new ones are on bent edges between their ends.
 
-    Edges whose directors turn towards each other bulge, so that none of them is sheared.
+    Edges whose directors rotate relative to each other are curved, so that no shear arises.
     """
     shell = cut.shell
     a, b = frames[cut.ends[:, 0]], frames[cut.ends[:, 1]]
@@ -156,7 +156,7 @@ def _between(cut: Cut, frames: Array) -> Array:
 
 
 def _bulged(a: Array, b: Array) -> tuple[Array, Array]:
-    """Places and directors in the middle of edges between frames."""
+    """Midpoints and directors of edges between frames."""
     up, along = unit(a[:, 3] + b[:, 3]), b[:, 0] - a[:, 0]
     turn = np.einsum("ej,ej->e", b[:, 3] - a[:, 3], along) / 8.0
     return 0.5 * (a[:, 0] + b[:, 0]) + turn[:, np.newaxis] * up, up
@@ -172,27 +172,26 @@ _ITERATIONS = 6
 
 @dataclass(frozen=True)
 class HierarchicalEstimate(ErrorEstimate):
-    """From solutions with more nodes, in each element or about it.
+    """Error estimate from solutions with additional nodes, in each element or patch.
 
-    Of beams with two nodes the element is cut in halves of its own kind. Its ends stay, and the
-    node between is put where forces and moments balance with what acts along the line. The stress
-    of an element is right in its middle to higher order, that of a half in the middle of the half:
-    what the element misses is the slope from one to the other.
+    *Beams with two nodes*: an element is cut into halves of the same formulation. Its ends are
+    fixed, and the new node is in equilibrium with the distributed load. The stress of an element is
+    of higher order at its midpoint, and that of a half at the midpoint of the half; the error of
+    the element is the slope between both.
 
-    Shells of first degree have their cells cut in four, and a small problem for each with the cells
-    that touch it, see
-    :func:`~fem_lie.adaptivity.estimates.hierarchical.shell_hierarchical`.
+    *Shells of first degree*: each cell is cut into four, with a local problem on the cell and its
+    neighbours, see :func:`~fem_lie.adaptivity.estimates.hierarchical.shell_hierarchical`.
 
-    It takes about forty times the forces of a beam, and several hundred times those of a shell: to
-    check the others by, not to refine with.
+    The estimate costs about forty evaluations of the forces of a beam, and several hundred of those
+    of a shell. It is meant to verify other estimates, not for refinement.
 
     Example:
         >>> fl.adaptivity.HierarchicalEstimate()
         Hierarchical()
     """
 
-    def ways(self) -> Mapping[type, Way]:
-        """For beams and shells."""
+    def estimators(self) -> Mapping[type, Estimator]:
+        """Functions for beams and shells."""
         return {Beam: _errors, Shell: shell_hierarchical}
 
 
@@ -201,8 +200,8 @@ def _errors(
 ) -> list[ElementErrors]:
     if beam.elements.shape[1] != 2:
         raise ValueError(
-            f"hierarchical errors are for elements of two nodes, those of {beam.label} have "
-            f"{beam.elements.shape[1]}: take Recovery()"
+            f"hierarchical errors need elements of two nodes, those of {beam.label} have "
+            f"{beam.elements.shape[1]}: use Recovery()"
         )
     found = section_forces(result, beam, scene, steps=steps)
     return [_of_state(found, k) for k in range(len(steps))]
@@ -214,7 +213,7 @@ def _of_state(found: SectionForces, k: int) -> ElementErrors:
     load = 0.5 * beam.lengths[:, np.newaxis] * along_the_line(found, k, 0)
     halves = ElementForces(_halves(beam))
     halves.set_eigenstrain(np.repeat(found.strains[k], 2, axis=0))
-    frames = _settled(beam, halves, found.frames[k], load)
+    frames = _equilibrated(beam, halves, found.frames[k], load)
     stress = halves.of_strain(frames)[:, 0].reshape(-1, 2, 6)
     slope = stress[:, 1] - stress[:, 0]
 
@@ -227,7 +226,7 @@ def _of_state(found: SectionForces, k: int) -> ElementErrors:
 
 
 def _halves(beam: Beam) -> Beam:
-    """Each element as two, with nodes in the middles behind the others."""
+    """The beam with each element cut in two; new nodes follow the old ones."""
     cut, ends = copy(beam), beam.frames[beam.elements]
     middle = len(beam.frames) + np.arange(len(beam.elements))
     cut.frames = np.concatenate([beam.frames, middle_frames(ends[:, 0], ends[:, 1])])
@@ -241,8 +240,8 @@ def _halves(beam: Beam) -> Beam:
     return cut
 
 
-def _settled(beam: Beam, halves: ElementForces, frames: Array, load: Array) -> Array:
-    """Frames of all nodes, those in the middles in balance: Newton's method in each element."""
+def _equilibrated(beam: Beam, halves: ElementForces, frames: Array, load: Array) -> Array:
+    """Frames of all nodes with new nodes in equilibrium, by Newton's method in each element."""
     ends = frames[beam.elements]
     middle = middle_frames(ends[:, 0], ends[:, 1])
     step = _STEP * np.concatenate([np.full(3, beam.lengths.min()), np.ones(3)])

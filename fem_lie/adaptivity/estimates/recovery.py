@@ -25,7 +25,7 @@ from fem_lie.adaptivity.estimates.estimate import (
     ElementErrors,
     ErrorEstimate,
     Estimated,
-    Way,
+    Estimator,
     steps_of,
 )
 from fem_lie.bodies.beams.beam import Beam
@@ -49,9 +49,9 @@ class StressFields:
     """Stress at q points of each of m elements, b components in local frames.
 
     Attributes:
-        own: Of the elements, shape (m, q, b).
-        recovered: Of higher order, shape (m, q, b).
-        weights: Length or area of each point, shape (m, q).
+        own: Stress of the elements, shape (m, q, b).
+        recovered: Recovered stress, of higher order, shape (m, q, b).
+        weights: Integration weight (length or area) of each point, shape (m, q).
         compliance: ``D⁻¹`` of each element, shape (m, b, b).
     """
 
@@ -71,30 +71,30 @@ class StressFields:
 
     @property
     def missing(self) -> Array:
-        """Recovered stress less that of the elements, shape (m, q, b)."""
+        """Recovered stress minus that of the elements, shape (m, q, b)."""
         return self.recovered - self.own
 
     @property
     def errors(self) -> ElementErrors:
-        """Energy of what is missing."""
+        """Element errors: energy of the difference."""
         return ElementErrors(self.energy(self.missing), float(self.energy(self.own).sum()))
 
 
 def beam_fields(
     result: Result | StaticResult, beam: Beam, scene: Scene, steps: Sequence[int]
 ) -> list[StressFields]:
-    """Stress of the elements, and the one recovered from it, in some states.
+    """Stress of the elements and recovered stress in some states.
 
-    Forces at the ends of elements are in equilibrium with all that acts on nodes and joints, and so
-    of higher order than ``σ = D ε``; in local frames they are components of one smooth field. The
-    recovered stress is a polynomial in each element, of the degree of its number g of points: it
-    has those forces at both ends, without the jumps of distributed loads, and with g = 2 the mean
-    of the element's own stress. The superconvergent patch of Zienkiewicz & Zhu (IJNME 33 (1992)
-    1331) is here the element itself.
+    Forces at the ends of elements are in equilibrium with all forces on nodes and joints, so they
+    are of higher order than ``σ = D ε``; in local frames they are components of one smooth field.
+    The recovered stress is a polynomial in each element, of a degree equal to the number g of
+    integration points. It interpolates these forces at both ends, without the jumps of distributed
+    loads, and with g = 2 it has the mean of the element's own stress. The superconvergent patch of
+    Zienkiewicz & Zhu (IJNME 33 (1992) 1331) is the element itself.
 
     Raises:
-        ValueError: See :func:`~fem_lie.results.stresses.section_forces.section_forces`; the energy
-            of the element is no strain energy.
+        ValueError: See :func:`~fem_lie.results.stresses.section_forces.section_forces`; or the
+            energy of the element is not a strain energy.
     """
     found = section_forces(result, beam, scene, steps=steps)
     return [_beam_fields(found, k) for k in range(len(steps))]
@@ -102,7 +102,7 @@ def beam_fields(
 
 def _beam_fields(found: SectionForces, k: int) -> StressFields:
     beam, stress = found.beam, found.at_points(k)
-    # what is viscous is no elastic stress
+    # without viscous forces
     ends = found.elements.at_ends(found.frames[k])[np.newaxis]
     ends = without_jumps(beam, ends, found.single)[0]
     g = stress.shape[1]
@@ -118,7 +118,7 @@ def _beam_fields(found: SectionForces, k: int) -> StressFields:
 
 
 def _polynomial(values: Array, at: Array) -> Array:
-    """Values (m, g, 6) at the points of Gauss, at other places ``at`` (q,) from 0 to 1."""
+    """Values (m, g, 6) at Gauss points, interpolated to points ``at`` (q,) from 0 to 1."""
     x, _ = np.polynomial.legendre.leggauss(values.shape[1])
     points = np.vander(0.5 * (1.0 + x), increasing=True)
     places = np.vander(at, values.shape[1], increasing=True)
@@ -128,12 +128,13 @@ def _polynomial(values: Array, at: Array) -> Array:
 def shell_fields(
     result: Result | StaticResult, shell: Shell, scene: Scene, steps: Sequence[int]
 ) -> list[StressFields]:
-    """Stress of the cells, and the one recovered from it, in some states.
+    """Stress of the cells and recovered stress in some states.
 
-    The recovered stress has the shape functions of the mesh between values at its nodes: those of
-    the cells that meet smoothly there, each turned to one frame of the patch, in the mean, and at
-    edges a plane through the values around (see :mod:`~fem_lie.results.stresses.shell_values`).
-    Rigid motion is in the frames and not in what is averaged.
+    The recovered stress is interpolated from nodal values by the shape functions of the mesh. Nodal
+    values are means over the cells that meet smoothly at the node, each rotated to one frame; at
+    edges they are from a plane fitted to the values around (see
+    :mod:`~fem_lie.results.stresses.shell_values`). Rigid motion is contained in the frames, not in
+    the averaged components.
 
     Raises:
         ValueError: The shell is not in that result, or there is no such step.
@@ -154,20 +155,20 @@ def _shell_fields(found: Resultants, shapes: Array, compliance: Array) -> Stress
 
 _BEST, _POWERS = 2, ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 _LEAST = 4
-"""Cells that a polynomial is fitted to at least; where those around are fewer, the next ones."""
+"""Least number of cells for a polynomial; if fewer are adjacent, the next ones are added."""
 _DETERMINED = 1e-10
-"""Of the largest eigenvalue of normal equations: less is round-off of zero."""
+"""Relative eigenvalue of the normal equations that counts as zero."""
 _NEAR = 4.0
-"""How much less values count that are further off, as ``(1 + 4 d²)⁻⁴`` in sizes of cells."""
+"""Weights decrease with the distance d, in sizes of cells, as ``(1 + 4 d²)⁻⁴``."""
 
 
 class _Points(NamedTuple):
-    """The same points in all cells.
+    """The same reference points in all cells.
 
     Attributes:
-        places: Unloaded, shape (m, g, 3).
-        first: e₁ of the section there, shape (m, g, 3).
-        normals: Shape (m, g, 3).
+        places: Undeformed positions, shape (m, g, 3).
+        first: e₁ of the section, shape (m, g, 3).
+        normals: Normals, shape (m, g, 3).
     """
 
     places: Array
@@ -178,7 +179,7 @@ class _Points(NamedTuple):
 def thin_fields(
     result: Result | StaticResult, shell: ThinShell, scene: Scene, steps: Sequence[int]
 ) -> list[StressFields]:
-    """Stress of the cells, and the one recovered from it, in some states.
+    """Stress of the cells and recovered stress in some states.
 
     Raises:
         ValueError: The shell is not in that result.
@@ -199,7 +200,7 @@ def thin_fields(
 
 
 def _recovered(shell: ThinShell, stresses: list[Array]) -> list[Array]:
-    """Of each state, shape (m, g, 6)."""
+    """Recovered stress in each state, shape (m, g, 6)."""
     at, _ = hermite.gauss(shell.formulation.points)
     best, _ = hermite.gauss(_BEST)
     squares = hermite.products(at, at), hermite.products(best, best), np.array([[0.5, 0.5]])
@@ -221,9 +222,9 @@ def _recovered(shell: ThinShell, stresses: list[Array]) -> list[Array]:
         right = np.zeros((len(σ), len(_POWERS), σ.shape[2]))
         best_stress = np.einsum("pgij,pgj->pgi", turned, (values @ σ)[others])
         np.add.at(right, cells, weighted @ best_stress)
-        # few cells do not determine all coefficients: the smallest ones, then
+        # if few cells do not determine all coefficients, use the least-norm solution
         smooth = here @ (np.linalg.pinv(normal, _DETERMINED, hermitian=True) @ right)
-        # the inverse of a turning matrix is that of the opposite angle
+        # the inverse of a rotation is that by the opposite angle
         found.append(np.asarray(np.linalg.solve(back, smooth[..., np.newaxis])[..., 0]))
     return found
 
@@ -242,7 +243,7 @@ def _in_plane(vectors: Array, normals: Array) -> Array:
 
 
 def _around(shell: ThinShell) -> tuple[Indices, Indices]:
-    """Pairs of a cell and one that its polynomial is fitted to; sections are the same."""
+    """Pairs of a cell and a cell of its polynomial; sections are equal."""
     points = shell.connectivity[:, :4]
     m, n = len(points), shell.points_count
     rows = np.repeat(np.arange(m), 4)
@@ -265,7 +266,7 @@ def _alike(pairs: csr_matrix, section: Indices) -> csr_matrix:
 def _basis(
     shell: ThinShell, middle: _Points, cells: Indices, points: _Points, others: Indices
 ) -> Array:
-    """Powers at points of other cells, in the tangent planes of cells, shape (p, g, 6)."""
+    """Monomials at points of other cells, in the tangent planes of cells, shape (p, g, 6)."""
     first, normal = middle.first[cells, 0], middle.normals[cells, 0]
     axes = np.stack([first, np.cross(normal, first)], axis=-1)
     size = np.sqrt(shell.sizes[cells, :2].prod(axis=1))
@@ -275,11 +276,11 @@ def _basis(
 
 
 def _turning(middle: _Points, cells: Indices, points: _Points, others: Indices) -> Array:
-    """From components along sections' axes at points to those along axes of cells, (p, g, 6, 6)."""
+    """Rotation of components from sections' axes at points to axes of cells, (p, g, 6, 6)."""
     n = points.normals[others]
     e = points.first[others]
     f = _in_plane(middle.first[cells], n)
-    # e₁ of the cell from those of the section: cosine and sine of the angle
+    # cosine and sine of the angle from e₁ of the section to e₁ of the cell
     c = np.einsum("pgj,pgj->pg", e, f)
     s = np.einsum("pgj,pgj->pg", np.cross(e, f), n)
     found = np.zeros((*c.shape, 6, 6))
@@ -299,7 +300,7 @@ _RECOVERIES: dict[type, Callable[..., list[StressFields]]] = {
 
 @dataclass(frozen=True)
 class RecoveryEstimate(ErrorEstimate):
-    """``∫ (σ* − σ)·D⁻¹(σ* − σ)`` with a recovered stress σ*: the default.
+    """Error estimate ``∫ (σ* − σ)·D⁻¹(σ* − σ)`` with a recovered stress σ*: the default.
 
     (O. C. Zienkiewicz & J. Z. Zhu, IJNME 24 (1987) 337.)
 
@@ -308,8 +309,8 @@ class RecoveryEstimate(ErrorEstimate):
         Recovery()
     """
 
-    def ways(self) -> Mapping[type, Way]:
-        """For beams, shells and thin shells."""
+    def estimators(self) -> Mapping[type, Estimator]:
+        """Functions for beams, shells and thin shells."""
         return dict.fromkeys(_RECOVERIES, _errors)
 
 
@@ -322,7 +323,7 @@ def _errors(
 def fields_of(
     result: Result | StaticResult, body: Estimated, scene: Scene, steps: Sequence[int] = (-1,)
 ) -> list[StressFields]:
-    """Stress of the elements of a body and the one recovered from it, in some states.
+    """Stress of the elements of a body and recovered stress in some states.
 
     Raises:
         ValueError: See :meth:`~fem_lie.adaptivity.estimates.estimate.ErrorEstimate.errors`.

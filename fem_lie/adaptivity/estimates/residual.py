@@ -1,11 +1,11 @@
-"""Errors by residuals: how far the elements' stress is from balance, within them and between.
+"""Residual error estimates: residuals of equilibrium in elements, and stress jumps between them.
 
-Layers along the edges of plates and shells, as wide as these are thick, that no cell shows.
-
-Where no couple about its normal acts on an edge, the twisting moment ``M_ντ`` vanishes there; in a
-thin shell it does so within a layer of the width ``λ = √(B/S)``, with the stiffnesses B of twist
-and S of shear, t/√10 if it is homogeneous: ``M = m exp(−x/λ)`` and ``Q = M′``. Cells that are wider
-than that end with some ``M_ντ = m`` instead. What they miss is, per length of the edge::
+*Boundary layers along edges of plates and shells*, which are as wide as the thickness and not
+resolved by cells. Where no couple about its normal acts on an edge, the twisting moment ``M_ντ``
+vanishes there. In a thin shell this happens within a layer of the width ``λ = √(B/S)``, with the
+twisting stiffness B and the shear stiffness S, t/√10 for a homogeneous section: ``M = m exp(−x/λ)``
+and ``Q = M′``. Cells that are wider have some ``M_ντ = m`` at the edge instead. The error per
+length of the edge is::
 
     ∫ M²/B + Q²/S dx = m² λ / B
 
@@ -26,7 +26,7 @@ from scipy.sparse import csr_matrix
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.adaptivity.estimates.cut import border_shares
-from fem_lie.adaptivity.estimates.estimate import ElementErrors, ErrorEstimate, Way
+from fem_lie.adaptivity.estimates.estimate import ElementErrors, ErrorEstimate, Estimator
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.mesh.surfaces import KINK_ANGLE
@@ -45,18 +45,18 @@ from fem_lie.results.stresses.shell_stress import (
 )
 from fem_lie.scene import Scene
 
-_TWIST, _SHEAR = 5, 6  # of stress along and across an edge
+_TWIST, _SHEAR = 5, 6  # indices of stress components along an edge
 
 
 @dataclass(frozen=True, eq=False)
 class EdgeLayers:
-    """What does not change with the state, of b edges without another side.
+    """State-independent data of the boundary layers at b edges without a neighbour.
 
     Attributes:
         edges: Numbers (m c) of the edges, shape (b,).
         sides: 1 where the second axis of the edge points outward, −1 elsewhere, shape (b,).
-        couples: From stress at the points of integration, (m g 8,), to the couple per length about
-            the normal that holds the edge, shape (b, m g 8).
+        couples: Matrix from stress at the integration points, (m g 8,), to the couple per length
+            about the normal on the edge, shape (b, m g 8).
         factors: Length of the edge times ``λ/B``, zero at corners, shape (b,).
     """
 
@@ -69,14 +69,15 @@ class EdgeLayers:
     def of(
         cls, shell: Shell, places: StressPoints, ends: Indices, edges: Indices, turns: Array
     ) -> EdgeLayers:
-        """Those of a shell.
+        """Boundary layers of a shell.
 
         Args:
             shell: The shell.
-            places: Where its stress is.
-            ends: Both ends of the c edges of a cell, among its nodes, shape (c, 2).
-            edges: Those without another side, numbers in (m c).
-            turns: From stress along the sections to stress along edges, shape (m, c, 8, 8).
+            places: Points at which its stress is evaluated.
+            ends: Both ends of the c edges of a cell, as local nodes, shape (c, 2).
+            edges: Numbers (m c) of the edges without a neighbour.
+            turns: Rotation of stress from axes of the sections to axes of the edges, shape (m, c,
+                8, 8).
         """
         mesh, c = shell.own_mesh, len(ends)
         cell, side = np.divmod(edges, c)
@@ -101,12 +102,12 @@ class EdgeLayers:
         return cls(edges, sides, couples, factors)
 
     def squares(self, stress: Array, at_edges: Array, jumps: Array) -> Array:
-        """What the cells miss besides what jumps say, shape (m,).
+        """Squared errors of boundary layers, in addition to those of jumps, shape (m,).
 
         Args:
-            stress: At the points of integration, shape (m, g, 8).
-            at_edges: At the middles of edges, in their axes, shape (m, c, 8).
-            jumps: There, shape (m, c, 8).
+            stress: Stress at the integration points, shape (m, g, 8).
+            at_edges: Stress at the midpoints of edges, in their axes, shape (m, c, 8).
+            jumps: Stress jumps at the midpoints, shape (m, c, 8).
         """
         m, c = at_edges.shape[:2]
         cell = self.edges // c
@@ -120,7 +121,7 @@ class EdgeLayers:
 def _couples(
     shell: Shell, places: StressPoints, number: Indices, along: Array, weight: Array
 ) -> csr_matrix:
-    """``∫ M_ij N,i τ_j + Q_i τ_i N`` with the shape function N of one end each, times a weight."""
+    """``∫ M_ij N,i τ_j + Q_i τ_i N`` with the shape function N of one end of an edge, weighted."""
     m, k = places.patches.number.shape
     g = places.areas.shape[1]
     corner = np.argsort(places.patches.number.ravel(), kind="stable")
@@ -149,28 +150,28 @@ def _couples(
 def beam_residual(
     result: Result | StaticResult, beam: Beam, scene: Scene, steps: Sequence[int]
 ) -> list[ElementErrors]:
-    """Errors from the balance of forces and moments in the frame of the section.
+    """Errors from the residual of the balance of forces and moments in the frame of the section.
 
-    What is left of it is::
+    The residual is::
 
         r = (N′ + κ × N + n,  M′ + κ × M + Γ × N + m)
 
-    with the present strains Γ, κ, tangent included. What acts along the line, n and m, is what
-    makes forces jump at nodes, over the length that carries it; inertia is in it. Where a single
-    force may act, nothing is known of it but what the other end says.
+    with the present strains Γ, κ including the tangent. The distributed loads n and m are recovered
+    from the jumps of forces at nodes, divided by tributary length; they include inertia. At a node
+    with a possible point force, the value of the other end is used.
 
-    An element with g points of Gauss has its stress right there, and misses a multiple of
-    Legendre's polynomial of degree g, ``τ′ = −r``. So of r the part of degree g − 1 counts, to
-    which the derivative of its own stress adds nothing, and with its coefficient r̂::
+    The stress of an element is exact at its g Gauss points, and its error is a multiple of the
+    Legendre polynomial of degree g, ``τ′ = −r``. So the part of r of degree g − 1 is relevant, to
+    which the derivative of the stress does not contribute. With its coefficient r̂::
 
         τ̂ = ℓ r̂ / (2 (2g − 1)),    η² = ℓ τ̂·D⁻¹τ̂ / (2g + 1),
 
-    which is ``ℓ³ r·D⁻¹r / 12`` with one point. Jumps at nodes have no term of their own:
-    an element that is right at its ends does no work on them.
+    which is ``ℓ³ r·D⁻¹r / 12`` for one point. Jumps at nodes have no term of their own, because the
+    error of the displacement vanishes at the nodes.
 
     Raises:
-        ValueError: See :func:`~fem_lie.results.stresses.section_forces.section_forces`; the energy
-            of the element is no strain energy.
+        ValueError: See :func:`~fem_lie.results.stresses.section_forces.section_forces`; or the
+            energy of the element is not a strain energy.
     """
     found = section_forces(result, beam, scene, steps=steps)
     return [_errors(found, k) for k in range(len(steps))]
@@ -198,7 +199,7 @@ def _turning(rates: Array, stress: Array) -> Array:
 
 
 def _rates(beam: Beam, frames: Array, x: Array) -> Array:
-    """``H⁻¹H′`` by unloaded arc length at points −1 ≤ x ≤ 1, shape (m, q, 6)."""
+    """``H⁻¹H′`` in undeformed arc length at points −1 ≤ x ≤ 1, shape (m, q, 6)."""
     ends, unloaded = frames[beam.elements], beam.frames[beam.elements]
     if beam.elements.shape[1] == 2:
         moved = lie.se3_relative(ends[:, 0], ends[:, 1]) / beam.lengths[:, np.newaxis]
@@ -212,7 +213,7 @@ def _rates(beam: Beam, frames: Array, x: Array) -> Array:
     turn = np.einsum("mqaj,mqbj->mqab", d, change[:, :, 1:])
     turn = 0.5 * (turn - np.swapaxes(turn, 2, 3))
     curvature = np.stack([turn[..., 2, 1], turn[..., 0, 2], turn[..., 1, 0]], axis=-1)
-    # of directors that are orthonormal, as the element has them
+    # with orthonormal directors, as in the element
     E = 0.5 * (np.eye(3) - np.einsum("mqij,mqkj->mqik", d, d))
     stretch = stretch + np.einsum("mqij,mqj->mqi", E, stretch)
     trace = np.trace(E, axis1=2, axis2=3)[..., np.newaxis]
@@ -221,7 +222,7 @@ def _rates(beam: Beam, frames: Array, x: Array) -> Array:
 
 
 def along_the_line(found: SectionForces, k: int, degree: int) -> Array:
-    """Force and moment per length, its mean or, of degree 1, half of its change, shape (m, 6)."""
+    """Distributed force and moment: the mean or, for degree 1, half of the change, shape (m, 6)."""
     beam = found.beam
     # what is viscous is no elastic stress
     ends = found.elements.at_ends(found.frames[k])
@@ -240,34 +241,34 @@ def along_the_line(found: SectionForces, k: int, degree: int) -> Array:
     return np.asarray(0.5 * both * (known[:, 1] - known[:, 0]))
 
 
-_OPPOSITE = {"quadrilateral": (3, 2, 1, 0)}  # of the edges in the order of basix
+_OPPOSITE = {"quadrilateral": (3, 2, 1, 0)}  # opposite edges in basix's order
 _SHARE = {"quadrilateral": 1 / 24, "triangle": 1 / 12}
-"""Of area times square of the jump: exact where the stress that is missed is linear."""
+"""Factor of area times squared jump: exact where the error of the stress is linear."""
 
 
 def shell_residual(
     result: Result | StaticResult, shell: Shell, scene: Scene, steps: Sequence[int]
 ) -> list[ElementErrors]:
-    """Errors from the jumps J of stress at the middles of edges, in the axes of each edge.
+    """Errors from the stress jumps J at the midpoints of edges, in the axes of each edge.
 
     They are::
 
         η² = c A Σ_edges J·D⁻¹J,    c = 1/24 for quadrilaterals, 1/12 for triangles.
 
-    In elements of first degree edges dominate what is within (C. Carstensen & R. Verfürth, SIAM J.
-    Numer. Anal. 36 (1999) 1571), and for even meshes jumps give the error exactly (I. Babuška &
-    D.-H. Yu, RAIRO 21 (1987)): c is what makes η that of a solution of second degree, on
-    rectangles, and on triangles with edges in three directions.
+    In elements of first degree the jumps at edges dominate the residuals inside (C. Carstensen & R.
+    Verfürth, SIAM J. Numer. Anal. 36 (1999) 1571). On regular meshes jumps give the error exactly
+    (I. Babuška & D.-H. Yu, RAIRO 21 (1987)): c makes η the error for a solution of second degree,
+    on rectangles, and on triangles with edges in three directions.
 
-    Local frames make it simple: both sides have their resultants along axes that move with them, so
-    the jump is taken across a bend, and rigid motion is not in it. At a border, a kink or where the
-    section changes, an edge has no other side; then the opposite one counts twice, or on triangles
-    those that are left count for all. What is missed in layers along borders comes to it, see
+    In local frames the resultants of both sides are along axes that move with them, so jumps across
+    a bend are meaningful, and rigid motion does not enter. At a border, at a kink or where the
+    section changes, an edge has no neighbour; then the opposite edge counts twice, or on triangles
+    the remaining edges count for all. The error of boundary layers is added, see
     :class:`EdgeLayers`.
 
     Raises:
-        ValueError: The cells have nodes besides their corners, or no edge in common; the shell is
-            not in that result, or there is no such step.
+        ValueError: The cells are not of degree 1, or have no common edges; the shell is not in that
+            result, or there is no such step.
     """
     edges, stress = ShellEdges.of(shell), ShellStress.of(shell)
     nodes = nodes_in(result.info, shell)
@@ -276,18 +277,18 @@ def shell_residual(
 
 @dataclass(frozen=True, eq=False)
 class ShellEdges:
-    """What does not change with the state.
+    """State-independent data of the edges of a shell.
 
     Attributes:
-        to_edges: From values at the points of integration to the middles of c edges, (c, g).
-        turns: To the axes of the edges, shape (m, c, 8, 8).
+        to_edges: Interpolation from integration points to the midpoints of c edges, (c, g).
+        turns: Rotation to the axes of the edges, shape (m, c, 8, 8).
         compliance: ``D⁻¹`` along these axes, shape (m, c, 8, 8).
-        a: Cell and edge of one side of what is common, numbers in (m c), shape (e,).
-        b: Of the other side.
-        areas: Of what is carried by the points, shape (m, g).
-        shares: Of area times square of each jump, shape (m, c).
+        a: Number (m c) of the edge on one side of each common edge, shape (e,).
+        b: Number on the other side.
+        areas: Integration weights (areas), shape (m, g).
+        shares: Factors of squared jumps, shape (m, c).
         plain: ``D⁻¹`` of each cell, shape (m, 8, 8).
-        layers: Of the edges without another side.
+        layers: Boundary layers of the edges without a neighbour.
     """
 
     to_edges: Array
@@ -302,7 +303,7 @@ class ShellEdges:
 
     @classmethod
     def of(cls, shell: Shell) -> ShellEdges:
-        """Those of a shell, found once."""
+        """Data of a shell, computed once."""
         if shell not in _EDGES:
             _EDGES[shell] = cls._found(shell)
         return _EDGES[shell]
@@ -312,8 +313,8 @@ class ShellEdges:
         mesh = shell.own_mesh
         if mesh.degree != 1:
             raise ValueError(
-                f"residual errors are for cells of degree 1, those of {shell.label} are of degree "
-                f"{mesh.degree}: take Recovery()"
+                f"residual errors need cells of degree 1, those of {shell.label} are of degree "
+                f"{mesh.degree}: use Recovery()"
             )
         ends = np.array(basix.topology(basix.CellType[mesh.cell])[1], dtype=np.int64)
         places = StressPoints.in_sections(shell, KINK_ANGLE)
@@ -336,7 +337,7 @@ class ShellEdges:
         return cls(to_edges, turns, compliance, a, b, places.areas, shares, plain, layers)
 
     def errors(self, stress: Array) -> ElementErrors:
-        """From stress at the points of integration, in the axes of the sections, (m, g, 8)."""
+        """Errors from stress at the integration points, in the axes of the sections, (m, g, 8)."""
         m, c = self.shares.shape
         at_edges = np.matmul(self.turns, (self.to_edges @ stress)[..., np.newaxis])[..., 0]
         flat, jumps = at_edges.reshape(m * c, 8), np.zeros((m * c, 8))
@@ -365,7 +366,7 @@ def _common(number: Indices, ends: Indices) -> tuple[Indices, Indices]:
 
 
 def _shares(cell: str, known: Flags) -> Array:
-    """Share of each edge (m, c), where some are without another side."""
+    """Factor of each edge (m, c), where some have no neighbour."""
     if cell in _OPPOSITE:
         shares = known * (2.0 - known[:, _OPPOSITE[cell]])
     else:
@@ -376,11 +377,11 @@ def _shares(cell: str, known: Flags) -> Array:
 
 
 def _turns(shell: Shell, ends: Indices) -> Array:
-    """From components along the axes of the sections to those along edges, (m, c, 8, 8)."""
+    """Rotation of components from the axes of the sections to those of edges, (m, c, 8, 8)."""
     mesh = shell.own_mesh
     normals = unit(mesh.normals[:, ends].sum(axis=2))
     along = np.diff(mesh.points[mesh.cells[:, ends]], axis=2)[:, :, 0]
-    # one direction for both sides
+    # the same direction on both sides
     first, second = np.moveaxis(mesh.cells[:, ends], 2, 0)
     along[first > second] *= -1.0
     section = axes_along(normals, shell.axes[:, np.newaxis])
@@ -391,11 +392,10 @@ def _turns(shell: Shell, ends: Indices) -> Array:
 
 @dataclass(frozen=True)
 class ResidualEstimate(ErrorEstimate):
-    """From the balance of stress resultants in local frames, with the constants of the elements.
+    """Error estimate from the residuals of equilibrium in local frames, with exact constants.
 
-    Of beams it is what is left of the balance within elements, of shells with nodes at their
-    corners the jumps of stress between them; see
-    :func:`~fem_lie.adaptivity.estimates.residual.beam_residual` and
+    For beams it is the residual of the balance within elements, for shells of first degree the
+    stress jumps between cells; see :func:`~fem_lie.adaptivity.estimates.residual.beam_residual` and
     :func:`~fem_lie.adaptivity.estimates.residual.shell_residual`.
 
     Example:
@@ -404,6 +404,6 @@ class ResidualEstimate(ErrorEstimate):
         True
     """
 
-    def ways(self) -> Mapping[type, Way]:
-        """For beams and shells."""
+    def estimators(self) -> Mapping[type, Estimator]:
+        """Functions for beams and shells."""
         return {Beam: beam_residual, Shell: shell_residual}

@@ -1,1 +1,1 @@
-"""Meshes that follow a state: other meshes of a body, momenta kept, the loop in time."""
+"""Meshes that change during a motion or along a load: transfer of states, and adaptive loops."""

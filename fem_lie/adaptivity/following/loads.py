@@ -1,4 +1,4 @@
-"""Paths of equilibrium under growing loads, on meshes that follow the error.
+"""Equilibrium under increasing loads, with meshes adapted to the error.
 
 A scene is a function of its mesh, as for :func:`~fem_lie.adaptivity.adapt`::
 
@@ -6,9 +6,9 @@ A scene is a function of its mesh, as for :func:`~fem_lie.adaptivity.adapt`::
     print(found)                           # elements and error at each load factor
     found.displacement("shell.tip"), found.segments[-1].result
 
-From one load factor to the next the state goes on. Where the error of the stress is larger than
-allowed there, the mesh is made anew, and the way from the last factor gone again on it; where
-elements are smaller than needed they grow.
+The state is continued from one load factor to the next. If the stress error exceeds the tolerance,
+a new mesh is generated, and the load increment is repeated on it. Elements that are smaller than
+needed are coarsened.
 """
 
 from __future__ import annotations
@@ -36,21 +36,22 @@ from fem_lie.solve.statics.follow import check_proportion, follow_loads
 
 _log = logging.getLogger("fem_lie")
 
-_AIM = 0.75  # of the allowed error
-_FEWER = 0.7  # elements that are worth a change of the mesh
+_AIM = 0.75  # target error over the allowed error
+_FEWER = 0.7  # ratio of numbers of elements below which coarsening is worth a new mesh
 _TRIES = 8  # meshes for one load factor
 
 
 @dataclass(frozen=True, eq=False)
 class LoadSegment(Generic[Followed]):
-    """A part of a path, up to one load factor, on one mesh.
+    """A load increment up to one load factor, on one mesh.
 
     Attributes:
-        mesh: Of the body that is refined.
-        scene: On it.
-        result: Of this part; its last state is at the load factor.
-        error: Estimated there.
-        change: What the change to this mesh has done; ``None`` for the first.
+        mesh: Mesh of the refined body.
+        scene: Scene on this mesh.
+        result: Result of the increment; its last state is at the load factor.
+        error: Error estimate at the load factor.
+        change: Energies and momenta before and after the change to this mesh; ``None`` for the
+            first.
     """
 
     mesh: Followed
@@ -62,12 +63,12 @@ class LoadSegment(Generic[Followed]):
 
 @dataclass(frozen=True, eq=False)
 class AdaptedLoads(Generic[Followed]):
-    """What :func:`~fem_lie.adaptivity.adapt_loads` has found.
+    """Result of :func:`~fem_lie.adaptivity.adapt_loads`.
 
     Attributes:
         segments: One for each load factor.
-        tolerance: What was asked for.
-        solved: Equilibria that were found, those in vain included.
+        tolerance: Requested relative error.
+        solved: Number of equilibria that were computed, including repeated increments.
     """
 
     segments: tuple[LoadSegment[Followed], ...]
@@ -81,16 +82,16 @@ class AdaptedLoads(Generic[Followed]):
 
     @property
     def cells(self) -> Indices:
-        """Elements at each of them, shape (k,)."""
+        """Number of elements at each load factor, shape (k,)."""
         return np.array([len(part.mesh.cells) for part in self.segments], dtype=np.int64)
 
     @property
     def relative(self) -> Array:
-        """Estimated error at each of them, over the norm of the stress, shape (k,)."""
+        """Estimated error at each load factor, relative to the norm of the stress, shape (k,)."""
         return np.array([part.error.relative for part in self.segments])
 
     def displacement(self, point: str) -> Array:
-        """Of a named point such as "beam.end", shape (k, 3).
+        """Displacement of a named point such as "beam.end", shape (k, 3).
 
         Args:
             point: Name of a point with that of its body, such as "beam.end".
@@ -101,7 +102,7 @@ class AdaptedLoads(Generic[Followed]):
         return np.array([part.result.displacement(point)[-1] for part in self.segments])
 
     def __str__(self) -> str:
-        """A line for each load factor."""
+        """One line for each load factor."""
         rows = zip(self.factors, self.cells, self.relative, strict=True)
         return "\n".join(f"factor {f:g}: {n} elements, error {100 * e:.3g} %" for f, n, e in rows)
 
@@ -118,22 +119,23 @@ def adapt_loads(
     most: int = 200_000,
     onto: Onto | None = None,
 ) -> AdaptedLoads[Followed]:
-    """Equilibrium at growing load factors, each on a mesh that is fine enough for it.
+    """Equilibrium at increasing load factors, each on a mesh that meets the tolerance.
 
     Args:
-        build: From a mesh to a scene with a beam or shell on it.
-        mesh: The coarsest: lines, or triangles of first degree.
-        levels: Increasing positive load factors; the mesh changes at no others.
-        tolerance: Of the relative error in the energy norm, at each of them.
-        body: Name of the beam or shell on the mesh; default: the only one there is.
+        build: Creates a scene with a beam or shell on the given mesh.
+        mesh: The coarsest mesh: lines, or triangles of first degree.
+        levels: Increasing positive load factors; the mesh changes only at these.
+        tolerance: Relative error in the energy norm, at each load factor.
+        body: Name of the beam or shell on the mesh; default: the only one in the scene.
         arc_length: Options; see :class:`~fem_lie.stability.ArcLength`.
-        estimate: How the error is found; default: :class:`~fem_lie.adaptivity.RecoveryEstimate`.
-        most: Elements; more are not solved for.
-        onto: The true line or surface, for new points.
+        estimate: Error estimate; default: :class:`~fem_lie.adaptivity.RecoveryEstimate`.
+        most: Largest number of elements.
+        onto: Projects new points onto the exact line or surface.
 
     Raises:
-        ValueError: Bad arguments, a mesh that cannot be refined, a scene without a beam or shell on
-            it or with loads that are not in proportion to the factor, before anything is solved.
+        ValueError: An argument is wrong, the mesh cannot be refined, or the scene has no beam or
+            shell on it, or loads that are not proportional to the factor; before anything is
+            solved.
         ConvergenceError: The tolerance needs more elements, or equilibrium was not found; its
             ``result`` is the :class:`AdaptedLoads` up to there, if there is any.
 
@@ -170,7 +172,7 @@ def adapt_loads(
         else:
             raise ConvergenceError(
                 f"at load factor {level:g} the error is {part.error.relative:.2g} after {_TRIES} "
-                f"meshes, wanted {tolerance:g}",
+                f"meshes, expected {tolerance:g}",
                 _found(segments, tolerance, solved),
             )
         segments.append(part)
@@ -193,7 +195,7 @@ def _stretch(
     estimate: ErrorEstimate | None,
     before: list[LoadSegment[Followed]],
 ) -> LoadSegment[Followed]:
-    """On to a load factor, from the last one on its mesh."""
+    """The increment to a load factor, from the last state, on this mesh."""
     scene = build(mesh)
     check_proportion(scene)
     chosen = named_body(scene, body, mesh)
@@ -206,7 +208,7 @@ def _stretch(
 def _fitted(
     coarse: Followed, part: LoadSegment[Followed], tolerance: float, onto: Onto | None
 ) -> Followed:
-    """A mesh whose elements all have the same part of what is allowed."""
+    """A mesh with equal errors of all elements, for the allowed error."""
     error = part.error
     allowed = _AIM * tolerance * float(np.sqrt(error.energy))
     return Sizes.of(part.mesh, error.squares, allowed, order_of(error.body)).mesh(coarse, onto=onto)
@@ -232,4 +234,4 @@ def _check(
     instance(estimate, ErrorEstimate | None, "estimate", "a Recovery, a Residual or None")
     check_refinable(mesh, onto)
     if isinstance(mesh, SurfaceMesh) and mesh.cell != "triangle":
-        raise ValueError(f"states are carried over triangles of degree 1, got {mesh.cell}s")
+        raise ValueError(f"expected triangles of degree 1 to transfer states, got {mesh.cell}s")

@@ -1,14 +1,14 @@
-"""Dynamics on meshes that follow the error, with steps that follow theirs.
+"""Dynamics with meshes and step sizes adapted to the errors in space and time.
 
 A scene is a function of its mesh, as for :func:`~fem_lie.adaptivity.adapt`::
 
     found = fl.adaptivity.adapt_motion(rope, mesh, duration=0.01, every=2e-4, tolerance=0.05,
-    size=1e-3) print(found)                           # what of the tolerance is for space and for
+    size=1e-3) print(found)                           # how the tolerance is split between space and
     time found.times, found.kinetic, found.position("rope.end"), found.segments[-1].result
 
-Now and then the mesh is made anew from the coarse one, by the error of the stress that was found,
-and the state is carried to it. Where the error of a stretch was larger than allowed, it is made
-again on a mesh that is fine where the error was.
+At given intervals a new mesh is generated from the coarse one, by the estimated stress error, and
+the state is transferred to it. A segment whose error exceeds the tolerance is repeated on a mesh
+that is refined where the error was.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ from fem_lie.solve.step_control import AdaptiveStep
 
 _log = logging.getLogger("fem_lie")
 
-_AIM = 0.75  # of the allowed error
-_LOOKS = 6  # states of a stretch whose error is estimated
-_TRIES = 6  # meshes for one stretch
+_AIM = 0.75  # target error over the allowed error
+_LOOKS = 6  # states of a segment whose error is estimated
+_TRIES = 6  # meshes for one segment
 
 
 def adapt_motion(
@@ -54,39 +54,39 @@ def adapt_motion(
     size: float,
     body: str | None = None,
     scheme: Integrator | None = None,
-    share: float = 0.5,
+    space_fraction: float = 0.5,
     ahead: float = 0.0,
     least: float = 0.0,
     most: int = 200_000,
     onto: Onto | None = None,
 ) -> AdaptedMotion[Followed]:
-    """Integrate with meshes and steps that follow one tolerance, split between space and time.
+    """Integrate with adaptive meshes and step sizes, by a tolerance split between space and time.
 
-    With the tolerance τ, ``τ² = s τ² + (1 − s) τ²``: the error of the stress in the energy norm is
-    at most ``√s τ`` of the largest norm of the stress so far, and that of places, summed up over
-    all steps as if none of it went away, ``√(1 − s) τ`` of the size of the motion.
+    With the tolerance τ, ``τ² = s τ² + (1 − s) τ²``: the stress error in the energy norm is at most
+    ``√s τ`` times the largest norm of the stress so far. The error of positions, the sum of the
+    errors of all steps without damping, is at most ``√(1 − s) τ`` times the size of the motion.
 
     Args:
-        build: From a mesh to a scene with a beam or shell on it.
-        mesh: The coarsest: lines, or triangles of first degree.
+        build: Creates a scene with a beam or shell on the given mesh.
+        mesh: The coarsest mesh: lines, or triangles of first degree.
         duration: End time.
         every: Time between two changes of the mesh.
         tolerance: τ.
-        size: Length by which errors of places are divided: the amplitude of a wave, the length of
-            a pendulum.
-        body: Name of the beam or shell on the mesh; default: the only one there is.
-        scheme: With steps that can be chosen; default: ``GeneralisedAlpha()``.
-        share: s, above 0 and below 1.
-        ahead: So far around small elements others are as small: how far what needs them moves
-            between two changes. Less is found, and makes stretches be done again.
-        least: Norm of the stress, the root of twice an elastic energy, by which its errors are
-            divided before there is so much: what is small beside it needs no fine mesh.
-        most: Elements; more are not solved for.
-        onto: The true line or surface, for new points.
+        size: Reference length of position errors: the amplitude of a wave, the length of a
+            pendulum.
+        body: Name of the beam or shell on the mesh; default: the only one in the scene.
+        scheme: Scheme with variable step size; default: ``GeneralisedAlpha()``.
+        space_fraction: s, above 0 and below 1.
+        ahead: Distance around small elements in which others are as small: how far the feature that
+            needs them moves between two changes. If it is too small, segments are repeated.
+        least: Reference norm of the stress, the root of twice an elastic energy, as long as the
+            stress is smaller: smaller stresses need no fine mesh.
+        most: Largest number of elements.
+        onto: Projects new points onto the exact line or surface.
 
     Raises:
-        ValueError: Bad arguments, a mesh that cannot be refined, or a scene without a beam or shell
-            on it, before anything is solved.
+        ValueError: An argument is wrong, the mesh cannot be refined, or the scene has no beam or
+            shell on it; before anything is solved.
         ConvergenceError: The tolerance needs more elements, or a step failed; its ``result`` is the
             :class:`AdaptedMotion` up to there, if there is any.
     """
@@ -95,16 +95,16 @@ def adapt_motion(
         positive(value, what)
     positive(tolerance, "tolerance")
     whole(most, "most")
-    if not 0.0 < number(share, "share") < 1.0:
-        raise ValueError(f"share must be above 0 and below 1, got {share!r}")
+    if not 0.0 < number(space_fraction, "share") < 1.0:
+        raise ValueError(f"space_fraction must be above 0 and below 1, got {space_fraction!r}")
     if not number(ahead, "ahead") >= 0.0:
         raise ValueError(f"ahead must not be negative, got {ahead!r}")
     if not number(least, "least") >= 0.0:
         raise ValueError(f"least must not be negative, got {least!r}")
     check_refinable(mesh, onto)
     if isinstance(mesh, SurfaceMesh) and mesh.cell != "triangle":
-        raise ValueError(f"states are carried over triangles of degree 1, got {mesh.cell}s")
-    allowed = sqrt(share) * tolerance, sqrt(1.0 - share) * tolerance
+        raise ValueError(f"expected triangles of degree 1 to transfer states, got {mesh.cell}s")
+    allowed = sqrt(space_fraction) * tolerance, sqrt(1.0 - space_fraction) * tolerance
     scheme = GeneralisedAlpha() if scheme is None else scheme
     steps = AdaptiveStep(allowed[1] * size / duration, first=min(1e-2 * every, 1e-3 * duration))
     meshes = _Meshes(mesh, ahead, onto, allowed[0])
@@ -135,7 +135,7 @@ def adapt_motion(
             now = meshes.fitted(now, look.squares.max(axis=0), most_stress, look.order)
         else:
             raise ConvergenceError(
-                f"at time {time:g} the error in space is {error:.2g} after {_TRIES} meshes, wanted "
+                f"at time {time:g} the error in space is {error:.2g} after {_TRIES} meshes, above "
                 f"{allowed[0]:.2g}",
                 found() if segments else None,
             )
@@ -148,17 +148,17 @@ def adapt_motion(
 
 
 class _Meshes(Generic[Followed]):
-    """Meshes made from one coarse mesh."""
+    """Meshes refined from one coarse mesh."""
 
     def __init__(self, coarse: Followed, ahead: float, onto: Onto | None, allowed: float) -> None:
-        """Nothing is made yet."""
+        """Store the options."""
         self._coarse: Followed = coarse
         self._ahead, self._onto, self._allowed = ahead, onto, allowed
 
     def fitted(
         self, now: Followed, squares: Array, scale: float, order: int, *, beyond: bool = False
     ) -> Followed:
-        """With elements that all have the same part of what is allowed of the scale."""
+        """A mesh with equal errors of all elements, for the allowed error times the scale."""
         sizes = Sizes.of(now, squares, _AIM * self._allowed * scale, order)
         ahead = self._ahead if beyond else 0.0
         made = sizes.mesh(self._coarse, ahead=ahead, onto=self._onto)
@@ -167,13 +167,13 @@ class _Meshes(Generic[Followed]):
 
 
 class _Look(NamedTuple):
-    """Errors of elements in some states of a stretch.
+    """Errors of elements in some states of a segment.
 
     Attributes:
-        squares: Of their errors, shape (k, m).
-        error: The largest of the body.
-        stress: The largest norm of its stress.
-        order: With which the error falls with the size of elements.
+        squares: Squared errors, shape (k, m).
+        error: Largest error of the body.
+        stress: Largest norm of its stress.
+        order: Order of convergence of the error in the size of elements.
     """
 
     squares: Array
@@ -198,7 +198,7 @@ def _begun(
     body: str | None,
     last: MotionSegment[Followed] | None,
 ) -> tuple[Scene, Transferred | None]:
-    """The scene on a mesh, at the end of the last stretch."""
+    """The scene on a mesh, at the end of the last segment."""
     scene = build(mesh)
     require_scene(scene)
     named_body(scene, body, mesh)
@@ -222,7 +222,7 @@ def _run(
 
 
 def _going_on(steps: AdaptiveStep, result: Result, span: float) -> AdaptiveStep:
-    """The same tolerance, with the steps of the end to begin with."""
+    """The same tolerance, with the last step size as first one."""
     assert result.steps is not None
     first = min(float(np.median(result.steps.sizes[-3:])), 0.1 * span)
     return AdaptiveStep(steps.tolerance, first=first, largest=span)

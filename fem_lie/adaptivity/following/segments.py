@@ -1,4 +1,4 @@
-"""A motion whose mesh has changed now and then: a result for each mesh, chained."""
+"""A motion whose mesh changes at some times: a chain of results, one for each mesh."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ from fem_lie.scene import Scene
 
 @dataclass(frozen=True, eq=False)
 class MotionSegment(Generic[Followed]):
-    """A part of a motion on one mesh.
+    """A time segment of a motion on one mesh.
 
     Attributes:
-        begin: When it begins; times of its result count from there.
-        mesh: Of the body that is refined.
-        scene: On it.
-        result: Of this part.
-        error: Largest estimated error in space, over the largest norm of the stress so far.
-        change: What the change to this mesh has done; ``None`` for the first.
+        begin: Start of the segment; times of its result are relative to it.
+        mesh: Mesh of the refined body.
+        scene: Scene on this mesh.
+        result: Result of the segment.
+        error: Largest estimated error in space, relative to the largest norm of the stress so far.
+        change: Energies and momenta before and after the change to this mesh; ``None`` for the
+            first.
     """
 
     begin: float
@@ -37,16 +38,16 @@ class MotionSegment(Generic[Followed]):
 
 @dataclass(frozen=True, eq=False)
 class AdaptedMotion(Generic[Followed]):
-    """What :func:`~fem_lie.adaptivity.adapt_motion` has found.
+    """Result of :func:`~fem_lie.adaptivity.adapt_motion`.
 
     Arrays over all times have two rows where the mesh changes: before and after.
 
     Attributes:
         segments: One for each mesh.
-        tolerance: What was asked for.
-        space: Its part for the stress, of the largest norm of the stress so far.
-        time: Its part for places, of the size of the motion.
-        element_steps: Elements times steps, those made in vain included.
+        tolerance: Requested tolerance.
+        space: Its part for the stress, relative to the largest norm of the stress so far.
+        time: Its part for positions, relative to the size of the motion.
+        element_steps: Number of elements times number of steps, including repeated segments.
     """
 
     segments: tuple[MotionSegment[Followed], ...]
@@ -57,17 +58,17 @@ class AdaptedMotion(Generic[Followed]):
 
     @property
     def times(self) -> Array:
-        """Of all kept states, shape (T,)."""
+        """Times of all recorded states, shape (T,)."""
         return np.concatenate([part.begin + part.result.times for part in self.segments])
 
     @property
     def cells(self) -> Indices:
-        """Elements of each mesh, shape (k,)."""
+        """Number of elements of each mesh, shape (k,)."""
         return np.array([len(part.mesh.cells) for part in self.segments], dtype=np.int64)
 
     @property
     def steps(self) -> Indices:
-        """Steps on each mesh, shape (k,)."""
+        """Number of steps on each mesh, shape (k,)."""
         return np.array([steps_of(part.result) for part in self.segments], dtype=np.int64)
 
     @property
@@ -82,7 +83,7 @@ class AdaptedMotion(Generic[Followed]):
 
     @property
     def potential(self) -> Array:
-        """Potential of gravity and of forces without a history, shape (T,)."""
+        """Potential energy of gravity and of constant loads, shape (T,)."""
         return np.concatenate([part.result.potential for part in self.segments])
 
     @property
@@ -92,7 +93,7 @@ class AdaptedMotion(Generic[Followed]):
 
     @property
     def angular_momentum(self) -> Array:
-        """About the origin, shape (T, 3)."""
+        """Angular momentum about the origin, shape (T, 3)."""
         return np.concatenate([part.result.angular_momentum for part in self.segments])
 
     def position(self, point: str) -> Array:
@@ -114,11 +115,11 @@ class AdaptedMotion(Generic[Followed]):
 
     @property
     def energy_change(self) -> float:
-        """Sum of what changes of the mesh have done to the energy."""
+        """Sum of the energy changes where the mesh changed."""
         return sum(part.change.energy_change for part in self.segments if part.change)
 
     def __str__(self) -> str:
-        """What was allowed, and what it took."""
+        """Allowed errors, meshes and costs."""
         worst = max(part.error for part in self.segments)
         return (
             f"tolerance {100 * self.tolerance:.3g} %: {100 * self.space:.3g} % in space, "
@@ -131,7 +132,7 @@ class AdaptedMotion(Generic[Followed]):
 
 
 def steps_of(result: Result) -> int:
-    """Steps that were made, also those that were not accepted."""
+    """Number of steps, including rejected ones."""
     if result.steps is None:
         return int(len(result.times) - 1)
     return len(result.steps.sizes) + len(result.steps.rejected)

@@ -1,24 +1,24 @@
-"""A state on other meshes of the same bodies, with its momenta, from which every solver restarts.
+"""Transfer of a state to other meshes of the same bodies, which conserves momenta.
 
-::
+The solver can restart from the transferred state::
 
     finer = build(fl.adaptivity.refine(mesh, error.worst()))
-    told = fl.adaptivity.transfer(result, scene, finer)   # bodies of finer are where those of scene
-    are print(told)                                # energy before and after; momenta are the same
-    fl.GeneralisedAlpha().run(finer, duration=0.1, step=1e-3)
+    changes = fl.adaptivity.transfer(result, scene, finer)  # sets frames and velocities of bodies
+    of finer print(changes)                               # energy before and after; momenta are the
+    same fl.GeneralisedAlpha().run(finer, duration=0.1, step=1e-3)
 
-Frames between nodes are those of the element there, of beams on the geodesic of SE(3). Velocities
-are those that the elements have there, changed by as little as gives the same momenta. Stress is
-that of the frames on the new mesh; accelerations and joint forces are solved anew by the solver.
+Frames of nodes inside old elements are interpolated by the element; on beams, on the geodesic of
+SE(3). Velocities are those of the element at that point, with the least correction that restores
+the momenta. Stress follows from the frames on the new mesh; the solver computes new accelerations
+and joint forces.
 
-Velocities that have given momenta: the nearest to given ones, by the consistent mass.
+*Velocities with given momenta* are the closest to the interpolated ones in the norm of the
+consistent mass matrix::
 
-::
+    ½ (v − v̂)ᵀ M (v − v̂) → min,    Zᵀ M v = (p, l),    B v = rates of the constraints
 
-    ½ (v − v̂)ᵀ M (v − v̂) → min,    Zᵀ M v = (p, l),    B v = what joints allow
-
-``Z`` are the six rigid motions; the mass matrix ``M`` of twists is ``Lᵀ G L`` of the constant one
-of (x, d₁, d₂, d₃).
+``Z`` are the six rigid motions; the mass matrix ``M`` of twists is ``Lᵀ G L`` with the constant
+matrix of (x, d₁, d₂, d₃).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from fem_lie._arrays import Array, Flags
-from fem_lie.adaptivity.following.places import Places, places
+from fem_lie.adaptivity.following.mesh_points import MeshPoints, mesh_points
 from fem_lie.bodies.body import Body
 from fem_lie.lie.node_types import push_all_forward, rigid_motions
 from fem_lie.lie.node_types.inertia import invariants
@@ -43,8 +43,8 @@ from fem_lie.scene import Scene
 from fem_lie.scene.scene import Began, require_scene
 from fem_lie.system.equations import Equations, TimeState
 
-_SAME = 1e-15  # of the momenta
-_LOST = 1e-13  # of the largest of conditions that others say, too
+_SAME = 1e-15  # relative to the momenta
+_LOST = 1e-13  # relative size of conditions that count as linearly dependent
 _NO_INERTIA = 1e-12
 _ROUNDS = 3
 
@@ -55,12 +55,12 @@ def with_momenta(
     """Twists of all rows with given momenta.
 
     Args:
-        equations: Of the scene.
+        equations: Equations of the scene.
         H: Frames of all rows.
-        v: Twists of all rows, near to which others are looked for.
-        momenta: Linear and angular about the origin, global components, shape (6,).
-        free: Nodes that may change their twist, shape (n,).
-        rates: Of all constraints, that they are to have, shape (m,).
+        v: Twists of all rows, to which the result is closest.
+        momenta: Linear and angular momentum about the origin, global components, shape (6,).
+        free: Whether each node may change its twist, shape (n,).
+        rates: Rates of all constraints, shape (m,).
     """
     n, held = equations.unknowns.moving, equations.unknowns.held
     open_ = (free[:, np.newaxis] & ~held).ravel()
@@ -70,7 +70,7 @@ def with_momenta(
     constraints = equations.constraints(H)
     C = sp.vstack([sp.csr_matrix(P), constraints.jacobian]).tocsr()[:, open_]
     own = M[open_][:, open_]
-    # inertia of all unknowns as masses, and both momenta alike
+    # scaled so that all unknowns have masses, and both momenta the same unit
     length = equations.unknowns.length
     units = (length / equations.unknowns.units)[open_]
     masses = own.diagonal() / units**2
@@ -96,7 +96,7 @@ def with_momenta(
 
 
 def invariants_of(equations: Equations, H: Array, v: Array) -> tuple[float, Array]:
-    """Kinetic energy, and both momenta, about the origin, shape (6,)."""
+    """Kinetic energy, and linear and angular momentum about the origin, shape (6,)."""
     unknowns = equations.unknowns
     rates, room = np.empty((2, unknowns.moving, 4, 3))
     energy, *momenta = invariants(
@@ -106,7 +106,7 @@ def invariants_of(equations: Equations, H: Array, v: Array) -> tuple[float, Arra
 
 
 def mass_matrix(equations: Equations, H: Array) -> sp.csr_matrix:
-    """Of the twists of all moving nodes, shape (6 n, 6 n)."""
+    """Mass matrix of the twists of all moving nodes, shape (6 n, 6 n)."""
     n, kinds = equations.unknowns.moving, equations.unknowns.kinds
     indptr, indices, G = equations.tables.inertia
     L = np.empty((6, n, 4, 3))
@@ -117,19 +117,19 @@ def mass_matrix(equations: Equations, H: Array) -> sp.csr_matrix:
     return sp.bsr_matrix((blocks, indices, indptr), shape=(6 * n, 6 * n)).tocsr()
 
 
-_ENOUGH = 4  # new nodes that take what momenta need all by themselves
-_VIOLATED = 1e-6  # of the length of the model, or rad
+_ENOUGH = 4  # number of new nodes from which only these are corrected
+_VIOLATED = 1e-6  # relative to the length of the model, or rad
 
 
 @dataclass(frozen=True, eq=False)
 class Transferred:
-    """What a change of meshes has done to a state; made by :func:`transfer`.
+    """Energies and momenta before and after a change of meshes; made by :func:`transfer`.
 
     Attributes:
-        kinetic: Energy before and after.
-        elastic: Likewise.
+        kinetic: Kinetic energy before and after.
+        elastic: Elastic energy before and after.
         momentum: Linear momentum before and after, shape (2, 3).
-        angular_momentum: About the origin, before and after, shape (2, 3).
+        angular_momentum: Angular momentum about the origin, before and after, shape (2, 3).
     """
 
     kinetic: tuple[float, float]
@@ -139,12 +139,12 @@ class Transferred:
 
     @property
     def energy_change(self) -> float:
-        """Of kinetic and elastic energy."""
+        """Change of kinetic and elastic energy."""
         return self.kinetic[1] + self.elastic[1] - self.kinetic[0] - self.elastic[0]
 
     @property
     def momentum_error(self) -> float:
-        """Largest relative change of both momenta."""
+        """Largest relative change of linear and angular momentum."""
         pairs = self.momentum, self.angular_momentum
         sizes = [float(np.linalg.norm(before)) for before, _ in pairs]
         gaps = [float(np.linalg.norm(after - before)) for before, after in pairs]
@@ -153,9 +153,9 @@ class Transferred:
     def __str__(self) -> str:
         """One line."""
         before = self.kinetic[0] + self.elastic[0]
-        share = f" ({100 * self.energy_change / before:.2g} %)" if before else ""
+        percent = f" ({100 * self.energy_change / before:.2g} %)" if before else ""
         return (
-            f"energy changed by {self.energy_change:.3g}{share}, momenta by "
+            f"energy changed by {self.energy_change:.3g}{percent}, momenta by "
             f"{self.momentum_error:.1g} of theirs"
         )
 
@@ -163,23 +163,24 @@ class Transferred:
 def transfer(
     result: Result | StaticResult, scene: Scene, onto: Scene, step: int = -1
 ) -> Transferred:
-    """Let a scene go on where another one has come to, whose bodies have other meshes.
+    """Set the initial state of a scene from a state of another scene with other meshes.
 
-    Bodies are matched by their names. Those of ``onto`` get frames at which solvers begin
-    (``start_frames``) and velocities, and ``onto`` the time from which its histories are asked for,
-    or the load factor, and full turns of joints. Times of its results count from there.
+    Bodies are matched by name. Those of ``onto`` get the frames from which solvers start
+    (``start_frames``) and velocities. ``onto`` also gets the time (or load factor) at which its
+    histories start, and the full rotations of its joints. Times of its results are relative to this
+    time.
 
     Args:
-        result: Of dynamics, of statics or of a path of ``scene``.
-        scene: What was solved.
-        onto: With the same bodies on other meshes: Beams, Rods with frames, and Shells of
-            triangles. Joints and what acts along them are those of ``scene`` where they have the
-            same names; there may be more. It is changed.
-        step: Which state; default: the last.
+        result: Result of dynamics, of statics or of a path of ``scene``.
+        scene: The scene that was solved.
+        onto: A scene with the same bodies on other meshes: Beams, Rods with frames, and Shells of
+            triangles. Joints and their histories are those of ``scene`` if they have the same
+            names; there may be more. It is modified.
+        step: Index of the state; default: the last.
 
     Raises:
-        ValueError: Bodies that are others, or meshes of other lines or surfaces; joints of places
-            that the new mesh has elsewhere; a result without velocities or momenta.
+        ValueError: The bodies differ, or meshes are of other lines or surfaces, or joints are at
+            points that the new mesh has elsewhere, or the result has no velocities or momenta.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -191,8 +192,8 @@ def transfer(
         >>> mesh = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 4)
         >>> coarse, fine = build(mesh), build(fl.adaptivity.refine(mesh, range(4)))
         >>> result = fl.GeneralisedAlpha().run(coarse, duration=0.1, step=0.02)
-        >>> told = fl.adaptivity.transfer(result, coarse, fine)
-        >>> bool(told.momentum_error < 1e-12), fine.bodies[0].start_frames.shape
+        >>> changes = fl.adaptivity.transfer(result, coarse, fine)
+        >>> bool(changes.momentum_error < 1e-12), fine.bodies[0].start_frames.shape
         (True, (9, 4, 3))
     """
     require_states(result)
@@ -203,12 +204,14 @@ def transfer(
         isinstance(result, Result)
         and Record.VELOCITIES | Record.MOMENTA | Record.ENERGIES not in result.recorded
     ):
-        raise ValueError("a state goes on with velocities, energies and momenta: record them")
+        raise ValueError(
+            "expected a result with recorded velocities, energies and momenta to transfer"
+        )
     before, after = _bodies(scene), _bodies(onto)
     if set(before) != set(after):
         raise ValueError(f"bodies were {sorted(before)}, now there are {sorted(after)}")
     at = state_number(step, len(result.frames))
-    found = {name: places(body, after[name]) for name, body in before.items()}
+    found = {name: mesh_points(body, after[name]) for name, body in before.items()}
     equations = Equations(onto, dynamics=moving)
     H, v = _gathered(result, at, found, equations, after)
     if isinstance(result, Result) and result.velocities[at].any():
@@ -218,22 +221,22 @@ def transfer(
         if isinstance(result, Result)
         else Began(0.0, float(result.factors[at]))
     )
-    # drives and motions are where they are then, of time or of the load factor
+    # drives and prescribed motions at this time or load factor
     now = equations.prescribed(began.time + began.factor - onto.began.time)
     now.act(began.factor or 1.0)
     H[equations.unknowns.moving + 1 :] = now.frames
     connections = equations.system.connections
     if connections.first.turns or len(connections.sets) > 1:
-        began = began._replace(turned=connections.remembering(_turned(result, at, scene)))
+        began = began._replace(turned=connections.remembering(_joint_turns(result, at, scene)))
     connections.remember(began.turned)
-    told = equations.report(H, v[: equations.unknowns.moving])
+    changes = equations.report(H, v[: equations.unknowns.moving])
     _check_joints(equations, H)
-    frames, twists = told.frames, told.twists
+    frames, twists = changes.frames, changes.twists
     for body, own in equations.unknowns.bodies.items():
         body.start_frames = np.array(frames[own])
         body.velocities[:] = twists[own]
     onto.began = began
-    return _told(result, at, scene, equations, H, v)
+    return _report(result, at, scene, equations, H, v)
 
 
 def _bodies(scene: Scene) -> dict[str, Body]:
@@ -243,11 +246,11 @@ def _bodies(scene: Scene) -> dict[str, Body]:
 def _gathered(
     result: Result | StaticResult,
     at: int,
-    found: Mapping[str, Places],
+    found: Mapping[str, MeshPoints],
     equations: Equations,
     after: Mapping[str, Body],
 ) -> tuple[Array, Array]:
-    """Frames and twists of all rows, as the elements of the old meshes have them."""
+    """Frames and twists of all rows, interpolated by the elements of the old meshes."""
     unknowns = equations.unknowns
     frames, twists = np.empty((unknowns.total, 4, 3)), np.zeros((unknowns.total, 6))
     for name, place in found.items():
@@ -263,13 +266,13 @@ def _gathered(
 def _kept(
     result: Result,
     at: int,
-    found: Mapping[str, Places],
+    found: Mapping[str, MeshPoints],
     equations: Equations,
     after: Mapping[str, Body],
     H: Array,
     v: Array,
 ) -> Array:
-    """Twists with the momenta of before, changed at new nodes alone if all others are there."""
+    """Twists with the former momenta, corrected only at new nodes if all others remain."""
     unknowns, master = equations.unknowns, equations.tables.master
     (new, changed), lost = np.zeros((2, unknowns.moving), dtype=bool), False
     for name, place in found.items():
@@ -278,7 +281,7 @@ def _kept(
         gone = len(np.unique(place.nodes[~place.between])) < count
         lost |= gone
         changed[nodes] |= gone or bool(place.between.any())
-    # what was lost where nodes are gone is not for a few new ones to have
+    # if nodes were removed, a few new nodes cannot restore their momenta
     free = new if np.count_nonzero(new) >= _ENOUGH and not lost else changed
     if not free.any():
         return v
@@ -288,7 +291,7 @@ def _kept(
 
 
 def _check_joints(equations: Equations, H: Array) -> None:
-    """Refuse joints that the change of meshes has torn, whatever the unit of length."""
+    """Refuse joints that are violated after the change of meshes, for any unit of length."""
     unknowns, r = equations.unknowns, np.empty(equations.unknowns.size)
     still = np.zeros((len(H), 6))
     state = TimeState(H, still, still[: unknowns.moving], np.zeros(unknowns.m))
@@ -300,15 +303,15 @@ def _check_joints(equations: Equations, H: Array) -> None:
         joint = equations.info.joints[int(equations.tables.owner[worst])]
         unit = "rad" if unknowns.angular[worst] else f"of a model of the size {unknowns.length:.1e}"
         raise ValueError(
-            f"{joint.name} is violated by {violations[worst]:.1e} {unit} on the new mesh: it holds "
-            "a point that was no node; give it a named point of the mesh"
+            f"{joint.name} is violated by {violations[worst]:.1e} {unit} on the new mesh: its "
+            "point was not a node; give it a named point of the mesh"
         )
 
 
-def _turned(
+def _joint_turns(
     result: Result | StaticResult, at: int, scene: Scene
 ) -> Mapping[tuple[str, str], float]:
-    """Turns that joints have made up to a state, by going through those before."""
+    """Full rotations of joints up to a state, from all earlier states."""
     equations = Equations(scene, dynamics=isinstance(result, Result))
     H = equations.start.frames.copy()
     for frames in result.frames[: at + 1]:
@@ -317,7 +320,7 @@ def _turned(
     return equations.system.connections.keyed_memory
 
 
-def _told(
+def _report(
     result: Result | StaticResult,
     at: int,
     scene: Scene,
@@ -325,7 +328,7 @@ def _told(
     H: Array,
     v: Array,
 ) -> Transferred:
-    """Energies and momenta on both sides."""
+    """Energies and momenta on both meshes."""
     elastic = _elastic(equations, H)
     if not isinstance(result, Result):
         old = Equations(scene, dynamics=False)
@@ -340,6 +343,6 @@ def _told(
 
 
 def _elastic(equations: Equations, H: Array) -> float:
-    """Energy of elements and springs."""
+    """Elastic energy of elements and springs."""
     equations.memory.carry(H)
     return equations.report(H).elastic + equations.system.connections.sets[0].spring_energy(H)

@@ -1,8 +1,9 @@
-"""Where the nodes of one mesh of a body are on another mesh of it, and how they go along there.
+"""Points of one mesh of a body that correspond to the nodes of another mesh of the same body.
 
-Both meshes are compared unloaded. A node is on an element of the other, at the place next to it,
-and keeps the small motion from there: ``H = H_place C`` with a constant ``C``. So rigid motions are
-carried exactly, and what is constant along elements, as the strain of geodesic beams, is.
+Both meshes are compared in the undeformed configuration. A node corresponds to the closest point of
+an element of the other mesh, with a constant offset from there: ``H = H_point C`` with a constant
+``C``. So rigid motions are transferred exactly, and also fields that are constant in elements, such
+as the strain of geodesic beams.
 """
 
 from __future__ import annotations
@@ -21,21 +22,21 @@ from fem_lie.bodies.body import Body
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.lie.node_types import NodeType
 
-_NEAR = 4  # elements that are looked at
-_AT_NODE = 1e-9  # of an element
-_OFF = 0.2  # of an element: a mesh of the same body is not farther away
-_ROUNDS = 20  # of Newton's method along an element
-_AROUND = 24  # triangles whose centres are next to a node
-_BLOCK = 256  # nodes whose distances from all elements are found at once
+_NEAR = 4  # candidate elements
+_AT_NODE = 1e-9  # distance from a node relative to an element
+_OFF = 0.2  # largest distance relative to an element for meshes of the same body
+_ROUNDS = 20  # iterations of Newton's method along an element
+_AROUND = 24  # triangles with the closest centres that are checked
+_BLOCK = 256  # nodes per block when distances from all elements are computed
 
 
-class Places(NamedTuple):
-    """Places on a mesh, one for each node of another.
+class MeshPoints(NamedTuple):
+    """Points on a mesh, one for each node of another mesh.
 
     Attributes:
-        nodes: Those on which a place is, −1 where it is between nodes, shape (n,).
-        attachments: Of those between, in their order.
-        offset: From the place to the node, shape (n, 4, 3).
+        nodes: Node at which a point is, −1 if it is inside an element, shape (n,).
+        attachments: Attachment frames of points inside elements, in order.
+        offset: Frame of the node relative to the point, shape (n, 4, 3).
     """
 
     nodes: Indices
@@ -44,11 +45,11 @@ class Places(NamedTuple):
 
     @property
     def between(self) -> Flags:
-        """Which of them are between nodes."""
+        """Whether each point is inside an element."""
         return self.nodes < 0
 
     def motion(self, frames: Array, velocities: Array) -> tuple[Array, Array]:
-        """Frames (n, 4, 3) and twists (n, 6) from those of the nodes that they are on."""
+        """Frames (n, 4, 3) and twists (n, 6) of the nodes of the other mesh."""
         own, H, v = self.nodes, np.empty_like(self.offset), np.empty((len(self.nodes), 6))
         at = ~self.between
         H[at], v[at] = frames[own[at]], velocities[own[at]]
@@ -66,11 +67,11 @@ class Places(NamedTuple):
         return lie.se3_compose(H, self.offset), np.einsum("nij,nj->ni", back, v)
 
 
-def places(old: Body, new: Body) -> Places:
-    """Where the nodes of one body are on another mesh of it.
+def mesh_points(old: Body, new: Body) -> MeshPoints:
+    """Points of the mesh of one body that correspond to the nodes of another.
 
     Raises:
-        ValueError: They are no two meshes of one body.
+        ValueError: The bodies are not two meshes of the same body.
     """
     if type(old) is not type(new):
         raise ValueError(
@@ -87,16 +88,16 @@ def places(old: Body, new: Body) -> Places:
             nodes, attachments = _on_triangles(old, new.frames)
         else:
             raise ValueError(
-                f"Beams, Rods and Shells can get other meshes, {new.label} is a "
+                f"expected a Beam, Rod or Shell to change the mesh, {new.label} is a "
                 f"{type(new).__name__}"
             )
-    found = Places(nodes, attachments, np.tile(np.eye(4, 3, -1), (len(nodes), 1, 1)))
+    found = MeshPoints(nodes, attachments, np.tile(np.eye(4, 3, -1), (len(nodes), 1, 1)))
     at, _ = found.motion(old.frames, np.zeros((len(old.frames), 6)))
     return found._replace(offset=lie.se3_compose(lie.se3_inverse(at), new.frames))
 
 
 def _same(old: Body, new: Body) -> bool:
-    """Whether the nodes are the same, in one order."""
+    """Whether the nodes are the same, in the same order."""
     if old.frames.shape != new.frames.shape:
         return False
     return bool(np.abs(old.frames - new.frames).max() <= _AT_NODE * old.size)
@@ -106,12 +107,12 @@ def _require_frames(*bodies: Body) -> None:
     for body in bodies:
         if (body.node_types != NodeType.FRAME).any():
             raise ValueError(
-                f"meshes change of bodies whose nodes have frames; those of {body.label} are others"
+                f"expected nodes with frames to change the mesh, {body.label} has others"
             )
 
 
 def _on_lines(old: Beam, frames: Array) -> tuple[Indices, list[AttachmentFrame]]:
-    """Next to each node, on the geodesics from end to end of all elements."""
+    """Closest points of each node, on the geodesics between the ends of all elements."""
     ends = old.frames[old.elements[:, :2]]
     d = lie.se3_relative(ends[:, 0], ends[:, 1])
     near = _near_chords(ends[:, :, 0], frames[:, 0])
@@ -129,7 +130,7 @@ def _on_lines(old: Beam, frames: Array) -> tuple[Indices, list[AttachmentFrame]]
     here = lie.se3_retract(ends[near, 0], part[..., np.newaxis] * d[near])
     away = np.linalg.norm(here[..., 0, :] - x, axis=2) / old.lengths[near]
     turned = np.linalg.norm(lie.se3_relative(here, frames[:, np.newaxis])[..., 3:], axis=2)
-    # lines that cross without being joined differ in direction alone
+    # lines that cross without a joint differ only in direction
     best = np.lexsort((turned, np.round(away, 9)), axis=1)[:, 0]
     rows = np.arange(len(frames))
     _check_near(old, frames, away[rows, best])
@@ -144,7 +145,7 @@ def _on_lines(old: Beam, frames: Array) -> tuple[Indices, list[AttachmentFrame]]
 
 
 def _near_chords(ends: Array, x: Array) -> Indices:
-    """The elements whose chords (m, 2, 3) are next to places (n, 3), shape (n, ≤ 4)."""
+    """The elements with the closest chords (m, 2, 3) to points (n, 3), shape (n, ≤ 4)."""
     start, along = ends[:, 0], ends[:, 1] - ends[:, 0]
     squares, count = (along**2).sum(axis=1), min(_NEAR, len(ends))
     found = []
@@ -157,7 +158,7 @@ def _near_chords(ends: Array, x: Array) -> Indices:
 
 
 def _on_triangles(old: Shell, frames: Array) -> tuple[Indices, list[AttachmentFrame]]:
-    """Next to each node, on triangles of first degree."""
+    """Closest points of each node, on triangles of first degree."""
     if old.mesh.cell != "triangle" or old.mesh.degree != 1:
         raise ValueError(
             f"meshes of triangles of degree 1 change, that of {old.label} has {old.mesh.cell}s of "
@@ -166,7 +167,7 @@ def _on_triangles(old: Shell, frames: Array) -> tuple[Indices, list[AttachmentFr
     corners, x = old.frames[old.connectivity, 0], frames[:, 0]
     _, near = cKDTree(corners.mean(axis=1)).query(x, k=min(_AROUND, len(corners)))
     near = np.asarray(near, dtype=np.int64).reshape(len(x), -1)
-    # places beside a cell are on none of its edges: their smallest coordinate is the largest there
+    # a point outside a cell is assigned to the cell with the largest least coordinate
     a, b, c = (corners[near, k] for k in range(3))
     normal = np.cross(b - a, c - a)
     doubled = (normal**2).sum(axis=2)
@@ -200,6 +201,6 @@ def _check_near(old: Body, frames: Array, away: Array) -> None:
     if away.max() > _OFF:
         node = int(away.argmax())
         raise ValueError(
-            f"{old.label} has no element at {frames[node, 0]}, where node {node} of the other mesh "
-            "is: they must be meshes of the same line or surface"
+            f"{old.label} has no element at {frames[node, 0]}, the position of node {node} of the "
+            "other mesh: expected meshes of the same line or surface"
         )
