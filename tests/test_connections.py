@@ -236,7 +236,7 @@ def test_drive_in_statics_follows_the_load_factor():
             lambda j: fl.joints.Spring(fl.joints.Planar(j.a, j.b, axis=Z).displacements[0], 1.0),
             r"expected second=\.\.\., .*, got none: the directions of the two displacements",
         ),
-        (lambda j: fl.joints.Distance(j.a, j.b), "a distance needs two"),
+        (lambda j: fl.joints.Distance(j.a, j.b), "a distance needs two different positions"),
         (lambda j: fl.joints.RollingDisc(j.a, j.b, axis=(1, 0, 0)), "radius must be a positive"),
         (lambda j: fl.joints.RollingDisc(j.a, j.b, axis=Z, radius=1.0), "that of the plane"),
     ],

@@ -106,7 +106,7 @@ def test_each_factorisation_is_checked_once(error, refined, package):
 
 def test_no_accurate_solver_is_an_error(monkeypatch):
     monkeypatch.setattr(fl.extend.DirectSolver, "_error", lambda solver: 1.0)
-    with pytest.raises(ValueError, match=r"residual is 1\.0e\+00 of what cancels"):
+    with pytest.raises(ValueError, match=r"residual is 1\.0e\+00 of its terms"):
         fl.GeneralisedAlpha().run(closed_loop(), duration=1e-3, step=1e-3)
 
 

@@ -319,7 +319,9 @@ class Distance(Joint):
         start = self.a.position if self.at is None else self._given_position(self.at, "at")
         end = self.b.position if self.to is None else self._given_position(self.to, "to")
         if not np.linalg.norm(end - start) > 1e-12 * max(self.a.size, self.b.size):
-            raise ValueError(f"{self.label}: both ends are at {start}; a distance needs two")
+            raise ValueError(
+                f"{self.label}: both ends are at {start}; a distance needs two different positions"
+            )
         return np.vstack([start, np.eye(3)]), np.vstack([end, np.eye(3)])
 
     def check(self) -> None:

@@ -91,7 +91,9 @@ class RollingDisc(Joint):
         up = normal - (normal @ axis) * axis
         tilt = float(np.linalg.norm(up))
         if not tilt > 1e-9:
-            raise ValueError(f"{self.label}: the axis {self.axis} must not be that of the plane")
+            raise ValueError(
+                f"{self.label}: the axis {self.axis} must not be the normal of the plane"
+            )
         along = np.cross(axis, normal) / tilt
         contact = centre - self.radius * up / tilt
         plane = np.array([contact, along, np.cross(normal, along), normal])

@@ -327,7 +327,7 @@ def _on_domains(prefix: str) -> tuple[Method, ...]:
         raise ValueError(f"-{prefix}domains: expected {' or '.join(WAYS)}, got {way!r}")
     if not several():
         raise ValueError(
-            f"-{prefix}domains {way}: each rank has one subdomain, so expected several ranks, "
+            f"-{prefix}domains {way}: each rank has one subdomain; expected several ranks, "
             "got one: mpirun -n N"
         )
     return (Domains(way, way),)

@@ -343,8 +343,8 @@ class DirectSolver:
             method = next(others, None)
             if method is None:
                 raise InaccurateSolutionError(
-                    f"no solver could solve with the matrix: the residual is {error:.1e} of what "
-                    "cancels in it; the constraints or the stiffness may be nearly singular here"
+                    f"no solver reached an accurate solution: the residual is {error:.1e} of its "
+                    "terms; the constraints or the stiffness may be nearly singular here"
                 )
             self._methods = (method,)
             self._set_up()

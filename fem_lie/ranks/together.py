@@ -52,11 +52,13 @@ def meet(place: str, numbers: Array | None = None) -> None:
     gathered = world.allgather((place, size))
     if len({name for name, _ in gathered}) > 1:
         where = ", ".join(f"rank {k} at {name}" for k, (name, _) in enumerate(gathered))
-        raise RanksError(f"all ranks have to do the same, but they are apart: {where}")
+        raise RanksError(
+            f"all ranks must do the same work, but they differ: {where}"
+        )
     sizes = np.array([number for _, number in gathered])
     if np.ptp(sizes) > SAME * sizes.max():
         raise RanksError(
-            f"all ranks have to do the same, but at {place} their numbers differ: sums of sizes "
+            f"all ranks must do the same work, but at {place} their numbers differ: sums of sizes "
             f"{', '.join(f'{s:.9e}' for s in sizes)}; does the scene depend on the rank, or on "
             "random numbers without a seed?"
         )

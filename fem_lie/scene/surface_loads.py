@@ -59,8 +59,8 @@ class EdgeLoad(NodalLoad):
         edges = self.shell.mesh.curve(self.curve)
         if self.following and not _senses(self.shell, edges).all():
             raise ValueError(
-                f"a following load needs edges of one cell each, those of {self.curve!r} of "
-                f"{self.shell.label} are between cells and have no outside"
+                f"a follower load needs edges of one cell each; those of {self.curve!r} of "
+                f"{self.shell.label} are between cells and have no outer side"
             )
 
     def nodal(self) -> Array:

@@ -171,7 +171,7 @@ class Interface:
         self._fro = K[count:][:, :count].tocsr()
         direct = _factorised(inside.tocsr())
         if MPI.COMM_WORLD.allreduce(direct is None, op=MPI.LOR) or direct is None:
-            raise MemoryError("not enough memory to factorise the inside of a subdomain")
+            raise MemoryError("not enough memory to factorise the interior of a subdomain")
         self._direct = direct
         self._y, self._z = self._direct.getOperators()[0].createVecs()
         S: Array = K[count:][:, count:].toarray()

@@ -165,8 +165,8 @@ class WithMatrix:
         kkt, tangent = self.system.kkt, self.system.tangent
         if kkt.part is not None:
             raise ValueError(
-                "a run restarts without subdomains, whose matrices no file has: leave PETSc's "
-                "option domains out, got it set"
+                "a run restarts without subdomains, whose matrices no file has: expected PETSc's "
+                "option domains unset, got it set"
             )
         self.of.restore(kept)
         for k, term in enumerate(self.terms):

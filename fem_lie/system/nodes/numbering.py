@@ -283,8 +283,8 @@ class Numbering:
             node = int(gap.argmax())
             body = next(body for body, nodes in self.nodes.items() if node in nodes)
             raise ValueError(
-                f"the initial velocities of {body.label} contradict a rigid link: give all that is "
-                "linked the velocities of one rigid motion"
+                f"the initial velocities of {body.label} contradict a rigid link: linked nodes "
+                "need the velocities of one rigid motion"
             )
 
     def _of_all(self, point: Point) -> int:
