@@ -1,1 +1,1 @@
-"""Beams: one file for each element, with its strain measures and its energy."""
+"""Beam elements: strain measures and energies, one file per element."""

@@ -1,4 +1,4 @@
-"""Tension and shear centres of sections, from their stiffness, and lines through them."""
+"""Tension and shear centres of sections from their stiffness, and lines through them."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from fem_lie._arrays import Array
 
 
 def tension_centres(stiffness: Array) -> Array:
-    """Where an axial force does not bend the sections, ``(0, r₂, r₃)``, shape (m, 3).
+    """Point ``(0, r₂, r₃)`` where an axial force does not bend the section, shape (m, 3), m.
 
     Args:
-        stiffness: Of the sections, shape (m, 6, 6).
+        stiffness: Section stiffness, shape (m, 6, 6).
     """
     coupling = np.stack([0 * stiffness[:, 0, 0], -stiffness[:, 0, 5], stiffness[:, 0, 4]], axis=1)
     return np.asarray(coupling / stiffness[:, 0, :1])
@@ -22,8 +22,8 @@ def centres_at_ends(stiffness: Array, ends: Array) -> Array:
     """``r_A`` and ``r_B`` in the frames of the nodes, shape (m, 2, 3).
 
     Args:
-        stiffness: Of the sections, shape (m, 6, 6).
-        ends: Frames of both ends, unloaded, shape (m, 2, 4, 3).
+        stiffness: Section stiffness, shape (m, 6, 6).
+        ends: Unloaded frames of both ends, shape (m, 2, 4, 3).
     """
     θ, r = lie.se3_relative(ends[:, 0], ends[:, 1])[:, 3:], tension_centres(stiffness)
     # half of T(θ/2) and T(−θ/2) are the means of exp(σθ) over both halves
@@ -33,16 +33,16 @@ def centres_at_ends(stiffness: Array, ends: Array) -> Array:
 
 
 def torsion_about_centres(stiffness: Array) -> Array:
-    """Torsional stiffness about the tension over that about the shear centre, shape (m,).
+    """Ratio of the torsional stiffness about the tension centre to that about the shear centre.
 
-    A section that resists shear has them apart by ``d``; without shear it twists about the tension
-    centre, with ``GJ + GA d²``.
+    If these centres are ``d`` apart, a section with shear twists about the shear centre; without
+    shear it twists about the tension centre, with ``GJ + GA d²``. Shape (m,).
 
     Args:
-        stiffness: Of the sections, shape (m, 6, 6).
+        stiffness: Section stiffness, shape (m, 6, 6).
     """
     shear = stiffness[:, 1:3, 1:3]
-    # what is about the tension centre does not depend on where the axis is
+    # stiffness about the tension centre does not depend on the position of the axis
     T = np.tile(np.eye(6), (len(stiffness), 1, 1))
     T[:, :3, 3:] = lie.hat(tension_centres(stiffness))
     D = T.swapaxes(1, 2) @ stiffness @ T

@@ -66,19 +66,19 @@ def director_strains(q: NodalFrames) -> tuple[Expr, Expr]:
 
 
 def midpoint_strains(q: NodalFrames) -> tuple[Expr, Expr, Variable]:
-    """The same of two-node cells in their middle, with the mean rotation and the angle.
+    """Strains at the midpoint of two-node cells, with the mean rotation and the exact angle.
 
-    The directors' mean is ``A = R_m (c 1 + (1 − c) n nᵀ)``, ``c = cos θ/2``, if ``R_Aᵀ R_B`` turns
-    by θ about ``n`` and ``R_m`` is half-way; their plain curvature is ``w/L`` with ``w = n sin θ``.
-    Hence, in closed form,
+    The directors' mean is ``A = R_m (c 1 + (1 − c) n nᵀ)``, ``c = cos θ/2``, if ``R_Aᵀ R_B``
+    rotates by θ about ``n`` and ``R_m`` is the midpoint rotation; their plain curvature is ``w/L``
+    with ``w = n sin θ``. Hence, in closed form,
 
     - ``R_mᵀ x′ = Aᵀx′/c − w (w · Aᵀx′) / (4 c³ (1 + c))``, exactly, with ``c² = (tr AᵀA − 1)/2``;
     - ``κ L = n θ = (w/c) F(sin² θ/4)``, ``sin² θ/4 = (1 − c)/2``, where ``F(sin² φ/2) = φ/sin φ``
-      is cut off Gauss' continued fraction: relative error 1e-12 for θ = 45°, 6e-9 for 90°. (The
-      rule of Huygens, ``n (sin θ + 4 tan θ/2)/3``, errs by θ⁵/120, but the moment by θ⁵/20, which
-      is 2 % for 45°.)
+      is a truncated Gauss continued fraction: relative error 1e-12 for θ = 45°, 6e-9 for 90°.
+      (Huygens' rule, ``n (sin θ + 4 tan θ/2)/3``, has an error of θ⁵/120, but of θ⁵/20 in the
+      moment, which is 2 % for 45°.)
 
-    To be evaluated in the middle alone (quadrature of degree 0 or 1), for θ below π, where c = 0.
+    Evaluate them at the midpoint only (quadrature of degree 0 or 1), for θ below π, where c = 0.
 
     Args:
         q: Frames of degree 1 on a line mesh of straight cells.
@@ -98,13 +98,13 @@ def midpoint_strains(q: NodalFrames) -> tuple[Expr, Expr, Variable]:
 
 
 def orthonormal_strains(q: NodalFrames) -> tuple[Expr, Expr, Variable]:
-    """The same strains, of directors that are orthonormal to second order.
+    """Strains with directors that are orthonormal to second order.
 
     The interpolated ``A = [d₁ d₂ d₃]`` is ``R U`` with ``U ≈ 1 − E``, ``E = ½ (1 − AᵀA)``. Hence::
 
         Rᵀ x′ = (1 + E) Aᵀ x′,    axial(RᵀR′) = (1 + tr E − E) axial(AᵀA′),
 
-    to first order in ``E``, which is of second order in what an element rotates.
+    to first order in ``E``, which is of second order in the rotation along an element.
 
     Args:
         q: Frames on a line mesh.
@@ -146,17 +146,16 @@ _FOLDS = 2.7312  # rad: of three nodes, where ∂²W/∂φ² of the middle one i
 class DirectorBeam(BeamFormulation):
     """Beam element with interpolated positions and directors, ``R³ × SO(3)``.
 
-    Degree 1 has two nodes and one point, at which the strains are those of
-    :func:`midpoint_strains`; the straight chord between the nodes makes it of second order. Degree
-    2 has three nodes, two points and the :func:`orthonormal_strains` per length of its own
-    quadratic line: at these points the derivatives of quadratic interpolation gain an order, and
-    the nodes are of fourth. Nothing locks. From the strains those of the unloaded frames by the
-    same expressions are subtracted: unloaded there is no stress, however curved and twisted the
-    line.
+    Degree 1 has two nodes and one quadrature point with the strains of :func:`midpoint_strains`;
+    because of the straight chord it is of second order. Degree 2 has three nodes, two points and
+    the :func:`orthonormal_strains` per length of its own quadratic line: at these points
+    derivatives of quadratic interpolation are superconvergent, and nodal values are of fourth
+    order. Neither locks. The strains of the unloaded frames are subtracted, so that an unloaded
+    line is stress-free, however curved and twisted.
 
     Attributes:
         degree: 1 or 2; a cell has ``degree + 1`` nodes.
-        bending_flexibility: Add the residual bending flexibility (MacNeal 1978) of degree 1, as in
+        bending_flexibility: Add the residual bending flexibility (MacNeal 1978) to degree 1, as in
             :class:`~fem_lie.elements.beams.geodesic.GeodesicBeam`. Degree 2 has linear moments
             already, and does not use it.
 
@@ -173,18 +172,21 @@ class DirectorBeam(BeamFormulation):
 
     @property
     def largest_turn(self) -> float:
-        """π, or less with three nodes: the one inside runs away to one end beyond it."""
+        """Largest rotation along an element, rad: π, less with three nodes.
+
+        With three nodes the middle node becomes unstable beyond it.
+        """
         return _FOLDS if self.degree == 2 else super().largest_turn
 
     def effective_stiffness(self, stiffness: Array, relative: Array) -> Array:
-        """As it is, or with the bending of the inside of an element with two nodes."""
+        """Section stiffness, with the residual bending flexibility for two nodes, (m, 6, 6)."""
         if self.degree == 2 or not self.bending_flexibility:
             return stiffness
         lengths = np.linalg.norm(relative[:, :3], axis=1, keepdims=True)
         return with_bending_flexibility(stiffness, lengths * np.eye(1, 6))
 
     def mean_stress(self, stress: Array, frames: Array, ends: Array) -> Array:
-        """Of degree 1 with the force along the axes in the middle, whose shear is bending, too."""
+        """Mean stress along section axes; for degree 1 shear follows from end moments, too."""
         if self.degree == 2:
             return stress
         a, b = frames[:, 0], frames[:, 1]

@@ -1,4 +1,4 @@
-"""What a beam element family must provide: nodes per cell, and the forms of its energy."""
+"""Interface of beam elements: nodes per cell, and the forms of the energy."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ from fem_lie.lie.node_types import TRAITS, NodeType
 
 @dataclass(frozen=True, eq=False)
 class CellData:
-    """What the cells of one line mesh are made of, in the mesh's order.
+    """Data of the cells of one line mesh, in the order of the mesh.
 
     Attributes:
-        lengths: Arc length of each unloaded cell, shape (m,).
+        lengths: Unloaded arc length of each cell, shape (m,).
         stiffness: Section stiffness on (Γ, κ), shape (m, 6, 6).
-        density: Mass matrix of inertia per length, shape (m, 4, 4), zero without mass.
-        eigenstrain: Strain without stress, a DG0 function of shape (6,) that changes with time.
-        viscosity: Stress per strain rate (Γ̇, κ̇), shape (m, 6, 6), or ``None``.
-        slopes: ``|dr/dξ|`` of cubics at both ends, zero for lines that are none, shape (m, 2).
+        density: Mass matrix of (x, d₁, d₂, d₃) per length, shape (m, 4, 4), zero without mass.
+        eigenstrain: Eigenstrain, a DG0 function of shape (6,) that may change with time.
+        viscosity: Viscosity on (Γ̇, κ̇), shape (m, 6, 6), or ``None``.
+        slopes: ``|dr/dξ|`` of cubics at both ends, zero for other lines, shape (m, 2).
     """
 
     lengths: Array
@@ -46,15 +46,16 @@ class CellData:
 
 
 class BeamFormulation(ABC):
-    """An element along a line: subclass it in one file, as a frozen dataclass of its options.
+    """Finite element along a line: subclass it in one file, as a frozen dataclass of its options.
 
     Attributes:
-        node_type: What its nodes are.
-        degree: Of the nodal interpolation; a cell has ``degree + 1`` nodes.
-        bows: Whether the axis of a cell of two nodes is the parabola with their tangents, for
-            inertia and line loads; otherwise it is the interpolated one.
+        node_type: Type of its nodes.
+        degree: Degree of the nodal interpolation; a cell has ``degree + 1`` nodes.
+        bows: Whether the axis of a two-node cell is the parabola with its end tangents, for inertia
+            and line loads; otherwise it is the interpolated line.
         viscous: Whether it has viscous forces.
-        bends: Whether it bends and twists by itself, and not against the next one.
+        bends: Whether it has bending and torsional stiffness within the element; otherwise springs
+            between elements provide it.
     """
 
     node_type: ClassVar[NodeType] = NodeType.FRAME
@@ -64,41 +65,42 @@ class BeamFormulation(ABC):
     bends: ClassVar[bool] = True
 
     def require_bends(self, what: str) -> None:
-        """Raise ``ValueError`` if ``what`` asks for bending within elements that have none.
+        """Raise ``ValueError`` if ``what`` needs bending within elements that have none.
 
         Args:
             what: What the user asked for, for the message.
         """
         if not self.bends:
             raise ValueError(
-                f"{what} is not known of {self}, whose elements bend against each other and not "
-                "within: take Kirchhoff() or an element of beams"
+                f"{what} is not available for {self}, whose elements have no bending stiffness: use "
+                "KirchhoffRod() or an element of beams"
             )
 
     @property
     def largest_turn(self) -> float:
-        """Of an element from end to end, rad, see :mod:`fem_lie.system.nodes.element_rotations`.
+        """Largest rotation along an element, rad.
 
-        It is π, where a rotation has two logarithms, unless the element folds before.
+        See :mod:`fem_lie.system.nodes.element_rotations`. It is π, where a rotation has two
+        logarithms, unless the element folds before.
         """
         return pi
 
     def effective_stiffness(self, stiffness: Array, relative: Array) -> Array:
-        """What the element takes for the section stiffness of its cells, shape (m, 6, 6).
+        """Effective section stiffness of each cell, shape (m, 6, 6).
 
         Args:
-            stiffness: Of the section, shape (m, 6, 6).
-            relative: Relative motion of the cells' ends, unloaded, shape (m, 6).
+            stiffness: Section stiffness, shape (m, 6, 6).
+            relative: Unloaded relative motion of the cells' ends, shape (m, 6).
         """
         return stiffness
 
     @property
     def slackens(self) -> bool:
-        """Whether it goes slack, with an energy that is convex all the same."""
+        """Whether it is tension-only, with an energy that is still convex."""
         return False
 
     def check(self, stiffness: Array) -> None:
-        """Raise ``ValueError`` if it has no unknowns for a section stiffness (6, 6).
+        """Raise ``ValueError`` if it does not support a section stiffness (6, 6).
 
         Args:
             stiffness: Section stiffness, shape (6, 6).
@@ -106,16 +108,16 @@ class BeamFormulation(ABC):
         return
 
     def placed(self, frames: Array, stretch: float) -> Array:
-        """Rows of the nodes, shape (n, 4, 3), that lie along a line.
+        """Coordinates of the nodes along a line, shape (n, 4, 3).
 
         Args:
-            frames: Places, and axes of which e₁ is the tangent, shape (n, 4, 3).
-            stretch: Length of the line over that of the body, unstretched.
+            frames: Positions, and axes with e₁ along the tangent, shape (n, 4, 3).
+            stretch: Length of the line over the unstretched length of the body.
         """
         return frames
 
     def attachment(self, node: int) -> AttachmentFrame | None:
-        """By what joints hold a node: ``None`` for the frame of its rows.
+        """Attachment frame by which joints hold a node; ``None`` for its own frame.
 
         Args:
             node: Number of the node.
@@ -123,22 +125,22 @@ class BeamFormulation(ABC):
         return None
 
     def shares(self, ends: Array, lengths: Array) -> Array:
-        """Length that each node of the cells carries, integrals of its shapes, (m, degree + 1).
+        """Consistent length of each node: integrals of shape functions, (m, degree + 1).
 
         Args:
-            ends: Rows of both ends, shape (m, 2, 4, 3).
-            lengths: Of the cells, shape (m,).
+            ends: Coordinates of both ends, shape (m, 2, 4, 3).
+            lengths: Lengths of the cells, shape (m,).
         """
         return np.asarray(lengths[:, np.newaxis] * _INTEGRALS[self.degree])
 
     def levers(self, ends: Array, lengths: Array) -> Array:
-        """What a unit line force on each cell does on the first vectors of its ends, (m, 2, 3).
+        """Consistent weights of a unit line force on the first directors of both ends, (m, 2, 3).
 
-        The default is ``∫ ½ (s − s²) (t_A − t_B) ℓ ds`` of a bowed axis, along the axes of A.
+        The default is ``∫ ½ (s − s²) (t_A − t_B) ℓ ds`` of a parabolic axis, along the axes of A.
 
         Args:
-            ends: Rows of both ends, shape (m, 2, 4, 3).
-            lengths: Of the cells, shape (m,).
+            ends: Coordinates of both ends, shape (m, 2, 4, 3).
+            lengths: Lengths of the cells, shape (m,).
         """
         levers = np.zeros((len(lengths), 2, 3))
         if self.bows:
@@ -148,13 +150,13 @@ class BeamFormulation(ABC):
         return levers
 
     def place(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
-        """The frame at ``0 ≤ ξ ≤ 1`` along an element, as it is interpolated.
+        """Attachment frame at ``0 ≤ ξ ≤ 1`` along an element, as the element interpolates it.
 
-        The default is that of positions and directors.
+        The default interpolates positions and directors.
 
         Args:
-            nodes: Of the element, its two ends first.
-            ξ: Arc length from its first end over its length, unloaded.
+            nodes: Nodes of the element, its two ends first.
+            ξ: Unloaded arc length from its first end over its length.
         """
         return interpolated(nodes, _SHAPES[self.degree](ξ))
 
@@ -164,31 +166,30 @@ class BeamFormulation(ABC):
 
         Args:
             nodal: Frames of ``degree`` on a line mesh, in the unloaded configuration.
-            cells: What the cells are made of.
+            cells: Data of the cells.
         """
 
     def mean_stress(self, stress: Array, frames: Array, ends: Array) -> Array:
-        """Elastic force and moment in the axes of the section at the points of integration.
+        """Elastic force and moment along the section axes at the quadrature points.
 
-        The default is the stress itself, where strains are those of sections.
+        The default is the stress itself, for elements whose strains are those of the section.
 
         Args:
-            stress: That does work on the element's own strains, shape (m, g, 6).
-            frames: Of the element's nodes, ends first, shape (m, k, 4, 3).
+            stress: Stress conjugate to the element's own strains, shape (m, g, 6).
+            frames: Coordinates of the element's nodes, ends first, shape (m, k, 4, 3).
             ends: Elastic force and moment at both ends, in the frames there, shape (m, 2, 6).
         """
         return stress
 
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
-        """Constant matrix of (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, r, k, r).
+        """Mass matrix in (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, r, k, r).
 
-        It may be of the first ``r`` of these rows alone, where others have no inertia. The default
-        is consistent with the interpolation of all by the Lagrange polynomials of the
-        formulation's degree, 1 or 2.
+        It may contain the first ``r`` of these vectors only, if others have no inertia. The default
+        is consistent with Lagrange interpolation of degree 1 or 2 of all vectors.
 
         Args:
             nodal: As for :meth:`forms`.
-            cells: What the cells are made of.
+            cells: Data of the cells.
         """
         rows = TRAITS[self.node_type].rows.stop
         weighted = cells.lengths[:, np.newaxis, np.newaxis] * cells.density[:, :rows, :rows]
@@ -202,7 +203,7 @@ _SHAPES: dict[int, Callable[[float], Sequence[float]]] = {
 """Shape functions on a cell of unit length, ends first."""
 
 _INTEGRALS = {1: np.array([1 / 2, 1 / 2]), 2: np.array([1 / 6, 1 / 6, 2 / 3])}
-"""Of the shape functions on a cell of unit length, ends first."""
+"""Integrals of the shape functions on a cell of unit length, ends first."""
 
 _LAGRANGE = {
     1: np.array([[2.0, 1], [1, 2]]) / 6,
@@ -212,7 +213,7 @@ _LAGRANGE = {
 
 
 def cellwise(mesh: dolfinx.mesh.Mesh, values: Array) -> fem.Function:
-    """Values of any shape, one for each cell, as a DG0 function.
+    """DG0 function of values of any shape, one for each cell.
 
     Args:
         mesh: The mesh.
@@ -225,7 +226,7 @@ def cellwise(mesh: dolfinx.mesh.Mesh, values: Array) -> fem.Function:
 
 
 def present_values(expression: Expr, mesh: dolfinx.mesh.Mesh, degree: int) -> fem.Function:
-    """Values of an expression now, at the points of a quadrature of a degree.
+    """Current values of an expression at the quadrature points of a degree.
 
     Args:
         expression: UFL expression.
@@ -241,27 +242,27 @@ def present_values(expression: Expr, mesh: dolfinx.mesh.Mesh, degree: int) -> fe
 
 
 def with_bending_flexibility(stiffness: Array, relative: Array) -> Array:
-    """Section stiffness with which elements are exact for small deflections, whatever their shape.
+    """Section stiffness with which elements of any shape are exact for small deflections.
 
-    In equilibrium without loads a force and moment σ̄ in the middle is ``Ad(exp(s d₀))ᵀ σ̄`` at
+    In equilibrium without loads, a force and moment σ̄ at the midpoint is ``Ad(exp(s d₀))ᵀ σ̄`` at
     ``−½ ≤ s ≤ ½``, so that the complementary energy of the mean stress has the compliance::
 
         S⁻¹ ∫ A(s) C A(s)ᵀ ds S⁻ᵀ,    A(s) = Ad(exp(s d₀)),    S = ∫ A(s) ds.
 
-    For a straight element of a diagonal section this is ``1/GA* = 1/GA + ℓ²/(12 EI)``, the residual
-    bending flexibility of MacNeal, Comput. Struct. 8 (1978) 175; for others it is that of arcs and
-    helices.
+    For a straight element with a diagonal section stiffness this is ``1/GA* = 1/GA + ℓ²/(12 EI)``,
+    the residual bending flexibility of MacNeal, Comput. Struct. 8 (1978) 175; otherwise it is the
+    generalisation to arcs and helices.
 
     Args:
-        stiffness: Section stiffness per cell, shape (m, 6, 6).
-        relative: Relative motion ``d₀`` of its ends, unloaded, shape (m, 6).
+        stiffness: Section stiffness of each cell, shape (m, 6, 6).
+        relative: Unloaded relative motion ``d₀`` of its ends, shape (m, 6).
     """
     effective = _inverse(_of_the_mean(_inverse(stiffness), relative))
     return np.asarray(0.5 * (effective + _transposed(effective)))
 
 
 def bending_share(section: Array, effective: Array) -> Array:
-    """Share of the mean shear strain that is bending between the ends, shape (m, 2, 2).
+    """Fraction of the mean shear strain that is bending between the ends, shape (m, 2, 2).
 
     With :func:`with_bending_flexibility` the mean shear ``Γ_t = (Γ₂, Γ₃)`` of an element is shear
     of its sections and, by ``β = F Γ_t``, a deflection of its ends from its mean frame::
@@ -270,14 +271,14 @@ def bending_share(section: Array, effective: Array) -> Array:
 
     Args:
         section: Section stiffness of each cell, shape (m, 6, 6).
-        effective: The same with the bending flexibility.
+        effective: Section stiffness with the bending flexibility, shape (m, 6, 6).
     """
     C, total = (_inverse(D)[:, 1:3, 1:3] for D in (section, effective))
     return np.asarray((total - C) @ np.linalg.inv(total))
 
 
 S_SHAPE = 1 / 10
-"""Excess of an axis that bends between its ends over its chord, per square of the slope of that.
+"""Excess length of an axis that bends between its ends over its chord, per squared slope.
 
 The cubic that is parallel to the mean frame at both ends and deflects by ``β`` per length has the
 slope ``β (3/2 − 6 s²)`` at ``−½ ≤ s ≤ ½``. Half of the mean square is ``3/5 β²``, of which the
@@ -290,10 +291,10 @@ def with_elongation(strain: Expr, shear: Expr, share: Expr) -> Expr:
 
     With ``X = 1 + Γ₁`` along the mean frame and ``β = F Γ_t`` across it the chord is
     ``C = √(X² + β²)``, and the axial strain ``C (1 + β²/10 C²) − 1``; for small slopes this is
-    ``Γ₁ + 3/5 β²``. With ``Γ₁`` alone the projection of the axis would count as its length. Tension
-    ``N`` would then soften the mean shear by ``N``, as it does with true shear, and an element of
-    length ``h`` would buckle in tension at ``N = 12 EI/h²``, though it is bending that the mean
-    shear stands for.
+    ``Γ₁ + 3/5 β²``. With ``Γ₁`` only, the projection of the axis would count as its length. A
+    tension ``N`` would then soften the mean shear by ``N``, as it does with true shear, and an
+    element of length ``h`` would buckle in tension at ``N = 12 EI/h²``, though the mean shear
+    represents bending.
 
     Args:
         strain: Mean strain ``(Γ, κ)`` of the element, shape (6,).
@@ -309,14 +310,14 @@ def with_elongation(strain: Expr, shear: Expr, share: Expr) -> Expr:
 
 
 def flexible_cells(cells: CellData, relative: Array) -> CellData:
-    """The cells as :func:`with_bending_flexibility` has them, the viscosity likewise.
+    """Cells with the stiffness of :func:`with_bending_flexibility`, and a similar viscosity.
 
-    Parts in series add their compliances ``C`` and, for slow motion, the products ``C η C`` with
-    their viscosities; a viscosity ``τ D`` of the section becomes τ times the new stiffness.
+    For parts in series the compliances ``C`` add and, for slow motion, so do the products ``C η C``
+    with their viscosities; a viscosity ``τ D`` of the section becomes τ times the new stiffness.
 
     Args:
-        cells: With the stiffness and viscosity of the section.
-        relative: Relative motion of the cells' ends, unloaded, shape (m, 6).
+        cells: Cells with the stiffness and viscosity of the section.
+        relative: Unloaded relative motion of the cells' ends, shape (m, 6).
     """
     stiffness, viscosity = with_bending_flexibility(cells.stiffness, relative), cells.viscosity
     if viscosity is not None:

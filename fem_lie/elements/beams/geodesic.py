@@ -1,23 +1,20 @@
 """Two-node beam along the geodesic of SE(3) that joins its nodal frames.
 
-Flat coordinate: the relative motion ``d = log(H_A⁻¹ H_B)``, shape ``(6,)``; strain
-``ε = (d − d₀)/ℓ``, constant along the element; nothing locks at any slenderness. The map to the
-nodes is ``δd = [−T₆⁻¹(−d), T₆⁻¹(d)] (h_A, h_B)``. (Sonneville, Cardona & Brüls, CMAME 268
+The flat coordinate is the relative motion ``d = log(H_A⁻¹ H_B)``, shape ``(6,)``; the strain
+``ε = (d − d₀)/ℓ`` is constant along the element, which does not lock at any slenderness. The map to
+the nodes is ``δd = [−T₆⁻¹(−d), T₆⁻¹(d)] (h_A, h_B)``. (Sonneville, Cardona & Brüls, CMAME 268
 (2014) 451.)
 
-With the residual bending flexibility, mean shear is, for the most part, bending between the ends.
-:func:`geodesic_strain` adds the two terms of second order that this has.
+With the residual bending flexibility, mean shear is mostly bending between the ends.
+:func:`geodesic_strain` adds its two terms of second order.
 
-Forces and energy of the geodesic beam, by hand.
-
-With the strain ``ε(d) − ε*`` of :func:`~fem_lie.elements.beams.geodesic.geodesic_strain` and the
-stress ``σ = D (ε − ε*)`` the energy is ``½ ℓ (ε − ε*)·σ``. With ``N = ℓ (∂ε/∂d)ᵀ σ`` forces on the
-nodes are ``(−T₆⁻ᵀ(−d) N, T₆⁻ᵀ(d) N)``. Of ``T₆⁻ᵀ`` all but the cross products is even in ``d``:
-both nodes share one set of coefficients and one sum of even terms.
-
-UFL and the element's map derive the same, but compute coefficients twice, and coordinates once more
-for the energy: that takes 1.3 to 1.5 times as long for forces, and 2.2 times for forces and energy,
-which conserving schemes ask for together.
+Forces and energy are hand-written. With the strain ``ε(d) − ε*`` of :func:`geodesic_strain` and the
+stress ``σ = D (ε − ε*)`` the energy is ``½ ℓ (ε − ε*)·σ``. With ``N = ℓ (∂ε/∂d)ᵀ σ`` the forces on
+the nodes are ``(−T₆⁻ᵀ(−d) N, T₆⁻ᵀ(d) N)``. All terms of ``T₆⁻ᵀ`` except the cross products are even
+in ``d``: both nodes share one set of coefficients and one sum of even terms. UFL and the element's
+map give the same, but compute coefficients twice, and coordinates again for the energy: that takes
+1.3 to 1.5 times as long for forces, and 2.2 times for forces and energy, which conserving schemes
+need together.
 """
 
 from __future__ import annotations
@@ -56,14 +53,14 @@ from fem_lie.lie.series import inverse_coefficients
 from fem_lie.lie.tuples import Vector, combined, cross, dot, load, minus, plus, scaled, store
 
 _Y, _LENGTH, _D, _EIGENSTRAIN, _UNLOADED, _SHARE, _ENERGY = 24, 30, 31, 67, 73, 79, 83
-"""Where numbers of a cell are, behind the rows of both nodes."""
+"""Offsets of the data of a cell, behind the coordinates of both nodes."""
 _SIZE = 84
 _ARC = 1 / 60  # see geodesic_strain
 
 
 @inlined
 def set_stress(data: Array, N: Array) -> float:
-    """Forces ``N`` (6,) that do work on the relative motion in ``data``; returns the energy."""
+    """Set the forces ``N`` (6,) conjugate to the relative motion; return the energy."""
     e, length = numba.carray(stack(6), (6,)), data[_LENGTH]
     d, d0, inverse = data[_Y:_LENGTH], data[_UNLOADED:_SHARE], 1.0 / length
     for i in range(6):
@@ -89,7 +86,7 @@ def set_stress(data: Array, N: Array) -> float:
         for j in range(6):
             N[i] += data[_D + 6 * i + j] * e[j]
         work += N[i] * e[i]
-    # what does work on β and on θ
+    # forces conjugate to β and to θ
     q, q0 = d[5] * N[1] - d[4] * N[2], d0[5] * N[1] - d0[4] * N[2]
     across = N[0] * per_C * (1.0 + 2.0 * S_SHAPE - excess)
     m2 = across * β2 - _ARC * (d[5] * q - d0[5] * q0)
@@ -105,7 +102,7 @@ def set_stress(data: Array, N: Array) -> float:
 
 @inlined
 def both_ends(d: Array, N: Array) -> tuple[Vector, Vector, Vector, Vector]:
-    """Of ``T₆⁻ᵀ(±d) N`` what is even and odd in ``d``, forces and then moments."""
+    """Parts of ``T₆⁻ᵀ(±d) N`` that are even and odd in ``d``, forces and then moments."""
     u, θ, f, m = load(d, 0), load(d, 3), load(N, 0), load(N, 3)
     (α, _, γ), (dα, _, dγ) = inverse_coefficients(dot(θ, θ))
     s, p = 2.0 * dot(θ, u), dot(θ, f)
@@ -119,7 +116,7 @@ def both_ends(d: Array, N: Array) -> tuple[Vector, Vector, Vector, Vector]:
 def force_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
-    """Forces and moments on both nodes, in their frames; the energy is left in its place."""
+    """Add forces and moments on both nodes along their frames, and store the energy."""
     H, data = numba.carray(w, (2, 4, 3)), numba.carray(w, (_SIZE,))
     N, d = numba.carray(stack(6), (6,)), data[_Y:_LENGTH]
     lie.relative(H[0], H[1], d)
@@ -195,12 +192,12 @@ GEODESIC = FrameMap(
 
 @dataclass(frozen=True)
 class GeodesicBeam(BeamFormulation):
-    """The SE(3) geodesic element: the default for beams.
+    """Beam element along the SE(3) geodesic: the default for beams.
 
     Attributes:
-        bending_flexibility: Count the stress that varies within an element, see
-            :func:`with_bending_flexibility`: exact for small deflections with one element that is
-            straight, an arc or a helix, twisted or not, and more accurate beyond.
+        bending_flexibility: Account for stress that varies within an element, see
+            :func:`with_bending_flexibility`: exact for small deflections of a single straight,
+            circular or helical element, and more accurate for large ones.
     """
 
     bending_flexibility: bool = True
@@ -208,18 +205,18 @@ class GeodesicBeam(BeamFormulation):
     bows: ClassVar[bool] = True
 
     def place(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
-        """On the geodesic from end to end."""
+        """Attachment frame on the geodesic from end to end."""
         a, b = nodes
         return on_geodesic(int(a), int(b), ξ)
 
     def effective_stiffness(self, stiffness: Array, relative: Array) -> Array:
-        """As it is, or with the bending of the element's inside, in the axes of its screw."""
+        """Section stiffness, with the bending flexibility along the screw axis, (m, 6, 6)."""
         if not self.bending_flexibility:
             return stiffness
         return with_bending_flexibility(stiffness, relative)
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Energy, forces and tangent of the screw from end to end."""
+        """Energy, forces and tangent of the screw motion from end to end."""
         mesh = nodal.function.function_space.mesh
         unloaded = _relative(nodal)
         section = cells.stiffness
@@ -240,12 +237,12 @@ class GeodesicBeam(BeamFormulation):
         return LocalFrameForms(energy, nodal.function, nodal.increment, GEODESIC, coordinates=d)
 
     def mean_stress(self, stress: Array, frames: Array, ends: Array) -> Array:
-        """The mean along the element, ``T₆ᵀ(d) σ_B``, in axes that rotate with the geodesic."""
+        """Mean along the element, ``T₆ᵀ(d) σ_B``, in axes that rotate with the geodesic."""
         d = lie.se3_relative(frames[:, 0], frames[:, 1])
         return np.einsum("mji,mj->mi", lie.se3_tangent(d), ends[:, 1])[:, np.newaxis]
 
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
-        """That of :func:`smooth_inertia`, as accurate in waves as the stiffness is."""
+        """Mass matrix of :func:`smooth_inertia`, as accurate in waves as the stiffness."""
         slope = _relative(nodal)[:, :3] / cells.lengths[:, np.newaxis]
         return smooth_inertia(cells.density, cells.stiffness, cells.lengths, slope)
 
@@ -257,30 +254,30 @@ def _relative(nodal: NodalFrames) -> Array:
 
 
 def smooth_inertia(density: Array, stiffness: Array, lengths: Array, slope: Array) -> Array:
-    """Matrix of (x, d₁, d₂, d₃) of both nodes that is as accurate in waves as the stiffness is.
+    """Mass matrix in (x, d₁, d₂, d₃) of both nodes that is as accurate in waves as the stiffness.
 
-    The axis is the quadratic of which the geodesic is a turned one, the directors are linear::
+    The axis is quadratic like the geodesic, and the directors are linear::
 
         x(s) = (1 − s) x_A + s x_B + ½ (s − s²) (t_A − t_B),    t = ℓ Σ slope_k d_k,  0 ≤ s ≤ 1,
 
-    so that the matrix is constant. To its kinetic energy is added what rigid motion does not feel,
+    so that the matrix is constant. A kinetic energy that vanishes in rigid motion is added to it,
 
         (ρA ℓ/24) |ė|² + ½ Σ_k a_k |ḋ_kB − ḋ_kA|²,    e = x_B − x_A − ½ (t_A + t_B),
         a₂ + a₃ = ρJ ℓ/12,    a₁ + a₃ = ρI₂ ℓ/6 + ρA ℓ³/240 + ρA ℓ EI₂/(12 GA₃),    a₁ + a₂ alike,
 
-    the one choice with which waves ``exp(iθs)`` have relative errors of frequency of order θ⁴
-    in axial and torsional and θ⁶ in bending motion of Timoshenko beams, instead of θ² (dispersion
-    relation of the element with bending flexibility). In bending some (γ/x')² θ²/100 is left, with
-    γ the shear: little unless the waves are as short as the section is high. Mass, centre and
-    moments of inertia of straight elements are exact.
+    the only choice with which waves ``exp(iθs)`` have relative frequency errors of order θ⁴ in
+    axial and torsional and θ⁶ in bending motion of Timoshenko beams, instead of θ² (dispersion
+    relation of the element with bending flexibility). In bending an error (γ/x')² θ²/100 remains,
+    with γ the shear, which is small unless waves are as short as the section is high. Mass, centre
+    and moments of inertia of straight elements are exact.
 
     No ``a_k`` is negative, so that the kinetic energy is positive for any rates of the directors.
-    Where a section is wider than high by more than a fifth, the larger of ``a₁ + a₃`` and
-    ``a₁ + a₂`` is therefore cut to what the other two moments allow: in bending within the plane
-    of its width some (kr)² θ²/10 is left, with r its radius of gyration and k the wave number.
+    Therefore, if a section is wider than high by more than a fifth, the larger of ``a₁ + a₃`` and
+    ``a₁ + a₂`` is limited by the other two moments: in bending within the plane of its width an
+    error (kr)² θ²/10 remains, with r its radius of gyration and k the wave number.
 
     Args:
-        density: Mass matrix of inertia per length, shape (m, 4, 4).
+        density: Mass matrix of (x, d₁, d₂, d₃) per length, shape (m, 4, 4).
         stiffness: Section stiffness, shape (m, 6, 6).
         lengths: Length ℓ of the elements, shape (m,).
         slope: Derivative of ``x`` by arc length in the nodal frames, shape (m, 3).
@@ -329,15 +326,15 @@ def geodesic_strain(d: Expr, d0: Expr, length: Expr, share: Expr) -> Expr:
 
         Γ₁ → Γ₁ + 3/5 β² + …,    Γ_t → Γ_t − (θ (θ·β) − θ₀ (θ₀·β))/60,    θ = (d₆, −d₅).
 
-    The first is the length of an axis that is no straight line, see
-    :func:`~fem_lie.elements.beams.element.with_elongation`. The second makes the bending
-    flexibility that of an arc with the present angle θ, to second order: where it bends within its
-    plane, ``12 EI/ℓ² (1 − θ²/30)`` whatever the section, as
+    The first term is the length of a bent axis, see
+    :func:`~fem_lie.elements.beams.element.with_elongation`. The second gives the bending
+    flexibility of an arc with the current angle θ, to second order: for bending within its plane,
+    ``12 EI/ℓ² (1 − θ²/30)`` for any section, as
     :func:`~fem_lie.elements.beams.element.with_bending_flexibility` has it for unloaded arcs.
 
     Args:
         d: Relative motion, shape (6,).
-        d0: The same, unloaded.
+        d0: Unloaded relative motion.
         length: Arc length ℓ of the unloaded element.
         share: ``F`` of :func:`~fem_lie.elements.beams.element.bending_share`, shape (2, 2).
     """
@@ -349,7 +346,7 @@ def geodesic_strain(d: Expr, d0: Expr, length: Expr, share: Expr) -> Expr:
 
 
 def _bend(d: Expr) -> Expr:
-    """Deflections across the axis that bending by ``d`` causes, per length, times two, (2,)."""
+    """Deflections across the axis by bending ``d``, per length, times two, (2,)."""
     return ufl.as_vector([d[5], -d[4]])
 
 
@@ -363,18 +360,19 @@ def geodesic_energy(
     viscosity: Expr | None = None,
     share: Expr | None = None,
 ) -> StrainEnergy:
-    """``½ ε·Dε ℓ`` of every element, ``ε = (d − d₀)/ℓ − ε*``.
+    """Energy ``½ ε·Dε ℓ`` of every element, ``ε = (d − d₀)/ℓ − ε*``.
 
     Args:
         d: Relative motion, shape ``(6,)``, a DG0 function.
-        d0: The same, unloaded.
+        d0: Unloaded relative motion.
         length: Arc length ℓ of the unloaded element.
         D: Section stiffness, shape ``(6, 6)``, see
             :func:`~fem_lie.elements.beams.element.with_bending_flexibility`.
-        domain: The line mesh.
+        domain: Line mesh.
         eigenstrain: ``ε*``, shape ``(6,)``; default: none.
-        viscosity: Stress per strain rate, shape ``(6, 6)``; default: none.
-        share: Of the mean shear that is bending, see :func:`geodesic_strain`; default: none.
+        viscosity: Viscosity, shape ``(6, 6)``; default: none.
+        share: Fraction of the mean shear that is bending, see :func:`geodesic_strain`; default:
+            none.
     """
     strain = (d - d0) / length if share is None else geodesic_strain(d, d0, length, share)
     return StrainEnergy(

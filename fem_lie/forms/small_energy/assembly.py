@@ -1,4 +1,4 @@
-"""Cells of an element of the small-energy kernel as a term of a system."""
+"""Cells of an element of the small-energy kernel, as a term."""
 
 from __future__ import annotations
 
@@ -51,10 +51,10 @@ class ElementCells(LinearisedCellTerm):
 
         Args:
             of: The element.
-            functions: Its functions.
+            functions: Compiled functions of the element.
             cells: Nodes of each cell, shape (m, k).
-            data: Of each cell, see :func:`.element.cell_data`.
-            constants: That the functions read, see :mod:`.packed`; default: none.
+            data: Data of the cells, see :func:`.element.cell_data`.
+            constants: Constants for the functions, see :func:`.element.packed`; default: none.
         """
         self._nodes, self._functions, head = cells, functions, 12 * cells.shape[1]
         self._values = np.hstack([np.zeros((len(cells), head)), data])
@@ -79,7 +79,7 @@ class ElementCells(LinearisedCellTerm):
         return found
 
     def carry(self, H: Array, h: Array) -> None:
-        """See the base class."""
+        """Update the linearised stress for the increments ``h`` (n, 6) from coordinates ``H``."""
         self._update(H, h.reshape(-1, 6), np.empty((len(self._nodes), self._size)))
 
     def _update(self, H: Array, h: Array, strains: Array) -> None:
@@ -88,7 +88,7 @@ class ElementCells(LinearisedCellTerm):
 
 
 class ElementAssembly(ElementCells, BodyTerm):
-    """Cells of one element on the nodes of its bodies.
+    """Assembly of the cells of one element on the nodes of its bodies.
 
     Attributes:
         cells: Nodes of each cell, shape (m, k).
@@ -101,9 +101,9 @@ class ElementAssembly(ElementCells, BodyTerm):
 
         Args:
             of: The element.
-            functions: Its functions.
+            functions: Compiled functions of the element.
             cells: Nodes of each cell, shape (m, k).
-            data: Of each cell, see :func:`.element.cell_data`.
+            data: Data of the cells, see :func:`.element.cell_data`.
             count: Number of nodes.
 
         Raises:
@@ -119,7 +119,7 @@ class ElementAssembly(ElementCells, BodyTerm):
 
     @property
     def contents(self) -> tuple[str, list[Array], list[Array]]:
-        """What the energy is: its products, and the data of the cells."""
+        """Name of the energy, products of the element, and data of the cells, for fingerprints."""
         of = self._element.cells
         return (
             "sums of products",
@@ -129,20 +129,20 @@ class ElementAssembly(ElementCells, BodyTerm):
 
 
 class ViscousElementAssembly(ElementAssembly, ViscousForces):
-    """The same of an element with viscosity."""
+    """Assembly of the cells of an element with viscosity."""
 
     @property
     def viscosity(self) -> ViscousForces:
-        """That of all cells."""
+        """Viscous forces of all cells."""
         return self
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
-        """See the base class."""
+        """Add the viscous forces at coordinates ``H`` and twists ``v`` (n, 6) to ``out``."""
         at = self._values.ctypes.data, self._values.shape[1]
         _add_viscous(H, v, self._nodes, self._functions.viscous_forces.address, *at, out)
 
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, None]:
-        """See the base class; derivatives in frames are left out."""
+        """Derivative in the twists (nnz, 6, 6); that in frames is neglected."""
         return self._sum(self._functions.viscous_tangent).matrix(H, self._pattern), None
 
 
@@ -157,9 +157,9 @@ def _update_cells(
     constants: int,
     strains: Array,
 ) -> None:
-    """Call the function of stress of all cells, whose data begin ``at``, ``width`` numbers each.
+    """Update the stress of all cells, whose data start at address ``at``, ``width`` numbers each.
 
-    ``constants``: where those of :mod:`.packed` are, or zero.
+    ``constants``: address of packed constants, or zero.
     """
     k, size = cells.shape[1], strains.shape[1]
     moved_at, out_at = stack(6 * k), stack(size)
@@ -177,7 +177,7 @@ def _update_cells(
 def _add_viscous(
     H: Array, v: Array, cells: Indices, function: int, at: int, width: int, forces: Array
 ) -> None:
-    """Add viscous forces of all cells, (nodes, 6); see :func:`_update_cells`."""
+    """Add the viscous forces (nodes, 6) of all cells; see :func:`_update_cells`."""
     k = cells.shape[1]
     moved_at, out_at = stack(6 * k), stack(6 * k)
     moved, out = vector_at(moved_at, 6 * k), vector_at(out_at, 6 * k)
@@ -194,7 +194,7 @@ def _add_viscous(
 
 @compiled
 def _place(H: Array, h: Array, nodes: Indices, rows: Array, moved: Array) -> None:
-    """Rows of a cell's nodes, and their increments or twists."""
+    """Copy the coordinates of a cell's nodes, and their increments or twists."""
     for i in range(nodes.shape[0]):
         for a in range(4):
             for j in range(3):

@@ -1,24 +1,24 @@
-r"""Energy, forces, tangent, stress and viscous forces of a cell, from vectors, strains and a law.
+"""Energy, forces, tangent, stress and viscous forces of a cell, from vectors, strains and a law.
 
-An element says what its cells are, and nothing about derivatives in the unknowns:
+The author of an element defines its cells, without any derivatives in the unknowns:
 
-- vectors ``z = T q + z₀`` at each of its points, linear in the nodal coordinate vectors ``q``,
-  constant ones, and derived ones that are a function of few linear ones, such as unit normals;
+- vectors ``z = T q + z₀`` at each quadrature point, linear in the nodal coordinate vectors ``q``;
+  constant vectors; and derived vectors that are functions of few linear ones, such as unit normals;
 - strains ``e(s)``, sums of scalar products ``s = z_a·z_b`` or a function of these;
-- a law ``W(e)``: ``½ (e − e₀)·C (e − e₀)``, or a function, with the weight of the point.
+- a law ``W(e)``: ``½ (e − e₀)·C (e − e₀)``, or a function, times the quadrature weight.
 
 With ``N = ∂W/∂e``, ``C = ∂²W/∂e²`` and ``g = N·∂e/∂s``, forces and tangent stiffness are::
 
     f = Σ g_k s_k′,    K = s′ᵀ (e′ᵀ C e′ + N·e″) s′ + Σ g_k s_k″ + ∂(Lᵀ f)/∂h
 
-with ``s′`` and ``s″`` of products by those of vectors, derivatives of derived vectors, in ``s`` and
-in ``e`` in forward mode (:mod:`.jets`), and the last part of nodal axes that turn with the node.
-Strains do not change in a rigid motion if they are functions of scalar products of vectors that
-rotate with it. The linearised stress is that of ``e + e′ h``; where it is used, the tangent has it
-instead of ``N``. Nodes are of any types, each of its own.
+``s′`` and ``s″`` of products follow from those of vectors; derivatives of derived vectors, of ``e``
+in ``s`` and of the law are computed in forward mode (:mod:`.jets`); the last term is the rotation
+of nodal axes with their nodes. Strains are invariant under rigid motion if they are functions of
+scalar products of vectors that rotate with it. The linearised stress is that of ``e + e′ h``; where
+it is used, the tangent has it instead of ``N``. Each node may have any type.
 
-Every function here is of one cell, and is merged into a function of an element that passes its
-constants. The data of a cell are the coordinate vectors of its nodes, then those of
+Each function evaluates one cell; a function of an element that passes its constants includes it
+when compiled. The data of a cell are the coordinates of its nodes, then those of
 :func:`.element.cell_data`.
 """
 
@@ -75,11 +75,11 @@ from fem_lie.forms.small_energy.vectors import (
 
 @inlined
 def add_energy(of: Element, A: Pointer, w: Pointer) -> None:
-    """Energy of a cell.
+    """Add the energy of a cell.
 
     Args:
         of: The element.
-        A: A number, added to.
+        A: Scalar, added to.
         w: Data of the cell.
     """
     _energy(of.cells, of.strain, of.law, of.derive, of.like, A, w)
@@ -87,13 +87,13 @@ def add_energy(of: Element, A: Pointer, w: Pointer) -> None:
 
 @inlined
 def add_forces(of: Element, A: Pointer, w: Pointer) -> None:
-    """Forces along the axes of the nodes, added to ``A`` (k, 6); see :func:`add_energy`."""
+    """Add the forces along nodal axes to ``A`` (k, 6); see :func:`add_energy`."""
     _forces(of.cells, of.strain, of.law, of.derive, of.like, A, w, None)
 
 
 @inlined
 def add_tangent(of: Element, A: Pointer, w: Pointer) -> None:
-    """Tangent stiffness, added to ``A`` (k, 6, k, 6), at the stress of the strains."""
+    """Add the tangent stiffness at the stress of the strains to ``A`` (k, 6, k, 6)."""
     _tangent(
         of.cells, of.strain, of.law, of.derive, of.like, of.turning, None, None, None, second, A, w
     )
@@ -101,7 +101,7 @@ def add_tangent(of: Element, A: Pointer, w: Pointer) -> None:
 
 @inlined
 def add_tangent_at_stress(of: Element, A: Pointer, w: Pointer) -> None:
-    """Tangent stiffness, added to ``A`` (k, 6, k, 6), at the linearised stress."""
+    """Add the tangent stiffness at the linearised stress to ``A`` (k, 6, k, 6)."""
     _tangent(
         of.cells, of.strain, of.law, of.derive, of.like, of.turning, None, 1, None, second, A, w
     )
@@ -109,10 +109,10 @@ def add_tangent_at_stress(of: Element, A: Pointer, w: Pointer) -> None:
 
 @inlined
 def add_hessian_at_stress(of: Element, A: Pointer, w: Pointer) -> None:
-    """Second derivative along :func:`~fem_lie.lie.motions.retract` at the linearised stress.
+    """Add the second derivative along :func:`~fem_lie.lie.motions.retract` at that stress.
 
-    It is symmetric. A term takes out of it what the forces of the present strains have of the
-    rotation of frames, which the system adds for all forces on a node.
+    It is symmetric. The term subtracts the part of the current forces due to rotation of frames,
+    which the system adds for all forces on a node.
     """
     _tangent(of.cells, of.strain, of.law, of.derive, of.like, of.turning, 1, 1, None, second, A, w)
 
@@ -129,13 +129,13 @@ def update_stress(of: Element, A: Pointer, w: Pointer, h: Pointer) -> None:
 
 @inlined
 def add_viscous_forces(of: Element, A: Pointer, w: Pointer, v: Pointer) -> None:
-    """Forces of the stress ``η ė`` at twists ``v`` (k, 6) of the nodes, added to ``A`` (k, 6)."""
+    """Add the forces of the stress ``η ė`` at twists ``v`` (k, 6) to ``A`` (k, 6)."""
     _forces(of.cells, of.strain, of.law, of.derive, of.like, A, w, v)
 
 
 @inlined
 def add_viscous_tangent(of: Element, A: Pointer, w: Pointer) -> None:
-    """Their derivative in the twists, added to ``A`` (k, 6, k, 6)."""
+    """Add the derivative of the viscous forces in the twists to ``A`` (k, 6, k, 6)."""
     _tangent(of.cells, of.strain, of.law, of.derive, of.like, None, None, None, 1, first, A, w)
 
 
@@ -152,7 +152,7 @@ def _vectors_at(
     Y_at: Pointer,
     Y: Array,
 ) -> None:
-    """All vectors at a point, and derivatives of derived ones."""
+    """Set all vectors at a point, and the derivatives of derived vectors."""
     find_vectors(E, data, p, z)
     if derive is not None:
         find_derived(E, derive, order, like, z, x_at, Y_at, Y)
@@ -175,13 +175,13 @@ def _energy(
 
 @inlined
 def _inputs(E: Cells) -> int:
-    """Components of the inputs of a derived vector."""
+    """Number of components of the inputs of a derived vector."""
     return 3 * E.inputs.shape[1]
 
 
 @inlined
 def _derived(E: Cells, size: int) -> int:
-    """Numbers of all derived vectors of a point, of so many derivatives each."""
+    """Size of the derivatives of all derived vectors of a point, ``size`` numbers per component."""
     return 3 * E.inputs.shape[0] * size
 
 
@@ -196,7 +196,7 @@ def _forces(
     w: Pointer,
     v: Pointer | None,
 ) -> None:
-    """Forces of the stress of the strains or, with twists ``v``, of the viscous stress."""
+    """Add the forces of the stress of the strains or, with twists ``v``, of the viscous stress."""
     data, t, n, r = read(E, w), E.terms.shape[0], E.strains, E.starts.shape[0]
     sums, size, count = n if strain is None else t, 1 + _inputs(E), all_vectors(E)
     f, z, fz = (
@@ -236,7 +236,7 @@ def _forces(
 
 @inlined
 def _jet_size(viscous: int | None, n: int) -> int:
-    """Numbers of a jet of ``n`` variables: of first order for viscous forces, else of second."""
+    """Size of a jet of ``n`` variables: of first order for viscous forces, else of second."""
     if viscous is None:
         return second_size(n)
     else:
@@ -258,7 +258,7 @@ def _tangent(
     A: Pointer,
     w: Pointer,
 ) -> None:
-    """Derivative of elastic forces or, if ``viscous``, that of viscous ones in twists."""
+    """Add the derivative of the elastic forces or, if ``viscous``, of the viscous forces."""
     data, t, n = read(E, w), E.terms.shape[0], E.strains
     r, u, count = E.starts.shape[0], E.groups.shape[0], all_vectors(E)
     sums, c = n if strain is None else t, 3 * E.curved
@@ -363,7 +363,7 @@ def _stress(
 
 @inlined
 def _find_changes(E: Cells, strain: Function, J: Array, ds: Array, de: Array) -> None:
-    """Changes ``de`` of strains of those of sums of products."""
+    """Set changes ``de`` of strains from changes ``ds`` of sums of products."""
     for i in range(E.strains):
         if strain is None:
             de[i] = ds[i]

@@ -1,9 +1,9 @@
-"""Vectors of a cell that are a function of others, such as unit normals, in forward mode: compiled.
+"""Derived vectors of a cell, such as unit normals, with derivatives in forward mode; compiled.
 
-``y = Y(z)`` of few linear vectors has few derivatives, so that what is made of ``y`` afterwards
-needs no jets of many variables. Derivatives of the derived vectors of a point stand one after the
-other in ``Y``, shape (d, 3, any): of each component value, gradient and, of second order, the upper
-half of the Hessian, in the components of the inputs.
+A derived vector ``y = Y(z)`` of few linear vectors has few derivatives, so that functions of ``y``
+need no jets of many variables. ``Y`` (d, 3, any) holds the derivatives of the derived vectors of a
+point: for each component the value, the gradient and, for second order, the upper half of the
+Hessian in the components of the inputs.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from fem_lie.lie.tuples import Vector, load_row, plus, scaled, store
 
 @inlined
 def first_derived(E: Cells) -> int:
-    """Number of the first derived vector."""
+    """Index of the first derived vector."""
     return E.vectors + E.constants
 
 
@@ -38,17 +38,17 @@ def find_derived(
     Y_at: Pointer,
     Y: Array,
 ) -> None:
-    """Derived vectors, the last ones of ``z`` (all, 3), and their derivatives ``Y``.
+    """Set the derived vectors, the last of ``z`` (all, 3), and their derivatives ``Y``.
 
     Args:
         E: Constants of the element.
         derive: Function of the element.
-        order: Of the derivatives, see :mod:`.laws`.
+        order: Order of the derivatives, see :mod:`.laws`.
         like: Tuples of the element.
-        z: All vectors, of which the others are known.
+        z: All vectors; the linear and constant ones are input.
         x_at: Workspace for the components of the inputs.
-        Y_at: Where the derivatives are.
-        Y: The same as an array, shape (d, 3, any).
+        Y_at: Address of the derivatives.
+        Y: Derivatives as an array, shape (d, 3, any).
     """
     for d in range(E.inputs.shape[0]):
         x = matrix_at(x_at, E.inputs.shape[1], 3)
@@ -62,7 +62,7 @@ def find_derived(
 
 @inlined
 def find_derived_changes(E: Cells, Y: Array, dz: Array) -> None:
-    """Changes of derived vectors, the last ones of ``dz`` (all, 3), of those of the others."""
+    """Set the changes of derived vectors, the last of ``dz`` (all, 3), from those of others."""
     for d in range(E.inputs.shape[0]):
         for c in range(3):
             change = 0.0
@@ -74,7 +74,7 @@ def find_derived_changes(E: Cells, Y: Array, dz: Array) -> None:
 
 @inlined
 def _pulled(Y: Array, d: int, j: int, x: Vector) -> Vector:
-    """Force ``x`` on a derived vector as one on its j-th input."""
+    """Force ``x`` on a derived vector as a force on its j-th input."""
     first = 1 + 3 * j
     return (
         x[0] * Y[d, 0, first] + x[1] * Y[d, 1, first] + x[2] * Y[d, 2, first],
@@ -112,7 +112,7 @@ def add_change(E: Cells, T: Array, Y: Array, v: int, x: Vector, B: Array) -> Non
 
 @inlined
 def _count(E: Cells, v: int) -> int:
-    """How many components of linear vectors each component of a vector depends on."""
+    """Number of components of linear vectors on which each component of a vector depends."""
     if v < E.vectors:
         return 1
     return 3 * E.inputs.shape[1] if v >= first_derived(E) else 0
@@ -120,7 +120,7 @@ def _count(E: Cells, v: int) -> int:
 
 @inlined
 def _slope(E: Cells, Y: Array, v: int, c: int, k: int) -> tuple[int, float]:
-    """The k-th of these, and the derivative of the component ``c`` in it."""
+    """Index of the k-th of these components, and the derivative of component ``c`` in it."""
     if v < E.vectors:
         return 3 * v + c, 1.0
     d = v - first_derived(E)
@@ -129,7 +129,7 @@ def _slope(E: Cells, Y: Array, v: int, c: int, k: int) -> tuple[int, float]:
 
 @inlined
 def _add_products(E: Cells, Y: Array, a: int, b: int, s: float, Q: Array) -> None:
-    """Add ``s (δz_a·δz_b + δz_b·δz_a)``."""
+    """Add ``s (δz_a·δz_b + δz_b·δz_a)`` to ``Q``."""
     for c in range(3):
         for k in range(_count(E, a)):
             i, first = _slope(E, Y, a, c, k)
@@ -141,14 +141,14 @@ def _add_products(E: Cells, Y: Array, a: int, b: int, s: float, Q: Array) -> Non
 
 @inlined
 def find_derived_second(E: Cells, Y: Array, g: Array, fz: Array, Q: Array) -> None:
-    """Second derivatives of products with derived vectors in the components of linear ones.
+    """Set second derivatives of products with derived vectors in components of linear ones.
 
     Args:
         E: Constants of the element.
         Y: Derivatives of second order.
         g: Forces on sums of products.
         fz: Forces on all vectors, shape (all, 3).
-        Q: Is set, shape (3 curved, 3 curved).
+        Q: Set, shape (3 curved, 3 curved).
     """
     for i in range(Q.shape[0]):
         for j in range(Q.shape[1]):
@@ -176,7 +176,7 @@ def find_derived_second(E: Cells, Y: Array, g: Array, fz: Array, Q: Array) -> No
 def find_linear_changes(E: Cells, T: Array, D: Array, Z: Array) -> None:
     """Derivatives of the first linear vectors in the unknowns, shape (curved, 3, groups, 3).
 
-    ``D``: those of the coordinate vectors, shape (r, 3, 3).
+    ``D`` (r, 3, 3): derivatives of the coordinate vectors.
     """
     for v in range(Z.shape[0]):
         for c in range(3):
@@ -191,5 +191,5 @@ def find_linear_changes(E: Cells, T: Array, D: Array, Z: Array) -> None:
 
 @inlined
 def derivatives_at(place: Pointer, E: Cells, size: int) -> Array:
-    """Those of all derived vectors of a point, of so many numbers each, shape (d, 3, size)."""
+    """Derivatives of all derived vectors of a point as an array, shape (d, 3, size)."""
     return numba.carray(place, (E.inputs.shape[0], 3, size))

@@ -1,9 +1,8 @@
-"""What an element is for the small-energy kernel: nodes, vectors, strains, a law, constants.
+"""Record of an element for the small-energy kernel: nodes, vectors, strains, law, constants.
 
-Constants of elements whose numbers of nodes and points are known at run time, for their kernels.
-
-Functions of such an element get the constants with each call, behind the data of the cell, as the
-constants of a form. They are compiled once for all sizes.
+Elements whose numbers of nodes and points are known at run time only pass their constants to the
+kernel with each call, behind the data of the cell, like the constants of a form. Their functions
+are compiled once for all sizes.
 """
 
 from __future__ import annotations
@@ -23,36 +22,40 @@ from fem_lie.forms.kernels.addresses import Pointer, double_pointer, shift
 from fem_lie.lie.node_types.node_type import TRAITS, NodeType
 
 CELL_SIGNATURE = types.void(double_pointer, double_pointer, double_pointer)
-"""Of the functions of an element: what they add to, the data of a cell, and twists or increments of
-its nodes. Callers may pass more arguments, which are ignored."""
+"""Signature of the functions of an element.
+
+Arguments are the result to add to, the data of a cell, and twists or increments of its nodes.
+Callers may pass more arguments, which are ignored.
+"""
 
 CompiledFunction: TypeAlias = Any
-"""A function made with :func:`fem_lie.compiled`."""
+"""Function compiled by :func:`fem_lie.extend.compiled`."""
 
 
 class Cells(NamedTuple):
     """Constants of an element for compiled code.
 
-    Vectors are numbered linear ones first, then constant ones, then derived ones.
+    Vectors are numbered linear first, then constant, then derived.
 
     Attributes:
         types: Type of each node of a cell, shape (k,).
-        coordinates: Of each coordinate vector: its node, its number there, its group of unknowns,
-            and 1 to 3 for directors of frames, zero else, shape (r, 4).
-        starts: First of each among the 12 k numbers of all nodes, shape (r,).
+        coordinates: For each coordinate vector its node, its row there, its group of unknowns, and
+            1 to 3 for directors of frames, zero for others, shape (r, 4).
+        starts: Index of each coordinate vector among the 12 k numbers of all nodes, shape (r,).
         groups: First unknown of each group of three among the 6 k of all nodes, shape (u,).
-        terms: Strain and both vectors of each product, shape (t, 3); where strains are a function
-            of products, the number of the product instead of the strain.
-        factors: Of each product, shape (t,).
-        inputs: Linear vectors that each derived vector is a function of, shape (d, i).
-        points: Points of integration.
-        vectors: Linear vectors at each point.
-        curved: How many of these, the first ones, derived vectors depend on or are multiplied by.
-        strains: At each point.
-        parameters: Numbers of the law at each point.
-        offsets: Linear vectors with a constant part at each point: all or none.
-        constants: Constant vectors at each point.
-        viscosities: Numbers of the viscosity at each point.
+        terms: Strain and both vectors of each product, shape (t, 3); if strains are a function of
+            products, the number of the product instead of the strain.
+        factors: Factor of each product, shape (t,).
+        inputs: Linear vectors on which each derived vector depends, shape (d, i).
+        points: Number of quadrature points.
+        vectors: Number of linear vectors at each point.
+        curved: Number of linear vectors, the first ones, on which derived vectors depend or by
+            which they are multiplied.
+        strains: Number of strains at each point.
+        parameters: Number of parameters of the law at each point.
+        offsets: Number of linear vectors with a constant part at each point: all or none.
+        constants: Number of constant vectors at each point.
+        viscosities: Number of entries of the viscosity at each point.
     """
 
     types: Indices
@@ -73,17 +76,16 @@ class Cells(NamedTuple):
 
 
 class Element(NamedTuple):
-    """An element: constants and functions. :func:`element` makes one.
+    """Element: constants and functions, created by :func:`element`.
 
     Attributes:
         cells: Constants.
         strain: Strains as a function of products, or ``None`` for sums of products.
         law: Energy as a function of strains, or ``None`` for a quadratic law.
         derive: Derived vector as a function of others, or ``None``.
-        like: Tuples as long as those of products, strains, parameters and components of inputs of
-            a derived vector, as far as functions take these.
-        turning: 1 if axes of nodes turn with their unknowns, else ``None``, which spares their
-            compilation.
+        like: Tuples with the lengths of products, strains, parameters and components of inputs of a
+            derived vector, as far as functions have these arguments.
+        turning: 1 if nodal axes rotate with the unknowns, else ``None``, which saves compilation.
     """
 
     cells: Cells
@@ -110,31 +112,31 @@ def element(
     offsets: bool = False,
     viscous: bool = False,
 ) -> Element:
-    """An element for :mod:`fem_lie.forms.small_energy.cell`.
+    """Element for :mod:`fem_lie.forms.small_energy.cell`.
 
     Args:
-        node_types: Of the nodes of a cell.
-        products: Both vectors of each scalar product, shape (t, 2), where ``strain`` is a function
-            of them; else strain, both vectors and factor of each, shape (t, 4): strains are sums.
+        node_types: Type of each node of a cell.
+        products: Both vectors of each scalar product, shape (t, 2), if ``strain`` is a function of
+            them; else strain, both vectors and factor of each, shape (t, 4): strains are sums.
         vectors: Number of linear vectors at each point; constant and derived ones follow them.
         strains: Number of strains at each point.
-        points: Points of integration of a cell.
-        parameters: Numbers of ``law`` at each point.
+        points: Number of quadrature points of a cell.
+        parameters: Number of parameters of ``law`` at each point.
         strain: Compiled function of the tuples of products and parameters, which returns the tuple
             of strains. With a quadratic law the second tuple is empty.
         law: Compiled function of the tuples of strains and parameters, which returns the energy at
-            a point. Default: ``½ (e − e₀)·C (e − e₀)``, whose parameters are ``e₀`` and ``C``.
+            a point. Default: ``½ (e − e₀)·C (e − e₀)`` with parameters ``e₀`` and ``C``.
         derive: Compiled function of the tuple of components of linear vectors, which returns the
-            three components of a derived vector, such as a unit normal of two slopes.
-        inputs: Linear vectors that each derived vector is this function of.
+            three components of a derived vector, such as the unit normal of two tangents.
+        inputs: Linear vectors on which each derived vector depends.
         constants: Number of constant vectors at each point.
         offsets: Whether linear vectors have a constant part.
-        viscous: Whether there is a stress ``η ė`` (Kelvin and Voigt).
+        viscous: Whether there is a viscous stress ``η ė`` (Kelvin-Voigt).
 
     Raises:
-        ValueError: Products are of other vectors or strains than there are, or have another shape;
-            derived vectors are of other vectors than linear ones, or without a function; a law
-            that is a function has no number of parameters.
+        ValueError: Products refer to vectors or strains that do not exist, or have another shape;
+            derived vectors do not depend on linear vectors, or have no function; or the number of
+            parameters of a law that is a function is missing.
     """
     table, width = np.asarray(products, dtype=np.float64), 4 if strain is None else 2
     if table.ndim != 2 or table.shape[1] != width:
@@ -173,7 +175,7 @@ def element(
         constants=constants,
         viscosities=strains**2 if viscous else 0,
     )
-    # tuples of hundreds of numbers that nobody takes would be compiled, too
+    # unused tuples of hundreds of numbers would be compiled, too
     like = (
         (0.0,) * (0 if strain is None else len(terms)),
         (0.0,) * (0 if law is None else strains),
@@ -187,7 +189,7 @@ def element(
 def _inputs(
     inputs: Sequence[Sequence[int]], vectors: int, derive: CompiledFunction | None
 ) -> Indices:
-    """Those of derived vectors, shape (d, i), after a check."""
+    """Inputs of derived vectors as an array, shape (d, i), checked."""
     found = np.array([*inputs] or np.empty((0, 0)), dtype=np.int64)
     if (derive is None) != (len(found) == 0) or (found < 0).any() or (found >= vectors).any():
         function = "no function" if derive is None else "a function"
@@ -199,7 +201,7 @@ def _inputs(
 
 
 def _curved(pairs: Indices, inputs: Indices, vectors: int, every: int) -> int:
-    """How many linear vectors, the first ones, second derivatives of derived ones are of."""
+    """Number of linear vectors, the first ones, in second derivatives of derived vectors."""
     first = every - len(inputs)
     beside = pairs[(pairs >= first).any(axis=1)]
     touched = [*inputs.ravel(), *beside[beside < vectors]]
@@ -228,13 +230,13 @@ def cell_data(
     constants: Array | None = None,
     viscosity: Array | None = None,
 ) -> Array:
-    """Data of cells as the functions of an element read them, with zero stress.
+    """Data of cells for the functions of an element, with zero stress.
 
     Args:
         of: The element.
-        tables: ``T`` of each point, shape (m, points, vectors, r), of the ``r`` coordinate vectors
+        tables: ``T`` of each point, shape (m, points, vectors, r), for the ``r`` coordinate vectors
             of one node after the other.
-        parameters: Of the law, shape (m, points, parameters).
+        parameters: Parameters of the law, shape (m, points, parameters).
         offsets: ``z₀``, shape (m, points, vectors, 3), if linear vectors have a constant part.
         constants: Constant vectors, shape (m, points, constants, 3), if there are any.
         viscosity: ``η``, shape (m, points, strains, strains), if the element is viscous.
@@ -243,7 +245,7 @@ def cell_data(
         Shape (m, any).
 
     Raises:
-        ValueError: One has another shape, or is missing or superfluous.
+        ValueError: An array has another shape, is missing or is superfluous.
     """
     cells, m = of.cells, len(tables)
     p, v, e = cells.points, cells.vectors, cells.strains
@@ -265,13 +267,13 @@ def cell_data(
 
 
 def data_at_rest(of: Element, tables: Array, vectors: Array, C: Array) -> Array:
-    """Data of cells with a quadratic law whose energy is zero at given vectors.
+    """Data of cells with a quadratic law whose energy vanishes at given vectors.
 
     Args:
-        of: An element whose strains are sums of products of linear vectors.
+        of: Element whose strains are sums of products of linear vectors.
         tables: ``T``, see :func:`cell_data`.
-        vectors: Those of the unloaded cells, shape (m, points, vectors, 3).
-        C: Moduli with the weights of the points, shape (m, points, strains, strains).
+        vectors: Vectors of the unloaded cells, shape (m, points, vectors, 3).
+        C: Moduli times quadrature weights, shape (m, points, strains, strains).
     """
     sums, first, second = of.cells.terms.T
     products = np.einsum("mptj,mptj->mpt", vectors[:, :, first], vectors[:, :, second])
@@ -282,15 +284,18 @@ def data_at_rest(of: Element, tables: Array, vectors: Array, C: Array) -> Array:
 
 
 PACKED_SIGNATURE = types.void(double_pointer, double_pointer, double_pointer, double_pointer)
-"""Of their functions: what they add to, the data of a cell, the constants, and twists or increments
-of its nodes."""
+"""Signature of functions of elements with packed constants.
+
+Arguments are the result to add to, the data of a cell, the constants, and twists or increments of
+its nodes.
+"""
 
 _HEAD = 14
-"""Numbers before the arrays."""
+"""Number of sizes before the arrays."""
 
 
 def packed(cells: Cells) -> Array:
-    """Constants as :func:`unpacked` reads them; integers keep their bits."""
+    """Constants as an array of doubles for :func:`unpacked`; integers keep their bits."""
     sizes = [len(cells.types), len(cells.coordinates), len(cells.groups), len(cells.terms)]
     sizes += [*cells.inputs.shape, *(each for each in cells if isinstance(each, int))]
     arrays = cells.types, cells.coordinates, cells.starts, cells.groups, cells.terms, cells.inputs
@@ -300,7 +305,7 @@ def packed(cells: Cells) -> Array:
 
 @inlined
 def unpacked(c: Pointer) -> Cells:
-    """Constants at ``c``."""
+    """Constants of an element at the address ``c``."""
     head = vector_at(c, _HEAD).view(np.int64)
     k, r, u, t, d, i = head[0], head[1], head[2], head[3], head[4], head[5]
     size = k + 5 * r + u + 3 * t + d * i

@@ -1,10 +1,10 @@
-r"""Numbers with their derivatives: forward mode of first or second order in compiled code.
+"""Jets: numbers with first or second derivatives, for forward mode in compiled code.
 
-A jet of ``n`` variables is a value, its gradient and, if it is of second order, the upper half of
+A jet of ``n`` variables has a value, a gradient and, if it is of second order, the upper half of
 its Hessian, as plain numbers in registers. In compiled code jets add, subtract, multiply and divide
-with each other and with plain numbers, are compared by their values, and have the functions of
-:mod:`math` in :data:`_FUNCTIONS`. A function of plain numbers so is one of jets, too.
-(A. Griewank & A. Walther, *Evaluating Derivatives*, 2nd ed. 2008, ch. 13.)
+with each other and with plain numbers, compare by their values, and support the functions of
+:mod:`math` in :data:`_FUNCTIONS`. So a function of plain numbers is also a function of jets. (A.
+Griewank & A. Walther, *Evaluating Derivatives*, 2nd ed. 2008, ch. 13.)
 """
 
 from __future__ import annotations
@@ -21,25 +21,25 @@ from numba.extending import intrinsic, lower_builtin, models, register_model, ty
 
 _DOUBLE = ir.DoubleType()
 _FLAGS = ("nnan", "nsz", "contract")
-"""Of derivatives: products with the zeros and ones of variables vanish when they are compiled."""
+"""Floating-point flags of derivatives, by which products with constant zeros are removed."""
 
 
 class JetType(types.Type):
     """Type of jets.
 
     Attributes:
-        variables: How many.
-        order: Of derivatives, 1 or 2.
+        variables: Number of variables.
+        order: Order of the derivatives, 1 or 2.
     """
 
     def __init__(self, variables: int, order: int) -> None:
-        """Name the type."""
+        """Set the name of the type."""
         self.variables, self.order = variables, order
         super().__init__(name=f"Jet({variables}, {order})")
 
     @property
     def count(self) -> int:
-        """Numbers of a jet."""
+        """Number of numbers of a jet."""
         n = self.variables
         return 1 + n + (n * (n + 1) // 2 if self.order == 2 else 0)
 
@@ -51,7 +51,7 @@ class _JetModel(models.StructModel):
 
 
 class _Jet(NamedTuple):
-    """The numbers of a jet as values of LLVM: value, gradient, and Hessian in pairs i ≤ j."""
+    """Jet as LLVM values: value, gradient, and Hessian in pairs i ≤ j."""
 
     value: Any
     gradient: list[Any]
@@ -77,7 +77,7 @@ def _made(context: Any, builder: Any, kind: JetType, jet: _Jet) -> Any:
 
 
 class _Derivatives:
-    """Arithmetic of derivatives, with the flags that drop zeros."""
+    """Arithmetic of derivatives, with the flags that remove zeros."""
 
     def __init__(self, builder: Any) -> None:
         self._builder = builder
@@ -153,7 +153,7 @@ _Entry: TypeAlias = tuple[tuple[int, int], Any, Any]
 
 
 def _with_pairs(kind: JetType, a: list[Any], b: list[Any]) -> list[_Entry]:
-    """Entries of two Hessians with their rows and columns; none of first order."""
+    """Entries of two Hessians with their rows and columns; empty for first order."""
     return [] if kind.order == 1 else list(zip(_pairs(kind.variables), a, b, strict=True))
 
 
@@ -161,7 +161,7 @@ def _with_pairs(kind: JetType, a: list[Any], b: list[Any]) -> list[_Entry]:
 
 
 def _common(a: Any, b: Any) -> JetType | None:
-    """Type of what an operation makes of two, if one of them is a jet at least."""
+    """Type of the result of an operation on two numbers of which at least one is a jet."""
     jets = {each for each in (a, b) if isinstance(each, JetType)}
     plain = [each for each in (a, b) if not isinstance(each, JetType)]
     if len(jets) != 1 or not all(isinstance(each, types.Number) for each in plain):
@@ -192,7 +192,7 @@ def _lower_binary(operation: Any, rule: _Rule) -> None:
 def _both(
     context: Any, builder: Any, kind: JetType, signature: Any, arguments: Any
 ) -> tuple[_Jet, _Jet]:
-    """Both as jets; plain numbers are constants."""
+    """Both operands as jets; plain numbers are constants."""
     zero = _DOUBLE(0.0)
     found = []
     for own, value in zip(signature.args, arguments, strict=True):
@@ -263,11 +263,11 @@ _FUNCTIONS: dict[Any, Callable[[_Derivatives, Any, Any], tuple[Any, Any]]] = {
     math.exp: _exponential,
     math.log: _logarithm,
 }
-"""First and second derivative of each, of its argument and value."""
+"""First and second derivative of each function, from its argument and value."""
 
 
 def _plain_value(context: Any, builder: Any, function: Any, x: Any) -> Any:
-    """Value of a function of a number; a root is an instruction, and no call of a library."""
+    """Value of a function of a number; a square root is one instruction, without a library call."""
     if function is math.sqrt:
         return builder.call(builder.module.declare_intrinsic("llvm.sqrt", [_DOUBLE]), [x])
     own = context.typing_context.resolve_value_type(function)
@@ -336,17 +336,17 @@ def _variables(order: int) -> Callable[..., Any]:
 
 
 first_order = intrinsic(_variables(1))
-"""Jets of first order whose variables are the numbers of a tuple."""
+"""Jets of first order with the numbers of a tuple as variables."""
 
 second_order = intrinsic(_variables(2))
-"""Jets of second order whose variables are the numbers of a tuple."""
+"""Jets of second order with the numbers of a tuple as variables."""
 
 
 @intrinsic
 def store_parts(typing_context, values, place):  # type: ignore[no-untyped-def]
-    """Write the numbers of a tuple of jets or plain numbers to a place, one after the other.
+    """Write a tuple of jets or plain numbers to memory, one after the other.
 
-    Of a jet these are value, gradient, and the Hessian row by row, i ≤ j.
+    A jet is written as value, gradient, and the Hessian row by row, i ≤ j.
     """
 
     def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
@@ -367,7 +367,7 @@ def store_parts(typing_context, values, place):  # type: ignore[no-untyped-def]
 
 @intrinsic
 def numbers_at(typing_context, place, like):  # type: ignore[no-untyped-def]
-    """As many numbers from a place as a tuple has, as a tuple."""
+    """Tuple of numbers from memory, as long as ``like``."""
     count = len(like)
 
     def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]

@@ -1,8 +1,8 @@
-"""Strains and stress at a point of a cell, with their derivatives in forward mode: compiled.
+"""Strains and stress at a point of a cell, with derivatives in forward mode; compiled.
 
 Functions of an element are called with plain numbers or jets, which :func:`plain`, :func:`first`
-and :func:`second` make: the ``order`` of what follows. Jets of strains stand one after the other,
-each as :func:`.jets.store_parts` has it.
+and :func:`second` create: the argument ``order`` of the functions here. Jets of strains are stored
+one after the other, as by :func:`.jets.store_parts`.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from fem_lie.forms.small_energy.jets import first_order, numbers_at, second_orde
 from fem_lie.forms.small_energy.vectors import CellData, find_sums
 
 Function = CompiledFunction | None
-"""Of an element, or ``None``."""
+"""Compiled function of an element, or ``None``."""
 
 
 @inlined
 def plain(numbers: Any) -> Any:
-    """The numbers themselves, without derivatives."""
+    """Plain numbers, without derivatives."""
     return numbers
 
 
@@ -42,13 +42,13 @@ def second(numbers: Any) -> Any:
 
 @inlined
 def second_size(n: int) -> int:
-    """Numbers of a jet of second order of ``n`` variables."""
+    """Size of a jet of second order of ``n`` variables."""
     return 1 + n + n * (n + 1) // 2
 
 
 @inlined
 def _parameters(E: Cells, like: Any, data: CellData, p: int) -> Any:
-    """Tuple of the parameters of a point."""
+    """Tuple of the parameters of the law at a point."""
     return numbers_at(shift(data.parameters, p * E.parameters), like[2])
 
 
@@ -66,20 +66,20 @@ def find_strains(
     J: Array,
     e: Array,
 ) -> None:
-    """Strains ``e`` at a point with the vectors ``z``, and where they are a function their jets.
+    """Set the strains ``e`` at a point, and their jets if they are a function of products.
 
     Args:
         E: Constants of the element.
         strain: Function of the element.
-        order: Of the jets.
+        order: Order of the jets.
         like: Tuples of the element.
-        data: Of the cell.
-        p: The point.
+        data: Data of the cell.
+        p: Index of the point.
         z: All vectors.
         s_at: Workspace for the products.
-        J_at: Where the jets are.
-        J: The same as an array, shape (strains, any).
-        e: Is set.
+        J_at: Address of the jets.
+        J: Jets as an array, shape (strains, any).
+        e: Set, shape (strains,).
     """
     if strain is None:
         find_sums(E, z, e)
@@ -95,7 +95,7 @@ def find_strains(
 
 @inlined
 def _quadratic(E: Cells, data: CellData, p: int, e: Array, N: Array) -> None:
-    """Stress of a quadratic law; strains become those less ``e₀``."""
+    """Set the stress of a quadratic law, and subtract ``e₀`` from the strains."""
     n, C = E.strains, _moduli(E, data, p)
     natural = numba.carray(shift(data.parameters, p * E.parameters), (n,))
     for i in range(n):
@@ -109,7 +109,7 @@ def _quadratic(E: Cells, data: CellData, p: int, e: Array, N: Array) -> None:
 
 @inlined
 def _moduli(E: Cells, data: CellData, p: int) -> Array:
-    """``C`` of a quadratic law."""
+    """Moduli ``C`` of a quadratic law."""
     at = shift(data.parameters, p * E.parameters + E.strains)
     return numba.carray(at, (E.strains, E.strains))
 
@@ -143,9 +143,10 @@ def find_stress(
     N: Array,
     C: Array | None,
 ) -> None:
-    """Stress ``N`` of the strains at a point, and ``C = ∂N/∂e`` unless it is ``None``.
+    """Set the stress ``N`` at a point, and ``C = ∂N/∂e`` unless it is ``None``.
 
-    Strains of a quadratic law become those less ``e₀``; ``L``: workspace for a jet of this order.
+    ``e₀`` of a quadratic law is subtracted from the strains; ``L`` is a workspace for a jet of this
+    order.
     """
     n = E.strains
     if law is None:
@@ -173,7 +174,7 @@ def find_stress(
 
 @inlined
 def pull_strains(E: Cells, strain: Function, N: Array, J: Array, g: Array) -> None:
-    """Forces ``g`` on sums of products of stresses, by jets of strains of either order."""
+    """Set forces ``g`` on sums of products from stresses, by jets of strains."""
     if strain is None:
         for i in range(E.strains):
             g[i] = N[i]
@@ -186,7 +187,7 @@ def pull_strains(E: Cells, strain: Function, N: Array, J: Array, g: Array) -> No
 
 @inlined
 def find_between(E: Cells, J: Array, C: Array, CJ: Array, M: Array) -> None:
-    """``M = e′ᵀ C e′`` in the products, shape (products, products).
+    """Set ``M = e′ᵀ C e′`` in the products, shape (products, products).
 
     ``CJ``: workspace for ``C e′``, shape (strains, products).
     """
@@ -206,7 +207,7 @@ def find_between(E: Cells, J: Array, C: Array, CJ: Array, M: Array) -> None:
 
 @inlined
 def add_second_of_strains(E: Cells, J: Array, N: Array, M: Array) -> None:
-    """Add ``N·e″`` to ``M``, by jets of second order."""
+    """Add ``N·e″`` to ``M``, from jets of second order."""
     t = M.shape[0]
     entry = 1 + t
     for k in range(t):

@@ -1,7 +1,7 @@
-"""Vectors of a cell, their scalar products, and how both move with the nodes: compiled.
+"""Vectors of a cell, their scalar products, and derivatives of both in the unknowns; compiled.
 
-All functions are of one cell, and are merged into those of an element with its constants ``E``.
-Derived vectors are in :mod:`.derived`.
+Each function evaluates one cell, with the constants ``E`` of its element. Derived vectors are in
+:mod:`.derived`.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ class CellData(NamedTuple):
     """Data of one cell.
 
     Attributes:
-        H: Coordinate vectors of the nodes, shape (k, 4, 3).
-        numbers: The same, one number after the other.
+        H: Nodal coordinates, shape (k, 4, 3).
+        numbers: Address of the nodal coordinates.
         tables: ``T``, shape (points, vectors, r).
         offsets: ``z₀``, shape (points, vectors or none, 3).
         constants: Constant vectors, shape (points, constants, 3).
-        parameters: Where those of the first point are.
+        parameters: Address of the parameters of the first point.
         viscosity: ``η``, shape (points, strains or none, strains).
         stress: Linearised stress, shape (points, strains).
     """
@@ -52,7 +52,7 @@ class CellData(NamedTuple):
 
 @inlined
 def read(E: Cells, w: Pointer) -> CellData:
-    """Data of the cell at ``w``."""
+    """Data of the cell at the address ``w``."""
     k, r, n = E.types.shape[0], E.starts.shape[0], E.strains
     at = 12 * k
     tables = numba.carray(shift(w, at), (E.points, E.vectors, r))
@@ -71,7 +71,7 @@ def read(E: Cells, w: Pointer) -> CellData:
 
 @inlined
 def all_vectors(E: Cells) -> int:
-    """Vectors at each point: linear, constant and derived ones."""
+    """Number of vectors at each point: linear, constant and derived ones."""
     return E.vectors + E.constants + E.inputs.shape[0]
 
 
@@ -85,7 +85,7 @@ def clear(a: Array) -> None:
 
 @inlined
 def find_vectors(E: Cells, data: CellData, p: int, z: Array) -> None:
-    """Linear and constant vectors at a point, the first ones of ``z`` (all, 3)."""
+    """Set the linear and constant vectors at a point, the first of ``z`` (all, 3)."""
     T, q = data.tables[p], data.numbers
     for v in range(E.vectors):
         x = y = w = 0.0
@@ -104,7 +104,7 @@ def find_vectors(E: Cells, data: CellData, p: int, z: Array) -> None:
 
 @inlined
 def find_sums(E: Cells, z: Array, s: Array) -> None:
-    """Sums of products: strains, or each product by itself."""
+    """Set the sums of products: strains, or single products."""
     for i in range(s.shape[0]):
         s[i] = 0.0
     for t in range(E.terms.shape[0]):
@@ -124,7 +124,7 @@ def find_rates(
     dz: Array,
     ds: Array,
 ) -> None:
-    """Changes ``ds`` of :func:`find_sums` of changes ``dq`` of the coordinate vectors, (r, 3).
+    """Set changes ``ds`` of :func:`find_sums` from changes ``dq`` (r, 3) of coordinates.
 
     ``dz``: workspace for changes of the vectors, shape (all, 3).
     """
@@ -149,7 +149,7 @@ def find_rates(
 
 @inlined
 def find_vector_forces(E: Cells, z: Array, g: Array, fz: Array) -> None:
-    """Forces on all vectors, ``fz`` (all, 3), of forces ``g`` on sums of products."""
+    """Set forces ``fz`` (all, 3) on all vectors from forces ``g`` on sums of products."""
     clear(fz)
     for t in range(E.terms.shape[0]):
         a, b, s = E.terms[t, 1], E.terms[t, 2], E.factors[t] * g[E.terms[t, 0]]
@@ -162,9 +162,9 @@ def find_vector_forces(E: Cells, z: Array, g: Array, fz: Array) -> None:
 def add_pulled(
     E: Cells, derive: CompiledFunction | None, T: Array, Y: Array, fz: Array, f: Array
 ) -> None:
-    """Add forces ``fz`` on the vectors to those on coordinate vectors, ``f`` (r, 3).
+    """Add forces ``fz`` on vectors as forces on coordinate vectors to ``f`` (r, 3).
 
-    ``fz`` gets those of derived vectors.
+    Forces on derived vectors are added to ``fz`` of their inputs.
     """
     if derive is not None:
         pull_derived(E, Y, fz)
@@ -180,9 +180,9 @@ def add_pulled(
 
 @inlined
 def _direction(own: tuple[Vector, Vector, Vector], director: int, m: int) -> Vector:
-    """How a coordinate vector of a node with these axes moves with the m-th unknown of its group.
+    """Derivative of a coordinate vector of a node in the m-th unknown of its group.
 
-    ``director``: 1 to 3 for those of frames, zero else.
+    ``own`` are the axes of the node; ``director``: 1 to 3 for those of frames, zero for others.
     """
     d1, d2, d3 = own
     if director == 0:
@@ -205,7 +205,7 @@ def _axes(E: Cells, H: Array, r: int) -> tuple[Vector, Vector, Vector]:
 
 @inlined
 def add_local(E: Cells, H: Array, f: Array, out: Array) -> None:
-    """Add forces on coordinate vectors (r, 3) as forces along the axes of nodes, (6 k,)."""
+    """Add forces on coordinate vectors (r, 3) as forces along nodal axes, (6 k,)."""
     for r in range(E.starts.shape[0]):
         first, own = E.groups[E.coordinates[r, 2]], _axes(E, H, r)
         for m in range(3):
@@ -215,7 +215,7 @@ def add_local(E: Cells, H: Array, f: Array, out: Array) -> None:
 
 @inlined
 def push_local(E: Cells, H: Array, h: Array, dq: Array) -> None:
-    """Changes of coordinate vectors, (r, 3), of increments or twists of the nodes, (6 k,)."""
+    """Changes (r, 3) of coordinate vectors by increments or twists of the nodes, (6 k,)."""
     for r in range(E.starts.shape[0]):
         first, own = E.groups[E.coordinates[r, 2]], _axes(E, H, r)
         moved = 0.0, 0.0, 0.0
@@ -229,7 +229,7 @@ def push_local(E: Cells, H: Array, h: Array, dq: Array) -> None:
 
 @inlined
 def find_directions(E: Cells, H: Array, D: Array) -> None:
-    """How all coordinate vectors move with the unknowns of their groups, shape (r, 3, 3)."""
+    """Derivatives of all coordinate vectors in the unknowns of their groups, (r, 3, 3)."""
     for r in range(E.starts.shape[0]):
         own = _axes(E, H, r)
         for m in range(3):
@@ -308,7 +308,7 @@ def add_congruent(M: Array, S: Array, MS: Array, K: Array) -> None:
 def add_second(E: Cells, T: Array, g: Array, G: Array) -> None:
     """Add second derivatives of products at forces ``g`` on their sums to ``G`` (r, r).
 
-    They are the same for all components.
+    They are equal for all three components.
     """
     for t in range(E.terms.shape[0]):
         a, b, s = E.terms[t, 1], E.terms[t, 2], E.factors[t] * g[E.terms[t, 0]]
@@ -349,7 +349,7 @@ def add_local_matrix(E: Cells, D: Array, K: Array, G: Array, out: Array) -> None
 
 @inlined
 def add_turning(E: Cells, H: Array, f: Array, A: Pointer) -> None:
-    """What the turning of nodal axes does to forces ``f`` (r, 3), to a matrix (6 k, 6 k)."""
+    """Add the change of forces ``f`` (r, 3) by rotation of nodal axes to (6 k, 6 k)."""
     k = E.types.shape[0]
     out, own = numba.carray(A, (k, 6, k, 6)), matrix_at(stack(12), 4, 3)
     for node in range(k):
@@ -363,7 +363,7 @@ def add_turning(E: Cells, H: Array, f: Array, A: Pointer) -> None:
 
 @inlined
 def add_turning_of_frames(E: Cells, H: Array, f: Array, A: Pointer) -> None:
-    """Add what forces ``f`` (r, 3) lack of a symmetric matrix of frames to (6 k, 6 k)."""
+    """Add the terms by which the matrix of frames at forces ``f`` becomes symmetric."""
     k = E.types.shape[0]
     out, local_at = numba.carray(A, (k, 6, k, 6)), stack(6 * k)
     local = matrix_at(local_at, k, 6)
