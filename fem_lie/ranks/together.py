@@ -52,9 +52,7 @@ def meet(place: str, numbers: Array | None = None) -> None:
     gathered = world.allgather((place, size))
     if len({name for name, _ in gathered}) > 1:
         where = ", ".join(f"rank {k} at {name}" for k, (name, _) in enumerate(gathered))
-        raise RanksError(
-            f"all ranks must do the same work, but they differ: {where}"
-        )
+        raise RanksError(f"all ranks must do the same work, but they differ: {where}")
     sizes = np.array([number for _, number in gathered])
     if np.ptp(sizes) > SAME * sizes.max():
         raise RanksError(
@@ -98,9 +96,8 @@ def _end_all(kind: type[BaseException], error: BaseException, at: TracebackType 
     """Print the error once, and terminate all ranks."""
     world = MPI.COMM_WORLD
     if world.rank:
-        time.sleep(
-            PATIENCE
-        )  # an error of all ranks is reported by the first, which then ends this one
+        # the first rank reports an error of all, and then ends this one
+        time.sleep(PATIENCE)
     text = "".join(traceback.format_exception(kind, error, at))
     print(f"rank {world.rank} of {world.size} ends all:\n{text}", file=sys.stderr, flush=True)
     world.Abort(1)

@@ -91,7 +91,7 @@ class Terms:
 
     @property
     def rates(self) -> tuple[Indices, Indices, Array] | None:
-        """Mass-proportional damping, see :attr:`~fem_lie.forms.term.Term.rates`, or ``None``."""
+        """Mass-proportional damping matrix of the term that has one, or ``None``."""
         viscous = [term.viscosity for term in self._terms if term.viscosity is not None]
         found = [each.rates for each in viscous if each.rates is not None]
         assert len(found) <= 1
