@@ -257,7 +257,7 @@ class _Unmade(_CalledFromPython):
             self.__class__ = _CalledFromPython
             entrance = _entrance(self.function, self)
             # arguments from Python are counted
-        options = _OPTIONS | self.options | {_COUNTED: True}
+            options = _OPTIONS | self.options | {_COUNTED: True}
             CPUDispatcher.__init__(self, entrance, targetoptions=options, pipeline_class=_Passes)
             update_wrapper(self, self.function)
             if can_be_cached(self.function):
