@@ -136,8 +136,8 @@ def adapt(
 
     An estimate does not see errors of the stiffness of an element, only those of its stress: for
     example flat cells on a curved surface. Between two meshes the goal may then change by more than
-    was estimated. The next estimate of a goal is multiplied by this ratio, ``(J_k − J_(k−1)) /
-    (e_(k−1) − e_k)``, if it is above one.
+    was estimated. The next estimate of a goal is multiplied by this ratio,
+    ``(J_k − J_(k−1)) / (e_(k−1) − e_k)``, if it is above one.
 
     Args:
         build: Creates a scene with a beam or shell on the given mesh.

@@ -1,8 +1,8 @@
 """Goal: the displacement of a point, with its error from a dual solution, including the sign.
 
-The goal is a linear functional of the motion from the state, ``j·u``. With the dual solution z, ``K
-z = j`` with the tangent stiffness K of the state, its error is, to leading order, the product of
-the stress errors of both (R. Becker & R. Rannacher, Acta Numerica 10 (2001) 1)::
+The goal is a linear functional of the motion from the state, ``j·u``. With the dual solution z,
+``K z = j`` with the tangent stiffness K of the state, its error is, to leading order, the product
+of the stress errors of both (R. Becker & R. Rannacher, Acta Numerica 10 (2001) 1)::
 
     J(u) − J(u_h) ≈ Σ ∫ (σ* − σ)·D⁻¹ (σ*_z − σ_z)
 

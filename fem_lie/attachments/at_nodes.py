@@ -6,13 +6,13 @@ elements that are rigidly attached to another node are in :mod:`fem_lie.system.n
 instead.
 
 *At a node with a position and a position gradient.* The first axis of the frame is the tangent
-``x′/|x′|``. The other two are convected with the tangent. The node has the variations ``h = (Rᵀδx,
-Rᵀδx′)`` along these axes, and the twist of the frame is ``u = h₁₋₃`` and ``ω = e₁ × h₄₋₆/|x′|``.
-There is no spin about the tangent, so a moment about the tangent does no work. A
-:class:`~fem_lie.joints.Spherical` joint holds the position; a :class:`~fem_lie.joints.Revolute`
-joint about the tangent clamps the direction, too. A :class:`~fem_lie.joints.Fixed` joint constrains
-a third rotation that
-the node does not have: its constraint is rejected as redundant.
+``x′/|x′|``. The other two are convected with the tangent. The node has the variations
+``h = (Rᵀδx, Rᵀδx′)`` along these axes, and the twist of the frame is ``u = h₁₋₃`` and
+``ω = e₁ × h₄₋₆/|x′|``. There is no spin about the tangent, so a moment about the tangent does no
+work. A :class:`~fem_lie.joints.Spherical` joint holds the position; a
+:class:`~fem_lie.joints.Revolute` joint about the tangent clamps the direction, too. A
+:class:`~fem_lie.joints.Fixed` joint constrains a third rotation that the node does not have: its
+constraint is rejected as redundant.
 
 *In the cross-section of a beam with position and three position gradients.* As in :mod:`.surface`,
 where ``r_y`` and ``r_z`` are the derivatives along the surface. The second axis of the frame is

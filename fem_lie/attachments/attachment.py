@@ -32,9 +32,9 @@ class MeanCoordinates(NamedTuple):
         size: Number of mean coordinates, r.
         spread: ``spread(X, data, S)`` sets the Jacobian ``S`` (k, r, 6) of the mean coordinates, so
             that ``Σ Sₖ hₖ`` are their rates.
-        core: ``core(X, data, f, L, C)`` sets ``L`` (6, r), so that the twist of the frame is ``L Σ
-            Sₖ hₖ``, and ``C`` (r, r), so that ``Sᵀ C S`` is the derivative of the nodal forces
-            ``Jᵀf`` in the nodal motions.
+        core: ``core(X, data, f, L, C)`` sets ``L`` (6, r), so that the twist of the frame is
+            ``L Σ Sₖ hₖ``, and ``C`` (r, r), so that ``Sᵀ C S`` is the derivative of the nodal
+            forces ``Jᵀf`` in the nodal motions.
     """
 
     size: int

@@ -1,8 +1,9 @@
 """Attachment frames between nodal frames: on the geodesic, or interpolated.
 
-*On the geodesic* of SE(3) between two nodal frames, as inside geodesic beam elements. At ``0 ≤ ξ ≤
-1`` the frame is ``H_a exp(ξ d)``, ``d = log(H_a⁻¹ H_b)``. Its twist, and so the nodal forces,
-follow from the Jacobians (:mod:`fem_lie.joints.equations.sliding` has the case of a variable ξ)::
+*On the geodesic* of SE(3) between two nodal frames, as inside geodesic beam elements. At
+``0 ≤ ξ ≤ 1`` the frame is ``H_a exp(ξ d)``, ``d = log(H_a⁻¹ H_b)``. Its twist, and so the nodal
+forces, follow from the Jacobians (:mod:`fem_lie.joints.equations.sliding` has the case of a
+variable ξ)::
 
     J_a = Ad(exp(−ξ d)) − ξ T(ξ d) T⁻¹(−d),    J_b = ξ T(ξ d) T⁻¹(d)
 

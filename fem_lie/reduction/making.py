@@ -2,13 +2,13 @@
 
 *Quadratic strains.* They represent how modes strain each other: tension stiffens bending, and
 bending draws the ends together. The third derivative ``C`` of the full body's energy in modal
-coordinates is computed by finite differences of its forces. Many energies ``½ eᵀ K e`` with ``e_a =
-z_a + ½ Q_abc z_b z_c`` have this derivative; they differ in which of three modes contains the
-quadratic term. Slender bodies bend without stretching: with modes in which ``K`` and the matrix of
-squared nodal *rotations* are diagonal, stretching is much stiffer than bending, and ``Q = C / (k_a
-+ k_b + k_c)`` is the least ``Q`` that gives ``C``. (With mass instead of rotations, short bending
-waves are as stiff as long stretching waves, and a soft cantilever bends by a fifth too much at a
-tenth of its length.)
+coordinates is computed by finite differences of its forces. Many energies ``½ eᵀ K e`` with
+``e_a = z_a + ½ Q_abc z_b z_c`` have this derivative; they differ in which of three modes contains
+the quadratic term. Slender bodies bend without stretching: with modes in which ``K`` and the matrix
+of squared nodal *rotations* are diagonal, stretching is much stiffer than bending, and
+``Q = C / (k_a + k_b + k_c)`` is the least ``Q`` that gives ``C``. (With mass instead of rotations,
+short bending waves are as stiff as long stretching waves, and a soft cantilever bends by a fifth
+too much at a tenth of its length.)
 
 Third derivatives without the fourth would make slender bodies buckle by bending. With the fourth
 derivatives of the full energy they would lock, because modes that shorten each part of a line as

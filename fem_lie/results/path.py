@@ -148,8 +148,8 @@ class EquilibriumPath(StaticResult):
         reason: Why the path ended.
         failed_steps: Number of steps that were rejected, or repeated with a smaller size.
         locating_iterations: Number of linear solutions to locate critical points.
-        stations: The states as starting points of other paths: ``follow_path(scene,
-            start=path.stations[3])``.
+        stations: The states as starting points of other paths:
+            ``follow_path(scene, start=path.stations[3])``.
     """
 
     negative_pivots: Indices

@@ -1,10 +1,10 @@
 """Motion between recorded times: cubic interpolation, on SE(3) for nodes with frames.
 
 **Frames.** Between ``H₀, v₀`` and ``H₁, v₁`` at a distance Δ, ``H(s) = H₀ exp(p(s))`` with the
-cubic ``p`` that has ``p(0) = 0``, ``p(1) = ξ = log(H₀⁻¹ H₁)``, ``p′(0) = Δ v₀`` and ``p′(1) = Δ
-T(ξ)⁻¹ v₁``; the velocity is ``T(p) p′/Δ``. The interpolation is exact for a steady screw motion and
-of fourth order otherwise. The same holds for nodes with a position and one position gradient, whose
-length is interpolated linearly.
+cubic ``p`` that has ``p(0) = 0``, ``p(1) = ξ = log(H₀⁻¹ H₁)``, ``p′(0) = Δ v₀`` and
+``p′(1) = Δ T(ξ)⁻¹ v₁``; the velocity is ``T(p) p′/Δ``. The interpolation is exact for a steady
+screw motion and of fourth order otherwise. The same holds for nodes with a position and one
+position gradient, whose length is interpolated linearly.
 
 **Other nodes with a position** have convected axes that do not follow from their velocities. Their
 position is the cubic Hermite interpolation in space, of fourth order; their axes rotate steadily

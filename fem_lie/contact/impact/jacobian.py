@@ -1,10 +1,10 @@
 """Sparse contact Jacobian: blocks of one node each, contact by contact.
 
-The same record holds the rows ``B`` of the relative velocities at contacts, and the rows of ``M⁻¹
-B̄ᵀ``: the nodal velocities per unit impulse. For free rigid bodies ``M`` is block-diagonal and both
-have the same nodes. Joints and elements transmit an impulse to other nodes, so that the second has
-more blocks. The velocity of a node is ``ẋ`` in global axes and ``ω`` in its own, for either group
-of its motion.
+The same record holds the rows ``B`` of the relative velocities at contacts, and the rows of
+``M⁻¹ B̄ᵀ``: the nodal velocities per unit impulse. For free rigid bodies ``M`` is block-diagonal
+and both have the same nodes. Joints and elements transmit an impulse to other nodes, so that the
+second has more blocks. The velocity of a node is ``ẋ`` in global axes and ``ω`` in its own, for
+either group of its motion.
 """
 
 from __future__ import annotations

@@ -3,9 +3,9 @@
 A scheme that does not conserve energy applies contact forces at both ends of a step, or at its
 midpoint. Their work over a step is ``½ (F₀ + F₁)·Δu`` or ``F̄·Δu``, while the stored energy of the
 penalty changes by ``U₁ − U₀``. As long as the force is linear in the gap the two agree, except for
-damping. They do not agree in steps in which surfaces meet or separate: there the bodies gain ``½
-(F₀ + F₁)·Δu + U₁ − U₀``, which is of the order of ``(h/T)²`` of the energy of an impact of duration
-``T = π √(m/k)``.
+damping. They do not agree in steps in which surfaces meet or separate: there the bodies gain
+``½ (F₀ + F₁)·Δu + U₁ − U₀``, which is of the order of ``(h/T)²`` of the energy of an impact of
+duration ``T = π √(m/k)``.
 
 T is estimated during the run, for any bodies: contact forces ``F = k δ n`` change the displacements
 of two successive steps by ``h² M⁻¹ F``, so ``ω² = F·(Δu₂ − Δu₁)/(2 U h²)`` is the Rayleigh quotient

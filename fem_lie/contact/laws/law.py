@@ -43,10 +43,11 @@ class Penalty:
 
     The force is ``p = max(0, −k g − c ġ)``; it is never tensile. The law is for statics, for
     :class:`~fem_lie.GeneralisedAlpha` and, without damping, for conserving schemes. A body of mass
-    m that hits a fixed one at a speed v penetrates by ``v √(m/k)`` and is in contact for ``π
-    √(m/k)``. Steps have to resolve this duration in schemes that do not conserve energy: ten steps
-    keep the energy error at 1 %, and :class:`~fem_lie.contact.UnresolvedContactWarning` reports
-    larger errors. Along lines, stiffness, damping and force are per length of the first line.
+    m that hits a fixed one at a speed v penetrates by ``v √(m/k)`` and is in contact for
+    ``π √(m/k)``. Steps have to resolve this duration in schemes that do not conserve energy: ten
+    steps keep the energy error at 1 %, and :class:`~fem_lie.contact.UnresolvedContactWarning`
+    reports larger errors. Along lines, stiffness, damping and force are per length of the first
+    line.
 
     Attributes:
         stiffness: k, force per length. Default: a fifth of the stiffness of the softest beam or

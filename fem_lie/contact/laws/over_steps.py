@@ -200,8 +200,8 @@ def mixed(ends: Ends, both: list[ContactPoints]) -> list[tuple[ContactPoints, Ar
     Along curves and patches the closest points at the end differ from the material points that were
     closest at the start, so a secant at fixed material points underestimates the overlap at one
     end: at the end of the step for the closest points of the start, and at the start for the
-    closest points of the end. A weighted mean of both sets of forces does exactly the work ``U₁ −
-    U₀``, with moment arms of actual material points.
+    closest points of the end. A weighted mean of both sets of forces does exactly the work
+    ``U₁ − U₀``, with moment arms of actual material points.
 
     Args:
         ends: Both ends of the step.

@@ -1,8 +1,8 @@
 """Contact surfaces of round beams and bars, segments of cubic curves with a radius; their pairs.
 
-A segment is a Hermite cubic between two ends, ``P = Σ Nₖ (xₖ + Rₖ pₖ) + Mₖ Rₖ tₖ``. On a beam ``p =
-0`` and ``t = ℓ e₁``, so that the axis has no kinks at nodes. On a straight bar, which is fixed to
-one frame, both ends belong to the same node.
+A segment is a Hermite cubic between two ends, ``P = Σ Nₖ (xₖ + Rₖ pₖ) + Mₖ Rₖ tₖ``. On a beam
+``p = 0`` and ``t = ℓ e₁``, so that the axis has no kinks at nodes. On a straight bar, which is
+fixed to one frame, both ends belong to the same node.
 """
 
 from __future__ import annotations

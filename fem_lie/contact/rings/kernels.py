@@ -1,7 +1,7 @@
 """Contact forces between a rope and its rings, and their derivatives; compiled.
 
-With the coordinates ``q`` of nodes of any type, ``Δ = W q``, ``m = W'ᵀ Δ + Wᵀ P'`` and ``s = P'·P'
-+ Δ·P''``, the position on the rope varies by ``δσ = −m·δq/s``, and ::
+With the coordinates ``q`` of nodes of any type, ``Δ = W q``, ``m = W'ᵀ Δ + Wᵀ P'`` and
+``s = P'·P' + Δ·P''``, the position on the rope varies by ``δσ = −m·δq/s``, and ::
 
     force k Wᵀ Δ,   stiffness k (Wᵀ W − m mᵀ/s),   friction −τ m/s
 

@@ -1,10 +1,10 @@
 """Cells of shells as smooth patches with a radius: closest points, compiled.
 
-A patch is cubic, from positions and tangents at its corners, ``Q = Σ Nₖ xₖ + Mₖ₀ Rₖ tₖ₀ + Mₖ₁ Rₖ
-tₖ₁``, with tangents perpendicular to the director. Its edges are Hermite cubics that neighbours
-share, as they do the tangent planes at corners. A quadrilateral is Ferguson's patch without twists,
-which is smooth across edges of regular meshes; a triangle is Bézier's, whose middle control point
-makes it exact for parabolas.
+A patch is cubic, from positions and tangents at its corners,
+``Q = Σ Nₖ xₖ + Mₖ₀ Rₖ tₖ₀ + Mₖ₁ Rₖ tₖ₁``, with tangents perpendicular to the director. Its edges
+are Hermite cubics that neighbours share, as they do the tangent planes at corners. A quadrilateral
+is Ferguson's patch without twists, which is smooth across edges of regular meshes; a triangle is
+Bézier's, whose middle control point makes it exact for parabolas.
 
 A patch without tangents is bilinear in positions, ``Q = Σ Lₖ xₖ``: it has straight edges, and kinks
 across them.
